@@ -1,0 +1,57 @@
+// Camera flights: key frames and what lies between them.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sightline/core/aabb.h"
+#include "sightline/core/error.h"
+#include "sightline/core/view.h"
+
+namespace sightline::core {
+
+struct CameraKey {
+  double time = 0.0;  ///< seconds, rising from key to key
+  Pose pose;
+  double fovy = 1.0471975511965976;  ///< radians
+};
+
+/// A camera at one moment of a path.
+struct CameraSample {
+  Pose pose;
+  double fovy = 0.0;
+};
+
+/// Interpolates key frames so that neither position nor speed nor acceleration jumps at a key: eye, target and log
+/// tan(fovy/2) each follow the natural cubic spline through their keys over time (C2). Up vectors are turned along the
+/// great circle between neighbouring keys with a smooth (C2, quintic) ease, antipodal ones about the line of sight.
+/// Where eye and target come to coincide, the last line of sight before it is kept.
+class CameraPath {
+ public:
+  CameraPath() = default;
+  /// Needs at least one key, finite numbers, eye != target, 0 < fovy < pi and rising times. Keys of equal time and
+  /// equal pose collapse into one; equal time and different pose is an error. Errors name the key by its index.
+  static Expected<CameraPath> create(std::vector<CameraKey> keys);
+
+  /// `time` outside the keys clamps to the first or last.
+  CameraSample sample(double time) const;
+  double begin() const { return keys_.front().time; }
+  double end() const { return keys_.back().time; }
+  const std::vector<CameraKey>& keys() const { return keys_; }
+
+  double near = 0.1;  ///< metres, for every sample
+  double far = kInfiniteFar;
+
+ private:
+  static constexpr int kChannels = 7;  // eye xyz, target xyz, log tan(fovy/2)
+  std::vector<CameraKey> keys_;
+  std::vector<std::array<double, kChannels>> second_derivatives_;
+};
+
+/// A flight for any model, from its bounds and item centres alone: overview from several sides, dive-ins to dense
+/// places, a walkthrough along the longest horizontal axis at eye height, fast turns, and back to the overview.
+/// Deterministic; works for empty and flat bounds. `places` are points worth visiting (item centres, say); it may be
+/// empty.
+CameraPath make_tour(const AabbD& bounds, const std::vector<dvec3>& places, double duration = 60.0);
+
+}  // namespace sightline::core

@@ -1,0 +1,30 @@
+// Triangle meshes as the scene keeps them: shared between items, immutable once added.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sightline/core/aabb.h"
+
+namespace sightline::core {
+
+/// Indexed triangles in local coordinates (float; importers re-centre far coordinates in double first and put the
+/// centre into the item's placement). `normals` is empty or as long as `positions`. Every index is below
+/// positions.size().
+struct Mesh {
+  std::string name;
+  std::vector<vec3> positions;
+  std::vector<vec3> normals;
+  std::vector<std::uint32_t> indices;  ///< three per triangle, counter-clockwise from outside
+
+  /// The polygons that the triangles came from, kept so that a facet group can be written back: contour k has
+  /// contour_sizes[k] consecutive vertices, polygon j has polygon_contours[j] consecutive contours, together all
+  /// vertices in order. Empty for a plain mesh.
+  std::vector<std::uint32_t> contour_sizes;
+  std::vector<std::uint32_t> polygon_contours;
+
+  bool is_facet_group() const { return !polygon_contours.empty(); }
+};
+
+}  // namespace sightline::core

@@ -1,0 +1,123 @@
+// The analytic primitives of plant models: their parameters and their exact extents.
+//
+// Parameters follow AVEVA's review model (RVM) so that a file can be written back bit for bit: single precision, in the
+// primitive's own local units (an item's placement scales them to metres), angles in radians, centred in z unless
+// noted. Negative lengths count as their absolute value. What has no volume (a cylinder of height 0, a sphere of
+// diameter 0) is degenerate, not an error: it stays an item and shows what such a solid shows.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <variant>
+
+#include "sightline/core/aabb.h"
+#include "sightline/core/affine.h"
+
+namespace sightline::core {
+
+/// What an item is. The first ten are the alternatives of Primitive, in the same order; the last two are meshes.
+/// Value + 1 is the RVM kind number for all but kMesh.
+enum class Kind : std::uint8_t {
+  kPyramid,
+  kBox,
+  kRectangularTorus,
+  kCircularTorus,
+  kEllipticalDish,
+  kSphericalDish,
+  kSnout,
+  kCylinder,
+  kSphere,
+  kLine,
+  kFacetGroup,
+  kMesh,
+};
+inline constexpr int kPrimitiveKindCount = 10;
+inline constexpr int kKindCount = 12;
+
+/// "cylinder", "circular_torus", …: the names used in every file and message.
+std::string_view kind_name(Kind kind);
+
+/// Frustum of a rectangular pyramid. The bottom lies at z = -height/2 around -offset/2, the top at +height/2 around
+/// +offset/2.
+struct Pyramid {
+  float bottom_x, bottom_y, top_x, top_y, offset_x, offset_y, height;
+};
+struct Box {
+  float size_x, size_y, size_z;
+};
+/// Rectangle (inner..outer radius, height) swept about z by `angle` from +X towards +Y.
+struct RectangularTorus {
+  float inner_radius, outer_radius, height, angle;
+};
+/// Disc of radius tube_radius, its centre at major_radius from z, swept about z by `angle` from +X towards +Y, up to 2
+/// pi.
+struct CircularTorus {
+  float major_radius, tube_radius, angle;
+};
+/// Half an ellipsoid of revolution: base circle at z = 0, pole at z = height.
+struct EllipticalDish {
+  float base_radius, height;
+};
+/// Cap of a sphere: base circle at z = 0, pole at z = height, sphere radius (r^2 + h^2) / 2h.
+struct SphericalDish {
+  float base_radius, height;
+};
+/// Truncated cone, eccentric and with slanted ends. End centres lie at -offset/2, z = -height/2 and +offset/2, z =
+/// +height/2; with (x, y) relative to the end's centre, the end plane is z = -/+ height/2 + tan(shear_x) x +
+/// tan(shear_y) y. The lateral surface is the (sheared) cone through the two unslanted end circles, cut by the end
+/// planes.
+struct Snout {
+  float bottom_radius, top_radius, height, offset_x, offset_y;
+  float bottom_shear_x, bottom_shear_y, top_shear_x, top_shear_y;
+};
+struct Cylinder {
+  float radius, height;
+};
+struct Sphere {
+  float diameter;
+};
+/// Segment on the local x axis.
+struct Line {
+  float from, to;
+};
+
+using Primitive = std::variant<Pyramid, Box, RectangularTorus, CircularTorus, EllipticalDish, SphericalDish, Snout,
+                               Cylinder, Sphere, Line>;
+
+inline Kind kind_of(const Primitive& primitive) {
+  return static_cast<Kind>(primitive.index());
+}
+
+/// Number of float parameters of a primitive kind (1 to 9).
+int parameter_count(Kind kind);
+
+/// The parameters as floats in declaration order: a view into `primitive`.
+std::span<const float> parameters(const Primitive& primitive);
+
+/// The inverse: `kind` must be a primitive kind and `values` hold parameter_count(kind) floats.
+Primitive make_primitive(Kind kind, std::span<const float> values);
+
+/// True when the primitive has no volume (or, for a line, no length).
+bool is_degenerate(const Primitive& primitive);
+
+/// Support function: the largest dot(direction, p) over all points p of the primitive, in local units. Exact up to
+/// double rounding for all kinds but the snout with slanted ends, where it is an upper bound.
+double support(const Primitive& primitive, const dvec3& direction);
+
+/// Bounds of the primitive under an affine map, from the support function along the three axes: tight, not box-of-box.
+/// A relative pad of a few double ulps covers its rounding. Not finite where a parameter is not.
+AabbD bounds(const Primitive& primitive, const Affine& world_from_item);
+
+/// Heights of the cone's surface above (below) an end's centre, min and max over the slanted end contour of a snout:
+/// with the end's radius r, tangents m = (tan shear_x, tan shear_y), axis lean s = offset/height and radius slope k,
+/// extremes of (r m.e) / (1 - m.s - k m.e) over unit e. Where the plane is steeper than the cone or nearly so (no
+/// closed contour) the range is limited to one snout height beyond the end. Height 0: the slant alone, r m.e.
+struct EndRange {
+  double min = 0.0, max = 0.0;
+};
+EndRange bottom_end_range(const Snout& snout);
+EndRange top_end_range(const Snout& snout);
+
+}  // namespace sightline::core

@@ -1,0 +1,499 @@
+#include "sightline/core/scene.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace sightline::core {
+namespace {
+
+/// World coordinates beyond this could overflow single precision in a plane test.
+constexpr double kLargestCoordinate = 1e37;
+
+bool publishable(const AabbD& box) {
+  if (glm::any(glm::isnan(box.min)) || glm::any(glm::isnan(box.max))) return false;
+  if (box.empty()) return true;
+  for (int i = 0; i < 3; ++i)
+    if (!(box.min[i] > -kLargestCoordinate && box.max[i] < kLargestCoordinate)) return false;
+  return true;
+}
+
+/// Snapshots keep the linear part and the chunk-relative origin in float.
+bool publishable(const Affine& world_from_item) {
+  for (const dvec3& v :
+       {world_from_item.linear[0], world_from_item.linear[1], world_from_item.linear[2], world_from_item.origin})
+    for (int i = 0; i < 3; ++i)
+      if (!(std::abs(v[i]) < kLargestCoordinate)) return false;
+  return true;
+}
+
+/// Bounds of points under a map. Vertex by vertex: the box of a rotated box would be up to sqrt(3) too large.
+AabbD mesh_extent(const Mesh& mesh, const Affine& world_from_item) {
+  AabbD box;
+  for (const vec3& p : mesh.positions) {
+    const dvec3 q = transform_point(world_from_item, dvec3(p));
+    if (!is_finite(q)) return {dvec3(std::numeric_limits<double>::quiet_NaN()), dvec3(0.0)};  // commit() refuses it
+    box.grow(q);
+  }
+  if (box.empty()) return box;
+  constexpr double kPad = 16.0 * std::numeric_limits<double>::epsilon();
+  const dvec3 pad = kPad * glm::max(glm::abs(box.min), glm::abs(box.max));
+  return {box.min - pad, box.max + pad};
+}
+
+}  // namespace
+
+Scene::Scene() {
+  nodes_.emplace_back();
+  nodes_[0].alive = true;
+  nodes_[0].layers = kLayerModel;
+  live_nodes_ = 1;
+  root_ = {0, 0};
+}
+
+// --- nodes -----------------------------------------------------------------------------------------------------------
+
+bool Scene::contains(NodeId node) const {
+  return node.index < nodes_.size() && nodes_[node.index].alive && nodes_[node.index].generation == node.generation;
+}
+
+Scene::Node& Scene::live(NodeId node) {
+  assert(contains(node) && "stale or invalid node handle");
+  return nodes_[node.index];
+}
+const Scene::Node& Scene::live(NodeId node) const {
+  assert(contains(node) && "stale or invalid node handle");
+  return nodes_[node.index];
+}
+Scene::Item& Scene::live(ItemId item) {
+  assert(contains_item(item) && "removed or unknown item");
+  return items_[item];
+}
+const Scene::Item& Scene::live(ItemId item) const {
+  assert(contains_item(item) && "removed or unknown item");
+  return items_[item];
+}
+
+NodeId Scene::handle(std::uint32_t index) const {
+  return index == kNone ? NodeId{} : NodeId{index, nodes_[index].generation};
+}
+
+void Scene::link(std::uint32_t index, std::uint32_t parent) {
+  Node& node = nodes_[index];
+  Node& above = nodes_[parent];
+  node.parent = parent;
+  node.previous = above.last_child;
+  node.next = kNone;
+  if (above.last_child != kNone) nodes_[above.last_child].next = index;
+  if (above.first_child == kNone) above.first_child = index;
+  above.last_child = index;
+}
+
+void Scene::unlink(std::uint32_t index) {
+  Node& node = nodes_[index];
+  Node& above = nodes_[node.parent];
+  (node.previous == kNone ? above.first_child : nodes_[node.previous].next) = node.next;
+  (node.next == kNone ? above.last_child : nodes_[node.next].previous) = node.previous;
+  node.parent = node.previous = node.next = kNone;
+}
+
+NodeId Scene::add_node(NodeId parent, std::string_view name, const Affine& parent_from_node) {
+  (void)live(parent);
+  std::uint32_t index;
+  if (free_nodes_.empty()) {
+    index = std::uint32_t(nodes_.size());
+    nodes_.emplace_back();
+  } else {
+    index = free_nodes_.back();
+    free_nodes_.pop_back();
+    const std::uint32_t generation = nodes_[index].generation;
+    nodes_[index] = {};
+    nodes_[index].generation = generation;
+  }
+  nodes_[index].alive = true;
+  nodes_[index].transform = parent_from_node;
+  link(index, parent.index);
+  ++live_nodes_;
+  const NodeId node = handle(index);
+  set_name(node, name);
+  return node;
+}
+
+void Scene::remove_node(NodeId node) {
+  assert(node != root_ && "the root stays");
+  (void)live(node);
+  unlink(node.index);
+  std::vector<std::uint32_t> subtree{node.index};
+  for (std::size_t i = 0; i < subtree.size(); ++i)
+    for (std::uint32_t c = nodes_[subtree[i]].first_child; c != kNone; c = nodes_[c].next) subtree.push_back(c);
+  for (const std::uint32_t index : subtree) {
+    for (ItemId item = nodes_[index].first_item; item != kNone; item = items_[item].next) erase_item(item);
+    attributes_.erase(index);
+    dead_name_bytes_ += nodes_[index].name_length;
+    nodes_[index].alive = nodes_[index].dirty = false;
+    ++nodes_[index].generation;
+    free_nodes_.push_back(index);
+  }
+  live_nodes_ -= subtree.size();
+  compact_names();
+}
+
+void Scene::reparent(NodeId node, NodeId new_parent) {
+  assert(node != root_ && "the root stays");
+  (void)live(node);
+  (void)live(new_parent);
+  for ([[maybe_unused]] std::uint32_t i = new_parent.index; i != kNone; i = nodes_[i].parent)
+    assert(i != node.index && "a node cannot hang below itself");
+  unlink(node.index);
+  link(node.index, new_parent.index);
+  touch_node(node.index);
+}
+
+void Scene::set_transform(NodeId node, const Affine& parent_from_node) {
+  live(node).transform = parent_from_node;
+  touch_node(node.index);
+}
+void Scene::set_visible(NodeId node, bool visible) {
+  live(node).visible = visible;
+  touch_node(node.index);
+}
+void Scene::set_layers(NodeId node, std::uint32_t layers) {
+  live(node).layers = layers;
+  touch_node(node.index);
+}
+void Scene::set_material(NodeId node, MaterialId material) {
+  live(node).material = material.index;
+  touch_node(node.index);
+}
+void Scene::set_name(NodeId node, std::string_view name) {
+  Node& n = live(node);
+  if (name.size() <= n.name_length) {
+    dead_name_bytes_ += n.name_length - name.size();
+    std::char_traits<char>::move(names_.data() + n.name_offset, name.data(), name.size());
+  } else {
+    assert(names_.size() + name.size() < kNone && "more than 4 GiB of names");
+    dead_name_bytes_ += n.name_length;
+    n.name_offset = std::uint32_t(names_.size());
+    names_.append(name);
+  }
+  n.name_length = std::uint32_t(name.size());
+  compact_names();
+}
+
+/// Drops dead bytes when they outweigh the rest and the walk over all nodes.
+void Scene::compact_names() {
+  constexpr std::size_t kWorthwhile = 4096;
+  if (dead_name_bytes_ < nodes_.size() + kWorthwhile || 2 * dead_name_bytes_ < names_.size()) return;
+  std::string kept;
+  kept.reserve(names_.size() - dead_name_bytes_);
+  for (Node& n : nodes_) {
+    if (!n.alive) continue;
+    const std::uint32_t offset = std::uint32_t(kept.size());
+    kept.append(names_, n.name_offset, n.name_length);
+    n.name_offset = offset;
+  }
+  names_ = std::move(kept);
+  dead_name_bytes_ = 0;
+}
+void Scene::set_attribute(NodeId node, std::string_view key, std::string_view value) {
+  (void)live(node);
+  Attributes& list = attributes_[node.index];
+  const auto found = std::find_if(list.begin(), list.end(), [&](const auto& a) { return a.first == key; });
+  if (found != list.end()) {
+    found->second = value;
+  } else {
+    list.emplace_back(key, value);
+  }
+}
+
+std::string_view Scene::name(NodeId node) const {
+  const Node& n = live(node);
+  return std::string_view(names_).substr(n.name_offset, n.name_length);
+}
+MaterialId Scene::material(NodeId node) const {
+  const std::uint32_t index = live(node).material;
+  return index == kNone ? MaterialId{} : MaterialId{index, 0};
+}
+
+const Scene::Attributes& Scene::attributes(NodeId node) const {
+  static const Attributes kNoAttributes;
+  (void)live(node);
+  const auto found = attributes_.find(node.index);
+  return found == attributes_.end() ? kNoAttributes : found->second;
+}
+
+Affine Scene::world_from_node(NodeId node) const {
+  Affine world = live(node).transform;
+  for (std::uint32_t i = nodes_[node.index].parent; i != kNone; i = nodes_[i].parent)
+    world = nodes_[i].transform * world;
+  return world;
+}
+
+std::string Scene::path(NodeId node) const {
+  std::vector<std::string> names;
+  for (; node.valid() && node != root_; node = parent(node)) {
+    std::string label(name(node));
+    if (label.empty()) {
+      int position = 0;
+      for (std::uint32_t i = live(node).previous; i != kNone; i = nodes_[i].previous) ++position;
+      label = '#';
+      label += std::to_string(position);
+    }
+    names.push_back(std::move(label));
+  }
+  std::string path;
+  for (auto it = names.rbegin(); it != names.rend(); ++it) path.append(path.empty() ? "" : "/").append(*it);
+  return path;
+}
+
+Scene::Resolved Scene::resolve(const Node& node, const Resolved& above) const {
+  return {above.world * node.transform, node.layers != 0 ? node.layers : above.layers,
+          node.material != kNone ? node.material : above.material, above.visible && node.visible};
+}
+
+Scene::Resolved Scene::resolve_above(NodeId node) const {
+  std::vector<std::uint32_t> up;
+  for (std::uint32_t i = live(node).parent; i != kNone; i = nodes_[i].parent) up.push_back(i);
+  Resolved resolved{{}, kLayerModel, kNone, true};
+  for (auto it = up.rbegin(); it != up.rend(); ++it) resolved = resolve(nodes_[*it], resolved);
+  return resolved;
+}
+
+const Scene::Resolved& Scene::resolve_once(std::uint32_t index, ResolvedNodes& known) const {
+  known.place.resize(nodes_.size(), kNone);
+  known.path.clear();
+  for (std::uint32_t i = index; i != kNone && known.place[i] == kNone; i = nodes_[i].parent) known.path.push_back(i);
+  for (auto it = known.path.rbegin(); it != known.path.rend(); ++it) {
+    const std::uint32_t parent = nodes_[*it].parent;
+    const Resolved above = parent == kNone ? Resolved{{}, kLayerModel, kNone, true} : known.values[known.place[parent]];
+    known.place[*it] = std::uint32_t(known.values.size());
+    known.values.push_back(resolve(nodes_[*it], above));
+  }
+  return known.values[known.place[index]];
+}
+
+// --- shared resources ------------------------------------------------------------------------------------------------
+
+MeshId Scene::add_mesh(Mesh mesh) {
+  assert(mesh.normals.empty() || mesh.normals.size() == mesh.positions.size());
+  AabbD box;
+  for (const vec3& p : mesh.positions) box.grow(dvec3(p));
+  meshes_.push_back(std::move(mesh));
+  mesh_bounds_.push_back(box);
+  return {std::uint32_t(meshes_.size() - 1), 0};
+}
+MaterialId Scene::add_material(Material material) {
+  materials_.push_back(std::move(material));
+  return {std::uint32_t(materials_.size() - 1), 0};
+}
+bool Scene::contains(MeshId mesh) const {
+  return mesh.index < meshes_.size();
+}
+bool Scene::contains(MaterialId material) const {
+  return material.index < materials_.size();
+}
+const Mesh& Scene::mesh(MeshId mesh) const {
+  assert(contains(mesh));
+  return meshes_[mesh.index];
+}
+const AabbD& Scene::mesh_bounds(MeshId mesh) const {
+  assert(contains(mesh));
+  return mesh_bounds_[mesh.index];
+}
+const Material& Scene::material(MaterialId material) const {
+  assert(contains(material));
+  return materials_[material.index];
+}
+
+// --- items -----------------------------------------------------------------------------------------------------------
+
+ItemId Scene::append_item(NodeId node, Item item) {
+  Node& owner = live(node);
+  const ItemId id = ItemId(items_.size());
+  item.node = node.index;
+  item.alive = true;
+  item.previous = owner.last_item;
+  items_.push_back(item);
+  (owner.last_item == kNone ? owner.first_item : items_[owner.last_item].next) = id;
+  owner.last_item = id;
+  ++live_items_;
+  touch_item(id);
+  return id;
+}
+
+ItemId Scene::add_primitive(NodeId node, const Primitive& primitive, const Affine& node_from_item,
+                            MaterialId material) {
+  Item item;
+  item.linear = mat3(node_from_item.linear);
+  item.origin = node_from_item.origin;
+  item.material = material.index;
+  item.kind = kind_of(primitive);
+  item.payload = std::uint32_t(parameters_.size());
+  const auto values = parameters(primitive);
+  parameters_.insert(parameters_.end(), values.begin(), values.end());
+  return append_item(node, item);
+}
+
+ItemId Scene::add_mesh_instance(NodeId node, MeshId mesh_id, const Affine& node_from_item, MaterialId material) {
+  Item item;
+  item.linear = mat3(node_from_item.linear);
+  item.origin = node_from_item.origin;
+  item.material = material.index;
+  item.kind = mesh(mesh_id).is_facet_group() ? Kind::kFacetGroup : Kind::kMesh;
+  item.payload = mesh_id.index;
+  return append_item(node, item);
+}
+
+void Scene::erase_item(ItemId id) {
+  Item& item = items_[id];
+  if (!item.alive) return;
+  item.alive = false;
+  --live_items_;
+  if (item.committed) removed_items_.push_back(id);
+}
+
+void Scene::remove_item(ItemId id) {
+  const Item& item = live(id);
+  Node& owner = nodes_[item.node];
+  (item.previous == kNone ? owner.first_item : items_[item.previous].next) = item.next;
+  (item.next == kNone ? owner.last_item : items_[item.next].previous) = item.previous;
+  erase_item(id);
+}
+
+void Scene::set_placement(ItemId id, const Affine& node_from_item) {
+  Item& item = live(id);
+  item.linear = mat3(node_from_item.linear);
+  item.origin = node_from_item.origin;
+  touch_item(id);
+}
+void Scene::set_visible(ItemId id, bool visible) {
+  live(id).visible = visible;
+  touch_item(id);
+}
+void Scene::set_material(ItemId id, MaterialId material) {
+  live(id).material = material.index;
+  touch_item(id);
+}
+
+Primitive Scene::primitive(ItemId id) const {
+  const Item& item = live(id);
+  return make_primitive(item.kind,
+                        std::span(parameters_).subspan(item.payload, std::size_t(parameter_count(item.kind))));
+}
+MeshId Scene::mesh_of(ItemId id) const {
+  assert(int(live(id).kind) >= kPrimitiveKindCount);
+  return {live(id).payload, 0};
+}
+Affine Scene::placement(ItemId id) const {
+  return {dmat3(live(id).linear), live(id).origin};
+}
+NodeId Scene::node_of(ItemId id) const {
+  return handle(live(id).node);
+}
+MaterialId Scene::item_material(ItemId id) const {
+  const std::uint32_t index = live(id).material;
+  return index == kNone ? MaterialId{} : MaterialId{index, 0};
+}
+
+AabbD Scene::bounds_under(ItemId id, const Affine& world_from_item) const {
+  const Item& item = live(id);
+  if (int(item.kind) < kPrimitiveKindCount) return bounds(primitive(id), world_from_item);
+  return mesh_extent(meshes_[item.payload], world_from_item);
+}
+
+Scene::ItemState Scene::state(ItemId id, const Affine& world_from_node, bool visible, std::uint32_t layers,
+                              MaterialId material) const {
+  const Item& item = live(id);
+  return {world_from_node * Affine{dmat3(item.linear), item.origin}, visible && item.visible ? layers : 0u,
+          item.material != kNone ? item.material : material.index};
+}
+
+Scene::ItemState Scene::state(ItemId id) const {
+  const NodeId node = node_of(id);
+  const Resolved here = resolve(live(node), resolve_above(node));
+  return state(id, here.world, here.visible, here.layers,
+               here.material == kNone ? MaterialId{} : MaterialId{here.material, 0});
+}
+
+// --- publishing ------------------------------------------------------------------------------------------------------
+
+void Scene::touch_node(std::uint32_t index) {
+  if (nodes_[index].dirty) return;
+  nodes_[index].dirty = true;
+  dirty_nodes_.push_back(index);
+}
+
+void Scene::touch_item(ItemId id) {
+  if (items_[id].dirty) return;
+  items_[id].dirty = true;
+  dirty_items_.push_back(id);
+}
+
+/// Everything below a touched node becomes a touched item. Linear: a node is entered once however many above it were
+/// touched.
+std::vector<ItemId> Scene::collect_dirty_items() {
+  std::vector<std::uint32_t> below;
+  std::vector<bool> entered(dirty_nodes_.empty() ? 0 : nodes_.size());
+  const auto enter = [&](std::uint32_t node) {
+    if (!entered[node]) below.push_back(node);
+    entered[node] = true;
+  };
+  for (const std::uint32_t node : dirty_nodes_)
+    if (nodes_[node].dirty) enter(node);  // else removed since, its place perhaps taken by another
+  for (std::size_t i = 0; i < below.size(); ++i) {
+    const Node& node = nodes_[below[i]];
+    for (std::uint32_t c = node.first_child; c != kNone; c = nodes_[c].next) enter(c);
+    for (ItemId item = node.first_item; item != kNone; item = items_[item].next) touch_item(item);
+  }
+  std::vector<ItemId> items;
+  for (const ItemId item : dirty_items_)
+    if (items_[item].alive) items.push_back(item);
+  std::sort(items.begin(), items.end());
+  return items;
+}
+
+Expected<SceneDelta> Scene::validated(std::span<const ItemId> items) const {
+  SceneDelta delta;
+  ItemId bad = kNone;
+  for_each_state(items, [&](ItemId id, const ItemState& state) {
+    if (bad != kNone) return;
+    if (publishable(state.world_from_item) && publishable(bounds_under(id, state.world_from_item))) {
+      (items_[id].committed ? delta.changed : delta.inserted).push_back(id);
+    } else {
+      bad = id;
+    }
+  });
+  if (bad == kNone) return delta;
+  return fail("node \"" + path(node_of(bad)) + "\": item " + std::to_string(bad) + " (" +
+              std::string(kind_name(kind(bad))) +
+              ") has parameters, a placement or bounds that are not finite or reach beyond 1e37 m");
+}
+
+Expected<SceneDelta> Scene::commit() {
+  auto delta = validated(collect_dirty_items());
+  if (!delta) return delta;
+  for (const ItemId id : dirty_items_) items_[id].dirty = false;
+  for (const ItemId id : delta->inserted) items_[id].committed = true;
+  for (const std::uint32_t node : dirty_nodes_) nodes_[node].dirty = false;
+  std::sort(removed_items_.begin(), removed_items_.end());
+  delta->removed = std::move(removed_items_);
+  removed_items_.clear();
+  dirty_items_ = {};
+  dirty_nodes_.clear();
+  return delta;
+}
+
+std::size_t Scene::memory_bytes() const {
+  std::size_t bytes = nodes_.capacity() * sizeof(Node) + items_.capacity() * sizeof(Item) +
+                      parameters_.capacity() * sizeof(float) + names_.capacity() +
+                      dirty_items_.capacity() * sizeof(ItemId);
+  for (const Mesh& m : meshes_)
+    bytes +=
+        sizeof(Mesh) + (m.positions.capacity() + m.normals.capacity()) * sizeof(vec3) +
+        (m.indices.capacity() + m.contour_sizes.capacity() + m.polygon_contours.capacity()) * sizeof(std::uint32_t);
+  for (const auto& [node, list] : attributes_)
+    for (const auto& [key, value] : list) bytes += sizeof(Attributes::value_type) + key.size() + value.size();
+  return bytes;
+}
+
+}  // namespace sightline::core

@@ -1,0 +1,256 @@
+// The retained scene graph: what the model is, never what one camera sees.
+//
+// A tree of nodes, each with a double-precision local transform, a name, attributes, layer bits, a material and a
+// visible flag; items (an analytic primitive or an instance of a shared mesh) hang on nodes. Edits are cheap and take
+// effect at commit(), which validates them and says which items they touched; snapshots are built and updated from
+// that.
+//
+// Node, mesh and material handles are generational: a handle to something removed never comes to mean something else.
+// Using a stale handle breaks the contract (assert); contains() asks. Not thread-safe; concurrent reads are fine.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "sightline/core/affine.h"
+#include "sightline/core/error.h"
+#include "sightline/core/mesh.h"
+#include "sightline/core/primitive.h"
+
+namespace sightline::core {
+
+/// Generational handle; Tag tells node, mesh and material handles apart.
+template <class Tag>
+struct Handle {
+  std::uint32_t index = kNone;
+  std::uint32_t generation = 0;
+  bool valid() const { return index != kNone; }
+  friend bool operator==(const Handle&, const Handle&) = default;
+};
+using NodeId = Handle<struct NodeTag>;
+using MeshId = Handle<struct MeshTag>;
+using MaterialId = Handle<struct MaterialTag>;
+
+struct Material {
+  std::string name;
+  vec3 colour{0.7f, 0.7f, 0.7f};  ///< sRGB, 0…1
+  float alpha = 1.0f;             ///< 1 opaque, 0 invisible; drawn by screen-door dithering
+  std::uint32_t code = 0;         ///< the source file's own number (RVM colour index), for writing back
+};
+
+/// Which items a commit touched, each at most once and in rising order: `changed` ones were moved, hidden, shown,
+/// re-layered or given another material; removed ids are gone for good.
+struct SceneDelta {
+  std::vector<ItemId> inserted, changed, removed;
+  bool empty() const { return inserted.empty() && changed.empty() && removed.empty(); }
+};
+
+class Scene {
+ public:
+  Scene();
+
+  // --- nodes -------------------------------------------------------------------------------------------------------
+  NodeId root() const { return root_; }
+  bool contains(NodeId node) const;
+  /// Appends a child. `parent` must be alive.
+  NodeId add_node(NodeId parent, std::string_view name = {}, const Affine& parent_from_node = {});
+  /// Removes a node, its subtree and all their items. Not the root.
+  void remove_node(NodeId node);
+  /// Hangs `node` under `parent` as its last child, keeping its local transform. `parent` must not lie in its subtree.
+  void reparent(NodeId node, NodeId parent);
+  void set_transform(NodeId node, const Affine& parent_from_node);
+  void set_visible(NodeId node, bool visible);          ///< hides or shows the whole subtree
+  void set_layers(NodeId node, std::uint32_t layers);   ///< for the node's own items; 0 inherits the parent's
+  void set_material(NodeId node, MaterialId material);  ///< for items below that name none; invalid inherits
+  void set_name(NodeId node, std::string_view name);
+  void set_attribute(NodeId node, std::string_view key, std::string_view value);
+
+  std::string_view name(NodeId node) const;  ///< valid until a name is set or a node removed
+  const Affine& transform(NodeId node) const { return live(node).transform; }
+  bool visible(NodeId node) const { return live(node).visible; }
+  std::uint32_t layers(NodeId node) const { return live(node).layers; }             ///< as set: 0 means inherited
+  MaterialId material(NodeId node) const;                                           ///< as set: invalid means inherited
+  NodeId parent(NodeId node) const { return handle(live(node).parent); }            ///< invalid for the root
+  NodeId first_child(NodeId node) const { return handle(live(node).first_child); }  ///< invalid when there is none
+  NodeId next_sibling(NodeId node) const { return handle(live(node).next); }
+  using Attributes = std::vector<std::pair<std::string, std::string>>;
+  const Attributes& attributes(NodeId node) const;  ///< in the order set
+  /// Product of the transforms from the root down to `node`.
+  Affine world_from_node(NodeId node) const;
+  /// "/"-joined names from below the root down to `node`; unnamed nodes show as "#k", k their position among siblings.
+  std::string path(NodeId node) const;
+  std::size_t node_count() const { return live_nodes_; }
+
+  // --- shared resources --------------------------------------------------------------------------------------------
+  MeshId add_mesh(Mesh mesh);
+  MaterialId add_material(Material material);
+  bool contains(MeshId mesh) const;
+  bool contains(MaterialId material) const;
+  const Mesh& mesh(MeshId mesh) const;
+  const AabbD& mesh_bounds(MeshId mesh) const;  ///< local
+  const Material& material(MaterialId material) const;
+  std::size_t mesh_slots() const { return meshes_.size(); }         ///< mesh indices lie below this
+  std::size_t material_slots() const { return materials_.size(); }  ///< material indices lie below this
+  MeshId mesh_at(std::size_t index) const { return {std::uint32_t(index), 0}; }
+  MaterialId material_at(std::size_t index) const { return {std::uint32_t(index), 0}; }
+
+  // --- items -------------------------------------------------------------------------------------------------------
+  /// The placement's linear part is kept in float (relative precision 6e-8 of the item's own size), its origin in
+  /// double.
+  ItemId add_primitive(NodeId node, const Primitive& primitive, const Affine& node_from_item = {},
+                       MaterialId material = {});
+  ItemId add_mesh_instance(NodeId node, MeshId mesh, const Affine& node_from_item = {}, MaterialId material = {});
+  void remove_item(ItemId item);
+  void set_placement(ItemId item, const Affine& node_from_item);
+  void set_visible(ItemId item, bool visible);
+  void set_material(ItemId item, MaterialId material);
+  bool contains_item(ItemId item) const { return item < items_.size() && items_[item].alive; }
+
+  Kind kind(ItemId item) const { return live(item).kind; }
+  Primitive primitive(ItemId item) const;  ///< of an item of a primitive kind
+  MeshId mesh_of(ItemId item) const;       ///< of a facet group or mesh
+  Affine placement(ItemId item) const;     ///< node_from_item
+  NodeId node_of(ItemId item) const;
+  MaterialId item_material(ItemId item) const;  ///< as set: invalid means the node's
+  bool item_visible(ItemId item) const { return live(item).visible; }
+  ItemId first_item(NodeId node) const {
+    return live(node).first_item;
+  }  ///< kNone when the node has none; items come in insertion order
+  ItemId next_item(ItemId item) const { return live(item).next; }
+  std::size_t item_count() const { return live_items_; }
+  std::size_t item_slots() const { return items_.size(); }  ///< item ids lie below this
+  /// Bounds of the item's geometry under any map of it. Empty for an empty mesh.
+  AabbD bounds_under(ItemId item, const Affine& world_from_item) const;
+
+  // --- publishing --------------------------------------------------------------------------------------------------
+  /// Validates every edit since the last commit and reports what it touched. All or nothing: when an item's parameters,
+  /// world placement or world bounds are not finite or reach beyond 1e37 m, nothing is published, the edits stay
+  /// pending, and the error names the node.
+  Expected<SceneDelta> commit();
+
+  /// Calls visit(node, world_from_node, visible, layers, material) for each node of the subtree, parents first, with
+  /// inherited values resolved. Iterative: nesting depth is bounded by memory alone.
+  template <class Visit>
+  void for_each_node(NodeId top, Visit&& visit) const;
+
+  /// An item with everything it inherits: what a snapshot needs to know of it.
+  struct ItemState {
+    Affine world_from_item;
+    std::uint32_t layers;    ///< 0 when hidden
+    std::uint32_t material;  ///< material index, kNone when none is set anywhere above
+  };
+  ItemState state(ItemId item) const;
+  /// The same under the values that for_each_node gave for its node; cheaper when many items are asked.
+  ItemState state(ItemId item, const Affine& world_from_node, bool visible, std::uint32_t layers,
+                  MaterialId material) const;
+
+  /// Calls visit(item, state) for each of `items` in turn, which must be alive. Every node above them is resolved once,
+  /// so that many items below one deep chain of nodes cost no more than elsewhere.
+  template <class Visit>
+  void for_each_state(std::span<const ItemId> items, Visit&& visit) const;
+
+  std::size_t memory_bytes() const;
+
+ private:
+  struct Node {
+    Affine transform;
+    std::uint32_t parent = kNone, first_child = kNone, last_child = kNone, next = kNone, previous = kNone;
+    ItemId first_item = kNone, last_item = kNone;
+    std::uint32_t layers = 0, material = kNone, generation = 0, name_offset = 0, name_length = 0;
+    bool visible = true, alive = false, dirty = false;
+  };
+  struct Item {
+    mat3 linear{1.0f};
+    dvec3 origin{0.0};
+    std::uint32_t node = kNone, payload = kNone, material = kNone;
+    ItemId next = kNone, previous = kNone;
+    Kind kind = Kind::kMesh;
+    bool alive : 1 = false, visible : 1 = true, committed : 1 = false, dirty : 1 = false;
+  };
+  struct Resolved {
+    Affine world;
+    std::uint32_t layers, material;
+    bool visible;
+  };
+  /// Nodes resolved so far: of node i at values[place[i]].
+  struct ResolvedNodes {
+    std::vector<std::uint32_t> place, path;
+    std::vector<Resolved> values;
+  };
+
+  Node& live(NodeId node);
+  const Node& live(NodeId node) const;
+  Item& live(ItemId item);
+  const Item& live(ItemId item) const;
+  NodeId handle(std::uint32_t index) const;
+  Resolved resolve(const Node& node, const Resolved& parent) const;
+  Resolved resolve_above(NodeId node) const;
+  const Resolved& resolve_once(std::uint32_t node, ResolvedNodes& known) const;
+  void link(std::uint32_t node, std::uint32_t parent);
+  void unlink(std::uint32_t node);
+  void touch_node(std::uint32_t node);
+  void touch_item(ItemId item);
+  void compact_names();
+  void erase_item(ItemId item);
+  ItemId append_item(NodeId node, Item item);
+  Expected<SceneDelta> validated(std::span<const ItemId> items) const;
+  std::vector<ItemId> collect_dirty_items();
+
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> free_nodes_;
+  std::vector<Item> items_;
+  std::vector<float> parameters_;  // of primitives, at Item::payload
+  std::vector<Mesh> meshes_;
+  std::vector<AabbD> mesh_bounds_;
+  std::vector<Material> materials_;
+  std::string names_;
+  std::size_t dead_name_bytes_ = 0;  // of names_, no longer any node's
+  std::unordered_map<std::uint32_t, Attributes> attributes_;
+  std::vector<std::uint32_t> dirty_nodes_;
+  std::vector<ItemId> dirty_items_, removed_items_;  // removed_items_: only those that a commit had published
+  NodeId root_;
+  std::size_t live_nodes_ = 0, live_items_ = 0;
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+template <class Visit>
+void Scene::for_each_node(NodeId top, Visit&& visit) const {
+  // Each entry stands for a node and its later siblings, so the stack is as deep as the tree and no wider.
+  std::vector<std::pair<std::uint32_t, Resolved>> stack{{top.index, resolve_above(top)}};
+  while (!stack.empty()) {
+    const std::uint32_t index = stack.back().first;
+    const Node& node = nodes_[index];
+    const Resolved here = resolve(node, stack.back().second);
+    if (index != top.index && node.next != kNone) {
+      stack.back().first = node.next;
+    } else {
+      stack.pop_back();
+    }
+    visit(handle(index), here.world, here.visible, here.layers,
+          here.material == kNone ? MaterialId{} : MaterialId{here.material, 0});
+    if (node.first_child != kNone) stack.emplace_back(node.first_child, here);
+  }
+}
+
+template <class Visit>
+void Scene::for_each_state(std::span<const ItemId> items, Visit&& visit) const {
+  constexpr std::size_t kFew = 64;  // walking up from each is then cheaper than a table of all nodes
+  ResolvedNodes known;
+  for (const ItemId item : items) {
+    if (items.size() <= kFew) {
+      visit(item, state(item));
+      continue;
+    }
+    const Resolved& node = resolve_once(live(item).node, known);
+    visit(item, state(item, node.world, node.visible, node.layers,
+                      node.material == kNone ? MaterialId{} : MaterialId{node.material, 0}));
+  }
+}
+
+}  // namespace sightline::core

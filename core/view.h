@@ -1,0 +1,75 @@
+// One camera: where it stands, how it projects, and what it cuts away.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "sightline/core/affine.h"
+#include "sightline/core/error.h"
+
+namespace sightline::core {
+
+/// Where a camera stands and looks, in world metres.
+struct Pose {
+  dvec3 eye{0.0, 0.0, 0.0};
+  dvec3 target{0.0, 1.0, 0.0};
+  dvec3 up{0.0, 0.0, 1.0};
+};
+
+/// How section planes combine: a point is kept when it is inside all of them, or inside any.
+enum class SectionMode : std::uint8_t { kIntersection, kUnion };
+
+inline constexpr std::size_t kMaxSectionPlanes = 8;
+inline constexpr double kInfiniteFar = std::numeric_limits<double>::infinity();
+
+/// A view holds its projection in double and in parts, so that the large world translation never meets the small clip
+/// range in float. Eye space looks down -z with y up. Sections and layers may be set freely after construction.
+class View {
+ public:
+  /// fovy in radians, in (0, pi); aspect = width / height > 0; 0 < near < far; far may be kInfiniteFar. The pose must
+  /// be finite; when `up` is parallel to the line of sight another axis takes its place. Fails on eye == target and on
+  /// bad numbers.
+  static Expected<View> perspective(const Pose& pose, double fovy, double aspect, double near,
+                                    double far = kInfiniteFar);
+  /// height in metres > 0; near < far, both finite, either may be negative.
+  static Expected<View> orthographic(const Pose& pose, double height, double aspect, double near, double far);
+  /// Off-axis perspective: left < right and bottom < top on the near plane.
+  static Expected<View> asymmetric(const Pose& pose, double left, double right, double bottom, double top, double near,
+                                   double far = kInfiniteFar);
+  /// Any matrices of an application. clip_from_eye * eye_from_world is what culls. Entries must be finite.
+  static Expected<View> from_matrices(const dmat4& eye_from_world, const dmat4& clip_from_eye, ClipDepth depth);
+
+  const dmat4& eye_from_world() const { return eye_from_world_; }
+  const dmat4& clip_from_eye() const { return clip_from_eye_; }
+  /// The product as this class rounds it: the view volume is defined by these sixteen numbers.
+  dmat4 clip_from_world() const { return clip_from_eye_ * eye_from_world_; }
+  ClipDepth clip_depth() const { return clip_depth_; }
+  bool orthographic() const {
+    return clip_from_eye_[0][3] == 0.0 && clip_from_eye_[1][3] == 0.0 && clip_from_eye_[2][3] == 0.0;
+  }
+  /// Eye position in world coordinates (perspective views).
+  dvec3 eye() const;
+
+  /// Kept half-spaces, at most kMaxSectionPlanes. A plane with zero normal is ignored.
+  std::vector<Plane> sections;
+  SectionMode section_mode = SectionMode::kIntersection;
+  std::uint32_t layers = kDefaultLayerMask;
+
+ private:
+  View(const dmat4& eye_from_world, const dmat4& clip_from_eye, ClipDepth depth)
+      : eye_from_world_(eye_from_world), clip_from_eye_(clip_from_eye), clip_depth_(depth) {}
+  dmat4 eye_from_world_, clip_from_eye_;
+  ClipDepth clip_depth_;
+};
+
+/// The six planes of a clip_from_world matrix in the order of FrustumPlane, not normalised (G. Gribb, K. Hartmann,
+/// "Fast extraction of viewing frustum planes", 2001). An infinite far plane comes out with a zero normal and a
+/// positive offset.
+std::array<Plane, kFrustumPlaneCount> frustum_planes(const dmat4& clip_from_world, ClipDepth depth);
+
+/// eye_from_world of a pose: right-handed, looking down -z.
+Expected<dmat4> look_at(const Pose& pose);
+
+}  // namespace sightline::core

@@ -1,0 +1,46 @@
+// What a culler answers and a renderer draws.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sightline/core/conventions.h"
+
+namespace sightline::core {
+
+/// Slots first … first + count - 1.
+struct SlotRange {
+  Slot first = 0;
+  std::uint32_t count = 0;
+  friend bool operator==(const SlotRange&, const SlotRange&) = default;
+};
+
+/// What one cull call cost, in work rather than time.
+struct CullCounters {
+  std::uint64_t nodes_tested = 0;  ///< hierarchy boxes tested against at least one plane
+  std::uint64_t boxes_tested = 0;  ///< item boxes tested
+};
+
+/// The visible slots of one view. Ranges and items are each in rising order, disjoint, and share no slot. A slot
+/// outside both is not visible. Reuse one set from frame to frame: clear() keeps the memory.
+struct VisibleSet {
+  std::uint64_t generation = 0;   ///< of the snapshot that the slots belong to
+  std::vector<SlotRange> ranges;  ///< subtrees wholly inside
+  std::vector<Slot> items;        ///< single slots
+  CullCounters counters;
+
+  void clear() {
+    ranges.clear();
+    items.clear();
+    counters = {};
+  }
+  std::uint64_t count() const {
+    std::uint64_t n = items.size();
+    for (const SlotRange& r : ranges) n += r.count;
+    return n;
+  }
+  /// All visible slots in rising order.
+  std::vector<Slot> sorted_slots() const;
+};
+
+}  // namespace sightline::core

@@ -1,0 +1,430 @@
+#include "sightline/core/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "sightline/tests/core/primitive_samples.h"
+
+namespace sightline::core {
+namespace {
+
+using tests::Random;
+using tests::uniform;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+const Primitive kPipe = Cylinder{1.0f, 2.0f};
+
+using Ids = std::vector<ItemId>;
+
+Ids items_of(const Scene& scene, NodeId node) {
+  Ids ids;
+  for (ItemId i = scene.first_item(node); i != kNone; i = scene.next_item(i)) ids.push_back(i);
+  return ids;
+}
+
+std::vector<NodeId> children_of(const Scene& scene, NodeId node) {
+  std::vector<NodeId> children;
+  for (NodeId c = scene.first_child(node); c.valid(); c = scene.next_sibling(c)) children.push_back(c);
+  return children;
+}
+
+Mesh triangle() {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.indices = {0, 1, 2};
+  return mesh;
+}
+
+// --- nodes and items one by one --------------------------------------------------------------------------------------
+
+TEST(Scene, StartsWithARootOnTheModelLayer) {
+  Scene scene;
+  EXPECT_TRUE(scene.contains(scene.root()));
+  EXPECT_EQ(scene.node_count(), 1u);
+  EXPECT_EQ(scene.item_count(), 0u);
+  EXPECT_FALSE(scene.parent(scene.root()).valid());
+  EXPECT_FALSE(scene.first_child(scene.root()).valid());
+  EXPECT_EQ(scene.layers(scene.root()), kLayerModel);
+  EXPECT_EQ(scene.path(scene.root()), "");
+  EXPECT_TRUE(scene.commit()->empty());
+}
+
+TEST(Scene, HandlesOfRemovedNodesStayStale) {
+  Scene scene;
+  std::vector<NodeId> stale;
+  for (int i = 0; i < 100; ++i) {
+    const NodeId node = scene.add_node(scene.root(), "again");
+    for (const NodeId& old : stale) {
+      EXPECT_FALSE(scene.contains(old));
+      EXPECT_NE(old, node);
+    }
+    EXPECT_TRUE(scene.contains(node));
+    EXPECT_TRUE(scene.transform(node).linear == dmat3(1.0)) << "nothing is left of the node before";
+    EXPECT_TRUE(scene.visible(node));
+    EXPECT_TRUE(scene.attributes(node).empty());
+    EXPECT_EQ(scene.layers(node), 0u);
+    EXPECT_EQ(scene.first_item(node), kNone);
+    scene.set_transform(node, {dmat3(2.0), dvec3(1.0)});
+    scene.set_visible(node, false);
+    scene.set_layers(node, 4);
+    scene.set_attribute(node, "k", "v");
+    scene.add_primitive(node, kPipe);
+    scene.remove_node(node);
+    stale.push_back(node);
+  }
+  EXPECT_FALSE(scene.contains(NodeId{}));
+  EXPECT_FALSE(scene.contains(MeshId{}));
+  EXPECT_FALSE(scene.contains(MaterialId{}));
+  EXPECT_EQ(scene.node_count(), 1u);
+  EXPECT_EQ(scene.item_count(), 0u);
+}
+
+TEST(Scene, ItemsKeepWhatTheyWereGiven) {
+  Scene scene;
+  Random random(1);
+  const MaterialId red = scene.add_material({"red", {1, 0, 0}, 0.5f, 7});
+  Mesh facets = triangle();
+  facets.contour_sizes = {3};
+  facets.polygon_contours = {1};
+  const MeshId mesh = scene.add_mesh(triangle()), facet_group = scene.add_mesh(facets);
+  EXPECT_EQ(scene.material(red).code, 7u);
+  EXPECT_EQ(scene.mesh(mesh).positions.size(), 3u);
+  EXPECT_EQ(scene.mesh_bounds(mesh).max, dvec3(1, 1, 0));
+  EXPECT_EQ(scene.mesh_at(1), facet_group);
+  EXPECT_EQ(scene.material_at(0), red);
+  const NodeId node = scene.add_node(scene.root());
+  for (int k = 0; k < kPrimitiveKindCount; ++k) {
+    const Primitive p = tests::random_primitive(static_cast<Kind>(k), random);
+    const Affine place = tests::random_affine(random, 1.0, 1e7);
+    const ItemId item = scene.add_primitive(node, p, place, red);
+    EXPECT_EQ(item, ItemId(k));
+    EXPECT_EQ(scene.kind(item), static_cast<Kind>(k));
+    const Primitive back = scene.primitive(item);
+    EXPECT_TRUE(std::ranges::equal(parameters(back), parameters(p)));
+    EXPECT_EQ(scene.placement(item).origin, place.origin) << "the origin in double";
+    EXPECT_EQ(scene.placement(item).linear, dmat3(mat3(place.linear))) << "the linear part in float";
+    EXPECT_EQ(scene.node_of(item), node);
+    EXPECT_EQ(scene.item_material(item), red);
+  }
+  const ItemId a = scene.add_mesh_instance(node, mesh), b = scene.add_mesh_instance(node, facet_group);
+  EXPECT_EQ(scene.kind(a), Kind::kMesh);
+  EXPECT_EQ(scene.kind(b), Kind::kFacetGroup);
+  EXPECT_EQ(scene.mesh_of(b), facet_group);
+  EXPECT_FALSE(scene.item_material(a).valid());
+  EXPECT_EQ(scene.bounds_under(a, translation({5, 0, 0})).size().z, scene.bounds_under(a, {}).size().z);
+  EXPECT_NEAR(scene.bounds_under(a, translation({5, 0, 0})).max.x, 6.0, 1e-12);
+}
+
+TEST(Scene, MeshBoundsFollowTheVerticesNotTheirBox) {
+  Scene scene;
+  Mesh needle;
+  needle.positions = {{0, 0, 0}, {10, 10, 0}};
+  const ItemId item = scene.add_mesh_instance(scene.root(), scene.add_mesh(needle));
+  const double c = std::sqrt(0.5);
+  const AabbD box = scene.bounds_under(item, {{{c, c, 0}, {-c, c, 0}, {0, 0, 1}}, dvec3(0.0)});
+  EXPECT_NEAR(box.size().x, 0.0, 1e-6) << "turned upright";
+  EXPECT_NEAR(box.max.y, 10.0 * std::sqrt(2.0), 1e-6);
+  const ItemId nothing = scene.add_mesh_instance(scene.root(), scene.add_mesh({}));
+  EXPECT_TRUE(scene.bounds_under(nothing, {}).empty());
+  EXPECT_TRUE(scene.commit()) << "empty meshes may be committed";
+}
+
+TEST(Scene, PathsNameNodesAndCountUnnamedOnes) {
+  Scene scene;
+  const NodeId plant = scene.add_node(scene.root(), "plant");
+  scene.add_node(plant);
+  const NodeId second = scene.add_node(plant);
+  const NodeId pipe = scene.add_node(second, "pipe");
+  EXPECT_EQ(scene.path(pipe), "plant/#1/pipe");
+  EXPECT_EQ(scene.path(plant), "plant");
+  scene.set_name(second, "zone");
+  EXPECT_EQ(scene.path(pipe), "plant/zone/pipe");
+  scene.reparent(pipe, scene.root());
+  EXPECT_EQ(scene.path(pipe), "pipe");
+}
+
+TEST(Scene, AttributesKeepTheirOrderAndLastValue) {
+  Scene scene;
+  const NodeId node = scene.add_node(scene.root());
+  EXPECT_TRUE(scene.attributes(node).empty());
+  scene.set_attribute(node, "b", "1");
+  scene.set_attribute(node, "a", "2");
+  scene.set_attribute(node, "b", "3");
+  const Scene::Attributes expected{{"b", "3"}, {"a", "2"}};
+  EXPECT_EQ(scene.attributes(node), expected);
+  EXPECT_TRUE(scene.commit()->empty()) << "attributes and names touch no item";
+}
+
+TEST(Scene, LayersMaterialAndVisibilityComeFromTheNearestAbove) {
+  Scene scene;
+  const MaterialId red = scene.add_material({}), blue = scene.add_material({});
+  const NodeId a = scene.add_node(scene.root()), b = scene.add_node(a), c = scene.add_node(b);
+  const ItemId plain = scene.add_primitive(c, kPipe), painted = scene.add_primitive(c, kPipe, {}, blue);
+  EXPECT_EQ(scene.state(plain).layers, kLayerModel);
+  EXPECT_EQ(scene.state(plain).material, kNone);
+  scene.set_material(a, red);
+  scene.set_layers(a, kLayerInsulation);
+  EXPECT_EQ(scene.state(plain).layers, kLayerInsulation);
+  EXPECT_EQ(scene.state(plain).material, red.index);
+  EXPECT_EQ(scene.state(painted).material, blue.index);
+  scene.set_layers(b, kLayerObstruction | kLayerModel);
+  scene.set_material(c, blue);
+  EXPECT_EQ(scene.state(plain).layers, kLayerObstruction | kLayerModel);
+  EXPECT_EQ(scene.state(plain).material, blue.index);
+  EXPECT_EQ(scene.layers(c), 0u) << "as set";
+  scene.set_material(c, {});
+  scene.set_layers(b, 0);
+  EXPECT_EQ(scene.state(plain).layers, kLayerInsulation);
+  EXPECT_EQ(scene.state(plain).material, red.index);
+  scene.set_visible(a, false);
+  EXPECT_EQ(scene.state(plain).layers, 0u);
+  EXPECT_TRUE(scene.visible(c)) << "as set";
+  scene.set_visible(a, true);
+  scene.set_visible(plain, false);
+  EXPECT_EQ(scene.state(plain).layers, 0u);
+  EXPECT_EQ(scene.state(painted).layers, kLayerInsulation);
+}
+
+TEST(Scene, RemovingItemsInAnyOrderKeepsTheList) {
+  Scene scene;
+  const NodeId node = scene.add_node(scene.root());
+  Random random(2);
+  Ids twin;
+  for (int step = 0; step < 5000; ++step) {
+    if (twin.empty() || random() % 5 < 2) {
+      twin.push_back(scene.add_primitive(node, kPipe));
+    } else {
+      const std::size_t at = step % 3 == 0 ? 0 : step % 3 == 1 ? twin.size() - 1 : random() % twin.size();
+      scene.remove_item(twin[at]);
+      EXPECT_FALSE(scene.contains_item(twin[at]));
+      twin.erase(twin.begin() + std::ptrdiff_t(at));
+    }
+    if (step % 16 == 0) {
+      ASSERT_EQ(items_of(scene, node), twin);
+    }
+  }
+}
+
+// --- what commit() refuses -------------------------------------------------------------------------------------------
+
+void expect_refused(Scene& scene, const std::string& node) {
+  const auto delta = scene.commit();
+  ASSERT_FALSE(delta);
+  EXPECT_NE(delta.error().message.find("node \"" + node + "\""), std::string::npos) << delta.error().message;
+  EXPECT_EQ(delta.error().message.find('\n'), std::string::npos);
+}
+
+TEST(Scene, RefusesWhatIsNotFiniteOrTooFarAway) {
+  for (const double bad : {kNan, kInf, -kInf, 1.1e37, -1e38, 1e60, 1e300})
+    for (int entry = 0; entry < 12; ++entry) {
+      SCOPED_TRACE(testing::Message() << bad << " at " << entry);
+      Affine place;
+      (entry < 9 ? place.linear[entry / 3] : place.origin)[entry % 3] = bad;
+      for (const bool on_item : {true, false}) {
+        Scene scene;
+        const NodeId plant = scene.add_node(scene.root(), "plant");
+        const NodeId node = scene.add_node(plant, "pump", on_item ? Affine{} : place);
+        const ItemId good = scene.add_primitive(plant, kPipe);
+        const ItemId item = scene.add_primitive(node, kPipe, on_item ? place : Affine{});
+        expect_refused(scene, "plant/pump");
+        on_item ? scene.set_placement(item, {}) : scene.set_transform(node, {});
+        const auto delta = scene.commit();
+        ASSERT_TRUE(delta);
+        EXPECT_EQ(delta->inserted, (Ids{good, item}));
+      }
+    }
+}
+
+TEST(Scene, RefusesBadPlacementsOfThingsWithoutExtent) {
+  // Their boxes say nothing, but the placement would go into a snapshot and its chunks all the same.
+  Mesh nothing;
+  for (const double bad : {kNan, kInf, 1e60}) {
+    Scene scene;
+    const NodeId node = scene.add_node(scene.root(), "ghost");
+    const ItemId item = scene.add_mesh_instance(node, scene.add_mesh(nothing), translation({bad, 0, 0}));
+    expect_refused(scene, "ghost");
+    scene.set_placement(item, {dmat3(bad), dvec3(0.0)});
+    expect_refused(scene, "ghost");
+    scene.remove_item(item);
+    EXPECT_TRUE(scene.commit()->empty());
+    scene.add_primitive(node, Sphere{0.0f}, {dmat3(bad), dvec3(0.0)});
+    expect_refused(scene, "ghost");
+  }
+}
+
+TEST(Scene, RefusesBadParametersAndVertices) {
+  Random random(3);
+  for (int k = 0; k < kPrimitiveKindCount; ++k)
+    for (int v = 0; v < parameter_count(static_cast<Kind>(k)); ++v)
+      for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+        const Primitive p = tests::random_primitive(static_cast<Kind>(k), random);
+        std::vector<float> values(parameters(p).begin(), parameters(p).end());
+        values[std::size_t(v)] = bad;
+        Scene scene;
+        scene.add_primitive(scene.add_node(scene.root(), "part"), make_primitive(static_cast<Kind>(k), values));
+        expect_refused(scene, "part");
+      }
+  for (int axis = 0; axis < 3; ++axis) {
+    Scene scene;
+    Mesh mesh = triangle();
+    mesh.positions[1][axis] = std::numeric_limits<float>::quiet_NaN();
+    scene.add_mesh_instance(scene.add_node(scene.root(), "part"), scene.add_mesh(mesh));
+    expect_refused(scene, "part");
+  }
+}
+
+TEST(Scene, AFailedCommitKeepsEarlierEditsAndRemovals) {
+  Scene scene;
+  const NodeId node = scene.add_node(scene.root(), "a");
+  const ItemId first = scene.add_primitive(node, kPipe), second = scene.add_primitive(node, kPipe),
+               third = scene.add_primitive(node, kPipe);
+  ASSERT_TRUE(scene.commit());
+  scene.remove_item(first);
+  scene.set_visible(third, false);
+  const ItemId fourth = scene.add_primitive(node, kPipe, translation({kNan, 0, 0}));
+  expect_refused(scene, "a");
+  expect_refused(scene, "a");
+  scene.remove_item(fourth);
+  const auto delta = scene.commit();
+  ASSERT_TRUE(delta);
+  EXPECT_EQ(delta->removed, Ids{first});
+  EXPECT_EQ(delta->changed, Ids{third});
+  EXPECT_TRUE(delta->inserted.empty()) << "never published";
+  EXPECT_TRUE(scene.contains_item(second));
+  EXPECT_TRUE(scene.commit()->empty());
+}
+
+TEST(Scene, ReusedPlacesDoNotInheritPendingTouches) {
+  Scene scene;
+  const NodeId old = scene.add_node(scene.root());
+  scene.set_visible(old, false);
+  scene.remove_node(old);
+  const NodeId fresh = scene.add_node(scene.root());
+  ASSERT_EQ(fresh.index, old.index) << "the place was to be reused";
+  const ItemId item = scene.add_primitive(fresh, kPipe);
+  EXPECT_EQ(scene.commit()->inserted, Ids{item});
+  EXPECT_EQ(scene.state(item).layers, kLayerModel);
+  scene.set_visible(fresh, false);
+  EXPECT_EQ(scene.commit()->changed, Ids{item});
+}
+
+// --- sizes -----------------------------------------------------------------------------------------------------------
+
+TEST(Scene, NestsAHundredThousandDeep) {
+  constexpr int kDeep = 100'000;
+  Scene scene;
+  NodeId node = scene.root(), top;
+  for (int i = 0; i < kDeep; ++i) {
+    node = scene.add_node(node, i % 1000 == 0 ? "level" : "", translation({1, 0, 0}));
+    if (i == 0) top = node;
+    scene.add_primitive(node, kPipe);
+  }
+  ASSERT_EQ(scene.commit()->inserted.size(), std::size_t(kDeep));
+  EXPECT_EQ(scene.world_from_node(node).origin.x, double(kDeep));
+  EXPECT_EQ(scene.state(kDeep - 1).world_from_item.origin.x, double(kDeep));
+  std::size_t visited = 0;
+  scene.for_each_node(scene.root(), [&](NodeId, const Affine& world, bool, std::uint32_t, MaterialId) {
+    ASSERT_EQ(world.origin.x, double(visited++));
+  });
+  EXPECT_EQ(visited, std::size_t(kDeep) + 1);
+  EXPECT_FALSE(scene.path(node).empty());
+  scene.set_layers(top, 2);
+  EXPECT_EQ(scene.commit()->changed.size(), std::size_t(kDeep));
+  // A fan at the very bottom, every leaf of it touched: nobody may walk up from each.
+  std::vector<NodeId> fan;
+  for (int i = 0; i < kDeep; ++i) {
+    fan.push_back(scene.add_node(node));
+    scene.add_primitive(fan.back(), kPipe);
+  }
+  ASSERT_EQ(scene.commit()->inserted.size(), std::size_t(kDeep));
+  for (const NodeId& leaf : fan) scene.set_visible(leaf, false);
+  EXPECT_EQ(scene.commit()->changed.size(), std::size_t(kDeep));
+  scene.remove_node(top);
+  EXPECT_EQ(scene.node_count(), 1u);
+  EXPECT_EQ(scene.commit()->removed.size(), 2 * std::size_t(kDeep));
+}
+
+TEST(Scene, HoldsAHundredThousandChildrenAndItemsOnOneNode) {
+  constexpr int kWide = 100'000;
+  Scene scene;
+  const NodeId wide = scene.add_node(scene.root(), "wide");
+  std::vector<NodeId> children;
+  Ids items;
+  for (int i = 0; i < kWide; ++i) {
+    children.push_back(scene.add_node(wide));
+    items.push_back(scene.add_primitive(wide, kPipe));
+    scene.add_primitive(children.back(), kPipe);
+  }
+  ASSERT_EQ(scene.commit()->inserted.size(), 2 * std::size_t(kWide));
+  ASSERT_EQ(items_of(scene, wide), items);
+  ASSERT_EQ(children_of(scene, wide), children);
+  // Last first: the order in which a singly linked list would be walked to its end each time.
+  for (int i = kWide - 1; i >= 0; --i) scene.remove_item(items[std::size_t(i)]);
+  for (int i = kWide - 1; i >= 0; --i) scene.remove_node(children[std::size_t(i)]);
+  EXPECT_FALSE(scene.first_child(wide).valid());
+  EXPECT_EQ(scene.first_item(wide), kNone);
+  EXPECT_EQ(scene.item_count(), 0u);
+  EXPECT_EQ(scene.commit()->removed.size(), 2 * std::size_t(kWide));
+}
+
+TEST(Scene, RenamingDoesNotLeak) {
+  Scene scene;
+  Random random(4);
+  std::vector<NodeId> nodes;
+  std::vector<std::string> names(200);
+  for (std::size_t i = 0; i < names.size(); ++i) nodes.push_back(scene.add_node(scene.root()));
+  const std::size_t before = scene.memory_bytes();
+  for (int i = 0; i < 500'000; ++i) {
+    const std::size_t n = random() % nodes.size();
+    names[n].assign(random() % 40, char('a' + i % 26));
+    scene.set_name(nodes[n], names[n]);
+    if (i % 50'000 == 0) {
+      for (std::size_t k = 0; k < nodes.size(); ++k) ASSERT_EQ(scene.name(nodes[k]), names[k]);
+    }
+  }
+  for (std::size_t k = 0; k < nodes.size(); ++k) ASSERT_EQ(scene.name(nodes[k]), names[k]);
+  EXPECT_LT(scene.memory_bytes(), before + 64 * 1024);
+  // Names of removed nodes are given back too.
+  for (int i = 0; i < 100'000; ++i) scene.remove_node(scene.add_node(scene.root(), "a name of some length, gone soon"));
+  EXPECT_LT(scene.memory_bytes(), before + 64 * 1024);
+  for (std::size_t k = 0; k < nodes.size(); ++k) ASSERT_EQ(scene.name(nodes[k]), names[k]);
+}
+
+TEST(Scene, ANameMayBeTakenFromAnotherNode) {
+  Scene scene;
+  const NodeId a = scene.add_node(scene.root(), "a rather long name that needs room"),
+               b = scene.add_node(scene.root(), "b");
+  for (int i = 0; i < 1000; ++i) {
+    scene.set_name(b, scene.name(a));
+    ASSERT_EQ(scene.name(b), "a rather long name that needs room");
+    scene.set_name(b, "");
+  }
+  scene.set_name(a, scene.name(a).substr(2, 6));
+  EXPECT_EQ(scene.name(a), "rather");
+}
+
+// --- broken contracts ------------------------------------------------------------------------------------------------
+
+#if !defined(NDEBUG) && GTEST_HAS_DEATH_TEST
+TEST(SceneDeathTest, StaleHandlesAssert) {
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  Scene scene;
+  const NodeId node = scene.add_node(scene.root()), child = scene.add_node(node);
+  const ItemId item = scene.add_primitive(scene.root(), kPipe);
+  EXPECT_DEATH(scene.reparent(node, child), "below itself");
+  EXPECT_DEATH(scene.remove_node(scene.root()), "root stays");
+  scene.remove_node(node);
+  scene.remove_item(item);
+  EXPECT_DEATH((void)scene.name(node), "stale");
+  EXPECT_DEATH(scene.set_visible(child, false), "stale");
+  EXPECT_DEATH(scene.add_primitive(node, kPipe), "stale");
+  EXPECT_DEATH(scene.remove_item(item), "removed");
+}
+#endif
+
+}  // namespace
+}  // namespace sightline::core

@@ -1,0 +1,476 @@
+#include "sightline/core/snapshot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "sightline/tests/core/primitive_samples.h"
+
+namespace sightline::core {
+namespace {
+
+using tests::Random;
+using tests::uniform;
+
+/// A tree of nodes with items of every kind, primitives in millimetres scaled to metres, over a site of `site` metres.
+class RandomPlant {
+ public:
+  RandomPlant(std::uint64_t seed, int items, double site, const dvec3& offset = dvec3(0.0))
+      : random_(seed), site_(site) {
+    top_ = scene.add_node(scene.root(), "site", translation(offset));
+    nodes_.push_back(top_);
+    for (int i = 0; i < 3; ++i) materials_.push_back(scene.add_material({}));
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    meshes_.push_back(scene.add_mesh(mesh));
+    mesh.contour_sizes = {4};
+    mesh.polygon_contours = {1};
+    meshes_.push_back(scene.add_mesh(mesh));
+    meshes_.push_back(scene.add_mesh({}));
+    for (int i = 0; i < items; ++i) {
+      if (random_() % 8 == 0) add_node();
+      add_item();
+    }
+  }
+
+  Scene scene;
+
+  /// One edit of any sort.
+  void edit() {
+    const NodeId node = some_node();
+    const ItemId item = some_item();
+    switch (random_() % 12) {
+      case 0:
+        return add_node();
+      case 1:
+      case 2:
+        return add_item();
+      case 3:
+        return scene.set_transform(node, somewhere(0.01));
+      case 4:
+        return scene.set_visible(node, random_() % 2);
+      case 5:
+        return scene.set_layers(node, random_() % 2 ? 0 : kLayerInsulation);
+      case 6:
+        return scene.set_material(node, materials_[random_() % materials_.size()]);
+      case 7:
+        if (node != top_ && random_() % 4 == 0) scene.remove_node(node);
+        return;
+      default:
+        break;
+    }
+    if (item == kNone) return;
+    switch (random_() % 4) {
+      case 0:
+        return scene.remove_item(item);
+      case 1:
+        return scene.set_placement(item, small_parts());
+      case 2:
+        return scene.set_visible(item, random_() % 2);
+      default:
+        return scene.set_material(item, materials_[random_() % materials_.size()]);
+    }
+  }
+
+ private:
+  Affine somewhere(double share) {
+    // Coordinates of a binary grid: adding whole metres to them is exact.
+    Affine a{tests::random_rotation(random_), dvec3(0.0)};
+    if (random_() % 2) a.linear = dmat3(1.0);
+    for (int i = 0; i < 3; ++i) a.origin[i] = std::round(uniform(random_, -1.0, 1.0) * share * site_ * 1024.0) / 1024.0;
+    return a;
+  }
+  Affine small_parts() {
+    Affine a = somewhere(1.0);
+    a.linear = a.linear * 0.001;
+    return a;
+  }
+  NodeId some_node() {
+    NodeId node;
+    do node = nodes_[random_() % nodes_.size()];
+    while (!scene.contains(node));
+    return node;
+  }
+  ItemId some_item() {
+    for (int tries = 0; tries < 20 && scene.item_slots() > 0; ++tries)
+      if (const ItemId item = ItemId(random_() % scene.item_slots()); scene.contains_item(item)) return item;
+    return kNone;
+  }
+  void add_node() { nodes_.push_back(scene.add_node(some_node(), "", somewhere(0.01))); }
+  void add_item() {
+    const Kind kind = static_cast<Kind>(random_() % kKindCount);
+    const MaterialId material = random_() % 2 ? MaterialId{} : materials_[random_() % materials_.size()];
+    if (int(kind) < kPrimitiveKindCount) {
+      scene.add_primitive(some_node(), tests::random_primitive(kind, random_), small_parts(), material);
+    } else {
+      scene.add_mesh_instance(some_node(), meshes_[random_() % meshes_.size()], somewhere(1.0), material);
+    }
+  }
+
+  Random random_;
+  double site_;
+  NodeId top_;
+  std::vector<NodeId> nodes_;
+  std::vector<MaterialId> materials_;
+  std::vector<MeshId> meshes_;
+};
+
+std::vector<ItemId> live_items(const Scene& scene) {
+  std::vector<ItemId> items;
+  for (ItemId i = 0; i < scene.item_slots(); ++i)
+    if (scene.contains_item(i)) items.push_back(i);
+  return items;
+}
+
+/// Structure: maps both ways, kind arrays in slot order, ranks by counting.
+void expect_consistent(const Snapshot& snapshot) {
+  ASSERT_EQ(snapshot.bounds().size(), snapshot.size());
+  ASSERT_LE(snapshot.tree_size(), snapshot.size());
+  std::array<std::uint32_t, kKindCount> counts{};
+  for (Slot s = 0; s < snapshot.size(); ++s) {
+    for (int k = 0; k < kKindCount; ++k) ASSERT_EQ(snapshot.rank(static_cast<Kind>(k), s), counts[std::size_t(k)]);
+    const Kind kind = snapshot.kind(s);
+    const KindItems& list = snapshot.of_kind(kind);
+    ASSERT_EQ(snapshot.index_in_kind(s), counts[std::size_t(kind)]);
+    ASSERT_LT(snapshot.index_in_kind(s), list.size());
+    ASSERT_EQ(list.slots[snapshot.index_in_kind(s)], s);
+    ++counts[std::size_t(kind)];
+    const ItemId item = snapshot.item(s);
+    const bool live = snapshot.scene().contains_item(item);
+    ASSERT_EQ(snapshot.slot(item), live ? s : kNone);
+    if (live) {
+      ASSERT_EQ(kind, snapshot.scene().kind(item));
+    }
+  }
+  for (int k = 0; k < kKindCount; ++k) {
+    const KindItems& list = snapshot.of_kind(static_cast<Kind>(k));
+    ASSERT_EQ(snapshot.rank(static_cast<Kind>(k), Slot(snapshot.size())), counts[std::size_t(k)]);
+    ASSERT_EQ(list.size(), counts[std::size_t(k)]);
+    ASSERT_EQ(list.placements.size(), list.size());
+    ASSERT_TRUE(std::is_sorted(list.slots.begin(), list.slots.end()));
+    const bool mesh = k >= kPrimitiveKindCount;
+    ASSERT_EQ(list.meshes.size(), mesh ? list.size() : 0);
+    ASSERT_EQ(list.parameters.size(), mesh ? 0 : list.size() * std::size_t(parameter_count(static_cast<Kind>(k))));
+  }
+}
+
+/// Each live item as the scene has it now: box around the exact one, placement, parameters, material, layers.
+void expect_shows(const Snapshot& snapshot, const Scene& scene) {
+  std::size_t live = 0;
+  for (const ItemId item : live_items(scene)) {
+    SCOPED_TRACE(testing::Message() << "item " << item);
+    const Slot s = snapshot.slot(item);
+    ASSERT_LT(s, snapshot.size());
+    ++live;
+    const Scene::ItemState state = scene.state(item);
+    ASSERT_EQ(snapshot.bounds().layers(s), state.layers);
+    ASSERT_EQ(snapshot.material(s), state.material);
+    if (int(snapshot.kind(s)) < kPrimitiveKindCount) {
+      const Primitive a = snapshot.primitive(s), b = scene.primitive(item);
+      ASSERT_TRUE(std::ranges::equal(parameters(a), parameters(b)));
+    } else {
+      ASSERT_EQ(snapshot.of_kind(snapshot.kind(s)).meshes[snapshot.index_in_kind(s)], scene.mesh_of(item).index);
+    }
+    const AabbD exact = scene.bounds_under(item, state.world_from_item);
+    const Aabb box = snapshot.bounds().box(s);
+    ASSERT_EQ(box.empty(), exact.empty());
+    for (int axis = 0; axis < 3 && !exact.empty(); ++axis) {
+      const long double origin = snapshot.bounds().origin[axis];
+      ASSERT_LE(origin + box.min[axis], (long double)(exact.min[axis]));
+      ASSERT_GE(origin + box.max[axis], (long double)(exact.max[axis]));
+      const double slack = 3e-7 * (std::abs(double(box.min[axis])) + std::abs(double(box.max[axis]))) + 1e-8;
+      ASSERT_NEAR(double(origin + box.min[axis]), exact.min[axis], slack);
+      ASSERT_NEAR(double(origin + box.max[axis]), exact.max[axis], slack);
+    }
+    const Placement& placement = snapshot.of_kind(snapshot.kind(s)).placements[snapshot.index_in_kind(s)];
+    ASSERT_LT(placement.chunk, snapshot.chunk_origins().size());
+    ASSERT_EQ(placement.linear, mat3(state.world_from_item.linear));
+    const dvec3 origin = snapshot.world_from_item(s).origin;
+    ASSERT_LT(glm::distance(origin, state.world_from_item.origin),
+              1e-7 * (1e-3 + glm::length(placement.origin)) + 4e-9);
+  }
+  std::size_t shown = 0;
+  for (Slot s = 0; s < snapshot.size(); ++s) {
+    if (snapshot.slot(snapshot.item(s)) == s) {
+      ++shown;
+    } else {
+      ASSERT_TRUE(snapshot.bounds().box(s).empty()) << "removed";
+      ASSERT_EQ(snapshot.bounds().layers(s), 0u) << "removed";
+    }
+  }
+  ASSERT_EQ(shown, live);
+}
+
+TEST(Snapshot, ShowsTheScene) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE(seed);
+    const double far = seed % 2 ? 7e6 : 0.0;
+    RandomPlant plant(seed, seed % 4 == 0 ? int(seed) : 500, seed % 3 == 0 ? 10.0 : 300.0, dvec3(far, -far, 0));
+    ASSERT_TRUE(plant.scene.commit());
+    const Snapshot snapshot(plant.scene);
+    EXPECT_EQ(&snapshot.scene(), &plant.scene);
+    EXPECT_EQ(snapshot.size(), plant.scene.item_count());
+    EXPECT_EQ(snapshot.tree_size(), snapshot.size());
+    EXPECT_TRUE(snapshot.tree().order.empty()) << "spent";
+    if (snapshot.size() > 0) {
+      EXPECT_EQ(snapshot.tree().nodes[0].count, snapshot.size());
+    }
+    ASSERT_NO_FATAL_FAILURE(expect_consistent(snapshot));
+    ASSERT_NO_FATAL_FAILURE(expect_shows(snapshot, plant.scene));
+  }
+}
+
+TEST(Snapshot, OfAnEmptyScene) {
+  Scene scene;
+  Snapshot snapshot(scene);
+  EXPECT_EQ(snapshot.size(), 0u);
+  EXPECT_TRUE(snapshot.tree().nodes.empty());
+  EXPECT_EQ(snapshot.rank(Kind::kBox, 0), 0u);
+  EXPECT_EQ(snapshot.slot(0), kNone);
+  EXPECT_EQ(snapshot.bounds().coordinate(0)[0], Aabb::kFar) << "padding even so";
+  snapshot.apply({});
+  EXPECT_EQ(snapshot.size(), 0u);
+  const ItemId item = scene.add_primitive(scene.root(), Cylinder{1, 1}, translation({1e6, 0, 0}));
+  snapshot.apply(*scene.commit());
+  EXPECT_EQ(snapshot.size(), 1u);
+  EXPECT_EQ(snapshot.tree_size(), 0u);
+  EXPECT_EQ(snapshot.slot(item), 0u);
+  expect_consistent(snapshot);
+  expect_shows(snapshot, scene);
+}
+
+TEST(Snapshot, GenerationsRiseAndDeltasKeepThem) {
+  RandomPlant plant(1, 50, 10.0);
+  ASSERT_TRUE(plant.scene.commit());
+  Snapshot a(plant.scene);
+  const Snapshot b(plant.scene);
+  EXPECT_LT(a.generation(), b.generation());
+  const std::uint64_t generation = a.generation();
+  plant.scene.remove_item(3);
+  a.apply(*plant.scene.commit());
+  EXPECT_EQ(a.generation(), generation);
+}
+
+TEST(Snapshot, HiddenItemsAreOnNoLayer) {
+  Scene scene;
+  const NodeId node = scene.add_node(scene.root());
+  const ItemId shown = scene.add_primitive(scene.root(), Sphere{1}), below = scene.add_primitive(node, Sphere{1}),
+               alone = scene.add_primitive(scene.root(), Sphere{1});
+  EXPECT_FALSE(Snapshot(scene).bounds().uses_layers());
+  scene.set_visible(node, false);
+  scene.set_visible(alone, false);
+  ASSERT_TRUE(scene.commit());
+  const Snapshot snapshot(scene);
+  EXPECT_TRUE(snapshot.bounds().uses_layers());
+  EXPECT_EQ(snapshot.bounds().layers(snapshot.slot(shown)), kLayerModel);
+  EXPECT_EQ(snapshot.bounds().layers(snapshot.slot(below)), 0u);
+  EXPECT_EQ(snapshot.bounds().layers(snapshot.slot(alone)), 0u);
+  EXPECT_FALSE(snapshot.bounds().box(snapshot.slot(below)).empty()) << "it still has its place";
+}
+
+// --- precision -------------------------------------------------------------------------------------------------------
+
+TEST(Snapshot, PlacementsAreMicrometresFineWhereverTheSiteLies) {
+  for (const double far : {0.0, 1e4, 7e6}) {
+    SCOPED_TRACE(far);
+    RandomPlant plant(5, 3000, 100.0, {far, -far, far});
+    ASSERT_TRUE(plant.scene.commit());
+    const Snapshot snapshot(plant.scene);
+    ASSERT_LE(snapshot.chunk_origins().size(), 4096u);
+    for (int k = 0; k < kKindCount; ++k)
+      for (const Placement& p : snapshot.of_kind(static_cast<Kind>(k)).placements)
+        for (int axis = 0; axis < 3; ++axis) ASSERT_LE(std::abs(p.origin[axis]), 8.0f) << "half a chunk";
+    for (const ItemId item : live_items(plant.scene)) {
+      const dvec3 exact = plant.scene.state(item).world_from_item.origin;
+      const dvec3 kept = snapshot.world_from_item(snapshot.slot(item)).origin;
+      for (int axis = 0; axis < 3; ++axis) ASSERT_NEAR(kept[axis], exact[axis], 5e-7);
+    }
+  }
+}
+
+TEST(Snapshot, VastSitesGetCoarserChunksRatherThanMore) {
+  Scene scene;
+  Random random(6);
+  for (int i = 0; i < 20'000; ++i) {
+    const dvec3 p(uniform(random, -1e6, 1e6), uniform(random, -1e6, 1e6), uniform(random, -1e6, 1e6));
+    scene.add_primitive(scene.root(), Cylinder{1, 1}, translation(p));
+  }
+  scene.add_primitive(scene.root(), Cylinder{1, 1}, translation(dvec3(9e36)));
+  scene.add_primitive(scene.root(), Cylinder{1, 1}, translation(dvec3(-9e36)));
+  ASSERT_TRUE(scene.commit());
+  const Snapshot snapshot(scene);
+  EXPECT_LE(snapshot.chunk_origins().size(), 4096u);
+  for (Slot s = 0; s < snapshot.size(); ++s) {
+    const dvec3 exact = scene.state(snapshot.item(s)).world_from_item.origin, kept = snapshot.world_from_item(s).origin;
+    const Placement& p = snapshot.of_kind(Kind::kCylinder).placements[snapshot.index_in_kind(s)];
+    ASSERT_LE(glm::distance(kept, exact), 1e-7 * double(glm::length(p.origin)) + 1e-15 * glm::length(exact));
+  }
+}
+
+TEST(Snapshot, AMovedSiteIsTheSameSite) {
+  const dvec3 far(3e6, 7e6, 1e3);
+  RandomPlant here(7, 2000, 100.0), there(7, 2000, 100.0, far);
+  ASSERT_TRUE(here.scene.commit());
+  ASSERT_TRUE(there.scene.commit());
+  const Snapshot a(here.scene), b(there.scene);
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_EQ(b.bounds().origin - a.bounds().origin, far);
+  ASSERT_EQ(a.chunk_origins().size(), b.chunk_origins().size());
+  for (Slot s = 0; s < a.size(); ++s) {
+    ASSERT_EQ(a.item(s), b.item(s)) << "the same order";
+    const Aabb p = a.bounds().box(s), q = b.bounds().box(s);
+    for (int axis = 0; axis < 3 && !p.empty(); ++axis) {
+      ASSERT_NEAR(p.min[axis], q.min[axis], 2e-5);
+      ASSERT_NEAR(p.max[axis], q.max[axis], 2e-5);
+    }
+    const KindItems &list_a = a.of_kind(a.kind(s)), &list_b = b.of_kind(b.kind(s));
+    const Placement &u = list_a.placements[a.index_in_kind(s)], &v = list_b.placements[b.index_in_kind(s)];
+    ASSERT_EQ(u.chunk, v.chunk);
+    ASSERT_EQ(u.linear, v.linear);
+    ASSERT_LT(glm::distance(u.origin, v.origin), 1e-6f);
+  }
+}
+
+TEST(Snapshot, DoesNotDependOnThreads) {
+  RandomPlant plant(8, 30'000, 200.0);
+  ASSERT_TRUE(plant.scene.commit());
+  BvhConfig config;
+  config.threads = 1;
+  const Snapshot one(plant.scene, config);
+  config.threads = 3;
+  const Snapshot three(plant.scene, config);
+  for (Slot s = 0; s < one.size(); ++s) ASSERT_EQ(one.item(s), three.item(s));
+}
+
+// --- deltas ----------------------------------------------------------------------------------------------------------
+
+/// Both show the same: the same items in the same boxes up to float rounding about different origins.
+void expect_same_picture(const Snapshot& followed, const Snapshot& fresh) {
+  const auto picture = [](const Snapshot& snapshot) {
+    std::set<ItemId> items;
+    for (Slot s = 0; s < snapshot.size(); ++s)
+      if (snapshot.bounds().layers(s) != 0) items.insert(snapshot.item(s));
+    return items;
+  };
+  ASSERT_EQ(picture(followed), picture(fresh));
+}
+
+TEST(Snapshot, FollowsRandomDeltas) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE(seed);
+    RandomPlant plant(seed, int(seed) * 5, seed % 2 ? 20.0 : 500.0, dvec3(seed % 3 == 0 ? 5e6 : 0.0));
+    ASSERT_TRUE(plant.scene.commit());
+    Snapshot snapshot(plant.scene);
+    const std::size_t tree_size = snapshot.tree_size();
+    Random random(seed);
+    for (int round = 0; round < 12; ++round) {
+      for (std::uint64_t i = random() % 30; i > 0; --i) plant.edit();
+      const std::vector<ItemId> order_before = [&] {
+        std::vector<ItemId> items;
+        for (Slot s = 0; s < snapshot.size(); ++s) items.push_back(snapshot.item(s));
+        return items;
+      }();
+      const auto delta = plant.scene.commit();
+      ASSERT_TRUE(delta) << delta.error().message;
+      snapshot.apply(*delta);
+      ASSERT_EQ(snapshot.tree_size(), tree_size);
+      ASSERT_EQ(snapshot.size(), order_before.size() + delta->inserted.size());
+      for (Slot s = 0; s < order_before.size(); ++s) ASSERT_EQ(snapshot.item(s), order_before[s]) << "nothing moves";
+      for (const ItemId item : delta->inserted) ASSERT_GE(snapshot.slot(item), order_before.size());
+      ASSERT_NO_FATAL_FAILURE(expect_consistent(snapshot));
+      ASSERT_NO_FATAL_FAILURE(expect_shows(snapshot, plant.scene));
+      ASSERT_NO_FATAL_FAILURE(expect_same_picture(snapshot, Snapshot(plant.scene)));
+    }
+  }
+}
+
+TEST(Snapshot, CatchesUpWithDeltasThatCameMeanwhile) {
+  // Built in the background at one commit, published after several more.
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE(seed);
+    RandomPlant plant(seed, 100, 50.0);
+    ASSERT_TRUE(plant.scene.commit());
+    Snapshot early(plant.scene);
+    std::vector<SceneDelta> deltas;
+    for (int round = 0; round < 6; ++round) {
+      for (int i = 0; i < 15; ++i) plant.edit();
+      deltas.push_back(*plant.scene.commit());
+    }
+    for (const SceneDelta& delta : deltas) early.apply(delta);
+    ASSERT_NO_FATAL_FAILURE(expect_consistent(early));
+    ASSERT_NO_FATAL_FAILURE(expect_shows(early, plant.scene));
+  }
+}
+
+TEST(Snapshot, TakesADeltaWhoseEditsItAlreadyShows) {
+  RandomPlant plant(3, 100, 50.0);
+  ASSERT_TRUE(plant.scene.commit());
+  for (int i = 0; i < 50; ++i) plant.edit();
+  Snapshot eager(plant.scene);  // with pending edits
+  const std::size_t size = eager.size();
+  eager.apply(*plant.scene.commit());
+  EXPECT_EQ(eager.size(), size) << "no item twice";
+  expect_consistent(eager);
+  expect_shows(eager, plant.scene);
+}
+
+TEST(Snapshot, FollowsAWholeSiteThatMovesAway) {
+  Scene scene;
+  const NodeId site = scene.add_node(scene.root());
+  Random random(9);
+  for (int i = 0; i < 20'000; ++i) {
+    const dvec3 p(uniform(random, -200, 200), uniform(random, -200, 200), uniform(random, 0, 30));
+    scene.add_primitive(site, Cylinder{1, 1}, translation(p));
+  }
+  ASSERT_TRUE(scene.commit());
+  Snapshot snapshot(scene);
+  const std::size_t at_first = snapshot.chunk_origins().size();
+  scene.set_transform(site, translation({5e5, 5e5, 0}));
+  snapshot.apply(*scene.commit());
+  expect_consistent(snapshot);
+  expect_shows(snapshot, scene);
+  EXPECT_LE(snapshot.chunk_origins().size(), 2 * at_first) << "each chunk has moved as one";
+  for (const Placement& p : snapshot.of_kind(Kind::kCylinder).placements) ASSERT_LE(glm::length(p.origin), 16.0f);
+  // Items of a vast site must not each look for a chunk of their own.
+  Scene vast;
+  for (int i = 0; i < 20'000; ++i)
+    vast.add_primitive(vast.root(), Cylinder{1, 1},
+                       translation({uniform(random, -1e5, 1e5), uniform(random, -1e5, 1e5), 0}));
+  ASSERT_TRUE(vast.commit());
+  Snapshot wide(vast);
+  const std::size_t chunks = wide.chunk_origins().size();
+  vast.set_layers(vast.root(), kLayerModel | kLayerInsulation);
+  wide.apply(*vast.commit());
+  EXPECT_EQ(wide.chunk_origins().size(), chunks) << "nothing moved";
+  expect_shows(wide, vast);
+}
+
+TEST(Snapshot, FollowsADeepNestThatMoves) {
+  Scene scene;
+  NodeId node = scene.root();
+  for (int i = 0; i < 100'000; ++i) {
+    node = scene.add_node(node, "", translation({1e-3, 0, 0}));
+    scene.add_primitive(node, Sphere{1});
+  }
+  ASSERT_TRUE(scene.commit());
+  Snapshot snapshot(scene);
+  scene.set_transform(scene.first_child(scene.root()), translation({0, 5, 0}));
+  snapshot.apply(*scene.commit());
+  const dvec3 last = snapshot.world_from_item(snapshot.slot(99'999)).origin;
+  EXPECT_NEAR(last.x, 99.999, 1e-5);
+  EXPECT_NEAR(last.y, 5.0, 1e-5);
+}
+
+TEST(Snapshot, CountsItsMemory) {
+  RandomPlant plant(10, 2000, 100.0);
+  const Snapshot snapshot(plant.scene);
+  EXPECT_GT(snapshot.memory_bytes(), snapshot.size() * (28 + 48));
+  EXPECT_LT(snapshot.memory_bytes(), snapshot.size() * 400);
+  EXPECT_EQ(snapshot.tree_memory_bytes(), snapshot.tree().nodes.size() * sizeof(BvhNode));
+}
+
+}  // namespace
+}  // namespace sightline::core

@@ -1,0 +1,310 @@
+#include "sightline/core/view.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "sightline/tests/core/primitive_samples.h"
+
+namespace sightline::core {
+namespace {
+
+using tests::Random;
+using tests::uniform;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+/// Position of a world point in the view's own terms: right, up, ahead of the eye.
+struct EyeFrame {
+  dvec3 right, up, forward;
+  explicit EyeFrame(const Pose& pose) {
+    forward = glm::normalize(pose.target - pose.eye);
+    right = glm::normalize(glm::cross(forward, pose.up));
+    up = glm::cross(right, forward);
+  }
+  dvec3 world(const Pose& pose, double x, double y, double ahead) const {
+    return pose.eye + x * right + y * up + ahead * forward;
+  }
+};
+
+Pose random_pose(Random& random, double distance) {
+  Pose pose;
+  for (int i = 0; i < 3; ++i) pose.eye[i] = uniform(random, -distance, distance);
+  pose.target = pose.eye + uniform(random, 0.1, 100.0) * tests::random_direction(random);
+  pose.up = uniform(random, 0.1, 10.0) * tests::random_direction(random);
+  return pose;
+}
+
+bool inside(const View& view, const dvec3& p) {
+  for (const Plane& plane : frustum_planes(view.clip_from_world(), view.clip_depth()))
+    if (!(evaluate(plane, p) >= 0.0)) return false;
+  return true;
+}
+
+void expect_orthonormal(const dmat4& m, double tolerance) {
+  const dmat3 r(m);
+  const dmat3 product = glm::transpose(r) * r;
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(product[c][i], c == i ? 1.0 : 0.0, tolerance);
+  EXPECT_NEAR(glm::determinant(r), 1.0, tolerance);
+}
+
+TEST(View, PerspectiveKeepsWhatItsFormulaSays) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const Pose pose = random_pose(random, 1000.0);
+    const double fovy = uniform(random, 0.05, 3.0), aspect = uniform(random, 0.2, 4.0);
+    const double near = uniform(random, 0.01, 1.0), far = seed % 3 == 0 ? kInfiniteFar : near * uniform(random, 2, 1e4);
+    const View view = View::perspective(pose, fovy, aspect, near, far).value();
+    const EyeFrame frame(pose);
+    for (int i = 0; i < 200; ++i) {
+      const double ahead = near * std::pow(10.0, uniform(random, -1.0, 5.0));
+      const double x = uniform(random, -1.5, 1.5), y = uniform(random, -1.5, 1.5);  // in half widths
+      const double half = ahead * std::tan(0.5 * fovy);
+      const double margin = std::min({std::abs(1 - std::abs(x)), std::abs(1 - std::abs(y)), std::abs(ahead / near - 1),
+                                      std::isfinite(far) ? std::abs(ahead / far - 1) : 1.0});
+      if (margin < 1e-6) continue;
+      const bool expected = std::abs(x) < 1 && std::abs(y) < 1 && ahead > near && ahead < far;
+      EXPECT_EQ(inside(view, frame.world(pose, x * half * aspect, y * half, ahead)), expected);
+    }
+  }
+}
+
+TEST(View, OrthographicKeepsWhatItsFormulaSays) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const Pose pose = random_pose(random, 1000.0);
+    const double height = uniform(random, 0.1, 500.0), aspect = uniform(random, 0.2, 4.0);
+    const double near = uniform(random, -100.0, 100.0), far = near + uniform(random, 0.1, 1000.0);
+    const View view = View::orthographic(pose, height, aspect, near, far).value();
+    EXPECT_TRUE(view.orthographic());
+    const EyeFrame frame(pose);
+    for (int i = 0; i < 200; ++i) {
+      const double x = uniform(random, -1.5, 1.5), y = uniform(random, -1.5, 1.5), z = uniform(random, -0.5, 1.5);
+      if (std::min({std::abs(1 - std::abs(x)), std::abs(1 - std::abs(y)), std::abs(z), std::abs(1 - z)}) < 1e-6)
+        continue;
+      const bool expected = std::abs(x) < 1 && std::abs(y) < 1 && z > 0 && z < 1;
+      const dvec3 p = frame.world(pose, 0.5 * x * height * aspect, 0.5 * y * height, near + z * (far - near));
+      EXPECT_EQ(inside(view, p), expected);
+    }
+  }
+}
+
+TEST(View, AsymmetricWindowMapsToTheWholeScreen) {
+  const Pose pose{{0, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const View view = View::asymmetric(pose, -1.0, 3.0, 0.5, 2.0, 2.0, 50.0).value();
+  EXPECT_FALSE(view.orthographic());
+  const auto screen = [&](double x, double up, double ahead) {
+    const dvec4 c = view.clip_from_world() * dvec4(x, ahead, up, 1.0);
+    return dvec2(c) / c.w;
+  };
+  for (const double scale : {1.0, 10.0}) {
+    const dvec2 low = screen(-1.0 * scale, 0.5 * scale, 2.0 * scale),
+                high = screen(3.0 * scale, 2.0 * scale, 2 * scale);
+    EXPECT_NEAR(low.x, -1.0, 1e-12);
+    EXPECT_NEAR(low.y, -1.0, 1e-12);
+    EXPECT_NEAR(high.x, 1.0, 1e-12);
+    EXPECT_NEAR(high.y, 1.0, 1e-12);
+  }
+  // Halves of a window together are the whole: a tiled display loses nothing between its tiles.
+  const View left = View::asymmetric(pose, -1.0, 1.0, -1.0, 1.0, 1.0).value();
+  const View right = View::asymmetric(pose, 1.0, 3.0, -1.0, 1.0, 1.0).value();
+  const Plane l = frustum_planes(left.clip_from_world(), left.clip_depth())[kRight];
+  const Plane r = frustum_planes(right.clip_from_world(), right.clip_depth())[kLeft];
+  EXPECT_NEAR(glm::dot(glm::normalize(l.normal), glm::normalize(r.normal)), -1.0, 1e-12);
+}
+
+TEST(View, InfiniteFarPlaneIsAbsent) {
+  Random random(3);
+  for (int i = 0; i < 100; ++i) {
+    const View view = View::perspective(random_pose(random, 1e6), 1.0, 1.5, 0.1).value();
+    const auto planes = frustum_planes(view.clip_from_world(), view.clip_depth());
+    EXPECT_EQ(planes[kFar].normal, dvec3(0.0));
+    EXPECT_GT(planes[kFar].offset, 0.0);
+    // The classic form of the same projection (E. Lengyel's P): z' = -z - 2 n.
+    dmat4 classic = view.clip_from_eye();
+    classic[2][2] = -1.0;
+    classic[3][2] = -0.2;
+    const View other = View::from_matrices(view.eye_from_world(), classic, ClipDepth::kMinusOneToOne).value();
+    const auto same = frustum_planes(other.clip_from_world(), other.clip_depth());
+    EXPECT_EQ(same[kFar].normal, dvec3(0.0));
+    EXPECT_GT(same[kFar].offset, 0.0);
+  }
+}
+
+TEST(View, BothDepthConventionsCutTheSameVolume) {
+  Random random(5);
+  for (int i = 0; i < 50; ++i) {
+    const Pose pose = random_pose(random, 100.0);
+    const double near = uniform(random, 0.1, 1.0), far = near + uniform(random, 1.0, 100.0);
+    const View view = View::perspective(pose, 1.0, 1.5, near, far).value();
+    dmat4 classic = view.clip_from_eye();
+    classic[2][2] = -(far + near) / (far - near);
+    classic[3][2] = -2.0 * far * near / (far - near);
+    const View other = View::from_matrices(view.eye_from_world(), classic, ClipDepth::kMinusOneToOne).value();
+    EXPECT_EQ(other.clip_depth(), ClipDepth::kMinusOneToOne);
+    const auto a = frustum_planes(view.clip_from_world(), view.clip_depth());
+    const auto b = frustum_planes(other.clip_from_world(), other.clip_depth());
+    for (int p = 0; p < kFrustumPlaneCount; ++p) {
+      const double la = glm::length(a[p].normal), lb = glm::length(b[p].normal);
+      EXPECT_LT(glm::length(a[p].normal / la - b[p].normal / lb), 1e-12) << p;
+      EXPECT_NEAR(a[p].offset / la, b[p].offset / lb, 1e-9) << p;
+    }
+  }
+}
+
+TEST(View, EyeComesBackFromTheMatrices) {
+  Random random(9);
+  for (int i = 0; i < 200; ++i) {
+    const Pose pose = random_pose(random, 1e7);
+    const View view = View::perspective(pose, 1.0, 1.5, 0.1).value();
+    EXPECT_LT(glm::distance(view.eye(), pose.eye), 1e-7);
+  }
+}
+
+TEST(View, LookAtIsARotationWhateverUpIs) {
+  Random random(13);
+  for (int i = 0; i < 500; ++i) {
+    Pose pose = random_pose(random, 10.0);
+    const dvec3 forward = glm::normalize(pose.target - pose.eye);
+    const double tilt = i % 4 == 0 ? 0.0 : std::pow(10.0, uniform(random, -17.0, 0.0));
+    pose.up = std::copysign(std::pow(10.0, uniform(random, -250.0, 250.0)), uniform(random, -1, 1)) *
+              (forward + tilt * tests::random_direction(random));
+    SCOPED_TRACE(testing::Message() << "case " << i << " tilt " << tilt);
+    const auto eye = look_at(pose);
+    ASSERT_TRUE(eye) << eye.error().message;
+    expect_orthonormal(*eye, 1e-14);
+    const dvec3 seen = dmat3(*eye) * forward;
+    EXPECT_NEAR(seen.z, -1.0, 1e-14);
+    // Up stays up, where it says anything.
+    if (tilt > 1e-9) {
+      EXPECT_GT((dmat3(*eye) * (pose.up / glm::max(std::abs(pose.up.x), std::abs(pose.up.y)))).y, 0.0);
+    }
+  }
+}
+
+TEST(View, UpParallelToTheLineOfSightOrZeroTakesAnotherAxis) {
+  for (const dvec3& direction : {dvec3(0, 0, 1), dvec3(0, 0, -1), dvec3(1, 0, 0), dvec3(0, -1, 0), dvec3(1, 1, 1)})
+    for (const dvec3& up : {direction, -direction, dvec3(0.0)}) {
+      const auto eye = look_at({{1, 2, 3}, dvec3(1, 2, 3) + direction, up});
+      ASSERT_TRUE(eye) << eye.error().message;
+      expect_orthonormal(*eye, 1e-14);
+    }
+}
+
+TEST(View, KeepsMillimetresTenThousandKilometresOut) {
+  const dvec3 site(1e7, -1e7, 1e4);
+  const Pose pose{site, site + dvec3(3, 4, 0.5), {0, 0, 1}};
+  const View view = View::perspective(pose, 1.0, 1.0, 0.1).value();
+  const EyeFrame frame(pose);
+  const auto planes = frustum_planes(view.clip_from_world(), view.clip_depth());
+  const double half = std::tan(0.5);
+  for (const double ahead : {1.0, 10.0, 100.0}) {
+    const double edge = ahead * half;
+    EXPECT_GT(evaluate(planes[kRight], frame.world(pose, edge - 1e-5, 0, ahead)), 0.0);
+    EXPECT_LT(evaluate(planes[kRight], frame.world(pose, edge + 1e-5, 0, ahead)), 0.0);
+    EXPECT_GT(evaluate(planes[kBottom], frame.world(pose, 0, -edge + 1e-5, ahead)), 0.0);
+    EXPECT_LT(evaluate(planes[kBottom], frame.world(pose, 0, -edge - 1e-5, ahead)), 0.0);
+  }
+}
+
+TEST(View, RowsComeFromTheProductAsRounded) {
+  Random random(17);
+  const View view = View::perspective(random_pose(random, 1e5), 1.0, 1.5, 0.1, 100.0).value();
+  const dmat4 m = view.clip_from_world();
+  const auto planes = frustum_planes(m, view.clip_depth());
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_EQ(planes[kLeft].normal[c], m[c][3] + m[c][0]);
+    EXPECT_EQ(planes[kTop].normal[c], m[c][3] - m[c][1]);
+    EXPECT_EQ(planes[kFar].normal[c], m[c][2]);
+  }
+  EXPECT_EQ(planes[kNear].offset, m[3][3] - m[3][2]);
+}
+
+// --- bad input -------------------------------------------------------------------------------------------------------
+
+template <class T>
+void expect_error(const Expected<T>& result, const std::string& part) {
+  ASSERT_FALSE(result) << "expected an error with: " << part;
+  EXPECT_NE(result.error().message.find(part), std::string::npos) << result.error().message;
+}
+
+TEST(View, RefusesBadPoses) {
+  const Pose good;
+  for (const double bad : {kNan, kInf, -kInf})
+    for (int i = 0; i < 3; ++i) {
+      Pose pose = good;
+      pose.eye[i] = bad;
+      expect_error(View::perspective(pose, 1.0, 1.0, 0.1), "must be finite");
+      pose = good;
+      pose.target[i] = bad;
+      expect_error(View::orthographic(pose, 1.0, 1.0, 0.1, 1.0), "must be finite");
+      pose = good;
+      pose.up[i] = bad;
+      expect_error(look_at(pose), "must be finite");
+    }
+  Pose same = good;
+  same.target = same.eye;
+  expect_error(View::perspective(same, 1.0, 1.0, 0.1), "eye and target must differ");
+  Pose far = good;
+  far.eye = dvec3(-1.5e308);
+  far.target = dvec3(1.5e308);
+  EXPECT_FALSE(look_at(far)) << "their distance overflows";
+}
+
+TEST(View, RefusesBadPerspectiveNumbers) {
+  const Pose pose;
+  for (const double fovy : {0.0, -1.0, kPi, 4.0, kNan, kInf})
+    expect_error(View::perspective(pose, fovy, 1.0, 0.1), "fovy must lie between 0 and pi");
+  for (const double aspect : {0.0, -1.0, kNan, kInf})
+    expect_error(View::perspective(pose, 1.0, aspect, 0.1), "aspect must be positive");
+  for (const double near : {0.0, -1.0, kNan, kInf})
+    expect_error(View::perspective(pose, 1.0, 1.0, near), "0 < near < far");
+  for (const double far : {0.1, 0.05, -kInf, kNan, 0.0})
+    expect_error(View::perspective(pose, 1.0, 1.0, 0.1, far), "0 < near < far");
+  expect_error(View::asymmetric(pose, 1, 1, -1, 1, 0.1), "left < right");
+  expect_error(View::asymmetric(pose, -1, 1, 1, -1, 0.1), "bottom < top");
+  expect_error(View::asymmetric(pose, kNan, 1, -1, 1, 0.1), "left < right");
+  expect_error(View::asymmetric(pose, -kInf, 1, -1, 1, 0.1), "left < right");
+}
+
+TEST(View, RefusesBadOrthographicNumbers) {
+  const Pose pose;
+  for (const double bad : {0.0, -1.0, kNan, kInf}) {
+    expect_error(View::orthographic(pose, bad, 1.0, 0.0, 1.0), "height and aspect must be positive");
+    expect_error(View::orthographic(pose, 1.0, bad, 0.0, 1.0), "height and aspect must be positive");
+  }
+  for (const double far : {0.0, -1.0, kNan, kInf})
+    expect_error(View::orthographic(pose, 1.0, 1.0, 0.0, far), "near < far must hold, both finite");
+  expect_error(View::orthographic(pose, 1.0, 1.0, -kInf, 1.0), "both finite");
+  EXPECT_TRUE(View::orthographic(pose, 1.0, 1.0, -10.0, -5.0)) << "either may be negative";
+}
+
+TEST(View, RefusesMatricesThatAreNotFinite) {
+  for (const double bad : {kNan, kInf})
+    for (int c = 0; c < 4; ++c)
+      for (int r = 0; r < 4; ++r) {
+        dmat4 m(1.0);
+        m[c][r] = bad;
+        expect_error(View::from_matrices(m, dmat4(1.0), ClipDepth::kMinusOneToOne), "must be finite");
+        expect_error(View::from_matrices(dmat4(1.0), m, ClipDepth::kMinusOneToOne), "must be finite");
+      }
+  expect_error(View::from_matrices(dmat4(1e200), dmat4(1e200), ClipDepth::kMinusOneToOne), "must be finite");
+  EXPECT_TRUE(View::from_matrices(dmat4(1.0), dmat4(1.0), ClipDepth::kMinusOneToOne));
+}
+
+TEST(View, StartsWithoutSectionsAndOnTheDefaultLayers) {
+  const View view = View::perspective({}, 1.0, 1.0, 0.1).value();
+  EXPECT_TRUE(view.sections.empty());
+  EXPECT_EQ(view.section_mode, SectionMode::kIntersection);
+  EXPECT_EQ(view.layers, kDefaultLayerMask);
+}
+
+}  // namespace
+}  // namespace sightline::core

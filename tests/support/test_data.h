@@ -1,0 +1,23 @@
+// Where the real models lie, for tests that need one.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+namespace sightline::tests {
+
+/// Path of a file below SIGHTLINE_DATA, or below ../shared/data beside the sources. May not exist.
+inline std::filesystem::path data_path(const std::string& name) {
+  if (const char* root = std::getenv("SIGHTLINE_DATA")) return std::filesystem::path(root) / name;
+  return std::filesystem::path(SIGHTLINE_SOURCE_DIR) / ".." / "shared" / "data" / name;
+}
+
+inline bool have_data(const std::string& name) { return std::filesystem::exists(data_path(name)); }
+
+}  // namespace sightline::tests
+
+/// Skips the running test, saying which file is missing.
+#define SIGHTLINE_NEED_DATA(name)                                                            \
+  if (!sightline::tests::have_data(name))                                                    \
+  GTEST_SKIP() << "needs " << (name) << " below SIGHTLINE_DATA or ../shared/data (not found)"
