@@ -1,0 +1,40 @@
+// culling: what a view can see. Box tests (frustum_test.h), a culler for small scenes (linear_culler.h), the tree it
+// takes for large ones (hierarchy.h), and the production culler below. Uses core alone.
+//
+// Every culler states a promise. Those here are conservative: an item whose box meets the view volume is in the set.
+#pragma once
+
+#include <cstddef>
+
+#include "sightline/core/bvh_build.h"
+#include "sightline/core/item_bounds.h"
+#include "sightline/core/view.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/culling/hierarchy.h"
+
+namespace sightline::culling {
+
+/// Frustum culling through the hierarchy, on the calling thread. Planes that a subtree lies wholly inside of are not
+/// tested below it, and a subtree inside all of them is one range. The slots are exactly those of LinearCuller.
+class CpuCuller {
+ public:
+  /// `tree` orders the first `tree_size` slots of `bounds` (its `order` is not read); slots behind them are tested one
+  /// by one. Borrows the bounds, which must outlive the culler; the tree may go.
+  CpuCuller(const core::ItemBounds& bounds, const core::BvhTree& tree, std::size_t tree_size);
+
+  /// Replaces the contents of `set`; adjacent ranges are merged. Does not allocate once `set` has grown to its size.
+  /// May run on several threads at once, each with a set of its own.
+  void cull(const core::View& view, core::VisibleSet& set) const;
+
+  /// To be called after boxes or layers of tree slots have changed. The tail needs no refit.
+  void refit() { hierarchy_.refit(*bounds_); }
+
+  const Hierarchy& hierarchy() const { return hierarchy_; }
+  std::size_t memory_bytes() const { return hierarchy_.memory_bytes(); }  ///< without the bounds
+
+ private:
+  const core::ItemBounds* bounds_;
+  Hierarchy hierarchy_;
+};
+
+}  // namespace sightline::culling

@@ -1,0 +1,145 @@
+// Random and stiff scenes and views for the culling tests. Everything follows from the generator's state.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "sightline/core/bvh_build.h"
+#include "sightline/core/item_bounds.h"
+#include "sightline/core/view.h"
+#include "sightline/culling/cpu_culler.h"
+
+namespace sightline::tests {
+
+using Random = std::mt19937_64;
+
+inline double uniform(Random& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+inline int whole(Random& random, int low, int high) {
+  return std::uniform_int_distribution<int>(low, high)(random);
+}
+inline bool chance(Random& random, double probability) {
+  return uniform(random, 0.0, 1.0) < probability;
+}
+inline core::dvec3 point(Random& random, double half) {
+  const double x = uniform(random, -half, half), y = uniform(random, -half, half);
+  return {x, y, uniform(random, -half, half)};
+}
+/// Evenly spread over orders of magnitude.
+inline double magnitude(Random& random, double low, double high) {
+  return std::exp(uniform(random, std::log(low), std::log(high)));
+}
+
+inline core::Aabb box_around(const core::dvec3& centre, const core::dvec3& half) {
+  return core::round_outwards({centre - half, centre + half}, core::dvec3(0.0));
+}
+
+/// Mostly small boxes in a cube of half side `half`, some long, flat, large or without volume.
+inline core::Aabb random_box(Random& random, double half) {
+  const core::dvec3 centre = point(random, half);
+  if (chance(random, 0.05)) return {core::vec3(centre), core::vec3(centre)};
+  core::dvec3 size(half * magnitude(random, 1e-4, 0.3));
+  if (chance(random, 0.3)) size[whole(random, 0, 2)] *= 20.0;
+  if (chance(random, 0.1)) size[whole(random, 0, 2)] = 0.0;
+  return box_around(centre, size);
+}
+
+inline std::vector<core::Aabb> random_boxes(Random& random, std::size_t count, double half) {
+  std::vector<core::Aabb> boxes;
+  for (std::size_t i = 0; i < count; ++i) boxes.push_back(random_box(random, half));
+  return boxes;
+}
+
+/// Boxes that no plant has: of denormal size, of 1e38 m, empty, in the very same place.
+inline void spoil(Random& random, std::vector<core::Aabb>& boxes) {
+  for (core::Aabb& box : boxes) {
+    switch (whole(random, 0, 60)) {
+      case 0:
+        box = {};
+        break;
+      case 1:
+        box = {core::vec3(1e-42f), core::vec3(3e-42f)};
+        break;
+      case 2:
+        box.max = core::vec3(1e38f);
+        break;
+      case 3:
+        box = {core::vec3(-core::Aabb::kFar), core::vec3(core::Aabb::kFar)};
+        break;
+      case 4:
+        box = boxes.front();
+        break;
+      case 5:
+        box.min[1] = std::nextafterf(box.max[1], core::Aabb::kFar);
+        break;  // inverted by one step
+      default:
+        break;
+    }
+  }
+}
+
+/// A camera in or around a cube of half side `half` at `origin`: all projections that View knows.
+inline core::View random_view(Random& random, const core::dvec3& origin, double half) {
+  core::Pose pose;
+  pose.eye = origin + point(random, half * magnitude(random, 0.1, 4.0));
+  pose.target = origin + point(random, half);
+  pose.up = point(random, 1.0);
+  const double near = half * magnitude(random, 1e-7, 1e-1), far = near * magnitude(random, 2.0, 1e9);
+  const double aspect = magnitude(random, 0.2, 5.0);
+  const double fovy = chance(random, 0.2) ? magnitude(random, 1e-4, 1e-1) : uniform(random, 0.1, 3.1);
+  const double end = chance(random, 0.3) ? core::kInfiniteFar : far;
+  auto view = [&]() -> core::Expected<core::View> {
+    switch (whole(random, 0, 3)) {
+      case 0: {
+        const double depth = half * uniform(random, 0.1, 3.0);
+        return core::View::orthographic(pose, half * magnitude(random, 1e-2, 3.0), aspect, -0.2 * depth, depth);
+      }
+      case 1: {
+        const double left = near * uniform(random, -3.0, 1.0), bottom = near * uniform(random, -3.0, 1.0);
+        return core::View::asymmetric(pose, left, left + near * magnitude(random, 1e-2, 4.0), bottom,
+                                      bottom + near * magnitude(random, 1e-2, 4.0), near, end);
+      }
+      default:
+        return core::View::perspective(pose, fovy, aspect, near, end);
+    }
+  }();
+  if (!view) view = core::View::orthographic({}, half, 1.0, -half, half);
+  return *view;
+}
+
+inline void add_sections(Random& random, const core::dvec3& origin, double half, core::View& view) {
+  view.section_mode = chance(random, 0.5) ? core::SectionMode::kUnion : core::SectionMode::kIntersection;
+  const int count = whole(random, 1, int(core::kMaxSectionPlanes));
+  for (int i = 0; i < count; ++i) {
+    core::dvec3 normal = point(random, 1.0);
+    if (chance(random, 0.3)) normal = core::dvec3(0.0), normal[whole(random, 0, 2)] = chance(random, 0.5) ? 1.0 : -1.0;
+    if (chance(random, 0.02)) normal = core::dvec3(0.0);
+    const core::dvec3 through = origin + point(random, half * 1.2);
+    view.sections.push_back({normal, -glm::dot(normal, through)});
+  }
+}
+
+/// Boxes in the order that a hierarchy gives them, with the culler over it and, behind the tree, a tail.
+struct Scene {
+  core::ItemBounds bounds;
+  core::BvhTree tree;
+  std::unique_ptr<culling::CpuCuller> culler;
+
+  Scene(std::span<const core::Aabb> boxes, const core::dvec3& origin, std::size_t tail = 0,
+        const core::BvhConfig& config = {}) {
+    const std::size_t tree_size = boxes.size() - tail;
+    bounds.origin = origin;
+    bounds.resize(boxes.size());
+    tree = core::build_bvh(boxes.first(tree_size), config);
+    for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[i < tree_size ? tree.order[i] : i]);
+    culler = std::make_unique<culling::CpuCuller>(bounds, tree, tree_size);
+  }
+};
+
+}  // namespace sightline::tests
