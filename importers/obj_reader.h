@@ -1,0 +1,28 @@
+// Reader of Wavefront OBJ with MTL, over tinyobjloader.
+//
+// A node named after the file holds one node per distinct object or group name (the latest of `o` and `g` names what
+// follows); each holds one mesh item per material. Positions are read in double and kept relative to the centre of
+// their mesh, which becomes the item's placement. Faces become triangles (any polygon, see triangulate.h); normals are
+// kept when all corners of a mesh have one. Materials keep Kd and d (or 1 - Tr); coordinates are taken as metres.
+// Lines, points, textures and curves are ignored.
+//
+// Damage is a face whose vertex or normal does not exist: an error naming the line when strict, a warning and no face
+// when lenient. Faces with corners that are not finite or beyond 1e36 are dropped and listed. An MTL file is looked for
+// in the OBJ file's directory and below; a name that leads elsewhere is refused with a warning, a missing one is a
+// warning.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+
+#include "sightline/importers/import.h"
+
+namespace sightline::importers {
+
+/// Reads a whole file image; `path` names the node and says where MTL files lie. On error the scene is untouched. A
+/// file without a single vertex statement is no OBJ file: an error, lenient or not.
+core::Expected<ImportReport> read_obj(std::span<const std::byte> bytes, const std::filesystem::path& path,
+                                      core::Scene& scene, core::NodeId parent, const ImportOptions& options = {});
+
+}  // namespace sightline::importers

@@ -1,0 +1,30 @@
+// Made-up process plants: input for demos, tests and benchmarks where no real model may be used.
+#pragma once
+
+#include <cstdint>
+
+#include "sightline/core/error.h"
+#include "sightline/core/scene.h"
+
+namespace sightline::importers {
+
+struct PlantConfig {
+  std::uint64_t items = 100'000;  ///< exactly so many items come out; 1 000 … 10 000 000
+  std::uint64_t seed = 1;
+};
+
+/// Appends a plant below the scene's root: pipe racks and process areas of pipe runs, valves, vessels, tanks, pumps,
+/// steel, platforms, stairs and handrails, in groups SITE / ZONE / PIPE or EQUIPMENT or STRUCTURE / BRANCH, one
+/// material per group.
+///
+/// Of the items 65 % are cylinders, 20 % circular torus slices, 5 % snouts and 10 % boxes, dishes and the rest (to the
+/// item, up to rounding); radii run from 2 mm to 4 m, roughly evenly over their logarithm. The plant stands on z = 0,
+/// centred in x and y, Z up, within 400 x 100 x 60 m; below 100 000 items its area shrinks in proportion, above it gets
+/// denser. Parameters are millimetres, placements scale them to metres and stand at single-precision coordinates, as
+/// RVM files have it, so that a plant survives being written and read. Pipe ends meet within 0.1 mm.
+///
+/// The scene's content depends on `config` alone, on every platform with IEEE arithmetic. Nothing is committed. Fails
+/// when `items` is out of range; the scene is then unchanged.
+core::Expected<void> generate_plant(const PlantConfig& config, core::Scene& scene);
+
+}  // namespace sightline::importers

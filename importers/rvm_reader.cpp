@@ -1,0 +1,205 @@
+#include "sightline/importers/rvm_reader.h"
+
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "sightline/importers/rvm_chunks.h"
+#include "sightline/importers/rvm_scene_builder.h"
+
+namespace sightline::importers {
+namespace {
+
+/// Beyond this an item could not be committed (core's limit is 1e37 m, and slanted snouts reach a few times their
+/// lengths).
+constexpr double kLargestReach = 1e36;
+
+/// Walks the chunks. Without a scene it only validates: so a strict import can promise to leave the scene alone.
+class RvmWalk {
+ public:
+  RvmWalk(std::span<const std::byte> bytes, std::string_view file_name, bool lenient, core::Scene* scene,
+          core::NodeId parent)
+      : bytes_(bytes), file_name_(file_name), lenient_(lenient), scene_(scene), parent_(parent) {}
+
+  core::Expected<ImportReport> run() {
+    report_.bytes = bytes_.size();
+    report_.metres_per_unit = 0.001;
+    if (auto begun = begin(); !begun) return tl::unexpected(begun.error());
+    while (!ended_)
+      if (auto stepped = step(); !stepped) return tl::unexpected(stepped.error());
+    if (builder_) builder_->finish();
+    if (unlisted_ > 0)
+      report_.warnings.push_back({file_name_, at_, fmt::format("{} further warnings are not listed", unlisted_)});
+    return std::move(report_);
+  }
+
+ private:
+  core::Error error(std::uint64_t offset, std::string_view tag, std::string_view message) const {
+    if (tag.empty()) return {fmt::format("{}: byte {}: {}", file_name_, offset, message)};
+    return {fmt::format("{}: byte {}: {} chunk: {}", file_name_, offset, tag, message)};
+  }
+
+  void warn(std::uint64_t offset, std::string_view tag, std::string_view message) {
+    if (report_.warnings.size() >= kMaxWarnings) {
+      ++unlisted_;
+      return;
+    }
+    report_.warnings.push_back(
+        {file_name_, offset, tag.empty() ? std::string(message) : fmt::format("{} chunk: {}", tag, message)});
+  }
+
+  /// Damage: an error when strict, a warning when lenient.
+  core::Expected<void> damage(std::uint64_t offset, std::string_view tag, std::string_view message) {
+    if (!lenient_) return tl::unexpected(error(offset, tag, message));
+    warn(offset, tag, message);
+    return {};
+  }
+
+  /// The HEAD chunk. Nothing is added to the scene before it has been read.
+  core::Expected<void> begin() {
+    const auto header = rvm::read_header(bytes_, 0);
+    if (!header || header->name() != "HEAD")
+      return tl::unexpected(error(0, "", "not an RVM file: expected a HEAD chunk (24 bytes, 'H' in byte 3)"));
+    const bool next_valid = next_is_valid(*header);
+    rvm::ByteCursor cursor(bytes_, rvm::kHeaderBytes, next_valid ? header->next : bytes_.size());
+    const rvm::Head head = rvm::read_head(cursor);
+    if (!cursor.ok()) return tl::unexpected(error(cursor.error_offset(), "HEAD", cursor.error()));
+    if (scene_) {
+      builder_.emplace(*scene_, parent_, file_name_, report_);
+      builder_->add(head);
+    }
+    return advance(*header, cursor.position());
+  }
+
+  bool next_is_valid(const rvm::ChunkHeader& header) const {
+    return header.next >= header.offset + rvm::kHeaderBytes && header.next <= bytes_.size();
+  }
+
+  /// Moves on to the next chunk; the body ended at `body_end`. Where that and the header disagree, the place that holds
+  /// a chunk is believed. Never goes back, so every byte is read once.
+  core::Expected<void> advance(const rvm::ChunkHeader& header, std::uint64_t body_end) {
+    at_ = header.next;
+    if (header.next == body_end) return {};
+    const bool next_valid = next_is_valid(header);
+    const auto behind_body = rvm::read_header(bytes_, body_end);
+    const bool believe_body = !next_valid || (behind_body && rvm::is_known_tag(behind_body->name()));
+    if (believe_body) at_ = body_end;
+    return damage(
+        header.offset, header.name(),
+        fmt::format("the next chunk is said to begin at byte {}, the contents end at byte {}", header.next, body_end));
+  }
+
+  core::Expected<void> step() {
+    const auto header = rvm::read_header(bytes_, at_);
+    if (!header) {
+      ended_ = true;
+      return damage(at_, "",
+                    at_ >= bytes_.size() ? "the file ends without an END: chunk"
+                                         : "expected a chunk header (24 bytes), found something else");
+    }
+    const std::string_view tag = header->name();
+    if (tag == "END:") {
+      ended_ = true;
+      return depth_ == 0 ? core::Expected<void>{}
+                         : damage(at_, tag, fmt::format("expected {} more CNTE: groups are not closed", depth_));
+    }
+    const bool next_valid = next_is_valid(*header);
+    rvm::ByteCursor cursor(bytes_, at_ + rvm::kHeaderBytes, next_valid ? header->next : bytes_.size());
+    auto understood = read_body(tag, cursor);
+    if (!understood) return tl::unexpected(understood.error());
+    if (cursor.ok() && *understood) return advance(*header, cursor.position());
+    // The contents are lost; its header may still say where the next chunk is.
+    ended_ = !next_valid;
+    at_ = header->next;
+    return cursor.ok() ? core::Expected<void>{} : damage(cursor.error_offset(), tag, cursor.error());
+  }
+
+  /// False: nothing is known about such chunks.
+  core::Expected<bool> read_body(std::string_view tag, rvm::ByteCursor& cursor) {
+    if (tag == "PRIM") return read_item(tag, core::kLayerModel, cursor);
+    if (tag == "CNTB") return read_group(cursor);
+    if (tag == "CNTE") return close_group(cursor);
+    if (tag == "OBST") return read_item(tag, core::kLayerObstruction, cursor);
+    if (tag == "INSU") return read_item(tag, core::kLayerInsulation, cursor);
+    if (tag == "COLR") {
+      const rvm::Colour colour = rvm::read_colour(cursor);
+      if (builder_ && cursor.ok()) builder_->add(colour);
+      return true;
+    }
+    if (tag == "MODL") {
+      const rvm::Model model = rvm::read_model(cursor);
+      if (builder_ && cursor.ok()) builder_->add(model);
+      return true;
+    }
+    auto tolerated = damage(at_, tag, tag == "HEAD" ? "a second one; skipped" : "unknown; skipped");
+    if (!tolerated) return tl::unexpected(tolerated.error());
+    return false;
+  }
+
+  core::Expected<bool> read_group(rvm::ByteCursor& cursor) {
+    rvm::Group group = rvm::read_group(cursor);
+    if (!cursor.ok()) group = {};  // keeps the nesting right
+    for (const float value : group.position)
+      if (!std::isfinite(value)) {
+        warn(at_, "CNTB", "the reference point is not finite; left out");
+        group.position = {};
+      }
+    ++depth_;
+    if (builder_) builder_->open(group);
+    return true;
+  }
+
+  core::Expected<bool> close_group(rvm::ByteCursor& cursor) {
+    cursor.u32("version");
+    if (depth_ == 0) {
+      warn(at_, "CNTE", "no group is open");
+      return true;
+    }
+    --depth_;
+    if (builder_) builder_->close();
+    return true;
+  }
+
+  core::Expected<bool> read_item(std::string_view tag, std::uint32_t layers, rvm::ByteCursor& cursor) {
+    const rvm::Item item = rvm::read_item(cursor, bytes_, layers != core::kLayerModel);
+    if (!cursor.ok()) return true;
+    if (depth_ == 0)
+      if (auto tolerated = damage(at_, tag, "expected to lie in a group (CNTB), but none is open"); !tolerated)
+        return tl::unexpected(tolerated.error());
+    if (item.ambiguous)
+      warn(at_, tag, "the bounding box fits neither known layout; taken as box, extra word, parameters");
+    if (!item.finite) {
+      warn(at_, tag, "dropped: a number is not finite");
+    } else if (item.reach > kLargestReach) {
+      warn(at_, tag, fmt::format("dropped: reaches {:.3g} m, expected at most {:.3g} m", item.reach, kLargestReach));
+    } else if (builder_) {
+      builder_->add(item, layers, bytes_);
+    }
+    return true;
+  }
+
+  std::span<const std::byte> bytes_;
+  std::string file_name_;
+  bool lenient_;
+  core::Scene* scene_;
+  core::NodeId parent_;
+  std::optional<RvmSceneBuilder> builder_;
+  ImportReport report_;
+  std::uint64_t at_ = 0, depth_ = 0, unlisted_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+core::Expected<ImportReport> read_rvm(std::span<const std::byte> bytes, std::string_view file_name, core::Scene& scene,
+                                      core::NodeId parent, const ImportOptions& options) {
+  if (bytes.empty()) return core::fail(fmt::format("{}: the file is empty", file_name));
+  if (!options.lenient) {
+    auto checked = RvmWalk(bytes, file_name, false, nullptr, parent).run();
+    if (!checked) return checked;
+  }
+  return RvmWalk(bytes, file_name, options.lenient, &scene, parent).run();
+}
+
+}  // namespace sightline::importers

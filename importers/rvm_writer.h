@@ -1,0 +1,34 @@
+// Writer of AVEVA review models (RVM): the way back of rvm_reader.h.
+//
+// The children of the written node become the file's top groups; the node itself is the file (its "rvm.*" attributes
+// become HEAD and MODL). What was read from an RVM file is written so that reading it again gives the same scene:
+// parameters, matrices, names, materials, groups and facet polygons bit for bit, items in the same order. What RVM
+// cannot say is expressed by what it can:
+//   node transforms       baked into item matrices in double, in world coordinates, then rounded to float
+//   meshes                facet groups of one triangle per polygon
+//   item materials        an unnamed group around items whose material is not their node's
+//   items of `node`       a group named after it
+//   layers                OBST or INSU when an item is on kLayerObstruction or kLayerInsulation and not on kLayerModel
+//   colours               one COLR chunk per colour index; a Material::code two colours share is replaced by a free one
+//   alpha                 whole per cent of transparency
+// Visibility, other attributes and any number's digits beyond float are lost. Stored boxes are recomputed.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "sightline/core/error.h"
+#include "sightline/core/scene.h"
+
+namespace sightline::importers {
+
+/// Writes beside `path` and renames at the end: on failure what was there stays. Fails on a path that cannot be
+/// written, on more than 4 GiB (offsets are 32 bits), and on an item whose baked matrix is not finite in float.
+/// Streams: memory is a few bytes per node, not per item.
+core::Expected<void> write_rvm(const core::Scene& scene, core::NodeId node, const std::filesystem::path& path);
+
+/// The same into memory.
+core::Expected<std::vector<std::byte>> write_rvm(const core::Scene& scene, core::NodeId node);
+
+}  // namespace sightline::importers

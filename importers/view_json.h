@@ -1,0 +1,42 @@
+// Views and camera paths as JSON files. Coordinates are metres in the model's world frame, angles degrees.
+//
+//   view  {"eye":[x,y,z], "target":[x,y,z], "up":[x,y,z], "fovy_deg":60, "near":0.1, "far":1000,
+//          "sections":[{"n":[x,y,z],"d":0}], "section_mode":"intersection"|"union", "layers":mask}
+//         or "ortho_height":metres instead of "fovy_deg"
+//   path  {"keys":[{"t":seconds,"eye":…,"target":…,"up":…,"fovy_deg":…},…], "near":…, "far":…}
+//
+// Optional: "up" of a view and of the first key (z), "up" and "fovy_deg" of later keys (as the key before), "far"
+// (infinite, but near + max(10 km, 10 times the distance from eye to target) for "ortho_height", whose far plane must
+// be finite), the section keys and "layers" (core::kDefaultLayerMask). Unknown keys are ignored. All else is required.
+//
+// Errors read "file: /json/pointer: expected …, found …" or, for malformed JSON, give its line and column. Any bytes
+// are safe to read; objects and arrays may nest 64 deep and a file may hold 256 MiB.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "sightline/core/camera_path.h"
+#include "sightline/core/error.h"
+#include "sightline/core/view.h"
+
+namespace sightline::importers {
+
+/// `aspect` = width / height of the image, > 0. `source` names the text in errors.
+core::Expected<core::View> parse_view(std::string_view json, double aspect, std::string_view source = "view");
+core::Expected<core::View> read_view(const std::filesystem::path& file, double aspect);
+
+core::Expected<core::CameraPath> parse_path(std::string_view json, std::string_view source = "path");
+core::Expected<core::CameraPath> read_path(const std::filesystem::path& file);
+
+/// Reading the text back gives the same keys, times and distances to the bit, fields of view to the last few bits.
+std::string format_path(const core::CameraPath& path);
+/// Replaces `file`. Its folder must exist.
+core::Expected<void> write_path(const std::filesystem::path& file, const core::CameraPath& path);
+
+/// The same view of a model that was moved by `offset`, sections included.
+core::Expected<core::View> translated(const core::View& view, const core::dvec3& offset);
+core::Expected<core::CameraPath> translated(const core::CameraPath& path, const core::dvec3& offset);
+
+}  // namespace sightline::importers
