@@ -1,0 +1,37 @@
+#include "sightline/gpuprims/elliptical_dish.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "sightline/gpuprims/mesh_builder.h"
+
+namespace sightline::gpuprims {
+
+core::Mesh tessellate(const core::EllipticalDish& dish, const Tessellation& config, Caps caps) {
+  constexpr double kPi = std::numbers::pi;
+  const double radius = std::fabs(dish.base_radius), height = std::fabs(dish.height);
+  if (!(radius > 0.0 && std::isfinite(radius + height))) return {};
+  const int columns = segment_count(config, radius, 2.0 * kPi);
+  // An ellipse is a circle of its larger axis, squeezed: chord errors only shrink.
+  const int rows = segment_count(config, std::max(radius, height), 0.5 * kPi);
+  const std::vector<dvec2> around = arc_points(columns, 2.0 * kPi);
+  std::vector<dvec2> meridian = arc_points(rows, 0.5 * kPi);
+  meridian.back() = {0.0, 1.0};  // a pole is one point, not a ring of rounding errors
+
+  MeshBuilder builder;
+  builder.add_grid(rows, columns, [&](int row, int column) {
+    const dvec2& m = meridian[row];
+    return Vertex{dvec3(radius * m.x * around[column], height * m.y),
+                  dvec3(height * m.x * around[column], radius * m.y)};
+  });
+  if (caps.bottom) {
+    std::vector<dvec3> rim;
+    for (int i = columns; i > 0; --i) rim.emplace_back(radius * around[i], 0.0);
+    builder.add_flat_polygon(rim, {0.0, 0.0, -1.0});
+  }
+  return builder.finish();
+}
+
+}  // namespace sightline::gpuprims

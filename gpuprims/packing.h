@@ -1,0 +1,60 @@
+// How items lie in GPU memory: C++ twin of shaders/payload.glsl. All records are whole RGBA32UI texels, read through a
+// buffer texture.
+//
+//   head (every kind)   4 texels   placement 12 floats, chunk, item id, material | flags, first shape parameter
+//   box, mesh, line     head alone: 64 bytes
+//   cylinder            head alone: 64 bytes, in units of its radius; first parameter: height
+//   circular torus      head + 1:   80 bytes, in units of its larger radius; first parameter: tube radius
+//   snout               head + 3:  112 bytes, in units of its larger radius; first parameter: height
+//
+// Scaling by the largest radius keeps the shader's numbers near 1 whatever the file's unit. An affine placement makes
+// every kind exact under any node transform, mirrored, sheared and non-uniform ones included.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sightline/core/primitive.h"
+#include "sightline/core/snapshot.h"
+
+namespace sightline::gpuprims {
+
+using Texel = std::array<std::uint32_t, 4>;
+
+/// High bits of the material word; the low 24 bits are the row of the material table.
+enum ItemFlags : std::uint32_t {
+  kBottomOpen = 1u << 24,
+  kTopOpen = 1u << 25,
+  kFlatShaded = 1u << 26,
+};
+inline constexpr std::uint32_t kMaterialMask = 0x00ffffffu;
+
+/// What a record says of an item besides its shape.
+struct PackedItem {
+  core::Placement placement;
+  std::uint32_t id = 0;
+  std::uint32_t material = 0;  ///< row of the material table | ItemFlags
+};
+
+/// Texels per record of a ray-cast or instanced kind.
+constexpr int texels_per_item(core::Kind kind) {
+  return kind == core::Kind::kCircularTorus ? 5 : kind == core::Kind::kSnout ? 7 : 4;
+}
+
+/// Kinds that shaders ray-cast (cylinder, snout, circular torus), given unit geometry (box, line), or tessellated (all
+/// others).
+constexpr bool is_ray_cast(core::Kind kind) {
+  return kind == core::Kind::kCylinder || kind == core::Kind::kSnout || kind == core::Kind::kCircularTorus;
+}
+constexpr bool is_tessellated(core::Kind kind) {
+  return !is_ray_cast(kind) && kind != core::Kind::kBox && kind != core::Kind::kLine;
+}
+
+/// Writes the record of one item to `out`, which holds texels_per_item(kind) texels. `parameters` are those of the
+/// kind, empty for tessellated kinds (their shape is in the mesh). What has no extent at all gets a zero scale, which
+/// shaders skip.
+void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& item, std::span<Texel> out);
+
+}  // namespace sightline::gpuprims

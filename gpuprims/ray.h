@@ -1,0 +1,50 @@
+// gpuprims: analytic primitives. For each kind one stem: reference intersection in double, tessellation by chord
+// tolerance, its GLSL twin below shaders/, and the packing of its parameters for the GPU.
+//
+// This header holds what the reference intersections share.
+#pragma once
+
+#include <array>
+
+#include "sightline/core/conventions.h"
+
+namespace sightline::gpuprims {
+
+using core::dvec3;
+
+/// origin + t * direction, in a primitive's local units. The direction need not have unit length: an affine map of a
+/// ray keeps its t, so t may be metres, eye depth, or anything the caller chose.
+struct Ray {
+  dvec3 origin{0.0};
+  dvec3 direction{0.0, 0.0, 1.0};
+};
+
+/// One crossing of a surface. The normal points out of the solid, in local space, not normalised; it is a gradient, so
+/// it transforms by the inverse transpose.
+struct Hit {
+  double t = 0.0;
+  dvec3 normal{0.0};
+};
+
+/// All crossings of a ray with one primitive over -inf < t < inf, in rising t. The caller picks the first that its
+/// interval and its section planes keep: so the eye may be inside, and a section opens the view into the solid.
+struct Hits {
+  static constexpr int kCapacity = 8;
+  std::array<Hit, kCapacity> hit;
+  int count = 0;
+
+  /// Inserts in order of t; drops the hit when the capacity is reached (no primitive of ours can).
+  void insert(const Hit& h) {
+    if (count == kCapacity) return;
+    int i = count++;
+    for (; i > 0 && hit[i - 1].t > h.t; --i) hit[i] = hit[i - 1];
+    hit[i] = h;
+  }
+};
+
+/// Which ends of a cylinder, snout or torus slice are closed. "Bottom" is z = -height/2, or the start of a sweep.
+struct Caps {
+  bool bottom = true, top = true;
+};
+
+}  // namespace sightline::gpuprims

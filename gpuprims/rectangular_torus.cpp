@@ -1,0 +1,46 @@
+#include "sightline/gpuprims/rectangular_torus.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "sightline/gpuprims/mesh_builder.h"
+
+namespace sightline::gpuprims {
+
+core::Mesh tessellate(const core::RectangularTorus& torus, const Tessellation& config, Caps caps) {
+  constexpr double kFullTurn = 2.0 * std::numbers::pi;
+  const double radius_a = std::fabs(torus.inner_radius), radius_b = std::fabs(torus.outer_radius);
+  const double inner = std::min(radius_a, radius_b), outer = std::max(radius_a, radius_b);
+  const double half = 0.5 * std::fabs(torus.height), angle = std::fabs(torus.angle);
+  if (!(outer > 0.0 && std::isfinite(outer + half + angle))) return {};
+  const int columns = segment_count(config, outer, std::min(angle, kFullTurn));
+  const std::vector<dvec2> sweep = arc_points(columns, angle);
+
+  struct Side {
+    dvec2 from, to, normal;  // (rho, z), counter-clockwise around the rectangle
+  };
+  const Side sides[] = {{{outer, -half}, {outer, half}, {1.0, 0.0}},
+                        {{outer, half}, {inner, half}, {0.0, 1.0}},
+                        {{inner, half}, {inner, -half}, {-1.0, 0.0}},
+                        {{inner, -half}, {outer, -half}, {0.0, -1.0}}};
+  MeshBuilder builder;
+  const auto swept = [](const dvec2& p, const dvec2& e) { return dvec3(p.x * e, p.y); };
+  for (const Side& side : sides)
+    builder.add_grid(1, columns, [&](int row, int column) {
+      return Vertex{swept(row == 0 ? side.from : side.to, sweep[column]), swept(side.normal, sweep[column])};
+    });
+  if (angle >= kFullTurn) return builder.finish();
+
+  dvec3 start[4], end[4];
+  for (int i = 0; i < 4; ++i) {
+    start[i] = swept(sides[i].from, sweep.front());
+    end[3 - i] = swept(sides[i].from, sweep.back());
+  }
+  if (caps.bottom) builder.add_flat_polygon(start, {0.0, -1.0, 0.0});
+  if (caps.top) builder.add_flat_polygon(end, {-std::sin(angle), std::cos(angle), 0.0});
+  return builder.finish();
+}
+
+}  // namespace sightline::gpuprims

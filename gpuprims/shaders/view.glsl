@@ -1,0 +1,33 @@
+// The view as shaders see it: eye space, where a ray's parameter t is its eye depth. Mirrors gpuprims::ViewBlock.
+
+const int kMaxSections = 8;
+
+layout(std140, binding = 0) uniform ViewBlock {
+  mat3 eye_from_world;      // linear part: chunk-relative directions into eye space
+  mat4 clip_from_eye;       // reversed zero-to-one depth
+  vec4 ray_origin;          // a pixel's ray: (ray_origin + x ray_origin_dx + y ray_origin_dy)
+  vec4 ray_origin_dx;       //   + t (ray_direction + x ray_direction_dx + y ray_direction_dy), (x, y) in -1 … 1
+  vec4 ray_origin_dy;
+  vec4 ray_direction;
+  vec4 ray_direction_dx;
+  vec4 ray_direction_dy;
+  vec4 pixel_to_ndc;        // xy: 2 / viewport size
+  vec4 depth_range;         // x: eye depth of the near plane, y: of the far plane (infinity allowed)
+  vec4 up;                  // world up in eye space
+  ivec4 flags;              // x: 1 perspective, 0 orthographic; y: number of sections; z: 1 when sections unite
+  vec4 sections[kMaxSections];  // eye-space half-spaces
+} view;
+
+bool perspective_view() { return view.flags.x == 1; }
+
+// True when the section planes keep a point.
+bool sections_keep(vec3 p_eye) {
+  int count = view.flags.y;
+  if (count == 0) return true;
+  bool unite = view.flags.z == 1;
+  for (int i = 0; i < count; ++i) {
+    bool inside = dot(view.sections[i].xyz, p_eye) + view.sections[i].w >= 0.0;
+    if (inside == unite) return unite;
+  }
+  return !unite;
+}

@@ -1,0 +1,39 @@
+#include "sightline/gpuprims/spherical_dish.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "sightline/gpuprims/cylinder.h"
+#include "sightline/gpuprims/mesh_builder.h"
+
+namespace sightline::gpuprims {
+
+core::Mesh tessellate(const core::SphericalDish& dish, const Tessellation& config, Caps caps) {
+  constexpr double kPi = std::numbers::pi;
+  const double base = std::fabs(dish.base_radius), height = std::fabs(dish.height);
+  if (!std::isfinite(base + height)) return {};
+  if (height == 0.0) return tessellate(core::Cylinder{dish.base_radius, 0.0f}, config, {caps.bottom, true});
+  const double radius = 0.5 * (base * (base / height) + height), opening = 2.0 * std::atan2(height, base);
+  const int columns = segment_count(config, height > base ? radius : base, 2.0 * kPi);
+  const int rows = segment_count(config, radius, opening);
+  const std::vector<dvec2> around = arc_points(columns, 2.0 * kPi);
+
+  MeshBuilder builder;
+  builder.add_grid(rows, columns, [&](int row, int column) {
+    // From the rim up, by the angle from the pole; the rim's own row is exact, and z keeps its precision on flat
+    // dishes.
+    const double angle = opening * (rows - row) / rows, across = std::sin(angle), half = std::sin(0.5 * angle);
+    const dvec3 normal(across * around[column], std::cos(angle));
+    if (row == 0) return Vertex{dvec3(base * around[column], 0.0), normal};
+    return Vertex{dvec3(radius * across * around[column], height - 2.0 * radius * half * half), normal};
+  });
+  if (caps.bottom) {
+    std::vector<dvec3> rim;
+    for (int i = columns; i > 0; --i) rim.emplace_back(base * around[i], 0.0);
+    builder.add_flat_polygon(rim, {0.0, 0.0, -1.0});
+  }
+  return builder.finish();
+}
+
+}  // namespace sightline::gpuprims

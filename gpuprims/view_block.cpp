@@ -1,0 +1,66 @@
+#include "sightline/gpuprims/view_block.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sightline::gpuprims {
+
+using core::dmat4;
+using core::dvec4;
+
+dmat4 reversed_clip_from_eye(const core::View& view) {
+  dmat4 clip = view.clip_from_eye();
+  if (view.clip_depth() == core::ClipDepth::kMinusOneToOne)
+    for (int c = 0; c < 4; ++c) clip[c][2] = 0.5 * (clip[c][3] - clip[c][2]);
+  return clip;
+}
+
+double eye_depth(const dmat4& clip, double depth) {
+  // depth = (c33 - c23' t) / (c43 - c4' t) with t = -z, solved for t.
+  const double numerator = clip[3][2] - depth * clip[3][3], denominator = clip[2][2] - depth * clip[2][3];
+  if (denominator == 0.0) return std::numeric_limits<double>::infinity();
+  return numerator / denominator;
+}
+
+core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int height) {
+  const dmat4 clip = reversed_clip_from_eye(view);
+  const bool separable = clip[0][1] == 0.0 && clip[0][2] == 0.0 && clip[1][0] == 0.0 && clip[1][2] == 0.0 &&
+                         clip[0][0] != 0.0 && clip[1][1] != 0.0;
+  const bool perspective = !view.orthographic();
+  if (!separable || clip[0][3] != 0.0 || clip[1][3] != 0.0 || (perspective && clip[3][3] != 0.0))
+    return core::fail("view: clip_from_eye must be a perspective or orthographic projection along -z");
+
+  ViewBlock block{};
+  const dmat4& eye = view.eye_from_world();
+  for (int c = 0; c < 3; ++c) block.eye_from_world[c] = glm::vec4(eye[c]);
+  block.clip_from_eye = glm::mat4(clip);
+  // Solves clip.x = ndc.x * clip.w for the point at eye depth t; w is clip[2][3] * -t in perspective, 1 in orthographic
+  // views.
+  const double sx = 1.0 / clip[0][0], sy = 1.0 / clip[1][1];
+  if (perspective) {
+    const double w = -clip[2][3];
+    block.ray_direction = glm::vec4(sx * clip[2][0], sy * clip[2][1], -1.0, 0.0);
+    block.ray_direction_dx = glm::vec4(sx * w, 0.0, 0.0, 0.0);
+    block.ray_direction_dy = glm::vec4(0.0, sy * w, 0.0, 0.0);
+  } else {
+    block.ray_origin = glm::vec4(-sx * clip[3][0], -sy * clip[3][1], 0.0, 0.0);
+    block.ray_origin_dx = glm::vec4(sx, 0.0, 0.0, 0.0);
+    block.ray_origin_dy = glm::vec4(0.0, sy, 0.0, 0.0);
+    block.ray_direction = glm::vec4(0.0, 0.0, -1.0, 0.0);
+  }
+  block.pixel_to_ndc = glm::vec4(2.0 / width, 2.0 / height, 0.0, 0.0);
+  block.depth_range = glm::vec4(eye_depth(clip, 1.0), std::min(eye_depth(clip, 0.0), 3.0e38), 0.0, 0.0);
+  block.up = glm::vec4(glm::normalize(glm::dmat3(eye) * glm::dvec3(0.0, 0.0, 1.0)), 0.0);
+
+  // A world half-space n.p + d in eye coordinates, in double: only the small eye-relative numbers become float.
+  const dmat4 world_from_eye = glm::inverse(eye);
+  int count = 0;
+  for (const core::Plane& plane : view.sections) {
+    if (plane.normal == core::dvec3(0.0) || count == int(core::kMaxSectionPlanes)) continue;
+    block.sections[count++] = glm::vec4(glm::transpose(world_from_eye) * dvec4(plane.normal, plane.offset));
+  }
+  block.flags = {perspective ? 1 : 0, count, view.section_mode == core::SectionMode::kUnion ? 1 : 0, 0};
+  return block;
+}
+
+}  // namespace sightline::gpuprims

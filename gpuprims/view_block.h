@@ -1,0 +1,41 @@
+// The uniform block that every shader reads: C++ twin of shaders/view.glsl (std140).
+#pragma once
+
+#include <cstddef>
+
+#include <glm/glm.hpp>
+
+#include "sightline/core/view.h"
+
+namespace sightline::gpuprims {
+
+struct ViewBlock {
+  glm::vec4 eye_from_world[3];  // columns of a mat3, padded
+  glm::mat4 clip_from_eye;
+  glm::vec4 ray_origin, ray_origin_dx, ray_origin_dy;
+  glm::vec4 ray_direction, ray_direction_dx, ray_direction_dy;
+  glm::vec4 pixel_to_ndc;
+  glm::vec4 depth_range;
+  glm::vec4 up;
+  glm::ivec4 flags;
+  glm::vec4 sections[core::kMaxSectionPlanes];
+};
+static_assert(offsetof(ViewBlock, clip_from_eye) == 48);
+static_assert(offsetof(ViewBlock, ray_origin) == 112);
+static_assert(offsetof(ViewBlock, pixel_to_ndc) == 208);
+static_assert(offsetof(ViewBlock, flags) == 256);
+static_assert(offsetof(ViewBlock, sections) == 272);
+static_assert(sizeof(ViewBlock) == 272 + 16 * core::kMaxSectionPlanes);
+
+/// Clip matrix with reversed zero-to-one depth, whatever convention the view was made for.
+core::dmat4 reversed_clip_from_eye(const core::View& view);
+
+/// Fills the block for a viewport of width x height pixels. Views may be perspective (also off-axis) or orthographic; a
+/// projection with any other structure is an error.
+core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int height);
+
+/// Eye depth (metres along the view axis) of a reversed zero-to-one depth value; infinity for the cleared depth 0 of an
+/// infinite far plane.
+double eye_depth(const core::dmat4& reversed_clip_from_eye, double depth);
+
+}  // namespace sightline::gpuprims

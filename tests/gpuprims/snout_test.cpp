@@ -1,0 +1,158 @@
+#include "sightline/gpuprims/snout.h"
+
+#include <gtest/gtest.h>
+
+#include "intersection_twin.h"
+#include "sightline/gpuprims/cylinder.h"
+
+namespace sightline::gpuprims {
+namespace {
+
+using twin::LVec;
+
+struct Solid {
+  core::Snout s;
+  core::EndRange bottom = core::bottom_end_range(s), top = core::top_end_range(s);
+
+  // Straight from the definition in core/primitive.h.
+  bool inside(const LVec& p) const {
+    const long double h = s.height, part = p.z / h;
+    if (p.z < -0.5L * h + bottom.min || p.z > 0.5L * h + top.max) return false;
+    const long double r = radius(p.z);
+    const long double x = p.x - part * s.offset_x, y = p.y - part * s.offset_y;
+    if (r < 0 || x * x + y * y > r * r) return false;
+    const long double low = -0.5L * h + std::tan((long double)s.bottom_shear_x) * (p.x + 0.5L * s.offset_x) +
+                            std::tan((long double)s.bottom_shear_y) * (p.y + 0.5L * s.offset_y);
+    const long double high = 0.5L * h + std::tan((long double)s.top_shear_x) * (p.x - 0.5L * s.offset_x) +
+                             std::tan((long double)s.top_shear_y) * (p.y - 0.5L * s.offset_y);
+    return p.z >= low && p.z <= high;
+  }
+  long double radius(long double z) const {
+    return s.bottom_radius + ((long double)s.top_radius - s.bottom_radius) * (z / s.height + 0.5L);
+  }
+  long double lateral(const LVec& p) const {
+    const long double part = p.z / s.height;
+    return std::hypot(p.x - part * s.offset_x, p.y - part * s.offset_y) - radius(p.z);
+  }
+  std::vector<dvec3> cap_normals() const {
+    return {{std::tan(double(s.bottom_shear_x)), std::tan(double(s.bottom_shear_y)), -1.0},
+            {-std::tan(double(s.top_shear_x)), -std::tan(double(s.top_shear_y)), 1.0},
+            {0, 0, -1},
+            {0, 0, 1}};
+  }
+  dvec3 half() const {
+    const core::AabbD box = core::bounds(s, {});
+    return glm::max(glm::abs(box.min), glm::abs(box.max));
+  }
+  double size() const { return glm::length(half()); }
+  double feature() const { return std::min({std::max(s.bottom_radius, s.top_radius), s.height}); }
+};
+
+core::Snout random_snout(twin::Random& random, double steepest) {
+  const double scale = random.log_uniform(-6, 6);
+  core::Snout s{};
+  s.bottom_radius = float(scale * random.log_uniform(-1, 1));
+  s.top_radius = float(scale * random.log_uniform(-1, 1));
+  s.height = float(scale * random.log_uniform(-1, 1));
+  switch (random.below(6)) {
+    case 0:
+      s.top_radius = s.bottom_radius;
+      break;
+    case 1:
+      s.top_radius = 0.0f;
+      break;
+    case 2:
+      s.bottom_radius = 0.0f;
+      break;
+    case 3:
+      s.top_radius = std::nextafterf(s.bottom_radius, 0.0f);
+      break;
+    default:
+      break;
+  }
+  if (random.below(2)) {
+    s.offset_x = s.height * float(random.uniform(-1, 1));
+    s.offset_y = s.height * float(random.uniform(-1, 1));
+  }
+  if (random.below(2)) {
+    s.bottom_shear_x = float(random.uniform(-steepest, steepest));
+    s.bottom_shear_y = float(random.uniform(-steepest, steepest));
+    s.top_shear_x = float(random.uniform(-steepest, steepest));
+    s.top_shear_y = float(random.uniform(-steepest, steepest));
+  }
+  return s;
+}
+
+void run_against_twin(unsigned count, double steepest) {
+  twin::Tally tally;
+  for (unsigned seed = 0; seed < count; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    twin::Random random(seed);
+    const Solid solid{random_snout(random, steepest)};
+    const twin::Shot shot = random_shot(random, solid.half());
+    twin::compare(solid, shot, intersect(solid.s, shot.ray), tally);
+    if (testing::Test::HasFatalFailure()) return;
+  }
+  EXPECT_GT(tally.hit, tally.rays / 8);
+  testing::Test::RecordProperty("worst_over_size", testing::PrintToString(tally.worst));
+}
+
+TEST(Snout, AgreesWithTheMarchingTwin) {
+  run_against_twin(6000, 0.5);
+}
+
+TEST(Snout, AgreesWithTheTwinWhereEndPlanesAreSteeperThanTheCone) {
+  run_against_twin(6000, 1.55);
+}
+
+TEST(Snout, EqualRadiiAreTheCylinder) {
+  for (unsigned seed = 0; seed < 2000; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    twin::Random random(seed);
+    const auto r = float(random.log_uniform(-3, 3)), h = float(random.log_uniform(-3, 3));
+    const twin::Shot shot = random_shot(random, {r, r, 0.5 * h});
+    const Hits a = intersect(core::Cylinder{r, h}, shot.ray);
+    const Hits b = intersect(core::Snout{r, r, h, 0, 0, 0, 0, 0, 0}, shot.ray);
+    ASSERT_EQ(a.count, b.count);
+    const double tolerance = 1e-7 * std::max(r, h) / glm::length(shot.ray.direction) + 1e-14 * std::fabs(shot.aim);
+    for (int i = 0; i < a.count; ++i) ASSERT_NEAR(a.hit[i].t, b.hit[i].t, tolerance);
+  }
+}
+
+TEST(Snout, RayParallelToAGenerator) {
+  const core::Snout cone{2.0f, 0.0f, 2.0f, 0, 0, 0, 0, 0, 0};  // generators at 45 degrees, apex at z = 1
+  const Hits hits = intersect(cone, {{-1.5, 0.0, -5.0}, {-1.0, 0.0, 1.0}});
+  EXPECT_EQ(hits.count, 0);
+  const Hits through = intersect(cone, {{1.0 + 3.0, 0.0, -1.0 - 3.0}, {-1.0, 0.0, 1.0}});  // enters at x = 1, z = -1
+  ASSERT_EQ(through.count, 2);
+  EXPECT_NEAR(through.hit[0].t, 3.0, 1e-14);
+  EXPECT_NEAR(through.hit[1].t, 4.5, 1e-14);  // at x = -0.5, z = 0.5
+}
+
+TEST(Snout, HeightZeroIsADiscOfTheLargerEnd) {
+  const core::Snout flat{1.0f, 3.0f, 0.0f, 4.0f, 0.0f, 0, 0, 0, 0};
+  EXPECT_EQ(intersect(flat, {{4.5, 0.0, 1.0}, {0, 0, -1}}).count, 2);
+  EXPECT_EQ(intersect(flat, {{-2.0, 0.0, 1.0}, {0, 0, -1}}).count, 0);
+}
+
+TEST(Snout, ShowsNothingWithoutRadii) {
+  EXPECT_EQ(intersect(core::Snout{0, 0, 1, 0, 0, 0, 0, 0, 0}, {{0, 0, -5}, {0, 0, 1}}).count, 0);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(intersect(core::Snout{1, 1, 1, 0, 0, nan, 0, 0, 0}, {{0, 0, -5}, {0, 0, 1}}).count, 0);
+}
+
+TEST(Snout, OpenEndsDropTheirCrossingOnly) {
+  const core::Snout s{1.0f, 0.5f, 2.0f, 0.2f, 0.0f, 0.1f, 0.0f, -0.2f, 0.1f};
+  const Ray along{{0.0, 0.0, 3.0}, {0.0, 0.0, -1.0}};
+  EXPECT_EQ(intersect(s, along).count, 2);
+  const Hits bottom = intersect(s, along, {true, false}), top = intersect(s, along, {false, true});
+  ASSERT_EQ(bottom.count, 1);
+  EXPECT_LT(bottom.hit[0].normal.z, 0.0);
+  ASSERT_EQ(top.count, 1);
+  EXPECT_GT(top.hit[0].normal.z, 0.0);
+  EXPECT_EQ(intersect(s, along, {false, false}).count, 0);
+  EXPECT_EQ(intersect(s, {{0.0, 5.0, 0.1}, {0.0, -1.0, 0.0}}, {false, false}).count, 2);
+}
+
+}  // namespace
+}  // namespace sightline::gpuprims
