@@ -1,0 +1,140 @@
+#include "sightline/gl/buffer.h"
+
+#include <cassert>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace sightline::gl {
+namespace {
+
+/// Bytes of a texel of the formats that texture buffers allow (OpenGL 4.5 core, table 8.23); 0 for others.
+std::size_t texel_bytes(GLenum format) {
+  switch (format) {
+    case GL_R8:
+    case GL_R8I:
+    case GL_R8UI:
+      return 1;
+    case GL_R16:
+    case GL_R16F:
+    case GL_R16I:
+    case GL_R16UI:
+    case GL_RG8:
+    case GL_RG8I:
+    case GL_RG8UI:
+      return 2;
+    case GL_R32F:
+    case GL_R32I:
+    case GL_R32UI:
+    case GL_RG16:
+    case GL_RG16F:
+    case GL_RG16I:
+    case GL_RG16UI:
+    case GL_RGBA8:
+    case GL_RGBA8I:
+    case GL_RGBA8UI:
+      return 4;
+    case GL_RG32F:
+    case GL_RG32I:
+    case GL_RG32UI:
+    case GL_RGBA16:
+    case GL_RGBA16F:
+    case GL_RGBA16I:
+    case GL_RGBA16UI:
+      return 8;
+    case GL_RGB32F:
+    case GL_RGB32I:
+    case GL_RGB32UI:
+      return 12;
+    case GL_RGBA32F:
+    case GL_RGBA32I:
+    case GL_RGBA32UI:
+      return 16;
+    default:
+      return 0;
+  }
+}
+
+void label(const Functions& gl, GLenum kind, GLuint name, std::string_view what) {
+  if (!what.empty()) gl.ObjectLabel(kind, name, static_cast<GLsizei>(what.size()), what.data());
+}
+
+}  // namespace
+
+namespace detail {
+void delete_buffer(const Functions& gl, GLuint name) {
+  gl.DeleteBuffers(1, &name);
+}
+void delete_texture(const Functions& gl, GLuint name) {
+  gl.DeleteTextures(1, &name);
+}
+}  // namespace detail
+
+core::Expected<Buffer> Buffer::create(const Functions& gl, std::size_t bytes, const void* data, GLbitfield flags,
+                                      std::string_view what) {
+  if (bytes == 0 || bytes > static_cast<std::size_t>(std::numeric_limits<GLsizeiptr>::max())) {
+    return core::fail(fmt::format("GL buffer '{}': cannot hold {} bytes", what, bytes));
+  }
+  discard_errors(gl);
+  GLuint name = 0;
+  gl.CreateBuffers(1, &name);
+  Buffer buffer;
+  buffer.handle_ = Handle<detail::delete_buffer>(gl, name);
+  gl.NamedBufferStorage(name, static_cast<GLsizeiptr>(bytes), data, flags);
+  if (const GLenum error = check_error(gl); error != GL_NO_ERROR) {
+    return core::fail(fmt::format("GL buffer '{}': {} bytes wanted: {}", what, bytes, error_name(error)));
+  }
+  buffer.bytes_ = bytes;
+  label(gl, GL_BUFFER, name, what);
+  return buffer;
+}
+
+void Buffer::write(std::size_t offset, std::size_t bytes, const void* data) const {
+  assert(offset <= bytes_ && bytes <= bytes_ - offset);
+  if (bytes == 0) return;
+  handle_.gl().NamedBufferSubData(id(), static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), data);
+}
+
+void Buffer::read(std::size_t offset, std::size_t bytes, void* data) const {
+  assert(offset <= bytes_ && bytes <= bytes_ - offset);
+  if (bytes == 0) return;
+  handle_.gl().GetNamedBufferSubData(id(), static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), data);
+}
+
+void* Buffer::map(std::size_t offset, std::size_t bytes, GLbitfield access) const {
+  assert(offset <= bytes_ && bytes <= bytes_ - offset && bytes > 0);
+  return handle_.gl().MapNamedBufferRange(id(), static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), access);
+}
+
+bool Buffer::unmap() const {
+  return handle_.gl().UnmapNamedBuffer(id()) == GL_TRUE;
+}
+
+core::Expected<TextureBuffer> TextureBuffer::create(const Functions& gl, const Buffer& buffer, GLenum format,
+                                                    std::string_view what) {
+  const std::size_t per_texel = texel_bytes(format);
+  if (per_texel == 0) {
+    return core::fail(fmt::format("GL texture buffer '{}': format {:#06x} is not one for buffers", what, format));
+  }
+  GLint64 limit = 0;
+  gl.GetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
+  const std::size_t texels = buffer.size() / per_texel;
+  if (texels > static_cast<std::size_t>(limit)) {
+    return core::fail(fmt::format("GL texture buffer '{}': {} texels ({} bytes) wanted, the context's limit is {}",
+                                  what, texels, buffer.size(), limit));
+  }
+  discard_errors(gl);
+  GLuint name = 0;
+  gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &name);
+  TextureBuffer view;
+  view.handle_ = Handle<detail::delete_texture>(gl, name);
+  gl.TextureBuffer(name, format, buffer.id());
+  if (const GLenum error = check_error(gl); error != GL_NO_ERROR) {
+    return core::fail(fmt::format("GL texture buffer '{}': over {} bytes: {}", what, buffer.size(), error_name(error)));
+  }
+  view.texels_ = static_cast<std::int64_t>(texels);
+  label(gl, GL_TEXTURE, name, what);
+  return view;
+}
+
+}  // namespace sightline::gl

@@ -1,0 +1,196 @@
+#include "sightline/gl/context.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sightline/gl/egl.h"
+
+namespace sightline::gl {
+
+struct Context::State {
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (egl.context) destroy_egl_context(egl);
+  }
+
+  EglContext egl;  // empty when adopted
+  Functions gl;
+  Capabilities capabilities;
+  DebugLog log;
+  std::string vendor;
+  std::string renderer;
+  std::string version;
+};
+
+namespace {
+
+std::string get_string(const Functions& gl, GLenum name) {
+  const auto* text = reinterpret_cast<const char*>(gl.GetString(name));
+  return text ? text : "";
+}
+
+GLint get_int(const Functions& gl, GLenum name) {
+  GLint value = 0;
+  gl.GetIntegerv(name, &value);
+  return value;
+}
+
+GLint64 get_int64(const Functions& gl, GLenum name) {
+  GLint64 value = 0;
+  gl.GetInteger64v(name, &value);
+  return value;
+}
+
+bool names_software(const std::string& renderer) {
+  for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "SwiftShader", "Software"}) {
+    if (renderer.find(name) != std::string::npos) return true;
+  }
+  return false;
+}
+
+Capabilities query_capabilities(const Functions& gl) {
+  const std::vector<std::string> extensions = list_extensions(gl);
+  const auto listed = [&](const char* name) {
+    return std::find(extensions.begin(), extensions.end(), name) != extensions.end();
+  };
+  Capabilities caps;
+  caps.indirect_count = gl.MultiDrawArraysIndirectCountARB && gl.MultiDrawElementsIndirectCountARB;
+  caps.shader_draw_parameters = listed("GL_ARB_shader_draw_parameters");
+  caps.robust_access = (get_int(gl, GL_CONTEXT_FLAGS) & GL_CONTEXT_FLAG_ROBUST_ACCESS_BIT) != 0;
+  caps.reset_notification = get_int(gl, GL_RESET_NOTIFICATION_STRATEGY) == GL_LOSE_CONTEXT_ON_RESET;
+  caps.software = names_software(get_string(gl, GL_RENDERER));
+  caps.max_texture_buffer_texels = get_int64(gl, GL_MAX_TEXTURE_BUFFER_SIZE);
+  caps.max_storage_block_bytes = get_int64(gl, GL_MAX_SHADER_STORAGE_BLOCK_SIZE);
+  caps.max_uniform_block_bytes = get_int64(gl, GL_MAX_UNIFORM_BLOCK_SIZE);
+  caps.max_vertex_storage_blocks = get_int(gl, GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS);
+  caps.max_geometry_output_vertices = get_int(gl, GL_MAX_GEOMETRY_OUTPUT_VERTICES);
+  caps.max_geometry_output_components = get_int(gl, GL_MAX_GEOMETRY_TOTAL_OUTPUT_COMPONENTS);
+  caps.max_clip_distances = get_int(gl, GL_MAX_CLIP_DISTANCES);
+  caps.max_texture_size = get_int(gl, GL_MAX_TEXTURE_SIZE);
+  GLint viewport[2] = {0, 0};
+  gl.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+  caps.max_viewport_width = viewport[0];
+  caps.max_viewport_height = viewport[1];
+  caps.max_samples = get_int(gl, GL_MAX_SAMPLES);
+  caps.max_integer_samples = get_int(gl, GL_MAX_INTEGER_SAMPLES);
+  caps.uniform_offset_alignment = get_int(gl, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);
+  caps.storage_offset_alignment = get_int(gl, GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
+  return caps;
+}
+
+DebugSeverity severity_of(GLenum severity) {
+  switch (severity) {
+    case GL_DEBUG_SEVERITY_HIGH:
+      return DebugSeverity::kHigh;
+    case GL_DEBUG_SEVERITY_MEDIUM:
+      return DebugSeverity::kMedium;
+    case GL_DEBUG_SEVERITY_LOW:
+      return DebugSeverity::kLow;
+    default:
+      return DebugSeverity::kNotification;
+  }
+}
+
+void APIENTRY on_message(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length, const GLchar* text,
+                         const void* log) {
+  DebugMessage message;
+  message.severity = severity_of(severity);
+  message.is_error = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR;
+  message.text = length >= 0 ? std::string(text, static_cast<std::size_t>(length)) : std::string(text);
+  while (!message.text.empty() && message.text.back() == '\n') message.text.pop_back();
+  // GL hands the pointer back const; it was given as a mutable log.
+  static_cast<DebugLog*>(const_cast<void*>(log))->add(std::move(message));
+}
+
+void collect_debug_output(const Functions& gl, DebugLog& log) {
+  gl.Enable(GL_DEBUG_OUTPUT);
+  gl.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+  gl.DebugMessageCallback(&on_message, &log);
+  gl.DebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DONT_CARE, 0, nullptr, GL_TRUE);
+  // "This buffer will live in video memory" and the like: thousands of them on some drivers.
+  gl.DebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DEBUG_SEVERITY_NOTIFICATION, 0, nullptr, GL_FALSE);
+}
+
+}  // namespace
+
+Context::Context(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Context::Context(Context&& other) noexcept = default;
+Context& Context::operator=(Context&& other) noexcept = default;
+Context::~Context() = default;
+
+core::Expected<Context> Context::create_offscreen(const ContextOptions& options) {
+  auto egl = create_egl_context(options);
+  if (!egl) return tl::unexpected(egl.error());
+  auto state = std::make_unique<State>();
+  state->egl = *egl;
+  auto context = adopt(&egl_get_proc, egl->library);
+  if (!context) return core::fail(egl->platform + ": " + context.error().message);
+  context->state_->egl = std::exchange(state->egl, {});
+  if (options.debug) collect_debug_output(context->state_->gl, context->state_->log);
+  return context;
+}
+
+core::Expected<Context> Context::adopt(GetProc get_proc, void* user) {
+  auto functions = load_functions(get_proc, user);
+  if (!functions) return tl::unexpected(functions.error());
+  auto state = std::make_unique<State>();
+  state->egl.platform = "adopted";
+  state->gl = *functions;
+  state->vendor = get_string(state->gl, GL_VENDOR);
+  state->renderer = get_string(state->gl, GL_RENDERER);
+  state->version = get_string(state->gl, GL_VERSION);
+  state->capabilities = query_capabilities(state->gl);
+  return Context(std::move(state));
+}
+
+const Functions& Context::functions() const {
+  return state_->gl;
+}
+const Capabilities& Context::capabilities() const {
+  return state_->capabilities;
+}
+const std::string& Context::vendor() const {
+  return state_->vendor;
+}
+const std::string& Context::renderer() const {
+  return state_->renderer;
+}
+const std::string& Context::version() const {
+  return state_->version;
+}
+const std::string& Context::platform() const {
+  return state_->egl.platform;
+}
+const DebugLog& Context::debug_log() const {
+  return state_->log;
+}
+
+core::Expected<void> Context::make_current() const {
+  return state_->egl.context ? make_egl_current(state_->egl) : core::Expected<void>();
+}
+
+void Context::release_current() const {
+  if (state_->egl.context) release_egl_current(state_->egl);
+}
+
+std::vector<std::string> Context::take_errors() {
+  std::vector<std::string> errors;
+  DebugLog& log = state_->log;
+  for (const DebugMessage& message : log.messages()) {
+    if (message.is_error || message.severity == DebugSeverity::kHigh) errors.push_back(message.text);
+  }
+  if (log.errors() > errors.size()) {
+    errors.push_back(fmt::format("{} further GL errors were not kept", log.errors() - errors.size()));
+  }
+  log.clear();
+  if (const GLenum error = check_error(state_->gl); error != GL_NO_ERROR) {
+    errors.push_back("GetError: " + error_name(error));
+  }
+  return errors;
+}
+
+}  // namespace sightline::gl

@@ -1,0 +1,96 @@
+// A GL context: made offscreen through EGL, or a foreign one adopted.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sightline/core/error.h"
+#include "sightline/gl/debug_log.h"
+#include "sightline/gl/functions.h"
+
+namespace sightline::gl {
+
+enum class ContextPlatform : std::uint8_t {
+  kAutomatic,       ///< hardware EGL devices in order, then surfaceless, then software devices
+  kEglSurfaceless,  ///< EGL_MESA_platform_surfaceless
+  kEglDevice,       ///< EGL_EXT_platform_device: the first device that works, hardware first
+};
+
+struct ContextOptions {
+  ContextPlatform platform = ContextPlatform::kAutomatic;
+  int device = -1;                          ///< index of the EGL device for kEglDevice; -1 tries all
+  bool debug = false;                       ///< collect KHR_debug messages; calls become synchronous and slower
+  std::string egl_library = "libEGL.so.1";  ///< opened at run time, so a machine without EGL gets an error value
+};
+
+/// What the context offers beyond what GL 4.5 guarantees. Sizes in the units named.
+struct Capabilities {
+  bool indirect_count = false;          ///< MultiDraw*IndirectCountARB are loaded
+  bool shader_draw_parameters = false;  ///< GL_ARB_shader_draw_parameters
+  bool robust_access = false;           ///< out-of-range reads are defined
+  bool reset_notification = false;      ///< GetGraphicsResetStatus tells of a lost context
+  bool software = false;  ///< a software rasteriser: GPU work is CPU work, and its timer queries mean nothing
+  std::int64_t max_texture_buffer_texels = 0;
+  std::int64_t max_storage_block_bytes = 0;
+  std::int64_t max_uniform_block_bytes = 0;
+  int max_vertex_storage_blocks = 0;  ///< may be 0: read texture buffers in vertex stages
+  int max_geometry_output_vertices = 0;
+  int max_geometry_output_components = 0;  ///< of all vertices together
+  int max_clip_distances = 0;
+  int max_texture_size = 0;  ///< pixels, either side of a 2D texture
+  int max_viewport_width = 0;
+  int max_viewport_height = 0;
+  int max_samples = 0;
+  int max_integer_samples = 0;
+  int uniform_offset_alignment = 0;  ///< bytes
+  int storage_offset_alignment = 0;  ///< bytes
+};
+
+/// Owns (or borrows) one GL context with its function table. Move-only; functions() keeps its address when the Context
+/// moves. Objects made with the table must be destroyed before the Context and while it is current. A thread may use a
+/// context only while it is current there; several contexts in one process are independent.
+///
+/// An offscreen context has no surface at all: with framebuffer 0 bound even a draw with rasterizer discard fails with
+/// GL_INVALID_FRAMEBUFFER_OPERATION, so bind a gl::Framebuffer first (an attachmentless one will do).
+class Context {
+ public:
+  /// Makes an OpenGL 4.5 core context without a window and makes it current. Fails with what was tried and what to
+  /// install when EGL or a driver is absent.
+  static core::Expected<Context> create_offscreen(const ContextOptions& options = {});
+
+  /// Uses the context that is current on this thread (GLFW, Qt, another EGL, OSMesa). It is neither destroyed nor made
+  /// current by this class, its debug callback stays the application's, and it must outlive the Context.
+  static core::Expected<Context> adopt(GetProc get_proc, void* user);
+
+  Context(Context&& other) noexcept;
+  Context& operator=(Context&& other) noexcept;
+  ~Context();
+
+  const Functions& functions() const;
+  const Capabilities& capabilities() const;
+  const std::string& vendor() const;
+  const std::string& renderer() const;
+  const std::string& version() const;
+  /// How it was made: "EGL surfaceless", "EGL device 1", "adopted".
+  const std::string& platform() const;
+
+  /// Makes the context current on this thread. Does nothing for an adopted one.
+  core::Expected<void> make_current() const;
+  /// Leaves no context current, so that another thread may take this one. Does nothing for an adopted one.
+  void release_current() const;
+
+  /// Messages since the last take_errors(), of every severity; empty unless made with ContextOptions::debug.
+  const DebugLog& debug_log() const;
+  /// Errors since the last call: the debug log's errors and messages of high severity, then what GetError has pending.
+  /// Clears the log. The context must be current.
+  std::vector<std::string> take_errors();
+
+ private:
+  struct State;
+  explicit Context(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sightline::gl

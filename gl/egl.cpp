@@ -1,0 +1,253 @@
+#include "sightline/gl/egl.h"
+
+#define EGL_NO_PLATFORM_SPECIFIC_TYPES
+#include <array>
+#include <cassert>
+#include <string_view>
+#include <vector>
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+namespace sightline::gl {
+namespace {
+
+constexpr const char* kHint = "install libegl1 and a driver such as libgl1-mesa-dri";
+
+/// The EGL entry points used here.
+struct Egl {
+  PFNEGLGETPROCADDRESSPROC GetProcAddress = nullptr;
+  PFNEGLQUERYSTRINGPROC QueryString = nullptr;
+  PFNEGLGETERRORPROC GetError = nullptr;
+  PFNEGLINITIALIZEPROC Initialize = nullptr;
+  PFNEGLBINDAPIPROC BindAPI = nullptr;
+  PFNEGLCHOOSECONFIGPROC ChooseConfig = nullptr;
+  PFNEGLCREATECONTEXTPROC CreateContext = nullptr;
+  PFNEGLDESTROYCONTEXTPROC DestroyContext = nullptr;
+  PFNEGLMAKECURRENTPROC MakeCurrent = nullptr;
+  PFNEGLGETCURRENTCONTEXTPROC GetCurrentContext = nullptr;
+  PFNEGLGETPLATFORMDISPLAYEXTPROC GetPlatformDisplay = nullptr;
+  PFNEGLQUERYDEVICESEXTPROC QueryDevices = nullptr;            // may be null
+  PFNEGLQUERYDEVICESTRINGEXTPROC QueryDeviceString = nullptr;  // may be null
+};
+
+template <class Function>
+bool find(void* library, const char* name, Function& function) {
+  function = reinterpret_cast<Function>(dlsym(library, name));
+  return function != nullptr;
+}
+
+template <class Function>
+bool find_extension(const Egl& egl, const char* name, Function& function) {
+  function = reinterpret_cast<Function>(egl.GetProcAddress(name));
+  return function != nullptr;
+}
+
+core::Expected<Egl> load_egl(void* library) {
+  Egl egl;
+  const bool core_found =
+      find(library, "eglGetProcAddress", egl.GetProcAddress) && find(library, "eglQueryString", egl.QueryString) &&
+      find(library, "eglGetError", egl.GetError) && find(library, "eglInitialize", egl.Initialize) &&
+      find(library, "eglBindAPI", egl.BindAPI) && find(library, "eglChooseConfig", egl.ChooseConfig) &&
+      find(library, "eglCreateContext", egl.CreateContext) && find(library, "eglDestroyContext", egl.DestroyContext) &&
+      find(library, "eglMakeCurrent", egl.MakeCurrent) && find(library, "eglGetCurrentContext", egl.GetCurrentContext);
+  if (!core_found) return core::fail("EGL: the library lacks entry points of EGL 1.4");
+  if (!find_extension(egl, "eglGetPlatformDisplayEXT", egl.GetPlatformDisplay)) {
+    return core::fail("EGL: EGL_EXT_platform_base is required");
+  }
+  find_extension(egl, "eglQueryDevicesEXT", egl.QueryDevices);
+  find_extension(egl, "eglQueryDeviceStringEXT", egl.QueryDeviceString);
+  return egl;
+}
+
+/// Whether a space-separated list holds exactly this name. The list may be null.
+bool has_extension(const char* list, std::string_view name) {
+  std::string_view rest = list ? list : "";
+  while (!rest.empty()) {
+    const std::size_t end = rest.find(' ');
+    if (rest.substr(0, end) == name) return true;
+    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
+  }
+  return false;
+}
+
+std::string egl_error(const Egl& egl) {
+  const EGLint error = egl.GetError();
+  switch (error) {
+    case EGL_NOT_INITIALIZED:
+      return "EGL_NOT_INITIALIZED";
+    case EGL_BAD_ACCESS:
+      return "EGL_BAD_ACCESS";
+    case EGL_BAD_ALLOC:
+      return "EGL_BAD_ALLOC";
+    case EGL_BAD_ATTRIBUTE:
+      return "EGL_BAD_ATTRIBUTE";
+    case EGL_BAD_CONFIG:
+      return "EGL_BAD_CONFIG";
+    case EGL_BAD_DISPLAY:
+      return "EGL_BAD_DISPLAY";
+    case EGL_BAD_MATCH:
+      return "EGL_BAD_MATCH";
+    case EGL_BAD_PARAMETER:
+      return "EGL_BAD_PARAMETER";
+    case EGL_SUCCESS:
+      return "no reason given";
+    default:
+      return fmt::format("EGL error {:#06x}", error);
+  }
+}
+
+/// A way to get a display.
+struct Candidate {
+  EGLenum platform = EGL_NONE;
+  EGLDeviceEXT device = nullptr;  ///< null for surfaceless
+  bool software = false;
+  std::string name;
+};
+
+std::vector<Candidate> list_devices(const Egl& egl, int only) {
+  std::vector<Candidate> candidates;
+  std::array<EGLDeviceEXT, 32> devices{};
+  EGLint count = 0;
+  if (!egl.QueryDevices || !egl.QueryDevices(static_cast<EGLint>(devices.size()), devices.data(), &count)) return {};
+  for (EGLint i = 0; i < count; ++i) {
+    if (only >= 0 && i != only) continue;
+    const EGLDeviceEXT device = devices[static_cast<std::size_t>(i)];
+    const char* extensions = egl.QueryDeviceString ? egl.QueryDeviceString(device, EGL_EXTENSIONS) : nullptr;
+    const bool software = has_extension(extensions, "EGL_MESA_device_software");
+    candidates.push_back(
+        {EGL_PLATFORM_DEVICE_EXT, device, software, fmt::format("EGL device {}{}", i, software ? " (software)" : "")});
+  }
+  return candidates;
+}
+
+/// Platforms to try, best first: a hardware device beats whatever the surfaceless platform picks.
+std::vector<Candidate> list_candidates(const Egl& egl, const ContextOptions& options) {
+  const char* extensions = egl.QueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  std::vector<Candidate> candidates;
+  std::vector<Candidate> devices;
+  if (options.platform != ContextPlatform::kEglSurfaceless && has_extension(extensions, "EGL_EXT_platform_device")) {
+    devices = list_devices(egl, options.platform == ContextPlatform::kEglDevice ? options.device : -1);
+  }
+  for (const Candidate& device : devices) {
+    if (!device.software) candidates.push_back(device);
+  }
+  if (options.platform != ContextPlatform::kEglDevice && has_extension(extensions, "EGL_MESA_platform_surfaceless")) {
+    candidates.push_back({EGL_PLATFORM_SURFACELESS_MESA, nullptr, false, "EGL surfaceless"});
+  }
+  for (const Candidate& device : devices) {
+    if (device.software) candidates.push_back(device);
+  }
+  return candidates;
+}
+
+core::Expected<EGLConfig> choose_config(const Egl& egl, EGLDisplay display, const char* extensions) {
+  if (has_extension(extensions, "EGL_KHR_no_config_context")) return EGLConfig(EGL_NO_CONFIG_KHR);
+  // No surface is ever made, so any configuration that OpenGL can use will do.
+  const EGLint attributes[] = {EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+  EGLConfig config = nullptr;
+  EGLint count = 0;
+  if (egl.ChooseConfig(display, attributes, &config, 1, &count) && count > 0) return config;
+  return core::fail("no EGL configuration for OpenGL");
+}
+
+core::Expected<EGLContext> create_context(const Egl& egl, EGLDisplay display, bool debug) {
+  const char* extensions = egl.QueryString(display, EGL_EXTENSIONS);
+  if (!has_extension(extensions, "EGL_KHR_surfaceless_context")) {
+    return core::fail("EGL_KHR_surfaceless_context is absent");
+  }
+  auto config = choose_config(egl, display, extensions);
+  if (!config) return tl::unexpected(config.error());
+  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION_KHR,
+                               kRequiredMajor,
+                               EGL_CONTEXT_MINOR_VERSION_KHR,
+                               kRequiredMinor,
+                               EGL_CONTEXT_OPENGL_PROFILE_MASK_KHR,
+                               EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
+                               EGL_CONTEXT_FLAGS_KHR,
+                               debug ? EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR : 0,
+                               EGL_NONE};
+  const EGLContext context = egl.CreateContext(display, *config, EGL_NO_CONTEXT, attributes);
+  if (context != EGL_NO_CONTEXT) return context;
+  return core::fail(fmt::format("no OpenGL {}.{} core context: {}", kRequiredMajor, kRequiredMinor, egl_error(egl)));
+}
+
+core::Expected<EglContext> try_candidate(const Egl& egl, const Candidate& candidate, bool debug) {
+  const EGLDisplay display = egl.GetPlatformDisplay(
+      candidate.platform, candidate.device ? candidate.device : static_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);
+  if (display == EGL_NO_DISPLAY) return core::fail("no display: " + egl_error(egl));
+  EGLint major = 0;
+  EGLint minor = 0;
+  if (!egl.Initialize(display, &major, &minor)) return core::fail("eglInitialize: " + egl_error(egl));
+  if (!egl.BindAPI(EGL_OPENGL_API)) return core::fail("desktop OpenGL is not offered: " + egl_error(egl));
+  auto context = create_context(egl, display, debug);
+  if (!context) return tl::unexpected(context.error());
+  EglContext made{nullptr, display, *context, candidate.name};
+  if (egl.MakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, *context)) return made;
+  const std::string reason = egl_error(egl);
+  egl.DestroyContext(display, *context);
+  return core::fail("eglMakeCurrent: " + reason);
+}
+
+/// The same for a library that made a context before, so it cannot fail.
+Egl reload(void* library) {
+  auto egl = load_egl(library);
+  assert(egl);
+  return *egl;
+}
+
+}  // namespace
+
+core::Expected<EglContext> create_egl_context(const ContextOptions& options) {
+  // RTLD_NODELETE and no dlclose: leak checkers and drivers' exit handlers need the code where it was.
+  void* library = dlopen(options.egl_library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (!library) {
+    const char* reason = dlerror();
+    return core::fail(
+        fmt::format("no EGL: {}; tried {} ({})", kHint, options.egl_library, reason ? reason : "no reason given"));
+  }
+  auto egl = load_egl(library);
+  if (!egl) return core::fail(fmt::format("{}; tried {}; {}", egl.error().message, options.egl_library, kHint));
+
+  std::string tried;
+  for (const Candidate& candidate : list_candidates(*egl, options)) {
+    auto context = try_candidate(*egl, candidate, options.debug);
+    if (context) {
+      context->library = library;
+      return context;
+    }
+    tried += fmt::format("{}{}: {}", tried.empty() ? "" : "; ", candidate.name, context.error().message);
+  }
+  if (tried.empty()) tried = "none, the library offers no such platform or device";
+  return core::fail(
+      fmt::format("EGL: no platform gave a context; {}; tried {} ({})", kHint, tried, options.egl_library));
+}
+
+void destroy_egl_context(const EglContext& context) {
+  release_egl_current(context);
+  reload(context.library).DestroyContext(context.display, context.context);
+}
+
+core::Expected<void> make_egl_current(const EglContext& context) {
+  const Egl egl = reload(context.library);
+  egl.BindAPI(EGL_OPENGL_API);
+  if (egl.MakeCurrent(context.display, EGL_NO_SURFACE, EGL_NO_SURFACE, context.context)) return {};
+  return core::fail("eglMakeCurrent: " + egl_error(egl));
+}
+
+void release_egl_current(const EglContext& context) {
+  const Egl egl = reload(context.library);
+  egl.BindAPI(EGL_OPENGL_API);
+  if (egl.GetCurrentContext() != context.context) return;
+  egl.MakeCurrent(context.display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+}
+
+Proc egl_get_proc(const char* name, void* library) {
+  PFNEGLGETPROCADDRESSPROC get_proc_address = nullptr;
+  if (!find(library, "eglGetProcAddress", get_proc_address)) return nullptr;
+  return get_proc_address(name);
+}
+
+}  // namespace sightline::gl

@@ -1,0 +1,40 @@
+// How long the GPU took, asked without ever waiting for it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "sightline/gl/functions.h"
+
+namespace sightline::gl {
+
+/// Measures spans of GPU work with pairs of GL_TIMESTAMP queries in a ring; results arrive some frames later.
+/// Move-only. On software rasterisers (Capabilities::software) the figures mean nothing: use a wall clock there.
+class GpuTimer {
+ public:
+  static constexpr std::size_t kSlots = 8;
+
+  explicit GpuTimer(const Functions& gl);
+  GpuTimer(GpuTimer&& other) noexcept;
+  GpuTimer& operator=(GpuTimer&& other) noexcept;
+  ~GpuTimer();
+
+  /// Starts a span. With all slots still unread this span is not measured, and false is returned; end() is due anyway.
+  bool begin();
+  void end();
+
+  /// The oldest finished span in milliseconds, in order of begin(); nothing while the GPU is not through with it.
+  std::optional<double> poll();
+
+  std::size_t pending() const { return count_; }  ///< spans ended and not yet polled
+
+ private:
+  const Functions* gl_ = nullptr;
+  std::array<GLuint, 2 * kSlots> queries_{};  // begin and end of each slot; all 0 when moved from
+  std::size_t first_ = 0;                     // oldest slot not yet read
+  std::size_t count_ = 0;
+  bool open_ = false;
+};
+
+}  // namespace sightline::gl

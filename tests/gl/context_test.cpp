@@ -1,0 +1,325 @@
+#include "sightline/gl/context.h"
+
+#include <cstring>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include "sightline/gl/buffer.h"
+#include "sightline/tests/support/gl_test.h"
+
+namespace sightline::gl {
+namespace {
+
+using ContextTest = tests::GlTest;
+
+/// An application's own way to find functions: EGL's, with some names held back.
+struct ForeignLoader {
+  void* library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_NODELETE);
+  const char* hidden = "";
+  const char* also_hidden = "";
+};
+
+Proc foreign_get_proc(const char* name, void* user) {
+  const auto* loader = static_cast<const ForeignLoader*>(user);
+  if (std::strcmp(name, loader->hidden) == 0 || std::strcmp(name, loader->also_hidden) == 0) return nullptr;
+  const auto get = reinterpret_cast<Proc (*)(const char*)>(dlsym(loader->library, "eglGetProcAddress"));
+  return get(name);
+}
+
+Context make_context(ContextPlatform platform) {
+  ContextOptions options;
+  options.platform = platform;
+  options.debug = true;
+  auto made = Context::create_offscreen(options);
+  EXPECT_TRUE(made) << made.error().message;
+  return std::move(*made);
+}
+
+GLuint make_buffer_of(const Context& context, std::uint32_t value, Buffer& buffer) {
+  auto made = Buffer::create(context.functions(), sizeof value, &value, 0, "one value");
+  EXPECT_TRUE(made) << made.error().message;
+  buffer = std::move(*made);
+  return buffer.id();
+}
+
+std::uint32_t value_in(const Buffer& buffer) {
+  std::uint32_t value = 0;
+  buffer.read(0, sizeof value, &value);
+  return value;
+}
+
+TEST_F(ContextTest, AutomaticContextIsUsable) {
+  EXPECT_FALSE(context->renderer().empty());
+  EXPECT_FALSE(context->vendor().empty());
+  EXPECT_FALSE(context->version().empty());
+  EXPECT_EQ(context->platform().rfind("EGL ", 0), 0u) << context->platform();
+  GLint profile = 0;
+  gl().GetIntegerv(GL_CONTEXT_PROFILE_MASK, &profile);
+  EXPECT_EQ(profile, GL_CONTEXT_CORE_PROFILE_BIT);
+  RecordProperty("renderer", context->renderer());
+}
+
+TEST_F(ContextTest, CapabilitiesMeetWhatGlGuarantees) {
+  const Capabilities& caps = context->capabilities();
+  EXPECT_GE(caps.max_texture_buffer_texels, 65536);
+  EXPECT_GE(caps.max_storage_block_bytes, 1 << 24);
+  EXPECT_GE(caps.max_uniform_block_bytes, 16384);
+  EXPECT_GE(caps.max_geometry_output_vertices, 256);
+  EXPECT_GE(caps.max_geometry_output_components, 1024);
+  EXPECT_GE(caps.max_clip_distances, 8);
+  EXPECT_GE(caps.max_texture_size, 16384);
+  EXPECT_GE(caps.max_samples, 4);
+  EXPECT_GT(caps.uniform_offset_alignment, 0);
+  EXPECT_EQ(caps.software, context->renderer().find("llvmpipe") != std::string::npos) << context->renderer();
+  EXPECT_EQ(caps.indirect_count, gl().MultiDrawElementsIndirectCountARB != nullptr);
+}
+
+TEST_F(ContextTest, EachPlatformEitherWorksOrSaysWhyNot) {
+  for (const ContextPlatform platform : {ContextPlatform::kEglSurfaceless, ContextPlatform::kEglDevice}) {
+    ContextOptions options;
+    options.platform = platform;
+    auto made = Context::create_offscreen(options);
+    if (!made) {
+      EXPECT_NE(made.error().message.find("tried"), std::string::npos) << made.error().message;
+      continue;
+    }
+    const char* expected = platform == ContextPlatform::kEglDevice ? "EGL device" : "EGL surfaceless";
+    EXPECT_EQ(made->platform().rfind(expected, 0), 0u) << made->platform();
+    EXPECT_TRUE(made->take_errors().empty());
+  }
+  ASSERT_TRUE(context->make_current());
+}
+
+TEST_F(ContextTest, AbsentDeviceIsAnError) {
+  ContextOptions options;
+  options.platform = ContextPlatform::kEglDevice;
+  options.device = 1000;
+  const auto made = Context::create_offscreen(options);
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().message.find("tried none"), std::string::npos) << made.error().message;
+}
+
+TEST(ContextWithoutEgl, MissingLibraryIsAnErrorThatSaysWhatToInstall) {
+  ContextOptions options;
+  options.egl_library = "libEGL-that-is-not-there.so.1";
+  const auto made = Context::create_offscreen(options);
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().message.find("no EGL: install libegl1"), std::string::npos) << made.error().message;
+  EXPECT_NE(made.error().message.find("libEGL-that-is-not-there.so.1"), std::string::npos);
+}
+
+TEST(ContextWithoutEgl, AnotherLibraryIsAnError) {
+  ContextOptions options;
+  options.egl_library = "libm.so.6";
+  const auto made = Context::create_offscreen(options);
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().message.find("libm.so.6"), std::string::npos) << made.error().message;
+}
+
+TEST_F(ContextTest, AdoptsAForeignContext) {
+  ForeignLoader loader;
+  auto adopted = Context::adopt(&foreign_get_proc, &loader);
+  ASSERT_TRUE(adopted) << adopted.error().message;
+  EXPECT_EQ(adopted->platform(), "adopted");
+  EXPECT_EQ(adopted->renderer(), context->renderer());
+  {
+    Buffer buffer;
+    make_buffer_of(*adopted, 42, buffer);
+    EXPECT_EQ(value_in(buffer), 42u);
+  }
+  EXPECT_TRUE(adopted->make_current());
+  adopted->release_current();
+  adopted = core::fail("dropped");
+  // The application's context is as it was.
+  GLint major = 0;
+  gl().GetIntegerv(GL_MAJOR_VERSION, &major);
+  EXPECT_EQ(major, 4);
+}
+
+TEST_F(ContextTest, AdoptingWithoutAContextIsAnError) {
+  context->release_current();
+  ForeignLoader loader;
+  const auto adopted = Context::adopt(&foreign_get_proc, &loader);
+  ASSERT_FALSE(adopted);
+  EXPECT_NE(adopted.error().message.find("no context is current"), std::string::npos) << adopted.error().message;
+  ASSERT_TRUE(context->make_current());
+}
+
+TEST_F(ContextTest, MissingFunctionsAreAllNamed) {
+  ForeignLoader loader;
+  loader.hidden = "glMultiDrawElementsIndirect";
+  loader.also_hidden = "glClipControl";
+  const auto functions = load_functions(&foreign_get_proc, &loader);
+  ASSERT_FALSE(functions);
+  const std::string& message = functions.error().message;
+  EXPECT_NE(message.find("glMultiDrawElementsIndirect"), std::string::npos) << message;
+  EXPECT_NE(message.find("glClipControl"), std::string::npos) << message;
+  EXPECT_NE(message.find("required 4.5"), std::string::npos) << message;
+  EXPECT_EQ(message.find("glEnable"), std::string::npos) << message;
+}
+
+TEST_F(ContextTest, MissingBasicFunctionIsNamed) {
+  ForeignLoader loader;
+  loader.hidden = "glGetString";
+  const auto functions = load_functions(&foreign_get_proc, &loader);
+  ASSERT_FALSE(functions);
+  EXPECT_NE(functions.error().message.find("glGetString"), std::string::npos) << functions.error().message;
+}
+
+TEST_F(ContextTest, MissingExtensionFunctionIsNull) {
+  ForeignLoader loader;
+  loader.hidden = "glMultiDrawElementsIndirectCountARB";
+  auto adopted = Context::adopt(&foreign_get_proc, &loader);
+  ASSERT_TRUE(adopted) << adopted.error().message;
+  EXPECT_EQ(adopted->functions().MultiDrawElementsIndirectCountARB, nullptr);
+  EXPECT_FALSE(adopted->capabilities().indirect_count);
+}
+
+PFNGLGETSTRINGIPROC real_get_stringi = nullptr;
+const GLubyte* APIENTRY hide_indirect_parameters(GLenum name, GLuint index) {
+  const GLubyte* text = real_get_stringi(name, index);
+  const bool hidden = std::strcmp(reinterpret_cast<const char*>(text), "GL_ARB_indirect_parameters") == 0;
+  return hidden ? reinterpret_cast<const GLubyte*>("GL_hidden") : text;
+}
+Proc get_proc_without_extension(const char* name, void* user) {
+  if (std::strcmp(name, "glGetStringi") == 0) return reinterpret_cast<Proc>(&hide_indirect_parameters);
+  return foreign_get_proc(name, user);
+}
+
+/// Platforms find functions of extensions that the context does not have.
+TEST_F(ContextTest, FunctionsOfUnlistedExtensionsAreNull) {
+  ForeignLoader loader;
+  real_get_stringi = gl().GetStringi;
+  const auto functions = load_functions(&get_proc_without_extension, &loader);
+  ASSERT_TRUE(functions) << functions.error().message;
+  EXPECT_EQ(functions->MultiDrawElementsIndirectCountARB, nullptr);
+  EXPECT_EQ(functions->MultiDrawArraysIndirectCountARB, nullptr);
+}
+
+TEST_F(ContextTest, NothingIsCurrentAfterTheCurrentOneEnds) {
+  { const Context other = make_context(ContextPlatform::kAutomatic); }
+  ForeignLoader loader;
+  EXPECT_FALSE(load_functions(&foreign_get_proc, &loader));
+  ASSERT_TRUE(context->make_current());
+}
+
+const GLubyte* APIENTRY old_get_string(GLenum) {
+  return reinterpret_cast<const GLubyte*>("3.3 (Core Profile) Fake");
+}
+void APIENTRY old_get_integer(GLenum name, GLint* value) {
+  *value = name == GL_NUM_EXTENSIONS ? 0 : 3;
+}
+Proc old_get_proc(const char* name, void*) {
+  if (std::strcmp(name, "glGetString") == 0) return reinterpret_cast<Proc>(&old_get_string);
+  return reinterpret_cast<Proc>(&old_get_integer);
+}
+
+TEST(LoadFunctions, OldVersionIsAnErrorThatSaysBothVersions) {
+  const auto functions = load_functions(&old_get_proc, nullptr);
+  ASSERT_FALSE(functions);
+  EXPECT_EQ(functions.error().message, "OpenGL: found version 3.3 (Core Profile) Fake, required 4.5 core");
+}
+
+TEST_F(ContextTest, DebugErrorsAreCollectedAndTaken) {
+  gl().Enable(0xdead);
+  const auto errors = context->take_errors();
+  ASSERT_EQ(errors.size(), 2u);
+  EXPECT_NE(errors[0].find("GL_INVALID_ENUM"), std::string::npos) << errors[0];
+  EXPECT_EQ(errors[1], "GetError: GL_INVALID_ENUM");
+  EXPECT_TRUE(context->take_errors().empty());
+}
+
+TEST_F(ContextTest, DebugLogIsBounded) {
+  for (std::size_t i = 0; i < DebugLog::kCapacity + 10; ++i) gl().Enable(0xdead);
+  EXPECT_EQ(context->debug_log().messages().size(), DebugLog::kCapacity);
+  EXPECT_EQ(context->debug_log().dropped(), 10u);
+  const auto errors = context->take_errors();
+  ASSERT_EQ(errors.size(), DebugLog::kCapacity + 2);
+  EXPECT_EQ(errors[DebugLog::kCapacity], "10 further GL errors were not kept");
+  EXPECT_TRUE(context->debug_log().messages().empty());
+}
+
+TEST_F(ContextTest, WithoutDebugGetErrorIsStillAsked) {
+  auto plain = Context::create_offscreen();
+  ASSERT_TRUE(plain) << plain.error().message;
+  plain->functions().Enable(0xdead);
+  EXPECT_EQ(plain->take_errors(), std::vector<std::string>{"GetError: GL_INVALID_ENUM"});
+  plain = core::fail("dropped");
+  ASSERT_TRUE(context->make_current());
+}
+
+TEST_F(ContextTest, TwoContextsAreIndependent) {
+  Buffer here;
+  make_buffer_of(*context, 1, here);
+  {
+    Context other = make_context(ContextPlatform::kAutomatic);
+    Buffer there;
+    make_buffer_of(other, 2, there);
+    ASSERT_TRUE(context->make_current());
+    EXPECT_EQ(value_in(here), 1u);
+    gl().Enable(0xdead);
+    ASSERT_TRUE(other.make_current());
+    EXPECT_EQ(value_in(there), 2u);
+    EXPECT_TRUE(other.take_errors().empty());
+  }
+  // The other one's end leaves this one alive.
+  ASSERT_TRUE(context->make_current());
+  EXPECT_EQ(context->take_errors().size(), 2u);
+  EXPECT_EQ(value_in(here), 1u);
+}
+
+TEST_F(ContextTest, MovingKeepsTheTableAndTheLog) {
+  const Functions* table = &gl();
+  Context moved = std::move(*context);
+  EXPECT_EQ(&moved.functions(), table);
+  moved.functions().Enable(0xdead);
+  EXPECT_EQ(moved.take_errors().size(), 2u);
+  *context = std::move(moved);
+  EXPECT_EQ(&gl(), table);
+}
+
+TEST_F(ContextTest, AnotherThreadMayTakeIt) {
+  context->release_current();
+  bool taken = false;
+  std::uint32_t value = 0;
+  std::thread worker([&] {
+    taken = context->make_current().has_value();
+    Buffer buffer;
+    make_buffer_of(*context, 7, buffer);
+    value = value_in(buffer);
+    buffer = Buffer();
+    context->release_current();
+  });
+  worker.join();
+  EXPECT_TRUE(taken);
+  EXPECT_EQ(value, 7u);
+  ASSERT_TRUE(context->make_current());
+}
+
+TEST_F(ContextTest, ManyContextsInTurn) {
+  for (int i = 0; i < 20; ++i) {
+    const Context other = make_context(ContextPlatform::kAutomatic);
+    EXPECT_NE(&other.functions(), &gl());
+  }
+  ASSERT_TRUE(context->make_current());
+}
+
+int draw_calls = 0;
+void APIENTRY count_draw(GLenum, GLint, GLsizei) {
+  ++draw_calls;
+}
+
+TEST_F(ContextTest, ATableCanBeCopiedAndItsCallsCounted) {
+  Functions counted = gl();
+  counted.DrawArrays = &count_draw;
+  draw_calls = 0;
+  counted.DrawArrays(GL_TRIANGLES, 0, 3);
+  EXPECT_EQ(draw_calls, 1);
+}
+
+}  // namespace
+}  // namespace sightline::gl

@@ -1,0 +1,2 @@
+// The depth of everything the triangle draws.
+float plane_depth() { return u_depth; }

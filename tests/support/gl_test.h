@@ -1,0 +1,47 @@
+// Fixture for tests that need a GL context.
+#pragma once
+
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "sightline/gl/context.h"
+
+namespace sightline::tests {
+
+/// Each test gets an offscreen debug context of its own, current on the test's thread, and fails when an error is left
+/// in it at the end. Without EGL or a driver the test is skipped with the reason, or fails if SIGHTLINE_REQUIRE_GL is
+/// set to other than 0 (so that a machine that should have GL cannot pass by skipping).
+///
+/// GL objects of the test body die before the context. Members of a derived fixture do not: reset them in a TearDown()
+/// that then calls GlTest::TearDown().
+class GlTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    gl::ContextOptions options;
+    options.debug = true;
+    auto made = gl::Context::create_offscreen(options);
+    if (made) {
+      context.emplace(std::move(*made));
+      return;
+    }
+    const char* require = std::getenv("SIGHTLINE_REQUIRE_GL");
+    if (require && std::string(require) != "0") FAIL() << made.error().message;
+    GTEST_SKIP() << made.error().message;
+  }
+
+  void TearDown() override {
+    if (!context) return;
+    for (const std::string& error : context->take_errors()) ADD_FAILURE() << "GL error left: " << error;
+    context.reset();
+  }
+
+  const gl::Functions& gl() const { return context->functions(); }
+
+  std::optional<gl::Context> context;
+};
+
+}  // namespace sightline::tests
