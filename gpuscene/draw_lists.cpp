@@ -1,0 +1,178 @@
+#include "sightline/gpuscene/draw_lists.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace sightline::gpuscene {
+namespace {
+
+using core::Slot;
+using core::SlotRange;
+using core::Snapshot;
+
+/// Shorter ranges go to the list of single records: a command costs more than that many ids.
+constexpr std::uint32_t kShortestRange = 128;
+
+/// Records per command: eight corners each must stay within 16-bit indices, and the index patterns should stay small.
+constexpr std::uint32_t kRecordsPerCommand = 2048;
+
+/// Corner c of a box has bits x = c & 1, y = c >> 1 & 1, z = c >> 2, set on the side towards the viewer. The first
+/// three faces are those sides, the last three the others; counter-clockwise from outside when bit set means the larger
+/// coordinate.
+constexpr std::array<std::uint16_t, 36> kBoxIndices = {1, 3, 7, 1, 7, 5, 2, 6, 7, 2, 7, 3, 4, 5, 7, 4, 7, 6,
+                                                       0, 4, 6, 0, 6, 2, 0, 1, 5, 0, 5, 4, 0, 2, 3, 0, 3, 1};
+constexpr std::uint32_t kProxyIndexCount = 18;
+constexpr std::uint32_t kBoxIndexCount = 36;
+constexpr std::uint32_t kLineIndexCount = 2;
+
+struct IndexPattern {
+  std::uint32_t first_index, per_record;
+  std::int32_t vertices_per_record;
+};
+
+/// Where a batch's pattern lies in corner_indices(): proxies, then boxes, then lines, kRecordsPerCommand repeats each.
+IndexPattern pattern_of(BatchKind kind) {
+  if (kind == BatchKind::kBox) return {kRecordsPerCommand * kProxyIndexCount, kBoxIndexCount, kCornersPerRecord};
+  if (kind == BatchKind::kLine)
+    return {kRecordsPerCommand * (kProxyIndexCount + kBoxIndexCount), kLineIndexCount, kLineIndexCount};
+  return {0, kProxyIndexCount, kCornersPerRecord};
+}
+
+std::vector<std::uint16_t> corner_patterns() {
+  std::vector<std::uint16_t> indices;
+  for (const std::uint32_t per_record : {kProxyIndexCount, kBoxIndexCount})
+    for (std::uint32_t record = 0; record < kRecordsPerCommand; ++record)
+      for (std::uint32_t i = 0; i < per_record; ++i)
+        indices.push_back(std::uint16_t(record * kCornersPerRecord + kBoxIndices[i]));
+  for (std::uint32_t i = 0; i < kRecordsPerCommand * kLineIndexCount; ++i) indices.push_back(std::uint16_t(i));
+  return indices;
+}
+
+}  // namespace
+
+core::Expected<DrawLists> DrawLists::create(const gl::Context& context, const GpuScene& scene) {
+  DrawLists lists;
+  lists.gl_ = &context.functions();
+  const gl::Functions& gl = context.functions();
+  const Batch* meshes = scene.batch(BatchKind::kMesh);
+  if (meshes) {
+    std::vector<std::uint32_t> identity(meshes->count);
+    std::iota(identity.begin(), identity.end(), 0u);
+    auto buffer = gl::Buffer::create(gl, std::span(identity), 0, "mesh instances");
+    if (!buffer) return tl::unexpected(buffer.error());
+    lists.mesh_instances_ = std::move(*buffer);
+  }
+  if (scene.batches().size() > (meshes ? 1u : 0u)) {
+    const std::vector<std::uint16_t> patterns = corner_patterns();
+    auto buffer = gl::Buffer::create(gl, std::span(patterns), 0, "corner indices");
+    if (!buffer) return tl::unexpected(buffer.error());
+    lists.corner_indices_ = std::move(*buffer);
+  }
+  return lists;
+}
+
+void DrawLists::append(const ElementsCommand* commands, std::size_t count) {
+  command_list_.insert(command_list_.end(), commands, commands + count);
+}
+
+void DrawLists::append_records(BatchKind kind, std::uint32_t first, std::uint32_t count) {
+  const IndexPattern pattern = pattern_of(kind);
+  for (std::uint32_t done = 0; done < count; done += kRecordsPerCommand) {
+    const std::uint32_t n = std::min(kRecordsPerCommand, count - done);
+    const ElementsCommand command{n * pattern.per_record, 1, pattern.first_index,
+                                  std::int32_t(first + done) * pattern.vertices_per_record, 0};
+    append(&command, 1);
+  }
+}
+
+void DrawLists::list_records(const Snapshot& snapshot, const Batch& batch, const core::VisibleSet& visible) {
+  const std::size_t begin = command_list_.size(), singles_begin = single_list_.size();
+  for (const SlotRange& range : visible.ranges) {
+    const std::uint32_t first = GpuScene::rank(snapshot, batch.kind, range.first);
+    const std::uint32_t count = GpuScene::rank(snapshot, batch.kind, range.first + range.count) - first;
+    if (count >= kShortestRange) {
+      append_records(batch.kind, first, count);
+    } else {
+      const std::size_t old = single_list_.size();
+      single_list_.resize(old + count);
+      std::iota(single_list_.begin() + std::ptrdiff_t(old), single_list_.end(), first);
+    }
+  }
+  for (const Slot slot : visible.items)
+    if (batch_of(snapshot.kind(slot)) == batch.kind) single_list_.push_back(snapshot.index_in_kind(slot));
+  const std::size_t place = std::size_t(frame_) * single_capacity_ + singles_begin;
+  append_records(batch.kind, batch.count + std::uint32_t(place), std::uint32_t(single_list_.size() - singles_begin));
+  sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
+}
+
+void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const core::VisibleSet& visible) {
+  const std::size_t begin = command_list_.size();
+  for (const SlotRange& range : visible.ranges) {
+    const std::uint32_t first = GpuScene::rank(snapshot, BatchKind::kMesh, range.first);
+    append(pool.commands.data() + first, GpuScene::rank(snapshot, BatchKind::kMesh, range.first + range.count) - first);
+  }
+  for (const Slot slot : visible.items)
+    if (batch_of(snapshot.kind(slot)) == BatchKind::kMesh)
+      append(pool.commands.data() + GpuScene::rank(snapshot, BatchKind::kMesh, slot), 1);
+  sections_[std::size_t(BatchKind::kMesh)] = {begin, int(command_list_.size() - begin)};
+}
+
+core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene,
+                                       const core::VisibleSet& visible) {
+  sections_ = {};
+  frame_ = (frame_ + 1) % kFramesInFlight;
+  // Every visible item could become a single one: with room for that, places in the list are known before it is filled.
+  if (visible.count() > single_capacity_ || singles_.size() == 0)
+    if (auto done = grow_singles(std::size_t(visible.count())); !done) return done;
+  command_list_.clear();
+  single_list_.clear();
+  for (const Batch& b : scene.batches()) {
+    if (b.kind == BatchKind::kMesh) {
+      list_meshes(snapshot, scene.meshes(), visible);
+    } else {
+      list_records(snapshot, b, visible);
+    }
+  }
+  auto done = upload();
+  if (!done) sections_ = {};
+  return done;
+}
+
+core::Expected<void> DrawLists::grow_singles(std::size_t capacity) {
+  single_capacity_ = std::max<std::size_t>(1024, capacity + capacity / 2);
+  const std::size_t bytes = kFramesInFlight * single_capacity_ * sizeof(std::uint32_t);
+  auto buffer = gl::Buffer::create(*gl_, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, "visible records");
+  if (!buffer) return tl::unexpected(buffer.error());
+  auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_R32UI, "visible records");
+  if (!texels) return tl::unexpected(texels.error());
+  single_texels_ = std::move(*texels);
+  singles_ = std::move(*buffer);
+  return {};
+}
+
+core::Expected<void> DrawLists::upload() {
+  if (command_list_.empty()) return {};
+  if (command_list_.size() > command_capacity_) {
+    command_capacity_ = std::max<std::size_t>(256, 2 * command_list_.size());
+    auto buffer = gl::Buffer::create(*gl_, kFramesInFlight * command_capacity_ * sizeof(ElementsCommand), nullptr,
+                                     GL_DYNAMIC_STORAGE_BIT, "draw commands");
+    if (!buffer) return tl::unexpected(buffer.error());
+    commands_ = std::move(*buffer);
+  }
+  const std::size_t frame = std::size_t(frame_);
+  const auto place = [&](std::size_t command) {
+    return (frame * command_capacity_ + command) * sizeof(ElementsCommand);
+  };
+  for (Section& section : sections_) section.offset = place(section.offset);
+  commands_.write(place(0), command_list_.size() * sizeof(ElementsCommand), command_list_.data());
+  if (!single_list_.empty())
+    singles_.write(frame * single_capacity_ * sizeof(std::uint32_t), single_list_.size() * sizeof(std::uint32_t),
+                   single_list_.data());
+  return {};
+}
+
+std::size_t DrawLists::memory_bytes() const {
+  return commands_.size() + singles_.size() + corner_indices_.size() + mesh_instances_.size();
+}
+
+}  // namespace sightline::gpuscene

@@ -1,0 +1,87 @@
+// gpuscene: what of a snapshot lies in GPU memory. Batches with their records, the mesh pool, chunk origins, materials,
+// and the GPU form of a visible set. Draws nothing and culls nothing.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sightline/core/snapshot.h"
+#include "sightline/gl/buffer.h"
+#include "sightline/gl/context.h"
+#include "sightline/gpuprims/packing.h"
+
+namespace sightline::gpuscene {
+
+struct GpuSceneConfig {
+  /// Metres between a tessellated kind's triangles and its true surface. Smaller: rounder dishes, more triangles.
+  double chord_tolerance = 2e-4;
+  /// Per full circle; bounds the triangles of a huge tank.
+  int max_segments = 256;
+};
+
+/// Items that one program draws. There is a batch only for what the scene holds.
+enum class BatchKind : std::uint8_t { kCylinder, kSnout, kCircularTorus, kBox, kLine, kMesh };
+inline constexpr int kBatchKindCount = 6;
+
+std::string_view batch_name(BatchKind kind);
+
+/// The batch that draws items of a kind: every tessellated kind goes to kMesh.
+BatchKind batch_of(core::Kind kind);
+
+/// One record per item, in slot order: place k of a ray-cast, box or line batch is place k of the snapshot's of_kind()
+/// arrays.
+struct Batch {
+  BatchKind kind = BatchKind::kMesh;
+  std::uint32_t count = 0;
+  int texels_per_item = 4;
+  gl::Buffer records;
+  gl::TextureBuffer texels;
+};
+
+/// glMultiDrawElementsIndirect's record.
+struct ElementsCommand {
+  std::uint32_t count, instance_count, first_index;
+  std::int32_t base_vertex;
+  std::uint32_t base_instance;
+};
+static_assert(sizeof(ElementsCommand) == 20);
+
+/// Triangles of all meshes and tessellated kinds; equal shapes are stored once.
+struct MeshPool {
+  gl::Buffer vertices;                    ///< kVertexBytes each: float position x y z, snorm16 normal x y z 0
+  gl::Buffer indices;                     ///< uint32
+  std::vector<ElementsCommand> commands;  ///< one per item of the mesh batch, in slot order
+  std::uint64_t triangles = 0;            ///< stored, not instanced
+  static constexpr int kVertexBytes = 20;
+};
+
+class GpuScene {
+ public:
+  /// Uploads everything the snapshot holds. Fails when the GPU has not the memory. The context must be current, here
+  /// and in all other calls.
+  static core::Expected<GpuScene> create(const gl::Context& context, const core::Snapshot& snapshot,
+                                         const GpuSceneConfig& config = {});
+
+  /// Writes the records of changed items anew (placement and material). After insertions create a new GpuScene.
+  void update(const core::Snapshot& snapshot, std::span<const core::ItemId> changed);
+
+  const std::vector<Batch>& batches() const { return batches_; }
+  const Batch* batch(BatchKind kind) const;  ///< null when the scene has none
+  const MeshPool& meshes() const { return meshes_; }
+  const gl::TextureBuffer& materials() const { return material_texels_; }
+  std::size_t memory_bytes() const;
+
+  /// Items of a batch in slots below `slot`. Constant time.
+  static std::uint32_t rank(const core::Snapshot& snapshot, BatchKind kind, core::Slot slot);
+
+ private:
+  std::vector<Batch> batches_;
+  MeshPool meshes_;
+  gl::Buffer material_rows_;
+  gl::TextureBuffer material_texels_;
+};
+
+}  // namespace sightline::gpuscene

@@ -1,0 +1,49 @@
+// Images on the CPU: PNG and PFM files, and comparison for regression tests.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "sightline/core/error.h"
+
+namespace sightline::render {
+
+/// 8-bit RGB, rows top to bottom, 3 bytes per pixel.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> pixels;
+};
+
+/// Metres along the view axis, rows top to bottom; infinity where nothing was drawn.
+struct DepthImage {
+  int width = 0, height = 0;
+  std::vector<float> metres;
+};
+
+/// Item id + 1, rows top to bottom; 0 is background.
+struct IdImage {
+  int width = 0, height = 0;
+  std::vector<std::uint32_t> ids;
+};
+
+/// Writers go through a temporary file and replace `path` only when complete. Errors name the file and the reason.
+core::Expected<void> write_png(const Image& image, const std::filesystem::path& path);
+core::Expected<Image> read_png(const std::filesystem::path& path);
+/// Grey PFM, little-endian, rows bottom to top as the format wants.
+core::Expected<void> write_pfm(const DepthImage& image, const std::filesystem::path& path);
+/// Ids as 24-bit colour, R the low byte; an id above 0xffffff is an error.
+core::Expected<Image> id_colours(const IdImage& ids);
+
+/// Differences over all channels of all pixels, in 0 … 255.
+struct ImageDifference {
+  int max = 0;
+  double mean = 0.0;
+  std::uint64_t pixels = 0;  ///< pixels that differ at all
+};
+/// Fails when the sizes differ.
+core::Expected<ImageDifference> compare(const Image& a, const Image& b);
+/// Absolute differences, amplified four times, as a picture. Sizes must be equal.
+Image difference_image(const Image& a, const Image& b);
+
+}  // namespace sightline::render

@@ -1,0 +1,171 @@
+#include "sightline/render/renderer.h"
+
+#include "sightline/gpuprims/shaders.h"
+#include "sightline/gpuprims/view_block.h"
+#include "sightline/render/shaders.h"
+
+namespace sightline::render {
+namespace {
+
+using gpuscene::BatchKind;
+
+struct ProgramFiles {
+  const char* vertex;
+  const char* fragment;
+  const char* define;
+};
+constexpr std::array<ProgramFiles, gpuscene::kBatchKindCount> kProgramFiles = {{
+    {"primitive.vert", "primitive.frag", "CYLINDER"},
+    {"primitive.vert", "primitive.frag", "SNOUT"},
+    {"primitive.vert", "primitive.frag", "CIRCULAR_TORUS"},
+    {"box.vert", "surface.frag", "BOX"},
+    {"line.vert", "surface.frag", "LINE"},
+    {"mesh.vert", "surface.frag", "MESH"},
+}};
+
+constexpr bool is_proxy(BatchKind kind) {
+  return kind == BatchKind::kCylinder || kind == BatchKind::kSnout || kind == BatchKind::kCircularTorus;
+}
+
+enum TextureUnit : GLuint { kPayloadUnit, kChunkUnit, kMaterialUnit, kSinglesUnit };
+constexpr GLint kRecordCountUniform = 0;
+enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
+enum VertexAttribute : GLuint { kInstanceAttribute, kPositionAttribute, kNormalAttribute };
+
+core::Expected<gl::Program> make_program(const gl::Functions& gl, BatchKind kind) {
+  const ProgramFiles& files = kProgramFiles[std::size_t(kind)];
+  gl::ProgramDescription description;
+  description.name = gpuscene::batch_name(kind);
+  description.stages = {{GL_VERTEX_SHADER, {files.vertex}}, {GL_FRAGMENT_SHADER, {files.fragment}}};
+  description.shaders.tables = {shaders(), gpuprims::shaders()};
+  description.shaders.defines = {files.define};
+  return gl::Program::create(gl, description);
+}
+
+void describe_mesh(const gl::Functions& gl, GLuint array) {
+  gl.EnableVertexArrayAttrib(array, kInstanceAttribute);
+  gl.VertexArrayAttribIFormat(array, kInstanceAttribute, 1, GL_UNSIGNED_INT, 0);
+  gl.VertexArrayAttribBinding(array, kInstanceAttribute, kInstanceBinding);
+  gl.VertexArrayBindingDivisor(array, kInstanceBinding, 1);
+  gl.EnableVertexArrayAttrib(array, kPositionAttribute);
+  gl.VertexArrayAttribFormat(array, kPositionAttribute, 3, GL_FLOAT, GL_FALSE, 0);
+  gl.VertexArrayAttribBinding(array, kPositionAttribute, kMeshBinding);
+  gl.EnableVertexArrayAttrib(array, kNormalAttribute);
+  gl.VertexArrayAttribFormat(array, kNormalAttribute, 3, GL_SHORT, GL_TRUE, 12);
+  gl.VertexArrayAttribBinding(array, kNormalAttribute, kMeshBinding);
+}
+
+}  // namespace
+
+core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpuscene::GpuScene& scene) {
+  const gl::Functions& gl = context.functions();
+  Renderer renderer;
+  renderer.gl_ = &gl;
+  for (const gpuscene::Batch& batch : scene.batches()) {
+    auto program = make_program(gl, batch.kind);
+    if (!program) return tl::unexpected(program.error());
+    renderer.programs_[std::size_t(batch.kind)] = std::move(*program);
+    gl::VertexArray& array = batch.kind == BatchKind::kMesh ? renderer.mesh_array_ : renderer.corner_array_;
+    if (array.id() != 0) continue;
+    array = gl::VertexArray(gl);
+    if (batch.kind == BatchKind::kMesh) describe_mesh(gl, array.id());
+  }
+  auto block = gl::Buffer::create(gl, sizeof(gpuprims::ViewBlock), nullptr, GL_DYNAMIC_STORAGE_BIT, "view block");
+  if (!block) return tl::unexpected(block.error());
+  renderer.view_block_ = std::move(*block);
+  return renderer;
+}
+
+core::Expected<void> Renderer::upload_view(const core::View& view, const core::Snapshot& snapshot,
+                                           const RenderTarget& target) {
+  const auto block = gpuprims::make_view_block(view, target.width(), target.height());
+  if (!block) return tl::unexpected(block.error());
+  view_block_.write(0, sizeof(*block), &*block);
+
+  // Chunk origins become eye-relative in double; only the small difference is rounded to float.
+  const core::dmat4& eye_from_world = view.eye_from_world();
+  const auto& origins = snapshot.chunk_origins();
+  std::vector<glm::vec4> rows(std::max<std::size_t>(1, origins.size()));
+  for (std::size_t i = 0; i < origins.size(); ++i) rows[i] = glm::vec4(eye_from_world * core::dvec4(origins[i], 1.0));
+  if (rows.size() > chunk_capacity_) {
+    chunk_capacity_ = 2 * rows.size();
+    auto buffer =
+        gl::Buffer::create(*gl_, chunk_capacity_ * sizeof(glm::vec4), nullptr, GL_DYNAMIC_STORAGE_BIT, "chunk origins");
+    if (!buffer) return tl::unexpected(buffer.error());
+    chunk_rows_ = std::move(*buffer);
+    auto texels = gl::TextureBuffer::create(*gl_, chunk_rows_, GL_RGBA32F, "chunk origins");
+    if (!texels) return tl::unexpected(texels.error());
+    chunk_texels_ = std::move(*texels);
+  }
+  chunk_rows_.write(0, rows.size() * sizeof(glm::vec4), rows.data());
+  return {};
+}
+
+core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot& snapshot,
+                                    const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                                    const RenderTarget& target) {
+  if (auto done = upload_view(view, snapshot, target); !done) return done;
+  const gl::Functions& gl = *gl_;
+  target.framebuffer().bind();
+  gl.Viewport(0, 0, target.width(), target.height());
+  gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  gl.FrontFace(GL_CCW);
+  gl.CullFace(GL_BACK);
+  gl.Disable(GL_BLEND);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_GREATER);
+  gl.DepthMask(GL_TRUE);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+
+  const GLuint framebuffer = target.framebuffer().id();
+  const float colour[4] = {background[0], background[1], background[2], 1.0f}, far_depth = 0.0f;
+  const GLuint no_item[4] = {0, 0, 0, 0};
+  gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, colour);
+  if (target.has_ids()) gl.ClearNamedFramebufferuiv(framebuffer, GL_COLOR, 1, no_item);
+  gl.ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
+
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, view_block_.id());
+  gl.BindTextureUnit(kChunkUnit, chunk_texels_.id());
+  gl.BindTextureUnit(kMaterialUnit, scene.materials().id());
+  gl.BindTextureUnit(kSinglesUnit, lists.singles().id());
+  gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, lists.commands().id());
+  for (const gpuscene::Batch& batch : scene.batches())
+    if (lists.section(batch.kind).count > 0) draw_batch(batch, scene, lists);
+  return {};
+}
+
+void Renderer::draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
+                          const gpuscene::DrawLists& lists) const {
+  const gl::Functions& gl = *gl_;
+  const gpuscene::DrawLists::Section& section = lists.section(batch.kind);
+  const auto* offset = reinterpret_cast<const void*>(section.offset);
+  programs_[std::size_t(batch.kind)].use();
+  gl.BindTextureUnit(kPayloadUnit, batch.texels.id());
+  // Proxies show their front faces, and must survive in front of the near plane: the surface behind them may be beyond
+  // it.
+  const auto toggle = is_proxy(batch.kind) ? gl.Enable : gl.Disable;
+  toggle(GL_DEPTH_CLAMP);
+  toggle(GL_CULL_FACE);
+  GLenum mode = GL_TRIANGLES, index_type = GL_UNSIGNED_SHORT;
+  if (batch.kind == BatchKind::kMesh) {
+    if (scene.meshes().indices.id() == 0) return;
+    index_type = GL_UNSIGNED_INT;
+    const GLuint array = mesh_array_.id();
+    gl.VertexArrayVertexBuffer(array, kInstanceBinding, lists.mesh_instances().id(), 0, sizeof(std::uint32_t));
+    gl.VertexArrayVertexBuffer(array, kMeshBinding, scene.meshes().vertices.id(), 0, gpuscene::MeshPool::kVertexBytes);
+    gl.VertexArrayElementBuffer(array, scene.meshes().indices.id());
+    mesh_array_.bind();
+  } else {
+    if (batch.kind == BatchKind::kLine) mode = GL_LINES;
+    gl.ProgramUniform1ui(programs_[std::size_t(batch.kind)].id(), kRecordCountUniform, batch.count);
+    gl.VertexArrayElementBuffer(corner_array_.id(), lists.corner_indices().id());
+    corner_array_.bind();
+  }
+  gl.MultiDrawElementsIndirect(mode, index_type, offset, section.count, sizeof(gpuscene::ElementsCommand));
+}
+
+std::size_t Renderer::memory_bytes() const {
+  return view_block_.size() + chunk_rows_.size();
+}
+
+}  // namespace sightline::render

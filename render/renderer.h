@@ -1,0 +1,44 @@
+// render: view + visible set -> image. Programs only for what a scene holds, one indirect multi-draw per batch, id
+// images, PNG and PFM files, image comparison. Knows nothing of cullers.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "sightline/core/view.h"
+#include "sightline/gl/program.h"
+#include "sightline/gl/vertex_array.h"
+#include "sightline/gpuscene/draw_lists.h"
+#include "sightline/render/render_target.h"
+
+namespace sightline::render {
+
+class Renderer {
+ public:
+  /// Compiles one program for each batch that `scene` holds and none else. Fails with the driver's log.
+  static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene);
+
+  /// Clears the target and draws what the lists name. Cylinders, snouts and torus slices are exact up to float
+  /// arithmetic; depth is reverse-Z whatever the view's own convention. Sets all GL state it needs and leaves it set.
+  /// Does not wait.
+  core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
+                            const gpuscene::DrawLists& lists, const RenderTarget& target);
+
+  std::array<float, 3> background{0.86f, 0.88f, 0.91f};  ///< sRGB
+
+  std::size_t memory_bytes() const;
+
+ private:
+  core::Expected<void> upload_view(const core::View& view, const core::Snapshot& snapshot, const RenderTarget& target);
+  void draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
+                  const gpuscene::DrawLists& lists) const;
+
+  const gl::Functions* gl_ = nullptr;
+  std::array<gl::Program, gpuscene::kBatchKindCount> programs_;
+  gl::VertexArray corner_array_, mesh_array_;
+  gl::Buffer view_block_, chunk_rows_;
+  gl::TextureBuffer chunk_texels_;
+  std::size_t chunk_capacity_ = 0;
+};
+
+}  // namespace sightline::render

@@ -1,0 +1,30 @@
+// Colour and id of a surface point: head-light plus hemisphere, which reads well on CAD models from every side.
+
+layout(binding = 2) uniform samplerBuffer materials;  // rgb: sRGB colour, a: alpha
+
+layout(location = 0) out vec4 out_colour;
+layout(location = 1) out uint out_id;  // item id + 1; 0 is background
+
+vec4 material_of(uint word) { return texelFetch(materials, int(word & 0xffffffu)); }
+
+// Screen-door transparency: order-free, and every pixel shows exactly one item. The 4x4 pattern shifts from item to item, so that two
+// transparent surfaces behind each other both show.
+bool dithered_away(uint word, uint id) {
+  float alpha = material_of(word).a;
+  if (alpha >= 1.0) return false;
+  const float bayer[16] = float[](0.0, 8.0, 2.0, 10.0, 12.0, 4.0, 14.0, 6.0, 3.0, 11.0, 1.0, 9.0, 15.0, 7.0, 13.0, 5.0);
+  uvec2 pixel = uvec2(gl_FragCoord.xy) + uvec2(id * 7u, id * 3u);
+  return alpha < (bayer[(pixel.y & 3u) * 4u + (pixel.x & 3u)] + 0.5) / 16.0;
+}
+
+void write_surface(vec3 normal, vec3 direction, uint word, uint id) {
+  vec3 to_viewer = normalize(-direction);
+  vec3 n = dot(normal, normal) > 0.0 ? normalize(normal) : to_viewer;
+  if (dot(n, to_viewer) < 0.0) n = -n;  // both sides are lit: open pipes and cut solids show their inside
+  float head = dot(n, to_viewer);
+  float sky = 0.5 + 0.5 * dot(n, view.up.xyz);
+  float light = 0.30 + 0.50 * head + 0.25 * sky;
+  float gloss = 0.12 * pow(head, 24.0);
+  out_colour = vec4(min(material_of(word).rgb * light + gloss, vec3(1.0)), 1.0);
+  out_id = id + 1u;
+}

@@ -1,0 +1,86 @@
+// PNG and PFM files, id colours and image comparison.
+#include "sightline/render/image.h"
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace sightline::render {
+namespace {
+
+std::string temporary(const std::string& name) {
+  return testing::TempDir() + "sightline_image_" + name;
+}
+
+Image gradient(int width, int height) {
+  Image image{width, height, {}};
+  for (int i = 0; i < width * height * 3; ++i) image.pixels.push_back(std::uint8_t((i * 37) & 255));
+  return image;
+}
+
+TEST(Image, PngComesBackBitForBit) {
+  const Image image = gradient(37, 21);
+  const std::string file = temporary("roundtrip.png");
+  ASSERT_TRUE(write_png(image, file));
+  const auto back = read_png(file);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->width, 37);
+  EXPECT_EQ(back->height, 21);
+  EXPECT_EQ(back->pixels, image.pixels);
+}
+
+TEST(Image, ErrorsNameTheFile) {
+  const auto missing = read_png("/nonexistent/image.png");
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().message.find("/nonexistent/image.png"), std::string::npos);
+  const auto unwritable = write_png(gradient(2, 2), "/nonexistent/image.png");
+  ASSERT_FALSE(unwritable);
+  EXPECT_NE(unwritable.error().message.find("/nonexistent/image.png"), std::string::npos);
+  const std::string file = temporary("broken.png");
+  std::ofstream(file) << "no picture";
+  EXPECT_FALSE(read_png(file));
+}
+
+TEST(Image, PfmRowsRunBottomToTop) {
+  const float inf = std::numeric_limits<float>::infinity();
+  const DepthImage depth{2, 2, {1.0f, 2.0f, 3.0f, inf}};
+  const std::string file = temporary("depth.pfm");
+  ASSERT_TRUE(write_pfm(depth, file));
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  const std::string header = "Pf\n2 2\n-1.0\n";
+  ASSERT_EQ(bytes.size(), header.size() + 16);
+  EXPECT_EQ(bytes.substr(0, header.size()), header);
+  float values[4];
+  std::memcpy(values, bytes.data() + header.size(), 16);
+  EXPECT_EQ(values[0], 3.0f);
+  EXPECT_EQ(values[1], inf);
+  EXPECT_EQ(values[2], 1.0f);
+  EXPECT_EQ(values[3], 2.0f);
+}
+
+TEST(Image, IdsAreColoursLowByteFirst) {
+  const auto image = id_colours({2, 1, {0, 0x00030201u}});
+  ASSERT_TRUE(image);
+  EXPECT_EQ(image->pixels, (std::vector<std::uint8_t>{0, 0, 0, 1, 2, 3}));
+  EXPECT_FALSE(id_colours({1, 1, {0x01000000u}}));
+}
+
+TEST(Image, ComparisonCountsWhatDiffers) {
+  const Image a = gradient(8, 4);
+  Image b = a;
+  b.pixels[5] = std::uint8_t(b.pixels[5] + 12);
+  const auto difference = compare(a, b);
+  ASSERT_TRUE(difference);
+  EXPECT_EQ(difference->max, 12);
+  EXPECT_DOUBLE_EQ(difference->mean, 12.0 / 96.0);
+  EXPECT_EQ(difference->pixels, 1u);
+  EXPECT_EQ(difference_image(a, b).pixels[5], 48);
+  EXPECT_FALSE(compare(a, gradient(4, 8)));
+}
+
+}  // namespace
+}  // namespace sightline::render
