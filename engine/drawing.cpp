@@ -1,0 +1,79 @@
+#include "sightline/engine/drawing.h"
+
+namespace sightline::engine {
+namespace {
+
+constexpr std::size_t kFramesInFlight = 2;
+constexpr GLuint64 kLongestWait = 10'000'000'000;  // ns; a lost context must not hang the application
+
+}  // namespace
+
+core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& snapshot, const EngineConfig& config) {
+  std::unique_ptr<Drawing> drawing(new Drawing);
+  drawing->context_ = config.context;
+  if (!drawing->context_) {
+    gl::ContextOptions options;
+    options.debug = config.gl_debug;
+    auto context = gl::Context::create_offscreen(options);
+    if (!context) return tl::unexpected(context.error());
+    drawing->own_context_ = std::move(*context);
+    drawing->context_ = &*drawing->own_context_;
+  }
+  drawing->scene_config_.chord_tolerance = config.chord_tolerance;
+  auto target = render::RenderTarget::create(*drawing->context_, config.width, config.height, config.ids);
+  if (!target) return tl::unexpected(target.error());
+  drawing->target_ = std::move(*target);
+  if (auto done = drawing->rebuild(snapshot); !done) return tl::unexpected(done.error());
+  return drawing;
+}
+
+Drawing::~Drawing() {
+  for (const GLsync fence : in_flight_) context_->functions().DeleteSync(fence);
+}
+
+core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot) {
+  auto scene = gpuscene::GpuScene::create(*context_, snapshot, scene_config_);
+  if (!scene) return tl::unexpected(scene.error());
+  auto lists = gpuscene::DrawLists::create(*context_, *scene);
+  if (!lists) return tl::unexpected(lists.error());
+  auto renderer = render::Renderer::create(*context_, *scene);
+  if (!renderer) return tl::unexpected(renderer.error());
+  scene_ = std::move(*scene);
+  lists_ = std::move(*lists);
+  renderer_ = std::move(*renderer);
+  return {};
+}
+
+core::Expected<void> Drawing::update(const core::Snapshot& snapshot, const core::SceneDelta& delta) {
+  if (!delta.inserted.empty()) return rebuild(snapshot);
+  scene_->update(snapshot, delta.changed);
+  return {};
+}
+
+void Drawing::wait_for_oldest() {
+  const gl::Functions& gl = context_->functions();
+  gl.ClientWaitSync(in_flight_.front(), GL_SYNC_FLUSH_COMMANDS_BIT, kLongestWait);
+  gl.DeleteSync(in_flight_.front());
+  in_flight_.pop_front();
+}
+
+core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot& snapshot,
+                                   const core::VisibleSet& visible) {
+  while (in_flight_.size() >= kFramesInFlight) wait_for_oldest();
+  if (auto done = lists_->update(snapshot, *scene_, visible); !done) return done;
+  if (auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_); !done) return done;
+  const gl::Functions& gl = context_->functions();
+  in_flight_.push_back(gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0));
+  gl.Flush();
+  return {};
+}
+
+void Drawing::finish() {
+  while (!in_flight_.empty()) wait_for_oldest();
+}
+
+std::size_t Drawing::memory_bytes() const {
+  return scene_->memory_bytes() + lists_->memory_bytes() + renderer_->memory_bytes() + target_.memory_bytes();
+}
+
+}  // namespace sightline::engine

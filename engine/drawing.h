@@ -1,0 +1,43 @@
+// The drawing half of an engine: context, GPU scene, draw lists, renderer and target. Only in builds with GL.
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "sightline/engine/engine.h"
+#include "sightline/render/renderer.h"
+
+namespace sightline::engine {
+
+class Drawing {
+ public:
+  static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot& snapshot, const EngineConfig& config);
+  ~Drawing();
+
+  /// Submits one frame. Before that it waits until at most one earlier frame is still being drawn.
+  core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible);
+  /// Follows an edit: rewrites changed records, or everything after an insertion.
+  core::Expected<void> update(const core::Snapshot& snapshot, const core::SceneDelta& delta);
+  core::Expected<void> rebuild(const core::Snapshot& snapshot);
+  void finish();
+
+  const gl::Context& context() const { return *context_; }
+  std::vector<std::string> take_gl_errors() { return context_->take_errors(); }
+  const render::RenderTarget& target() const { return target_; }
+  std::size_t memory_bytes() const;
+
+ private:
+  Drawing() = default;
+  void wait_for_oldest();
+
+  std::optional<gl::Context> own_context_;  // first member: everything below is made with it and must go before it
+  gl::Context* context_ = nullptr;
+  gpuscene::GpuSceneConfig scene_config_;
+  std::optional<gpuscene::GpuScene> scene_;
+  std::optional<gpuscene::DrawLists> lists_;
+  std::optional<render::Renderer> renderer_;
+  render::RenderTarget target_;
+  std::deque<GLsync> in_flight_;
+};
+
+}  // namespace sightline::engine

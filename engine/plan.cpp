@@ -1,0 +1,64 @@
+#include "sightline/engine/plan.h"
+
+namespace sightline::engine {
+namespace {
+
+using core::Kind;
+
+std::string items(std::size_t n) {
+  return std::to_string(n) + (n == 1 ? " item" : " items");
+}
+
+void plan_culling(Plan& plan, const core::Snapshot& snapshot, CullerChoice choice) {
+  const std::size_t n = snapshot.size();
+  const std::string limit = std::to_string(kSmallScene);
+  std::string why;
+  if (choice != CullerChoice::kAutomatic) {
+    plan.culler = choice;
+    why = "asked for";
+  } else {
+    plan.culler = n < kSmallScene ? CullerChoice::kLinear : CullerChoice::kCpu;
+    why = items(n) + (n < kSmallScene ? ", fewer than " : ", at least ") + limit;
+  }
+  const bool tree = plan.culler == CullerChoice::kCpu;
+  plan.entries.push_back({"linear culler", !tree, why});
+  plan.entries.push_back({"CPU culling hierarchy", tree, why});
+  const bool layers = snapshot.bounds().uses_layers();
+  plan.entries.push_back(
+      {"layers in the culler", layers, layers ? "items on several layers or hidden" : "all items on the model layer"});
+}
+
+void plan_batches(Plan& plan, const core::Snapshot& snapshot, bool draw) {
+  struct Row {
+    const char* feature;
+    std::vector<Kind> kinds;
+  };
+  const Row rows[] = {
+      {"cylinder program (ray-cast)", {Kind::kCylinder}},
+      {"snout program (ray-cast)", {Kind::kSnout}},
+      {"circular torus program (ray-cast)", {Kind::kCircularTorus}},
+      {"box program", {Kind::kBox}},
+      {"line program", {Kind::kLine}},
+      {"mesh program and mesh pool",
+       {Kind::kPyramid, Kind::kRectangularTorus, Kind::kEllipticalDish, Kind::kSphericalDish, Kind::kSphere,
+        Kind::kFacetGroup, Kind::kMesh}},
+  };
+  for (const Row& row : rows) {
+    std::size_t n = 0;
+    for (const Kind kind : row.kinds) n += snapshot.of_kind(kind).size();
+    plan.entries.push_back(
+        {row.feature, draw && n > 0, draw ? (n > 0 ? items(n) : "none in the scene") : "drawing is off"});
+  }
+}
+
+}  // namespace
+
+Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids) {
+  Plan plan;
+  plan_culling(plan, snapshot, choice);
+  plan_batches(plan, snapshot, draw);
+  plan.entries.push_back({"item-id target", draw && ids, ids ? "asked for" : "not asked for"});
+  return plan;
+}
+
+}  // namespace sightline::engine

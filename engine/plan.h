@@ -1,0 +1,35 @@
+// Decides, from what a scene holds, what it needs: everything else costs no memory, no shader compile and no frame
+// time.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sightline/core/snapshot.h"
+
+namespace sightline::engine {
+
+/// What an application asks for.
+enum class CullerChoice : std::uint8_t {
+  kAutomatic,  ///< linear for small scenes, the hierarchy for all others
+  kLinear,     ///< test every box
+  kCpu,        ///< CPU hierarchy
+};
+
+struct PlanEntry {
+  std::string feature;
+  bool used = false;
+  std::string why;
+};
+
+struct Plan {
+  CullerChoice culler = CullerChoice::kLinear;  ///< never kAutomatic
+  std::vector<PlanEntry> entries;               ///< every feature the build knows, used or left out, with the reason
+};
+
+/// Below this many items testing all boxes costs less than walking nodes.
+inline constexpr std::size_t kSmallScene = 256;
+
+Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids);
+
+}  // namespace sightline::engine

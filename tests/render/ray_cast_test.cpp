@@ -1,0 +1,239 @@
+// Every pixel of a ray-cast primitive against the double-precision intersection of the same ray: cylinders, snouts and
+// torus slices, from outside, inside, along the axis, orthographic, cut by section planes, mirrored, sheared, and far
+// from the origin.
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "sightline/engine/drawing.h"
+#include "sightline/gpuprims/circular_torus.h"
+#include "sightline/gpuprims/cylinder.h"
+#include "sightline/gpuprims/snout.h"
+#include "sightline/tests/support/gl_test.h"
+
+namespace sightline {
+namespace {
+
+using core::Affine;
+using core::dmat3;
+using core::dvec3;
+using core::dvec4;
+using core::Pose;
+using core::View;
+
+constexpr int kWidth = 96, kHeight = 64;
+constexpr double kAspect = double(kWidth) / kHeight;
+
+gpuprims::Hits intersect_any(const core::Primitive& primitive, const gpuprims::Ray& ray) {
+  if (const auto* c = std::get_if<core::Cylinder>(&primitive)) return gpuprims::intersect(*c, ray);
+  if (const auto* s = std::get_if<core::Snout>(&primitive)) return gpuprims::intersect(*s, ray);
+  return gpuprims::intersect(std::get<core::CircularTorus>(primitive), ray);
+}
+
+bool sections_keep(const View& view, const dvec3& p) {
+  if (view.sections.empty()) return true;
+  const bool unite = view.section_mode == core::SectionMode::kUnion;
+  for (const core::Plane& plane : view.sections)
+    if ((core::evaluate(plane, p) >= 0.0) == unite) return unite;
+  return !unite;
+}
+
+/// Eye depth of the first crossing that the view keeps, infinity for none: the slow, obvious way.
+double reference_depth(const core::Primitive& primitive, const Affine& world_from_item, const View& view, int x,
+                       int y) {
+  const core::dmat4 world_from_clip = glm::inverse(view.clip_from_eye());
+  const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
+  const double ndc_x = 2.0 * (x + 0.5) / kWidth - 1.0, ndc_y = 1.0 - 2.0 * (y + 0.5) / kHeight;
+  const auto eye_point = [&](double depth) {
+    const dvec4 p = world_from_clip * dvec4(ndc_x, ndc_y, depth, 1.0);
+    return dvec3(p) / p.w;
+  };
+  const double near_depth = view.clip_depth() == core::ClipDepth::kMinusOneToOne ? -1.0 : 1.0;
+  dvec3 near = eye_point(near_depth), direction;
+  const double t_near = -near.z;
+  if (view.orthographic()) {
+    direction = dvec3(0.0, 0.0, -1.0);
+    near.z = 0.0;
+  } else {
+    direction = near / -near.z;
+    near = dvec3(0.0);
+  }
+  const dvec3 world_origin = dvec3(world_from_eye * dvec4(near, 1.0));
+  const dvec3 world_direction = dmat3(world_from_eye) * direction;
+  const dmat3 item_from_world = glm::inverse(world_from_item.linear);
+  const gpuprims::Ray ray{item_from_world * (world_origin - world_from_item.origin), item_from_world * world_direction};
+  const gpuprims::Hits hits = intersect_any(primitive, ray);
+  for (int i = 0; i < hits.count; ++i) {
+    const double t = hits.hit[i].t;
+    if (t >= t_near && sections_keep(view, world_origin + t * world_direction)) return t;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+class RayCast : public tests::GlTest {
+ protected:
+  /// Renders the item alone and compares depths. Silhouette pixels may fall either way: `mismatches` bounds the share
+  /// of pixels where one side hits and the other misses. `tolerance` bounds the relative depth error of 99.5 % of the
+  /// rest.
+  void check(const core::Primitive& primitive, const Affine& world_from_item, const View& view,
+             double mismatches = 0.01, double tolerance = 2e-5) {
+    core::Scene scene;
+    const core::NodeId node = scene.add_node(scene.root(), "item", world_from_item);
+    scene.add_primitive(node, primitive);
+    engine::EngineConfig config;
+    config.draw = true;
+    config.ids = true;
+    config.width = kWidth;
+    config.height = kHeight;
+    config.context = &*context;
+    auto engine = engine::Engine::create(scene, config);
+    ASSERT_TRUE(engine) << engine.error().message;
+    ASSERT_TRUE(engine->frame(view));
+    engine->finish();
+    const render::DepthImage depth = engine->drawing()->target().read_depth(view);
+    const render::IdImage ids = engine->drawing()->target().read_ids();
+
+    int differing = 0, wrong_depth = 0, hits = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const double found = depth.metres[std::size_t(y * kWidth + x)];
+        const double expected = reference_depth(primitive, world_from_item, view, x, y);
+        ASSERT_EQ(std::isfinite(found), ids.ids[std::size_t(y * kWidth + x)] == 1u);
+        differing += std::isfinite(found) != std::isfinite(expected);
+        if (!std::isfinite(found) || !std::isfinite(expected)) continue;
+        ++hits;
+        wrong_depth += std::abs(found - expected) > tolerance * std::abs(expected);
+      }
+    }
+    EXPECT_GT(hits, 50) << "the case shows nothing";
+    EXPECT_LE(differing, mismatches * kWidth * kHeight) << hits << " hits";
+    EXPECT_LE(wrong_depth, 0.005 * hits) << "of " << hits << " hits";
+  }
+
+  static View look(const dvec3& eye, const dvec3& target, double fovy = 1.0, double near = 0.01) {
+    return *View::perspective({eye, target, {0.0, 0.0, 1.0}}, fovy, kAspect, near);
+  }
+
+  /// The same set of views for every primitive of about unit size at `centre`.
+  void check_views(const core::Primitive& primitive, const Affine& world_from_item) {
+    const dvec3 c = world_from_item.origin;
+    const std::pair<const char*, View> views[] = {
+        {"from the side", look(c + dvec3(4, 1, 0.5), c)},
+        {"from above", look(c + dvec3(0.1, 0.2, 5), c)},
+        {"slanted", look(c + dvec3(-2, -3, 2.5), c)},
+        {"close", look(c + dvec3(1.6, 0.3, 0.4), c, 1.2, 0.001)},
+        {"orthographic", *View::orthographic({c + dvec3(3, 4, 2), c, {0, 0, 1}}, 4.0, kAspect, -50.0, 100.0)},
+        {"off-axis", *View::asymmetric({c + dvec3(5, 0, 1), c, {0, 0, 1}}, -0.02, 0.05, -0.03, 0.02, 0.1, 1000.0)},
+        {"clip space of OpenGL",
+         *View::from_matrices(look(c + dvec3(4, -2, 1), c).eye_from_world(),
+                              core::dmat4{{1.2, 0, 0, 0}, {0, 1.8, 0, 0}, {0, 0, -1.0002, -1}, {0, 0, -0.20002, 0}},
+                              core::ClipDepth::kMinusOneToOne)},
+    };
+    for (const auto& [name, view] : views) {
+      SCOPED_TRACE(name);
+      check(primitive, world_from_item, view);
+    }
+    View cut = look(c + dvec3(4, 1, 2), c);
+    cut.sections = {{{-1, 0, 0}, glm::dot(dvec3(1, 0, 0), c) + 0.1},
+                    {{0, -0.5, -1}, glm::dot(dvec3(0, 0.5, 1), c) + 0.3}};
+    for (const auto mode : {core::SectionMode::kIntersection, core::SectionMode::kUnion}) {
+      SCOPED_TRACE(mode == core::SectionMode::kUnion ? "sections, union" : "sections, intersection");
+      cut.section_mode = mode;
+      check(primitive, world_from_item, cut, 0.012);
+    }
+  }
+};
+
+Affine at(const dvec3& origin, double scale = 1.0) {
+  return {dmat3(scale), origin};
+}
+
+/// Right-angled turns, a mirror and a shear: columns of a linear map.
+const dmat3 kMirror = {{0.9, 0.1, 0.0}, {0.1, -0.9, 0.2}, {0.0, 0.1, 1.0}};
+const dmat3 kShear = {{1.0, 0.0, 0.0}, {0.4, 0.8, 0.0}, {0.0, 0.3, 1.3}};
+
+TEST_F(RayCast, Cylinder) {
+  check_views(core::Cylinder{0.7f, 2.2f}, at({0, 0, 0}));
+  check_views(core::Cylinder{700.0f, 2200.0f}, at({10, 20, 30}, 1e-3));
+}
+TEST_F(RayCast, CylinderMirroredAndSheared) {
+  check_views(core::Cylinder{0.7f, 1.8f}, {kMirror, {1, 2, 3}});
+  check_views(core::Cylinder{0.7f, 1.8f}, {kShear, {1, 2, 3}});
+}
+TEST_F(RayCast, DiscOfNoHeight) {
+  check(core::Cylinder{1.0f, 0.0f}, at({0, 0, 0}), look({1, 2, 3}, {0, 0, 0}));
+}
+
+TEST_F(RayCast, Snout) {
+  check_views(core::Snout{1.0f, 0.5f, 1.6f, 0, 0, 0, 0, 0, 0}, at({0, 0, 0}));
+  check_views(core::Snout{0.4f, 0.9f, 1.2f, 0.5f, -0.3f, 0, 0, 0, 0}, at({5, 6, 7}));
+}
+TEST_F(RayCast, SnoutSlantedSharpAndStraight) {
+  check_views(core::Snout{0.8f, 0.8f, 1.5f, 0, 0, 0.3f, 0.0f, -0.2f, 0.25f}, at({0, 0, 0}));
+  check_views(core::Snout{0.9f, 0.6f, 1.5f, 0.3f, 0.2f, 0.2f, -0.1f, 0.15f, 0.1f}, at({0, 0, 0}));
+  check_views(core::Snout{1.0f, 0.0f, 1.5f, 0.2f, 0.0f, 0, 0, 0, 0}, {kMirror, {0, 0, 0}});
+}
+
+TEST_F(RayCast, CircularTorus) {
+  for (const float angle : {0.4f, 1.5707964f, 2.5f, 3.1415927f, 4.4f, 6.2831855f}) {
+    SCOPED_TRACE(angle);
+    // Centred on the middle of the arc, so that every view sees it.
+    const double middle = 0.5 * angle;
+    const Affine placed{dmat3(1.0),
+                        angle > 3.2f ? dvec3(0.0) : dvec3(-0.8 * std::cos(middle), -0.8 * std::sin(middle), 0.0)};
+    const View view = look({2.5, 2.0, 2.0}, {0, 0, 0});
+    check(core::CircularTorus{1.0f, 0.35f, angle}, placed, view);
+  }
+  check_views(core::CircularTorus{1.0f, 0.4f, 6.2831855f}, at({0, 0, 0}));
+  check_views(core::CircularTorus{1.0f, 0.4f, 4.0f}, {kMirror, {0, 0, 0}});
+}
+TEST_F(RayCast, HornAndThinTorus) {
+  check(core::CircularTorus{0.6f, 0.6f, 6.2831855f}, at({0, 0, 0}), look({3, 1, 2}, {0, 0, 0}));
+  check(core::CircularTorus{1.0f, 0.02f, 6.2831855f}, at({0, 0, 0}), look({1.5, 1, 2}, {0, 0, 0}), 0.02);
+}
+
+TEST_F(RayCast, EyeInside) {
+  check(core::Cylinder{1.0f, 8.0f}, at({0, 0, 0}), look({0.2, 0.1, -2}, {0.3, 0.5, 3}));
+  check(core::Cylinder{1.0f, 8.0f}, at({0, 0, 0}), look({0, 0, 0}, {0, 1e-3, 1}));  // on the axis, along it
+  check(core::Snout{1.0f, 0.5f, 6.0f, 0.5f, 0, 0, 0, 0, 0}, at({0, 0, 0}), look({0, 0.1, -1}, {0.4, 0.3, 2}));
+  check(core::CircularTorus{3.0f, 1.0f, 6.2831855f}, at({0, 0, 0}), look({3, 0, 0.1}, {2, 3, 0}));
+}
+
+TEST_F(RayCast, BehindTheNearPlaneTheFarWallShows) {
+  // The near plane lies inside the cylinder although the eye is outside.
+  check(core::Cylinder{1.0f, 4.0f}, at({0, 0, 0}), look({3, 0, 0.2}, {0, 0, 0}, 1.0, 2.6));
+}
+
+TEST_F(RayCast, FarFromTheOrigin) {
+  const dvec3 site(3e6, 7e6, 1e3);
+  check(core::Cylinder{0.5f, 2.0f}, at(site), look(site + dvec3(3, 2, 1), site), 0.01, 5e-5);
+  check(core::CircularTorus{1.0f, 0.3f, 2.0f}, at(site), look(site + dvec3(3, 2, 2), site + dvec3(0.5, 0.7, 0)), 0.01,
+        5e-5);
+}
+
+TEST_F(RayCast, FarFromTheEye) {
+  // A thousand radii away through a narrow field of view.
+  check(core::Cylinder{0.05f, 0.2f}, at({0, 0, 0}), look({40, 20, 20}, {0, 0, 0}, 0.006), 0.01, 1e-5);
+  check(core::CircularTorus{0.1f, 0.03f, 6.2831855f}, at({0, 0, 0}), look({40, 20, 20}, {0, 0, 0}, 0.006), 0.015, 1e-5);
+}
+
+TEST_F(RayCast, RandomSnoutsAndTori) {
+  for (int seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random{std::uint32_t(seed)};
+    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random()) / 4294967296.0; };
+    const auto f = [&](double low, double high) { return float(uniform(low, high)); };
+    const core::Primitive primitive =
+        seed % 2 ? core::Primitive(core::Snout{f(0.2, 1), f(0.2, 1), f(0.5, 2), f(-0.5, 0.5), f(-0.5, 0.5),
+                                               f(-0.3, 0.3), f(-0.3, 0.3), f(-0.3, 0.3), f(-0.3, 0.3)})
+                 : core::Primitive(core::CircularTorus{f(0.7, 1.2), f(0.2, 0.5), f(2.0, 6.3)});
+    const dvec3 eye = 4.0 * glm::normalize(dvec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)));
+    check(primitive, at({0, 0, 0}), look(eye, {0, 0, 0}));
+  }
+}
+
+}  // namespace
+}  // namespace sightline

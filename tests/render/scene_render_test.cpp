@@ -1,0 +1,219 @@
+// Whole scenes: culling changes no pixel, a far site looks like a near one, edits show, ids name the items, what a
+// scene lacks is not made.
+#include <algorithm>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "sightline/engine/drawing.h"
+#include "sightline/importers/plant_generator.h"
+#include "sightline/tests/support/gl_test.h"
+
+namespace sightline {
+namespace {
+
+using core::Affine;
+using core::dvec3;
+using core::View;
+
+constexpr int kWidth = 160, kHeight = 120;
+
+class SceneRender : public tests::GlTest {
+ protected:
+  engine::EngineConfig config(engine::CullerChoice culler = engine::CullerChoice::kAutomatic) {
+    engine::EngineConfig c;
+    c.draw = c.ids = true;
+    c.width = kWidth;
+    c.height = kHeight;
+    c.culler = culler;
+    c.context = &*context;
+    return c;
+  }
+
+  static engine::Engine make(core::Scene& scene, const engine::EngineConfig& c) {
+    auto engine = engine::Engine::create(scene, c);
+    EXPECT_TRUE(engine) << engine.error().message;
+    return std::move(*engine);
+  }
+
+  struct Picture {
+    render::Image colour;
+    render::IdImage ids;
+    std::vector<core::ItemId> visible;
+  };
+  static Picture take(engine::Engine& engine, const View& view) {
+    EXPECT_TRUE(engine.frame(view));
+    engine.finish();
+    Picture picture{engine.drawing()->target().read_colour(), engine.drawing()->target().read_ids(), {}};
+    for (const core::Slot slot : engine.visible().sorted_slots())
+      picture.visible.push_back(engine.snapshot().item(slot));
+    std::sort(picture.visible.begin(), picture.visible.end());
+    return picture;
+  }
+
+  static View look(const dvec3& eye, const dvec3& target) {
+    return *View::perspective({eye, target, {0, 0, 1}}, 1.0, double(kWidth) / kHeight, 0.1);
+  }
+
+  /// Views of a plant of a few thousand items (see generate_plant for where it stands), all around and inside.
+  static std::vector<View> plant_views(const dvec3& offset = dvec3(0.0)) {
+    std::vector<View> views;
+    for (const auto& [eye, target] : {std::pair{dvec3(-60, -60, 50), dvec3(0, 0, 5)},
+                                      {dvec3(5, -20, 4), dvec3(-10, 10, 3)},
+                                      {dvec3(-20, 1, 2), dvec3(20, 2, 3)},
+                                      {dvec3(0, 0, 30), dvec3(0.1, 0, 0)}})
+      views.push_back(look(eye + offset, target + offset));
+    return views;
+  }
+};
+
+TEST_F(SceneRender, CullingChangesNoPixel) {
+  core::Scene scene;
+  ASSERT_TRUE(importers::generate_plant({3000, 3}, scene));
+  engine::Engine linear = make(scene, config(engine::CullerChoice::kLinear));
+  engine::Engine tree = make(scene, config(engine::CullerChoice::kCpu));
+  for (View& view : plant_views()) {
+    const Picture a = take(linear, view), b = take(tree, view);
+    EXPECT_EQ(a.visible, b.visible);
+    EXPECT_LT(a.visible.size(), 3000u + 1);
+    const auto difference = render::compare(a.colour, b.colour);
+    ASSERT_TRUE(difference);
+    // Equal depths may fall to either item, since the draw order differs.
+    EXPECT_LE(difference->pixels, kWidth * kHeight / 100u);
+    // Nothing that shows may be culled.
+    for (const std::uint32_t id : a.ids.ids) {
+      if (id == 0) continue;
+      ASSERT_TRUE(std::binary_search(b.visible.begin(), b.visible.end(), id - 1));
+    }
+  }
+}
+
+TEST_F(SceneRender, UnculledDrawingShowsTheSame) {
+  core::Scene scene;
+  ASSERT_TRUE(importers::generate_plant({2000, 4}, scene));
+  engine::Engine engine = make(scene, config());
+  for (const View& view : plant_views()) {
+    const Picture culled = take(engine, view);
+    core::VisibleSet all;
+    all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
+    ASSERT_TRUE(engine.drawing()->draw(view, engine.snapshot(), all));
+    engine.finish();
+    const auto difference = render::compare(culled.colour, engine.drawing()->target().read_colour());
+    ASSERT_TRUE(difference);
+    EXPECT_LE(difference->pixels, kWidth * kHeight / 100u);
+  }
+}
+
+TEST_F(SceneRender, AFarSiteLooksTheSame) {
+  const dvec3 far(3e6, 7e6, 1e3);
+  core::Scene near_scene, far_scene;
+  ASSERT_TRUE(importers::generate_plant({3000, 5}, near_scene));
+  ASSERT_TRUE(importers::generate_plant({3000, 5}, far_scene));
+  far_scene.set_transform(far_scene.root(), core::translation(far));
+  engine::Engine a = make(near_scene, config()), b = make(far_scene, config());
+  const auto near_views = plant_views(), far_views = plant_views(far);
+  for (std::size_t i = 0; i < near_views.size(); ++i) {
+    SCOPED_TRACE(i);
+    const Picture here = take(a, near_views[i]), there = take(b, far_views[i]);
+    EXPECT_EQ(here.visible, there.visible);
+    const auto difference = render::compare(here.colour, there.colour);
+    ASSERT_TRUE(difference);
+    std::size_t visibly = 0;
+    for (std::size_t p = 0; p < here.colour.pixels.size(); p += 3) {
+      int worst = 0;
+      for (std::size_t c = p; c < p + 3; ++c)
+        worst = std::max(worst, std::abs(here.colour.pixels[c] - there.colour.pixels[c]));
+      visibly += worst > 2;
+    }
+    EXPECT_LE(visibly, kWidth * kHeight / 1000u);  // 0.1 % of pixels, rounding of a colour step aside
+  }
+}
+
+TEST_F(SceneRender, EveryKindShowsUnderItsId) {
+  core::Scene scene;
+  const core::Primitive kinds[] = {core::Pyramid{1, 1, 0.5f, 0.5f, 0, 0, 1},
+                                   core::Box{1, 1, 1},
+                                   core::RectangularTorus{0.3f, 0.6f, 0.4f, 3},
+                                   core::CircularTorus{0.4f, 0.2f, 3},
+                                   core::EllipticalDish{0.6f, 0.4f},
+                                   core::SphericalDish{0.6f, 0.3f},
+                                   core::Snout{0.6f, 0.3f, 1, 0, 0, 0, 0, 0, 0},
+                                   core::Cylinder{0.5f, 1},
+                                   core::Sphere{1},
+                                   core::Line{-0.5f, 0.5f}};
+  for (int i = 0; i < core::kPrimitiveKindCount; ++i)
+    scene.add_primitive(scene.root(), kinds[i], core::translation({1.5 * (i % 4), 0, 1.5 * (i / 4)}));
+  core::Mesh triangle;
+  triangle.positions = {{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0, 0, 0.5f}};
+  triangle.indices = {0, 1, 2};
+  scene.add_mesh_instance(scene.root(), scene.add_mesh(triangle), core::translation({3, 0, 3}));
+  engine::Engine engine = make(scene, config());
+  const Picture picture = take(engine, look({2.2, -8, 1.6}, {2.2, 0, 1.6}));
+  const std::set<std::uint32_t> seen(picture.ids.ids.begin(), picture.ids.ids.end());
+  for (std::uint32_t id = 0; id <= 11; ++id) EXPECT_TRUE(seen.count(id)) << "id " << id;
+  EXPECT_EQ(seen.size(), 12u);
+}
+
+TEST_F(SceneRender, OnlyWhatTheSceneHoldsIsMade) {
+  core::Scene scene;
+  scene.add_primitive(scene.root(), core::Cylinder{1, 2});
+  engine::Engine engine = make(scene, config());
+  std::set<std::string> used;
+  for (const engine::PlanEntry& e : engine.plan().entries)
+    if (e.used) used.insert(e.feature);
+  EXPECT_EQ(used, (std::set<std::string>{"linear culler", "cylinder program (ray-cast)", "item-id target"}));
+
+  auto gpu = gpuscene::GpuScene::create(*context, engine.snapshot());
+  ASSERT_TRUE(gpu);
+  EXPECT_EQ(gpu->batches().size(), 1u);
+  EXPECT_EQ(gpu->meshes().vertices.size(), 0u);
+}
+
+TEST_F(SceneRender, AnEmptySceneIsBackground) {
+  core::Scene scene;
+  engine::Engine engine = make(scene, config());
+  const Picture picture = take(engine, look({0, -5, 0}, {0, 0, 0}));
+  EXPECT_TRUE(std::all_of(picture.ids.ids.begin(), picture.ids.ids.end(), [](std::uint32_t id) { return id == 0; }));
+}
+
+TEST_F(SceneRender, EditsShowAsIfBuiltAnew) {
+  core::Scene scene;
+  ASSERT_TRUE(importers::generate_plant({1500, 6}, scene));
+  engine::Engine edited = make(scene, config());
+  for (core::ItemId item = 0; item < 1500; item += 7) scene.set_visible(item, false);
+  for (core::ItemId item = 1; item < 1500; item += 11) {
+    Affine placement = scene.placement(item);
+    placement.origin.z += 3.0;
+    scene.set_placement(item, placement);
+  }
+  for (core::ItemId item = 2; item < 1500; item += 13) scene.remove_item(item);
+  ASSERT_TRUE(edited.commit());
+  scene.add_primitive(scene.root(), core::Cylinder{2, 4}, core::translation({0, 0, 12}));
+  scene.add_primitive(scene.root(), core::Sphere{3}, core::translation({5, 0, 12}));
+  ASSERT_TRUE(edited.commit());
+  engine::Engine fresh = make(scene, config());
+  for (const View& view : plant_views()) {
+    const Picture a = take(edited, view), b = take(fresh, view);
+    EXPECT_EQ(a.visible, b.visible);
+    const auto difference = render::compare(a.colour, b.colour);
+    ASSERT_TRUE(difference);
+    // Ties at equal depth, and the last bit of chunk-relative positions.
+    EXPECT_LE(difference->pixels, kWidth * kHeight / 50u);
+  }
+}
+
+TEST_F(SceneRender, TransparencyIsDitheredAndIdsStayExact) {
+  core::Scene scene;
+  core::Material glass;
+  glass.alpha = 0.5f;
+  scene.set_material(scene.root(), scene.add_material(glass));
+  scene.add_primitive(scene.root(), core::Box{4, 0.1f, 4});
+  engine::Engine engine = make(scene, config());
+  const Picture picture = take(engine, look({0, -3, 0}, {0, 0, 0}));
+  const auto hits = std::count(picture.ids.ids.begin(), picture.ids.ids.end(), 1u);
+  // Two layers of the box (front and back side, same pattern) at half coverage.
+  EXPECT_NEAR(double(hits) / (kWidth * kHeight), 0.5, 0.05);
+}
+
+}  // namespace
+}  // namespace sightline
