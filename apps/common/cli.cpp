@@ -1,0 +1,77 @@
+#include "sightline/apps/common/cli.h"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <new>
+#include <sstream>
+
+namespace sightline::apps {
+
+void describe(CLI::App& app, const std::string& examples) {
+  app.set_version_flag("--version", std::string("sightline ") + SIGHTLINE_VERSION);
+  app.footer("Examples:\n" + examples);
+}
+
+int run(CLI::App& app, int argc, char** argv, const std::function<core::Expected<int>()>& body) {
+  const std::string tool = app.get_name();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    std::fprintf(stderr, "%s: %s (see --help)\n", tool.c_str(), error.what());
+    return kExitUsage;
+  }
+  try {
+    const core::Expected<int> result = body();
+    if (result) return *result;
+    std::fprintf(stderr, "%s: %s\n", tool.c_str(), result.error().message.c_str());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "%s: not enough memory\n", tool.c_str());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", tool.c_str(), error.what());
+  }
+  return kExitFailure;
+}
+
+core::Expected<std::array<int, 2>> parse_size(const std::string& text) {
+  int width = 0, height = 0, used = 0;
+  const bool parsed = std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &used) == 2;
+  if (!parsed || used != int(text.size()) || width < 1 || height < 1 || width > 16384 || height > 16384)
+    return core::fail("expected WIDTHxHEIGHT between 1 and 16384, found \"" + text + "\"");
+  return std::array<int, 2>{width, height};
+}
+
+core::Expected<core::dvec3> parse_vector(const std::string& text) {
+  core::dvec3 v(0.0);
+  int used = 0;
+  const bool parsed = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &v.x, &v.y, &v.z, &used) == 3;
+  if (!parsed || used != int(text.size()) || !std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
+    return core::fail("expected X,Y,Z, three finite numbers, found \"" + text + "\"");
+  return v;
+}
+
+core::Expected<double> parse_finite(const std::string& text) {
+  double value = 0.0;
+  int used = 0;
+  const bool parsed = std::sscanf(text.c_str(), "%lf%n", &value, &used) == 1;
+  if (!parsed || used != int(text.size()) || !std::isfinite(value))
+    return core::fail("expected a finite number, found \"" + text + "\"");
+  return value;
+}
+
+core::Expected<void> write_text(const std::string& file, const std::string& text) {
+  if (file == "-") {
+    std::cout << text << std::flush;
+    if (!std::cout) return core::fail("standard output: cannot be written");
+    return {};
+  }
+  std::ofstream out(file, std::ios::trunc);
+  out << text;
+  out.close();
+  if (!out) return core::fail(file + ": cannot be written");
+  return {};
+}
+
+}  // namespace sightline::apps

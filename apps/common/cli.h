@@ -1,0 +1,52 @@
+// What all tools share on the command line: parsing, exit codes, one clear line on failure.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "sightline/core/conventions.h"
+#include "sightline/core/error.h"
+
+namespace sightline::apps {
+
+inline constexpr int kExitOk = 0;
+inline constexpr int kExitFailure = 1;  ///< bad input or a failed comparison
+inline constexpr int kExitUsage = 2;
+
+/// Adds --version, and `examples` below the help text.
+void describe(CLI::App& app, const std::string& examples);
+
+/// Parses and runs a tool. Its error becomes one line on stderr and exit 1; bad usage exit 2; what a library below us
+/// throws (no memory) exit 1.
+int run(CLI::App& app, int argc, char** argv, const std::function<core::Expected<int>()>& body);
+
+/// "640x360", both 1 … 16384.
+core::Expected<std::array<int, 2>> parse_size(const std::string& text);
+/// "X,Y,Z", finite.
+core::Expected<core::dvec3> parse_vector(const std::string& text);
+
+/// A finite number. CLI11's ranges let NaN through.
+core::Expected<double> parse_finite(const std::string& text);
+
+/// Makes a parser an option's check: text that it refuses is bad usage.
+template <class T>
+std::function<std::string(const std::string&)> accepted_by(core::Expected<T> (*parse)(const std::string&)) {
+  return [parse](const std::string& text) {
+    const auto parsed = parse(text);
+    return parsed ? std::string() : parsed.error().message;
+  };
+}
+
+/// JSON text, indented, and a line end. File and node names may hold any bytes: what is not UTF-8 is replaced.
+template <class Json>
+std::string to_text(const Json& json) {
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// Writes text to a file, or to stdout for "-".
+core::Expected<void> write_text(const std::string& file, const std::string& text);
+
+}  // namespace sightline::apps

@@ -1,0 +1,82 @@
+#include "sightline/apps/common/model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace sightline::apps {
+
+void add_model_options(CLI::App& app, ModelOptions& options) {
+  app.add_option("MODEL", options.files, "Model files (.rvm, .obj), loaded into one scene")->required();
+  app.add_option("--translate", options.translate, "Move the model by X,Y,Z metres (root transform)")
+      ->check(accepted_by(parse_vector));
+  app.add_flag("--lenient", options.lenient, "Keep what can be read of damaged files and list the damage");
+  app.add_flag("--explain", options.explain, "Print which features the scene needs and which are left out, and why");
+}
+
+core::Expected<Model> load_model(const ModelOptions& options) {
+  Model model;
+  model.scene = std::make_unique<core::Scene>();
+  if (!options.translate.empty()) {
+    const auto offset = parse_vector(options.translate);
+    if (!offset) return tl::unexpected(offset.error());
+    model.offset = *offset;
+    model.scene->set_transform(model.scene->root(), core::translation(*offset));
+  }
+  const std::vector<std::filesystem::path> paths(options.files.begin(), options.files.end());
+  auto report = importers::import_files(paths, *model.scene, model.scene->root(), {options.lenient});
+  if (!report) return tl::unexpected(report.error());
+  model.report = std::move(*report);
+
+  constexpr std::size_t kShown = 5;
+  const auto& warnings = model.report.warnings;
+  for (std::size_t i = 0; i < std::min(kShown, warnings.size()); ++i)
+    std::fprintf(stderr, "warning: %s: byte %llu: %s\n", warnings[i].file.c_str(),
+                 (unsigned long long)warnings[i].offset, warnings[i].message.c_str());
+  if (warnings.size() > kShown) std::fprintf(stderr, "warning: and %zu more\n", warnings.size() - kShown);
+  return model;
+}
+
+core::AabbD world_bounds(const core::Snapshot& snapshot) {
+  core::AabbD bounds;
+  for (std::size_t i = 0; i < snapshot.size(); ++i) {
+    const core::Aabb box = snapshot.bounds().box(i);
+    if (!box.empty() && snapshot.bounds().layers(i) != 0) bounds.grow({core::dvec3(box.min), core::dvec3(box.max)});
+  }
+  if (bounds.empty()) return bounds;
+  return {bounds.min + snapshot.bounds().origin, bounds.max + snapshot.bounds().origin};
+}
+
+core::CameraPath tour_of(const core::Snapshot& snapshot) {
+  constexpr std::size_t kPlaces = 4096;
+  std::vector<core::dvec3> places;
+  const std::size_t step = std::max<std::size_t>(1, snapshot.size() / kPlaces);
+  for (std::size_t i = 0; i < snapshot.size(); i += step) {
+    const core::Aabb box = snapshot.bounds().box(i);
+    if (!box.empty()) places.push_back(snapshot.bounds().origin + 0.5 * (core::dvec3(box.min) + core::dvec3(box.max)));
+  }
+  return core::make_tour(world_bounds(snapshot), places);
+}
+
+core::Pose fitting_pose(const core::AabbD& bounds, double fovy, double aspect) {
+  const core::AabbD box = bounds.empty() ? core::AabbD{core::dvec3(-1.0), core::dvec3(1.0)} : bounds;
+  const core::dvec3 centre = box.centre(), half = 0.5 * box.size();
+  const core::dvec3 back = glm::normalize(core::dvec3(-0.55, -0.85, 0.55));
+  const core::dvec3 right = glm::normalize(glm::cross(core::dvec3(0.0, 0.0, 1.0), back)), up = glm::cross(back, right);
+  const double tan_y = std::tan(0.5 * fovy), tan_x = tan_y * aspect;
+  double distance = 1e-3;
+  for (int corner = 0; corner < 8; ++corner) {
+    const core::dvec3 p = half * core::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+    const double needed = std::max(std::abs(glm::dot(p, right)) / tan_x, std::abs(glm::dot(p, up)) / tan_y);
+    distance = std::max(distance, glm::dot(p, back) + needed);
+  }
+  constexpr double kMargin = 1.05;
+  return {centre + back * (kMargin * distance), centre, {0.0, 0.0, 1.0}};
+}
+
+void explain(const engine::Plan& plan) {
+  for (const engine::PlanEntry& e : plan.entries)
+    std::fprintf(stderr, "%-9s %-36s %s\n", e.used ? "used" : "left out", e.feature.c_str(), e.why.c_str());
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,49 @@
+// Loading models the way every tool offers it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/apps/common/cli.h"
+#include "sightline/core/camera_path.h"
+#include "sightline/core/scene.h"
+#include "sightline/core/snapshot.h"
+#include "sightline/engine/plan.h"
+#include "sightline/importers/import.h"
+
+namespace sightline::apps {
+
+struct ModelOptions {
+  std::vector<std::string> files;
+  std::string translate;  ///< "X,Y,Z" metres, empty for none
+  bool lenient = false;
+  bool explain = false;
+};
+
+/// MODEL…, --translate, --lenient, --explain.
+void add_model_options(CLI::App& app, ModelOptions& options);
+
+struct Model {
+  std::unique_ptr<core::Scene> scene;
+  importers::ImportReport report;
+  core::dvec3 offset{0.0};  ///< --translate
+};
+
+/// Imports all files below the root, whose transform is --translate. Warnings go to stderr, the first few in full.
+core::Expected<Model> load_model(const ModelOptions& options);
+
+/// World bounds of a snapshot's items.
+core::AabbD world_bounds(const core::Snapshot& snapshot);
+
+/// The automatic flight through a model.
+core::CameraPath tour_of(const core::Snapshot& snapshot);
+
+/// The pose from above, south-west, from which the bounds just fill a view of `fovy` radians.
+core::Pose fitting_pose(const core::AabbD& bounds, double fovy, double aspect);
+
+/// Prints what was made and what was left out, to stderr.
+void explain(const engine::Plan& plan);
+
+}  // namespace sightline::apps

@@ -1,0 +1,99 @@
+#include "sightline/apps/common/svg_plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace sightline::apps {
+namespace {
+
+constexpr double kWidth = 960, kHeight = 400, kLeft = 80, kRight = 90, kTop = 50, kBottom = 50;
+constexpr int kTicks = 5;
+constexpr const char* kColours[2] = {"#1f6fb4", "#d9731a"};
+
+/// The next of 1, 2, 5 times a power of ten, so that axes end on round numbers.
+double round_up(double v) {
+  if (!(v > 0.0)) return 1.0;
+  const double unit = std::pow(10.0, std::floor(std::log10(v)));
+  for (const double step : {1.0, 2.0, 5.0, 10.0})
+    if (v <= step * unit * (1 + 1e-9)) return step * unit;
+  return 10.0 * unit;
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '&')
+      out += "&amp;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+class Plot {
+ public:
+  Plot(const std::string& title, std::size_t frames) : frames_(std::max<std::size_t>(2, frames)) {
+    svg_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << kWidth << "\" height=\"" << kHeight
+         << "\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+    text(kWidth / 2, 24, "middle", "#222", title);
+    text((kLeft + kWidth - kRight) / 2, kHeight - 12, "middle", "#222", "frame");
+    for (int i = 0; i <= kTicks; ++i) {
+      const double x = kLeft + i * (kWidth - kLeft - kRight) / kTicks;
+      std::ostringstream label;
+      label << std::lround(double(i) * double(frames - 1) / kTicks);
+      text(x, kHeight - kBottom + 18, "middle", "#444", label.str());
+    }
+  }
+
+  void draw(const Series& series, bool right) {
+    const char* colour = kColours[right ? 1 : 0];
+    const double top =
+        round_up(series.values.empty() ? 1.0 : *std::max_element(series.values.begin(), series.values.end()));
+    const double axis_x = right ? kWidth - kRight : kLeft;
+    for (int i = 0; i <= kTicks; ++i) {
+      const double y = y_of(double(i) / kTicks);
+      if (!right)
+        svg_ << "<line x1=\"" << kLeft << "\" y1=\"" << y << "\" x2=\"" << kWidth - kRight << "\" y2=\"" << y
+             << "\" stroke=\"#ddd\"/>\n";
+      std::ostringstream label;
+      label << top * i / kTicks;
+      text(axis_x + (right ? 6 : -6), y + 4, right ? "start" : "end", colour, label.str());
+    }
+    text(axis_x, kTop - 10, right ? "end" : "start", colour, series.label + " [" + series.unit + "]");
+    svg_ << "<polyline fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"1.5\" points=\"";
+    for (std::size_t i = 0; i < series.values.size(); ++i)
+      svg_ << kLeft + double(i) / double(frames_ - 1) * (kWidth - kLeft - kRight) << ',' << y_of(series.values[i] / top)
+           << ' ';
+    svg_ << "\"/>\n";
+  }
+
+  std::string finish() {
+    svg_ << "</svg>\n";
+    return svg_.str();
+  }
+
+ private:
+  static double y_of(double share) { return kHeight - kBottom - share * (kHeight - kTop - kBottom); }
+  void text(double x, double y, const char* anchor, const char* colour, const std::string& content) {
+    svg_ << "<text x=\"" << x << "\" y=\"" << y << "\" text-anchor=\"" << anchor << "\" fill=\"" << colour << "\">"
+         << escaped(content) << "</text>\n";
+  }
+  std::size_t frames_;
+  std::ostringstream svg_;
+};
+
+}  // namespace
+
+std::string svg_plot(const std::string& title, const Series& left, const Series& right) {
+  Plot plot(title, std::max(left.values.size(), right.values.size()));
+  plot.draw(right, true);
+  plot.draw(left, false);
+  return plot.finish();
+}
+
+}  // namespace sightline::apps

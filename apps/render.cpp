@@ -1,0 +1,198 @@
+// sightline-render: one image of a model, and the comparison that makes it a regression test.
+
+#include <cstdio>
+#include <fstream>
+#include <numbers>
+
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/model.h"
+#include "sightline/engine/drawing.h"
+#include "sightline/engine/engine.h"
+#include "sightline/importers/view_json.h"
+
+namespace {
+
+using namespace sightline;
+using nlohmann::json;
+
+struct Options {
+  apps::ModelOptions model;
+  std::string size = "1280x720", view, path, out, ids, ids_json, depth, reference, diff, json_file;
+  std::string culler = "auto";
+  int frame = 0, frames = 300;
+  bool fit = false, gl_debug = false;
+  double max = -1.0, mean = -1.0, tolerance = 2e-4;
+};
+
+void add_options(CLI::App& app, Options& o) {
+  apps::add_model_options(app, o.model);
+  app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
+  auto* view = app.add_option("--view", o.view, "View JSON file");
+  auto* path = app.add_option("--path", o.path, "Camera path JSON file; see --frame")->excludes(view);
+  app.add_option("--frame", o.frame, "Frame of the path, of --frames in all")
+      ->needs(path)
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--frames", o.frames, "Frames that the path is sampled into")
+      ->capture_default_str()
+      ->needs(path)
+      ->check(CLI::PositiveNumber);
+  app.final_callback([&o] {
+    if (o.frame >= o.frames) throw CLI::ValidationError("--frame", "must be below --frames");
+  });
+  app.add_flag("--fit", o.fit, "Fit the whole model (the default without --view and --path)")
+      ->excludes(view)
+      ->excludes(path);
+  app.add_option("--out", o.out, "Colour image, PNG");
+  app.add_option("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
+  app.add_option("--ids-json", o.ids_json, "Node path and kind of each item in the id image, JSON");
+  app.add_option("--depth", o.depth, "Depth image, PFM: metres along the view axis");
+  auto* compare = app.add_option("--compare", o.reference,
+                                 "Reference PNG; exit 1 when the image differs by more than --max or --mean");
+  app.add_option("--max", o.max, "Largest allowed difference of a channel, 0 to 255 (default 0, or any with --mean)")
+      ->needs(compare)
+      ->check(CLI::Range(0.0, 255.0))
+      ->check(apps::accepted_by(apps::parse_finite));
+  app.add_option("--mean", o.mean, "Largest allowed mean difference, 0 to 255 (default 0, or any with --max)")
+      ->needs(compare)
+      ->check(CLI::Range(0.0, 255.0))
+      ->check(apps::accepted_by(apps::parse_finite));
+  app.add_option("--diff", o.diff, "Difference image, PNG, four times amplified")->needs(compare);
+  app.add_option("--culler", o.culler, "auto, linear or cpu")
+      ->check(CLI::IsMember({"auto", "linear", "cpu"}))
+      ->capture_default_str();
+  app.add_option("--tolerance", o.tolerance, "Chord tolerance of tessellated kinds, metres")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber)
+      ->check(apps::accepted_by(apps::parse_finite));
+  app.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
+  app.add_option("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
+}
+
+core::Expected<core::View> choose_view(const Options& o, const apps::Model& model, const core::Snapshot& snapshot,
+                                       double aspect) {
+  if (!o.view.empty()) {
+    auto view = importers::read_view(o.view, aspect);
+    return view ? importers::translated(*view, model.offset) : view;
+  }
+  if (!o.path.empty()) {
+    auto path = importers::read_path(o.path);
+    if (path) path = importers::translated(*path, model.offset);
+    if (!path) return tl::unexpected(path.error());
+    const double share = o.frames > 1 ? double(o.frame) / double(o.frames - 1) : 0.0;
+    const core::CameraSample s = path->sample(path->begin() + share * (path->end() - path->begin()));
+    return core::View::perspective(s.pose, s.fovy, aspect, path->near, path->far);
+  }
+  constexpr double kFovy = std::numbers::pi / 4;
+  const core::AabbD bounds = apps::world_bounds(snapshot);
+  const double distance = std::max(1.0, glm::length(bounds.size()));
+  return core::View::perspective(apps::fitting_pose(bounds, kFovy, aspect), kFovy, aspect, 1e-3 * distance);
+}
+
+core::Expected<void> write_id_names(const std::string& file, const render::IdImage& ids, const core::Scene& scene) {
+  std::vector<std::uint32_t> seen = ids.ids;
+  std::sort(seen.begin(), seen.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  json out = json::object();
+  for (const std::uint32_t id : seen) {
+    if (id == 0) continue;
+    const core::ItemId item = id - 1;
+    out[std::to_string(item)] = {{"node", scene.path(scene.node_of(item))},
+                                 {"kind", std::string(core::kind_name(scene.kind(item)))}};
+  }
+  return apps::write_text(file, apps::to_text(out));
+}
+
+core::Expected<bool> compare(const Options& o, const render::Image& image, json& figures) {
+  auto reference = render::read_png(o.reference);
+  if (!reference) return tl::unexpected(reference.error());
+  auto difference = render::compare(image, *reference);
+  if (!difference) return core::fail(o.reference + ": " + difference.error().message);
+  if (!o.diff.empty())
+    if (auto done = render::write_png(render::difference_image(image, *reference), o.diff); !done)
+      return tl::unexpected(done.error());
+  const bool only_mean = o.max < 0.0 && o.mean >= 0.0, only_max = o.mean < 0.0 && o.max >= 0.0;
+  const bool same =
+      (only_mean || difference->max <= std::max(0.0, o.max)) && (only_max || difference->mean <= std::max(0.0, o.mean));
+  figures["compare"] = {
+      {"max", difference->max}, {"mean", difference->mean}, {"pixels", difference->pixels}, {"ok", same}};
+  std::fprintf(o.json_file == "-" ? stderr : stdout, "max %d  mean %.4f  differing pixels %llu  %s\n", difference->max,
+               difference->mean, (unsigned long long)difference->pixels, same ? "ok" : "DIFFERS");
+  return same;
+}
+
+core::Expected<void> write_outputs(const Options& o, const engine::Drawing& drawing, const core::View& view,
+                                   const core::Scene& scene, const render::Image& image) {
+  core::Expected<void> done;
+  if (!o.out.empty()) done = render::write_png(image, o.out);
+  if (done && !o.depth.empty()) done = render::write_pfm(drawing.target().read_depth(view), o.depth);
+  if (!done || (o.ids.empty() && o.ids_json.empty())) return done;
+  const render::IdImage ids = drawing.target().read_ids();
+  if (!o.ids.empty()) {
+    auto colours = render::id_colours(ids);
+    if (!colours) return tl::unexpected(colours.error());
+    done = render::write_png(*colours, o.ids);
+  }
+  if (done && !o.ids_json.empty()) done = write_id_names(o.ids_json, ids, scene);
+  return done;
+}
+
+core::Expected<int> render_model(const Options& o) {
+  const auto size = apps::parse_size(o.size);
+  if (!size) return tl::unexpected(size.error());
+  auto model = apps::load_model(o.model);
+  if (!model) return tl::unexpected(model.error());
+  engine::EngineConfig config;
+  config.draw = true;
+  config.width = (*size)[0];
+  config.height = (*size)[1];
+  config.ids = !o.ids.empty() || !o.ids_json.empty();
+  config.gl_debug = o.gl_debug;
+  config.chord_tolerance = o.tolerance;
+  config.culler = o.culler == "linear" ? engine::CullerChoice::kLinear
+                  : o.culler == "cpu"  ? engine::CullerChoice::kCpu
+                                       : engine::CullerChoice::kAutomatic;
+  auto engine = engine::Engine::create(*model->scene, config);
+  if (!engine) return tl::unexpected(engine.error());
+  if (o.model.explain) apps::explain(engine->plan());
+
+  auto view = choose_view(o, *model, engine->snapshot(), double(config.width) / config.height);
+  if (!view) return tl::unexpected(view.error());
+  auto report = engine->frame(*view);
+  if (!report) return tl::unexpected(report.error());
+  engine->finish();
+  engine::Drawing& drawing = *engine->drawing();
+  for (const std::string& error : drawing.take_gl_errors()) return core::fail("GL: " + error);
+
+  const render::Image image = drawing.target().read_colour();
+  if (auto done = write_outputs(o, drawing, *view, *model->scene, image); !done) return tl::unexpected(done.error());
+  json figures = {{"renderer", drawing.context().renderer()},
+                  {"size", {config.width, config.height}},
+                  {"items", engine->snapshot().size()},
+                  {"visible", report->visible},
+                  {"tested", report->tested},
+                  {"culler", engine->culler_name()}};
+  bool same = true;
+  if (!o.reference.empty()) {
+    auto compared = compare(o, image, figures);
+    if (!compared) return tl::unexpected(compared.error());
+    same = *compared;
+  }
+  if (!o.json_file.empty())
+    if (auto done = apps::write_text(o.json_file, apps::to_text(figures)); !done) return tl::unexpected(done.error());
+  return same ? apps::kExitOk : apps::kExitFailure;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Renders one image of a model offscreen; with --compare a regression test", "sightline-render");
+  apps::describe(
+      app,
+      "  sightline-render plant.rvm --out plant.png\n"
+      "  sightline-render plant.rvm --view view.json --size 640x360 --out a.png --depth a.pfm --ids ids.png\n"
+      "  sightline-render plant.rvm --view view.json --compare reference.png --max 8 --mean 0.1 --diff d.png");
+  Options options;
+  add_options(app, options);
+  return apps::run(app, argc, argv, [&] { return render_model(options); });
+}

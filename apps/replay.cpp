@@ -1,0 +1,257 @@
+// sightline-replay: flies a camera path through a model, culls and draws every frame, and reports the figures.
+
+#include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/common/progress.h"
+#include "sightline/apps/common/statistics.h"
+#include "sightline/apps/common/svg_plot.h"
+#include "sightline/engine/engine.h"
+#include "sightline/importers/view_json.h"
+#if SIGHTLINE_HAS_GL
+#include "sightline/engine/drawing.h"
+#endif
+
+namespace {
+
+using namespace sightline;
+using nlohmann::json;
+
+struct Options {
+  apps::ModelOptions model;
+  std::string path, save_path, size = "1280x720", culler = "auto", json_file, csv, plot, images;
+  int frames = 300, every = 30;
+  bool no_render = false;
+};
+
+void add_options(CLI::App& app, Options& o) {
+  apps::add_model_options(app, o.model);
+  app.add_option("--path", o.path, "Camera path JSON file; without it a tour of the model is made");
+  app.add_option("--save-path", o.save_path, "Write the path that was flown");
+  app.add_option("--frames", o.frames, "Frames, evenly spaced in time")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--culler", o.culler, "auto, linear or cpu")
+      ->check(CLI::IsMember({"auto", "linear", "cpu"}))
+      ->capture_default_str();
+  auto* no_render = app.add_flag("--no-render", o.no_render, "Cull only; needs no GL");
+  app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
+  app.add_option("--json", o.json_file, "Write all figures as JSON to FILE, or - for stdout");
+  app.add_option("--csv", o.csv, "Write one line per frame");
+  app.add_option("--plot", o.plot, "Plot cull time and visible count along the path, SVG");
+  auto* images =
+      app.add_option("--images", o.images, "Write every N-th frame to this folder (see --every)")->excludes(no_render);
+  app.add_option("--every", o.every, "With --images: N")
+      ->capture_default_str()
+      ->needs(images)
+      ->check(CLI::PositiveNumber);
+}
+
+struct Frame {
+  double time;
+  engine::FrameReport report;
+};
+
+struct Flight {
+  std::vector<Frame> frames;
+  std::string renderer = "none";
+
+  std::vector<double> collect(double (*pick)(const engine::FrameReport&), std::size_t from = 0) const {
+    std::vector<double> values;
+    for (std::size_t i = from; i < frames.size(); ++i) values.push_back(pick(frames[i].report));
+    return values;
+  }
+  std::vector<double> cull() const {
+    return collect([](const engine::FrameReport& r) { return r.cull_ms; });
+  }
+  std::vector<double> draw() const {
+    return collect([](const engine::FrameReport& r) { return r.draw_ms; });
+  }
+  std::vector<double> visible() const {
+    return collect([](const engine::FrameReport& r) { return double(r.visible); });
+  }
+  std::vector<double> tested() const {
+    return collect([](const engine::FrameReport& r) { return double(r.tested); });
+  }
+  /// The first frame has no predecessor to be measured from.
+  std::vector<double> frame() const {
+    return collect([](const engine::FrameReport& r) { return r.frame_ms; }, 1);
+  }
+};
+
+core::Expected<core::CameraPath> choose_path(const Options& o, const apps::Model& model,
+                                             const core::Snapshot& snapshot) {
+  if (o.path.empty()) return apps::tour_of(snapshot);  // of the model where --translate put it
+  auto path = importers::read_path(o.path);
+  return path ? importers::translated(*path, model.offset) : path;
+}
+
+core::Expected<void> save_image(engine::Engine& engine, const std::string& folder, int index) {
+#if SIGHTLINE_HAS_GL
+  char name[32];
+  std::snprintf(name, sizeof name, "frame_%05d.png", index);
+  return render::write_png(engine.drawing()->target().read_colour(), std::filesystem::path(folder) / name);
+#else
+  (void)engine, (void)folder, (void)index;
+  return {};
+#endif
+}
+
+core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core::CameraPath& path, double aspect) {
+  Flight flight;
+  apps::Progress progress("flying", std::size_t(o.frames));
+  for (int i = 0; i < o.frames; ++i) {
+    const double share = o.frames > 1 ? double(i) / double(o.frames - 1) : 0.0;
+    const double time = path.begin() + share * (path.end() - path.begin());
+    const core::CameraSample sample = path.sample(time);
+    auto view = core::View::perspective(sample.pose, sample.fovy, aspect, path.near, path.far);
+    if (!view) return tl::unexpected(view.error());
+    auto report = engine.frame(*view);
+    if (!report) return tl::unexpected(report.error());
+    flight.frames.push_back({time, *report});
+    if (!o.images.empty() && i % o.every == 0)
+      if (auto done = save_image(engine, o.images, i); !done) return tl::unexpected(done.error());
+    progress.advance(std::size_t(i) + 1);
+  }
+  engine.finish();
+#if SIGHTLINE_HAS_GL
+  if (engine.drawing()) {
+    flight.renderer = engine.drawing()->context().renderer();
+    for (const std::string& error : engine.drawing()->take_gl_errors()) return core::fail("GL: " + error);
+  }
+#endif
+  return flight;
+}
+
+json summary_json(const std::vector<double>& samples) {
+  const apps::Summary s = apps::summarise(samples);
+  return {{"mean", s.mean}, {"median", s.median}, {"p99", s.p99}, {"max", s.max}};
+}
+
+json to_json(const Options& o, const engine::Engine& engine, const Flight& flight, const std::array<int, 2>& size) {
+  json out = {{"model", o.model.files},
+              {"items", engine.snapshot().size()},
+              {"renderer", flight.renderer},
+              {"culler", engine.culler_name()},
+              {"size", size}};
+  for (const engine::PlanEntry& e : engine.plan().entries)
+    out["plan"].push_back({{"feature", e.feature}, {"used", e.used}, {"why", e.why}});
+  out["frames"] = json::array();
+  for (const Frame& f : flight.frames)
+    out["frames"].push_back({{"t", f.time},
+                             {"path", engine.culler_name()},
+                             {"state", "fixed"},
+                             {"cull_ms", f.report.cull_ms},
+                             {"draw_ms", f.report.draw_ms},
+                             {"frame_ms", f.report.frame_ms},
+                             {"visible", f.report.visible},
+                             {"tested", f.report.tested}});
+  out["summary"] = {{"cull_ms", summary_json(flight.cull())},   {"draw_ms", summary_json(flight.draw())},
+                    {"frame_ms", summary_json(flight.frame())}, {"visible", summary_json(flight.visible())},
+                    {"tested", summary_json(flight.tested())},  {"switches", 0}};
+  const engine::MemoryReport memory = engine.memory();
+  out["memory"] = {{"scene", memory.scene}, {"snapshot", memory.snapshot}, {"bvh", memory.bvh}, {"gpu", memory.gpu}};
+  return out;
+}
+
+std::string to_csv(const engine::Engine& engine, const Flight& flight) {
+  std::string csv = "frame,t,path,cull_ms,draw_ms,frame_ms,visible,tested\n";
+  char line[200];
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    const Frame& f = flight.frames[i];
+    std::snprintf(line, sizeof line, "%zu,%.6f,%s,%.6f,%.6f,%.6f,%llu,%llu\n", i, f.time, engine.culler_name(),
+                  f.report.cull_ms, f.report.draw_ms, f.report.frame_ms, (unsigned long long)f.report.visible,
+                  (unsigned long long)f.report.tested);
+    csv += line;
+  }
+  return csv;
+}
+
+void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* out) {
+  std::fprintf(out, "%zu frames, %zu items, culler %s, renderer %s\n\n", flight.frames.size(), engine.snapshot().size(),
+               engine.culler_name(), flight.renderer.c_str());
+  std::fprintf(out, "%-16s %12s %12s %12s %12s\n", "", "mean", "median", "p99", "max");
+  const auto row = [&](const char* name, const std::vector<double>& samples, int decimals) {
+    if (samples.empty()) return;
+    const apps::Summary s = apps::summarise(samples);
+    std::fprintf(out, "%-16s %12.*f %12.*f %12.*f %12.*f\n", name, decimals, s.mean, decimals, s.median, decimals,
+                 s.p99, decimals, s.max);
+  };
+  row("cull ms", flight.cull(), 4);
+  if (flight.renderer != "none") row("draw ms", flight.draw(), 3);
+  row("frame ms", flight.frame(), 3);
+  row("visible items", flight.visible(), 0);
+  row("boxes tested", flight.tested(), 0);
+  double cull_ms = 0.0;
+  for (const double ms : flight.cull()) cull_ms += ms;
+  if (cull_ms > 0.0)
+    std::fprintf(out, "%-16s %12.3g  (items culled per second of cull time)\n", "items/s",
+                 double(engine.snapshot().size() * flight.frames.size()) / (1e-3 * cull_ms));
+  const engine::MemoryReport m = engine.memory();
+  constexpr double kMiB = 1024.0 * 1024.0;
+  std::fprintf(out, "\nmemory MiB: scene %.1f, snapshot %.1f, hierarchy %.1f, GPU %.1f\n", double(m.scene) / kMiB,
+               double(m.snapshot) / kMiB, double(m.bvh) / kMiB, double(m.gpu) / kMiB);
+}
+
+core::Expected<void> write_reports(const Options& o, const engine::Engine& engine, const Flight& flight,
+                                   const std::array<int, 2>& size) {
+  core::Expected<void> done;
+  if (!o.json_file.empty()) done = apps::write_text(o.json_file, apps::to_text(to_json(o, engine, flight, size)));
+  if (done && !o.csv.empty()) done = apps::write_text(o.csv, to_csv(engine, flight));
+  if (done && !o.plot.empty()) {
+    const std::string title = o.model.files.front() + ": " + std::to_string(engine.snapshot().size()) +
+                              " items, culler " + engine.culler_name();
+    done = apps::write_text(
+        o.plot, apps::svg_plot(title, {"cull time", "ms", flight.cull()}, {"visible", "items", flight.visible()}));
+  }
+  return done;
+}
+
+core::Expected<int> replay(const Options& o) {
+  const auto size = apps::parse_size(o.size);
+  if (!size) return tl::unexpected(size.error());
+  if (!o.images.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(o.images, error);
+    if (error) return core::fail(o.images + ": cannot be made: " + error.message());
+  }
+  auto model = apps::load_model(o.model);
+  if (!model) return tl::unexpected(model.error());
+  engine::EngineConfig config;
+  config.draw = !o.no_render;
+  config.width = (*size)[0];
+  config.height = (*size)[1];
+  config.culler = o.culler == "linear" ? engine::CullerChoice::kLinear
+                  : o.culler == "cpu"  ? engine::CullerChoice::kCpu
+                                       : engine::CullerChoice::kAutomatic;
+  auto engine = engine::Engine::create(*model->scene, config);
+  if (!engine) return tl::unexpected(engine.error());
+  if (o.model.explain) apps::explain(engine->plan());
+
+  auto path = choose_path(o, *model, engine->snapshot());
+  if (!path) return tl::unexpected(path.error());
+  if (!o.save_path.empty())
+    if (auto done = importers::write_path(o.save_path, *path); !done) return tl::unexpected(done.error());
+  auto flight = fly(o, *engine, *path, double(config.width) / config.height);
+  if (!flight) return tl::unexpected(flight.error());
+  if (auto done = write_reports(o, *engine, *flight, *size); !done) return tl::unexpected(done.error());
+  print_table(*engine, *flight, o.json_file == "-" ? stderr : stdout);
+  return apps::kExitOk;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Flies a camera path through a model: culls and draws every frame, and reports times and counts",
+               "sightline-replay");
+  apps::describe(app,
+                 "  sightline-replay plant.rvm\n"
+                 "  sightline-replay plant.rvm --frames 500 --no-render --json out.json --plot out.svg\n"
+                 "  sightline-replay a.rvm b.rvm --path flight.json --images frames --every 10");
+  Options options;
+  add_options(app, options);
+  return apps::run(app, argc, argv, [&] { return replay(options); });
+}

@@ -1,0 +1,461 @@
+// sightline-bench-cull: culling alone, on boxes and views from files.
+//
+// --boxes: little-endian float32, (min x y z, max x y z) per item, no header. --views: little-endian float64, 16 per
+// frame, column-major clip_from_world, clip space -1 ... 1. Ids are the items' places in the boxes file.
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#if defined(__GNUC__) && defined(__x86_64__)
+#include <immintrin.h>
+#define SIGHTLINE_HAVE_AVX2 1
+#endif
+
+#include "sightline/core/bvh_build.h"
+#include "sightline/core/error.h"
+#include "sightline/core/item_bounds.h"
+#include "sightline/core/view.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/linear_culler.h"
+
+static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");
+
+#ifndef SIGHTLINE_VERSION
+#define SIGHTLINE_VERSION "0.1.0"
+#endif
+
+namespace {
+
+using namespace sightline;
+using Json = nlohmann::ordered_json;
+
+constexpr int kPasses = 3;
+
+struct Options {
+  std::string boxes, views, culler = "cpu", output = "ranges", ids_out, json;
+  int threads = 1;
+  bool verify = false, baseline = false;
+};
+
+double milliseconds() {
+  using Clock = std::chrono::steady_clock;
+  return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
+}
+
+// --- input -----------------------------------------------------------------------------------------------------------
+
+/// The whole file as numbers, `group` of them per record.
+template <class T>
+core::Expected<std::vector<T>> read_numbers(const std::string& path, std::size_t group, const char* what) {
+  std::error_code error;
+  const auto bytes = std::filesystem::is_regular_file(path, error) ? std::filesystem::file_size(path, error) : 0;
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file || !std::filesystem::is_regular_file(path)) return core::fail(path + ": cannot be read as a file");
+  if (bytes % (group * sizeof(T)) != 0)
+    return core::fail(path + ": size " + std::to_string(bytes) + " is not a multiple of " +
+                      std::to_string(group * sizeof(T)) + " bytes (" + what + ")");
+  std::vector<T> numbers(bytes / sizeof(T));
+  file.read(reinterpret_cast<char*>(numbers.data()), std::streamsize(bytes));
+  if (file.gcount() != std::streamsize(bytes)) return core::fail(path + ": could not be read to its end");
+  return numbers;
+}
+
+core::Expected<std::vector<core::Aabb>> read_boxes(const std::string& path) {
+  const auto numbers = read_numbers<float>(path, 6, "six float32 per box");
+  if (!numbers) return tl::unexpected(numbers.error());
+  std::vector<core::Aabb> boxes(numbers->size() / 6);
+  if (boxes.size() >= core::kNone / 2) return core::fail(path + ": more boxes than this tool can number");
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const float* f = numbers->data() + 6 * i;
+    if (!std::all_of(f, f + 6, [](float x) { return std::isfinite(x); }))
+      return core::fail(path + ": box " + std::to_string(i) + " has a coordinate that is not finite");
+    boxes[i] = {{f[0], f[1], f[2]}, {f[3], f[4], f[5]}};
+  }
+  return boxes;
+}
+
+core::Expected<std::vector<core::View>> read_views(const std::string& path) {
+  const auto numbers = read_numbers<double>(path, 16, "sixteen float64 per view");
+  if (!numbers) return tl::unexpected(numbers.error());
+  std::vector<core::View> views;
+  for (std::size_t i = 0; i < numbers->size(); i += 16) {
+    core::dmat4 clip_from_world;
+    for (int k = 0; k < 16; ++k) clip_from_world[k / 4][k % 4] = (*numbers)[i + std::size_t(k)];
+    auto view = core::View::from_matrices(core::dmat4(1.0), clip_from_world, core::ClipDepth::kMinusOneToOne);
+    if (!view) return core::fail(path + ": view " + std::to_string(i / 16) + ": " + view.error().message);
+    views.push_back(std::move(*view));
+  }
+  return views;
+}
+
+// --- what is measured ------------------------------------------------------------------------------------------------
+
+/// Either culler with what it needs, and the way from slots back to the file's order.
+struct Bench {
+  core::ItemBounds bounds;
+  std::vector<std::uint32_t> order;  // empty: slots are ids
+  std::optional<culling::CpuCuller> cpu;
+  double build_ms = 0.0;
+
+  void cull(const core::View& view, core::VisibleSet& set) const {
+    if (cpu)
+      cpu->cull(view, set);
+    else
+      culling::LinearCuller(bounds).cull(view, set);
+  }
+
+  /// All visible ids, in no particular order.
+  void list(const core::VisibleSet& set, std::vector<std::uint32_t>& ids) const {
+    ids.resize(set.count());
+    std::uint32_t* out = ids.data();
+    for (const core::SlotRange& range : set.ranges) {
+      if (order.empty())
+        std::iota(out, out + range.count, range.first);
+      else
+        std::memcpy(out, order.data() + range.first, range.count * sizeof(std::uint32_t));
+      out += range.count;
+    }
+    if (order.empty())
+      std::copy(set.items.begin(), set.items.end(), out);
+    else
+      std::transform(set.items.begin(), set.items.end(), out, [&](core::Slot slot) { return order[slot]; });
+  }
+
+  double bytes_per_item() const {
+    const std::size_t bytes =
+        bounds.memory_bytes() + order.size() * sizeof(std::uint32_t) + (cpu ? cpu->memory_bytes() : 0);
+    return bounds.size() == 0 ? 0.0 : double(bytes) / double(bounds.size());
+  }
+};
+
+void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order) {
+  bounds.resize(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[order.empty() ? i : order[i]]);
+}
+
+Bench make_bench(std::span<const core::Aabb> boxes, const Options& options) {
+  Bench bench;
+  const double start = milliseconds();
+  if (options.culler == "cpu") {
+    core::BvhConfig config;
+    config.threads = options.threads;
+    core::BvhTree tree = core::build_bvh(boxes, config);
+    fill(bench.bounds, boxes, tree.order);
+    bench.cpu.emplace(bench.bounds, tree, boxes.size());
+    bench.order = std::move(tree.order);
+  } else {
+    fill(bench.bounds, boxes, {});
+  }
+  bench.build_ms = milliseconds() - start;
+  return bench;
+}
+
+// --- baseline --------------------------------------------------------------------------------------------------------
+
+// Brute force over structure-of-arrays floats: six plain float planes, no padding, no promise; one bit per box out
+// (one byte in the plain form). The yardstick that the culler's time is divided by.
+struct BaselinePlanes {
+  float normal[6][3], offset[6];
+};
+
+BaselinePlanes baseline_planes(const core::View& view) {
+  BaselinePlanes out;
+  const auto planes = core::frustum_planes(view.clip_from_world(), view.clip_depth());
+  for (int k = 0; k < 6; ++k) {
+    for (int axis = 0; axis < 3; ++axis) out.normal[k][axis] = float(planes[std::size_t(k)].normal[axis]);
+    out.offset[k] = float(planes[std::size_t(k)].offset);
+  }
+  return out;
+}
+
+/// Corner arrays of the p-vertex, per plane.
+struct BaselineCorners {
+  const float* axis[6][3];
+};
+
+/// Reads up to 15 boxes beyond `count` (ItemBounds pads) and writes as many flags.
+void brute_force_plain(const BaselineCorners& corners, std::size_t count, const BaselinePlanes& planes,
+                       std::uint8_t* visible) {
+  for (std::size_t i = 0; i < count; ++i) {
+    bool inside = true;
+    for (int k = 0; k < 6 && inside; ++k) {
+      const float* n = planes.normal[k];
+      const auto& c = corners.axis[k];
+      inside = n[0] * c[0][i] + n[1] * c[1][i] + n[2] * c[2][i] + planes.offset[k] >= 0.0f;
+    }
+    visible[i] = inside ? 1 : 0;
+  }
+}
+
+#ifdef SIGHTLINE_HAVE_AVX2
+__attribute__((target("avx2,fma"))) void brute_force_avx2(const BaselineCorners& corners, std::size_t count,
+                                                          const BaselinePlanes& planes, std::uint8_t* visible) {
+  for (std::size_t i = 0; i < count; i += 8) {
+    int outside = 0;
+    for (int k = 0; k < 6 && outside != 0xff; ++k) {
+      const auto& c = corners.axis[k];
+      const float* n = planes.normal[k];
+      __m256 s = _mm256_fmadd_ps(_mm256_set1_ps(n[0]), _mm256_loadu_ps(c[0] + i), _mm256_set1_ps(planes.offset[k]));
+      s = _mm256_fmadd_ps(_mm256_set1_ps(n[1]), _mm256_loadu_ps(c[1] + i), s);
+      s = _mm256_fmadd_ps(_mm256_set1_ps(n[2]), _mm256_loadu_ps(c[2] + i), s);
+      outside |= _mm256_movemask_ps(s);  // the sign
+    }
+    visible[i / 8] = std::uint8_t(~outside);
+  }
+}
+bool have_avx2() {
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+}
+#else
+constexpr auto brute_force_avx2 = brute_force_plain;
+bool have_avx2() {
+  return false;
+}
+#endif
+
+class Baseline {
+ public:
+  explicit Baseline(std::span<const core::Aabb> boxes) : visible_(boxes.size() + core::ItemBounds::kPadding) {
+    fill(bounds_, boxes, {});
+  }
+  void cull(const core::View& view) {
+    const BaselinePlanes planes = baseline_planes(view);
+    BaselineCorners corners;
+    for (int k = 0; k < 6; ++k)
+      for (int axis = 0; axis < 3; ++axis)
+        corners.axis[k][axis] = bounds_.coordinate(planes.normal[k][axis] >= 0.0f ? axis + 3 : axis);
+    (have_avx2() ? brute_force_avx2 : brute_force_plain)(corners, bounds_.size(), planes, visible_.data());
+  }
+  static const char* name() { return have_avx2() ? "brute force SoA AVX2" : "brute force SoA"; }
+
+ private:
+  core::ItemBounds bounds_;
+  std::vector<std::uint8_t> visible_;
+};
+
+// --- runs ------------------------------------------------------------------------------------------------------------
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const std::size_t mid = values.size() / 2;
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(mid), values.end());
+  const double upper = values[mid];
+  if (values.size() % 2 == 1) return upper;
+  return 0.5 * (upper + *std::max_element(values.begin(), values.begin() + std::ptrdiff_t(mid)));
+}
+
+Json summary(const std::vector<double>& times) {
+  std::vector<double> sorted = times;
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t n = sorted.size();
+  if (n == 0) return {{"mean", 0.0}, {"median", 0.0}, {"p99", 0.0}, {"max", 0.0}};
+  return {{"mean", std::accumulate(sorted.begin(), sorted.end(), 0.0) / double(n)},
+          {"median", median(sorted)},
+          {"p99", sorted[std::min(n - 1, std::size_t(std::ceil(0.99 * double(n))) - 1)]},
+          {"max", sorted.back()}};
+}
+
+/// One time per view: the median over passes that each run the whole path.
+template <class Call>
+std::vector<double> time_path(const std::vector<core::View>& views, const Call& call) {
+  std::vector<std::vector<double>> passes(views.size(), std::vector<double>(kPasses));
+  for (std::size_t pass = 0; pass < std::size_t(kPasses); ++pass) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const double start = milliseconds();
+      call(views[i]);
+      passes[i][pass] = milliseconds() - start;
+    }
+  }
+  std::vector<double> times;
+  times.reserve(views.size());
+  for (const auto& of_view : passes) times.push_back(median(of_view));
+  return times;
+}
+
+core::Expected<void> write_ids(const std::string& directory, std::size_t frame, std::span<const std::uint32_t> ids) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "frame_%05zu.bin", frame);
+  const std::filesystem::path path = std::filesystem::path(directory) / name;
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(ids.data()), std::streamsize(ids.size_bytes()));
+  if (!file.flush()) return core::fail(path.string() + ": cannot be written");
+  return {};
+}
+
+struct Frames {
+  std::vector<std::uint64_t> visible;
+  std::uint64_t nodes_tested = 0, boxes_tested = 0;
+};
+
+/// Untimed: counts, id files, and the comparison with the linear culler.
+core::Expected<Frames> inspect(const Bench& bench, std::span<const core::Aabb> boxes,
+                               const std::vector<core::View>& views, const Options& options) {
+  core::ItemBounds plain;
+  if (options.verify) fill(plain, boxes, {});
+  const culling::LinearCuller linear(plain);
+  Frames frames;
+  core::VisibleSet set, expected;
+  std::vector<std::uint32_t> ids;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    bench.cull(views[i], set);
+    bench.list(set, ids);
+    frames.visible.push_back(ids.size());
+    frames.nodes_tested += set.counters.nodes_tested;
+    frames.boxes_tested += set.counters.boxes_tested;
+    std::sort(ids.begin(), ids.end());
+    if (!options.ids_out.empty()) {
+      if (auto written = write_ids(options.ids_out, i, ids); !written) return tl::unexpected(written.error());
+    }
+    if (!options.verify) continue;
+    linear.cull(views[i], expected);
+    if (ids != expected.items)
+      return core::fail("frame " + std::to_string(i) + ": " + std::to_string(ids.size()) +
+                        " visible, but the linear culler finds another set of " +
+                        std::to_string(expected.items.size()));
+  }
+  return frames;
+}
+
+core::Expected<Json> run(const Options& options) {
+  const auto boxes = read_boxes(options.boxes);
+  if (!boxes) return tl::unexpected(boxes.error());
+  const auto views = read_views(options.views);
+  if (!views) return tl::unexpected(views.error());
+  if (!options.ids_out.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(options.ids_out, error);
+    if (error) return core::fail(options.ids_out + ": cannot be made a directory: " + error.message());
+  }
+
+  const Bench bench = make_bench(*boxes, options);
+  const auto frames = inspect(bench, *boxes, *views, options);
+  if (!frames) return tl::unexpected(frames.error());
+
+  core::VisibleSet set;
+  std::vector<std::uint32_t> ids;
+  const bool list_ids = options.output == "ids";
+  const std::vector<double> times = time_path(*views, [&](const core::View& view) {
+    bench.cull(view, set);
+    if (list_ids) bench.list(set, ids);
+  });
+
+  const double count = std::max(1.0, double(views->size()));
+  Json json{{"items", boxes->size()},
+            {"culler", options.culler},
+            {"output", options.output},
+            {"build_ms", bench.build_ms},
+            {"bytes_per_item", bench.bytes_per_item()},
+            {"mean_visible",
+             double(std::accumulate(frames->visible.begin(), frames->visible.end(), std::uint64_t(0))) / count},
+            {"mean_nodes_tested", double(frames->nodes_tested) / count},
+            {"mean_boxes_tested", double(frames->boxes_tested) / count}};
+  Json& list = json["frames"] = Json::array();
+  for (std::size_t i = 0; i < views->size(); ++i)
+    list.push_back({{"cull_ms", times[i]}, {"visible", frames->visible[i]}});
+  json["summary"] = summary(times);
+  if (options.verify) json["verified"] = true;
+  if (options.baseline) {
+    Baseline baseline(*boxes);
+    const Json base = summary(time_path(*views, [&](const core::View& view) { baseline.cull(view); }));
+    const double mean = json["summary"]["mean"];
+    json["baseline"] = {{"method", Baseline::name()}, {"summary", base}};
+    json["baseline_over_culler"] = mean > 0.0 ? base["mean"].get<double>() / mean : 0.0;
+  }
+  return json;
+}
+
+// --- output ----------------------------------------------------------------------------------------------------------
+
+void print_table(const Json& json) {
+  const auto ms = [](const Json& s) {
+    std::printf("mean %.4f  median %.4f  p99 %.4f  max %.4f ms per frame\n", s["mean"].get<double>(),
+                s["median"].get<double>(), s["p99"].get<double>(), s["max"].get<double>());
+  };
+  std::printf("%zu items, %zu frames, culler %s, output %s\n", json["items"].get<std::size_t>(), json["frames"].size(),
+              json["culler"].get<std::string>().c_str(), json["output"].get<std::string>().c_str());
+  std::printf("build %.1f ms, %.1f bytes per item\n", json["build_ms"].get<double>(),
+              json["bytes_per_item"].get<double>());
+  std::printf("visible %.0f, nodes tested %.0f, boxes tested %.0f (means)\n", json["mean_visible"].get<double>(),
+              json["mean_nodes_tested"].get<double>(), json["mean_boxes_tested"].get<double>());
+  ms(json["summary"]);
+  if (json.contains("verified")) std::printf("same set as the linear culler on every frame\n");
+  if (!json.contains("baseline")) return;
+  std::printf("baseline (%s): ", json["baseline"]["method"].get<std::string>().c_str());
+  ms(json["baseline"]["summary"]);
+  std::printf("baseline / culler: %.2f (ratio of means)\n", json["baseline_over_culler"].get<double>());
+}
+
+core::Expected<void> report(const Json& json, const std::string& target) {
+  if (target == "-") {
+    std::cout << json.dump(1) << '\n';
+    return {};
+  }
+  print_table(json);
+  if (target.empty()) return {};
+  std::ofstream file(target);
+  file << json.dump(1) << '\n';
+  if (!file.flush()) return core::fail(target + ": cannot be written");
+  return {};
+}
+
+int fail_with(const core::Error& error) {
+  std::fprintf(stderr, "sightline-bench-cull: %s\n", error.message.c_str());
+  return 1;
+}
+
+int run_tool(int argc, char** argv) {
+  CLI::App app{"Frustum culling alone, on boxes and views from files.", "sightline-bench-cull"};
+  app.set_version_flag("--version", "sightline-bench-cull " SIGHTLINE_VERSION);
+  Options options;
+  app.add_option("--boxes", options.boxes, "float32 min x y z, max x y z per item")->required();
+  app.add_option("--views", options.views, "float64, 16 per frame: column-major clip_from_world, clip space -1...1")
+      ->required();
+  app.add_option("--culler", options.culler, "which culler")->check(CLI::IsMember({"linear", "cpu"}));
+  app.add_option("--threads", options.threads, "threads of the hierarchy's build; culling runs on one")
+      ->check(CLI::Range(1, 1024));
+  app.add_option("--output", options.output, "time the set as ranges and items, or the full id list")
+      ->check(CLI::IsMember({"ranges", "ids"}));
+  app.add_option("--ids-out", options.ids_out, "write frame_%05d.bin (sorted uint32) per frame into this directory");
+  app.add_option("--json", options.json, "write the figures to this file, or - for standard output");
+  app.add_flag("--verify", options.verify, "compare every frame with the linear culler; exit 1 on a difference");
+  app.add_flag("--baseline", options.baseline, "also time brute force over all boxes, and print the ratio");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  const auto json = run(options);
+  if (!json) return fail_with(json.error());
+  if (auto written = report(*json, options.json); !written) return fail_with(written.error());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run_tool(argc, argv);
+  } catch (const std::exception& error) {  // out of memory
+    std::fputs("sightline-bench-cull: ", stderr);
+    std::fputs(error.what(), stderr);
+    std::fputc('\n', stderr);
+  }
+  return 1;
+}

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Installs what a build needs on Debian 12 (skipping what is there), then configures and builds one preset.
+#   scripts/setup.sh [PRESET]      release (default), debug, asan or tsan
+# Extra CMake arguments come from SIGHTLINE_CMAKE_ARGS.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+preset=${1:-release}
+
+packages=(g++ cmake ninja-build pkg-config ccache libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev
+  libtinyobjloader-dev libpng-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev libgmp-dev)
+
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+done
+if [ ${#missing[@]} -gt 0 ]; then
+  as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "setup: needs root or sudo to install: ${missing[*]}" >&2; exit 1; }
+    as_root=(sudo)
+  fi
+  echo "Installing ${missing[*]}"
+  "${as_root[@]}" apt-get update -qq
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+fi
+
+launcher=()
+command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+# shellcheck disable=SC2086
+cmake --preset "$preset" "${launcher[@]}" ${SIGHTLINE_CMAKE_ARGS:-} >/dev/null
+cmake --build --preset "$preset" -j "$(nproc)"
