@@ -31,7 +31,8 @@ struct Aabb {
   void grow(const Aabb& b) { min = glm::min(min, b.min), max = glm::max(max, b.max); }
 };
 
-/// Largest float <= x; values beyond the float range clamp to -/+ Aabb::kFar.
+/// Largest float <= x. From Aabb::kFar upwards it stays kFar, from -kFar downwards it is the lowest float: both err
+/// outwards or concern coordinates that commit() refuses.
 inline float round_down(double x) {
   if (x >= double(Aabb::kFar)) return Aabb::kFar;
   if (x <= -double(Aabb::kFar)) return -std::numeric_limits<float>::max();

@@ -8,8 +8,8 @@ namespace sightline::gpuprims {
 /// Crossings of the ray's full line with the surface, in rising t. A closed snout is convex and has 0 or 2.
 ///
 /// The solid: one nappe of the sheared cone |xy - c(z)| <= r(z), r(z) >= 0, with c(z) = offset z / height and r linear
-/// from the bottom to the top radius, above the bottom and below the top end plane. Where an end plane meets the cone
-/// further than one height beyond its end (core::EndRange), that end is cut by the level plane there instead. Height 0
+/// from the bottom to the top radius, above the bottom and below the top end plane. Where an end plane has no closed
+/// contour on the cone (core::EndRange), that end is cut level one height beyond it instead. Height 0
 /// is a disc of two sides, level, about the centre of the larger end (the bottom one where both are equal). Both radii
 /// 0 is nothing.
 ///

@@ -14,25 +14,25 @@
 #endif
 #include "shading.glsl"
 
-flat in mat3 local_from_eye;
-flat in vec3 local_eye;
-flat in uvec3 item_words;
-flat in float item_extra;
+flat in vec4 local_from_eye[3];
+flat in uint record;
 
 layout(depth_less) out float gl_FragDepth;
 
 void main() {
-  if (dithered_away(item_words.y, item_words.x)) discard;
+  uvec4 words = payload_texel(record, kTexelsPerItem, 3);  // chunk, item id, material and flags, first shape parameter
+  if (dithered_away(words.z, words.y)) discard;
   Search search;
   search.ray = pixel_ray(gl_FragCoord.xy);
   search.t = kNoHit;
   search.normal = vec3(0.0);
-  vec3 o = local_eye + local_from_eye * search.ray.eye_origin;
-  vec3 d = local_from_eye * search.ray.eye_direction;
+  mat3 eye_rows = mat3(local_from_eye[0].xyz, local_from_eye[1].xyz, local_from_eye[2].xyz);
+  vec3 o = vec3(local_from_eye[0].w, local_from_eye[1].w, local_from_eye[2].w) + search.ray.eye_origin * eye_rows;
+  vec3 d = search.ray.eye_direction * eye_rows;
   // From the ray's closest approach to the local origin on, coordinates are of the primitive's own size.
   search.t_shift = -dot(o, d) / dot(d, d);
   o += search.t_shift * d;
-  intersect_primitive(search, o, d, item_extra, item_words.z, item_words.y);
+  intersect_primitive(search, o, d, uintBitsToFloat(words.w), record, words.z);
   if (search.t == kNoHit) discard;
 
   vec3 p_eye = search.ray.eye_origin + search.t * search.ray.eye_direction;
@@ -40,5 +40,5 @@ void main() {
   vec4 clip_w = vec4(view.clip_from_eye[0].w, view.clip_from_eye[1].w, view.clip_from_eye[2].w, view.clip_from_eye[3].w);
   float depth = dot(clip_z, vec4(p_eye, 1.0)) / dot(clip_w, vec4(p_eye, 1.0));
   gl_FragDepth = min(depth, gl_FragCoord.z);  // keeps the promise of depth_less where rounding would break it
-  write_surface(search.normal * local_from_eye, search.ray.eye_direction, item_words.y, item_words.x);
+  write_surface(eye_rows * search.normal, search.ray.eye_direction, words.z, words.y);
 }

@@ -13,23 +13,22 @@
 #include "circular_torus.glsl"
 #endif
 
-flat out mat3 local_from_eye;
-flat out vec3 local_eye;      // local position of the eye-space origin
-flat out uvec3 item_words;    // item id, material and flags, instance
-flat out float item_extra;
+// Four slots, no more: a software rasteriser copies them for every triangle. The rest is fetched again per pixel.
+flat out vec4 local_from_eye[3];  // rows of the affine map: direction xyz, origin w
+flat out uint record;
 
 void main() {
-  uint instance = record_of(8u);
-  Item item = fetch_item(instance, kTexelsPerItem);
+  record = record_of(8u);
+  Item item = fetch_item(record, kTexelsPerItem);
   float volume = determinant(item.eye_from_local);
   if (volume == 0.0 || isnan(volume)) {  // singular placement: nothing to see
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     return;
   }
-  local_from_eye = inverse(item.eye_from_local);
-  local_eye = -(local_from_eye * item.origin);
-  item_words = uvec3(item.id, item.material, instance);
-  item_extra = item.extra;
-  vec3 viewer = perspective_view() ? local_eye : local_from_eye * vec3(0.0, 0.0, 1.0);
-  gl_Position = proxy_position(item, local_box(item, instance), viewer, volume < 0.0);
+  mat3 linear = inverse(item.eye_from_local);
+  vec3 local_eye = -(linear * item.origin);
+  mat3 rows = transpose(linear);
+  for (int i = 0; i < 3; ++i) local_from_eye[i] = vec4(rows[i], local_eye[i]);
+  vec3 viewer = perspective_view() ? local_eye : linear * vec3(0.0, 0.0, 1.0);
+  gl_Position = proxy_position(item, local_box(item, record), viewer, volume < 0.0);
 }
