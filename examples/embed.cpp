@@ -1,0 +1,27 @@
+// The smallest program that embeds Sightline: read a model, cull and draw one view of it, save the image.
+//   embed MODEL.rvm OUT.png
+#include <cstdio>
+
+#include "sightline/engine/drawing.h"
+#include "sightline/importers/import.h"
+
+using namespace sightline;
+
+int main(int argc, char** argv) {
+  if (argc != 3) return std::fprintf(stderr, "usage: embed MODEL OUT.png\n"), 2;
+  core::Scene scene;
+  auto imported = importers::import_file(argv[1], scene, scene.root());
+  if (!imported) return std::fprintf(stderr, "%s\n", imported.error().message.c_str()), 1;
+
+  engine::EngineConfig config;
+  config.draw = true;
+  auto engine = engine::Engine::create(scene, config);
+  if (!engine) return std::fprintf(stderr, "%s\n", engine.error().message.c_str()), 1;
+
+  auto view = core::View::perspective({{-150, -62, 26}, {-100, 10, 4}, {0, 0, 1}}, 0.9, 1280.0 / 720.0, 0.5);
+  auto report = engine->frame(*view);
+  if (!report) return std::fprintf(stderr, "%s\n", report.error().message.c_str()), 1;
+  std::printf("%llu items visible, culled in %.3f ms\n", (unsigned long long)report->visible, report->cull_ms);
+  auto saved = render::write_png(engine->drawing()->target().read_colour(), argv[2]);
+  return saved ? 0 : 1;
+}

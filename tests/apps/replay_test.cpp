@@ -1,0 +1,194 @@
+// sightline-replay without drawing: counts, reports, paths.
+#include "tool_test.h"
+
+namespace sightline::tests {
+namespace {
+
+class Replay : public ToolTest {
+ protected:
+  Json fly(const Args& more) const {
+    Args args = {"--no-render", "--frames", "50"};
+    args.insert(args.end(), more.begin(), more.end());
+    return run_json("replay", args);
+  }
+};
+
+std::vector<std::uint64_t> visible(const Json& flight) {
+  std::vector<std::uint64_t> counts;
+  for (const Json& frame : flight["frames"]) counts.push_back(frame["visible"].get<std::uint64_t>());
+  return counts;
+}
+
+TEST_F(Replay, WritesTheKeysOfTheContract) {
+  const std::string model = plant(3000);
+  const Json flight = fly({model});
+  for (const char* key : {"model", "items", "renderer", "culler", "size", "plan", "frames", "summary", "memory"})
+    EXPECT_TRUE(flight.contains(key)) << key;
+  EXPECT_EQ(flight["model"], Json::array({model}));
+  EXPECT_EQ(flight["items"], 3000);
+  EXPECT_EQ(flight["renderer"], "none");
+  EXPECT_EQ(flight["size"], Json::array({1280, 720}));
+  ASSERT_FALSE(flight["plan"].empty());
+  for (const Json& entry : flight["plan"])
+    EXPECT_EQ(keys_of(entry), (std::vector<std::string>{"feature", "used", "why"}));
+  for (const char* key : {"cull_ms", "frame_ms"})
+    for (const char* figure : {"mean", "median", "p99", "max"})
+      EXPECT_TRUE(flight["summary"][key][figure].is_number()) << key << " " << figure;
+  EXPECT_EQ(flight["summary"]["switches"], 0);
+  for (const char* part : {"snapshot", "bvh", "gpu"}) EXPECT_TRUE(flight["memory"][part].is_number_unsigned()) << part;
+  EXPECT_GT(flight["memory"]["bvh"], 0);
+  EXPECT_EQ(flight["memory"]["gpu"], 0);
+}
+
+TEST_F(Replay, FliesAsManyFramesAsAskedFor) {
+  const std::string model = plant(3000);
+  for (const int frames : {1, 2, 50}) {
+    const Json flight = run_json("replay", {model, "--no-render", "--frames", std::to_string(frames)});
+    ASSERT_EQ(flight["frames"].size(), std::size_t(frames));
+    double last = -1.0;
+    for (const Json& frame : flight["frames"]) {
+      for (const char* key : {"t", "path", "state", "cull_ms", "draw_ms", "frame_ms", "visible", "tested"})
+        EXPECT_TRUE(frame.contains(key)) << key;
+      EXPECT_EQ(frame["path"], flight["culler"]);
+      EXPECT_GT(frame["t"].get<double>(), last);
+      EXPECT_LE(frame["visible"], 3000);
+      last = frame["t"];
+    }
+  }
+}
+
+TEST_F(Replay, SummariesFollowFromTheFrames) {
+  const Json flight = fly({plant(3000)});
+  double sum = 0.0, most = 0.0;
+  for (const Json& frame : flight["frames"]) {
+    sum += frame["visible"].get<double>();
+    most = std::max(most, frame["visible"].get<double>());
+  }
+  EXPECT_NEAR(flight["summary"]["visible"]["mean"].get<double>(), sum / 50.0, 1e-9 * sum);
+  EXPECT_EQ(flight["summary"]["visible"]["max"].get<double>(), most);
+  EXPECT_EQ(flight["summary"]["visible"]["p99"].get<double>(), most);  // of 50 frames
+}
+
+TEST_F(Replay, CullersSeeTheSameItems) {
+  const std::string model = plant(3000);
+  const Json linear = fly({model, "--culler", "linear"}), cpu = fly({model, "--culler", "cpu"});
+  EXPECT_EQ(linear["culler"], "linear");
+  EXPECT_EQ(cpu["culler"], "cpu");
+  EXPECT_EQ(visible(linear), visible(cpu));
+  const auto counts = visible(cpu);
+  EXPECT_LT(*std::min_element(counts.begin(), counts.end()), 1500u) << "the tour never comes near";
+  EXPECT_EQ(*std::max_element(counts.begin(), counts.end()), 3000u) << "no overview";
+}
+
+TEST_F(Replay, ATranslatedModelCullsTheSameItems) {
+  const std::string model = plant(3000);
+  for (const char* culler : {"linear", "cpu"})
+    EXPECT_EQ(visible(fly({model, "--culler", culler})),
+              visible(fly({model, "--culler", culler, "--translate", "3e6,7e6,1e3"})));
+}
+
+TEST_F(Replay, ASavedPathFliesTheSame) {
+  const std::string model = plant(3000), saved = path("tour.json"), again = path("again.json");
+  const Json tour = fly({model, "--save-path", saved});
+  const Json path_json = Json::parse(read_bytes(saved), nullptr, false);
+  ASSERT_TRUE(path_json.is_object());
+  EXPECT_GE(path_json["keys"].size(), 4u);
+  const Json replayed = fly({model, "--path", saved, "--save-path", again});
+  EXPECT_EQ(visible(replayed), visible(tour));
+  EXPECT_EQ(Json::parse(read_bytes(again), nullptr, false), path_json);
+  // A path is in the model's own frame, so it moves along.
+  EXPECT_EQ(visible(fly({model, "--path", saved, "--translate", "3e6,7e6,1e3"})), visible(tour));
+}
+
+TEST_F(Replay, WritesOneCsvLinePerFrame) {
+  const std::string csv = path("frames.csv");
+  const Json flight = fly({plant(3000), "--csv", csv});
+  std::istringstream in(read_bytes(csv));
+  std::string line;
+  ASSERT_TRUE(std::getline(in, line));
+  EXPECT_EQ(line, "frame,t,path,cull_ms,draw_ms,frame_ms,visible,tested");
+  std::size_t rows = 0;
+  for (; std::getline(in, line); ++rows) {
+    ASSERT_LT(rows, 50u);
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 7) << line;
+    EXPECT_EQ(line.rfind(std::to_string(rows) + ",", 0), 0u) << line;
+    const Json& frame = flight["frames"][rows];
+    const std::string tail = "," + frame["visible"].dump() + "," + frame["tested"].dump();
+    EXPECT_EQ(line.substr(line.size() - tail.size()), tail);
+  }
+  EXPECT_EQ(rows, 50u);
+}
+
+/// Opening and closing tags match, and nothing stands outside the one root element. Enough for what the tool writes.
+bool well_formed(const std::string& xml) {
+  std::vector<std::string> open;
+  std::size_t roots = 0;
+  for (std::size_t i = xml.find('<'); i != std::string::npos; i = xml.find('<', i + 1)) {
+    const std::size_t end = xml.find('>', i);
+    if (end == std::string::npos || xml.find('<', i + 1) < end) return false;
+    const std::string tag = xml.substr(i + 1, end - i - 1);
+    const std::string name = tag.substr(tag[0] == '/', tag.find_first_of(" \n/", 1) - (tag[0] == '/'));
+    if (std::count(tag.begin(), tag.end(), '"') % 2 != 0) return false;
+    if (tag[0] == '/') {
+      if (open.empty() || open.back() != tag.substr(1)) return false;
+      open.pop_back();
+    } else {
+      if (open.empty() && ++roots > 1) return false;
+      if (tag.back() != '/') open.push_back(name);
+    }
+  }
+  for (std::size_t i = xml.find('&'); i != std::string::npos; i = xml.find('&', i + 1))
+    if (xml.compare(i, 5, "&amp;") != 0 && xml.compare(i, 4, "&lt;") != 0 && xml.compare(i, 4, "&gt;") != 0)
+      return false;
+  return open.empty() && roots == 1;
+}
+
+TEST_F(Replay, PlotsAsSvg) {
+  EXPECT_FALSE(well_formed("<a><b></a>"));
+  EXPECT_FALSE(well_formed("<a>x & y</a>"));
+  EXPECT_TRUE(well_formed("<a><b c=\"1\"/>x &amp; y</a>\n"));
+  const std::string model = path("a<b & c.rvm"), svg = path("plot.svg");
+  fs::rename(plant(3000), model);
+  fly({model, "--plot", svg});
+  const std::string text = read_bytes(svg);
+  EXPECT_EQ(text.rfind("<svg ", 0), 0u);
+  EXPECT_EQ(text.substr(text.size() - 7), "</svg>\n");
+  EXPECT_TRUE(well_formed(text)) << text.substr(0, 2000);
+  std::size_t lines = 0;
+  for (std::size_t i = text.find("<polyline"); i != std::string::npos; i = text.find("<polyline", i + 1)) {
+    ++lines;
+    const std::size_t begin = text.find("points=\"", i) + 8;
+    const std::string points = text.substr(begin, text.find('"', begin) - begin);
+    EXPECT_EQ(std::count(points.begin(), points.end(), ','), 50);
+    EXPECT_EQ(points.find("nan"), std::string::npos);
+    EXPECT_EQ(points.find("inf"), std::string::npos);
+  }
+  EXPECT_EQ(lines, 2u);
+}
+
+TEST_F(Replay, OneFrameAndNoItemsAreFine) {
+  const std::string points = write("points.obj", "v 0 0 0\n"), svg = path("plot.svg");
+  const Json flight = run_json("replay", {points, "--no-render", "--frames", "1", "--plot", svg});
+  EXPECT_EQ(flight["items"], 0);
+  EXPECT_EQ(visible(flight), std::vector<std::uint64_t>{0});
+  EXPECT_TRUE(well_formed(read_bytes(svg)));
+  EXPECT_EQ(read_bytes(svg).find("nan"), std::string::npos);
+}
+
+TEST_F(Replay, FileNamesMayHoldAnyBytes) {
+  const std::string model = path("plant\xff.rvm");
+  fs::rename(plant(1000), model);
+  EXPECT_EQ(run_json("replay", {model, "--no-render", "--frames", "2"})["items"], 1000);
+}
+
+TEST_F(Replay, PrintsATable) {
+  const Outcome outcome = run("replay", {plant(3000), "--no-render", "--frames", "5", "--explain"});
+  EXPECT_EQ(outcome.code, 0) << outcome;
+  for (const char* text : {"5 frames", "3000 items", "cull ms", "median", "p99", "max", "visible items", "boxes tested",
+                           "items/s", "memory"})
+    EXPECT_NE(outcome.out.find(text), std::string::npos) << text << "\n" << outcome;
+  EXPECT_NE(outcome.err.find("left out"), std::string::npos) << outcome;
+}
+
+}  // namespace
+}  // namespace sightline::tests
