@@ -37,11 +37,10 @@ void plan_batches(Plan& plan, const core::Snapshot& snapshot, bool draw) {
       {"cylinder program (ray-cast)", {Kind::kCylinder}},
       {"snout program (ray-cast)", {Kind::kSnout}},
       {"circular torus program (ray-cast)", {Kind::kCircularTorus}},
+      {"sphere and dish program (ray-cast)", {Kind::kSphere, Kind::kEllipticalDish, Kind::kSphericalDish}},
       {"box program", {Kind::kBox}},
       {"line program", {Kind::kLine}},
-      {"mesh program and mesh pool",
-       {Kind::kPyramid, Kind::kRectangularTorus, Kind::kEllipticalDish, Kind::kSphericalDish, Kind::kSphere,
-        Kind::kFacetGroup, Kind::kMesh}},
+      {"mesh program and mesh pool", {Kind::kPyramid, Kind::kRectangularTorus, Kind::kFacetGroup, Kind::kMesh}},
   };
   for (const Row& row : rows) {
     std::size_t n = 0;

@@ -61,6 +61,23 @@ void pack_snout(std::span<const float> p, const PackedItem& item, std::span<Texe
   out[6] = texel(low * inverse, high * inverse, 0.0, 0.0);
 }
 
+/// The unit ball above z = cut, stretched by `radii` about `centre`.
+void pack_cap(const PackedItem& item, const dvec3& radii, double centre, double cut, std::span<Texel> out) {
+  pack_head(item, radii, dvec3(0.0, 0.0, centre), cut, out);
+}
+
+void pack_elliptical_dish(double radius, double height, const PackedItem& item, std::span<Texel> out) {
+  // A dish of no height is a disc: drawn a thousandth of its radius thick, which float still resolves.
+  const double shown = std::max(height, 1e-3 * radius);
+  pack_cap(item, dvec3(radius, radius, shown), 0.0, 0.0, out);
+}
+
+void pack_spherical_dish(double radius, double height, const PackedItem& item, std::span<Texel> out) {
+  if (height < 1e-3 * radius) return pack_elliptical_dish(radius, height, item, out);
+  const double sphere = (radius * radius + height * height) / (2.0 * height);
+  pack_cap(item, dvec3(sphere), height - sphere, (sphere - height) / sphere, out);
+}
+
 void pack_line(std::span<const float> p, const PackedItem& item, std::span<Texel> out) {
   pack_head(item, dvec3(double(p[1]) - p[0], 1.0, 1.0), dvec3(p[0], 0.0, 0.0), 0.0, out);
 }
@@ -76,6 +93,12 @@ void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& 
       return pack_torus(parameters, item, out);
     case core::Kind::kSnout:
       return pack_snout(parameters, item, out);
+    case core::Kind::kSphere:
+      return pack_cap(item, dvec3(0.5 * length(parameters[0])), 0.0, -1.0, out);
+    case core::Kind::kEllipticalDish:
+      return pack_elliptical_dish(length(parameters[0]), length(parameters[1]), item, out);
+    case core::Kind::kSphericalDish:
+      return pack_spherical_dish(length(parameters[0]), length(parameters[1]), item, out);
     case core::Kind::kLine:
       return pack_line(parameters, item, out);
     case core::Kind::kBox:

@@ -4,6 +4,8 @@
 //   head (every kind)   4 texels   placement 12 floats, chunk, item id, material | flags, first shape parameter
 //   box, mesh, line     head alone: 64 bytes
 //   cylinder            head alone: 64 bytes, in units of its radius; first parameter: height
+//   sphere, dishes      head alone: 64 bytes, in units of their (ellipsoid's) radii; first parameter: where the ball is
+//                       cut
 //   circular torus      head + 1:   80 bytes, in units of its larger radius; first parameter: tube radius
 //   snout               head + 3:  112 bytes, in units of its larger radius; first parameter: height
 //
@@ -41,15 +43,6 @@ struct PackedItem {
 /// Texels per record of a ray-cast or instanced kind.
 constexpr int texels_per_item(core::Kind kind) {
   return kind == core::Kind::kCircularTorus ? 5 : kind == core::Kind::kSnout ? 7 : 4;
-}
-
-/// Kinds that shaders ray-cast (cylinder, snout, circular torus), given unit geometry (box, line), or tessellated (all
-/// others).
-constexpr bool is_ray_cast(core::Kind kind) {
-  return kind == core::Kind::kCylinder || kind == core::Kind::kSnout || kind == core::Kind::kCircularTorus;
-}
-constexpr bool is_tessellated(core::Kind kind) {
-  return !is_ray_cast(kind) && kind != core::Kind::kBox && kind != core::Kind::kLine;
 }
 
 /// Writes the record of one item to `out`, which holds texels_per_item(kind) texels. `parameters` are those of the

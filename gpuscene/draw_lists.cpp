@@ -99,7 +99,7 @@ void DrawLists::list_records(const Snapshot& snapshot, const Batch& batch, const
     }
   }
   for (const Slot slot : visible.items)
-    if (batch_of(snapshot.kind(slot)) == batch.kind) single_list_.push_back(snapshot.index_in_kind(slot));
+    if (batch_of(snapshot.kind(slot)) == batch.kind) single_list_.push_back(GpuScene::record_of(snapshot, slot));
   const std::size_t place = std::size_t(frame_) * single_capacity_ + singles_begin;
   append_records(batch.kind, batch.count + std::uint32_t(place), std::uint32_t(single_list_.size() - singles_begin));
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
@@ -113,7 +113,7 @@ void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, cons
   }
   for (const Slot slot : visible.items)
     if (batch_of(snapshot.kind(slot)) == BatchKind::kMesh)
-      append(pool.commands.data() + GpuScene::rank(snapshot, BatchKind::kMesh, slot), 1);
+      append(pool.commands.data() + GpuScene::record_of(snapshot, slot), 1);
   sections_[std::size_t(BatchKind::kMesh)] = {begin, int(command_list_.size() - begin)};
 }
 

@@ -13,10 +13,23 @@ using core::Slot;
 using core::Snapshot;
 using gpuprims::Texel;
 
-constexpr std::array<std::string_view, kBatchKindCount> kBatchNames = {"cylinder", "snout", "circular_torus",
-                                                                       "box",      "line",  "mesh"};
-constexpr std::array<Kind, 5> kDirectKinds = {Kind::kCylinder, Kind::kSnout, Kind::kCircularTorus, Kind::kBox,
-                                              Kind::kLine};
+constexpr std::array<std::string_view, kBatchKindCount> kBatchNames = {
+    "cylinder", "snout", "circular_torus", "sphere_cap", "box", "line", "mesh"};
+
+/// Which batch draws which kind, in the order of core::Kind.
+constexpr std::array<BatchKind, core::kKindCount> kBatchOfKind = {
+    BatchKind::kMesh,  // pyramid
+    BatchKind::kBox,   // box
+    BatchKind::kMesh,  // rectangular torus
+    BatchKind::kCircularTorus,
+    BatchKind::kSphereCap,  // elliptical dish
+    BatchKind::kSphereCap,  // spherical dish
+    BatchKind::kSnout,         BatchKind::kCylinder,
+    BatchKind::kSphereCap,  // sphere
+    BatchKind::kLine,
+    BatchKind::kMesh,  // facet group
+    BatchKind::kMesh,  // mesh
+};
 
 /// Row of the material table: materials come in scene order, after the row for items that name none.
 std::uint32_t material_row(const Snapshot& snapshot, Slot slot) {
@@ -66,37 +79,38 @@ std::string_view batch_name(BatchKind kind) {
 }
 
 BatchKind batch_of(Kind kind) {
-  for (std::size_t i = 0; i < kDirectKinds.size(); ++i)
-    if (kDirectKinds[i] == kind) return BatchKind(i);
-  return BatchKind::kMesh;
+  return kBatchOfKind[std::size_t(kind)];
 }
 
 std::uint32_t GpuScene::rank(const Snapshot& snapshot, BatchKind kind, Slot slot) {
-  if (kind != BatchKind::kMesh) return snapshot.rank(kDirectKinds[std::size_t(kind)], slot);
-  std::uint32_t rank = slot;
-  for (const Kind direct : kDirectKinds) rank -= snapshot.rank(direct, slot);
+  std::uint32_t rank = 0;
+  for (int k = 0; k < core::kKindCount; ++k)
+    if (kBatchOfKind[std::size_t(k)] == kind) rank += snapshot.rank(Kind(k), slot);
   return rank;
+}
+
+std::uint32_t GpuScene::record_of(const Snapshot& snapshot, Slot slot) {
+  const Kind own = snapshot.kind(slot);
+  std::uint32_t record = snapshot.index_in_kind(slot);
+  for (int k = 0; k < core::kKindCount; ++k)
+    if (Kind(k) != own && batch_of(Kind(k)) == batch_of(own)) record += snapshot.rank(Kind(k), slot);
+  return record;
 }
 
 core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snapshot& snapshot,
                                           const GpuSceneConfig& config) {
   const gl::Functions& gl = context.functions();
   GpuScene scene;
-  for (std::size_t i = 0; i < kDirectKinds.size(); ++i) {
-    const auto& slots = snapshot.of_kind(kDirectKinds[i]).slots;
-    if (slots.empty()) continue;
-    auto batch = make_batch(gl, BatchKind(i), snapshot, slots);
+  std::array<std::vector<Slot>, kBatchKindCount> slots;
+  for (Slot slot = 0; slot < snapshot.size(); ++slot) slots[std::size_t(batch_of(snapshot.kind(slot)))].push_back(slot);
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (slots[i].empty()) continue;
+    auto batch = make_batch(gl, BatchKind(i), snapshot, slots[i]);
     if (!batch) return tl::unexpected(batch.error());
     scene.batches_.push_back(std::move(*batch));
   }
-
-  std::vector<Slot> mesh_slots;
-  for (Slot slot = 0; slot < snapshot.size(); ++slot)
-    if (batch_of(snapshot.kind(slot)) == BatchKind::kMesh) mesh_slots.push_back(slot);
+  const auto& mesh_slots = slots[std::size_t(BatchKind::kMesh)];
   if (!mesh_slots.empty()) {
-    auto batch = make_batch(gl, BatchKind::kMesh, snapshot, mesh_slots);
-    if (!batch) return tl::unexpected(batch.error());
-    scene.batches_.push_back(std::move(*batch));
     auto pool = build_mesh_pool(gl, snapshot, mesh_slots, config);
     if (!pool) return tl::unexpected(pool.error());
     scene.meshes_ = std::move(*pool);
@@ -127,7 +141,7 @@ void GpuScene::update(const Snapshot& snapshot, std::span<const core::ItemId> ch
     assert(target && "items were inserted: create a new GpuScene");
     const auto texels = std::span(record).first(std::size_t(target->texels_per_item));
     pack_slot(snapshot, slot, texels);
-    target->records.write(rank(snapshot, kind, slot) * texels.size_bytes(), texels.size_bytes(), texels.data());
+    target->records.write(record_of(snapshot, slot) * texels.size_bytes(), texels.size_bytes(), texels.data());
   }
 }
 

@@ -17,19 +17,25 @@ namespace sightline::gpuscene {
 
 struct GpuSceneConfig {
   /// Metres between a tessellated kind's triangles and its true surface. Smaller: rounder dishes, more triangles.
-  double chord_tolerance = 2e-4;
+  double chord_tolerance = 2e-5;
   /// Per full circle; bounds the triangles of a huge tank.
   int max_segments = 256;
 };
 
 /// Items that one program draws. There is a batch only for what the scene holds.
-enum class BatchKind : std::uint8_t { kCylinder, kSnout, kCircularTorus, kBox, kLine, kMesh };
-inline constexpr int kBatchKindCount = 6;
+enum class BatchKind : std::uint8_t { kCylinder, kSnout, kCircularTorus, kSphereCap, kBox, kLine, kMesh };
+inline constexpr int kBatchKindCount = 7;
 
 std::string_view batch_name(BatchKind kind);
 
-/// The batch that draws items of a kind: every tessellated kind goes to kMesh.
+/// The batch that draws items of a kind. Spheres and both dishes share kSphereCap; what is tessellated (pyramids,
+/// rectangular tori, facet groups, meshes) goes to kMesh.
 BatchKind batch_of(core::Kind kind);
+
+/// True for batches whose shader casts rays within a proxy.
+constexpr bool is_ray_cast(BatchKind kind) {
+  return kind <= BatchKind::kSphereCap;
+}
 
 /// One record per item, in slot order: place k of a ray-cast, box or line batch is place k of the snapshot's of_kind()
 /// arrays.
@@ -76,6 +82,8 @@ class GpuScene {
 
   /// Items of a batch in slots below `slot`. Constant time.
   static std::uint32_t rank(const core::Snapshot& snapshot, BatchKind kind, core::Slot slot);
+  /// Place of an item's record in its batch: rank() of its own slot, found faster.
+  static std::uint32_t record_of(const core::Snapshot& snapshot, core::Slot slot);
 
  private:
   std::vector<Batch> batches_;

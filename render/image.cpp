@@ -30,7 +30,11 @@ core::Expected<void> replace_file(const fs::path& path, const void* header, std:
     return core::fail(path.string() + ": cannot be written");
   }
   fs::rename(partial, path, error);
-  if (error) return core::fail(path.string() + ": cannot be written: " + error.message());
+  if (error) {
+    const std::string reason = error.message();
+    fs::remove(partial, error);
+    return core::fail(path.string() + ": cannot be written: " + reason);
+  }
   return {};
 }
 

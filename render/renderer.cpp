@@ -18,14 +18,11 @@ constexpr std::array<ProgramFiles, gpuscene::kBatchKindCount> kProgramFiles = {{
     {"primitive.vert", "primitive.frag", "CYLINDER"},
     {"primitive.vert", "primitive.frag", "SNOUT"},
     {"primitive.vert", "primitive.frag", "CIRCULAR_TORUS"},
+    {"primitive.vert", "primitive.frag", "SPHERE_CAP"},
     {"box.vert", "surface.frag", "BOX"},
     {"line.vert", "surface.frag", "LINE"},
     {"mesh.vert", "surface.frag", "MESH"},
 }};
-
-constexpr bool is_proxy(BatchKind kind) {
-  return kind == BatchKind::kCylinder || kind == BatchKind::kSnout || kind == BatchKind::kCircularTorus;
-}
 
 enum TextureUnit : GLuint { kPayloadUnit, kChunkUnit, kMaterialUnit, kSinglesUnit };
 constexpr GLint kRecordCountUniform = 0;
@@ -143,7 +140,7 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene
   gl.BindTextureUnit(kPayloadUnit, batch.texels.id());
   // Proxies show their front faces, and must survive in front of the near plane: the surface behind them may be beyond
   // it.
-  const auto toggle = is_proxy(batch.kind) ? gl.Enable : gl.Disable;
+  const auto toggle = gpuscene::is_ray_cast(batch.kind) ? gl.Enable : gl.Disable;
   toggle(GL_DEPTH_CLAMP);
   toggle(GL_CULL_FACE);
   GLenum mode = GL_TRIANGLES, index_type = GL_UNSIGNED_SHORT;

@@ -12,6 +12,9 @@
 #ifdef CIRCULAR_TORUS
 #include "circular_torus.glsl"
 #endif
+#ifdef SPHERE_CAP
+#include "sphere_cap.glsl"
+#endif
 #include "shading.glsl"
 
 flat in vec4 local_from_eye[3];

@@ -12,6 +12,9 @@
 #ifdef CIRCULAR_TORUS
 #include "circular_torus.glsl"
 #endif
+#ifdef SPHERE_CAP
+#include "sphere_cap.glsl"
+#endif
 
 // Four slots, no more: a software rasteriser copies them for every triangle. The rest is fetched again per pixel.
 flat out vec4 local_from_eye[3];  // rows of the affine map: direction xyz, origin w

@@ -27,7 +27,29 @@ using core::View;
 constexpr int kWidth = 96, kHeight = 64;
 constexpr double kAspect = double(kWidth) / kHeight;
 
+/// Ball of `radii` about (0, 0, centre), kept above z = 0: what spheres and dishes are. Written apart from the library.
+gpuprims::Hits intersect_ball(const gpuprims::Ray& ray, const dvec3& radii, double centre, bool whole) {
+  gpuprims::Hits hits;
+  const dvec3 o = (ray.origin - dvec3(0, 0, centre)) / radii, d = ray.direction / radii;
+  const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - 1.0, disc = b * b - a * c;
+  if (disc < 0.0) return hits;
+  for (const double t : {(-b - std::sqrt(disc)) / a, (-b + std::sqrt(disc)) / a})
+    if (whole || ray.origin.z + t * ray.direction.z >= 0.0) hits.insert({t, o + t * d});
+  const double base = -ray.origin.z / ray.direction.z;
+  const dvec3 p = o + base * d;
+  if (!whole && ray.direction.z != 0.0 && glm::dot(p, p) <= 1.0) hits.insert({base, {0, 0, -1}});
+  return hits;
+}
+
 gpuprims::Hits intersect_any(const core::Primitive& primitive, const gpuprims::Ray& ray) {
+  if (const auto* s = std::get_if<core::Sphere>(&primitive))
+    return intersect_ball(ray, dvec3(0.5 * s->diameter), 0.0, true);
+  if (const auto* e = std::get_if<core::EllipticalDish>(&primitive))
+    return intersect_ball(ray, dvec3(e->base_radius, e->base_radius, e->height), 0.0, false);
+  if (const auto* s = std::get_if<core::SphericalDish>(&primitive)) {
+    const double r = s->base_radius, h = s->height, radius = (r * r + h * h) / (2.0 * h);
+    return intersect_ball(ray, dvec3(radius), h - radius, false);
+  }
   if (const auto* c = std::get_if<core::Cylinder>(&primitive)) return gpuprims::intersect(*c, ray);
   if (const auto* s = std::get_if<core::Snout>(&primitive)) return gpuprims::intersect(*s, ray);
   return gpuprims::intersect(std::get<core::CircularTorus>(primitive), ray);
@@ -190,6 +212,16 @@ TEST_F(RayCast, CircularTorus) {
   check_views(core::CircularTorus{1.0f, 0.4f, 6.2831855f}, at({0, 0, 0}));
   check_views(core::CircularTorus{1.0f, 0.4f, 4.0f}, {kMirror, {0, 0, 0}});
 }
+TEST_F(RayCast, SphereAndDishes) {
+  check_views(core::Sphere{1.8f}, at({0, 0, 0}));
+  check_views(core::EllipticalDish{1.0f, 0.5f}, at({1, 2, 3}));
+  check_views(core::EllipticalDish{0.6f, 1.2f}, {kShear, {0, 0, 0}});
+  check_views(core::SphericalDish{1.0f, 0.4f}, at({0, 0, 0}));
+  check_views(core::SphericalDish{0.6f, 1.1f}, {kMirror, {0, 0, 0}});  // more than half a ball
+  check(core::SphericalDish{1.0f, 0.02f}, at({0, 0, 0}), look({2, 1, 2}, {0, 0, 0}));
+  check(core::Sphere{2.0f}, at({0, 0, 0}), look({0.2, 0.1, 0.3}, {2, 1, 1}));
+}
+
 TEST_F(RayCast, HornAndThinTorus) {
   check(core::CircularTorus{0.6f, 0.6f, 6.2831855f}, at({0, 0, 0}), look({3, 1, 2}, {0, 0, 0}));
   check(core::CircularTorus{1.0f, 0.02f, 6.2831855f}, at({0, 0, 0}), look({1.5, 1, 2}, {0, 0, 0}), 0.02);
