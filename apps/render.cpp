@@ -22,7 +22,7 @@ struct Options {
   std::string culler = "auto";
   int frame = 0, frames = 300;
   bool fit = false, gl_debug = false;
-  double max = -1.0, mean = -1.0, tolerance = 2e-4;
+  double max = -1.0, mean = -1.0, tolerance = 2e-5;
 };
 
 void add_options(CLI::App& app, Options& o) {

@@ -33,7 +33,7 @@ struct EngineConfig {
   bool gl_debug = false;  ///< collect driver messages; slower
   gl::Context* context =
       nullptr;  ///< a current context to draw with, owned by the application; null: one is made offscreen
-  double chord_tolerance = 2e-4;  ///< metres, for the kinds that are tessellated
+  double chord_tolerance = 2e-5;  ///< metres, for the kinds that are tessellated
 };
 
 /// Times in milliseconds of wall clock.
