@@ -1,5 +1,6 @@
 // sightline-generate: a made-up process plant as an RVM file.
 
+#include <charconv>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -8,8 +9,23 @@
 #include "sightline/importers/plant_generator.h"
 #include "sightline/importers/rvm_writer.h"
 
+namespace {
+
+using namespace sightline;
+
+/// CLI11 alone would wrap negative numbers and clamp large ones: another plant than the one asked for.
+core::Expected<std::uint64_t> parse_seed(const std::string& text) {
+  std::uint64_t seed = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, seed);
+  if (error != std::errc() || stop != end)
+    return core::fail("expected a whole number from 0 to 18446744073709551615, found \"" + text + "\"");
+  return seed;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace sightline;
   CLI::App app("Generates a process plant (pipe racks, vessels, steel, handrails), the same for the same seed",
                "sightline-generate");
   apps::describe(
@@ -22,7 +38,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1000, 10000000));
   app.add_option("--seed", config.seed, "Another seed gives another plant")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(apps::accepted_by(parse_seed));
   app.add_option("--json", json_file, "Write what was generated as JSON to FILE, or - for stdout");
   return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
     core::Scene scene;

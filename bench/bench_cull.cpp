@@ -9,10 +9,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -27,6 +25,7 @@
 #define SIGHTLINE_HAVE_AVX2 1
 #endif
 
+#include "sightline/apps/common/cli.h"
 #include "sightline/core/bvh_build.h"
 #include "sightline/core/error.h"
 #include "sightline/core/item_bounds.h"
@@ -36,10 +35,6 @@
 #include "sightline/culling/linear_culler.h"
 
 static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");
-
-#ifndef SIGHTLINE_VERSION
-#define SIGHTLINE_VERSION "0.1.0"
-#endif
 
 namespace {
 
@@ -53,6 +48,25 @@ struct Options {
   int threads = 1;
   bool verify = false, baseline = false;
 };
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--boxes", options.boxes, "float32 min x y z, max x y z per item")->required();
+  app.add_option("--views", options.views, "float64, 16 per frame: column-major clip_from_world, clip space -1...1")
+      ->required();
+  app.add_option("--culler", options.culler, "which culler")
+      ->check(CLI::IsMember({"linear", "cpu"}))
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "threads of the hierarchy's build; culling runs on one")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--output", options.output, "time the set as ranges and items, or the full id list")
+      ->check(CLI::IsMember({"ranges", "ids"}))
+      ->capture_default_str();
+  app.add_option("--ids-out", options.ids_out, "write frame_%05d.bin (sorted uint32) per frame into this directory");
+  app.add_option("--json", options.json, "write the figures to this file, or - for standard output");
+  app.add_flag("--verify", options.verify, "compare every frame with the linear culler; exit 1 on a difference");
+  app.add_flag("--baseline", options.baseline, "also time brute force over all boxes, and print the ratio");
+}
 
 double milliseconds() {
   using Clock = std::chrono::steady_clock;
@@ -109,6 +123,10 @@ core::Expected<std::vector<core::View>> read_views(const std::string& path) {
 
 /// Either culler with what it needs, and the way from slots back to the file's order.
 struct Bench {
+  Bench(std::span<const core::Aabb> boxes, const Options& options);
+  Bench(const Bench&) = delete;  // the culler points into the bounds
+  Bench& operator=(const Bench&) = delete;
+
   core::ItemBounds bounds;
   std::vector<std::uint32_t> order;  // empty: slots are ids
   std::optional<culling::CpuCuller> cpu;
@@ -150,21 +168,19 @@ void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span
   for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[order.empty() ? i : order[i]]);
 }
 
-Bench make_bench(std::span<const core::Aabb> boxes, const Options& options) {
-  Bench bench;
+Bench::Bench(std::span<const core::Aabb> boxes, const Options& options) {
   const double start = milliseconds();
   if (options.culler == "cpu") {
     core::BvhConfig config;
     config.threads = options.threads;
     core::BvhTree tree = core::build_bvh(boxes, config);
-    fill(bench.bounds, boxes, tree.order);
-    bench.cpu.emplace(bench.bounds, tree, boxes.size());
-    bench.order = std::move(tree.order);
+    fill(bounds, boxes, tree.order);
+    cpu.emplace(bounds, tree, boxes.size());
+    order = std::move(tree.order);
   } else {
-    fill(bench.bounds, boxes, {});
+    fill(bounds, boxes, {});
   }
-  bench.build_ms = milliseconds() - start;
-  return bench;
+  build_ms = milliseconds() - start;
 }
 
 // --- baseline --------------------------------------------------------------------------------------------------------
@@ -333,7 +349,7 @@ core::Expected<Frames> inspect(const Bench& bench, std::span<const core::Aabb> b
   return frames;
 }
 
-core::Expected<Json> run(const Options& options) {
+core::Expected<Json> measure(const Options& options) {
   const auto boxes = read_boxes(options.boxes);
   if (!boxes) return tl::unexpected(boxes.error());
   const auto views = read_views(options.views);
@@ -344,7 +360,7 @@ core::Expected<Json> run(const Options& options) {
     if (error) return core::fail(options.ids_out + ": cannot be made a directory: " + error.message());
   }
 
-  const Bench bench = make_bench(*boxes, options);
+  const Bench bench(*boxes, options);
   const auto frames = inspect(bench, *boxes, *views, options);
   if (!frames) return tl::unexpected(frames.error());
 
@@ -403,59 +419,25 @@ void print_table(const Json& json) {
 }
 
 core::Expected<void> report(const Json& json, const std::string& target) {
-  if (target == "-") {
-    std::cout << json.dump(1) << '\n';
-    return {};
-  }
-  print_table(json);
+  if (target != "-") print_table(json);
   if (target.empty()) return {};
-  std::ofstream file(target);
-  file << json.dump(1) << '\n';
-  if (!file.flush()) return core::fail(target + ": cannot be written");
-  return {};
-}
-
-int fail_with(const core::Error& error) {
-  std::fprintf(stderr, "sightline-bench-cull: %s\n", error.message.c_str());
-  return 1;
-}
-
-int run_tool(int argc, char** argv) {
-  CLI::App app{"Frustum culling alone, on boxes and views from files.", "sightline-bench-cull"};
-  app.set_version_flag("--version", "sightline-bench-cull " SIGHTLINE_VERSION);
-  Options options;
-  app.add_option("--boxes", options.boxes, "float32 min x y z, max x y z per item")->required();
-  app.add_option("--views", options.views, "float64, 16 per frame: column-major clip_from_world, clip space -1...1")
-      ->required();
-  app.add_option("--culler", options.culler, "which culler")->check(CLI::IsMember({"linear", "cpu"}));
-  app.add_option("--threads", options.threads, "threads of the hierarchy's build; culling runs on one")
-      ->check(CLI::Range(1, 1024));
-  app.add_option("--output", options.output, "time the set as ranges and items, or the full id list")
-      ->check(CLI::IsMember({"ranges", "ids"}));
-  app.add_option("--ids-out", options.ids_out, "write frame_%05d.bin (sorted uint32) per frame into this directory");
-  app.add_option("--json", options.json, "write the figures to this file, or - for standard output");
-  app.add_flag("--verify", options.verify, "compare every frame with the linear culler; exit 1 on a difference");
-  app.add_flag("--baseline", options.baseline, "also time brute force over all boxes, and print the ratio");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  const auto json = run(options);
-  if (!json) return fail_with(json.error());
-  if (auto written = report(*json, options.json); !written) return fail_with(written.error());
-  return 0;
+  return apps::write_text(target, apps::to_text(json));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run_tool(argc, argv);
-  } catch (const std::exception& error) {  // out of memory
-    std::fputs("sightline-bench-cull: ", stderr);
-    std::fputs(error.what(), stderr);
-    std::fputc('\n', stderr);
-  }
-  return 1;
+  CLI::App app{"Frustum culling alone, on boxes and views from files.", "sightline-bench-cull"};
+  apps::describe(
+      app,
+      "  sightline-bench-cull --boxes boxes.f32 --views views.f64 --verify\n"
+      "  sightline-bench-cull --boxes boxes.f32 --views views.f64 --output ids --ids-out ids --json out.json");
+  Options options;
+  add_options(app, options);
+  return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
+    const auto json = measure(options);
+    if (!json) return tl::unexpected(json.error());
+    if (auto written = report(*json, options.json); !written) return tl::unexpected(written.error());
+    return apps::kExitOk;
+  });
 }

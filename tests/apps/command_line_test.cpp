@@ -1,5 +1,5 @@
 // What every tool promises on its command line: help, exit codes, and one clear line about bad input.
-#include "tool_test.h"
+#include "sightline/tests/apps/tool_test.h"
 
 namespace sightline::tests {
 namespace {
@@ -74,8 +74,9 @@ TEST_P(ModelTool, RefusesWhatIsNoModel) {
                           path("missing"),
                           unwritable("below-a-file.rvm")};
   for (const std::string& file : bad_files) {
-    expect_failure(GetParam(), {file}, file);
-    expect_failure(GetParam(), {good, file}, file);
+    const std::string name = fs::path(file).filename();
+    expect_failure(GetParam(), {file}, name);
+    expect_failure(GetParam(), {good, file}, name);
   }
 }
 

@@ -1,5 +1,5 @@
 // sightline-generate: the same bytes for the same seed, exactly as many items as asked for.
-#include "tool_test.h"
+#include "sightline/tests/apps/tool_test.h"
 
 namespace sightline::tests {
 namespace {

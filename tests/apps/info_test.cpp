@@ -1,6 +1,6 @@
 // sightline-info against its contract.
-#include "../support/test_data.h"
-#include "tool_test.h"
+#include "sightline/tests/apps/tool_test.h"
+#include "sightline/tests/support/test_data.h"
 
 namespace sightline::tests {
 namespace {
@@ -77,7 +77,7 @@ TEST_F(Info, MovesTheBoundsWithTheModel) {
   for (const char* corner : {"min", "max"})
     for (int axis = 0; axis < 3; ++axis)
       EXPECT_NEAR(there["bounds"][corner][axis].get<double>(),
-                  here["bounds"][corner][axis].get<double>() + offset[axis], 1e-8);
+                  here["bounds"][corner][axis].get<double>() + offset[axis], 1e-6);
   EXPECT_EQ(here["items"], there["items"]);
 }
 

@@ -1,5 +1,5 @@
 // sightline-replay without drawing: counts, reports, paths.
-#include "tool_test.h"
+#include "sightline/tests/apps/tool_test.h"
 
 namespace sightline::tests {
 namespace {

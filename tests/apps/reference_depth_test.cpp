@@ -1,0 +1,38 @@
+// Depth images of real plants against an independent double-precision reference.
+#include "sightline/tests/apps/render_test.h"
+#include "sightline/tests/support/test_data.h"
+
+namespace sightline::tests {
+namespace {
+
+using Case = std::tuple<std::string, std::string>;  // model, view
+
+class ReferenceDepth : public RenderTest, public ::testing::WithParamInterface<Case> {};
+
+TEST_P(ReferenceDepth, Agrees) {
+  const auto& [model, view] = GetParam();
+  const std::string model_file = "huldra/" + model + ".RVM", reference = "reference/" + model + "_" + view;
+  const std::string script = "../tools/compare_depth.py";
+  for (const std::string& name : {model_file, reference + ".json", reference + ".pfm.gz", script})
+    SIGHTLINE_NEED_DATA(name);
+  if (run_program("python3", {"--version"}).code != 0) GTEST_SKIP() << "needs python3";
+  const std::string depth = path("depth.pfm");
+  render({data_path(model_file), "--view", data_path(reference + ".json"), "--size", "480x270", "--depth", depth});
+  // The tool's defaults, and the tighter bound of an exact renderer: 99 % of the pixels within 1e-4 of their depth.
+  const Outcome compared =
+      run_program("python3", {data_path(script), depth, data_path(reference + ".pfm.gz"), "--min-1e-4", ".99"});
+  EXPECT_EQ(compared.code, 0) << compared;
+  RecordProperty("compared", compared.out);
+}
+
+INSTANTIATE_TEST_SUITE_P(Huldra, ReferenceDepth,
+                         ::testing::Combine(::testing::Values("HA-PIPE", "HA-MECH", "WD1-PSUP"),
+                                            ::testing::Values("over", "near", "ortho")),
+                         [](const auto& pair) {
+                           std::string name = std::get<0>(pair.param) + "_" + std::get<1>(pair.param);
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace sightline::tests

@@ -1,0 +1,275 @@
+// sightline-render: images, ids, depth, and the comparison that makes it a regression test.
+#include "sightline/tests/apps/render_test.h"
+
+#include <cmath>
+#include <cstring>
+#include <set>
+
+#include <png.h>
+
+namespace sightline::tests {
+namespace {
+
+constexpr int kWidth = 480, kHeight = 270;
+constexpr std::uint64_t kThousandth = kWidth * kHeight / 1000;  // pixels
+
+/// A look along the pipe racks, and one from above.
+const char* const kNearView =
+    R"({"eye":[-30,-12,6],"target":[5,2,3],"up":[0,0,1],"fovy_deg":60,"near":0.1,"far":1000})";
+const char* const kOrthoView =
+    R"({"eye":[-40,-60,50],"target":[0,0,4],"up":[0,0,1],"ortho_height":30,"near":0.1,"far":1000})";
+
+/// 8-bit RGB, rows top to bottom.
+struct Picture {
+  std::size_t width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+
+  std::uint32_t number(std::size_t pixel) const {
+    return std::uint32_t(rgb[3 * pixel]) | std::uint32_t(rgb[3 * pixel + 1]) << 8 |
+           std::uint32_t(rgb[3 * pixel + 2]) << 16;
+  }
+  std::size_t colours() const {
+    std::set<std::uint32_t> seen;
+    for (std::size_t i = 0; i < width * height; ++i) seen.insert(number(i));
+    return seen.size();
+  }
+};
+
+Picture read_picture(const std::string& file) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  EXPECT_TRUE(png_image_begin_read_from_file(&header, file.c_str())) << file << ": " << header.message;
+  header.format = PNG_FORMAT_RGB;
+  Picture picture{header.width, header.height, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(header))};
+  EXPECT_TRUE(png_image_finish_read(&header, nullptr, picture.rgb.data(), 0, nullptr))
+      << file << ": " << header.message;
+  return picture;
+}
+
+class Render : public RenderTest {
+ protected:
+  void SetUp() override {
+    RenderTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    model = plant(3000);
+    view = write("view.json", kNearView);
+  }
+
+  Args with(const Args& more) const {
+    Args args = {model, "--size", std::to_string(kWidth) + "x" + std::to_string(kHeight)};
+    args.insert(args.end(), more.begin(), more.end());
+    return args;
+  }
+
+  /// Pixels that differ at all from a reference.
+  std::uint64_t differing(Args args, const std::string& reference) const {
+    args.insert(args.end(), {"--compare", reference, "--max", "255", "--mean", "255", "--json", "-"});
+    const Outcome outcome = render(with(args));
+    const Json figures = Json::parse(outcome.out, nullptr, false);
+    EXPECT_TRUE(figures.is_object()) << outcome;
+    return figures.is_object() ? figures["compare"]["pixels"].get<std::uint64_t>() : ~0ull;
+  }
+
+  std::string model, view;
+};
+
+TEST_F(Render, WritesAPicture) {
+  const std::string out = path("out.png");
+  const Outcome outcome = render(with({"--view", view, "--out", out}));
+  EXPECT_EQ(outcome.out, "");
+  const Picture picture = read_picture(out);
+  EXPECT_EQ(picture.width, std::size_t(kWidth));
+  EXPECT_EQ(picture.height, std::size_t(kHeight));
+  EXPECT_GT(picture.colours(), 100u) << "hardly anything is drawn";
+}
+
+TEST_F(Render, FitsTheModelByDefault) {
+  const std::string fit = path("fit.png"), ids = path("ids.png");
+  render(with({"--fit", "--out", fit}));
+  render(with({"--compare", fit, "--ids", ids}));
+  const Picture picture = read_picture(ids);
+  bool edge = false;
+  std::size_t drawn = 0;
+  for (std::size_t y = 0; y < picture.height; ++y)
+    for (std::size_t x = 0; x < picture.width; ++x) {
+      const bool hit = picture.number(y * picture.width + x) != 0;
+      drawn += hit;
+      edge = edge || (hit && (x == 0 || y == 0 || x + 1 == picture.width || y + 1 == picture.height));
+    }
+  EXPECT_FALSE(edge) << "the model is cut off";
+  EXPECT_GT(drawn, picture.width * picture.height / 20);
+}
+
+TEST_F(Render, WritesFiguresAsJson) {
+  const Json figures = run_json("render", with({"--view", view}));
+  for (const char* key : {"renderer", "size", "items", "visible", "tested", "culler"})
+    EXPECT_TRUE(figures.contains(key)) << key;
+  EXPECT_EQ(figures["items"], 3000);
+  EXPECT_EQ(figures["size"], Json::array({kWidth, kHeight}));
+  EXPECT_GT(figures["visible"], 0);
+  EXPECT_LE(figures["visible"], 3000);
+}
+
+TEST_F(Render, ComparesWithItself) {
+  const std::string out = path("out.png");
+  render(with({"--view", view, "--out", out}));
+  const Outcome outcome = render(with({"--view", view, "--compare", out, "--max", "0", "--mean", "0"}));
+  EXPECT_NE(outcome.out.find("max 0"), std::string::npos) << outcome;
+  EXPECT_NE(outcome.out.find("differing pixels 0"), std::string::npos) << outcome;
+}
+
+TEST_F(Render, ComparisonFailsOnAnotherPicture) {
+  const std::string out = path("out.png"), diff = path("diff.png");
+  const std::string other = write("other.json", kOrthoView);
+  render(with({"--view", view, "--out", out}));
+  const Args compare = with({"--view", other, "--compare", out, "--diff", diff});
+  const Outcome outcome = run("render", compare);
+  EXPECT_EQ(outcome.code, 1) << outcome;
+  EXPECT_NE(outcome.out.find("DIFFERS"), std::string::npos) << outcome;
+  EXPECT_GT(read_picture(diff).colours(), 10u);
+  const auto verdict = [&](const Args& limits) {
+    Args args = compare;
+    args.insert(args.end(), limits.begin(), limits.end());
+    return run("render", args).code;
+  };
+  EXPECT_EQ(verdict({"--max", "255", "--mean", "255"}), 0);
+  EXPECT_EQ(verdict({"--max", "255", "--mean", "0.01"}), 1);
+  EXPECT_EQ(verdict({"--max", "3", "--mean", "255"}), 1);
+  EXPECT_EQ(verdict({"--max", "255"}), 0);  // a limit alone is the only one
+  EXPECT_EQ(verdict({"--mean", "255"}), 0);
+  EXPECT_EQ(verdict({"--mean", "0.01"}), 1);
+}
+
+TEST_F(Render, ComparisonNeedsAPictureOfTheSameSize) {
+  const std::string out = path("out.png"), diff = path("diff.png");
+  render({model, "--size", "64x64", "--out", out});
+  expect_failure("render", with({"--compare", out, "--max", "255", "--mean", "255", "--diff", diff}), out, true);
+  EXPECT_FALSE(fs::exists(diff));
+  for (const std::string& bad : {path("missing.png"), write("text.png", "no picture"), write("empty.png", ""),
+                                 write("cut.png", read_bytes(out).substr(0, 200))})
+    expect_failure("render", {model, "--size", "64x64", "--compare", bad}, bad, true);
+}
+
+TEST_F(Render, IdsNameItems) {
+  for (const char* text : {kNearView, kOrthoView}) {
+    SCOPED_TRACE(text);
+    const std::string ids = path("ids.png"), names = path("ids.json"), looked = write("looked.json", text);
+    render(with({"--view", looked, "--ids", ids, "--ids-json", names}));
+    const Picture picture = read_picture(ids);
+    ASSERT_EQ(picture.width * picture.height, std::size_t(kWidth * kHeight));
+    std::set<std::string> seen;
+    for (std::size_t i = 0; i < picture.width * picture.height; ++i)
+      if (const std::uint32_t number = picture.number(i)) {
+        ASSERT_LE(number, 3000u);
+        seen.insert(std::to_string(number - 1));
+      }
+    EXPECT_GT(seen.size(), 50u);
+    const Json named = Json::parse(read_bytes(names), nullptr, false);
+    ASSERT_TRUE(named.is_object());
+    std::set<std::string> keys;
+    const Json kinds = run_json("info", {model})["items"];
+    for (const auto& [key, entry] : named.items()) {
+      keys.insert(key);
+      EXPECT_EQ(entry["node"].get<std::string>().rfind("plant-3000-1.rvm/", 0), 0u) << entry;
+      ASSERT_TRUE(kinds.contains(entry["kind"].get<std::string>())) << entry;
+      EXPECT_GT(kinds[entry["kind"].get<std::string>()], 0) << entry;
+    }
+    EXPECT_EQ(keys, seen);
+  }
+}
+
+TEST_F(Render, DepthAgreesWithIds) {
+  for (const char* text : {kNearView, kOrthoView}) {
+    SCOPED_TRACE(text);
+    const std::string ids = path("ids.png"), depth = path("depth.pfm"), looked = write("looked.json", text);
+    render(with({"--view", looked, "--ids", ids, "--depth", depth}));
+    const std::string bytes = read_bytes(depth), header = "Pf\n480 270\n-1.0\n";
+    ASSERT_EQ(bytes.rfind(header, 0), 0u) << bytes.substr(0, 40);
+    ASSERT_EQ(bytes.size(), header.size() + 4 * std::size_t(kWidth * kHeight));
+    std::vector<float> metres(std::size_t(kWidth * kHeight));
+    std::memcpy(metres.data(), bytes.data() + header.size(), 4 * metres.size());
+    const Picture picture = read_picture(ids);
+    std::size_t hits = 0;
+    for (std::size_t y = 0; y < picture.height; ++y)
+      for (std::size_t x = 0; x < picture.width; ++x) {
+        const float z = metres[(picture.height - 1 - y) * picture.width + x];  // PFM begins at the bottom
+        const bool hit = picture.number(y * picture.width + x) != 0;
+        hits += hit;
+        ASSERT_EQ(std::isfinite(z), hit) << x << " " << y;
+        if (hit) {
+          ASSERT_TRUE(z >= 0.1f && z <= 1000.0f) << z;
+        } else {
+          ASSERT_TRUE(std::isinf(z) && z > 0.0f) << z;
+        }
+      }
+    EXPECT_GT(hits, metres.size() / 20);
+    EXPECT_LT(hits, metres.size());
+  }
+}
+
+TEST_F(Render, ATranslatedModelLooksTheSame) {
+  for (const char* text : {kNearView, kOrthoView}) {
+    SCOPED_TRACE(text);
+    const std::string here = path("here.png"), looked = write("looked.json", text);
+    render(with({"--view", looked, "--out", here}));
+    EXPECT_LE(differing({"--view", looked, "--translate", "3e6,7e6,1e3"}, here), kThousandth);
+    // The comparison sees a move that the view does not follow.
+    const std::string moved = write("moved.json", std::string(text).replace(std::string(text).find("[-"), 2, "[-1"));
+    EXPECT_GT(differing({"--view", moved}, here), 10 * kThousandth);
+  }
+}
+
+TEST_F(Render, CullersDrawTheSame) {
+  const std::string linear = path("linear.png");
+  render(with({"--view", view, "--culler", "linear", "--out", linear}));
+  EXPECT_EQ(differing({"--view", view, "--culler", "cpu"}, linear), 0u);
+}
+
+TEST_F(Render, SectionsCutAway) {
+  const std::string whole = path("whole.png"), cut_json = path("cut.json");
+  std::string cut(kNearView);
+  cut.insert(cut.size() - 1, R"(,"sections":[{"n":[0,1,0],"d":0}])");
+  write("cut.json", cut);
+  render(with({"--view", view, "--out", whole}));
+  EXPECT_GT(differing({"--view", cut_json}, whole), 10 * kThousandth);
+  const std::string here = path("here.png");
+  render(with({"--view", cut_json, "--out", here}));
+  EXPECT_LE(differing({"--view", cut_json, "--translate", "3e6,7e6,1e3"}, here), kThousandth);
+}
+
+TEST_F(Render, ExplainsWhatWasLeftOut) {
+  const auto line_with = [](const std::string& text, const std::string& feature) {
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);)
+      if (line.find(feature) != std::string::npos) return line;
+    return std::string();
+  };
+  const std::string plan = render(with({"--explain"})).err;
+  EXPECT_EQ(line_with(plan, "snout program").rfind("used", 0), 0u) << plan;
+  const std::string triangle = write("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+  const std::string small = render({triangle, "--size", "32x32", "--explain"}).err;
+  for (const char* program : {"cylinder program", "snout program", "circular torus program"})
+    EXPECT_EQ(line_with(small, program).rfind("left out", 0), 0u) << small;
+  EXPECT_NE(line_with(small, "snout program").find("none in the scene"), std::string::npos) << small;
+  EXPECT_EQ(line_with(small, "mesh program").rfind("used", 0), 0u) << small;
+}
+
+TEST_F(Render, ReplayWritesTheFramesThatRenderDraws) {
+  const std::string folder = path("frames"), tour = path("tour.json");
+  const Outcome replay = run("replay", with({"--frames", "11", "--images", folder, "--every", "5", "--save-path", tour,
+                                             "--json", path("out.json")}));
+  ASSERT_EQ(replay.code, 0) << replay;
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename());
+  EXPECT_EQ(names, (std::set<std::string>{"frame_00000.png", "frame_00005.png", "frame_00010.png"}));
+  const Json flight = Json::parse(read_bytes(path("out.json")), nullptr, false);
+  EXPECT_NE(flight["renderer"], "none");
+  EXPECT_GT(flight["memory"]["gpu"], 0);
+  for (const char* frame : {"0", "5", "10"}) {
+    const std::string image = folder + "/frame_000" + (frame[1] ? "" : "0") + frame + ".png";
+    EXPECT_LE(differing({"--path", tour, "--frames", "11", "--frame", frame}, image), kThousandth) << frame;
+  }
+}
+
+}  // namespace
+}  // namespace sightline::tests
