@@ -38,8 +38,9 @@ struct EngineConfig {
 
 /// Times in milliseconds of wall clock.
 struct FrameReport {
-  double cull_ms = 0.0;   ///< the culler alone
-  double draw_ms = 0.0;   ///< making and submitting the draw lists; 0 without drawing
+  double cull_ms = 0.0;  ///< the culler alone
+  double draw_ms =
+      0.0;  ///< waiting for the frame before the last, making and submitting the draw lists; 0 without drawing
   double frame_ms = 0.0;  ///< since the last frame began, at most two frames being in flight; 0 for the first frame
   std::uint64_t visible = 0, tested = 0;  ///< items; hierarchy and item boxes
 };

@@ -60,7 +60,6 @@ struct MeshPool {
   gl::Buffer vertices;                    ///< kVertexBytes each: float position x y z, snorm16 normal x y z 0
   gl::Buffer indices;                     ///< uint32
   std::vector<ElementsCommand> commands;  ///< one per item of the mesh batch, in slot order
-  std::uint64_t triangles = 0;            ///< stored, not instanced
   static constexpr int kVertexBytes = 20;
 };
 

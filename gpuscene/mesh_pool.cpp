@@ -131,7 +131,6 @@ core::Expected<MeshPool> build_mesh_pool(const gl::Functions& gl, const Snapshot
     pool.commands.push_back(
         {shape.index_count, 1, shape.first_index, shape.base_vertex, std::uint32_t(pool.commands.size())});
   }
-  pool.triangles = builder.indices().size() / 3;
   if (builder.indices().empty()) return pool;  // every shape is empty: commands of zero indices
   auto vertices = gl::Buffer::create(gl, std::span(builder.vertices()), 0, "mesh vertices");
   if (!vertices) return tl::unexpected(vertices.error());
