@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "sightline/apps/common/statistics.h"
+
 namespace sightline::apps {
 namespace {
 
@@ -18,6 +20,13 @@ double round_up(double v) {
   for (const double step : {1.0, 2.0, 5.0, 10.0})
     if (v <= step * unit * (1 + 1e-9)) return step * unit;
   return 10.0 * unit;
+}
+
+std::string short_number(double v) {
+  std::ostringstream text;
+  text.precision(3);
+  text << v;
+  return text.str();
 }
 
 std::string escaped(const std::string& text) {
@@ -52,8 +61,12 @@ class Plot {
 
   void draw(const Series& series, bool right) {
     const char* colour = kColours[right ? 1 : 0];
-    const double top =
-        round_up(series.values.empty() ? 1.0 : *std::max_element(series.values.begin(), series.values.end()));
+    const apps::Summary summary = summarise(series.values);
+    // One interrupted frame must not flatten all others: far above the 99th percentile the line is cut, and the label
+    // says so.
+    constexpr double kOutlier = 3.0;
+    const bool cut = summary.max > kOutlier * summary.p99;
+    const double top = round_up(cut ? kOutlier * summary.p99 : summary.max);
     const double axis_x = right ? kWidth - kRight : kLeft;
     for (int i = 0; i <= kTicks; ++i) {
       const double y = y_of(double(i) / kTicks);
@@ -64,11 +77,12 @@ class Plot {
       label << top * i / kTicks;
       text(axis_x + (right ? 6 : -6), y + 4, right ? "start" : "end", colour, label.str());
     }
-    text(axis_x, kTop - 10, right ? "end" : "start", colour, series.label + " [" + series.unit + "]");
+    text(axis_x, kTop - 10, right ? "end" : "start", colour,
+         series.label + " [" + series.unit + "]" + (cut ? ", cut; max " + short_number(summary.max) : ""));
     svg_ << "<polyline fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"1.5\" points=\"";
     for (std::size_t i = 0; i < series.values.size(); ++i)
-      svg_ << kLeft + double(i) / double(frames_ - 1) * (kWidth - kLeft - kRight) << ',' << y_of(series.values[i] / top)
-           << ' ';
+      svg_ << kLeft + double(i) / double(frames_ - 1) * (kWidth - kLeft - kRight) << ','
+           << y_of(std::min(1.0, series.values[i] / top)) << ' ';
     svg_ << "\"/>\n";
   }
 
