@@ -53,6 +53,157 @@ struct Split {
   Extent left, right;
 };
 
+int longest_axis(const Aabb& box) {
+  const dvec3 d = dvec3(box.max) - dvec3(box.min);
+  return d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
+}
+
+/// Copies sparse nodes in pre-order, the two children of a node side by side.
+void compact(const std::vector<BvhNode>& sparse, BvhTree& tree) {
+  struct Entry {
+    std::uint32_t target, depth;
+    std::size_t source;
+  };
+  std::vector<Entry> stack{{0, 0, 0}};
+  tree.nodes.resize(1);
+  while (!stack.empty()) {
+    const Entry e = stack.back();
+    stack.pop_back();
+    BvhNode node = sparse[e.source];
+    tree.depth = std::max(tree.depth, e.depth);
+    if (!node.leaf()) {
+      const std::uint32_t left = std::uint32_t(tree.nodes.size());
+      tree.nodes.resize(tree.nodes.size() + 2);
+      stack.push_back({left + 1, e.depth + 1, std::size_t(node.left) + 1});
+      stack.push_back({left, e.depth + 1, node.left});
+      node.left = left;
+    }
+    tree.nodes[e.target] = node;
+  }
+  tree.nodes.shrink_to_fit();
+}
+
+int thread_count(const BvhConfig& config) {
+#ifdef _OPENMP
+  return config.threads > 0 ? config.threads : omp_get_max_threads();
+#else
+  return std::min(1, std::max(1, config.threads));
+#endif
+}
+
+/// BvhSplit::kBlocks. Centroids move back and forth between two arrays, one level at a time.
+class BlockBuilder {
+ public:
+  BlockBuilder(std::span<const Aabb> boxes, const BvhConfig& config)
+      : boxes_(boxes), config_(config), points_{Points(boxes.size()), Points(boxes.size())}, order_(boxes.size()) {
+    sparse_.resize(2 * boxes.size());
+  }
+
+  BvhTree run() {
+    BvhTree tree;
+    if (boxes_.empty()) return tree;
+    const std::uint32_t count = std::uint32_t(boxes_.size());
+    const int threads = thread_count(config_);
+    (void)threads;
+#pragma omp parallel num_threads(threads) if (threads > 1 && count > kTaskSize)
+    {
+#pragma omp for
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const vec3 c = centroid(boxes_[i]);
+        points_[0][i] = {{c.x, c.y, c.z}, i};
+      }
+#pragma omp single
+      build(0, 0, count, 0);
+    }
+    compact(sparse_, tree);
+    tree.order = std::move(order_);
+    return tree;
+  }
+
+ private:
+  struct Point {
+    float at[3];
+    std::uint32_t index;
+  };
+  using Points = std::vector<Point>;
+  static constexpr std::uint32_t kMaxBuckets = 1024, kSmall = 96;
+
+  // Recursion depth is at most the bit width of the count.
+  void build(std::size_t node, std::uint32_t first, std::uint32_t count, int side) {
+    Point* points = points_[side].data() + first;
+    if (count <= config_.max_leaf_size) {
+      sparse_[node] = {first, count, 0};
+      for (std::uint32_t i = 0; i < count; ++i) order_[first + i] = points[i].index;
+      return;
+    }
+    const std::uint32_t left_count = std::bit_ceil(count) / 2, mid = first + left_count;
+    if (divide(points, points_[side ^ 1].data() + first, count, left_count)) side ^= 1;
+    // As in Builder: places of the children that no other task uses.
+    const std::size_t left = 2 * std::size_t(mid) - 1;
+    sparse_[node] = {first, count, std::uint32_t(left)};
+#ifdef _OPENMP
+    if (count > kTaskSize) {
+#pragma omp task default(none) firstprivate(left, first, left_count, side)
+      build(left, first, left_count, side);
+      build(left + 1, mid, count - left_count, side);
+#pragma omp taskwait
+      return;
+    }
+#endif
+    build(left, first, left_count, side);
+    build(left + 1, mid, count - left_count, side);
+  }
+
+  /// Brings the `left_count` points that come first along the longest axis to the front, ties by index. True when the
+  /// result is in `target`.
+  static bool divide(Point* points, Point* target, std::uint32_t count, std::uint32_t left_count) {
+    Aabb extent;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      for (int a = 0; a < 3; ++a) {
+        extent.min[a] = points[i].at[a] < extent.min[a] ? points[i].at[a] : extent.min[a];
+        extent.max[a] = points[i].at[a] > extent.max[a] ? points[i].at[a] : extent.max[a];
+      }
+    }
+    const int axis = longest_axis(extent);
+    const auto less = [axis](const Point& a, const Point& b) {
+      return a.at[axis] < b.at[axis] || (a.at[axis] == b.at[axis] && a.index < b.index);
+    };
+    const float low = extent.min[axis];
+    const std::uint32_t buckets = std::min(kMaxBuckets, std::bit_ceil(count) / 4);
+    const float scale = float(buckets) / (extent.max[axis] - low);
+    if (!(scale > 0.0f && scale <= std::numeric_limits<float>::max()) || count <= kSmall) {
+      if (extent.max[axis] > low || left_count > 0) std::nth_element(points, points + left_count, points + count, less);
+      return false;
+    }
+    // Rounding is monotone: a smaller coordinate never has a higher bucket.
+    const auto bucket_of = [=](const Point& p) {
+      return std::min(buckets - 1, std::uint32_t((p.at[axis] - low) * scale));
+    };
+    std::array<std::uint32_t, kMaxBuckets> counts;
+    std::fill_n(counts.begin(), buckets, 0u);
+    for (std::uint32_t i = 0; i < count; ++i) ++counts[bucket_of(points[i])];
+    std::uint32_t middle = 0, before = 0;
+    while (before + counts[middle] < left_count) before += counts[middle++];
+    // Left of the middle bucket, in it, right of it.
+    std::array<Point*, 3> out{target, target + before, target + before + counts[middle]};
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t bucket = bucket_of(points[i]);
+      *out[std::size_t(bucket >= middle) + std::size_t(bucket > middle)]++ = points[i];
+    }
+    Point* const begin = target + before;
+    if (left_count < before + counts[middle])
+      std::nth_element(begin, target + left_count, begin + counts[middle], less);
+    return true;
+  }
+
+  std::span<const Aabb> boxes_;
+  BvhConfig config_;
+  Points points_[2];
+  std::vector<std::uint32_t> order_;
+  std::vector<BvhNode> sparse_;
+};
+
+/// BvhSplit::kSurface.
 class Builder {
  public:
   Builder(std::span<const Aabb> boxes, const BvhConfig& config) : config_(config), references_(boxes.size()) {
@@ -68,7 +219,7 @@ class Builder {
     Extent all;
     for (const Reference& r : references_) all.grow(r.box);
     build_in_parallel(all);
-    compact(tree);
+    compact(sparse_, tree);
     tree.order.resize(references_.size());
     for (std::size_t i = 0; i < references_.size(); ++i) tree.order[i] = references_[i].index;
     return tree;
@@ -78,7 +229,7 @@ class Builder {
   void build_in_parallel(const Extent& all) {
     const std::uint32_t count = std::uint32_t(references_.size());
 #ifdef _OPENMP
-    const int threads = config_.threads > 0 ? config_.threads : omp_get_max_threads();
+    const int threads = thread_count(config_);
     if (threads > 1 && count > kTaskSize) {
 #pragma omp parallel num_threads(threads)
 #pragma omp single
@@ -115,11 +266,6 @@ class Builder {
 #endif
     build(left, first, left_count, split.left, depth + 1);
     build(left + 1, split.mid, right_count, split.right, depth + 1);
-  }
-
-  static int longest_axis(const Aabb& box) {
-    const dvec3 d = dvec3(box.max) - dvec3(box.min);
-    return d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
   }
 
   Split binned_split(std::uint32_t first, std::uint32_t count, const Extent& extent) {
@@ -196,31 +342,6 @@ class Builder {
     return split;
   }
 
-  /// Copies the sparse nodes in pre-order, the two children of a node side by side.
-  void compact(BvhTree& tree) const {
-    struct Entry {
-      std::uint32_t target, depth;
-      std::size_t source;
-    };
-    std::vector<Entry> stack{{0, 0, 0}};
-    tree.nodes.resize(1);
-    while (!stack.empty()) {
-      const Entry e = stack.back();
-      stack.pop_back();
-      BvhNode node = sparse_[e.source];
-      tree.depth = std::max(tree.depth, e.depth);
-      if (!node.leaf()) {
-        const std::uint32_t left = std::uint32_t(tree.nodes.size());
-        tree.nodes.resize(tree.nodes.size() + 2);
-        stack.push_back({left + 1, e.depth + 1, std::size_t(node.left) + 1});
-        stack.push_back({left, e.depth + 1, node.left});
-        node.left = left;
-      }
-      tree.nodes[e.target] = node;
-    }
-    tree.nodes.shrink_to_fit();
-  }
-
   BvhConfig config_;
   std::vector<Reference> references_;
   std::vector<BvhNode> sparse_;  // 2 n places of which the tree uses some
@@ -235,7 +356,7 @@ BvhTree build_bvh(std::span<const Aabb> boxes, const BvhConfig& config) {
   for (const Aabb& b : boxes)
     for (int i = 0; i < 3; ++i) assert(b.min[i] == b.min[i] && b.max[i] == b.max[i] && "box with NaN");
 #endif
-  return Builder(boxes, config).run();
+  return config.split == BvhSplit::kBlocks ? BlockBuilder(boxes, config).run() : Builder(boxes, config).run();
 }
 
 }  // namespace sightline::core

@@ -1,5 +1,4 @@
-// Builds the bounding volume hierarchy that orders a snapshot: binned surface-area heuristic over box centroids
-// (I. Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007), top-down, in parallel with OpenMP.
+// Builds the bounding volume hierarchy that orders a snapshot, top-down over box centroids, in parallel with OpenMP.
 #pragma once
 
 #include <cstdint>
@@ -24,10 +23,20 @@ struct BvhTree {
   std::uint32_t depth = 0;           ///< edges on the longest way down
 };
 
+enum class BvhSplit : std::uint8_t {
+  /// Across the longest axis, into the largest power of two that leaves something and the rest. Every aligned block of
+  /// a power of two of places is a subtree, so a hierarchy over the order needs neither indices nor counts. The order
+  /// that cullers take.
+  kBlocks,
+  /// Binned surface-area heuristic (I. Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007).
+  kSurface
+};
+
 struct BvhConfig {
+  BvhSplit split = BvhSplit::kBlocks;
   std::uint32_t max_leaf_size = 8;  ///< more: fewer nodes, more boxes tested per query
-  std::uint32_t bins = 16;          ///< more: better splits, slower build (2 … 64)
-  int threads = 0;                  ///< 0: all that OpenMP offers. The tree does not depend on it
+  std::uint32_t bins = 16;           ///< kSurface: more: better splits, slower build (2 … 64)
+  int threads = 0;                   ///< 0: all that OpenMP offers. The tree does not depend on it
 };
 
 /// Deterministic for given boxes and config. Depth is at most 2 * ceil(log2(count)) + 32 and time O(n log n) on any

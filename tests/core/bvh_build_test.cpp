@@ -91,16 +91,19 @@ void expect_same(const BvhTree& a, const BvhTree& b) {
 }
 
 void expect_valid_for(const std::vector<Aabb>& boxes) {
-  for (const std::uint32_t leaf : {1u, 8u, 64u}) {
-    SCOPED_TRACE(testing::Message() << "leaf size " << leaf);
-    BvhConfig config;
-    config.max_leaf_size = leaf;
-    ASSERT_NO_FATAL_FAILURE(expect_valid(build_bvh(boxes, config), boxes.size(), config));
+  for (const BvhSplit split : {BvhSplit::kBlocks, BvhSplit::kSurface}) {
+    for (const std::uint32_t leaf : {1u, 8u, 64u}) {
+      SCOPED_TRACE(testing::Message() << "split " << int(split) << ", leaf size " << leaf);
+      BvhConfig config;
+      config.split = split;
+      config.max_leaf_size = leaf;
+      ASSERT_NO_FATAL_FAILURE(expect_valid(build_bvh(boxes, config), boxes.size(), config));
+    }
   }
 }
 
 TEST(BvhBuild, SmallCounts) {
-  for (std::size_t count = 0; count <= 40; ++count) {
+  for (std::size_t count = 0; count <= 70; ++count) {
     SCOPED_TRACE(count);
     const auto boxes = random_boxes(count, count);
     const BvhTree tree = build_bvh(boxes);
@@ -123,6 +126,7 @@ TEST(BvhBuild, RandomBoxesOfAnyConfig) {
                                     std::pow(10.0, uniform(random, -6, 5)));
     BvhConfig config;
     config.max_leaf_size = 1 + std::uint32_t(random() % 20);
+    config.split = random() % 2 == 0 ? BvhSplit::kBlocks : BvhSplit::kSurface;
     config.bins = std::uint32_t(random() % 100);  // also beyond what is allowed: clamped
     ASSERT_NO_FATAL_FAILURE(expect_valid(build_bvh(boxes, config), boxes.size(), config));
   }
@@ -213,13 +217,16 @@ TEST(BvhBuild, TheTreeDoesNotDependOnThreads) {
     if (seed == 1) {
       for (Aabb& b : boxes) b.min = glm::floor(b.min / 100.0f) * 100.0f, b.max = b.min + 1.0f;  // many ties
     }
-    BvhConfig config;
-    config.threads = 1;
-    const BvhTree one = build_bvh(boxes, config);
-    expect_valid(one, boxes.size());
-    for (const int threads : {0, 1, 2, 4}) {
-      config.threads = threads;
-      expect_same(one, build_bvh(boxes, config));
+    for (const BvhSplit split : {BvhSplit::kBlocks, BvhSplit::kSurface}) {
+      BvhConfig config;
+      config.split = split;
+      config.threads = 1;
+      const BvhTree one = build_bvh(boxes, config);
+      expect_valid(one, boxes.size());
+      for (const int threads : {0, 1, 2, 4}) {
+        config.threads = threads;
+        expect_same(one, build_bvh(boxes, config));
+      }
     }
   }
 }
@@ -266,6 +273,32 @@ BvhTree median_tree(const std::vector<Aabb>& boxes) {
   return tree;
 }
 
+/// What the cullers' hierarchy builds on: aligned blocks are subtrees, and split what lies along the longest axis.
+TEST(BvhBuild, BlocksAreAlignedAndSorted) {
+  const auto boxes = random_boxes(5000, 9);
+  BvhConfig config;
+  config.max_leaf_size = 4;
+  const BvhTree tree = build_bvh(boxes, config);
+  for (const BvhNode& node : tree.nodes) {
+    ASSERT_EQ(node.first % std::bit_ceil(node.count), 0u);
+    if (node.leaf()) continue;
+    const BvhNode &left = tree.nodes[node.left], &right = tree.nodes[node.left + 1];
+    ASSERT_TRUE(std::has_single_bit(left.count));
+    const auto centre = [&](std::uint32_t place) {
+      const Aabb& b = boxes[tree.order[place]];
+      return 0.5f * b.min + 0.5f * b.max;
+    };
+    Aabb all;
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) all.grow({centre(i), centre(i)});
+    const vec3 d = all.max - all.min;
+    const int axis = d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
+    float highest = -Aabb::kFar, lowest = Aabb::kFar;
+    for (std::uint32_t i = left.first; i < left.first + left.count; ++i) highest = std::max(highest, centre(i)[axis]);
+    for (std::uint32_t i = right.first; i < right.first + right.count; ++i) lowest = std::min(lowest, centre(i)[axis]);
+    ASSERT_LE(highest, lowest);
+  }
+}
+
 TEST(BvhBuild, BeatsMedianSplitsWhereThingsCluster) {
   Random random(6);
   std::vector<Aabb> boxes;
@@ -278,7 +311,10 @@ TEST(BvhBuild, BeatsMedianSplitsWhereThingsCluster) {
       boxes.push_back({p, q});
     }
   }
-  EXPECT_LT(total_surface(build_bvh(boxes), boxes), 0.9 * total_surface(median_tree(boxes), boxes));
+  BvhConfig config;
+  config.split = BvhSplit::kSurface;
+  config.max_leaf_size = 8;
+  EXPECT_LT(total_surface(build_bvh(boxes, config), boxes), 0.9 * total_surface(median_tree(boxes), boxes));
 }
 
 }  // namespace
