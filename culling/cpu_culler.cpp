@@ -1,110 +1,124 @@
 #include "sightline/culling/cpu_culler.h"
 
+#include <algorithm>
 #include <array>
-#include <bit>
-#include <cassert>
-#include <vector>
+#include <memory>
+#include <new>
 
 #include "sightline/culling/frustum_test.h"
+#include "sightline/culling/kernels.h"
 #include "sightline/culling/linear_culler.h"
 
 namespace sightline::culling {
 namespace {
 
-/// Trees of core::build_bvh stay below this; deeper ones of other makers take their stack from the heap.
-constexpr std::size_t kUsualDepth = 112;
+constexpr int kMaxLevels = 8;  // 32 * 16^7 slots exceed 2^32
+constexpr std::size_t kItemBuffer = 8192, kRangeBuffer = 2048;
+constexpr std::size_t kNodeSlots = std::size_t(kLanes) * kLeafSize;
 
-/// A node on the way down: its children are handled in slot order, and taken up again after each descent.
-struct Frame {
-  const HierarchyNode* node;
-  std::uint32_t end;      // of the node's slots
-  unsigned pending;       // bit per lane: visible and not yet handled
-  unsigned layers_clear;  // bit per lane: every item below is on a layer of the view
-  LaneResult tested;
-};
-
-/// One walk through the hierarchy for one view.
-class Walk {
+/// Memory that grows and is never cleared: pages of work queues that no view fills are not touched.
+template <class T>
+class Buffer {
  public:
-  Walk(const core::ItemBounds& bounds, const Hierarchy& hierarchy, const CullPlanes& planes, std::uint32_t layers,
-       core::VisibleSet& set)
-      : bounds_(bounds), hierarchy_(hierarchy), planes_(planes), layers_(layers), set_(set) {}
-
-  void run(Frame* stack) {
-    Frame* top = stack;
-    enter(*top, hierarchy_.root(), hierarchy_.slot_count(), planes_.all());
-    for (;;) {
-      while (top->pending == 0) {
-        if (top == stack) return;
-        --top;
-      }
-      const int lane = std::countr_zero(top->pending);
-      top->pending &= top->pending - 1;
-      const HierarchyNode& node = *top->node;
-      const PlaneMask mask = top->tested.mask[std::size_t(lane)];
-      const std::uint32_t first = node.first[lane], end = lane + 1 < kLanes ? node.first[lane + 1] : top->end;
-      if (mask == 0 && (top->layers_clear >> lane & 1u) != 0) {
-        emit(first, end);
-      } else if (node.child[lane].is_leaf()) {
-        cull_slots(bounds_, planes_, mask, layers_, first, end, set_);
-      } else {
-        enter(*++top, node.child[lane], end, mask);
-      }
+  T* reserve(std::size_t count) {
+    if (count > size_) {
+      data_ = std::make_unique_for_overwrite<T[]>(count);
+      size_ = count;
     }
+    return data_.get();
   }
 
  private:
-  void enter(Frame& frame, ChildRef child, std::uint32_t end, PlaneMask mask) {
-    const unsigned used = (1u << child.lanes()) - 1u;
-    frame.node = &hierarchy_.node(child.index());
-    frame.end = end;
-    frame.layers_clear = used;
-    if (mask != 0) {
-      set_.counters.nodes_tested += unsigned(child.lanes());
-      planes_.classify(frame.node->bounds, mask, frame.tested);
-      frame.pending = used & ~frame.tested.outside;
-    } else {
-      frame.tested.mask.fill(0);
-      frame.pending = used;
-    }
-    if (hierarchy_.uses_layers()) look_at_layers(frame, hierarchy_.layers(child.index()));
-  }
-
-  void look_at_layers(Frame& frame, const LayerNode& layers) const {
-    frame.layers_clear = 0;
-    for (unsigned rest = frame.pending; rest != 0; rest &= rest - 1) {
-      const int i = std::countr_zero(rest);
-      const bool hidden = (layers.some_hidden >> i & 1u) != 0;
-      if ((layers.any[i] & layers_) == 0) frame.pending &= ~(1u << i);
-      if ((layers.all[i] & layers_) != 0 || (!hidden && (layers.any[i] & ~layers_) == 0)) frame.layers_clear |= 1u << i;
-    }
-  }
-
-  void emit(std::uint32_t first, std::uint32_t end) {
-    if (!set_.ranges.empty()) {
-      core::SlotRange& last = set_.ranges.back();
-      if (last.first + last.count == first) {
-        last.count += end - first;
-        return;
-      }
-    }
-    set_.ranges.push_back({first, end - first});
-  }
-
-  const core::ItemBounds& bounds_;
-  const Hierarchy& hierarchy_;
-  const CullPlanes& planes_;
-  std::uint32_t layers_;
-  core::VisibleSet& set_;
+  std::unique_ptr<T[]> data_;
+  std::size_t size_ = 0;
 };
+
+/// What a traversal needs beside the set. One per thread, shared by all cullers.
+struct Scratch {
+  Buffer<std::uint32_t> node_queues[2], leaf_queue, leaf_masks;
+  Buffer<Crossing> crossings[2], leaf_crossings;
+  Buffer<std::uint16_t> marks;
+  std::array<core::Slot, kItemBuffer> items;
+  std::array<core::SlotRange, kRangeBuffer> ranges;
+};
+
+Scratch& scratch_of_thread() {
+  thread_local const std::unique_ptr<Scratch> scratch(new Scratch);
+  return *scratch;
+}
+
+/// Queues hold one whole level, and sixteen lanes more: kernels write whole groups.
+void provide_memory(Scratch& scratch, TraversalInput& in, std::size_t leaves) {
+  const std::size_t nodes = in.levels[0].count;
+  in.stride = nodes + kLanes;
+  for (int i = 0; i < 2; ++i) {
+    in.node_queues[i] = scratch.node_queues[i].reserve(in.stride * kMaxCullPlanes);
+    in.crossings[i] = scratch.crossings[i].reserve(in.stride);
+  }
+  in.leaf_queue = scratch.leaf_queue.reserve(leaves + kLanes);
+  in.leaf_crossings = scratch.leaf_crossings.reserve(leaves + kLanes);
+  in.leaf_masks = scratch.leaf_masks.reserve(leaves);
+  const std::size_t padded = (nodes / kLanes + 1) * kLanes;
+  in.inside = scratch.marks.reserve(3 * padded);
+  in.partial = in.inside + padded;
+  in.toggles = in.partial + padded;
+  std::fill_n(in.inside, 2 * padded + padded / kLanes + 1, std::uint16_t(0));
+}
+
+/// Hands what a kernel has collected to the set.
+void append(SlotLists& lists, Scratch& scratch, core::VisibleSet& set) {
+  set.items.insert(set.items.end(), scratch.items.data(), lists.items);
+  set.ranges.insert(set.ranges.end(), scratch.ranges.data(), lists.ranges);
+  lists.items = scratch.items.data();
+  lists.ranges = scratch.ranges.data();
+}
+
+struct Sink {
+  Scratch& scratch;
+  core::VisibleSet& set;
+};
+
+void cull_tree(const core::ItemBounds& bounds, const Hierarchy& hierarchy, const CullPlanes& planes,
+               std::uint32_t layers, core::VisibleSet& set) {
+  std::array<LevelView, kMaxLevels> levels;
+  TraversalInput in{};
+  for (int i = 0; i < hierarchy.level_count(); ++i) {
+    const auto nodes = hierarchy.level(i);
+    const std::uint32_t last = hierarchy.lane_count(i) - std::uint32_t(nodes.size() - 1) * kLanes;
+    levels[std::size_t(i)] = {nodes.data(), hierarchy.uses_layers() ? hierarchy.layers(i).data() : nullptr,
+                              std::uint32_t(nodes.size()), (1u << last) - 1u};
+  }
+  in.test = make_item_test(bounds, planes, layers);
+  in.all_planes = planes.all();
+  in.levels = levels.data();
+  in.level_count = hierarchy.level_count();
+  in.slot_count = hierarchy.slot_count();
+  Scratch& scratch = scratch_of_thread();
+  provide_memory(scratch, in, hierarchy.lane_count(0));
+
+  const Kernels& kernel = kernels();
+  kernel.traverse(in);
+  set.counters.nodes_tested += in.nodes_tested;
+  set.counters.boxes_tested += in.boxes_tested;
+
+  Sink sink{scratch, set};
+  SlotLists lists{scratch.items.data(),
+                  scratch.items.data() + kItemBuffer - kNodeSlots - kLanes,
+                  scratch.ranges.data(),
+                  scratch.ranges.data() + kRangeBuffer - 2 * kLanes,
+                  &sink,
+                  [](SlotLists& full) {
+                    const auto* target = static_cast<Sink*>(full.owner);
+                    append(full, target->scratch, target->set);
+                  }};
+  kernel.extract(in, lists);
+  append(lists, scratch, set);
+}
 
 }  // namespace
 
-CpuCuller::CpuCuller(const core::ItemBounds& bounds, const core::BvhTree& tree, std::size_t tree_size)
-    : bounds_(&bounds), hierarchy_(bounds, tree) {
-  assert(tree_size == hierarchy_.slot_count());
-  (void)tree_size;
-}
+CpuCuller::CpuCuller(const core::ItemBounds& bounds, std::size_t tree_size)
+    : bounds_(&bounds), hierarchy_(bounds, tree_size) {}
 
 void CpuCuller::cull(const core::View& view, core::VisibleSet& set) const {
   set.clear();
@@ -112,16 +126,7 @@ void CpuCuller::cull(const core::View& view, core::VisibleSet& set) const {
   if (planes.nothing_visible()) return;
   // Without layer nodes every item of the tree is on the model layer alone.
   const bool skip_tree = !hierarchy_.uses_layers() && (view.layers & core::kLayerModel) == 0;
-  if (!hierarchy_.empty() && !skip_tree) {
-    Walk walk(*bounds_, hierarchy_, planes, view.layers, set);
-    if (hierarchy_.depth() <= kUsualDepth) {
-      std::array<Frame, kUsualDepth> stack;
-      walk.run(stack.data());
-    } else {
-      std::vector<Frame> stack(hierarchy_.depth());
-      walk.run(stack.data());
-    }
-  }
+  if (!hierarchy_.empty() && !skip_tree) cull_tree(*bounds_, hierarchy_, planes, view.layers, set);
   cull_slots(*bounds_, planes, planes.all(), view.layers, hierarchy_.slot_count(), bounds_->size(), set);
 }
 

@@ -18,11 +18,14 @@ namespace sightline::culling {
 /// tested below it, and a subtree inside all of them is one range. The slots are exactly those of LinearCuller.
 class CpuCuller {
  public:
-  /// `tree` orders the first `tree_size` slots of `bounds` (its `order` is not read); slots behind them are tested one
-  /// by one. Borrows the bounds, which must outlive the culler; the tree may go.
-  CpuCuller(const core::ItemBounds& bounds, const core::BvhTree& tree, std::size_t tree_size);
+  /// The first `tree_size` slots of `bounds` are in the order that core::build_bvh gave them (any order is right, that
+  /// one is fast); slots behind them are tested one by one. Borrows the bounds, which must outlive the culler.
+  CpuCuller(const core::ItemBounds& bounds, std::size_t tree_size);
+  CpuCuller(const core::ItemBounds& bounds, const core::BvhTree&, std::size_t tree_size)
+      : CpuCuller(bounds, tree_size) {}
 
-  /// Replaces the contents of `set`; adjacent ranges are merged. Does not allocate once `set` has grown to its size.
+  /// Replaces the contents of `set`; adjacent ranges are merged. Does not allocate once `set` and the
+  /// thread's scratch memory have grown to their sizes.
   /// May run on several threads at once, each with a set of its own.
   void cull(const core::View& view, core::VisibleSet& set) const;
 

@@ -33,8 +33,6 @@
 #include <cmath>
 #include <limits>
 
-#include "sightline/culling/lanes.h"
-
 namespace sightline::culling {
 namespace {
 
@@ -55,15 +53,7 @@ float corner(const core::Aabb& box, int axis) {
   return axis < 3 ? box.min[axis] : box.max[axis - 3];
 }
 
-/// Float planes are private to CullPlanes, hence the templates.
-template <class Plane>
-FloatLanes evaluate(const Plane& plane, FloatLanes x, FloatLanes y, FloatLanes z) {
-  return ((spread(plane.normal[0]) * x + spread(plane.normal[1]) * y) + spread(plane.normal[2]) * z) +
-         spread(plane.offset);
-}
-
-template <class Plane>
-float evaluate_at(const Plane& plane, const std::uint8_t (&axis)[3], const core::Aabb& box) {
+float evaluate_at(const FloatPlane& plane, const std::uint8_t (&axis)[3], const core::Aabb& box) {
   return ((plane.normal[0] * corner(box, axis[0]) + plane.normal[1] * corner(box, axis[1])) +
           plane.normal[2] * corner(box, axis[2])) +
          plane.offset;
@@ -76,7 +66,7 @@ CullPlanes::CullPlanes(const core::View& view, const core::ItemBounds& bounds) {
   union_first_ = count_;
   add_sections(view, bounds);
   all_ = (PlaneMask(1) << union_first_) - 1;
-  if (union_first_ < count_) all_ |= kUnion;
+  if (union_first_ < count_) all_ |= kUnionPlanes;
 }
 
 void CullPlanes::add_frustum(const core::View& view, const core::ItemBounds& bounds) {
@@ -155,68 +145,6 @@ CullPlanes::Kind CullPlanes::add(const core::Plane& plane, const core::ItemBound
   return Kind::kPlane;
 }
 
-void CullPlanes::classify(const BoxLanes& boxes, PlaneMask mask, LaneResult& result) const {
-  const auto evaluate_lanes = [&](const FloatPlane& plane, const std::uint8_t(&axis)[3]) {
-    return evaluate(plane, load(boxes[axis[0]]), load(boxes[axis[1]]), load(boxes[axis[2]]));
-  };
-  MaskLanes outside = spread(0), remaining = spread(0);
-  for (PlaneMask m = mask & (kUnion - 1); m != 0; m &= m - 1) {
-    const int k = std::countr_zero(m);
-    const FloatPlane& plane = planes_[std::size_t(k)];
-    outside = outside | (evaluate_lanes(plane, plane.p_axis) < spread(-plane.band));
-    const MaskLanes inside = evaluate_lanes(plane, plane.n_axis) >= spread(plane.band);
-    remaining = remaining | (~inside & spread(std::int32_t(1) << k));
-  }
-  if ((mask & kUnion) != 0) {
-    MaskLanes outside_all = spread(-1), inside_any = spread(0);
-    for (int k = union_first_; k < count_; ++k) {
-      const FloatPlane& plane = planes_[std::size_t(k)];
-      outside_all = outside_all & (evaluate_lanes(plane, plane.p_axis) < spread(-plane.band));
-      inside_any = inside_any | (evaluate_lanes(plane, plane.n_axis) >= spread(plane.band));
-    }
-    outside = outside | outside_all;
-    remaining = remaining | (~inside_any & spread(std::int32_t(kUnion)));
-  }
-  result.outside = bits(outside);
-  store(remaining, result.mask.data());
-}
-
-unsigned CullPlanes::visible(const core::ItemBounds& bounds, std::size_t first, PlaneMask mask) const {
-  const float* c[6];
-  for (int axis = 0; axis < 6; ++axis) c[axis] = bounds.coordinate(axis) + first;
-  const auto evaluate_lanes = [&](const FloatPlane& plane) {
-    return evaluate(plane, load(c[plane.p_axis[0]]), load(c[plane.p_axis[1]]), load(c[plane.p_axis[2]]));
-  };
-  // Inverted boxes: b < a and not a >= b, so that a NaN is no inversion.
-  MaskLanes outside = (load(c[3]) < load(c[0])) | (load(c[4]) < load(c[1])) | (load(c[5]) < load(c[2]));
-  MaskLanes open = spread(0);
-  for (PlaneMask m = mask & (kUnion - 1); m != 0; m &= m - 1) {
-    const FloatPlane& plane = planes_[std::size_t(std::countr_zero(m))];
-    const FloatLanes s = evaluate_lanes(plane);
-    outside = outside | (s < spread(-plane.band));
-    if (bits(outside) == 0xffu) return 0;
-    open = open | ~(s >= spread(plane.band));
-  }
-  if ((mask & kUnion) != 0) {
-    MaskLanes outside_all = spread(-1), inside_any = spread(0);
-    for (int k = union_first_; k < count_; ++k) {
-      const FloatPlane& plane = planes_[std::size_t(k)];
-      const FloatLanes s = evaluate_lanes(plane);
-      outside_all = outside_all & (s < spread(-plane.band));
-      inside_any = inside_any | (s >= spread(plane.band));
-    }
-    outside = outside | outside_all;
-    open = open | ~inside_any;
-  }
-  unsigned kept = ~bits(outside) & 0xffu;
-  for (unsigned unclear = kept & bits(open); unclear != 0; unclear &= unclear - 1) {
-    const int i = std::countr_zero(unclear);
-    const core::Aabb box{{c[0][i], c[1][i], c[2][i]}, {c[3][i], c[4][i], c[5][i]}};
-    if (!visible(box, mask)) kept &= ~(1u << i);
-  }
-  return kept;
-}
-
 bool CullPlanes::passes(int plane, const core::Aabb& box) const {
   const FloatPlane& f = planes_[std::size_t(plane)];
   const float s = evaluate_at(f, f.p_axis, box);
@@ -239,9 +167,9 @@ bool CullPlanes::passes_in_double(int plane, const core::Aabb& box) const {
 
 bool CullPlanes::visible(const core::Aabb& box, PlaneMask mask) const {
   if (inverted(box)) return false;
-  for (PlaneMask m = mask & (kUnion - 1); m != 0; m &= m - 1)
+  for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0; m &= m - 1)
     if (!passes(std::countr_zero(m), box)) return false;
-  if ((mask & kUnion) == 0) return true;
+  if ((mask & kUnionPlanes) == 0) return true;
   for (int k = union_first_; k < count_; ++k)
     if (passes(k, box)) return true;
   return false;
@@ -249,17 +177,18 @@ bool CullPlanes::visible(const core::Aabb& box, PlaneMask mask) const {
 
 bool CullPlanes::outside(const core::Aabb& box, PlaneMask mask) const {
   const auto surely_outside = [&](const FloatPlane& f) { return evaluate_at(f, f.p_axis, box) < -f.band; };
-  for (PlaneMask m = mask & (kUnion - 1); m != 0; m &= m - 1)
+  for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0; m &= m - 1)
     if (surely_outside(planes_[std::size_t(std::countr_zero(m))])) return true;
-  return (mask & kUnion) != 0 && std::all_of(planes_.begin() + union_first_, planes_.begin() + count_, surely_outside);
+  return (mask & kUnionPlanes) != 0 &&
+         std::all_of(planes_.begin() + union_first_, planes_.begin() + count_, surely_outside);
 }
 
 PlaneMask CullPlanes::remaining(const core::Aabb& box, PlaneMask mask) const {
   const auto surely_inside = [&](const FloatPlane& f) { return evaluate_at(f, f.n_axis, box) >= f.band; };
   PlaneMask left = mask;
-  for (PlaneMask m = mask & (kUnion - 1); m != 0; m &= m - 1)
+  for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0; m &= m - 1)
     if (surely_inside(planes_[std::size_t(std::countr_zero(m))])) left &= ~(PlaneMask(1) << std::countr_zero(m));
-  if (std::any_of(planes_.begin() + union_first_, planes_.begin() + count_, surely_inside)) left &= ~kUnion;
+  if (std::any_of(planes_.begin() + union_first_, planes_.begin() + count_, surely_inside)) left &= ~kUnionPlanes;
   return left;
 }
 

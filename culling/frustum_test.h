@@ -36,19 +36,19 @@
 
 namespace sightline::culling {
 
-/// Boxes tested at a time.
-inline constexpr int kLanes = 8;
-
 /// Set of planes still to be tested: one bit per plane, and one for the union of section planes as a whole.
 using PlaneMask = std::uint32_t;
 
-/// Eight boxes that a hierarchy tests together: [min x, min y, min z, max x, max y, max z][lane].
-using BoxLanes = float[6][kLanes];
+inline constexpr int kMaxCullPlanes = core::kFrustumPlaneCount + int(core::kMaxSectionPlanes);
+inline constexpr PlaneMask kUnionPlanes = PlaneMask(1) << kMaxCullPlanes;
 
-/// What a hierarchy learns about eight boxes.
-struct LaneResult {
-  unsigned outside;                    ///< bit per lane: nothing in this box is visible
-  std::array<PlaneMask, kLanes> mask;  ///< per lane: the planes that boxes within it must still be tested against
+/// Float form of a plane: all that a test needs as long as the answer is clear.
+struct FloatPlane {
+  float normal[3];
+  float offset;
+  float band;              // B: every error of the float value is smaller
+  std::uint8_t p_axis[3];  // coordinate arrays (0 … 5) of the p-vertex
+  std::uint8_t n_axis[3];  // of the n-vertex
 };
 
 /// The planes of one view, prepared for boxes of one ItemBounds: valid while neither the bounds' origin changes nor its
@@ -65,30 +65,19 @@ class CullPlanes {
   /// All planes: the mask to start with. 0 when there is nothing to test.
   PlaneMask all() const { return all_; }
 
-  /// Items: bit i is set when box first + i is visible as far as `mask` goes. Reads kLanes boxes from `first`, which
-  /// must lie within the bounds (their padding makes that safe). Inverted (empty) boxes are never visible.
-  unsigned visible(const core::ItemBounds& bounds, std::size_t first, PlaneMask mask) const;
-
-  /// Nodes: eight boxes at a time. Bits of `mask` that are clear are not tested.
-  void classify(const BoxLanes& boxes, PlaneMask mask, LaneResult& result) const;
-
-  /// One box at a time, the plain form of the two functions above: the same answers bit for bit.
+  /// Items: whether the box is visible as far as `mask` goes. Inverted (empty) boxes are never visible.
   bool visible(const core::Aabb& box, PlaneMask mask) const;
+  /// Nodes: nothing within this box is visible.
   bool outside(const core::Aabb& box, PlaneMask mask) const;
+  /// Nodes: the planes of `mask` that boxes within it must still be tested against.
   PlaneMask remaining(const core::Aabb& box, PlaneMask mask) const;
 
- private:
-  static constexpr int kMaxPlanes = core::kFrustumPlaneCount + int(core::kMaxSectionPlanes);
-  static constexpr PlaneMask kUnion = PlaneMask(1) << kMaxPlanes;
+  /// For the kernels, which do the same to sixteen boxes at a time. Planes from union_first() on form the union.
+  const FloatPlane* planes() const { return planes_.data(); }
+  int plane_count() const { return count_; }
+  int union_first() const { return union_first_; }
 
-  /// Float form: all that a test needs as long as the answer is clear.
-  struct FloatPlane {
-    float normal[3];
-    float offset;
-    float band;              // B: every error of the float value is smaller
-    std::uint8_t p_axis[3];  // coordinate arrays (0 … 5) of the p-vertex
-    std::uint8_t n_axis[3];  // of the n-vertex
-  };
+ private:
   /// Double form, for items that the float form leaves open.
   struct DoublePlane {
     double normal[3];
@@ -104,8 +93,8 @@ class CullPlanes {
   bool passes(int plane, const core::Aabb& box) const;
   bool passes_in_double(int plane, const core::Aabb& box) const;
 
-  std::array<FloatPlane, kMaxPlanes> planes_;
-  std::array<DoublePlane, kMaxPlanes> exact_;
+  std::array<FloatPlane, kMaxCullPlanes> planes_;
+  std::array<DoublePlane, kMaxCullPlanes> exact_;
   int union_first_ = 0, count_ = 0;  // planes [union_first_, count_) form the union
   PlaneMask all_ = 0;
   bool nothing_visible_ = false;

@@ -2,16 +2,21 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
+
+#include "sightline/culling/kernels.h"
 
 namespace sightline::culling {
 namespace {
 
 using core::Aabb;
-using core::BvhNode;
+using core::ItemBounds;
+
+constexpr std::uint32_t blocks(std::uint32_t count, std::uint32_t size) {
+  return count / size + (count % size != 0 ? 1 : 0);
+}
 
 /// Unlike Aabb::empty(), false for a box with NaN: that must be drawn.
-bool surely_empty(const core::ItemBounds& bounds, std::size_t slot) {
+bool surely_empty(const ItemBounds& bounds, std::size_t slot) {
   for (int axis = 0; axis < 3; ++axis)
     if (bounds.coordinate(axis)[slot] > bounds.coordinate(axis + 3)[slot]) return true;
   return false;
@@ -25,9 +30,10 @@ void raise(float& most, float value) {
   if (value > most || value != value) most = value;
 }
 
-Aabb union_of_slots(const core::ItemBounds& bounds, std::uint32_t first, std::uint32_t count, bool& some_empty) {
+/// Slot by slot, for leaves that are not full or hold empty boxes or NaN.
+Aabb union_of_slots(const ItemBounds& bounds, std::uint32_t first, std::uint32_t end, bool& some_empty) {
   Aabb box;
-  for (std::uint32_t slot = first; slot < first + count; ++slot) {
+  for (std::uint32_t slot = first; slot < end; ++slot) {
     if (surely_empty(bounds, slot)) {
       some_empty = true;
       continue;
@@ -40,119 +46,84 @@ Aabb union_of_slots(const core::ItemBounds& bounds, std::uint32_t first, std::ui
   return box;
 }
 
-Aabb union_of_lanes(const BoxLanes& lanes) {
+Aabb union_of_leaf(const ItemBounds& bounds, std::uint32_t leaf, std::uint32_t slot_count, const Kernels& kernel,
+                   bool& some_empty) {
+  const std::uint32_t first = leaf * kLeafSize;
+  if (slot_count - first < kLeafSize) return union_of_slots(bounds, first, slot_count, some_empty);
+  const float* const coordinates[6] = {bounds.coordinate(0), bounds.coordinate(1), bounds.coordinate(2),
+                                       bounds.coordinate(3), bounds.coordinate(4), bounds.coordinate(5)};
+  float box[6];
+  if (kernel.leaf_box(coordinates, first, box)) return {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
+  return union_of_slots(bounds, first, first + kLeafSize, some_empty);
+}
+
+Aabb union_of_lanes(const HierarchyNode& node) {
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
     for (int i = 0; i < kLanes; ++i) {
-      lower(box.min[axis], lanes[axis][i]);
-      raise(box.max[axis], lanes[axis + 3][i]);
+      lower(box.min[axis], node.bounds[axis][i]);
+      raise(box.max[axis], node.bounds[axis + 3][i]);
     }
   }
   return box;
 }
 
-double half_area(const Aabb& box) {
-  if (box.empty()) return 0.0;
-  const core::dvec3 d = core::dvec3(box.max) - core::dvec3(box.min);
-  return d.x * d.y + d.y * d.z + d.z * d.x;
+void set_lane(HierarchyNode& node, std::uint32_t lane, const Aabb& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    node.bounds[axis][lane] = box.min[axis];
+    node.bounds[axis + 3][lane] = box.max[axis];
+  }
 }
 
-/// Surface of every node of the binary tree, which keeps no boxes itself. Children come after their parents.
-std::vector<double> surfaces(const core::ItemBounds& bounds, const core::BvhTree& tree) {
-  std::vector<Aabb> boxes(tree.nodes.size());
-  std::vector<double> areas(tree.nodes.size());
-  for (std::size_t i = tree.nodes.size(); i-- > 0;) {
-    const BvhNode& node = tree.nodes[i];
-    if (node.leaf()) {
-      bool some_empty = false;
-      boxes[i] = union_of_slots(bounds, node.first, node.count, some_empty);
-    } else {
-      assert(node.left > i);
-      boxes[i] = boxes[node.left];
-      boxes[i].grow(boxes[node.left + 1]);
-    }
-    areas[i] = half_area(boxes[i]);
-  }
-  return areas;
+struct LayerUnion {
+  std::uint32_t any = 0, all = ~0u;
+  bool hidden = false;
+};
+
+void set_lane(LayerNode& node, std::uint32_t lane, const LayerUnion& layers) {
+  node.any[lane] = layers.any;
+  node.all[lane] = layers.all;
+  if (layers.hidden) node.some_hidden = std::uint16_t(node.some_hidden | 1u << lane);
 }
 
 }  // namespace
 
-/// Turns the binary tree into nodes of up to eight children.
-struct Hierarchy::Collapse {
-  const core::BvhTree& tree;
-  std::vector<double> areas;
-
-  bool stays_leaf(std::uint32_t node) const {
-    return tree.nodes[node].leaf() || tree.nodes[node].count <= std::uint32_t(kLanes);
-  }
-
-  struct Children {
-    std::uint32_t nodes[kLanes];
-    int count = 0;
-  };
-
-  /// Opens the child of largest surface again and again; the two halves take its place, which keeps the slot order.
-  Children children(std::uint32_t parent) const {
-    Children c;
-    c.nodes[c.count++] = parent;
-    while (c.count < kLanes) {
-      int widest = -1;
-      for (int i = 0; i < c.count; ++i)
-        if (!stays_leaf(c.nodes[i]) && (widest < 0 || areas[c.nodes[i]] > areas[c.nodes[widest]])) widest = i;
-      if (widest < 0) break;
-      std::copy_backward(c.nodes + widest + 1, c.nodes + c.count, c.nodes + c.count + 1);
-      const std::uint32_t left = tree.nodes[c.nodes[widest]].left;
-      c.nodes[widest] = left;
-      c.nodes[widest + 1] = left + 1;
-      ++c.count;
-    }
-    return c;
-  }
-};
-
-Hierarchy::Hierarchy(const core::ItemBounds& bounds, const core::BvhTree& tree) {
-  if (tree.nodes.empty()) return;
-  slot_count_ = tree.nodes[0].count;
-  assert(tree.nodes[0].first == 0 && slot_count_ <= bounds.size());
-  const Collapse collapse{tree, surfaces(bounds, tree)};
-
-  struct Entry {
-    std::uint32_t target, depth;
-    Collapse::Children children;
-  };
-  std::vector<Entry> stack{{0, 1, collapse.children(0)}};
-  root_ = ChildRef::node(0, stack[0].children.count);
-  nodes_.resize(1);
-  while (!stack.empty()) {
-    const Entry entry = stack.back();
-    stack.pop_back();
-    depth_ = std::max(depth_, entry.depth);
-    HierarchyNode node;
-    const BvhNode& last = tree.nodes[entry.children.nodes[entry.children.count - 1]];
-    std::fill_n(node.first, kLanes, last.first + last.count);
-    std::size_t inner = 0;
-    for (int i = 0; i < entry.children.count; ++i) {
-      const std::uint32_t child = entry.children.nodes[i];
-      node.first[i] = tree.nodes[child].first;
-      if (collapse.stays_leaf(child)) {
-        node.child[i] = ChildRef::leaf(tree.nodes[child].count);
-        continue;
-      }
-      stack.push_back({std::uint32_t(nodes_.size()), entry.depth + 1, collapse.children(child)});
-      node.child[i] = ChildRef::node(std::uint32_t(nodes_.size()), stack.back().children.count);
-      nodes_.emplace_back();
-      ++inner;
-    }
-    // Pushed in slot order, taken from the back: turned round, subtrees lie in memory as they are walked.
-    std::reverse(stack.end() - std::ptrdiff_t(inner), stack.end());
-    nodes_[entry.target] = node;
-  }
-  nodes_.shrink_to_fit();
+Hierarchy::Hierarchy(const ItemBounds& bounds, std::size_t slot_count) : slot_count_(std::uint32_t(slot_count)) {
+  assert(slot_count <= bounds.size() && slot_count < core::kNone);
+  if (slot_count == 0) return;
+  std::size_t total = 0;
+  std::uint32_t lanes = blocks(slot_count_, kLeafSize);
+  do {
+    first_node_.push_back(total);
+    lanes = blocks(lanes, kLanes);
+    total += lanes;
+  } while (lanes > 1);
+  nodes_.resize(total);
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane) set_lane(nodes_[0], lane, {});
+  std::fill(nodes_.begin(), nodes_.end(), HierarchyNode(nodes_[0]));
   refit(bounds);
 }
 
-void Hierarchy::refit(const core::ItemBounds& bounds) {
+std::size_t Hierarchy::level_end(int level) const {
+  return level + 1 < level_count() ? first_node_[std::size_t(level) + 1] : nodes_.size();
+}
+
+std::span<const HierarchyNode> Hierarchy::level(int level) const {
+  const std::size_t first = first_node_[std::size_t(level)];
+  return {nodes_.data() + first, level_end(level) - first};
+}
+
+std::span<const LayerNode> Hierarchy::layers(int level) const {
+  const std::size_t first = first_node_[std::size_t(level)];
+  return layers_.empty() ? std::span<const LayerNode>()
+                         : std::span<const LayerNode>(layers_.data() + first, level_end(level) - first);
+}
+
+std::uint32_t Hierarchy::lane_count(int level) const {
+  return level == 0 ? blocks(slot_count_, kLeafSize) : std::uint32_t(this->level(level - 1).size());
+}
+
+void Hierarchy::refit(const ItemBounds& bounds) {
   assert(slot_count_ <= bounds.size());
   bool some_empty = false;
   refit_boxes(bounds, some_empty);
@@ -162,49 +133,46 @@ void Hierarchy::refit(const core::ItemBounds& bounds) {
     layers_ = {};
 }
 
-void Hierarchy::refit_boxes(const core::ItemBounds& bounds, bool& some_empty) {
-  for (std::size_t n = nodes_.size(); n-- > 0;) {
-    HierarchyNode& node = nodes_[n];
-    for (int i = 0; i < kLanes; ++i) {
-      const ChildRef child = node.child[i];
-      const Aabb box = child.is_leaf() ? union_of_slots(bounds, node.first[i], child.leaf_count(), some_empty)
-                                       : union_of_lanes(nodes_[child.index()].bounds);
-      for (int axis = 0; axis < 3; ++axis) {
-        node.bounds[axis][i] = box.min[axis];
-        node.bounds[axis + 3][i] = box.max[axis];
-      }
+void Hierarchy::refit_boxes(const ItemBounds& bounds, bool& some_empty) {
+  const Kernels& kernel = kernels();
+  for (int level = 0; level < level_count(); ++level) {
+    HierarchyNode* nodes = nodes_.data() + first_node_[std::size_t(level)];
+    const HierarchyNode* below = level > 0 ? nodes_.data() + first_node_[std::size_t(level) - 1] : nullptr;
+    const std::uint32_t lanes = lane_count(level);
+    for (std::uint32_t i = 0; i < lanes; ++i) {
+      const Aabb box =
+          level == 0 ? union_of_leaf(bounds, i, slot_count_, kernel, some_empty) : union_of_lanes(below[i]);
+      set_lane(nodes[i / kLanes], i % kLanes, box);
     }
   }
 }
 
-void Hierarchy::refit_layers(const core::ItemBounds& bounds) {
-  layers_.resize(nodes_.size());
-  for (std::size_t n = nodes_.size(); n-- > 0;) {
-    const HierarchyNode& node = nodes_[n];
-    LayerNode& layers = layers_[n];
-    layers.some_hidden = 0;
-    for (int i = 0; i < kLanes; ++i) {
-      std::uint32_t any = 0, all = ~0u;
-      bool hidden = false;
-      if (node.child[i].is_leaf()) {
-        for (std::uint32_t k = 0; k < node.child[i].leaf_count(); ++k) {
-          const std::size_t slot = node.first[i] + k;
-          const std::uint32_t own = surely_empty(bounds, slot) ? 0 : bounds.layers(slot);
-          any |= own;
-          all &= own;
-          hidden |= own == 0;
-        }
-      } else {
-        const LayerNode& below = layers_[node.child[i].index()];
-        for (int k = 0; k < node.child[i].lanes(); ++k) {
-          any |= below.any[k];
-          all &= below.all[k];
-        }
-        hidden = below.some_hidden != 0;
+void Hierarchy::refit_layers(const ItemBounds& bounds) {
+  layers_.assign(nodes_.size(), LayerNode{});
+  for (std::uint32_t leaf = 0; leaf < lane_count(0); ++leaf) {
+    LayerUnion u;
+    const std::uint32_t first = leaf * kLeafSize, end = std::min(slot_count_ - first, kLeafSize) + first;
+    for (std::uint32_t slot = first; slot < end; ++slot) {
+      const std::uint32_t own = surely_empty(bounds, slot) ? 0 : bounds.layers(slot);
+      u.any |= own;
+      u.all &= own;
+      u.hidden |= own == 0;
+    }
+    set_lane(layers_[leaf / kLanes], leaf % kLanes, u);
+  }
+  for (int level = 1; level < level_count(); ++level) {
+    LayerNode* nodes = layers_.data() + first_node_[std::size_t(level)];
+    const LayerNode* below = layers_.data() + first_node_[std::size_t(level) - 1];
+    const std::uint32_t lanes = lane_count(level), lanes_below = lane_count(level - 1);
+    for (std::uint32_t i = 0; i < lanes; ++i) {
+      LayerUnion u;
+      const std::uint32_t used = std::min(lanes_below - i * kLanes, std::uint32_t(kLanes));
+      for (std::uint32_t k = 0; k < used; ++k) {
+        u.any |= below[i].any[k];
+        u.all &= below[i].all[k];
       }
-      layers.any[i] = any;
-      layers.all[i] = all;
-      if (hidden) layers.some_hidden = std::uint8_t(layers.some_hidden | 1u << i);
+      u.hidden = below[i].some_hidden != 0;
+      set_lane(nodes[i / kLanes], i % kLanes, u);
     }
   }
 }

@@ -1,9 +1,11 @@
-// The eight-lane tests against their one-box twins, and planes at the edges of the number range.
+// The kernels' item test against the one-box test, and planes at the edges of the number range.
 #include "sightline/culling/frustum_test.h"
 
 #include <gtest/gtest.h>
 
 #include "scenes.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/culling/linear_culler.h"
 
 namespace sightline::tests {
 namespace {
@@ -12,7 +14,7 @@ using core::Aabb;
 using core::ItemBounds;
 using core::View;
 using culling::CullPlanes;
-using culling::kLanes;
+using culling::PlaneMask;
 
 ItemBounds bounds_of(const std::vector<Aabb>& boxes, const core::dvec3& origin) {
   ItemBounds bounds;
@@ -26,35 +28,52 @@ View matrix_view(const core::dmat4& clip) {
   return *View::from_matrices(core::dmat4(1.0), clip, core::ClipDepth::kMinusOneToOne);
 }
 
-TEST(FrustumTest, LanesAnswerLikeSingleBoxes) {
+TEST(FrustumTest, KernelsAnswerLikeSingleBoxes) {
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const core::dvec3 origin = chance(random, 0.5) ? core::dvec3(0.0) : point(random, 1e7);
     auto boxes = random_boxes(random, 200, 20.0);
     if (chance(random, 0.5)) spoil(random, boxes);
-    const ItemBounds bounds = bounds_of(boxes, origin);
+    ItemBounds bounds = bounds_of(boxes, origin);
+    if (chance(random, 0.3)) bounds.set_layers(std::size_t(whole(random, 0, 199)), 2);
     View view = random_view(random, origin, 20.0);
     if (chance(random, 0.6)) add_sections(random, origin, 20.0, view);
     const CullPlanes planes(view, bounds);
-    for (std::size_t first = 0; first < boxes.size(); first += 3) {
-      const culling::PlaneMask mask = planes.all() & std::uint32_t(random());
-      const unsigned visible = planes.visible(bounds, first, mask);
-      culling::BoxLanes lanes;
-      culling::LaneResult result;
-      for (int i = 0; i < kLanes; ++i)
-        for (int axis = 0; axis < 6; ++axis) lanes[axis][i] = bounds.coordinate(axis)[first + std::size_t(i)];
-      planes.classify(lanes, mask, result);
-      for (std::size_t i = 0; i < std::size_t(kLanes) && first + i < boxes.size(); ++i) {
-        const Aabb box = bounds.box(first + i);
-        ASSERT_EQ((visible >> i & 1u) != 0, planes.visible(box, mask));
-        ASSERT_EQ((result.outside >> i & 1u) != 0, planes.outside(box, mask));
-        ASSERT_EQ(result.mask[i], planes.remaining(box, mask));
-        if (box.empty()) continue;
-        ASSERT_FALSE(planes.outside(box, mask) && planes.visible(box, mask));
-        if (!planes.outside(box, mask) && planes.remaining(box, mask) == 0) {
-          ASSERT_TRUE(planes.visible(box, mask));
-        }
+    for (int sample = 0; sample < 10; ++sample) {
+      const PlaneMask mask = planes.all() & std::uint32_t(random());
+      const std::size_t first = std::size_t(whole(random, 0, 199)), end = std::size_t(whole(random, int(first), 200));
+      std::vector<core::Slot> expected;
+      for (std::size_t i = first; i < end; ++i)
+        if (planes.visible(bounds.box(i), mask) && bounds.layers(i) == core::kLayerModel)
+          expected.push_back(core::Slot(i));
+      for_each_instruction_set([&] {
+        core::VisibleSet set;
+        culling::cull_slots(bounds, planes, mask, core::kLayerModel, first, end, set);
+        ASSERT_EQ(set.items, expected);
+      });
+    }
+  }
+}
+
+/// What lets a node stand for the boxes within it.
+TEST(FrustumTest, NodesNeverContradictTheirItems) {
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const core::dvec3 origin = chance(random, 0.5) ? core::dvec3(0.0) : point(random, 1e7);
+    const ItemBounds bounds = bounds_of(random_boxes(random, 200, 20.0), origin);
+    View view = random_view(random, origin, 20.0);
+    if (chance(random, 0.6)) add_sections(random, origin, 20.0, view);
+    const CullPlanes planes(view, bounds);
+    for (std::size_t i = 0; i + 1 < bounds.size(); ++i) {
+      Aabb node = bounds.box(i);
+      node.grow(bounds.box(i + 1));
+      const PlaneMask left = planes.remaining(node, planes.all());
+      for (const std::size_t k : {i, i + 1}) {
+        const Aabb box = bounds.box(k);
+        ASSERT_FALSE(planes.outside(node, planes.all()) && planes.visible(box, planes.all()));
+        ASSERT_EQ(planes.visible(box, left), planes.visible(box, planes.all())) << "a freed plane rejects";
       }
     }
   }

@@ -1,5 +1,7 @@
-// Structure of the collapsed hierarchy: children in slot order, ranges complete, boxes around what lies below.
+// Structure of the hierarchy: every lane of every level holds exactly the box of its block of slots.
 #include "sightline/culling/hierarchy.h"
+
+#include <algorithm>
 
 #include <gtest/gtest.h>
 
@@ -8,90 +10,78 @@
 namespace sightline::tests {
 namespace {
 
-using culling::ChildRef;
 using culling::Hierarchy;
 using culling::kLanes;
 
-struct Visit {
-  ChildRef node;
-  std::uint32_t first, end, level;
-};
-
-/// Walks the whole tree and checks every lane.
-void check(const Hierarchy& hierarchy, const core::ItemBounds& bounds, std::uint32_t largest_leaf) {
-  std::vector<Visit> stack{{hierarchy.root(), 0, hierarchy.slot_count(), 1}};
-  std::size_t nodes = 0;
-  std::uint32_t depth = 0;
-  while (!stack.empty()) {
-    const Visit visit = stack.back();
-    stack.pop_back();
-    ++nodes;
-    depth = std::max(depth, visit.level);
-    ASSERT_FALSE(visit.node.is_leaf());
-    const auto& node = hierarchy.node(visit.node.index());
-    std::uint32_t next = visit.first;
-    for (int i = 0; i < kLanes; ++i) {
-      const std::uint32_t end = i + 1 < kLanes ? node.first[i + 1] : visit.end;
-      if (i >= visit.node.lanes()) {
-        ASSERT_TRUE(node.child[i].is_leaf());
-        ASSERT_EQ(node.child[i].leaf_count(), 0u);
-        ASSERT_GT(node.bounds[0][i], node.bounds[3][i]);
-        continue;
-      }
-      ASSERT_EQ(node.first[i], next);
-      ASSERT_GT(end, next);
-      next = end;
+void check(const Hierarchy& hierarchy, const core::ItemBounds& bounds) {
+  std::size_t block = culling::kLeafSize, nodes = 0;
+  for (int level = 0; level < hierarchy.level_count(); ++level, block *= kLanes) {
+    ASSERT_EQ(hierarchy.lane_count(level), (hierarchy.slot_count() + block - 1) / block);
+    ASSERT_EQ(hierarchy.level(level).size(), (hierarchy.lane_count(level) + kLanes - 1) / kLanes);
+    nodes += hierarchy.level(level).size();
+    for (std::size_t lane = 0; lane < hierarchy.level(level).size() * kLanes; ++lane) {
       core::Aabb expected;
-      for (std::uint32_t slot = node.first[i]; slot < end; ++slot) expected.grow(bounds.box(slot));
+      const std::size_t end = std::min<std::size_t>(hierarchy.slot_count(), (lane + 1) * block);
+      for (std::size_t slot = lane * block; slot < end; ++slot)
+        if (!bounds.box(slot).empty()) expected.grow(bounds.box(slot));
+      const auto& node = hierarchy.level(level)[lane / kLanes];
       for (int axis = 0; axis < 3; ++axis) {
-        ASSERT_EQ(node.bounds[axis][i], expected.min[axis]);
-        ASSERT_EQ(node.bounds[axis + 3][i], expected.max[axis]);
-      }
-      if (node.child[i].is_leaf()) {
-        ASSERT_EQ(node.child[i].leaf_count(), end - node.first[i]);
-        ASSERT_LE(node.child[i].leaf_count(), largest_leaf);
-      } else {
-        stack.push_back({node.child[i], node.first[i], end, visit.level + 1});
+        ASSERT_EQ(node.bounds[axis][lane % kLanes], expected.min[axis]) << "level " << level << " lane " << lane;
+        ASSERT_EQ(node.bounds[axis + 3][lane % kLanes], expected.max[axis]) << "level " << level << " lane " << lane;
       }
     }
-    ASSERT_EQ(next, visit.end);
   }
-  EXPECT_EQ(nodes, hierarchy.node_count());
-  EXPECT_EQ(depth, hierarchy.depth());
+  EXPECT_EQ(hierarchy.level(hierarchy.level_count() - 1).size(), 1u);
+  EXPECT_EQ(hierarchy.node_count(), nodes);
 }
 
-TEST(Hierarchy, StructureOnRandomScenes) {
+TEST(Hierarchy, BoxesOfAllLevels) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const auto boxes = random_boxes(random, std::size_t(magnitude(random, 1.0, 5000.0)), 100.0);
-    core::BvhConfig config;
-    config.max_leaf_size = std::uint32_t(whole(random, 1, 30));
-    Scene scene(boxes, core::dvec3(0.0), 0, config);
-    const Hierarchy& hierarchy = scene.culler->hierarchy();
-    const std::uint32_t largest_leaf = std::max(config.max_leaf_size, std::uint32_t(kLanes));
-    ASSERT_NO_FATAL_FAILURE(check(hierarchy, scene.bounds, largest_leaf));
-    EXPECT_LE(hierarchy.depth(), scene.tree.depth + 1);
-    for (std::size_t i = 0; i < boxes.size(); i += 3) scene.bounds.set(i, random_box(random, 500.0));
-    scene.culler->refit();
-    ASSERT_NO_FATAL_FAILURE(check(hierarchy, scene.bounds, largest_leaf));
+    auto boxes = random_boxes(random, std::size_t(magnitude(random, 1.0, 10000.0)), 100.0);
+    if (chance(random, 0.5)) spoil(random, boxes);
+    Scene scene(boxes, core::dvec3(0.0));
+    ASSERT_NO_FATAL_FAILURE(check(scene.culler->hierarchy(), scene.bounds));
+    for_each_instruction_set([&] {
+      for (std::size_t i = 0; i < boxes.size(); i += 3) scene.bounds.set(i, random_box(random, 500.0));
+      scene.culler->refit();
+      ASSERT_NO_FATAL_FAILURE(check(scene.culler->hierarchy(), scene.bounds));
+    });
   }
 }
 
-TEST(Hierarchy, NodesAreWellFilled) {
-  Random random(3);
-  const Scene scene(random_boxes(random, 50000, 100.0), core::dvec3(0.0));
-  const double bytes_per_item = double(scene.culler->memory_bytes()) / 50000.0;
-  EXPECT_LT(bytes_per_item, 20.0);
-  EXPECT_EQ(scene.culler->memory_bytes() % 256, 0u);
+TEST(Hierarchy, LayersOfAllLevels) {
+  Random random(2);
+  Scene scene(random_boxes(random, 20000, 100.0), core::dvec3(0.0));
+  EXPECT_FALSE(scene.culler->hierarchy().uses_layers());
+  for (std::size_t i = 0; i < 20000; ++i) scene.bounds.set_layers(i, std::uint32_t(whole(random, 0, 3000) / 1000));
+  scene.bounds.set(7, core::Aabb{});
+  scene.culler->refit();
+  const Hierarchy& hierarchy = scene.culler->hierarchy();
+  std::size_t block = culling::kLeafSize;
+  for (int level = 0; level < hierarchy.level_count(); ++level, block *= kLanes) {
+    for (std::size_t lane = 0; lane < hierarchy.lane_count(level); ++lane) {
+      std::uint32_t any = 0, all = ~0u;
+      bool hidden = false;
+      for (std::size_t slot = lane * block; slot < std::min<std::size_t>(20000, (lane + 1) * block); ++slot) {
+        const std::uint32_t own = scene.bounds.box(slot).empty() ? 0 : scene.bounds.layers(slot);
+        any |= own;
+        all &= own;
+        hidden |= own == 0;
+      }
+      const auto& node = hierarchy.layers(level)[lane / kLanes];
+      ASSERT_EQ(node.any[lane % kLanes], any);
+      ASSERT_EQ(node.all[lane % kLanes], all);
+      ASSERT_EQ((node.some_hidden >> lane % kLanes & 1) != 0, hidden);
+    }
+  }
 }
 
-TEST(Hierarchy, OneBox) {
-  const std::vector<core::Aabb> boxes{box_around(core::dvec3(1.0), core::dvec3(0.5))};
-  const Scene scene(boxes, core::dvec3(0.0));
-  EXPECT_EQ(scene.culler->hierarchy().node_count(), 1u);
-  EXPECT_EQ(scene.culler->hierarchy().depth(), 1u);
-  ASSERT_NO_FATAL_FAILURE(check(scene.culler->hierarchy(), scene.bounds, 8));
+TEST(Hierarchy, TakesLessThanOneByteAndAHalfPerItem) {
+  Random random(3);
+  const Scene scene(random_boxes(random, 50000, 100.0), core::dvec3(0.0));
+  EXPECT_LT(double(scene.culler->memory_bytes()), 1.5 * 50000.0);
 }
 
 }  // namespace

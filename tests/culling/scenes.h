@@ -9,10 +9,13 @@
 #include <span>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "sightline/core/bvh_build.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/instruction_set.h"
 
 namespace sightline::tests {
 
@@ -123,6 +126,19 @@ inline void add_sections(Random& random, const core::dvec3& origin, double half,
     const core::dvec3 through = origin + point(random, half * 1.2);
     view.sections.push_back({normal, -glm::dot(normal, through)});
   }
+}
+
+/// Runs `check` in every form of the kernels that this machine has.
+template <class Check>
+void for_each_instruction_set(const Check& check) {
+  for (const auto set :
+       {culling::InstructionSet::kScalar, culling::InstructionSet::kAvx2, culling::InstructionSet::kAvx512}) {
+    if (!culling::supported(set)) continue;
+    SCOPED_TRACE(culling::name(set));
+    culling::force_instruction_set(set);
+    check();
+  }
+  culling::force_instruction_set(std::nullopt);
 }
 
 /// Boxes in the order that a hierarchy gives them, with the culler over it and, behind the tree, a tail.

@@ -1,0 +1,86 @@
+// The kernels for AVX2: sixteen lanes are two registers.
+#include <immintrin.h>
+
+#include "sightline/culling/kernels_avx.h"
+#include "sightline/culling/kernels_impl.h"
+
+namespace sightline::culling {
+namespace {
+
+/// Row m: the places of the bits of m, in rising order.
+struct CompressTable {
+  alignas(8) std::uint8_t rows[256][8];
+  constexpr CompressTable() : rows() {
+    for (unsigned m = 0; m < 256; ++m)
+      for (unsigned i = 0, n = 0; i < 8; ++i)
+        if ((m >> i & 1u) != 0) rows[m][n++] = std::uint8_t(i);
+  }
+};
+constexpr CompressTable kCompress;
+
+struct Avx2 {
+  struct Plane {
+    __m256 x, y, z, d, band, minus_band;
+  };
+  struct Values {
+    __m256 low, high;
+  };
+
+  static Plane spread(const FloatPlane& p) {
+    return {_mm256_set1_ps(p.normal[0]), _mm256_set1_ps(p.normal[1]), _mm256_set1_ps(p.normal[2]),
+            _mm256_set1_ps(p.offset),    _mm256_set1_ps(p.band),      _mm256_set1_ps(-p.band)};
+  }
+  static __m256 evaluate_half(const Plane& p, const float* x, const float* y, const float* z) {
+    const __m256 xy = _mm256_add_ps(_mm256_mul_ps(p.x, _mm256_loadu_ps(x)), _mm256_mul_ps(p.y, _mm256_loadu_ps(y)));
+    return _mm256_add_ps(_mm256_add_ps(xy, _mm256_mul_ps(p.z, _mm256_loadu_ps(z))), p.d);
+  }
+  static Values evaluate(const Plane& p, const float* x, const float* y, const float* z) {
+    return {evaluate_half(p, x, y, z), evaluate_half(p, x + 8, y + 8, z + 8)};
+  }
+  static unsigned join(__m256 low, __m256 high) {
+    return unsigned(_mm256_movemask_ps(low)) | unsigned(_mm256_movemask_ps(high)) << 8;
+  }
+  static unsigned below(const Values& s, const Plane& p) {
+    return join(_mm256_cmp_ps(s.low, p.minus_band, _CMP_LT_OQ), _mm256_cmp_ps(s.high, p.minus_band, _CMP_LT_OQ));
+  }
+  static unsigned above(const Values& s, const Plane& p) {
+    return join(_mm256_cmp_ps(s.low, p.band, _CMP_GE_OQ), _mm256_cmp_ps(s.high, p.band, _CMP_GE_OQ));
+  }
+  static unsigned less(const float* a, const float* b) {
+    return join(_mm256_cmp_ps(_mm256_loadu_ps(a), _mm256_loadu_ps(b), _CMP_LT_OQ),
+                _mm256_cmp_ps(_mm256_loadu_ps(a + 8), _mm256_loadu_ps(b + 8), _CMP_LT_OQ));
+  }
+  static unsigned at_most(const float* a, const float* b) {
+    return join(_mm256_cmp_ps(_mm256_loadu_ps(a), _mm256_loadu_ps(b), _CMP_LE_OQ),
+                _mm256_cmp_ps(_mm256_loadu_ps(a + 8), _mm256_loadu_ps(b + 8), _CMP_LE_OQ));
+  }
+  static float least(const float* a) { return least_of_leaf(a); }
+  static float most(const float* a) { return most_of_leaf(a); }
+  static unsigned share_half(const std::uint32_t* layers, std::uint32_t mask) {
+    const __m256i own = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(layers));
+    const __m256i common = _mm256_and_si256(own, _mm256_set1_epi32(int(mask)));
+    const __m256i none = _mm256_cmpeq_epi32(common, _mm256_setzero_si256());
+    return ~unsigned(_mm256_movemask_ps(_mm256_castsi256_ps(none))) & 0xffu;
+  }
+  static unsigned share(const std::uint32_t* layers, std::uint32_t mask) {
+    return share_half(layers, mask) | share_half(layers + 8, mask) << 8;
+  }
+  static std::uint32_t* append_half(std::uint32_t* out, std::uint32_t base, unsigned bits) {
+    const __m128i places = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(kCompress.rows[bits]));
+    const __m256i values = _mm256_add_epi32(_mm256_cvtepu8_epi32(places), _mm256_set1_epi32(int(base)));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), values);
+    return out + __builtin_popcount(bits);
+  }
+  static std::uint32_t* append(std::uint32_t* out, std::uint32_t base, unsigned bits) {
+    return append_half(append_half(out, base, bits & 0xffu), base + 8, bits >> 8);
+  }
+};
+
+}  // namespace
+
+const Kernels& avx2_kernels() {
+  static constexpr Kernels kKernels = make_kernels<Avx2>();
+  return kKernels;
+}
+
+}  // namespace sightline::culling

@@ -1,0 +1,53 @@
+// The kernels for AVX-512 (F, BW, DQ, VL): sixteen lanes are one register.
+#include <immintrin.h>
+
+#include "sightline/culling/kernels_avx.h"
+#include "sightline/culling/kernels_impl.h"
+
+namespace sightline::culling {
+namespace {
+
+struct Avx512 {
+  struct Plane {
+    __m512 x, y, z, d, band, minus_band;
+  };
+  using Values = __m512;
+
+  static Plane spread(const FloatPlane& p) {
+    return {_mm512_set1_ps(p.normal[0]), _mm512_set1_ps(p.normal[1]), _mm512_set1_ps(p.normal[2]),
+            _mm512_set1_ps(p.offset),    _mm512_set1_ps(p.band),      _mm512_set1_ps(-p.band)};
+  }
+  static Values evaluate(const Plane& p, const float* x, const float* y, const float* z) {
+    const __m512 xy = _mm512_add_ps(_mm512_mul_ps(p.x, _mm512_loadu_ps(x)), _mm512_mul_ps(p.y, _mm512_loadu_ps(y)));
+    return _mm512_add_ps(_mm512_add_ps(xy, _mm512_mul_ps(p.z, _mm512_loadu_ps(z))), p.d);
+  }
+  static unsigned below(Values s, const Plane& p) { return _mm512_cmp_ps_mask(s, p.minus_band, _CMP_LT_OQ); }
+  static unsigned above(Values s, const Plane& p) { return _mm512_cmp_ps_mask(s, p.band, _CMP_GE_OQ); }
+  static unsigned less(const float* a, const float* b) {
+    return _mm512_cmp_ps_mask(_mm512_loadu_ps(a), _mm512_loadu_ps(b), _CMP_LT_OQ);
+  }
+  static unsigned at_most(const float* a, const float* b) {
+    return _mm512_cmp_ps_mask(_mm512_loadu_ps(a), _mm512_loadu_ps(b), _CMP_LE_OQ);
+  }
+  static float least(const float* a) { return least_of_leaf(a); }
+  static float most(const float* a) { return most_of_leaf(a); }
+  static unsigned share(const std::uint32_t* layers, std::uint32_t mask) {
+    return _mm512_test_epi32_mask(_mm512_loadu_si512(layers), _mm512_set1_epi32(int(mask)));
+  }
+  /// Compresses in a register and stores it whole: compressing stores are slow on some processors.
+  static std::uint32_t* append(std::uint32_t* out, std::uint32_t base, unsigned bits) {
+    const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    const __m512i values = _mm512_add_epi32(lanes, _mm512_set1_epi32(int(base)));
+    _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(__mmask16(bits), values));
+    return out + __builtin_popcount(bits);
+  }
+};
+
+}  // namespace
+
+const Kernels& avx512_kernels() {
+  static constexpr Kernels kKernels = make_kernels<Avx512>();
+  return kKernels;
+}
+
+}  // namespace sightline::culling

@@ -1,0 +1,442 @@
+// Internal: the kernels over any instruction set. `Simd` tests sixteen boxes at a time and lies in the anonymous
+// namespace of its file, so every instance is local to it.
+//
+// The walk goes down level by level, through work queues: nodes that one plane alone crosses wait in the queue of that
+// plane, all others in a common one with the planes still to be tested. A plane's queue is then a loop without
+// branches, its constants in registers, and knows what it will need well ahead of time.
+// (U. Assarsson, T. Möller 2000: planes a parent is inside of are not tested below.)
+#pragma once
+
+#include "sightline/culling/kernels.h"
+
+namespace sightline::culling {
+
+/// Sixteen items against the planes of `mask`: outside any, and inside all.
+template <class Simd>
+class ItemTester {
+ public:
+  static constexpr unsigned kAllLanes = 0xffff;
+
+  explicit ItemTester(const ItemTest& test) : test_(test) {}
+
+  /// One plane alone, and nothing else.
+  unsigned visible(const typename Simd::Plane& plane, int k, const float* x, const float* y, const float* z,
+                   std::size_t first) const {
+    const typename Simd::Values s = Simd::evaluate(plane, x + first, y + first, z + first);
+    const unsigned kept = ~Simd::below(s, plane) & kAllLanes, open = kept & ~Simd::above(s, plane);
+    if (__builtin_expect(open == 0, 1)) return kept;
+    return (kept & ~open) | test_.resolve(test_, first, open, PlaneMask(1) << k);
+  }
+
+  /// Any planes, boxes that may be empty, and layers.
+  unsigned visible(std::size_t first, PlaneMask mask) const {
+    const FloatPlane* planes = test_.planes;
+    unsigned outside = 0, open = 0;
+    for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0; m &= m - 1) {
+      const FloatPlane& f = planes[__builtin_ctz(m)];
+      const typename Simd::Plane plane = Simd::spread(f);
+      const typename Simd::Values s = p_values(f, plane, first);
+      outside |= Simd::below(s, plane);
+      if (outside == kAllLanes) return 0;
+      open |= ~Simd::above(s, plane);
+    }
+    if ((mask & kUnionPlanes) != 0) {
+      unsigned outside_all = kAllLanes, inside_any = 0;
+      for (int k = test_.union_first; k < test_.plane_count; ++k) {
+        const typename Simd::Plane plane = Simd::spread(planes[k]);
+        const typename Simd::Values s = p_values(planes[k], plane, first);
+        outside_all &= Simd::below(s, plane);
+        inside_any |= Simd::above(s, plane);
+      }
+      outside |= outside_all;
+      open |= ~inside_any;
+    }
+    unsigned kept = ~outside & kAllLanes;
+    if (kept == 0) return 0;
+    kept &= items_shown(first);
+    open &= kept;
+    if (open != 0) kept = (kept & ~open) | test_.resolve(test_, first, open, mask);
+    return kept;
+  }
+
+  /// Not empty, and on a layer of the view. A NaN is not empty.
+  unsigned items_shown(std::size_t first) const {
+    unsigned empty = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      empty |= Simd::less(test_.coordinates[axis + 3] + first, test_.coordinates[axis] + first);
+    unsigned shown = ~empty & kAllLanes;
+    // Layers are not padded: the last few are looked at one by one.
+    if (test_.layers != nullptr) shown &= layers_shared(first);
+    return shown;
+  }
+
+ private:
+  typename Simd::Values p_values(const FloatPlane& f, const typename Simd::Plane& plane, std::size_t first) const {
+    return Simd::evaluate(plane, test_.coordinates[f.p_axis[0]] + first, test_.coordinates[f.p_axis[1]] + first,
+                          test_.coordinates[f.p_axis[2]] + first);
+  }
+
+  unsigned layers_shared(std::size_t first) const {
+    if (first + kLanes <= test_.item_count) return Simd::share(test_.layers + first, test_.view_layers);
+    unsigned bits = 0;
+    for (std::size_t i = first; i < test_.item_count; ++i)
+      bits |= unsigned((test_.layers[i] & test_.view_layers) != 0) << (i - first);
+    return bits;
+  }
+
+  const ItemTest& test_;
+};
+
+template <class Simd, bool kLayers>
+class Traversal {
+ public:
+  explicit Traversal(TraversalInput& in) : in_(in), items_(in.test) {}
+
+  void run() {
+    crossing_count_[0] = 1;
+    in_.crossings[0][0] = {0, in_.all_planes};
+    int current = 0;
+    for (int level = in_.level_count - 1; level > 0; --level, current ^= 1) {
+      begin_level(level, current);
+      cross_nodes<false>();
+      for (int k = 0; k < in_.test.plane_count; ++k)
+        next_count_[k] = std::uint32_t(plane_nodes<false>(k, next_queue(k) + next_count_[k]) - next_queue(k));
+      for (int k = 0; k < in_.test.plane_count; ++k) plane_count_[k] = next_count_[k];
+      crossing_count_[0] = crossing_count_[1];
+    }
+    begin_level(0, current);
+    cross_nodes<true>();
+    cross_leaves();
+    for (int k = 0; k < in_.test.plane_count; ++k)
+      plane_leaves(k, std::size_t(plane_nodes<true>(k, in_.leaf_queue) - in_.leaf_queue));
+  }
+
+ private:
+  static constexpr unsigned kAllLanes = 0xffff;
+  static constexpr std::size_t kAhead = 6;  // entries between prefetch and use
+
+  std::uint32_t* next_queue(int k) const { return in_.node_queues[current_ ^ 1] + std::size_t(k) * in_.stride; }
+  const std::uint32_t* queue(int k) const { return in_.node_queues[current_] + std::size_t(k) * in_.stride; }
+
+  void begin_level(int level, int current) {
+    level_ = in_.levels[level];
+    current_ = current;
+    child_nodes_ = 1;  // in nodes of level 0
+    for (int i = 1; i < level; ++i) child_nodes_ *= kLanes;
+    for (std::uint32_t& count : next_count_) count = 0;
+    crossing_count_[1] = 0;
+  }
+
+  unsigned used_lanes(std::uint32_t node) const { return node + 1 == level_.count ? level_.last_lanes : kAllLanes; }
+
+  /// Lanes wholly inside: runs of leaves, or toggles at both ends of runs of nodes.
+  template <bool kBottom>
+  void emit_inside(std::uint32_t node, unsigned lanes) {
+    if constexpr (kBottom) {
+      in_.inside[node] = std::uint16_t(lanes);
+      return;
+    }
+    const unsigned ends = lanes ^ lanes << 1;
+    if (child_nodes_ == 1) {
+      in_.toggles[node] = std::uint16_t(in_.toggles[node] ^ ends);
+      in_.toggles[node + 1] = std::uint16_t(in_.toggles[node + 1] ^ ends >> 16);
+      return;
+    }
+    for (unsigned rest = ends; rest != 0; rest &= rest - 1) {
+      const std::uint64_t place = (std::uint64_t(node) * kLanes + unsigned(__builtin_ctz(rest))) * child_nodes_;
+      const std::uint32_t last = in_.levels[0].count;
+      const std::uint32_t at = place < last ? std::uint32_t(place) : last;
+      in_.toggles[at / kLanes] = std::uint16_t(in_.toggles[at / kLanes] ^ 1u << at % kLanes);
+    }
+  }
+
+  /// Takes lanes without a common layer from `alive`; what is left of `inside` shows all its items.
+  void look_at_layers(std::uint32_t node, unsigned& alive, unsigned& inside) const {
+    const LayerNode& layers = level_.layers[node];
+    alive &= Simd::share(layers.any, in_.test.view_layers);
+    const unsigned all_share = Simd::share(layers.all, in_.test.view_layers);
+    const unsigned some_differ = Simd::share(layers.any, ~in_.test.view_layers) | layers.some_hidden;
+    inside &= alive & (all_share | ~some_differ);
+  }
+
+  void push_crossing(std::uint32_t index, PlaneMask mask) {
+    in_.crossings[current_ ^ 1][crossing_count_[1]++] = {index, mask};
+  }
+
+  /// The queue of plane k; children that it crosses go to `out`.
+  template <bool kBottom>
+  std::uint32_t* plane_nodes(int k, std::uint32_t* out) {
+    const std::size_t count = plane_count_[k];
+    if (count == 0) return out;
+    const std::uint32_t* entries = queue(k);
+    const FloatPlane& f = in_.test.planes[k];
+    const typename Simd::Plane plane = Simd::spread(f);
+    const HierarchyNode* nodes = level_.nodes;
+    in_.nodes_tested += count * kLanes;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint32_t node = entries[i];
+      if (i + kAhead < count)
+        for (int axis = 0; axis < 6; ++axis) __builtin_prefetch(nodes[entries[i + kAhead]].bounds[axis]);
+      const auto& b = nodes[node].bounds;
+      const typename Simd::Values p = Simd::evaluate(plane, b[f.p_axis[0]], b[f.p_axis[1]], b[f.p_axis[2]]);
+      const typename Simd::Values n = Simd::evaluate(plane, b[f.n_axis[0]], b[f.n_axis[1]], b[f.n_axis[2]]);
+      unsigned alive = ~Simd::below(p, plane) & used_lanes(node);
+      const unsigned free = alive & Simd::above(n, plane);
+      unsigned inside = free;
+      if constexpr (kLayers) look_at_layers(node, alive, inside);
+      unsigned crossed = alive & ~inside;
+      emit_inside<kBottom>(node, inside);
+      if constexpr (kBottom) in_.partial[node] = std::uint16_t(crossed);
+      if constexpr (kLayers && !kBottom) {
+        for (unsigned rest = crossed & free; rest != 0; rest &= rest - 1)
+          push_crossing(node * kLanes + unsigned(__builtin_ctz(rest)), 0);
+        crossed &= ~free;
+      }
+      out = Simd::append(out, node * kLanes, crossed);
+    }
+    return out;
+  }
+
+  /// Nodes that several planes cross, or that only their layers keep open.
+  template <bool kBottom>
+  void cross_nodes() {
+    in_.nodes_tested += crossing_count_[0] * kLanes;
+    for (std::size_t i = 0; i < crossing_count_[0]; ++i) {
+      const Crossing c = in_.crossings[current_][i];
+      PlaneMask lane_masks[kLanes];
+      unsigned alive = used_lanes(c.index);
+      unsigned inside = remaining(level_.nodes[c.index], c.mask, alive, lane_masks);
+      if constexpr (kLayers) look_at_layers(c.index, alive, inside);
+      emit_inside<kBottom>(c.index, inside);
+      const unsigned open = alive & ~inside;
+      if constexpr (kBottom) in_.partial[c.index] = std::uint16_t(open);
+      for (unsigned rest = open; rest != 0; rest &= rest - 1) {
+        const unsigned lane = unsigned(__builtin_ctz(rest));
+        const std::uint32_t child = c.index * kLanes + lane;
+        const PlaneMask mask = lane_masks[lane];
+        if constexpr (kBottom) {
+          in_.leaf_crossings[leaf_crossing_count_++] = {child, mask};
+        } else if (mask != 0 && (mask & (mask - 1)) == 0 && mask != kUnionPlanes) {
+          const int k = __builtin_ctz(mask);
+          next_queue(k)[next_count_[k]++] = child;
+        } else {
+          push_crossing(child, mask);
+        }
+      }
+    }
+  }
+
+  /// Planes that boxes below each lane must still be tested against. Lanes outside leave `alive`; those inside all
+  /// planes come back.
+  unsigned remaining(const HierarchyNode& node, PlaneMask mask, unsigned& alive,
+                     PlaneMask (&lane_masks)[kLanes]) const {
+    for (PlaneMask& m : lane_masks) m = 0;
+    unsigned crossed_any = 0;
+    const auto note = [&](unsigned crossed, PlaneMask bit) {
+      crossed_any |= crossed;
+      for (unsigned rest = crossed & alive; rest != 0; rest &= rest - 1) lane_masks[__builtin_ctz(rest)] |= bit;
+    };
+    for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0 && alive != 0; m &= m - 1) {
+      const int k = __builtin_ctz(m);
+      unsigned outside = 0, inside = 0;
+      classify(node, k, outside, inside);
+      alive &= ~outside;
+      note(~inside, PlaneMask(1) << k);
+    }
+    if ((mask & kUnionPlanes) != 0) {
+      unsigned outside_all = kAllLanes, inside_any = 0;
+      for (int k = in_.test.union_first; k < in_.test.plane_count; ++k) {
+        unsigned outside = 0, inside = 0;
+        classify(node, k, outside, inside);
+        outside_all &= outside;
+        inside_any |= inside;
+      }
+      alive &= ~outside_all;
+      note(~inside_any, kUnionPlanes);
+    }
+    return alive & ~crossed_any;
+  }
+
+  void classify(const HierarchyNode& node, int k, unsigned& outside, unsigned& inside) const {
+    const FloatPlane& f = in_.test.planes[k];
+    const typename Simd::Plane plane = Simd::spread(f);
+    const auto& b = node.bounds;
+    outside = Simd::below(Simd::evaluate(plane, b[f.p_axis[0]], b[f.p_axis[1]], b[f.p_axis[2]]), plane);
+    inside = Simd::above(Simd::evaluate(plane, b[f.n_axis[0]], b[f.n_axis[1]], b[f.n_axis[2]]), plane);
+  }
+
+  void plane_leaves(int k, std::size_t count) {
+    const FloatPlane& f = in_.test.planes[k];
+    const typename Simd::Plane plane = Simd::spread(f);
+    const float *x = in_.test.coordinates[f.p_axis[0]], *y = in_.test.coordinates[f.p_axis[1]],
+                *z = in_.test.coordinates[f.p_axis[2]];
+    const std::uint32_t whole_leaves = in_.slot_count / kLeafSize;
+    in_.boxes_tested += count * kLeafSize;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint32_t leaf = in_.leaf_queue[i];
+      if (i + kAhead < count) prefetch(x, y, z, in_.leaf_queue[i + kAhead]);
+      if (kLayers || leaf >= whole_leaves) {
+        in_.leaf_masks[leaf] = leaf_mask(leaf, PlaneMask(1) << k);
+        continue;
+      }
+      const std::size_t first = std::size_t(leaf) * kLeafSize;
+      const unsigned low = items_.visible(plane, k, x, y, z, first);
+      const unsigned high = items_.visible(plane, k, x, y, z, first + kLanes);
+      in_.leaf_masks[leaf] = low | high << kLanes;
+    }
+  }
+
+  static void prefetch(const float* x, const float* y, const float* z, std::uint32_t leaf) {
+    const std::size_t first = std::size_t(leaf) * kLeafSize;
+    for (const float* c : {x + first, y + first, z + first}) {
+      __builtin_prefetch(c);
+      __builtin_prefetch(c + kLanes);
+    }
+  }
+
+  void cross_leaves() {
+    in_.boxes_tested += leaf_crossing_count_ * kLeafSize;
+    for (std::size_t i = 0; i < leaf_crossing_count_; ++i) {
+      if (i + kAhead < leaf_crossing_count_) {
+        const float* const* c = in_.test.coordinates;
+        prefetch(c[0], c[1], c[2], in_.leaf_crossings[i + kAhead].index);
+        prefetch(c[3], c[4], c[5], in_.leaf_crossings[i + kAhead].index);
+      }
+      const Crossing& c = in_.leaf_crossings[i];
+      in_.leaf_masks[c.index] = leaf_mask(c.index, c.mask);
+    }
+  }
+
+  /// Any leaf against any planes; slots behind the tree are left out.
+  std::uint32_t leaf_mask(std::uint32_t leaf, PlaneMask mask) const {
+    const std::size_t first = std::size_t(leaf) * kLeafSize, left = in_.slot_count - first;
+    std::uint32_t kept = items_.visible(first, mask);
+    if (left > kLanes) kept |= items_.visible(first + kLanes, mask) << kLanes;
+    return left < kLeafSize ? kept & ((1u << left) - 1u) : kept;
+  }
+
+  TraversalInput& in_;
+  ItemTester<Simd> items_;
+  LevelView level_{};
+  int current_ = 0;
+  std::uint64_t child_nodes_ = 1;
+  std::uint32_t plane_count_[kMaxCullPlanes] = {}, next_count_[kMaxCullPlanes] = {};
+  std::size_t crossing_count_[2] = {}, leaf_crossing_count_ = 0;
+};
+
+/// Turns the answers of a traversal into merged ranges and single slots, in rising order.
+template <class Simd>
+class Extraction {
+ public:
+  Extraction(const TraversalInput& in, SlotLists& lists) : in_(in), lists_(lists) {}
+
+  void run() {
+    const std::uint32_t count = in_.levels[0].count;
+    unsigned carry = 0;  // all ones while nodes are wholly inside
+    for (std::uint32_t first = 0; first < count; first += kLanes) {
+      unsigned whole = in_.toggles[first / kLanes];
+      whole ^= whole << 1;
+      whole ^= whole << 2;
+      whole ^= whole << 4;
+      whole ^= whole << 8;
+      whole = (whole ^ carry) & 0xffffu;
+      carry = 0u - (whole >> 15 & 1u);
+      if (whole == 0xffffu) {
+        range(first * kNodeSlots, (first + kLanes) * std::uint64_t(kNodeSlots));
+      } else if (whole != 0 || any(in_.inside + first) || any(in_.partial + first)) {
+        const std::uint32_t end = first + kLanes < count ? first + kLanes : count;
+        for (std::uint32_t node = first; node < end; ++node) take(node, (whole >> (node - first) & 1u) != 0);
+      }
+    }
+    if (end_ > begin_) put();
+  }
+
+ private:
+  static constexpr std::uint32_t kNodeSlots = kLanes * kLeafSize;
+
+  static bool any(const std::uint16_t* bits) {
+    std::uint64_t words[4];
+    __builtin_memcpy(words, bits, sizeof(words));
+    return (words[0] | words[1] | words[2] | words[3]) != 0;
+  }
+
+  void take(std::uint32_t node, bool whole) {
+    const std::uint32_t slot = node * kNodeSlots;
+    if (whole) return range(slot, slot + std::uint64_t(kNodeSlots));
+    const unsigned inside = in_.inside[node], partial = in_.partial[node];
+    if ((inside | partial) == 0) return;
+    if (lists_.items > lists_.items_limit || lists_.ranges > lists_.ranges_limit) lists_.full(lists_);
+    for (unsigned rest = inside | partial; rest != 0;) {
+      const unsigned lane = unsigned(__builtin_ctz(rest));
+      const std::uint32_t first = slot + lane * kLeafSize;
+      if ((inside >> lane & 1u) != 0) {
+        const unsigned run = unsigned(__builtin_ctz(~(inside >> lane)));
+        range(first, first + std::uint64_t(run) * kLeafSize);
+        rest &= ~(((1u << run) - 1u) << lane);
+        continue;
+      }
+      rest &= rest - 1;
+      const std::uint32_t mask = in_.leaf_masks[node * kLanes + lane];
+      if (mask == ~0u) {
+        range(first, first + std::uint64_t(kLeafSize));
+      } else if (mask != 0) {
+        lists_.items = Simd::append(lists_.items, first, mask & 0xffffu);
+        lists_.items = Simd::append(lists_.items, first + kLanes, mask >> kLanes);
+      }
+    }
+  }
+
+  void range(std::uint32_t first, std::uint64_t end) {
+    const std::uint32_t clamped = end < in_.slot_count ? std::uint32_t(end) : in_.slot_count;
+    if (first != end_) {
+      if (end_ > begin_) put();
+      begin_ = first;
+    }
+    end_ = clamped;
+  }
+  void put() {
+    lists_.ranges->first = begin_;
+    lists_.ranges->count = end_ - begin_;
+    ++lists_.ranges;
+  }
+
+  const TraversalInput& in_;
+  SlotLists& lists_;
+  std::uint32_t begin_ = 0, end_ = 0;  // the range being merged
+};
+
+template <class Simd>
+constexpr Kernels make_kernels() {
+  Kernels k{};
+  k.traverse = [](TraversalInput& in) {
+    if (in.levels[0].layers != nullptr)
+      Traversal<Simd, true>(in).run();
+    else
+      Traversal<Simd, false>(in).run();
+  };
+  k.extract = [](const TraversalInput& in, SlotLists& lists) { Extraction<Simd>(in, lists).run(); };
+  k.cull_items = [](const ItemTest& test, PlaneMask mask, std::size_t first, std::size_t end, SlotLists& lists) {
+    const ItemTester<Simd> tester(test);
+    for (std::size_t group = first; group < end; group += kLanes) {
+      unsigned kept = tester.visible(group, mask);
+      if (end - group < std::size_t(kLanes)) kept &= (1u << (end - group)) - 1u;
+      if (kept == 0) continue;
+      if (lists.items > lists.items_limit) lists.full(lists);
+      lists.items = Simd::append(lists.items, core::Slot(group), kept);
+    }
+  };
+  k.leaf_box = [](const float* const(&c)[6], std::size_t first, float(&box)[6]) {
+    static_assert(kLeafSize == 2 * kLanes);
+    unsigned proper = 0xffff;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float *low = c[axis] + first, *high = c[axis + 3] + first;
+      proper &= Simd::at_most(low, high) & Simd::at_most(low + kLanes, high + kLanes);
+      box[axis] = Simd::least(low);
+      box[axis + 3] = Simd::most(high);
+    }
+    return proper == 0xffff;
+  };
+  return k;
+}
+
+}  // namespace sightline::culling
