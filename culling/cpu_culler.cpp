@@ -55,7 +55,8 @@ void provide_memory(Scratch& scratch, TraversalInput& in, std::size_t leaves) {
     in.node_queues[i] = scratch.node_queues[i].reserve(in.stride * kMaxCullPlanes);
     in.crossings[i] = scratch.crossings[i].reserve(in.stride);
   }
-  in.leaf_queue = scratch.leaf_queue.reserve(leaves + kLanes);
+  in.leaf_stride = leaves + kLanes;
+  in.leaf_queue = scratch.leaf_queue.reserve(in.leaf_stride * kMaxCullPlanes);
   in.leaf_crossings = scratch.leaf_crossings.reserve(leaves + kLanes);
   in.leaf_masks = scratch.leaf_masks.reserve(leaves);
   const std::size_t padded = (nodes / kLanes + 1) * kLanes;

@@ -57,12 +57,12 @@ struct TraversalInput {
   int level_count;
   std::uint32_t slot_count;
 
-  // Work queues; `stride` entries for each plane. Those of nodes alternate from level to level.
+  // Work queues; `stride` or `leaf_stride` entries for each plane. Those of nodes alternate from level to level.
   std::uint32_t* node_queues[2];
   Crossing* crossings[2];
   std::uint32_t* leaf_queue;
   Crossing* leaf_crossings;
-  std::size_t stride;
+  std::size_t stride, leaf_stride;
 
   // Answers. Bit per leaf of each node of level 0, and toggles between nodes of level 0 that are wholly inside and
   // others: zero at the start. leaf_masks of leaves whose bit in `partial` is set.

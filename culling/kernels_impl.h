@@ -28,7 +28,8 @@ class ItemTester {
     return (kept & ~open) | test_.resolve(test_, first, open, PlaneMask(1) << k);
   }
 
-  /// Any planes, boxes that may be empty, and layers.
+  /// Any planes. kPlain: no box is empty, and layers do not matter.
+  template <bool kPlain>
   unsigned visible(std::size_t first, PlaneMask mask) const {
     const FloatPlane* planes = test_.planes;
     unsigned outside = 0, open = 0;
@@ -53,7 +54,7 @@ class ItemTester {
     }
     unsigned kept = ~outside & kAllLanes;
     if (kept == 0) return 0;
-    kept &= items_shown(first);
+    if constexpr (!kPlain) kept &= items_shown(first);
     open &= kept;
     if (open != 0) kept = (kept & ~open) | test_.resolve(test_, first, open, mask);
     return kept;
@@ -108,7 +109,7 @@ class Traversal {
     cross_nodes<true>();
     cross_leaves();
     for (int k = 0; k < in_.test.plane_count; ++k)
-      plane_leaves(k, std::size_t(plane_nodes<true>(k, in_.leaf_queue) - in_.leaf_queue));
+      plane_leaves(k, std::size_t(plane_nodes<true>(k, leaf_queue(k) + next_count_[k]) - leaf_queue(k)));
   }
 
  private:
@@ -116,6 +117,7 @@ class Traversal {
   static constexpr std::size_t kAhead = 6;  // entries between prefetch and use
 
   std::uint32_t* next_queue(int k) const { return in_.node_queues[current_ ^ 1] + std::size_t(k) * in_.stride; }
+  std::uint32_t* leaf_queue(int k) const { return in_.leaf_queue + std::size_t(k) * in_.leaf_stride; }
   const std::uint32_t* queue(int k) const { return in_.node_queues[current_] + std::size_t(k) * in_.stride; }
 
   void begin_level(int level, int current) {
@@ -203,45 +205,50 @@ class Traversal {
     in_.nodes_tested += crossing_count_[0] * kLanes;
     for (std::size_t i = 0; i < crossing_count_[0]; ++i) {
       const Crossing c = in_.crossings[current_][i];
-      PlaneMask lane_masks[kLanes];
+      Crossed crossed;
       unsigned alive = used_lanes(c.index);
-      unsigned inside = remaining(level_.nodes[c.index], c.mask, alive, lane_masks);
+      find_crossed(level_.nodes[c.index], c.mask, alive, crossed);
+      unsigned inside = alive & ~crossed.any;
       if constexpr (kLayers) look_at_layers(c.index, alive, inside);
       emit_inside<kBottom>(c.index, inside);
-      const unsigned open = alive & ~inside;
+      const unsigned open = alive & ~inside, single = open & crossed.any & ~crossed.several;
       if constexpr (kBottom) in_.partial[c.index] = std::uint16_t(open);
-      for (unsigned rest = open; rest != 0; rest &= rest - 1) {
+      for (PlaneMask m = single != 0 ? c.mask & (kUnionPlanes - 1) : 0; m != 0; m &= m - 1) {
+        const int k = __builtin_ctz(m);
+        std::uint32_t* const out = kBottom ? leaf_queue(k) : next_queue(k);
+        next_count_[k] =
+            std::uint32_t(Simd::append(out + next_count_[k], c.index * kLanes, crossed.by[k] & single) - out);
+      }
+      for (unsigned rest = open & ~single; rest != 0; rest &= rest - 1) {
         const unsigned lane = unsigned(__builtin_ctz(rest));
-        const std::uint32_t child = c.index * kLanes + lane;
-        const PlaneMask mask = lane_masks[lane];
-        if constexpr (kBottom) {
-          in_.leaf_crossings[leaf_crossing_count_++] = {child, mask};
-        } else if (mask != 0 && (mask & (mask - 1)) == 0 && mask != kUnionPlanes) {
-          const int k = __builtin_ctz(mask);
-          next_queue(k)[next_count_[k]++] = child;
-        } else {
-          push_crossing(child, mask);
-        }
+        PlaneMask mask = 0;
+        for (PlaneMask m = c.mask; m != 0; m &= m - 1)
+          mask |= PlaneMask(crossed.by[__builtin_ctz(m)] >> lane & 1u) << __builtin_ctz(m);
+        if constexpr (kBottom)
+          in_.leaf_crossings[leaf_crossing_count_++] = {c.index * kLanes + lane, mask};
+        else
+          push_crossing(c.index * kLanes + lane, mask);
       }
     }
   }
 
-  /// Planes that boxes below each lane must still be tested against. Lanes outside leave `alive`; those inside all
-  /// planes come back.
-  unsigned remaining(const HierarchyNode& node, PlaneMask mask, unsigned& alive,
-                     PlaneMask (&lane_masks)[kLanes]) const {
-    for (PlaneMask& m : lane_masks) m = 0;
-    unsigned crossed_any = 0;
-    const auto note = [&](unsigned crossed, PlaneMask bit) {
-      crossed_any |= crossed;
-      for (unsigned rest = crossed & alive; rest != 0; rest &= rest - 1) lane_masks[__builtin_ctz(rest)] |= bit;
-    };
-    for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0 && alive != 0; m &= m - 1) {
+  /// Which lanes of a node each plane of a mask crosses (the last entry: the union); lanes that any plane crosses, and
+  /// those that go on as crossed by several.
+  struct Crossed {
+    unsigned by[kMaxCullPlanes + 1];
+    unsigned any = 0, several = 0;
+  };
+
+  /// Lanes outside leave `alive`.
+  void find_crossed(const HierarchyNode& node, PlaneMask mask, unsigned& alive, Crossed& crossed) const {
+    for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0; m &= m - 1) {
       const int k = __builtin_ctz(m);
       unsigned outside = 0, inside = 0;
       classify(node, k, outside, inside);
       alive &= ~outside;
-      note(~inside, PlaneMask(1) << k);
+      crossed.by[k] = ~inside & kAllLanes;
+      crossed.several |= crossed.any & crossed.by[k];
+      crossed.any |= crossed.by[k];
     }
     if ((mask & kUnionPlanes) != 0) {
       unsigned outside_all = kAllLanes, inside_any = 0;
@@ -252,9 +259,10 @@ class Traversal {
         inside_any |= inside;
       }
       alive &= ~outside_all;
-      note(~inside_any, kUnionPlanes);
+      crossed.by[kMaxCullPlanes] = ~inside_any & kAllLanes;
+      crossed.several |= crossed.by[kMaxCullPlanes];
+      crossed.any |= crossed.by[kMaxCullPlanes];
     }
-    return alive & ~crossed_any;
   }
 
   void classify(const HierarchyNode& node, int k, unsigned& outside, unsigned& inside) const {
@@ -271,18 +279,18 @@ class Traversal {
     const float *x = in_.test.coordinates[f.p_axis[0]], *y = in_.test.coordinates[f.p_axis[1]],
                 *z = in_.test.coordinates[f.p_axis[2]];
     const std::uint32_t whole_leaves = in_.slot_count / kLeafSize;
+    const std::uint32_t* const leaves = leaf_queue(k);
     in_.boxes_tested += count * kLeafSize;
     for (std::size_t i = 0; i < count; ++i) {
-      const std::uint32_t leaf = in_.leaf_queue[i];
-      if (i + kAhead < count) prefetch(x, y, z, in_.leaf_queue[i + kAhead]);
+      const std::uint32_t leaf = leaves[i];
+      if (i + kAhead < count) prefetch(x, y, z, leaves[i + kAhead]);
       if (kLayers || leaf >= whole_leaves) {
         in_.leaf_masks[leaf] = leaf_mask(leaf, PlaneMask(1) << k);
         continue;
       }
       const std::size_t first = std::size_t(leaf) * kLeafSize;
       const unsigned low = items_.visible(plane, k, x, y, z, first);
-      const unsigned high = items_.visible(plane, k, x, y, z, first + kLanes);
-      in_.leaf_masks[leaf] = low | high << kLanes;
+      in_.leaf_masks[leaf] = low | items_.visible(plane, k, x, y, z, first + kLanes) << kLanes;
     }
   }
 
@@ -310,8 +318,8 @@ class Traversal {
   /// Any leaf against any planes; slots behind the tree are left out.
   std::uint32_t leaf_mask(std::uint32_t leaf, PlaneMask mask) const {
     const std::size_t first = std::size_t(leaf) * kLeafSize, left = in_.slot_count - first;
-    std::uint32_t kept = items_.visible(first, mask);
-    if (left > kLanes) kept |= items_.visible(first + kLanes, mask) << kLanes;
+    std::uint32_t kept = items_.template visible<!kLayers>(first, mask);
+    if (left > kLanes) kept |= items_.template visible<!kLayers>(first + kLanes, mask) << kLanes;
     return left < kLeafSize ? kept & ((1u << left) - 1u) : kept;
   }
 
@@ -418,7 +426,7 @@ constexpr Kernels make_kernels() {
   k.cull_items = [](const ItemTest& test, PlaneMask mask, std::size_t first, std::size_t end, SlotLists& lists) {
     const ItemTester<Simd> tester(test);
     for (std::size_t group = first; group < end; group += kLanes) {
-      unsigned kept = tester.visible(group, mask);
+      unsigned kept = tester.template visible<false>(group, mask);
       if (end - group < std::size_t(kLanes)) kept &= (1u << (end - group)) - 1u;
       if (kept == 0) continue;
       if (lists.items > lists.items_limit) lists.full(lists);
