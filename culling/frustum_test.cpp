@@ -109,12 +109,15 @@ CullPlanes::Kind CullPlanes::add(const core::Plane& plane, const core::ItemBound
   const core::dvec3& o = bounds.origin;
   const core::dvec3 m = largest_coordinate(bounds.extent());
   DoublePlane& e = exact_[std::size_t(count_)];
-  const double d = std::ldexp(plane.offset, shift);
+  // Multiplying by a power of two rounds as ldexp does, and is faster.
+  const double factor = shift >= -1022 && shift <= 1023 ? std::ldexp(1.0, shift) : 0.0;
+  const auto scaled = [=](double x) { return factor != 0.0 ? x * factor : std::ldexp(x, shift); };
+  const double d = scaled(plane.offset);
   e.offset = 0.0;
   e.magnitude = 0.0;
   double reach = 0.0, sizes = 4.0, extents = 4.0;
   for (int i = 0; i < 3; ++i) {
-    e.normal[i] = std::ldexp(n[i], shift);
+    e.normal[i] = scaled(n[i]);
     e.offset += e.normal[i] * o[i];
     e.magnitude += std::abs(e.normal[i] * o[i]);
     reach += std::abs(e.normal[i]) * m[i];

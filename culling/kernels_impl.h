@@ -17,7 +17,10 @@ class ItemTester {
  public:
   static constexpr unsigned kAllLanes = 0xffff;
 
-  explicit ItemTester(const ItemTest& test) : test_(test) {}
+  explicit ItemTester(const ItemTest& test) : test_(test) {
+    for (int k = 0; k < test.plane_count; ++k)
+      for (int axis = 0; axis < 3; ++axis) p_vertex_[k][axis] = test.coordinates[test.planes[k].p_axis[axis]];
+  }
 
   /// One plane alone, and nothing else.
   unsigned visible(const typename Simd::Plane& plane, int k, const float* x, const float* y, const float* z,
@@ -34,9 +37,9 @@ class ItemTester {
     const FloatPlane* planes = test_.planes;
     unsigned outside = 0, open = 0;
     for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0; m &= m - 1) {
-      const FloatPlane& f = planes[__builtin_ctz(m)];
-      const typename Simd::Plane plane = Simd::spread(f);
-      const typename Simd::Values s = p_values(f, plane, first);
+      const int k = __builtin_ctz(m);
+      const typename Simd::Plane plane = Simd::spread(planes[k]);
+      const typename Simd::Values s = p_values(k, plane, first);
       outside |= Simd::below(s, plane);
       if (outside == kAllLanes) return 0;
       open |= ~Simd::above(s, plane);
@@ -45,7 +48,7 @@ class ItemTester {
       unsigned outside_all = kAllLanes, inside_any = 0;
       for (int k = test_.union_first; k < test_.plane_count; ++k) {
         const typename Simd::Plane plane = Simd::spread(planes[k]);
-        const typename Simd::Values s = p_values(planes[k], plane, first);
+        const typename Simd::Values s = p_values(k, plane, first);
         outside_all &= Simd::below(s, plane);
         inside_any |= Simd::above(s, plane);
       }
@@ -72,9 +75,9 @@ class ItemTester {
   }
 
  private:
-  typename Simd::Values p_values(const FloatPlane& f, const typename Simd::Plane& plane, std::size_t first) const {
-    return Simd::evaluate(plane, test_.coordinates[f.p_axis[0]] + first, test_.coordinates[f.p_axis[1]] + first,
-                          test_.coordinates[f.p_axis[2]] + first);
+  typename Simd::Values p_values(int k, const typename Simd::Plane& plane, std::size_t first) const {
+    const auto& c = p_vertex_[k];
+    return Simd::evaluate(plane, c[0] + first, c[1] + first, c[2] + first);
   }
 
   unsigned layers_shared(std::size_t first) const {
@@ -86,6 +89,7 @@ class ItemTester {
   }
 
   const ItemTest& test_;
+  const float* p_vertex_[kMaxCullPlanes][3];  // coordinate arrays
 };
 
 template <class Simd, bool kLayers>
