@@ -26,12 +26,14 @@
 #endif
 
 #include "sightline/apps/common/cli.h"
+#include "sightline/bench/plant_boxes.h"
 #include "sightline/core/bvh_build.h"
 #include "sightline/core/error.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/instruction_set.h"
 #include "sightline/culling/linear_culler.h"
 
 static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");
@@ -44,13 +46,18 @@ using Json = nlohmann::ordered_json;
 constexpr int kPasses = 3;
 
 struct Options {
-  std::string boxes, views, culler = "cpu", output = "ranges", ids_out, json;
+  std::string boxes, views, culler = "cpu", output = "ranges", ids_out, json, simd = "best", split = "blocks";
+  std::size_t generate = 0;
   int threads = 1;
   bool verify = false, baseline = false;
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--boxes", options.boxes, "float32 min x y z, max x y z per item")->required();
+  CLI::Option_group* source = app.add_option_group("boxes");
+  source->add_option("--boxes", options.boxes, "float32 min x y z, max x y z per item");
+  source->add_option("--generate", options.generate, "so many boxes of a made-up plant of 400 x 100 x 60 m")
+      ->check(CLI::Range(1, 50'000'000));
+  source->require_option(1);
   app.add_option("--views", options.views, "float64, 16 per frame: column-major clip_from_world, clip space -1...1")
       ->required();
   app.add_option("--culler", options.culler, "which culler")
@@ -59,8 +66,14 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--threads", options.threads, "threads of the hierarchy's build; culling runs on one")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  app.add_option("--output", options.output, "time the set as ranges and items, or the full id list")
-      ->check(CLI::IsMember({"ranges", "ids"}))
+  app.add_option("--simd", options.simd, "instruction set of the cullers")
+      ->check(CLI::IsMember({"best", "scalar", "avx2", "avx512"}))
+      ->capture_default_str();
+  app.add_option("--split", options.split, "how the hierarchy orders the boxes")
+      ->check(CLI::IsMember({"blocks", "surface"}))
+      ->capture_default_str();
+  app.add_option("--output", options.output, "time ranges and items, or the full list of ids, or of slots")
+      ->check(CLI::IsMember({"ranges", "ids", "slots"}))
       ->capture_default_str();
   app.add_option("--ids-out", options.ids_out, "write frame_%05d.bin (sorted uint32) per frame into this directory");
   app.add_option("--json", options.json, "write the figures to this file, or - for standard output");
@@ -139,18 +152,19 @@ struct Bench {
       culling::LinearCuller(bounds).cull(view, set);
   }
 
-  /// All visible ids, in no particular order.
-  void list(const core::VisibleSet& set, std::vector<std::uint32_t>& ids) const {
+  /// All visible ids (or slots), in no particular order.
+  void list(const core::VisibleSet& set, bool as_slots, std::vector<std::uint32_t>& ids) const {
+    const bool same = as_slots || order.empty();
     ids.resize(set.count());
     std::uint32_t* out = ids.data();
     for (const core::SlotRange& range : set.ranges) {
-      if (order.empty())
+      if (same)
         std::iota(out, out + range.count, range.first);
       else
         std::memcpy(out, order.data() + range.first, range.count * sizeof(std::uint32_t));
       out += range.count;
     }
-    if (order.empty())
+    if (same)
       std::copy(set.items.begin(), set.items.end(), out);
     else
       std::transform(set.items.begin(), set.items.end(), out, [&](core::Slot slot) { return order[slot]; });
@@ -173,6 +187,8 @@ Bench::Bench(std::span<const core::Aabb> boxes, const Options& options) {
   if (options.culler == "cpu") {
     core::BvhConfig config;
     config.threads = options.threads;
+    config.max_leaf_size = culling::kLeafSize;
+    config.split = options.split == "surface" ? core::BvhSplit::kSurface : core::BvhSplit::kBlocks;
     core::BvhTree tree = core::build_bvh(boxes, config);
     fill(bounds, boxes, tree.order);
     cpu.emplace(bounds, tree, boxes.size());
@@ -320,6 +336,26 @@ struct Frames {
   std::uint64_t nodes_tested = 0, boxes_tested = 0;
 };
 
+double time_refit(Bench& bench) {
+  std::vector<double> times;
+  for (int pass = 0; bench.cpu && pass < kPasses; ++pass) {
+    const double start = milliseconds();
+    bench.cpu->refit();
+    times.push_back(milliseconds() - start);
+  }
+  return median(times);
+}
+
+core::Expected<void> choose_instructions(const std::string& name) {
+  for (const auto set :
+       {culling::InstructionSet::kScalar, culling::InstructionSet::kAvx2, culling::InstructionSet::kAvx512}) {
+    if (name != culling::name(set)) continue;
+    if (!culling::supported(set)) return core::fail("--simd " + name + ": this processor or build does not have it");
+    culling::force_instruction_set(set);
+  }
+  return {};
+}
+
 /// Untimed: counts, id files, and the comparison with the linear culler.
 core::Expected<Frames> inspect(const Bench& bench, std::span<const core::Aabb> boxes,
                                const std::vector<core::View>& views, const Options& options) {
@@ -331,10 +367,11 @@ core::Expected<Frames> inspect(const Bench& bench, std::span<const core::Aabb> b
   std::vector<std::uint32_t> ids;
   for (std::size_t i = 0; i < views.size(); ++i) {
     bench.cull(views[i], set);
-    bench.list(set, ids);
-    frames.visible.push_back(ids.size());
+    frames.visible.push_back(set.count());
     frames.nodes_tested += set.counters.nodes_tested;
     frames.boxes_tested += set.counters.boxes_tested;
+    if (options.ids_out.empty() && !options.verify) continue;
+    bench.list(set, false, ids);
     std::sort(ids.begin(), ids.end());
     if (!options.ids_out.empty()) {
       if (auto written = write_ids(options.ids_out, i, ids); !written) return tl::unexpected(written.error());
@@ -350,7 +387,10 @@ core::Expected<Frames> inspect(const Bench& bench, std::span<const core::Aabb> b
 }
 
 core::Expected<Json> measure(const Options& options) {
-  const auto boxes = read_boxes(options.boxes);
+  if (auto chosen = choose_instructions(options.simd); !chosen) return tl::unexpected(chosen.error());
+  const auto boxes = options.generate > 0
+                         ? core::Expected<std::vector<core::Aabb>>(bench::PlantBoxes(1).make(options.generate))
+                         : read_boxes(options.boxes);
   if (!boxes) return tl::unexpected(boxes.error());
   const auto views = read_views(options.views);
   if (!views) return tl::unexpected(views.error());
@@ -360,23 +400,26 @@ core::Expected<Json> measure(const Options& options) {
     if (error) return core::fail(options.ids_out + ": cannot be made a directory: " + error.message());
   }
 
-  const Bench bench(*boxes, options);
+  Bench bench(*boxes, options);
   const auto frames = inspect(bench, *boxes, *views, options);
   if (!frames) return tl::unexpected(frames.error());
 
   core::VisibleSet set;
   std::vector<std::uint32_t> ids;
-  const bool list_ids = options.output == "ids";
+  const double refit_ms = time_refit(bench);
+  const bool list_ids = options.output != "ranges", as_slots = options.output == "slots";
   const std::vector<double> times = time_path(*views, [&](const core::View& view) {
     bench.cull(view, set);
-    if (list_ids) bench.list(set, ids);
+    if (list_ids) bench.list(set, as_slots, ids);
   });
 
   const double count = std::max(1.0, double(views->size()));
   Json json{{"items", boxes->size()},
             {"culler", options.culler},
             {"output", options.output},
+            {"instructions", culling::name(culling::instruction_set())},
             {"build_ms", bench.build_ms},
+            {"refit_ms", refit_ms},
             {"bytes_per_item", bench.bytes_per_item()},
             {"mean_visible",
              double(std::accumulate(frames->visible.begin(), frames->visible.end(), std::uint64_t(0))) / count},
@@ -406,8 +449,9 @@ void print_table(const Json& json) {
   };
   std::printf("%zu items, %zu frames, culler %s, output %s\n", json["items"].get<std::size_t>(), json["frames"].size(),
               json["culler"].get<std::string>().c_str(), json["output"].get<std::string>().c_str());
-  std::printf("build %.1f ms, %.1f bytes per item\n", json["build_ms"].get<double>(),
-              json["bytes_per_item"].get<double>());
+  std::printf("%s, build %.1f ms, refit %.2f ms, %.1f bytes per item\n",
+              json["instructions"].get<std::string>().c_str(), json["build_ms"].get<double>(),
+              json["refit_ms"].get<double>(), json["bytes_per_item"].get<double>());
   std::printf("visible %.0f, nodes tested %.0f, boxes tested %.0f (means)\n", json["mean_visible"].get<double>(),
               json["mean_nodes_tested"].get<double>(), json["mean_boxes_tested"].get<double>());
   ms(json["summary"]);
