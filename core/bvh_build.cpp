@@ -83,13 +83,11 @@ void compact(const std::vector<BvhNode>& sparse, BvhTree& tree) {
   tree.nodes.shrink_to_fit();
 }
 
-int thread_count(const BvhConfig& config) {
 #ifdef _OPENMP
+int thread_count(const BvhConfig& config) {
   return config.threads > 0 ? config.threads : omp_get_max_threads();
-#else
-  return std::min(1, std::max(1, config.threads));
-#endif
 }
+#endif
 
 /// BvhSplit::kBlocks. Centroids move back and forth between two arrays, one level at a time.
 class BlockBuilder {
@@ -103,18 +101,19 @@ class BlockBuilder {
     BvhTree tree;
     if (boxes_.empty()) return tree;
     const std::uint32_t count = std::uint32_t(boxes_.size());
+#ifdef _OPENMP
     const int threads = thread_count(config_);
-    (void)threads;
 #pragma omp parallel num_threads(threads) if (threads > 1 && count > kTaskSize)
     {
 #pragma omp for
-      for (std::uint32_t i = 0; i < count; ++i) {
-        const vec3 c = centroid(boxes_[i]);
-        points_[0][i] = {{c.x, c.y, c.z}, i};
-      }
+      for (std::uint32_t i = 0; i < count; ++i) place_point(i);
 #pragma omp single
       build(0, 0, count, 0);
     }
+#else
+    for (std::uint32_t i = 0; i < count; ++i) place_point(i);
+    build(0, 0, count, 0);
+#endif
     compact(sparse_, tree);
     tree.order = std::move(order_);
     return tree;
@@ -127,6 +126,11 @@ class BlockBuilder {
   };
   using Points = std::vector<Point>;
   static constexpr std::uint32_t kMaxBuckets = 1024, kSmall = 96;
+
+  void place_point(std::uint32_t i) {
+    const vec3 c = centroid(boxes_[i]);
+    points_[0][i] = {{c.x, c.y, c.z}, i};
+  }
 
   // Recursion depth is at most the bit width of the count.
   void build(std::size_t node, std::uint32_t first, std::uint32_t count, int side) {
