@@ -14,8 +14,8 @@ namespace sightline::core {
 namespace {
 
 constexpr std::uint32_t kMaxBins = 64;
-constexpr std::uint32_t kTaskSize = 8192;  // smaller subtrees are not worth a task
-constexpr double kGroup = 8.0;             // leaves are tested this many boxes at a time, so the cost counts groups
+[[maybe_unused]] constexpr std::uint32_t kTaskSize = 8192;  // smaller subtrees are not worth a task
+constexpr double kGroup = 8.0;  // leaves are tested this many boxes at a time, so the cost counts groups
 
 /// A box on its way through the build, moved rather than looked up: the partition is bound by memory.
 struct Reference {
