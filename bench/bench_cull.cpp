@@ -191,7 +191,7 @@ Bench::Bench(std::span<const core::Aabb> boxes, const Options& options) {
     config.split = options.split == "surface" ? core::BvhSplit::kSurface : core::BvhSplit::kBlocks;
     core::BvhTree tree = core::build_bvh(boxes, config);
     fill(bounds, boxes, tree.order);
-    cpu.emplace(bounds, tree, boxes.size());
+    cpu.emplace(bounds, boxes.size());
     order = std::move(tree.order);
   } else {
     fill(bounds, boxes, {});

@@ -74,10 +74,11 @@ Snapshot::Snapshot(const Scene& scene, const BvhConfig& config) : scene_(&scene)
   std::vector<Aabb> boxes(n);
   for (std::size_t i = 0; i < n; ++i)
     boxes[i] = round_outwards(scene.bounds_under(all.items[i], all.states[i].world_from_item), bounds_.origin);
-  tree_ = build_bvh(boxes, config);
+  // Only the order is kept: a subtree is a range of slots, and whoever traverses one makes the nodes it needs.
+  const std::vector<std::uint32_t> order = build_bvh(boxes, config).order;
 
   std::vector<dvec3> places(n);
-  for (std::size_t s = 0; s < n; ++s) places[s] = all.states[tree_.order[s]].world_from_item.origin;
+  for (std::size_t s = 0; s < n; ++s) places[s] = all.states[order[s]].world_from_item.origin;
   std::vector<std::uint32_t> chunk_of(n);
   chunk_size_ = kChunkSize;
   while ((chunk_origins_ = cut_into_chunks(places, chunk_size_, chunk_of)).size() > kMaxChunks) chunk_size_ *= 2.0;
@@ -85,13 +86,12 @@ Snapshot::Snapshot(const Scene& scene, const BvhConfig& config) : scene_(&scene)
   bounds_.resize(n);
   slots_.assign(scene.item_slots(), kNone);
   for (std::size_t s = 0; s < n; ++s) {
-    const std::uint32_t i = tree_.order[s];
+    const std::uint32_t i = order[s];
     append(all.items[i], all.states[i], chunk_of[s]);
     bounds_.set(s, boxes[i]);
     bounds_.set_layers(s, all.states[i].layers);
   }
   tree_size_ = n;
-  tree_.order = {};
   extend_ranks();
 }
 

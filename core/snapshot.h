@@ -43,11 +43,10 @@ class Snapshot {
 
   const Scene& scene() const { return *scene_; }
   std::size_t size() const { return bounds_.size(); }   ///< slots, those of removed items included
-  std::size_t tree_size() const { return tree_size_; }  ///< slots that the tree covers; the tail follows
+  std::size_t tree_size() const { return tree_size_; }  ///< slots in the order of core::build_bvh; the tail follows
   std::uint64_t generation() const { return generation_; }
 
   const ItemBounds& bounds() const { return bounds_; }
-  const BvhTree& tree() const { return tree_; }  ///< ranges of slots; its `order` is spent (empty)
   Kind kind(Slot slot) const { return kinds_[slot]; }
   std::uint32_t index_in_kind(Slot slot) const { return index_in_kind_[slot]; }
   ItemId item(Slot slot) const { return items_[slot]; }
@@ -63,8 +62,7 @@ class Snapshot {
   Affine world_from_item(Slot slot) const;
   Primitive primitive(Slot slot) const;
 
-  std::size_t memory_bytes() const;  ///< without the tree
-  std::size_t tree_memory_bytes() const { return tree_.nodes.capacity() * sizeof(BvhNode); }
+  std::size_t memory_bytes() const;
 
  private:
   struct Gathered;
@@ -76,7 +74,6 @@ class Snapshot {
   const Scene* scene_;
   std::uint64_t generation_ = 0;
   ItemBounds bounds_;
-  BvhTree tree_;
   std::size_t tree_size_ = 0;
   std::vector<Kind> kinds_;
   std::vector<std::uint32_t> index_in_kind_;

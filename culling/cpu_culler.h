@@ -6,7 +6,6 @@
 
 #include <cstddef>
 
-#include "sightline/core/bvh_build.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
@@ -21,8 +20,6 @@ class CpuCuller {
   /// The first `tree_size` slots of `bounds` are in the order that core::build_bvh gave them (any order is right, that
   /// one is fast); slots behind them are tested one by one. Borrows the bounds, which must outlive the culler.
   CpuCuller(const core::ItemBounds& bounds, std::size_t tree_size);
-  CpuCuller(const core::ItemBounds& bounds, const core::BvhTree&, std::size_t tree_size)
-      : CpuCuller(bounds, tree_size) {}
 
   /// Replaces the contents of `set`; adjacent ranges are merged. Does not allocate once `set` and the
   /// thread's scratch memory have grown to their sizes.

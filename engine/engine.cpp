@@ -47,8 +47,8 @@ core::Expected<void> Engine::build() {
   if (plan_.culler == CullerChoice::kLinear) {
     culler_ = std::make_unique<Culler>(std::in_place_type<culling::LinearCuller>, snapshot->bounds());
   } else {
-    culler_ = std::make_unique<Culler>(std::in_place_type<culling::CpuCuller>, snapshot->bounds(), snapshot->tree(),
-                                       snapshot->tree_size());
+    culler_ =
+        std::make_unique<Culler>(std::in_place_type<culling::CpuCuller>, snapshot->bounds(), snapshot->tree_size());
   }
   snapshot_ = std::move(snapshot);
   return {};
@@ -105,8 +105,7 @@ MemoryReport Engine::memory() const {
   MemoryReport report;
   report.scene = scene_->memory_bytes();
   report.snapshot = snapshot_->memory_bytes();
-  report.bvh = snapshot_->tree_memory_bytes();
-  if (const auto* culler = std::get_if<culling::CpuCuller>(culler_.get())) report.bvh += culler->memory_bytes();
+  if (const auto* culler = std::get_if<culling::CpuCuller>(culler_.get())) report.bvh = culler->memory_bytes();
 #if SIGHTLINE_HAS_GL
   if (drawing_) report.gpu = drawing_->memory_bytes();
 #endif

@@ -144,7 +144,6 @@ void for_each_instruction_set(const Check& check) {
 /// Boxes in the order that a hierarchy gives them, with the culler over it and, behind the tree, a tail.
 struct Scene {
   core::ItemBounds bounds;
-  core::BvhTree tree;
   std::unique_ptr<culling::CpuCuller> culler;
 
   Scene(std::span<const core::Aabb> boxes, const core::dvec3& origin, std::size_t tail = 0,
@@ -152,9 +151,9 @@ struct Scene {
     const std::size_t tree_size = boxes.size() - tail;
     bounds.origin = origin;
     bounds.resize(boxes.size());
-    tree = core::build_bvh(boxes.first(tree_size), config);
+    const core::BvhTree tree = core::build_bvh(boxes.first(tree_size), config);
     for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[i < tree_size ? tree.order[i] : i]);
-    culler = std::make_unique<culling::CpuCuller>(bounds, tree, tree_size);
+    culler = std::make_unique<culling::CpuCuller>(bounds, tree_size);
   }
 };
 
