@@ -35,8 +35,8 @@ enum class BvhSplit : std::uint8_t {
 struct BvhConfig {
   BvhSplit split = BvhSplit::kBlocks;
   std::uint32_t max_leaf_size = 8;  ///< more: fewer nodes, more boxes tested per query
-  std::uint32_t bins = 16;           ///< kSurface: more: better splits, slower build (2 … 64)
-  int threads = 0;                   ///< 0: all that OpenMP offers. The tree does not depend on it
+  std::uint32_t bins = 16;          ///< kSurface: more: better splits, slower build (2 … 64)
+  int threads = 0;                  ///< 0: all that OpenMP offers. The tree does not depend on it
 };
 
 /// Deterministic for given boxes and config. Depth is at most 2 * ceil(log2(count)) + 32 and time O(n log n) on any

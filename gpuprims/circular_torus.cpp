@@ -226,6 +226,7 @@ core::Mesh tessellate(const core::CircularTorus& torus, const Tessellation& conf
   if (angle >= kFullTurn) return builder.finish();
 
   std::vector<dvec3> outline;
+  outline.reserve(profile.size());
   for (const ProfilePoint& p : profile) outline.emplace_back(p.position.x * sweep.front(), p.position.y);
   if (outline.front() == outline.back()) outline.pop_back();
   // Looking along the sweep onto the start, rho points right and z up: counter-clockwise as it is. The end is seen from

@@ -83,9 +83,9 @@ std::vector<Area> lay_out(std::uint64_t items, Random& random) {
   const double length = 2.0 * std::sqrt(area), width = 0.25 * length;
   const double rack = std::clamp(0.14 * width, 3.0, 12.0), aisle = 0.02 * width;
   const double depth = 0.5 * (width - rack) - aisle;
-  const int rows = std::max(1, int(depth / 20.0 + 0.5));
+  const int rows = std::max(1, int(std::lround(depth / 20.0)));
   const double row_depth = depth / rows;
-  const int columns = std::max(1, int(length / std::clamp(row_depth, 8.0, 20.0) + 0.5));
+  const int columns = std::max(1, int(std::lround(length / std::clamp(row_depth, 8.0, 20.0))));
   const double column_width = length / columns;
 
   const std::int64_t plots = 2 * rows * columns;
@@ -102,7 +102,7 @@ std::vector<Area> lay_out(std::uint64_t items, Random& random) {
   for (int column = 0; column < columns; ++column) {
     for (int row = 0; row < 2 * rows; ++row) {
       const double x = -0.5 * length + column * column_width;
-      const double near = 0.5 * rack + aisle + (row / 2) * row_depth;
+      const double near = 0.5 * rack + aisle + double(row / 2) * row_depth;
       const double y = row % 2 == 0 ? near : -near - row_depth;
       const double gap = 0.04 * row_depth;
       add({x + gap, y + gap, 0.0}, {x + column_width - gap, y + row_depth - gap, plot_top * random.between(0.65, 1.0)},
@@ -218,7 +218,7 @@ class Generator {
     const double most = share * double(stage_.room(kOthers));
     for (std::size_t used = levels.size(); used > 0; --used) {
       for (double pitch = bay; pitch < 4.0 * bay; pitch *= 1.5) {
-        const auto bays = [&](double length) { return std::max(1, int(length / pitch + 0.5)); };
+        const auto bays = [&](double length) { return std::max(1, int(std::lround(length / pitch))); };
         const SteelGrid grid{box, bays(box.size().x), bays(box.size().y)};
         if (double(steel_frame_cost(grid, used)) > most) continue;
         std::vector<double> tops(levels.begin(), levels.begin() + std::ptrdiff_t(used));

@@ -78,7 +78,7 @@ Lane Lanes::next(Random& random) {
   Tier& tier = tiers_[tier_];
   // The mean of two draws favours the middle sizes, as plants do; tubing comes where there is no room for more.
   const int most = index_of(largest_), least = pass_ == 0 ? most / 3 : 0, choices = most + 1 - least;
-  const double radius = kSizes[std::size_t(least + (random.below(choices) + random.below(choices) + 1) / 2)];
+  const double radius = kSizes[least + (random.below(choices) + random.below(choices) + 1) / 2];
   const double need = 1.8 * radius + 0.012;
   tier.cursor += need;
   Lane lane = place(tier, radius, random);

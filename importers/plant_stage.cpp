@@ -22,7 +22,7 @@ Share share_of(core::Kind kind) {
 
 Counts quota_for(std::uint64_t items) {
   Counts quota{};
-  for (int s = kTori; s < kShareCount; ++s) quota[s] = std::int64_t(kFractions[s] * double(items) + 0.5);
+  for (int s = kTori; s < kShareCount; ++s) quota[s] = std::llround(kFractions[s] * double(items));
   quota[kCylinders] = std::int64_t(items) - quota[kTori] - quota[kSnouts] - quota[kOthers];
   return quota;
 }

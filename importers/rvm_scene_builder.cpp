@@ -13,7 +13,7 @@ namespace {
 core::Affine placement_of(const std::array<float, 12>& m) {
   core::Affine placement;
   for (int column = 0; column < 3; ++column)
-    for (int row = 0; row < 3; ++row) placement.linear[column][row] = double(m[std::size_t(3 * column + row)]);
+    for (int row = 0; row < 3; ++row) placement.linear[column][row] = double(m[3 * column + row]);
   placement.origin = {double(m[9]), double(m[10]), double(m[11])};
   return placement;
 }

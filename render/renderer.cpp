@@ -135,7 +135,7 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene
                           const gpuscene::DrawLists& lists) const {
   const gl::Functions& gl = *gl_;
   const gpuscene::DrawLists::Section& section = lists.section(batch.kind);
-  const auto* offset = reinterpret_cast<const void*>(section.offset);
+  const auto* offset = reinterpret_cast<const void*>(section.offset);  // NOLINT(performance-no-int-to-ptr): so is GL
   programs_[std::size_t(batch.kind)].use();
   gl.BindTextureUnit(kPayloadUnit, batch.texels.id());
   // Proxies show their front faces, and must survive in front of the near plane: the surface behind them may be beyond
