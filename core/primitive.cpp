@@ -169,7 +169,7 @@ Primitive make_alternative(std::size_t index, std::span<const float> values) {
     std::memcpy(&p, values.data(), sizeof(p));
     return p;
   } else {
-    assert(!"not a primitive kind");
+    assert(false && "not a primitive kind");
     return Line{0.0f, 0.0f};
   }
 }

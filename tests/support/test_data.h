@@ -13,11 +13,13 @@ inline std::filesystem::path data_path(const std::string& name) {
   return std::filesystem::path(SIGHTLINE_SOURCE_DIR) / ".." / "shared" / "data" / name;
 }
 
-inline bool have_data(const std::string& name) { return std::filesystem::exists(data_path(name)); }
+inline bool have_data(const std::string& name) {
+  return std::filesystem::exists(data_path(name));
+}
 
 }  // namespace sightline::tests
 
 /// Skips the running test, saying which file is missing.
-#define SIGHTLINE_NEED_DATA(name)                                                            \
-  if (!sightline::tests::have_data(name))                                                    \
+#define SIGHTLINE_NEED_DATA(name)         \
+  if (!sightline::tests::have_data(name)) \
   GTEST_SKIP() << "needs " << (name) << " below SIGHTLINE_DATA or ../shared/data (not found)"
