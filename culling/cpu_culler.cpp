@@ -44,7 +44,7 @@ struct Scratch {
 
 Scratch& scratch_of_thread() {
   thread_local const std::unique_ptr<Scratch> scratch(new Scratch);
-  return *scratch;
+  return *scratch;  // NOLINT(clang-analyzer-cplusplus.NewDelete): it lives as long as the thread
 }
 
 /// Queues hold one whole level, and sixteen lanes more: kernels write whole groups.

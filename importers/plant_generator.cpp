@@ -102,7 +102,8 @@ std::vector<Area> lay_out(std::uint64_t items, Random& random) {
   for (int column = 0; column < columns; ++column) {
     for (int row = 0; row < 2 * rows; ++row) {
       const double x = -0.5 * length + column * column_width;
-      const double near = 0.5 * rack + aisle + double(row / 2) * row_depth;
+      const int row_of_side = row / 2;
+      const double near = 0.5 * rack + aisle + row_of_side * row_depth;
       const double y = row % 2 == 0 ? near : -near - row_depth;
       const double gap = 0.04 * row_depth;
       add({x + gap, y + gap, 0.0}, {x + column_width - gap, y + row_depth - gap, plot_top * random.between(0.65, 1.0)},
