@@ -13,8 +13,6 @@ namespace sightline::culling {
 namespace {
 
 constexpr int kMaxLevels = 8;  // 32 * 16^7 slots exceed 2^32
-constexpr std::size_t kItemBuffer = 8192, kRangeBuffer = 2048;
-constexpr std::size_t kNodeSlots = std::size_t(kLanes) * kLeafSize;
 
 /// Memory that grows and is never cleared: pages of work queues that no view fills are not touched.
 template <class T>
@@ -35,11 +33,9 @@ class Buffer {
 
 /// What a traversal needs beside the set. One per thread, shared by all cullers.
 struct Scratch {
-  Buffer<std::uint32_t> node_queues[2], leaf_queue, leaf_masks;
+  Buffer<std::uint32_t> node_queues[2], leaf_queue, leaf_masks, items, edges;
   Buffer<Crossing> crossings[2], leaf_crossings;
   Buffer<std::uint16_t> marks;
-  std::array<core::Slot, kItemBuffer> items;
-  std::array<core::SlotRange, kRangeBuffer> ranges;
 };
 
 Scratch& scratch_of_thread() {
@@ -66,18 +62,13 @@ void provide_memory(Scratch& scratch, TraversalInput& in, std::size_t leaves) {
   std::fill_n(in.inside, 2 * padded + padded / kLanes + 1, std::uint16_t(0));
 }
 
-/// Hands what a kernel has collected to the set.
-void append(SlotLists& lists, Scratch& scratch, core::VisibleSet& set) {
-  set.items.insert(set.items.end(), scratch.items.data(), lists.items);
-  set.ranges.insert(set.ranges.end(), scratch.ranges.data(), lists.ranges);
-  lists.items = scratch.items.data();
-  lists.ranges = scratch.ranges.data();
+/// Leaves at which ranges begin and end become ranges of slots.
+void append_ranges(std::span<const core::Slot> edges, std::uint32_t slot_count, std::vector<core::SlotRange>& ranges) {
+  ranges.resize(edges.size() / 2);
+  for (std::size_t i = 0; i < ranges.size(); ++i)
+    ranges[i] = {edges[2 * i] * kLeafSize, (edges[2 * i + 1] - edges[2 * i]) * kLeafSize};
+  if (!ranges.empty()) ranges.back().count = std::min(ranges.back().count, slot_count - ranges.back().first);
 }
-
-struct Sink {
-  Scratch& scratch;
-  core::VisibleSet& set;
-};
 
 void cull_tree(const core::ItemBounds& bounds, const Hierarchy& hierarchy, const CullPlanes& planes,
                std::uint32_t layers, core::VisibleSet& set) {
@@ -102,18 +93,12 @@ void cull_tree(const core::ItemBounds& bounds, const Hierarchy& hierarchy, const
   set.counters.nodes_tested += in.nodes_tested;
   set.counters.boxes_tested += in.boxes_tested;
 
-  Sink sink{scratch, set};
-  SlotLists lists{scratch.items.data(),
-                  scratch.items.data() + kItemBuffer - kNodeSlots - kLanes,
-                  scratch.ranges.data(),
-                  scratch.ranges.data() + kRangeBuffer - 2 * kLanes,
-                  &sink,
-                  [](SlotLists& full) {
-                    const auto* target = static_cast<Sink*>(full.owner);
-                    append(full, target->scratch, target->set);
-                  }};
-  kernel.extract(in, lists);
-  append(lists, scratch, set);
+  const std::size_t leaves = hierarchy.lane_count(0);
+  const FoundSlots begin{scratch.items.reserve((leaves + 1) * kLeafSize), scratch.edges.reserve(leaves + 4 * kLanes)};
+  FoundSlots end = begin;
+  kernel.extract(in, end);
+  set.items.assign(begin.items, end.items);
+  append_ranges({begin.edges, end.edges}, in.slot_count, set.ranges);
 }
 
 }  // namespace

@@ -28,10 +28,9 @@ struct ItemTest {
 
 ItemTest make_item_test(const core::ItemBounds& bounds, const CullPlanes& planes, std::uint32_t view_layers);
 
-/// Lists to which kernels append; full() makes room. Both have room for one node's slots at any time.
+/// A list to which kernels append; full() makes room.
 struct SlotLists {
   core::Slot *items, *items_limit;
-  core::SlotRange *ranges, *ranges_limit;
   void* owner;
   void (*full)(SlotLists& lists);
 };
@@ -71,11 +70,17 @@ struct TraversalInput {
   std::uint64_t nodes_tested, boxes_tested;
 };
 
+/// Where to write what a traversal found: single slots, and the leaves at which ranges begin and end in turn (the last
+/// end may lie behind the tree). Both have room for everything, and sixteen more; the kernel moves them to their ends.
+struct FoundSlots {
+  core::Slot *items, *edges;
+};
+
 struct Kernels {
   /// Fills the answers of `input`.
   void (*traverse)(TraversalInput& input);
   /// Turns them into slots.
-  void (*extract)(const TraversalInput& input, SlotLists& lists);
+  void (*extract)(const TraversalInput& input, FoundSlots& found);
   /// Appends the visible ones of items first … end - 1. May read kPadding boxes beyond.
   void (*cull_items)(const ItemTest& test, PlaneMask mask, std::size_t first, std::size_t end, SlotLists& lists);
   /// Box of kLeafSize items in the order of the coordinates. False, with anything in `box`, when one of them is

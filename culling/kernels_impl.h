@@ -118,7 +118,10 @@ class Traversal {
 
  private:
   static constexpr unsigned kAllLanes = 0xffff;
-  static constexpr std::size_t kAhead = 6;  // entries between prefetch and use
+  // Entries between prefetch and use. A core waits for some two dozen lines at a time on behalf of its first cache,
+  // which is four leaves, and for more on behalf of its second: hence two steps.
+  static constexpr std::size_t kAhead = 4, kFarAhead = 28;
+  static constexpr int kToL1 = 3, kToL2 = 2;  // the compiler's names for how near
 
   std::uint32_t* next_queue(int k) const { return in_.node_queues[current_ ^ 1] + std::size_t(k) * in_.stride; }
   std::uint32_t* leaf_queue(int k) const { return in_.leaf_queue + std::size_t(k) * in_.leaf_stride; }
@@ -181,8 +184,8 @@ class Traversal {
     in_.nodes_tested += count * kLanes;
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t node = entries[i];
-      if (i + kAhead < count)
-        for (int axis = 0; axis < 6; ++axis) __builtin_prefetch(nodes[entries[i + kAhead]].bounds[axis]);
+      if (i + kFarAhead < count) prefetch<kToL2>(nodes[entries[i + kFarAhead]]);
+      if (i + kAhead < count) prefetch<kToL1>(nodes[entries[i + kAhead]]);
       const auto& b = nodes[node].bounds;
       const typename Simd::Values p = Simd::evaluate(plane, b[f.p_axis[0]], b[f.p_axis[1]], b[f.p_axis[2]]);
       const typename Simd::Values n = Simd::evaluate(plane, b[f.n_axis[0]], b[f.n_axis[1]], b[f.n_axis[2]]);
@@ -287,23 +290,38 @@ class Traversal {
     in_.boxes_tested += count * kLeafSize;
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t leaf = leaves[i];
-      if (i + kAhead < count) prefetch(x, y, z, leaves[i + kAhead]);
+      if (i + kFarAhead < count) prefetch<kToL2>(x, y, z, leaves[i + kFarAhead]);
+      if (i + kAhead < count) prefetch<kToL1>(x, y, z, leaves[i + kAhead]);
       if (kLayers || leaf >= whole_leaves) {
-        in_.leaf_masks[leaf] = leaf_mask(leaf, PlaneMask(1) << k);
+        answer_leaf(leaf, leaf_mask(leaf, PlaneMask(1) << k));
         continue;
       }
       const std::size_t first = std::size_t(leaf) * kLeafSize;
       const unsigned low = items_.visible(plane, k, x, y, z, first);
-      in_.leaf_masks[leaf] = low | items_.visible(plane, k, x, y, z, first + kLanes) << kLanes;
+      answer_leaf(leaf, low | items_.visible(plane, k, x, y, z, first + kLanes) << kLanes);
     }
   }
 
+  /// Leaves that turn out to be wholly inside or outside are marked so, without a branch: nobody could foretell it.
+  void answer_leaf(std::uint32_t leaf, std::uint32_t mask) {
+    in_.leaf_masks[leaf] = mask;
+    const std::uint32_t node = leaf / kLanes, lane = leaf % kLanes;
+    const unsigned all = mask == ~0u, none = mask == 0;
+    in_.inside[node] = std::uint16_t(in_.inside[node] | all << lane);
+    in_.partial[node] = std::uint16_t(in_.partial[node] & ~((all | none) << lane));
+  }
+
+  template <int kLocality>
   static void prefetch(const float* x, const float* y, const float* z, std::uint32_t leaf) {
     const std::size_t first = std::size_t(leaf) * kLeafSize;
     for (const float* c : {x + first, y + first, z + first}) {
-      __builtin_prefetch(c);
-      __builtin_prefetch(c + kLanes);
+      __builtin_prefetch(c, 0, kLocality);
+      __builtin_prefetch(c + kLanes, 0, kLocality);
     }
+  }
+  template <int kLocality>
+  static void prefetch(const HierarchyNode& node) {
+    for (int axis = 0; axis < 6; ++axis) __builtin_prefetch(node.bounds[axis], 0, kLocality);
   }
 
   void cross_leaves() {
@@ -311,11 +329,11 @@ class Traversal {
     for (std::size_t i = 0; i < leaf_crossing_count_; ++i) {
       if (i + kAhead < leaf_crossing_count_) {
         const float* const* c = in_.test.coordinates;
-        prefetch(c[0], c[1], c[2], in_.leaf_crossings[i + kAhead].index);
-        prefetch(c[3], c[4], c[5], in_.leaf_crossings[i + kAhead].index);
+        prefetch<kToL1>(c[0], c[1], c[2], in_.leaf_crossings[i + kAhead].index);
+        prefetch<kToL1>(c[3], c[4], c[5], in_.leaf_crossings[i + kAhead].index);
       }
       const Crossing& c = in_.leaf_crossings[i];
-      in_.leaf_masks[c.index] = leaf_mask(c.index, c.mask);
+      answer_leaf(c.index, leaf_mask(c.index, c.mask));
     }
   }
 
@@ -336,13 +354,14 @@ class Traversal {
   std::size_t crossing_count_[2] = {}, leaf_crossing_count_ = 0;
 };
 
-/// Turns the answers of a traversal into merged ranges and single slots, in rising order.
+/// Turns the answers of a traversal into merged ranges and single slots, in rising order: 64 leaves, which are four
+/// nodes, at a time. What is inside is a string of bits; a range begins and ends where neighbours differ.
 template <class Simd>
 class Extraction {
  public:
-  Extraction(const TraversalInput& in, SlotLists& lists) : in_(in), lists_(lists) {}
+  Extraction(const TraversalInput& in, FoundSlots& found) : in_(in), items_(found.items), edges_(found.edges) {}
 
-  void run() {
+  void run(FoundSlots& found) {
     const std::uint32_t count = in_.levels[0].count;
     unsigned carry = 0;  // all ones while nodes are wholly inside
     for (std::uint32_t first = 0; first < count; first += kLanes) {
@@ -353,68 +372,46 @@ class Extraction {
       whole ^= whole << 8;
       whole = (whole ^ carry) & 0xffffu;
       carry = 0u - (whole >> 15 & 1u);
-      if (whole == 0xffffu) {
-        range(first * kNodeSlots, (first + kLanes) * std::uint64_t(kNodeSlots));
-      } else if (whole != 0 || any(in_.inside + first) || any(in_.partial + first)) {
-        const std::uint32_t end = first + kLanes < count ? first + kLanes : count;
-        for (std::uint32_t node = first; node < end; ++node) take(node, (whole >> (node - first) & 1u) != 0);
-      }
+      for (int quarter = 0; quarter < kLanes; quarter += kWordNodes)
+        take(first + unsigned(quarter), whole >> quarter & (kLanes - 1));
     }
-    if (end_ > begin_) put();
+    if (last_inside_ != 0) *edges_++ = (count + kLanes - 1) / kLanes * kLanes * kLanes;
+    found = {items_, edges_};
   }
 
  private:
-  static constexpr std::uint32_t kNodeSlots = kLanes * kLeafSize;
+  static constexpr int kWordNodes = 64 / kLanes;
 
-  static bool any(const std::uint16_t* bits) {
-    std::uint64_t words[4];
-    __builtin_memcpy(words, bits, sizeof(words));
-    return (words[0] | words[1] | words[2] | words[3]) != 0;
+  static std::uint64_t word(const std::uint16_t* bits) {
+    std::uint64_t value;
+    __builtin_memcpy(&value, bits, sizeof(value));
+    return value;
+  }
+  /// A bit becomes sixteen.
+  static std::uint64_t widen(unsigned bits) {
+    const std::uint64_t places =
+        (bits & 1u) | (bits & 2u) << 15 | std::uint64_t(bits & 4u) << 30 | std::uint64_t(bits & 8u) << 45;
+    return places * 0xffffu;
   }
 
-  void take(std::uint32_t node, bool whole) {
-    const std::uint32_t slot = node * kNodeSlots;
-    if (whole) return range(slot, slot + std::uint64_t(kNodeSlots));
-    const unsigned inside = in_.inside[node], partial = in_.partial[node];
-    if ((inside | partial) == 0) return;
-    if (lists_.items > lists_.items_limit || lists_.ranges > lists_.ranges_limit) lists_.full(lists_);
-    for (unsigned rest = inside | partial; rest != 0;) {
-      const unsigned lane = unsigned(__builtin_ctz(rest));
-      const std::uint32_t first = slot + lane * kLeafSize;
-      if ((inside >> lane & 1u) != 0) {
-        const unsigned run = unsigned(__builtin_ctz(~(inside >> lane)));
-        range(first, first + std::uint64_t(run) * kLeafSize);
-        rest &= ~(((1u << run) - 1u) << lane);
-        continue;
-      }
-      rest &= rest - 1;
-      const std::uint32_t mask = in_.leaf_masks[node * kLanes + lane];
-      if (mask == ~0u) {
-        range(first, first + std::uint64_t(kLeafSize));
-      } else if (mask != 0) {
-        lists_.items = Simd::append(lists_.items, first, mask & 0xffffu);
-        lists_.items = Simd::append(lists_.items, first + kLanes, mask >> kLanes);
-      }
+  void take(std::uint32_t node, unsigned whole) {
+    const std::uint64_t inside = word(in_.inside + node) | widen(whole), partial = word(in_.partial + node);
+    const std::uint64_t edges = inside ^ (inside << 1 | last_inside_);
+    last_inside_ = inside >> 63;
+    const std::uint32_t leaf = node * kLanes;
+    if (edges != 0)
+      for (int i = 0; i < kWordNodes; ++i)
+        edges_ = Simd::append(edges_, leaf + unsigned(i) * kLanes, unsigned(edges >> (i * kLanes)) & 0xffffu);
+    for (std::uint64_t rest = partial; rest != 0; rest &= rest - 1) {
+      const std::uint32_t at = leaf + unsigned(__builtin_ctzll(rest)), mask = in_.leaf_masks[at];
+      items_ = Simd::append(items_, at * kLeafSize, mask & 0xffffu);
+      items_ = Simd::append(items_, at * kLeafSize + kLanes, mask >> kLanes);
     }
-  }
-
-  void range(std::uint32_t first, std::uint64_t end) {
-    const std::uint32_t clamped = end < in_.slot_count ? std::uint32_t(end) : in_.slot_count;
-    if (first != end_) {
-      if (end_ > begin_) put();
-      begin_ = first;
-    }
-    end_ = clamped;
-  }
-  void put() {
-    lists_.ranges->first = begin_;
-    lists_.ranges->count = end_ - begin_;
-    ++lists_.ranges;
   }
 
   const TraversalInput& in_;
-  SlotLists& lists_;
-  std::uint32_t begin_ = 0, end_ = 0;  // the range being merged
+  core::Slot *items_, *edges_;
+  std::uint64_t last_inside_ = 0;
 };
 
 template <class Simd>
@@ -426,7 +423,7 @@ constexpr Kernels make_kernels() {
     else
       Traversal<Simd, false>(in).run();
   };
-  k.extract = [](const TraversalInput& in, SlotLists& lists) { Extraction<Simd>(in, lists).run(); };
+  k.extract = [](const TraversalInput& in, FoundSlots& found) { Extraction<Simd>(in, found).run(found); };
   k.cull_items = [](const ItemTest& test, PlaneMask mask, std::size_t first, std::size_t end, SlotLists& lists) {
     const ItemTester<Simd> tester(test);
     for (std::size_t group = first; group < end; group += kLanes) {

@@ -13,7 +13,7 @@ constexpr std::size_t kBuffer = 4096;
 /// Collects slots on the stack and appends them many at a time.
 struct Writer {
   explicit Writer(core::VisibleSet& target) : set(target) {
-    lists = {buffer.data(), buffer.data() + kBuffer - kLanes, nullptr, nullptr, this, flush};
+    lists = {buffer.data(), buffer.data() + kBuffer - kLanes, this, flush};
   }
   static void flush(SlotLists& lists) {
     auto* writer = static_cast<Writer*>(lists.owner);
