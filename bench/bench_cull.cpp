@@ -35,6 +35,7 @@
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/instruction_set.h"
 #include "sightline/culling/linear_culler.h"
+#include "sightline/culling/slot_list.h"
 
 static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");
 
@@ -156,18 +157,10 @@ struct Bench {
   void list(const core::VisibleSet& set, bool as_slots, std::vector<std::uint32_t>& ids) const {
     const bool same = as_slots || order.empty();
     ids.resize(set.count());
-    std::uint32_t* out = ids.data();
-    for (const core::SlotRange& range : set.ranges) {
-      if (same)
-        std::iota(out, out + range.count, range.first);
-      else
-        std::memcpy(out, order.data() + range.first, range.count * sizeof(std::uint32_t));
-      out += range.count;
-    }
     if (same)
-      std::copy(set.items.begin(), set.items.end(), out);
+      culling::list_slots(set, ids);
     else
-      std::transform(set.items.begin(), set.items.end(), out, [&](core::Slot slot) { return order[slot]; });
+      culling::list_ids(set, order, ids);
   }
 
   double bytes_per_item() const {

@@ -71,6 +71,10 @@ struct Avx2 {
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), values);
     return out + __builtin_popcount(bits);
   }
+  static void store_places(std::uint32_t* out, std::uint32_t base) {
+    append_half(out, base, 0xff);
+    append_half(out + 8, base + 8, 0xff);
+  }
   static std::uint32_t* append(std::uint32_t* out, std::uint32_t base, unsigned bits) {
     return append_half(append_half(out, base, bits & 0xffu), base + 8, bits >> 8);
   }

@@ -34,11 +34,14 @@ struct Avx512 {
   static unsigned share(const std::uint32_t* layers, std::uint32_t mask) {
     return _mm512_test_epi32_mask(_mm512_loadu_si512(layers), _mm512_set1_epi32(int(mask)));
   }
+  static __m512i places(std::uint32_t base) {
+    const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    return _mm512_add_epi32(lanes, _mm512_set1_epi32(int(base)));
+  }
+  static void store_places(std::uint32_t* out, std::uint32_t base) { _mm512_storeu_si512(out, places(base)); }
   /// Compresses in a register and stores it whole: compressing stores are slow on some processors.
   static std::uint32_t* append(std::uint32_t* out, std::uint32_t base, unsigned bits) {
-    const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const __m512i values = _mm512_add_epi32(lanes, _mm512_set1_epi32(int(base)));
-    _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(__mmask16(bits), values));
+    _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(__mmask16(bits), places(base)));
     return out + __builtin_popcount(bits);
   }
 };

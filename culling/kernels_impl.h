@@ -434,6 +434,11 @@ constexpr Kernels make_kernels() {
       lists.items = Simd::append(lists.items, core::Slot(group), kept);
     }
   };
+  k.count_up = [](core::Slot* out, core::Slot first, std::uint32_t count) {
+    std::uint32_t i = 0;
+    for (; i + kLanes <= count; i += kLanes) Simd::store_places(out + i, first + i);
+    for (; i < count; ++i) out[i] = first + i;
+  };
   k.leaf_box = [](const float* const(&c)[6], std::size_t first, float(&box)[6]) {
     static_assert(kLeafSize == 2 * kLanes);
     unsigned proper = 0xffff;

@@ -56,6 +56,9 @@ struct Scalar {
     for (int i = 0; i < kLanes; ++i) bits |= unsigned((layers[i] & mask) != 0) << i;
     return bits;
   }
+  static void store_places(std::uint32_t* out, std::uint32_t base) {
+    for (unsigned i = 0; i < unsigned(kLanes); ++i) out[i] = base + i;
+  }
   static std::uint32_t* append(std::uint32_t* out, std::uint32_t base, unsigned bits) {
     for (; bits != 0; bits &= bits - 1) *out++ = base + unsigned(__builtin_ctz(bits));
     return out;
