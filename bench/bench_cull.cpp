@@ -3,9 +3,6 @@
 // --boxes: little-endian float32, (min x y z, max x y z) per item, no header. --views: little-endian float64, 16 per
 // frame, column-major clip_from_world, clip space -1 ... 1. Ids are the items' places in the boxes file.
 #include <algorithm>
-#include <bit>
-#include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -26,6 +23,8 @@
 #endif
 
 #include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/statistics.h"
+#include "sightline/bench/harness.h"
 #include "sightline/bench/plant_boxes.h"
 #include "sightline/core/bvh_build.h"
 #include "sightline/core/error.h"
@@ -37,14 +36,11 @@
 #include "sightline/culling/linear_culler.h"
 #include "sightline/culling/slot_list.h"
 
-static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");
-
 namespace {
 
 using namespace sightline;
 using Json = nlohmann::ordered_json;
-
-constexpr int kPasses = 3;
+using bench::milliseconds;
 
 struct Options {
   std::string boxes, views, culler = "cpu", output = "ranges", ids_out, json, simd = "best", split = "blocks";
@@ -82,64 +78,13 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--baseline", options.baseline, "also time brute force over all boxes, and print the ratio");
 }
 
-double milliseconds() {
-  using Clock = std::chrono::steady_clock;
-  return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
-}
-
-// --- input -----------------------------------------------------------------------------------------------------------
-
-/// The whole file as numbers, `group` of them per record.
-template <class T>
-core::Expected<std::vector<T>> read_numbers(const std::string& path, std::size_t group, const char* what) {
-  std::error_code error;
-  const auto bytes = std::filesystem::is_regular_file(path, error) ? std::filesystem::file_size(path, error) : 0;
-  std::ifstream file(path, std::ios::binary);
-  if (error || !file || !std::filesystem::is_regular_file(path)) return core::fail(path + ": cannot be read as a file");
-  if (bytes % (group * sizeof(T)) != 0)
-    return core::fail(path + ": size " + std::to_string(bytes) + " is not a multiple of " +
-                      std::to_string(group * sizeof(T)) + " bytes (" + what + ")");
-  std::vector<T> numbers(bytes / sizeof(T));
-  file.read(reinterpret_cast<char*>(numbers.data()), std::streamsize(bytes));
-  if (file.gcount() != std::streamsize(bytes)) return core::fail(path + ": could not be read to its end");
-  return numbers;
-}
-
-core::Expected<std::vector<core::Aabb>> read_boxes(const std::string& path) {
-  const auto numbers = read_numbers<float>(path, 6, "six float32 per box");
-  if (!numbers) return tl::unexpected(numbers.error());
-  std::vector<core::Aabb> boxes(numbers->size() / 6);
-  if (boxes.size() >= core::kNone / 2) return core::fail(path + ": more boxes than this tool can number");
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const float* f = numbers->data() + 6 * i;
-    if (!std::all_of(f, f + 6, [](float x) { return std::isfinite(x); }))
-      return core::fail(path + ": box " + std::to_string(i) + " has a coordinate that is not finite");
-    boxes[i] = {{f[0], f[1], f[2]}, {f[3], f[4], f[5]}};
-  }
-  return boxes;
-}
-
-core::Expected<std::vector<core::View>> read_views(const std::string& path) {
-  const auto numbers = read_numbers<double>(path, 16, "sixteen float64 per view");
-  if (!numbers) return tl::unexpected(numbers.error());
-  std::vector<core::View> views;
-  for (std::size_t i = 0; i < numbers->size(); i += 16) {
-    core::dmat4 clip_from_world;
-    for (int k = 0; k < 16; ++k) clip_from_world[k / 4][k % 4] = (*numbers)[i + std::size_t(k)];
-    auto view = core::View::from_matrices(core::dmat4(1.0), clip_from_world, core::ClipDepth::kMinusOneToOne);
-    if (!view) return core::fail(path + ": view " + std::to_string(i / 16) + ": " + view.error().message);
-    views.push_back(std::move(*view));
-  }
-  return views;
-}
-
 // --- what is measured ------------------------------------------------------------------------------------------------
 
 /// Either culler with what it needs, and the way from slots back to the file's order.
-struct Bench {
-  Bench(std::span<const core::Aabb> boxes, const Options& options);
-  Bench(const Bench&) = delete;  // the culler points into the bounds
-  Bench& operator=(const Bench&) = delete;
+struct Subject {
+  Subject(std::span<const core::Aabb> boxes, const Options& options);
+  Subject(const Subject&) = delete;  // the culler points into the bounds
+  Subject& operator=(const Subject&) = delete;
 
   core::ItemBounds bounds;
   std::vector<std::uint32_t> order;  // empty: slots are ids
@@ -170,12 +115,7 @@ struct Bench {
   }
 };
 
-void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order) {
-  bounds.resize(boxes.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[order.empty() ? i : order[i]]);
-}
-
-Bench::Bench(std::span<const core::Aabb> boxes, const Options& options) {
+Subject::Subject(std::span<const core::Aabb> boxes, const Options& options) {
   const double start = milliseconds();
   if (options.culler == "cpu") {
     core::BvhConfig config;
@@ -183,11 +123,11 @@ Bench::Bench(std::span<const core::Aabb> boxes, const Options& options) {
     config.max_leaf_size = culling::kLeafSize;
     config.split = options.split == "surface" ? core::BvhSplit::kSurface : core::BvhSplit::kBlocks;
     core::BvhTree tree = core::build_bvh(boxes, config);
-    fill(bounds, boxes, tree.order);
+    bench::fill(bounds, boxes, tree.order);
     cpu.emplace(bounds, boxes.size());
     order = std::move(tree.order);
   } else {
-    fill(bounds, boxes, {});
+    bench::fill(bounds, boxes, {});
   }
   build_ms = milliseconds() - start;
 }
@@ -258,7 +198,7 @@ bool have_avx2() {
 class Baseline {
  public:
   explicit Baseline(std::span<const core::Aabb> boxes) : visible_(boxes.size() + core::ItemBounds::kPadding) {
-    fill(bounds_, boxes, {});
+    bench::fill(bounds_, boxes, {});
   }
   void cull(const core::View& view) {
     const BaselinePlanes planes = baseline_planes(view);
@@ -277,43 +217,6 @@ class Baseline {
 
 // --- runs ------------------------------------------------------------------------------------------------------------
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const std::size_t mid = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(mid), values.end());
-  const double upper = values[mid];
-  if (values.size() % 2 == 1) return upper;
-  return 0.5 * (upper + *std::max_element(values.begin(), values.begin() + std::ptrdiff_t(mid)));
-}
-
-Json summary(const std::vector<double>& times) {
-  std::vector<double> sorted = times;
-  std::sort(sorted.begin(), sorted.end());
-  const std::size_t n = sorted.size();
-  if (n == 0) return {{"mean", 0.0}, {"median", 0.0}, {"p99", 0.0}, {"max", 0.0}};
-  return {{"mean", std::accumulate(sorted.begin(), sorted.end(), 0.0) / double(n)},
-          {"median", median(sorted)},
-          {"p99", sorted[std::min(n - 1, std::size_t(std::ceil(0.99 * double(n))) - 1)]},
-          {"max", sorted.back()}};
-}
-
-/// One time per view: the median over passes that each run the whole path.
-template <class Call>
-std::vector<double> time_path(const std::vector<core::View>& views, const Call& call) {
-  std::vector<std::vector<double>> passes(views.size(), std::vector<double>(kPasses));
-  for (std::size_t pass = 0; pass < std::size_t(kPasses); ++pass) {
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      const double start = milliseconds();
-      call(views[i]);
-      passes[i][pass] = milliseconds() - start;
-    }
-  }
-  std::vector<double> times;
-  times.reserve(views.size());
-  for (const auto& of_view : passes) times.push_back(median(of_view));
-  return times;
-}
-
 core::Expected<void> write_ids(const std::string& directory, std::size_t frame, std::span<const std::uint32_t> ids) {
   char name[32];
   std::snprintf(name, sizeof(name), "frame_%05zu.bin", frame);
@@ -324,19 +227,24 @@ core::Expected<void> write_ids(const std::string& directory, std::size_t frame, 
   return {};
 }
 
+Json summary(const std::vector<double>& times) {
+  const apps::Summary s = apps::summarise(times);
+  return {{"mean", s.mean}, {"median", s.median}, {"p99", s.p99}, {"max", s.max}};
+}
+
 struct Frames {
   std::vector<std::uint64_t> visible;
   std::uint64_t nodes_tested = 0, boxes_tested = 0;
 };
 
-double time_refit(Bench& bench) {
+double time_refit(Subject& subject) {
   std::vector<double> times;
-  for (int pass = 0; bench.cpu && pass < kPasses; ++pass) {
+  for (std::size_t pass = 0; subject.cpu && pass < bench::kPasses; ++pass) {
     const double start = milliseconds();
-    bench.cpu->refit();
+    subject.cpu->refit();
     times.push_back(milliseconds() - start);
   }
-  return median(times);
+  return bench::median(times);
 }
 
 core::Expected<void> choose_instructions(const std::string& name) {
@@ -350,21 +258,21 @@ core::Expected<void> choose_instructions(const std::string& name) {
 }
 
 /// Untimed: counts, id files, and the comparison with the linear culler.
-core::Expected<Frames> inspect(const Bench& bench, std::span<const core::Aabb> boxes,
+core::Expected<Frames> inspect(const Subject& subject, std::span<const core::Aabb> boxes,
                                const std::vector<core::View>& views, const Options& options) {
   core::ItemBounds plain;
-  if (options.verify) fill(plain, boxes, {});
+  if (options.verify) bench::fill(plain, boxes, {});
   const culling::LinearCuller linear(plain);
   Frames frames;
   core::VisibleSet set, expected;
   std::vector<std::uint32_t> ids;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    bench.cull(views[i], set);
+    subject.cull(views[i], set);
     frames.visible.push_back(set.count());
     frames.nodes_tested += set.counters.nodes_tested;
     frames.boxes_tested += set.counters.boxes_tested;
     if (options.ids_out.empty() && !options.verify) continue;
-    bench.list(set, false, ids);
+    subject.list(set, false, ids);
     std::sort(ids.begin(), ids.end());
     if (!options.ids_out.empty()) {
       if (auto written = write_ids(options.ids_out, i, ids); !written) return tl::unexpected(written.error());
@@ -383,9 +291,9 @@ core::Expected<Json> measure(const Options& options) {
   if (auto chosen = choose_instructions(options.simd); !chosen) return tl::unexpected(chosen.error());
   const auto boxes = options.generate > 0
                          ? core::Expected<std::vector<core::Aabb>>(bench::PlantBoxes(1).make(options.generate))
-                         : read_boxes(options.boxes);
+                         : bench::read_boxes(options.boxes);
   if (!boxes) return tl::unexpected(boxes.error());
-  const auto views = read_views(options.views);
+  const auto views = bench::read_views(options.views);
   if (!views) return tl::unexpected(views.error());
   if (!options.ids_out.empty()) {
     std::error_code error;
@@ -393,17 +301,17 @@ core::Expected<Json> measure(const Options& options) {
     if (error) return core::fail(options.ids_out + ": cannot be made a directory: " + error.message());
   }
 
-  Bench bench(*boxes, options);
-  const auto frames = inspect(bench, *boxes, *views, options);
+  Subject subject(*boxes, options);
+  const auto frames = inspect(subject, *boxes, *views, options);
   if (!frames) return tl::unexpected(frames.error());
 
   core::VisibleSet set;
   std::vector<std::uint32_t> ids;
-  const double refit_ms = time_refit(bench);
+  const double refit_ms = time_refit(subject);
   const bool list_ids = options.output != "ranges", as_slots = options.output == "slots";
-  const std::vector<double> times = time_path(*views, [&](const core::View& view) {
-    bench.cull(view, set);
-    if (list_ids) bench.list(set, as_slots, ids);
+  const std::vector<double> times = bench::time_path(views->size(), [&](std::size_t i) {
+    subject.cull((*views)[i], set);
+    if (list_ids) subject.list(set, as_slots, ids);
   });
 
   const double count = std::max(1.0, double(views->size()));
@@ -411,9 +319,9 @@ core::Expected<Json> measure(const Options& options) {
             {"culler", options.culler},
             {"output", options.output},
             {"instructions", culling::name(culling::instruction_set())},
-            {"build_ms", bench.build_ms},
+            {"build_ms", subject.build_ms},
             {"refit_ms", refit_ms},
-            {"bytes_per_item", bench.bytes_per_item()},
+            {"bytes_per_item", subject.bytes_per_item()},
             {"mean_visible",
              double(std::accumulate(frames->visible.begin(), frames->visible.end(), std::uint64_t(0))) / count},
             {"mean_nodes_tested", double(frames->nodes_tested) / count},
@@ -425,7 +333,7 @@ core::Expected<Json> measure(const Options& options) {
   if (options.verify) json["verified"] = true;
   if (options.baseline) {
     Baseline baseline(*boxes);
-    const Json base = summary(time_path(*views, [&](const core::View& view) { baseline.cull(view); }));
+    const Json base = summary(bench::time_path(views->size(), [&](std::size_t i) { baseline.cull((*views)[i]); }));
     const double mean = json["summary"]["mean"];
     json["baseline"] = {{"method", Baseline::name()}, {"summary", base}};
     json["baseline_over_culler"] = mean > 0.0 ? base["mean"].get<double>() / mean : 0.0;

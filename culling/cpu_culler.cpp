@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <memory>
 #include <new>
+#include <span>
 
 #include "sightline/culling/frustum_test.h"
 #include "sightline/culling/kernels.h"
@@ -114,6 +116,13 @@ void CpuCuller::cull(const core::View& view, core::VisibleSet& set) const {
   const bool skip_tree = !hierarchy_.uses_layers() && (view.layers & core::kLayerModel) == 0;
   if (!hierarchy_.empty() && !skip_tree) cull_tree(*bounds_, hierarchy_, planes, view.layers, set);
   cull_slots(*bounds_, planes, planes.all(), view.layers, hierarchy_.slot_count(), bounds_->size(), set);
+}
+
+void CpuCuller::cull(std::span<const core::View> views, std::span<core::VisibleSet> sets, CullThreads* threads) const {
+  assert(sets.size() >= views.size());
+  const auto one = [&](std::uint32_t i) { cull(views[i], sets[i]); };
+  if (threads != nullptr) return threads->run(std::uint32_t(views.size()), one);
+  for (std::uint32_t i = 0; i < views.size(); ++i) one(i);
 }
 
 }  // namespace sightline::culling

@@ -5,10 +5,12 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
+#include "sightline/culling/cull_threads.h"
 #include "sightline/culling/hierarchy.h"
 
 namespace sightline::culling {
@@ -25,6 +27,10 @@ class CpuCuller {
   /// thread's scratch memory have grown to their sizes.
   /// May run on several threads at once, each with a set of its own.
   void cull(const core::View& view, core::VisibleSet& set) const;
+
+  /// Several views in one query: the eyes of a headset, shadow cascades, section views. sets[i] becomes what
+  /// cull(views[i]) would make of it. With threads, views are shared out among them where that is quicker.
+  void cull(std::span<const core::View> views, std::span<core::VisibleSet> sets, CullThreads* threads = nullptr) const;
 
   /// To be called after boxes or layers of tree slots have changed. The tail needs no refit.
   void refit() { hierarchy_.refit(*bounds_); }

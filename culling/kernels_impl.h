@@ -97,6 +97,13 @@ class Traversal {
  public:
   explicit Traversal(TraversalInput& in) : in_(in), items_(in.test) {}
 
+  /// Every item is on a layer of the view: then nobody needs to look again.
+  static bool all_shown(const TraversalInput& in) {
+    const LevelView& top = in.levels[in.level_count - 1];
+    unsigned alive = kAllLanes;
+    return (~look_at_layers(top.layers[0], in.test.view_layers, alive) & top.last_lanes) == 0;
+  }
+
   void run() {
     crossing_count_[0] = 1;
     in_.crossings[0][0] = {0, in_.all_planes};
@@ -111,9 +118,9 @@ class Traversal {
     }
     begin_level(0, current);
     cross_nodes<true>();
-    cross_leaves();
     for (int k = 0; k < in_.test.plane_count; ++k)
       plane_leaves(k, std::size_t(plane_nodes<true>(k, leaf_queue(k) + next_count_[k]) - leaf_queue(k)));
+    cross_leaves();
   }
 
  private:
@@ -159,17 +166,18 @@ class Traversal {
     }
   }
 
-  /// Takes lanes without a common layer from `alive`; what is left of `inside` shows all its items.
-  void look_at_layers(std::uint32_t node, unsigned& alive, unsigned& inside) const {
-    const LayerNode& layers = level_.layers[node];
-    alive &= Simd::share(layers.any, in_.test.view_layers);
-    const unsigned all_share = Simd::share(layers.all, in_.test.view_layers);
-    const unsigned some_differ = Simd::share(layers.any, ~in_.test.view_layers) | layers.some_hidden;
-    inside &= alive & (all_share | ~some_differ);
+  /// Takes lanes without a common layer from `alive`, and gives those of which every item is shown.
+  static unsigned look_at_layers(const LayerNode& layers, std::uint32_t view_layers, unsigned& alive) {
+    alive &= Simd::share(layers.any, view_layers);
+    return Simd::share(layers.all, view_layers) | ~(Simd::share(layers.any, ~view_layers) | layers.some_hidden);
   }
 
+  template <bool kBottom>
   void push_crossing(std::uint32_t index, PlaneMask mask) {
-    in_.crossings[current_ ^ 1][crossing_count_[1]++] = {index, mask};
+    if constexpr (kBottom)
+      in_.leaf_crossings[leaf_crossing_count_++] = {index, mask};
+    else
+      in_.crossings[current_ ^ 1][crossing_count_[1]++] = {index, mask};
   }
 
   /// The queue of plane k; children that it crosses go to `out`.
@@ -184,24 +192,25 @@ class Traversal {
     in_.nodes_tested += count * kLanes;
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t node = entries[i];
-      if (i + kFarAhead < count) prefetch<kToL2>(nodes[entries[i + kFarAhead]]);
-      if (i + kAhead < count) prefetch<kToL1>(nodes[entries[i + kAhead]]);
+      if (i + kFarAhead < count) prefetch_node<kToL2>(entries[i + kFarAhead]);
+      if (i + kAhead < count) prefetch_node<kToL1>(entries[i + kAhead]);
       const auto& b = nodes[node].bounds;
       const typename Simd::Values p = Simd::evaluate(plane, b[f.p_axis[0]], b[f.p_axis[1]], b[f.p_axis[2]]);
       const typename Simd::Values n = Simd::evaluate(plane, b[f.n_axis[0]], b[f.n_axis[1]], b[f.n_axis[2]]);
-      unsigned alive = ~Simd::below(p, plane) & used_lanes(node);
-      const unsigned free = alive & Simd::above(n, plane);
-      unsigned inside = free;
-      if constexpr (kLayers) look_at_layers(node, alive, inside);
-      unsigned crossed = alive & ~inside;
+      unsigned alive = ~Simd::below(p, plane) & used_lanes(node), shown = kAllLanes;
+      const unsigned free = Simd::above(n, plane);
+      if constexpr (kLayers) shown = look_at_layers(level_.layers[node], in_.test.view_layers, alive);
+      const unsigned inside = alive & free & shown, open = alive & ~inside;
       emit_inside<kBottom>(node, inside);
-      if constexpr (kBottom) in_.partial[node] = std::uint16_t(crossed);
-      if constexpr (kLayers && !kBottom) {
-        for (unsigned rest = crossed & free; rest != 0; rest &= rest - 1)
-          push_crossing(node * kLanes + unsigned(__builtin_ctz(rest)), 0);
-        crossed &= ~free;
+      if constexpr (kBottom) in_.partial[node] = std::uint16_t(open);
+      // The plane's queue knows nothing of layers: at the bottom, leaves with some items hidden go elsewhere.
+      unsigned elsewhere = 0;
+      if constexpr (kLayers) elsewhere = open & (kBottom ? ~shown : free);
+      for (unsigned rest = elsewhere; rest != 0; rest &= rest - 1) {
+        const unsigned lane = unsigned(__builtin_ctz(rest));
+        push_crossing<kBottom>(node * kLanes + lane, (free >> lane & 1u) != 0 ? 0 : PlaneMask(1) << k);
       }
-      out = Simd::append(out, node * kLanes, crossed);
+      out = Simd::append(out, node * kLanes, open & ~elsewhere);
     }
     return out;
   }
@@ -215,10 +224,11 @@ class Traversal {
       Crossed crossed;
       unsigned alive = used_lanes(c.index);
       find_crossed(level_.nodes[c.index], c.mask, alive, crossed);
-      unsigned inside = alive & ~crossed.any;
-      if constexpr (kLayers) look_at_layers(c.index, alive, inside);
+      unsigned shown = kAllLanes;
+      if constexpr (kLayers) shown = look_at_layers(level_.layers[c.index], in_.test.view_layers, alive);
+      const unsigned inside = alive & ~crossed.any & shown, open = alive & ~inside;
       emit_inside<kBottom>(c.index, inside);
-      const unsigned open = alive & ~inside, single = open & crossed.any & ~crossed.several;
+      const unsigned single = open & crossed.any & ~crossed.several & (kBottom ? shown : kAllLanes);
       if constexpr (kBottom) in_.partial[c.index] = std::uint16_t(open);
       for (PlaneMask m = single != 0 ? c.mask & (kUnionPlanes - 1) : 0; m != 0; m &= m - 1) {
         const int k = __builtin_ctz(m);
@@ -231,10 +241,7 @@ class Traversal {
         PlaneMask mask = 0;
         for (PlaneMask m = c.mask; m != 0; m &= m - 1)
           mask |= PlaneMask(crossed.by[__builtin_ctz(m)] >> lane & 1u) << __builtin_ctz(m);
-        if constexpr (kBottom)
-          in_.leaf_crossings[leaf_crossing_count_++] = {c.index * kLanes + lane, mask};
-        else
-          push_crossing(c.index * kLanes + lane, mask);
+        push_crossing<kBottom>(c.index * kLanes + lane, mask);
       }
     }
   }
@@ -292,7 +299,7 @@ class Traversal {
       const std::uint32_t leaf = leaves[i];
       if (i + kFarAhead < count) prefetch<kToL2>(x, y, z, leaves[i + kFarAhead]);
       if (i + kAhead < count) prefetch<kToL1>(x, y, z, leaves[i + kAhead]);
-      if (kLayers || leaf >= whole_leaves) {
+      if (leaf >= whole_leaves) {
         answer_leaf(leaf, leaf_mask(leaf, PlaneMask(1) << k));
         continue;
       }
@@ -320,8 +327,12 @@ class Traversal {
     }
   }
   template <int kLocality>
-  static void prefetch(const HierarchyNode& node) {
-    for (int axis = 0; axis < 6; ++axis) __builtin_prefetch(node.bounds[axis], 0, kLocality);
+  void prefetch_node(std::uint32_t node) const {
+    for (int axis = 0; axis < 6; ++axis) __builtin_prefetch(level_.nodes[node].bounds[axis], 0, kLocality);
+    if constexpr (kLayers) {
+      __builtin_prefetch(level_.layers[node].any, 0, kLocality);
+      __builtin_prefetch(level_.layers[node].all, 0, kLocality);
+    }
   }
 
   void cross_leaves() {
@@ -418,7 +429,7 @@ template <class Simd>
 constexpr Kernels make_kernels() {
   Kernels k{};
   k.traverse = [](TraversalInput& in) {
-    if (in.levels[0].layers != nullptr)
+    if (in.levels[0].layers != nullptr && !Traversal<Simd, true>::all_shown(in))
       Traversal<Simd, true>(in).run();
     else
       Traversal<Simd, false>(in).run();

@@ -80,6 +80,30 @@ TEST(CullerEquality, RandomScenesAndViews) {
   }
 }
 
+/// Small boxes in a wide space: most nodes and leaves are crossed by one plane alone. Layers change from run to run.
+TEST(CullerEquality, WideScenesInLayers) {
+  core::VisibleSet set;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    std::vector<Aabb> boxes(20'000);
+    for (Aabb& box : boxes) {
+      const core::vec3 at(point(random, 100.0));
+      box = {at, at + core::vec3(float(uniform(random, 0.0, 0.3)))};
+    }
+    Scene scene(boxes, core::dvec3(0.0));
+    const std::size_t run = std::size_t(whole(random, 1, 3000));
+    for (std::size_t i = 0; i < scene.bounds.size(); ++i)
+      if (i / run % 3 != 0) scene.bounds.set_layers(i, 1u << (i / run % 3));
+    scene.culler->refit();
+    for (int v = 0; v < 25; ++v) {
+      View view = random_view(random, core::dvec3(0.0), 100.0);
+      view.layers = std::uint32_t(whole(random, 1, 7));
+      ASSERT_NO_FATAL_FAILURE(expect_same(scene, view, set)) << "view " << v;
+    }
+  }
+}
+
 /// Any matrices that an application may hand in, including senseless ones.
 TEST(CullerEquality, ForeignMatrices) {
   core::VisibleSet set;

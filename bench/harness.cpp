@@ -1,0 +1,73 @@
+#include "sightline/bench/harness.h"
+
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");
+
+namespace sightline::bench {
+namespace {
+
+/// The whole file as numbers, `group` of them per record.
+template <class T>
+core::Expected<std::vector<T>> read_numbers(const std::string& path, std::size_t group, const char* what) {
+  std::error_code error;
+  const auto bytes = std::filesystem::is_regular_file(path, error) ? std::filesystem::file_size(path, error) : 0;
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file || !std::filesystem::is_regular_file(path)) return core::fail(path + ": cannot be read as a file");
+  if (bytes % (group * sizeof(T)) != 0)
+    return core::fail(path + ": size " + std::to_string(bytes) + " is not a multiple of " +
+                      std::to_string(group * sizeof(T)) + " bytes (" + what + ")");
+  std::vector<T> numbers(bytes / sizeof(T));
+  file.read(reinterpret_cast<char*>(numbers.data()), std::streamsize(bytes));
+  if (file.gcount() != std::streamsize(bytes)) return core::fail(path + ": could not be read to its end");
+  return numbers;
+}
+
+}  // namespace
+
+core::Expected<std::vector<core::Aabb>> read_boxes(const std::string& path) {
+  const auto numbers = read_numbers<float>(path, 6, "six float32 per box");
+  if (!numbers) return tl::unexpected(numbers.error());
+  std::vector<core::Aabb> boxes(numbers->size() / 6);
+  if (boxes.size() >= core::kNone / 2) return core::fail(path + ": more boxes than this tool can number");
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const float* f = numbers->data() + 6 * i;
+    if (!std::all_of(f, f + 6, [](float x) { return std::isfinite(x); }))
+      return core::fail(path + ": box " + std::to_string(i) + " has a coordinate that is not finite");
+    boxes[i] = {{f[0], f[1], f[2]}, {f[3], f[4], f[5]}};
+  }
+  return boxes;
+}
+
+core::Expected<std::vector<core::View>> read_views(const std::string& path) {
+  const auto numbers = read_numbers<double>(path, 16, "sixteen float64 per view");
+  if (!numbers) return tl::unexpected(numbers.error());
+  std::vector<core::View> views;
+  for (std::size_t i = 0; i < numbers->size(); i += 16) {
+    core::dmat4 clip_from_world;
+    for (int k = 0; k < 16; ++k) clip_from_world[k / 4][k % 4] = (*numbers)[i + std::size_t(k)];
+    auto view = core::View::from_matrices(core::dmat4(1.0), clip_from_world, core::ClipDepth::kMinusOneToOne);
+    if (!view) return core::fail(path + ": view " + std::to_string(i / 16) + ": " + view.error().message);
+    views.push_back(std::move(*view));
+  }
+  return views;
+}
+
+void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order) {
+  bounds.resize(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[order.empty() ? i : order[i]]);
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const std::size_t mid = values.size() / 2;
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(mid), values.end());
+  const double upper = values[mid];
+  if (values.size() % 2 == 1) return upper;
+  return 0.5 * (upper + *std::max_element(values.begin(), values.begin() + std::ptrdiff_t(mid)));
+}
+
+}  // namespace sightline::bench

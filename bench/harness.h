@@ -1,0 +1,51 @@
+// What the culling benchmarks share: boxes and views from files, and times of a camera path.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sightline/core/error.h"
+#include "sightline/core/item_bounds.h"
+#include "sightline/core/view.h"
+
+namespace sightline::bench {
+
+/// Little-endian float32, min x y z and max x y z per box, no header; all finite.
+core::Expected<std::vector<core::Aabb>> read_boxes(const std::string& path);
+/// Little-endian float64, 16 per view: column-major clip_from_world, clip space -1 ... 1.
+core::Expected<std::vector<core::View>> read_views(const std::string& path);
+
+/// Boxes in the given order (empty: as they come).
+void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order);
+
+inline double milliseconds() {
+  using Clock = std::chrono::steady_clock;
+  return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
+}
+
+double median(std::vector<double> values);
+
+inline constexpr std::size_t kPasses = 3;
+
+/// call(0) … call(count - 1) on each pass; one time per call, the median over the passes.
+template <class Call>
+std::vector<double> time_path(std::size_t count, const Call& call) {
+  std::vector<std::vector<double>> passes(count, std::vector<double>(kPasses));
+  for (std::size_t pass = 0; pass < kPasses; ++pass) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const double start = milliseconds();
+      call(i);
+      passes[i][pass] = milliseconds() - start;
+    }
+  }
+  std::vector<double> times;
+  times.reserve(count);
+  for (const auto& of_view : passes) times.push_back(median(of_view));
+  return times;
+}
+
+}  // namespace sightline::bench
