@@ -124,7 +124,7 @@ Subject::Subject(std::span<const core::Aabb> boxes, const Options& options) {
     config.split = options.split == "surface" ? core::BvhSplit::kSurface : core::BvhSplit::kBlocks;
     core::BvhTree tree = core::build_bvh(boxes, config);
     bench::fill(bounds, boxes, tree.order);
-    cpu.emplace(bounds, boxes.size());
+    cpu.emplace(bounds);
     order = std::move(tree.order);
   } else {
     bench::fill(bounds, boxes, {});

@@ -125,7 +125,7 @@ class Measurement {
 using Frames = std::vector<std::vector<core::View>>;
 
 void measure_views(const core::ItemBounds& bounds, const std::vector<core::View>& views, int thread_count, Json& rows) {
-  const culling::CpuCuller culler(bounds, bounds.size());
+  const culling::CpuCuller culler(bounds);
   culling::CullThreads threads(thread_count);
   Measurement measure(culler, rows);
   Frames one, eyes, six;
@@ -146,7 +146,7 @@ void measure_views(const core::ItemBounds& bounds, const std::vector<core::View>
 
 /// Section planes that cut nothing away, so that the same is visible.
 void measure_sections(const core::ItemBounds& bounds, const std::vector<core::View>& views, Json& rows) {
-  const culling::CpuCuller culler(bounds, bounds.size());
+  const culling::CpuCuller culler(bounds);
   Measurement measure(culler, rows);
   const core::Aabb& e = bounds.extent();
   Frames plain, all, any;
@@ -177,12 +177,12 @@ void measure_layers(core::ItemBounds bounds, const std::vector<core::View>& view
     some.push_back({view});
     some.back().front().layers = core::kLayerModel;
   }
-  const culling::CpuCuller plain(bounds, bounds.size());
+  const culling::CpuCuller plain(bounds);
   const double single = Measurement(plain, rows).run("no layers", shown, false, nullptr, 0.0);
   constexpr std::size_t kRun = 5000;  // items of a system lie together
   for (std::size_t i = 0; i < bounds.size(); ++i)
     if (i / kRun % 10 == 9) bounds.set_layers(i, 0x10u);
-  const culling::CpuCuller layered(bounds, bounds.size());
+  const culling::CpuCuller layered(bounds);
   Measurement measure(layered, rows);
   measure.run("two layers, both shown", shown, false, nullptr, single);
   measure.run("two layers, one shown", some, false, nullptr, single);

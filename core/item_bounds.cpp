@@ -2,27 +2,64 @@
 
 #include <algorithm>
 #include <cassert>
+#include <new>
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
 
 namespace sightline::core {
+namespace {
+
+constexpr std::size_t kHugePage = std::size_t(2) << 20;
+
+std::align_val_t alignment_of(std::size_t bytes) {
+  return std::align_val_t(bytes >= 2 * kHugePage ? kHugePage : 64);
+}
+
+bool surely_empty(const Aabb& box) {
+  return box.min.x > box.max.x || box.min.y > box.max.y || box.min.z > box.max.z;
+}
+
+}  // namespace
+
+void* allocate_lines(std::size_t bytes) {
+  const std::align_val_t alignment = alignment_of(bytes);
+  void* memory = ::operator new(bytes, alignment);
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+  // Whole pages only: the rest of the last one may belong to others. A refusal changes nothing but speed.
+  if (std::size_t(alignment) == kHugePage) (void)madvise(memory, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
+#endif
+  return memory;
+}
+
+void release_lines(void* memory, std::size_t bytes) {
+  ::operator delete(memory, alignment_of(bytes));
+}
 
 void ItemBounds::resize(std::size_t count) {
   const Aabb empty;
-  const std::size_t old = size();
   for (int axis = 0; axis < 6; ++axis) {
     const float value = axis < 3 ? empty.min[axis] : empty.max[axis - 3];
     coordinates_[axis].resize(count + kPadding, value);
-    if (count < old) std::fill(coordinates_[axis].begin() + std::ptrdiff_t(count), coordinates_[axis].end(), value);
+    if (count < size_) std::fill(coordinates_[axis].begin() + std::ptrdiff_t(count), coordinates_[axis].end(), value);
   }
-  layers_.resize(count, kLayerModel);
+  if (uses_layers_) layers_.resize(count, kLayerModel);
+  size_ = count;
+}
+
+void ItemBounds::reserve(std::size_t count) {
+  for (auto& c : coordinates_) c.reserve(count + kPadding);
 }
 
 void ItemBounds::set(std::size_t i, const Aabb& box) {
   assert(i < size());
+  const Aabb kept = surely_empty(box) ? Aabb{} : box;
   for (int axis = 0; axis < 3; ++axis) {
-    coordinates_[axis][i] = box.min[axis];
-    coordinates_[axis + 3][i] = box.max[axis];
+    coordinates_[axis][i] = kept.min[axis];
+    coordinates_[axis + 3][i] = kept.max[axis];
   }
-  if (!box.empty()) extent_.grow(box);
+  if (!kept.empty()) extent_.grow(kept);
 }
 
 Aabb ItemBounds::box(std::size_t i) const {
@@ -32,9 +69,12 @@ Aabb ItemBounds::box(std::size_t i) const {
 }
 
 void ItemBounds::set_layers(std::size_t i, std::uint32_t layers) {
-  assert(i < size());
-  layers_[i] = layers;
-  uses_layers_ = uses_layers_ || layers != kLayerModel;
+  assert(i < size() && layers != 0);
+  if (layers != kLayerModel && !uses_layers_) {
+    uses_layers_ = true;
+    layers_.assign(size_, kLayerModel);
+  }
+  if (uses_layers_) layers_[i] = layers;
 }
 
 std::size_t ItemBounds::memory_bytes() const {

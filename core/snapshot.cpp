@@ -2,177 +2,390 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cassert>
-#include <limits>
+#include <cmath>
 
 namespace sightline::core {
 namespace {
 
 constexpr std::uint32_t kRankStride = 64;
-constexpr double kChunkSize = 16.0;       // metres: float then resolves a micrometre at the chunk's edge
-constexpr std::size_t kMaxChunks = 4096;  // their camera-relative origins are uploaded every frame
+constexpr std::uint32_t kBlock = 32;  // slots that a culler's hierarchy puts into one leaf
+constexpr float kBlockSlack = 1.1f;   // edits may make a block so much larger than it was ordered to
 
 std::uint64_t next_generation() {
   static std::atomic<std::uint64_t> counter{0};
   return ++counter;
 }
 
-Placement relative_placement(const Affine& world_from_item, const dvec3& chunk_origin, std::uint32_t chunk) {
-  return {mat3(world_from_item.linear), vec3(world_from_item.origin - chunk_origin), chunk};
+/// Memory beyond what is needed at first: an edit that grows arrays of a million items must not copy them.
+std::size_t with_headroom(std::size_t count) {
+  return count + count / 8;
 }
 
-/// Cuts a sequence of points into runs whose bounds are at most `limit` wide; gives each run's centre and the run of
-/// each point.
-std::vector<dvec3> cut_into_chunks(const std::vector<dvec3>& points, double limit,
-                                   std::vector<std::uint32_t>& chunk_of) {
-  std::vector<dvec3> origins;
-  AabbD run;
-  const auto close = [&] {
-    if (!run.empty()) origins.push_back(run.centre());
-    run = {};
-  };
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    AabbD grown = run;
-    grown.grow(points[i]);
-    const dvec3 size = grown.size();
-    if (!run.empty() && std::max({size.x, size.y, size.z}) > limit) {
-      close();
-      grown = {points[i], points[i]};
+float size_of(const Aabb& box) {
+  return box.empty() ? 0.0f : box.max.x - box.min.x + (box.max.y - box.min.y) + (box.max.z - box.min.z);
+}
+
+/// Union of slots first … end - 1; vacant ones have no say.
+Aabb union_of(const ItemBounds& bounds, std::size_t first, std::size_t end) {
+  Aabb box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float *low = bounds.coordinate(axis), *high = bounds.coordinate(axis + 3);
+    for (std::size_t s = first; s < end; ++s) {
+      box.min[axis] = low[s] < box.min[axis] ? low[s] : box.min[axis];
+      box.max[axis] = high[s] > box.max[axis] ? high[s] : box.max[axis];
     }
-    run = grown;
-    chunk_of[i] = std::uint32_t(origins.size());
   }
-  close();
-  return origins;
+  return box;
+}
+
+std::vector<std::uint32_t> spatial_order(const std::vector<Aabb>& boxes, BvhConfig config) {
+  constexpr std::size_t kWorthThreads = 65536;
+  if (boxes.size() < kWorthThreads) config.threads = 1;
+  // Only the order is kept: a subtree is a range of slots, and whoever traverses one makes the nodes it needs.
+  return build_bvh(boxes, config).order;
 }
 
 }  // namespace
 
-/// The scene's live items in scene order, before they are sorted.
-struct Snapshot::Gathered {
-  std::vector<ItemId> items;
-  std::vector<Scene::ItemState> states;
-};
+// --- construction ----------------------------------------------------------------------------------------------------
 
 Snapshot::Snapshot(const Scene& scene, const BvhConfig& config) : scene_(&scene), generation_(next_generation()) {
-  Gathered all;
-  all.items.reserve(scene.item_count());
-  all.states.reserve(scene.item_count());
+  Items all;
+  all.records.reserve(scene.item_count());
+  std::vector<AabbD> boxes;
+  boxes.reserve(scene.item_count());
   AabbD origins;
   scene.for_each_node(scene.root(),
                       [&](NodeId node, const Affine& world, bool visible, std::uint32_t layers, MaterialId m) {
                         for (ItemId item = scene.first_item(node); item != kNone; item = scene.next_item(item)) {
-                          all.items.push_back(item);
-                          all.states.push_back(scene.state(item, world, visible, layers, m));
-                          origins.grow(all.states.back().world_from_item.origin);
+                          const Scene::ItemState state = scene.state(item, world, visible, layers, m);
+                          origins.grow(state.world_from_item.origin);
+                          boxes.push_back(scene.bounds_under(item, state.world_from_item));
+                          gather(state, item, all);
                         }
                       });
   // Whole metres, so that the origin itself is exact in float while it is small.
   if (!origins.empty()) bounds_.origin = glm::round(origins.centre());
-
-  const std::size_t n = all.items.size();
-  std::vector<Aabb> boxes(n);
-  for (std::size_t i = 0; i < n; ++i)
-    boxes[i] = round_outwards(scene.bounds_under(all.items[i], all.states[i].world_from_item), bounds_.origin);
-  // Only the order is kept: a subtree is a range of slots, and whoever traverses one makes the nodes it needs.
-  const std::vector<std::uint32_t> order = build_bvh(boxes, config).order;
-
-  std::vector<dvec3> places(n);
-  for (std::size_t s = 0; s < n; ++s) places[s] = all.states[order[s]].world_from_item.origin;
-  std::vector<std::uint32_t> chunk_of(n);
-  chunk_size_ = kChunkSize;
-  while ((chunk_origins_ = cut_into_chunks(places, chunk_size_, chunk_of)).size() > kMaxChunks) chunk_size_ *= 2.0;
-
-  bounds_.resize(n);
+  for (std::size_t i = 0; i < boxes.size(); ++i) all.records[i].box = round_outwards(boxes[i], bounds_.origin);
+  boxes = {};
+  slots_.reserve(with_headroom(scene.item_slots()));
   slots_.assign(scene.item_slots(), kNone);
-  for (std::size_t s = 0; s < n; ++s) {
-    const std::uint32_t i = order[s];
-    append(all.items[i], all.states[i], chunk_of[s]);
-    bounds_.set(s, boxes[i]);
-    bounds_.set_layers(s, all.states[i].layers);
-  }
-  tree_size_ = n;
-  extend_ranks();
+  build(std::move(all), config);
 }
 
-void Snapshot::append(ItemId item, const Scene::ItemState& state, std::uint32_t chunk) {
-  const Slot slot = Slot(kinds_.size());
-  const Kind kind = scene_->kind(item);
-  KindItems& list = kind_items_[std::size_t(kind)];
-  kinds_.push_back(kind);
-  index_in_kind_.push_back(std::uint32_t(list.size()));
-  items_.push_back(item);
-  slots_[item] = slot;
-  materials_.push_back(state.material);
-  list.slots.push_back(slot);
-  list.placements.push_back(relative_placement(state.world_from_item, chunk_origins_[chunk], chunk));
-  if (int(kind) < kPrimitiveKindCount) {
+Snapshot::Snapshot(const Snapshot& like, Items&& items, const BvhConfig& config)
+    : scene_(like.scene_), generation_(next_generation()) {
+  bounds_.origin = like.bounds_.origin;
+  auto& records = items.records;
+  ItemId end = 0;
+  for (const Items::Record& r : records) end = std::max(end, r.item + 1);
+  slots_.reserve(with_headroom(end));
+  slots_.assign(end, kNone);
+  for (std::size_t i = 0; i < records.size(); ++i) slots_[records[i].item] = Slot(i);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (slots_[records[i].item] != i) continue;
+    Items::Record& r = records[kept++] = records[i];
+    if (r.layers != 0) continue;
+    // Where it will come back: exactly for primitives, whose parameters are here; meshes lie in the scene.
+    const Affine world{dmat3(r.linear), r.origin};
+    AabbD box{r.origin, r.origin};
+    if (int(r.kind) < kPrimitiveKindCount)
+      box = core::bounds(
+          make_primitive(r.kind, std::span(items.parameters).subspan(r.payload, std::size_t(parameter_count(r.kind)))),
+          world);
+    r.box = round_outwards(box, bounds_.origin);
+  }
+  records.resize(kept);
+  std::fill(slots_.begin(), slots_.end(), kNone);
+  build(std::move(items), config);
+}
+
+void Snapshot::build(Items&& items, const BvhConfig& config) {
+  const std::size_t n = items.records.size();
+  std::vector<std::uint32_t> order;
+  {
+    std::vector<Aabb> boxes(n);
+    for (std::size_t i = 0; i < n; ++i) boxes[i] = items.records[i].box;
+    order = spatial_order(boxes, config);
+  }
+  std::vector<dvec3> places(n);
+  for (std::size_t s = 0; s < n; ++s) places[s] = items.records[order[s]].origin;
+  const std::vector<std::uint32_t> chunk_of = chunks_.cut(places);
+
+  reserve(items);
+  bounds_.resize(n);
+  block_sizes_.resize((n + kBlock - 1) / kBlock);
+  Aabb block;
+  for (std::size_t s = 0; s < n; ++s) {
+    append(items, order[s], chunk_of[s]);
+    block.grow(items.records[order[s]].box);
+    if ((s + 1) % kBlock != 0 && s + 1 != n) continue;
+    block_sizes_[s / kBlock] = size_of(block);
+    block = {};
+  }
+  ordered_size_ = n;
+  extend_ranks();
+  count_vacant();
+}
+
+void Snapshot::reserve(const Items& items) {
+  const std::size_t n = with_headroom(items.records.size());
+  bounds_.reserve(n);
+  kinds_.reserve(n);
+  index_in_kind_.reserve(n);
+  items_.reserve(n);
+  materials_.reserve(n);
+  ranks_.reserve(n / kRankStride + 2);
+  block_sizes_.reserve(n / kBlock + 2);
+  std::array<std::size_t, kKindCount> counts{};
+  for (const Items::Record& r : items.records) ++counts[std::size_t(r.kind)];
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    const std::size_t count = with_headroom(counts[k]);
+    kind_items_[k].slots.reserve(count);
+    kind_items_[k].placements.reserve(count);
+    if (int(k) < kPrimitiveKindCount)
+      kind_items_[k].parameters.reserve(count * std::size_t(parameter_count(Kind(k))));
+    else
+      kind_items_[k].meshes.reserve(count);
+  }
+}
+
+// --- items on their way ----------------------------------------------------------------------------------------------
+
+/// Without the box. Parameters only of items that are new here: they never change.
+void Snapshot::gather(const Scene::ItemState& state, ItemId item, Items& out) const {
+  Items::Record r;
+  r.item = item;
+  r.kind = scene_->kind(item);
+  r.layers = state.layers;
+  r.material = state.material;
+  r.linear = mat3(state.world_from_item.linear);
+  r.origin = state.world_from_item.origin;
+  if (int(r.kind) >= kPrimitiveKindCount) {
+    r.payload = scene_->mesh_of(item).index;
+  } else if (slot(item) == kNone) {
+    r.payload = std::uint32_t(out.parameters.size());
     const Primitive primitive = scene_->primitive(item);
     const auto values = parameters(primitive);
-    list.parameters.insert(list.parameters.end(), values.begin(), values.end());
-  } else {
-    list.meshes.push_back(scene_->mesh_of(item).index);
+    out.parameters.insert(out.parameters.end(), values.begin(), values.end());
+  }
+  out.records.push_back(r);
+}
+
+void Snapshot::copy(Slot first, Slot end, Items& out) const {
+  assert(first <= end && end <= size());
+  for (Slot s = first; s < end; ++s) {
+    if (items_[s] == kNone) continue;
+    const KindItems& list = kind_items_[std::size_t(kinds_[s])];
+    const std::size_t i = index_in_kind_[s];
+    Items::Record r;
+    r.item = items_[s];
+    r.kind = kinds_[s];
+    r.layers = vacant(s) ? 0 : bounds_.layers(s);
+    r.material = materials_[s];
+    r.box = bounds_.box(s);
+    r.linear = list.placements[i].linear;
+    r.origin = world_from_item(s).origin;
+    if (int(r.kind) < kPrimitiveKindCount) {
+      r.payload = std::uint32_t(out.parameters.size());
+      const auto count = std::ptrdiff_t(parameter_count(r.kind));
+      const auto values = list.parameters.begin() + std::ptrdiff_t(i) * count;
+      out.parameters.insert(out.parameters.end(), values, values + count);
+    } else {
+      r.payload = list.meshes[i];
+    }
+    out.records.push_back(r);
   }
 }
 
-std::uint32_t Snapshot::chunk_for(const dvec3& place, std::uint32_t own, std::uint32_t likely, const dvec3& fresh) {
-  const auto distance = [&](std::uint32_t c) { return glm::distance(chunk_origins_[c], place); };
-  for (const std::uint32_t c : {own, likely})
-    if (c < chunk_origins_.size() && distance(c) <= chunk_size_) return c;
-  std::uint32_t nearest = kNone;
-  double nearest_distance = std::numeric_limits<double>::infinity();
-  for (std::uint32_t c = 0; c < chunk_origins_.size(); ++c) {
-    const double d = distance(c);
-    if (d < nearest_distance) nearest = c, nearest_distance = d;
-  }
-  const bool near_enough =
-      nearest != kNone && (nearest_distance <= chunk_size_ || chunk_origins_.size() >= 2 * kMaxChunks);
-  if (near_enough) return nearest;
-  chunk_origins_.push_back(fresh);
-  return std::uint32_t(chunk_origins_.size() - 1);
-}
-
-void Snapshot::apply(const SceneDelta& delta) {
-  for (const ItemId item : delta.removed) {
+void Snapshot::copy(std::span<const ItemId> items, Items& out) const {
+  for (const ItemId item : items) {
     const Slot s = slot(item);
-    if (s == kNone) continue;
-    bounds_.set(s, {});
-    bounds_.set_layers(s, 0);
-    slots_[item] = kNone;
+    if (s == kNone)
+      out.removed.push_back(item);
+    else
+      copy(s, s + 1, out);
   }
-  slots_.resize(scene_->item_slots(), kNone);
-  std::vector<ItemId> known, fresh;
+}
+
+std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
+  Items items;
+  items.removed = delta.removed;
+  items.records.reserve(delta.changed.size() + delta.inserted.size());
+  std::vector<ItemId> present;
+  present.reserve(delta.changed.size() + delta.inserted.size());
   for (const auto* list : {&delta.changed, &delta.inserted})
     for (const ItemId item : *list)
-      if (scene_->contains_item(item)) (slot(item) != kNone ? known : fresh).push_back(item);
-
-  const auto set_bounds = [&](Slot s, const Scene::ItemState& state) {
-    bounds_.set(s, round_outwards(scene_->bounds_under(items_[s], state.world_from_item), bounds_.origin));
-    bounds_.set_layers(s, state.layers);
-  };
-  std::vector<std::uint32_t> moved_to(chunk_origins_.size(), kNone);  // by chunk: where the last item of it went
-  scene_->for_each_state(known, [&](ItemId item, const Scene::ItemState& state) {
-    const Slot s = slots_[item];
-    Placement& placement = kind_items_[std::size_t(kinds_[s])].placements[index_in_kind_[s]];
-    // What moves as a whole keeps its chunks: a new one lies where the old one has moved to.
-    const dvec3 place = state.world_from_item.origin, offset(placement.origin);
-    const std::uint32_t own = placement.chunk;
-    const std::uint32_t chunk =
-        chunk_for(place, own, moved_to[own], glm::length(offset) <= chunk_size_ ? place - offset : place);
-    moved_to[own] = chunk;
-    placement = relative_placement(state.world_from_item, chunk_origins_[chunk], chunk);
-    materials_[s] = state.material;
-    set_bounds(s, state);
+      if (scene_->contains_item(item)) present.push_back(item);
+  scene_->for_each_state(present, [&](ItemId item, const Scene::ItemState& state) {
+    gather(state, item, items);
+    items.records.back().box = round_outwards(scene_->bounds_under(item, state.world_from_item), bounds_.origin);
   });
-  bounds_.resize(bounds_.size() + fresh.size());
-  std::uint32_t chunk = kNone;
-  scene_->for_each_state(fresh, [&](ItemId item, const Scene::ItemState& state) {
-    chunk = chunk_for(state.world_from_item.origin, chunk, chunk, state.world_from_item.origin);
-    append(item, state, chunk);
-    set_bounds(slots_[item], state);
-  });
-  extend_ranks();
+  return apply(items);
 }
+
+// --- edits -----------------------------------------------------------------------------------------------------------
+
+std::vector<Slot> Snapshot::apply(const Items& items) {
+  std::vector<Slot> touched;
+  touched.reserve(items.removed.size() + items.records.size());
+  for (const ItemId item : items.removed) {
+    const Slot s = slot(item);
+    if (s == kNone) continue;
+    give_up(s);
+    slots_[item] = kNone;
+    touched.push_back(s);
+  }
+  std::vector<std::uint64_t> known;  // slot and record, to be met block by block
+  std::vector<std::uint32_t> appended;
+  for (std::uint32_t i = 0; i < items.records.size(); ++i) {
+    const Slot s = slot(items.records[i].item);
+    if (s != kNone)
+      known.push_back(std::uint64_t(s) << 32 | i);
+    else
+      appended.push_back(i);
+  }
+  std::sort(known.begin(), known.end());
+  const std::vector<std::uint32_t> gone = stay_or_go(items, known, touched);
+  appended.insert(appended.end(), gone.begin(), gone.end());
+  append_sorted(items, appended);
+  extend_ranks();
+  count_vacant();
+  return touched;
+}
+
+/// Puts items that the snapshot knows into their slots, as long as their blocks keep their sizes. Returns those that
+/// have left; theirs are vacant.
+std::vector<std::uint32_t> Snapshot::stay_or_go(const Items& items, std::vector<std::uint64_t>& known,
+                                                std::vector<Slot>& touched) {
+  const auto slot_at = [&](std::size_t i) { return Slot(known[i] >> 32); };
+  // Relocation may take a quarter of the slots. Whoever edits more without a new order gets larger blocks instead.
+  const std::size_t live = size() - given_up_;
+  std::size_t allowance = std::max(live + live / 4 + kBlock, size()) - size();
+  std::vector<std::uint32_t> gone;
+  std::vector<std::uint32_t> moved_to(chunks_.origins().size(), kNone);  // by chunk: where the last item of it went
+  for (std::size_t first = 0, end = 0; first < known.size(); first = end) {
+    const std::size_t block = slot_at(first) / kBlock;
+    bool all_stay = true;
+    for (end = first; end < known.size() && slot_at(end) / kBlock == block; ++end) {
+      const Slot s = slot_at(end);
+      const Items::Record& r = items.records[std::uint32_t(known[end])];
+      const Aabb old = bounds_.box(s);
+      all_stay = all_stay && (r.layers == 0 || (old.min == r.box.min && old.max == r.box.max));
+      touched.push_back(s);
+    }
+    Aabb taken;
+    if (!all_stay) {
+      for (std::size_t i = first; i < end; ++i) bounds_.set(slot_at(i), {});
+      taken = union_of(bounds_, block * kBlock, std::min((block + 1) * kBlock, size()));
+    }
+    for (std::size_t i = first; i < end; ++i) {
+      const Slot s = slot_at(i);
+      const Items::Record& r = items.records[std::uint32_t(known[i])];
+      Placement& p = placement(s);
+      // What moves as a whole keeps its chunks: a new one lies where the old one has moved to.
+      const dvec3 offset(p.origin);
+      const std::uint32_t own = p.chunk;
+      const std::uint32_t chunk = chunks_.find(r.origin, own, moved_to[own],
+                                               glm::length(offset) <= chunks_.size() ? r.origin - offset : r.origin);
+      moved_to[own] = chunk;
+      p = place(r.linear, r.origin, chunk);
+      materials_[s] = r.material;
+      Aabb grown = taken;
+      grown.grow(r.box);
+      const bool stays = all_stay || r.layers == 0 || r.box.empty() || taken.empty() || allowance == 0 ||
+                         size_of(grown) <= kBlockSlack * block_sizes_[block];
+      if (stays) {
+        if (r.layers != 0) taken = grown;
+        show(s, r.box, r.layers);
+      } else {
+        give_up(s);
+        gone.push_back(std::uint32_t(known[i]));
+        --allowance;
+      }
+    }
+  }
+  return gone;
+}
+
+/// Items whose slots were given up lie in slots_ still: that is where their parameters and placement are.
+void Snapshot::append_sorted(const Items& items, std::span<const std::uint32_t> records) {
+  if (records.empty()) return;
+  std::vector<Aabb> boxes(records.size());
+  for (std::size_t i = 0; i < records.size(); ++i) boxes[i] = items.records[records[i]].box;
+  std::vector<std::uint32_t> order = spatial_order(boxes, {});
+  // Blocks of the order are to become blocks of slots: what completes the last block comes from the end.
+  const std::size_t first = size(), missing = std::min((kBlock - first % kBlock) % kBlock, order.size());
+  std::rotate(order.begin(), order.end() - std::ptrdiff_t(missing), order.end());
+
+  bounds_.resize(first + order.size());
+  block_sizes_.resize((size() + kBlock - 1) / kBlock, 0.0f);
+  Aabb block = union_of(bounds_, first / kBlock * kBlock, first);
+  std::uint32_t chunk = kNone;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Items::Record& r = items.records[records[order[i]]];
+    const Slot old = slot(r.item), s = Slot(first + i);
+    chunk = old != kNone ? placement(old).chunk : chunks_.find(r.origin, chunk, chunk, r.origin);
+    append(items, records[order[i]], chunk);
+    block.grow(r.box);
+    if ((s + 1) % kBlock != 0 && i + 1 != order.size()) continue;
+    block_sizes_[s / kBlock] = std::max(block_sizes_[s / kBlock], size_of(block));
+    block = {};
+  }
+}
+
+void Snapshot::append(const Items& items, std::uint32_t record, std::uint32_t chunk) {
+  const Items::Record& r = items.records[record];
+  const Slot s = Slot(kinds_.size());
+  KindItems& list = kind_items_[std::size_t(r.kind)];
+  if (r.item >= slots_.size()) slots_.resize(r.item + 1, kNone);
+  if (int(r.kind) < kPrimitiveKindCount) {
+    const std::size_t count = std::size_t(parameter_count(r.kind));
+    // One that moved takes its parameters along: it may be that `items` has none of them.
+    const bool moved = slots_[r.item] != kNone;
+    const std::size_t end = list.parameters.size();
+    const std::size_t old = moved ? index_in_kind_[slots_[r.item]] * count : 0;
+    list.parameters.resize(end + count);
+    std::copy_n(moved ? list.parameters.data() + old : items.parameters.data() + r.payload, count,
+                list.parameters.data() + end);
+  } else {
+    list.meshes.push_back(r.payload);
+  }
+  kinds_.push_back(r.kind);
+  index_in_kind_.push_back(std::uint32_t(list.size()));
+  items_.push_back(r.item);
+  slots_[r.item] = s;
+  materials_.push_back(r.material);
+  list.slots.push_back(s);
+  list.placements.push_back(place(r.linear, r.origin, chunk));
+  show(s, r.box, r.layers);
+}
+
+void Snapshot::show(Slot s, const Aabb& box, std::uint32_t layers) {
+  const bool vacant = layers == 0 || box.empty();
+  bounds_.set(s, vacant ? Aabb{} : box);
+  if (layers != 0) bounds_.set_layers(s, layers);
+  const std::size_t word = s / kRankStride;
+  if (vacant && word >= vacant_.size()) vacant_.resize(word + 1);
+  if (word >= vacant_.size()) return;
+  const std::uint64_t bit = std::uint64_t(1) << s % kRankStride;
+  vacant_[word] = vacant ? vacant_[word] | bit : vacant_[word] & ~bit;
+}
+
+void Snapshot::give_up(Slot s) {
+  show(s, {}, 0);
+  items_[s] = kNone;
+  ++given_up_;
+}
+
+Placement Snapshot::place(const mat3& linear, const dvec3& origin, std::uint32_t chunk) const {
+  return {linear, vec3(origin - chunks_.origins()[chunk]), chunk};
+}
+
+// --- counting --------------------------------------------------------------------------------------------------------
 
 void Snapshot::extend_ranks() {
   if (ranks_.empty()) ranks_.push_back({});
@@ -192,9 +405,36 @@ std::uint32_t Snapshot::rank(Kind kind, Slot slot) const {
   return rank;
 }
 
+void Snapshot::count_vacant() {
+  if (vacant_.empty()) return;
+  vacant_.resize(size() / kRankStride + 1);
+  vacant_before_.resize(vacant_.size() + 1);
+  std::uint32_t before = 0;
+  for (std::size_t word = 0; word < vacant_.size(); ++word) {
+    vacant_before_[word] = before;
+    before += std::uint32_t(std::popcount(vacant_[word]));
+  }
+  vacant_before_.back() = before;
+}
+
+std::uint32_t Snapshot::vacant_below(Slot s) const {
+  const std::size_t word = s / kRankStride;
+  const std::uint64_t below = (std::uint64_t(1) << s % kRankStride) - 1;
+  return vacant_before_[word] + std::uint32_t(std::popcount(vacant_[word] & below));
+}
+
+std::uint64_t Snapshot::count(const VisibleSet& visible) const {
+  std::uint64_t n = visible.count();
+  if (vacant_count() > 0)
+    for (const SlotRange& r : visible.ranges) n -= vacant_below(r.first + r.count) - vacant_below(r.first);
+  return n;
+}
+
+// --- looking up ------------------------------------------------------------------------------------------------------
+
 Affine Snapshot::world_from_item(Slot s) const {
   const Placement& p = kind_items_[std::size_t(kinds_[s])].placements[index_in_kind_[s]];
-  return {dmat3(p.linear), dvec3(p.origin) + chunk_origins_[p.chunk]};
+  return {dmat3(p.linear), dvec3(p.origin) + chunks_.origins()[p.chunk]};
 }
 
 Primitive Snapshot::primitive(Slot s) const {
@@ -208,7 +448,8 @@ Primitive Snapshot::primitive(Slot s) const {
 std::size_t Snapshot::memory_bytes() const {
   std::size_t bytes = bounds_.memory_bytes() + kinds_.capacity() * sizeof(Kind) +
                       (index_in_kind_.capacity() + items_.capacity() + slots_.capacity() + materials_.capacity()) * 4 +
-                      ranks_.capacity() * sizeof(ranks_[0]) + chunk_origins_.capacity() * sizeof(dvec3);
+                      ranks_.capacity() * sizeof(ranks_[0]) + chunks_.memory_bytes() +
+                      (block_sizes_.capacity() + vacant_before_.capacity()) * 4 + vacant_.capacity() * 8;
   for (const KindItems& k : kind_items_)
     bytes += k.placements.capacity() * sizeof(Placement) +
              (k.slots.capacity() + k.parameters.capacity() + k.meshes.capacity()) * 4;

@@ -1,14 +1,21 @@
 // The scene flattened for one generation: structure-of-arrays over items in spatial order. Cullers, renderers and
 // tracers are built from it; nobody walks the scene graph per frame.
+//
+// A snapshot follows edits without re-ordering. A slot is vacant when its item is hidden, removed or has moved to
+// another slot, or has no geometry: its box is the empty one, and it has nothing to draw. Cullers may include vacant
+// slots in ranges. Whoever counts or draws leaves them out.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sightline/core/bvh_build.h"
+#include "sightline/core/chunk_grid.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/scene.h"
+#include "sightline/core/visible_set.h"
 
 namespace sightline::core {
 
@@ -35,21 +42,42 @@ class Snapshot {
   /// snapshot. Snapshots of scenes with pending edits show the edits (commit first to have them validated).
   explicit Snapshot(const Scene& scene, const BvhConfig& config = {});
 
-  /// Follows a commit without re-ordering: changed items get new bounds and placement in their slot, inserted ones go
-  /// to a linear tail behind tree_size(), removed ones become empty boxes on no layer. Items are read as the scene has
-  /// them now, so deltas may be applied late as long as all of them are, in order: one that a later delta removes is
-  /// passed over, one that the snapshot already holds is updated.
-  void apply(const SceneDelta& delta);
+  /// Follows a commit. An item stays in its slot while the block of 32 slots keeps about the size it was ordered to;
+  /// one that leaves it gives its slot up and is appended with the inserted ones, in spatial order among themselves.
+  /// Items are read as the scene has them now, so deltas may be applied late as long as all of them are, in order: one
+  /// that a later delta removes is passed over, one that the snapshot already holds is updated. Time follows the size
+  /// of the delta, not of the snapshot, but for an eighth of a byte per slot.
+  /// Returns the slots below the former size() whose boxes, layers or items changed, each once.
+  std::vector<Slot> apply(const SceneDelta& delta);
+
+  // --- a new order in the background -------------------------------------------------------------------------------
+  // The scene is not read, so that it may be edited meanwhile: copy all slots piece by piece, build, then copy() and
+  // apply() what was edited since the first piece.
+
+  /// Items out of any order.
+  struct Items;
+  void copy(Slot first, Slot end, Items& out) const;
+  void copy(std::span<const ItemId> items, Items& out) const;  ///< those that are gone as removed
+  /// Orders copies anew. Of an item that was copied twice, since it went to another slot meanwhile, the later one
+  /// counts. The origin of the bounds stays that of `like`, of which only what never changes is read.
+  Snapshot(const Snapshot& like, Items&& items, const BvhConfig& config = {});
+  std::vector<Slot> apply(const Items& items);
+
+  /// Slots appended or given up since the order was made: what a new order would put right.
+  std::size_t disorder() const { return size() - ordered_size_ + given_up_; }
 
   const Scene& scene() const { return *scene_; }
-  std::size_t size() const { return bounds_.size(); }   ///< slots, those of removed items included
-  std::size_t tree_size() const { return tree_size_; }  ///< slots in the order of core::build_bvh; the tail follows
+  std::size_t size() const { return bounds_.size(); }  ///< slots, vacant ones included
   std::uint64_t generation() const { return generation_; }
 
   const ItemBounds& bounds() const { return bounds_; }
+  bool vacant(Slot slot) const { return bounds_.vacant(slot); }
+  std::size_t vacant_count() const { return vacant_before_.empty() ? 0 : vacant_before_.back(); }
+  /// Visible items: slots of the set that are not vacant. Time linear in its ranges alone.
+  std::uint64_t count(const VisibleSet& visible) const;
   Kind kind(Slot slot) const { return kinds_[slot]; }
   std::uint32_t index_in_kind(Slot slot) const { return index_in_kind_[slot]; }
-  ItemId item(Slot slot) const { return items_[slot]; }
+  ItemId item(Slot slot) const { return items_[slot]; }  ///< kNone when the slot was given up; hidden items keep theirs
   Slot slot(ItemId item) const { return item < slots_.size() ? slots_[item] : kNone; }  ///< kNone when unknown
   std::uint32_t material(Slot slot) const { return materials_[slot]; }                  ///< material index or kNone
   const KindItems& of_kind(Kind kind) const { return kind_items_[std::size_t(kind)]; }
@@ -58,23 +86,32 @@ class Snapshot {
   std::uint32_t rank(Kind kind, Slot slot) const;
 
   /// Origins of the chunks, in world coordinates.
-  const std::vector<dvec3>& chunk_origins() const { return chunk_origins_; }
+  const std::vector<dvec3>& chunk_origins() const { return chunks_.origins(); }
   Affine world_from_item(Slot slot) const;
   Primitive primitive(Slot slot) const;
 
   std::size_t memory_bytes() const;
 
  private:
-  struct Gathered;
-  void append(ItemId item, const Scene::ItemState& state, std::uint32_t chunk);
-  /// A chunk within reach of `place`: its own, a likely one, any other, or a new one about `fresh`.
-  std::uint32_t chunk_for(const dvec3& place, std::uint32_t own, std::uint32_t likely, const dvec3& fresh);
+  void build(Items&& items, const BvhConfig& config);
+  void reserve(const Items& items);
+  void gather(const Scene::ItemState& state, ItemId item, Items& out) const;
+  std::vector<std::uint32_t> stay_or_go(const Items& items, std::vector<std::uint64_t>& known,
+                                        std::vector<Slot>& touched);
+  void append_sorted(const Items& items, std::span<const std::uint32_t> records);
+  void append(const Items& items, std::uint32_t record, std::uint32_t chunk);
+  void give_up(Slot slot);
+  void show(Slot slot, const Aabb& box, std::uint32_t layers);
+  Placement& placement(Slot slot) { return kind_items_[std::size_t(kinds_[slot])].placements[index_in_kind_[slot]]; }
+  Placement place(const mat3& linear, const dvec3& origin, std::uint32_t chunk) const;
   void extend_ranks();
+  void count_vacant();
+  std::uint32_t vacant_below(Slot slot) const;
 
   const Scene* scene_;
   std::uint64_t generation_ = 0;
   ItemBounds bounds_;
-  std::size_t tree_size_ = 0;
+  std::size_t ordered_size_ = 0, given_up_ = 0;
   std::vector<Kind> kinds_;
   std::vector<std::uint32_t> index_in_kind_;
   std::vector<ItemId> items_;
@@ -82,8 +119,26 @@ class Snapshot {
   std::vector<std::uint32_t> materials_;
   std::array<KindItems, kKindCount> kind_items_;
   std::vector<std::array<std::uint32_t, kKindCount>> ranks_;  // per 64 slots: items of each kind before
-  std::vector<dvec3> chunk_origins_;
-  double chunk_size_ = 0.0;  // metres
+  std::vector<float> block_sizes_;                            // per 32 slots: width + depth + height when ordered
+  std::vector<std::uint64_t> vacant_;                         // bit per slot; empty while none is
+  std::vector<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
+  ChunkGrid chunks_;
+};
+
+struct Snapshot::Items {
+  struct Record {
+    ItemId item = kNone;
+    Kind kind = Kind::kMesh;
+    std::uint32_t layers = 0;  // 0: hidden
+    std::uint32_t material = kNone;
+    std::uint32_t payload = 0;  // mesh index, or first of `parameters`
+    Aabb box;                   // relative to the origin of the bounds
+    mat3 linear{1.0f};
+    dvec3 origin{0.0};  // in the world
+  };
+  std::vector<Record> records;
+  std::vector<float> parameters;
+  std::vector<ItemId> removed;
 };
 
 }  // namespace sightline::core

@@ -22,7 +22,8 @@ struct CullCounters {
 };
 
 /// The visible slots of one view. Ranges and items are each in rising order, disjoint, and share no slot. A slot
-/// outside both is not visible. Reuse one set from frame to frame: clear() keeps the memory.
+/// outside both is not visible. Ranges may hold vacant slots (see snapshot.h), items never do: nothing is to be drawn
+/// there. Reuse one set from frame to frame: clear() keeps the memory.
 struct VisibleSet {
   std::uint64_t generation = 0;   ///< of the snapshot that the slots belong to
   std::vector<SlotRange> ranges;  ///< subtrees wholly inside
@@ -34,12 +35,13 @@ struct VisibleSet {
     items.clear();
     counters = {};
   }
+  /// Slots, vacant ones included; Snapshot::count leaves those out.
   std::uint64_t count() const {
     std::uint64_t n = items.size();
     for (const SlotRange& r : ranges) n += r.count;
     return n;
   }
-  /// All visible slots in rising order.
+  /// All visible slots in rising order, vacant ones included.
   std::vector<Slot> sorted_slots() const;
 };
 

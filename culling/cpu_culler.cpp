@@ -9,7 +9,6 @@
 
 #include "sightline/culling/frustum_test.h"
 #include "sightline/culling/kernels.h"
-#include "sightline/culling/linear_culler.h"
 
 namespace sightline::culling {
 namespace {
@@ -105,17 +104,15 @@ void cull_tree(const core::ItemBounds& bounds, const Hierarchy& hierarchy, const
 
 }  // namespace
 
-CpuCuller::CpuCuller(const core::ItemBounds& bounds, std::size_t tree_size)
-    : bounds_(&bounds), hierarchy_(bounds, tree_size) {}
+CpuCuller::CpuCuller(const core::ItemBounds& bounds) : bounds_(&bounds), hierarchy_(bounds) {}
 
 void CpuCuller::cull(const core::View& view, core::VisibleSet& set) const {
   set.clear();
   const CullPlanes planes(view, *bounds_);
   if (planes.nothing_visible()) return;
-  // Without layer nodes every item of the tree is on the model layer alone.
-  const bool skip_tree = !hierarchy_.uses_layers() && (view.layers & core::kLayerModel) == 0;
-  if (!hierarchy_.empty() && !skip_tree) cull_tree(*bounds_, hierarchy_, planes, view.layers, set);
-  cull_slots(*bounds_, planes, planes.all(), view.layers, hierarchy_.slot_count(), bounds_->size(), set);
+  // Without layer nodes every item is on the model layer alone.
+  if (hierarchy_.empty() || (!hierarchy_.uses_layers() && (view.layers & core::kLayerModel) == 0)) return;
+  cull_tree(*bounds_, hierarchy_, planes, view.layers, set);
 }
 
 void CpuCuller::cull(std::span<const core::View> views, std::span<core::VisibleSet> sets, CullThreads* threads) const {

@@ -16,12 +16,13 @@
 namespace sightline::culling {
 
 /// Frustum culling through the hierarchy, on the calling thread. Planes that a subtree lies wholly inside of are not
-/// tested below it, and a subtree inside all of them is one range. The slots are exactly those of LinearCuller.
+/// tested below it, and a subtree inside all of them is one range. The slots are exactly those of LinearCuller, and
+/// vacant ones within ranges: so what is hidden or removed neither cuts a range in two nor costs a test.
 class CpuCuller {
  public:
-  /// The first `tree_size` slots of `bounds` are in the order that core::build_bvh gave them (any order is right, that
-  /// one is fast); slots behind them are tested one by one. Borrows the bounds, which must outlive the culler.
-  CpuCuller(const core::ItemBounds& bounds, std::size_t tree_size);
+  /// Any order of slots is right; the one that core::build_bvh gives is fast. Borrows the bounds, which must outlive
+  /// the culler.
+  explicit CpuCuller(const core::ItemBounds& bounds);
 
   /// Replaces the contents of `set`; adjacent ranges are merged. Does not allocate once `set` and the
   /// thread's scratch memory have grown to their sizes.
@@ -32,7 +33,10 @@ class CpuCuller {
   /// cull(views[i]) would make of it. With threads, views are shared out among them where that is quicker.
   void cull(std::span<const core::View> views, std::span<core::VisibleSet> sets, CullThreads* threads = nullptr) const;
 
-  /// To be called after boxes or layers of tree slots have changed. The tail needs no refit.
+  /// To be called, before the next cull, after boxes or layers of `changed` slots have changed or others were appended:
+  /// see Hierarchy::update.
+  void update(std::span<const core::Slot> changed) { hierarchy_.update(*bounds_, changed); }
+  /// The same after any change. Linear in the number of slots.
   void refit() { hierarchy_.refit(*bounds_); }
 
   const Hierarchy& hierarchy() const { return hierarchy_; }

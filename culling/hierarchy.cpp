@@ -1,6 +1,7 @@
 #include "sightline/culling/hierarchy.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 
 #include "sightline/culling/kernels.h"
@@ -15,13 +16,6 @@ constexpr std::uint32_t blocks(std::uint32_t count, std::uint32_t size) {
   return count / size + (count % size != 0 ? 1 : 0);
 }
 
-/// Unlike Aabb::empty(), false for a box with NaN: that must be drawn.
-bool surely_empty(const ItemBounds& bounds, std::size_t slot) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (bounds.coordinate(axis)[slot] > bounds.coordinate(axis + 3)[slot]) return true;
-  return false;
-}
-
 /// Minimum and maximum that a NaN sticks to: a node above one is then neither rejected nor wholly inside.
 void lower(float& least, float value) {
   if (value < least || value != value) least = value;
@@ -30,14 +24,10 @@ void raise(float& most, float value) {
   if (value > most || value != value) most = value;
 }
 
-/// Slot by slot, for leaves that are not full or hold empty boxes or NaN.
-Aabb union_of_slots(const ItemBounds& bounds, std::uint32_t first, std::uint32_t end, bool& some_empty) {
+/// Slot by slot, for leaves that are not full or hold NaN.
+Aabb union_of_slots(const ItemBounds& bounds, std::uint32_t first, std::uint32_t end) {
   Aabb box;
   for (std::uint32_t slot = first; slot < end; ++slot) {
-    if (surely_empty(bounds, slot)) {
-      some_empty = true;
-      continue;
-    }
     for (int axis = 0; axis < 3; ++axis) {
       lower(box.min[axis], bounds.coordinate(axis)[slot]);
       raise(box.max[axis], bounds.coordinate(axis + 3)[slot]);
@@ -46,15 +36,14 @@ Aabb union_of_slots(const ItemBounds& bounds, std::uint32_t first, std::uint32_t
   return box;
 }
 
-Aabb union_of_leaf(const ItemBounds& bounds, std::uint32_t leaf, std::uint32_t slot_count, const Kernels& kernel,
-                   bool& some_empty) {
-  const std::uint32_t first = leaf * kLeafSize;
-  if (slot_count - first < kLeafSize) return union_of_slots(bounds, first, slot_count, some_empty);
+Aabb union_of_leaf(const ItemBounds& bounds, std::uint32_t leaf) {
+  const std::uint32_t first = leaf * kLeafSize, count = std::uint32_t(bounds.size());
+  if (count - first < kLeafSize) return union_of_slots(bounds, first, count);
   const float* const coordinates[6] = {bounds.coordinate(0), bounds.coordinate(1), bounds.coordinate(2),
                                        bounds.coordinate(3), bounds.coordinate(4), bounds.coordinate(5)};
   float box[6];
-  if (kernel.leaf_box(coordinates, first, box)) return {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
-  return union_of_slots(bounds, first, first + kLeafSize, some_empty);
+  if (kernels().leaf_box(coordinates, first, box)) return {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
+  return union_of_slots(bounds, first, first + kLeafSize);
 }
 
 Aabb union_of_lanes(const HierarchyNode& node) {
@@ -68,117 +57,127 @@ Aabb union_of_lanes(const HierarchyNode& node) {
   return box;
 }
 
-void set_lane(HierarchyNode& node, std::uint32_t lane, const Aabb& box) {
-  for (int axis = 0; axis < 3; ++axis) {
-    node.bounds[axis][lane] = box.min[axis];
-    node.bounds[axis + 3][lane] = box.max[axis];
-  }
-}
-
 struct LayerUnion {
   std::uint32_t any = 0, all = ~0u;
-  bool hidden = false;
 };
 
-void set_lane(LayerNode& node, std::uint32_t lane, const LayerUnion& layers) {
-  node.any[lane] = layers.any;
-  node.all[lane] = layers.all;
-  if (layers.hidden) node.some_hidden = std::uint16_t(node.some_hidden | 1u << lane);
+LayerUnion layers_of_leaf(const ItemBounds& bounds, std::uint32_t leaf) {
+  LayerUnion u;
+  const std::uint32_t first = leaf * kLeafSize, count = std::uint32_t(bounds.size());
+  for (std::uint32_t slot = first; slot < first + std::min(count - first, kLeafSize); ++slot) {
+    if (bounds.vacant(slot)) continue;
+    u.any |= bounds.layers(slot);
+    u.all &= bounds.layers(slot);
+  }
+  return u;
+}
+
+LayerUnion layers_of_lanes(const LayerNode& node) {
+  LayerUnion u;
+  for (int i = 0; i < kLanes; ++i) {
+    u.any |= node.any[i];
+    u.all &= node.all[i];
+  }
+  return u;
+}
+
+/// Of lanes that nothing lies below.
+HierarchyNode empty_node() {
+  HierarchyNode node;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::fill_n(node.bounds[axis], kLanes, Aabb::kFar);
+    std::fill_n(node.bounds[axis + 3], kLanes, -Aabb::kFar);
+  }
+  return node;
+}
+LayerNode empty_layers() {
+  LayerNode node{};
+  std::fill_n(node.all, kLanes, ~0u);
+  return node;
 }
 
 }  // namespace
 
-Hierarchy::Hierarchy(const ItemBounds& bounds, std::size_t slot_count) : slot_count_(std::uint32_t(slot_count)) {
-  assert(slot_count <= bounds.size() && slot_count < core::kNone);
-  if (slot_count == 0) return;
-  std::size_t total = 0;
-  std::uint32_t lanes = blocks(slot_count_, kLeafSize);
-  do {
-    first_node_.push_back(total);
-    lanes = blocks(lanes, kLanes);
-    total += lanes;
-  } while (lanes > 1);
-  nodes_.resize(total);
-  for (std::uint32_t lane = 0; lane < kLanes; ++lane) set_lane(nodes_[0], lane, {});
-  std::fill(nodes_.begin(), nodes_.end(), HierarchyNode(nodes_[0]));
-  refit(bounds);
-}
-
-std::size_t Hierarchy::level_end(int level) const {
-  return level + 1 < level_count() ? first_node_[std::size_t(level) + 1] : nodes_.size();
-}
-
-std::span<const HierarchyNode> Hierarchy::level(int level) const {
-  const std::size_t first = first_node_[std::size_t(level)];
-  return {nodes_.data() + first, level_end(level) - first};
-}
-
-std::span<const LayerNode> Hierarchy::layers(int level) const {
-  const std::size_t first = first_node_[std::size_t(level)];
-  return layers_.empty() ? std::span<const LayerNode>()
-                         : std::span<const LayerNode>(layers_.data() + first, level_end(level) - first);
-}
-
 std::uint32_t Hierarchy::lane_count(int level) const {
-  return level == 0 ? blocks(slot_count_, kLeafSize) : std::uint32_t(this->level(level - 1).size());
+  return level == 0 ? blocks(slot_count_, kLeafSize) : std::uint32_t(nodes_[std::size_t(level) - 1].size());
+}
+
+/// Gives every level as many nodes as the slots need. Those that it had stay as they are.
+void Hierarchy::resize(const ItemBounds& bounds) {
+  assert(bounds.size() < core::kNone);
+  slot_count_ = std::uint32_t(bounds.size());
+  std::size_t level = 0;
+  for (std::uint32_t lanes = blocks(slot_count_, kLeafSize); lanes > 0; lanes = lanes > 1 ? lanes : 0, ++level) {
+    lanes = blocks(lanes, kLanes);
+    if (level == nodes_.size()) nodes_.emplace_back();
+    nodes_[level].resize(lanes, empty_node());
+  }
+  nodes_.resize(level);
+  layers_.resize(bounds.uses_layers() ? level : 0);
+  for (std::size_t i = 0; i < layers_.size(); ++i) layers_[i].resize(nodes_[i].size(), empty_layers());
+}
+
+void Hierarchy::refit_lane(const ItemBounds& bounds, int level, std::uint32_t lane) {
+  const std::size_t l = std::size_t(level);
+  const Aabb box = level == 0 ? union_of_leaf(bounds, lane) : union_of_lanes(nodes_[l - 1][lane]);
+  HierarchyNode& node = nodes_[l][lane / kLanes];
+  for (int axis = 0; axis < 3; ++axis) {
+    node.bounds[axis][lane % kLanes] = box.min[axis];
+    node.bounds[axis + 3][lane % kLanes] = box.max[axis];
+  }
+  if (layers_.empty()) return;
+  const LayerUnion u = level == 0 ? layers_of_leaf(bounds, lane) : layers_of_lanes(layers_[l - 1][lane]);
+  layers_[l][lane / kLanes].any[lane % kLanes] = u.any;
+  layers_[l][lane / kLanes].all[lane % kLanes] = u.all;
 }
 
 void Hierarchy::refit(const ItemBounds& bounds) {
-  assert(slot_count_ <= bounds.size());
-  bool some_empty = false;
-  refit_boxes(bounds, some_empty);
-  if (bounds.uses_layers() || some_empty)
-    refit_layers(bounds);
-  else
-    layers_ = {};
+  if (bounds.size() < slot_count_) nodes_.clear(), layers_.clear();
+  resize(bounds);
+  for (int level = 0; level < level_count(); ++level)
+    for (std::uint32_t lane = 0; lane < lane_count(level); ++lane) refit_lane(bounds, level, lane);
 }
 
-void Hierarchy::refit_boxes(const ItemBounds& bounds, bool& some_empty) {
-  const Kernels& kernel = kernels();
+void Hierarchy::update(const ItemBounds& bounds, std::span<const core::Slot> changed) {
+  const std::uint32_t old_slots = slot_count_;
+  const int old_levels = level_count();
+  const bool layers_are_new = bounds.uses_layers() && layers_.empty();
+  if (bounds.size() < old_slots || layers_are_new) return refit(bounds);
+  resize(bounds);
+  // Sixteen lanes to a word, which is a node; a node that is looked at is a lane of the level above.
+  constexpr std::uint32_t kAll = (1u << kLanes) - 1u;
+  if (empty()) return;
+  marks_.assign(nodes_[0].size(), 0);
+  for (const core::Slot slot : changed) marks_[slot / (kLeafSize * kLanes)] |= 1u << slot / kLeafSize % kLanes;
+  for (std::uint32_t leaf = old_slots / kLeafSize; leaf < lane_count(0); ++leaf)
+    marks_[leaf / kLanes] |= 1u << leaf % kLanes;
   for (int level = 0; level < level_count(); ++level) {
-    HierarchyNode* nodes = nodes_.data() + first_node_[std::size_t(level)];
-    const HierarchyNode* below = level > 0 ? nodes_.data() + first_node_[std::size_t(level) - 1] : nullptr;
-    const std::uint32_t lanes = lane_count(level);
-    for (std::uint32_t i = 0; i < lanes; ++i) {
-      const Aabb box =
-          level == 0 ? union_of_leaf(bounds, i, slot_count_, kernel, some_empty) : union_of_lanes(below[i]);
-      set_lane(nodes[i / kLanes], i % kLanes, box);
+    const std::uint32_t count = std::uint32_t(nodes_[std::size_t(level)].size()), used = lane_count(level);
+    for (std::uint32_t node = 0; node < count; ++node) {
+      // A level that did not exist has everything to learn from those below.
+      std::uint32_t rest = level < old_levels ? marks_[node] : kAll;
+      if (used - node * kLanes < std::uint32_t(kLanes)) rest &= (1u << (used - node * kLanes)) - 1u;
+      const bool looked_at = rest != 0;
+      for (; rest != 0; rest &= rest - 1)
+        refit_lane(bounds, level, node * kLanes + std::uint32_t(std::countr_zero(rest)));
+      // In place: the word above lies at or before this one, whose marks have been taken.
+      marks_[node] = 0;
+      if (looked_at) marks_[node / kLanes] |= 1u << node % kLanes;
     }
   }
 }
 
-void Hierarchy::refit_layers(const ItemBounds& bounds) {
-  layers_.assign(nodes_.size(), LayerNode{});
-  for (std::uint32_t leaf = 0; leaf < lane_count(0); ++leaf) {
-    LayerUnion u;
-    const std::uint32_t first = leaf * kLeafSize, end = std::min(slot_count_ - first, kLeafSize) + first;
-    for (std::uint32_t slot = first; slot < end; ++slot) {
-      const std::uint32_t own = surely_empty(bounds, slot) ? 0 : bounds.layers(slot);
-      u.any |= own;
-      u.all &= own;
-      u.hidden |= own == 0;
-    }
-    set_lane(layers_[leaf / kLanes], leaf % kLanes, u);
-  }
-  for (int level = 1; level < level_count(); ++level) {
-    LayerNode* nodes = layers_.data() + first_node_[std::size_t(level)];
-    const LayerNode* below = layers_.data() + first_node_[std::size_t(level) - 1];
-    const std::uint32_t lanes = lane_count(level), lanes_below = lane_count(level - 1);
-    for (std::uint32_t i = 0; i < lanes; ++i) {
-      LayerUnion u;
-      const std::uint32_t used = std::min(lanes_below - i * kLanes, std::uint32_t(kLanes));
-      for (std::uint32_t k = 0; k < used; ++k) {
-        u.any |= below[i].any[k];
-        u.all &= below[i].all[k];
-      }
-      u.hidden = below[i].some_hidden != 0;
-      set_lane(nodes[i / kLanes], i % kLanes, u);
-    }
-  }
+std::size_t Hierarchy::node_count() const {
+  std::size_t count = 0;
+  for (const auto& level : nodes_) count += level.size();
+  return count;
 }
 
 std::size_t Hierarchy::memory_bytes() const {
-  return nodes_.capacity() * sizeof(HierarchyNode) + layers_.capacity() * sizeof(LayerNode);
+  std::size_t bytes = marks_.capacity() * sizeof(marks_[0]);
+  for (const auto& level : nodes_) bytes += level.capacity() * sizeof(HierarchyNode);
+  for (const auto& level : layers_) bytes += level.capacity() * sizeof(LayerNode);
+  return bytes;
 }
 
 }  // namespace sightline::culling

@@ -26,45 +26,48 @@ struct alignas(64) HierarchyNode {
 };
 static_assert(sizeof(HierarchyNode) == 384);
 
-/// Layers below each child of the node of the same index. Items with an empty box count as being on no layer.
+/// Layers below each child of the node of the same index. Vacant slots have no say.
 struct LayerNode {
   std::uint32_t any[kLanes];  ///< union of the items' layers
   std::uint32_t all[kLanes];  ///< intersection
-  std::uint16_t some_hidden;  ///< bit per lane: some item is on no layer
 };
 
 class Hierarchy {
  public:
   Hierarchy() = default;
-  /// Over the first `slot_count` slots of `bounds`, in whatever order they are.
-  Hierarchy(const core::ItemBounds& bounds, std::size_t slot_count);
+  /// Over all slots of `bounds`, in whatever order they are.
+  explicit Hierarchy(const core::ItemBounds& bounds) { refit(bounds); }
 
-  /// Follows changed boxes and layers of the slots it covers. Linear time, no change of structure.
+  /// Follows any change of the bounds. Linear time.
   void refit(const core::ItemBounds& bounds);
+  /// The same after boxes or layers of `changed` slots alone have changed (in any order, repeated or not) and others
+  /// were appended: only their blocks and those above are looked at. Linear in the number of changes.
+  void update(const core::ItemBounds& bounds, std::span<const core::Slot> changed);
 
-  bool empty() const { return nodes_.empty(); }
+  bool empty() const { return slot_count_ == 0; }
   std::uint32_t slot_count() const { return slot_count_; }
-  int level_count() const { return int(first_node_.size()); }
+  int level_count() const { return int(nodes_.size()); }
   /// Level 0 holds the boxes of leaves; the last level is the root alone.
-  std::span<const HierarchyNode> level(int level) const;
-  /// False when every covered item is on core::kLayerModel alone and has a box: then no LayerNodes are kept.
+  std::span<const HierarchyNode> level(int level) const { return nodes_[std::size_t(level)]; }
+  /// False when every item is on core::kLayerModel alone: then no LayerNodes are kept.
   bool uses_layers() const { return !layers_.empty(); }
   /// Of the nodes of that level. Empty without layers.
-  std::span<const LayerNode> layers(int level) const;
+  std::span<const LayerNode> layers(int level) const {
+    return layers_.empty() ? std::span<const LayerNode>() : layers_[std::size_t(level)];
+  }
   /// Lanes in use over a whole level: leaves on level 0.
   std::uint32_t lane_count(int level) const;
 
-  std::size_t node_count() const { return nodes_.size(); }
+  std::size_t node_count() const;
   std::size_t memory_bytes() const;
 
  private:
-  std::size_t level_end(int level) const;
-  void refit_boxes(const core::ItemBounds& bounds, bool& some_empty);
-  void refit_layers(const core::ItemBounds& bounds);
+  void resize(const core::ItemBounds& bounds);
+  void refit_lane(const core::ItemBounds& bounds, int level, std::uint32_t lane);
 
-  std::vector<HierarchyNode> nodes_;  // level 0 first
-  std::vector<LayerNode> layers_;
-  std::vector<std::size_t> first_node_;  // per level
+  std::vector<std::vector<HierarchyNode>> nodes_;  // per level
+  std::vector<std::vector<LayerNode>> layers_;     // per level; none without layers
+  std::vector<std::uint32_t> marks_;               // scratch of update(): bit per lane to be looked at
   std::uint32_t slot_count_ = 0;
 };
 

@@ -85,8 +85,8 @@ struct Kernels {
   void (*cull_items)(const ItemTest& test, PlaneMask mask, std::size_t first, std::size_t end, SlotLists& lists);
   /// out[i] = first + i for i < count.
   void (*count_up)(core::Slot* out, core::Slot first, std::uint32_t count);
-  /// Box of kLeafSize items in the order of the coordinates. False, with anything in `box`, when one of them is
-  /// inverted or holds a NaN.
+  /// Box of kLeafSize items in the order of the coordinates; vacant ones have no say. False, with anything in `box`,
+  /// when one of them holds a NaN.
   bool (*leaf_box)(const float* const (&coordinates)[6], std::size_t first, float (&box)[6]);
 };
 

@@ -31,7 +31,7 @@ class ItemTester {
     return (kept & ~open) | test_.resolve(test_, first, open, PlaneMask(1) << k);
   }
 
-  /// Any planes. kPlain: no box is empty, and layers do not matter.
+  /// Any planes, one at least. kPlain: layers do not matter, and no plane lets an empty box pass.
   template <bool kPlain>
   unsigned visible(std::size_t first, PlaneMask mask) const {
     const FloatPlane* planes = test_.planes;
@@ -169,7 +169,7 @@ class Traversal {
   /// Takes lanes without a common layer from `alive`, and gives those of which every item is shown.
   static unsigned look_at_layers(const LayerNode& layers, std::uint32_t view_layers, unsigned& alive) {
     alive &= Simd::share(layers.any, view_layers);
-    return Simd::share(layers.all, view_layers) | ~(Simd::share(layers.any, ~view_layers) | layers.some_hidden);
+    return Simd::share(layers.all, view_layers) | ~Simd::share(layers.any, ~view_layers);
   }
 
   template <bool kBottom>
@@ -452,14 +452,15 @@ constexpr Kernels make_kernels() {
   };
   k.leaf_box = [](const float* const(&c)[6], std::size_t first, float(&box)[6]) {
     static_assert(kLeafSize == 2 * kLanes);
-    unsigned proper = 0xffff;
+    unsigned numbers = 0xffff;  // a NaN is not even as large as itself
     for (int axis = 0; axis < 3; ++axis) {
       const float *low = c[axis] + first, *high = c[axis + 3] + first;
-      proper &= Simd::at_most(low, high) & Simd::at_most(low + kLanes, high + kLanes);
+      numbers &= Simd::at_most(low, low) & Simd::at_most(low + kLanes, low + kLanes);
+      numbers &= Simd::at_most(high, high) & Simd::at_most(high + kLanes, high + kLanes);
       box[axis] = Simd::least(low);
       box[axis + 3] = Simd::most(high);
     }
-    return proper == 0xffff;
+    return numbers == 0xffff;
   };
   return k;
 }

@@ -47,8 +47,7 @@ core::Expected<void> Engine::build() {
   if (plan_.culler == CullerChoice::kLinear) {
     culler_ = std::make_unique<Culler>(std::in_place_type<culling::LinearCuller>, snapshot->bounds());
   } else {
-    culler_ =
-        std::make_unique<Culler>(std::in_place_type<culling::CpuCuller>, snapshot->bounds(), snapshot->tree_size());
+    culler_ = std::make_unique<Culler>(std::in_place_type<culling::CpuCuller>, snapshot->bounds());
   }
   snapshot_ = std::move(snapshot);
   return {};
@@ -63,7 +62,7 @@ core::Expected<FrameReport> Engine::frame(const core::View& view) {
   visible_.generation = snapshot_->generation();
   const double culled = now_seconds();
   report.cull_ms = 1e3 * (culled - begin);
-  report.visible = visible_.count();
+  report.visible = snapshot_->count(visible_);
   report.tested = visible_.counters.nodes_tested + visible_.counters.boxes_tested;
 #if SIGHTLINE_HAS_GL
   if (drawing_) {
@@ -78,10 +77,10 @@ core::Expected<void> Engine::commit() {
   auto delta = scene_->commit();
   if (!delta) return tl::unexpected(delta.error());
   if (delta->empty()) return {};
-  snapshot_->apply(*delta);
-  if (auto* culler = std::get_if<culling::CpuCuller>(culler_.get())) culler->refit();
+  const std::vector<core::Slot> touched = snapshot_->apply(*delta);
+  if (auto* culler = std::get_if<culling::CpuCuller>(culler_.get())) culler->update(touched);
 #if SIGHTLINE_HAS_GL
-  if (drawing_) return drawing_->update(*snapshot_, *delta);
+  if (drawing_) return drawing_->update(*snapshot_, touched);
 #endif
   return {};
 }

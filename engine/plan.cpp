@@ -25,7 +25,7 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, CullerChoice choic
   plan.entries.push_back({"CPU culling hierarchy", tree, why});
   const bool layers = snapshot.bounds().uses_layers();
   plan.entries.push_back(
-      {"layers in the culler", layers, layers ? "items on several layers or hidden" : "all items on the model layer"});
+      {"layers in the culler", layers, layers ? "items on several layers" : "all items on the model layer"});
 }
 
 void plan_batches(Plan& plan, const core::Snapshot& snapshot, bool draw) {

@@ -48,8 +48,9 @@ void pack_slot(const Snapshot& snapshot, Slot slot, std::span<Texel> out) {
   }
   const bool flat = kind == Kind::kBox || flat_shaded(snapshot, slot);
   const std::uint32_t flags = flat ? std::uint32_t(gpuprims::kFlatShaded) : 0u;
-  gpuprims::pack(kind, parameters, {items.placements[i], snapshot.item(slot), material_row(snapshot, slot) | flags},
-                 out);
+  core::Placement placement = items.placements[i];
+  if (snapshot.vacant(slot)) placement.linear = core::mat3(0.0f);  // a point, of which nothing is rasterised
+  gpuprims::pack(kind, parameters, {placement, snapshot.item(slot), material_row(snapshot, slot) | flags}, out);
 }
 
 core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, const Snapshot& snapshot,
@@ -131,17 +132,17 @@ core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snap
   return scene;
 }
 
-void GpuScene::update(const Snapshot& snapshot, std::span<const core::ItemId> changed) {
+void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed) {
   std::array<Texel, 8> record;
-  for (const core::ItemId item : changed) {
-    const Slot slot = snapshot.slot(item);
-    if (slot == core::kNone) continue;
+  for (const Slot slot : changed) {
     const BatchKind kind = batch_of(snapshot.kind(slot));
     const Batch* target = batch(kind);
-    assert(target && "items were inserted: create a new GpuScene");
+    assert(target && "slots were appended: create a new GpuScene");
     const auto texels = std::span(record).first(std::size_t(target->texels_per_item));
     pack_slot(snapshot, slot, texels);
-    target->records.write(record_of(snapshot, slot) * texels.size_bytes(), texels.size_bytes(), texels.data());
+    const std::uint32_t place = record_of(snapshot, slot);
+    target->records.write(place * texels.size_bytes(), texels.size_bytes(), texels.data());
+    if (kind == BatchKind::kMesh) meshes_.commands[place].instance_count = snapshot.vacant(slot) ? 0 : 1;
   }
 }
 

@@ -70,8 +70,9 @@ class GpuScene {
   static core::Expected<GpuScene> create(const gl::Context& context, const core::Snapshot& snapshot,
                                          const GpuSceneConfig& config = {});
 
-  /// Writes the records of changed items anew (placement and material). After insertions create a new GpuScene.
-  void update(const core::Snapshot& snapshot, std::span<const core::ItemId> changed);
+  /// Writes the records of changed slots anew: placement, material, and nothing to draw for vacant ones, which ranges
+  /// may hold. When slots were appended create a new GpuScene.
+  void update(const core::Snapshot& snapshot, std::span<const core::Slot> changed);
 
   const std::vector<Batch>& batches() const { return batches_; }
   const Batch* batch(BatchKind kind) const;  ///< null when the scene has none

@@ -128,8 +128,8 @@ core::Expected<MeshPool> build_mesh_pool(const gl::Functions& gl, const Snapshot
   pool.commands.reserve(slots.size());
   for (const Slot slot : slots) {
     const Shape shape = builder.shape_of(slot);
-    pool.commands.push_back(
-        {shape.index_count, 1, shape.first_index, shape.base_vertex, std::uint32_t(pool.commands.size())});
+    pool.commands.push_back({shape.index_count, snapshot.vacant(slot) ? 0u : 1u, shape.first_index, shape.base_vertex,
+                             std::uint32_t(pool.commands.size())});
   }
   if (builder.indices().empty()) return pool;  // every shape is empty: commands of zero indices
   auto vertices = gl::Buffer::create(gl, std::span(builder.vertices()), 0, "mesh vertices");

@@ -163,7 +163,7 @@ Culler::Culler(const Variant& variant, std::span<const core::Aabb> boxes, const 
   if (variant.tree == TreeKind::kWide || variant.simd == Simd::kOverBoxes) {
     s.bounds.resize(boxes.size());
     for (std::size_t i = 0; i < boxes.size(); ++i) s.bounds.set(i, boxes[s.order[i]]);
-    if (variant.tree == TreeKind::kWide) s.production.emplace(s.bounds, boxes.size());
+    if (variant.tree == TreeKind::kWide) s.production.emplace(s.bounds);
     return;
   }
   s.items.reserve(boxes.size());

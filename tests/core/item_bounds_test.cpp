@@ -71,12 +71,14 @@ TEST(ItemBounds, LayersAreNoticedOnceUsed) {
   bounds.resize(4);
   bounds.set_layers(2, kLayerModel);
   EXPECT_FALSE(bounds.uses_layers());
-  bounds.set_layers(2, 0);
+  EXPECT_TRUE(bounds.layers().empty()) << "no memory for what all have in common";
+  bounds.set_layers(2, 6);
   EXPECT_TRUE(bounds.uses_layers());
-  EXPECT_EQ(bounds.layers()[2], 0u);
+  EXPECT_EQ(bounds.layers()[2], 6u);
+  EXPECT_EQ(bounds.layers(1), kLayerModel);
   EXPECT_EQ(bounds.layers().size(), 4u);
   bounds.resize(8);
-  EXPECT_EQ(bounds.layers(2), 0u);
+  EXPECT_EQ(bounds.layers(2), 6u);
   EXPECT_EQ(bounds.layers(7), kLayerModel);
 }
 

@@ -2,6 +2,7 @@
 #include "sightline/culling/cpu_culler.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -96,53 +97,52 @@ TEST(CpuCuller, PartialViewTestsFarLessThanEverything) {
   }
 }
 
-TEST(CpuCuller, EmptySceneAndTailOnly) {
+TEST(CpuCuller, EmptyScene) {
   const Scene nothing(std::vector<Aabb>{}, core::dvec3(0.0));
   VisibleSet set;
   nothing.culler->cull(around(2), set);
   EXPECT_EQ(set.count(), 0u);
   EXPECT_EQ(nothing.culler->hierarchy().node_count(), 0u);
-
-  const auto boxes = grid(3);
-  const Scene tail(boxes, core::dvec3(0.0), boxes.size());
-  tail.culler->cull(around(3), set);
-  EXPECT_EQ(set.count(), boxes.size());
-  EXPECT_EQ(set.counters.boxes_tested, boxes.size());
 }
 
-TEST(CpuCuller, TailGrowsBehindTheTree) {
+TEST(CpuCuller, GrowsWithTheBounds) {
   Scene scene(grid(5), core::dvec3(0.0));
   scene.bounds.resize(126);
+  scene.culler->update({});
   VisibleSet set;
   scene.culler->cull(around(5), set);
-  EXPECT_EQ(set.count(), 125u) << "a new box is empty";
+  EXPECT_EQ(scene.occupied(set).size(), 125u) << "a new box is empty";
   scene.bounds.set(125, box_around(core::dvec3(2.5), core::dvec3(0.1)));
+  scene.culler->update(std::array{core::Slot(125)});
   scene.culler->cull(around(5), set);
-  EXPECT_EQ(set.count(), 126u);
-  EXPECT_EQ(set.items, std::vector<core::Slot>{125});
+  EXPECT_EQ(scene.occupied(set).size(), 126u);
 }
 
-TEST(CpuCuller, EmptyBoxesAreNeverInARange) {
+TEST(CpuCuller, VacantSlotsCutNoRangeAndAreNeverItems) {
   Scene scene(grid(8), core::dvec3(0.0));
   scene.bounds.set(100, Aabb{});
   scene.culler->refit();
-  EXPECT_TRUE(scene.culler->hierarchy().uses_layers());
+  EXPECT_FALSE(scene.culler->hierarchy().uses_layers());
   VisibleSet set;
   scene.culler->cull(around(8), set);
-  const auto slots = set.sorted_slots();
-  EXPECT_EQ(slots.size(), 511u);
-  EXPECT_FALSE(std::binary_search(slots.begin(), slots.end(), 100u));
+  ASSERT_EQ(set.ranges.size(), 1u);
+  EXPECT_EQ(set.ranges[0], (core::SlotRange{0, 512}));
+  EXPECT_TRUE(set.items.empty());
+  EXPECT_EQ(scene.occupied(set).size(), 511u);
   // A view of everything there is: no plane at all.
   core::dmat4 everywhere(0.0);
   everywhere[3][3] = 1.0;
   const auto view = View::from_matrices(core::dmat4(1.0), everywhere, core::ClipDepth::kMinusOneToOne);
   scene.culler->cull(*view, set);
-  EXPECT_EQ(set.count(), 511u);
+  EXPECT_EQ(scene.occupied(set).size(), 511u);
   culling::LinearCuller(scene.bounds).cull(*view, set);
   EXPECT_EQ(set.count(), 511u);
-  scene.bounds.set(100, scene.bounds.box(99));
+  // Every second one gone, and a view whose planes go through the rest.
+  for (core::Slot i = 0; i < 512; i += 2) scene.bounds.set(i, Aabb{});
   scene.culler->refit();
-  EXPECT_FALSE(scene.culler->hierarchy().uses_layers()) << "layers are left out again";
+  scene.culler->cull(partial(8), set);
+  EXPECT_FALSE(set.items.empty());
+  for (const core::Slot slot : set.items) EXPECT_FALSE(scene.bounds.vacant(slot));
 }
 
 TEST(CpuCuller, RefitFollowsMovedBoxes) {
@@ -183,10 +183,10 @@ TEST(CpuCuller, LayersInTheHierarchy) {
   scene.culler->cull(view, set);
   EXPECT_EQ(set.count(), 100u);
   EXPECT_LT(set.counters.boxes_tested, 200u);
-  scene.bounds.set_layers(950, 0);
+  scene.bounds.set(950, Aabb{});
   scene.culler->refit();
   scene.culler->cull(view, set);
-  EXPECT_EQ(set.count(), 99u);
+  EXPECT_EQ(scene.occupied(set).size(), 99u);
 }
 
 TEST(CpuCuller, SectionPlanes) {

@@ -13,7 +13,9 @@ namespace {
 using culling::Hierarchy;
 using culling::kLanes;
 
+/// Boxes of every block, by growing.
 void check(const Hierarchy& hierarchy, const core::ItemBounds& bounds) {
+  ASSERT_EQ(hierarchy.slot_count(), bounds.size());
   std::size_t block = culling::kLeafSize, nodes = 0;
   for (int level = 0; level < hierarchy.level_count(); ++level, block *= kLanes) {
     ASSERT_EQ(hierarchy.lane_count(level), (hierarchy.slot_count() + block - 1) / block);
@@ -55,26 +57,66 @@ TEST(Hierarchy, LayersOfAllLevels) {
   Random random(2);
   Scene scene(random_boxes(random, 20000, 100.0), core::dvec3(0.0));
   EXPECT_FALSE(scene.culler->hierarchy().uses_layers());
-  for (std::size_t i = 0; i < 20000; ++i) scene.bounds.set_layers(i, std::uint32_t(whole(random, 0, 3000) / 1000));
-  scene.bounds.set(7, core::Aabb{});
+  for (std::size_t i = 0; i < 20000; ++i) scene.bounds.set_layers(i, std::uint32_t(whole(random, 1000, 3999) / 1000));
+  for (std::size_t i = 7; i < 7000; i += 7) scene.bounds.set(i, core::Aabb{});
+  for (std::size_t i = 9000; i < 12000; ++i) scene.bounds.set(i, core::Aabb{});
   scene.culler->refit();
   const Hierarchy& hierarchy = scene.culler->hierarchy();
   std::size_t block = culling::kLeafSize;
   for (int level = 0; level < hierarchy.level_count(); ++level, block *= kLanes) {
     for (std::size_t lane = 0; lane < hierarchy.lane_count(level); ++lane) {
       std::uint32_t any = 0, all = ~0u;
-      bool hidden = false;
       for (std::size_t slot = lane * block; slot < std::min<std::size_t>(20000, (lane + 1) * block); ++slot) {
-        const std::uint32_t own = scene.bounds.box(slot).empty() ? 0 : scene.bounds.layers(slot);
-        any |= own;
-        all &= own;
-        hidden |= own == 0;
+        if (scene.bounds.vacant(slot)) continue;
+        any |= scene.bounds.layers(slot);
+        all &= scene.bounds.layers(slot);
       }
       const auto& node = hierarchy.layers(level)[lane / kLanes];
       ASSERT_EQ(node.any[lane % kLanes], any);
       ASSERT_EQ(node.all[lane % kLanes], all);
-      ASSERT_EQ((node.some_hidden >> lane % kLanes & 1) != 0, hidden);
     }
+  }
+}
+
+/// Bit for bit what a new one would be.
+void expect_equal(const Hierarchy& a, const Hierarchy& b) {
+  ASSERT_EQ(a.slot_count(), b.slot_count());
+  ASSERT_EQ(a.level_count(), b.level_count());
+  ASSERT_EQ(a.uses_layers(), b.uses_layers());
+  for (int level = 0; level < a.level_count(); ++level) {
+    const auto nodes = std::as_bytes(a.level(level)), fresh = std::as_bytes(b.level(level));
+    ASSERT_TRUE(std::ranges::equal(nodes, fresh)) << "boxes of level " << level;
+    const auto layers = std::as_bytes(a.layers(level)), fresh_layers = std::as_bytes(b.layers(level));
+    ASSERT_TRUE(std::ranges::equal(layers, fresh_layers)) << "layers of level " << level;
+  }
+}
+
+TEST(Hierarchy, UpdatesLikeANewOne) {
+  for (std::uint64_t seed = 1; seed <= 80; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    core::ItemBounds bounds;
+    bounds.resize(seed % 5 == 0 ? 0 : std::size_t(magnitude(random, 1.0, 20000.0)));
+    for (std::size_t i = 0; i < bounds.size(); ++i) bounds.set(i, random_box(random, 100.0));
+    Hierarchy hierarchy(bounds);
+    for (int round = 0; round < 8; ++round) {
+      std::vector<core::Slot> changed;
+      for (auto i = std::size_t(magnitude(random, 1.0, 1.0 + double(bounds.size()))); i > 0 && bounds.size() > 0; --i) {
+        const core::Slot slot = core::Slot(whole(random, 0, int(bounds.size()) - 1));
+        bounds.set(slot, chance(random, 0.2) ? core::Aabb{} : random_box(random, 200.0));
+        if (round > 3 && chance(random, 0.3)) bounds.set_layers(slot, std::uint32_t(whole(random, 1, 7)));
+        changed.push_back(slot);
+      }
+      const std::size_t old = bounds.size();
+      if (chance(random, 0.5)) bounds.resize(old + std::size_t(magnitude(random, 1.0, 40000.0)));
+      for (std::size_t i = old; i < bounds.size(); ++i)
+        if (chance(random, 0.9)) bounds.set(i, random_box(random, 300.0));
+      hierarchy.update(bounds, changed);
+      ASSERT_NO_FATAL_FAILURE(expect_equal(hierarchy, Hierarchy(bounds))) << "round " << round;
+    }
+    bounds.resize(bounds.size() / 3);
+    hierarchy.refit(bounds);
+    ASSERT_NO_FATAL_FAILURE(expect_equal(hierarchy, Hierarchy(bounds))) << "shrunk";
   }
 }
 

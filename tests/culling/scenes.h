@@ -141,19 +141,26 @@ void for_each_instruction_set(const Check& check) {
   culling::force_instruction_set(std::nullopt);
 }
 
-/// Boxes in the order that a hierarchy gives them, with the culler over it and, behind the tree, a tail.
+/// Boxes in the order that a hierarchy gives them, with the culler over it. The last `unsorted` ones stay as they are.
 struct Scene {
   core::ItemBounds bounds;
   std::unique_ptr<culling::CpuCuller> culler;
 
-  Scene(std::span<const core::Aabb> boxes, const core::dvec3& origin, std::size_t tail = 0,
+  Scene(std::span<const core::Aabb> boxes, const core::dvec3& origin, std::size_t unsorted = 0,
         const core::BvhConfig& config = {}) {
-    const std::size_t tree_size = boxes.size() - tail;
+    const std::size_t sorted = boxes.size() - unsorted;
     bounds.origin = origin;
     bounds.resize(boxes.size());
-    const core::BvhTree tree = core::build_bvh(boxes.first(tree_size), config);
-    for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[i < tree_size ? tree.order[i] : i]);
-    culler = std::make_unique<culling::CpuCuller>(bounds, tree_size);
+    const core::BvhTree tree = core::build_bvh(boxes.first(sorted), config);
+    for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[i < sorted ? tree.order[i] : i]);
+    culler = std::make_unique<culling::CpuCuller>(bounds);
+  }
+
+  /// The slots of a set that are not vacant, in rising order.
+  std::vector<core::Slot> occupied(const core::VisibleSet& set) const {
+    std::vector<core::Slot> slots = set.sorted_slots();
+    std::erase_if(slots, [&](core::Slot slot) { return bounds.vacant(slot); });
+    return slots;
   }
 };
 

@@ -24,7 +24,9 @@ View look(const dvec3& eye, const dvec3& target) {
 
 std::vector<core::ItemId> visible_items(const Engine& engine) {
   std::vector<core::ItemId> items;
-  for (const core::Slot slot : engine.visible().sorted_slots()) items.push_back(engine.snapshot().item(slot));
+  for (const core::Slot slot : engine.visible().sorted_slots())
+    if (!engine.snapshot().vacant(slot)) items.push_back(engine.snapshot().item(slot));
+  EXPECT_EQ(items.size(), engine.snapshot().count(engine.visible()));
   std::sort(items.begin(), items.end());
   return items;
 }

@@ -46,7 +46,7 @@ class SceneRender : public tests::GlTest {
     engine.finish();
     Picture picture{engine.drawing()->target().read_colour(), engine.drawing()->target().read_ids(), {}};
     for (const core::Slot slot : engine.visible().sorted_slots())
-      picture.visible.push_back(engine.snapshot().item(slot));
+      if (!engine.snapshot().vacant(slot)) picture.visible.push_back(engine.snapshot().item(slot));
     std::sort(picture.visible.begin(), picture.visible.end());
     return picture;
   }
@@ -200,6 +200,54 @@ TEST_F(SceneRender, EditsShowAsIfBuiltAnew) {
     // Ties at equal depth, and the last bit of chunk-relative positions.
     EXPECT_LE(difference->pixels, kWidth * kHeight / 50u);
   }
+}
+
+/// Ranges may hold vacant slots, and long ones are drawn without a look at their items.
+TEST_F(SceneRender, VacantSlotsOfRangesAreNotDrawn) {
+  core::Scene scene;
+  ASSERT_TRUE(importers::generate_plant({3000, 8}, scene));
+  core::Mesh triangle;
+  triangle.positions = {{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0, 0, 0.5f}};
+  triangle.indices = {0, 1, 2};
+  const core::MeshId mesh = scene.add_mesh(triangle);
+  for (int i = 0; i < 300; ++i) {
+    const Affine place = core::translation({i % 20 - 10, i / 20 - 8, 12});
+    scene.add_mesh_instance(scene.root(), mesh, place);
+    scene.add_primitive(scene.root(), core::Box{0.5f, 0.5f, 0.5f}, place);
+    scene.add_primitive(scene.root(), core::Line{-0.5f, 0.5f}, place);
+    scene.add_primitive(scene.root(), core::Pyramid{1, 1, 0.5f, 0.5f, 0, 0, 1}, place);
+  }
+  engine::Engine engine = make(scene, config());
+  const auto ids_of_everything = [&](const View& view) {
+    core::VisibleSet all;
+    all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
+    EXPECT_TRUE(engine.drawing()->draw(view, engine.snapshot(), all));
+    engine.finish();
+    const render::IdImage image = engine.drawing()->target().read_ids();
+    return std::set<std::uint32_t>(image.ids.begin(), image.ids.end());
+  };
+  for (core::ItemId item = 0; item < scene.item_slots(); item += 2) scene.set_visible(item, false);
+  for (core::ItemId item = 1; item < scene.item_slots(); item += 6) scene.remove_item(item);
+  ASSERT_TRUE(engine.commit());
+  for (const View& view : plant_views())
+    for (const std::uint32_t id : ids_of_everything(view)) {
+      if (id != 0) {
+        ASSERT_TRUE(scene.contains_item(id - 1) && scene.item_visible(id - 1)) << "item " << id - 1;
+      }
+    }
+  ASSERT_TRUE(engine.rebuild());
+  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+    if (scene.contains_item(item)) scene.set_visible(item, item % 2 == 0);
+  ASSERT_TRUE(engine.commit());
+  std::size_t seen = 0;
+  for (const View& view : plant_views())
+    for (const std::uint32_t id : ids_of_everything(view)) {
+      if (id != 0) {
+        ASSERT_EQ((id - 1) % 2, 0u) << "shown where records were made for a hidden one";
+      }
+      ++seen;
+    }
+  EXPECT_GT(seen, 500u);
 }
 
 TEST_F(SceneRender, TransparencyIsDitheredAndIdsStayExact) {
