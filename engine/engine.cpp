@@ -13,6 +13,12 @@ class Drawing {};
 namespace sightline::engine {
 namespace {
 
+constexpr double kFewSlots = 256.0;  // not worth a thread
+
+PlanRequest plan_request(const EngineConfig& config) {
+  return {config.culler, config.draw, config.ids};
+}
+
 double now_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -21,16 +27,26 @@ double now_seconds() {
 
 Engine::Engine(core::Scene& scene, const EngineConfig& config) : scene_(&scene), config_(config) {}
 Engine::Engine(Engine&&) noexcept = default;
-Engine& Engine::operator=(Engine&&) noexcept = default;
+Engine& Engine::operator=(Engine&& other) noexcept {
+  rebuild_.reset();  // before what it reads
+  scene_ = other.scene_;
+  config_ = other.config_;
+  live_ = std::move(other.live_);
+  visible_ = std::move(other.visible_);
+  drawing_ = std::move(other.drawing_);
+  last_frame_began_ = other.last_frame_began_;
+  rebuild_ = std::move(other.rebuild_);
+  return *this;
+}
 Engine::~Engine() = default;
 
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config) {
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
   Engine engine(scene, config);
-  if (auto done = engine.build(); !done) return tl::unexpected(done.error());
+  engine.build();
   if (config.draw) {
 #if SIGHTLINE_HAS_GL
-    auto drawing = Drawing::create(*engine.snapshot_, config);
+    auto drawing = Drawing::create(*engine.live_.snapshot, config);
     if (!drawing) return tl::unexpected(drawing.error());
     engine.drawing_ = std::move(*drawing);
 #else
@@ -40,33 +56,39 @@ core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& co
   return engine;
 }
 
-core::Expected<void> Engine::build() {
-  using Culler = std::variant<culling::LinearCuller, culling::CpuCuller>;
-  auto snapshot = std::make_unique<core::Snapshot>(*scene_);
-  plan_ = make_plan(*snapshot, config_.culler, config_.draw, config_.ids);
-  if (plan_.culler == CullerChoice::kLinear) {
-    culler_ = std::make_unique<Culler>(std::in_place_type<culling::LinearCuller>, snapshot->bounds());
-  } else {
-    culler_ = std::make_unique<Culler>(std::in_place_type<culling::CpuCuller>, snapshot->bounds());
+void Engine::build() {
+  live_ = make_generation(std::make_unique<core::Snapshot>(*scene_), plan_request(config_));
+}
+
+/// Takes a new order over when one is ready.
+core::Expected<void> Engine::land() {
+  if (!rebuild_) return {};
+  if (rebuild_->finished()) {
+    rebuild_.reset();
+    return {};
   }
-  snapshot_ = std::move(snapshot);
+  if (!rebuild_->exchange(live_)) return {};
+#if SIGHTLINE_HAS_GL
+  if (drawing_) return drawing_->rebuild(*live_.snapshot);
+#endif
   return {};
 }
 
 core::Expected<FrameReport> Engine::frame(const core::View& view) {
+  if (auto landed = land(); !landed) return tl::unexpected(landed.error());
   FrameReport report;
   const double begin = now_seconds();
   if (last_frame_began_ >= 0.0) report.frame_ms = 1e3 * (begin - last_frame_began_);
   last_frame_began_ = begin;
-  std::visit([&](const auto& culler) { culler.cull(view, visible_); }, *culler_);
-  visible_.generation = snapshot_->generation();
+  std::visit([&](const auto& culler) { culler.cull(view, visible_); }, *live_.culler);
+  visible_.generation = live_.snapshot->generation();
   const double culled = now_seconds();
   report.cull_ms = 1e3 * (culled - begin);
-  report.visible = snapshot_->count(visible_);
+  report.visible = live_.snapshot->count(visible_);
   report.tested = visible_.counters.nodes_tested + visible_.counters.boxes_tested;
 #if SIGHTLINE_HAS_GL
   if (drawing_) {
-    if (auto done = drawing_->draw(view, *snapshot_, visible_); !done) return tl::unexpected(done.error());
+    if (auto done = drawing_->draw(view, *live_.snapshot, visible_); !done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);
   }
 #endif
@@ -74,22 +96,30 @@ core::Expected<FrameReport> Engine::frame(const core::View& view) {
 }
 
 core::Expected<void> Engine::commit() {
+  if (auto landed = land(); !landed) return landed;
   auto delta = scene_->commit();
   if (!delta) return tl::unexpected(delta.error());
   if (delta->empty()) return {};
-  const std::vector<core::Slot> touched = snapshot_->apply(*delta);
-  if (auto* culler = std::get_if<culling::CpuCuller>(culler_.get())) culler->update(touched);
+  if (rebuild_) rebuild_->begin_edit();
+  const std::vector<core::Slot> touched = live_.snapshot->apply(*delta);
+  if (rebuild_) rebuild_->end_edit(*delta);
+  live_.update(touched);
+  const double disorder = double(live_.snapshot->disorder());
+  if (!rebuild_ && config_.rebuild_share > 0.0 && disorder > kFewSlots &&
+      disorder > config_.rebuild_share * double(live_.snapshot->size()))
+    rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_));
 #if SIGHTLINE_HAS_GL
-  if (drawing_) return drawing_->update(*snapshot_, touched);
+  if (drawing_) return drawing_->update(*live_.snapshot, touched);
 #endif
   return {};
 }
 
 core::Expected<void> Engine::rebuild() {
   if (auto delta = scene_->commit(); !delta) return tl::unexpected(delta.error());
-  if (auto done = build(); !done) return done;
+  rebuild_.reset();
+  build();
 #if SIGHTLINE_HAS_GL
-  if (drawing_) return drawing_->rebuild(*snapshot_);
+  if (drawing_) return drawing_->rebuild(*live_.snapshot);
 #endif
   return {};
 }
@@ -103,8 +133,8 @@ void Engine::finish() {
 MemoryReport Engine::memory() const {
   MemoryReport report;
   report.scene = scene_->memory_bytes();
-  report.snapshot = snapshot_->memory_bytes();
-  if (const auto* culler = std::get_if<culling::CpuCuller>(culler_.get())) report.bvh = culler->memory_bytes();
+  report.snapshot = live_.snapshot->memory_bytes();
+  if (const auto* culler = std::get_if<culling::CpuCuller>(live_.culler.get())) report.bvh = culler->memory_bytes();
 #if SIGHTLINE_HAS_GL
   if (drawing_) report.gpu = drawing_->memory_bytes();
 #endif

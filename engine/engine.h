@@ -8,14 +8,12 @@
 #pragma once
 
 #include <memory>
-#include <variant>
 
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/cpu_culler.h"
-#include "sightline/culling/linear_culler.h"
 #include "sightline/engine/plan.h"
+#include "sightline/engine/rebuild.h"
 
 namespace sightline::gl {
 class Context;
@@ -34,6 +32,9 @@ struct EngineConfig {
   gl::Context* context =
       nullptr;  ///< a current context to draw with, owned by the application; null: one is made offscreen
   double chord_tolerance = 2e-5;  ///< metres, for the kinds that are tessellated
+  /// Edits leave slots behind. When this share of them is no longer where a new order would have it, one is made in the
+  /// background; 0: never.
+  double rebuild_share = 0.05;
 };
 
 /// Times in milliseconds of wall clock.
@@ -62,33 +63,43 @@ class Engine {
   /// Culls and, when drawing is on, draws into drawing()->target() without waiting for it.
   core::Expected<FrameReport> frame(const core::View& view);
 
-  /// Takes over the scene's edits since the last commit. Moves, hides and removals are refitted in place; insertions go
-  /// to the culler's linear tail and rebuild what lies in GPU memory. rebuild() restores full speed after many.
+  /// Takes over the scene's edits since the last commit, in time that follows their number: see Snapshot::apply. With
+  /// drawing on, slots that were appended (insertions, moves far away) upload everything anew.
+  ///
+  /// After many edits a new order is made in the background (EngineConfig::rebuild_share), from the snapshot and not
+  /// from the scene, which may be edited meanwhile. It lands in the first commit() or frame() after it is ready, as an
+  /// exchange of pointers; with drawing on everything is then uploaded anew. Slots change with it: visible() is of the
+  /// snapshot whose generation it names.
   core::Expected<void> commit();
+  /// The same order as of a new engine, at once. Stops a rebuild in the background.
   core::Expected<void> rebuild();
+  /// True while a new order is made or waits to land.
+  bool rebuilding() const { return rebuild_ && !rebuild_->finished(); }
 
   /// Waits until everything submitted is drawn.
   void finish();
 
-  const Plan& plan() const { return plan_; }
-  const core::Snapshot& snapshot() const { return *snapshot_; }
+  const Plan& plan() const { return live_.plan; }
+  const core::Snapshot& snapshot() const { return *live_.snapshot; }
   const core::VisibleSet& visible() const { return visible_; }
   Drawing* drawing() { return drawing_.get(); }  ///< null when drawing is off
   MemoryReport memory() const;
-  const char* culler_name() const { return std::holds_alternative<culling::LinearCuller>(*culler_) ? "linear" : "cpu"; }
+  const char* culler_name() const {
+    return std::holds_alternative<culling::LinearCuller>(*live_.culler) ? "linear" : "cpu";
+  }
 
  private:
   Engine(core::Scene& scene, const EngineConfig& config);
-  core::Expected<void> build();
+  void build();
+  core::Expected<void> land();
 
   core::Scene* scene_;
   EngineConfig config_;
-  std::unique_ptr<core::Snapshot> snapshot_;  // at a fixed address: the cullers borrow its bounds
-  std::unique_ptr<std::variant<culling::LinearCuller, culling::CpuCuller>> culler_;
-  Plan plan_;
+  Generation live_;
   core::VisibleSet visible_;
   std::unique_ptr<Drawing> drawing_;
-  double last_frame_began_ = -1.0;  // seconds on the steady clock
+  double last_frame_began_ = -1.0;              // seconds on the steady clock
+  std::unique_ptr<BackgroundRebuild> rebuild_;  // last: it reads live_ until it is gone
 };
 
 }  // namespace sightline::engine

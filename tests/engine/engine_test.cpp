@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <random>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -92,6 +93,141 @@ TEST(Engine, BothCullersSeeTheSameThroughRandomEdits) {
     ASSERT_TRUE(edited->frame(look({-5, 4, 4}, {4, 4, 4})) && fresh->frame(look({-5, 4, 4}, {4, 4, 4})));
     EXPECT_EQ(visible_items(*edited), visible_items(*fresh));
   }
+}
+
+// --- rebuild in the background ---------------------------------------------------------------------------------------
+
+/// Moves, removes, hides and inserts.
+void edit(core::Scene& scene, std::mt19937& random, int count) {
+  for (int i = 0; i < count; ++i) {
+    const dvec3 place(random() % 25, random() % 25, random() % 25);
+    const core::ItemId item = core::ItemId(random() % scene.item_slots());
+    if (!scene.contains_item(item) || random() % 6 == 0)
+      scene.add_primitive(scene.root(), core::Sphere{1}, core::translation(place));
+    else if (random() % 5 == 0)
+      scene.remove_item(item);
+    else if (random() % 5 == 0)
+      scene.set_visible(item, random() % 3 != 0);
+    else
+      scene.set_placement(item, core::translation(place));
+  }
+}
+
+void expect_like_new(Engine& engine, core::Scene& scene) {
+  auto fresh = Engine::create(scene, {.culler = CullerChoice::kLinear});
+  ASSERT_TRUE(fresh);
+  for (const View& view : {look({-9, 8, 8}, {8, 8, 8}), look({8, 8, 8}, {16, 9, 7}), look({90, 90, 90}, {0, 0, 0})}) {
+    ASSERT_TRUE(engine.frame(view) && fresh->frame(view));
+    EXPECT_EQ(engine.visible().generation, engine.snapshot().generation());
+    EXPECT_EQ(visible_items(engine), visible_items(*fresh));
+  }
+}
+
+TEST(EngineRebuild, LandsBetweenEditsThatGoOn) {
+  for (const CullerChoice choice : {CullerChoice::kCpu, CullerChoice::kLinear}) {
+    core::Scene scene;
+    add_grid(scene, 20);
+    auto engine = Engine::create(scene, {.culler = choice});
+    ASSERT_TRUE(engine);
+    std::mt19937 random{11};
+    std::uint64_t generation = engine->snapshot().generation();
+    int landed = 0;
+    for (int round = 0; round < 150; ++round) {
+      SCOPED_TRACE(round);
+      edit(scene, random, 100);
+      ASSERT_TRUE(engine->commit());
+      if (round % 30 == 0) {
+        ASSERT_NO_FATAL_FAILURE(expect_like_new(*engine, scene));
+      }
+      landed += engine->snapshot().generation() != generation;
+      generation = engine->snapshot().generation();
+    }
+    while (engine->rebuilding()) {
+      ASSERT_TRUE(engine->frame(look({-9, 8, 8}, {8, 8, 8})));
+      std::this_thread::yield();
+    }
+    EXPECT_NE(engine->snapshot().generation(), 1u);
+    EXPECT_GT(landed, 0);
+    EXPECT_LT(engine->snapshot().size(), 2 * scene.item_count());
+    ASSERT_NO_FATAL_FAILURE(expect_like_new(*engine, scene));
+  }
+}
+
+/// Edits that are pending when a new order lands show with their own commit, not before.
+TEST(EngineRebuild, LandingReadsNothingOfTheScene) {
+  core::Scene scene;
+  add_grid(scene, 16);
+  auto engine = Engine::create(scene);
+  ASSERT_TRUE(engine);
+  std::mt19937 random{12};
+  edit(scene, random, 1000);
+  ASSERT_TRUE(engine->commit());
+  ASSERT_TRUE(engine->rebuilding());
+  const View view = look({90, 90, 90}, {0, 0, 0});
+  ASSERT_TRUE(engine->frame(view));
+  const std::uint64_t generation = engine->snapshot().generation();
+  const std::vector<core::ItemId> before = visible_items(*engine);
+  core::ItemId item = 0;
+  while (!scene.contains_item(item)) ++item;
+  scene.set_placement(item, core::translation(dvec3(std::numeric_limits<double>::quiet_NaN())));
+  for (core::ItemId i = item + 1; i < scene.item_slots(); i += 2)
+    if (scene.contains_item(i)) scene.remove_item(i);
+  while (engine->snapshot().generation() == generation) {
+    ASSERT_TRUE(engine->frame(view));
+    std::this_thread::yield();
+  }
+  EXPECT_EQ(visible_items(*engine), before);
+  EXPECT_FALSE(engine->commit());
+  scene.set_placement(item, {});
+  ASSERT_TRUE(engine->commit());
+  expect_like_new(*engine, scene);
+}
+
+TEST(EngineRebuild, MayBeMovedDestroyedOrStoppedAtAnyTime) {
+  std::mt19937 random{13};
+  for (int round = 0; round < 40; ++round) {
+    core::Scene scene, other_scene;
+    add_grid(scene, 14);
+    add_grid(other_scene, 8);
+    auto engine = Engine::create(scene), other = Engine::create(other_scene);
+    ASSERT_TRUE(engine && other);
+    edit(scene, random, 600);
+    edit(other_scene, random, 300);
+    ASSERT_TRUE(engine->commit() && other->commit());
+    ASSERT_TRUE(engine->rebuilding());
+    for (auto wait = random() % 2000; wait > 0; --wait) std::this_thread::yield();
+    switch (round % 4) {
+      case 0:
+        break;  // destroyed
+      case 1:
+        *other = std::move(*engine);
+        edit(scene, random, 50);
+        ASSERT_TRUE(other->commit());
+        ASSERT_NO_FATAL_FAILURE(expect_like_new(*other, scene));
+        break;
+      case 2: {
+        Engine moved = std::move(*engine);
+        ASSERT_NO_FATAL_FAILURE(expect_like_new(moved, scene));
+        break;
+      }
+      default:
+        ASSERT_TRUE(engine->rebuild());
+        EXPECT_FALSE(engine->rebuilding());
+        ASSERT_NO_FATAL_FAILURE(expect_like_new(*engine, scene));
+    }
+  }
+}
+
+TEST(EngineRebuild, NeverWhenNotWanted) {
+  core::Scene scene;
+  add_grid(scene, 12);
+  auto engine = Engine::create(scene, {.rebuild_share = 0.0});
+  ASSERT_TRUE(engine);
+  std::mt19937 random{14};
+  edit(scene, random, 2000);
+  ASSERT_TRUE(engine->commit());
+  EXPECT_FALSE(engine->rebuilding());
+  expect_like_new(*engine, scene);
 }
 
 TEST(Engine, ABadSceneIsAnErrorThatNamesTheNode) {

@@ -1,0 +1,114 @@
+#include "sightline/engine/rebuild.h"
+
+#include <algorithm>
+
+namespace sightline::engine {
+namespace {
+
+constexpr std::size_t kPiece = 2048;  // slots copied while edits wait
+
+}  // namespace
+
+void Generation::update(std::span<const core::Slot> touched) {
+  if (auto* cpu = std::get_if<culling::CpuCuller>(culler.get())) cpu->update(touched);
+}
+
+Generation make_generation(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request) {
+  Generation generation;
+  generation.plan = make_plan(*snapshot, request.culler, request.draw, request.ids);
+  if (generation.plan.culler == CullerChoice::kLinear)
+    generation.culler = std::make_unique<Culler>(std::in_place_type<culling::LinearCuller>, snapshot->bounds());
+  else
+    generation.culler = std::make_unique<Culler>(std::in_place_type<culling::CpuCuller>, snapshot->bounds());
+  generation.snapshot = std::move(snapshot);
+  return generation;
+}
+
+BackgroundRebuild::BackgroundRebuild(const core::Snapshot& live, const PlanRequest& request)
+    : live_(&live), thread_([this, request](const std::stop_token& stop) { run(stop, request); }) {}
+
+void BackgroundRebuild::begin_edit() {
+  editing_ = true;  // the other thread lets us pass before its next piece
+  mutex_.lock();
+}
+
+void BackgroundRebuild::end_edit(const core::SceneDelta& delta) {
+  if (state_ != State::kExchanged)
+    for (const auto* list : {&delta.removed, &delta.changed, &delta.inserted})
+      missed_.insert(missed_.end(), list->begin(), list->end());
+  editing_ = false;
+  mutex_.unlock();
+  changed_.notify_one();
+}
+
+bool BackgroundRebuild::exchange(Generation& live) {
+  std::unique_lock<std::mutex> held(mutex_, std::try_to_lock);
+  if (!held || state_ != State::kReady || !missed_.empty()) return false;
+  std::swap(live, generation_);
+  state_ = State::kExchanged;
+  held.unlock();
+  changed_.notify_one();
+  return true;
+}
+
+bool BackgroundRebuild::lock(std::unique_lock<std::mutex>& held, const std::stop_token& stop) {
+  held.lock();
+  return changed_.wait(held, stop, [&] { return !editing_; }) && !stop.stop_requested();
+}
+
+/// Every item is met at least once, since items go to later slots only.
+bool BackgroundRebuild::copy_all(const std::stop_token& stop, core::Snapshot::Items& items) {
+  for (std::size_t next = 0, end = 1; next < end;) {
+    std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
+    if (!lock(held, stop)) return false;
+    end = live_->size();
+    const std::size_t piece = std::min(kPiece, end - next);
+    live_->copy(core::Slot(next), core::Slot(next + piece), items);
+    next += piece;
+  }
+  return true;
+}
+
+bool BackgroundRebuild::copy_missed(const std::stop_token& stop, std::vector<core::ItemId> missed,
+                                    core::Snapshot::Items& items) {
+  std::sort(missed.begin(), missed.end());
+  missed.erase(std::unique(missed.begin(), missed.end()), missed.end());
+  for (std::size_t next = 0; next < missed.size(); next += kPiece) {
+    std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
+    if (!lock(held, stop)) return false;
+    live_->copy(std::span(missed).subspan(next, std::min(kPiece, missed.size() - next)), items);
+  }
+  return true;
+}
+
+void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& request) {
+  core::Snapshot::Items items;
+  if (!copy_all(stop, items)) return;
+  core::BvhConfig config;
+  config.threads = 1;  // the others are the application's
+  Generation generation = make_generation(std::make_unique<core::Snapshot>(*live_, std::move(items), config), request);
+  for (;;) {
+    std::vector<core::ItemId> missed;
+    {
+      std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
+      if (!lock(held, stop)) return;
+      if (missed_.empty()) {
+        std::swap(generation, generation_);
+        state_ = State::kReady;
+        const bool go_on =
+            changed_.wait(held, stop, [&] { return state_ == State::kExchanged || (!missed_.empty() && !editing_); });
+        std::swap(generation, generation_);
+        if (!go_on || state_ == State::kExchanged) break;
+        state_ = State::kWorking;
+      }
+      std::swap(missed, missed_);
+    }
+    core::Snapshot::Items late;
+    if (!copy_missed(stop, std::move(missed), late)) return;
+    generation.update(generation.snapshot->apply(late));
+  }
+  generation = {};
+  finished_ = true;
+}
+
+}  // namespace sightline::engine
