@@ -49,6 +49,31 @@ core::dvec3 largest_coordinate(const core::Aabb& extent) {
   return glm::max(glm::abs(core::dvec3(extent.min)), glm::abs(core::dvec3(extent.max)));
 }
 
+/// Two powers of two, to be multiplied by in turn: their product may lie beyond the range.
+struct Scale {
+  double first, second;
+};
+
+/// Brings `largest` > 0 into [1/32, 1/16). Multiplying by them rounds a number once at most.
+Scale scale_for(double largest) {
+  constexpr std::uint64_t kFractionBits = 52, kBias = 1023;
+  const std::uint64_t exponent = std::bit_cast<std::uint64_t>(largest) >> kFractionBits;
+  // largest = f 2^(exponent - 1022), 1/2 <= f < 1, unless it is denormal.
+  constexpr std::uint64_t kSum = kBias + 1022 - 4;
+  if (exponent > 0 && exponent < kSum) return {std::bit_cast<double>((kSum - exponent) << kFractionBits), 1.0};
+  int power = 0;
+  std::frexp(largest, &power);
+  const int shift = -power - 4;
+  return {std::ldexp(1.0, shift / 2), std::ldexp(1.0, shift - shift / 2)};
+}
+
+/// Smallest float >= x for x > 2^-149, FLT_MAX beyond the float range: core::round_up without its calls.
+float band_above(double x) {
+  if (!(x < double(core::Aabb::kFar))) return std::numeric_limits<float>::max();
+  const float f = static_cast<float>(x);
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(f) + (double(f) < x));
+}
+
 float corner(const core::Aabb& box, int axis) {
   return axis < 3 ? box.min[axis] : box.max[axis - 3];
 }
@@ -61,28 +86,43 @@ float evaluate_at(const FloatPlane& plane, const std::uint8_t (&axis)[3], const 
 
 }  // namespace
 
+/// What the bounds contribute to every plane.
+struct CullPlanes::Reach {
+  explicit Reach(const core::ItemBounds& bounds) : origin(bounds.origin), largest(largest_coordinate(bounds.extent())) {
+    double sizes = 4.0;
+    for (int i = 0; i < 3; ++i) {
+      sizes += std::abs(origin[i]) + largest[i];
+      extents += largest[i];
+    }
+    tiny = 0x1p-1070 * sizes;
+  }
+  core::dvec3 origin, largest;
+  double extents = 4.0, tiny;
+};
+
 CullPlanes::CullPlanes(const core::View& view, const core::ItemBounds& bounds) {
-  add_frustum(view, bounds);
+  const Reach reach(bounds);
+  add_frustum(view, reach);
   union_first_ = count_;
-  add_sections(view, bounds);
+  if (!view.sections.empty()) add_sections(view, reach);
   all_ = (PlaneMask(1) << union_first_) - 1;
   if (union_first_ < count_) all_ |= kUnionPlanes;
 }
 
-void CullPlanes::add_frustum(const core::View& view, const core::ItemBounds& bounds) {
+void CullPlanes::add_frustum(const core::View& view, const Reach& reach) {
   for (const core::Plane& plane : core::frustum_planes(view.clip_from_world(), view.clip_depth())) {
-    const Kind kind = add(plane, bounds);
+    const Kind kind = add(plane, reach);
     if (kind == Kind::kNever || (kind == Kind::kNoNormal && plane.offset < 0.0)) nothing_visible_ = true;
   }
 }
 
-void CullPlanes::add_sections(const core::View& view, const core::ItemBounds& bounds) {
+void CullPlanes::add_sections(const core::View& view, const Reach& reach) {
   assert(view.sections.size() <= core::kMaxSectionPlanes);
   const std::size_t count = std::min(view.sections.size(), core::kMaxSectionPlanes);
   const bool in_union = view.section_mode == core::SectionMode::kUnion;
   bool some_never = false, some_give_up = view.sections.size() > count;
   for (std::size_t i = 0; i < count; ++i) {
-    const Kind kind = add(view.sections[i], bounds);
+    const Kind kind = add(view.sections[i], reach);
     some_never |= kind == Kind::kNever;
     some_give_up |= kind == Kind::kAlways || kind == Kind::kUnusable;
   }
@@ -97,53 +137,44 @@ void CullPlanes::add_sections(const core::View& view, const core::ItemBounds& bo
   }
 }
 
-CullPlanes::Kind CullPlanes::add(const core::Plane& plane, const core::ItemBounds& bounds) {
+CullPlanes::Kind CullPlanes::add(const core::Plane& plane, const Reach& reach) {
   const core::dvec3 n = plane.normal;
   if (!core::is_finite(n) || !std::isfinite(plane.offset)) return Kind::kUnusable;
   const double largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
   if (largest == 0.0) return Kind::kNoNormal;
 
-  int exponent = 0;
-  std::frexp(largest, &exponent);  // largest = f 2^exponent, 1/2 <= f < 1
-  const int shift = -exponent - 4;
-  const core::dvec3& o = bounds.origin;
-  const core::dvec3 m = largest_coordinate(bounds.extent());
+  const Scale scale = scale_for(largest);
+  const auto scaled = [=](double x) { return x * scale.first * scale.second; };
   DoublePlane& e = exact_[std::size_t(count_)];
-  // Multiplying by a power of two rounds as ldexp does, and is faster.
-  const double factor = shift >= -1022 && shift <= 1023 ? std::ldexp(1.0, shift) : 0.0;
-  const auto scaled = [=](double x) { return factor != 0.0 ? x * factor : std::ldexp(x, shift); };
   const double d = scaled(plane.offset);
-  e.offset = 0.0;
-  e.magnitude = 0.0;
-  double reach = 0.0, sizes = 4.0, extents = 4.0;
+  double offset = 0.0, magnitude = 0.0, size = 0.0;
   for (int i = 0; i < 3; ++i) {
     e.normal[i] = scaled(n[i]);
-    e.offset += e.normal[i] * o[i];
-    e.magnitude += std::abs(e.normal[i] * o[i]);
-    reach += std::abs(e.normal[i]) * m[i];
-    sizes += std::abs(o[i]) + m[i];
-    extents += m[i];
+    const double at_origin = e.normal[i] * reach.origin[i];
+    offset += at_origin;
+    magnitude += std::abs(at_origin);
+    size += std::abs(e.normal[i]) * reach.largest[i];
   }
-  if (!(e.magnitude < kOriginLimit)) return Kind::kUnusable;
+  if (!(magnitude < kOriginLimit)) return Kind::kUnusable;
   if (std::isinf(d)) return d > 0.0 ? Kind::kAlways : Kind::kNever;
-  e.offset += d;
-  e.magnitude += std::abs(d);
-  e.tiny = 0x1p-1070 * sizes;
-  const double double_error = 8.0 * kUnitDouble * (e.magnitude + reach) + e.tiny;
-  if (std::abs(e.offset) - double_error > kOffsetLimit) return e.offset > 0.0 ? Kind::kAlways : Kind::kNever;
-  e.offset = std::clamp(e.offset, -kOffsetLimit, kOffsetLimit);
+  offset += d;
+  magnitude += std::abs(d);
+  const double double_error = 8.0 * kUnitDouble * (magnitude + size) + reach.tiny;
+  if (std::abs(offset) - double_error > kOffsetLimit) return offset > 0.0 ? Kind::kAlways : Kind::kNever;
+  e.offset = std::clamp(offset, -kOffsetLimit, kOffsetLimit);
+  e.magnitude = magnitude;
+  e.tiny = reach.tiny;
 
   FloatPlane& f = planes_[std::size_t(count_)];
   for (int i = 0; i < 3; ++i) {
     f.normal[i] = static_cast<float>(e.normal[i]);
-    const bool positive = e.normal[i] >= 0.0;
-    f.p_axis[i] = std::uint8_t(positive ? i + 3 : i);
-    f.n_axis[i] = std::uint8_t(positive ? i : i + 3);
+    const int positive = e.normal[i] >= 0.0 ? 3 : 0;
+    f.p_axis[i] = std::uint8_t(i + positive);
+    f.n_axis[i] = std::uint8_t(i + 3 - positive);
   }
   f.offset = static_cast<float>(e.offset);
-  const double float_error = 5.01 * kUnitFloat * (reach + std::abs(e.offset)) + 0x1p-149 * extents;
-  const double band = float_error + 2.0 * double_error;
-  f.band = band < double(core::Aabb::kFar) ? core::round_up(band) : std::numeric_limits<float>::max();
+  const double float_error = 5.01 * kUnitFloat * (size + std::abs(e.offset)) + 0x1p-149 * reach.extents;
+  f.band = band_above(float_error + 2.0 * double_error);
   ++count_;
   return Kind::kPlane;
 }

@@ -86,10 +86,11 @@ class CullPlanes {
     double tiny;       // bound for all underflow
   };
   enum class Kind : std::uint8_t { kPlane, kNoNormal, kAlways, kNever, kUnusable };
+  struct Reach;
 
-  Kind add(const core::Plane& plane, const core::ItemBounds& bounds);
-  void add_frustum(const core::View& view, const core::ItemBounds& bounds);
-  void add_sections(const core::View& view, const core::ItemBounds& bounds);
+  Kind add(const core::Plane& plane, const Reach& reach);
+  void add_frustum(const core::View& view, const Reach& reach);
+  void add_sections(const core::View& view, const Reach& reach);
   bool passes(int plane, const core::Aabb& box) const;
   bool passes_in_double(int plane, const core::Aabb& box) const;
 
