@@ -4,7 +4,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
+#include <span>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -297,6 +300,62 @@ TEST(BvhBuild, BlocksAreAlignedAndSorted) {
     for (std::uint32_t i = right.first; i < right.first + right.count; ++i) lowest = std::min(lowest, centre(i)[axis]);
     ASSERT_LE(highest, lowest);
   }
+}
+
+/// The blocks' twin: sorts every node in full.
+void sort_blocks(const std::vector<Aabb>& boxes, std::uint32_t leaf, std::span<std::uint32_t> order) {
+  if (order.size() <= leaf) return;
+  const auto centre = [&](std::uint32_t i) { return 0.5f * boxes[i].min + 0.5f * boxes[i].max; };
+  Aabb all;
+  for (const std::uint32_t i : order) all.grow({centre(i), centre(i)});
+  const dvec3 d = dvec3(all.max) - dvec3(all.min);
+  const int axis = d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(centre(a)[axis], a) < std::pair(centre(b)[axis], b);
+  });
+  const std::size_t left = std::bit_ceil(order.size()) / 2;
+  sort_blocks(boxes, leaf, order.first(left));
+  sort_blocks(boxes, leaf, order.subspan(left));
+}
+
+TEST(BvhBuild, BlocksHoldWhatSortingPutsThere) {
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    // Also more than the builder's threads share among them.
+    const std::size_t count = seed % 4 == 0 ? 40'000 + random() % 60'000 : 1 + random() % 3000;
+    auto boxes = random_boxes(count, seed, std::pow(10.0, uniform(random, -3, 7)));
+    for (Aabb& b : boxes) {
+      if (seed % 3 == 1) b.min = glm::floor(b.min / 100.0f) * 100.0f, b.max = b.min;  // many ties
+      if (seed % 3 == 2 && random() % 10 != 0) b.min *= 1e-6f, b.max *= 1e-6f;        // nearly all in one bucket
+    }
+    BvhConfig config;
+    config.max_leaf_size = 1u << (random() % 6);
+    std::vector<std::uint32_t> expected(count);
+    std::iota(expected.begin(), expected.end(), 0u);
+    sort_blocks(boxes, config.max_leaf_size, expected);
+    for (const int threads : {1, 2, 3}) {
+      config.threads = threads;
+      BvhTree tree = build_bvh(boxes, config);
+      std::vector<std::uint32_t> twin = expected;
+      for (const BvhNode& node : tree.nodes) {
+        if (!node.leaf()) continue;
+        for (auto* order : {&tree.order, &twin})
+          std::sort(order->begin() + node.first, order->begin() + node.first + node.count);
+      }
+      ASSERT_EQ(tree.order, twin);
+    }
+  }
+}
+
+TEST(BvhBuild, TheWholeOfSpaceHasAPlace) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  auto boxes = random_boxes(40'000, 5);
+  for (std::size_t i = 0; i < boxes.size(); i += 7) boxes[i] = {vec3(-infinity), vec3(infinity)};
+  expect_valid_for(boxes);
+  for (std::size_t i = 0; i < boxes.size(); i += 5) boxes[i] = {vec3(infinity), vec3(infinity)};
+  BvhConfig config;
+  expect_valid(build_bvh(boxes, config), boxes.size(), config);
 }
 
 TEST(BvhBuild, BeatsMedianSplitsWhereThingsCluster) {
