@@ -1,5 +1,6 @@
 // culling: what a view can see. Box tests (frustum_test.h), a culler for small scenes (linear_culler.h), the tree it
-// takes for large ones (hierarchy.h), and the production culler below. Uses core alone.
+// takes for large ones (hierarchy.h), and the production culler below. Beside them, questions of applications to the
+// same tree (spatial_queries.h). Uses core alone.
 //
 // Every culler states a promise. Those here are conservative: an item whose box meets the view volume is in the set.
 #pragma once

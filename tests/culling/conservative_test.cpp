@@ -100,6 +100,7 @@ TEST_P(Conservative, LosesNothing) {
     ASSERT_NO_FATAL_FAILURE(compare(family.make(random), random_family, tally));
   }
   tally.print(family.name);
+  EXPECT_GT(tally.pairs, 0u) << "SIGHTLINE_EXACT_PAIRS is no number";
   EXPECT_EQ(tally.lost, 0u);
   if (family.make != matrix_pairs) {  // there planes overflow, and are dropped
     EXPECT_EQ(tally.beyond_promise, 0u);
