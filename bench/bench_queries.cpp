@@ -122,15 +122,19 @@ bool measure(std::size_t count) {
               [&](const SpatialQueries& q, Random& r, Hits& out) { q.nearest(in_plant(r), 16, layers, out); });
 }
 
+void add_options(CLI::App& app, std::size_t& count) {
+  app.add_option("--generate", count, "so many boxes of a made-up plant of 400 x 100 x 60 m")
+      ->check(CLI::Range(1, 50'000'000))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{"Spatial queries through the hierarchy against a loop over all boxes.", "sightline-bench-queries"};
   apps::describe(app, "  sightline-bench-queries --generate 713000");
   std::size_t count = 713'000;
-  app.add_option("--generate", count, "so many boxes of a made-up plant of 400 x 100 x 60 m")
-      ->check(CLI::Range(1, 50'000'000))
-      ->capture_default_str();
+  add_options(app, count);
   return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
     if (!measure(count)) return core::fail("an answer differs from that of the loop over all boxes");
     return apps::kExitOk;

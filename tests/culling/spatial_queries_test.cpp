@@ -318,6 +318,7 @@ std::vector<Slot> slots_along(const Asked& asked, const RaySegment& ray) {
   std::vector<SlotDistance> hits;
   std::vector<Slot> slots;
   asked.queries.along(ray, core::kLayerModel, hits);
+  slots.reserve(hits.size());
   for (const SlotDistance& hit : hits) slots.push_back(hit.slot);
   return slots;
 }
