@@ -1,4 +1,5 @@
-// Made-up airliner of boxes: a scene with the number and the manner of parts of the large mesh model of S2.
+// Made-up airliner of boxes: a scene with the number and the manner of parts of the largest model of E. T. Carlos
+// ("Frustum Culling Híbrido Utilizando CPU e GPU", 2009).
 #pragma once
 
 #include <cstdint>

@@ -75,6 +75,12 @@ void BruteForce::cull(const core::View& view) {
   (have_wide() ? wide : plain)(planes, bounds_.size(), bits_.data());
 }
 
+std::uint64_t BruteForce::count() const {
+  std::uint64_t n = 0;
+  for (std::size_t i = 0; i < bounds_.size(); ++i) n += bits_[i / 8] >> i % 8 & 1u;
+  return n;
+}
+
 std::vector<std::uint32_t> BruteForce::ids() const {
   std::vector<std::uint32_t> out;
   for (std::uint32_t i = 0; i < bounds_.size(); ++i)

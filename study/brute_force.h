@@ -8,16 +8,19 @@
 
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
+#include "sightline/study/method.h"
 
 namespace sightline::study {
 
-class BruteForce {
+class BruteForce : public Method {
  public:
   explicit BruteForce(std::span<const core::Aabb> boxes);
   /// Finds the visible boxes as bits; ids() lists those of the last call, sorted.
-  void cull(const core::View& view);
-  std::vector<std::uint32_t> ids() const;
-  std::size_t memory_bytes() const { return bounds_.memory_bytes() + bits_.size(); }
+  void cull(const core::View& view) override;
+  std::uint64_t count() const override;
+  std::vector<std::uint32_t> ids() const override;
+  std::size_t memory_bytes() const override { return bounds_.memory_bytes() + bits_.size(); }
+  core::CullCounters counters() const override { return {0, bounds_.size()}; }
   static const char* name();
 
  private:

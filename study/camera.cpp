@@ -43,6 +43,24 @@ void split_by_sign(const std::array<Plane, kPlanes>& planes, SplitPlanes& s) {
 
 }  // namespace
 
+std::optional<SymmetricView> symmetric(const core::View& view) {
+  const core::dmat4 &p = view.clip_from_eye(), &m = view.eye_from_world();
+  if (p[0][3] != 0.0 || p[1][3] != 0.0 || p[2][3] != -1.0 || p[2][0] != 0.0 || p[2][1] != 0.0 || p[3][0] != 0.0 ||
+      p[3][1] != 0.0 || p[1][0] != 0.0 || p[0][1] != 0.0)
+    return std::nullopt;
+  const auto planes = core::frustum_planes(p, view.clip_depth());
+  const core::Plane &near = planes[core::kNear], &far = planes[core::kFar];
+  if (near.normal.z == 0.0 || far.normal.z == 0.0) return std::nullopt;
+  const auto axis = [&m](int row) { return core::dvec3(m[0][row], m[1][row], m[2][row]); };
+  return SymmetricView{view.eye(),
+                       -axis(2),
+                       axis(1),
+                       2.0 * std::atan(1.0 / p[1][1]),
+                       p[1][1] / p[0][0],
+                       near.offset / near.normal.z,
+                       far.offset / far.normal.z};
+}
+
 Camera::Camera(const core::View& view, const core::Aabb& extent) {
   const core::dmat4 clip = view.clip_from_world();
   const auto exact = core::frustum_planes(clip, view.clip_depth());
@@ -117,9 +135,7 @@ Camera::Camera(const core::View& view, const core::Aabb& extent) {
   radar.slack = float(32.0 * kUnitFloat * (glm::length(largest) + glm::length(eye)) *
                       (1.0 + std::max(std::abs(1.0 / projection[0][0]), std::abs(1.0 / projection[1][1]))));
   // A view given as one matrix has its camera in there, too: no axes to be had.
-  radar_usable = complete && projection[0][3] == 0.0 && projection[1][3] == 0.0 && projection[2][3] == -1.0 &&
-                 projection[2][0] == 0.0 && projection[2][1] == 0.0 && projection[3][0] == 0.0 &&
-                 projection[3][1] == 0.0 && projection[1][0] == 0.0 && projection[0][1] == 0.0;
+  radar_usable = complete && symmetric(view).has_value();
 }
 
 }  // namespace sightline::study

@@ -4,10 +4,8 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
-#include <optional>
 
 #include "sightline/core/item_bounds.h"
-#include "sightline/culling/cpu_culler.h"
 #include "sightline/study/threads.h"
 #include "sightline/study/walk.h"
 
@@ -135,9 +133,7 @@ struct Culler::State {
   core::Aabb extent;
   Motion motion;
   Functions functions{};
-  core::ItemBounds bounds;  // production, and four boxes at a time
-  std::optional<culling::CpuCuller> production;
-  core::VisibleSet production_set;
+  core::ItemBounds bounds;  // four boxes at a time
 };
 
 Culler::Culler(const Variant& variant, std::span<const core::Aabb> boxes, const Tree& tree)
@@ -146,33 +142,26 @@ Culler::Culler(const Variant& variant, std::span<const core::Aabb> boxes, const 
   State& s = *state_;
   for (const core::Aabb& b : boxes) s.extent.grow(b);
   s.functions = choose(variant.test, variant.simd == Simd::kPerTest);
-  const bool binary = variant.tree != TreeKind::kNone && variant.tree != TreeKind::kWide;
-  core::BvhTree wide;
-  if (binary) {
+  const bool has_tree = variant.tree != TreeKind::kNone;
+  if (has_tree) {
     s.order = tree.order;
-  } else if (variant.tree == TreeKind::kWide) {
-    core::BvhConfig config;
-    config.threads = 1;
-    wide = core::build_bvh(boxes, config);
-    s.order = std::move(wide.order);
   } else {
     s.order.resize(boxes.size());
     std::iota(s.order.begin(), s.order.end(), 0u);
   }
   assert(s.order.size() == boxes.size());
-  if (variant.tree == TreeKind::kWide || variant.simd == Simd::kOverBoxes) {
+  if (variant.simd == Simd::kOverBoxes) {
     s.bounds.resize(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) s.bounds.set(i, boxes[s.order[i]]);
-    if (variant.tree == TreeKind::kWide) s.production.emplace(s.bounds);
+    for (std::size_t i = 0; i < boxes.size(); ++i) s.bounds.set(i, boxes[i]);
     return;
   }
   s.items.reserve(boxes.size());
   for (const std::uint32_t i : s.order) s.items.push_back(to_box(boxes[i]));
-  const std::size_t nodes = binary ? tree.nodes.size() : 0;
-  if (binary && variant.traversal != Traversal::kCompact) {
+  const std::size_t nodes = has_tree ? tree.nodes.size() : 0;
+  if (has_tree && variant.traversal != Traversal::kCompact) {
     s.full.resize(nodes);
     for (std::uint32_t i = 0; i < nodes; ++i) set_up(tree, i, s.full.data());
-  } else if (binary) {
+  } else if (has_tree) {
     for (const TreeNode& n : tree.nodes)
       s.compact.push_back({n.depth, n.escape, 0, kAllPlanes, n.first, n.end, to_box(n.box)});
   }
@@ -190,16 +179,6 @@ Culler::~Culler() = default;
 void Culler::cull(const core::View& view, Visible& visible) {
   State& s = *state_;
   visible.clear();
-  if (s.production) {
-    // Swapping keeps the memory of both sides and copies nothing.
-    std::swap(s.production_set.ranges, visible.ranges);
-    std::swap(s.production_set.items, visible.items);
-    s.production->cull(view, s.production_set);
-    std::swap(s.production_set.ranges, visible.ranges);
-    std::swap(s.production_set.items, visible.items);
-    visible.counters = s.production_set.counters;
-    return;
-  }
   const Camera camera(view, s.extent);
   if (variant_.simd == Simd::kOverBoxes) {
     cull_four_at_a_time(s.bounds, camera, visible);
@@ -248,7 +227,6 @@ std::vector<std::uint32_t> Culler::ids(const Visible& visible) const {
 
 std::size_t Culler::node_bytes() const {
   const State& s = *state_;
-  if (s.production) return s.production->memory_bytes();
   return s.full.size() * sizeof(FullNode) + s.compact.size() * sizeof(CompactNode);
 }
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "sightline/core/aabb.h"
-#include "sightline/core/bvh_build.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/study/tree.h"
@@ -29,8 +28,8 @@ struct Visible {
 
 class Culler {
  public:
-  /// `tree` must be built over `boxes` when the variant has a binary tree and is not read otherwise; production builds
-  /// its own. Copies what it needs. The variant must be valid (asserted). Boxes must be finite and not empty.
+  /// `tree` must be built over `boxes` when the variant has a binary tree and is not read otherwise.
+  /// Copies what it needs. The variant must be valid (asserted). Boxes must be finite and not empty.
   Culler(const Variant& variant, std::span<const core::Aabb> boxes, const Tree& tree);
   ~Culler();
   Culler(const Culler&) = delete;

@@ -4,7 +4,10 @@
 #include <chrono>
 #include <numeric>
 
-#include "sightline/study/brute_force.h"
+#if __has_include(<valgrind/callgrind.h>)
+#include <valgrind/callgrind.h>
+#define SIGHTLINE_STUDY_CALLGRIND 1
+#endif
 
 namespace sightline::study {
 namespace {
@@ -12,6 +15,33 @@ namespace {
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
+
+/// The instructions between on() and off() are counted, when callgrind looks on; nothing happens otherwise.
+class InstructionCounter {
+ public:
+#ifdef SIGHTLINE_STUDY_CALLGRIND
+  explicit InstructionCounter(const std::string& name) : name_(name) {
+    CALLGRIND_START_INSTRUMENTATION;
+  }
+  ~InstructionCounter() {
+    CALLGRIND_DUMP_STATS_AT(name_.c_str());
+    CALLGRIND_STOP_INSTRUMENTATION;
+  }
+  void on() {
+    CALLGRIND_TOGGLE_COLLECT;
+  }
+  void off() {
+    CALLGRIND_TOGGLE_COLLECT;
+  }
+
+ private:
+  std::string name_;
+#else
+  explicit InstructionCounter(const std::string&) {}
+  void on() {}
+  void off() {}
+#endif
+};
 
 void add(const Errors& e, Errors& sum) {
   sum.visible += e.visible;
@@ -21,21 +51,35 @@ void add(const Errors& e, Errors& sum) {
   sum.false_negatives += e.false_negatives;
 }
 
+void add(const core::CullCounters& c, core::CullCounters& sum) {
+  sum.nodes_tested += c.nodes_tested;
+  sum.boxes_tested += c.boxes_tested;
+}
+
+void set_counters(const core::CullCounters& sums, Run& run) {
+  const double frames = double(std::max<std::size_t>(1, run.visible.size()));
+  run.mean_nodes = double(sums.nodes_tested) / frames;
+  run.mean_boxes = double(sums.boxes_tested) / frames;
+}
+
 /// `cull(view)` is timed; `count()` and `ids()` tell what it found.
 template <class Cull, class Count, class Ids>
-void fly(const Model& model, int passes, Run& run, const Cull& cull, const Count& count, const Ids& ids) {
-  const std::size_t frames = model.views.size();
+void fly(const Path& path, int passes, Run& run, const Cull& cull, const Count& count, const Ids& ids) {
+  const std::size_t frames = path.views.size();
   std::vector<std::vector<double>> times(frames);
   std::size_t sample = 0;
+  InstructionCounter instructions(run.variant);
   for (int pass = 0; pass < passes; ++pass) {
     for (std::size_t i = 0; i < frames; ++i) {
+      instructions.on();
       const double start = seconds_now();
-      cull(model.views[i]);
+      cull(path.views[i]);
       times[i].push_back(1e3 * (seconds_now() - start));
+      instructions.off();
       if (pass > 0) continue;
       run.visible.push_back(count());
-      if (sample < model.sampled.size() && model.sampled[sample] == i)
-        add(compare(ids(), model.exact[sample++]), run.errors);
+      if (sample < path.sampled.size() && path.sampled[sample] == i)
+        add(compare(ids(), path.exact[sample++]), run.errors);
     }
   }
   run.samples = sample;
@@ -70,12 +114,14 @@ void Model::prepare(std::size_t samples) {
   mean = timed(Split::kMean, mean_seconds);
   median = timed(Split::kMedian, median_seconds);
   sah = timed(Split::kSah, sah_seconds);
-  sampled.clear();
-  exact.clear();
-  samples = std::min(samples, views.size());
-  for (std::size_t i = 0; i < samples; ++i) {
-    sampled.push_back((2 * i + 1) * views.size() / (2 * samples));
-    exact.emplace_back(boxes, views[sampled.back()]);
+  for (Path& path : paths) {
+    path.sampled.clear();
+    path.exact.clear();
+    const std::size_t count = std::min(samples, path.views.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      path.sampled.push_back((2 * i + 1) * path.views.size() / (2 * count));
+      path.exact.emplace_back(boxes, path.views[path.sampled.back()]);
+    }
   }
 }
 
@@ -83,39 +129,46 @@ const Tree& Model::tree(TreeKind kind) const {
   return kind == TreeKind::kMean ? mean : kind == TreeKind::kMedian ? median : sah;
 }
 
-Run measure(const Model& model, const Variant& variant, int passes) {
-  Culler culler(variant, model.boxes, model.tree(variant.tree));
+Run measure(const Model& model, const Path& path, const Variant& variant, int passes) {
   Run run;
   run.variant = name(variant);
   run.promise = promise(variant);
+  const double start = seconds_now();
+  Culler culler(variant, model.boxes, model.tree(variant.tree));
+  run.build_seconds = seconds_now() - start;
   run.memory_bytes = culler.memory_bytes();
   Visible visible;
-  double nodes = 0.0, boxes = 0.0;
+  core::CullCounters sums;
   fly(
-      model, passes, run, [&](const core::View& view) { culler.cull(view, visible); },
+      path, passes, run, [&](const core::View& view) { culler.cull(view, visible); },
       [&] {
-        nodes += double(visible.counters.nodes_tested);
-        boxes += double(visible.counters.boxes_tested);
+        add(visible.counters, sums);
         return visible.count();
       },
       [&] { return culler.ids(visible); });
-  if (!run.ms.empty()) {
-    run.mean_nodes = nodes / double(run.ms.size());
-    run.mean_boxes = boxes / double(run.ms.size());
-  }
+  set_counters(sums, run);
   return run;
 }
 
-Run measure_brute_force(const Model& model, int passes) {
-  BruteForce brute(model.boxes);
+Run measure(const Model& model, const Path& path, const std::string& name, Origin origin, const MakeMethod& make,
+            int passes) {
   Run run;
-  run.variant = BruteForce::name();
-  run.has_promise = false;
-  run.memory_bytes = brute.memory_bytes();
-  run.mean_boxes = double(model.boxes.size());
+  run.variant = name;
+  run.origin = origin;
+  if (origin == Origin::kProduction) run.promise = Promise::kSame;
+  const double start = seconds_now();
+  const std::unique_ptr<Method> method = make(model.boxes);
+  run.build_seconds = seconds_now() - start;
+  run.memory_bytes = method->memory_bytes();
+  core::CullCounters sums;
   fly(
-      model, passes, run, [&](const core::View& view) { brute.cull(view); }, [&] { return brute.ids().size(); },
-      [&] { return brute.ids(); });
+      path, passes, run, [&](const core::View& view) { method->cull(view); },
+      [&] {
+        add(method->counters(), sums);
+        return method->count();
+      },
+      [&] { return method->ids(); });
+  set_counters(sums, run);
   return run;
 }
 

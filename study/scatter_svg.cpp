@@ -1,38 +1,21 @@
 #include "sightline/study/scatter_svg.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <sstream>
+
+#include "sightline/study/svg_canvas.h"
 
 namespace sightline::study {
 namespace {
 
-constexpr double kWidth = 960, kHeight = 560, kLeft = 80, kRight = 30, kTop = 50, kBottom = 60, kZeroLine = 40;
-constexpr std::array<const char*, 8> kColours{"#1f6fb4", "#d9731a", "#2c9c3f", "#c23b3b",
-                                              "#7b52ab", "#7f5a46", "#d65fa8", "#222222"};
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-  return out;
-}
-
-/// Whole decades around the values.
-struct Axis {
-  int low = 0, high = 1;
-  void fit(double least, double most) {
-    low = int(std::floor(std::log10(least)));
-    high = std::max(low + 1, int(std::ceil(std::log10(most))));
-  }
-  double place(double v) const { return (std::log10(v) - low) / (high - low); }
-};
+using Canvas = SvgCanvas;
+constexpr double kZeroLine = 40;
 
 class Drawing {
  public:
-  explicit Drawing(const ScatterPlot& plot) : plot_(plot) {
+  explicit Drawing(const ScatterPlot& plot) : plot_(plot), canvas_(plot.title, plot.x_label, plot.y_label) {
     double least_x = std::numeric_limits<double>::infinity(), most_x = 0.0, least_y = least_x, most_y = 0.0;
     for (const ScatterPoint& p : plot.points) {
       least_x = std::min(least_x, p.x), most_x = std::max(most_x, p.x);
@@ -43,66 +26,36 @@ class Drawing {
   }
 
   std::string run() {
-    svg_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << kWidth << "\" height=\"" << kHeight
-         << "\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-    text(kWidth / 2, 24, "middle", "#222", plot_.title);
-    text((kLeft + kWidth - kRight) / 2, kHeight - 12, "middle", "#222", plot_.x_label);
-    text(kLeft, kTop - 10, "start", "#222", plot_.y_label);
-    for (int d = x_.low; d <= x_.high; ++d) tick(px(std::pow(10.0, d)), true, d);
-    for (int d = y_.low; d <= y_.high; ++d) tick(py(std::pow(10.0, d)), false, d);
-    line(kLeft, zero_y(), kWidth - kRight, zero_y());
-    text(kLeft - 6, zero_y() + 4, "end", "#444", "0");
-    svg_ << "<polyline fill=\"none\" stroke=\"#999\" stroke-dasharray=\"4 3\" points=\"";
+    for (int d = x_.low; d <= x_.high; ++d) canvas_.tick_x(px(std::pow(10.0, d)), std::pow(10.0, d));
+    for (int d = y_.low; d <= y_.high; ++d) canvas_.tick_y(py(std::pow(10.0, d)), std::pow(10.0, d));
+    canvas_.tick_y(zero_y(), 0.0);
+    canvas_.raw() << "<polyline fill=\"none\" stroke=\"#999\" stroke-dasharray=\"4 3\" points=\"";
     for (const std::size_t i : pareto_front(plot_.points))
-      svg_ << px(plot_.points[i].x) << ',' << py(plot_.points[i].y) << ' ';
-    svg_ << "\"/>\n";
+      canvas_.raw() << px(plot_.points[i].x) << ',' << py(plot_.points[i].y) << ' ';
+    canvas_.raw() << "\"/>\n";
     for (const ScatterPoint& p : plot_.points) point(p);
-    for (std::size_t i = 0; i < plot_.groups.size(); ++i) {
-      const double y = kTop + 8 + 16.0 * double(i);
-      svg_ << "<circle cx=\"" << kWidth - kRight - 170 << "\" cy=\"" << y << "\" r=\"4\" fill=\"" << colour(int(i))
-           << "\"/>\n";
-      text(kWidth - kRight - 160, y + 4, "start", "#222", plot_.groups[i]);
-    }
-    svg_ << "</svg>\n";
-    return svg_.str();
+    for (std::size_t i = 0; i < plot_.groups.size(); ++i) canvas_.legend(i, plot_.groups[i]);
+    return canvas_.finish();
   }
 
  private:
-  static const char* colour(int group) { return kColours[std::size_t(group) % kColours.size()]; }
-  static double zero_y() { return kHeight - kBottom; }
-  double px(double v) const { return kLeft + x_.place(v) * (kWidth - kLeft - kRight); }
+  static double zero_y() { return Canvas::kHeight - Canvas::kBottom; }
+  double px(double v) const { return Canvas::kLeft + x_.place(v) * (Canvas::kWidth - Canvas::kLeft - Canvas::kRight); }
   double py(double v) const {
     const double bottom = zero_y() - kZeroLine;
-    return v > 0.0 ? bottom - y_.place(v) * (bottom - kTop) : zero_y();
-  }
-  void line(double x1, double y1, double x2, double y2) {
-    svg_ << "<line x1=\"" << x1 << "\" y1=\"" << y1 << "\" x2=\"" << x2 << "\" y2=\"" << y2 << "\" stroke=\"#ddd\"/>\n";
-  }
-  void text(double x, double y, const char* anchor, const char* fill, const std::string& content) {
-    svg_ << "<text x=\"" << x << "\" y=\"" << y << "\" text-anchor=\"" << anchor << "\" fill=\"" << fill << "\">"
-         << escaped(content) << "</text>\n";
-  }
-  void tick(double at, bool along_x, int decade) {
-    std::ostringstream label;
-    label << std::pow(10.0, decade);
-    if (along_x) {
-      line(at, kTop, at, zero_y());
-      text(at, zero_y() + 18, "middle", "#444", label.str());
-    } else {
-      line(kLeft, at, kWidth - kRight, at);
-      text(kLeft - 6, at + 4, "end", "#444", label.str());
-    }
+    return v > 0.0 ? bottom - y_.place(v) * (bottom - Canvas::kTop) : zero_y();
   }
   void point(const ScatterPoint& p) {
-    svg_ << "<circle cx=\"" << px(p.x) << "\" cy=\"" << py(p.y) << "\" r=\"4\" fill=\"" << colour(p.group)
-         << "\" fill-opacity=\"0.75\"><title>" << escaped(p.label) << ": " << p.x << ", " << p.y
-         << "</title></circle>\n";
-    if (p.named) text(px(p.x) + 6, py(p.y) - 6, "start", colour(p.group), p.label);
+    const char* colour = Canvas::colour(std::size_t(p.group));
+    canvas_.raw() << "<circle cx=\"" << px(p.x) << "\" cy=\"" << py(p.y) << "\" r=\"4\" fill=\"" << colour
+                  << "\" fill-opacity=\"0.75\"><title>" << Canvas::escaped(p.label) << ": " << p.x << ", " << p.y
+                  << "</title></circle>\n";
+    if (p.named) canvas_.text(px(p.x) + 6, py(p.y) - 6, "start", colour, p.label);
   }
 
   const ScatterPlot& plot_;
-  Axis x_, y_;
-  std::ostringstream svg_;
+  SvgCanvas canvas_;
+  DecadeAxis x_, y_;
 };
 
 }  // namespace

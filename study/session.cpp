@@ -1,41 +1,80 @@
 #include "sightline/study/session.h"
 
-#include <chrono>
+#include <algorithm>
 #include <limits>
+
+#include "sightline/study/brute_force.h"
+#include "sightline/study/peer.h"
+#include "sightline/study/production.h"
 
 namespace sightline::study {
 namespace {
 
+/// On one thread, with the set that an ideal plane test keeps but for rounding, or tighter.
+bool contends(const Variant& v) {
+  const Promise p = promise(v);
+  return (p == Promise::kSame || p == Promise::kTighter) && v.threads == Threads::kOne && v.test_items && !v.octant &&
+         v.max_depth == 0xff && v.test != Test::kSphere;
+}
+
 class Session {
  public:
-  Session(const Model& model, int passes, const std::function<void(const std::string&)>& progress)
-      : passes_(passes), progress_(progress) {
+  Session(const Model& model, const Path& path, const SessionOptions& options) : options_(options) {
     results_.model = &model;
+    results_.path = &path;
   }
 
-  Results run() {
+  Results everything() {
     without_tree();
     trees_and_walks();
     flags();
     tests_on_trees();
     depths();
     threads();
-    const Variant production{.tree = TreeKind::kWide};
-    const auto start = std::chrono::steady_clock::now();
-    { const Culler built(production, results_.model->boxes, {}); }
-    results_.production_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    add(production);
-    results_.runs.push_back(measure_brute_force(*results_.model, passes_));
+    others();
+    return std::move(results_);
+  }
+
+  Results contenders(const Results& first, std::size_t count) {
+    std::vector<std::pair<double, Variant>> by_time;
+    for (std::size_t i = 0; i < first.variants.size(); ++i)
+      if (contends(first.variants[i])) by_time.emplace_back(first.runs[i].fastest_ms, first.variants[i]);
+    std::sort(by_time.begin(), by_time.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    if (by_time.size() > count) by_time.resize(count);
+    for (const auto& [ms, variant] : by_time) add(variant);
+    results_.best_tree = first.best_tree;
+    results_.best_flags = first.best_flags;
+    others();
     return std::move(results_);
   }
 
  private:
-  /// Valid until the next one.
-  const Run& add(const Variant& v) {
-    if (const Run* done = results_.find(v)) return *done;
-    progress_(name(v));
-    results_.runs.push_back(measure(*results_.model, v, passes_));
-    return results_.runs.back();
+  bool wanted(const std::string& name) const {
+    return options_.variants.empty() ||
+           std::find(options_.variants.begin(), options_.variants.end(), name) != options_.variants.end();
+  }
+
+  /// Null when not wanted; valid until the next one.
+  const Run* add(const Variant& v) {
+    if (const Run* done = results_.find(v)) return done;
+    if (!wanted(name(v))) return nullptr;
+    options_.progress(name(v));
+    results_.variants.push_back(v);
+    results_.runs.push_back(measure(*results_.model, *results_.path, v, options_.passes));
+    return &results_.runs.back();
+  }
+
+  void add(const std::string& name, Origin origin, const MakeMethod& make) {
+    if (!wanted(name) && origin != Origin::kBaseline) return;
+    options_.progress(name);
+    results_.runs.push_back(measure(*results_.model, *results_.path, name, origin, make, options_.passes));
+  }
+
+  void others() {
+    for (const ProductionForm& form : production_forms())
+      add(form.name, Origin::kProduction, [&form](auto boxes) { return make_production(form, boxes); });
+    for (const Peer& peer : peers()) add(peer.name, Origin::kPeer, peer.make);
+    add(BruteForce::name(), Origin::kBaseline, [](auto boxes) { return std::make_unique<BruteForce>(boxes); });
   }
 
   void without_tree() {
@@ -52,18 +91,19 @@ class Session {
     for (const TreeKind tree : {TreeKind::kMean, TreeKind::kMedian, TreeKind::kSah})
       for (const Traversal traversal : {Traversal::kStack, Traversal::kStackless, Traversal::kCompact})
         add(on_tree(tree, traversal));
-    const double mean = results_.find(on_tree(TreeKind::kMean))->fastest_ms;
-    const double median = results_.find(on_tree(TreeKind::kMedian))->fastest_ms;
-    results_.best_tree = mean <= median ? TreeKind::kMean : TreeKind::kMedian;
+    const Run* mean = results_.find(on_tree(TreeKind::kMean));
+    const Run* median = results_.find(on_tree(TreeKind::kMedian));
+    const bool by_median = median != nullptr && (mean == nullptr || median->fastest_ms < mean->fastest_ms);
+    results_.best_tree = by_median ? TreeKind::kMedian : TreeKind::kMean;
   }
 
   void flags() {
     double best = std::numeric_limits<double>::infinity();
     for (unsigned f = 0; f < 32; ++f) {
-      const Run& r = add(with_flags(on_tree(results_.best_tree), f));
-      if (r.fastest_ms >= best) continue;
-      best = r.fastest_ms;
-      results_.best_flags = r.variant;
+      const Run* r = add(with_flags(on_tree(results_.best_tree), f));
+      if (r == nullptr || r->fastest_ms >= best) continue;
+      best = r->fastest_ms;
+      results_.best_flags = r->variant;
     }
   }
 
@@ -100,8 +140,7 @@ class Session {
   }
 
   Results results_;
-  int passes_;
-  const std::function<void(const std::string&)>& progress_;
+  const SessionOptions& options_;
 };
 
 }  // namespace
@@ -125,8 +164,19 @@ const Run* Results::find(const std::string& variant) const {
   return nullptr;
 }
 
-Results run_everything(const Model& model, int passes, const std::function<void(const std::string&)>& progress) {
-  return Session(model, passes, progress).run();
+const Run* Results::fastest_exact() const {
+  const Run* best = nullptr;
+  for (std::size_t i = 0; i < variants.size(); ++i)
+    if (contends(variants[i]) && (best == nullptr || runs[i].fastest_ms < best->fastest_ms)) best = &runs[i];
+  return best;
+}
+
+Results run_everything(const Model& model, const SessionOptions& options) {
+  return Session(model, model.paths.front(), options).everything();
+}
+
+Results run_contenders(const Results& first, const Path& path, std::size_t count, const SessionOptions& options) {
+  return Session(*first.model, path, options).contenders(first, count);
 }
 
 }  // namespace sightline::study

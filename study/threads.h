@@ -7,8 +7,8 @@
 
 namespace sightline::study {
 
-/// Subtrees of the level that has at least `threads` nodes are dealt out in advance (S2's first scheme). Levels above
-/// are not tested.
+/// Subtrees of the level that has at least `threads` nodes are dealt out in advance (the first scheme of E. T. Carlos,
+/// 2009). Levels above are not tested.
 void walk_static(const Frame& f, CompactNode* nodes, WalkSubtree walk, int threads, std::vector<Visible>& parts);
 
 /// A task for each child of an open node, down to subtrees of kTaskItems items.

@@ -5,7 +5,7 @@
 namespace sightline::study {
 namespace {
 
-constexpr std::array<const char*, 5> kTrees{"no tree", "mean", "median", "SAH", "production"};
+constexpr std::array<const char*, 4> kTrees{"no tree", "mean", "median", "SAH"};
 constexpr std::array<const char*, 3> kTraversals{"stack", "stackless", "compact"};
 constexpr std::array<const char*, 7> kTests{"corners",           "vertices",       "split", "radar",
                                             "radar-two-answers", "radar-by-limit", "sphere"};
@@ -19,7 +19,6 @@ bool is_radar(Test t) {
 
 bool valid(const Variant& v) {
   const bool any_flag = v.plane_coherency || v.octant || v.masking || v.motion || v.pre_test;
-  if (v.tree == TreeKind::kWide) return v == Variant{.tree = TreeKind::kWide};
   if (v.thread_count < 1 || (v.threads == Threads::kOne && v.thread_count != 1)) return false;
   if (v.threads != Threads::kOne && (v.tree == TreeKind::kNone || v.traversal != Traversal::kCompact)) return false;
   if (v.tree == TreeKind::kNone &&
@@ -48,7 +47,6 @@ const char* name(Promise p) {
 
 std::string name(const Variant& v) {
   std::string s = kTrees[std::size_t(v.tree)];
-  if (v.tree == TreeKind::kWide) return s;
   if (v.tree != TreeKind::kNone) s += std::string(" ") + kTraversals[std::size_t(v.traversal)];
   s += std::string(" ") + kTests[std::size_t(v.test)];
   if (v.simd == Simd::kPerTest) s += " simd-per-test";

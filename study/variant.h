@@ -6,7 +6,7 @@
 
 namespace sightline::study {
 
-enum class TreeKind : std::uint8_t { kNone, kMean, kMedian, kSah, kWide };  ///< kWide: production, eight children
+enum class TreeKind : std::uint8_t { kNone, kMean, kMedian, kSah };
 /// kStack: nodes with pointers and a stack on the heap. kStackless: the same nodes by escape index. kCompact: nodes of
 /// 48 bytes without pointers, by escape index.
 enum class Traversal : std::uint8_t { kStack, kStackless, kCompact };

@@ -35,7 +35,7 @@ Model make_model(tests::Random& random, std::size_t count) {
 std::vector<Variant> all_variants() {
   std::vector<Variant> all;
   int turn = 0;
-  for (int tree = 0; tree <= int(TreeKind::kWide); ++tree)
+  for (int tree = 0; tree <= int(TreeKind::kSah); ++tree)
     for (int traversal = 0; traversal < 3; ++traversal)
       for (int test = 0; test <= int(study::Test::kSphere); ++test)
         for (int simd = 0; simd < 3; ++simd)
@@ -52,7 +52,7 @@ std::vector<Variant> all_variants() {
             v.pre_test = (flags & 16) != 0;
             v.test_items = (flags & 32) == 0;
             v.max_depth = (flags & 64) == 0 ? 0xff : 5;
-            const bool binary = v.tree != TreeKind::kNone && v.tree != TreeKind::kWide;
+            const bool binary = v.tree != TreeKind::kNone;
             if (valid(v) && (!binary || ++turn % 3 == tree % 3)) all.push_back(v);
           }
   return all;
@@ -151,8 +151,8 @@ TEST(StudyVariants, PlaneTestsAgreeBitForBit) {
   const auto views = path(random, 20);
   std::vector<Variant> variants;
   for (const Variant& v : all_variants())
-    if (promise(v) == Promise::kSame && v.tree != TreeKind::kWide && v.test != study::Test::kRadarByLimit &&
-        !v.motion && !(v.simd == Simd::kPerTest && v.test != study::Test::kSplit))
+    if (promise(v) == Promise::kSame && v.test != study::Test::kRadarByLimit && !v.motion &&
+        !(v.simd == Simd::kPerTest && v.test != study::Test::kSplit))
       variants.push_back(v);
   std::vector<std::vector<std::uint32_t>> expected(views.size());
   for (const Variant& v : variants) {

@@ -1,0 +1,27 @@
+// Internal to sightline-bench-study: what is printed and what is written of the study's results.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "sightline/core/error.h"
+#include "sightline/study/session.h"
+
+namespace sightline::bench {
+
+/// All paths of one model; the first is the one that everything was run on.
+using ModelResults = std::vector<study::Results>;
+
+/// The tables of E. T. Carlos, "Frustum Culling Híbrido Utilizando CPU e GPU" (2009), chapter 4, and ours.
+void print_tables(const std::vector<ModelResults>& all);
+/// One line a run.
+void print_runs(const std::vector<ModelResults>& all);
+
+nlohmann::ordered_json to_json(const study::Results& results);
+
+/// Data and plots of figures 4.1 to 4.16, of limited depth, and of error against time. The directory must exist.
+core::Expected<void> write_figures(const ModelResults& results, const std::filesystem::path& directory);
+
+}  // namespace sightline::bench

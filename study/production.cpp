@@ -1,0 +1,86 @@
+#include "sightline/study/production.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "sightline/core/bvh_build.h"
+#include "sightline/core/item_bounds.h"
+#include "sightline/culling/cpu_culler.h"
+
+namespace sightline::study {
+namespace {
+
+/// The one place of the study that knows how the culler is set up.
+struct Scene {
+  std::vector<std::uint32_t> order;
+  core::ItemBounds bounds;
+  std::optional<culling::CpuCuller> culler;
+
+  explicit Scene(std::span<const core::Aabb> boxes) {
+    core::BvhConfig config;
+    config.max_leaf_size = culling::kLeafSize;
+    config.threads = 1;
+    order = core::build_bvh(boxes, config).order;
+    bounds.resize(boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[order[i]]);
+    culler.emplace(bounds);
+  }
+};
+
+class Production : public Method {
+ public:
+  Production(const ProductionForm& form, std::span<const core::Aabb> boxes) : form_(form), scene_(boxes) {
+    list_.reserve(boxes.size());
+  }
+  ~Production() override { culling::force_instruction_set(std::nullopt); }
+
+  void cull(const core::View& view) override {
+    culling::force_instruction_set(form_.instructions);
+    scene_.culler->cull(view, set_);
+    if (form_.list_ids) list(list_);
+  }
+  std::uint64_t count() const override { return set_.count(); }
+  std::vector<std::uint32_t> ids() const override {
+    std::vector<std::uint32_t> ids;
+    list(ids);
+    std::sort(ids.begin(), ids.end());
+    return ids;
+  }
+  core::CullCounters counters() const override { return set_.counters; }
+  std::size_t memory_bytes() const override {
+    return scene_.culler->memory_bytes() + scene_.bounds.memory_bytes() + scene_.order.size() * sizeof(std::uint32_t);
+  }
+
+ private:
+  void list(std::vector<std::uint32_t>& ids) const {
+    ids.resize(set_.count());
+    std::uint32_t* out = ids.data();
+    for (const core::SlotRange& r : set_.ranges) {
+      std::memcpy(out, scene_.order.data() + r.first, r.count * sizeof(std::uint32_t));
+      out += r.count;
+    }
+    std::transform(set_.items.begin(), set_.items.end(), out, [this](core::Slot s) { return scene_.order[s]; });
+  }
+
+  ProductionForm form_;
+  Scene scene_;
+  core::VisibleSet set_;
+  std::vector<std::uint32_t> list_;
+};
+
+}  // namespace
+
+std::vector<ProductionForm> production_forms() {
+  using culling::InstructionSet;
+  std::vector<ProductionForm> forms{{"production", std::nullopt, false}, {"production ids", std::nullopt, true}};
+  if (culling::supported(InstructionSet::kAvx2) && culling::instruction_set() != InstructionSet::kAvx2)
+    forms.push_back({"production AVX2", InstructionSet::kAvx2, false});
+  forms.push_back({"production scalar", InstructionSet::kScalar, false});
+  return forms;
+}
+
+std::unique_ptr<Method> make_production(const ProductionForm& form, std::span<const core::Aabb> boxes) {
+  return std::make_unique<Production>(form, boxes);
+}
+
+}  // namespace sightline::study

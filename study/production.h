@@ -1,0 +1,29 @@
+// The library's own culler in the forms that the study measures.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sightline/core/aabb.h"
+#include "sightline/culling/instruction_set.h"
+#include "sightline/study/method.h"
+
+namespace sightline::study {
+
+struct ProductionForm {
+  std::string name;
+  std::optional<culling::InstructionSet> instructions;  ///< nullopt: the widest that the processor has
+  bool list_ids = false;                                ///< also write every visible box's index; otherwise ranges
+};
+
+/// The plain form, "production", first; then those that this processor can run. All use one thread.
+std::vector<ProductionForm> production_forms();
+
+/// The same set in every form. Forces its instruction set while it culls, so that one
+/// method culls at a time.
+std::unique_ptr<Method> make_production(const ProductionForm& form, std::span<const core::Aabb> boxes);
+
+}  // namespace sightline::study
