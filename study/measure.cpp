@@ -22,6 +22,7 @@ class InstructionCounter {
 #ifdef SIGHTLINE_STUDY_CALLGRIND
   explicit InstructionCounter(const std::string& name) : name_(name) {
     CALLGRIND_START_INSTRUMENTATION;
+    CALLGRIND_ZERO_STATS;  // stopping forgets the sum, but not where the last dump ended
   }
   ~InstructionCounter() {
     CALLGRIND_DUMP_STATS_AT(name_.c_str());
