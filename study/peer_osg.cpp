@@ -15,7 +15,7 @@
 namespace sightline::study {
 namespace {
 
-/// Subtrees of so many drawables are one group; the best of 2, 4, 8, 16 and 32 on the study's scenes.
+/// Subtrees of at most so many drawables are one group. Not tuned.
 constexpr std::uint32_t kGroupSize = 8;
 
 class Item : public osg::Drawable {

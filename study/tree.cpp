@@ -40,6 +40,7 @@ void complete(std::span<const core::Aabb> boxes, Tree& tree) {
 
 Tree from_sah(std::span<const core::Aabb> boxes, std::uint32_t leaf_size) {
   core::BvhConfig config;
+  config.split = core::BvhSplit::kSurface;
   config.max_leaf_size = leaf_size;
   config.threads = 1;
   core::BvhTree sah = core::build_bvh(boxes, config);

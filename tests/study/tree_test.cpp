@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "../culling/scenes.h"
+#include "sightline/core/bvh_build.h"
+#include "sightline/study/aircraft.h"
 
 namespace sightline::study {
 namespace {
@@ -82,6 +84,30 @@ TEST(StudyTree, MedianHalves) {
   const auto boxes = tests::random_boxes(random, 4096, 50.0);
   EXPECT_EQ(build_tree(boxes, {}, Split::kMedian, 1).height, 13u);
   EXPECT_EQ(build_tree(boxes, {}, Split::kMedian, 2).leaves, 2048u);
+}
+
+/// Of what a walk must expect to test: areas of all nodes over that of the root.
+double area_cost(const Tree& tree) {
+  const auto area = [](const core::Aabb& b) {
+    const core::dvec3 d = core::dvec3(b.max) - core::dvec3(b.min);
+    return d.x * d.y + d.y * d.z + d.z * d.x;
+  };
+  double sum = 0.0;
+  for (const TreeNode& node : tree.nodes) sum += area(node.box);
+  return sum / area(tree.nodes[0].box);
+}
+
+TEST(StudyTree, SurfaceAreaHeuristicIsWhatItSays) {
+  const auto boxes = make_aircraft(20'000);
+  core::BvhConfig config;
+  config.max_leaf_size = 3;
+  config.threads = 1;
+  config.split = core::BvhSplit::kSurface;
+  const Tree sah = build_tree(boxes, {}, Split::kSah);
+  EXPECT_EQ(sah.order, core::build_bvh(boxes, config).order);
+  config.split = core::BvhSplit::kBlocks;
+  EXPECT_NE(sah.order, core::build_bvh(boxes, config).order) << "the test must tell the two apart";
+  EXPECT_LT(area_cost(sah), area_cost(build_tree(boxes, {}, Split::kMedian)));
 }
 
 }  // namespace
