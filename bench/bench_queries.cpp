@@ -82,7 +82,7 @@ bool measure(std::size_t count) {
   using culling::SlotDistance;
   using culling::SpatialQueries;
   const core::ItemBounds bounds = ordered(bench::PlantBoxes(1).make(count));
-  const culling::Hierarchy hierarchy(bounds, count);
+  const culling::Hierarchy hierarchy(bounds);
   const auto layers = core::kDefaultLayerMask;
   std::printf("%zu boxes; medians in microseconds\n%-34s %10s %10s %10s %8s\n", count, "query", "found", "hierarchy",
               "linear", "ratio");
