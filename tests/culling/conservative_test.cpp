@@ -60,7 +60,7 @@ void compare(const PairBlock& block, bool sample, Tally& tally) {
   core::VisibleSet set;
   for (const View& view : block.views) {
     scene.culler->cull(view, set);
-    const auto slots = set.sorted_slots();
+    const auto slots = scene.occupied(set);
     culling::LinearCuller(scene.bounds).cull(view, set);
     ASSERT_EQ(slots, set.items);
     const culling::CullPlanes planes(view, scene.bounds);
