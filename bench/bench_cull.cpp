@@ -279,10 +279,9 @@ core::Expected<Frames> inspect(const Subject& subject, std::span<const core::Aab
     }
     if (!options.verify) continue;
     linear.cull(views[i], expected);
-    if (ids != expected.items)
+    if (ids != expected.sorted_slots())
       return core::fail("frame " + std::to_string(i) + ": " + std::to_string(ids.size()) +
-                        " visible, but the linear culler finds another set of " +
-                        std::to_string(expected.items.size()));
+                        " visible, but the linear culler finds another set of " + std::to_string(expected.count()));
   }
   return frames;
 }

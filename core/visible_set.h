@@ -26,7 +26,7 @@ struct CullCounters {
 /// there. Reuse one set from frame to frame: clear() keeps the memory.
 struct VisibleSet {
   std::uint64_t generation = 0;   ///< of the snapshot that the slots belong to
-  std::vector<SlotRange> ranges;  ///< subtrees wholly inside
+  std::vector<SlotRange> ranges;  ///< neighbours that are all visible
   std::vector<Slot> items;        ///< single slots
   CullCounters counters;
 

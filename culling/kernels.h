@@ -28,13 +28,6 @@ struct ItemTest {
 
 ItemTest make_item_test(const core::ItemBounds& bounds, const CullPlanes& planes, std::uint32_t view_layers);
 
-/// A list to which kernels append; full() makes room.
-struct SlotLists {
-  core::Slot *items, *items_limit;
-  void* owner;
-  void (*full)(SlotLists& lists);
-};
-
 /// One level of the hierarchy.
 struct LevelView {
   const HierarchyNode* nodes;
@@ -70,19 +63,25 @@ struct TraversalInput {
   std::uint64_t nodes_tested, boxes_tested;
 };
 
-/// Where to write what a traversal found: single slots, and the leaves at which ranges begin and end in turn (the last
-/// end may lie behind the tree). Both have room for everything, and sixteen more; the kernel moves them to their ends.
+/// Where to write what was found: single slots, and the leaves or slots at which ranges begin and end in turn (of
+/// leaves, the last end may lie behind the tree). Both have room for everything, and sixteen more; the kernel moves
+/// them to their ends.
 struct FoundSlots {
   core::Slot *items, *edges;
 };
+
+/// Items whose answers fit on the stack.
+inline constexpr std::size_t kItemsAtOnce = 4096;
 
 struct Kernels {
   /// Fills the answers of `input`.
   void (*traverse)(TraversalInput& input);
   /// Turns them into slots.
   void (*extract)(const TraversalInput& input, FoundSlots& found);
-  /// Appends the visible ones of items first … end - 1. May read kPadding boxes beyond.
-  void (*cull_items)(const ItemTest& test, PlaneMask mask, std::size_t first, std::size_t end, SlotLists& lists);
+  /// The visible ones of items first … end - 1, from 1 to kItemsAtOnce of them: groups of kLanes wholly visible as
+  /// ranges of slots, others as single slots. `edges` has room for one more than there are groups. May read kPadding
+  /// boxes beyond.
+  void (*cull_items)(const ItemTest& test, PlaneMask mask, std::size_t first, std::size_t end, FoundSlots& found);
   /// out[i] = first + i for i < count.
   void (*count_up)(core::Slot* out, core::Slot first, std::uint32_t count);
   /// Box of kLeafSize items in the order of the coordinates; vacant ones have no say. False, with anything in `box`,

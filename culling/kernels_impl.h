@@ -425,6 +425,58 @@ class Extraction {
   std::uint64_t last_inside_ = 0;
 };
 
+/// Groups lie in spatial order, so the plane that rejected the last one is asked first.
+template <class Simd>
+void cull_items(const ItemTest& test, PlaneMask mask, std::size_t first, std::size_t end, FoundSlots& found) {
+  constexpr unsigned kAllLanes = 0xffff;
+  struct Tested {
+    const FloatPlane* plane;
+    const float *x, *y, *z;
+  };
+  Tested planes[kMaxCullPlanes];
+  int count = 0;
+  for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0; m &= m - 1) {
+    const FloatPlane& f = test.planes[__builtin_ctz(m)];
+    const auto& c = test.coordinates;
+    planes[count++] = {&f, c[f.p_axis[0]], c[f.p_axis[1]], c[f.p_axis[2]]};
+  }
+  const ItemTester<Simd> tester(test);
+  core::Slot *items = found.items, *edges = found.edges;
+  for (std::size_t group = first; group < end; group += kLanes) {
+    const unsigned beyond = end - group < std::size_t(kLanes) ? kAllLanes & ~0u << (end - group) : 0;
+    unsigned outside = beyond, open = 0;
+    for (int k = 0; k < count; ++k) {
+      const Tested& t = planes[k];
+      const typename Simd::Plane plane = Simd::spread(*t.plane);
+      const typename Simd::Values s = Simd::evaluate(plane, t.x + group, t.y + group, t.z + group);
+      outside |= Simd::below(s, plane);
+      if (outside == kAllLanes) {
+        const Tested rejecting = t;
+        planes[k] = planes[0];
+        planes[0] = rejecting;
+        break;
+      }
+      open |= ~Simd::above(s, plane);
+    }
+    if (outside == kAllLanes) continue;
+
+    unsigned kept = ~outside & tester.items_shown(group);
+    open &= kept;
+    if (open != 0) kept = (kept & ~open) | test.resolve(test, group, open, mask & (kUnionPlanes - 1));
+    if ((mask & kUnionPlanes) != 0) kept &= tester.template visible<true>(group, kUnionPlanes);
+    if (kept != kAllLanes) {
+      items = Simd::append(items, core::Slot(group), kept);
+    } else if (edges != found.edges && edges[-1] == group) {
+      edges[-1] += kLanes;
+    } else {
+      edges[0] = core::Slot(group);
+      edges[1] = core::Slot(group + kLanes);
+      edges += 2;
+    }
+  }
+  found = {items, edges};
+}
+
 template <class Simd>
 constexpr Kernels make_kernels() {
   Kernels k{};
@@ -435,16 +487,7 @@ constexpr Kernels make_kernels() {
       Traversal<Simd, false>(in).run();
   };
   k.extract = [](const TraversalInput& in, FoundSlots& found) { Extraction<Simd>(in, found).run(found); };
-  k.cull_items = [](const ItemTest& test, PlaneMask mask, std::size_t first, std::size_t end, SlotLists& lists) {
-    const ItemTester<Simd> tester(test);
-    for (std::size_t group = first; group < end; group += kLanes) {
-      unsigned kept = tester.template visible<false>(group, mask);
-      if (end - group < std::size_t(kLanes)) kept &= (1u << (end - group)) - 1u;
-      if (kept == 0) continue;
-      if (lists.items > lists.items_limit) lists.full(lists);
-      lists.items = Simd::append(lists.items, core::Slot(group), kept);
-    }
-  };
+  k.cull_items = cull_items<Simd>;
   k.count_up = [](core::Slot* out, core::Slot first, std::uint32_t count) {
     std::uint32_t i = 0;
     for (; i + kLanes <= count; i += kLanes) Simd::store_places(out + i, first + i);

@@ -1,30 +1,21 @@
 #include "sightline/culling/linear_culler.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
+#include <vector>
 
 #include "sightline/culling/kernels.h"
 
 namespace sightline::culling {
 namespace {
 
-constexpr std::size_t kBuffer = 4096;
-
-/// Collects slots on the stack and appends them many at a time.
-struct Writer {
-  explicit Writer(core::VisibleSet& target) : set(target) {
-    lists = {buffer.data(), buffer.data() + kBuffer - kLanes, this, flush};
-  }
-  static void flush(SlotLists& lists) {
-    auto* writer = static_cast<Writer*>(lists.owner);
-    writer->set.items.insert(writer->set.items.end(), writer->buffer.data(), lists.items);
-    lists.items = writer->buffer.data();
-  }
-
-  core::VisibleSet& set;
-  SlotLists lists;
-  std::array<core::Slot, kBuffer> buffer;
-};
+void append_range(core::Slot first, core::Slot end, std::vector<core::SlotRange>& ranges) {
+  if (!ranges.empty() && ranges.back().first + ranges.back().count == first)
+    ranges.back().count += end - first;
+  else
+    ranges.push_back({first, end - first});
+}
 
 }  // namespace
 
@@ -33,9 +24,16 @@ void cull_slots(const core::ItemBounds& bounds, const CullPlanes& planes, PlaneM
   assert(first <= end && end <= bounds.size());
   if (first == end || (!bounds.uses_layers() && (layers & core::kLayerModel) == 0)) return;
   set.counters.boxes_tested += end - first;
-  Writer writer(set);
-  kernels().cull_items(make_item_test(bounds, planes, layers), mask, first, end, writer.lists);
-  Writer::flush(writer.lists);
+  const ItemTest test = make_item_test(bounds, planes, layers);
+  std::array<core::Slot, kItemsAtOnce + kLanes> items;
+  std::array<core::Slot, kItemsAtOnce / kLanes + 1> edges;
+  for (; first < end; first += kItemsAtOnce) {
+    FoundSlots found{items.data(), edges.data()};
+    kernels().cull_items(test, mask, first, std::min(end, first + kItemsAtOnce), found);
+    set.items.insert(set.items.end(), items.data(), found.items);
+    for (const core::Slot* edge = edges.data(); edge < found.edges; edge += 2)
+      append_range(edge[0], edge[1], set.ranges);
+  }
 }
 
 void LinearCuller::cull(const core::View& view, core::VisibleSet& set) const {

@@ -18,14 +18,16 @@ class LinearCuller {
   /// Borrows the bounds, which must outlive the culler. They may change between calls.
   explicit LinearCuller(const core::ItemBounds& bounds) : bounds_(&bounds) {}
 
-  /// Replaces the contents of `set`: single slots only. Does not allocate once `set` has grown to its size.
+  /// Replaces the contents of `set`. Does not allocate once `set` has grown to its size.
   void cull(const core::View& view, core::VisibleSet& set) const;
 
  private:
   const core::ItemBounds* bounds_;
 };
 
-/// Appends the visible ones of slots first … end - 1 to set.items and counts them as tested. `layers`: the view's.
+/// Appends the visible ones of slots first … end - 1 to `set`, whose slots all lie before them, and counts them as
+/// tested: groups of kLanes from `first` on that are wholly visible as ranges, others as single slots. `layers`: the
+/// view's.
 void cull_slots(const core::ItemBounds& bounds, const CullPlanes& planes, PlaneMask mask, std::uint32_t layers,
                 std::size_t first, std::size_t end, core::VisibleSet& set);
 

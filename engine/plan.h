@@ -28,7 +28,7 @@ struct Plan {
 };
 
 /// Below this many items testing all boxes costs less than walking nodes.
-inline constexpr std::size_t kSmallScene = 256;
+inline constexpr std::size_t kSmallScene = 128;
 
 Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids);
 

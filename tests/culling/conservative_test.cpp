@@ -62,7 +62,7 @@ void compare(const PairBlock& block, bool sample, Tally& tally) {
     scene.culler->cull(view, set);
     const auto slots = scene.occupied(set);
     culling::LinearCuller(scene.bounds).cull(view, set);
-    ASSERT_EQ(slots, set.items);
+    ASSERT_EQ(slots, set.sorted_slots());
     const culling::CullPlanes planes(view, scene.bounds);
     ExactVolume exact(view);
     auto next = slots.begin();

@@ -11,7 +11,20 @@ namespace {
 using core::Aabb;
 using core::View;
 
-/// Also that the lists are in rising order, disjoint and merged, and the same in every form of the kernels.
+/// Lists in rising order, disjoint and merged.
+void expect_well_formed(const core::VisibleSet& set) {
+  ASSERT_EQ(std::adjacent_find(set.items.begin(), set.items.end(), std::greater_equal<>()), set.items.end());
+  for (std::size_t i = 0; i < set.ranges.size(); ++i) {
+    ASSERT_GT(set.ranges[i].count, 0u);
+    if (i > 0) {
+      ASSERT_LT(set.ranges[i - 1].first + set.ranges[i - 1].count, set.ranges[i].first);
+    }
+  }
+  const auto slots = set.sorted_slots();
+  ASSERT_EQ(std::adjacent_find(slots.begin(), slots.end()), slots.end()) << "a slot is in both lists";
+}
+
+/// Also that the lists are well formed, and the same in every form of the kernels.
 void expect_same(const Scene& scene, const View& view, core::VisibleSet& set) {
   std::vector<core::VisibleSet> trees, linears;
   for_each_instruction_set([&] {
@@ -27,19 +40,12 @@ void expect_same(const Scene& scene, const View& view, core::VisibleSet& set) {
     ASSERT_EQ(trees[i].counters.nodes_tested, trees[0].counters.nodes_tested);
     ASSERT_EQ(trees[i].counters.boxes_tested, trees[0].counters.boxes_tested);
     ASSERT_EQ(linears[i].items, linears[0].items);
+    ASSERT_EQ(linears[i].ranges, linears[0].ranges);
   }
-  const core::VisibleSet& linear = linears[0];
-  ASSERT_TRUE(linear.ranges.empty());
-  ASSERT_TRUE(std::is_sorted(linear.items.begin(), linear.items.end()));
-  ASSERT_EQ(scene.occupied(set), linear.items);
+  ASSERT_EQ(scene.occupied(set), linears[0].sorted_slots());
   ASSERT_TRUE(std::none_of(set.items.begin(), set.items.end(), [&](auto slot) { return scene.bounds.vacant(slot); }));
-  ASSERT_EQ(std::adjacent_find(set.items.begin(), set.items.end(), std::greater_equal<>()), set.items.end());
-  for (std::size_t i = 0; i < set.ranges.size(); ++i) {
-    ASSERT_GT(set.ranges[i].count, 0u);
-    if (i > 0) {
-      ASSERT_LT(set.ranges[i - 1].first + set.ranges[i - 1].count, set.ranges[i].first);
-    }
-  }
+  ASSERT_NO_FATAL_FAILURE(expect_well_formed(set));
+  ASSERT_NO_FATAL_FAILURE(expect_well_formed(linears[0]));
 }
 
 void set_random_layers(Random& random, core::ItemBounds& bounds) {

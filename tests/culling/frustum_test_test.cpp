@@ -56,7 +56,7 @@ TEST(FrustumTest, KernelsAnswerLikeSingleBoxes) {
       for_each_instruction_set([&] {
         core::VisibleSet set;
         culling::cull_slots(bounds, planes, mask, core::kLayerModel, first, end, set);
-        ASSERT_EQ(set.items, expected);
+        ASSERT_EQ(set.sorted_slots(), expected);
       });
     }
   }
