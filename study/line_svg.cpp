@@ -44,7 +44,7 @@ class Drawing {
                     << (line.heavy ? 2.5 : 1.2) << "\" points=\"";
       for (const auto& [x, y] : line.points) canvas_.raw() << px(x) << ',' << py(y) << ' ';
       canvas_.raw() << "\"/>\n";
-      canvas_.legend(i, line.label, 300);
+      canvas_.legend(i, line.label, 380);
     }
     return canvas_.finish();
   }

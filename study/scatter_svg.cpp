@@ -50,12 +50,18 @@ class Drawing {
     canvas_.raw() << "<circle cx=\"" << px(p.x) << "\" cy=\"" << py(p.y) << "\" r=\"4\" fill=\"" << colour
                   << "\" fill-opacity=\"0.75\"><title>" << Canvas::escaped(p.label) << ": " << p.x << ", " << p.y
                   << "</title></circle>\n";
-    if (p.named) canvas_.text(px(p.x) + 6, py(p.y) - 6, "start", colour, p.label);
+    if (!p.named) return;
+    if (px(p.x) < 0.8 * Canvas::kWidth) {
+      canvas_.text(px(p.x) + 6, py(p.y) - 6, "start", colour, p.label);
+    } else {  // there is no room to the right: inwards, one above the other
+      canvas_.text(px(p.x) + 6, py(p.y) - 12 - 14 * crowded_++, "end", colour, p.label);
+    }
   }
 
   const ScatterPlot& plot_;
   SvgCanvas canvas_;
   DecadeAxis x_, y_;
+  int crowded_ = 0;  // labels so far at the right edge
 };
 
 }  // namespace
