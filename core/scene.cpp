@@ -429,8 +429,8 @@ void Scene::touch_item(ItemId id) {
   dirty_items_.push_back(id);
 }
 
-/// Everything below a touched node becomes a touched item. Linear: a node is entered once however many above it were
-/// touched.
+/// In rising order, removed ones among them. Everything below a touched node becomes a touched item. Linear: a node is
+/// entered once however many above it were touched.
 std::vector<ItemId> Scene::collect_dirty_items() {
   std::vector<std::uint32_t> below;
   std::vector<bool> entered(dirty_nodes_.empty() ? 0 : nodes_.size());
@@ -445,9 +445,7 @@ std::vector<ItemId> Scene::collect_dirty_items() {
     for (std::uint32_t c = node.first_child; c != kNone; c = nodes_[c].next) enter(c);
     for (ItemId item = node.first_item; item != kNone; item = items_[item].next) touch_item(item);
   }
-  std::vector<ItemId> items;
-  for (const ItemId item : dirty_items_)
-    if (items_[item].alive) items.push_back(item);
+  std::vector<ItemId> items = dirty_items_;
   std::sort(items.begin(), items.end());
   return items;
 }
@@ -470,10 +468,10 @@ Expected<SceneDelta> Scene::validated(std::span<const ItemId> items) const {
 }
 
 Expected<SceneDelta> Scene::commit() {
-  auto delta = validated(collect_dirty_items());
+  const std::vector<ItemId> items = collect_dirty_items();
+  auto delta = validated(items);
   if (!delta) return delta;
-  for (const ItemId id : dirty_items_) items_[id].dirty = false;
-  for (const ItemId id : delta->inserted) items_[id].committed = true;
+  for (const ItemId id : items) items_[id].dirty = false, items_[id].committed = true;
   for (const std::uint32_t node : dirty_nodes_) nodes_[node].dirty = false;
   std::sort(removed_items_.begin(), removed_items_.end());
   delta->removed = std::move(removed_items_);

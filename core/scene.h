@@ -20,6 +20,7 @@
 #include "sightline/core/affine.h"
 #include "sightline/core/error.h"
 #include "sightline/core/mesh.h"
+#include "sightline/core/prefetch.h"
 #include "sightline/core/primitive.h"
 
 namespace sightline::core {
@@ -149,7 +150,7 @@ class Scene {
   ItemState state(ItemId item, const Affine& world_from_node, bool visible, std::uint32_t layers,
                   MaterialId material) const;
 
-  /// Calls visit(item, state) for each of `items` in turn, which must be alive. Every node above them is resolved once,
+  /// Calls visit(item, state) for each of `items` in turn that is alive. Every node above them is resolved once,
   /// so that many items below one deep chain of nodes cost no more than elsewhere.
   template <class Visit>
   void for_each_state(std::span<const ItemId> items, Visit&& visit) const;
@@ -191,6 +192,7 @@ class Scene {
   Resolved resolve(const Node& node, const Resolved& parent) const;
   Resolved resolve_above(NodeId node) const;
   const Resolved& resolve_once(std::uint32_t node, ResolvedNodes& known) const;
+  void prefetch_ahead(std::span<const ItemId> items, std::size_t at) const;
   void link(std::uint32_t node, std::uint32_t parent);
   void unlink(std::uint32_t node);
   void touch_node(std::uint32_t node);
@@ -238,11 +240,23 @@ void Scene::for_each_node(NodeId top, Visit&& visit) const {
   }
 }
 
+/// An item's own data, then its node and parameters.
+inline void Scene::prefetch_ahead(std::span<const ItemId> items, std::size_t at) const {
+  if (at + kPrefetchAhead < items.size()) prefetch(items_[items[at + kPrefetchAhead]]);
+  if (at + kPrefetchAhead / 2 >= items.size()) return;
+  const Item& item = items_[items[at + kPrefetchAhead / 2]];
+  prefetch(nodes_[item.node]);
+  if (int(item.kind) < kPrimitiveKindCount) prefetch(parameters_[item.payload]);
+}
+
 template <class Visit>
 void Scene::for_each_state(std::span<const ItemId> items, Visit&& visit) const {
   constexpr std::size_t kFew = 64;  // walking up from each is then cheaper than a table of all nodes
   ResolvedNodes known;
-  for (const ItemId item : items) {
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    prefetch_ahead(items, i);
+    const ItemId item = items[i];
+    if (!contains_item(item)) continue;
     if (items.size() <= kFew) {
       visit(item, state(item));
       continue;

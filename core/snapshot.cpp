@@ -4,7 +4,8 @@
 #include <atomic>
 #include <bit>
 #include <cassert>
-#include <cmath>
+
+#include "sightline/core/prefetch.h"
 
 namespace sightline::core {
 namespace {
@@ -27,15 +28,28 @@ float size_of(const Aabb& box) {
   return box.empty() ? 0.0f : box.max.x - box.min.x + (box.max.y - box.min.y) + (box.max.z - box.min.z);
 }
 
-/// Union of slots first … end - 1; vacant ones have no say.
+/// Union of slots first … end - 1, a block at most; vacant ones have no say.
 Aabb union_of(const ItemBounds& bounds, std::size_t first, std::size_t end) {
+  constexpr std::size_t kLanes = 8;  // side by side, for the sake of vector instructions
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
     const float *low = bounds.coordinate(axis), *high = bounds.coordinate(axis + 3);
-    for (std::size_t s = first; s < end; ++s) {
-      box.min[axis] = low[s] < box.min[axis] ? low[s] : box.min[axis];
-      box.max[axis] = high[s] > box.max[axis] ? high[s] : box.max[axis];
+    float least[kLanes], most[kLanes];
+    std::fill_n(least, kLanes, Aabb::kFar);
+    std::fill_n(most, kLanes, -Aabb::kFar);
+    std::size_t s = first;
+    for (; s + kLanes <= end; s += kLanes) {
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        least[i] = low[s + i] < least[i] ? low[s + i] : least[i];
+        most[i] = high[s + i] > most[i] ? high[s + i] : most[i];
+      }
     }
+    for (; s < end; ++s) {
+      least[0] = std::min(least[0], low[s]);
+      most[0] = std::max(most[0], high[s]);
+    }
+    box.min[axis] = *std::min_element(least, least + kLanes);
+    box.max[axis] = *std::max_element(most, most + kLanes);
   }
   return box;
 }
@@ -62,8 +76,7 @@ Snapshot::Snapshot(const Scene& scene, const BvhConfig& config) : scene_(&scene)
                         for (ItemId item = scene.first_item(node); item != kNone; item = scene.next_item(item)) {
                           const Scene::ItemState state = scene.state(item, world, visible, layers, m);
                           origins.grow(state.world_from_item.origin);
-                          boxes.push_back(scene.bounds_under(item, state.world_from_item));
-                          gather(state, item, all);
+                          boxes.push_back(gather(scene, state, item, all));
                         }
                       });
   // Whole metres, so that the origin itself is exact in float while it is small.
@@ -155,24 +168,23 @@ void Snapshot::reserve(const Items& items) {
 
 // --- items on their way ----------------------------------------------------------------------------------------------
 
-/// Without the box. Parameters only of items that are new here: they never change.
-void Snapshot::gather(const Scene::ItemState& state, ItemId item, Items& out) const {
+/// Appends a record without a box; returns the box in the world.
+AabbD Snapshot::gather(const Scene& scene, const Scene::ItemState& state, ItemId item, Items& out) {
   Items::Record r;
   r.item = item;
-  r.kind = scene_->kind(item);
+  r.kind = scene.kind(item);
   r.layers = state.layers;
   r.material = state.material;
   r.linear = mat3(state.world_from_item.linear);
   r.origin = state.world_from_item.origin;
-  if (int(r.kind) >= kPrimitiveKindCount) {
-    r.payload = scene_->mesh_of(item).index;
-  } else if (slot(item) == kNone) {
-    r.payload = std::uint32_t(out.parameters.size());
-    const Primitive primitive = scene_->primitive(item);
-    const auto values = parameters(primitive);
-    out.parameters.insert(out.parameters.end(), values.begin(), values.end());
-  }
+  const bool mesh = int(r.kind) >= kPrimitiveKindCount;
+  r.payload = mesh ? scene.mesh_of(item).index : std::uint32_t(out.parameters.size());
   out.records.push_back(r);
+  if (mesh) return scene.bounds_under(item, state.world_from_item);
+  const Primitive primitive = scene.primitive(item);
+  const auto values = parameters(primitive);
+  out.parameters.insert(out.parameters.end(), values.begin(), values.end());
+  return core::bounds(primitive, state.world_from_item);
 }
 
 void Snapshot::copy(Slot first, Slot end, Items& out) const {
@@ -215,15 +227,12 @@ std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
   Items items;
   items.removed = delta.removed;
   items.records.reserve(delta.changed.size() + delta.inserted.size());
-  std::vector<ItemId> present;
-  present.reserve(delta.changed.size() + delta.inserted.size());
-  for (const auto* list : {&delta.changed, &delta.inserted})
-    for (const ItemId item : *list)
-      if (scene_->contains_item(item)) present.push_back(item);
-  scene_->for_each_state(present, [&](ItemId item, const Scene::ItemState& state) {
-    gather(state, item, items);
-    items.records.back().box = round_outwards(scene_->bounds_under(item, state.world_from_item), bounds_.origin);
-  });
+  const auto take = [&](ItemId item, const Scene::ItemState& state) {
+    const AabbD box = gather(*scene_, state, item, items);
+    items.records.back().box = round_outwards(box, bounds_.origin);
+  };
+  scene_->for_each_state(delta.changed, take);
+  scene_->for_each_state(delta.inserted, take);
   return apply(items);
 }
 
@@ -240,37 +249,57 @@ std::vector<Slot> Snapshot::apply(const Items& items) {
     touched.push_back(s);
   }
   std::vector<std::uint64_t> known;  // slot and record, to be met block by block
-  std::vector<std::uint32_t> appended;
-  for (std::uint32_t i = 0; i < items.records.size(); ++i) {
+  std::vector<Newcomer> appended;
+  known.reserve(items.records.size());
+  for (std::size_t i = 0; i < items.records.size(); ++i) {
+    if (i + kPrefetchAhead < items.records.size())
+      prefetch(slots_.data() + items.records[i + kPrefetchAhead].item, sizeof(Slot));
     const Slot s = slot(items.records[i].item);
     if (s != kNone)
       known.push_back(std::uint64_t(s) << 32 | i);
     else
-      appended.push_back(i);
+      appended.push_back({std::uint32_t(i), kNone});
   }
   std::sort(known.begin(), known.end());
-  const std::vector<std::uint32_t> gone = stay_or_go(items, known, touched);
-  appended.insert(appended.end(), gone.begin(), gone.end());
+  stay_or_go(items, known, touched, appended);
   append_sorted(items, appended);
   extend_ranks();
   count_vacant();
   return touched;
 }
 
-/// Puts items that the snapshot knows into their slots, as long as their blocks keep their sizes. Returns those that
-/// have left; theirs are vacant.
-std::vector<std::uint32_t> Snapshot::stay_or_go(const Items& items, std::vector<std::uint64_t>& known,
-                                                std::vector<Slot>& touched) {
+/// A block's boxes and what is kept by slot, then what is kept by kind.
+void Snapshot::prefetch_ahead(std::span<const std::uint64_t> known, std::size_t at) const {
+  if (at + kPrefetchAhead < known.size()) {
+    const std::size_t s = known[at + kPrefetchAhead] >> 32, block = s / kBlock * kBlock;
+    for (int axis = 0; axis < 6; ++axis) prefetch(bounds_.coordinate(axis) + block, kBlock * sizeof(float));
+    prefetch(kinds_[s]);
+    prefetch(index_in_kind_[s]);
+    prefetch(materials_[s]);
+    prefetch(items_[s]);
+  }
+  if (at + kPrefetchAhead / 2 >= known.size()) return;
+  const std::size_t s = known[at + kPrefetchAhead / 2] >> 32;
+  const KindItems& list = kind_items_[std::size_t(kinds_[s])];
+  prefetch(list.placements[index_in_kind_[s]]);
+  if (int(kinds_[s]) < kPrimitiveKindCount)
+    prefetch(list.parameters[index_in_kind_[s] * std::size_t(parameter_count(kinds_[s]))]);
+}
+
+/// Puts items that the snapshot knows into their slots, as long as their blocks keep their sizes. Those that have left
+/// join `appended`, and their slots are vacant.
+void Snapshot::stay_or_go(const Items& items, std::span<const std::uint64_t> known, std::vector<Slot>& touched,
+                          std::vector<Newcomer>& appended) {
   const auto slot_at = [&](std::size_t i) { return Slot(known[i] >> 32); };
   // Relocation may take a quarter of the slots. Whoever edits more without a new order gets larger blocks instead.
   const std::size_t live = size() - given_up_;
   std::size_t allowance = std::max(live + live / 4 + kBlock, size()) - size();
-  std::vector<std::uint32_t> gone;
   std::vector<std::uint32_t> moved_to(chunks_.origins().size(), kNone);  // by chunk: where the last item of it went
   for (std::size_t first = 0, end = 0; first < known.size(); first = end) {
     const std::size_t block = slot_at(first) / kBlock;
     bool all_stay = true;
     for (end = first; end < known.size() && slot_at(end) / kBlock == block; ++end) {
+      prefetch_ahead(known, end);
       const Slot s = slot_at(end);
       const Items::Record& r = items.records[std::uint32_t(known[end])];
       const Aabb old = bounds_.box(s);
@@ -303,19 +332,17 @@ std::vector<std::uint32_t> Snapshot::stay_or_go(const Items& items, std::vector<
         show(s, r.box, r.layers);
       } else {
         give_up(s);
-        gone.push_back(std::uint32_t(known[i]));
+        appended.push_back({std::uint32_t(known[i]), chunk});
         --allowance;
       }
     }
   }
-  return gone;
 }
 
-/// Items whose slots were given up lie in slots_ still: that is where their parameters and placement are.
-void Snapshot::append_sorted(const Items& items, std::span<const std::uint32_t> records) {
-  if (records.empty()) return;
-  std::vector<Aabb> boxes(records.size());
-  for (std::size_t i = 0; i < records.size(); ++i) boxes[i] = items.records[records[i]].box;
+void Snapshot::append_sorted(const Items& items, std::span<const Newcomer> newcomers) {
+  if (newcomers.empty()) return;
+  std::vector<Aabb> boxes(newcomers.size());
+  for (std::size_t i = 0; i < newcomers.size(); ++i) boxes[i] = items.records[newcomers[i].record].box;
   std::vector<std::uint32_t> order = spatial_order(boxes, {});
   // Blocks of the order are to become blocks of slots: what completes the last block comes from the end.
   const std::size_t first = size(), missing = std::min((kBlock - first % kBlock) % kBlock, order.size());
@@ -326,10 +353,11 @@ void Snapshot::append_sorted(const Items& items, std::span<const std::uint32_t> 
   Aabb block = union_of(bounds_, first / kBlock * kBlock, first);
   std::uint32_t chunk = kNone;
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const Items::Record& r = items.records[records[order[i]]];
-    const Slot old = slot(r.item), s = Slot(first + i);
-    chunk = old != kNone ? placement(old).chunk : chunks_.find(r.origin, chunk, chunk, r.origin);
-    append(items, records[order[i]], chunk);
+    const Newcomer& newcomer = newcomers[order[i]];
+    const Items::Record& r = items.records[newcomer.record];
+    const Slot s = Slot(first + i);
+    chunk = newcomer.chunk != kNone ? newcomer.chunk : chunks_.find(r.origin, chunk, chunk, r.origin);
+    append(items, newcomer.record, chunk);
     block.grow(r.box);
     if ((s + 1) % kBlock != 0 && i + 1 != order.size()) continue;
     block_sizes_[s / kBlock] = std::max(block_sizes_[s / kBlock], size_of(block));
@@ -344,13 +372,8 @@ void Snapshot::append(const Items& items, std::uint32_t record, std::uint32_t ch
   if (r.item >= slots_.size()) slots_.resize(r.item + 1, kNone);
   if (int(r.kind) < kPrimitiveKindCount) {
     const std::size_t count = std::size_t(parameter_count(r.kind));
-    // One that moved takes its parameters along: it may be that `items` has none of them.
-    const bool moved = slots_[r.item] != kNone;
-    const std::size_t end = list.parameters.size();
-    const std::size_t old = moved ? index_in_kind_[slots_[r.item]] * count : 0;
-    list.parameters.resize(end + count);
-    std::copy_n(moved ? list.parameters.data() + old : items.parameters.data() + r.payload, count,
-                list.parameters.data() + end);
+    const auto values = items.parameters.begin() + std::ptrdiff_t(r.payload);
+    list.parameters.insert(list.parameters.end(), values, values + std::ptrdiff_t(count));
   } else {
     list.meshes.push_back(r.payload);
   }

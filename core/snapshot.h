@@ -93,12 +93,17 @@ class Snapshot {
   std::size_t memory_bytes() const;
 
  private:
+  /// A record on its way to a new slot, and its chunk, kNone when it has none yet.
+  struct Newcomer {
+    std::uint32_t record, chunk;
+  };
   void build(Items&& items, const BvhConfig& config);
   void reserve(const Items& items);
-  void gather(const Scene::ItemState& state, ItemId item, Items& out) const;
-  std::vector<std::uint32_t> stay_or_go(const Items& items, std::vector<std::uint64_t>& known,
-                                        std::vector<Slot>& touched);
-  void append_sorted(const Items& items, std::span<const std::uint32_t> records);
+  static AabbD gather(const Scene& scene, const Scene::ItemState& state, ItemId item, Items& out);
+  void stay_or_go(const Items& items, std::span<const std::uint64_t> known, std::vector<Slot>& touched,
+                  std::vector<Newcomer>& appended);
+  void prefetch_ahead(std::span<const std::uint64_t> known, std::size_t at) const;
+  void append_sorted(const Items& items, std::span<const Newcomer> newcomers);
   void append(const Items& items, std::uint32_t record, std::uint32_t chunk);
   void give_up(Slot slot);
   void show(Slot slot, const Aabb& box, std::uint32_t layers);
