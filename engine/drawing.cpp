@@ -41,12 +41,11 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot) {
   scene_ = std::move(*scene);
   lists_ = std::move(*lists);
   renderer_ = std::move(*renderer);
-  slot_count_ = snapshot.size();
   return {};
 }
 
 core::Expected<void> Drawing::update(const core::Snapshot& snapshot, std::span<const core::Slot> touched) {
-  if (snapshot.size() > slot_count_) return rebuild(snapshot);
+  if (!scene_->append(snapshot)) return rebuild(snapshot);
   scene_->update(snapshot, touched);
   return {};
 }

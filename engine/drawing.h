@@ -16,8 +16,8 @@ class Drawing {
 
   /// Submits one frame. Before that it waits until at most one earlier frame is still being drawn.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible);
-  /// Follows an edit of `touched` slots (Snapshot::apply): rewrites their records, or everything when slots were
-  /// appended.
+  /// Follows an edit of `touched` slots (Snapshot::apply): rewrites their records and adds those of appended slots, or
+  /// makes everything anew where GpuScene::append has no room.
   core::Expected<void> update(const core::Snapshot& snapshot, std::span<const core::Slot> touched);
   core::Expected<void> rebuild(const core::Snapshot& snapshot);
   void finish();
@@ -34,7 +34,6 @@ class Drawing {
   std::optional<gl::Context> own_context_;  // first member: everything below is made with it and must go before it
   gl::Context* context_ = nullptr;
   gpuscene::GpuSceneConfig scene_config_;
-  std::size_t slot_count_ = 0;  // that scene_ holds
   std::optional<gpuscene::GpuScene> scene_;
   std::optional<gpuscene::DrawLists> lists_;
   std::optional<render::Renderer> renderer_;

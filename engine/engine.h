@@ -64,7 +64,7 @@ class Engine {
   core::Expected<FrameReport> frame(const core::View& view);
 
   /// Takes over the scene's edits since the last commit, in time that follows their number: see Snapshot::apply. With
-  /// drawing on, slots that were appended (insertions, moves far away) upload everything anew.
+  /// drawing on, edits that GpuScene::append has no room or shape for upload everything anew.
   ///
   /// After many edits a new order is made in the background (EngineConfig::rebuild_share), from the snapshot and not
   /// from the scene, which may be edited meanwhile. It lands in the first commit() or frame() after it is ready, as an

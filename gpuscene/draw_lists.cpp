@@ -56,7 +56,7 @@ core::Expected<DrawLists> DrawLists::create(const gl::Context& context, const Gp
   const gl::Functions& gl = context.functions();
   const Batch* meshes = scene.batch(BatchKind::kMesh);
   if (meshes) {
-    std::vector<std::uint32_t> identity(meshes->count);
+    std::vector<std::uint32_t> identity(meshes->capacity);
     std::iota(identity.begin(), identity.end(), 0u);
     auto buffer = gl::Buffer::create(gl, std::span(identity), 0, "mesh instances");
     if (!buffer) return tl::unexpected(buffer.error());

@@ -39,7 +39,7 @@ class DrawLists {
   const gl::TextureBuffer& singles() const { return single_texels_; }
   /// 16-bit index patterns of box and proxy corners; empty when no batch needs them.
   const gl::Buffer& corner_indices() const { return corner_indices_; }
-  /// 0, 1, 2, … up to the mesh batch's count: the instance attribute of meshes.
+  /// 0, 1, 2, … up to the mesh batch's capacity: the instance attribute of meshes.
   const gl::Buffer& mesh_instances() const { return mesh_instances_; }
   std::size_t memory_bytes() const;
 

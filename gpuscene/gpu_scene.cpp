@@ -13,6 +13,8 @@ using core::Slot;
 using core::Snapshot;
 using gpuprims::Texel;
 
+constexpr std::uint32_t kHeadroom = 64;  // records, beside an eighth of what there is
+
 constexpr std::array<std::string_view, kBatchKindCount> kBatchNames = {
     "cylinder", "snout", "circular_torus", "sphere_cap", "box", "line", "mesh"};
 
@@ -53,16 +55,31 @@ void pack_slot(const Snapshot& snapshot, Slot slot, std::span<Texel> out) {
   gpuprims::pack(kind, parameters, {placement, snapshot.item(slot), material_row(snapshot, slot) | flags}, out);
 }
 
+/// Records of `slots`, and memory for `capacity` of them.
+std::vector<Texel> pack_slots(const Snapshot& snapshot, std::span<const Slot> slots, int texels_per_item,
+                              std::size_t capacity) {
+  const std::size_t stride = std::size_t(texels_per_item);
+  std::vector<Texel> texels(capacity * stride);
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    pack_slot(snapshot, slots[i], std::span(texels).subspan(i * stride, stride));
+  return texels;
+}
+
+/// None of kinds that are tessellated.
+std::optional<std::uint32_t> mesh_index(const Snapshot& snapshot, Slot slot) {
+  const core::KindItems& items = snapshot.of_kind(snapshot.kind(slot));
+  if (int(snapshot.kind(slot)) < core::kPrimitiveKindCount) return std::nullopt;
+  return items.meshes[snapshot.index_in_kind(slot)];
+}
+
 core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, const Snapshot& snapshot,
                                  std::span<const Slot> slots) {
   Batch batch;
   batch.kind = kind;
   batch.count = std::uint32_t(slots.size());
+  batch.capacity = batch.count + batch.count / 8 + kHeadroom;
   batch.texels_per_item = gpuprims::texels_per_item(snapshot.kind(slots[0]));
-  const std::size_t stride = std::size_t(batch.texels_per_item);
-  std::vector<Texel> texels(slots.size() * stride);
-  for (std::size_t i = 0; i < slots.size(); ++i)
-    pack_slot(snapshot, slots[i], std::span(texels).subspan(i * stride, stride));
+  const std::vector<Texel> texels = pack_slots(snapshot, slots, batch.texels_per_item, batch.capacity);
   const std::string what = "records of the " + std::string(batch_name(kind)) + " batch";
   auto buffer = gl::Buffer::create(gl, std::span(texels), GL_DYNAMIC_STORAGE_BIT, what);
   if (!buffer) return tl::unexpected(buffer.error());
@@ -115,7 +132,10 @@ core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snap
     auto pool = build_mesh_pool(gl, snapshot, mesh_slots, config);
     if (!pool) return tl::unexpected(pool.error());
     scene.meshes_ = std::move(*pool);
+    for (std::uint32_t i = 0; i < mesh_slots.size(); ++i)
+      if (const auto mesh = mesh_index(snapshot, mesh_slots[i])) scene.record_of_mesh_.emplace(*mesh, i);
   }
+  scene.slot_count_ = Slot(snapshot.size());
 
   const core::Material unnamed;
   std::vector<glm::vec4> rows{{unnamed.colour, unnamed.alpha}};
@@ -130,6 +150,37 @@ core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snap
   if (!texels) return tl::unexpected(texels.error());
   scene.material_texels_ = std::move(*texels);
   return scene;
+}
+
+bool GpuScene::append(const Snapshot& snapshot) {
+  std::array<std::vector<Slot>, kBatchKindCount> slots;
+  for (Slot slot = slot_count_; slot < snapshot.size(); ++slot)
+    slots[std::size_t(batch_of(snapshot.kind(slot)))].push_back(slot);
+  const auto& mesh_slots = slots[std::size_t(BatchKind::kMesh)];
+  for (const Slot slot : mesh_slots) {
+    const auto mesh = mesh_index(snapshot, slot);
+    if (!mesh || !record_of_mesh_.contains(*mesh)) return false;
+  }
+  for (std::size_t kind = 0; kind < slots.size(); ++kind) {
+    const Batch* target = batch(BatchKind(kind));
+    if (!slots[kind].empty() && (!target || target->capacity - target->count < slots[kind].size())) return false;
+  }
+  for (const Slot slot : mesh_slots) {
+    ElementsCommand command = meshes_.commands[record_of_mesh_.at(*mesh_index(snapshot, slot))];
+    command.base_instance = std::uint32_t(meshes_.commands.size());
+    command.instance_count = snapshot.vacant(slot) ? 0 : 1;
+    meshes_.commands.push_back(command);
+  }
+  for (Batch& b : batches_) {
+    const auto& fresh = slots[std::size_t(b.kind)];
+    if (fresh.empty()) continue;
+    const std::vector<Texel> texels = pack_slots(snapshot, fresh, b.texels_per_item, fresh.size());
+    b.records.write(std::size_t(b.count) * std::size_t(b.texels_per_item) * sizeof(Texel),
+                    texels.size() * sizeof(Texel), texels.data());
+    b.count += std::uint32_t(fresh.size());
+  }
+  slot_count_ = Slot(snapshot.size());
+  return true;
 }
 
 void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "sightline/core/snapshot.h"
@@ -42,6 +43,7 @@ constexpr bool is_ray_cast(BatchKind kind) {
 struct Batch {
   BatchKind kind = BatchKind::kMesh;
   std::uint32_t count = 0;
+  std::uint32_t capacity = 0;  ///< records that there is memory for
   int texels_per_item = 4;
   gl::Buffer records;
   gl::TextureBuffer texels;
@@ -71,8 +73,11 @@ class GpuScene {
                                          const GpuSceneConfig& config = {});
 
   /// Writes the records of changed slots anew: placement, material, and nothing to draw for vacant ones, which ranges
-  /// may hold. When slots were appended create a new GpuScene.
+  /// may hold. Slots that were appended come first, see append().
   void update(const core::Snapshot& snapshot, std::span<const core::Slot> changed);
+  /// Adds records of slots appended since the last call. False, with nothing done, when it takes a new GpuScene: memory
+  /// for an eighth more than at first is used up, or there are kinds, meshes or tessellated shapes that were not there.
+  bool append(const core::Snapshot& snapshot);
 
   const std::vector<Batch>& batches() const { return batches_; }
   const Batch* batch(BatchKind kind) const;  ///< null when the scene has none
@@ -90,6 +95,8 @@ class GpuScene {
   MeshPool meshes_;
   gl::Buffer material_rows_;
   gl::TextureBuffer material_texels_;
+  core::Slot slot_count_ = 0;
+  std::unordered_map<std::uint32_t, std::uint32_t> record_of_mesh_;  // of some item with that mesh
 };
 
 }  // namespace sightline::gpuscene

@@ -202,6 +202,36 @@ TEST_F(SceneRender, EditsShowAsIfBuiltAnew) {
   }
 }
 
+/// Records of appended slots, as long as there is memory, and everything anew after that: the picture is the same.
+TEST_F(SceneRender, AppendedSlotsShowAsIfBuiltAnew) {
+  core::Scene scene;
+  ASSERT_TRUE(importers::generate_plant({1500, 9}, scene));
+  core::Mesh triangle;
+  triangle.positions = {{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0, 0, 0.5f}};
+  triangle.indices = {0, 1, 2};
+  const core::MeshId mesh = scene.add_mesh(triangle);
+  scene.add_mesh_instance(scene.root(), mesh);
+  engine::EngineConfig no_rebuild = config();
+  no_rebuild.rebuild_share = 0.0;
+  engine::Engine edited = make(scene, no_rebuild);
+  for (int round = 0; round < 12; ++round) {
+    SCOPED_TRACE(round);
+    for (core::ItemId item = core::ItemId(round); item < 1500; item += 40)
+      scene.set_placement(item, core::translation({item % 30 - 15.0, round - 6.0, item % 11}));
+    for (int i = 0; i < 10; ++i) scene.add_mesh_instance(scene.root(), mesh, core::translation({i - 5, round - 6, 14}));
+    ASSERT_TRUE(edited.commit());
+    if (round % 4 != 3) continue;
+    engine::Engine fresh = make(scene, config());
+    for (const View& view : plant_views()) {
+      const Picture a = take(edited, view), b = take(fresh, view);
+      EXPECT_EQ(a.visible, b.visible);
+      const auto difference = render::compare(a.colour, b.colour);
+      ASSERT_TRUE(difference);
+      EXPECT_LE(difference->pixels, kWidth * kHeight / 50u);
+    }
+  }
+}
+
 /// Ranges may hold vacant slots, and long ones are drawn without a look at their items.
 TEST_F(SceneRender, VacantSlotsOfRangesAreNotDrawn) {
   core::Scene scene;
