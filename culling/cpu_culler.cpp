@@ -112,6 +112,12 @@ void CpuCuller::cull(const core::View& view, core::VisibleSet& set) const {
   if (planes.nothing_visible()) return;
   // Without layer nodes every item is on the model layer alone.
   if (hierarchy_.empty() || (!hierarchy_.uses_layers() && (view.layers & core::kLayerModel) == 0)) return;
+  // A view of everything needs no walk, whose fixed cost grows with the scene.
+  if (!hierarchy_.uses_layers() && planes.remaining(bounds_->extent(), planes.all()) == 0) {
+    set.counters.nodes_tested = 1;
+    set.ranges.push_back({0, hierarchy_.slot_count()});
+    return;
+  }
   cull_tree(*bounds_, hierarchy_, planes, view.layers, set);
 }
 
