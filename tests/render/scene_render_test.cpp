@@ -216,8 +216,11 @@ TEST_F(SceneRender, AppendedSlotsShowAsIfBuiltAnew) {
   engine::Engine edited = make(scene, no_rebuild);
   for (int round = 0; round < 12; ++round) {
     SCOPED_TRACE(round);
-    for (core::ItemId item = core::ItemId(round); item < 1500; item += 40)
-      scene.set_placement(item, core::translation({item % 30 - 15.0, round - 6.0, item % 11}));
+    for (core::ItemId item = core::ItemId(round); item < 1500; item += 40) {
+      Affine placement = scene.placement(item);
+      placement.origin = {item % 30 - 15.0, round - 6.0, item % 11};
+      scene.set_placement(item, placement);
+    }
     for (int i = 0; i < 10; ++i) scene.add_mesh_instance(scene.root(), mesh, core::translation({i - 5, round - 6, 14}));
     ASSERT_TRUE(edited.commit());
     if (round % 4 != 3) continue;
