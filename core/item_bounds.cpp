@@ -2,40 +2,15 @@
 
 #include <algorithm>
 #include <cassert>
-#include <new>
-
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
 
 namespace sightline::core {
 namespace {
-
-constexpr std::size_t kHugePage = std::size_t(2) << 20;
-
-std::align_val_t alignment_of(std::size_t bytes) {
-  return std::align_val_t(bytes >= 2 * kHugePage ? kHugePage : 64);
-}
 
 bool surely_empty(const Aabb& box) {
   return box.min.x > box.max.x || box.min.y > box.max.y || box.min.z > box.max.z;
 }
 
 }  // namespace
-
-void* allocate_lines(std::size_t bytes) {
-  const std::align_val_t alignment = alignment_of(bytes);
-  void* memory = ::operator new(bytes, alignment);
-#if defined(__linux__) && defined(MADV_HUGEPAGE)
-  // Whole pages only: the rest of the last one may belong to others. A refusal changes nothing but speed.
-  if (std::size_t(alignment) == kHugePage) (void)madvise(memory, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
-#endif
-  return memory;
-}
-
-void release_lines(void* memory, std::size_t bytes) {
-  ::operator delete(memory, alignment_of(bytes));
-}
 
 void ItemBounds::resize(std::size_t count) {
   const Aabb empty;

@@ -4,27 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "sightline/core/aabb.h"
+#include "sightline/core/large_array.h"
 
 namespace sightline::core {
-
-/// Memory that starts at a cache line, so that a group of sixteen floats is one line and not two. From 4 MiB on it asks
-/// for huge pages (Linux): a query touches thousands of places far apart, and the misses of small pages cost 5 to 10 %.
-void* allocate_lines(std::size_t bytes);
-void release_lines(void* memory, std::size_t bytes);
-
-template <class T>
-struct CacheLineAllocator {
-  using value_type = T;
-  CacheLineAllocator() = default;
-  template <class U>
-  explicit CacheLineAllocator(const CacheLineAllocator<U>&) {}
-  T* allocate(std::size_t n) { return static_cast<T*>(allocate_lines(n * sizeof(T))); }
-  void deallocate(T* p, std::size_t n) { release_lines(p, n * sizeof(T)); }
-  friend bool operator==(const CacheLineAllocator&, const CacheLineAllocator&) { return true; }
-};
 
 /// Structure-of-arrays boxes, relative to `origin` and rounded outwards. The six coordinate arrays are padded with
 /// kPadding empty boxes beyond size(), so that a group of kPadding may be read from any valid index.
@@ -56,8 +40,8 @@ class ItemBounds {
   std::size_t memory_bytes() const;
 
  private:
-  std::vector<float, CacheLineAllocator<float>> coordinates_[6];
-  std::vector<std::uint32_t> layers_;
+  LargeArray<float> coordinates_[6];
+  LargeArray<std::uint32_t> layers_;
   std::size_t size_ = 0;
   Aabb extent_;
   bool uses_layers_ = false;

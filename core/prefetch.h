@@ -12,8 +12,8 @@ inline constexpr std::size_t kPrefetchAhead = 16;
 inline void prefetch([[maybe_unused]] const void* address, [[maybe_unused]] std::size_t bytes) {
 #if defined(__GNUC__)
   const char* first = static_cast<const char*>(address);
-  for (std::size_t line = 0; line < bytes; line += 64) __builtin_prefetch(first + line);
-  if (bytes > 1) __builtin_prefetch(first + bytes - 1);
+  for (std::size_t line = 0; line < bytes; line += 64) __builtin_prefetch(first + line, 0, 2);
+  if (bytes > 1) __builtin_prefetch(first + bytes - 1, 0, 2);
   asm volatile("");  // g++ 12 takes a function that only requests for one without effect, and drops its calls
 #endif
 }

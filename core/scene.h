@@ -19,6 +19,7 @@
 
 #include "sightline/core/affine.h"
 #include "sightline/core/error.h"
+#include "sightline/core/large_array.h"
 #include "sightline/core/mesh.h"
 #include "sightline/core/prefetch.h"
 #include "sightline/core/primitive.h"
@@ -203,10 +204,10 @@ class Scene {
   Expected<SceneDelta> validated(std::span<const ItemId> items) const;
   std::vector<ItemId> collect_dirty_items();
 
-  std::vector<Node> nodes_;
+  LargeArray<Node> nodes_;
   std::vector<std::uint32_t> free_nodes_;
-  std::vector<Item> items_;
-  std::vector<float> parameters_;  // of primitives, at Item::payload
+  LargeArray<Item> items_;
+  LargeArray<float> parameters_;  // of primitives, at Item::payload
   std::vector<Mesh> meshes_;
   std::vector<AabbD> mesh_bounds_;
   std::vector<Material> materials_;

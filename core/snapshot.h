@@ -14,6 +14,7 @@
 #include "sightline/core/bvh_build.h"
 #include "sightline/core/chunk_grid.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/large_array.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/visible_set.h"
 
@@ -29,10 +30,10 @@ struct Placement {
 
 /// The items of one kind, in slot order (parallel arrays).
 struct KindItems {
-  std::vector<Slot> slots;
-  std::vector<Placement> placements;
-  std::vector<float> parameters;      ///< parameter_count(kind) floats per item; none for meshes
-  std::vector<std::uint32_t> meshes;  ///< mesh index per item; facet groups and meshes only
+  LargeArray<Slot> slots;
+  LargeArray<Placement> placements;
+  LargeArray<float> parameters;      ///< parameter_count(kind) floats per item; none for meshes
+  LargeArray<std::uint32_t> meshes;  ///< mesh index per item; facet groups and meshes only
   std::size_t size() const { return slots.size(); }
 };
 
@@ -117,15 +118,15 @@ class Snapshot {
   std::uint64_t generation_ = 0;
   ItemBounds bounds_;
   std::size_t ordered_size_ = 0, given_up_ = 0;
-  std::vector<Kind> kinds_;
-  std::vector<std::uint32_t> index_in_kind_;
-  std::vector<ItemId> items_;
-  std::vector<Slot> slots_;
-  std::vector<std::uint32_t> materials_;
+  LargeArray<Kind> kinds_;
+  LargeArray<std::uint32_t> index_in_kind_;
+  LargeArray<ItemId> items_;
+  LargeArray<Slot> slots_;
+  LargeArray<std::uint32_t> materials_;
   std::array<KindItems, kKindCount> kind_items_;
   std::vector<std::array<std::uint32_t, kKindCount>> ranks_;  // per 64 slots: items of each kind before
-  std::vector<float> block_sizes_;                            // per 32 slots: width + depth + height when ordered
-  std::vector<std::uint64_t> vacant_;                         // bit per slot; empty while none is
+  LargeArray<float> block_sizes_;                             // per 32 slots: width + depth + height when ordered
+  LargeArray<std::uint64_t> vacant_;                          // bit per slot; empty while none is
   std::vector<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
   ChunkGrid chunks_;
 };

@@ -65,9 +65,9 @@ class Hierarchy {
   void resize(const core::ItemBounds& bounds);
   void refit_lane(const core::ItemBounds& bounds, int level, std::uint32_t lane);
 
-  std::vector<std::vector<HierarchyNode>> nodes_;  // per level
-  std::vector<std::vector<LayerNode>> layers_;     // per level; none without layers
-  std::vector<std::uint32_t> marks_;               // scratch of update(): bit per lane to be looked at
+  std::vector<core::LargeArray<HierarchyNode>> nodes_;  // per level
+  std::vector<core::LargeArray<LayerNode>> layers_;     // per level; none without layers
+  std::vector<std::uint32_t> marks_;                    // scratch of update(): bit per lane to be looked at
   std::uint32_t slot_count_ = 0;
 };
 
