@@ -1,7 +1,8 @@
 // Axis-aligned boxes, and the outward rounding that keeps a float box around its double original.
 #pragma once
 
-#include <cmath>
+#include <bit>
+#include <cstdint>
 #include <limits>
 
 #include "sightline/core/conventions.h"
@@ -31,13 +32,25 @@ struct Aabb {
   void grow(const Aabb& b) { min = glm::min(min, b.min), max = glm::max(max, b.max); }
 };
 
+/// The number before x, as std::nextafter gives it, without the call. Minus infinity and NaN stay.
+inline float next_below(float x) {
+  if (!(x > -std::numeric_limits<float>::infinity())) return x;
+  if (x == 0.0f) return -std::numeric_limits<float>::denorm_min();
+  return std::bit_cast<float>(std::bit_cast<std::int32_t>(x) + (x > 0.0f ? -1 : 1));
+}
+inline double next_below(double x) {
+  if (!(x > -std::numeric_limits<double>::infinity())) return x;
+  if (x == 0.0) return -std::numeric_limits<double>::denorm_min();
+  return std::bit_cast<double>(std::bit_cast<std::int64_t>(x) + (x > 0.0 ? -1 : 1));
+}
+
 /// Largest float <= x. From Aabb::kFar upwards it stays kFar, from -kFar downwards it is the lowest float: both err
 /// outwards or concern coordinates that commit() refuses.
 inline float round_down(double x) {
   if (x >= double(Aabb::kFar)) return Aabb::kFar;
   if (x <= -double(Aabb::kFar)) return -std::numeric_limits<float>::max();
   const float f = static_cast<float>(x);
-  return double(f) <= x ? f : std::nextafterf(f, -std::numeric_limits<float>::max());
+  return double(f) <= x ? f : next_below(f);
 }
 
 /// Smallest float >= x; see round_down.
@@ -51,8 +64,8 @@ inline Aabb round_outwards(const AabbD& box, const dvec3& origin) {
   Aabb out;
   for (int i = 0; i < 3; ++i) {
     const double lo = box.min[i] - origin[i], hi = box.max[i] - origin[i];
-    out.min[i] = round_down(std::nextafter(lo, -std::numeric_limits<double>::infinity()));
-    out.max[i] = round_up(std::nextafter(hi, std::numeric_limits<double>::infinity()));
+    out.min[i] = round_down(next_below(lo));
+    out.max[i] = round_up(-next_below(-hi));
   }
   return out;
 }

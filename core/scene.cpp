@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "sightline/core/radix_sort.h"
+
 namespace sightline::core {
 namespace {
 
@@ -446,7 +448,7 @@ std::vector<ItemId> Scene::collect_dirty_items() {
     for (ItemId item = node.first_item; item != kNone; item = items_[item].next) touch_item(item);
   }
   std::vector<ItemId> items = dirty_items_;
-  std::sort(items.begin(), items.end());
+  radix_sort(items);
   return items;
 }
 
@@ -473,7 +475,7 @@ Expected<SceneDelta> Scene::commit() {
   if (!delta) return delta;
   for (const ItemId id : items) items_[id].dirty = false, items_[id].committed = true;
   for (const std::uint32_t node : dirty_nodes_) nodes_[node].dirty = false;
-  std::sort(removed_items_.begin(), removed_items_.end());
+  radix_sort(removed_items_);
   delta->removed = std::move(removed_items_);
   removed_items_.clear();
   dirty_items_ = {};

@@ -6,6 +6,7 @@
 #include <cassert>
 
 #include "sightline/core/prefetch.h"
+#include "sightline/core/radix_sort.h"
 
 namespace sightline::core {
 namespace {
@@ -260,7 +261,7 @@ std::vector<Slot> Snapshot::apply(const Items& items) {
     else
       appended.push_back({std::uint32_t(i), kNone});
   }
-  std::sort(known.begin(), known.end());
+  radix_sort<32>(known);
   stay_or_go(items, known, touched, appended);
   append_sorted(items, appended);
   extend_ranks();

@@ -148,7 +148,8 @@ void Hierarchy::update(const ItemBounds& bounds, std::span<const core::Slot> cha
   constexpr std::uint32_t kAll = (1u << kLanes) - 1u;
   if (empty()) return;
   marks_.assign(nodes_[0].size(), 0);
-  for (const core::Slot slot : changed) marks_[slot / (kLeafSize * kLanes)] |= 1u << slot / kLeafSize % kLanes;
+  for (const core::Slot slot : changed)
+    if (!bounds.vacant(slot)) marks_[slot / (kLeafSize * kLanes)] |= 1u << slot / kLeafSize % kLanes;
   for (std::uint32_t leaf = old_slots / kLeafSize; leaf < lane_count(0); ++leaf)
     marks_[leaf / kLanes] |= 1u << leaf % kLanes;
   for (int level = 0; level < level_count(); ++level) {

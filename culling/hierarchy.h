@@ -41,7 +41,8 @@ class Hierarchy {
   /// Follows any change of the bounds. Linear time.
   void refit(const core::ItemBounds& bounds);
   /// The same after boxes or layers of `changed` slots alone have changed (in any order, repeated or not) and others
-  /// were appended: only their blocks and those above are looked at. Linear in the number of changes.
+  /// were appended: only their blocks and those above are looked at. Boxes around slots that became vacant keep their
+  /// sizes, which errs on the side of walking further. Linear in the number of changes.
   void update(const core::ItemBounds& bounds, std::span<const core::Slot> changed);
 
   bool empty() const { return slot_count_ == 0; }

@@ -91,10 +91,29 @@ void expect_equal(const Hierarchy& a, const Hierarchy& b) {
   }
 }
 
+/// `wide` errs, if at all, on the side of walking further.
+void expect_around(const Hierarchy& wide, const Hierarchy& exact) {
+  ASSERT_EQ(wide.level_count(), exact.level_count());
+  ASSERT_EQ(wide.uses_layers(), exact.uses_layers());
+  for (int level = 0; level < wide.level_count(); ++level) {
+    for (std::uint32_t lane = 0; lane < wide.lane_count(level); ++lane) {
+      const std::uint32_t node = lane / kLanes, i = lane % kLanes;
+      const auto &w = wide.level(level)[node].bounds, &e = exact.level(level)[node].bounds;
+      for (int axis = 0; axis < 3; ++axis)
+        ASSERT_TRUE(w[axis][i] <= e[axis][i] && w[axis + 3][i] >= e[axis + 3][i]) << "level " << level << ", " << lane;
+      if (!wide.uses_layers()) continue;
+      const auto &wl = wide.layers(level)[node], &el = exact.layers(level)[node];
+      ASSERT_EQ(el.any[i] & ~wl.any[i], 0u);
+      ASSERT_EQ(wl.all[i] & ~el.all[i], 0u);
+    }
+  }
+}
+
 TEST(Hierarchy, UpdatesLikeANewOne) {
   for (std::uint64_t seed = 1; seed <= 80; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
+    const bool some_go = seed % 2 == 0;  // what becomes vacant leaves its surroundings as they are
     core::ItemBounds bounds;
     bounds.resize(seed % 5 == 0 ? 0 : std::size_t(magnitude(random, 1.0, 20000.0)));
     for (std::size_t i = 0; i < bounds.size(); ++i) bounds.set(i, random_box(random, 100.0));
@@ -103,7 +122,7 @@ TEST(Hierarchy, UpdatesLikeANewOne) {
       std::vector<core::Slot> changed;
       for (auto i = std::size_t(magnitude(random, 1.0, 1.0 + double(bounds.size()))); i > 0 && bounds.size() > 0; --i) {
         const core::Slot slot = core::Slot(whole(random, 0, int(bounds.size()) - 1));
-        bounds.set(slot, chance(random, 0.2) ? core::Aabb{} : random_box(random, 200.0));
+        bounds.set(slot, some_go && chance(random, 0.2) ? core::Aabb{} : random_box(random, 200.0));
         if (round > 3 && chance(random, 0.3)) bounds.set_layers(slot, std::uint32_t(whole(random, 1, 7)));
         changed.push_back(slot);
       }
@@ -112,7 +131,10 @@ TEST(Hierarchy, UpdatesLikeANewOne) {
       for (std::size_t i = old; i < bounds.size(); ++i)
         if (chance(random, 0.9)) bounds.set(i, random_box(random, 300.0));
       hierarchy.update(bounds, changed);
-      ASSERT_NO_FATAL_FAILURE(expect_equal(hierarchy, Hierarchy(bounds))) << "round " << round;
+      if (some_go)
+        ASSERT_NO_FATAL_FAILURE(expect_around(hierarchy, Hierarchy(bounds))) << "round " << round;
+      else
+        ASSERT_NO_FATAL_FAILURE(expect_equal(hierarchy, Hierarchy(bounds))) << "round " << round;
     }
     bounds.resize(bounds.size() / 3);
     hierarchy.refit(bounds);
