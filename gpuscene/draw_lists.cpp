@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "sightline/gpuscene/corner_patterns.h"
+
 namespace sightline::gpuscene {
 namespace {
 
@@ -12,31 +14,6 @@ using core::Snapshot;
 
 /// Shorter ranges go to the list of single records: a command costs more than that many ids.
 constexpr std::uint32_t kShortestRange = 128;
-
-/// Records per command: eight corners each must stay within 16-bit indices, and the index patterns should stay small.
-constexpr std::uint32_t kRecordsPerCommand = 2048;
-
-/// Corner c of a box has bits x = c & 1, y = c >> 1 & 1, z = c >> 2, set on the side towards the viewer. The first
-/// three faces are those sides, the last three the others; counter-clockwise from outside when bit set means the larger
-/// coordinate.
-constexpr std::array<std::uint16_t, 36> kBoxIndices = {1, 3, 7, 1, 7, 5, 2, 6, 7, 2, 7, 3, 4, 5, 7, 4, 7, 6,
-                                                       0, 4, 6, 0, 6, 2, 0, 1, 5, 0, 5, 4, 0, 2, 3, 0, 3, 1};
-constexpr std::uint32_t kProxyIndexCount = 18;
-constexpr std::uint32_t kBoxIndexCount = 36;
-constexpr std::uint32_t kLineIndexCount = 2;
-
-struct IndexPattern {
-  std::uint32_t first_index, per_record;
-  std::int32_t vertices_per_record;
-};
-
-/// Where a batch's pattern lies in corner_indices(): proxies, then boxes, then lines, kRecordsPerCommand repeats each.
-IndexPattern pattern_of(BatchKind kind) {
-  if (kind == BatchKind::kBox) return {kRecordsPerCommand * kProxyIndexCount, kBoxIndexCount, kCornersPerRecord};
-  if (kind == BatchKind::kLine)
-    return {kRecordsPerCommand * (kProxyIndexCount + kBoxIndexCount), kLineIndexCount, kLineIndexCount};
-  return {0, kProxyIndexCount, kCornersPerRecord};
-}
 
 std::vector<std::uint16_t> corner_patterns() {
   std::vector<std::uint16_t> indices;
@@ -120,6 +97,7 @@ void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, cons
 core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene,
                                        const core::VisibleSet& visible) {
   sections_ = {};
+  from_gpu_ = false;
   frame_ = (frame_ + 1) % kFramesInFlight;
   // Every visible item could become a single one: with room for that, places in the list are known before it is filled.
   if (visible.count() > single_capacity_ || singles_.size() == 0)
@@ -172,7 +150,8 @@ core::Expected<void> DrawLists::upload() {
 }
 
 std::size_t DrawLists::memory_bytes() const {
-  return commands_.size() + singles_.size() + corner_indices_.size() + mesh_instances_.size();
+  return commands_.size() + singles_.size() + corner_indices_.size() + mesh_instances_.size() + gpu_.commands.size() +
+         gpu_.singles.size() + gpu_.counts.size();
 }
 
 }  // namespace sightline::gpuscene

@@ -5,6 +5,12 @@
 // beyond the batch's records name places in the list of single records, read through a buffer texture. Lines do the
 // same with two vertices. Meshes bring their record as an attribute with divisor 1, offset by the command's base
 // instance.
+//
+// Either of two fills the lists: update() from a visible set of the CPU, or a culler on the GPU, which writes record
+// ids (of meshes whole commands) to target() between begin_gpu_update() and end_gpu_update(); nothing of that comes
+// back to the CPU. The renderer draws both alike: commands and record ids have one form. How many commands of a section
+// are in use is then known on the GPU alone: where the context has ARB_indirect_parameters the number is read from
+// counts(), and elsewhere the unused ones draw nothing.
 #pragma once
 
 #include <array>
@@ -13,6 +19,9 @@
 
 #include "sightline/core/snapshot.h"
 #include "sightline/core/visible_set.h"
+#include "sightline/gl/program.h"
+#include "sightline/gl/transform_feedback.h"
+#include "sightline/gl/vertex_array.h"
 #include "sightline/gpuscene/gpu_scene.h"
 
 namespace sightline::gpuscene {
@@ -24,7 +33,13 @@ class DrawLists {
   /// Where a batch's commands lie in commands(), ElementsCommand each. Lines draw with indices too, 0, 1, 2, …
   struct Section {
     std::size_t offset = 0;  ///< bytes
-    int count = 0;           ///< commands; 0: nothing to draw
+    int count = 0;           ///< commands, used or not; 0: nothing to draw
+    bool counted = false;    ///< the number in use lies in counts(), at command_count_offset()
+  };
+  /// Where a culler on the GPU writes what it finds of a batch, without gaps from the start.
+  struct Target {
+    GLuint buffer = 0;
+    std::size_t offset = 0, size = 0;  ///< bytes; room for all records: ids, uint32, or of meshes commands
   };
 
   static core::Expected<DrawLists> create(const gl::Context& context, const GpuScene& scene);
@@ -33,10 +48,24 @@ class DrawLists {
   /// memory; then the lists are empty.
   core::Expected<void> update(const core::Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible);
 
+  /// Marks all places of the targets unused. The first call makes room for all of `scene` and compiles a program; fails
+  /// when the GPU has not the memory, then the lists are empty.
+  core::Expected<void> begin_gpu_update(const GpuScene& scene);
+  Target target(BatchKind kind) const;  ///< of a batch that `scene` has
+  /// Counts what was written and makes commands of it, on the GPU. A complete framebuffer must be bound. Leaves
+  /// changed: program, vertex array, transform feedback, texture units 0 and 1.
+  void end_gpu_update(const GpuScene& scene);
+  /// Nothing to draw.
+  void clear() { sections_ = {}; }
+
   const Section& section(BatchKind kind) const { return sections_[std::size_t(kind)]; }
-  const gl::Buffer& commands() const { return commands_; }
+  const gl::Buffer& commands() const { return from_gpu_ ? gpu_.commands : commands_; }
   /// Single records, R32UI; place i is named by record number batch.count + i.
-  const gl::TextureBuffer& singles() const { return single_texels_; }
+  const gl::TextureBuffer& singles() const { return from_gpu_ ? gpu_.single_texels : single_texels_; }
+  /// Pairs of uint32 per batch kind, written by the GPU: commands in use and records found.
+  const gl::Buffer& counts() const { return gpu_.counts; }
+  static std::size_t command_count_offset(BatchKind kind) { return 2 * std::size_t(kind) * sizeof(std::uint32_t); }
+  static std::size_t record_count_offset(BatchKind kind) { return command_count_offset(kind) + sizeof(std::uint32_t); }
   /// 16-bit index patterns of box and proxy corners; empty when no batch needs them.
   const gl::Buffer& corner_indices() const { return corner_indices_; }
   /// 0, 1, 2, … up to the mesh batch's capacity: the instance attribute of meshes.
@@ -50,6 +79,8 @@ class DrawLists {
   void append(const ElementsCommand* commands, std::size_t count);
   core::Expected<void> upload();
   core::Expected<void> grow_singles(std::size_t capacity);
+  core::Expected<void> make_gpu_lists(const GpuScene& scene);
+  void write_gpu_templates(const GpuScene& scene);
 
   static constexpr int kFramesInFlight = 3;  // so that no upload waits for the GPU to finish reading
 
@@ -61,6 +92,20 @@ class DrawLists {
   std::array<Section, kBatchKindCount> sections_;
   std::vector<ElementsCommand> command_list_;
   std::vector<std::uint32_t> single_list_;
+
+  /// What the GPU fills. One copy: the GPU does its work in order.
+  struct GpuLists {
+    gl::Buffer commands, singles, counts;  // commands of all record batches, then those of meshes
+    gl::TextureBuffer single_texels, command_texels;
+    gl::Program write_commands, count_records;
+    gl::TransformFeedback command_feedback, count_feedback;
+    gl::VertexArray array;  // without attributes
+    std::array<std::size_t, kBatchKindCount> first_command{}, command_count{}, first_single{}, capacity{};
+    std::array<std::uint32_t, kBatchKindCount> records{};  // Batch::count that the templates were written for
+    std::size_t record_commands = 0;
+  };
+  GpuLists gpu_;  // empty until begin_gpu_update()
+  bool from_gpu_ = false;
 };
 
 }  // namespace sightline::gpuscene

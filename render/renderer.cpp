@@ -158,7 +158,15 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene
     gl.VertexArrayElementBuffer(corner_array_.id(), lists.corner_indices().id());
     corner_array_.bind();
   }
-  gl.MultiDrawElementsIndirect(mode, index_type, offset, section.count, sizeof(gpuscene::ElementsCommand));
+  constexpr GLsizei kStride = sizeof(gpuscene::ElementsCommand);
+  if (section.counted) {
+    gl.BindBuffer(GL_PARAMETER_BUFFER_ARB, lists.counts().id());
+    gl.MultiDrawElementsIndirectCountARB(mode, index_type, offset, GLintptr(lists.command_count_offset(batch.kind)),
+                                         section.count, kStride);
+    gl.BindBuffer(GL_PARAMETER_BUFFER_ARB, 0);  // Mesa lets plain multi-draws obey it, too
+  } else {
+    gl.MultiDrawElementsIndirect(mode, index_type, offset, section.count, kStride);
+  }
 }
 
 std::size_t Renderer::memory_bytes() const {

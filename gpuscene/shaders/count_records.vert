@@ -1,0 +1,11 @@
+// One vertex per batch kind: how many commands are in use, and how many records the culler has found.
+#include "search.glsl"
+
+flat out uint command_count;
+flat out uint record_count;
+
+void main() {
+  uint kind = uint(gl_VertexID);
+  record_count = search(kind, 0u, sections[kind].z);
+  command_count = kind == MESH_KIND ? record_count : (record_count + RECORDS_PER_COMMAND - 1u) / RECORDS_PER_COMMAND;
+}
