@@ -1,0 +1,58 @@
+// Boxes against the planes of a view: the float half of culling/frustum_test.h, evaluated in its order. A box goes only
+// when a plane surely rejects it; what the float form leaves open stays.
+
+const int kMaxPlanes = 14;            // culling::kMaxCullPlanes
+const uint kInside = 0x80000000u;     // of a cluster: no plane cuts it
+const uint kItemsPerCluster = 64u;
+
+struct CullPlane {
+  vec4 equation;  // normal, offset
+  float band;     // every error is smaller
+};
+
+layout(std140, binding = 1) uniform CullBlock {
+  CullPlane planes[kMaxPlanes];
+  int union_first, plane_count;  // planes from union_first on: one of them must be met
+  uint view_layers;
+} cull;
+
+layout(binding = 0) uniform samplerBuffer boxes;    // two texels each: min, max
+layout(binding = 1) uniform usamplerBuffer layers;  // of items, or of all items of a cluster
+layout(location = 0) uniform bool use_layers;
+
+float plane_at(vec4 plane, vec3 corner) {
+  precise float s = ((plane.x * corner.x + plane.y * corner.y) + plane.z * corner.z) + plane.w;
+  return s;
+}
+
+bool surely_outside(CullPlane plane, vec3 low, vec3 high) {
+  return plane_at(plane.equation, mix(low, high, greaterThanEqual(plane.equation.xyz, vec3(0.0)))) < -plane.band;
+}
+
+bool surely_inside(CullPlane plane, vec3 low, vec3 high) {
+  return plane_at(plane.equation, mix(high, low, greaterThanEqual(plane.equation.xyz, vec3(0.0)))) >= plane.band;
+}
+
+bool outside(vec3 low, vec3 high) {
+  for (int i = 0; i < cull.union_first; ++i)
+    if (surely_outside(cull.planes[i], low, high)) return true;
+  if (cull.union_first == cull.plane_count) return false;
+  for (int i = cull.union_first; i < cull.plane_count; ++i)
+    if (!surely_outside(cull.planes[i], low, high)) return false;
+  return true;
+}
+
+bool inside(vec3 low, vec3 high) {
+  for (int i = 0; i < cull.union_first; ++i)
+    if (!surely_inside(cull.planes[i], low, high)) return false;
+  if (cull.union_first == cull.plane_count) return true;
+  for (int i = cull.union_first; i < cull.plane_count; ++i)
+    if (surely_inside(cull.planes[i], low, high)) return true;
+  return false;
+}
+
+// Whether there is anything at a place: vacant ones hold the inverted box.
+bool present(uint place, vec3 low, vec3 high) {
+  if (any(greaterThan(low, high))) return false;
+  return !use_layers || (texelFetch(layers, int(place)).x & cull.view_layers) != 0u;
+}

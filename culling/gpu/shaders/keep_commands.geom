@@ -1,0 +1,18 @@
+// Writes the draw commands of meshes that the vertex stage kept, through transform feedback.
+layout(points) in;
+layout(points, max_vertices = 1) out;
+
+layout(binding = 2) uniform usamplerBuffer commands;  // gpuscene::ElementsCommand, five texels each
+
+flat in uint kept[];
+flat in uint name[];
+flat out uvec4 command;  // index count, instance count, first index, base vertex
+flat out uint base_instance;
+
+void main() {
+  if (kept[0] == 0u) return;
+  int at = 5 * int(name[0]);
+  for (int i = 0; i < 4; ++i) command[i] = texelFetch(commands, at + i).x;
+  base_instance = texelFetch(commands, at + 4).x;
+  EmitVertex();
+}
