@@ -19,7 +19,7 @@ using nlohmann::json;
 struct Options {
   apps::ModelOptions model;
   std::string size = "1280x720", view, path, out, ids, ids_json, depth, reference, diff, json_file;
-  std::string culler = "auto";
+  engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   int frame = 0, frames = 300;
   bool fit = false, gl_debug = false;
   double max = -1.0, mean = -1.0, tolerance = 2e-5;
@@ -58,9 +58,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(0.0, 255.0))
       ->check(apps::accepted_by(apps::parse_finite));
   app.add_option("--diff", o.diff, "Difference image, PNG, four times amplified")->needs(compare);
-  app.add_option("--culler", o.culler, "auto, linear or cpu")
-      ->check(CLI::IsMember({"auto", "linear", "cpu"}))
-      ->capture_default_str();
+  apps::add_culler_option(app, o.culler);
   app.add_option("--tolerance", o.tolerance, "Chord tolerance of tessellated kinds, metres")
       ->capture_default_str()
       ->check(CLI::PositiveNumber)
@@ -149,9 +147,7 @@ core::Expected<int> render_model(const Options& o) {
   config.ids = !o.ids.empty() || !o.ids_json.empty();
   config.gl_debug = o.gl_debug;
   config.chord_tolerance = o.tolerance;
-  config.culler = o.culler == "linear" ? engine::CullerChoice::kLinear
-                  : o.culler == "cpu"  ? engine::CullerChoice::kCpu
-                                       : engine::CullerChoice::kAutomatic;
+  config.culler = o.culler;
   auto engine = engine::Engine::create(*model->scene, config);
   if (!engine) return tl::unexpected(engine.error());
   if (o.model.explain) apps::explain(engine->plan());
@@ -161,6 +157,7 @@ core::Expected<int> render_model(const Options& o) {
   auto report = engine->frame(*view);
   if (!report) return tl::unexpected(report.error());
   engine->finish();
+  if (const auto late = engine->take_late_report()) report->visible = late->visible;
   engine::Drawing& drawing = *engine->drawing();
   for (const std::string& error : drawing.take_gl_errors()) return core::fail("GL: " + error);
 

@@ -22,7 +22,8 @@ using nlohmann::json;
 
 struct Options {
   apps::ModelOptions model;
-  std::string path, save_path, size = "1280x720", culler = "auto", json_file, csv, plot, images;
+  std::string path, save_path, size = "1280x720", json_file, csv, plot, images;
+  engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   int frames = 300, every = 30;
   bool no_render = false;
 };
@@ -34,10 +35,8 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--frames", o.frames, "Frames, evenly spaced in time")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
-  app.add_option("--culler", o.culler, "auto, linear or cpu")
-      ->check(CLI::IsMember({"auto", "linear", "cpu"}))
-      ->capture_default_str();
-  auto* no_render = app.add_flag("--no-render", o.no_render, "Cull only; needs no GL");
+  apps::add_culler_option(app, o.culler);
+  auto* no_render = app.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
   app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
   app.add_option("--json", o.json_file, "Write all figures as JSON to FILE, or - for stdout");
   app.add_option("--csv", o.csv, "Write one line per frame");
@@ -53,15 +52,18 @@ void add_options(CLI::App& app, Options& o) {
 struct Frame {
   double time;
   engine::FrameReport report;
+  double gpu_cull_ms = -1.0;
 };
 
 struct Flight {
   std::vector<Frame> frames;
   std::string renderer = "none";
 
+  /// What was not measured is negative, and left out.
   std::vector<double> collect(double (*pick)(const engine::FrameReport&), std::size_t from = 0) const {
     std::vector<double> values;
-    for (std::size_t i = from; i < frames.size(); ++i) values.push_back(pick(frames[i].report));
+    for (std::size_t i = from; i < frames.size(); ++i)
+      if (const double value = pick(frames[i].report); value >= 0.0) values.push_back(value);
     return values;
   }
   std::vector<double> cull() const {
@@ -75,6 +77,12 @@ struct Flight {
   }
   std::vector<double> tested() const {
     return collect([](const engine::FrameReport& r) { return double(r.tested); });
+  }
+  std::vector<double> gpu_cull() const {
+    std::vector<double> values;
+    for (const Frame& f : frames)
+      if (f.gpu_cull_ms >= 0.0) values.push_back(f.gpu_cull_ms);
+    return values;
   }
   /// The first frame has no predecessor to be measured from.
   std::vector<double> frame() const {
@@ -100,6 +108,15 @@ core::Expected<void> save_image(engine::Engine& engine, const std::string& folde
 #endif
 }
 
+/// The GPU's figures arrive some frames late.
+void take_late_reports(engine::Engine& engine, Flight& flight) {
+  while (const auto late = engine.take_late_report()) {
+    Frame& frame = flight.frames[std::size_t(late->frame)];
+    frame.report.visible = late->visible;
+    frame.gpu_cull_ms = late->gpu_cull_ms;
+  }
+}
+
 core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core::CameraPath& path, double aspect) {
   Flight flight;
   apps::Progress progress("flying", std::size_t(o.frames));
@@ -112,11 +129,13 @@ core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core:
     auto report = engine.frame(*view);
     if (!report) return tl::unexpected(report.error());
     flight.frames.push_back({time, *report});
+    take_late_reports(engine, flight);
     if (!o.images.empty() && i % o.every == 0)
       if (auto done = save_image(engine, o.images, i); !done) return tl::unexpected(done.error());
     progress.advance(std::size_t(i) + 1);
   }
   engine.finish();
+  take_late_reports(engine, flight);
 #if SIGHTLINE_HAS_GL
   if (engine.drawing()) {
     flight.renderer = engine.drawing()->context().renderer();
@@ -145,6 +164,7 @@ json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
                              {"path", engine.culler_name()},
                              {"state", "fixed"},
                              {"cull_ms", f.report.cull_ms},
+                             {"gpu_cull_ms", f.gpu_cull_ms},
                              {"draw_ms", f.report.draw_ms},
                              {"frame_ms", f.report.frame_ms},
                              {"visible", f.report.visible},
@@ -162,9 +182,9 @@ std::string to_csv(const engine::Engine& engine, const Flight& flight) {
   char line[200];
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
     const Frame& f = flight.frames[i];
-    std::snprintf(line, sizeof line, "%zu,%.6f,%s,%.6f,%.6f,%.6f,%llu,%llu\n", i, f.time, engine.culler_name(),
-                  f.report.cull_ms, f.report.draw_ms, f.report.frame_ms, (unsigned long long)f.report.visible,
-                  (unsigned long long)f.report.tested);
+    std::snprintf(line, sizeof line, "%zu,%.6f,%s,%.6f,%.6f,%.6f,%lld,%lld\n", i, f.time, engine.culler_name(),
+                  f.report.cull_ms, f.report.draw_ms, f.report.frame_ms, (long long)f.report.visible,
+                  (long long)f.report.tested);
     csv += line;
   }
   return csv;
@@ -181,6 +201,7 @@ void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* 
                  s.p99, decimals, s.max);
   };
   row("cull ms", flight.cull(), 4);
+  row("GPU cull ms", flight.gpu_cull(), 4);
   if (flight.renderer != "none") row("draw ms", flight.draw(), 3);
   row("frame ms", flight.frame(), 3);
   row("visible items", flight.visible(), 0);
@@ -224,9 +245,7 @@ core::Expected<int> replay(const Options& o) {
   config.draw = !o.no_render;
   config.width = (*size)[0];
   config.height = (*size)[1];
-  config.culler = o.culler == "linear" ? engine::CullerChoice::kLinear
-                  : o.culler == "cpu"  ? engine::CullerChoice::kCpu
-                                       : engine::CullerChoice::kAutomatic;
+  config.culler = o.culler;
   auto engine = engine::Engine::create(*model->scene, config);
   if (!engine) return tl::unexpected(engine.error());
   if (o.model.explain) apps::explain(engine->plan());

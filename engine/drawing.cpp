@@ -20,9 +20,13 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
     drawing->context_ = &*drawing->own_context_;
   }
   drawing->scene_config_.chord_tolerance = config.chord_tolerance;
-  auto target = render::RenderTarget::create(*drawing->context_, config.width, config.height, config.ids);
-  if (!target) return tl::unexpected(target.error());
-  drawing->target_ = std::move(*target);
+  drawing->renders_ = config.draw;
+  drawing->culls_ = config.culler == CullerChoice::kGpu;
+  if (config.draw) {
+    auto target = render::RenderTarget::create(*drawing->context_, config.width, config.height, config.ids);
+    if (!target) return tl::unexpected(target.error());
+    drawing->target_ = std::move(*target);
+  }
   if (auto done = drawing->rebuild(snapshot); !done) return tl::unexpected(done.error());
   return drawing;
 }
@@ -36,18 +40,25 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot) {
   if (!scene) return tl::unexpected(scene.error());
   auto lists = gpuscene::DrawLists::create(*context_, *scene);
   if (!lists) return tl::unexpected(lists.error());
-  auto renderer = render::Renderer::create(*context_, *scene);
-  if (!renderer) return tl::unexpected(renderer.error());
+  if (culls_) {
+    auto culler = culling::GpuCuller::create(*context_, snapshot, *scene);
+    if (!culler) return tl::unexpected(culler.error());
+    culler_ = std::move(*culler);
+  }
+  if (renders_) {
+    auto renderer = render::Renderer::create(*context_, *scene);
+    if (!renderer) return tl::unexpected(renderer.error());
+    renderer_ = std::move(*renderer);
+  }
   scene_ = std::move(*scene);
   lists_ = std::move(*lists);
-  renderer_ = std::move(*renderer);
   return {};
 }
 
 core::Expected<void> Drawing::update(const core::Snapshot& snapshot, std::span<const core::Slot> touched) {
   if (!scene_->append(snapshot)) return rebuild(snapshot);
   scene_->update(snapshot, touched);
-  return {};
+  return culler_ ? culler_->update(snapshot, *scene_, touched) : core::Expected<void>();
 }
 
 void Drawing::wait_for_oldest() {
@@ -61,7 +72,25 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
                                    const core::VisibleSet& visible) {
   while (in_flight_.size() >= kFramesInFlight) wait_for_oldest();
   if (auto done = lists_->update(snapshot, *scene_, visible); !done) return done;
-  if (auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_); !done) return done;
+  return submit(view, snapshot);
+}
+
+core::Expected<void> Drawing::cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
+  return culler_->cull(view, snapshot, *scene_, *lists_, frame);
+}
+
+core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot) {
+  while (in_flight_.size() >= kFramesInFlight) wait_for_oldest();
+  return submit(view, snapshot);
+}
+
+std::optional<culling::GpuCuller::Feedback> Drawing::take_gpu_feedback() {
+  return culler_ ? culler_->take_feedback() : std::nullopt;
+}
+
+core::Expected<void> Drawing::submit(const core::View& view, const core::Snapshot& snapshot) {
+  if (renderer_)
+    if (auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_); !done) return done;
   const gl::Functions& gl = context_->functions();
   in_flight_.push_back(gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0));
   gl.Flush();
@@ -73,7 +102,10 @@ void Drawing::finish() {
 }
 
 std::size_t Drawing::memory_bytes() const {
-  return scene_->memory_bytes() + lists_->memory_bytes() + renderer_->memory_bytes() + target_.memory_bytes();
+  std::size_t bytes = scene_->memory_bytes() + lists_->memory_bytes();
+  if (culler_) bytes += culler_->memory_bytes();
+  if (renderer_) bytes += renderer_->memory_bytes() + target_.memory_bytes();
+  return bytes;
 }
 
 }  // namespace sightline::engine

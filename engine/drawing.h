@@ -1,9 +1,11 @@
-// The drawing half of an engine: context, GPU scene, draw lists, renderer and target. Only in builds with GL.
+// The half of an engine that needs GL: context, GPU scene, draw lists, GPU culler, renderer and target. Only in builds
+// with GL.
 #pragma once
 
 #include <deque>
 #include <optional>
 
+#include "sightline/culling/gpu/gpu_culler.h"
 #include "sightline/engine/engine.h"
 #include "sightline/render/renderer.h"
 
@@ -14,8 +16,13 @@ class Drawing {
   static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot& snapshot, const EngineConfig& config);
   ~Drawing();
 
-  /// Submits one frame. Before that it waits until at most one earlier frame is still being drawn.
+  /// Submits one frame of a visible set. Before that it waits until at most one earlier frame is still being drawn.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible);
+  /// Culls on the GPU, if the configuration asks for it, and submits a frame of what is found there with draw_culled().
+  /// `frame` comes back in take_gpu_feedback().
+  core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
+  core::Expected<void> draw_culled(const core::View& view, const core::Snapshot& snapshot);
+  std::optional<culling::GpuCuller::Feedback> take_gpu_feedback();
   /// Follows an edit of `touched` slots (Snapshot::apply): rewrites their records and adds those of appended slots, or
   /// makes everything anew where GpuScene::append has no room.
   core::Expected<void> update(const core::Snapshot& snapshot, std::span<const core::Slot> touched);
@@ -23,6 +30,8 @@ class Drawing {
   void finish();
 
   const gl::Context& context() const { return *context_; }
+  const culling::GpuCuller* gpu_culler() const { return culler_ ? &*culler_ : nullptr; }
+  const gpuscene::DrawLists& lists() const { return *lists_; }
   std::vector<std::string> take_gl_errors() { return context_->take_errors(); }
   const render::RenderTarget& target() const { return target_; }
   std::size_t memory_bytes() const;
@@ -30,13 +39,16 @@ class Drawing {
  private:
   Drawing() = default;
   void wait_for_oldest();
+  core::Expected<void> submit(const core::View& view, const core::Snapshot& snapshot);
 
   std::optional<gl::Context> own_context_;  // first member: everything below is made with it and must go before it
   gl::Context* context_ = nullptr;
   gpuscene::GpuSceneConfig scene_config_;
+  bool renders_ = true, culls_ = false;
   std::optional<gpuscene::GpuScene> scene_;
   std::optional<gpuscene::DrawLists> lists_;
-  std::optional<render::Renderer> renderer_;
+  std::optional<culling::GpuCuller> culler_;
+  std::optional<render::Renderer> renderer_;  // none when only culling
   render::RenderTarget target_;
   std::deque<GLsync> in_flight_;
 };

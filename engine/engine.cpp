@@ -35,6 +35,7 @@ Engine& Engine::operator=(Engine&& other) noexcept {
   visible_ = std::move(other.visible_);
   drawing_ = std::move(other.drawing_);
   last_frame_began_ = other.last_frame_began_;
+  frames_ = other.frames_;
   rebuild_ = std::move(other.rebuild_);
   return *this;
 }
@@ -44,13 +45,13 @@ core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& co
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
   Engine engine(scene, config);
   engine.build();
-  if (config.draw) {
+  if (config.draw || config.culler == CullerChoice::kGpu) {
 #if SIGHTLINE_HAS_GL
     auto drawing = Drawing::create(*engine.live_.snapshot, config);
     if (!drawing) return tl::unexpected(drawing.error());
     engine.drawing_ = std::move(*drawing);
 #else
-    return core::fail("drawing needs OpenGL, and this build was made without it (SIGHTLINE_GL)");
+    return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
 #endif
   }
   return engine;
@@ -77,22 +78,56 @@ core::Expected<void> Engine::land() {
 core::Expected<FrameReport> Engine::frame(const core::View& view) {
   if (auto landed = land(); !landed) return tl::unexpected(landed.error());
   FrameReport report;
+  report.frame = frames_++;
   const double begin = now_seconds();
   if (last_frame_began_ >= 0.0) report.frame_ms = 1e3 * (begin - last_frame_began_);
   last_frame_began_ = begin;
-  std::visit([&](const auto& culler) { culler.cull(view, visible_); }, *live_.culler);
-  visible_.generation = live_.snapshot->generation();
+  const bool gpu = live_.plan.culler == CullerChoice::kGpu;
+  if (auto done = cull(view, report.frame); !done) return tl::unexpected(done.error());
   const double culled = now_seconds();
   report.cull_ms = 1e3 * (culled - begin);
-  report.visible = live_.snapshot->count(visible_);
-  report.tested = visible_.counters.nodes_tested + visible_.counters.boxes_tested;
+  report.visible = gpu ? -1 : std::int64_t(live_.snapshot->count(visible_));
+  report.tested = gpu ? -1 : std::int64_t(visible_.counters.nodes_tested + visible_.counters.boxes_tested);
 #if SIGHTLINE_HAS_GL
   if (drawing_) {
-    if (auto done = drawing_->draw(view, *live_.snapshot, visible_); !done) return tl::unexpected(done.error());
+    auto done = gpu ? drawing_->draw_culled(view, *live_.snapshot) : drawing_->draw(view, *live_.snapshot, visible_);
+    if (!done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);
   }
 #endif
   return report;
+}
+
+core::Expected<void> Engine::cull(const core::View& view, [[maybe_unused]] std::uint64_t frame) {
+  visible_.generation = live_.snapshot->generation();
+#if SIGHTLINE_HAS_GL
+  if (live_.plan.culler == CullerChoice::kGpu) {
+    visible_.clear();
+    return drawing_->cull(view, *live_.snapshot, frame);
+  }
+#endif
+  std::visit([&](const auto& culler) { culler.cull(view, visible_); }, *live_.culler);
+  return {};
+}
+
+std::optional<LateReport> Engine::take_late_report() {
+#if SIGHTLINE_HAS_GL
+  if (drawing_)
+    if (const auto feedback = drawing_->take_gpu_feedback())
+      return LateReport{feedback->frame, std::int64_t(feedback->visible), feedback->time_ms.value_or(-1.0)};
+#endif
+  return std::nullopt;
+}
+
+const char* Engine::culler_name() const {
+  switch (live_.plan.culler) {
+    case CullerChoice::kGpu:
+      return "gpu";
+    case CullerChoice::kCpu:
+      return "cpu";
+    default:
+      return "linear";
+  }
 }
 
 core::Expected<void> Engine::commit() {

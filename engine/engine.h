@@ -8,6 +8,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
@@ -25,7 +26,7 @@ class Drawing;
 
 struct EngineConfig {
   CullerChoice culler = CullerChoice::kAutomatic;
-  bool draw = false;  ///< false: no GL at all
+  bool draw = false;  ///< false: no GL at all, unless the culler needs it
   int width = 1280, height = 720;
   bool ids = false;       ///< item-id image beside colour and depth
   bool gl_debug = false;  ///< collect driver messages; slower
@@ -39,11 +40,19 @@ struct EngineConfig {
 
 /// Times in milliseconds of wall clock.
 struct FrameReport {
-  double cull_ms = 0.0;  ///< the culler alone
+  std::uint64_t frame = 0;  ///< calls of frame() before this one
+  double cull_ms = 0.0;     ///< the culler alone; of the GPU culler what submitting takes
   double draw_ms =
       0.0;  ///< waiting for the frame before the last, making and submitting the draw lists; 0 without drawing
   double frame_ms = 0.0;  ///< since the last frame began, at most two frames being in flight; 0 for the first frame
-  std::uint64_t visible = 0, tested = 0;  ///< items; hierarchy and item boxes
+  std::int64_t visible = 0, tested = 0;  ///< items; hierarchy and item boxes. -1: known to the GPU alone
+};
+
+/// What the GPU culler found in an earlier frame.
+struct LateReport {
+  std::uint64_t frame = 0;  ///< FrameReport::frame
+  std::int64_t visible = 0;
+  double gpu_cull_ms = -1.0;  ///< on the GPU's clock; -1 where that means nothing
 };
 
 struct MemoryReport {
@@ -62,6 +71,9 @@ class Engine {
 
   /// Culls and, when drawing is on, draws into drawing()->target() without waiting for it.
   core::Expected<FrameReport> frame(const core::View& view);
+  /// The oldest of the GPU culler's results not yet taken, some frames late; nothing while none has arrived. Never
+  /// waits. When nobody takes them, those of later frames are lost.
+  std::optional<LateReport> take_late_report();
 
   /// Takes over the scene's edits since the last commit, in time that follows their number: see Snapshot::apply. With
   /// drawing on, edits that GpuScene::append has no room or shape for upload everything anew.
@@ -81,24 +93,24 @@ class Engine {
 
   const Plan& plan() const { return live_.plan; }
   const core::Snapshot& snapshot() const { return *live_.snapshot; }
-  const core::VisibleSet& visible() const { return visible_; }
-  Drawing* drawing() { return drawing_.get(); }  ///< null when drawing is off
+  const core::VisibleSet& visible() const { return visible_; }  ///< empty when the GPU culls
+  Drawing* drawing() { return drawing_.get(); }                 ///< null when nothing needs GL
   MemoryReport memory() const;
-  const char* culler_name() const {
-    return std::holds_alternative<culling::LinearCuller>(*live_.culler) ? "linear" : "cpu";
-  }
+  const char* culler_name() const;
 
  private:
   Engine(core::Scene& scene, const EngineConfig& config);
   void build();
   core::Expected<void> land();
+  core::Expected<void> cull(const core::View& view, std::uint64_t frame);
 
   core::Scene* scene_;
   EngineConfig config_;
   Generation live_;
   core::VisibleSet visible_;
   std::unique_ptr<Drawing> drawing_;
-  double last_frame_began_ = -1.0;              // seconds on the steady clock
+  double last_frame_began_ = -1.0;  // seconds on the steady clock
+  std::uint64_t frames_ = 0;
   std::unique_ptr<BackgroundRebuild> rebuild_;  // last: it reads live_ until it is gone
 };
 

@@ -21,8 +21,10 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, CullerChoice choic
     why = items(n) + (n < kSmallScene ? ", fewer than " : ", at least ") + limit;
   }
   const bool tree = plan.culler == CullerChoice::kCpu;
-  plan.entries.push_back({"linear culler", !tree, why});
+  const bool gpu = plan.culler == CullerChoice::kGpu;
+  plan.entries.push_back({"linear culler", !tree && !gpu, why});
   plan.entries.push_back({"CPU culling hierarchy", tree, why});
+  plan.entries.push_back({"GPU culler", gpu, gpu ? why : "not asked for"});
   const bool layers = snapshot.bounds().uses_layers();
   plan.entries.push_back(
       {"layers in the culler", layers, layers ? "items on several layers" : "all items on the model layer"});

@@ -14,6 +14,7 @@ enum class CullerChoice : std::uint8_t {
   kAutomatic,  ///< linear for small scenes, the hierarchy for all others
   kLinear,     ///< test every box
   kCpu,        ///< CPU hierarchy
+  kGpu,        ///< on the GPU, whose answer stays there; needs GL
 };
 
 struct PlanEntry {

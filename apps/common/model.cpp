@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 namespace sightline::apps {
 
@@ -72,6 +73,17 @@ core::Pose fitting_pose(const core::AabbD& bounds, double fovy, double aspect) {
   }
   constexpr double kMargin = 1.05;
   return {centre + back * (kMargin * distance), centre, {0.0, 0.0, 1.0}};
+}
+
+void add_culler_option(CLI::App& app, engine::CullerChoice& choice) {
+  using engine::CullerChoice;
+  static const std::map<std::string, CullerChoice> names = {{"auto", CullerChoice::kAutomatic},
+                                                            {"linear", CullerChoice::kLinear},
+                                                            {"cpu", CullerChoice::kCpu},
+                                                            {"gpu", CullerChoice::kGpu}};
+  app.add_option("--culler", choice, "auto, linear, cpu or gpu")
+      ->transform(CLI::CheckedTransformer(names).description("NAME"))
+      ->default_str("auto");
 }
 
 void explain(const engine::Plan& plan) {

@@ -43,6 +43,9 @@ core::CameraPath tour_of(const core::Snapshot& snapshot);
 /// The pose from above, south-west, from which the bounds just fill a view of `fovy` radians.
 core::Pose fitting_pose(const core::AabbD& bounds, double fovy, double aspect);
 
+/// --culler, into `choice`.
+void add_culler_option(CLI::App& app, engine::CullerChoice& choice);
+
 /// Prints what was made and what was left out, to stderr.
 void explain(const engine::Plan& plan);
 
