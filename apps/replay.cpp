@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/controller_trace.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
@@ -26,7 +27,25 @@ struct Options {
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   int frames = 300, every = 30;
   bool no_render = false;
+  std::string controller_trace, policy = "frame-cost", rendering = "on";
 };
+
+void add_controller_options(CLI::App& app, Options& o) {
+  auto* trace = app.add_option("--controller-only", o.controller_trace,
+                               "Run the hybrid's controller over this CSV trace of both paths' costs; no MODEL, no GL");
+  app.get_option("MODEL")->required(false)->excludes(trace);
+  app.callback([&o] {
+    if (o.model.files.empty() && o.controller_trace.empty()) throw CLI::RequiredError("MODEL");
+  });
+  app.add_option("--policy", o.policy, "frame-cost or seed")
+      ->check(CLI::IsMember({"frame-cost", "seed"}))
+      ->capture_default_str()
+      ->needs(trace);
+  app.add_option("--rendering", o.rendering, "on: frame times count; off: cull times")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str()
+      ->needs(trace);
+}
 
 void add_options(CLI::App& app, Options& o) {
   apps::add_model_options(app, o.model);
@@ -47,6 +66,7 @@ void add_options(CLI::App& app, Options& o) {
       ->capture_default_str()
       ->needs(images)
       ->check(CLI::PositiveNumber);
+  add_controller_options(app, o);
 }
 
 struct Frame {
@@ -231,7 +251,30 @@ core::Expected<void> write_reports(const Options& o, const engine::Engine& engin
   return done;
 }
 
+/// What the hybrid's controller would have chosen on a recorded trace.
+core::Expected<int> replay_controller(const Options& o) {
+  const auto trace = apps::read_controller_trace(o.controller_trace);
+  if (!trace) return tl::unexpected(trace.error());
+  culling::ControllerConfig config;
+  config.policy = o.policy == "seed" ? culling::Policy::kSeedStateMachine : culling::Policy::kFrameCost;
+  const apps::TraceResult result = apps::run_controller(*trace, config, o.rendering == "on");
+  if (!o.json_file.empty()) {
+    const json out = {{"frames", trace->size()},       {"chosen_ms", result.chosen_ms},
+                      {"oracle_ms", result.oracle_ms}, {"best_fixed_ms", result.best_fixed_ms},
+                      {"switches", result.switches},   {"probes", result.probes},
+                      {"choice", result.choice}};
+    if (auto done = apps::write_text(o.json_file, apps::to_text(out)); !done) return tl::unexpected(done.error());
+  }
+  std::fprintf(o.json_file == "-" ? stderr : stdout,
+               "%zu frames, policy %s, rendering %s: chosen %.4f ms, oracle %.4f, best fixed path %.4f; "
+               "%llu switches, %llu probes\n",
+               trace->size(), o.policy.c_str(), o.rendering.c_str(), result.chosen_ms, result.oracle_ms,
+               result.best_fixed_ms, (unsigned long long)result.switches, (unsigned long long)result.probes);
+  return apps::kExitOk;
+}
+
 core::Expected<int> replay(const Options& o) {
+  if (!o.controller_trace.empty()) return replay_controller(o);
   const auto size = apps::parse_size(o.size);
   if (!size) return tl::unexpected(size.error());
   if (!o.images.empty()) {
@@ -269,7 +312,8 @@ int main(int argc, char** argv) {
   apps::describe(app,
                  "  sightline-replay plant.rvm\n"
                  "  sightline-replay plant.rvm --frames 500 --no-render --json out.json --plot out.svg\n"
-                 "  sightline-replay a.rvm b.rvm --path flight.json --images frames --every 10");
+                 "  sightline-replay a.rvm b.rvm --path flight.json --images frames --every 10\n"
+                 "  sightline-replay --controller-only trace.csv --policy seed --rendering off --json -");
   Options options;
   add_options(app, options);
   return apps::run(app, argc, argv, [&] { return replay(options); });

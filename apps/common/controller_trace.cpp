@@ -1,0 +1,183 @@
+#include "sightline/apps/common/controller_trace.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+namespace sightline::apps {
+namespace {
+
+using culling::FrameSample;
+using culling::Path;
+
+struct Column {
+  std::string_view name;
+  double TraceFrame::*field;  // null: the frame number
+  bool required, time;
+};
+
+constexpr std::array<Column, 9> kColumns = {{{"frame", nullptr, true, false},
+                                             {"visible", &TraceFrame::visible, true, false},
+                                             {"cpu_cull_ms", &TraceFrame::cpu_cull_ms, true, true},
+                                             {"cpu_frame_ms", &TraceFrame::cpu_frame_ms, true, true},
+                                             {"gpu_cull_ms", &TraceFrame::gpu_cull_ms, true, true},
+                                             {"gpu_frame_ms", &TraceFrame::gpu_frame_ms, true, true},
+                                             {"tested", &TraceFrame::tested, false, false},
+                                             {"intersections", &TraceFrame::intersections, false, false},
+                                             {"height", &TraceFrame::height, false, false}}};
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = text.find(separator, begin);
+    parts.push_back(trimmed(text.substr(begin, end - begin)));
+    if (end == std::string_view::npos) return parts;
+    begin = end + 1;
+  }
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Of each of a trace's columns, what it is; null where it is skipped.
+using Layout = std::vector<const Column*>;
+
+core::Expected<Layout> parse_header(std::string_view line) {
+  Layout layout;
+  for (const std::string_view name : split(line, ',')) {
+    const auto found = std::find_if(kColumns.begin(), kColumns.end(), [&](const Column& c) { return c.name == name; });
+    const Column* column = found == kColumns.end() ? nullptr : &*found;
+    if (column && std::find(layout.begin(), layout.end(), column) != layout.end())
+      return core::fail("column " + std::string(name) + " twice");
+    layout.push_back(column);
+  }
+  for (const Column& column : kColumns)
+    if (column.required && std::find(layout.begin(), layout.end(), &column) == layout.end())
+      return core::fail("no column " + std::string(column.name));
+  return layout;
+}
+
+core::Expected<TraceFrame> parse_frame(std::string_view line, const Layout& layout, std::optional<double>& last) {
+  const auto fields = split(line, ',');
+  if (fields.size() != layout.size())
+    return core::fail(std::to_string(layout.size()) + " fields expected, found " + std::to_string(fields.size()));
+  TraceFrame frame{};
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const Column* column = layout[i];
+    if (!column) continue;
+    const auto value = parse_number(fields[i]);
+    const std::string what = std::string(column->name) + ": '" + std::string(fields[i]) + "' is no ";
+    if (!value) return core::fail(what + "number");
+    if (column->field) {
+      const bool good = std::isnan(*value) || (std::isfinite(*value) && (column->time ? *value > 0.0 : *value >= 0.0));
+      if (!good) return core::fail(what + (column->time ? "time > 0" : "count"));
+      frame.*column->field = *value;
+    } else {
+      if (*value != std::floor(*value) || std::abs(*value) > 1e15) return core::fail(what + "frame number");
+      if (last && *value != *last + 1.0) return core::fail(what + "successor of the frame before");
+      last = *value;
+    }
+  }
+  return frame;
+}
+
+}  // namespace
+
+core::Expected<std::vector<TraceFrame>> parse_controller_trace(std::string_view text, const std::string& name) {
+  const auto fail = [&](std::size_t line, const std::string& message) {
+    return core::fail(name + ":" + std::to_string(line) + ": " + message);
+  };
+  const auto lines = split(text, '\n');
+  const auto layout = parse_header(lines[0]);
+  if (!layout) return fail(1, layout.error().message);
+  std::vector<TraceFrame> trace;
+  std::optional<double> last;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    if (lines[i].empty()) continue;
+    auto frame = parse_frame(lines[i], *layout, last);
+    if (!frame) return fail(i + 1, frame.error().message);
+    trace.push_back(*frame);
+  }
+  if (trace.empty()) return fail(lines.size(), "no frames");
+  return trace;
+}
+
+core::Expected<std::vector<TraceFrame>> read_controller_trace(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (!in || !(text << in.rdbuf())) return core::fail(file + ": cannot be read, or is empty");
+  return parse_controller_trace(text.str(), file);
+}
+
+std::string controller_trace_csv(const std::vector<TraceFrame>& trace) {
+  std::string csv;
+  for (const Column& column : kColumns) csv += (csv.empty() ? "" : ",") + std::string(column.name);
+  csv += '\n';
+  char number[40];
+  for (std::size_t i = 0; i < trace.size(); ++i) {
+    csv += std::to_string(i);
+    for (const Column& column : kColumns) {
+      if (!column.field) continue;
+      const double value = trace[i].*column.field;
+      std::snprintf(number, sizeof number, ",%.*g", column.time ? 6 : 15, value);
+      csv += std::isnan(value) ? ",nan" : number;
+    }
+    csv += '\n';
+  }
+  return csv;
+}
+
+TraceResult run_controller(const std::vector<TraceFrame>& trace, const culling::ControllerConfig& config,
+                           bool rendering) {
+  culling::ControllerConfig used = config;
+  used.frame_cost.rendering = rendering;
+  culling::Controller controller(used);
+  controller.gpu_ready();
+  TraceResult result;
+  const auto show = [&](std::size_t i, Path path) {
+    const TraceFrame& f = trace[i];
+    FrameSample sample{.frame = i, .path = path, .visible = f.visible};
+    sample.cull_ms = f.cost(path, false);
+    sample.frame_ms = f.cost(path, true);
+    if (path == Path::kCpu) {
+      sample.tested = f.tested;
+      sample.intersections = f.intersections;
+      sample.height = f.height;
+    }
+    controller.feed(sample);
+  };
+  const auto known = [](double ms) { return std::isnan(ms) ? 0.0 : ms; };
+  double fixed[2] = {0.0, 0.0};
+  for (std::size_t i = 0; i < trace.size(); ++i) {
+    const Path path = controller.next();
+    result.choice += path == Path::kCpu ? 'c' : 'g';
+    if (i >= kGpuLatency && result.choice[i - kGpuLatency] == 'g') show(i - kGpuLatency, Path::kGpu);
+    if (path == Path::kCpu) show(i, path);
+    const double cpu = known(trace[i].cost(Path::kCpu, rendering)), gpu = known(trace[i].cost(Path::kGpu, rendering));
+    result.chosen_ms += path == Path::kCpu ? cpu : gpu;
+    result.oracle_ms += std::min(cpu, gpu);
+    fixed[0] += cpu;
+    fixed[1] += gpu;
+  }
+  result.best_fixed_ms = std::min(fixed[0], fixed[1]);
+  result.switches = controller.switches();
+  result.probes = controller.probes();
+  return result;
+}
+
+}  // namespace sightline::apps

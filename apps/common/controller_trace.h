@@ -1,0 +1,51 @@
+// Recorded traces of what either path would have cost, frame by frame, and the hybrid's controller run over them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sightline/core/error.h"
+#include "sightline/culling/controller.h"
+
+namespace sightline::apps {
+
+/// One frame of a trace: what both paths cost in it, milliseconds. NaN: not measured.
+struct TraceFrame {
+  double cpu_cull_ms, cpu_frame_ms, gpu_cull_ms, gpu_frame_ms;
+  double visible = culling::FrameSample::kNotMeasured;
+  double tested = culling::FrameSample::kNotMeasured;         ///< by the CPU
+  double intersections = culling::FrameSample::kNotMeasured;  ///< by the CPU
+  double height = culling::FrameSample::kNotMeasured;         ///< by the CPU
+
+  double cost(culling::Path path, bool rendering) const {
+    if (path == culling::Path::kCpu) return rendering ? cpu_frame_ms : cpu_cull_ms;
+    return rendering ? gpu_frame_ms : gpu_cull_ms;
+  }
+};
+
+/// CSV with a header that names the columns, in any order: frame, visible, cpu_cull_ms, cpu_frame_ms, gpu_cull_ms,
+/// gpu_frame_ms and optionally tested, intersections, height; others are skipped. Times are > 0 or "nan", counts >= 0,
+/// frames rise by one. At least one frame. An error names the line. `name` is what errors call the text.
+core::Expected<std::vector<TraceFrame>> parse_controller_trace(std::string_view text, const std::string& name);
+core::Expected<std::vector<TraceFrame>> read_controller_trace(const std::string& file);
+/// With all columns; what parse_controller_trace reads.
+std::string controller_trace_csv(const std::vector<TraceFrame>& trace);
+
+struct TraceResult {
+  double chosen_ms = 0.0;      ///< sum over the paths chosen
+  double oracle_ms = 0.0;      ///< sum over the cheaper path of every frame
+  double best_fixed_ms = 0.0;  ///< the cheaper of always-CPU and always-GPU
+  std::uint64_t switches = 0, probes = 0;
+  std::string choice;  ///< per frame 'c' or 'g'
+};
+
+/// GPU samples arrive so many frames late.
+inline constexpr std::size_t kGpuLatency = 2;
+
+/// Runs a controller over a trace: it is shown what the path it chose cost, nothing of the other. The CPU's sample of a
+/// frame is there before the next frame, the GPU's kGpuLatency frames later. A cost that was not measured counts as 0.
+TraceResult run_controller(const std::vector<TraceFrame>& trace, const culling::ControllerConfig& config,
+                           bool rendering);
+
+}  // namespace sightline::apps

@@ -1,0 +1,65 @@
+// Which path culls the next frame, the CPU's or the GPU's: pure logic, fed with measured times, without GL or a clock
+// of its own. Two policies. FrameCost (the default) estimates what either path would cost and takes the cheaper one;
+// SeedStateMachine is the state machine of the dissertation that this library grew from, kept as the baseline.
+// docs/hybrid-culling.md has the formulas and how close either comes to the best choice of every frame.
+//
+//   controller.gpu_ready();
+//   loop: path = controller.next(); …cull and draw…; controller.feed(what is known by now of this and earlier frames);
+#pragma once
+
+#include <cstdint>
+#include <variant>
+
+#include "sightline/culling/frame_cost.h"
+#include "sightline/culling/path_choice.h"
+#include "sightline/culling/seed_state_machine.h"
+
+namespace sightline::culling {
+
+enum class Policy : std::uint8_t { kFrameCost, kSeedStateMachine };
+
+struct ControllerConfig {
+  Policy policy = Policy::kFrameCost;
+  FrameCostConfig frame_cost;
+  SeedConfig seed;
+};
+
+/// Deterministic: the same calls give the same paths. Allocates nothing; copies are independent. Starts on the CPU, and
+/// stays there until gpu_ready().
+class Controller {
+ public:
+  explicit Controller(const ControllerConfig& config = {});
+
+  /// The path of the next frame. Frames are numbered 0, 1, … by the calls.
+  Path next();
+
+  /// What was measured in a frame, as soon as it is known: GPU frames come late, and some never. Samples of frames not
+  /// yet begun, older than the newest one of their path, or older than kOldestSample frames are ignored; so is each
+  /// figure that is not finite and positive.
+  void feed(const FrameSample& sample);
+
+  /// The scene is another one (a commit, a new generation): what was learnt is only a first guess from here on.
+  void scene_changed();
+  /// Time stood still (a pause, a dialog, a breakpoint): frames up to the next one are not measured.
+  void paused();
+  /// The GPU path cannot be taken: every frame is the CPU's.
+  void gpu_lost();
+  /// It can be taken (again), warmed up: shaders compiled, buffers filled.
+  void gpu_ready();
+
+  /// Frames so far.
+  std::uint64_t frames() const { return frames_; }
+  /// Changes of the path; single frames taken to measure the other one are not among them.
+  std::uint64_t switches() const;
+  /// Frames taken on the other path only to measure it.
+  std::uint64_t probes() const;
+  /// The state, for traces: "cpu", "cpu-to-gpu", "gpu", "gpu-to-cpu"; FrameCost has also "probe".
+  const char* state() const;
+
+ private:
+  std::variant<FrameCost, SeedStateMachine> policy_;
+  std::uint64_t frames_ = 0, measured_from_ = 0;
+  std::uint64_t newest_[2] = {0, 0};  // frame after the newest sample, per path
+};
+
+}  // namespace sightline::culling

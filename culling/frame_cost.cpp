@@ -1,0 +1,231 @@
+#include "sightline/culling/frame_cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sightline::culling {
+namespace {
+
+// Spread of log(cost): what is believed of it.
+constexpr double kLeastNoise = 0.02, kMostNoise = 0.4;
+// The cumulative sum's slack and threshold, in standard deviations; half a deviation is the usual slack, and five make
+// false alarms rarer than one in 400 samples of independent noise.
+constexpr double kSlack = 0.5, kThreshold = 5.0;
+// A sample this many deviations off is a jump: a spike, or the first of another regime.
+constexpr double kJump = 3.0;
+// Where a path was not measured for so many frames, its last residuals say nothing of the next.
+constexpr std::uint64_t kAway = 8;
+constexpr double kMostOptimism = 0.25, kMostFarOptimism = 1.0, kOptimismPerOctave = 0.35;
+constexpr int kMostPersistence = 2;
+// Frames within which a probe's answer comes.
+constexpr std::uint64_t kAnswer = 6;
+// A path left because it had become dearer is looked at again after so many frames: it may have been a hiccup.
+constexpr std::uint64_t kCheck = 16;
+// A path that has become dearer is compared anew with one that costs up to so much more of it.
+constexpr double kClose = 1.5;
+// No probe is worth more frames than that without having saved for it.
+constexpr double kWorthwhile = 32.0;
+
+double median(const std::array<double, 3>& v) {
+  return std::max(std::min(v[0], v[1]), std::min(std::max(v[0], v[1]), v[2]));
+}
+
+double least(const std::array<double, 3>& v) {
+  return *std::min_element(v.begin(), v.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+}
+
+}  // namespace
+
+Path FrameCost::next() {
+  ++frames_;
+  ++since_switch_;
+  probing_ = false;
+  if (gpu_) decide();
+  return probing_ ? other(path_) : path_;
+}
+
+void FrameCost::decide() {
+  Side& mine = side(path_);
+  Side& theirs = side(other(path_));
+  if (path_ == Path::kGpu && since_switch_ > config_.silent_frames &&
+      frames_ - mine.measured > config_.silent_frames) {  // its timers are missing
+    mine = Side();
+    switch_to(Path::kCpu, 0.0);
+    last_probe_ = frames_;
+    return;
+  }
+  if (mine.table.empty()) return;
+  const double own = predict(path_);
+  double excess = 0.0;
+  if (!theirs.table.empty()) {
+    const double cost = predict(other(path_));
+    const double gap = own - cost + std::max(0.0, doubt(other(path_)) - doubt(path_));
+    if (gap > (since_switch_ <= dwell_ ? config_.dwell_margin : config_.margin)) {
+      switch_to(other(path_), gap);
+      return;
+    }
+    if (try_recovered(own, cost)) return;
+    excess = std::max(0.0, std::exp(cost - own) - 1.0);
+  }
+  if (!wants_probe(own, excess)) return;
+  probing_ = true;
+  risen_ = false;
+  check_at_ = 0;
+  last_probe_ = frames_;
+  excess_ += excess;
+  ++probes_;
+}
+
+/// How far log(cost) may lie below the estimate: by its standard error, and where the estimate comes from other numbers
+/// of visible items, by what those may change.
+double FrameCost::doubt(Path path) {
+  const Side& s = side(path);
+  const double error = std::min(kMostOptimism, s.noise / std::sqrt(std::max(s.table.samples(visible_), 0.1)));
+  return error + std::min(kMostFarOptimism, kOptimismPerOctave * s.table.octaves_away(visible_));
+}
+
+/// The path taken has become dearer, and the other one, left because it had, was then found cheap again: it is taken
+/// for that at once.
+bool FrameCost::try_recovered(double own, double theirs) {
+  Side& s = side(other(path_));
+  if (!risen_ || !s.recovers || theirs - s.rise > own - config_.dwell_margin) return false;
+  s.table.shift(visible_, -s.rise);
+  s.on_trial = true;
+  switch_to(other(path_), s.rise);
+  return true;
+}
+
+bool FrameCost::wants_probe(double own, double excess) const {
+  const Side& mine = sides_[std::size_t(path_)];
+  const Side& theirs = sides_[std::size_t(other(path_))];
+  if (path_ == Path::kCpu && !config_.rendering && std::exp(own) < config_.least_gpu_cull_ms) return false;
+  if (frames_ - last_probe_ < kAnswer && last_probe_ > 0) return false;
+  const double allowed = config_.probe_share * double(frames_), taken = double(probes_ + 1);
+  const double free = double(config_.first_probes);
+  if (risen_ && excess < kClose) return taken <= std::max(free, allowed);
+  if (check_at_ > 0 && frames_ >= check_at_ && excess < kWorthwhile) return taken <= std::max(free, allowed);
+  if (theirs.table.empty() && probes_ == 0) return !mine.table.empty();
+  if (persistence_ < 0 && probes_ == 1 && excess < kWorthwhile) return true;  // was that one a spike?
+  if (frames_ - std::max(theirs.measured, last_probe_) < config_.probe_interval) return false;
+  return taken <= allowed - (free - 1.0) && excess_ + excess <= config_.probe_cost * double(frames_);
+}
+
+void FrameCost::switch_to(Path path, double gap) {
+  const bool vain = gap < config_.dwell_margin && since_switch_ < 4u * dwell_;
+  if (vain)
+    dwell_ = std::min(2 * dwell_, 32 * config_.dwell_frames);
+  else if (since_switch_ > 8u * dwell_)
+    dwell_ = config_.dwell_frames;
+  const Side& left = side(path_);
+  check_at_ = left.risen_at > 0 && frames_ - left.risen_at <= 2 * kCheck ? frames_ + kCheck : 0;
+  path_ = path;
+  since_switch_ = 0;
+  risen_ = false;
+  ++switches_;
+}
+
+void FrameCost::feed(const FrameSample& sample) {
+  if (std::isfinite(sample.visible) && sample.visible >= 0.0 && sample.frame >= visible_frame_) {
+    visible_ = sample.visible;
+    visible_frame_ = sample.frame;
+  }
+  const double cost = config_.rendering ? sample.frame_ms : sample.cull_ms;
+  if (!is_measured(cost)) return;
+  const bool knows_visible = std::isfinite(sample.visible) && sample.visible >= 0.0;
+  learn(sample.path, std::log(cost), knows_visible ? sample.visible : visible_, sample.frame);
+}
+
+void FrameCost::learn(Path path, double log_cost, double visible, std::uint64_t frame) {
+  Side& s = side(path);
+  const bool away = frame - s.measured >= kAway;
+  s.measured = frame + 1;
+  if (s.table.empty()) {
+    s.table.learn(visible, log_cost);
+    return;
+  }
+  const double residual = log_cost - s.table.predict(visible);
+  if (s.table.samples(visible) < 0.75) {  // new ground
+    s.table.learn(visible, residual);
+    s.residuals = {};
+    return;
+  }
+  const double filtered = filter(s, residual, away);
+  const double noise = std::min(1.25 * std::abs(residual), kJump * s.noise);
+  s.noise = std::clamp(s.noise + (noise - s.noise) / 16.0, kLeastNoise, kMostNoise);
+  detect_change(path, filtered, visible, frame, away);
+}
+
+/// The median of the last three residuals; the newest one itself where there are no others, or jumps have lasted.
+double FrameCost::filter(Side& s, double residual, bool fresh) const {
+  const bool jump = std::abs(residual) > std::max(kJump * s.noise, config_.dwell_margin);
+  if (fresh || (jump && persistence_ > 0)) {
+    s.residuals = {};
+    return residual;
+  }
+  s.residuals = {s.residuals[1], s.residuals[2], residual};
+  return persistence_ < 0 ? least(s.residuals) : median(s.residuals);
+}
+
+void FrameCost::detect_change(Path path, double filtered, double visible, std::uint64_t frame, bool away) {
+  Side& s = side(path);
+  const double slack = kSlack * s.noise, threshold = kThreshold * s.noise;
+  for (int down = 0; down < 2; ++down) {
+    const double sign = down ? -1.0 : 1.0;
+    s.sums[down] = std::max(0.0, s.sums[down] + sign * filtered - slack);
+    s.runs[down] = s.sums[down] > 0.0 ? s.runs[down] + 1 : 0;
+    if (s.sums[down] > threshold) {
+      change_regime(path, sign * (slack + s.sums[down] / s.runs[down]), visible, frame, away);
+      return;
+    }
+  }
+  const double jump = s.residuals[1];  // a lone one between its neighbours?
+  if (std::abs(jump) > std::max(kJump * s.noise, config_.dwell_margin) &&
+      std::abs(s.residuals[2]) < 0.5 * std::abs(jump))
+    persistence_ = std::max(-kMostPersistence, persistence_ - 1);
+  if (s.on_trial) s.on_trial = false;
+  s.table.learn(visible, filtered);
+}
+
+void FrameCost::change_regime(Path path, double shift, double visible, std::uint64_t frame, bool away) {
+  Side& s = side(path);
+  if (frame - s.shifted <= 2 && shift < 0.0)  // it was a spike after all
+    persistence_ = -kMostPersistence;
+  else if (!away && std::abs(shift) > config_.dwell_margin)
+    persistence_ = std::min(kMostPersistence, persistence_ + 1);
+  if (shift > 0.0) {
+    s.rise = shift;
+    s.risen_at = frames_;
+    if (s.on_trial) s.recovers = false;
+    risen_ = risen_ || (path == path_ && shift > config_.dwell_margin);
+  } else {
+    s.recovers = s.recovers || (s.rise > 0.0 && -shift > 0.5 * s.rise);
+  }
+  s.on_trial = false;
+  s.shifted = frame;
+  s.table.shift(visible, shift);
+  s.residuals = {};
+  s.sums[0] = s.sums[1] = 0.0;
+  s.runs[0] = s.runs[1] = 0;
+  side(other(path)).table.doubt(2.0);
+}
+
+void FrameCost::scene_changed() {
+  for (Side& s : sides_) {
+    s.table.doubt(0.5);
+    s.recovers = false;
+  }
+  risen_ = true;
+}
+
+void FrameCost::set_gpu(bool ready) {
+  gpu_ = ready;
+  if (!ready && path_ == Path::kGpu) switch_to(Path::kCpu, 0.0);
+  side(Path::kGpu).table.doubt(1.0);
+}
+
+const char* FrameCost::state() const {
+  if (probing_) return "probe";
+  return path_ == Path::kCpu ? "cpu" : "gpu";
+}
+
+}  // namespace sightline::culling

@@ -1,0 +1,84 @@
+// The hybrid culler's default policy: take the path that will cost less, by estimates learnt from measured times.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sightline/culling/cost_table.h"
+#include "sightline/culling/path_choice.h"
+
+namespace sightline::culling {
+
+struct FrameCostConfig {
+  /// What counts: the measured frame with rendering on, the cull time off.
+  bool rendering = true;
+  /// Rendering off: no GPU culls in less, milliseconds; so a CPU that does is not worth a probe.
+  double least_gpu_cull_ms = 0.01;
+  double margin = 0.01;                ///< a path is left for one that is cheaper by this share
+  double dwell_margin = 0.20;          ///< and soon after a switch, by this one
+  std::uint32_t dwell_frames = 8;      ///< how soon; doubled up to 32 times while switches prove vain
+  double probe_share = 0.005;          ///< of all frames, at most, are taken to measure the other path, …
+  std::uint32_t first_probes = 3;      ///< … but this many are free,
+  double probe_cost = 0.004;           ///< and unprovoked ones may lengthen the sum of all frames by this share
+  std::uint32_t probe_interval = 200;  ///< frames between unprovoked ones
+  std::uint32_t silent_frames = 16;    ///< on the GPU without a measured one: it is given up
+};
+
+/// See Controller for what the functions promise. Each path has a table of log(cost) against visible items, in which
+/// samples are filtered by a median of three; a cumulative sum (Page 1954) of the residuals tells a change of regime
+/// from noise within a few frames, and then the table restarts from the new level.
+class FrameCost {
+ public:
+  explicit FrameCost(const FrameCostConfig& config) : config_(config), dwell_(config.dwell_frames) {}
+
+  Path next();
+  void feed(const FrameSample& sample);
+  void scene_changed();
+  void set_gpu(bool ready);
+
+  std::uint64_t switches() const { return switches_; }
+  std::uint64_t probes() const { return probes_; }
+  const char* state() const;
+
+ private:
+  struct Side {
+    CostTable table;
+    std::array<double, 3> residuals{};  // of the last samples
+    double noise = 0.2;                 // standard deviation of log(cost)
+    double sums[2] = {0.0, 0.0};        // of residuals beyond the slack: upward, downward
+    int runs[2] = {0, 0};               // samples in these sums
+    std::uint64_t measured = 0;         // frame after the last sample
+    std::uint64_t shifted = 0;          // frame of the last change of regime
+    std::uint64_t risen_at = 0;         // frames begun at its last upward one
+    double rise = 0.0;                  // the last upward one
+    bool recovers = false;              // it has since been found to be over
+    bool on_trial = false;              // entered for that reason; no sample yet
+  };
+
+  Side& side(Path path) { return sides_[std::size_t(path)]; }
+  double predict(Path path) { return side(path).table.predict(visible_); }
+  double doubt(Path path);
+  void learn(Path path, double log_cost, double visible, std::uint64_t frame);
+  double filter(Side& s, double residual, bool fresh) const;
+  void detect_change(Path path, double filtered, double visible, std::uint64_t frame, bool away);
+  void change_regime(Path path, double shift, double visible, std::uint64_t frame, bool away);
+  void decide();
+  void switch_to(Path path, double gap);
+  bool try_recovered(double own, double theirs);
+  bool wants_probe(double own, double excess) const;
+
+  FrameCostConfig config_;
+  std::array<Side, 2> sides_;
+  Path path_ = Path::kCpu;
+  bool gpu_ = false, probing_ = false;
+  bool risen_ = false;  // the path taken has become dearer: the other one is worth a look
+  double visible_ = 0.0;
+  std::uint64_t visible_frame_ = 0;
+  std::uint64_t frames_ = 0, since_switch_ = 0, last_probe_ = 0, check_at_ = 0;
+  std::uint32_t dwell_;
+  int persistence_ = 0;  // > 0: jumps have lasted, so one sample is believed; otherwise two in a row are
+  double excess_ = 0.0;  // that probes have cost, in frames of the path taken
+  std::uint64_t switches_ = 0, probes_ = 0;
+};
+
+}  // namespace sightline::culling

@@ -1,0 +1,39 @@
+// What the controller and its policies speak of: paths and samples.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace sightline::culling {
+
+enum class Path : std::uint8_t { kCpu, kGpu };
+
+constexpr Path other(Path path) {
+  return path == Path::kCpu ? Path::kGpu : Path::kCpu;
+}
+
+/// Samples that come later than this are of no use any more, frames.
+inline constexpr std::uint64_t kOldestSample = 64;
+
+/// What was measured in one frame; NaN is "not measured", and what a path cannot know (intersections on the GPU) stays
+/// so.
+struct FrameSample {
+  static constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+  std::uint64_t frame = 0;  ///< counted from 0 by Controller::next
+  Path path = Path::kCpu;   ///< that culled it
+  double cull_ms = kNotMeasured;
+  double frame_ms = kNotMeasured;
+  double visible = kNotMeasured;        ///< items
+  double tested = kNotMeasured;         ///< nodes and boxes
+  double intersections = kNotMeasured;  ///< of these, boxes that cross the view volume's surface
+  double height = kNotMeasured;         ///< levels of the hierarchy walked
+};
+
+/// Whether a time can be one.
+inline bool is_measured(double value) {
+  return std::isfinite(value) && value > 0.0;
+}
+
+}  // namespace sightline::culling

@@ -1,0 +1,83 @@
+#include "sightline/culling/seed_state_machine.h"
+
+#include <algorithm>
+
+namespace sightline::culling {
+
+Path SeedStateMachine::next() {
+  if (state_ == State::kGpu) {
+    if (count_ < stay_) {
+      ++count_;
+      return Path::kGpu;
+    }
+    enter(State::kGpuToCpu);
+  }
+  if (state_ == State::kGpuToCpu) ++probes_;
+  return Path::kCpu;
+}
+
+void SeedStateMachine::feed(const FrameSample& sample) {
+  if (sample.path != Path::kCpu) return;
+  const bool slow = is_slow(sample);
+  switch (state_) {
+    case State::kCpu:
+    case State::kCpuToGpu:
+      if (!slow || !gpu_) {
+        enter(State::kCpu);
+      } else {
+        state_ = State::kCpuToGpu;
+        if (++count_ >= config_.enter_frames) {
+          enter(State::kGpu);
+          ++switches_;
+        }
+      }
+      break;
+    case State::kGpuToCpu:
+      if (!slow) {
+        stay_ = config_.gpu_frames;
+        enter(State::kCpu);
+        ++switches_;
+      } else if (++count_ >= config_.probe_frames) {
+        stay_ = std::min(2 * stay_, std::max(config_.most_gpu_frames, config_.gpu_frames));
+        enter(State::kGpu);
+      }
+      break;
+    case State::kGpu:
+      break;  // a late sample of the CPU's
+  }
+}
+
+void SeedStateMachine::set_gpu(bool ready) {
+  gpu_ = ready;
+  if (ready || state_ == State::kCpu) return;
+  if (state_ == State::kGpu || state_ == State::kGpuToCpu) ++switches_;
+  stay_ = config_.gpu_frames;
+  enter(State::kCpu);
+}
+
+const char* SeedStateMachine::state() const {
+  constexpr const char* kNames[] = {"cpu", "cpu-to-gpu", "gpu", "gpu-to-cpu"};
+  return kNames[std::size_t(state_)];
+}
+
+void SeedStateMachine::enter(State state) {
+  state_ = state;
+  count_ = 0;
+}
+
+/// Comparisons with NaN are false: a frame that was not measured is not slow.
+bool SeedStateMachine::is_slow(const FrameSample& sample) const {
+  switch (config_.trigger) {
+    case SeedTrigger::kTime:
+      return sample.cull_ms > config_.slow_ms;
+    case SeedTrigger::kHeight:
+      return sample.height > config_.slow_height;
+    case SeedTrigger::kIntersections:
+      return sample.intersections > config_.slow_intersections;
+    case SeedTrigger::kShare:
+      return sample.tested > config_.slow_share * config_.nodes;
+  }
+  return false;
+}
+
+}  // namespace sightline::culling

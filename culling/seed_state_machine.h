@@ -1,0 +1,57 @@
+// The hybrid culler's controller of the dissertation (section 6.1, figure 6.4), to compare with: the CPU culls until it
+// has been slow for some frames in a row; then the GPU for a fixed number of frames; then the CPU is tried again.
+// "Slow" is an absolute threshold, so what the GPU costs is never asked.
+#pragma once
+
+#include <cstdint>
+
+#include "sightline/culling/path_choice.h"
+
+namespace sightline::culling {
+
+/// What makes a CPU frame slow: the four that the dissertation tried. Time is the one that it settled for.
+enum class SeedTrigger : std::uint8_t { kTime, kHeight, kIntersections, kShare };
+
+/// Its numbers (section 6.2). Frame counts are at least 1; thresholds are strict.
+struct SeedConfig {
+  SeedTrigger trigger = SeedTrigger::kTime;
+  double slow_ms = 0.3;             ///< kTime: cull time
+  double slow_height = 20.0;        ///< kHeight: levels
+  double slow_intersections = 1e4;  ///< kIntersections
+  double slow_share = 0.1;          ///< kShare: tested / nodes
+  double nodes = 0.0;               ///< of the hierarchy, for kShare
+  std::uint32_t enter_frames = 5;   ///< n: slow CPU frames in a row before the GPU takes over
+  std::uint32_t gpu_frames = 500;   ///< m: that it stays for; doubled each time the CPU is still slow after them
+  std::uint32_t probe_frames = 2;   ///< CPU frames that tell; all of them slow: back to the GPU
+  std::uint32_t most_gpu_frames = 1u << 20;  ///< where doubling ends
+};
+
+/// See Controller for what the functions promise.
+class SeedStateMachine {
+ public:
+  explicit SeedStateMachine(const SeedConfig& config) : config_(config), stay_(config.gpu_frames) {}
+
+  Path next();
+  void feed(const FrameSample& sample);
+  void scene_changed() {}  ///< nothing is learnt, so there is nothing to forget
+  void set_gpu(bool ready);
+
+  std::uint64_t switches() const { return switches_; }
+  std::uint64_t probes() const { return probes_; }
+  const char* state() const;
+
+ private:
+  enum class State : std::uint8_t { kCpu, kCpuToGpu, kGpu, kGpuToCpu };
+
+  void enter(State state);
+  bool is_slow(const FrameSample& sample) const;
+
+  SeedConfig config_;
+  State state_ = State::kCpu;
+  bool gpu_ = false;
+  std::uint32_t count_ = 0;  // frames that the state has counted
+  std::uint32_t stay_;       // m
+  std::uint64_t switches_ = 0, probes_ = 0;
+};
+
+}  // namespace sightline::culling
