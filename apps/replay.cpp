@@ -27,7 +27,7 @@ struct Options {
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   int frames = 300, every = 30;
   bool no_render = false;
-  std::string controller_trace, policy = "frame-cost", rendering = "on";
+  std::string record_both, controller_trace, policy = "frame-cost", rendering = "on";
 };
 
 void add_controller_options(CLI::App& app, Options& o) {
@@ -37,10 +37,9 @@ void add_controller_options(CLI::App& app, Options& o) {
   app.callback([&o] {
     if (o.model.files.empty() && o.controller_trace.empty()) throw CLI::RequiredError("MODEL");
   });
-  app.add_option("--policy", o.policy, "frame-cost or seed")
+  app.add_option("--policy", o.policy, "Of the hybrid: frame-cost or seed")
       ->check(CLI::IsMember({"frame-cost", "seed"}))
-      ->capture_default_str()
-      ->needs(trace);
+      ->capture_default_str();
   app.add_option("--rendering", o.rendering, "on: frame times count; off: cull times")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str()
@@ -58,8 +57,11 @@ void add_options(CLI::App& app, Options& o) {
   auto* no_render = app.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
   app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
   app.add_option("--json", o.json_file, "Write all figures as JSON to FILE, or - for stdout");
-  app.add_option("--csv", o.csv, "Write one line per frame");
-  app.add_option("--plot", o.plot, "Plot cull time and visible count along the path, SVG");
+  app.add_option("--csv,--trace", o.csv, "Write one line per frame: path, state, times, counts");
+  app.add_option("--record-both", o.record_both,
+                 "Fly with the CPU's path, then with the GPU's, and write what each frame cost on either: a trace for "
+                 "--controller-only");
+  app.add_option("--plot", o.plot, "Plot cull or frame time and visible count along the path, SVG");
   auto* images =
       app.add_option("--images", o.images, "Write every N-th frame to this folder (see --every)")->excludes(no_render);
   app.add_option("--every", o.every, "With --images: N")
@@ -94,6 +96,17 @@ struct Flight {
   }
   std::vector<double> visible() const {
     return collect([](const engine::FrameReport& r) { return double(r.visible); });
+  }
+  std::size_t on_gpu() const {
+    return std::size_t(std::count_if(frames.begin(), frames.end(),
+                                     [](const Frame& f) { return std::string_view(f.report.path) == "gpu"; }));
+  }
+  /// Frames culled by another path than the frame before.
+  std::size_t switches() const {
+    std::size_t count = 0;
+    for (std::size_t i = 1; i < frames.size(); ++i)
+      count += std::string_view(frames[i].report.path) != frames[i - 1].report.path;
+    return count;
   }
   std::vector<double> tested() const {
     return collect([](const engine::FrameReport& r) { return double(r.tested); });
@@ -181,8 +194,8 @@ json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
   out["frames"] = json::array();
   for (const Frame& f : flight.frames)
     out["frames"].push_back({{"t", f.time},
-                             {"path", engine.culler_name()},
-                             {"state", "fixed"},
+                             {"path", f.report.path},
+                             {"state", f.report.state},
                              {"cull_ms", f.report.cull_ms},
                              {"gpu_cull_ms", f.gpu_cull_ms},
                              {"draw_ms", f.report.draw_ms},
@@ -191,20 +204,20 @@ json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
                              {"tested", f.report.tested}});
   out["summary"] = {{"cull_ms", summary_json(flight.cull())},   {"draw_ms", summary_json(flight.draw())},
                     {"frame_ms", summary_json(flight.frame())}, {"visible", summary_json(flight.visible())},
-                    {"tested", summary_json(flight.tested())},  {"switches", 0}};
+                    {"tested", summary_json(flight.tested())},  {"switches", flight.switches()}};
   const engine::MemoryReport memory = engine.memory();
   out["memory"] = {{"scene", memory.scene}, {"snapshot", memory.snapshot}, {"bvh", memory.bvh}, {"gpu", memory.gpu}};
   return out;
 }
 
-std::string to_csv(const engine::Engine& engine, const Flight& flight) {
-  std::string csv = "frame,t,path,cull_ms,draw_ms,frame_ms,visible,tested\n";
+std::string to_csv(const Flight& flight) {
+  std::string csv = "frame,t,path,state,cull_ms,gpu_cull_ms,draw_ms,frame_ms,visible,tested\n";
   char line[200];
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
     const Frame& f = flight.frames[i];
-    std::snprintf(line, sizeof line, "%zu,%.6f,%s,%.6f,%.6f,%.6f,%lld,%lld\n", i, f.time, engine.culler_name(),
-                  f.report.cull_ms, f.report.draw_ms, f.report.frame_ms, (long long)f.report.visible,
-                  (long long)f.report.tested);
+    std::snprintf(line, sizeof line, "%zu,%.6f,%s,%s,%.6f,%.6f,%.6f,%.6f,%lld,%lld\n", i, f.time, f.report.path,
+                  f.report.state, f.report.cull_ms, f.gpu_cull_ms, f.report.draw_ms, f.report.frame_ms,
+                  (long long)f.report.visible, (long long)f.report.tested);
     csv += line;
   }
   return csv;
@@ -226,6 +239,10 @@ void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* 
   row("frame ms", flight.frame(), 3);
   row("visible items", flight.visible(), 0);
   row("boxes tested", flight.tested(), 0);
+  if (const engine::Hybrid* hybrid = engine.hybrid())
+    std::fprintf(out, "%-16s %12llu  (%llu probes; %zu of %zu frames on the GPU)\n", "switches",
+                 (unsigned long long)hybrid->controller().switches(), (unsigned long long)hybrid->controller().probes(),
+                 flight.on_gpu(), flight.frames.size());
   double cull_ms = 0.0;
   for (const double ms : flight.cull()) cull_ms += ms;
   if (cull_ms > 0.0)
@@ -241,7 +258,7 @@ core::Expected<void> write_reports(const Options& o, const engine::Engine& engin
                                    const std::array<int, 2>& size) {
   core::Expected<void> done;
   if (!o.json_file.empty()) done = apps::write_text(o.json_file, apps::to_text(to_json(o, engine, flight, size)));
-  if (done && !o.csv.empty()) done = apps::write_text(o.csv, to_csv(engine, flight));
+  if (done && !o.csv.empty()) done = apps::write_text(o.csv, to_csv(flight));
   if (done && !o.plot.empty()) {
     const std::string title = o.model.files.front() + ": " + std::to_string(engine.snapshot().size()) +
                               " items, culler " + engine.culler_name();
@@ -251,12 +268,44 @@ core::Expected<void> write_reports(const Options& o, const engine::Engine& engin
   return done;
 }
 
+culling::Policy policy_of(const Options& o) {
+  return o.policy == "seed" ? culling::Policy::kSeedStateMachine : culling::Policy::kFrameCost;
+}
+
+/// Flies twice, with either path fixed. A frame's interval is known when the next one begins, so the last has none.
+core::Expected<int> record_both(const Options& o, const apps::Model& model, engine::EngineConfig config) {
+  std::vector<apps::TraceFrame> trace;
+  const double not_measured = culling::FrameSample::kNotMeasured;
+  for (const auto culler : {engine::CullerChoice::kCpu, engine::CullerChoice::kGpu}) {
+    config.culler = culler;
+    const bool gpu = culler == engine::CullerChoice::kGpu;
+    auto engine = engine::Engine::create(*model.scene, config);
+    if (!engine) return tl::unexpected(engine.error());
+    const auto path = choose_path(o, model, engine->snapshot());
+    if (!path) return tl::unexpected(path.error());
+    const auto flight = fly(o, *engine, *path, double(config.width) / config.height);
+    if (!flight) return tl::unexpected(flight.error());
+    trace.resize(flight->frames.size(), {not_measured, not_measured, not_measured, not_measured});
+    for (std::size_t i = 0; i < trace.size(); ++i) {
+      const Frame& frame = flight->frames[i];
+      const double interval = i + 1 < trace.size() ? flight->frames[i + 1].report.frame_ms : not_measured;
+      const double cull = gpu ? frame.gpu_cull_ms : frame.report.cull_ms;
+      (gpu ? trace[i].gpu_cull_ms : trace[i].cpu_cull_ms) = cull > 0.0 ? cull : not_measured;
+      (gpu ? trace[i].gpu_frame_ms : trace[i].cpu_frame_ms) = config.draw ? interval : not_measured;
+      if (!gpu) trace[i].visible = double(frame.report.visible), trace[i].tested = double(frame.report.tested);
+    }
+  }
+  if (auto done = apps::write_text(o.record_both, apps::controller_trace_csv(trace)); !done)
+    return tl::unexpected(done.error());
+  return apps::kExitOk;
+}
+
 /// What the hybrid's controller would have chosen on a recorded trace.
 core::Expected<int> replay_controller(const Options& o) {
   const auto trace = apps::read_controller_trace(o.controller_trace);
   if (!trace) return tl::unexpected(trace.error());
   culling::ControllerConfig config;
-  config.policy = o.policy == "seed" ? culling::Policy::kSeedStateMachine : culling::Policy::kFrameCost;
+  config.policy = policy_of(o);
   const apps::TraceResult result = apps::run_controller(*trace, config, o.rendering == "on");
   if (!o.json_file.empty()) {
     const json out = {{"frames", trace->size()},       {"chosen_ms", result.chosen_ms},
@@ -289,6 +338,8 @@ core::Expected<int> replay(const Options& o) {
   config.width = (*size)[0];
   config.height = (*size)[1];
   config.culler = o.culler;
+  config.controller.policy = policy_of(o);
+  if (!o.record_both.empty()) return record_both(o, *model, config);
   auto engine = engine::Engine::create(*model->scene, config);
   if (!engine) return tl::unexpected(engine.error());
   if (o.model.explain) apps::explain(engine->plan());
@@ -313,6 +364,8 @@ int main(int argc, char** argv) {
                  "  sightline-replay plant.rvm\n"
                  "  sightline-replay plant.rvm --frames 500 --no-render --json out.json --plot out.svg\n"
                  "  sightline-replay a.rvm b.rvm --path flight.json --images frames --every 10\n"
+                 "  sightline-replay plant.rvm --culler hybrid --policy frame-cost --trace out.csv\n"
+                 "  sightline-replay plant.rvm --record-both trace.csv\n"
                  "  sightline-replay --controller-only trace.csv --policy seed --rendering off --json -");
   Options options;
   add_options(app, options);

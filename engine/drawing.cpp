@@ -8,7 +8,8 @@ constexpr GLuint64 kLongestWait = 10'000'000'000;  // ns; a lost context must no
 
 }  // namespace
 
-core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& snapshot, const EngineConfig& config) {
+core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& snapshot, const EngineConfig& config,
+                                                         bool gpu_culls) {
   std::unique_ptr<Drawing> drawing(new Drawing);
   drawing->context_ = config.context;
   if (!drawing->context_) {
@@ -21,7 +22,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   }
   drawing->scene_config_.chord_tolerance = config.chord_tolerance;
   drawing->renders_ = config.draw;
-  drawing->culls_ = config.culler == CullerChoice::kGpu;
+  drawing->culls_ = gpu_culls;
   if (config.draw) {
     auto target = render::RenderTarget::create(*drawing->context_, config.width, config.height, config.ids);
     if (!target) return tl::unexpected(target.error());

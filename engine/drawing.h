@@ -13,7 +13,8 @@ namespace sightline::engine {
 
 class Drawing {
  public:
-  static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot& snapshot, const EngineConfig& config);
+  static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot& snapshot, const EngineConfig& config,
+                                                         bool gpu_culls);
   ~Drawing();
 
   /// Submits one frame of a visible set. Before that it waits until at most one earlier frame is still being drawn.

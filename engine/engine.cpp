@@ -36,6 +36,8 @@ Engine& Engine::operator=(Engine&& other) noexcept {
   drawing_ = std::move(other.drawing_);
   last_frame_began_ = other.last_frame_began_;
   frames_ = other.frames_;
+  hybrid_ = other.hybrid_;
+  late_ = std::move(other.late_);
   rebuild_ = std::move(other.rebuild_);
   return *this;
 }
@@ -45,11 +47,17 @@ core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& co
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
   Engine engine(scene, config);
   engine.build();
-  if (config.draw || config.culler == CullerChoice::kGpu) {
+  const CullerChoice culler = engine.live_.plan.culler;
+  const bool gpu_culls = culler == CullerChoice::kGpu || culler == CullerChoice::kHybrid;
+  if (config.draw || gpu_culls) {
 #if SIGHTLINE_HAS_GL
-    auto drawing = Drawing::create(*engine.live_.snapshot, config);
+    auto drawing = Drawing::create(*engine.live_.snapshot, config, gpu_culls);
     if (!drawing) return tl::unexpected(drawing.error());
     engine.drawing_ = std::move(*drawing);
+    if (culler == CullerChoice::kHybrid) {
+      engine.config_.controller.frame_cost.rendering = config.draw;
+      engine.hybrid_.emplace(engine.config_.controller);
+    }
 #else
     return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
 #endif
@@ -69,6 +77,7 @@ core::Expected<void> Engine::land() {
     return {};
   }
   if (!rebuild_->exchange(live_)) return {};
+  if (hybrid_) hybrid_->scene_changed();
 #if SIGHTLINE_HAS_GL
   if (drawing_) return drawing_->rebuild(*live_.snapshot);
 #endif
@@ -82,47 +91,84 @@ core::Expected<FrameReport> Engine::frame(const core::View& view) {
   const double begin = now_seconds();
   if (last_frame_began_ >= 0.0) report.frame_ms = 1e3 * (begin - last_frame_began_);
   last_frame_began_ = begin;
-  const bool gpu = live_.plan.culler == CullerChoice::kGpu;
-  if (auto done = cull(view, report.frame); !done) return tl::unexpected(done.error());
-  const double culled = now_seconds();
-  report.cull_ms = 1e3 * (culled - begin);
-  report.visible = gpu ? -1 : std::int64_t(live_.snapshot->count(visible_));
-  report.tested = gpu ? -1 : std::int64_t(visible_.counters.nodes_tested + visible_.counters.boxes_tested);
+  [[maybe_unused]] const auto on_gpu = cull(view, report);
+  if (!on_gpu) return tl::unexpected(on_gpu.error());
 #if SIGHTLINE_HAS_GL
   if (drawing_) {
-    auto done = gpu ? drawing_->draw_culled(view, *live_.snapshot) : drawing_->draw(view, *live_.snapshot, visible_);
+    const double culled = now_seconds();
+    auto done =
+        *on_gpu ? drawing_->draw_culled(view, *live_.snapshot) : drawing_->draw(view, *live_.snapshot, visible_);
     if (!done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);
   }
 #endif
+  if (hybrid_) hybrid_->measured(report);
   return report;
 }
 
-core::Expected<void> Engine::cull(const core::View& view, [[maybe_unused]] std::uint64_t frame) {
+/// True when the GPU did it: then the answer is there, and visible() empty.
+core::Expected<bool> Engine::cull(const core::View& view, FrameReport& report) {
+  visible_.clear();
   visible_.generation = live_.snapshot->generation();
 #if SIGHTLINE_HAS_GL
-  if (live_.plan.culler == CullerChoice::kGpu) {
-    visible_.clear();
-    return drawing_->cull(view, *live_.snapshot, frame);
+  bool on_gpu = live_.plan.culler == CullerChoice::kGpu;
+  if (hybrid_) {
+    gather_late_reports();
+    on_gpu = hybrid_->next(report.frame_ms) == culling::Path::kGpu;
+    report.state = hybrid_->controller().state();
+  }
+  if (on_gpu) {
+    const double begin = now_seconds();
+    const auto done = drawing_->cull(view, *live_.snapshot, report.frame);
+    if (done) {
+      report.path = "gpu";
+      report.cull_ms = 1e3 * (now_seconds() - begin);
+      report.visible = report.tested = -1;
+      return true;
+    }
+    if (!hybrid_) return tl::unexpected(done.error());
+    hybrid_->gpu_lost();  // the CPU can do without
   }
 #endif
+  cull_on_cpu(view, report);
+  return false;
+}
+
+void Engine::cull_on_cpu(const core::View& view, FrameReport& report) {
+  const double begin = now_seconds();
   std::visit([&](const auto& culler) { culler.cull(view, visible_); }, *live_.culler);
-  return {};
+  report.cull_ms = 1e3 * (now_seconds() - begin);
+  report.path = std::holds_alternative<culling::CpuCuller>(*live_.culler) ? "cpu" : "linear";
+  report.visible = std::int64_t(live_.snapshot->count(visible_));
+  report.tested = std::int64_t(visible_.counters.nodes_tested + visible_.counters.boxes_tested);
+}
+
+void Engine::gather_late_reports() {
+#if SIGHTLINE_HAS_GL
+  constexpr std::size_t kMost = 64;
+  if (!drawing_) return;
+  while (const auto feedback = drawing_->take_gpu_feedback()) {
+    late_.push_back({feedback->frame, std::int64_t(feedback->visible), feedback->time_ms.value_or(-1.0)});
+    if (hybrid_) hybrid_->measured(late_.back());
+    if (late_.size() > kMost) late_.pop_front();
+  }
+#endif
 }
 
 std::optional<LateReport> Engine::take_late_report() {
-#if SIGHTLINE_HAS_GL
-  if (drawing_)
-    if (const auto feedback = drawing_->take_gpu_feedback())
-      return LateReport{feedback->frame, std::int64_t(feedback->visible), feedback->time_ms.value_or(-1.0)};
-#endif
-  return std::nullopt;
+  gather_late_reports();
+  if (late_.empty()) return std::nullopt;
+  const LateReport oldest = late_.front();
+  late_.pop_front();
+  return oldest;
 }
 
 const char* Engine::culler_name() const {
   switch (live_.plan.culler) {
     case CullerChoice::kGpu:
       return "gpu";
+    case CullerChoice::kHybrid:
+      return "hybrid";
     case CullerChoice::kCpu:
       return "cpu";
     default:
@@ -139,6 +185,7 @@ core::Expected<void> Engine::commit() {
   const std::vector<core::Slot> touched = live_.snapshot->apply(*delta);
   if (rebuild_) rebuild_->end_edit(*delta);
   live_.update(touched);
+  if (hybrid_) hybrid_->scene_changed();
   const double disorder = double(live_.snapshot->disorder());
   if (!rebuild_ && config_.rebuild_share > 0.0 && disorder > kFewSlots &&
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
@@ -153,6 +200,7 @@ core::Expected<void> Engine::rebuild() {
   if (auto delta = scene_->commit(); !delta) return tl::unexpected(delta.error());
   rebuild_.reset();
   build();
+  if (hybrid_) hybrid_->scene_changed();
 #if SIGHTLINE_HAS_GL
   if (drawing_) return drawing_->rebuild(*live_.snapshot);
 #endif

@@ -7,12 +7,14 @@
 //   write_png(engine->drawing()->target().read_colour(), "out.png");
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
+#include "sightline/engine/hybrid.h"
 #include "sightline/engine/plan.h"
 #include "sightline/engine/rebuild.h"
 
@@ -36,12 +38,15 @@ struct EngineConfig {
   /// Edits leave slots behind. When this share of them was appended or given up, a new order is made in the background;
   /// 0: never. Items that move far count twice: 1 % of them cost up to a tenth of culling speed until it lands.
   double rebuild_share = 0.03;
+  culling::ControllerConfig controller = {};  ///< of the hybrid; whether frames or cull times count follows from `draw`
 };
 
 /// Times in milliseconds of wall clock.
 struct FrameReport {
-  std::uint64_t frame = 0;  ///< calls of frame() before this one
-  double cull_ms = 0.0;     ///< the culler alone; of the GPU culler what submitting takes
+  std::uint64_t frame = 0;      ///< calls of frame() before this one
+  const char* path = "cpu";     ///< that culled it: "linear", "cpu" or "gpu"
+  const char* state = "fixed";  ///< the hybrid's, see culling::Controller::state
+  double cull_ms = 0.0;         ///< the culler alone; of the GPU culler what submitting takes
   double draw_ms =
       0.0;  ///< waiting for the frame before the last, making and submitting the draw lists; 0 without drawing
   double frame_ms = 0.0;  ///< since the last frame began, at most two frames being in flight; 0 for the first frame
@@ -72,7 +77,7 @@ class Engine {
   /// Culls and, when drawing is on, draws into drawing()->target() without waiting for it.
   core::Expected<FrameReport> frame(const core::View& view);
   /// The oldest of the GPU culler's results not yet taken, some frames late; nothing while none has arrived. Never
-  /// waits. When nobody takes them, those of later frames are lost.
+  /// waits. When nobody takes them, the oldest are lost.
   std::optional<LateReport> take_late_report();
 
   /// Takes over the scene's edits since the last commit, in time that follows their number: see Snapshot::apply. With
@@ -96,13 +101,16 @@ class Engine {
   const core::VisibleSet& visible() const { return visible_; }  ///< empty when the GPU culls
   Drawing* drawing() { return drawing_.get(); }                 ///< null when nothing needs GL
   MemoryReport memory() const;
-  const char* culler_name() const;
+  const char* culler_name() const;  ///< "linear", "cpu", "gpu" or "hybrid"
+  const Hybrid* hybrid() const { return hybrid_ ? &*hybrid_ : nullptr; }
 
  private:
   Engine(core::Scene& scene, const EngineConfig& config);
   void build();
   core::Expected<void> land();
-  core::Expected<void> cull(const core::View& view, std::uint64_t frame);
+  core::Expected<bool> cull(const core::View& view, FrameReport& report);
+  void cull_on_cpu(const core::View& view, FrameReport& report);
+  void gather_late_reports();
 
   core::Scene* scene_;
   EngineConfig config_;
@@ -111,6 +119,8 @@ class Engine {
   std::unique_ptr<Drawing> drawing_;
   double last_frame_began_ = -1.0;  // seconds on the steady clock
   std::uint64_t frames_ = 0;
+  std::optional<Hybrid> hybrid_;
+  std::deque<LateReport> late_;
   std::unique_ptr<BackgroundRebuild> rebuild_;  // last: it reads live_ until it is gone
 };
 

@@ -13,6 +13,11 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, CullerChoice choic
   const std::size_t n = snapshot.size();
   const std::string limit = std::to_string(kSmallScene);
   std::string why;
+  std::string gpu_why = "not asked for";
+  if (choice == CullerChoice::kHybrid && n < kSmallHybridScene) {
+    choice = CullerChoice::kAutomatic;
+    gpu_why = items(n) + ", fewer than " + std::to_string(kSmallHybridScene) + ": too few to profit";
+  }
   if (choice != CullerChoice::kAutomatic) {
     plan.culler = choice;
     why = "asked for";
@@ -20,11 +25,13 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, CullerChoice choic
     plan.culler = n < kSmallScene ? CullerChoice::kLinear : CullerChoice::kCpu;
     why = items(n) + (n < kSmallScene ? ", fewer than " : ", at least ") + limit;
   }
-  const bool tree = plan.culler == CullerChoice::kCpu;
-  const bool gpu = plan.culler == CullerChoice::kGpu;
+  const bool hybrid = plan.culler == CullerChoice::kHybrid;
+  const bool tree = plan.culler == CullerChoice::kCpu || hybrid;
+  const bool gpu = plan.culler == CullerChoice::kGpu || hybrid;
   plan.entries.push_back({"linear culler", !tree && !gpu, why});
   plan.entries.push_back({"CPU culling hierarchy", tree, why});
-  plan.entries.push_back({"GPU culler", gpu, gpu ? why : "not asked for"});
+  plan.entries.push_back({"GPU culler", gpu, gpu ? why : gpu_why});
+  plan.entries.push_back({"hybrid controller", hybrid, hybrid ? why : gpu ? "the GPU alone was asked for" : gpu_why});
   const bool layers = snapshot.bounds().uses_layers();
   plan.entries.push_back(
       {"layers in the culler", layers, layers ? "items on several layers" : "all items on the model layer"});

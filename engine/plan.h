@@ -15,6 +15,7 @@ enum class CullerChoice : std::uint8_t {
   kLinear,     ///< test every box
   kCpu,        ///< CPU hierarchy
   kGpu,        ///< on the GPU, whose answer stays there; needs GL
+  kHybrid,     ///< the one of these two that costs the frame less, decided from measured times; needs GL
 };
 
 struct PlanEntry {
@@ -30,6 +31,8 @@ struct Plan {
 
 /// Below this many items testing all boxes costs less than walking nodes.
 inline constexpr std::size_t kSmallScene = 128;
+/// Below this many items the CPU culls in a microsecond or two, and no GPU culler can gain anything: none is made.
+inline constexpr std::size_t kSmallHybridScene = 10'000;
 
 Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids);
 

@@ -16,7 +16,7 @@ void Generation::update(std::span<const core::Slot> touched) {
 Generation make_generation(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request) {
   Generation generation;
   generation.plan = make_plan(*snapshot, request.culler, request.draw, request.ids);
-  if (generation.plan.culler == CullerChoice::kCpu)
+  if (generation.plan.culler == CullerChoice::kCpu || generation.plan.culler == CullerChoice::kHybrid)
     generation.culler = std::make_unique<Culler>(std::in_place_type<culling::CpuCuller>, snapshot->bounds());
   else  // costs nothing beside a GPU culler
     generation.culler = std::make_unique<Culler>(std::in_place_type<culling::LinearCuller>, snapshot->bounds());

@@ -80,8 +80,9 @@ void add_culler_option(CLI::App& app, engine::CullerChoice& choice) {
   static const std::map<std::string, CullerChoice> names = {{"auto", CullerChoice::kAutomatic},
                                                             {"linear", CullerChoice::kLinear},
                                                             {"cpu", CullerChoice::kCpu},
-                                                            {"gpu", CullerChoice::kGpu}};
-  app.add_option("--culler", choice, "auto, linear, cpu or gpu")
+                                                            {"gpu", CullerChoice::kGpu},
+                                                            {"hybrid", CullerChoice::kHybrid}};
+  app.add_option("--culler", choice, "auto, linear, cpu, gpu or hybrid")
       ->transform(CLI::CheckedTransformer(names).description("NAME"))
       ->default_str("auto");
 }

@@ -1,0 +1,46 @@
+// The hybrid culler: asks the controller which path is to cull the next frame, and tells it what frames have cost, as
+// far as and as soon as that is known. Internal to engine.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sightline/culling/controller.h"
+
+namespace sightline::engine {
+
+struct FrameReport;
+struct LateReport;
+
+class Hybrid {
+ public:
+  /// The GPU culler exists: the controller may choose it.
+  explicit Hybrid(const culling::ControllerConfig& config);
+
+  /// Begins a frame. `since_last_ms`: since the last one began; 0 for the first.
+  culling::Path next(double since_last_ms);
+  /// What the frame that has begun has cost the CPU.
+  void measured(const FrameReport& report);
+  /// What the GPU found in an earlier frame.
+  void measured(const LateReport& report);
+
+  /// Another scene, or other slots.
+  void scene_changed() { controller_.scene_changed(); }
+  /// The GPU culler has failed: the CPU's path from here on.
+  void gpu_lost() { controller_.gpu_lost(); }
+
+  const culling::Controller& controller() const { return controller_; }
+
+ private:
+  struct Pending {
+    culling::FrameSample sample;
+    bool interval_known = false, late_known = false, fed = true;
+  };
+  Pending& pending(std::uint64_t frame) { return pending_[frame % pending_.size()]; }
+  void feed_when_complete(Pending& p);
+
+  culling::Controller controller_;
+  std::array<Pending, culling::kOldestSample> pending_;  // by frame
+};
+
+}  // namespace sightline::engine

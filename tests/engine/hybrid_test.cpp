@@ -1,0 +1,130 @@
+// The hybrid: whichever path culls a frame, the image is the same; a small scene gets no GPU culler; edits and a GPU
+// that fails are survived.
+#include <gtest/gtest.h>
+
+#include "sightline/engine/drawing.h"
+#include "sightline/engine/engine.h"
+#include "sightline/render/image.h"
+#include "sightline/tests/support/gl_test.h"
+
+namespace sightline::tests {
+namespace {
+
+using engine::CullerChoice;
+using engine::Engine;
+using engine::EngineConfig;
+
+class HybridTest : public GlTest {
+ protected:
+  /// Cylinders and boxes on a grid, one metre apart.
+  static void fill(core::Scene& scene, int n) {
+    for (int i = 0; i < n * n * n; ++i) {
+      const core::Affine at = core::translation({i % n, i / n % n, i / n / n});
+      if (i % 2 == 0)
+        scene.add_primitive(scene.root(), core::Box{0.4f, 0.4f, 0.4f}, at);
+      else
+        scene.add_primitive(scene.root(), core::Cylinder{0.2f, 0.5f}, at);
+    }
+  }
+  static core::View view(int frame) {
+    const double turn = 0.1 * frame;
+    const core::dvec3 centre(11.0), eye = centre + 14.0 * core::dvec3(std::cos(turn), std::sin(turn), 0.2);
+    return *core::View::perspective({eye, centre, {0, 0, 1}}, 0.7, 1.5, 0.1);
+  }
+  EngineConfig config(CullerChoice culler) {
+    EngineConfig c;
+    c.culler = culler;
+    c.draw = true;
+    c.width = 192;
+    c.height = 128;
+    c.ids = true;
+    c.context = &*context;
+    // The dissertation's policy with numbers that change the path every few frames.
+    c.controller.policy = culling::Policy::kSeedStateMachine;
+    c.controller.seed.slow_ms = 0.0;
+    c.controller.seed.enter_frames = 2;
+    c.controller.seed.gpu_frames = 3;
+    return c;
+  }
+};
+
+TEST_F(HybridTest, ASwitchChangesNoPixel) {
+  core::Scene scene;
+  fill(scene, 22);
+  auto cpu = Engine::create(scene, config(CullerChoice::kCpu));
+  auto hybrid = Engine::create(scene, config(CullerChoice::kHybrid));
+  ASSERT_TRUE(cpu && hybrid) << (cpu ? hybrid.error().message : cpu.error().message);
+  ASSERT_STREQ(hybrid->culler_name(), "hybrid");
+  constexpr int kEdit = 7;
+  int frames_on[2] = {0, 0};
+  for (int frame = 0; frame < 14; ++frame) {
+    SCOPED_TRACE(testing::Message() << "frame " << frame);
+    if (frame == kEdit) {
+      for (core::ItemId item = 0; item < 300; ++item) scene.set_visible(item * 7, false);
+      for (int i = 0; i < 40; ++i)
+        scene.add_primitive(scene.root(), core::Box{0.5f, 0.5f, 0.5f}, core::translation({0.5 * i, 11.5, 12.5}));
+      // Both engines follow one scene, whose commit hands its edits out once.
+      ASSERT_TRUE(hybrid->commit());
+      ASSERT_TRUE(cpu->rebuild());
+    }
+    const auto a = cpu->frame(view(frame)), b = hybrid->frame(view(frame));
+    ASSERT_TRUE(a && b);
+    const bool gpu = std::string_view(b->path) == "gpu";
+    ++frames_on[gpu];
+    EXPECT_EQ(b->visible < 0, gpu);
+    cpu->finish();
+    hybrid->finish();
+    const auto difference =
+        render::compare(cpu->drawing()->target().read_colour(), hybrid->drawing()->target().read_colour());
+    ASSERT_TRUE(difference);
+    // Another order of the items has other chunk origins, and so other last bits.
+    EXPECT_LE(difference->max, frame < kEdit ? 0 : 1) << "culled by " << b->path;
+  }
+  EXPECT_GE(frames_on[0], 2);
+  EXPECT_GE(frames_on[1], 6);
+  EXPECT_GE(hybrid->hybrid()->controller().switches(), 1u);
+  int late = 0;
+  while (const auto report = hybrid->take_late_report()) {
+    EXPECT_GT(report->visible, 0);
+    ++late;
+  }
+  EXPECT_GT(late, 0);
+}
+
+TEST_F(HybridTest, ASmallSceneGetsNoGpuCuller) {
+  core::Scene scene;
+  fill(scene, 9);
+  auto plain = Engine::create(scene, config(CullerChoice::kCpu));
+  auto hybrid = Engine::create(scene, config(CullerChoice::kHybrid));
+  ASSERT_TRUE(plain && hybrid);
+  EXPECT_STREQ(hybrid->culler_name(), "cpu");
+  EXPECT_EQ(hybrid->hybrid(), nullptr);
+  EXPECT_EQ(hybrid->drawing()->gpu_culler(), nullptr);
+  EXPECT_EQ(hybrid->memory().gpu, plain->memory().gpu);
+  for (const engine::PlanEntry& entry : hybrid->plan().entries)
+    if (entry.feature == "GPU culler" || entry.feature == "hybrid controller") {
+      EXPECT_FALSE(entry.used) << entry.feature;
+      EXPECT_NE(entry.why.find("too few"), std::string::npos) << entry.why;
+    }
+}
+
+TEST_F(HybridTest, FrameCostGivesAGpuWithoutTimesUp) {
+  core::Scene scene;
+  fill(scene, 22);
+  EngineConfig c = config(CullerChoice::kHybrid);
+  c.draw = false;  // cull times count, and a software rasteriser has none
+  c.controller.policy = culling::Policy::kFrameCost;
+  auto hybrid = Engine::create(scene, c);
+  ASSERT_TRUE(hybrid);
+  if (!context->capabilities().software) GTEST_SKIP() << "the GPU measures its times";
+  int on_gpu = 0;
+  for (int frame = 0; frame < 60; ++frame) {
+    const auto report = hybrid->frame(view(frame));
+    ASSERT_TRUE(report);
+    on_gpu += std::string_view(report->path) == "gpu";
+  }
+  EXPECT_LE(on_gpu, 30);
+}
+
+}  // namespace
+}  // namespace sightline::tests
