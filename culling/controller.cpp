@@ -27,8 +27,8 @@ void Controller::feed(const FrameSample& sample) {
   std::visit([&](auto& policy) { policy.feed(sample); }, policy_);
 }
 
-void Controller::scene_changed() {
-  std::visit([](auto& policy) { policy.scene_changed(); }, policy_);
+void Controller::scene_changed(double items) {
+  std::visit([=](auto& policy) { policy.scene_changed(items); }, policy_);
 }
 
 void Controller::paused() {

@@ -3,7 +3,7 @@
 // SeedStateMachine is the state machine of the dissertation that this library grew from, kept as the baseline.
 // docs/hybrid-culling.md has the formulas and how close either comes to the best choice of every frame.
 //
-//   controller.gpu_ready();
+//   controller.scene_changed(items); controller.gpu_ready();
 //   loop: path = controller.next(); …cull and draw…; controller.feed(what is known by now of this and earlier frames);
 #pragma once
 
@@ -38,8 +38,9 @@ class Controller {
   /// figure that is not finite and positive.
   void feed(const FrameSample& sample);
 
-  /// The scene is another one (a commit, a new generation): what was learnt is only a first guess from here on.
-  void scene_changed();
+  /// The scene is another one (a commit, a new generation), of so many items: what was learnt is only a first guess
+  /// from here on. To be called before the first frame as well; 0 where the number is not known.
+  void scene_changed(double items);
   /// Time stood still (a pause, a dialog, a breakpoint): frames up to the next one are not measured.
   void paused();
   /// The GPU path cannot be taken: every frame is the CPU's.

@@ -6,8 +6,8 @@
 
 namespace sightline::culling {
 
-CostTable::Place CostTable::place(double visible) {
-  const double position = std::clamp(std::log2(1.0 + visible), 0.0, double(kKnots - 1));
+CostTable::Place CostTable::place(double x) {
+  const double position = std::clamp(x, 0.0, double(kKnots - 1));
   const int below = std::min(int(position), kKnots - 2);
   return {below, position - below};
 }
@@ -20,8 +20,8 @@ int CostTable::nearest(double position) const {
   return best;
 }
 
-double CostTable::predict(double visible) const {
-  const Place at = place(visible);
+double CostTable::predict(double x) const {
+  const Place at = place(x);
   const Knot& below = knots_[std::size_t(at.below)];
   const Knot& above = knots_[std::size_t(at.below) + 1];
   if (below.samples > 0.0f && above.samples > 0.0f)
@@ -29,19 +29,19 @@ double CostTable::predict(double visible) const {
   return double(knots_[std::size_t(nearest(at.below + at.above))].log_cost);
 }
 
-double CostTable::samples(double visible) const {
+double CostTable::samples(double x) const {
   if (empty_) return 0.0;
-  const Place at = place(visible);
+  const Place at = place(x);
   const Knot& below = knots_[std::size_t(at.below)];
   const Knot& above = knots_[std::size_t(at.below) + 1];
   if (below.samples > 0.0f && above.samples > 0.0f)
     return double(below.samples) + at.above * (double(above.samples) - double(below.samples));
-  const double octaves = octaves_away(visible);
-  return double(knots_[std::size_t(nearest(at.below + at.above))].samples) / ((1.0 + octaves) * (1.0 + octaves));
+  const double away = distance(x);
+  return double(knots_[std::size_t(nearest(at.below + at.above))].samples) / ((1.0 + away) * (1.0 + away));
 }
 
-double CostTable::octaves_away(double visible) const {
-  const Place at = place(visible);
+double CostTable::distance(double x) const {
+  const Place at = place(x);
   const double position = at.below + at.above;
   return std::max(0.0, std::abs(nearest(position) - position) - 1.0);
 }
@@ -52,10 +52,10 @@ void CostTable::settle(const Place& at, double log_cost) {
   empty_ = false;
 }
 
-void CostTable::learn(double visible, double residual) {
-  const Place at = place(visible);
-  const double known = samples(visible);
-  settle(at, empty_ ? 0.0 : predict(visible));
+void CostTable::learn(double x, double residual) {
+  const Place at = place(x);
+  const double known = samples(x);
+  settle(at, empty_ ? 0.0 : predict(x));
   // Normalised least mean squares over the two knots.
   const double weights[2] = {1.0 - at.above, at.above};
   const double norm = weights[0] * weights[0] + weights[1] * weights[1];
@@ -67,9 +67,9 @@ void CostTable::learn(double visible, double residual) {
   }
 }
 
-void CostTable::shift(double visible, double residual) {
-  const Place at = place(visible);
-  settle(at, predict(visible));
+void CostTable::shift(double x, double residual) {
+  const Place at = place(x);
+  settle(at, predict(x));
   doubt(2.0);
   for (int i = at.below; i <= at.below + 1; ++i) {
     knots_[std::size_t(i)].log_cost += float(residual);

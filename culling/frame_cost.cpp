@@ -80,8 +80,8 @@ void FrameCost::decide() {
 /// of visible items, by what those may change.
 double FrameCost::doubt(Path path) {
   const Side& s = side(path);
-  const double error = std::min(kMostOptimism, s.noise / std::sqrt(std::max(s.table.samples(visible_), 0.1)));
-  return error + std::min(kMostFarOptimism, kOptimismPerOctave * s.table.octaves_away(visible_));
+  const double error = std::min(kMostOptimism, s.noise / std::sqrt(std::max(s.table.samples(x_), 0.1)));
+  return error + std::min(kMostFarOptimism, kOptimismPerOctave * s.table.distance(x_));
 }
 
 /// The path taken has become dearer, and the other one, left because it had, was then found cheap again: it is taken
@@ -89,7 +89,7 @@ double FrameCost::doubt(Path path) {
 bool FrameCost::try_recovered(double own, double theirs) {
   Side& s = side(other(path_));
   if (!risen_ || !s.recovers || theirs - s.rise > own - config_.dwell_margin) return false;
-  s.table.shift(visible_, -s.rise);
+  s.table.shift(x_, -s.rise);
   s.on_trial = true;
   switch_to(other(path_), s.rise);
   return true;
@@ -124,35 +124,44 @@ void FrameCost::switch_to(Path path, double gap) {
   ++switches_;
 }
 
-void FrameCost::feed(const FrameSample& sample) {
-  if (std::isfinite(sample.visible) && sample.visible >= 0.0 && sample.frame >= visible_frame_) {
-    visible_ = sample.visible;
-    visible_frame_ = sample.frame;
-  }
-  const double cost = config_.rendering ? sample.frame_ms : sample.cull_ms;
-  if (!is_measured(cost)) return;
-  const bool knows_visible = std::isfinite(sample.visible) && sample.visible >= 0.0;
-  learn(sample.path, std::log(cost), knows_visible ? sample.visible : visible_, sample.frame);
+/// Octaves of visible items; from half of the scene on, onwards by octaves of hidden ones: the CPU's cost rises with
+/// what is visible, and falls again as whole subtrees are inside.
+double FrameCost::position(double visible) const {
+  if (visible <= 0.5 * items_ || items_ <= 0.0) return std::log2(1.0 + visible);
+  return 2.0 * std::log2(1.0 + 0.5 * items_) - std::log2(1.0 + std::max(0.0, items_ - visible));
 }
 
-void FrameCost::learn(Path path, double log_cost, double visible, std::uint64_t frame) {
+void FrameCost::feed(const FrameSample& sample) {
+  double x = x_;
+  if (std::isfinite(sample.visible) && sample.visible >= 0.0) {
+    x = position(sample.visible);
+    if (sample.frame >= visible_frame_) {
+      x_ = x;
+      visible_frame_ = sample.frame;
+    }
+  }
+  const double cost = config_.rendering ? sample.frame_ms : sample.cull_ms;
+  if (is_measured(cost)) learn(sample.path, std::log(cost), x, sample.frame);
+}
+
+void FrameCost::learn(Path path, double log_cost, double x, std::uint64_t frame) {
   Side& s = side(path);
   const bool away = frame - s.measured >= kAway;
   s.measured = frame + 1;
   if (s.table.empty()) {
-    s.table.learn(visible, log_cost);
+    s.table.learn(x, log_cost);
     return;
   }
-  const double residual = log_cost - s.table.predict(visible);
-  if (s.table.samples(visible) < 0.75) {  // new ground
-    s.table.learn(visible, residual);
+  const double residual = log_cost - s.table.predict(x);
+  if (s.table.samples(x) < 0.75) {  // new ground
+    s.table.learn(x, residual);
     s.residuals = {};
     return;
   }
   const double filtered = filter(s, residual, away);
   const double noise = std::min(1.25 * std::abs(residual), kJump * s.noise);
   s.noise = std::clamp(s.noise + (noise - s.noise) / 16.0, kLeastNoise, kMostNoise);
-  detect_change(path, filtered, visible, frame, away);
+  detect_change(path, filtered, x, frame, away);
 }
 
 /// The median of the last three residuals; the newest one itself where there are no others, or jumps have lasted.
@@ -166,7 +175,7 @@ double FrameCost::filter(Side& s, double residual, bool fresh) const {
   return persistence_ < 0 ? least(s.residuals) : median(s.residuals);
 }
 
-void FrameCost::detect_change(Path path, double filtered, double visible, std::uint64_t frame, bool away) {
+void FrameCost::detect_change(Path path, double filtered, double x, std::uint64_t frame, bool away) {
   Side& s = side(path);
   const double slack = kSlack * s.noise, threshold = kThreshold * s.noise;
   for (int down = 0; down < 2; ++down) {
@@ -174,7 +183,7 @@ void FrameCost::detect_change(Path path, double filtered, double visible, std::u
     s.sums[down] = std::max(0.0, s.sums[down] + sign * filtered - slack);
     s.runs[down] = s.sums[down] > 0.0 ? s.runs[down] + 1 : 0;
     if (s.sums[down] > threshold) {
-      change_regime(path, sign * (slack + s.sums[down] / s.runs[down]), visible, frame, away);
+      change_regime(path, sign * (slack + s.sums[down] / s.runs[down]), x, frame, away);
       return;
     }
   }
@@ -183,10 +192,10 @@ void FrameCost::detect_change(Path path, double filtered, double visible, std::u
       std::abs(s.residuals[2]) < 0.5 * std::abs(jump))
     persistence_ = std::max(-kMostPersistence, persistence_ - 1);
   if (s.on_trial) s.on_trial = false;
-  s.table.learn(visible, filtered);
+  s.table.learn(x, filtered);
 }
 
-void FrameCost::change_regime(Path path, double shift, double visible, std::uint64_t frame, bool away) {
+void FrameCost::change_regime(Path path, double shift, double x, std::uint64_t frame, bool away) {
   Side& s = side(path);
   if (frame - s.shifted <= 2 && shift < 0.0)  // it was a spike after all
     persistence_ = -kMostPersistence;
@@ -202,14 +211,15 @@ void FrameCost::change_regime(Path path, double shift, double visible, std::uint
   }
   s.on_trial = false;
   s.shifted = frame;
-  s.table.shift(visible, shift);
+  s.table.shift(x, shift);
   s.residuals = {};
   s.sums[0] = s.sums[1] = 0.0;
   s.runs[0] = s.runs[1] = 0;
   side(other(path)).table.doubt(2.0);
 }
 
-void FrameCost::scene_changed() {
+void FrameCost::scene_changed(double items) {
+  items_ = items;
   for (Side& s : sides_) {
     s.table.doubt(0.5);
     s.recovers = false;

@@ -18,22 +18,22 @@ struct FrameCostConfig {
   double dwell_margin = 0.20;          ///< and soon after a switch, by this one
   std::uint32_t dwell_frames = 8;      ///< how soon; doubled up to 32 times while switches prove vain
   double probe_share = 0.005;          ///< of all frames, at most, are taken to measure the other path, …
-  std::uint32_t first_probes = 3;      ///< … but this many are free,
+  std::uint32_t first_probes = 2;      ///< … but this many are free,
   double probe_cost = 0.004;           ///< and unprovoked ones may lengthen the sum of all frames by this share
   std::uint32_t probe_interval = 200;  ///< frames between unprovoked ones
   std::uint32_t silent_frames = 16;    ///< on the GPU without a measured one: it is given up
 };
 
-/// See Controller for what the functions promise. Each path has a table of log(cost) against visible items, in which
-/// samples are filtered by a median of three; a cumulative sum (Page 1954) of the residuals tells a change of regime
-/// from noise within a few frames, and then the table restarts from the new level.
+/// See Controller for what the functions promise. Each path has a table of log(cost) against visible items
+/// (position()), in which samples are filtered by a median of three; a cumulative sum (Page 1954) of the residuals
+/// tells a change of regime from noise within a few frames, and then the table restarts from the new level.
 class FrameCost {
  public:
   explicit FrameCost(const FrameCostConfig& config) : config_(config), dwell_(config.dwell_frames) {}
 
   Path next();
   void feed(const FrameSample& sample);
-  void scene_changed();
+  void scene_changed(double items);
   void set_gpu(bool ready);
 
   std::uint64_t switches() const { return switches_; }
@@ -56,12 +56,13 @@ class FrameCost {
   };
 
   Side& side(Path path) { return sides_[std::size_t(path)]; }
-  double predict(Path path) { return side(path).table.predict(visible_); }
+  double position(double visible) const;
+  double predict(Path path) { return side(path).table.predict(x_); }
   double doubt(Path path);
-  void learn(Path path, double log_cost, double visible, std::uint64_t frame);
+  void learn(Path path, double log_cost, double x, std::uint64_t frame);
   double filter(Side& s, double residual, bool fresh) const;
-  void detect_change(Path path, double filtered, double visible, std::uint64_t frame, bool away);
-  void change_regime(Path path, double shift, double visible, std::uint64_t frame, bool away);
+  void detect_change(Path path, double filtered, double x, std::uint64_t frame, bool away);
+  void change_regime(Path path, double shift, double x, std::uint64_t frame, bool away);
   void decide();
   void switch_to(Path path, double gap);
   bool try_recovered(double own, double theirs);
@@ -72,7 +73,8 @@ class FrameCost {
   Path path_ = Path::kCpu;
   bool gpu_ = false, probing_ = false;
   bool risen_ = false;  // the path taken has become dearer: the other one is worth a look
-  double visible_ = 0.0;
+  double items_ = 0.0;  // of the scene; 0: unknown
+  double x_ = 0.0;      // position() of the newest frame whose visible items are known
   std::uint64_t visible_frame_ = 0;
   std::uint64_t frames_ = 0, since_switch_ = 0, last_probe_ = 0, check_at_ = 0;
   std::uint32_t dwell_;

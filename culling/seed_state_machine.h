@@ -33,7 +33,7 @@ class SeedStateMachine {
 
   Path next();
   void feed(const FrameSample& sample);
-  void scene_changed() {}  ///< nothing is learnt, so there is nothing to forget
+  void scene_changed(double) {}  ///< nothing is learnt, so there is nothing to forget
   void set_gpu(bool ready);
 
   std::uint64_t switches() const { return switches_; }

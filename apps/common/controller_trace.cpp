@@ -147,6 +147,9 @@ TraceResult run_controller(const std::vector<TraceFrame>& trace, const culling::
   culling::ControllerConfig used = config;
   used.frame_cost.rendering = rendering;
   culling::Controller controller(used);
+  double items = 0.0;
+  for (const TraceFrame& f : trace) items = std::max(items, std::isnan(f.visible) ? 0.0 : f.visible);
+  controller.scene_changed(items);
   controller.gpu_ready();
   TraceResult result;
   const auto show = [&](std::size_t i, Path path) {

@@ -44,7 +44,8 @@ struct TraceResult {
 inline constexpr std::size_t kGpuLatency = 2;
 
 /// Runs a controller over a trace: it is shown what the path it chose cost, nothing of the other. The CPU's sample of a
-/// frame is there before the next frame, the GPU's kGpuLatency frames later. A cost that was not measured counts as 0.
+/// frame is there before the next frame, the GPU's kGpuLatency frames later. The scene is taken to have as many items
+/// as are visible at most. A cost that was not measured counts as 0.
 TraceResult run_controller(const std::vector<TraceFrame>& trace, const culling::ControllerConfig& config,
                            bool rendering);
 

@@ -1,0 +1,304 @@
+// The controller's contract, call by call. How close it comes to the oracle: tests/apps/controller_trace_test.cpp.
+#include "sightline/culling/controller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace sightline::culling {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+struct Costs {
+  double cpu = 1.0, gpu = 1.0, visible = 1e5;
+};
+
+ControllerConfig seed_config() {
+  ControllerConfig config;
+  config.policy = Policy::kSeedStateMachine;
+  return config;
+}
+
+/// Runs frames, GPU samples two frames late; one letter per frame.
+class Loop {
+ public:
+  explicit Loop(const ControllerConfig& config = {}, bool gpu = true) : controller(config) {
+    if (gpu) controller.gpu_ready();
+  }
+
+  std::string run(std::size_t frames, const Costs& costs) {
+    std::string choice;
+    for (std::size_t i = 0; i < frames; ++i) choice += step(costs);
+    return choice;
+  }
+
+  char step(const Costs& costs) {
+    const std::uint64_t frame = controller.frames();
+    const Path path = controller.next();
+    if (two_ago_.path == Path::kGpu) controller.feed(two_ago_);
+    FrameSample sample{.frame = frame, .path = path, .visible = costs.visible};
+    sample.cull_ms = sample.frame_ms = path == Path::kCpu ? costs.cpu : costs.gpu;
+    if (path == Path::kCpu) controller.feed(sample);
+    two_ago_ = one_ago_;
+    one_ago_ = sample;
+    return path == Path::kCpu ? 'c' : 'g';
+  }
+
+  Controller controller;
+
+ private:
+  FrameSample one_ago_, two_ago_;
+};
+
+std::size_t count(const std::string& choice, char path) {
+  return std::size_t(std::count(choice.begin(), choice.end(), path));
+}
+
+TEST(Controller, IsSmallAndCopyable) {
+  EXPECT_LE(sizeof(Controller), 1536u);
+  Loop loop;
+  loop.run(100, {2.0, 1.0});
+  Controller copy = loop.controller;
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(copy.next(), loop.controller.next());
+}
+
+TEST(Controller, StaysOnTheCpuWithoutAGpu) {
+  for (const ControllerConfig& config : {ControllerConfig{}, seed_config()}) {
+    Loop loop(config, false);
+    EXPECT_EQ(loop.run(300, {10.0, 0.1}), std::string(300, 'c'));
+    loop.controller.gpu_ready();
+    EXPECT_GT(count(loop.run(30, {10.0, 0.1}), 'g'), 10u);
+    loop.controller.gpu_lost();
+    EXPECT_EQ(loop.run(300, {10.0, 0.1}), std::string(300, 'c'));
+    EXPECT_STREQ(loop.controller.state(), "cpu");
+    loop.controller.gpu_ready();
+    EXPECT_GT(count(loop.run(300, {10.0, 0.1}), 'g'), 250u);
+  }
+}
+
+TEST(FrameCost, TakesTheCheaperPathAndKeepsIt) {
+  Loop gpu;
+  EXPECT_EQ(gpu.run(20, {2.0, 1.0}).substr(8), std::string(12, 'g'));
+  EXPECT_LE(500 - count(gpu.run(500, {2.0, 1.0}), 'g'), 3u);  // probes
+  EXPECT_EQ(gpu.controller.switches(), 1u);
+  Loop cpu;
+  EXPECT_LE(count(cpu.run(500, {1.0, 2.0}), 'g'), 3u);
+  EXPECT_EQ(cpu.controller.switches(), 0u);
+}
+
+TEST(FrameCost, ReactsToAChangeWithinEightFrames) {
+  for (const double step : {1.6, 2.0, 5.0, 50.0}) {
+    Loop loop;
+    loop.run(300, {1.0, 1.2});
+    // But for one probe, whether it was a hiccup.
+    EXPECT_GE(count(loop.run(20, {1.2 * step, 1.2}).substr(8), 'g'), 11u) << step;
+    EXPECT_GE(count(loop.run(20, {1.2 * step, 1.2 * step * step}).substr(8), 'c'), 11u) << step;
+  }
+}
+
+TEST(FrameCost, TakesTheOtherPathWhereTheViewSaysSo) {
+  Loop loop;
+  const Costs few{0.1, 1.0, 1e3}, many{5.0, 1.0, 4e5};
+  for (int i = 0; i < 3; ++i) {
+    loop.run(60, few);
+    loop.run(60, many);
+  }
+  EXPECT_EQ(loop.run(20, few).substr(4), std::string(16, 'c'));
+  EXPECT_EQ(loop.run(20, many).substr(2), std::string(18, 'g'));
+}
+
+TEST(FrameCost, ASpikeIsNoReasonToSwitch) {
+  Loop loop;
+  loop.run(100, {1.0, 1.5});
+  for (int i = 0; i < 20; ++i) {
+    loop.run(1, {30.0, 45.0});
+    loop.run(17, {1.0, 1.5});
+    EXPECT_EQ(loop.controller.switches(), 0u) << i;
+  }
+}
+
+TEST(FrameCost, DoesNotFlapInNoise) {
+  std::mt19937_64 random(7);
+  for (const double gpu : {0.97, 1.0, 1.03, 1.2}) {
+    Loop loop;
+    for (int i = 0; i < 4000; ++i) {
+      std::uniform_real_distribution<double> noise(0.7, 1.3);
+      const double c = noise(random), g = noise(random);
+      loop.step({c, gpu * g});
+    }
+    EXPECT_LE(loop.controller.switches(), 60u) << gpu;
+    EXPECT_LE(loop.controller.probes(), 20u) << gpu;
+  }
+}
+
+TEST(FrameCost, ProbesAreBounded) {
+  std::mt19937_64 random(3);
+  Loop loop;
+  Costs costs;
+  for (std::uint64_t i = 1; i <= 5000; ++i) {  // whatever happens
+    if (random() % 9 == 0)
+      costs = {0.1 + double(random() % 100), 0.1 + double(random() % 100), double(random() % 100000)};
+    loop.step(costs);
+    EXPECT_LE(loop.controller.probes(), std::max<std::uint64_t>(2, i / 200 + 1)) << i;
+  }
+}
+
+TEST(FrameCost, ACpuTooFastForAnyGpuIsNotProbed) {
+  ControllerConfig config;
+  config.frame_cost.rendering = false;
+  Loop loop(config);
+  EXPECT_EQ(loop.run(2000, {0.004, 0.001}), std::string(2000, 'c'));
+}
+
+TEST(FrameCost, StaysOnTheCpuWithoutTimers) {
+  Loop no_gpu_times;
+  EXPECT_LE(count(no_gpu_times.run(2000, {5.0, kNan}), 'g'), 10u);
+  Loop no_cpu_times;
+  EXPECT_EQ(count(no_cpu_times.run(2000, {kNan, 1.0}), 'g'), 0u);
+  // Timers that fail later: back to the CPU, and there it stays but for probes.
+  Loop failing;
+  EXPECT_GT(count(failing.run(200, {5.0, 1.0}), 'g'), 150u);
+  failing.run(30, {5.0, kNan});
+  EXPECT_LE(count(failing.run(2000, {5.0, kNan}), 'g'), 12u);
+}
+
+TEST(FrameCost, TakesTheCullTimeWithRenderingOff) {
+  for (const bool rendering : {false, true}) {
+    ControllerConfig config;
+    config.frame_cost.rendering = rendering;
+    Controller controller(config);
+    controller.gpu_ready();
+    std::size_t gpu = 0;
+    for (std::uint64_t i = 0; i < 200; ++i) {  // culls faster on the GPU, and yet makes the frame slower
+      const Path path = controller.next();
+      FrameSample sample{.frame = i, .path = path, .cull_ms = 2.0, .frame_ms = 5.0, .visible = 1e4};
+      if (path == Path::kGpu) sample.cull_ms = 1.0, sample.frame_ms = 6.0;
+      controller.feed(sample);
+      gpu += path == Path::kGpu;
+    }
+    EXPECT_EQ(gpu > 100, !rendering);
+  }
+}
+
+TEST(Controller, APauseTeachesNothing) {
+  Loop loop;
+  loop.run(200, {1.0, 1.5});
+  for (int i = 0; i < 5; ++i) {
+    loop.controller.paused();
+    loop.run(1, {5000.0, 5000.0});
+    EXPECT_EQ(count(loop.run(6, {1.0, 1.5}), 'g'), 0u);
+  }
+}
+
+TEST(FrameCost, LooksAgainAfterAChangeOfScene) {
+  Loop loop;
+  loop.run(400, {1.0, 1.5});
+  loop.controller.scene_changed(2e5);
+  EXPECT_EQ(loop.run(30, {6.0, 1.5}).substr(10), std::string(20, 'g'));
+  loop.controller.scene_changed(2e5);
+  EXPECT_EQ(loop.run(40, {1.0, 9.0}).substr(10), std::string(30, 'c'));
+}
+
+/// Twin of the whole controller where samples are bad: it must behave as if they had not been fed at all.
+TEST(Controller, IgnoresStrayAndDamagedSamples) {
+  for (ControllerConfig config : {ControllerConfig{}, seed_config()}) {
+    Loop clean(config), dirty(config);
+    std::mt19937_64 random(11);
+    for (int i = 0; i < 3000; ++i) {
+      const double c = 0.2 + double(random() % 1000) / 1000.0, g = 0.2 + double(random() % 1000) / 1000.0;
+      ASSERT_EQ(clean.step({c, g}), dirty.step({c, g})) << i;
+      const std::uint64_t frames = dirty.controller.frames();
+      for (const Path path : {Path::kCpu, Path::kGpu}) {
+        FrameSample future{.frame = frames + random() % 5, .path = path, .cull_ms = 99.0, .frame_ms = 99.0};
+        dirty.controller.feed(future);
+        if (frames > 100) {
+          FrameSample old{.frame = frames - 65 - random() % 30, .path = path, .cull_ms = 99.0, .frame_ms = 99.0};
+          dirty.controller.feed(old);
+        }
+      }
+    }
+  }
+  for (const double bad : {kNan, -1.0, 0.0, std::numeric_limits<double>::infinity()}) {
+    Loop loop;
+    loop.run(100, {1.0, 1.5});
+    EXPECT_EQ(count(loop.run(50, {bad, bad, bad}), 'g'), 0u) << bad;
+    EXPECT_LE(count(loop.run(50, {1.0, 1.5}), 'g'), 1u) << bad;
+  }
+}
+
+TEST(Controller, IsDeterministic) {
+  for (const ControllerConfig& config : {ControllerConfig{}, seed_config()}) {
+    Loop a(config), b(config);
+    std::mt19937_64 random(5);
+    for (int i = 0; i < 2000; ++i) {
+      const Costs costs{double(random() % 100) / 50.0, double(random() % 100) / 50.0, double(random() % 100000)};
+      ASSERT_EQ(a.step(costs), b.step(costs));
+    }
+  }
+}
+
+// --- the dissertation's state machine --------------------------------------------------------------------------------
+
+TEST(SeedStateMachine, FollowsFigure64) {
+  Loop loop(seed_config());
+  const Costs slow{0.31, 9.0}, fast{0.29, 9.0};
+  EXPECT_EQ(loop.run(50, fast), std::string(50, 'c'));
+  EXPECT_EQ(loop.run(4, slow), "cccc");
+  EXPECT_STREQ(loop.controller.state(), "cpu-to-gpu");
+  EXPECT_EQ(loop.run(1, fast), "c");  // not five in a row
+  EXPECT_STREQ(loop.controller.state(), "cpu");
+  EXPECT_EQ(loop.run(5, slow), "ccccc");
+  EXPECT_STREQ(loop.controller.state(), "gpu");
+  EXPECT_EQ(loop.run(500, slow), std::string(500, 'g'));
+  EXPECT_EQ(loop.run(2, slow), "cc");  // two probe frames, still slow: twice as long
+  EXPECT_EQ(loop.run(1000, slow), std::string(1000, 'g'));
+  EXPECT_EQ(loop.run(1, slow), "c");
+  EXPECT_STREQ(loop.controller.state(), "gpu-to-cpu");
+  EXPECT_EQ(loop.run(100, fast), std::string(100, 'c'));
+  EXPECT_EQ(loop.controller.switches(), 2u);
+  EXPECT_EQ(loop.controller.probes(), 4u);
+  EXPECT_EQ(loop.run(506, slow).substr(5), std::string(500, 'g') + "c") << "m starts over";
+}
+
+TEST(SeedStateMachine, EachTriggerLooksAtItsOwnFigure) {
+  for (const SeedTrigger trigger :
+       {SeedTrigger::kTime, SeedTrigger::kHeight, SeedTrigger::kIntersections, SeedTrigger::kShare}) {
+    for (const SeedTrigger raised :
+         {SeedTrigger::kTime, SeedTrigger::kHeight, SeedTrigger::kIntersections, SeedTrigger::kShare}) {
+      ControllerConfig config = seed_config();
+      config.seed.trigger = trigger;
+      config.seed.nodes = 1000.0;
+      Controller controller(config);
+      controller.gpu_ready();
+      std::string choice;
+      for (std::uint64_t i = 0; i < 10; ++i) {
+        const Path path = controller.next();
+        choice += path == Path::kCpu ? 'c' : 'g';
+        FrameSample sample{.frame = i, .path = path};
+        sample.cull_ms = raised == SeedTrigger::kTime ? 0.4 : 0.2;
+        sample.height = raised == SeedTrigger::kHeight ? 21.0 : 20.0;
+        sample.intersections = raised == SeedTrigger::kIntersections ? 10001.0 : 10000.0;
+        sample.tested = raised == SeedTrigger::kShare ? 101.0 : 100.0;
+        controller.feed(sample);
+      }
+      EXPECT_EQ(choice, trigger == raised ? "cccccggggg" : "cccccccccc");
+    }
+  }
+}
+
+TEST(SeedStateMachine, DoublingEnds) {
+  ControllerConfig config = seed_config();
+  config.seed.gpu_frames = 3;
+  config.seed.most_gpu_frames = 6;
+  Loop loop(config);
+  EXPECT_EQ(loop.run(5 + 3 + 2 + 6 + 2 + 6 + 2, {1.0, 1.0}), "cccccgggccggggggccggggggcc");
+}
+
+}  // namespace
+}  // namespace sightline::culling
