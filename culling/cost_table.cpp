@@ -7,7 +7,7 @@
 namespace sightline::culling {
 
 CostTable::Place CostTable::place(double x) {
-  const double position = std::clamp(x, 0.0, double(kKnots - 1));
+  const double position = std::clamp(x / kOctavesPerKnot, 0.0, double(kKnots - 1));
   const int below = std::min(int(position), kKnots - 2);
   return {below, position - below};
 }
@@ -43,7 +43,7 @@ double CostTable::samples(double x) const {
 double CostTable::distance(double x) const {
   const Place at = place(x);
   const double position = at.below + at.above;
-  return std::max(0.0, std::abs(nearest(position) - position) - 1.0);
+  return kOctavesPerKnot * std::max(0.0, std::abs(nearest(position) - position) - 1.0);
 }
 
 void CostTable::settle(const Place& at, double log_cost) {
@@ -61,7 +61,7 @@ void CostTable::learn(double x, double residual) {
   const double norm = weights[0] * weights[0] + weights[1] * weights[1];
   const double rate = std::max(1.0 / (known + 1.0), 1.0 / kMostSamples);
   for (int i = 0; i < 2; ++i) {
-    Knot& knot = knots_[std::size_t(at.below + i)];
+    Knot& knot = knots_[std::size_t(at.below) + std::size_t(i)];
     knot.log_cost += float(rate * residual * (known > 0.0 ? weights[i] / norm : 1.0));
     knot.samples = std::min(float(kMostSamples), knot.samples + float(std::max(weights[i] / norm, 1e-3)));
   }

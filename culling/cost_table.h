@@ -35,7 +35,8 @@ class CostTable {
     int below;     // knot
     double above;  // weight of the next one, 0 … 1
   };
-  static constexpr int kKnots = 50;
+  static constexpr double kOctavesPerKnot = 2.0;
+  static constexpr int kKnots = 26;  // up to 2^25 visible items, and as many hidden ones
 
   static Place place(double x);
   int nearest(double position) const;

@@ -6,7 +6,7 @@
 namespace sightline::culling {
 namespace {
 
-// Spread of log(cost): what is believed of it.
+// Between these the measured spread of log(cost) is believed.
 constexpr double kLeastNoise = 0.02, kMostNoise = 0.4;
 // The cumulative sum's slack and threshold, in standard deviations; half a deviation is the usual slack, and five make
 // false alarms rarer than one in 400 samples of independent noise.
@@ -15,7 +15,10 @@ constexpr double kSlack = 0.5, kThreshold = 5.0;
 constexpr double kJump = 3.0;
 // Where a path was not measured for so many frames, its last residuals say nothing of the next.
 constexpr std::uint64_t kAway = 8;
-constexpr double kMostOptimism = 0.25, kMostFarOptimism = 1.0, kOptimismPerOctave = 0.35;
+// How far below its estimate a path that is not taken may lie: for the standard error, and for what was learnt octaves
+// away; then it is taken, and known better.
+constexpr double kMostOptimism = 0.25, kMostFarOptimism = 1.0, kOptimismPerOctave = 0.2;
+// Jumps that lasted and spikes are counted against each other, up to here.
 constexpr int kMostPersistence = 2;
 // Frames within which a probe's answer comes.
 constexpr std::uint64_t kAnswer = 6;
@@ -95,6 +98,7 @@ bool FrameCost::try_recovered(double own, double theirs) {
   return true;
 }
 
+/// `excess`: what the probe is expected to cost beyond the path taken, in frames of that.
 bool FrameCost::wants_probe(double own, double excess) const {
   const Side& mine = sides_[std::size_t(path_)];
   const Side& theirs = sides_[std::size_t(other(path_))];
@@ -102,14 +106,15 @@ bool FrameCost::wants_probe(double own, double excess) const {
   if (frames_ - last_probe_ < kAnswer && last_probe_ > 0) return false;
   const double allowed = config_.probe_share * double(frames_), taken = double(probes_ + 1);
   const double free = double(config_.first_probes);
-  if (risen_ && excess < kClose) return taken <= std::max(free, allowed);
-  if (check_at_ > 0 && frames_ >= check_at_ && excess < kWorthwhile) return taken <= std::max(free, allowed);
+  const bool check = check_at_ > 0 && frames_ >= check_at_;
+  if ((risen_ && excess < kClose) || (check && excess < kWorthwhile)) return taken <= std::max(free, allowed);
   if (theirs.table.empty() && probes_ == 0) return !mine.table.empty();
   if (persistence_ < 0 && probes_ == 1 && excess < kWorthwhile) return true;  // was that one a spike?
   if (frames_ - std::max(theirs.measured, last_probe_) < config_.probe_interval) return false;
   return taken <= allowed - (free - 1.0) && excess_ + excess <= config_.probe_cost * double(frames_);
 }
 
+/// Switches for small gaps soon after one another are vain: noise.
 void FrameCost::switch_to(Path path, double gap) {
   const bool vain = gap < config_.dwell_margin && since_switch_ < 4u * dwell_;
   if (vain)
@@ -164,7 +169,8 @@ void FrameCost::learn(Path path, double log_cost, double x, std::uint64_t frame)
   detect_change(path, filtered, x, frame, away);
 }
 
-/// The median of the last three residuals; the newest one itself where there are no others, or jumps have lasted.
+/// The median of the last three residuals; where jumps have been spikes, the least; where they have lasted, or there
+/// are no other residuals, the newest.
 double FrameCost::filter(Side& s, double residual, bool fresh) const {
   const bool jump = std::abs(residual) > std::max(kJump * s.noise, config_.dwell_margin);
   if (fresh || (jump && persistence_ > 0)) {
@@ -175,6 +181,7 @@ double FrameCost::filter(Side& s, double residual, bool fresh) const {
   return persistence_ < 0 ? least(s.residuals) : median(s.residuals);
 }
 
+/// Page's test on the filtered residuals; without a change, they are learnt.
 void FrameCost::detect_change(Path path, double filtered, double x, std::uint64_t frame, bool away) {
   Side& s = side(path);
   const double slack = kSlack * s.noise, threshold = kThreshold * s.noise;
@@ -191,7 +198,7 @@ void FrameCost::detect_change(Path path, double filtered, double x, std::uint64_
   if (std::abs(jump) > std::max(kJump * s.noise, config_.dwell_margin) &&
       std::abs(s.residuals[2]) < 0.5 * std::abs(jump))
     persistence_ = std::max(-kMostPersistence, persistence_ - 1);
-  if (s.on_trial) s.on_trial = false;
+  s.on_trial = false;
   s.table.learn(x, filtered);
 }
 
@@ -219,7 +226,7 @@ void FrameCost::change_regime(Path path, double shift, double x, std::uint64_t f
 }
 
 void FrameCost::scene_changed(double items) {
-  items_ = items;
+  items_ = is_measured(items) ? items : 0.0;
   for (Side& s : sides_) {
     s.table.doubt(0.5);
     s.recovers = false;

@@ -61,7 +61,7 @@ std::size_t count(const std::string& choice, char path) {
 }
 
 TEST(Controller, IsSmallAndCopyable) {
-  EXPECT_LE(sizeof(Controller), 1536u);
+  EXPECT_LE(sizeof(Controller), 896u);
   Loop loop;
   loop.run(100, {2.0, 1.0});
   Controller copy = loop.controller;
