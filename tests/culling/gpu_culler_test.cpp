@@ -1,0 +1,495 @@
+// The GPU culler against the linear one: nothing lost, what is extra lies within the float planes' band; through edits,
+// layers, section planes; and on its way to the draw nothing asks the GPU for an answer.
+#include "sightline/culling/gpu/gpu_culler.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "scenes.h"
+#include "sightline/culling/linear_culler.h"
+#include "sightline/importers/import.h"
+#include "sightline/importers/plant_generator.h"
+#include "sightline/render/renderer.h"
+#include "sightline/tests/support/gl_test.h"
+#include "sightline/tests/support/test_data.h"
+
+namespace sightline {
+namespace {
+
+using core::Affine;
+using core::dvec3;
+using core::Slot;
+using core::View;
+using culling::GpuCuller;
+using tests::chance;
+using tests::magnitude;
+using tests::point;
+using tests::Random;
+using tests::uniform;
+using tests::whole;
+
+/// All that it takes to cull a scene on the GPU.
+struct Rig {
+  core::Snapshot snapshot;
+  gpuscene::GpuScene gpu;
+  gpuscene::DrawLists lists;
+  GpuCuller culler;
+
+  Rig(const gl::Context& context, const core::Scene& scene)
+      : snapshot(scene),
+        gpu(std::move(*gpuscene::GpuScene::create(context, snapshot))),
+        lists(std::move(*gpuscene::DrawLists::create(context, gpu))),
+        culler(std::move(*GpuCuller::create(context, snapshot, gpu))) {}
+
+  std::vector<Slot> cull(const View& view) {
+    EXPECT_TRUE(culler.cull(view, snapshot, gpu, lists));
+    return culler.read_back(lists).items;
+  }
+  std::vector<Slot> cull_linear(const View& view) const {
+    core::VisibleSet set;
+    culling::LinearCuller(snapshot.bounds()).cull(view, set);
+    std::vector<Slot> slots = set.sorted_slots();
+    std::erase_if(slots, [&](Slot slot) { return snapshot.vacant(slot); });
+    return slots;
+  }
+  void apply(const core::SceneDelta& delta) {
+    const std::vector<Slot> touched = snapshot.apply(delta);
+    ASSERT_TRUE(gpu.append(snapshot));
+    gpu.update(snapshot, touched);
+    ASSERT_TRUE(culler.update(snapshot, gpu, touched));
+  }
+};
+
+/// Whether the float planes, moved outwards by a few bands, leave a box open.
+bool left_open(const culling::CullPlanes& planes, const core::Aabb& box) {
+  const auto near_plane = [&](int k) {
+    const culling::FloatPlane& f = planes.planes()[k];
+    double s = f.offset;
+    for (int i = 0; i < 3; ++i) s += double(f.normal[i]) * (f.normal[i] >= 0.0f ? box.max[i] : box.min[i]);
+    return s >= -3.5 * double(f.band) - 1e-30;
+  };
+  for (int k = 0; k < planes.union_first(); ++k)
+    if (!near_plane(k)) return false;
+  for (int k = planes.union_first(); k < planes.plane_count(); ++k)
+    if (near_plane(k)) return true;
+  return planes.union_first() == planes.plane_count();
+}
+
+/// Culls and compares; returns how many more there are than the CPU finds.
+std::size_t expect_same(const gl::Functions& gl, Rig& rig, const View& view) {
+  const std::vector<Slot> found = rig.cull(view), wanted = rig.cull_linear(view);
+  EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "named twice";
+  EXPECT_TRUE(std::includes(found.begin(), found.end(), wanted.begin(), wanted.end()))
+      << "of " << wanted.size() << " some are lost; found " << found.size();
+  std::vector<Slot> extra;
+  std::set_difference(found.begin(), found.end(), wanted.begin(), wanted.end(), std::back_inserter(extra));
+  const core::ItemBounds& bounds = rig.snapshot.bounds();
+  const culling::CullPlanes planes(view, bounds);
+  for (const Slot slot : extra) {
+    EXPECT_FALSE(bounds.vacant(slot));
+    EXPECT_NE(bounds.layers(slot) & view.layers, 0u);
+    EXPECT_TRUE(left_open(planes, bounds.box(slot))) << "slot " << slot << " is clearly outside";
+  }
+  gl.Finish();
+  const auto feedback = rig.culler.take_feedback();
+  EXPECT_TRUE(feedback) << "all is done";
+  if (feedback) {
+    EXPECT_EQ(feedback->visible, found.size());
+  }
+  return extra.size();
+}
+
+/// Items of every batch, most of them small. Meshes go where tessellated kinds go.
+core::ItemId add_any(Random& random, core::Scene& scene, core::NodeId node, const dvec3& place, double size,
+                     bool tessellated = true) {
+  static const core::Primitive kinds[] = {core::Box{1, 1, 1},
+                                          core::CircularTorus{0.4f, 0.2f, 3},
+                                          core::EllipticalDish{0.6f, 0.4f},
+                                          core::SphericalDish{0.6f, 0.3f},
+                                          core::Snout{0.6f, 0.3f, 1, 0, 0, 0, 0, 0, 0},
+                                          core::Cylinder{0.5f, 1},
+                                          core::Sphere{1},
+                                          core::Line{-0.5f, 0.5f},
+                                          core::Pyramid{1, 1, 0.5f, 0.5f, 0, 0, 1},
+                                          core::RectangularTorus{0.3f, 0.6f, 0.4f, 3}};
+  Affine placement = core::translation(place);
+  for (int i = 0; i < 3; ++i) placement.linear[i][i] = size * magnitude(random, 0.1, 10.0);
+  return scene.add_primitive(node, kinds[whole(random, 0, tessellated ? 9 : 7)], placement);
+}
+
+core::MeshId add_point_mesh(core::Scene& scene, const core::vec3& size) {
+  core::Mesh mesh;
+  mesh.positions = {{0, 0, 0}, size, {size.x, 0, 0}};
+  mesh.indices = {0, 1, 2};
+  return scene.add_mesh(mesh);
+}
+
+class GpuCullerTest : public tests::GlTest {};
+
+TEST_F(GpuCullerTest, FindsWhatTheCpuFinds) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    core::Scene scene;
+    const dvec3 site = seed % 2 ? dvec3(0.0) : point(random, 1e7);
+    const double half = magnitude(random, 1.0, 1e3);
+    for (int i = 0; i < 3000; ++i)
+      add_any(random, scene, scene.root(), site + point(random, half), half * magnitude(random, 1e-4, 0.1));
+    ASSERT_TRUE(scene.commit());
+    Rig rig(*context, scene);
+    std::size_t extra = 0, found = 0;
+    for (int i = 0; i < 12; ++i) {
+      SCOPED_TRACE("view " + std::to_string(i));
+      View view = tests::random_view(random, site, half);
+      if (chance(random, 0.5)) tests::add_sections(random, site, half, view);
+      extra += expect_same(gl(), rig, view);
+      found += rig.cull_linear(view).size();
+    }
+    EXPECT_GT(found, 100u);
+    EXPECT_LE(extra, 3u);
+  }
+}
+
+/// Boxes without size, of denormals, huge, long, and such that touch the planes of the view or miss them by a bit.
+TEST_F(GpuCullerTest, LosesNothingAtThePlanes) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    core::Scene scene;
+    const dvec3 site = seed % 2 ? dvec3(0.0) : dvec3(1e7, -1e7, 1e3);
+    const double half = magnitude(random, 1.0, 1e3);
+    View view = tests::random_view(random, site, half);
+    if (seed % 3 == 0) tests::add_sections(random, site, half, view);
+    std::vector<core::Plane> planes;
+    for (const core::Plane& plane : core::frustum_planes(view.clip_from_world(), view.clip_depth()))
+      if (plane.normal != dvec3(0.0)) planes.push_back(plane);
+    for (const core::Plane& plane : view.sections)
+      if (plane.normal != dvec3(0.0)) planes.push_back(plane);
+    const float sizes[] = {0.0f, 1e-42f, 1e-6f, 1.0f, float(half), 1e12f};
+    const bool with_huge = seed > 4;  // they widen the band for all
+    for (int i = 0; i < 1200; ++i) {
+      const core::Plane& plane = planes[std::size_t(whole(random, 0, int(planes.size()) - 1))];
+      const dvec3 a = glm::abs(plane.normal);
+      const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+      dvec3 p = site + point(random, half);
+      p[axis] = 0.0;
+      p[axis] = -(glm::dot(plane.normal, p) + plane.offset) / plane.normal[axis];
+      if (!core::is_finite(p) || glm::length(p - site) > 100.0 * half) continue;
+      const float outwards = plane.normal[axis] > 0.0 ? -1.0f : 1.0f;
+      core::vec3 size(0.0f);
+      for (int k = 0; k < 3; ++k)
+        size[k] = (plane.normal[k] > 0.0 ? -1.0f : 1.0f) * sizes[std::size_t(whole(random, 0, with_huge ? 5 : 4))];
+      p[axis] += outwards * half * (chance(random, 0.3) ? 0.0 : magnitude(random, 1e-12, 1e-5)) *
+                 (chance(random, 0.5) ? 1.0 : -1.0);
+      scene.add_mesh_instance(scene.root(), add_point_mesh(scene, size), core::translation(p));
+    }
+    ASSERT_TRUE(scene.commit());
+    Rig rig(*context, scene);
+    expect_same(gl(), rig, view);
+    EXPECT_FALSE(rig.cull_linear(view).empty());
+  }
+}
+
+TEST_F(GpuCullerTest, LooksAtLayers) {
+  Random random(5);
+  core::Scene scene;
+  for (int layer = 0; layer < 4; ++layer) {
+    const core::NodeId node = scene.add_node(scene.root());
+    if (layer > 0) scene.set_layers(node, std::uint32_t(layer));
+    for (int i = 0; i < 400; ++i) add_any(random, scene, node, point(random, 20.0), 1.0);
+  }
+  ASSERT_TRUE(scene.commit());
+  Rig rig(*context, scene);
+  std::size_t found = 0;
+  for (std::uint32_t layers = 0; layers < 6; ++layers) {
+    View view = *View::perspective({{0, -40, 0}, {0, 0, 0}, {0, 0, 1}}, 0.7, 1.0, 0.1);
+    view.layers = layers;
+    expect_same(gl(), rig, view);
+    found += rig.cull_linear(view).size();
+  }
+  EXPECT_GT(found, 1000u);
+}
+
+TEST_F(GpuCullerTest, FollowsEdits) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    core::Scene scene;
+    std::vector<core::NodeId> nodes;
+    for (int i = 0; i < 40; ++i) nodes.push_back(scene.add_node(scene.root()));
+    const core::MeshId mesh = add_point_mesh(scene, {1, 1, 1});
+    for (int i = 0; i < 2000; ++i)
+      add_any(random, scene, nodes[std::size_t(whole(random, 0, 39))], point(random, 20.0), 1.0, false);
+    for (int i = 0; i < 300; ++i) scene.add_mesh_instance(scene.root(), mesh, core::translation(point(random, 20.0)));
+    ASSERT_TRUE(scene.commit());
+    Rig rig(*context, scene);
+    for (int round = 0; round < 12; ++round) {
+      SCOPED_TRACE("round " + std::to_string(round));
+      for (int i = 0; i < 12; ++i) {
+        const core::ItemId item = core::ItemId(whole(random, 0, int(scene.item_slots()) - 1));
+        if (!scene.contains_item(item)) continue;
+        const dvec3 place = point(random, 20.0);
+        switch (whole(random, 0, 4)) {
+          case 0:
+            scene.set_placement(item, core::translation(place));
+            break;
+          case 1:
+            scene.set_visible(item, !scene.item_visible(item));
+            break;
+          case 2:
+            scene.remove_item(item);
+            break;
+          case 3:
+            scene.add_mesh_instance(scene.root(), mesh, core::translation(place));
+            break;
+          default:
+            add_any(random, scene, nodes[0], place, 0.5, false);
+            break;
+        }
+      }
+      if (round == 6) scene.set_layers(nodes[1], 2);  // until now no item was off the model layer
+      auto delta = scene.commit();
+      ASSERT_TRUE(delta);
+      rig.apply(*delta);
+      if (HasFatalFailure()) return;
+      View view = tests::random_view(random, dvec3(0.0), 20.0);
+      if (chance(random, 0.3)) view.layers = 2;
+      expect_same(gl(), rig, view);
+    }
+  }
+}
+
+TEST_F(GpuCullerTest, ScenesOfNothingAndOfOne) {
+  core::Scene scene;
+  const View view = *View::perspective({{0, -5, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
+  Rig empty(*context, scene);
+  EXPECT_TRUE(empty.cull(view).empty());
+  const core::ItemId item = scene.add_primitive(scene.root(), core::Cylinder{1, 2});
+  ASSERT_TRUE(scene.commit());
+  Rig one(*context, scene);
+  EXPECT_EQ(one.cull(view).size(), 1u);
+  scene.set_visible(item, false);
+  one.apply(*scene.commit());
+  EXPECT_TRUE(one.cull(view).empty());
+  View behind = *View::perspective({{0, -5, 0}, {0, -9, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
+  EXPECT_TRUE(one.cull(behind).empty());
+}
+
+/// With no far plane in reach nothing is drawn, and the feedback says so.
+TEST_F(GpuCullerTest, AViewOfNothingDrawsNothing) {
+  core::Scene scene;
+  ASSERT_TRUE(importers::generate_plant({3000, 1}, scene));
+  ASSERT_TRUE(scene.commit());
+  Rig rig(*context, scene);
+  View view = *View::perspective({{0, -50, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
+  EXPECT_FALSE(rig.cull(view).empty());
+  view.layers = 0;
+  EXPECT_TRUE(rig.cull(view).empty());
+  for (const gpuscene::Batch& batch : rig.gpu.batches()) EXPECT_EQ(rig.lists.section(batch.kind).count, 0);
+  gl().Finish();
+  const auto first = rig.culler.take_feedback(), second = rig.culler.take_feedback();
+  ASSERT_TRUE(first && second);
+  EXPECT_GT(first->visible, 0u);
+  EXPECT_EQ(second->visible, 0u);
+  EXPECT_FALSE(rig.culler.take_feedback());
+}
+
+// --- pictures --------------------------------------------------------------------------------------------------------
+
+constexpr int kWidth = 160, kHeight = 120;
+
+struct Picture {
+  render::Image colour;
+  render::IdImage ids;
+};
+
+class GpuCullerPictures : public GpuCullerTest {
+ protected:
+  /// The same views drawn from lists of either path: pixels that differ show one of two items at the very same depth.
+  void expect_same_pictures(const core::Scene& scene, const std::vector<View>& views) {
+    Rig rig(*context, scene);
+    auto renderer = render::Renderer::create(*context, rig.gpu);
+    auto target = render::RenderTarget::create(*context, kWidth, kHeight, true);
+    ASSERT_TRUE(renderer && target);
+    for (const View& view : views) {
+      const auto draw = [&] {
+        EXPECT_TRUE(renderer->draw(view, rig.snapshot, rig.gpu, rig.lists, *target));
+        return std::pair(Picture{target->read_colour(), target->read_ids()}, target->read_depth(view));
+      };
+      core::VisibleSet set;
+      culling::LinearCuller(rig.snapshot.bounds()).cull(view, set);
+      ASSERT_TRUE(rig.lists.update(rig.snapshot, rig.gpu, set));
+      const auto [cpu, cpu_depth] = draw();
+      ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists));
+      const auto [gpu, gpu_depth] = draw();
+      EXPECT_EQ(cpu_depth.metres, gpu_depth.metres);
+      std::size_t ties = 0, shown = 0;
+      for (std::size_t i = 0; i < cpu.ids.ids.size(); ++i) {
+        ties += cpu.ids.ids[i] != gpu.ids.ids[i];
+        shown += cpu.ids.ids[i] != 0;
+        if (cpu.ids.ids[i] != gpu.ids.ids[i]) continue;
+        ASSERT_TRUE(std::equal(&cpu.colour.pixels[3 * i], &cpu.colour.pixels[3 * i] + 3, &gpu.colour.pixels[3 * i]));
+      }
+      EXPECT_GT(shown, 100u);
+      EXPECT_LE(ties, shown / 50);
+    }
+  }
+
+  static std::vector<View> plant_views() {
+    std::vector<View> views;
+    for (const auto& [eye, target] : {std::pair{dvec3(-60, -60, 50), dvec3(0, 0, 5)},
+                                      {dvec3(5, -20, 4), dvec3(-10, 10, 3)},
+                                      {dvec3(-20, 1, 2), dvec3(20, 2, 3)},
+                                      {dvec3(0, 0, 30), dvec3(0.1, 0, 0)}})
+      views.push_back(*View::perspective({eye, target, {0, 0, 1}}, 1.0, double(kWidth) / kHeight, 0.1));
+    return views;
+  }
+
+  /// A plant, and of every batch kind that it lacks something.
+  static void make_plant(core::Scene& scene) {
+    ASSERT_TRUE(importers::generate_plant({6000, 3}, scene));
+    Random random(3);
+    for (int i = 0; i < 600; ++i)
+      add_any(random, scene, scene.root(), point(random, 20.0) + dvec3(0, 0, 15), magnitude(random, 0.05, 1.0));
+    ASSERT_TRUE(scene.commit());
+  }
+};
+
+TEST_F(GpuCullerPictures, AreThoseOfTheCpu) {
+  core::Scene scene;
+  make_plant(scene);
+  expect_same_pictures(scene, plant_views());
+}
+
+/// Without ARB_indirect_parameters.
+TEST_F(GpuCullerPictures, NeedNoCountOfCommands) {
+  auto& table = const_cast<gl::Functions&>(context->functions());
+  const auto taken = std::exchange(table.MultiDrawElementsIndirectCountARB, nullptr);
+  core::Scene scene;
+  make_plant(scene);
+  expect_same_pictures(scene, plant_views());
+  table.MultiDrawElementsIndirectCountARB = taken;
+}
+
+TEST_F(GpuCullerPictures, OfARealModelAreThoseOfTheCpu) {
+  SIGHTLINE_NEED_DATA("huldra/HA-PIPE.RVM");
+  core::Scene scene;
+  ASSERT_TRUE(importers::import_file(tests::data_path("huldra/HA-PIPE.RVM"), scene, scene.root(), {}));
+  ASSERT_TRUE(scene.commit());
+  const core::Snapshot snapshot(scene);
+  const core::Aabb& extent = snapshot.bounds().extent();
+  const dvec3 centre = snapshot.bounds().origin + 0.5 * (dvec3(extent.min) + dvec3(extent.max));
+  const double size = glm::length(dvec3(extent.max) - dvec3(extent.min));
+  std::vector<View> views;
+  for (const dvec3& from : {dvec3(-0.8, -0.8, 0.6), dvec3(0.1, -0.1, 0.05), dvec3(0.0, 0.02, 0.3)})
+    views.push_back(*View::perspective({centre + size * from, centre, {0, 0, 1}}, 1.0, double(kWidth) / kHeight, 0.1));
+  expect_same_pictures(scene, views);
+}
+
+// --- no read-back ----------------------------------------------------------------------------------------------------
+
+/// Stands between the program and the driver, and counts the calls by which a CPU learns what a GPU did.
+struct Watch {
+  static inline gl::Functions real;
+  static inline std::map<std::string, int> calls;
+  static inline bool query_buffer = false, results_ready = false;
+
+  explicit Watch(gl::Functions& watched) : table(watched) {
+    real = watched;
+    calls.clear();
+    query_buffer = results_ready = false;
+#define COUNT(Name) replace<&gl::Functions::Name>(#Name)
+    COUNT(Finish);
+    COUNT(GetIntegerv);
+    COUNT(GetIntegeri_v);
+    COUNT(GetInteger64v);
+    COUNT(GetInteger64i_v);
+    COUNT(GetFloatv);
+    COUNT(GetBooleanv);
+    COUNT(GetError);
+    COUNT(IsEnabled);
+    COUNT(GetNamedBufferSubData);
+    COUNT(GetNamedBufferParameteriv);
+    COUNT(MapNamedBuffer);
+    COUNT(GetTextureImage);
+    COUNT(GetTextureSubImage);
+    COUNT(ReadPixels);
+    COUNT(ReadnPixels);
+    COUNT(GetQueryiv);
+    COUNT(GetQueryObjecti64v);
+    COUNT(GetQueryObjectiv);
+    COUNT(GetSynciv);
+    COUNT(GetUniformLocation);
+    COUNT(GetProgramiv);
+    COUNT(GetShaderiv);
+#undef COUNT
+    table.MapNamedBufferRange = [](GLuint buffer, GLintptr offset, GLsizeiptr size, GLbitfield access) {
+      if (access & GL_MAP_READ_BIT) ++calls["MapNamedBufferRange"];
+      return real.MapNamedBufferRange(buffer, offset, size, access);
+    };
+    table.ClientWaitSync = [](GLsync sync, GLbitfield flags, GLuint64 timeout) {
+      if (timeout > 0) ++calls["ClientWaitSync"];
+      return real.ClientWaitSync(sync, flags, timeout);
+    };
+    table.BindBuffer = [](GLenum point, GLuint buffer) {
+      if (point == GL_QUERY_BUFFER) query_buffer = buffer != 0;
+      real.BindBuffer(point, buffer);
+    };
+    table.GetQueryObjectuiv = [](GLuint query, GLenum name, GLuint* value) {
+      if (!query_buffer && name == GL_QUERY_RESULT) ++calls["GetQueryObjectuiv"];
+      real.GetQueryObjectuiv(query, name, value);
+      if (!query_buffer && name == GL_QUERY_RESULT_AVAILABLE) results_ready = *value != 0;
+    };
+    table.GetQueryObjectui64v = [](GLuint query, GLenum name, GLuint64* value) {
+      if (!query_buffer && name == GL_QUERY_RESULT && !results_ready) ++calls["GetQueryObjectui64v"];
+      real.GetQueryObjectui64v(query, name, value);
+    };
+  }
+  ~Watch() {
+    table = real;
+  }
+
+  template <auto Member>
+  void replace(const char* name) {
+    table.*Member = counted<Member>(table.*Member, name);
+  }
+  template <auto Member, class Result, class... Arguments>
+  static auto counted(Result (*)(Arguments...), const char* name) -> Result (*)(Arguments...) {
+    static const char* called = name;
+    return [](Arguments... arguments) -> Result {
+      ++calls[called];
+      return (real.*Member)(arguments...);
+    };
+  }
+
+  gl::Functions& table;
+};
+
+TEST_F(GpuCullerPictures, NothingIsReadBackFromCullToDraw) {
+  core::Scene scene;
+  make_plant(scene);
+  Rig rig(*context, scene);
+  auto renderer = render::Renderer::create(*context, rig.gpu);
+  auto target = render::RenderTarget::create(*context, kWidth, kHeight, true);
+  ASSERT_TRUE(renderer && target);
+  const auto frames = [&] {
+    for (const View& view : plant_views()) {
+      ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists));
+      ASSERT_TRUE(renderer->draw(view, rig.snapshot, rig.gpu, rig.lists, *target));
+      while (rig.culler.take_feedback()) {
+      }
+    }
+  };
+  frames();  // the first makes buffers and programs
+  {
+    const Watch watch(const_cast<gl::Functions&>(context->functions()));
+    frames();
+    for (const auto& [name, count] : Watch::calls) ADD_FAILURE() << name << " called " << count << " times";
+    rig.culler.read_back(rig.lists);
+    EXPECT_GT(Watch::calls["GetNamedBufferSubData"], 0) << "the watch sees nothing";
+  }
+}
+
+}  // namespace
+}  // namespace sightline
