@@ -88,6 +88,60 @@ TEST_F(SceneRender, CullingChangesNoPixel) {
   }
 }
 
+/// Its counts arrive late, in order, and with the frame they are of; edits and new orders reach it.
+TEST_F(SceneRender, TheGpuCullerChangesNoPixel) {
+  core::Scene scene;
+  ASSERT_TRUE(importers::generate_plant({3000, 3}, scene));
+  engine::EngineConfig no_rebuild = config(engine::CullerChoice::kGpu);
+  no_rebuild.rebuild_share = 0.0;
+  engine::Engine gpu = make(scene, no_rebuild);
+  EXPECT_STREQ(gpu.culler_name(), "gpu");
+  std::uint64_t frame = 0;
+  const auto check = [&] {
+    engine::Engine cpu = make(scene, config(engine::CullerChoice::kCpu));
+    for (const View& view : plant_views()) {
+      const Picture a = take(cpu, view), b = take(gpu, view);
+      const auto difference = render::compare(a.colour, b.colour);
+      ASSERT_TRUE(difference);
+      EXPECT_LE(difference->pixels, kWidth * kHeight / 50u);
+      const auto late = gpu.take_late_report();
+      ASSERT_TRUE(late);
+      EXPECT_EQ(late->frame, frame++);
+      EXPECT_GE(late->visible, std::int64_t(a.visible.size()));
+      EXPECT_LE(late->visible, std::int64_t(a.visible.size()) + 1);
+      EXPECT_FALSE(gpu.take_late_report());
+    }
+  };
+  check();
+  for (core::ItemId item = 0; item < 3000; item += 7) scene.set_visible(item, false);
+  for (core::ItemId item = 1; item < 3000; item += 40)
+    scene.set_placement(item, core::translation({item / 80.0 - 18.0, 3, 9}));
+  ASSERT_TRUE(gpu.commit());
+  check();
+  ASSERT_TRUE(gpu.rebuild());
+  check();
+}
+
+/// Culling alone draws nothing, and makes nothing to draw with.
+TEST_F(SceneRender, TheGpuCullerWorksWithoutDrawing) {
+  core::Scene scene;
+  ASSERT_TRUE(importers::generate_plant({3000, 3}, scene));
+  engine::EngineConfig no_draw = config(engine::CullerChoice::kGpu);
+  no_draw.draw = no_draw.ids = false;
+  engine::Engine gpu = make(scene, no_draw);
+  engine::Engine cpu = make(scene, config(engine::CullerChoice::kCpu));
+  for (const View& view : plant_views()) {
+    const auto report = gpu.frame(view);
+    ASSERT_TRUE(report);
+    EXPECT_EQ(report->visible, -1);
+    gpu.finish();
+    const auto late = gpu.take_late_report();
+    ASSERT_TRUE(late);
+    EXPECT_EQ(late->visible, cpu.frame(view)->visible);
+  }
+  EXPECT_EQ(gpu.drawing()->target().width(), 0);
+}
+
 TEST_F(SceneRender, UnculledDrawingShowsTheSame) {
   core::Scene scene;
   ASSERT_TRUE(importers::generate_plant({2000, 4}, scene));
