@@ -4,6 +4,7 @@
 const int kMaxPlanes = 14;            // culling::kMaxCullPlanes
 const uint kInside = 0x80000000u;     // of a cluster: no plane cuts it
 const uint kItemsPerCluster = 64u;
+const uint kRejected = 0xffffffffu;   // name of what the geometry stage drops
 
 struct CullPlane {
   vec4 equation;  // normal, offset

@@ -3,12 +3,11 @@
 
 layout(location = 0) in uint cluster;
 
-flat out uint kept;
 flat out uint name;
 
 void main() {
   name = (cluster & ~kInside) * kItemsPerCluster + uint(gl_InstanceID);
   int place = 2 * int(name);
   vec3 low = texelFetch(boxes, place).xyz, high = texelFetch(boxes, place + 1).xyz;
-  kept = present(name, low, high) && ((cluster & kInside) != 0u || !outside(low, high)) ? 1u : 0u;
+  if (!present(name, low, high) || ((cluster & kInside) == 0u && outside(low, high))) name = kRejected;
 }

@@ -2,12 +2,13 @@
 layout(points) in;
 layout(points, max_vertices = 1) out;
 
-flat in uint kept[];
+const uint kRejected = 0xffffffffu;  // as in cull_test.glsl
+
 flat in uint name[];
 flat out uint found;
 
 void main() {
-  if (kept[0] == 0u) return;
+  if (name[0] == kRejected) return;
   found = name[0];
   EmitVertex();
 }

@@ -4,13 +4,14 @@ layout(points, max_vertices = 1) out;
 
 layout(binding = 2) uniform usamplerBuffer commands;  // gpuscene::ElementsCommand, five texels each
 
-flat in uint kept[];
+const uint kRejected = 0xffffffffu;  // as in cull_test.glsl
+
 flat in uint name[];
 flat out uvec4 command;  // index count, instance count, first index, base vertex
 flat out uint base_instance;
 
 void main() {
-  if (kept[0] == 0u) return;
+  if (name[0] == kRejected) return;
   int at = 5 * int(name[0]);
   for (int i = 0; i < 4; ++i) command[i] = texelFetch(commands, at + i).x;
   base_instance = texelFetch(commands, at + 4).x;
