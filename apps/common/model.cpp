@@ -82,8 +82,10 @@ void add_culler_option(CLI::App& app, engine::CullerChoice& choice) {
                                                             {"cpu", CullerChoice::kCpu},
                                                             {"gpu", CullerChoice::kGpu},
                                                             {"hybrid", CullerChoice::kHybrid}};
-  app.add_option("--culler", choice, "auto, linear, cpu, gpu or hybrid")
-      ->transform(CLI::CheckedTransformer(names).description("NAME"))
+  app.add_option_function<std::string>(
+         "--culler", [&choice](const std::string& name) { choice = names.at(name); },
+         "auto, linear, cpu, gpu or hybrid")
+      ->check(CLI::IsMember({"auto", "linear", "cpu", "gpu", "hybrid"}))
       ->default_str("auto");
 }
 
