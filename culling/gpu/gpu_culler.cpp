@@ -199,7 +199,7 @@ core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& sna
     lists.clear();
     return {};
   }
-  probe.timed = timer_ && timer_->begin();
+  probe.timed = timer_ && &probe != &probes_.back() && timer_->begin();
   upload_planes(planes, snapshot.bounds(), view.layers);
   const gl::Functions& gl = *gl_;
   framebuffer_.bind();

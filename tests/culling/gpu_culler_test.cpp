@@ -295,6 +295,32 @@ TEST_F(GpuCullerTest, AViewOfNothingDrawsNothing) {
   EXPECT_FALSE(rig.culler.take_feedback());
 }
 
+/// Results that nobody takes are kept for the first frames, later ones are lost; after that they come again.
+TEST_F(GpuCullerTest, FeedbackWaitsToBeTaken) {
+  core::Scene scene;
+  ASSERT_TRUE(importers::generate_plant({3000, 1}, scene));
+  ASSERT_TRUE(scene.commit());
+  Rig rig(*context, scene);
+  View views[2] = {*View::perspective({{0, -50, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1),
+                   *View::perspective({{0, 3, 2}, {0, 0, 0}, {0, 0, 1}}, 0.3, 1.0, 0.1)};
+  std::size_t visible[2];
+  for (int i = 0; i < 2; ++i) visible[i] = rig.cull(views[i]).size();
+  gl().Finish();
+  while (rig.culler.take_feedback()) {
+  }
+  for (const std::uint64_t first : {0u, 100u}) {
+    for (std::uint64_t frame = first; frame < first + 20; ++frame)
+      ASSERT_TRUE(rig.culler.cull(views[frame % 2], rig.snapshot, rig.gpu, rig.lists, frame));
+    gl().Finish();
+    std::uint64_t frame = first;
+    for (; const auto feedback = rig.culler.take_feedback(); ++frame) {
+      EXPECT_EQ(feedback->frame, frame);
+      EXPECT_EQ(feedback->visible, visible[frame % 2]);
+    }
+    EXPECT_EQ(frame, first + gl::GpuTimer::kSlots);
+  }
+}
+
 // --- pictures --------------------------------------------------------------------------------------------------------
 
 constexpr int kWidth = 160, kHeight = 120;
