@@ -3,8 +3,6 @@
 #include "sightline/culling/gpu/gpu_culler.h"
 
 #include <algorithm>
-#include <map>
-#include <set>
 
 #include "scenes.h"
 #include "sightline/culling/linear_culler.h"
@@ -12,6 +10,7 @@
 #include "sightline/importers/plant_generator.h"
 #include "sightline/render/renderer.h"
 #include "sightline/tests/support/gl_test.h"
+#include "sightline/tests/support/gl_watch.h"
 #include "sightline/tests/support/test_data.h"
 
 namespace sightline {
@@ -415,83 +414,6 @@ TEST_F(GpuCullerPictures, OfARealModelAreThoseOfTheCpu) {
 
 // --- no read-back ----------------------------------------------------------------------------------------------------
 
-/// Stands between the program and the driver, and counts the calls by which a CPU learns what a GPU did.
-struct Watch {
-  static inline gl::Functions real;
-  static inline std::map<std::string, int> calls;
-  static inline bool query_buffer = false, results_ready = false;
-
-  explicit Watch(gl::Functions& watched) : table(watched) {
-    real = watched;
-    calls.clear();
-    query_buffer = results_ready = false;
-#define COUNT(Name) replace<&gl::Functions::Name>(#Name)
-    COUNT(Finish);
-    COUNT(GetIntegerv);
-    COUNT(GetIntegeri_v);
-    COUNT(GetInteger64v);
-    COUNT(GetInteger64i_v);
-    COUNT(GetFloatv);
-    COUNT(GetBooleanv);
-    COUNT(GetError);
-    COUNT(IsEnabled);
-    COUNT(GetNamedBufferSubData);
-    COUNT(GetNamedBufferParameteriv);
-    COUNT(MapNamedBuffer);
-    COUNT(GetTextureImage);
-    COUNT(GetTextureSubImage);
-    COUNT(ReadPixels);
-    COUNT(ReadnPixels);
-    COUNT(GetQueryiv);
-    COUNT(GetQueryObjecti64v);
-    COUNT(GetQueryObjectiv);
-    COUNT(GetSynciv);
-    COUNT(GetUniformLocation);
-    COUNT(GetProgramiv);
-    COUNT(GetShaderiv);
-#undef COUNT
-    table.MapNamedBufferRange = [](GLuint buffer, GLintptr offset, GLsizeiptr size, GLbitfield access) {
-      if (access & GL_MAP_READ_BIT) ++calls["MapNamedBufferRange"];
-      return real.MapNamedBufferRange(buffer, offset, size, access);
-    };
-    table.ClientWaitSync = [](GLsync sync, GLbitfield flags, GLuint64 timeout) {
-      if (timeout > 0) ++calls["ClientWaitSync"];
-      return real.ClientWaitSync(sync, flags, timeout);
-    };
-    table.BindBuffer = [](GLenum point, GLuint buffer) {
-      if (point == GL_QUERY_BUFFER) query_buffer = buffer != 0;
-      real.BindBuffer(point, buffer);
-    };
-    table.GetQueryObjectuiv = [](GLuint query, GLenum name, GLuint* value) {
-      if (!query_buffer && name == GL_QUERY_RESULT) ++calls["GetQueryObjectuiv"];
-      real.GetQueryObjectuiv(query, name, value);
-      if (!query_buffer && name == GL_QUERY_RESULT_AVAILABLE) results_ready = *value != 0;
-    };
-    table.GetQueryObjectui64v = [](GLuint query, GLenum name, GLuint64* value) {
-      if (!query_buffer && name == GL_QUERY_RESULT && !results_ready) ++calls["GetQueryObjectui64v"];
-      real.GetQueryObjectui64v(query, name, value);
-    };
-  }
-  ~Watch() {
-    table = real;
-  }
-
-  template <auto Member>
-  void replace(const char* name) {
-    table.*Member = counted<Member>(table.*Member, name);
-  }
-  template <auto Member, class Result, class... Arguments>
-  static auto counted(Result (*)(Arguments...), const char* name) -> Result (*)(Arguments...) {
-    static const char* called = name;
-    return [](Arguments... arguments) -> Result {
-      ++calls[called];
-      return (real.*Member)(arguments...);
-    };
-  }
-
-  gl::Functions& table;
-};
-
 TEST_F(GpuCullerPictures, NothingIsReadBackFromCullToDraw) {
   core::Scene scene;
   make_plant(scene);
@@ -509,11 +431,11 @@ TEST_F(GpuCullerPictures, NothingIsReadBackFromCullToDraw) {
   };
   frames();  // the first makes buffers and programs
   {
-    const Watch watch(const_cast<gl::Functions&>(context->functions()));
+    const tests::Watch watch(const_cast<gl::Functions&>(context->functions()));
     frames();
-    for (const auto& [name, count] : Watch::calls) ADD_FAILURE() << name << " called " << count << " times";
+    for (const auto& [name, count] : tests::Watch::calls) ADD_FAILURE() << name << " called " << count << " times";
     rig.culler.read_back(rig.lists);
-    EXPECT_GT(Watch::calls["GetNamedBufferSubData"], 0) << "the watch sees nothing";
+    EXPECT_GT(tests::Watch::calls["GetNamedBufferSubData"], 0) << "the watch sees nothing";
   }
 }
 
