@@ -56,7 +56,7 @@ core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& co
     engine.drawing_ = std::move(*drawing);
     if (culler == CullerChoice::kHybrid) {
       engine.config_.controller.frame_cost.rendering = config.draw;
-      engine.hybrid_.emplace(engine.config_.controller);
+      engine.hybrid_.emplace(engine.config_.controller, engine.live_.snapshot->size());
     }
 #else
     return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
@@ -77,7 +77,7 @@ core::Expected<void> Engine::land() {
     return {};
   }
   if (!rebuild_->exchange(live_)) return {};
-  if (hybrid_) hybrid_->scene_changed();
+  if (hybrid_) hybrid_->scene_changed(live_.snapshot->size());
 #if SIGHTLINE_HAS_GL
   if (drawing_) return drawing_->rebuild(*live_.snapshot);
 #endif
@@ -185,7 +185,7 @@ core::Expected<void> Engine::commit() {
   const std::vector<core::Slot> touched = live_.snapshot->apply(*delta);
   if (rebuild_) rebuild_->end_edit(*delta);
   live_.update(touched);
-  if (hybrid_) hybrid_->scene_changed();
+  if (hybrid_) hybrid_->scene_changed(live_.snapshot->size());
   const double disorder = double(live_.snapshot->disorder());
   if (!rebuild_ && config_.rebuild_share > 0.0 && disorder > kFewSlots &&
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
@@ -200,7 +200,7 @@ core::Expected<void> Engine::rebuild() {
   if (auto delta = scene_->commit(); !delta) return tl::unexpected(delta.error());
   rebuild_.reset();
   build();
-  if (hybrid_) hybrid_->scene_changed();
+  if (hybrid_) hybrid_->scene_changed(live_.snapshot->size());
 #if SIGHTLINE_HAS_GL
   if (drawing_) return drawing_->rebuild(*live_.snapshot);
 #endif

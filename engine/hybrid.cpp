@@ -6,7 +6,8 @@ namespace sightline::engine {
 
 using culling::Path;
 
-Hybrid::Hybrid(const culling::ControllerConfig& config) : controller_(config) {
+Hybrid::Hybrid(const culling::ControllerConfig& config, std::size_t items) : controller_(config) {
+  scene_changed(items);
   controller_.gpu_ready();
 }
 

@@ -14,8 +14,8 @@ struct LateReport;
 
 class Hybrid {
  public:
-  /// The GPU culler exists: the controller may choose it.
-  explicit Hybrid(const culling::ControllerConfig& config);
+  /// For so many items. The GPU culler exists: the controller may choose it.
+  Hybrid(const culling::ControllerConfig& config, std::size_t items);
 
   /// Begins a frame. `since_last_ms`: since the last one began; 0 for the first.
   culling::Path next(double since_last_ms);
@@ -24,8 +24,8 @@ class Hybrid {
   /// What the GPU found in an earlier frame.
   void measured(const LateReport& report);
 
-  /// Another scene, or other slots.
-  void scene_changed() { controller_.scene_changed(); }
+  /// Another scene, of so many items, or other slots.
+  void scene_changed(std::size_t items) { controller_.scene_changed(double(items)); }
   /// The GPU culler has failed: the CPU's path from here on.
   void gpu_lost() { controller_.gpu_lost(); }
 

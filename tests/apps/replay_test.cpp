@@ -106,11 +106,11 @@ TEST_F(Replay, WritesOneCsvLinePerFrame) {
   std::istringstream in(read_bytes(csv));
   std::string line;
   ASSERT_TRUE(std::getline(in, line));
-  EXPECT_EQ(line, "frame,t,path,cull_ms,draw_ms,frame_ms,visible,tested");
+  EXPECT_EQ(line, "frame,t,path,state,cull_ms,gpu_cull_ms,draw_ms,frame_ms,visible,tested");
   std::size_t rows = 0;
   for (; std::getline(in, line); ++rows) {
     ASSERT_LT(rows, 50u);
-    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 7) << line;
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 9) << line;
     EXPECT_EQ(line.rfind(std::to_string(rows) + ",", 0), 0u) << line;
     const Json& frame = flight["frames"][rows];
     const std::string tail = "," + frame["visible"].dump() + "," + frame["tested"].dump();
