@@ -22,7 +22,7 @@ std::uint64_t next_generation() {
 
 /// Memory beyond what is needed at first: an edit that grows arrays of a million items must not copy them.
 std::size_t with_headroom(std::size_t count) {
-  return count + count / 8;
+  return count + count * 3 / 8;
 }
 
 float size_of(const Aabb& box) {
@@ -186,6 +186,16 @@ AabbD Snapshot::gather(const Scene& scene, const Scene::ItemState& state, ItemId
   const auto values = parameters(primitive);
   out.parameters.insert(out.parameters.end(), values.begin(), values.end());
   return core::bounds(primitive, state.world_from_item);
+}
+
+void Snapshot::Items::append(const Items& other) {
+  const std::size_t first = records.size();
+  const std::uint32_t offset = std::uint32_t(parameters.size());
+  records.insert(records.end(), other.records.begin(), other.records.end());
+  for (std::size_t i = first; i < records.size(); ++i)
+    if (int(records[i].kind) < kPrimitiveKindCount) records[i].payload += offset;
+  parameters.insert(parameters.end(), other.parameters.begin(), other.parameters.end());
+  removed.insert(removed.end(), other.removed.begin(), other.removed.end());
 }
 
 void Snapshot::copy(Slot first, Slot end, Items& out) const {

@@ -145,6 +145,8 @@ struct Snapshot::Items {
   std::vector<Record> records;
   std::vector<float> parameters;
   std::vector<ItemId> removed;
+
+  void append(const Items& other);
 };
 
 }  // namespace sightline::core

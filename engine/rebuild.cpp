@@ -56,15 +56,22 @@ bool BackgroundRebuild::lock(std::unique_lock<std::mutex>& held, const std::stop
   return changed_.wait(held, stop, [&] { return !editing_; }) && !stop.stop_requested();
 }
 
-/// Every item is met at least once, since items go to later slots only.
+/// Every item is met at least once, since items go to later slots only. What takes long, memory that grows, is done
+/// while nobody has to wait.
 bool BackgroundRebuild::copy_all(const std::stop_token& stop, core::Snapshot::Items& items) {
+  core::Snapshot::Items piece;
   for (std::size_t next = 0, end = 1; next < end;) {
-    std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
-    if (!lock(held, stop)) return false;
-    end = live_->size();
-    const std::size_t piece = std::min(kPiece, end - next);
-    live_->copy(core::Slot(next), core::Slot(next + piece), items);
-    next += piece;
+    piece.records.clear();
+    piece.parameters.clear();
+    {
+      std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
+      if (!lock(held, stop)) return false;
+      end = live_->size();
+      const std::size_t count = std::min(kPiece, end - next);
+      live_->copy(core::Slot(next), core::Slot(next + count), piece);
+      next += count;
+    }
+    items.append(piece);
   }
   return true;
 }
