@@ -54,8 +54,9 @@ struct FloatPlane {
 /// The planes of one view, prepared for boxes of one ItemBounds: valid while neither the bounds' origin changes nor its
 /// extent grows. Promise: conservative. A box that meets the view volume is never outside; a box is kept needlessly
 /// only when, for every plane, the exact value at the p-vertex is above -2e-15 times the sum of the absolute terms that
-/// enter it. Planes that are not finite are dropped (more is drawn, never less); section planes without a normal are
-/// ignored; a frustum plane without one is met everywhere or nowhere.
+/// enter it (matrices whose entries lie hundreds of orders of magnitude apart under- or overflow, and keep more).
+/// Planes that are not finite are dropped (more is drawn, never less); section planes without a normal are ignored; a
+/// frustum plane without one is met everywhere or nowhere.
 class CullPlanes {
  public:
   CullPlanes(const core::View& view, const core::ItemBounds& bounds);
