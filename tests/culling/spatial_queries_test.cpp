@@ -48,7 +48,7 @@ Asked random_scene(Random& random, double half) {
   Asked asked(boxes, origin, chance(random, 0.5) ? boxes.size() / 5 : 0);
   if (chance(random, 0.5))
     for (std::size_t i = 0; i < boxes.size(); i += 3)
-      asked.scene.bounds.set_layers(i, std::uint32_t(whole(random, 0, 3)));
+      asked.scene.bounds.set_layers(i, std::uint32_t(whole(random, 1, 3)));
   if (chance(random, 0.3))
     for (std::size_t i = 0; i < boxes.size(); i += 50) asked.scene.bounds.set(i, Aabb{});
   asked.scene.culler->refit();
