@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/model.h"
@@ -160,14 +161,20 @@ core::Expected<std::vector<study::Model>> make_models(const Options& options) {
   return models;
 }
 
+/// What is being timed; silent when stderr is no terminal.
+void show_progress(const std::string& what) {
+  static const bool terminal = isatty(STDERR_FILENO) != 0;
+  if (terminal) std::fprintf(stderr, "\r\033[K%s", what.c_str());
+}
+
 bench::ModelResults run_model(const study::Model& model, const Options& options) {
   const study::SessionOptions session{options.passes, options.variants, [&model](const std::string& variant) {
-                                        std::fprintf(stderr, "\r\033[K%s: %s", model.name.c_str(), variant.c_str());
+                                        show_progress(model.name + ": " + variant);
                                       }};
   bench::ModelResults results{study::run_everything(model, session)};
   for (std::size_t i = 1; i < model.paths.size() && !options.tour_only; ++i)
     results.push_back(study::run_contenders(results.front(), model.paths[i], kContenders, session));
-  std::fprintf(stderr, "\r\033[K");
+  show_progress("");
   return results;
 }
 
