@@ -73,7 +73,7 @@ std::uint32_t CullThreads::share(std::uint32_t jobs, Call call, const void* cont
 }
 
 void CullThreads::start() {
-  for (int i = 1; i < count_; ++i) helpers_.emplace_back([this](std::stop_token stop) { help(stop); });
+  for (int i = 1; i < count_; ++i) helpers_.emplace_back([this](const std::stop_token& stop) { help(stop); });
 }
 
 /// Claims a job and does it; false when none is left.
@@ -87,7 +87,7 @@ bool CullThreads::work_one() {
   return true;
 }
 
-void CullThreads::help(std::stop_token stop) {
+void CullThreads::help(const std::stop_token& stop) {
   auto worked = now();
   while (!stop.stop_requested()) {
     if (work_one()) {

@@ -41,7 +41,7 @@ class CullThreads {
   std::uint32_t share(std::uint32_t jobs, Call call, const void* context);  // jobs done by the calling thread
   bool pays(std::uint32_t jobs, Clock::time_point begin) const;
   void start();
-  void help(std::stop_token stop);
+  void help(const std::stop_token& stop);
   bool work_one();
 
   int count_;
