@@ -13,7 +13,6 @@
 #include "sightline/bench/plant_boxes.h"
 #include "sightline/bench/regret_plot.h"
 #include "sightline/bench/synthetic_traces.h"
-#include "sightline/core/bvh_build.h"
 #include "sightline/culling/cpu_culler.h"
 
 namespace {
@@ -57,12 +56,7 @@ struct GpuModel {
 };
 
 std::vector<apps::TraceFrame> record(std::span<const core::View> views, std::size_t items) {
-  const std::vector<core::Aabb> boxes = bench::PlantBoxes(1).make(items);
-  core::BvhConfig config;
-  config.max_leaf_size = culling::kLeafSize;
-  const core::BvhTree tree = core::build_bvh(boxes, config);
-  core::ItemBounds bounds;
-  bench::fill(bounds, boxes, tree.order);
+  const core::ItemBounds bounds = bench::in_production_order(bench::PlantBoxes(1).make(items));
   const culling::CpuCuller culler(bounds);
   core::VisibleSet set;
   const std::vector<double> times = bench::time_path(views.size(), [&](std::size_t i) { culler.cull(views[i], set); });

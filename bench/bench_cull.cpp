@@ -25,7 +25,6 @@
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
-#include "sightline/bench/plant_boxes.h"
 #include "sightline/core/bvh_build.h"
 #include "sightline/core/error.h"
 #include "sightline/core/item_bounds.h"
@@ -43,20 +42,14 @@ using Json = nlohmann::ordered_json;
 using bench::milliseconds;
 
 struct Options {
-  std::string boxes, views, culler = "cpu", output = "ranges", ids_out, json, simd = "best", split = "blocks";
-  std::size_t generate = 0;
+  bench::Input input;
+  std::string culler = "cpu", output = "ranges", ids_out, json, simd = "best", split = "blocks";
   int threads = 1;
   bool verify = false, baseline = false;
 };
 
 void add_options(CLI::App& app, Options& options) {
-  CLI::Option_group* source = app.add_option_group("boxes");
-  source->add_option("--boxes", options.boxes, "float32 min x y z, max x y z per item");
-  source->add_option("--generate", options.generate, "so many boxes of a made-up plant of 400 x 100 x 60 m")
-      ->check(CLI::Range(1, 50'000'000));
-  source->require_option(1);
-  app.add_option("--views", options.views, "float64, 16 per frame: column-major clip_from_world, clip space -1...1")
-      ->required();
+  bench::add_input_options(app, options.input);
   app.add_option("--culler", options.culler, "which culler")
       ->check(CLI::IsMember({"linear", "cpu"}))
       ->capture_default_str();
@@ -288,11 +281,9 @@ core::Expected<Frames> inspect(const Subject& subject, std::span<const core::Aab
 
 core::Expected<Json> measure(const Options& options) {
   if (auto chosen = choose_instructions(options.simd); !chosen) return tl::unexpected(chosen.error());
-  const auto boxes = options.generate > 0
-                         ? core::Expected<std::vector<core::Aabb>>(bench::PlantBoxes(1).make(options.generate))
-                         : bench::read_boxes(options.boxes);
+  const auto boxes = bench::boxes_of(options.input);
   if (!boxes) return tl::unexpected(boxes.error());
-  const auto views = bench::read_views(options.views);
+  const auto views = bench::read_views(options.input.views);
   if (!views) return tl::unexpected(views.error());
   if (!options.ids_out.empty()) {
     std::error_code error;

@@ -1,6 +1,5 @@
 // sightline-bench-queries: spatial queries through the hierarchy against a loop over all boxes.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -11,8 +10,8 @@
 #include <CLI/CLI.hpp>
 
 #include "sightline/apps/common/cli.h"
+#include "sightline/bench/harness.h"
 #include "sightline/bench/plant_boxes.h"
-#include "sightline/core/bvh_build.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/spatial_queries.h"
 
@@ -22,30 +21,13 @@ using namespace sightline;
 using Random = std::mt19937_64;
 
 double microseconds() {
-  using Clock = std::chrono::steady_clock;
-  return std::chrono::duration<double, std::micro>(Clock::now().time_since_epoch()).count();
+  return 1e3 * bench::milliseconds();
 }
 
 core::dvec3 in_plant(Random& random) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   const double x = 400.0 * unit(random), y = 100.0 * unit(random);
   return {x, y, 60.0 * unit(random)};
-}
-
-core::ItemBounds ordered(const std::vector<core::Aabb>& boxes) {
-  core::BvhConfig config;
-  config.max_leaf_size = culling::kLeafSize;
-  const core::BvhTree tree = core::build_bvh(boxes, config);
-  core::ItemBounds bounds;
-  bounds.resize(boxes.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[tree.order[i]]);
-  return bounds;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Times ask(queries, sample) through the hierarchy and without one, in turns, and prints a row. False when the answers
@@ -73,7 +55,7 @@ bool compare(const char* what, const core::ItemBounds& bounds, const culling::Hi
     linear_times.push_back(microseconds() - linear_start);
     if (answer != expected) return false;
   }
-  const double time = median(times), linear_time = median(linear_times);
+  const double time = bench::median(times), linear_time = bench::median(linear_times);
   std::printf("%-34s %10.1f %10.2f %10.1f %8.0f\n", what, found, time, linear_time, linear_time / time);
   return true;
 }
@@ -81,7 +63,7 @@ bool compare(const char* what, const core::ItemBounds& bounds, const culling::Hi
 bool measure(std::size_t count) {
   using culling::SlotDistance;
   using culling::SpatialQueries;
-  const core::ItemBounds bounds = ordered(bench::PlantBoxes(1).make(count));
+  const core::ItemBounds bounds = bench::in_production_order(bench::PlantBoxes(1).make(count));
   const culling::Hierarchy hierarchy(bounds);
   const auto layers = core::kDefaultLayerMask;
   std::printf("%zu boxes; medians in microseconds\n%-34s %10s %10s %10s %8s\n", count, "query", "found", "hierarchy",

@@ -9,8 +9,6 @@
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
-#include "sightline/bench/plant_boxes.h"
-#include "sightline/core/bvh_build.h"
 #include "sightline/culling/cpu_culler.h"
 
 namespace {
@@ -22,19 +20,13 @@ constexpr double kEyeDistance = 0.065;  // metres
 constexpr std::size_t kCascades = 4;
 
 struct Options {
-  std::string boxes, views, json;
-  std::size_t generate = 0;
+  bench::Input input;
+  std::string json;
   int threads = 2;
 };
 
 void add_options(CLI::App& app, Options& options) {
-  CLI::Option_group* source = app.add_option_group("boxes");
-  source->add_option("--boxes", options.boxes, "float32 min x y z, max x y z per item");
-  source->add_option("--generate", options.generate, "so many boxes of a made-up plant of 400 x 100 x 60 m")
-      ->check(CLI::Range(1, 50'000'000));
-  source->require_option(1);
-  app.add_option("--views", options.views, "float64, 16 per frame: column-major clip_from_world, clip space -1...1")
-      ->required();
+  bench::add_input_options(app, options.input);
   app.add_option("--threads", options.threads, "threads that several views may use")
       ->check(CLI::Range(1, culling::CullThreads::kMost))
       ->capture_default_str();
@@ -77,15 +69,6 @@ std::vector<core::View> cascades(const core::View& view) {
   }
   return views;
 }
-
-struct Scene {
-  explicit Scene(std::span<const core::Aabb> boxes) {
-    core::BvhConfig config;
-    config.max_leaf_size = culling::kLeafSize;
-    bench::fill(bounds, boxes, core::build_bvh(boxes, config).order);
-  }
-  core::ItemBounds bounds;
-};
 
 class Measurement {
  public:
@@ -189,17 +172,15 @@ void measure_layers(core::ItemBounds bounds, const std::vector<core::View>& view
 }
 
 core::Expected<Json> measure(const Options& options) {
-  const auto boxes = options.generate > 0
-                         ? core::Expected<std::vector<core::Aabb>>(bench::PlantBoxes(1).make(options.generate))
-                         : bench::read_boxes(options.boxes);
+  const auto boxes = bench::boxes_of(options.input);
   if (!boxes) return tl::unexpected(boxes.error());
-  const auto views = bench::read_views(options.views);
+  const auto views = bench::read_views(options.input.views);
   if (!views) return tl::unexpected(views.error());
-  const Scene scene(*boxes);
+  const core::ItemBounds bounds = bench::in_production_order(*boxes);
   Json json{{"items", boxes->size()}, {"frames", views->size()}, {"threads", options.threads}, {"rows", Json::array()}};
-  measure_views(scene.bounds, *views, options.threads, json["rows"]);
-  measure_sections(scene.bounds, *views, json["rows"]);
-  measure_layers(scene.bounds, *views, json["rows"]);
+  measure_views(bounds, *views, options.threads, json["rows"]);
+  measure_sections(bounds, *views, json["rows"]);
+  measure_layers(bounds, *views, json["rows"]);
   return json;
 }
 

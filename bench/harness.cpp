@@ -5,6 +5,10 @@
 #include <filesystem>
 #include <fstream>
 
+#include "sightline/bench/plant_boxes.h"
+#include "sightline/core/bvh_build.h"
+#include "sightline/culling/hierarchy.h"
+
 static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");
 
 namespace sightline::bench {
@@ -54,6 +58,29 @@ core::Expected<std::vector<core::View>> read_views(const std::string& path) {
     views.push_back(std::move(*view));
   }
   return views;
+}
+
+void add_input_options(CLI::App& app, Input& input) {
+  CLI::Option_group* source = app.add_option_group("boxes");
+  source->add_option("--boxes", input.boxes, "float32 min x y z, max x y z per item");
+  source->add_option("--generate", input.generate, "so many boxes of a made-up plant of 400 x 100 x 60 m")
+      ->check(CLI::Range(1, 50'000'000));
+  source->require_option(1);
+  app.add_option("--views", input.views, "float64, 16 per frame: column-major clip_from_world, clip space -1...1")
+      ->required();
+}
+
+core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input) {
+  if (input.generate > 0) return PlantBoxes(1).make(input.generate);
+  return read_boxes(input.boxes);
+}
+
+core::ItemBounds in_production_order(std::span<const core::Aabb> boxes) {
+  core::BvhConfig config;
+  config.max_leaf_size = culling::kLeafSize;
+  core::ItemBounds bounds;
+  fill(bounds, boxes, core::build_bvh(boxes, config).order);
+  return bounds;
 }
 
 void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order) {

@@ -1,4 +1,4 @@
-// What the culling benchmarks share: boxes and views from files, and times of a camera path.
+// What the culling benchmarks share: boxes and views from files or made up, and times of a camera path.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,8 @@
 #include <span>
 #include <string>
 #include <vector>
+
+#include <CLI/CLI.hpp>
 
 #include "sightline/core/error.h"
 #include "sightline/core/item_bounds.h"
@@ -19,6 +21,15 @@ core::Expected<std::vector<core::Aabb>> read_boxes(const std::string& path);
 /// Little-endian float64, 16 per view: column-major clip_from_world, clip space -1 ... 1.
 core::Expected<std::vector<core::View>> read_views(const std::string& path);
 
+/// Where boxes and views come from.
+struct Input {
+  std::string boxes, views;
+  std::size_t generate = 0;  ///< boxes to make up; 0: read them
+};
+/// --boxes or --generate, and --views.
+void add_input_options(CLI::App& app, Input& input);
+core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input);
+
 /// Boxes in the given order (empty: as they come).
 void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order);
 
@@ -26,6 +37,9 @@ inline double milliseconds() {
   using Clock = std::chrono::steady_clock;
   return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
 }
+
+/// Boxes in the order that production culls them in.
+core::ItemBounds in_production_order(std::span<const core::Aabb> boxes);
 
 double median(std::vector<double> values);
 

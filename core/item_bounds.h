@@ -10,6 +10,9 @@
 
 namespace sightline::core {
 
+/// Slots that stay together: a leaf of the culler's hierarchy, and what an edit keeps or leaves.
+inline constexpr std::uint32_t kBlockSlots = 32;
+
 /// Structure-of-arrays boxes, relative to `origin` and rounded outwards. The six coordinate arrays are padded with
 /// kPadding empty boxes beyond size(), so that a group of kPadding may be read from any valid index.
 ///

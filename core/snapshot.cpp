@@ -12,8 +12,8 @@ namespace sightline::core {
 namespace {
 
 constexpr std::uint32_t kRankStride = 64;
-constexpr std::uint32_t kBlock = 32;  // slots that a culler's hierarchy puts into one leaf
-constexpr float kBlockSlack = 1.1f;   // edits may make a block so much larger than it was ordered to
+constexpr std::uint32_t kBlock = kBlockSlots;
+constexpr float kBlockSlack = 1.1f;  // edits may make a block so much larger than it was ordered to
 
 std::uint64_t next_generation() {
   static std::atomic<std::uint64_t> counter{0};

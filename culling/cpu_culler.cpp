@@ -4,7 +4,6 @@
 #include <array>
 #include <cassert>
 #include <memory>
-#include <new>
 #include <span>
 
 #include "sightline/culling/frustum_test.h"

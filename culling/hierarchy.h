@@ -17,7 +17,7 @@ namespace sightline::culling {
 /// Boxes tested at a time: children of a node.
 inline constexpr int kLanes = 16;
 /// Slots per leaf.
-inline constexpr std::uint32_t kLeafSize = 32;
+inline constexpr std::uint32_t kLeafSize = core::kBlockSlots;
 
 /// Boxes of sixteen children, a cache line per coordinate: min x, min y, min z, max x, max y, max z. Unused lanes are
 /// empty.

@@ -77,6 +77,11 @@ core::Expected<void> Engine::land() {
     return {};
   }
   if (!rebuild_->exchange(live_)) return {};
+  return follow_generation();
+}
+
+/// What hangs on the order of the items besides the CPU culler.
+core::Expected<void> Engine::follow_generation() {
   if (hybrid_) hybrid_->scene_changed(live_.snapshot->size());
 #if SIGHTLINE_HAS_GL
   if (drawing_) return drawing_->rebuild(*live_.snapshot);
@@ -200,11 +205,7 @@ core::Expected<void> Engine::rebuild() {
   if (auto delta = scene_->commit(); !delta) return tl::unexpected(delta.error());
   rebuild_.reset();
   build();
-  if (hybrid_) hybrid_->scene_changed(live_.snapshot->size());
-#if SIGHTLINE_HAS_GL
-  if (drawing_) return drawing_->rebuild(*live_.snapshot);
-#endif
-  return {};
+  return follow_generation();
 }
 
 void Engine::finish() {

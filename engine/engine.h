@@ -108,6 +108,7 @@ class Engine {
   Engine(core::Scene& scene, const EngineConfig& config);
   void build();
   core::Expected<void> land();
+  core::Expected<void> follow_generation();
   core::Expected<bool> cull(const core::View& view, FrameReport& report);
   void cull_on_cpu(const core::View& view, FrameReport& report);
   void gather_late_reports();

@@ -85,7 +85,7 @@ void add_culler_option(CLI::App& app, engine::CullerChoice& choice) {
   app.add_option_function<std::string>(
          "--culler", [&choice](const std::string& name) { choice = names.at(name); },
          "auto, linear, cpu, gpu or hybrid")
-      ->check(CLI::IsMember({"auto", "linear", "cpu", "gpu", "hybrid"}))
+      ->check(CLI::IsMember(names))
       ->default_str("auto");
 }
 

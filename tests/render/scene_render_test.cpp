@@ -65,6 +65,25 @@ class SceneRender : public tests::GlTest {
       views.push_back(look(eye + offset, target + offset));
     return views;
   }
+
+  static core::MeshId add_triangle(core::Scene& scene) {
+    core::Mesh triangle;
+    triangle.positions = {{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0, 0, 0.5f}};
+    triangle.indices = {0, 1, 2};
+    return scene.add_mesh(triangle);
+  }
+
+  void expect_shown_as_if_built_anew(engine::Engine& edited, core::Scene& scene) {
+    engine::Engine fresh = make(scene, config());
+    for (const View& view : plant_views()) {
+      const Picture a = take(edited, view), b = take(fresh, view);
+      EXPECT_EQ(a.visible, b.visible);
+      const auto difference = render::compare(a.colour, b.colour);
+      ASSERT_TRUE(difference);
+      // Ties at equal depth, and the last bit of chunk-relative positions.
+      EXPECT_LE(difference->pixels, kWidth * kHeight / 50u);
+    }
+  }
 };
 
 TEST_F(SceneRender, CullingChangesNoPixel) {
@@ -197,10 +216,7 @@ TEST_F(SceneRender, EveryKindShowsUnderItsId) {
                                    core::Line{-0.5f, 0.5f}};
   for (int i = 0; i < core::kPrimitiveKindCount; ++i)
     scene.add_primitive(scene.root(), kinds[i], core::translation({1.5 * (i % 4), 0, 1.5 * (i / 4)}));
-  core::Mesh triangle;
-  triangle.positions = {{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0, 0, 0.5f}};
-  triangle.indices = {0, 1, 2};
-  scene.add_mesh_instance(scene.root(), scene.add_mesh(triangle), core::translation({3, 0, 3}));
+  scene.add_mesh_instance(scene.root(), add_triangle(scene), core::translation({3, 0, 3}));
   engine::Engine engine = make(scene, config());
   const Picture picture = take(engine, look({2.2, -8, 1.6}, {2.2, 0, 1.6}));
   const std::set<std::uint32_t> seen(picture.ids.ids.begin(), picture.ids.ids.end());
@@ -245,25 +261,14 @@ TEST_F(SceneRender, EditsShowAsIfBuiltAnew) {
   scene.add_primitive(scene.root(), core::Cylinder{2, 4}, core::translation({0, 0, 12}));
   scene.add_primitive(scene.root(), core::Sphere{3}, core::translation({5, 0, 12}));
   ASSERT_TRUE(edited.commit());
-  engine::Engine fresh = make(scene, config());
-  for (const View& view : plant_views()) {
-    const Picture a = take(edited, view), b = take(fresh, view);
-    EXPECT_EQ(a.visible, b.visible);
-    const auto difference = render::compare(a.colour, b.colour);
-    ASSERT_TRUE(difference);
-    // Ties at equal depth, and the last bit of chunk-relative positions.
-    EXPECT_LE(difference->pixels, kWidth * kHeight / 50u);
-  }
+  expect_shown_as_if_built_anew(edited, scene);
 }
 
 /// Records of appended slots, as long as there is memory, and everything anew after that: the picture is the same.
 TEST_F(SceneRender, AppendedSlotsShowAsIfBuiltAnew) {
   core::Scene scene;
   ASSERT_TRUE(importers::generate_plant({1500, 9}, scene));
-  core::Mesh triangle;
-  triangle.positions = {{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0, 0, 0.5f}};
-  triangle.indices = {0, 1, 2};
-  const core::MeshId mesh = scene.add_mesh(triangle);
+  const core::MeshId mesh = add_triangle(scene);
   scene.add_mesh_instance(scene.root(), mesh);
   engine::EngineConfig no_rebuild = config();
   no_rebuild.rebuild_share = 0.0;
@@ -278,14 +283,7 @@ TEST_F(SceneRender, AppendedSlotsShowAsIfBuiltAnew) {
     for (int i = 0; i < 10; ++i) scene.add_mesh_instance(scene.root(), mesh, core::translation({i - 5, round - 6, 14}));
     ASSERT_TRUE(edited.commit());
     if (round % 4 != 3) continue;
-    engine::Engine fresh = make(scene, config());
-    for (const View& view : plant_views()) {
-      const Picture a = take(edited, view), b = take(fresh, view);
-      EXPECT_EQ(a.visible, b.visible);
-      const auto difference = render::compare(a.colour, b.colour);
-      ASSERT_TRUE(difference);
-      EXPECT_LE(difference->pixels, kWidth * kHeight / 50u);
-    }
+    ASSERT_NO_FATAL_FAILURE(expect_shown_as_if_built_anew(edited, scene));
   }
 }
 
@@ -293,10 +291,7 @@ TEST_F(SceneRender, AppendedSlotsShowAsIfBuiltAnew) {
 TEST_F(SceneRender, VacantSlotsOfRangesAreNotDrawn) {
   core::Scene scene;
   ASSERT_TRUE(importers::generate_plant({3000, 8}, scene));
-  core::Mesh triangle;
-  triangle.positions = {{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0, 0, 0.5f}};
-  triangle.indices = {0, 1, 2};
-  const core::MeshId mesh = scene.add_mesh(triangle);
+  const core::MeshId mesh = add_triangle(scene);
   for (int i = 0; i < 300; ++i) {
     const Affine place = core::translation({i % 20 - 10, i / 20 - 8, 12});
     scene.add_mesh_instance(scene.root(), mesh, place);
