@@ -156,6 +156,7 @@ core::Expected<int> render_model(const Options& o) {
   if (!view) return tl::unexpected(view.error());
   auto report = engine->frame(*view);
   if (!report) return tl::unexpected(report.error());
+  if (!report->drawn) return core::fail("the GL context was lost before the image was drawn");
   engine->finish();
   if (const auto late = engine->take_late_report()) report->visible = late->visible;
   engine::Drawing& drawing = *engine->drawing();

@@ -161,6 +161,7 @@ core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core:
     if (!view) return tl::unexpected(view.error());
     auto report = engine.frame(*view);
     if (!report) return tl::unexpected(report.error());
+    if (!o.no_render && !report->drawn) return core::fail("frame " + std::to_string(i) + ": the GL context was lost");
     flight.frames.push_back({time, *report});
     take_late_reports(engine, flight);
     if (!o.images.empty() && i % o.every == 0)

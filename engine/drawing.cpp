@@ -22,13 +22,12 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   }
   drawing->scene_config_.chord_tolerance = config.chord_tolerance;
   drawing->renders_ = config.draw;
-  drawing->culls_ = gpu_culls;
   if (config.draw) {
     auto target = render::RenderTarget::create(*drawing->context_, config.width, config.height, config.ids);
     if (!target) return tl::unexpected(target.error());
     drawing->target_ = std::move(*target);
   }
-  if (auto done = drawing->rebuild(snapshot); !done) return tl::unexpected(done.error());
+  if (auto done = drawing->rebuild(snapshot, gpu_culls); !done) return tl::unexpected(done.error());
   return drawing;
 }
 
@@ -36,28 +35,30 @@ Drawing::~Drawing() {
   for (const GLsync fence : in_flight_) context_->functions().DeleteSync(fence);
 }
 
-core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot) {
+core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_culls) {
   auto scene = gpuscene::GpuScene::create(*context_, snapshot, scene_config_);
   if (!scene) return tl::unexpected(scene.error());
   auto lists = gpuscene::DrawLists::create(*context_, *scene);
   if (!lists) return tl::unexpected(lists.error());
-  if (culls_) {
-    auto culler = culling::GpuCuller::create(*context_, snapshot, *scene);
-    if (!culler) return tl::unexpected(culler.error());
-    culler_ = std::move(*culler);
+  std::optional<culling::GpuCuller> culler;
+  if (gpu_culls) {
+    auto made = culling::GpuCuller::create(*context_, snapshot, *scene);
+    if (!made) return tl::unexpected(made.error());
+    culler = std::move(*made);
   }
   if (renders_) {
     auto renderer = render::Renderer::create(*context_, *scene);
     if (!renderer) return tl::unexpected(renderer.error());
     renderer_ = std::move(*renderer);
   }
+  culler_ = std::move(culler);
   scene_ = std::move(*scene);
   lists_ = std::move(*lists);
   return {};
 }
 
 core::Expected<void> Drawing::update(const core::Snapshot& snapshot, std::span<const core::Slot> touched) {
-  if (!scene_->append(snapshot)) return rebuild(snapshot);
+  if (!scene_->append(snapshot)) return rebuild(snapshot, culler_.has_value());
   scene_->update(snapshot, touched);
   return culler_ ? culler_->update(snapshot, *scene_, touched) : core::Expected<void>();
 }

@@ -27,7 +27,8 @@ class Drawing {
   /// Follows an edit of `touched` slots (Snapshot::apply): rewrites their records and adds those of appended slots, or
   /// makes everything anew where GpuScene::append has no room.
   core::Expected<void> update(const core::Snapshot& snapshot, std::span<const core::Slot> touched);
-  core::Expected<void> rebuild(const core::Snapshot& snapshot);
+  /// Makes everything of another snapshot, with or without a GPU culler.
+  core::Expected<void> rebuild(const core::Snapshot& snapshot, bool gpu_culls);
   void finish();
 
   const gl::Context& context() const { return *context_; }
@@ -45,7 +46,7 @@ class Drawing {
   std::optional<gl::Context> own_context_;  // first member: everything below is made with it and must go before it
   gl::Context* context_ = nullptr;
   gpuscene::GpuSceneConfig scene_config_;
-  bool renders_ = true, culls_ = false;
+  bool renders_ = true;
   std::optional<gpuscene::GpuScene> scene_;
   std::optional<gpuscene::DrawLists> lists_;
   std::optional<culling::GpuCuller> culler_;

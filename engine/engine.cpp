@@ -1,6 +1,9 @@
 #include "sightline/engine/engine.h"
 
+#include <cassert>
 #include <chrono>
+#include <tuple>
+#include <utility>
 
 #if SIGHTLINE_HAS_GL
 #include "sightline/engine/drawing.h"
@@ -14,6 +17,7 @@ namespace sightline::engine {
 namespace {
 
 constexpr double kFewSlots = 256.0;  // not worth a thread
+constexpr double kTryAgain = 0.5;    // seconds
 
 PlanRequest plan_request(const EngineConfig& config) {
   return {config.culler, config.draw, config.ids};
@@ -34,6 +38,7 @@ Engine& Engine::operator=(Engine&& other) noexcept {
   live_ = std::move(other.live_);
   visible_ = std::move(other.visible_);
   drawing_ = std::move(other.drawing_);
+  next_try_ = other.next_try_;
   last_frame_began_ = other.last_frame_began_;
   frames_ = other.frames_;
   hybrid_ = other.hybrid_;
@@ -46,22 +51,9 @@ Engine::~Engine() = default;
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config) {
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
   Engine engine(scene, config);
+  engine.config_.controller.frame_cost.rendering = config.draw;
   engine.build();
-  const CullerChoice culler = engine.live_.plan.culler;
-  const bool gpu_culls = culler == CullerChoice::kGpu || culler == CullerChoice::kHybrid;
-  if (config.draw || gpu_culls) {
-#if SIGHTLINE_HAS_GL
-    auto drawing = Drawing::create(*engine.live_.snapshot, config, gpu_culls);
-    if (!drawing) return tl::unexpected(drawing.error());
-    engine.drawing_ = std::move(*drawing);
-    if (culler == CullerChoice::kHybrid) {
-      engine.config_.controller.frame_cost.rendering = config.draw;
-      engine.hybrid_.emplace(engine.config_.controller, engine.live_.snapshot->size());
-    }
-#else
-    return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
-#endif
-  }
+  if (auto done = engine.follow_generation(); !done) return tl::unexpected(done.error());
   return engine;
 }
 
@@ -80,12 +72,81 @@ core::Expected<void> Engine::land() {
   return follow_generation();
 }
 
-/// What hangs on the order of the items besides the CPU culler.
+/// What hangs on the plan and on the order of the items besides the CPU culler.
 core::Expected<void> Engine::follow_generation() {
-  if (hybrid_) hybrid_->scene_changed(live_.snapshot->size());
+  const std::size_t items = live_.snapshot->size();
+  if (live_.plan.culler != CullerChoice::kHybrid)
+    hybrid_.reset();
+  else if (hybrid_)
+    hybrid_->scene_changed(items);
+  else
+    hybrid_.emplace(config_.controller, items, frames_);
+  if (!needs_gl()) {
+    drawing_.reset();
+    return {};
+  }
+  auto done = make_drawing();
+  if (hybrid_ && !drawing_) hybrid_->gpu_lost();
+  return done;
+}
+
+bool Engine::needs_gl() const {
+  return config_.draw || live_.plan.gpu_culls();
+}
+
+/// Makes what lies in the context, anew or at first; while the context is lost there is nothing to do.
+core::Expected<void> Engine::make_drawing() {
 #if SIGHTLINE_HAS_GL
-  if (drawing_) return drawing_->rebuild(*live_.snapshot);
+  if (drawing_) return unless_lost(drawing_->rebuild(*live_.snapshot, live_.plan.gpu_culls()));
+  if (next_try_ >= 0.0) return {};
+  auto drawing = Drawing::create(*live_.snapshot, config_, live_.plan.gpu_culls());
+  if (!drawing) return tl::unexpected(drawing.error());
+  drawing_ = std::move(*drawing);
+  return {};
+#else
+  return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
 #endif
+}
+
+/// Notices a lost context, and tries to replace one that is the engine's own.
+void Engine::look_after_context() {
+#if SIGHTLINE_HAS_GL
+  if (drawing_ && drawing_->context().lost()) drop_context();
+  if (next_try_ < 0.0 || config_.context || now_seconds() < next_try_ || !needs_gl()) return;
+  next_try_ = -1.0;
+  if (make_drawing()) {
+    if (hybrid_) hybrid_->gpu_ready();
+  } else {
+    next_try_ = now_seconds() + kTryAgain;
+  }
+#endif
+}
+
+/// A context that is lost in the middle of something is dealt with in the next frame.
+core::Expected<void> Engine::unless_lost(core::Expected<void> done) const {
+#if SIGHTLINE_HAS_GL
+  if (!done && drawing_->context().lost()) return {};
+#endif
+  return done;
+}
+
+void Engine::drop_context() {
+  drawing_.reset();
+  next_try_ = 0.0;
+  if (hybrid_) hybrid_->gpu_lost();
+}
+
+core::Expected<void> Engine::use_context(gl::Context& context) {
+  assert(!drawing_ && "the other context is still in use: drop_context()");
+  const auto before = std::pair(config_.context, next_try_);
+  config_.context = &context;
+  next_try_ = -1.0;
+  if (!needs_gl()) return {};
+  if (auto done = make_drawing(); !done) {
+    std::tie(config_.context, next_try_) = before;
+    return done;
+  }
+  if (hybrid_) hybrid_->gpu_ready();
   return {};
 }
 
@@ -96,6 +157,7 @@ core::Expected<FrameReport> Engine::frame(const core::View& view) {
   const double begin = now_seconds();
   if (last_frame_began_ >= 0.0) report.frame_ms = 1e3 * (begin - last_frame_began_);
   last_frame_began_ = begin;
+  look_after_context();
   [[maybe_unused]] const auto on_gpu = cull(view, report);
   if (!on_gpu) return tl::unexpected(on_gpu.error());
 #if SIGHTLINE_HAS_GL
@@ -103,7 +165,8 @@ core::Expected<FrameReport> Engine::frame(const core::View& view) {
     const double culled = now_seconds();
     auto done =
         *on_gpu ? drawing_->draw_culled(view, *live_.snapshot) : drawing_->draw(view, *live_.snapshot, visible_);
-    if (!done) return tl::unexpected(done.error());
+    report.drawn = config_.draw && done;
+    if (done = unless_lost(std::move(done)); !done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);
   }
 #endif
@@ -116,7 +179,7 @@ core::Expected<bool> Engine::cull(const core::View& view, FrameReport& report) {
   visible_.clear();
   visible_.generation = live_.snapshot->generation();
 #if SIGHTLINE_HAS_GL
-  bool on_gpu = live_.plan.culler == CullerChoice::kGpu;
+  bool on_gpu = drawing_ && live_.plan.culler == CullerChoice::kGpu;
   if (hybrid_) {
     gather_late_reports();
     on_gpu = hybrid_->next(report.frame_ms) == culling::Path::kGpu;
@@ -131,8 +194,10 @@ core::Expected<bool> Engine::cull(const core::View& view, FrameReport& report) {
       report.visible = report.tested = -1;
       return true;
     }
-    if (!hybrid_) return tl::unexpected(done.error());
-    hybrid_->gpu_lost();  // the CPU can do without
+    if (hybrid_)
+      hybrid_->gpu_lost();  // the CPU can do without
+    else if (auto error = unless_lost(done); !error)
+      return tl::unexpected(error.error());
   }
 #endif
   cull_on_cpu(view, report);
@@ -196,7 +261,7 @@ core::Expected<void> Engine::commit() {
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
     rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_));
 #if SIGHTLINE_HAS_GL
-  if (drawing_) return drawing_->update(*live_.snapshot, touched);
+  if (drawing_) return unless_lost(drawing_->update(*live_.snapshot, touched));
 #endif
   return {};
 }

@@ -32,8 +32,8 @@ struct EngineConfig {
   int width = 1280, height = 720;
   bool ids = false;       ///< item-id image beside colour and depth
   bool gl_debug = false;  ///< collect driver messages; slower
-  gl::Context* context =
-      nullptr;  ///< a current context to draw with, owned by the application; null: one is made offscreen
+  /// A current context to draw with, owned by the application, see use_context(). Null: one is made offscreen.
+  gl::Context* context = nullptr;
   double chord_tolerance = 2e-5;  ///< metres, for the kinds that are tessellated
   /// Edits leave slots behind. When this share of them was appended or given up, a new order is made in the background;
   /// 0: never. Items that move far count twice: 1 % of them cost up to a tenth of culling speed until it lands.
@@ -50,6 +50,7 @@ struct FrameReport {
   double draw_ms =
       0.0;  ///< waiting for the frame before the last, making and submitting the draw lists; 0 without drawing
   double frame_ms = 0.0;  ///< since the last frame began, at most two frames being in flight; 0 for the first frame
+  bool drawn = false;     ///< false without drawing, and while the context is lost
   std::int64_t visible = 0, tested = 0;  ///< items; hierarchy and item boxes. -1: known to the GPU alone
 };
 
@@ -75,6 +76,11 @@ class Engine {
   ~Engine();
 
   /// Culls and, when drawing is on, draws into drawing()->target() without waiting for it.
+  ///
+  /// A context may be lost (gl::Context::lost). Then what was in it is let go, and frames are culled by the CPU, not
+  /// drawn, until all has been made anew from the snapshot: at once or, should that fail, tried again twice a second,
+  /// if the engine made the context itself; with use_context() if it is the application's. visible(), queries and edits
+  /// work all the time.
   core::Expected<FrameReport> frame(const core::View& view);
   /// The oldest of the GPU culler's results not yet taken, some frames late; nothing while none has arrived. Never
   /// waits. When nobody takes them, the oldest are lost.
@@ -93,13 +99,20 @@ class Engine {
   /// True while a new order is made or waits to land.
   bool rebuilding() const { return rebuild_ && !rebuild_->finished(); }
 
+  /// Lets go of all that lies in the application's context, which must be current: before the application destroys it.
+  /// Frames are then as after a loss.
+  void drop_context();
+  /// Another context of the application's, current, in place of a lost or dropped one: makes everything there anew.
+  /// Fails with GL's error; then it is as it was before.
+  core::Expected<void> use_context(gl::Context& context);
+
   /// Waits until everything submitted is drawn.
   void finish();
 
   const Plan& plan() const { return live_.plan; }
   const core::Snapshot& snapshot() const { return *live_.snapshot; }
   const core::VisibleSet& visible() const { return visible_; }  ///< empty when the GPU culls
-  Drawing* drawing() { return drawing_.get(); }                 ///< null when nothing needs GL
+  Drawing* drawing() { return drawing_.get(); }  ///< null when nothing needs GL, and while the context is lost
   MemoryReport memory() const;
   const char* culler_name() const;  ///< "linear", "cpu", "gpu" or "hybrid"
   const Hybrid* hybrid() const { return hybrid_ ? &*hybrid_ : nullptr; }
@@ -107,6 +120,10 @@ class Engine {
  private:
   Engine(core::Scene& scene, const EngineConfig& config);
   void build();
+  bool needs_gl() const;
+  core::Expected<void> make_drawing();
+  void look_after_context();
+  core::Expected<void> unless_lost(core::Expected<void> done) const;
   core::Expected<void> land();
   core::Expected<void> follow_generation();
   core::Expected<bool> cull(const core::View& view, FrameReport& report);
@@ -118,6 +135,7 @@ class Engine {
   Generation live_;
   core::VisibleSet visible_;
   std::unique_ptr<Drawing> drawing_;
+  double next_try_ = -1.0;          // at a new context, in seconds; below 0: none is missing
   double last_frame_began_ = -1.0;  // seconds on the steady clock
   std::uint64_t frames_ = 0;
   std::optional<Hybrid> hybrid_;

@@ -6,7 +6,8 @@ namespace sightline::engine {
 
 using culling::Path;
 
-Hybrid::Hybrid(const culling::ControllerConfig& config, std::size_t items) : controller_(config) {
+Hybrid::Hybrid(const culling::ControllerConfig& config, std::size_t items, std::uint64_t first_frame)
+    : controller_(config), first_frame_(first_frame) {
   scene_changed(items);
   controller_.gpu_ready();
 }
@@ -37,8 +38,10 @@ void Hybrid::measured(const FrameReport& report) {
 }
 
 void Hybrid::measured(const LateReport& report) {
-  Pending& p = pending(report.frame);
-  if (p.sample.frame != report.frame || p.sample.path != Path::kGpu || p.fed) return;
+  if (report.frame < first_frame_) return;
+  const std::uint64_t frame = report.frame - first_frame_;
+  Pending& p = pending(frame);
+  if (p.sample.frame != frame || p.sample.path != Path::kGpu || p.fed) return;
   p.sample.visible = double(report.visible);
   if (report.gpu_cull_ms >= 0.0) p.sample.cull_ms = report.gpu_cull_ms;
   p.late_known = true;

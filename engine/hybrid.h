@@ -14,8 +14,9 @@ struct LateReport;
 
 class Hybrid {
  public:
-  /// For so many items. The GPU culler exists: the controller may choose it.
-  Hybrid(const culling::ControllerConfig& config, std::size_t items);
+  /// For so many items, from frame `first_frame` (FrameReport::frame) on. The GPU culler exists: the controller may
+  /// choose it.
+  Hybrid(const culling::ControllerConfig& config, std::size_t items, std::uint64_t first_frame);
 
   /// Begins a frame. `since_last_ms`: since the last one began; 0 for the first.
   culling::Path next(double since_last_ms);
@@ -26,8 +27,12 @@ class Hybrid {
 
   /// Another scene, of so many items, or other slots.
   void scene_changed(std::size_t items) { controller_.scene_changed(double(items)); }
-  /// The GPU culler has failed: the CPU's path from here on.
+  /// The GPU culler has failed or gone: the CPU's path until there is one again.
   void gpu_lost() { controller_.gpu_lost(); }
+  void gpu_ready() {
+    controller_.paused();  // what making it anew took is nobody's cost
+    controller_.gpu_ready();
+  }
 
   const culling::Controller& controller() const { return controller_; }
 
@@ -40,7 +45,8 @@ class Hybrid {
   void feed_when_complete(Pending& p);
 
   culling::Controller controller_;
-  std::array<Pending, culling::kOldestSample> pending_;  // by frame
+  std::uint64_t first_frame_;
+  std::array<Pending, culling::kOldestSample> pending_;  // by the controller's frame
 };
 
 }  // namespace sightline::engine

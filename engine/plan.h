@@ -27,6 +27,8 @@ struct PlanEntry {
 struct Plan {
   CullerChoice culler = CullerChoice::kLinear;  ///< never kAutomatic
   std::vector<PlanEntry> entries;               ///< every feature the build knows, used or left out, with the reason
+
+  bool gpu_culls() const { return culler == CullerChoice::kGpu || culler == CullerChoice::kHybrid; }
 };
 
 /// Below this many items testing all boxes costs less than walking nodes.

@@ -21,6 +21,7 @@ struct Context::State {
   Functions gl;
   Capabilities capabilities;
   DebugLog log;
+  bool lost = false;
   std::string vendor;
   std::string renderer;
   std::string version;
@@ -175,6 +176,13 @@ core::Expected<void> Context::make_current() const {
 
 void Context::release_current() const {
   if (state_->egl.context) release_egl_current(state_->egl);
+}
+
+bool Context::lost() const {
+  // A driver tells of a reset only until it is through with it.
+  if (!state_->lost && state_->capabilities.reset_notification)
+    state_->lost = state_->gl.GetGraphicsResetStatus() != GL_NO_ERROR;
+  return state_->lost;
 }
 
 std::vector<std::string> Context::take_errors() {

@@ -81,6 +81,11 @@ class Context {
   /// Leaves no context current, so that another thread may take this one. Does nothing for an adopted one.
   void release_current() const;
 
+  /// True once the driver has reset the context, after a hang of the GPU for example: what was in it is gone, calls do
+  /// nothing, and only a new context helps. Stays true. Asks the driver without waiting for the GPU; the context must
+  /// be current. Always false without Capabilities::reset_notification.
+  bool lost() const;
+
   /// Messages since the last take_errors(), of every severity; empty unless made with ContextOptions::debug.
   const DebugLog& debug_log() const;
   /// Errors since the last call: the debug log's errors and messages of high severity, then what GetError has pending.

@@ -160,16 +160,23 @@ core::Expected<EGLContext> create_context(const Egl& egl, EGLDisplay display, bo
   }
   auto config = choose_config(egl, display, extensions);
   if (!config) return tl::unexpected(config.error());
-  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION_KHR,
-                               kRequiredMajor,
-                               EGL_CONTEXT_MINOR_VERSION_KHR,
-                               kRequiredMinor,
-                               EGL_CONTEXT_OPENGL_PROFILE_MASK_KHR,
-                               EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
-                               EGL_CONTEXT_FLAGS_KHR,
-                               debug ? EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR : 0,
-                               EGL_NONE};
-  const EGLContext context = egl.CreateContext(display, *config, EGL_NO_CONTEXT, attributes);
+  // The last pair asks to be told of a reset, which not every driver offers.
+  std::array attributes = {EGL_CONTEXT_MAJOR_VERSION_KHR,
+                           kRequiredMajor,
+                           EGL_CONTEXT_MINOR_VERSION_KHR,
+                           kRequiredMinor,
+                           EGL_CONTEXT_OPENGL_PROFILE_MASK_KHR,
+                           EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
+                           EGL_CONTEXT_FLAGS_KHR,
+                           debug ? EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR : 0,
+                           EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR,
+                           EGL_LOSE_CONTEXT_ON_RESET_KHR,
+                           EGL_NONE};
+  EGLContext context = egl.CreateContext(display, *config, EGL_NO_CONTEXT, attributes.data());
+  if (context == EGL_NO_CONTEXT) {
+    attributes[attributes.size() - 3] = EGL_NONE;
+    context = egl.CreateContext(display, *config, EGL_NO_CONTEXT, attributes.data());
+  }
   if (context != EGL_NO_CONTEXT) return context;
   return core::fail(fmt::format("no OpenGL {}.{} core context: {}", kRequiredMajor, kRequiredMinor, egl_error(egl)));
 }

@@ -108,6 +108,41 @@ TEST_F(HybridTest, ASmallSceneGetsNoGpuCuller) {
     }
 }
 
+/// The plan changes with the number of items: a scene that grows gets its GPU culler with the new order.
+TEST_F(HybridTest, AHybridOfASceneThatGrows) {
+  core::Scene small;
+  for (int i = 0; i < 9000; ++i)
+    small.add_primitive(small.root(), core::Box{0.4f, 0.4f, 0.4f}, core::translation({i % 30, i / 30 % 30, i / 900}));
+  for (const bool draw : {false, true}) {
+    EngineConfig c = config(CullerChoice::kHybrid);
+    c.draw = draw;
+    auto engine = Engine::create(small, c);
+    ASSERT_TRUE(engine);
+    EXPECT_EQ(engine->hybrid(), nullptr);
+    for (int i = 0; i < 20; ++i) ASSERT_TRUE(engine->frame(view(i)));
+    std::vector<core::ItemId> added;
+    for (int i = 0; i < 2000; ++i)
+      added.push_back(small.add_primitive(small.root(), core::Box{1, 1, 1}, core::translation({i % 40, i / 40, 30})));
+    ASSERT_TRUE(engine->rebuild());
+    ASSERT_NE(engine->hybrid(), nullptr);
+    int on_gpu = 0, late = 0;
+    for (int i = 0; i < 12; ++i) on_gpu += std::string_view(engine->frame(view(i))->path) == "gpu";
+    engine->finish();
+    context->functions().Finish();
+    while (const auto report = engine->take_late_report()) {
+      EXPECT_GE(report->frame, 20u);
+      ++late;
+    }
+    EXPECT_GT(on_gpu, 0);
+    EXPECT_GT(late, 0);
+    for (const core::ItemId item : added) small.remove_item(item);
+    ASSERT_TRUE(engine->rebuild());
+    EXPECT_EQ(engine->hybrid(), nullptr);
+    EXPECT_EQ(engine->drawing() != nullptr, draw);
+    ASSERT_TRUE(engine->frame(view(0)));
+  }
+}
+
 TEST_F(HybridTest, FrameCostGivesAGpuWithoutTimesUp) {
   core::Scene scene;
   fill(scene, 22);

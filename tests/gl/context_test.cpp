@@ -52,6 +52,20 @@ std::uint32_t value_in(const Buffer& buffer) {
   return value;
 }
 
+/// Once a driver has told of a reset the context stays lost, also when the driver is through with it.
+TEST_F(ContextTest, ALostContextStaysLost) {
+  EXPECT_FALSE(context->lost());
+  auto& gl = const_cast<Functions&>(context->functions());
+  auto& told = const_cast<Capabilities&>(context->capabilities()).reset_notification;
+  gl.GetGraphicsResetStatus = []() -> GLenum { return GL_INNOCENT_CONTEXT_RESET; };
+  told = false;
+  EXPECT_FALSE(context->lost()) << "a context that was not asked to tell has nothing to say";
+  told = true;
+  EXPECT_TRUE(context->lost());
+  gl.GetGraphicsResetStatus = []() -> GLenum { return GL_NO_ERROR; };
+  EXPECT_TRUE(context->lost());
+}
+
 TEST_F(ContextTest, AutomaticContextIsUsable) {
   EXPECT_FALSE(context->renderer().empty());
   EXPECT_FALSE(context->vendor().empty());

@@ -1,0 +1,184 @@
+// A context that is lost takes nothing with it but what lay in it: frames go on, culled by the CPU, edits too, and
+// where there is a context again the pictures are what they would have been.
+#include <gtest/gtest.h>
+
+#include "sightline/engine/drawing.h"
+#include "sightline/engine/engine.h"
+#include "sightline/render/image.h"
+#include "sightline/tests/support/gl_test.h"
+
+namespace sightline::tests {
+namespace {
+
+using engine::CullerChoice;
+using engine::Engine;
+using engine::EngineConfig;
+
+GLenum reset_in_frame() {
+  return GL_UNKNOWN_CONTEXT_RESET;
+}
+
+/// What a driver does that resets a context: it says so. Whatever is done to its objects after that has no effect.
+void lose(const gl::Context& context) {
+  const_cast<gl::Capabilities&>(context.capabilities()).reset_notification = true;
+  const_cast<gl::Functions&>(context.functions()).GetGraphicsResetStatus = reset_in_frame;
+}
+
+class ContextLossTest : public GlTest {
+ protected:
+  static constexpr int kItems = 22 * 22 * 22;  // enough for a GPU culler
+
+  void SetUp() override {
+    GlTest::SetUp();
+    for (int i = 0; i < kItems; ++i) {
+      const core::Affine at = core::translation({i % 22, i / 22 % 22, i / 22 / 22});
+      if (i % 2 == 0)
+        scene.add_primitive(scene.root(), core::Box{0.4f, 0.4f, 0.4f}, at);
+      else
+        scene.add_primitive(scene.root(), core::Cylinder{0.2f, 0.5f}, at);
+    }
+  }
+  static core::View view(int frame) {
+    const double turn = 0.1 * frame;
+    const core::dvec3 centre(11.0), eye = centre + 14.0 * core::dvec3(std::cos(turn), std::sin(turn), 0.2);
+    return *core::View::perspective({eye, centre, {0, 0, 1}}, 0.7, 1.5, 0.1);
+  }
+  static EngineConfig config(CullerChoice culler, gl::Context* context) {
+    EngineConfig c;
+    c.culler = culler;
+    c.draw = true;
+    c.width = 96;
+    c.height = 64;
+    c.context = context;
+    // Changes the path every few frames.
+    c.controller.policy = culling::Policy::kSeedStateMachine;
+    c.controller.seed.slow_ms = 0.0;
+    c.controller.seed.enter_frames = 2;
+    c.controller.seed.gpu_frames = 3;
+    return c;
+  }
+  static render::Image picture(Engine& engine) { return engine.drawing()->target().read_colour(); }
+  /// The same view on an engine of its own that knows no trouble.
+  render::Image wanted(const core::View& view) {
+    auto twin = Engine::create(scene, config(CullerChoice::kCpu, nullptr));
+    EXPECT_TRUE(twin && twin->frame(view));
+    render::Image image = picture(*twin);
+    return image;
+  }
+  void expect_picture(Engine& engine, const core::View& view) {
+    const render::Image shown = picture(engine);
+    const auto difference = render::compare(wanted(view), shown);
+    ASSERT_TRUE(difference);
+    EXPECT_LE(difference->max, 1);  // another order of the items has other last bits
+    (void)context->make_current();
+  }
+
+  core::Scene scene;
+};
+
+TEST_F(ContextLossTest, AnEngineReplacesItsOwnContext) {
+  for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu, CullerChoice::kHybrid}) {
+    auto engine = Engine::create(scene, config(culler, nullptr));
+    ASSERT_TRUE(engine) << engine.error().message;
+    SCOPED_TRACE(engine->culler_name());
+    ASSERT_TRUE(engine->frame(view(0)));
+    const render::Image before = picture(*engine);
+    lose(engine->drawing()->context());
+    const auto report = engine->frame(view(0));
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->drawn);
+    ASSERT_NE(engine->drawing(), nullptr);
+    EXPECT_FALSE(engine->drawing()->context().lost());
+    const auto difference = render::compare(before, picture(*engine));
+    ASSERT_TRUE(difference);
+    EXPECT_EQ(difference->max, 0);
+    bool gpu = false;
+    for (int frame = 0; frame < 8; ++frame) gpu |= std::string_view(engine->frame(view(frame))->path) == "gpu";
+    EXPECT_EQ(gpu, culler != CullerChoice::kCpu);
+  }
+}
+
+TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
+  for (const CullerChoice culler : {CullerChoice::kGpu, CullerChoice::kHybrid}) {
+    auto made = gl::Context::create_offscreen();
+    ASSERT_TRUE(made);
+    auto engine = Engine::create(scene, config(culler, &*made));
+    ASSERT_TRUE(engine);
+    SCOPED_TRACE(engine->culler_name());
+    std::int64_t visible = 0;
+    for (int frame = 0; frame < 6; ++frame) ASSERT_TRUE(engine->frame(view(frame)));
+    lose(*made);
+    for (int frame = 0; frame < 3; ++frame) {
+      const auto report = engine->frame(view(0));
+      ASSERT_TRUE(report) << report.error().message;
+      EXPECT_FALSE(report->drawn);
+      EXPECT_STRNE(report->path, "gpu");
+      EXPECT_GT(report->visible, 1000);
+      visible = report->visible;
+      EXPECT_EQ(engine->drawing(), nullptr);
+      EXPECT_EQ(engine->memory().gpu, 0u);
+    }
+    made.~expected();  // what an application does with a context that is lost
+    new (&made) auto(gl::Context::create_offscreen());
+    ASSERT_TRUE(made);
+
+    scene.remove_item(core::ItemId(culler == CullerChoice::kGpu ? 5577 : 5579));
+    ASSERT_TRUE(engine->commit());
+    EXPECT_EQ(engine->frame(view(0))->visible, visible - 1);
+    EXPECT_EQ(engine->drawing(), nullptr) << "the new context was not handed over yet";
+
+    const auto used = engine->use_context(*made);
+    ASSERT_TRUE(used) << used.error().message;
+    int on_gpu = 0;
+    for (int frame = 0; frame < 12; ++frame) {
+      const auto report = engine->frame(view(frame));
+      ASSERT_TRUE(report);
+      EXPECT_TRUE(report->drawn);
+      on_gpu += std::string_view(report->path) == "gpu";
+    }
+    EXPECT_GE(on_gpu, 3);
+    expect_picture(*engine, view(11));
+    ASSERT_TRUE(made->make_current());
+  }
+}
+
+/// The reset comes while everything is made anew, which then fails here and there: that is no error of the call.
+TEST_F(ContextLossTest, LossInTheMiddleOfARebuild) {
+  auto made = gl::Context::create_offscreen();
+  ASSERT_TRUE(made);
+  auto engine = Engine::create(scene, config(CullerChoice::kHybrid, &*made));
+  ASSERT_TRUE(engine);
+  ASSERT_TRUE(engine->frame(view(0)));
+  lose(*made);
+  const_cast<gl::Functions&>(made->functions()).GetError = []() -> GLenum { return GL_CONTEXT_LOST; };
+  ASSERT_TRUE(engine->rebuild());
+  const auto report = engine->frame(view(1));
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_FALSE(report->drawn);
+  EXPECT_GT(report->visible, 0);
+  ASSERT_TRUE(engine->rebuild());
+  auto other = gl::Context::create_offscreen();
+  ASSERT_TRUE(other);
+  ASSERT_TRUE(engine->use_context(*other));
+  EXPECT_TRUE(engine->frame(view(2))->drawn);
+  expect_picture(*engine, view(2));
+  ASSERT_TRUE(other->make_current());
+}
+
+TEST_F(ContextLossTest, AContextThatFailsIsNotTaken) {
+  auto engine = Engine::create(scene, config(CullerChoice::kHybrid, &*context));
+  ASSERT_TRUE(engine);
+  engine->drop_context();
+  EXPECT_FALSE(engine->frame(view(0))->drawn);
+  auto broken = gl::Context::create_offscreen();
+  ASSERT_TRUE(broken);
+  const_cast<gl::Functions&>(broken->functions()).GetError = []() -> GLenum { return GL_OUT_OF_MEMORY; };
+  EXPECT_FALSE(engine->use_context(*broken));
+  EXPECT_FALSE(engine->frame(view(0))->drawn);
+  ASSERT_TRUE(context->make_current());
+  ASSERT_TRUE(engine->use_context(*context));
+  EXPECT_TRUE(engine->frame(view(0))->drawn);
+}
+
+}  // namespace
+}  // namespace sightline::tests
