@@ -10,6 +10,7 @@
 #include "sightline/engine/drawing.h"
 #include "sightline/engine/engine.h"
 #include "sightline/importers/view_json.h"
+#include "sightline/render/image_metrics.h"
 
 namespace {
 
@@ -18,11 +19,11 @@ using nlohmann::json;
 
 struct Options {
   apps::ModelOptions model;
-  std::string size = "1280x720", view, path, out, ids, ids_json, depth, reference, diff, json_file;
+  std::string size = "1280x720", view, path, out, ids, ids_json, depth, reference, reference_ids, diff, json_file;
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   int frame = 0, frames = 300;
   bool fit = false, gl_debug = false;
-  double max = -1.0, mean = -1.0, tolerance = 2e-5;
+  double max = -1.0, mean = -1.0, tolerance = 2e-5, pixels_per_degree = render::kPixelsPerDegree;
 };
 
 void add_options(CLI::App& app, Options& o) {
@@ -48,7 +49,8 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--ids-json", o.ids_json, "Node path and kind of each item in the id image, JSON");
   app.add_option("--depth", o.depth, "Depth image, PFM: metres along the view axis");
   auto* compare = app.add_option("--compare", o.reference,
-                                 "Reference PNG; exit 1 when the image differs by more than --max or --mean");
+                                 "Reference PNG; exit 1 when the image differs by more than --max or --mean. Prints "
+                                 "PSNR, SSIM and FLIP too");
   app.add_option("--max", o.max, "Largest allowed difference of a channel, 0 to 255 (default 0, or any with --mean)")
       ->needs(compare)
       ->check(CLI::Range(0.0, 255.0))
@@ -57,6 +59,11 @@ void add_options(CLI::App& app, Options& o) {
       ->needs(compare)
       ->check(CLI::Range(0.0, 255.0))
       ->check(apps::accepted_by(apps::parse_finite));
+  app.add_option("--pixels-per-degree", o.pixels_per_degree, "Of the visual field, for FLIP")
+      ->needs(compare)
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1000.0));
+  app.add_option("--compare-ids", o.reference_ids, "Reference of --ids, PNG: counts the pixels that show another item");
   app.add_option("--diff", o.diff, "Difference image, PNG, four times amplified")->needs(compare);
   apps::add_culler_option(app, o.culler);
   app.add_option("--tolerance", o.tolerance, "Chord tolerance of tessellated kinds, metres")
@@ -101,6 +108,17 @@ core::Expected<void> write_id_names(const std::string& file, const render::IdIma
   return apps::write_text(file, apps::to_text(out));
 }
 
+/// What the difference means to who looks at it; images too small for it have no such figures.
+void add_metrics(const Options& o, const render::Image& reference, const render::Image& image, json& figures) {
+  const auto metrics = render::image_metrics(reference, image, o.pixels_per_degree);
+  if (!metrics) return;
+  figures["psnr"] = metrics->psnr;
+  figures["ssim"] = metrics->ssim;
+  figures["flip"] = {{"mean", metrics->flip_mean}, {"p99", metrics->flip_p99}};
+  std::fprintf(o.json_file == "-" ? stderr : stdout, "PSNR %.2f dB  SSIM %.5f  FLIP mean %.5f, p99 %.4f\n",
+               metrics->psnr, metrics->ssim, metrics->flip_mean, metrics->flip_p99);
+}
+
 core::Expected<bool> compare(const Options& o, const render::Image& image, json& figures) {
   auto reference = render::read_png(o.reference);
   if (!reference) return tl::unexpected(reference.error());
@@ -114,9 +132,20 @@ core::Expected<bool> compare(const Options& o, const render::Image& image, json&
       (only_mean || difference->max <= std::max(0.0, o.max)) && (only_max || difference->mean <= std::max(0.0, o.mean));
   figures["compare"] = {
       {"max", difference->max}, {"mean", difference->mean}, {"pixels", difference->pixels}, {"ok", same}};
+  add_metrics(o, *reference, image, figures["compare"]);
   std::fprintf(o.json_file == "-" ? stderr : stdout, "max %d  mean %.4f  differing pixels %llu  %s\n", difference->max,
                difference->mean, (unsigned long long)difference->pixels, same ? "ok" : "DIFFERS");
   return same;
+}
+
+core::Expected<void> compare_ids(const Options& o, const engine::Drawing& drawing, json& figures) {
+  auto reference = render::read_png(o.reference_ids);
+  if (!reference) return tl::unexpected(reference.error());
+  const auto wrong = render::wrong_ids(render::ids_of_colours(*reference), drawing.target().read_ids());
+  if (!wrong) return core::fail(o.reference_ids + ": " + wrong.error().message);
+  figures["wrong_ids"] = *wrong;
+  std::fprintf(o.json_file == "-" ? stderr : stdout, "pixels of another item %llu\n", (unsigned long long)*wrong);
+  return {};
 }
 
 core::Expected<void> write_outputs(const Options& o, const engine::Drawing& drawing, const core::View& view,
@@ -144,7 +173,7 @@ core::Expected<int> render_model(const Options& o) {
   config.draw = true;
   config.width = (*size)[0];
   config.height = (*size)[1];
-  config.ids = !o.ids.empty() || !o.ids_json.empty();
+  config.ids = !o.ids.empty() || !o.ids_json.empty() || !o.reference_ids.empty();
   config.gl_debug = o.gl_debug;
   config.chord_tolerance = o.tolerance;
   config.culler = o.culler;
@@ -170,6 +199,8 @@ core::Expected<int> render_model(const Options& o) {
                   {"visible", report->visible},
                   {"tested", report->tested},
                   {"culler", engine->culler_name()}};
+  if (!o.reference_ids.empty())
+    if (auto done = compare_ids(o, drawing, figures); !done) return tl::unexpected(done.error());
   bool same = true;
   if (!o.reference.empty()) {
     auto compared = compare(o, image, figures);

@@ -91,6 +91,13 @@ core::Expected<Image> id_colours(const IdImage& ids) {
   return image;
 }
 
+IdImage ids_of_colours(const Image& image) {
+  IdImage ids{image.width, image.height, std::vector<std::uint32_t>(image.pixels.size() / 3)};
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    ids.ids[i / 3] |= std::uint32_t(image.pixels[i]) << (8 * (i % 3));
+  return ids;
+}
+
 core::Expected<ImageDifference> compare(const Image& a, const Image& b) {
   if (a.width != b.width || a.height != b.height)
     return core::fail("images differ in size: " + std::to_string(a.width) + "x" + std::to_string(a.height) + " and " +

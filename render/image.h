@@ -34,6 +34,7 @@ core::Expected<Image> read_png(const std::filesystem::path& path);
 core::Expected<void> write_pfm(const DepthImage& image, const std::filesystem::path& path);
 /// Ids as 24-bit colour, R the low byte; an id above 0xffffff is an error.
 core::Expected<Image> id_colours(const IdImage& ids);
+IdImage ids_of_colours(const Image& image);
 
 /// Differences over all channels of all pixels, in 0 … 255.
 struct ImageDifference {

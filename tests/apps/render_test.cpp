@@ -118,6 +118,26 @@ TEST_F(Render, ComparesWithItself) {
   EXPECT_NE(outcome.out.find("differing pixels 0"), std::string::npos) << outcome;
 }
 
+TEST_F(Render, ComparisonSaysWhatTheEyeSees) {
+  const std::string out = path("out.png"), ids = path("ids.png"), other = write("other.json", kOrthoView);
+  render(with({"--view", view, "--out", out, "--ids", ids}));
+  const Args limits = {"--compare", out, "--compare-ids", ids, "--max", "255", "--mean", "255"};
+  const auto figures = [&](const std::string& seen) {
+    Args args = with({"--view", seen});
+    args.insert(args.end(), limits.begin(), limits.end());
+    return run_json("render", args);
+  };
+  const Json same = figures(view), changed = figures(other);
+  EXPECT_TRUE(same["compare"]["psnr"].is_null()) << "infinite";
+  EXPECT_NEAR(same["compare"]["ssim"].get<double>(), 1.0, 1e-6);
+  EXPECT_EQ(same["compare"]["flip"]["mean"], 0.0);
+  EXPECT_EQ(same["wrong_ids"], 0);
+  EXPECT_LT(changed["compare"]["ssim"], 0.9);
+  EXPECT_GT(changed["compare"]["flip"]["mean"], 0.02);
+  EXPECT_GT(changed["compare"]["flip"]["p99"], changed["compare"]["flip"]["mean"]);
+  EXPECT_GT(changed["wrong_ids"], 100);
+}
+
 TEST_F(Render, ComparisonFailsOnAnotherPicture) {
   const std::string out = path("out.png"), diff = path("diff.png");
   const std::string other = write("other.json", kOrthoView);

@@ -66,6 +66,7 @@ TEST(Image, IdsAreColoursLowByteFirst) {
   const auto image = id_colours({2, 1, {0, 0x00030201u}});
   ASSERT_TRUE(image);
   EXPECT_EQ(image->pixels, (std::vector<std::uint8_t>{0, 0, 0, 1, 2, 3}));
+  EXPECT_EQ(ids_of_colours(*image).ids, (std::vector<std::uint32_t>{0, 0x00030201u}));
   EXPECT_FALSE(id_colours({1, 1, {0x01000000u}}));
 }
 

@@ -1,0 +1,38 @@
+// How different two images are: to a computer (PSNR), in structure (SSIM), and to somebody who flips between them
+// (FLIP).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sightline/core/error.h"
+#include "sightline/render/image.h"
+
+namespace sightline::render {
+
+/// Pixels per degree of the visual field for a 0.7 m wide screen of 3,840 pixels seen from 0.7 m, as in FLIP's paper.
+inline constexpr double kPixelsPerDegree = 67.02;
+
+struct ImageMetrics {
+  double psnr = 0.0;       ///< decibels over all channels, peak 255; infinity for equal images
+  double ssim = 0.0;       ///< mean over all 11 × 11 windows, of luma; 1 for equal images
+  double flip_mean = 0.0;  ///< 0: equal, 1: as different as can be
+  double flip_p99 = 0.0;   ///< 99 % of all pixels have less
+};
+
+/// SSIM after Wang, Bovik, Sheikh and Simoncelli, "Image Quality Assessment: From Error Visibility to Structural
+/// Similarity" (IEEE Transactions on Image Processing 13(4), 2004): Gaussian windows of deviation 1.5, K1 = 0.01, K2 =
+/// 0.03. FLIP: see flip(). Fails when the sizes differ or are below 11 pixels. Some 0.3 seconds per megapixel.
+core::Expected<ImageMetrics> image_metrics(const Image& reference, const Image& image,
+                                           double pixels_per_degree = kPixelsPerDegree);
+
+/// The error map of FLIP for images of low dynamic range: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and
+/// Fairchild, "FLIP: A Difference Evaluator for Alternating Images" (Proceedings of the ACM on Computer Graphics and
+/// Interactive Techniques 3(2), 2020). Images are sRGB. Rows top to bottom, 0 … 1. Preconditions: equal sizes,
+/// pixels_per_degree > 0.
+std::vector<float> flip(const Image& reference, const Image& image, double pixels_per_degree = kPixelsPerDegree);
+
+/// Pixels that show another item, or none where there is one. Fails when the sizes differ.
+core::Expected<std::uint64_t> wrong_ids(const IdImage& reference, const IdImage& image);
+
+}  // namespace sightline::render
