@@ -20,6 +20,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/gl/program.h"
+#include "sightline/gl/shader_source.h"
 #include "sightline/gl/transform_feedback.h"
 #include "sightline/gl/vertex_array.h"
 #include "sightline/gpuscene/gpu_scene.h"
@@ -42,19 +43,37 @@ class DrawLists {
     std::size_t offset = 0, size = 0;  ///< bytes; room for all records: ids, uint32, or of meshes commands
   };
 
+  /// Who counts what a culler on the GPU writes.
+  enum class Counting : std::uint8_t {
+    kSearch,  ///< end_gpu_update() looks where each list ends
+    kCuller,  ///< the culler itself, which also writes counts() and the index counts of commands(), see gpu_sections()
+  };
+
   static core::Expected<DrawLists> create(const gl::Context& context, const GpuScene& scene);
 
   /// Translates and uploads a visible set of `snapshot`, from which `scene` was made. Fails when the GPU has not the
   /// memory; then the lists are empty.
   core::Expected<void> update(const core::Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible);
 
-  /// Marks all places of the targets unused. The first call makes room for all of `scene` and compiles a program; fails
-  /// when the GPU has not the memory, then the lists are empty.
-  core::Expected<void> begin_gpu_update(const GpuScene& scene);
+  /// Marks all places of the targets unused; of a culler that counts only where draws would meet them (commands of
+  /// meshes without ARB_indirect_parameters). The first call makes room for all of `scene`, and the first to search
+  /// compiles programs. Fails when the GPU has not the memory, then the lists are empty.
+  core::Expected<void> begin_gpu_update(const GpuScene& scene, Counting counting = Counting::kSearch);
   Target target(BatchKind kind) const;  ///< of a batch that `scene` has
-  /// Counts what was written and makes commands of it, on the GPU. A complete framebuffer must be bound. Leaves
-  /// changed: program, vertex array, transform feedback, texture units 0 and 1.
+  /// Makes draw commands of what was written, on the GPU. When it has to search, a complete framebuffer must be bound,
+  /// and it leaves changed: program, vertex array, transform feedback, texture units 0 and 1.
   void end_gpu_update(const GpuScene& scene);
+
+  /// Per batch kind: first command (in commands(), whose members of meshes come last), first place of single records,
+  /// places (0: no such batch), indices per record (0 of meshes). With Counting::kCuller, the culler writes between
+  /// begin and end: for every kind both numbers of counts(); for every command of record batches the index count,
+  /// its first word, which is 0 of those not in use. shaders/draw_commands.glsl says how they follow.
+  using GpuSections = std::array<std::array<std::uint32_t, 4>, kBatchKindCount>;
+  const GpuSections& gpu_sections() const { return gpu_.sections; }
+  /// Commands of all record batches.
+  std::size_t record_command_count() const { return gpu_.record_commands; }
+  /// The files of gpuscene/shaders, with the defines that these of draw lists need.
+  static gl::ShaderContext shader_context();
   /// Nothing to draw.
   void clear() { sections_ = {}; }
 
@@ -80,6 +99,8 @@ class DrawLists {
   core::Expected<void> upload();
   core::Expected<void> grow_singles(std::size_t capacity);
   core::Expected<void> make_gpu_lists(const GpuScene& scene);
+  core::Expected<void> make_search();
+  void search();
   void write_gpu_templates(const GpuScene& scene);
 
   static constexpr int kFramesInFlight = 3;  // so that no upload waits for the GPU to finish reading
@@ -96,16 +117,20 @@ class DrawLists {
   /// What the GPU fills. One copy: the GPU does its work in order.
   struct GpuLists {
     gl::Buffer commands, singles, counts;  // commands of all record batches, then those of meshes
-    gl::TextureBuffer single_texels, command_texels;
+    gl::TextureBuffer single_texels;
+    // To search:
+    gl::TextureBuffer command_texels;
     gl::Program write_commands, count_records;
     gl::TransformFeedback command_feedback, count_feedback;
     gl::VertexArray array;  // without attributes
-    std::array<std::size_t, kBatchKindCount> first_command{}, command_count{}, first_single{}, capacity{};
+    GpuSections sections{};
+    std::array<std::size_t, kBatchKindCount> command_count{};
     std::array<std::uint32_t, kBatchKindCount> records{};  // Batch::count that the templates were written for
     std::size_t record_commands = 0;
   };
   GpuLists gpu_;  // empty until begin_gpu_update()
   bool from_gpu_ = false;
+  Counting counting_ = Counting::kSearch;
 };
 
 }  // namespace sightline::gpuscene

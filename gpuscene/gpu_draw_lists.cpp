@@ -1,9 +1,9 @@
 // Draw lists that a culler on the GPU fills.
 //
-// How many records it has written is found by looking for the first unused place, by halving, in vertex stages whose
-// answers go through transform feedback. Others say the same, but on Mesa's llvmpipe a query written into a buffer
-// waits until the frame before is drawn, and so does the memory barrier after a compute shader (of a frame of 73 ms, 12
-// ms).
+// How many records it has written, unless it counts itself, is found by looking for the first unused place, by halving,
+// in vertex stages whose answers go through transform feedback. Others say the same, but on Mesa's llvmpipe a query
+// written into a buffer waits until the frame before is drawn, and so does the memory barrier after a compute shader
+// (of a frame of 73 ms, 12 ms).
 #include <algorithm>
 #include <cassert>
 
@@ -17,6 +17,9 @@ namespace {
 enum TextureUnit : GLuint { kRecordUnit, kCommandUnit };
 constexpr GLint kSectionsUniform = 0;
 
+/// Members of DrawLists::GpuSections.
+enum SectionWord { kFirstCommand, kFirstSingle, kPlaces, kIndicesPerRecord };
+
 std::size_t commands_for(const Batch& batch) {
   return batch.kind == BatchKind::kMesh ? batch.capacity
                                         : (batch.capacity + kRecordsPerCommand - 1) / kRecordsPerCommand;
@@ -27,11 +30,7 @@ core::Expected<void> make_program(const gl::Functions& gl, const char* vertex, s
   gl::ProgramDescription description;
   description.name = vertex;
   description.stages = {{GL_VERTEX_SHADER, {vertex}}};
-  description.shaders.tables = {shaders()};
-  description.shaders.defines = {
-      "BATCH_KINDS " + std::to_string(kBatchKindCount), "MESH_KIND " + std::to_string(int(BatchKind::kMesh)) + "u",
-      "RECORDS_PER_COMMAND " + std::to_string(kRecordsPerCommand) + "u",
-      "COMMAND_WORDS " + std::to_string(sizeof(ElementsCommand) / sizeof(std::uint32_t)) + "u"};
+  description.shaders = DrawLists::shader_context();
   description.feedback_varyings = std::move(varyings);
   auto program = gl::Program::create(gl, description);
   if (!program) return tl::unexpected(program.error());
@@ -39,24 +38,40 @@ core::Expected<void> make_program(const gl::Functions& gl, const char* vertex, s
   return {};
 }
 
+core::Expected<void> make_view(const gl::Functions& gl, const gl::Buffer& buffer, const char* what,
+                               gl::TextureBuffer& out) {
+  auto texels = gl::TextureBuffer::create(gl, buffer, GL_R32UI, what);
+  if (!texels) return tl::unexpected(texels.error());
+  out = std::move(*texels);
+  return {};
+}
+
 }  // namespace
+
+gl::ShaderContext DrawLists::shader_context() {
+  gl::ShaderContext context;
+  context.tables = {shaders()};
+  context.defines = {"BATCH_KINDS " + std::to_string(kBatchKindCount),
+                     "MESH_KIND " + std::to_string(int(BatchKind::kMesh)) + "u",
+                     "RECORDS_PER_COMMAND " + std::to_string(kRecordsPerCommand) + "u",
+                     "COMMAND_WORDS " + std::to_string(sizeof(ElementsCommand) / sizeof(std::uint32_t)) + "u"};
+  return context;
+}
 
 core::Expected<void> DrawLists::make_gpu_lists(const GpuScene& scene) {
   GpuLists lists;
   std::size_t commands = 0, singles = 0;
   const auto place = [&](const Batch& batch) {
     const std::size_t kind = std::size_t(batch.kind);
-    lists.first_command[kind] = commands;
-    lists.first_single[kind] = singles;
-    lists.capacity[kind] = batch.capacity;
+    const bool meshes = batch.kind == BatchKind::kMesh;
+    lists.sections[kind] = {std::uint32_t(commands), std::uint32_t(singles), batch.capacity,
+                            meshes ? 0 : pattern_of(batch.kind).per_record};
     lists.command_count[kind] = commands_for(batch);
     commands += lists.command_count[kind];
+    if (!meshes) singles += batch.capacity;
   };
-  for (const Batch& batch : scene.batches()) {
-    if (batch.kind == BatchKind::kMesh) continue;
-    place(batch);
-    singles += batch.capacity;
-  }
+  for (const Batch& batch : scene.batches())
+    if (batch.kind != BatchKind::kMesh) place(batch);
   lists.record_commands = commands;
   if (const Batch* meshes = scene.batch(BatchKind::kMesh)) place(*meshes);
 
@@ -70,67 +85,66 @@ core::Expected<void> DrawLists::make_gpu_lists(const GpuScene& scene) {
   if (done)
     done = make(lists.singles, std::max<std::size_t>(1, singles) * sizeof(std::uint32_t), "GPU's visible records");
   if (done) done = make(lists.counts, 2 * kBatchKindCount * sizeof(std::uint32_t), "GPU's visible counts");
+  if (done) done = make_view(*gl_, lists.singles, "GPU's visible records", lists.single_texels);
   if (!done) return done;
-  const auto view = [&](gl::TextureBuffer& out, const gl::Buffer& buffer, const char* what) -> core::Expected<void> {
-    auto texels = gl::TextureBuffer::create(*gl_, buffer, GL_R32UI, what);
-    if (!texels) return tl::unexpected(texels.error());
-    out = std::move(*texels);
-    return {};
-  };
-  done = view(lists.single_texels, lists.singles, "GPU's visible records");
-  if (done) done = view(lists.command_texels, lists.commands, "GPU's draw commands");
-  if (done) done = make_program(*gl_, "count_records.vert", {"command_count", "record_count"}, lists.count_records);
-  if (done)
-    done = make_program(*gl_, "write_commands.vert", {"index_count", "gl_SkipComponents4"}, lists.write_commands);
-  if (!done) return done;
-  lists.array = gl::VertexArray(*gl_);
-  lists.command_feedback = gl::TransformFeedback(*gl_);
-  lists.command_feedback.set_buffer(lists.commands.id(), 0, lists.commands.size());
-  lists.count_feedback = gl::TransformFeedback(*gl_);
-  lists.count_feedback.set_buffer(lists.counts.id(), 0, lists.counts.size());
   gpu_ = std::move(lists);
+  write_gpu_templates(scene);
+  return {};
+}
+
+core::Expected<void> DrawLists::make_search() {
+  auto done = make_view(*gl_, gpu_.commands, "GPU's draw commands", gpu_.command_texels);
+  if (done) done = make_program(*gl_, "count_records.vert", {"command_count", "record_count"}, gpu_.count_records);
+  if (done)
+    done = make_program(*gl_, "write_commands.vert", {"index_count", "gl_SkipComponents4"}, gpu_.write_commands);
+  if (!done) return done;
+  for (const gl::Program* program : {&gpu_.write_commands, &gpu_.count_records})
+    gl_->ProgramUniform4uiv(program->id(), kSectionsUniform, kBatchKindCount, gpu_.sections[0].data());
+  gpu_.array = gl::VertexArray(*gl_);
+  gpu_.command_feedback = gl::TransformFeedback(*gl_);
+  gpu_.command_feedback.set_buffer(gpu_.commands.id(), 0, gpu_.commands.size());
+  gpu_.count_feedback = gl::TransformFeedback(*gl_);
+  gpu_.count_feedback.set_buffer(gpu_.counts.id(), 0, gpu_.counts.size());
   return {};
 }
 
 /// All that the GPU does not change of record batches' commands.
 void DrawLists::write_gpu_templates(const GpuScene& scene) {
   std::vector<ElementsCommand> commands(gpu_.record_commands);
-  std::array<std::uint32_t, 4 * kBatchKindCount> sections{};
   for (const Batch& batch : scene.batches()) {
     const std::size_t kind = std::size_t(batch.kind);
     gpu_.records[kind] = batch.count;
-    sections[4 * kind] = std::uint32_t(gpu_.first_command[kind]);
-    sections[4 * kind + 1] = std::uint32_t(gpu_.first_single[kind]);
-    sections[4 * kind + 2] = std::uint32_t(gpu_.capacity[kind]);
     if (batch.kind == BatchKind::kMesh) continue;
     const IndexPattern pattern = pattern_of(batch.kind);
-    const std::size_t first = gpu_.first_command[kind];
+    const auto& section = gpu_.sections[kind];
     for (std::size_t i = 0; i < gpu_.command_count[kind]; ++i) {
-      const std::size_t record = batch.count + gpu_.first_single[kind] + i * kRecordsPerCommand;
-      commands[first + i] = {0, 1, pattern.first_index, std::int32_t(record) * pattern.vertices_per_record, 0};
+      const std::size_t record = batch.count + section[kFirstSingle] + i * kRecordsPerCommand;
+      commands[section[kFirstCommand] + i] = {0, 1, pattern.first_index,
+                                              std::int32_t(record) * pattern.vertices_per_record, 0};
     }
-    sections[4 * kind + 3] = pattern.per_record;
   }
   gpu_.commands.write(0, commands.size() * sizeof(ElementsCommand), commands.data());
-  for (const gl::Program* program : {&gpu_.write_commands, &gpu_.count_records})
-    gl_->ProgramUniform4uiv(program->id(), kSectionsUniform, kBatchKindCount, sections.data());
 }
 
-core::Expected<void> DrawLists::begin_gpu_update(const GpuScene& scene) {
+core::Expected<void> DrawLists::begin_gpu_update(const GpuScene& scene, Counting counting) {
   sections_ = {};
   from_gpu_ = true;
-  bool fresh = gpu_.counts.id() == 0;
-  if (fresh)
+  counting_ = counting;
+  if (gpu_.counts.id() == 0)
     if (auto done = make_gpu_lists(scene); !done) return done;
-  for (const Batch& batch : scene.batches()) fresh |= gpu_.records[std::size_t(batch.kind)] != batch.count;
-  if (fresh) write_gpu_templates(scene);
+  const bool search = counting == Counting::kSearch;
+  if (search && gpu_.write_commands.id() == 0)
+    if (auto done = make_search(); !done) return done;
+  bool grown = false;
+  for (const Batch& batch : scene.batches()) grown |= gpu_.records[std::size_t(batch.kind)] != batch.count;
+  if (grown) write_gpu_templates(scene);
   // Byte by byte: what Mesa does with one memset.
   const auto fill = [&](const gl::Buffer& buffer, std::size_t offset, std::size_t size, GLubyte value) {
     gl_->ClearNamedBufferSubData(buffer.id(), GL_R8UI, GLintptr(offset), GLsizeiptr(size), GL_RED_INTEGER,
                                  GL_UNSIGNED_BYTE, &value);
   };
-  if (gpu_.record_commands > 0) fill(gpu_.singles, 0, gpu_.singles.size(), 0xff);
-  if (scene.batch(BatchKind::kMesh)) {
+  if (search && gpu_.record_commands > 0) fill(gpu_.singles, 0, gpu_.singles.size(), 0xff);
+  if (scene.batch(BatchKind::kMesh) && (search || !gl_->MultiDrawElementsIndirectCountARB)) {
     const Target meshes = target(BatchKind::kMesh);
     fill(gpu_.commands, meshes.offset, meshes.size, 0);  // commands that draw nothing
   }
@@ -138,14 +152,14 @@ core::Expected<void> DrawLists::begin_gpu_update(const GpuScene& scene) {
 }
 
 DrawLists::Target DrawLists::target(BatchKind kind) const {
-  const std::size_t k = std::size_t(kind);
+  const auto& section = gpu_.sections[std::size_t(kind)];
   if (kind == BatchKind::kMesh)
-    return {gpu_.commands.id(), gpu_.first_command[k] * sizeof(ElementsCommand),
-            gpu_.capacity[k] * sizeof(ElementsCommand)};
-  return {gpu_.singles.id(), gpu_.first_single[k] * sizeof(std::uint32_t), gpu_.capacity[k] * sizeof(std::uint32_t)};
+    return {gpu_.commands.id(), section[kFirstCommand] * sizeof(ElementsCommand),
+            section[kPlaces] * sizeof(ElementsCommand)};
+  return {gpu_.singles.id(), section[kFirstSingle] * sizeof(std::uint32_t), section[kPlaces] * sizeof(std::uint32_t)};
 }
 
-void DrawLists::end_gpu_update(const GpuScene& scene) {
+void DrawLists::search() {
   const gl::Functions& gl = *gl_;
   gl.Enable(GL_RASTERIZER_DISCARD);
   gl.BindTextureUnit(kRecordUnit, gpu_.single_texels.id());
@@ -163,11 +177,15 @@ void DrawLists::end_gpu_update(const GpuScene& scene) {
     gpu_.command_feedback.end();
   }
   gl.Disable(GL_RASTERIZER_DISCARD);
+}
+
+void DrawLists::end_gpu_update(const GpuScene& scene) {
+  if (counting_ == Counting::kSearch) search();
   for (const Batch& batch : scene.batches()) {
     const std::size_t kind = std::size_t(batch.kind);
-    assert(batch.capacity == gpu_.capacity[kind] && "draw lists are of another scene");
-    sections_[kind] = {gpu_.first_command[kind] * sizeof(ElementsCommand), int(gpu_.command_count[kind]),
-                       gl.MultiDrawElementsIndirectCountARB != nullptr};
+    assert(batch.capacity == gpu_.sections[kind][kPlaces] && "draw lists are of another scene");
+    sections_[kind] = {gpu_.sections[kind][kFirstCommand] * sizeof(ElementsCommand), int(gpu_.command_count[kind]),
+                       gl_->MultiDrawElementsIndirectCountARB != nullptr};
   }
 }
 

@@ -1,15 +1,15 @@
 // culling/gpu: culling on the GPU, in OpenGL 4.5 core, whose answer stays there.
 //
-// Two passes over each batch of a gpuscene::GpuScene, with the rasteriser off. The first has a vertex for each cluster
-// of 64 consecutive records, the second one for each record of the clusters that were kept; vertex stages test boxes,
-// geometry stages write what is kept through transform feedback. Cost follows what is visible but for 1/64 of the
-// records. What is found, record ids or the draw commands of meshes, goes straight into gpuscene::DrawLists, which
-// makes draw commands of it on the GPU: nothing is read back, nothing is waited for, and what the CPU does per frame
-// does not depend on the number of items.
+// Records are tested in clusters of 64 consecutive ones: first the cluster's box, then, where it is not outside, the
+// records'. So cost follows what is visible but for 1/64 of the records. There are two forms with the same answer in
+// the same order, one in vertex and geometry stages and one in compute shaders (GpuForm). What is found, record ids or
+// the draw commands of meshes, goes straight into gpuscene::DrawLists, which have draw commands made of it on the GPU:
+// nothing is read back, nothing is waited for, and what the CPU does per frame does not depend on the number of items.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -17,33 +17,33 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/culling/frustum_test.h"
-#include "sightline/culling/gpu/gpu_bounds.h"
-#include "sightline/gl/framebuffer.h"
-#include "sightline/gl/program.h"
+#include "sightline/culling/gpu/gpu_culler_config.h"
 #include "sightline/gl/timer.h"
-#include "sightline/gl/transform_feedback.h"
-#include "sightline/gl/vertex_array.h"
 #include "sightline/gpuscene/draw_lists.h"
 #include "sightline/gpuscene/gpu_scene.h"
 
 namespace sightline::culling {
 
-namespace detail {
-void delete_query(const gl::Functions& gl, GLuint name);
-}  // namespace detail
+class GpuPass;
+struct CullBatch;
 
 /// Promise: conservative, and nearly what CpuCuller answers. Items go only when the float form of CullPlanes surely
 /// rejects them, with twice its band and room for flushed denormals, since GLSL leaves rounding mode and denormals to
 /// the driver (The OpenGL Shading Language 4.50, section 4.7.1). So no item of the CPU's set is ever missing, and
 /// what is there beyond it has a corner within that band of a plane: some 10^-6 of the scene's size.
 ///
-/// The context must be current in all calls. cull() leaves changed: program, vertex array, framebuffer, transform
-/// feedback, texture units 0 to 2, uniform block 1.
+/// The context must be current in all calls. cull() leaves changed: program, texture units 0 to 4, uniform block 1; the
+/// geometry form also vertex array, framebuffer and transform feedback, the compute form shader storage blocks 0 to 4.
 class GpuCuller {
  public:
-  /// For `scene`, made from `snapshot`. Fails when the GPU has not the memory.
+  /// For `scene`, made from `snapshot`. Fails when the GPU has not the memory, or the context cannot do the form asked
+  /// for (compute: a storage block's size limits the records of a batch).
   static core::Expected<GpuCuller> create(const gl::Context& context, const core::Snapshot& snapshot,
-                                          const gpuscene::GpuScene& scene);
+                                          const gpuscene::GpuScene& scene, const GpuCullerConfig& config = {});
+
+  GpuCuller(GpuCuller&&) noexcept;
+  GpuCuller& operator=(GpuCuller&&) noexcept;
+  ~GpuCuller();
 
   /// Follows an edit of `touched` slots (Snapshot::apply) after GpuScene::append and update. Fails when the GPU has not
   /// the memory for layers that came into use; then make it anew.
@@ -68,47 +68,30 @@ class GpuCuller {
   /// The set that the last cull() put into `lists`, single slots all. Waits for the GPU: for tests and tools.
   core::VisibleSet read_back(const gpuscene::DrawLists& lists) const;
 
+  GpuForm form() const;
   std::size_t memory_bytes() const;
 
  private:
-  using Query = gl::Handle<detail::delete_query>;
-
-  struct BatchBounds {
-    gpuscene::BatchKind kind;
-    GpuBounds bounds;
-    gl::Buffer visible_clusters, commands;  // commands: of all meshes
-    gl::TextureBuffer command_texels;
-    gl::TransformFeedback clusters_feedback;
-  };
-  /// Queries of one cull().
+  /// Of one cull().
   struct Probe {
-    std::array<Query, gpuscene::kBatchKindCount> found;
     std::uint64_t frame = 0;
     bool timed = false, skipped = false;  // skipped: nothing could be visible
   };
 
-  core::Expected<void> make_programs(const gpuscene::GpuScene& scene);
+  GpuCuller();
+  core::Expected<void> make_batches(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   core::Expected<void> add_batch(const core::ItemBounds& bounds, const gpuscene::GpuScene& scene,
                                  const gpuscene::Batch& batch, std::vector<core::Slot> slots);
-  core::Expected<void> make_bounds(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   void upload_planes(const CullPlanes& planes, const core::ItemBounds& bounds, std::uint32_t layers) const;
-  void find_clusters() const;
-  void find_items(const gpuscene::DrawLists& lists, const Probe& probe) const;
-  void bind(const gl::Program& program, const GpuBoxes& boxes) const;
-  Probe& next_probe(std::uint64_t frame);
-
-  static constexpr std::size_t kProbes = gl::GpuTimer::kSlots;
+  std::size_t next_probe(std::uint64_t frame);
 
   const gl::Functions* gl_ = nullptr;
-  std::vector<BatchBounds> batches_;
+  std::vector<CullBatch> batches_;
   core::Slot slot_count_ = 0;
   bool uses_layers_ = false;
-  gl::Program cluster_pass_, item_pass_, mesh_pass_;
+  std::unique_ptr<GpuPass> pass_;
   gl::Buffer plane_block_;
-  gl::VertexArray cluster_array_, item_array_;
-  gl::Framebuffer framebuffer_;
-  gl::TransformFeedback item_feedback_;
-  std::vector<Probe> probes_;  // a ring of kProbes, and one that nobody reads, for when it is full
+  std::vector<Probe> probes_;  // a ring, and one that nobody reads, for when it is full
   std::size_t first_probe_ = 0, pending_ = 0;
   std::optional<gl::GpuTimer> timer_;
 };

@@ -7,5 +7,5 @@ flat out uint record_count;
 void main() {
   uint kind = uint(gl_VertexID);
   record_count = search(kind, 0u, sections[kind].z);
-  command_count = kind == MESH_KIND ? record_count : (record_count + RECORDS_PER_COMMAND - 1u) / RECORDS_PER_COMMAND;
+  command_count = commands_in_use(kind, record_count);
 }

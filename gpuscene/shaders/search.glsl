@@ -1,8 +1,8 @@
 // Where a list that a culler has written ends. C++ side and defines: gpuscene/gpu_draw_lists.cpp.
+#include "draw_commands.glsl"
+
 layout(binding = 0) uniform usamplerBuffer records;   // ids, by place in DrawLists' list of single records
 layout(binding = 1) uniform usamplerBuffer commands;  // gpuscene::ElementsCommand, five texels each
-// Per batch kind: first command, first place, places, indices per record.
-layout(location = 0) uniform uvec4 sections[BATCH_KINDS];
 
 const uint kUnused = 0xffffffffu;
 

@@ -4,9 +4,7 @@
 flat out uint index_count;
 
 void main() {
-  uint command = uint(gl_VertexID), kind = 0u;
-  for (uint k = 0u; k < MESH_KIND; ++k)
-    if (sections[k].z > 0u && command >= sections[k].x) kind = k;  // they follow each other
+  uint command = uint(gl_VertexID), kind = kind_of_command(command);
   uint begin = (command - sections[kind].x) * RECORDS_PER_COMMAND;
   uint end = min(begin + RECORDS_PER_COMMAND, sections[kind].z);
   index_count = (search(kind, begin, end) - begin) * sections[kind].w;

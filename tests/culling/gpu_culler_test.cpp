@@ -21,6 +21,8 @@ using core::dvec3;
 using core::Slot;
 using core::View;
 using culling::GpuCuller;
+using culling::GpuCullerConfig;
+using culling::GpuForm;
 using tests::chance;
 using tests::magnitude;
 using tests::point;
@@ -30,16 +32,18 @@ using tests::whole;
 
 /// All that it takes to cull a scene on the GPU.
 struct Rig {
+  const gl::Context* context;
   core::Snapshot snapshot;
   gpuscene::GpuScene gpu;
   gpuscene::DrawLists lists;
   GpuCuller culler;
 
-  Rig(const gl::Context& context, const core::Scene& scene)
-      : snapshot(scene),
-        gpu(std::move(*gpuscene::GpuScene::create(context, snapshot))),
-        lists(std::move(*gpuscene::DrawLists::create(context, gpu))),
-        culler(std::move(*GpuCuller::create(context, snapshot, gpu))) {}
+  Rig(const gl::Context& gl, const core::Scene& scene, const GpuCullerConfig& config)
+      : context(&gl),
+        snapshot(scene),
+        gpu(std::move(*gpuscene::GpuScene::create(gl, snapshot))),
+        lists(std::move(*gpuscene::DrawLists::create(gl, gpu))),
+        culler(std::move(*GpuCuller::create(gl, snapshot, gpu, config))) {}
 
   std::vector<Slot> cull(const View& view) {
     EXPECT_TRUE(culler.cull(view, snapshot, gpu, lists));
@@ -124,9 +128,22 @@ core::MeshId add_point_mesh(core::Scene& scene, const core::vec3& size) {
   return scene.add_mesh(mesh);
 }
 
-class GpuCullerTest : public tests::GlTest {};
+/// Every test is for all ways to cull.
+class GpuCullerTest : public tests::GlTest, public testing::WithParamInterface<GpuCullerConfig> {};
 
-TEST_F(GpuCullerTest, FindsWhatTheCpuFinds) {
+constexpr GpuForm kForms[] = {GpuForm::kGeometry, GpuForm::kCompute};
+
+std::vector<GpuCullerConfig> all_configs() {
+  std::vector<GpuCullerConfig> configs;
+  for (const GpuForm form : kForms) configs.push_back({form});
+  return configs;
+}
+std::string config_name(const testing::TestParamInfo<GpuCullerConfig>& info) {
+  return std::string(name_of(*info.param.form));
+}
+INSTANTIATE_TEST_SUITE_P(All, GpuCullerTest, testing::ValuesIn(all_configs()), config_name);
+
+TEST_P(GpuCullerTest, FindsWhatTheCpuFinds) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
@@ -136,7 +153,7 @@ TEST_F(GpuCullerTest, FindsWhatTheCpuFinds) {
     for (int i = 0; i < 3000; ++i)
       add_any(random, scene, scene.root(), site + point(random, half), half * magnitude(random, 1e-4, 0.1));
     ASSERT_TRUE(scene.commit());
-    Rig rig(*context, scene);
+    Rig rig(*context, scene, GetParam());
     std::size_t extra = 0, found = 0;
     for (int i = 0; i < 12; ++i) {
       SCOPED_TRACE("view " + std::to_string(i));
@@ -151,7 +168,7 @@ TEST_F(GpuCullerTest, FindsWhatTheCpuFinds) {
 }
 
 /// Boxes without size, of denormals, huge, long, and such that touch the planes of the view or miss them by a bit.
-TEST_F(GpuCullerTest, LosesNothingAtThePlanes) {
+TEST_P(GpuCullerTest, LosesNothingAtThePlanes) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
@@ -184,13 +201,13 @@ TEST_F(GpuCullerTest, LosesNothingAtThePlanes) {
       scene.add_mesh_instance(scene.root(), add_point_mesh(scene, size), core::translation(p));
     }
     ASSERT_TRUE(scene.commit());
-    Rig rig(*context, scene);
+    Rig rig(*context, scene, GetParam());
     expect_same(gl(), rig, view);
     EXPECT_FALSE(rig.cull_linear(view).empty());
   }
 }
 
-TEST_F(GpuCullerTest, LooksAtLayers) {
+TEST_P(GpuCullerTest, LooksAtLayers) {
   Random random(5);
   core::Scene scene;
   for (int layer = 0; layer < 4; ++layer) {
@@ -199,7 +216,7 @@ TEST_F(GpuCullerTest, LooksAtLayers) {
     for (int i = 0; i < 400; ++i) add_any(random, scene, node, point(random, 20.0), 1.0);
   }
   ASSERT_TRUE(scene.commit());
-  Rig rig(*context, scene);
+  Rig rig(*context, scene, GetParam());
   std::size_t found = 0;
   for (std::uint32_t layers = 0; layers < 6; ++layers) {
     View view = *View::perspective({{0, -40, 0}, {0, 0, 0}, {0, 0, 1}}, 0.7, 1.0, 0.1);
@@ -210,7 +227,7 @@ TEST_F(GpuCullerTest, LooksAtLayers) {
   EXPECT_GT(found, 1000u);
 }
 
-TEST_F(GpuCullerTest, FollowsEdits) {
+TEST_P(GpuCullerTest, FollowsEdits) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
@@ -222,7 +239,7 @@ TEST_F(GpuCullerTest, FollowsEdits) {
       add_any(random, scene, nodes[std::size_t(whole(random, 0, 39))], point(random, 20.0), 1.0, false);
     for (int i = 0; i < 300; ++i) scene.add_mesh_instance(scene.root(), mesh, core::translation(point(random, 20.0)));
     ASSERT_TRUE(scene.commit());
-    Rig rig(*context, scene);
+    Rig rig(*context, scene, GetParam());
     for (int round = 0; round < 12; ++round) {
       SCOPED_TRACE("round " + std::to_string(round));
       for (int i = 0; i < 12; ++i) {
@@ -259,14 +276,14 @@ TEST_F(GpuCullerTest, FollowsEdits) {
   }
 }
 
-TEST_F(GpuCullerTest, ScenesOfNothingAndOfOne) {
+TEST_P(GpuCullerTest, ScenesOfNothingAndOfOne) {
   core::Scene scene;
   const View view = *View::perspective({{0, -5, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
-  Rig empty(*context, scene);
+  Rig empty(*context, scene, GetParam());
   EXPECT_TRUE(empty.cull(view).empty());
   const core::ItemId item = scene.add_primitive(scene.root(), core::Cylinder{1, 2});
   ASSERT_TRUE(scene.commit());
-  Rig one(*context, scene);
+  Rig one(*context, scene, GetParam());
   EXPECT_EQ(one.cull(view).size(), 1u);
   scene.set_visible(item, false);
   one.apply(*scene.commit());
@@ -275,12 +292,67 @@ TEST_F(GpuCullerTest, ScenesOfNothingAndOfOne) {
   EXPECT_TRUE(one.cull(behind).empty());
 }
 
+/// What a culler has left in the draw lists, in their order.
+struct Written {
+  std::vector<std::uint32_t> counts, commands, records;
+
+  explicit Written(const Rig& rig) {
+    const auto read = [](const gl::Functions& gl, GLuint buffer, std::size_t offset, std::size_t words, auto& out) {
+      const std::size_t old = out.size();
+      out.resize(old + words);
+      if (words > 0) gl.GetNamedBufferSubData(buffer, GLintptr(offset), GLsizeiptr(4 * words), out.data() + old);
+    };
+    const gl::Functions& gl = rig.context->functions();
+    read(gl, rig.lists.counts().id(), 0, 2 * gpuscene::kBatchKindCount, counts);
+    for (const gpuscene::Batch& batch : rig.gpu.batches()) {
+      const auto kind = std::size_t(batch.kind);
+      const auto target = rig.lists.target(batch.kind);
+      const auto& section = rig.lists.section(batch.kind);
+      const bool meshes = batch.kind == gpuscene::BatchKind::kMesh;
+      // Of record batches the commands that are not in use count as well: where nobody counts they are drawn.
+      const std::size_t drawn = meshes ? counts[2 * kind] : std::size_t(section.count);
+      read(gl, rig.lists.commands().id(), section.offset, 5 * drawn, commands);
+      if (!meshes) read(gl, target.buffer, target.offset, counts[2 * kind + 1], records);
+    }
+  }
+  bool operator==(const Written&) const = default;
+};
+
+class GpuForms : public tests::GlTest {};
+
+/// Not only the same set: the same bytes, so that no pixel depends on the form. Batches of many blocks of 2048 records.
+TEST_F(GpuForms, WriteTheSameLists) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    core::Scene scene;
+    for (int i = 0; i < 9000 * int(seed); ++i)
+      scene.add_primitive(scene.root(), core::Cylinder{0.5f, 1}, core::translation(point(random, 100.0)));
+    for (int i = 0; i < 4000; ++i) add_any(random, scene, scene.root(), point(random, 100.0), 1.0);
+    const core::MeshId mesh = add_point_mesh(scene, {1, 1, 1});
+    for (int i = 0; i < 5000; ++i) scene.add_mesh_instance(scene.root(), mesh, core::translation(point(random, 100.0)));
+    ASSERT_TRUE(scene.commit());
+    Rig geometry(*context, scene, {GpuForm::kGeometry}), compute(*context, scene, {GpuForm::kCompute});
+    EXPECT_EQ(geometry.culler.form(), GpuForm::kGeometry);
+    EXPECT_EQ(compute.culler.form(), GpuForm::kCompute);
+    for (int i = 0; i < 8; ++i) {
+      SCOPED_TRACE("view " + std::to_string(i));
+      View view = tests::random_view(random, dvec3(0.0), 100.0);
+      const std::size_t found = geometry.cull(view).size();
+      EXPECT_EQ(compute.cull(view).size(), found);
+      if (found > 0) {
+        EXPECT_TRUE(Written(geometry) == Written(compute));
+      }
+    }
+  }
+}
+
 /// With no far plane in reach nothing is drawn, and the feedback says so.
-TEST_F(GpuCullerTest, AViewOfNothingDrawsNothing) {
+TEST_P(GpuCullerTest, AViewOfNothingDrawsNothing) {
   core::Scene scene;
   ASSERT_TRUE(importers::generate_plant({3000, 1}, scene));
   ASSERT_TRUE(scene.commit());
-  Rig rig(*context, scene);
+  Rig rig(*context, scene, GetParam());
   View view = *View::perspective({{0, -50, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
   EXPECT_FALSE(rig.cull(view).empty());
   view.layers = 0;
@@ -295,11 +367,11 @@ TEST_F(GpuCullerTest, AViewOfNothingDrawsNothing) {
 }
 
 /// Results that nobody takes are kept for the first frames, later ones are lost; after that they come again.
-TEST_F(GpuCullerTest, FeedbackWaitsToBeTaken) {
+TEST_P(GpuCullerTest, FeedbackWaitsToBeTaken) {
   core::Scene scene;
   ASSERT_TRUE(importers::generate_plant({3000, 1}, scene));
   ASSERT_TRUE(scene.commit());
-  Rig rig(*context, scene);
+  Rig rig(*context, scene, GetParam());
   View views[2] = {*View::perspective({{0, -50, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1),
                    *View::perspective({{0, 3, 2}, {0, 0, 0}, {0, 0, 1}}, 0.3, 1.0, 0.1)};
   std::size_t visible[2];
@@ -333,7 +405,7 @@ class GpuCullerPictures : public GpuCullerTest {
  protected:
   /// The same views drawn from lists of either path: pixels that differ show one of two items at the very same depth.
   void expect_same_pictures(const core::Scene& scene, const std::vector<View>& views) {
-    Rig rig(*context, scene);
+    Rig rig(*context, scene, GetParam());
     auto renderer = render::Renderer::create(*context, rig.gpu);
     auto target = render::RenderTarget::create(*context, kWidth, kHeight, true);
     ASSERT_TRUE(renderer && target);
@@ -381,14 +453,16 @@ class GpuCullerPictures : public GpuCullerTest {
   }
 };
 
-TEST_F(GpuCullerPictures, AreThoseOfTheCpu) {
+INSTANTIATE_TEST_SUITE_P(All, GpuCullerPictures, testing::ValuesIn(all_configs()), config_name);
+
+TEST_P(GpuCullerPictures, AreThoseOfTheCpu) {
   core::Scene scene;
   make_plant(scene);
   expect_same_pictures(scene, plant_views());
 }
 
 /// Without ARB_indirect_parameters.
-TEST_F(GpuCullerPictures, NeedNoCountOfCommands) {
+TEST_P(GpuCullerPictures, NeedNoCountOfCommands) {
   auto& table = const_cast<gl::Functions&>(context->functions());
   const auto taken = std::exchange(table.MultiDrawElementsIndirectCountARB, nullptr);
   core::Scene scene;
@@ -397,7 +471,7 @@ TEST_F(GpuCullerPictures, NeedNoCountOfCommands) {
   table.MultiDrawElementsIndirectCountARB = taken;
 }
 
-TEST_F(GpuCullerPictures, OfARealModelAreThoseOfTheCpu) {
+TEST_P(GpuCullerPictures, OfARealModelAreThoseOfTheCpu) {
   SIGHTLINE_NEED_DATA("huldra/HA-PIPE.RVM");
   core::Scene scene;
   ASSERT_TRUE(importers::import_file(tests::data_path("huldra/HA-PIPE.RVM"), scene, scene.root(), {}));
@@ -414,10 +488,10 @@ TEST_F(GpuCullerPictures, OfARealModelAreThoseOfTheCpu) {
 
 // --- no read-back ----------------------------------------------------------------------------------------------------
 
-TEST_F(GpuCullerPictures, NothingIsReadBackFromCullToDraw) {
+TEST_P(GpuCullerPictures, NothingIsReadBackFromCullToDraw) {
   core::Scene scene;
   make_plant(scene);
-  Rig rig(*context, scene);
+  Rig rig(*context, scene, GetParam());
   auto renderer = render::Renderer::create(*context, rig.gpu);
   auto target = render::RenderTarget::create(*context, kWidth, kHeight, true);
   ASSERT_TRUE(renderer && target);

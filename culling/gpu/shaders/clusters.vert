@@ -4,8 +4,5 @@
 flat out uint name;
 
 void main() {
-  uint cluster = uint(gl_VertexID);
-  vec3 low = texelFetch(boxes, 2 * gl_VertexID).xyz, high = texelFetch(boxes, 2 * gl_VertexID + 1).xyz;
-  if (!present(cluster, low, high) || outside(low, high)) name = kRejected;
-  else name = inside(low, high) ? cluster | kInside : cluster;
+  name = test_cluster(uint(gl_VertexID));
 }

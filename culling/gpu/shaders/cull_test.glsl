@@ -4,7 +4,7 @@
 const int kMaxPlanes = 14;            // culling::kMaxCullPlanes
 const uint kInside = 0x80000000u;     // of a cluster: no plane cuts it
 const uint kItemsPerCluster = 64u;
-const uint kRejected = 0xffffffffu;   // name of what the geometry stage drops
+const uint kRejected = 0xffffffffu;   // instead of the number of what goes
 
 struct CullPlane {
   vec4 equation;  // normal, offset
@@ -15,11 +15,13 @@ layout(std140, binding = 1) uniform CullBlock {
   CullPlane planes[kMaxPlanes];
   int union_first, plane_count;  // planes from union_first on: one of them must be met
   uint view_layers;
+  bool use_layers;
 } cull;
 
-layout(binding = 0) uniform samplerBuffer boxes;    // two texels each: min, max
-layout(binding = 1) uniform usamplerBuffer layers;  // of items, or of all items of a cluster
-layout(location = 0) uniform bool use_layers;
+layout(binding = 0) uniform samplerBuffer cluster_boxes;    // two texels each: min, max
+layout(binding = 1) uniform usamplerBuffer cluster_layers;  // of all items together
+layout(binding = 2) uniform samplerBuffer item_boxes;
+layout(binding = 3) uniform usamplerBuffer item_layers;
 
 float plane_at(vec4 plane, vec3 corner) {
   precise float s = ((plane.x * corner.x + plane.y * corner.y) + plane.z * corner.z) + plane.w;
@@ -52,8 +54,20 @@ bool inside(vec3 low, vec3 high) {
   return false;
 }
 
-// Whether there is anything at a place: vacant ones hold the inverted box.
-bool present(uint place, vec3 low, vec3 high) {
-  if (any(greaterThan(low, high))) return false;
-  return !use_layers || (texelFetch(layers, int(place)).x & cull.view_layers) != 0u;
+// The cluster, with kInside where no plane cuts it, or kRejected. Places without anything hold the inverted box.
+uint test_cluster(uint cluster) {
+  vec3 low = texelFetch(cluster_boxes, 2 * int(cluster)).xyz, high = texelFetch(cluster_boxes, 2 * int(cluster) + 1).xyz;
+  if (any(greaterThan(low, high))) return kRejected;
+  if (cull.use_layers && (texelFetch(cluster_layers, int(cluster)).x & cull.view_layers) == 0u) return kRejected;
+  if (outside(low, high)) return kRejected;
+  return inside(low, high) ? cluster | kInside : cluster;
+}
+
+// Item `i` of what test_cluster() has kept: its record, or kRejected.
+uint test_item(uint cluster, uint i) {
+  uint record = (cluster & ~kInside) * kItemsPerCluster + i;
+  vec3 low = texelFetch(item_boxes, 2 * int(record)).xyz, high = texelFetch(item_boxes, 2 * int(record) + 1).xyz;
+  if (any(greaterThan(low, high))) return kRejected;
+  if (cull.use_layers && (texelFetch(item_layers, int(record)).x & cull.view_layers) == 0u) return kRejected;
+  return (cluster & kInside) == 0u && outside(low, high) ? kRejected : record;
 }

@@ -6,8 +6,5 @@ layout(location = 0) in uint cluster;
 flat out uint name;
 
 void main() {
-  name = (cluster & ~kInside) * kItemsPerCluster + uint(gl_InstanceID);
-  int place = 2 * int(name);
-  vec3 low = texelFetch(boxes, place).xyz, high = texelFetch(boxes, place + 1).xyz;
-  if (!present(name, low, high) || ((cluster & kInside) == 0u && outside(low, high))) name = kRejected;
+  name = test_item(cluster, uint(gl_InstanceID));
 }

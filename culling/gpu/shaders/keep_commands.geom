@@ -2,7 +2,7 @@
 layout(points) in;
 layout(points, max_vertices = 1) out;
 
-layout(binding = 2) uniform usamplerBuffer commands;  // gpuscene::ElementsCommand, five texels each
+layout(binding = 4) uniform usamplerBuffer commands;  // gpuscene::ElementsCommand, five texels each
 
 const uint kRejected = 0xffffffffu;  // as in cull_test.glsl
 

@@ -1,0 +1,193 @@
+// The form in compute shaders: three steps with barriers between them.
+//   test    per batch, one work group per block of 32 clusters: a mask of visible records for each place in a cluster
+//   sum     one work group: where the visible records of each mask go, and how many there are of each batch
+//   write   per batch, one work group per block: the records
+// The order is that in which the geometry form draws its instances: first of all clusters, second of all clusters, …
+//
+// The sum goes to the CPU through a small buffer that stays mapped, one word per probe, guarded by a fence that is
+// asked without waiting.
+#include <algorithm>
+
+#include "sightline/culling/gpu/gpu_pass.h"
+
+namespace sightline::culling {
+namespace {
+
+using gpuscene::BatchKind;
+using gpuscene::DrawLists;
+using gpuscene::ElementsCommand;
+using gpuscene::kBatchKindCount;
+
+constexpr std::uint32_t kClustersPerBlock = 32;
+constexpr int kScanInvocations = 256;
+enum StorageBinding : GLuint { kMasks, kPlaces, kCounts, kCommands, kResults, kFound = kCounts };
+constexpr GLint kSectionsUniform = 0, kFirstPlaceUniform = kBatchKindCount,
+                kRecordCommandsUniform = 2 * kBatchKindCount + 1, kResultUniform = 2 * kBatchKindCount + 2;
+constexpr GLint kBatchUniform = 0, kFirstWordUniform = 1;
+
+std::uint32_t blocks_of(std::uint32_t clusters) {
+  return (clusters + kClustersPerBlock - 1) / kClustersPerBlock;
+}
+
+struct DeleteFence {
+  const gl::Functions* gl = nullptr;
+  void operator()(GLsync fence) const { gl->DeleteSync(fence); }
+};
+using Fence = std::unique_ptr<std::remove_pointer_t<GLsync>, DeleteFence>;
+
+class ComputePass : public GpuPass {
+ public:
+  explicit ComputePass(const gl::Context& context)
+      : gl_(&context.functions()),
+        largest_block_(std::size_t(context.capabilities().max_storage_block_bytes)),
+        alignment_(std::size_t(context.capabilities().storage_offset_alignment)) {}
+
+  core::Expected<void> make_programs(std::span<const CullBatch> batches) {
+    auto done = test_.make(*gl_, batches, [](const CullBatch&) {
+      return describe_pass("cull: test", {{GL_COMPUTE_SHADER, {"test_blocks.comp"}}});
+    });
+    if (done)
+      done = write_.make(*gl_, batches, [](const CullBatch& batch) {
+        auto pass = describe_pass("cull: write", {{GL_COMPUTE_SHADER, {"write_blocks.comp"}}});
+        if (batch.meshes()) pass.shaders.defines.emplace_back("MESHES");
+        return pass;
+      });
+    if (!done) return done;
+    auto sum = describe_pass("cull: sum", {{GL_COMPUTE_SHADER, {"sum_places.comp"}}});
+    sum.shaders.defines.push_back("SCAN_INVOCATIONS " + std::to_string(kScanInvocations));
+    auto program = gl::Program::create(*gl_, sum);
+    if (!program) return tl::unexpected(program.error());
+    sum_ = std::move(*program);
+    return {};
+  }
+
+  core::Expected<void> make_results() {
+    constexpr GLbitfield kAccess = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+    auto buffer = gl::Buffer::create(*gl_, kProbes * sizeof(std::uint32_t), nullptr, kAccess, "visible sums");
+    if (!buffer) return tl::unexpected(buffer.error());
+    results_ = std::move(*buffer);
+    mapped_ = static_cast<const volatile std::uint32_t*>(results_.map(0, results_.size(), kAccess));
+    if (!mapped_) return core::fail("GL buffer 'visible sums': the driver does not map it");
+    return {};
+  }
+
+  core::Expected<void> fit(std::span<const CullBatch> batches) {
+    std::size_t blocks = 0, target = 0;
+    for (const CullBatch& batch : batches) {
+      blocks += blocks_of(batch.bounds.cluster_capacity());
+      const std::size_t record = batch.meshes() ? sizeof(ElementsCommand) : sizeof(std::uint32_t);
+      target = std::max(target, batch.bounds.cluster_capacity() * kClusterSize * record);
+    }
+    const std::size_t words = blocks * kClusterSize, most = std::max(target, (words + 1) * sizeof(std::uint32_t));
+    if (most + alignment_ > largest_block_)
+      return core::fail("culling in compute shaders wants storage blocks of " + std::to_string(most + alignment_) +
+                        " bytes, and the context's limit is " + std::to_string(largest_block_) +
+                        "; the geometry form does without");
+    const auto make = [&](gl::Buffer& out, std::size_t count, const char* what) -> core::Expected<void> {
+      auto buffer = gl::Buffer::create(*gl_, count * sizeof(std::uint32_t), nullptr, 0, what);
+      if (!buffer) return tl::unexpected(buffer.error());
+      out = std::move(*buffer);
+      return {};
+    };
+    auto done = make(masks_, std::max<std::size_t>(1, words), "visible masks");
+    if (done) done = make(places_, words + 1, "visible places");
+    return done;
+  }
+
+  GpuForm form() const override { return GpuForm::kCompute; }
+  DrawLists::Counting counting() const override { return DrawLists::Counting::kCuller; }
+
+  void run(std::span<const CullBatch> batches, const DrawLists& lists, std::size_t probe) override {
+    lay_out(batches);
+    bind(kMasks, masks_);
+    bind(kPlaces, places_);
+    for (const CullBatch& batch : batches) dispatch(test_, batch);
+    gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    sum(lists, probe);
+    gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    for (const CullBatch& batch : batches) write(batch, lists);
+    gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                       GL_BUFFER_UPDATE_BARRIER_BIT | GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+    fences_[probe] = Fence(gl_->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), DeleteFence{gl_});
+  }
+
+  std::optional<std::uint64_t> found(std::size_t probe) override {
+    if (!fences_[probe]) return std::nullopt;
+    const GLenum state = gl_->ClientWaitSync(fences_[probe].get(), GL_SYNC_FLUSH_COMMANDS_BIT, 0);
+    if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED) return std::nullopt;
+    return mapped_[probe];
+  }
+
+  std::size_t memory_bytes() const override { return masks_.size() + places_.size() + results_.size(); }
+
+ private:
+  /// Which blocks are whose: those in use, without gaps.
+  void lay_out(std::span<const CullBatch> batches) {
+    first_block_ = {};
+    for (const CullBatch& batch : batches)
+      first_block_[std::size_t(batch.kind) + 1] = blocks_of(batch.bounds.cluster_count());
+    for (std::size_t kind = 0; kind < kBatchKindCount; ++kind) first_block_[kind + 1] += first_block_[kind];
+  }
+
+  void bind(GLuint binding, const gl::Buffer& buffer) const {
+    gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer.id());
+  }
+
+  void dispatch(const BatchPrograms& programs, const CullBatch& batch) const {
+    const std::size_t kind = std::size_t(batch.kind);
+    const std::uint32_t first = first_block_[kind], blocks = first_block_[kind + 1] - first;
+    const gl::Program& program = programs.of(batch.kind);
+    program.use();
+    gl_->ProgramUniform3ui(program.id(), kBatchUniform, batch.bounds.cluster_count(), blocks, first);
+    bind_batch(*gl_, batch);
+    gl_->DispatchCompute(blocks, 1, 1);
+  }
+
+  void sum(const DrawLists& lists, std::size_t probe) const {
+    sum_.use();
+    const GLuint id = sum_.id();
+    std::array<std::uint32_t, kBatchKindCount + 1> first_place = first_block_;
+    for (std::uint32_t& place : first_place) place *= kClusterSize;
+    gl_->ProgramUniform4uiv(id, kSectionsUniform, kBatchKindCount, lists.gpu_sections()[0].data());
+    gl_->ProgramUniform1uiv(id, kFirstPlaceUniform, GLsizei(first_place.size()), first_place.data());
+    gl_->ProgramUniform1ui(id, kRecordCommandsUniform, GLuint(lists.record_command_count()));
+    gl_->ProgramUniform1ui(id, kResultUniform, GLuint(probe));
+    bind(kCounts, lists.counts());
+    bind(kResults, results_);
+    gl_->BindBufferRange(GL_SHADER_STORAGE_BUFFER, kCommands, lists.commands().id(), 0,
+                         GLsizeiptr(std::max<std::size_t>(1, lists.record_command_count()) * sizeof(ElementsCommand)));
+    gl_->DispatchCompute(1, 1, 1);
+  }
+
+  void write(const CullBatch& batch, const DrawLists& lists) const {
+    const DrawLists::Target target = lists.target(batch.kind);
+    const std::size_t rest = target.offset % alignment_;
+    gl_->BindBufferRange(GL_SHADER_STORAGE_BUFFER, kFound, target.buffer, GLintptr(target.offset - rest),
+                         GLsizeiptr(target.size + rest));
+    gl_->ProgramUniform1ui(write_.of(batch.kind).id(), kFirstWordUniform, GLuint(rest / sizeof(std::uint32_t)));
+    dispatch(write_, batch);
+  }
+
+  const gl::Functions* gl_;
+  std::size_t largest_block_, alignment_;  // bytes
+  BatchPrograms test_, write_;
+  gl::Program sum_;
+  gl::Buffer masks_, places_, results_;
+  const volatile std::uint32_t* mapped_ = nullptr;
+  std::array<std::uint32_t, kBatchKindCount + 1> first_block_{};  // by batch kind
+  std::array<Fence, kProbes> fences_;
+};
+
+}  // namespace
+
+core::Expected<std::unique_ptr<GpuPass>> make_compute_pass(const gl::Context& context,
+                                                           std::span<const CullBatch> batches) {
+  auto pass = std::make_unique<ComputePass>(context);
+  auto done = pass->fit(batches);  // first, since it may not be able to
+  if (done) done = pass->make_programs(batches);
+  if (done) done = pass->make_results();
+  if (!done) return tl::unexpected(done.error());
+  return pass;
+}
+
+}  // namespace sightline::culling

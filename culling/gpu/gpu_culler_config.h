@@ -1,0 +1,23 @@
+// What can be chosen of the GPU culler.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace sightline::culling {
+
+/// How the GPU culls. Both give the same answer in the same order, so that pictures are equal to the bit.
+enum class GpuForm : std::uint8_t {
+  kGeometry,  ///< vertex and geometry stages with transform feedback
+  kCompute,   ///< compute shaders
+};
+constexpr std::string_view name_of(GpuForm form) {
+  return form == GpuForm::kGeometry ? "geometry" : "compute";
+}
+
+struct GpuCullerConfig {
+  std::optional<GpuForm> form = GpuForm::kGeometry;
+};
+
+}  // namespace sightline::culling

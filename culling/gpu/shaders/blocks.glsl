@@ -1,0 +1,21 @@
+// Blocks of 32 clusters: what a work group of 64 invocations, one for each record of a cluster, does at a time.
+// C++ side: culling/gpu/compute_pass.cpp.
+layout(local_size_x = 64) in;
+
+const uint kClustersPerBlock = 32u;
+
+layout(std430, binding = 0) restrict buffer Masks {
+  uint masks[];  // per block and place in a cluster: bit c is the visibility of that record of the block's cluster c
+};
+layout(std430, binding = 1) restrict buffer Places {
+  uint places[];  // per batch, place in a cluster and block: number of bits, then how many records precede in the batch
+};
+layout(location = 0) uniform uvec3 batch;  // clusters, blocks, blocks of batches before this one
+
+uint mask_index(uint block, uint i) {
+  return (batch.z + block) * gl_WorkGroupSize.x + i;
+}
+
+uint place_index(uint block, uint i) {
+  return batch.z * gl_WorkGroupSize.x + i * batch.y + block;
+}
