@@ -21,6 +21,7 @@ struct Options {
   apps::ModelOptions model;
   std::string size = "1280x720", view, path, out, ids, ids_json, depth, reference, reference_ids, diff, json_file;
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
+  culling::GpuCullerConfig gpu_culler;
   int frame = 0, frames = 300;
   bool fit = false, gl_debug = false;
   double max = -1.0, mean = -1.0, tolerance = 2e-5, pixels_per_degree = render::kPixelsPerDegree;
@@ -66,6 +67,7 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--compare-ids", o.reference_ids, "Reference of --ids, PNG: counts the pixels that show another item");
   app.add_option("--diff", o.diff, "Difference image, PNG, four times amplified")->needs(compare);
   apps::add_culler_option(app, o.culler);
+  apps::add_gpu_pass_option(app, o.gpu_culler);
   app.add_option("--tolerance", o.tolerance, "Chord tolerance of tessellated kinds, metres")
       ->capture_default_str()
       ->check(CLI::PositiveNumber)
@@ -177,6 +179,7 @@ core::Expected<int> render_model(const Options& o) {
   config.gl_debug = o.gl_debug;
   config.chord_tolerance = o.tolerance;
   config.culler = o.culler;
+  config.gpu_culler = o.gpu_culler;
   auto engine = engine::Engine::create(*model->scene, config);
   if (!engine) return tl::unexpected(engine.error());
   if (o.model.explain) apps::explain(engine->plan());

@@ -22,6 +22,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   }
   drawing->scene_config_.chord_tolerance = config.chord_tolerance;
   drawing->renders_ = config.draw;
+  drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
     auto target = render::RenderTarget::create(*drawing->context_, config.width, config.height, config.ids);
     if (!target) return tl::unexpected(target.error());
@@ -42,8 +43,10 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_c
   if (!lists) return tl::unexpected(lists.error());
   std::optional<culling::GpuCuller> culler;
   if (gpu_culls) {
-    auto made = culling::GpuCuller::create(*context_, snapshot, *scene);
+    auto made = culling::GpuCuller::create(*context_, snapshot, *scene, cull_config_);
     if (!made) return tl::unexpected(made.error());
+    if (why_gpu_form_.empty()) why_gpu_form_ = made->why_this_form();
+    cull_config_.form = made->form();
     culler = std::move(*made);
   }
   if (renders_) {

@@ -33,6 +33,7 @@ class Drawing {
 
   const gl::Context& context() const { return *context_; }
   const culling::GpuCuller* gpu_culler() const { return culler_ ? &*culler_ : nullptr; }
+  const std::string& why_gpu_form() const { return why_gpu_form_; }
   const gpuscene::DrawLists& lists() const { return *lists_; }
   std::vector<std::string> take_gl_errors() { return context_->take_errors(); }
   const render::RenderTarget& target() const { return target_; }
@@ -47,6 +48,8 @@ class Drawing {
   gl::Context* context_ = nullptr;
   gpuscene::GpuSceneConfig scene_config_;
   bool renders_ = true;
+  culling::GpuCullerConfig cull_config_;  // names the form once it is known
+  std::string why_gpu_form_;
   std::optional<gpuscene::GpuScene> scene_;
   std::optional<gpuscene::DrawLists> lists_;
   std::optional<culling::GpuCuller> culler_;

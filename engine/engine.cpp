@@ -97,12 +97,16 @@ bool Engine::needs_gl() const {
 /// Makes what lies in the context, anew or at first; while the context is lost there is nothing to do.
 core::Expected<void> Engine::make_drawing() {
 #if SIGHTLINE_HAS_GL
-  if (drawing_) return unless_lost(drawing_->rebuild(*live_.snapshot, live_.plan.gpu_culls()));
-  if (next_try_ >= 0.0) return {};
-  auto drawing = Drawing::create(*live_.snapshot, config_, live_.plan.gpu_culls());
-  if (!drawing) return tl::unexpected(drawing.error());
-  drawing_ = std::move(*drawing);
-  return {};
+  core::Expected<void> done;
+  if (drawing_) {
+    done = unless_lost(drawing_->rebuild(*live_.snapshot, live_.plan.gpu_culls()));
+  } else if (next_try_ < 0.0) {
+    auto drawing = Drawing::create(*live_.snapshot, config_, live_.plan.gpu_culls());
+    if (!drawing) return tl::unexpected(drawing.error());
+    drawing_ = std::move(*drawing);
+  }
+  if (drawing_) note_gpu_form();
+  return done;
 #else
   return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
 #endif
@@ -148,6 +152,13 @@ core::Expected<void> Engine::use_context(gl::Context& context) {
   }
   if (hybrid_) hybrid_->gpu_ready();
   return {};
+}
+
+/// The plan is made before there is a context to measure in.
+void Engine::note_gpu_form() {
+#if SIGHTLINE_HAS_GL
+  if (const auto* culler = drawing_->gpu_culler()) add_gpu_form(live_.plan, culler->form(), drawing_->why_gpu_form());
+#endif
 }
 
 core::Expected<FrameReport> Engine::frame(const core::View& view) {

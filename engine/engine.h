@@ -14,6 +14,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
+#include "sightline/culling/gpu/gpu_culler_config.h"
 #include "sightline/engine/hybrid.h"
 #include "sightline/engine/plan.h"
 #include "sightline/engine/rebuild.h"
@@ -38,6 +39,7 @@ struct EngineConfig {
   /// Edits leave slots behind. When this share of them was appended or given up, a new order is made in the background;
   /// 0: never. Items that move far count twice: 1 % of them cost up to a tenth of culling speed until it lands.
   double rebuild_share = 0.03;
+  culling::GpuCullerConfig gpu_culler = {};   ///< its form is measured once, unless named here
   culling::ControllerConfig controller = {};  ///< of the hybrid; whether frames or cull times count follows from `draw`
 };
 
@@ -126,6 +128,7 @@ class Engine {
   core::Expected<void> unless_lost(core::Expected<void> done) const;
   core::Expected<void> land();
   core::Expected<void> follow_generation();
+  void note_gpu_form();
   core::Expected<bool> cull(const core::View& view, FrameReport& report);
   void cull_on_cpu(const core::View& view, FrameReport& report);
   void gather_late_reports();

@@ -61,6 +61,15 @@ void plan_batches(Plan& plan, const core::Snapshot& snapshot, bool draw) {
 
 }  // namespace
 
+void add_gpu_form(Plan& plan, culling::GpuForm form, const std::string& why) {
+  const auto note = [&](const char* feature, culling::GpuForm named) {
+    std::erase_if(plan.entries, [&](const PlanEntry& entry) { return entry.feature == feature; });
+    plan.entries.push_back({feature, form == named, why});
+  };
+  note("GPU culling in geometry shaders", culling::GpuForm::kGeometry);
+  note("GPU culling in compute shaders", culling::GpuForm::kCompute);
+}
+
 Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids) {
   Plan plan;
   plan_culling(plan, snapshot, choice);

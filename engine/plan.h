@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sightline/core/snapshot.h"
+#include "sightline/culling/gpu/gpu_culler_config.h"
 
 namespace sightline::engine {
 
@@ -35,6 +36,9 @@ struct Plan {
 inline constexpr std::size_t kSmallScene = 128;
 /// Below this many items the CPU culls in a microsecond or two, and no GPU culler can gain anything: none is made.
 inline constexpr std::size_t kSmallHybridScene = 10'000;
+
+/// Notes what is known only once there is a GPU culler: its form.
+void add_gpu_form(Plan& plan, culling::GpuForm form, const std::string& why);
 
 Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids);
 

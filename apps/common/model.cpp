@@ -89,6 +89,15 @@ void add_culler_option(CLI::App& app, engine::CullerChoice& choice) {
       ->default_str("auto");
 }
 
+void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config) {
+  static const std::map<std::string, culling::GpuForm> names = {{"geometry", culling::GpuForm::kGeometry},
+                                                                {"compute", culling::GpuForm::kCompute}};
+  app.add_option_function<std::string>(
+         "--gpu-pass", [&config](const std::string& name) { config.form = names.at(name); },
+         "Shaders of the GPU culler: geometry or compute; without it the faster one, measured")
+      ->check(CLI::IsMember(names));
+}
+
 void explain(const engine::Plan& plan) {
   for (const engine::PlanEntry& e : plan.entries)
     std::fprintf(stderr, "%-9s %-36s %s\n", e.used ? "used" : "left out", e.feature.c_str(), e.why.c_str());

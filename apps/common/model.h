@@ -46,6 +46,9 @@ core::Pose fitting_pose(const core::AabbD& bounds, double fovy, double aspect);
 /// --culler, into `choice`.
 void add_culler_option(CLI::App& app, engine::CullerChoice& choice);
 
+/// --gpu-pass, into `config`.
+void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config);
+
 /// Prints what was made and what was left out, to stderr.
 void explain(const engine::Plan& plan);
 

@@ -67,12 +67,15 @@ core::Expected<GpuCuller> GpuCuller::create(const gl::Context& context, const Sn
   if (!block) return tl::unexpected(block.error());
   culler.plane_block_ = std::move(*block);
   culler.probes_.resize(kProbes);
-  if (!context.capabilities().software) culler.timer_.emplace(gl);
   if (auto done = culler.make_batches(snapshot, scene); !done) return tl::unexpected(done.error());
-  auto pass = config.form == GpuForm::kCompute ? make_compute_pass(context, culler.batches_)
-                                               : make_geometry_pass(context, culler.batches_);
-  if (!pass) return tl::unexpected(pass.error());
-  culler.pass_ = std::move(*pass);
+  if (config.form) {
+    auto pass = make_pass(*config.form, context, culler.batches_);
+    if (!pass) return tl::unexpected(pass.error());
+    culler.pass_ = std::move(*pass);
+  } else if (auto done = culler.choose_form(context, snapshot, scene); !done) {
+    return tl::unexpected(done.error());
+  }
+  if (!context.capabilities().software) culler.timer_.emplace(gl);
   return culler;
 }
 

@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "sightline/core/snapshot.h"
@@ -38,6 +39,13 @@ class GpuCuller {
  public:
   /// For `scene`, made from `snapshot`. Fails when the GPU has not the memory, or the context cannot do the form asked
   /// for (compute: a storage block's size limits the records of a batch).
+  ///
+  /// Without a form in `config` both are made, measured and compared by
+  ///     cost = alone + max(0, blocked - submitted)
+  /// in milliseconds of wall clock: of a cull of half of the scene's surroundings, from submission until the GPU is
+  /// through (alone), of which the submission takes `submitted`; and the submission again (blocked) while the GPU is
+  /// still busy with drawing of some milliseconds, for which some drivers wait at a barrier. Each is the least of a few
+  /// interleaved repetitions. That waits for the GPU, some ten culls long.
   static core::Expected<GpuCuller> create(const gl::Context& context, const core::Snapshot& snapshot,
                                           const gpuscene::GpuScene& scene, const GpuCullerConfig& config = {});
 
@@ -69,6 +77,8 @@ class GpuCuller {
   core::VisibleSet read_back(const gpuscene::DrawLists& lists) const;
 
   GpuForm form() const;
+  /// "asked for", or what was measured.
+  const std::string& why_this_form() const { return why_this_form_; }
   std::size_t memory_bytes() const;
 
  private:
@@ -82,6 +92,8 @@ class GpuCuller {
   core::Expected<void> make_batches(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   core::Expected<void> add_batch(const core::ItemBounds& bounds, const gpuscene::GpuScene& scene,
                                  const gpuscene::Batch& batch, std::vector<core::Slot> slots);
+  core::Expected<void> choose_form(const gl::Context& context, const core::Snapshot& snapshot,
+                                   const gpuscene::GpuScene& scene);
   void upload_planes(const CullPlanes& planes, const core::ItemBounds& bounds, std::uint32_t layers) const;
   std::size_t next_probe(std::uint64_t frame);
 
@@ -90,6 +102,7 @@ class GpuCuller {
   core::Slot slot_count_ = 0;
   bool uses_layers_ = false;
   std::unique_ptr<GpuPass> pass_;
+  std::string why_this_form_ = "asked for";
   gl::Buffer plane_block_;
   std::vector<Probe> probes_;  // a ring, and one that nobody reads, for when it is full
   std::size_t first_probe_ = 0, pending_ = 0;

@@ -17,7 +17,9 @@ constexpr std::string_view name_of(GpuForm form) {
 }
 
 struct GpuCullerConfig {
-  std::optional<GpuForm> form = GpuForm::kGeometry;
+  /// None: the one that costs less in this context, measured when the culler is made. Keep GpuCuller::form() for later
+  /// ones of the same context, so that it is measured once.
+  std::optional<GpuForm> form;
 };
 
 }  // namespace sightline::culling

@@ -52,6 +52,11 @@ core::Expected<std::unique_ptr<GpuPass>> make_geometry_pass(const gl::Context& c
 core::Expected<std::unique_ptr<GpuPass>> make_compute_pass(const gl::Context& context,
                                                            std::span<const CullBatch> batches);
 
+inline core::Expected<std::unique_ptr<GpuPass>> make_pass(GpuForm form, const gl::Context& context,
+                                                          std::span<const CullBatch> batches) {
+  return form == GpuForm::kCompute ? make_compute_pass(context, batches) : make_geometry_pass(context, batches);
+}
+
 /// A program for each batch, equal ones once.
 class BatchPrograms {
  public:

@@ -347,6 +347,47 @@ TEST_F(GpuForms, WriteTheSameLists) {
   }
 }
 
+TEST_F(GpuForms, AreChosenByMeasuring) {
+  Random random(9);
+  core::Scene scene;
+  for (int i = 0; i < 3000; ++i) add_any(random, scene, scene.root(), point(random, 50.0), 1.0);
+  ASSERT_TRUE(scene.commit());
+  Rig measured(*context, scene, {});
+  EXPECT_TRUE(measured.culler.why_this_form().starts_with("measured: geometry ")) << measured.culler.why_this_form();
+  EXPECT_FALSE(measured.culler.take_feedback()) << "of the measuring";
+  const View view = *View::perspective({{0, -40, 0}, {0, 0, 0}, {0, 0, 1}}, 0.7, 1.0, 0.1);
+  expect_same(gl(), measured, view);
+  for (const GpuForm form : kForms) {
+    Rig named(*context, scene, {form});
+    EXPECT_EQ(named.culler.form(), form);
+    EXPECT_EQ(named.culler.why_this_form(), "asked for");
+  }
+  const core::Scene nothing;
+  Rig empty(*context, nothing, {});
+  EXPECT_TRUE(empty.culler.why_this_form().starts_with("not measured: "));
+  EXPECT_TRUE(empty.cull(view).empty());
+}
+
+/// Where a context's storage blocks are too small for a batch, the other form does.
+TEST_F(GpuForms, ComputeNeedsItsStorageBlocks) {
+  core::Scene scene;
+  for (int i = 0; i < 3000; ++i)
+    scene.add_primitive(scene.root(), core::Cylinder{0.5f, 1}, core::translation({double(i), 0, 0}));
+  ASSERT_TRUE(scene.commit());
+  auto& capabilities = const_cast<gl::Capabilities&>(context->capabilities());
+  const auto limit = std::exchange(capabilities.max_storage_block_bytes, 8192);
+  core::Snapshot snapshot(scene);
+  auto gpu = gpuscene::GpuScene::create(*context, snapshot);
+  const auto asked = GpuCuller::create(*context, snapshot, *gpu, {GpuForm::kCompute});
+  ASSERT_FALSE(asked);
+  EXPECT_NE(asked.error().message.find("8192"), std::string::npos) << asked.error().message;
+  const auto any = GpuCuller::create(*context, snapshot, *gpu, {});
+  ASSERT_TRUE(any);
+  EXPECT_EQ(any->form(), GpuForm::kGeometry);
+  EXPECT_NE(any->why_this_form().find("8192"), std::string::npos) << any->why_this_form();
+  capabilities.max_storage_block_bytes = limit;
+}
+
 /// With no far plane in reach nothing is drawn, and the feedback says so.
 TEST_P(GpuCullerTest, AViewOfNothingDrawsNothing) {
   core::Scene scene;

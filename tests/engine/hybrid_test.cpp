@@ -161,5 +161,30 @@ TEST_F(HybridTest, FrameCostGivesAGpuWithoutTimesUp) {
   EXPECT_LE(on_gpu, 30);
 }
 
+/// The form of the GPU culler is measured once, or is the one asked for; the plan tells, also after a rebuild.
+TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
+  core::Scene scene;
+  fill(scene, 22);
+  EngineConfig any = config(CullerChoice::kGpu), named = any;
+  named.gpu_culler.form = culling::GpuForm::kCompute;
+  for (const EngineConfig& c : {any, named}) {
+    auto engine = Engine::create(scene, c);
+    ASSERT_TRUE(engine) << engine.error().message;
+    const culling::GpuForm form = engine->drawing()->gpu_culler()->form();
+    const auto told = [&](std::string_view feature) -> engine::PlanEntry {
+      for (const auto& entry : engine->plan().entries)
+        if (entry.feature == feature) return entry;
+      return {};
+    };
+    const engine::PlanEntry before = told("GPU culling in compute shaders");
+    EXPECT_EQ(before.used, form == culling::GpuForm::kCompute);
+    EXPECT_EQ(before.used, !told("GPU culling in geometry shaders").used);
+    EXPECT_TRUE(before.why.starts_with(c.gpu_culler.form ? "asked for" : "measured: ")) << before.why;
+    ASSERT_TRUE(engine->rebuild());
+    EXPECT_EQ(engine->drawing()->gpu_culler()->form(), form);
+    EXPECT_EQ(told("GPU culling in compute shaders").why, before.why);
+  }
+}
+
 }  // namespace
 }  // namespace sightline::tests

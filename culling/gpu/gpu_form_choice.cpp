@@ -1,0 +1,128 @@
+// Which form of the GPU culler costs less here.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <limits>
+
+#include "sightline/culling/gpu/gpu_culler.h"
+#include "sightline/culling/gpu/gpu_pass.h"
+#include "sightline/gl/framebuffer.h"
+
+namespace sightline::culling {
+namespace {
+
+constexpr int kRepetitions = 5;  // after one that is not counted: drivers compile late
+
+double now_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Work for the rasteriser: some milliseconds in software, a fraction of one on hardware.
+class EarlierDrawing {
+ public:
+  static core::Expected<EarlierDrawing> create(const gl::Functions& gl) {
+    EarlierDrawing made;
+    made.gl_ = &gl;
+    auto texture = gl::Texture2D::create(gl, kSide, kSide, GL_RGBA8, "drawing before a cull");
+    if (!texture) return tl::unexpected(texture.error());
+    made.texture_ = std::move(*texture);
+    const gl::Attachment attachment{GL_COLOR_ATTACHMENT0, &made.texture_};
+    auto framebuffer = gl::Framebuffer::create(gl, std::span(&attachment, 1), "drawing before a cull");
+    if (!framebuffer) return tl::unexpected(framebuffer.error());
+    made.framebuffer_ = std::move(*framebuffer);
+    return made;
+  }
+
+  /// Clears again and again; flushed, since a clear makes those before it superfluous.
+  void submit() const {
+    for (int i = 0; i < kClears; ++i) {
+      const GLfloat colour[4] = {float(i) / kClears, 0.0f, 0.0f, 1.0f};
+      gl_->ClearNamedFramebufferfv(framebuffer_.id(), GL_COLOR, 0, colour);
+      gl_->Flush();
+    }
+  }
+
+ private:
+  static constexpr int kSide = 1024, kClears = 8;
+  const gl::Functions* gl_ = nullptr;
+  gl::Texture2D texture_;
+  gl::Framebuffer framebuffer_;
+};
+
+/// From the middle, 90 degrees wide.
+core::Expected<core::View> view_from_within(const core::ItemBounds& bounds) {
+  const core::Aabb& extent = bounds.extent();
+  if (extent.empty()) return core::fail("no items to measure with");
+  const core::dvec3 low(extent.min), high(extent.max);
+  const core::dvec3 eye = bounds.origin + 0.5 * (low + high);
+  const double size = std::max(1e-3, glm::length(high - low));
+  return core::View::perspective({eye, eye + core::dvec3(size, 0.3 * size, 0.0), {0, 0, 1}}, 1.57, 1.5, 1e-3 * size);
+}
+
+template <class T>
+std::string message_of(const core::Expected<T>& result) {
+  return result ? std::string() : result.error().message;
+}
+
+struct Times {
+  double alone = std::numeric_limits<double>::max(), submitted = alone, blocked = alone;
+
+  double cost() const { return alone + std::max(0.0, blocked - submitted); }
+};
+
+}  // namespace
+
+core::Expected<void> GpuCuller::choose_form(const gl::Context& context, const core::Snapshot& snapshot,
+                                            const gpuscene::GpuScene& scene) {
+  auto geometry = make_geometry_pass(context, batches_);
+  if (!geometry) return tl::unexpected(geometry.error());
+  pass_ = std::move(*geometry);
+  const auto view = view_from_within(snapshot.bounds());
+  auto compute = make_compute_pass(context, batches_);
+  auto lists = gpuscene::DrawLists::create(context, scene);
+  auto earlier = EarlierDrawing::create(*gl_);
+  std::string missing;
+  for (const auto& message : {message_of(view), message_of(compute), message_of(lists), message_of(earlier)})
+    if (missing.empty()) missing = message;
+  if (!missing.empty()) {
+    why_this_form_ = "not measured: " + missing;
+    return {};
+  }
+
+  std::array<Times, 2> times;
+  std::array<std::unique_ptr<GpuPass>, 2> passes{std::move(pass_), std::move(*compute)};
+  core::Expected<void> done;
+  for (int repetition = 0; done && repetition <= kRepetitions; ++repetition) {
+    for (std::size_t i = 0; done && i < passes.size(); ++i) {
+      const auto submit = [&] {
+        const double begin = now_ms();
+        done = cull(*view, snapshot, scene, *lists);
+        return now_ms() - begin;
+      };
+      pass_.swap(passes[i]);
+      gl_->Finish();
+      const double begin = now_ms(), submitted = submit();
+      gl_->Finish();
+      const double alone = now_ms() - begin;
+      earlier->submit();
+      const double blocked = submit();
+      gl_->Finish();
+      pass_.swap(passes[i]);
+      if (repetition == 0) continue;
+      times[i].alone = std::min(times[i].alone, alone);
+      times[i].submitted = std::min(times[i].submitted, submitted);
+      times[i].blocked = std::min(times[i].blocked, blocked);
+    }
+  }
+  if (!done) return done;
+  pending_ = first_probe_ = 0;  // nobody is to see these
+  pass_ = std::move(passes[times[1].cost() < times[0].cost() ? 1 : 0]);
+  std::array<char, 96> text;
+  std::snprintf(text.data(), text.size(), "measured: geometry %.2f ms, compute %.2f ms", times[0].cost(),
+                times[1].cost());
+  why_this_form_ = text.data();
+  return {};
+}
+
+}  // namespace sightline::culling
