@@ -284,6 +284,11 @@ core::Expected<void> Engine::rebuild() {
   return follow_generation();
 }
 
+void Engine::paused() {
+  last_frame_began_ = -1.0;
+  if (hybrid_) hybrid_->paused();
+}
+
 void Engine::finish() {
 #if SIGHTLINE_HAS_GL
   if (drawing_) drawing_->finish();

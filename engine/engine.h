@@ -108,6 +108,10 @@ class Engine {
   /// Fails with GL's error; then it is as it was before.
   core::Expected<void> use_context(gl::Context& context);
 
+  /// Time stood still since the last frame (a pause, a dialog, nothing to draw): it is not taken for that frame's. Of a
+  /// hybrid the next frame is not measured either.
+  void paused();
+
   /// Waits until everything submitted is drawn.
   void finish();
 

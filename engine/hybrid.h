@@ -25,6 +25,8 @@ class Hybrid {
   /// What the GPU found in an earlier frame.
   void measured(const LateReport& report);
 
+  /// Time stood still since the last frame began.
+  void paused() { controller_.paused(); }
   /// Another scene, of so many items, or other slots.
   void scene_changed(std::size_t items) { controller_.scene_changed(double(items)); }
   /// The GPU culler has failed or gone: the CPU's path until there is one again.

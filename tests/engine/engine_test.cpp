@@ -256,5 +256,18 @@ TEST(Engine, FramesCountWhatTheyDid) {
   EXPECT_GT(none->frame_ms, 0.0);
 }
 
+TEST(Engine, APauseIsNoFrameTime) {
+  core::Scene scene;
+  add_grid(scene, 3);
+  auto engine = Engine::create(scene);
+  ASSERT_TRUE(engine);
+  const View view = look({-5, -5, 5}, {1, 1, 1});
+  ASSERT_TRUE(engine->frame(view));
+  EXPECT_GT(engine->frame(view)->frame_ms, 0.0);
+  engine->paused();
+  EXPECT_EQ(engine->frame(view)->frame_ms, 0.0);
+  EXPECT_GT(engine->frame(view)->frame_ms, 0.0);
+}
+
 }  // namespace
 }  // namespace sightline::engine
