@@ -43,10 +43,8 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_c
   if (!lists) return tl::unexpected(lists.error());
   std::optional<culling::GpuCuller> culler;
   if (gpu_culls) {
-    auto made = culling::GpuCuller::create(*context_, snapshot, *scene, cull_config_);
+    auto made = make_culler(snapshot, *scene);
     if (!made) return tl::unexpected(made.error());
-    if (why_gpu_form_.empty()) why_gpu_form_ = made->why_this_form();
-    cull_config_.form = made->form();
     culler = std::move(*made);
   }
   if (renders_) {
@@ -57,6 +55,31 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_c
   culler_ = std::move(culler);
   scene_ = std::move(*scene);
   lists_ = std::move(*lists);
+  return {};
+}
+
+/// The first of a context measures which form it is to have.
+core::Expected<culling::GpuCuller> Drawing::make_culler(const core::Snapshot& snapshot,
+                                                        const gpuscene::GpuScene& scene) {
+  auto culler = culling::GpuCuller::create(*context_, snapshot, scene, cull_config_);
+  if (!culler) return culler;
+  if (why_gpu_form_.empty()) why_gpu_form_ = culler->why_this_form();
+  cull_config_.form = culler->form();
+  return culler;
+}
+
+core::Expected<void> Drawing::add_culler(const core::Snapshot& snapshot) {
+  if (culler_) return {};
+  auto culler = make_culler(snapshot, *scene_);
+  if (!culler) return tl::unexpected(culler.error());
+  culler_ = std::move(*culler);
+  return {};
+}
+
+core::Expected<void> Drawing::resize(int width, int height) {
+  auto target = render::RenderTarget::create(*context_, width, height, target_.has_ids());
+  if (!target) return tl::unexpected(target.error());
+  target_ = std::move(*target);
   return {};
 }
 

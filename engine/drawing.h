@@ -29,6 +29,10 @@ class Drawing {
   core::Expected<void> update(const core::Snapshot& snapshot, std::span<const core::Slot> touched);
   /// Makes everything of another snapshot, with or without a GPU culler.
   core::Expected<void> rebuild(const core::Snapshot& snapshot, bool gpu_culls);
+  /// Makes the GPU culler, for the snapshot of the last update() or rebuild(), unless it is there.
+  core::Expected<void> add_culler(const core::Snapshot& snapshot);
+  /// See Engine::resize.
+  core::Expected<void> resize(int width, int height);
   void finish();
 
   const gl::Context& context() const { return *context_; }
@@ -41,6 +45,7 @@ class Drawing {
 
  private:
   Drawing() = default;
+  core::Expected<culling::GpuCuller> make_culler(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   void wait_for_oldest();
   core::Expected<void> submit(const core::View& view, const core::Snapshot& snapshot);
 

@@ -74,6 +74,16 @@ core::Expected<void> Engine::land() {
 
 /// What hangs on the plan and on the order of the items besides the CPU culler.
 core::Expected<void> Engine::follow_generation() {
+  core::Expected<void> done;
+  if (needs_gl())
+    done = make_drawing();
+  else
+    drawing_.reset();
+  follow_hybrid();
+  return done;
+}
+
+void Engine::follow_hybrid() {
   const std::size_t items = live_.snapshot->size();
   if (live_.plan.culler != CullerChoice::kHybrid)
     hybrid_.reset();
@@ -81,13 +91,47 @@ core::Expected<void> Engine::follow_generation() {
     hybrid_->scene_changed(items);
   else
     hybrid_.emplace(config_.controller, items, frames_);
+  if (hybrid_ && !drawing_) hybrid_->gpu_lost();
+}
+
+core::Expected<void> Engine::set_culler(CullerChoice choice) {
+  rebuild_.reset();  // it would land with the choice before
+  const CullerChoice before = std::exchange(config_.culler, choice);
+  live_.follow_plan(plan_request(config_));
+  if (auto done = equip(); !done) {
+    config_.culler = before;
+    live_.follow_plan(plan_request(config_));
+    return done;
+  }
+  follow_hybrid();
+  return {};
+}
+
+/// Makes what the plan needs in the context and is not there.
+core::Expected<void> Engine::equip() {
   if (!needs_gl()) {
     drawing_.reset();
     return {};
   }
-  auto done = make_drawing();
-  if (hybrid_ && !drawing_) hybrid_->gpu_lost();
-  return done;
+#if SIGHTLINE_HAS_GL
+  if (drawing_) {
+    if (!live_.plan.gpu_culls()) return {};
+    auto done = unless_lost(drawing_->add_culler(*live_.snapshot));
+    note_gpu_form();
+    return done;
+  }
+#endif
+  return make_drawing();
+}
+
+core::Expected<void> Engine::resize(int width, int height) {
+#if SIGHTLINE_HAS_GL
+  if (drawing_ && config_.draw)
+    if (auto done = unless_lost(drawing_->resize(width, height)); !done) return done;
+#endif
+  config_.width = width;
+  config_.height = height;
+  return {};
 }
 
 bool Engine::needs_gl() const {
@@ -161,7 +205,7 @@ void Engine::note_gpu_form() {
 #endif
 }
 
-core::Expected<FrameReport> Engine::frame(const core::View& view) {
+core::Expected<FrameReport> Engine::frame(const core::View& view, const core::View& cull_view) {
   if (auto landed = land(); !landed) return tl::unexpected(landed.error());
   FrameReport report;
   report.frame = frames_++;
@@ -169,7 +213,7 @@ core::Expected<FrameReport> Engine::frame(const core::View& view) {
   if (last_frame_began_ >= 0.0) report.frame_ms = 1e3 * (begin - last_frame_began_);
   last_frame_began_ = begin;
   look_after_context();
-  [[maybe_unused]] const auto on_gpu = cull(view, report);
+  [[maybe_unused]] const auto on_gpu = cull(cull_view, report);
   if (!on_gpu) return tl::unexpected(on_gpu.error());
 #if SIGHTLINE_HAS_GL
   if (drawing_) {

@@ -83,7 +83,9 @@ class Engine {
   /// drawn, until all has been made anew from the snapshot: at once or, should that fail, tried again twice a second,
   /// if the engine made the context itself; with use_context() if it is the application's. visible(), queries and edits
   /// work all the time.
-  core::Expected<FrameReport> frame(const core::View& view);
+  core::Expected<FrameReport> frame(const core::View& view) { return frame(view, view); }
+  /// Draws from `view` what `cull_view` can see: shows from aside what a culler keeps.
+  core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view);
   /// The oldest of the GPU culler's results not yet taken, some frames late; nothing while none has arrived. Never
   /// waits. When nobody takes them, the oldest are lost.
   std::optional<LateReport> take_late_report();
@@ -100,6 +102,15 @@ class Engine {
   core::Expected<void> rebuild();
   /// True while a new order is made or waits to land.
   bool rebuilding() const { return rebuild_ && !rebuild_->finished(); }
+
+  /// Another culler from the next frame on. Makes what is missing for it and keeps all else, until the next new order
+  /// also what the culler before it had, so that changing back costs next to nothing; the hybrid starts from a first
+  /// guess. Stops a rebuild in the background; the next commit() begins it again. Fails where create() would; then
+  /// nothing has changed.
+  core::Expected<void> set_culler(CullerChoice choice);
+  /// Another size of the target, in pixels, from the next frame on; the old picture is gone. Fails on sizes that the
+  /// context does not have; then nothing has changed.
+  core::Expected<void> resize(int width, int height);
 
   /// Lets go of all that lies in the application's context, which must be current: before the application destroys it.
   /// Frames are then as after a loss.
@@ -127,6 +138,8 @@ class Engine {
   Engine(core::Scene& scene, const EngineConfig& config);
   void build();
   bool needs_gl() const;
+  core::Expected<void> equip();
+  void follow_hybrid();
   core::Expected<void> make_drawing();
   void look_after_context();
   core::Expected<void> unless_lost(core::Expected<void> done) const;

@@ -13,14 +13,20 @@ void Generation::update(std::span<const core::Slot> touched) {
   if (auto* cpu = std::get_if<culling::CpuCuller>(culler.get())) cpu->update(touched);
 }
 
+void Generation::follow_plan(const PlanRequest& request) {
+  plan = make_plan(*snapshot, request.culler, request.draw, request.ids);
+  const bool has_tree = culler && std::holds_alternative<culling::CpuCuller>(*culler);
+  const bool wants_tree = plan.culler == CullerChoice::kCpu || plan.culler == CullerChoice::kHybrid;
+  if (wants_tree && !has_tree)
+    culler = std::make_unique<Culler>(std::in_place_type<culling::CpuCuller>, snapshot->bounds());
+  else if (!culler || (has_tree && plan.culler == CullerChoice::kLinear))  // costs nothing beside a GPU culler
+    culler = std::make_unique<Culler>(std::in_place_type<culling::LinearCuller>, snapshot->bounds());
+}
+
 Generation make_generation(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request) {
   Generation generation;
-  generation.plan = make_plan(*snapshot, request.culler, request.draw, request.ids);
-  if (generation.plan.culler == CullerChoice::kCpu || generation.plan.culler == CullerChoice::kHybrid)
-    generation.culler = std::make_unique<Culler>(std::in_place_type<culling::CpuCuller>, snapshot->bounds());
-  else  // costs nothing beside a GPU culler
-    generation.culler = std::make_unique<Culler>(std::in_place_type<culling::LinearCuller>, snapshot->bounds());
   generation.snapshot = std::move(snapshot);
+  generation.follow_plan(request);
   return generation;
 }
 

@@ -19,6 +19,12 @@ namespace sightline::engine {
 
 using Culler = std::variant<culling::LinearCuller, culling::CpuCuller>;
 
+/// What make_plan wants to know beside the snapshot.
+struct PlanRequest {
+  CullerChoice culler = CullerChoice::kAutomatic;
+  bool draw = false, ids = false;
+};
+
 /// What follows from one order of the items.
 struct Generation {
   std::unique_ptr<core::Snapshot> snapshot;  // at a fixed address: the culler borrows its bounds
@@ -27,12 +33,8 @@ struct Generation {
 
   /// Lets the culler follow what Snapshot::apply has touched.
   void update(std::span<const core::Slot> touched);
-};
-
-/// What make_plan wants to know beside the snapshot.
-struct PlanRequest {
-  CullerChoice culler = CullerChoice::kAutomatic;
-  bool draw = false, ids = false;
+  /// Plans anew, and makes the culler that the plan names unless it is there.
+  void follow_plan(const PlanRequest& request);
 };
 
 Generation make_generation(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request);

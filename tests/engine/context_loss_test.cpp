@@ -2,10 +2,7 @@
 // where there is a context again the pictures are what they would have been.
 #include <gtest/gtest.h>
 
-#include "sightline/engine/drawing.h"
-#include "sightline/engine/engine.h"
-#include "sightline/render/image.h"
-#include "sightline/tests/support/gl_test.h"
+#include "drawn_grid.h"
 
 namespace sightline::tests {
 namespace {
@@ -24,43 +21,22 @@ void lose(const gl::Context& context) {
   const_cast<gl::Functions&>(context.functions()).GetGraphicsResetStatus = reset_in_frame;
 }
 
-class ContextLossTest : public GlTest {
+class ContextLossTest : public DrawnGrid {
  protected:
-  static constexpr int kItems = 22 * 22 * 22;  // enough for a GPU culler
-
   void SetUp() override {
-    GlTest::SetUp();
-    for (int i = 0; i < kItems; ++i) {
-      const core::Affine at = core::translation({i % 22, i / 22 % 22, i / 22 / 22});
-      if (i % 2 == 0)
-        scene.add_primitive(scene.root(), core::Box{0.4f, 0.4f, 0.4f}, at);
-      else
-        scene.add_primitive(scene.root(), core::Cylinder{0.2f, 0.5f}, at);
-    }
+    DrawnGrid::SetUp();
+    fill(scene, 22);  // enough for a GPU culler
   }
-  static core::View view(int frame) {
-    const double turn = 0.1 * frame;
-    const core::dvec3 centre(11.0), eye = centre + 14.0 * core::dvec3(std::cos(turn), std::sin(turn), 0.2);
-    return *core::View::perspective({eye, centre, {0, 0, 1}}, 0.7, 1.5, 0.1);
-  }
-  static EngineConfig config(CullerChoice culler, gl::Context* context) {
-    EngineConfig c;
-    c.culler = culler;
-    c.draw = true;
-    c.width = 96;
-    c.height = 64;
-    c.context = context;
-    // Changes the path every few frames.
-    c.controller.policy = culling::Policy::kSeedStateMachine;
-    c.controller.seed.slow_ms = 0.0;
-    c.controller.seed.enter_frames = 2;
-    c.controller.seed.gpu_frames = 3;
+  EngineConfig switching(CullerChoice culler, gl::Context* used) {
+    EngineConfig c = config(culler, 96, 64);
+    c.context = used;
+    switch_often(c);
     return c;
   }
   static render::Image picture(Engine& engine) { return engine.drawing()->target().read_colour(); }
   /// The same view on an engine of its own that knows no trouble.
   render::Image wanted(const core::View& view) {
-    auto twin = Engine::create(scene, config(CullerChoice::kCpu, nullptr));
+    auto twin = Engine::create(scene, switching(CullerChoice::kCpu, nullptr));
     EXPECT_TRUE(twin && twin->frame(view));
     render::Image image = picture(*twin);
     return image;
@@ -78,7 +54,7 @@ class ContextLossTest : public GlTest {
 
 TEST_F(ContextLossTest, AnEngineReplacesItsOwnContext) {
   for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu, CullerChoice::kHybrid}) {
-    auto engine = Engine::create(scene, config(culler, nullptr));
+    auto engine = Engine::create(scene, switching(culler, nullptr));
     ASSERT_TRUE(engine) << engine.error().message;
     SCOPED_TRACE(engine->culler_name());
     ASSERT_TRUE(engine->frame(view(0)));
@@ -93,7 +69,7 @@ TEST_F(ContextLossTest, AnEngineReplacesItsOwnContext) {
     ASSERT_TRUE(difference);
     EXPECT_EQ(difference->max, 0);
     bool gpu = false;
-    for (int frame = 0; frame < 8; ++frame) gpu |= std::string_view(engine->frame(view(frame))->path) == "gpu";
+    for (int frame = 0; frame < 8; ++frame) gpu |= std::string_view(engine->frame(view(0.1 * frame))->path) == "gpu";
     EXPECT_EQ(gpu, culler != CullerChoice::kCpu);
   }
 }
@@ -102,11 +78,11 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
   for (const CullerChoice culler : {CullerChoice::kGpu, CullerChoice::kHybrid}) {
     auto made = gl::Context::create_offscreen();
     ASSERT_TRUE(made);
-    auto engine = Engine::create(scene, config(culler, &*made));
+    auto engine = Engine::create(scene, switching(culler, &*made));
     ASSERT_TRUE(engine);
     SCOPED_TRACE(engine->culler_name());
     std::int64_t visible = 0;
-    for (int frame = 0; frame < 6; ++frame) ASSERT_TRUE(engine->frame(view(frame)));
+    for (int frame = 0; frame < 6; ++frame) ASSERT_TRUE(engine->frame(view(0.1 * frame)));
     lose(*made);
     for (int frame = 0; frame < 3; ++frame) {
       const auto report = engine->frame(view(0));
@@ -131,13 +107,13 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
     ASSERT_TRUE(used) << used.error().message;
     int on_gpu = 0;
     for (int frame = 0; frame < 12; ++frame) {
-      const auto report = engine->frame(view(frame));
+      const auto report = engine->frame(view(0.1 * frame));
       ASSERT_TRUE(report);
       EXPECT_TRUE(report->drawn);
       on_gpu += std::string_view(report->path) == "gpu";
     }
     EXPECT_GE(on_gpu, 3);
-    expect_picture(*engine, view(11));
+    expect_picture(*engine, view(1.1));
     ASSERT_TRUE(made->make_current());
   }
 }
@@ -146,7 +122,7 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
 TEST_F(ContextLossTest, LossInTheMiddleOfARebuild) {
   auto made = gl::Context::create_offscreen();
   ASSERT_TRUE(made);
-  auto engine = Engine::create(scene, config(CullerChoice::kHybrid, &*made));
+  auto engine = Engine::create(scene, switching(CullerChoice::kHybrid, &*made));
   ASSERT_TRUE(engine);
   ASSERT_TRUE(engine->frame(view(0)));
   lose(*made);
@@ -166,7 +142,7 @@ TEST_F(ContextLossTest, LossInTheMiddleOfARebuild) {
 }
 
 TEST_F(ContextLossTest, AContextThatFailsIsNotTaken) {
-  auto engine = Engine::create(scene, config(CullerChoice::kHybrid, &*context));
+  auto engine = Engine::create(scene, switching(CullerChoice::kHybrid, &*context));
   ASSERT_TRUE(engine);
   engine->drop_context();
   EXPECT_FALSE(engine->frame(view(0))->drawn);

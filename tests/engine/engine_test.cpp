@@ -46,6 +46,41 @@ TEST(Engine, SmallScenesGetNoHierarchy) {
   EXPECT_STREQ(forced->culler_name(), "cpu");
 }
 
+TEST(Engine, CullersMayBeChangedBetweenEdits) {
+  core::Scene scene;
+  add_grid(scene, 9);
+  auto engine = Engine::create(scene);
+  ASSERT_TRUE(engine);
+  constexpr unsigned kSeed = 8;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937 random{kSeed};
+  for (int round = 0; round < 30; ++round) {
+    SCOPED_TRACE(round);
+    for (int i = 0; i < 40; ++i) {
+      const dvec3 place(random() % 12, random() % 12, random() % 12);
+      if (random() % 2 == 0)
+        scene.add_primitive(scene.root(), core::Sphere{1}, core::translation(place));
+      else
+        scene.set_placement(core::ItemId(random() % scene.item_slots()), core::translation(place));
+    }
+    ASSERT_TRUE(engine->commit());  // a rebuild may be on its way
+    const CullerChoice choices[] = {CullerChoice::kAutomatic, CullerChoice::kCpu, CullerChoice::kLinear};
+    const char* const names[] = {"cpu", "cpu", "linear"};
+    const std::size_t choice = random() % 3;
+    ASSERT_TRUE(engine->set_culler(choices[choice]));
+    EXPECT_FALSE(engine->rebuilding());
+    EXPECT_STREQ(engine->culler_name(), names[choice]);
+    auto fresh = Engine::create(scene, {.culler = CullerChoice::kLinear});
+    ASSERT_TRUE(fresh);
+    for (const View& view : {look({-5, 4, 4}, {4, 4, 4}), look({4, 4, 4}, {8, 5, 3})}) {
+      const auto report = engine->frame(view);
+      ASSERT_TRUE(report && fresh->frame(view));
+      EXPECT_STREQ(report->path, names[choice]);
+      EXPECT_EQ(visible_items(*engine), visible_items(*fresh));
+    }
+  }
+}
+
 TEST(Engine, EveryPlanEntryHasAReason) {
   core::Scene scene;
   add_grid(scene, 3);

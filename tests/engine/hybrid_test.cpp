@@ -2,10 +2,7 @@
 // that fails are survived.
 #include <gtest/gtest.h>
 
-#include "sightline/engine/drawing.h"
-#include "sightline/engine/engine.h"
-#include "sightline/render/image.h"
-#include "sightline/tests/support/gl_test.h"
+#include "sightline/tests/engine/drawn_grid.h"
 
 namespace sightline::tests {
 namespace {
@@ -14,36 +11,12 @@ using engine::CullerChoice;
 using engine::Engine;
 using engine::EngineConfig;
 
-class HybridTest : public GlTest {
+class HybridTest : public DrawnGrid {
  protected:
-  /// Cylinders and boxes on a grid, one metre apart.
-  static void fill(core::Scene& scene, int n) {
-    for (int i = 0; i < n * n * n; ++i) {
-      const core::Affine at = core::translation({i % n, i / n % n, i / n / n});
-      if (i % 2 == 0)
-        scene.add_primitive(scene.root(), core::Box{0.4f, 0.4f, 0.4f}, at);
-      else
-        scene.add_primitive(scene.root(), core::Cylinder{0.2f, 0.5f}, at);
-    }
-  }
-  static core::View view(int frame) {
-    const double turn = 0.1 * frame;
-    const core::dvec3 centre(11.0), eye = centre + 14.0 * core::dvec3(std::cos(turn), std::sin(turn), 0.2);
-    return *core::View::perspective({eye, centre, {0, 0, 1}}, 0.7, 1.5, 0.1);
-  }
   EngineConfig config(CullerChoice culler) {
-    EngineConfig c;
-    c.culler = culler;
-    c.draw = true;
-    c.width = 192;
-    c.height = 128;
+    EngineConfig c = DrawnGrid::config(culler);
     c.ids = true;
-    c.context = &*context;
-    // The dissertation's policy with numbers that change the path every few frames.
-    c.controller.policy = culling::Policy::kSeedStateMachine;
-    c.controller.seed.slow_ms = 0.0;
-    c.controller.seed.enter_frames = 2;
-    c.controller.seed.gpu_frames = 3;
+    switch_often(c);
     return c;
   }
 };
@@ -67,18 +40,13 @@ TEST_F(HybridTest, ASwitchChangesNoPixel) {
       ASSERT_TRUE(hybrid->commit());
       ASSERT_TRUE(cpu->rebuild());
     }
-    const auto a = cpu->frame(view(frame)), b = hybrid->frame(view(frame));
+    const auto a = cpu->frame(view(0.1 * frame)), b = hybrid->frame(view(0.1 * frame));
     ASSERT_TRUE(a && b);
     const bool gpu = std::string_view(b->path) == "gpu";
     ++frames_on[gpu];
     EXPECT_EQ(b->visible < 0, gpu);
-    cpu->finish();
-    hybrid->finish();
-    const auto difference =
-        render::compare(cpu->drawing()->target().read_colour(), hybrid->drawing()->target().read_colour());
-    ASSERT_TRUE(difference);
-    // Another order of the items has other chunk origins, and so other last bits.
-    EXPECT_LE(difference->max, frame < kEdit ? 0 : 1) << "culled by " << b->path;
+    SCOPED_TRACE(b->path);
+    expect_same_picture(*cpu, *hybrid, frame < kEdit ? 0 : 1);
   }
   EXPECT_GE(frames_on[0], 2);
   EXPECT_GE(frames_on[1], 6);
@@ -154,7 +122,7 @@ TEST_F(HybridTest, FrameCostGivesAGpuWithoutTimesUp) {
   if (!context->capabilities().software) GTEST_SKIP() << "the GPU measures its times";
   int on_gpu = 0;
   for (int frame = 0; frame < 60; ++frame) {
-    const auto report = hybrid->frame(view(frame));
+    const auto report = hybrid->frame(view(0.1 * frame));
     ASSERT_TRUE(report);
     on_gpu += std::string_view(report->path) == "gpu";
   }
@@ -184,6 +152,30 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
     EXPECT_EQ(engine->drawing()->gpu_culler()->form(), form);
     EXPECT_EQ(told("GPU culling in compute shaders").why, before.why);
   }
+}
+
+/// A hybrid that comes late counts frames from where it comes.
+TEST(Hybrid, LearnsTheSameWhereverItBegins) {
+  constexpr std::uint64_t kFirst = 12345;
+  engine::Hybrid early({}, 1'000'000, 0), late({}, 1'000'000, kFirst);
+  late.measured(engine::LateReport{kFirst - 1, 10, 0.1});  // of the GPU culler before it
+  int on_gpu = 0;
+  double interval = 0.0;
+  for (std::uint64_t frame = 0; frame < 300; ++frame) {
+    const auto a = early.next(interval), b = late.next(interval);
+    ASSERT_EQ(a, b) << "frame " << frame;
+    const bool gpu = a == culling::Path::kGpu;
+    on_gpu += gpu;
+    interval = gpu ? 2.0 : 9.0;
+    engine::FrameReport report{.frame = frame, .cull_ms = 5.0, .visible = 1000, .tested = 3000};
+    early.measured(report);
+    report.frame += kFirst;
+    late.measured(report);
+    if (!gpu) continue;
+    early.measured(engine::LateReport{frame, 1000, 0.5});
+    late.measured(engine::LateReport{frame + kFirst, 1000, 0.5});
+  }
+  EXPECT_GT(on_gpu, 200);
 }
 
 }  // namespace

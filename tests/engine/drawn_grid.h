@@ -1,0 +1,54 @@
+// Engines that draw a grid of cylinders and boxes, in the test's context.
+#pragma once
+
+#include "sightline/engine/drawing.h"
+#include "sightline/engine/engine.h"
+#include "sightline/render/image.h"
+#include "sightline/tests/support/gl_test.h"
+
+namespace sightline::tests {
+
+class DrawnGrid : public GlTest {
+ protected:
+  /// Cylinders and boxes, n^3 of them, one metre apart.
+  static void fill(core::Scene& scene, int n) {
+    for (int i = 0; i < n * n * n; ++i) {
+      const core::Affine at = core::translation({i % n, i / n % n, i / n / n});
+      if (i % 2 == 0)
+        scene.add_primitive(scene.root(), core::Box{0.4f, 0.4f, 0.4f}, at);
+      else
+        scene.add_primitive(scene.root(), core::Cylinder{0.2f, 0.5f}, at);
+    }
+  }
+  /// From among the items of a grid of 22 or so; `turn` in radians about its centre.
+  static core::View view(double turn, double aspect = 1.5) {
+    const core::dvec3 centre(11.0), eye = centre + 14.0 * core::dvec3(std::cos(turn), std::sin(turn), 0.2);
+    return *core::View::perspective({eye, centre, {0, 0, 1}}, 0.7, aspect, 0.1);
+  }
+  engine::EngineConfig config(engine::CullerChoice culler, int width = 192, int height = 128) {
+    engine::EngineConfig c;
+    c.culler = culler;
+    c.draw = true;
+    c.width = width;
+    c.height = height;
+    c.context = &*context;
+    return c;
+  }
+  /// A hybrid with the dissertation's policy, with numbers that change the path every few frames.
+  static void switch_often(engine::EngineConfig& c) {
+    c.controller.policy = culling::Policy::kSeedStateMachine;
+    c.controller.seed.slow_ms = 0.0;
+    c.controller.seed.enter_frames = 2;
+    c.controller.seed.gpu_frames = 3;
+  }
+  /// Another order of the items has other chunk origins, and so other last bits: for that, `max` 1.
+  static void expect_same_picture(engine::Engine& a, engine::Engine& b, int max = 0) {
+    a.finish();
+    b.finish();
+    const auto difference = render::compare(a.drawing()->target().read_colour(), b.drawing()->target().read_colour());
+    ASSERT_TRUE(difference) << difference.error().message;
+    EXPECT_LE(difference->max, max) << difference->pixels << " pixels";
+  }
+};
+
+}  // namespace sightline::tests
