@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <fstream>
-#include <numbers>
 
 #include <nlohmann/json.hpp>
 
@@ -90,10 +89,9 @@ core::Expected<core::View> choose_view(const Options& o, const apps::Model& mode
     const core::CameraSample s = path->sample(path->begin() + share * (path->end() - path->begin()));
     return core::View::perspective(s.pose, s.fovy, aspect, path->near, path->far);
   }
-  constexpr double kFovy = std::numbers::pi / 4;
   const core::AabbD bounds = apps::world_bounds(snapshot);
   const double distance = std::max(1.0, glm::length(bounds.size()));
-  return core::View::perspective(apps::fitting_pose(bounds, kFovy, aspect), kFovy, aspect, 1e-3 * distance);
+  return core::View::perspective(apps::fitting_pose(bounds, apps::kFovy, aspect), apps::kFovy, aspect, 1e-3 * distance);
 }
 
 core::Expected<void> write_id_names(const std::string& file, const render::IdImage& ids, const core::Scene& scene) {

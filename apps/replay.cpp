@@ -182,8 +182,7 @@ core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core:
 }
 
 json summary_json(const std::vector<double>& samples) {
-  const apps::Summary s = apps::summarise(samples);
-  return {{"mean", s.mean}, {"median", s.median}, {"p99", s.p99}, {"max", s.max}};
+  return apps::to_json<json>(apps::summarise(samples));
 }
 
 json to_json(const Options& o, const engine::Engine& engine, const Flight& flight, const std::array<int, 2>& size) {

@@ -46,6 +46,12 @@ if(SIGHTLINE_APPS)
   sightline_need(SIGHTLINE_APPS SIGHTLINE_IMPORTERS "the importers are off")
 endif()
 
+if(SIGHTLINE_VIEW AND SIGHTLINE_APPS)
+  find_package(glfw3 3.3 QUIET)
+  sightline_need(SIGHTLINE_VIEW SIGHTLINE_GL "SIGHTLINE_GL is off")
+  sightline_need(SIGHTLINE_VIEW glfw3_FOUND "GLFW not found (libglfw3-dev)")
+endif()
+
 if(SIGHTLINE_TESTS)
   find_package(GTest QUIET)
   sightline_need(SIGHTLINE_TESTS GTest_FOUND "GoogleTest not found")

@@ -7,7 +7,8 @@ cd "$(dirname "$0")/.."
 preset=${1:-release}
 
 packages=(g++ cmake ninja-build pkg-config ccache libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev
-  libtinyobjloader-dev libpng-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev libgmp-dev)
+  libtinyobjloader-dev libpng-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libglfw3-dev libgtest-dev
+  libgmp-dev xvfb xdotool)
 
 missing=()
 for package in "${packages[@]}"; do

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,6 +40,9 @@ core::AabbD world_bounds(const core::Snapshot& snapshot);
 
 /// The automatic flight through a model.
 core::CameraPath tour_of(const core::Snapshot& snapshot);
+
+/// Field of view of a camera that nobody has given another one, radians.
+inline constexpr double kFovy = std::numbers::pi / 4;
 
 /// The pose from above, south-west, from which the bounds just fill a view of `fovy` radians.
 core::Pose fitting_pose(const core::AabbD& bounds, double fovy, double aspect);

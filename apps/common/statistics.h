@@ -12,4 +12,9 @@ struct Summary {
 /// Of any number of samples; all zero for none. Percentiles are nearest-rank.
 Summary summarise(std::vector<double> samples);
 
+template <class Json>
+Json to_json(const Summary& s) {
+  return {{"mean", s.mean}, {"median", s.median}, {"p99", s.p99}, {"max", s.max}};
+}
+
 }  // namespace sightline::apps

@@ -90,7 +90,7 @@ TEST_P(ModelTool, RefusesTranslationsBeyondAllRange) {
   expect_failure(GetParam(), {plant(1000), "--translate", "1e300,0,0"}, "beyond");
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ModelTool, ::testing::Values("info", "replay", "render"));
+INSTANTIATE_TEST_SUITE_P(All, ModelTool, ::testing::Values("info", "replay", "render", "view"));
 
 using CommandLine = ToolTest;
 

@@ -25,7 +25,7 @@ class RenderTest : public ToolTest {
 
   /// Must succeed.
   Outcome render(const Args& args) const {
-    const Outcome outcome = run("render", args);
+    Outcome outcome = run("render", args);
     EXPECT_EQ(outcome.code, 0) << outcome;
     return outcome;
   }

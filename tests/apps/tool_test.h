@@ -72,46 +72,62 @@ class ToolTest : public ::testing::Test {
   /// A path below a regular file: no user can write there, root included.
   std::string unwritable(const std::string& name) const { return write("regular-file", "") + "/" + name; }
 
-  /// `program` is searched in PATH unless it holds a slash.
-  Outcome run_program(const std::string& program, const Args& args) const {
-    const std::string out = path(".stdout"), err = path(".stderr");
+  /// A child process that runs beside the test, and the files that it writes to.
+  struct Child {
+    pid_t pid = 0;
+    std::string out, err;
+  };
+
+  /// `program` is searched in PATH unless it holds a slash. pid 0: it cannot be started.
+  Child start_program(const std::string& program, const Args& args, const std::string& name = "") const {
+    Child child{0, path(name + ".stdout"), path(name + ".stderr")};
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     constexpr int kReplace = O_WRONLY | O_CREAT | O_TRUNC;
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), kReplace, 0600);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), kReplace, 0600);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, child.out.c_str(), kReplace, 0600);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, child.err.c_str(), kReplace, 0600);
     std::vector<char*> argv{const_cast<char*>(program.c_str())};
     for (const std::string& arg : args) argv.push_back(const_cast<char*>(arg.c_str()));
     argv.push_back(nullptr);
-    pid_t child = 0;
-    const int failed = posix_spawnp(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
+    if (posix_spawnp(&child.pid, program.c_str(), &actions, nullptr, argv.data(), environ) != 0) child.pid = 0;
     posix_spawn_file_actions_destroy(&actions);
-    if (failed) return {-1, "", program + " cannot be started"};
+    return child;
+  }
+
+  static Outcome wait_for(const Child& child) {
     int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    while (waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {
     }
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_bytes(out), read_bytes(err)};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_bytes(child.out), read_bytes(child.err)};
+  }
+
+  Outcome run_program(const std::string& program, const Args& args) const {
+    const Child child = start_program(program, args);
+    return child.pid != 0 ? wait_for(child) : Outcome{-1, "", program + " cannot be started"};
+  }
+
+  /// Where sightline-TOOL lies.
+  static std::string program_of(const std::string& tool) {
+    return std::string(SIGHTLINE_BIN_DIR) + "/sightline-" + tool;
   }
 
   /// Runs sightline-TOOL.
-  Outcome run(const std::string& tool, const Args& args) const {
-    return run_program(std::string(SIGHTLINE_BIN_DIR) + "/sightline-" + tool, args);
-  }
+  Outcome run(const std::string& tool, const Args& args) const { return run_program(program_of(tool), args); }
 
   /// Runs a tool that must succeed and parses the JSON that it writes to stdout, and nothing else.
   Json run_json(const std::string& tool, Args args) const {
     args.insert(args.end(), {"--json", "-"});
     const Outcome outcome = run(tool, args);
     EXPECT_EQ(outcome.code, 0) << outcome;
-    const Json json = Json::parse(outcome.out, nullptr, false);
+    Json json = Json::parse(outcome.out, nullptr, false);
     EXPECT_FALSE(json.is_discarded()) << outcome;
     return json;
   }
 
   /// A plant of so many items.
   std::string plant(int items, int seed = 1) const {
-    const std::string file = path("plant-" + std::to_string(items) + "-" + std::to_string(seed) + ".rvm");
+    std::string file = path("plant-" + std::to_string(items) + "-" + std::to_string(seed) + ".rvm");
     const Outcome outcome = run("generate", {file, "--items", std::to_string(items), "--seed", std::to_string(seed)});
     EXPECT_EQ(outcome.code, 0) << outcome;
     return file;
