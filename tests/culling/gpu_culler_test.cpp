@@ -24,6 +24,7 @@ using culling::GpuCuller;
 using culling::GpuCullerConfig;
 using culling::GpuForm;
 using tests::chance;
+using tests::left_open;
 using tests::magnitude;
 using tests::point;
 using tests::Random;
@@ -63,21 +64,6 @@ struct Rig {
     ASSERT_TRUE(culler.update(snapshot, gpu, touched));
   }
 };
-
-/// Whether the float planes, moved outwards by a few bands, leave a box open.
-bool left_open(const culling::CullPlanes& planes, const core::Aabb& box) {
-  const auto near_plane = [&](int k) {
-    const culling::FloatPlane& f = planes.planes()[k];
-    double s = f.offset;
-    for (int i = 0; i < 3; ++i) s += double(f.normal[i]) * (f.normal[i] >= 0.0f ? box.max[i] : box.min[i]);
-    return s >= -3.5 * double(f.band) - 1e-30;
-  };
-  for (int k = 0; k < planes.union_first(); ++k)
-    if (!near_plane(k)) return false;
-  for (int k = planes.union_first(); k < planes.plane_count(); ++k)
-    if (near_plane(k)) return true;
-  return planes.union_first() == planes.plane_count();
-}
 
 /// Culls and compares; returns how many more there are than the CPU finds.
 std::size_t expect_same(const gl::Functions& gl, Rig& rig, const View& view) {

@@ -15,6 +15,7 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/frustum_test.h"
 #include "sightline/culling/instruction_set.h"
 
 namespace sightline::tests {
@@ -126,6 +127,21 @@ inline void add_sections(Random& random, const core::dvec3& origin, double half,
     const core::dvec3 through = origin + point(random, half * 1.2);
     view.sections.push_back({normal, -glm::dot(normal, through)});
   }
+}
+
+/// Whether the float planes, moved outwards by a few bands, leave a box open.
+inline bool left_open(const culling::CullPlanes& planes, const core::Aabb& box) {
+  const auto near_plane = [&](int k) {
+    const culling::FloatPlane& f = planes.planes()[k];
+    double s = f.offset;
+    for (int i = 0; i < 3; ++i) s += double(f.normal[i]) * (f.normal[i] >= 0.0f ? box.max[i] : box.min[i]);
+    return s >= -3.5 * double(f.band) - 1e-30;
+  };
+  for (int k = 0; k < planes.union_first(); ++k)
+    if (!near_plane(k)) return false;
+  for (int k = planes.union_first(); k < planes.plane_count(); ++k)
+    if (near_plane(k)) return true;
+  return planes.union_first() == planes.plane_count();
 }
 
 /// Runs `check` in every form of the kernels that this machine has.

@@ -1,0 +1,40 @@
+// Query objects: what a draw counted or how long it took.
+#pragma once
+
+#include "sightline/gl/functions.h"
+#include "sightline/gl/handle.h"
+
+namespace sightline::gl {
+
+namespace detail {
+inline void delete_query(const Functions& gl, GLuint name) {
+  gl.DeleteQueries(1, &name);
+}
+}  // namespace detail
+
+/// Owns a query object of one target (GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, GL_PRIMITIVES_GENERATED, …). Move-only.
+class Query {
+ public:
+  Query() = default;
+  Query(const Functions& gl, GLenum target) : handle_(gl, make(gl, target)), target_(target) {}
+
+  void begin() const { handle_.gl().BeginQuery(target_, handle_.name()); }
+  void end() const { handle_.gl().EndQuery(target_); }
+  /// Of the last begin() and end(). Waits for the GPU.
+  GLuint result() const {
+    GLuint value = 0;
+    handle_.gl().GetQueryObjectuiv(handle_.name(), GL_QUERY_RESULT, &value);
+    return value;
+  }
+
+ private:
+  static GLuint make(const Functions& gl, GLenum target) {
+    GLuint name = 0;
+    gl.CreateQueries(target, 1, &name);
+    return name;
+  }
+  Handle<detail::delete_query> handle_;
+  GLenum target_ = GL_NONE;
+};
+
+}  // namespace sightline::gl

@@ -1,0 +1,70 @@
+#include "sightline/study/gpu/planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sightline::study {
+namespace {
+
+/// StudyPlanes (std140).
+struct PlaneBlock {
+  struct Row {
+    float normal[3], out, in, unused[3];
+  };
+  Row planes[culling::kMaxCullPlanes];
+  std::int32_t count, unused[3];
+};
+static_assert(sizeof(PlaneBlock) == 32 * culling::kMaxCullPlanes + 16);
+
+/// Sum of what flushed denormals can take from a height, in 2^-126 (see culling/gpu).
+double denormal_terms(const core::ItemBounds& bounds) {
+  double terms = 8.0;
+  if (bounds.extent().empty()) return terms;
+  for (int i = 0; i < 3; ++i)
+    terms += std::max(std::abs(double(bounds.extent().min[i])), std::abs(double(bounds.extent().max[i])));
+  return terms;
+}
+
+float within_range(double x) {
+  return core::round_up(std::min(x, double(core::Aabb::kFar)));
+}
+
+}  // namespace
+
+core::Expected<GpuPlanes> GpuPlanes::create(const gl::Functions& gl) {
+  auto block = gl::Buffer::create(gl, sizeof(PlaneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT, "study planes");
+  if (!block) return tl::unexpected(block.error());
+  GpuPlanes planes;
+  planes.gl_ = &gl;
+  planes.block_ = std::move(*block);
+  return planes;
+}
+
+void GpuPlanes::upload(const culling::CullPlanes& planes, const core::ItemBounds& bounds) const {
+  PlaneBlock block{};
+  block.count = planes.union_first();
+  const double denormals = 0x1p-126 * denormal_terms(bounds);
+  for (int k = 0; k < block.count; ++k) {
+    const culling::FloatPlane& p = planes.planes()[k];
+    // Twice the band, as GLSL leaves the direction of rounding to the driver.
+    const double band = 2.0 * double(p.band) + denormals;
+    block.planes[k] = {{p.normal[0], p.normal[1], p.normal[2]},
+                       within_range(double(p.offset) + band),
+                       -within_range(band - double(p.offset)),
+                       {}};
+  }
+  block_.write(0, sizeof(block), &block);
+  gl_->BindBufferBase(GL_UNIFORM_BUFFER, kPlaneBinding, block_.id());
+}
+
+core::ItemBounds extent_of(std::span<const core::Aabb> boxes) {
+  core::Aabb extent;
+  for (const core::Aabb& box : boxes)
+    if (!box.empty()) extent.grow(box);
+  core::ItemBounds bounds;
+  bounds.resize(1);
+  bounds.set(0, extent);
+  return bounds;
+}
+
+}  // namespace sightline::study
