@@ -1,6 +1,6 @@
-// sightline-bench-study: the CPU culling techniques of study/ on made-up platforms and an aircraft, beside production
+// sightline-bench-study: the culling techniques of study/ on made-up platforms and an aircraft, beside production,
 // other libraries and brute force, in one run. Prints the tables of E. T. Carlos, "Frustum Culling Híbrido Utilizando
-// CPU e GPU" (2009), chapters 3 and 4, and writes the data of its figures.
+// CPU e GPU" (2009), chapters 3 and 4, with --gpu 5, and writes the data of its figures.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +14,9 @@
 
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/model.h"
+#ifdef SIGHTLINE_STUDY_HAS_GPU
+#include "sightline/bench/study_gpu.h"
+#endif
 #include "sightline/bench/study_report.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/core/snapshot.h"
@@ -28,7 +31,7 @@ using namespace sightline;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  bool tables = false;
+  bool tables = false, gpu = false;
   std::string csv, json;
   int frames = 120, passes = 3, samples = 10;
   double scale = 1.0;
@@ -167,10 +170,13 @@ void show_progress(const std::string& what) {
   if (terminal) std::fprintf(stderr, "\r\033[K%s", what.c_str());
 }
 
+study::SessionOptions session_of(const study::Model& model, const Options& options) {
+  return {options.passes, options.variants,
+          [&model](const std::string& variant) { show_progress(model.name + ": " + variant); }};
+}
+
 bench::ModelResults run_model(const study::Model& model, const Options& options) {
-  const study::SessionOptions session{options.passes, options.variants, [&model](const std::string& variant) {
-                                        show_progress(model.name + ": " + variant);
-                                      }};
+  const study::SessionOptions session = session_of(model, options);
   bench::ModelResults results{study::run_everything(model, session)};
   for (std::size_t i = 1; i < model.paths.size() && !options.tour_only; ++i)
     results.push_back(study::run_contenders(results.front(), model.paths[i], kContenders, session));
@@ -178,31 +184,74 @@ bench::ModelResults run_model(const study::Model& model, const Options& options)
   return results;
 }
 
-core::Expected<int> run_study(const Options& options) {
-  auto models = make_models(options);
-  if (!models) return tl::unexpected(models.error());
-  std::vector<bench::ModelResults> all;
-  Json json = Json::array();
-  for (study::Model& model : *models) {
+/// Makes and prepares the models, and gives each to `run`.
+template <class RunModel>
+core::Expected<void> for_each_model(std::vector<study::Model>& models, const Options& options, const RunModel& run) {
+  auto made = make_models(options);
+  if (!made) return tl::unexpected(made.error());
+  models = std::move(*made);
+  for (study::Model& model : models) {
     if (model.boxes.empty()) return core::fail(model.name + ": nothing to cull");
     model.prepare(std::size_t(options.samples));
-    all.push_back(run_model(model, options));
-    for (const study::Results& r : all.back()) json.push_back(bench::to_json(r));
+    if (core::Expected<void> done = run(model); !done) return done;
   }
-  if (options.tables && options.json != "-") (options.variants.empty() ? bench::print_tables : bench::print_runs)(all);
+  return {};
+}
+
+/// Writes `all` and `json` where the options want them.
+template <class ResultsOfModel, class Print, class WriteFigures>
+core::Expected<int> report(const Options& options, const std::vector<ResultsOfModel>& all, const Json& json,
+                           const Print& print, const WriteFigures& write_figures) {
+  if (options.tables && options.json != "-") print(all);
   if (!options.csv.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options.csv, error);
-    for (const bench::ModelResults& r : all)
-      if (auto w = bench::write_figures(r, options.csv); !w) return tl::unexpected(w.error());
+    for (const ResultsOfModel& r : all)
+      if (auto w = write_figures(r, options.csv); !w) return tl::unexpected(w.error());
   }
   if (!options.json.empty())
     if (auto w = apps::write_text(options.json, apps::to_text(json)); !w) return tl::unexpected(w.error());
   return apps::kExitOk;
 }
 
+core::Expected<int> run_study(const Options& options) {
+  std::vector<study::Model> models;
+  std::vector<bench::ModelResults> all;
+  Json json = Json::array();
+  auto done = for_each_model(models, options, [&](const study::Model& model) -> core::Expected<void> {
+    all.push_back(run_model(model, options));
+    for (const study::Results& r : all.back()) json.push_back(bench::to_json(r));
+    return {};
+  });
+  if (!done) return tl::unexpected(done.error());
+  return report(options, all, json, options.variants.empty() ? bench::print_tables : bench::print_runs,
+                bench::write_figures);
+}
+
+#ifdef SIGHTLINE_STUDY_HAS_GPU
+core::Expected<int> run_gpu_study(const Options& options) {
+  auto context = gl::Context::create_offscreen();
+  if (!context) return tl::unexpected(context.error());
+  std::vector<study::Model> models;
+  std::vector<bench::GpuResults> all;
+  Json json = Json::array();
+  auto done = for_each_model(models, options, [&](const study::Model& model) -> core::Expected<void> {
+    auto results = bench::run_gpu(*context, model, session_of(model, options));
+    show_progress("");
+    if (!results) return tl::unexpected(results.error());
+    json.push_back(bench::to_json(results->culling));
+    if (results->drawing) json.push_back(bench::to_json(*results->drawing));
+    all.push_back(std::move(*results));
+    return {};
+  });
+  if (!done) return tl::unexpected(done.error());
+  const auto print = [&](const std::vector<bench::GpuResults>& r) { bench::print_gpu(*context, r); };
+  return report(options, all, json, print, bench::write_gpu_figures);
+}
+#endif
+
 int run_tool(int argc, char** argv) {
-  CLI::App app{"CPU frustum culling techniques of 2009 and before, beside production: error against time.",
+  CLI::App app{"Frustum culling techniques of 2009 and before, beside production: error against time.",
                "sightline-bench-study"};
   Options options;
   app.add_flag("--tables", options.tables, "print the tables (not with --json -)");
@@ -220,8 +269,16 @@ int run_tool(int argc, char** argv) {
       ->delimiter(',');
   app.add_flag("--tour-only", options.tour_only, "leave out the paths that only the fastest methods fly");
   app.add_option("--model", options.files.files, "real models besides (RVM, OBJ), each on its own");
+#ifdef SIGHTLINE_STUDY_HAS_GPU
+  app.add_flag("--gpu", options.gpu, "the GPU techniques instead: figures 5.14 and 5.15");
+  apps::describe(app,
+                 "  sightline-bench-study --tables --scale 0.05 --frames 30\n"
+                 "  sightline-bench-study --gpu --tables --scale 0.05 --frames 30 --only P-40\n");
+  return apps::run(app, argc, argv, [&] { return options.gpu ? run_gpu_study(options) : run_study(options); });
+#else
   apps::describe(app, "  sightline-bench-study --tables --scale 0.05 --frames 30\n");
   return apps::run(app, argc, argv, [&] { return run_study(options); });
+#endif
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // The study's figures: CSV, SVG, JSON.
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -82,9 +83,7 @@ core::Expected<void> write_paths(const Results& r, bool aircraft, const std::fil
     runs.push_back(&r.brute_force());
     // 4.3 and 4.4 part the models by the winning tree instead.
     const int shown = number == 3 ? (best == TreeKind::kMean ? 3 : 4) : number + (aircraft ? 1 : 0);
-    const std::string figure = std::to_string(shown);
-    const auto stem = directory / ("figure_4_" + figure + "_" + r.model->name);
-    if (auto w = write_both(stem, figure_csv(runs), figure_svg(r, "4." + figure, runs)); !w) return w;
+    if (auto w = write_figure(r, "4." + std::to_string(shown), runs, directory); !w) return w;
   }
   return {};
 }
@@ -173,6 +172,13 @@ Json to_json(const Results& r) {
   }
   return {{"model", r.model->name},         {"path", r.path->name}, {"boxes", r.model->boxes.size()},
           {"frames", r.path->views.size()}, {"best", r.best_flags}, {"runs", std::move(runs)}};
+}
+
+core::Expected<void> write_figure(const Results& r, const std::string& figure, const std::vector<const Run*>& runs,
+                                  const std::filesystem::path& directory) {
+  std::string file = "figure_" + figure + "_" + r.model->name;
+  std::replace(file.begin(), file.end(), '.', '_');
+  return write_both(directory / file, figure_csv(runs), figure_svg(r, figure, runs));
 }
 
 core::Expected<void> write_figures(const ModelResults& results, const std::filesystem::path& directory) {

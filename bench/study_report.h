@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -20,6 +21,10 @@ void print_tables(const std::vector<ModelResults>& all);
 void print_runs(const std::vector<ModelResults>& all);
 
 nlohmann::ordered_json to_json(const study::Results& results);
+
+/// One of the dissertation's figures: times of runs frame by frame, as CSV and SVG.
+core::Expected<void> write_figure(const study::Results& results, const std::string& figure,
+                                  const std::vector<const study::Run*>& runs, const std::filesystem::path& directory);
 
 /// Data and plots of figures 4.1 to 4.16, of limited depth, and of error against time. The directory must exist.
 core::Expected<void> write_figures(const ModelResults& results, const std::filesystem::path& directory);

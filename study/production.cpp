@@ -6,6 +6,7 @@
 #include "sightline/core/bvh_build.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/linear_culler.h"
 
 namespace sightline::study {
 namespace {
@@ -36,7 +37,10 @@ class Production : public Method {
 
   void cull(const core::View& view) override {
     culling::force_instruction_set(form_.instructions);
-    scene_.culler->cull(view, set_);
+    if (form_.hierarchy)
+      scene_.culler->cull(view, set_);
+    else
+      culling::LinearCuller(scene_.bounds).cull(view, set_);
     if (form_.list_ids) list(list_);
   }
   std::uint64_t count() const override { return set_.count(); }

@@ -17,6 +17,7 @@ struct ProductionForm {
   std::string name;
   std::optional<culling::InstructionSet> instructions;  ///< nullopt: the widest that the processor has
   bool list_ids = false;                                ///< also write every visible box's index; otherwise ranges
+  bool hierarchy = true;                                ///< false: the linear culler
 };
 
 /// The plain form, "production", first; then those that this processor can run. All use one thread.
