@@ -1,9 +1,12 @@
-// sightline-bench-gpu-cull: the forms of the GPU culler against each other, alone: no picture is drawn.
+// sightline-bench-gpu-cull: the forms of the GPU culler and of its boxes against each other, alone: no picture is
+// drawn.
 //
 // Made-up plants, culled along an orbit. Every form culls each view in turn, and the best of some passes counts: from
-// submission until the GPU is through, and the part of it that the submission took.
+// submission until the GPU is through, and the part of it that the submission took. Memory as table 5.1 of E. T.
+// Carlos, "Frustum Culling Híbrido Utilizando CPU e GPU" (PUC-Rio, 2009) has it: all boxes, for plants of its sizes.
 #include <cstdio>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,21 +24,26 @@ namespace {
 using namespace sightline;
 using Json = nlohmann::ordered_json;
 using bench::milliseconds;
+using culling::GpuBoundsForm;
 using culling::GpuCuller;
 using culling::GpuCullerConfig;
 using culling::GpuForm;
 
 constexpr GpuForm kForms[] = {GpuForm::kGeometry, GpuForm::kCompute};
+constexpr GpuBoundsForm kBoundsForms[] = {GpuBoundsForm::kFloat, GpuBoundsForm::kCompact, GpuBoundsForm::kParameters};
+
+/// The dissertation's platforms P-38, P-40, P-43 and P-50.
+constexpr std::uint64_t kPlatforms[] = {85'291, 265'333, 293'335, 691'951};
 
 struct Options {
-  std::vector<std::uint64_t> items = {85'291, 265'333, 293'335, 691'951};
+  std::vector<std::uint64_t> items;  // of each plant; none: kPlatforms
   int views = 24, passes = 5;
   std::string json;
 };
 
 struct Subject {
   GpuCuller culler;
-  std::string name;
+  GpuCullerConfig config;
   std::vector<double> total, submit;  // by view: the best so far, milliseconds
   std::uint64_t visible = 0;          // of all views
 };
@@ -75,10 +83,13 @@ core::Expected<Json> measure(const gl::Context& context, std::uint64_t items, co
   const std::vector<core::View> views = orbit(snapshot, o.views);
   std::vector<Subject> subjects;
   for (const GpuForm form : kForms) {
-    auto culler = GpuCuller::create(context, snapshot, *gpu, {form});
-    if (!culler) return tl::unexpected(culler.error());
-    const std::vector<double> unknown(views.size(), 1e9);
-    subjects.push_back({std::move(*culler), std::string(name_of(form)), unknown, unknown});
+    for (const GpuBoundsForm bounds : kBoundsForms) {
+      const GpuCullerConfig config{form, bounds};
+      auto culler = GpuCuller::create(context, snapshot, *gpu, config);
+      if (!culler) return tl::unexpected(culler.error());
+      const std::vector<double> unknown(views.size(), 1e9);
+      subjects.push_back({std::move(*culler), config, unknown, unknown});
+    }
   }
   const gl::Functions& gl = context.functions();
   for (int pass = 0; pass < o.passes; ++pass) {
@@ -98,16 +109,26 @@ core::Expected<Json> measure(const gl::Context& context, std::uint64_t items, co
   }
 
   Json rows = Json::array();
-  std::printf("%llu items\n", (unsigned long long)snapshot.size());
-  for (const Subject& subject : subjects) {
-    const double total = mean(subject.total), submit = mean(subject.submit);
-    std::printf("  %-24s %9.3f ms, submission %9.3f ms, %12zu bytes, %10.0f visible\n", subject.name.c_str(), total,
-                submit, subject.culler.memory_bytes(), double(subject.visible) / double(views.size()));
-    rows.push_back({{"form", subject.name},
+  std::printf("%zu items\n", snapshot.size());
+  for (std::size_t i = 0; i < subjects.size(); ++i) {
+    const Subject& subject = subjects[i];
+    const Subject& exact = subjects[i - i % std::size(kBoundsForms)];  // float boxes in the same form
+    const double total = mean(subject.total), submit = mean(subject.submit), ratio = total / mean(exact.total);
+    const double visible = double(subject.visible) / double(views.size());
+    const double extra = double(subject.visible) / double(std::max<std::uint64_t>(1, exact.visible)) - 1.0;
+    const std::string form(name_of(*subject.config.form)), bounds(name_of(subject.config.bounds));
+    const std::size_t bytes = subject.culler.bounds_memory_bytes();
+    std::printf("  %-8s %-10s %8.3f ms (%.2f), submission %8.3f ms, boxes %11zu bytes, %9.0f visible, %+.3f %%\n",
+                form.c_str(), bounds.c_str(), total, ratio, submit, bytes, visible, 100.0 * extra);
+    rows.push_back({{"form", form},
+                    {"bounds", bounds},
                     {"total_ms", total},
                     {"submit_ms", submit},
+                    {"ratio", ratio},
+                    {"box_bytes", bytes},
                     {"bytes", subject.culler.memory_bytes()},
-                    {"visible", double(subject.visible) / double(views.size())}});
+                    {"visible", visible},
+                    {"extra", extra}});
   }
   return Json{{"items", snapshot.size()}, {"cullers", rows}};
 }
@@ -117,7 +138,8 @@ core::Expected<int> bench_all(const Options& o) {
   if (!context) return tl::unexpected(context.error());
   std::printf("%s\n", context->renderer().c_str());
   Json result{{"renderer", context->renderer()}, {"plants", Json::array()}};
-  for (const std::uint64_t items : o.items) {
+  const std::span<const std::uint64_t> plants = o.items.empty() ? std::span(kPlatforms) : std::span(o.items);
+  for (const std::uint64_t items : plants) {
     auto plant = measure(*context, items, o);
     if (!plant) return tl::unexpected(plant.error());
     result["plants"].push_back(std::move(*plant));
@@ -135,7 +157,8 @@ int main(int argc, char** argv) {
                  "  sightline-bench-gpu-cull\n"
                  "  sightline-bench-gpu-cull --items 1000000 --passes 9 --json gpu.json\n");
   Options o;
-  app.add_option("--items", o.items, "Items of each made-up plant")->check(CLI::Range(1000u, 20'000'000u));
+  app.add_option("--items", o.items, "Items of each made-up plant; without it 85291 265333 293335 691951")
+      ->check(CLI::Range(1000u, 20'000'000u));
   app.add_option("--views", o.views, "Views along the orbit")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--passes", o.passes, "Of which the best counts")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--json", o.json, "Figures to a file, or - for stdout");

@@ -39,29 +39,13 @@ std::uint32_t material_row(const Snapshot& snapshot, Slot slot) {
   return material == core::kNone ? 0u : (material + 1) & gpuprims::kMaterialMask;
 }
 
-void pack_slot(const Snapshot& snapshot, Slot slot, std::span<Texel> out) {
-  const Kind kind = snapshot.kind(slot);
-  const core::KindItems& items = snapshot.of_kind(kind);
-  const std::uint32_t i = snapshot.index_in_kind(slot);
-  std::span<const float> parameters;
-  if (int(kind) < core::kPrimitiveKindCount) {
-    const std::size_t n = std::size_t(core::parameter_count(kind));
-    parameters = std::span(items.parameters).subspan(i * n, n);
-  }
-  const bool flat = kind == Kind::kBox || flat_shaded(snapshot, slot);
-  const std::uint32_t flags = flat ? std::uint32_t(gpuprims::kFlatShaded) : 0u;
-  core::Placement placement = items.placements[i];
-  if (snapshot.vacant(slot)) placement.linear = core::mat3(0.0f);  // a point, of which nothing is rasterised
-  gpuprims::pack(kind, parameters, {placement, snapshot.item(slot), material_row(snapshot, slot) | flags}, out);
-}
-
 /// Records of `slots`, and memory for `capacity` of them.
 std::vector<Texel> pack_slots(const Snapshot& snapshot, std::span<const Slot> slots, int texels_per_item,
                               std::size_t capacity) {
   const std::size_t stride = std::size_t(texels_per_item);
   std::vector<Texel> texels(capacity * stride);
   for (std::size_t i = 0; i < slots.size(); ++i)
-    pack_slot(snapshot, slots[i], std::span(texels).subspan(i * stride, stride));
+    GpuScene::pack(snapshot, slots[i], std::span(texels).subspan(i * stride, stride));
   return texels;
 }
 
@@ -113,6 +97,22 @@ std::uint32_t GpuScene::record_of(const Snapshot& snapshot, Slot slot) {
   for (int k = 0; k < core::kKindCount; ++k)
     if (Kind(k) != own && batch_of(Kind(k)) == batch_of(own)) record += snapshot.rank(Kind(k), slot);
   return record;
+}
+
+void GpuScene::pack(const Snapshot& snapshot, Slot slot, std::span<Texel> out) {
+  const Kind kind = snapshot.kind(slot);
+  const core::KindItems& items = snapshot.of_kind(kind);
+  const std::uint32_t i = snapshot.index_in_kind(slot);
+  std::span<const float> parameters;
+  if (int(kind) < core::kPrimitiveKindCount) {
+    const std::size_t n = std::size_t(core::parameter_count(kind));
+    parameters = std::span(items.parameters).subspan(i * n, n);
+  }
+  const bool flat = kind == Kind::kBox || flat_shaded(snapshot, slot);
+  const std::uint32_t flags = flat ? std::uint32_t(gpuprims::kFlatShaded) : 0u;
+  core::Placement placement = items.placements[i];
+  if (snapshot.vacant(slot)) placement.linear = core::mat3(0.0f);  // a point, of which nothing is rasterised
+  gpuprims::pack(kind, parameters, {placement, snapshot.item(slot), material_row(snapshot, slot) | flags}, out);
 }
 
 core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snapshot& snapshot,
@@ -184,13 +184,13 @@ bool GpuScene::append(const Snapshot& snapshot) {
 }
 
 void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed) {
-  std::array<Texel, 8> record;
+  std::array<Texel, kMostTexelsPerItem> record;
   for (const Slot slot : changed) {
     const BatchKind kind = batch_of(snapshot.kind(slot));
     const Batch* target = batch(kind);
     assert(target && "slots were appended: create a new GpuScene");
     const auto texels = std::span(record).first(std::size_t(target->texels_per_item));
-    pack_slot(snapshot, slot, texels);
+    GpuScene::pack(snapshot, slot, texels);
     const std::uint32_t place = record_of(snapshot, slot);
     target->records.write(place * texels.size_bytes(), texels.size_bytes(), texels.data());
     if (kind == BatchKind::kMesh) meshes_.commands[place].instance_count = snapshot.vacant(slot) ? 0 : 1;

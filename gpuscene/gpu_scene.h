@@ -33,6 +33,8 @@ std::string_view batch_name(BatchKind kind);
 /// rectangular tori, facet groups, meshes) goes to kMesh.
 BatchKind batch_of(core::Kind kind);
 
+inline constexpr std::size_t kMostTexelsPerItem = 8;
+
 /// True for batches whose shader casts rays within a proxy.
 constexpr bool is_ray_cast(BatchKind kind) {
   return kind <= BatchKind::kSphereCap;
@@ -85,6 +87,8 @@ class GpuScene {
   const gl::TextureBuffer& materials() const { return material_texels_; }
   std::size_t memory_bytes() const;
 
+  /// What a slot's record holds. `out`: Batch::texels_per_item texels.
+  static void pack(const core::Snapshot& snapshot, core::Slot slot, std::span<gpuprims::Texel> out);
   /// Items of a batch in slots below `slot`. Constant time.
   static std::uint32_t rank(const core::Snapshot& snapshot, BatchKind kind, core::Slot slot);
   /// Place of an item's record in its batch: rank() of its own slot, found faster.

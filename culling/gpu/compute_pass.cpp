@@ -43,8 +43,8 @@ class ComputePass : public GpuPass {
         alignment_(std::size_t(context.capabilities().storage_offset_alignment)) {}
 
   core::Expected<void> make_programs(std::span<const CullBatch> batches) {
-    auto done = test_.make(*gl_, batches, [](const CullBatch&) {
-      return describe_pass("cull: test", {{GL_COMPUTE_SHADER, {"test_blocks.comp"}}});
+    auto done = test_.make(*gl_, batches, [](const CullBatch& batch) {
+      return describe_item_pass("cull: test", batch, {{GL_COMPUTE_SHADER, {"test_blocks.comp"}}});
     });
     if (done)
       done = write_.make(*gl_, batches, [](const CullBatch& batch) {

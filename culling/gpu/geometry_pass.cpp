@@ -42,7 +42,8 @@ class GeometryPass : public GpuPass {
     if (!done) return done;
     return item_pass_.make(*gl_, batches, [](const CullBatch& batch) {
       const char* keep = batch.meshes() ? "keep_commands.geom" : "keep.geom";
-      auto pass = describe_pass("cull items", {{GL_VERTEX_SHADER, {"items.vert"}}, {GL_GEOMETRY_SHADER, {keep}}});
+      auto pass =
+          describe_item_pass("cull items", batch, {{GL_VERTEX_SHADER, {"items.vert"}}, {GL_GEOMETRY_SHADER, {keep}}});
       if (batch.meshes()) {
         pass.feedback_varyings = {"command", "base_instance"};
       } else {

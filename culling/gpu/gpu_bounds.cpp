@@ -1,42 +1,84 @@
 #include "sightline/culling/gpu/gpu_bounds.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+
+#include "sightline/culling/gpu/compact_box.h"
+#include "sightline/culling/gpu/record_box.h"
 
 namespace sightline::culling {
 namespace {
 
-core::Expected<void> make_boxes(const gl::Functions& gl, std::uint32_t count, bool with_layers, const char* what,
-                                GpuBoxes& out) {
-  const auto make = [&](gl::Buffer& buffer, gl::TextureBuffer& texels, std::size_t bytes,
-                        GLenum format) -> core::Expected<void> {
-    auto made = gl::Buffer::create(gl, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, what);
-    if (!made) return tl::unexpected(made.error());
-    buffer = std::move(*made);
-    auto view = gl::TextureBuffer::create(gl, buffer, format, what);
-    if (!view) return tl::unexpected(view.error());
-    texels = std::move(*view);
-    return {};
-  };
-  auto done = make(out.corners, out.corner_texels, count * sizeof(core::Aabb), GL_RGB32F);
-  if (done && with_layers) done = make(out.layers, out.layer_texels, count * sizeof(std::uint32_t), GL_R32UI);
-  return done;
+using core::Aabb;
+using gpuscene::BatchKind;
+
+/// What shaders/item_test.glsl reads of a cluster whose boxes come from records.
+struct ClusterBits {
+  std::uint32_t present[2] = {0, 0}, from_record[2] = {0, 0};
+};
+
+core::Expected<void> make_array(const gl::Functions& gl, std::size_t bytes, GLenum format, const char* what,
+                                TexelArray& out) {
+  auto made = gl::Buffer::create(gl, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, what);
+  if (!made) return tl::unexpected(made.error());
+  out.buffer = std::move(*made);
+  auto view = gl::TextureBuffer::create(gl, out.buffer, format, what);
+  if (!view) return tl::unexpected(view.error());
+  out.texels = std::move(*view);
+  return {};
+}
+
+/// Values from place `first` on.
+template <class T>
+void write_from(const TexelArray& array, std::size_t first, const std::vector<T>& values) {
+  array.buffer.write(first * sizeof(T), values.size() * sizeof(T), values.data());
 }
 
 }  // namespace
 
-static_assert(sizeof(core::Aabb) == 6 * sizeof(float));
+static_assert(sizeof(Aabb) == 6 * sizeof(float));
+static_assert(sizeof(CompactBox) == 8 && sizeof(ClusterBits) == 16);
 
-core::Expected<GpuBounds> GpuBounds::create(const gl::Functions& gl, const core::ItemBounds& bounds,
-                                            const gpuscene::Batch& batch, std::vector<core::Slot> slots) {
+core::vec3 chunk_place(const core::Snapshot& snapshot, std::uint32_t chunk) {
+  return core::vec3(snapshot.chunk_origins()[chunk] - snapshot.bounds().origin);
+}
+
+GpuBoundsForm GpuBounds::form_for(BatchKind kind, GpuBoundsForm form) {
+  const bool shaped = is_ray_cast(kind) || kind == BatchKind::kBox;
+  return form == GpuBoundsForm::kParameters && !shaped ? GpuBoundsForm::kCompact : form;
+}
+
+core::Expected<GpuBounds> GpuBounds::create(const gl::Functions& gl, const core::Snapshot& snapshot,
+                                            const gpuscene::Batch& batch, std::vector<core::Slot> slots,
+                                            GpuBoundsForm form) {
   assert(slots.size() == batch.count);
   GpuBounds made;
   made.slots_ = std::move(slots);
+  made.kind_ = batch.kind;
+  made.form_ = form;
+  made.texels_per_item_ = batch.texels_per_item;
   made.cluster_capacity_ = (batch.capacity + kClusterSize - 1) / kClusterSize;
-  auto done = make_boxes(gl, made.cluster_capacity_ * kClusterSize, bounds.uses_layers(), "item boxes", made.items_);
-  if (done) done = make_boxes(gl, made.cluster_capacity_, bounds.uses_layers(), "cluster boxes", made.clusters_);
+  const std::size_t clusters = made.cluster_capacity_, items = clusters * kClusterSize;
+  core::Expected<void> done;
+  switch (form) {
+    case GpuBoundsForm::kFloat:
+      done = make_array(gl, items * sizeof(Aabb), GL_RGB32F, "item boxes", made.item_boxes_);
+      break;
+    case GpuBoundsForm::kCompact:
+      done = make_array(gl, items * sizeof(CompactBox), GL_RG32UI, "compact item boxes", made.item_boxes_);
+      break;
+    case GpuBoundsForm::kParameters:
+      done = make_array(gl, clusters * sizeof(ClusterBits), GL_RGBA32UI, "items present", made.item_boxes_);
+      break;
+  }
+  if (done) done = make_array(gl, clusters * sizeof(Aabb), GL_RGB32F, "cluster boxes", made.cluster_boxes_);
+  if (snapshot.bounds().uses_layers()) {
+    if (done) done = make_array(gl, items * sizeof(std::uint32_t), GL_R32UI, "item layers", made.item_layers_);
+    if (done) done = make_array(gl, clusters * sizeof(std::uint32_t), GL_R32UI, "cluster layers", made.cluster_layers_);
+  }
   if (!done) return tl::unexpected(done.error());
-  made.write(bounds, 0, made.cluster_capacity_);
+  made.write(snapshot, 0, made.cluster_capacity_);
   return made;
 }
 
@@ -46,19 +88,20 @@ std::uint32_t GpuBounds::append(core::Slot slot) {
   return std::uint32_t(slots_.size() - 1);
 }
 
-void GpuBounds::update(const core::ItemBounds& bounds, std::span<std::uint32_t> changed) const {
+void GpuBounds::update(const core::Snapshot& snapshot, std::span<std::uint32_t> changed) const {
   // Runs of neighbouring clusters.
   for (std::size_t i = 0; i < changed.size();) {
     const std::uint32_t first = changed[i] / kClusterSize;
     std::uint32_t end = first + 1;
     for (++i; i < changed.size() && changed[i] / kClusterSize <= end; ++i) end = changed[i] / kClusterSize + 1;
-    write(bounds, first, end);
+    write(snapshot, first, end);
   }
 }
 
-void GpuBounds::write(const core::ItemBounds& bounds, std::uint32_t first_cluster, std::uint32_t cluster_end) const {
+void GpuBounds::write(const core::Snapshot& snapshot, std::uint32_t first_cluster, std::uint32_t cluster_end) const {
   constexpr std::uint32_t kClustersAtOnce = 1024;
-  std::vector<core::Aabb> boxes, around;
+  const core::ItemBounds& bounds = snapshot.bounds();
+  std::vector<Aabb> boxes, around;
   std::vector<std::uint32_t> layers, layers_around;
   for (std::uint32_t first = first_cluster; first < cluster_end; first += kClustersAtOnce) {
     const std::uint32_t count = std::min(kClustersAtOnce, cluster_end - first);
@@ -76,12 +119,41 @@ void GpuBounds::write(const core::ItemBounds& bounds, std::uint32_t first_cluste
       layers[i] = bounds.layers(slot);
       layers_around[i / kClusterSize] |= layers[i];
     }
-    items_.corners.write(begin * sizeof(core::Aabb), boxes.size() * sizeof(core::Aabb), boxes.data());
-    clusters_.corners.write(first * sizeof(core::Aabb), around.size() * sizeof(core::Aabb), around.data());
-    if (items_.layers.id() == 0) continue;
-    items_.layers.write(begin * sizeof(std::uint32_t), layers.size() * sizeof(std::uint32_t), layers.data());
-    clusters_.layers.write(first * sizeof(std::uint32_t), layers_around.size() * sizeof(std::uint32_t),
-                           layers_around.data());
+    write_items(snapshot, first, boxes, around);
+    write_from(cluster_boxes_, first, around);
+    if (item_layers_.buffer.id() == 0) continue;
+    write_from(item_layers_, begin, layers);
+    write_from(cluster_layers_, first, layers_around);
+  }
+}
+
+/// `boxes` of items, empty ones where there is none, from the first cluster on.
+void GpuBounds::write_items(const core::Snapshot& snapshot, std::uint32_t first_cluster, std::span<const Aabb> boxes,
+                            std::span<const Aabb> around) const {
+  const std::size_t begin = std::size_t(first_cluster) * kClusterSize;
+  if (form_ == GpuBoundsForm::kFloat) {
+    item_boxes_.buffer.write(begin * sizeof(Aabb), boxes.size_bytes(), boxes.data());
+  } else if (form_ == GpuBoundsForm::kCompact) {
+    std::vector<CompactBox> compacted(boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i)
+      compacted[i] = boxes[i].min.x > boxes[i].max.x ? CompactBox{CompactBox::kVacant, 0}
+                                                     : compact(boxes[i], around[i / kClusterSize]);
+    write_from(item_boxes_, begin, compacted);
+  } else {
+    std::vector<ClusterBits> bits(around.size());
+    std::array<gpuprims::Texel, gpuscene::kMostTexelsPerItem> record;
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      if (boxes[i].min.x > boxes[i].max.x) continue;
+      const auto texels = std::span(record).first(std::size_t(texels_per_item_));
+      gpuscene::GpuScene::pack(snapshot, slots_[begin + i], texels);
+      const std::size_t word = i / 32 % 2;
+      const std::uint32_t bit = 1u << (i % 32);
+      ClusterBits& cluster = bits[i / kClusterSize];
+      cluster.present[word] |= bit;
+      if (record_box_contains(kind_, texels, chunk_place(snapshot, texels[3][0]), boxes[i]))
+        cluster.from_record[word] |= bit;
+    }
+    write_from(item_boxes_, first_cluster, bits);
   }
 }
 

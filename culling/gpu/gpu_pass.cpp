@@ -33,13 +33,28 @@ gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDesc
   return description;
 }
 
+gl::ProgramDescription describe_item_pass(std::string name, const CullBatch& batch,
+                                          std::vector<gl::StageDescription> stages) {
+  gl::ProgramDescription description = describe_pass(std::move(name), std::move(stages));
+  const auto define = [&](const char* what) { description.shaders.defines.emplace_back(what); };
+  if (batch.bounds.form() == GpuBoundsForm::kFloat) define("BOUNDS_FLOAT");
+  if (batch.bounds.form() == GpuBoundsForm::kCompact) define("BOUNDS_COMPACT");
+  if (batch.bounds.form() != GpuBoundsForm::kParameters) return description;
+  static constexpr std::array<const char*, 5> kShapes = {"SHAPE_CYLINDER", "SHAPE_SNOUT", "SHAPE_TORUS", "SHAPE_CAP",
+                                                         "SHAPE_BOX"};  // of the first batch kinds
+  define(kShapes[std::size_t(batch.kind)]);
+  return description;
+}
+
 void bind_batch(const gl::Functions& gl, const CullBatch& batch) {
-  const GpuBoxes &clusters = batch.bounds.clusters(), &items = batch.bounds.items();
-  gl.BindTextureUnit(kClusterBoxUnit, clusters.corner_texels.id());
-  gl.BindTextureUnit(kClusterLayerUnit, clusters.layer_texels.id());
-  gl.BindTextureUnit(kItemBoxUnit, items.corner_texels.id());
-  gl.BindTextureUnit(kItemLayerUnit, items.layer_texels.id());
+  gl.BindTextureUnit(kClusterBoxUnit, batch.bounds.cluster_boxes().texels.id());
+  gl.BindTextureUnit(kClusterLayerUnit, batch.bounds.cluster_layers().texels.id());
+  gl.BindTextureUnit(kItemBoxUnit, batch.bounds.item_boxes().texels.id());
+  gl.BindTextureUnit(kItemLayerUnit, batch.bounds.item_layers().texels.id());
   gl.BindTextureUnit(kCommandUnit, batch.command_texels.id());
+  if (batch.bounds.form() != GpuBoundsForm::kParameters) return;
+  gl.BindTextureUnit(kRecordUnit, batch.record_texels);
+  gl.BindTextureUnit(kChunkUnit, batch.chunk_texels);
 }
 
 }  // namespace sightline::culling

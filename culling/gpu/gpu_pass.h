@@ -24,6 +24,7 @@ struct CullBatch {
   GpuBounds bounds;
   gl::Buffer commands;  ///< of all meshes; none of other batches
   gl::TextureBuffer command_texels;
+  GLuint record_texels = 0, chunk_texels = 0;  ///< where boxes come from records
 
   bool meshes() const { return kind == gpuscene::BatchKind::kMesh; }
   std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.size(); }
@@ -73,13 +74,19 @@ class BatchPrograms {
 /// A program of one stage or more from the files of culling/gpu and gpuscene, with the draw lists' defines.
 gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages);
 
-/// Where shaders find what lies in a batch: cull_test.glsl.
+/// The same for item_test.glsl: with the shape and the form of the batch's boxes.
+gl::ProgramDescription describe_item_pass(std::string name, const CullBatch& batch,
+                                          std::vector<gl::StageDescription> stages);
+
+/// Where shaders find what lies in a batch.
 enum CullTextureUnit : GLuint {
   kClusterBoxUnit,
   kClusterLayerUnit,
   kItemBoxUnit,
   kItemLayerUnit,
   kCommandUnit,
+  kRecordUnit,
+  kChunkUnit,
 };
 void bind_batch(const gl::Functions& gl, const CullBatch& batch);
 

@@ -17,14 +17,10 @@
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/frustum_test.h"
 #include "sightline/culling/instruction_set.h"
+#include "sightline/tests/core/primitive_samples.h"
 
 namespace sightline::tests {
 
-using Random = std::mt19937_64;
-
-inline double uniform(Random& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
 inline int whole(Random& random, int low, int high) {
   return std::uniform_int_distribution<int>(low, high)(random);
 }

@@ -20,8 +20,6 @@ layout(std140, binding = 1) uniform CullBlock {
 
 layout(binding = 0) uniform samplerBuffer cluster_boxes;    // two texels each: min, max
 layout(binding = 1) uniform usamplerBuffer cluster_layers;  // of all items together
-layout(binding = 2) uniform samplerBuffer item_boxes;
-layout(binding = 3) uniform usamplerBuffer item_layers;
 
 float plane_at(vec4 plane, vec3 corner) {
   precise float s = ((plane.x * corner.x + plane.y * corner.y) + plane.z * corner.z) + plane.w;
@@ -61,13 +59,4 @@ uint test_cluster(uint cluster) {
   if (cull.use_layers && (texelFetch(cluster_layers, int(cluster)).x & cull.view_layers) == 0u) return kRejected;
   if (outside(low, high)) return kRejected;
   return inside(low, high) ? cluster | kInside : cluster;
-}
-
-// Item `i` of what test_cluster() has kept: its record, or kRejected.
-uint test_item(uint cluster, uint i) {
-  uint record = (cluster & ~kInside) * kItemsPerCluster + i;
-  vec3 low = texelFetch(item_boxes, 2 * int(record)).xyz, high = texelFetch(item_boxes, 2 * int(record) + 1).xyz;
-  if (any(greaterThan(low, high))) return kRejected;
-  if (cull.use_layers && (texelFetch(item_layers, int(record)).x & cull.view_layers) == 0u) return kRejected;
-  return (cluster & kInside) == 0u && outside(low, high) ? kRejected : record;
 }

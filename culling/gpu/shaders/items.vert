@@ -1,5 +1,5 @@
 // One vertex per visible cluster, one instance per record in it: the geometry stage keeps the visible ones.
-#include "cull_test.glsl"
+#include "item_test.glsl"
 
 layout(location = 0) in uint cluster;
 

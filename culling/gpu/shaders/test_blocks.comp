@@ -1,6 +1,6 @@
 // Finds what is visible of one batch: one work group per block.
 #include "blocks.glsl"
-#include "cull_test.glsl"
+#include "item_test.glsl"
 
 shared uint tested[kClustersPerBlock];
 
