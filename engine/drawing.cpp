@@ -63,8 +63,8 @@ core::Expected<culling::GpuCuller> Drawing::make_culler(const core::Snapshot& sn
                                                         const gpuscene::GpuScene& scene) {
   auto culler = culling::GpuCuller::create(*context_, snapshot, scene, cull_config_);
   if (!culler) return culler;
-  if (why_gpu_form_.empty()) why_gpu_form_ = culler->why_this_form();
-  cull_config_.form = culler->form();
+  if (why_gpu_form_.empty() || !cull_config_.form) why_gpu_form_ = culler->why_this_form();
+  if (culler->form_settled()) cull_config_.form = culler->form();
   return culler;
 }
 

@@ -78,7 +78,9 @@ class GpuCuller {
   core::VisibleSet read_back(const gpuscene::DrawLists& lists) const;
 
   GpuForm form() const;
-  /// "asked for", or what was measured.
+  /// False when it could not be measured, such as without items: then let the next culler measure again.
+  bool form_settled() const { return form_settled_; }
+  /// "asked for", or what was measured, or why that could not be.
   const std::string& why_this_form() const { return why_this_form_; }
   std::size_t memory_bytes() const;
   std::size_t bounds_memory_bytes() const;  ///< of these: boxes of items and clusters
@@ -108,6 +110,7 @@ class GpuCuller {
   core::Slot slot_count_ = 0;
   bool uses_layers_ = false;
   std::unique_ptr<GpuPass> pass_;
+  bool form_settled_ = true;
   std::string why_this_form_ = "asked for";
   gl::Buffer plane_block_;
   std::vector<Probe> probes_;  // a ring, and one that nobody reads, for when it is full

@@ -29,8 +29,8 @@ constexpr std::string_view name_of(GpuBoundsForm form) {
 }
 
 struct GpuCullerConfig {
-  /// None: the one that costs less in this context, measured when the culler is made. Keep GpuCuller::form() for later
-  /// ones of the same context, so that it is measured once.
+  /// None: the one that costs less in this context, measured when the culler is made. Name it to later ones of the
+  /// same context (GpuCuller::form(), if form_settled()), so that it is measured once.
   std::optional<GpuForm> form;
   GpuBoundsForm bounds = GpuBoundsForm::kFloat;
 };

@@ -86,6 +86,7 @@ core::Expected<void> GpuCuller::choose_form(const gl::Context& context, const co
   for (const auto& message : {message_of(view), message_of(compute), message_of(lists), message_of(earlier)})
     if (missing.empty()) missing = message;
   if (!missing.empty()) {
+    form_settled_ = false;
     why_this_form_ = "not measured: " + missing;
     return {};
   }

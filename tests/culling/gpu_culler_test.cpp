@@ -382,6 +382,7 @@ TEST_F(GpuForms, AreChosenByMeasuring) {
   const core::Scene nothing;
   Rig empty(*context, nothing, {});
   EXPECT_TRUE(empty.culler.why_this_form().starts_with("not measured: "));
+  EXPECT_TRUE(measured.culler.form_settled() && !empty.culler.form_settled());
   EXPECT_TRUE(empty.cull(view).empty());
 }
 

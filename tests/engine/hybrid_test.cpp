@@ -152,6 +152,14 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
     EXPECT_EQ(engine->drawing()->gpu_culler()->form(), form);
     EXPECT_EQ(told("GPU culling in compute shaders").why, before.why);
   }
+  // Nothing can be measured without items, so that waits until there are some.
+  core::Scene growing;
+  auto engine = Engine::create(growing, any);
+  ASSERT_TRUE(engine) << engine.error().message;
+  EXPECT_TRUE(engine->drawing()->why_gpu_form().starts_with("not measured: "));
+  fill(growing, 5);
+  ASSERT_TRUE(engine->commit());
+  EXPECT_TRUE(engine->drawing()->why_gpu_form().starts_with("measured: ")) << engine->drawing()->why_gpu_form();
 }
 
 /// A hybrid that comes late counts frames from where it comes.
