@@ -243,6 +243,7 @@ TEST_P(GpuCullerTest, FollowsEdits) {
     Random random(seed);
     core::Scene scene;
     std::vector<core::NodeId> nodes;
+    nodes.reserve(40);
     for (int i = 0; i < 40; ++i) nodes.push_back(scene.add_node(scene.root()));
     const core::MeshId mesh = add_point_mesh(scene, {1, 1, 1});
     for (int i = 0; i < 2000; ++i)
