@@ -63,7 +63,8 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--record-both", o.record_both,
                  "Fly with the CPU's path, then with the GPU's, and write what each frame cost on either: a trace for "
                  "--controller-only");
-  app.add_option("--plot", o.plot, "Plot cull or frame time and visible count along the path, SVG");
+  app.add_option("--plot", o.plot,
+                 "Plot cull time and visible count along the path, SVG; of the hybrid also the path and its probes");
   auto* images =
       app.add_option("--images", o.images, "Write every N-th frame to this folder (see --every)")->excludes(no_render);
   app.add_option("--every", o.every, "With --images: N")
@@ -256,17 +257,40 @@ void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* 
                double(m.snapshot) / kMiB, double(m.bvh) / kMiB, double(m.gpu) / kMiB);
 }
 
+/// Where the hybrid had settled on the GPU, and the frames it spent on measuring the other path.
+apps::Marks marks_of(const Flight& flight) {
+  apps::Marks marks{"culled on the GPU", {}, "probe of the other path", {}};
+  bool on_gpu = false;
+  for (std::size_t i = 0; i < flight.frames.size(); ++i) {
+    const engine::FrameReport& report = flight.frames[i].report;
+    const bool probe = std::string_view(report.state) == "probe", was_on_gpu = on_gpu;
+    if (probe)
+      marks.ticks.push_back(i);
+    else
+      on_gpu = std::string_view(report.path) == "gpu";
+    if (on_gpu && !was_on_gpu) marks.bands.push_back({i, i});
+    if (on_gpu) marks.bands.back()[1] = i;
+  }
+  return marks;
+}
+
+std::string to_svg(const Options& o, const engine::Engine& engine, const Flight& flight) {
+  apps::Series cull{"cull time", "ms", {}}, visible{"visible", "items", {}};
+  for (const Frame& f : flight.frames) {
+    cull.values.push_back(f.report.cull_ms);
+    visible.values.push_back(double(f.report.visible));
+  }
+  const std::string title = o.model.files.front() + ": " + std::to_string(engine.snapshot().size()) +
+                            " items, culler " + engine.culler_name();
+  return apps::svg_plot(title, cull, visible, engine.hybrid() ? marks_of(flight) : apps::Marks{});
+}
+
 core::Expected<void> write_reports(const Options& o, const engine::Engine& engine, const Flight& flight,
                                    const std::array<int, 2>& size) {
   core::Expected<void> done;
   if (!o.json_file.empty()) done = apps::write_text(o.json_file, apps::to_text(to_json(o, engine, flight, size)));
   if (done && !o.csv.empty()) done = apps::write_text(o.csv, to_csv(flight));
-  if (done && !o.plot.empty()) {
-    const std::string title = o.model.files.front() + ": " + std::to_string(engine.snapshot().size()) +
-                              " items, culler " + engine.culler_name();
-    done = apps::write_text(
-        o.plot, apps::svg_plot(title, {"cull time", "ms", flight.cull()}, {"visible", "items", flight.visible()}));
-  }
+  if (done && !o.plot.empty()) done = apps::write_text(o.plot, to_svg(o, engine, flight));
   return done;
 }
 

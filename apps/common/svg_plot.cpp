@@ -12,6 +12,8 @@ namespace {
 constexpr double kWidth = 960, kHeight = 400, kLeft = 80, kRight = 90, kTop = 50, kBottom = 50;
 constexpr int kTicks = 5;
 constexpr const char* kColours[2] = {"#1f6fb4", "#d9731a"};
+constexpr const char *kBandColour = "#e3f1df", *kTickColour = "#3d8a2f";
+constexpr double kTickHeight = 10;
 
 /// The next of 1, 2, 5 times a power of ten, so that axes end on round numbers.
 double round_up(double v) {
@@ -59,9 +61,31 @@ class Plot {
     }
   }
 
+  void draw(const Marks& marks) {
+    for (const auto& [first, last] : marks.bands) {
+      const double left = std::max(kLeft, x_of(double(first) - 0.5));
+      const double right = std::min(kWidth - kRight, x_of(double(last) + 0.5));
+      rectangle(left, kTop, right - left, kHeight - kTop - kBottom);
+    }
+    for (const std::size_t frame : marks.ticks) tick(x_of(double(frame)), kTop);
+    constexpr double kSwatch = 14, kY = kTop - 10;
+    double x = kWidth / 2 - (marks.ticks.empty() ? 60 : 110);
+    if (!marks.bands.empty()) {
+      rectangle(x, kY - kTickHeight, kSwatch, kTickHeight + 2);
+      text(x + kSwatch + 5, kY, "start", "#222", marks.band_label);
+    }
+    x = kWidth / 2 + 60;
+    if (!marks.ticks.empty()) {
+      tick(x, kY - kTickHeight + 1);
+      text(x + 7, kY, "start", "#222", marks.tick_label);
+    }
+  }
+
   void draw(const Series& series, bool right) {
     const char* colour = kColours[right ? 1 : 0];
-    const apps::Summary summary = summarise(series.values);
+    std::vector<double> known = series.values;
+    std::erase_if(known, [](double value) { return value < 0.0; });
+    const apps::Summary summary = summarise(known);
     // One interrupted frame must not flatten all others: far above the 99th percentile the line is cut, and the label
     // says so.
     constexpr double kOutlier = 3.0;
@@ -81,8 +105,7 @@ class Plot {
          series.label + " [" + series.unit + "]" + (cut ? ", cut; max " + short_number(summary.max) : ""));
     svg_ << "<polyline fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"1.5\" points=\"";
     for (std::size_t i = 0; i < series.values.size(); ++i)
-      svg_ << kLeft + double(i) / double(frames_ - 1) * (kWidth - kLeft - kRight) << ','
-           << y_of(std::min(1.0, series.values[i] / top)) << ' ';
+      if (series.values[i] >= 0.0) svg_ << x_of(double(i)) << ',' << y_of(std::min(1.0, series.values[i] / top)) << ' ';
     svg_ << "\"/>\n";
   }
 
@@ -92,10 +115,19 @@ class Plot {
   }
 
  private:
+  double x_of(double frame) const { return kLeft + frame / double(frames_ - 1) * (kWidth - kLeft - kRight); }
   static double y_of(double share) { return kHeight - kBottom - share * (kHeight - kTop - kBottom); }
   void text(double x, double y, const char* anchor, const char* colour, const std::string& content) {
     svg_ << "<text x=\"" << x << "\" y=\"" << y << "\" text-anchor=\"" << anchor << "\" fill=\"" << colour << "\">"
          << escaped(content) << "</text>\n";
+  }
+  void rectangle(double x, double y, double width, double height) {
+    svg_ << "<rect x=\"" << x << "\" y=\"" << y << "\" width=\"" << width << "\" height=\"" << height << "\" fill=\""
+         << kBandColour << "\"/>\n";
+  }
+  void tick(double x, double y) {
+    svg_ << "<line x1=\"" << x << "\" y1=\"" << y << "\" x2=\"" << x << "\" y2=\"" << y + kTickHeight << "\" stroke=\""
+         << kTickColour << "\" stroke-width=\"1.5\"/>\n";
   }
   std::size_t frames_;
   std::ostringstream svg_;
@@ -103,8 +135,9 @@ class Plot {
 
 }  // namespace
 
-std::string svg_plot(const std::string& title, const Series& left, const Series& right) {
+std::string svg_plot(const std::string& title, const Series& left, const Series& right, const Marks& marks) {
   Plot plot(title, std::max(left.values.size(), right.values.size()));
+  plot.draw(marks);
   plot.draw(right, true);
   plot.draw(left, false);
   return plot.finish();

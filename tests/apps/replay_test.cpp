@@ -1,4 +1,6 @@
-// sightline-replay without drawing: counts, reports, paths.
+// sightline-replay: counts, reports, paths; without drawing but for the hybrid.
+#include <cmath>
+
 #include "sightline/tests/apps/tool_test.h"
 
 namespace sightline::tests {
@@ -164,6 +166,61 @@ TEST_F(Replay, PlotsAsSvg) {
     EXPECT_EQ(points.find("inf"), std::string::npos);
   }
   EXPECT_EQ(lines, 2u);
+}
+
+/// The numbers of an attribute, of all elements that begin with `tag` and hold `having`.
+std::vector<double> numbers(const std::string& xml, const std::string& tag, const std::string& having,
+                            const std::string& attribute) {
+  std::vector<double> found;
+  for (std::size_t i = xml.find(tag); i != std::string::npos; i = xml.find(tag, i + 1)) {
+    const std::string element = xml.substr(i, xml.find('>', i) - i);
+    if (element.find(having) == std::string::npos) continue;
+    const std::size_t value = element.find(" " + attribute + "=\"") + attribute.size() + 3;
+    found.push_back(std::stod(element.substr(value)));
+  }
+  return found;
+}
+
+/// Frames that a plot shades and ticks, against those of the frames' own paths and states.
+TEST_F(Replay, PlotsMarkThePathsOfTheHybrid) {
+  const std::string svg = path("plot.svg"), json = path("flight.json");
+  constexpr int kFrames = 60;
+  const Outcome outcome = run("replay", {plant(12000), "--culler", "hybrid", "--size", "16x16", "--frames",
+                                         std::to_string(kFrames), "--plot", svg, "--json", json});
+  if (outcome.err.find("EGL") != std::string::npos || outcome.err.find("OpenGL") != std::string::npos)
+    GTEST_SKIP() << outcome.err;
+  ASSERT_EQ(outcome.code, 0) << outcome;
+  std::vector<bool> shaded, ticked;
+  const Json flight = Json::parse(read_bytes(json), nullptr, false);
+  for (const Json& frame : flight["frames"]) {
+    ticked.push_back(frame["state"] == "probe");
+    const bool before = !shaded.empty() && shaded.back();
+    shaded.push_back(ticked.back() ? before : frame["path"] == "gpu");
+  }
+  ASSERT_EQ(shaded.size(), std::size_t(kFrames));
+
+  const std::string text = read_bytes(svg);
+  EXPECT_TRUE(well_formed(text)) << text.substr(0, 2000);
+  // The plot's area lies between the ends of its horizontal lines.
+  const double left = numbers(text, "<line", "#ddd", "x1").at(0), right = numbers(text, "<line", "#ddd", "x2").at(0);
+  const auto frame_at = [&](double x) { return (x - left) / (right - left) * (kFrames - 1); };
+  std::vector<bool> shaded_there(kFrames), ticked_there(kFrames);
+  const auto x = numbers(text, "<rect", "#e3f1df", "x"), width = numbers(text, "<rect", "#e3f1df", "width"),
+             height = numbers(text, "<rect", "#e3f1df", "height");
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (int frame = 0; frame < kFrames; ++frame)
+      if (height[i] > 100.0 && frame_at(x[i]) < frame + 0.25 && frame - 0.25 < frame_at(x[i] + width[i]))
+        shaded_there[std::size_t(frame)] = true;
+  const auto tick = numbers(text, "<line", "#3d8a2f", "x1");
+  const bool any = std::count(ticked.begin(), ticked.end(), true) > 0;
+  for (std::size_t i = 0; i + (any ? 1 : 0) < tick.size(); ++i)  // the last one is the legend's
+    ticked_there[std::size_t(std::lround(frame_at(tick[i])))] = true;
+  EXPECT_EQ(shaded_there, shaded);
+  EXPECT_EQ(ticked_there, ticked);
+  EXPECT_TRUE(any) << "the hybrid never looked at the GPU";
+  EXPECT_NE(text.find("probe"), std::string::npos);
+  const bool on_gpu = std::count(shaded.begin(), shaded.end(), true) > 0;
+  EXPECT_EQ(text.find("culled on the GPU") != std::string::npos, on_gpu);
 }
 
 TEST_F(Replay, OneFrameAndNoItemsAreFine) {

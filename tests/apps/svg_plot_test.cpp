@@ -1,0 +1,51 @@
+// Plots: marks lie where their frames are, and what is not known leaves the line as it is.
+#include "sightline/apps/common/svg_plot.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+namespace sightline::apps {
+namespace {
+
+/// Occurrences of a piece of text.
+std::ptrdiff_t count(const std::string& text, const std::string& piece) {
+  std::ptrdiff_t found = 0;
+  for (std::size_t i = text.find(piece); i != std::string::npos; i = text.find(piece, i + 1)) ++found;
+  return found;
+}
+
+const Series kLeft{"time", "ms", {1, 2, 3, 4, 5}};
+
+TEST(SvgPlot, WithoutMarksThereIsNoLegend) {
+  EXPECT_EQ(svg_plot("a", kLeft, kLeft), svg_plot("a", kLeft, kLeft, {"bands", {}, "ticks", {}}));
+  EXPECT_EQ(count(svg_plot("a", kLeft, kLeft), "bands"), 0);
+}
+
+/// Frames 0 to 4 are 197.5 pixels apart from 80 on; a band reaches half a frame to either side, but not out of the
+/// plot.
+TEST(SvgPlot, BandsCoverTheirFrames) {
+  const std::string svg = svg_plot("a", kLeft, kLeft, {"bands", {{0, 1}, {3, 3}}, "ticks", {}});
+  EXPECT_EQ(count(svg, "<rect x=\"80\" y=\"50\" width=\"296.25\" height=\"300\""), 1) << svg;
+  EXPECT_EQ(count(svg, "<rect x=\"573.75\" y=\"50\" width=\"197.5\" height=\"300\""), 1) << svg;
+  EXPECT_EQ(count(svg, "<rect x="), 3) << "two bands and the legend's";
+  EXPECT_EQ(count(svg, ">bands<"), 1);
+  EXPECT_EQ(count(svg, ">ticks<"), 0);
+}
+
+TEST(SvgPlot, TicksStandAtTheirFrames) {
+  const std::string svg = svg_plot("a", kLeft, kLeft, {"bands", {}, "ticks", {2, 4}});
+  EXPECT_EQ(count(svg, "<line x1=\"475\" y1=\"50\" x2=\"475\""), 1) << svg;
+  EXPECT_EQ(count(svg, "<line x1=\"870\" y1=\"50\" x2=\"870\""), 1) << svg;
+  EXPECT_EQ(count(svg, ">ticks<"), 1);
+  EXPECT_EQ(count(svg, ">bands<"), 0);
+}
+
+TEST(SvgPlot, TheLinePassesOverWhatIsNotKnown) {
+  const std::string svg = svg_plot("a", {"time", "ms", {1, -1, 3, -1, 5}}, kLeft);
+  const std::size_t line = svg.rfind("points=\"");
+  EXPECT_EQ(svg.substr(line, svg.find(" \"", line) - line), "points=\"80,290 475,170 870,50");
+}
+
+}  // namespace
+}  // namespace sightline::apps
