@@ -27,59 +27,54 @@ constexpr std::uint8_t kCylinderKind = 0;
 
 // --- figure 5.15: culling alone --------------------------------------------------------------------------------------
 
-/// Runs methods one after the other.
+/// Gathers methods to be run in turn.
 class Bench {
  public:
-  Bench(const study::Model& model, const study::Path& path, const study::SessionOptions& options) : options_(options) {
-    results.model = &model;
-    results.path = &path;
-  }
+  Bench(const study::Model& model, const study::SessionOptions& options) : model_(model), options_(options) {}
 
-  void add(const std::string& name, Origin origin, const study::MakeMethod& make) {
-    if (!wanted(name)) return;
-    options_.progress(name);
-    results.runs.push_back(study::measure(*results.model, *results.path, name, origin, make, options_.passes));
-  }
-  /// `make()` may fail.
+  /// `make()` gives a method, or fails: then it is left out.
   template <class Make>
-  void add_gpu(const std::string& name, const Make& make) {
-    if (!wanted(name)) return;
+  void add(const std::string& name, Origin origin, const Make& make) {
+    const auto& names = options_.variants;
+    if (!names.empty() && std::find(names.begin(), names.end(), name) == names.end()) return;
     const auto start = std::chrono::steady_clock::now();
-    auto made = make();
+    core::Expected<std::unique_ptr<Method>> made = make();
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-    if (!made) {
-      std::fprintf(stderr, "%s: %s is left out: %s\n", results.model->name.c_str(), name.c_str(),
-                   made.error().message.c_str());
-      return;
-    }
-    add(name, Origin::kStudy, [&](auto) { return std::move(*made); });
-    results.runs.back().build_seconds = taken.count();
+    if (made)
+      contestants_.push_back({name, origin, std::move(*made), taken.count()});
+    else
+      std::fprintf(stderr, "%s: %s is left out: %s\n", model_.name.c_str(), name.c_str(), made.error().message.c_str());
   }
 
-  Results results;
+  Results run(const study::Path& path) const {
+    options_.progress(std::to_string(contestants_.size()) + " methods in turn");
+    Results results;
+    results.model = &model_;
+    results.path = &path;
+    results.runs = study::measure(path, contestants_, options_.passes);
+    return results;
+  }
 
  private:
-  bool wanted(const std::string& name) const {
-    const auto& names = options_.variants;
-    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
-  }
+  const study::Model& model_;
   const study::SessionOptions& options_;
+  std::vector<study::Contestant> contestants_;
 };
 
 const study::ProductionForm kLinear{"production without hierarchy", std::nullopt, false, false};
 constexpr const char* kFrontier = "GPU frontier";
 
 Results run_culling(const gl::Context& context, const study::Model& model, const study::SessionOptions& options) {
-  Bench bench(model, model.paths.front(), options);
+  Bench bench(model, options);
   for (const study::FlatForm& form : study::flat_forms())
-    bench.add_gpu(name(form), [&] { return study::make_flat(context, form, model.boxes); });
-  bench.add_gpu(kFrontier, [&] { return study::Frontier::create(context, model.sah, model.boxes); });
+    bench.add(name(form), Origin::kStudy, [&] { return study::make_flat(context, form, model.boxes); });
+  bench.add(kFrontier, Origin::kStudy, [&] { return study::Frontier::create(context, model.sah, model.boxes); });
   const auto forms = study::production_forms();
   for (const study::ProductionForm& form : {forms[0], forms[1], kLinear})
-    bench.add(form.name, Origin::kProduction, [&](auto boxes) { return study::make_production(form, boxes); });
+    bench.add(form.name, Origin::kProduction, [&] { return study::make_production(form, model.boxes); });
   bench.add(study::BruteForce::name(), Origin::kBaseline,
-            [](auto boxes) { return std::make_unique<study::BruteForce>(boxes); });
-  return std::move(bench.results);
+            [&] { return std::make_unique<study::BruteForce>(model.boxes); });
+  return bench.run(model.paths.front());
 }
 
 // --- figure 5.14: whole frames ---------------------------------------------------------------------------------------
@@ -227,19 +222,19 @@ core::Expected<Results> run_drawing(const gl::Context& context, const study::Mod
   auto made = Stage::create(context, *scene);
   if (!made) return tl::unexpected(made.error());
   Stage& stage = *made;
-  Bench bench(model, path, options);
-  bench.add("no culling", Origin::kBaseline, [&](auto) { return std::make_unique<DrawAll>(stage); });
-  bench.add_gpu("GPU in the draw", [&] {
+  Bench bench(model, options);
+  bench.add("no culling", Origin::kBaseline, [&] { return std::make_unique<DrawAll>(stage); });
+  bench.add("GPU in the draw", Origin::kStudy, [&] {
     return drawing_with<DrawCullingItself>(stage, study::InDraw::create(context, stage.snapshot, stage.scene));
   });
   for (const auto& [name, form] : {std::pair("GPU separate pass (geometry)", culling::GpuForm::kGeometry),
                                    std::pair("GPU separate pass (compute)", culling::GpuForm::kCompute)})
-    bench.add_gpu(name, [&, form = form] {
+    bench.add(name, Origin::kProduction, [&, form = form] {
       return drawing_with<DrawCulledByGpu>(stage,
                                            culling::GpuCuller::create(context, stage.snapshot, stage.scene, {form}));
     });
-  bench.add("CPU (production)", Origin::kProduction, [&](auto) { return std::make_unique<DrawCulledByCpu>(stage); });
-  return std::move(bench.results);
+  bench.add("CPU (production)", Origin::kProduction, [&] { return std::make_unique<DrawCulledByCpu>(stage); });
+  return bench.run(path);
 }
 
 // --- what is printed -------------------------------------------------------------------------------------------------

@@ -63,27 +63,29 @@ void set_counters(const core::CullCounters& sums, Run& run) {
   run.mean_boxes = double(sums.boxes_tested) / frames;
 }
 
-/// `cull(view)` is timed; `count()` and `ids()` tell what it found.
+/// One pass. `cull(view)` is timed; in the first pass `count()` and `ids()` tell what it found.
 template <class Cull, class Count, class Ids>
-void fly(const Path& path, int passes, Run& run, const Cull& cull, const Count& count, const Ids& ids) {
-  const std::size_t frames = path.views.size();
-  std::vector<std::vector<double>> times(frames);
-  std::size_t sample = 0;
+void fly(const Path& path, std::vector<std::vector<double>>& times, Run& run, const Cull& cull, const Count& count,
+         const Ids& ids) {
+  const bool first = times.empty();
+  times.resize(path.views.size());
   InstructionCounter instructions(run.variant);
-  for (int pass = 0; pass < passes; ++pass) {
-    for (std::size_t i = 0; i < frames; ++i) {
-      instructions.on();
-      const double start = seconds_now();
-      cull(path.views[i]);
-      times[i].push_back(1e3 * (seconds_now() - start));
-      instructions.off();
-      if (pass > 0) continue;
-      run.visible.push_back(count());
-      if (sample < path.sampled.size() && path.sampled[sample] == i)
-        add(compare(ids(), path.exact[sample++]), run.errors);
-    }
+  for (std::size_t i = 0; i < path.views.size(); ++i) {
+    instructions.on();
+    const double start = seconds_now();
+    cull(path.views[i]);
+    times[i].push_back(1e3 * (seconds_now() - start));
+    instructions.off();
+    if (!first) continue;
+    run.visible.push_back(count());
+    if (run.samples < path.sampled.size() && path.sampled[run.samples] == i)
+      add(compare(ids(), path.exact[run.samples++]), run.errors);
   }
-  run.samples = sample;
+}
+
+/// `times`: of each frame, one a pass.
+void summarise(std::vector<std::vector<double>> times, Run& run) {
+  const std::size_t frames = times.size();
   for (auto& t : times) {
     run.fastest_ms += *std::min_element(t.begin(), t.end()) / double(frames);
     run.ms.push_back(median_of(std::move(t)));
@@ -95,6 +97,13 @@ void fly(const Path& path, int passes, Run& run, const Cull& cull, const Count& 
   run.max_ms = *std::max_element(run.ms.begin(), run.ms.end());
   run.mean_visible = double(std::accumulate(run.visible.begin(), run.visible.end(), std::uint64_t(0))) / double(frames);
 }
+
+/// What Run has of a method in the making.
+struct Flight {
+  Run run;
+  std::vector<std::vector<double>> times;
+  core::CullCounters sums;
+};
 
 }  // namespace
 
@@ -140,37 +149,56 @@ Run measure(const Model& model, const Path& path, const Variant& variant, int pa
   run.memory_bytes = culler.memory_bytes();
   Visible visible;
   core::CullCounters sums;
-  fly(
-      path, passes, run, [&](const core::View& view) { culler.cull(view, visible); },
-      [&] {
-        add(visible.counters, sums);
-        return visible.count();
-      },
-      [&] { return culler.ids(visible); });
+  std::vector<std::vector<double>> times;
+  for (int pass = 0; pass < passes; ++pass)
+    fly(
+        path, times, run, [&](const core::View& view) { culler.cull(view, visible); },
+        [&] {
+          add(visible.counters, sums);
+          return visible.count();
+        },
+        [&] { return culler.ids(visible); });
+  summarise(std::move(times), run);
   set_counters(sums, run);
   return run;
 }
 
+std::vector<Run> measure(const Path& path, std::span<const Contestant> contestants, int passes) {
+  std::vector<Flight> flights(contestants.size());
+  for (int pass = 0; pass < passes; ++pass) {
+    for (std::size_t k = 0; k < contestants.size(); ++k) {
+      Method& method = *contestants[k].method;
+      Flight& flight = flights[k];
+      flight.run.variant = contestants[k].name;
+      fly(
+          path, flight.times, flight.run, [&](const core::View& view) { method.cull(view); },
+          [&] {
+            add(method.counters(), flight.sums);
+            return method.count();
+          },
+          [&] { return method.ids(); });
+    }
+  }
+  std::vector<Run> runs;
+  for (std::size_t k = 0; k < contestants.size(); ++k) {
+    Run& run = flights[k].run;
+    run.origin = contestants[k].origin;
+    if (run.origin == Origin::kProduction) run.promise = Promise::kSame;
+    run.build_seconds = contestants[k].build_seconds;
+    run.memory_bytes = contestants[k].method->memory_bytes();
+    summarise(std::move(flights[k].times), run);
+    set_counters(flights[k].sums, run);
+    runs.push_back(std::move(run));
+  }
+  return runs;
+}
+
 Run measure(const Model& model, const Path& path, const std::string& name, Origin origin, const MakeMethod& make,
             int passes) {
-  Run run;
-  run.variant = name;
-  run.origin = origin;
-  if (origin == Origin::kProduction) run.promise = Promise::kSame;
   const double start = seconds_now();
-  const std::unique_ptr<Method> method = make(model.boxes);
-  run.build_seconds = seconds_now() - start;
-  run.memory_bytes = method->memory_bytes();
-  core::CullCounters sums;
-  fly(
-      path, passes, run, [&](const core::View& view) { method->cull(view); },
-      [&] {
-        add(method->counters(), sums);
-        return method->count();
-      },
-      [&] { return method->ids(); });
-  set_counters(sums, run);
-  return run;
+  Contestant contestant{name, origin, make(model.boxes), 0.0};
+  contestant.build_seconds = seconds_now() - start;
+  return std::move(measure(path, std::span(&contestant, 1), passes).front());
 }
 
 }  // namespace sightline::study

@@ -69,6 +69,16 @@ using MakeMethod = std::function<std::unique_ptr<Method>(std::span<const core::A
 Run measure(const Model& model, const Path& path, const std::string& name, Origin origin, const MakeMethod& make,
             int passes);
 
+/// A method, made and named.
+struct Contestant {
+  std::string name;
+  Origin origin = Origin::kStudy;
+  std::unique_ptr<Method> method;
+  double build_seconds = 0.0;
+};
+/// All of them pass by pass in turn, so that what else the machine does meanwhile falls on all.
+std::vector<Run> measure(const Path& path, std::span<const Contestant> contestants, int passes);
+
 double median_of(std::vector<double> values);
 
 }  // namespace sightline::study
