@@ -2,17 +2,11 @@
 // layers, section planes; and on its way to the draw nothing asks the GPU for an answer.
 #include "sightline/culling/gpu/gpu_culler.h"
 
-#include <algorithm>
-#include <map>
-
+#include "gpu_rig.h"
 #include "scenes.h"
-#include "sightline/culling/linear_culler.h"
-#include "sightline/importers/import.h"
 #include "sightline/importers/plant_generator.h"
-#include "sightline/render/renderer.h"
 #include "sightline/tests/support/gl_test.h"
 #include "sightline/tests/support/gl_watch.h"
-#include "sightline/tests/support/test_data.h"
 
 namespace sightline {
 namespace {
@@ -25,87 +19,16 @@ using culling::GpuBoundsForm;
 using culling::GpuCuller;
 using culling::GpuCullerConfig;
 using culling::GpuForm;
+using tests::all_gpu_configs;
 using tests::chance;
-using tests::left_open;
+using tests::expect_same;
+using tests::gpu_config_name;
 using tests::magnitude;
 using tests::point;
 using tests::Random;
+using tests::Rig;
 using tests::uniform;
 using tests::whole;
-
-/// All that it takes to cull a scene on the GPU.
-struct Rig {
-  const gl::Context* context;
-  core::Snapshot snapshot;
-  gpuscene::GpuScene gpu;
-  gpuscene::DrawLists lists;
-  GpuCuller culler;
-  GpuBoundsForm bounds_form;
-
-  Rig(const gl::Context& gl, const core::Scene& scene, const GpuCullerConfig& config)
-      : context(&gl),
-        snapshot(scene),
-        gpu(std::move(*gpuscene::GpuScene::create(gl, snapshot))),
-        lists(std::move(*gpuscene::DrawLists::create(gl, gpu))),
-        culler(std::move(*GpuCuller::create(gl, snapshot, gpu, config))),
-        bounds_form(config.bounds) {}
-
-  std::vector<Slot> cull(const View& view) {
-    EXPECT_TRUE(culler.cull(view, snapshot, gpu, lists));
-    return culler.read_back(lists).items;
-  }
-  std::vector<Slot> cull_linear(const View& view) const {
-    core::VisibleSet set;
-    culling::LinearCuller(snapshot.bounds()).cull(view, set);
-    std::vector<Slot> slots = set.sorted_slots();
-    std::erase_if(slots, [&](Slot slot) { return snapshot.vacant(slot); });
-    return slots;
-  }
-  /// By batch and cluster: all that the smaller forms know for sure of where an item is.
-  using Cluster = std::pair<gpuscene::BatchKind, std::uint32_t>;
-  Cluster cluster(Slot slot) const {
-    return {gpuscene::batch_of(snapshot.kind(slot)), gpuscene::GpuScene::record_of(snapshot, slot) / 64};
-  }
-  std::map<Cluster, core::Aabb> cluster_boxes() const {
-    std::map<Cluster, core::Aabb> boxes;
-    for (Slot slot = 0; slot < snapshot.size(); ++slot)
-      if (!snapshot.vacant(slot)) boxes[cluster(slot)].grow(snapshot.bounds().box(slot));
-    return boxes;
-  }
-  void apply(const core::SceneDelta& delta) {
-    const std::vector<Slot> touched = snapshot.apply(delta);
-    ASSERT_TRUE(gpu.append(snapshot));
-    gpu.update(snapshot, touched);
-    ASSERT_TRUE(culler.update(snapshot, gpu, touched));
-  }
-};
-
-/// Culls and compares; returns how many more there are than the CPU finds.
-std::size_t expect_same(const gl::Functions& gl, Rig& rig, const View& view) {
-  const std::vector<Slot> found = rig.cull(view), wanted = rig.cull_linear(view);
-  EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "named twice";
-  EXPECT_TRUE(std::includes(found.begin(), found.end(), wanted.begin(), wanted.end()))
-      << "of " << wanted.size() << " some are lost; found " << found.size();
-  std::vector<Slot> extra;
-  std::set_difference(found.begin(), found.end(), wanted.begin(), wanted.end(), std::back_inserter(extra));
-  const core::ItemBounds& bounds = rig.snapshot.bounds();
-  const culling::CullPlanes planes(view, bounds);
-  const bool exact = rig.bounds_form == GpuBoundsForm::kFloat;
-  const auto around = exact || extra.empty() ? decltype(rig.cluster_boxes()){} : rig.cluster_boxes();
-  for (const Slot slot : extra) {
-    EXPECT_FALSE(bounds.vacant(slot));
-    EXPECT_NE(bounds.layers(slot) & view.layers, 0u);
-    EXPECT_TRUE(left_open(planes, exact ? bounds.box(slot) : around.at(rig.cluster(slot))))
-        << "slot " << slot << " is clearly outside";
-  }
-  gl.Finish();
-  const auto feedback = rig.culler.take_feedback();
-  EXPECT_TRUE(feedback) << "all is done";
-  if (feedback) {
-    EXPECT_EQ(feedback->visible, found.size());
-  }
-  return extra.size();
-}
 
 /// Items of every batch, most of them small. Meshes go where tessellated kinds go.
 core::ItemId add_any(Random& random, core::Scene& scene, core::NodeId node, const dvec3& place, double size,
@@ -138,20 +61,11 @@ class GpuCullerTest : public tests::GlTest, public testing::WithParamInterface<G
 constexpr GpuForm kForms[] = {GpuForm::kGeometry, GpuForm::kCompute};
 constexpr GpuBoundsForm kBoundsForms[] = {GpuBoundsForm::kFloat, GpuBoundsForm::kCompact, GpuBoundsForm::kParameters};
 
-std::vector<GpuCullerConfig> all_configs() {
-  std::vector<GpuCullerConfig> configs;
-  for (const GpuForm form : kForms)
-    for (const GpuBoundsForm bounds : kBoundsForms) configs.push_back({form, bounds});
-  return configs;
-}
 /// Of pictures: what the boxes are made of is behind the lists.
 std::vector<GpuCullerConfig> picture_configs() {
   return {{GpuForm::kGeometry}, {GpuForm::kCompute}, {GpuForm::kCompute, GpuBoundsForm::kParameters}};
 }
-std::string config_name(const testing::TestParamInfo<GpuCullerConfig>& info) {
-  return std::string(name_of(*info.param.form)) + "_" + std::string(name_of(info.param.bounds));
-}
-INSTANTIATE_TEST_SUITE_P(All, GpuCullerTest, testing::ValuesIn(all_configs()), config_name);
+INSTANTIATE_TEST_SUITE_P(All, GpuCullerTest, testing::ValuesIn(all_gpu_configs()), gpu_config_name);
 
 TEST_P(GpuCullerTest, FindsWhatTheCpuFinds) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
@@ -452,42 +366,19 @@ TEST_P(GpuCullerTest, FeedbackWaitsToBeTaken) {
   }
 }
 
+constexpr double kAspect = double(tests::PicturePair::kWidth) / tests::PicturePair::kHeight;
+
 // --- pictures --------------------------------------------------------------------------------------------------------
-
-constexpr int kWidth = 160, kHeight = 120;
-
-struct Picture {
-  render::Image colour;
-  render::IdImage ids;
-};
 
 class GpuCullerPictures : public GpuCullerTest {
  protected:
-  /// The same views drawn from lists of either path: pixels that differ show one of two items at the very same depth.
   void expect_same_pictures(const core::Scene& scene, const std::vector<View>& views) {
     Rig rig(*context, scene, GetParam());
-    auto renderer = render::Renderer::create(*context, rig.gpu);
-    auto target = render::RenderTarget::create(*context, kWidth, kHeight, true);
-    ASSERT_TRUE(renderer && target);
+    tests::PicturePair pictures(*context, rig);
     for (const View& view : views) {
-      const auto draw = [&] {
-        EXPECT_TRUE(renderer->draw(view, rig.snapshot, rig.gpu, rig.lists, *target));
-        return std::pair(Picture{target->read_colour(), target->read_ids()}, target->read_depth(view));
-      };
       core::VisibleSet set;
       culling::LinearCuller(rig.snapshot.bounds()).cull(view, set);
-      ASSERT_TRUE(rig.lists.update(rig.snapshot, rig.gpu, set));
-      const auto [cpu, cpu_depth] = draw();
-      ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists));
-      const auto [gpu, gpu_depth] = draw();
-      EXPECT_EQ(cpu_depth.metres, gpu_depth.metres);
-      std::size_t ties = 0, shown = 0;
-      for (std::size_t i = 0; i < cpu.ids.ids.size(); ++i) {
-        ties += cpu.ids.ids[i] != gpu.ids.ids[i];
-        shown += cpu.ids.ids[i] != 0;
-        if (cpu.ids.ids[i] != gpu.ids.ids[i]) continue;
-        ASSERT_TRUE(std::equal(&cpu.colour.pixels[3 * i], &cpu.colour.pixels[3 * i] + 3, &gpu.colour.pixels[3 * i]));
-      }
+      const auto [shown, ties] = pictures.expect_same(rig, view, set);
       EXPECT_GT(shown, 100u);
       EXPECT_LE(ties, shown / 50);
     }
@@ -499,7 +390,7 @@ class GpuCullerPictures : public GpuCullerTest {
                                       {dvec3(5, -20, 4), dvec3(-10, 10, 3)},
                                       {dvec3(-20, 1, 2), dvec3(20, 2, 3)},
                                       {dvec3(0, 0, 30), dvec3(0.1, 0, 0)}})
-      views.push_back(*View::perspective({eye, target, {0, 0, 1}}, 1.0, double(kWidth) / kHeight, 0.1));
+      views.push_back(*View::perspective({eye, target, {0, 0, 1}}, 1.0, kAspect, 0.1));
     return views;
   }
 
@@ -513,7 +404,7 @@ class GpuCullerPictures : public GpuCullerTest {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(All, GpuCullerPictures, testing::ValuesIn(picture_configs()), config_name);
+INSTANTIATE_TEST_SUITE_P(All, GpuCullerPictures, testing::ValuesIn(picture_configs()), gpu_config_name);
 
 TEST_P(GpuCullerPictures, AreThoseOfTheCpu) {
   core::Scene scene;
@@ -531,21 +422,6 @@ TEST_P(GpuCullerPictures, NeedNoCountOfCommands) {
   table.MultiDrawElementsIndirectCountARB = taken;
 }
 
-TEST_P(GpuCullerPictures, OfARealModelAreThoseOfTheCpu) {
-  SIGHTLINE_NEED_DATA("huldra/HA-PIPE.RVM");
-  core::Scene scene;
-  ASSERT_TRUE(importers::import_file(tests::data_path("huldra/HA-PIPE.RVM"), scene, scene.root(), {}));
-  ASSERT_TRUE(scene.commit());
-  const core::Snapshot snapshot(scene);
-  const core::Aabb& extent = snapshot.bounds().extent();
-  const dvec3 centre = snapshot.bounds().origin + 0.5 * (dvec3(extent.min) + dvec3(extent.max));
-  const double size = glm::length(dvec3(extent.max) - dvec3(extent.min));
-  std::vector<View> views;
-  for (const dvec3& from : {dvec3(-0.8, -0.8, 0.6), dvec3(0.1, -0.1, 0.05), dvec3(0.0, 0.02, 0.3)})
-    views.push_back(*View::perspective({centre + size * from, centre, {0, 0, 1}}, 1.0, double(kWidth) / kHeight, 0.1));
-  expect_same_pictures(scene, views);
-}
-
 // --- no read-back ----------------------------------------------------------------------------------------------------
 
 TEST_P(GpuCullerPictures, NothingIsReadBackFromCullToDraw) {
@@ -553,7 +429,7 @@ TEST_P(GpuCullerPictures, NothingIsReadBackFromCullToDraw) {
   make_plant(scene);
   Rig rig(*context, scene, GetParam());
   auto renderer = render::Renderer::create(*context, rig.gpu);
-  auto target = render::RenderTarget::create(*context, kWidth, kHeight, true);
+  auto target = render::RenderTarget::create(*context, tests::PicturePair::kWidth, tests::PicturePair::kHeight, true);
   ASSERT_TRUE(renderer && target);
   const auto frames = [&] {
     for (const View& view : plant_views()) {

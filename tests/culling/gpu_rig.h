@@ -1,0 +1,170 @@
+// The GPU culler with all that it takes to cull and to draw, beside the CPU's: what the tests of it share.
+#pragma once
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "scenes.h"
+#include "sightline/culling/gpu/gpu_culler.h"
+#include "sightline/culling/linear_culler.h"
+#include "sightline/render/renderer.h"
+
+namespace sightline::tests {
+
+/// All ways to cull.
+inline std::vector<culling::GpuCullerConfig> all_gpu_configs() {
+  std::vector<culling::GpuCullerConfig> configs;
+  for (const auto form : {culling::GpuForm::kGeometry, culling::GpuForm::kCompute})
+    for (const auto bounds :
+         {culling::GpuBoundsForm::kFloat, culling::GpuBoundsForm::kCompact, culling::GpuBoundsForm::kParameters})
+      configs.push_back({form, bounds});
+  return configs;
+}
+inline std::string name_of(const culling::GpuCullerConfig& config) {
+  return std::string(culling::name_of(*config.form)) + "_" + std::string(culling::name_of(config.bounds));
+}
+inline std::string gpu_config_name(const testing::TestParamInfo<culling::GpuCullerConfig>& info) {
+  return name_of(info.param);
+}
+
+/// All that it takes to cull a scene on the GPU.
+struct Rig {
+  const gl::Context* context;
+  core::Snapshot snapshot;
+  gpuscene::GpuScene gpu;
+  gpuscene::DrawLists lists;
+  culling::GpuCuller culler;
+  culling::GpuBoundsForm bounds_form;
+
+  Rig(const gl::Context& gl, const core::Scene& scene, const culling::GpuCullerConfig& config)
+      : context(&gl),
+        snapshot(scene),
+        gpu(std::move(*gpuscene::GpuScene::create(gl, snapshot))),
+        lists(std::move(*gpuscene::DrawLists::create(gl, gpu))),
+        culler(std::move(*culling::GpuCuller::create(gl, snapshot, gpu, config))),
+        bounds_form(config.bounds) {}
+
+  std::vector<core::Slot> cull(const core::View& view) {
+    EXPECT_TRUE(culler.cull(view, snapshot, gpu, lists));
+    return culler.read_back(lists).items;
+  }
+  /// A set's slots but the vacant ones, which the GPU never names.
+  std::vector<core::Slot> occupied(const core::VisibleSet& set) const {
+    std::vector<core::Slot> slots = set.sorted_slots();
+    std::erase_if(slots, [&](core::Slot slot) { return snapshot.vacant(slot); });
+    return slots;
+  }
+  std::vector<core::Slot> cull_linear(const core::View& view) const {
+    core::VisibleSet set;
+    culling::LinearCuller(snapshot.bounds()).cull(view, set);
+    return occupied(set);
+  }
+  /// By batch and cluster: all that the smaller forms know for sure of where an item is.
+  using Cluster = std::pair<gpuscene::BatchKind, std::uint32_t>;
+  Cluster cluster(core::Slot slot) const {
+    return {gpuscene::batch_of(snapshot.kind(slot)), gpuscene::GpuScene::record_of(snapshot, slot) / 64};
+  }
+  std::map<Cluster, core::Aabb> cluster_boxes() const {
+    std::map<Cluster, core::Aabb> boxes;
+    for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
+      if (!snapshot.vacant(slot)) boxes[cluster(slot)].grow(snapshot.bounds().box(slot));
+    return boxes;
+  }
+  void apply(const core::SceneDelta& delta) {
+    const std::vector<core::Slot> touched = snapshot.apply(delta);
+    ASSERT_TRUE(gpu.append(snapshot));
+    gpu.update(snapshot, touched);
+    ASSERT_TRUE(culler.update(snapshot, gpu, touched));
+  }
+};
+
+/// Culls on the GPU and compares with `wanted`, the CPU's slots in rising order: none is lost, and what is extra lies
+/// within the float planes' band, or with smaller bounds in a cluster that does. Returns how many are extra.
+inline std::size_t expect_found(Rig& rig, const core::View& view, const std::vector<core::Slot>& wanted) {
+  const std::vector<core::Slot> found = rig.cull(view);
+  EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "named twice";
+  EXPECT_TRUE(std::includes(found.begin(), found.end(), wanted.begin(), wanted.end()))
+      << "of " << wanted.size() << " some are lost; found " << found.size();
+  std::vector<core::Slot> extra;
+  std::set_difference(found.begin(), found.end(), wanted.begin(), wanted.end(), std::back_inserter(extra));
+  const core::ItemBounds& bounds = rig.snapshot.bounds();
+  const culling::CullPlanes planes(view, bounds);
+  const bool exact = rig.bounds_form == culling::GpuBoundsForm::kFloat;
+  const auto around = exact || extra.empty() ? decltype(rig.cluster_boxes()){} : rig.cluster_boxes();
+  for (const core::Slot slot : extra) {
+    EXPECT_FALSE(bounds.vacant(slot));
+    EXPECT_NE(bounds.layers(slot) & view.layers, 0u);
+    EXPECT_TRUE(left_open(planes, exact ? bounds.box(slot) : around.at(rig.cluster(slot))))
+        << "slot " << slot << " is clearly outside";
+  }
+  return extra.size();
+}
+
+/// The same, against the linear culler; and the feedback says as many.
+inline std::size_t expect_same(const gl::Functions& gl, Rig& rig, const core::View& view) {
+  const std::vector<core::Slot> wanted = rig.cull_linear(view);
+  const std::size_t extra = expect_found(rig, view, wanted);
+  gl.Finish();
+  const auto feedback = rig.culler.take_feedback();
+  EXPECT_TRUE(feedback) << "all is done";
+  if (feedback) {
+    EXPECT_EQ(feedback->visible, wanted.size() + extra);
+  }
+  return extra;
+}
+
+/// Draws what either path finds and compares.
+class PicturePair {
+ public:
+  static constexpr int kWidth = 160, kHeight = 120;
+
+  PicturePair(const gl::Context& context, const Rig& rig)
+      : renderer_(std::move(*render::Renderer::create(context, rig.gpu))),
+        target_(std::move(*render::RenderTarget::create(context, kWidth, kHeight, true))) {}
+
+  struct Pixels {
+    std::size_t shown = 0, ties = 0;  ///< ties: one of two items at the very same depth
+  };
+  /// Depths are equal, and colours where the same item is shown.
+  Pixels expect_same(Rig& rig, const core::View& view, const core::VisibleSet& cpu_set) {
+    EXPECT_TRUE(rig.lists.update(rig.snapshot, rig.gpu, cpu_set));
+    const Picture cpu = draw(rig, view);
+    EXPECT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists));
+    const Picture gpu = draw(rig, view);
+    EXPECT_EQ(cpu.depth.metres, gpu.depth.metres);
+    Pixels pixels;
+    std::size_t other_colours = 0;
+    for (std::size_t i = 0; i < cpu.ids.ids.size(); ++i) {
+      pixels.shown += cpu.ids.ids[i] != 0;
+      if (cpu.ids.ids[i] != gpu.ids.ids[i])
+        ++pixels.ties;
+      else
+        other_colours +=
+            !std::equal(&cpu.colour.pixels[3 * i], &cpu.colour.pixels[3 * i] + 3, &gpu.colour.pixels[3 * i]);
+    }
+    EXPECT_EQ(other_colours, 0u);
+    return pixels;
+  }
+
+ private:
+  struct Picture {
+    render::Image colour;
+    render::IdImage ids;
+    render::DepthImage depth;
+  };
+  Picture draw(const Rig& rig, const core::View& view) {
+    EXPECT_TRUE(renderer_.draw(view, rig.snapshot, rig.gpu, rig.lists, target_));
+    return {target_.read_colour(), target_.read_ids(), target_.read_depth(view)};
+  }
+
+  render::Renderer renderer_;
+  render::RenderTarget target_;
+};
+
+}  // namespace sightline::tests
