@@ -1,5 +1,6 @@
 // sightline-bench-controller: the hybrid culler's controller against the oracle that knows every frame's costs, and
 // against the better fixed path. Both policies, over recorded and made-up traces. Needs no GL.
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -113,6 +114,15 @@ void add(Row& row, const std::vector<apps::TraceFrame>& trace, bool rendering, d
   row.seed.add(apps::run_controller(trace, config_of(culling::Policy::kSeedStateMachine), rendering), weight);
 }
 
+/// Whether either path's cost is there at all: without a GPU clock there are no cull times.
+bool has_costs(const std::vector<apps::TraceFrame>& trace, bool rendering) {
+  const auto has = [&](culling::Path path) {
+    return std::any_of(trace.begin(), trace.end(),
+                       [&](const apps::TraceFrame& f) { return culling::is_measured(f.cost(path, rendering)); });
+  };
+  return has(culling::Path::kCpu) && has(culling::Path::kGpu);
+}
+
 core::Expected<std::vector<Row>> measure(const Options& options) {
   std::vector<Row> rows;
   for (const std::string& file : options.traces) {
@@ -120,6 +130,7 @@ core::Expected<std::vector<Row>> measure(const Options& options) {
     if (!trace) return tl::unexpected(trace.error());
     const std::string name = file.substr(file.find_last_of('/') + 1);
     for (const bool rendering : {false, true}) {
+      if (!has_costs(*trace, rendering)) continue;
       rows.push_back({name + (rendering ? ", rendering on" : ", rendering off"), {}, {}});
       add(rows.back(), *trace, rendering, 1.0);
     }

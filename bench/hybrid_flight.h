@@ -1,0 +1,104 @@
+// Flights of one camera path with each way to cull that engine offers, and what their frames cost.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sightline/core/scene.h"
+#include "sightline/core/view.h"
+#include "sightline/engine/engine.h"
+#include "sightline/gl/context.h"
+
+namespace sightline::bench {
+
+struct HybridMode {
+  const char* name;
+  engine::CullerChoice culler;
+  culling::Policy policy = culling::Policy::kFrameCost;
+};
+/// The first two are the single paths.
+inline constexpr HybridMode kHybridModes[] = {
+    {"cpu", engine::CullerChoice::kCpu},
+    {"gpu", engine::CullerChoice::kGpu},
+    {"hybrid frame-cost", engine::CullerChoice::kHybrid},
+    {"hybrid seed", engine::CullerChoice::kHybrid, culling::Policy::kSeedStateMachine}};
+inline constexpr std::size_t kModes = std::size(kHybridModes);
+
+struct HybridFrame {
+  double cull_ms = 0.0;       ///< of the CPU; on the GPU's path what submitting takes
+  double gpu_cull_ms = -1.0;  ///< on the GPU's clock; -1: not on its path, or no clock
+  double frame_ms = 0.0;      ///< from its beginning to that of the next one
+  double thread_ms = 0.0;     ///< processor time of the calling thread within Engine::frame
+  std::int64_t visible = -1;
+  bool on_gpu = false;
+
+  /// Rendering on: the frame. Off: what culling takes; of a GPU without a clock the frame, since nothing else is in it.
+  double cost(bool rendering) const {
+    if (rendering || (on_gpu && gpu_cull_ms < 0.0)) return frame_ms;
+    return on_gpu ? gpu_cull_ms : cull_ms;
+  }
+};
+
+struct HybridFlight {
+  std::vector<HybridFrame> frames;
+  std::uint64_t switches = 0, probes = 0;
+  std::string culler;  ///< that the plan took: a hybrid of a small scene is "cpu"
+};
+
+struct FlightConfig {
+  bool rendering = true;
+  int width = 1280, height = 720;
+  int warm_up = 10;  ///< frames of the first view before the first one that counts
+  int block = 10;    ///< frames that one engine flies before the next one's turn
+  culling::GpuCullerConfig gpu = {};
+};
+
+/// An engine that flies a path block by block, with pauses in between.
+class Pilot {
+ public:
+  /// Several may use one context, which must be current and outlive them.
+  static core::Expected<Pilot> create(core::Scene& scene, const HybridMode& mode, const FlightConfig& config,
+                                      gl::Context& context);
+
+  /// Frames of `views`, which count, between some that do not: `lead_in` of the first view, so that as many frames are
+  /// in flight as later, and one that ends the last. Waits until all is drawn.
+  core::Expected<void> fly(std::span<const core::View> views, int lead_in);
+  HybridFlight land() &&;
+
+ private:
+  explicit Pilot(engine::Engine engine) : engine_(std::move(engine)) {}
+  core::Expected<void> frame(const core::View& view, bool counts);
+  void take_late();
+
+  engine::Engine engine_;
+  std::vector<HybridFrame> frames_;
+  std::vector<std::size_t> place_;  // in frames_, of each frame of the engine; core::kNone: does not count
+};
+
+/// All flights of one model with rendering on, or off: flights[mode][pass].
+struct HybridRun {
+  std::string model;
+  std::size_t items = 0;
+  double seconds = 60.0;  ///< that the path is meant to take
+  bool rendering = true;
+  std::vector<std::vector<HybridFlight>> flights;
+
+  std::size_t frames() const { return flights[0][0].frames.size(); }
+  /// Of each frame the median over the passes.
+  std::vector<double> costs(std::size_t mode) const;
+  /// The cheaper one of the single paths by the sum of costs().
+  std::size_t better_path() const;
+  /// Median over the passes of the flight's cost over that of the other mode's flight in the same pass.
+  double ratio(std::size_t mode, std::size_t other) const;
+};
+
+/// All modes in turns, block by block, and in another order each pass, so that what else the machine does meets them
+/// alike. Each pass has new engines: a hybrid knows nothing.
+core::Expected<HybridRun> fly_in_turns(core::Scene& scene, const FlightConfig& config, gl::Context& context,
+                                       std::span<const core::View> views, int passes,
+                                       const std::function<void(int)>& progress);
+
+}  // namespace sightline::bench
