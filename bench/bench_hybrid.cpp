@@ -3,6 +3,7 @@
 // (2009), with rendering off and on, and writes the data of its figures 6.1, 6.2 and 6.5 to 6.7.
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -259,9 +260,7 @@ core::Expected<int> run(const Options& o) {
   return apps::kExitOk;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_tool(int argc, char** argv) {
   CLI::App app("Frames culled by the CPU, the GPU and the hybrid, in turns: rendering off and on",
                "sightline-bench-hybrid");
   apps::describe(app,
@@ -272,4 +271,17 @@ int main(int argc, char** argv) {
   Options options;
   add_options(app, options);
   return apps::run(app, argc, argv, [&] { return run(options); });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run_tool(argc, argv);
+  } catch (const std::exception& error) {  // out of memory
+    std::fputs("sightline-bench-hybrid: ", stderr);
+    std::fputs(error.what(), stderr);
+    std::fputc('\n', stderr);
+  }
+  return apps::kExitFailure;
 }
