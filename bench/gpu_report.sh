@@ -14,11 +14,6 @@ bin=${BIN:-build/release/bin}
 times() { awk -v a="$1" -v b="$2" 'BEGIN { printf "%.6g", a * b }'; }
 whole() { awk -v a="$1" -v b="$2" 'BEGIN { n = int(a * b); print n < 1000 ? 1000 : n }'; }
 
-# Both pass forms where the programs have a choice.
-forms=(default)
-if "$bin/sightline-replay" --help | grep -q -- --gpu-pass; then forms=(geometry compute); fi
-form_option() { if [ "$1" != default ]; then echo "--gpu-pass $1"; fi; }
-
 section() { printf '\n## %s\n\n' "$1" >>"$report"; echo "gpu_report: $1" >&2; }
 # shellcheck disable=SC2016  # the backquotes are Markdown's
 # Runs a program and puts its command line and what it prints into the report; a failure is reported and survived.
@@ -54,17 +49,20 @@ show "${hybrid[@]}" --scale "$(times "$scale" 7.2259)" --passes "$passes" --only
 section "What frames culled by the GPU cost the CPU, by the number of items"
 counts=""
 for n in 100000 713000 5000000; do counts+="${counts:+,}$(whole "$scale" "$n")"; done
-show "$bin/sightline-bench-hybrid" --submission "$counts" --frames "$frames" --size "$size" --json "$out/submission.json"
+for form in geometry compute; do
+  show "$bin/sightline-bench-hybrid" --submission "$counts" --gpu-pass "$form" --frames "$frames" --size "$size" \
+    --json "$out/submission_$form.json"
+done
 
 section "GPU cull time by pass form, rendering off and on"
 for n in 713000 5000000; do
   items=$(whole "$scale" "$n")
   plant="$out/plant_$items.rvm"
   [ -e "$plant" ] || "$bin/sightline-generate" --items "$items" "$plant" >/dev/null
-  for form in "${forms[@]}"; do
+  for form in geometry compute; do
     for rendering in --no-render ""; do
-      # shellcheck disable=SC2046,SC2086
-      show "$bin/sightline-replay" "$plant" --culler gpu --frames "$frames" --size "$size" $rendering $(form_option "$form")
+      # shellcheck disable=SC2086
+      show "$bin/sightline-replay" "$plant" --culler gpu --frames "$frames" --size "$size" $rendering --gpu-pass "$form"
     done
   done
 done

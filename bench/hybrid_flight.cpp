@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "sightline/bench/harness.h"
+#include "sightline/engine/drawing.h"
 
 namespace sightline::bench {
 namespace {
@@ -31,6 +32,7 @@ core::Expected<Pilot> Pilot::create(core::Scene& scene, const HybridMode& mode, 
   engine_config.width = config.width;
   engine_config.height = config.height;
   engine_config.context = &context;
+  engine_config.gpu_culler = config.gpu;
   engine_config.controller.policy = mode.policy;
   auto engine = engine::Engine::create(scene, engine_config);
   if (!engine) return tl::unexpected(engine.error());
@@ -71,7 +73,9 @@ core::Expected<void> Pilot::fly(std::span<const core::View> views, int lead_in) 
 }
 
 HybridFlight Pilot::land() && {
-  HybridFlight flight{std::move(frames_), 0, 0, engine_.culler_name()};
+  HybridFlight flight{std::move(frames_), 0, 0, {}, engine_.culler_name()};
+  if (engine_.drawing() && engine_.drawing()->gpu_culler())
+    flight.gpu_form = culling::name_of(engine_.drawing()->gpu_culler()->form());
   if (const engine::Hybrid* hybrid = engine_.hybrid()) {
     flight.switches = hybrid->controller().switches();
     flight.probes = hybrid->controller().probes();
