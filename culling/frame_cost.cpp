@@ -20,6 +20,10 @@ constexpr std::uint64_t kAway = 8;
 constexpr double kMostOptimism = 0.25, kMostFarOptimism = 1.0, kOptimismPerOctave = 0.2;
 // Jumps that lasted and spikes are counted against each other, up to here.
 constexpr int kMostPersistence = 2;
+// A difference of so many standard errors is none of noise.
+constexpr double kClear = 3.0;
+// Samples that the presumption about a path stands for.
+constexpr double kPresumed = 8.0;
 // Frames within which a probe's answer comes.
 constexpr std::uint64_t kAnswer = 6;
 // A path left because it had become dearer is looked at again after so many frames: it may have been a hiccup.
@@ -61,9 +65,9 @@ void FrameCost::decide() {
   const double own = predict(path_);
   double excess = 0.0;
   if (!theirs.table.empty()) {
-    const double cost = predict(other(path_));
+    const double cost = predict_other();
     const double gap = own - cost + std::max(0.0, doubt(other(path_)) - doubt(path_));
-    if (gap > (since_switch_ <= dwell_ ? config_.dwell_margin : config_.margin)) {
+    if (gap > (since_switch_ <= dwell_ ? dwell_margin() : config_.margin)) {
       switch_to(other(path_), gap);
       return;
     }
@@ -79,11 +83,32 @@ void FrameCost::decide() {
   ++probes_;
 }
 
+/// Soon after a switch: what noise alone may make of the difference, as far as it is known, so that a path that was
+/// tried and is clearly worse is left at once.
+double FrameCost::dwell_margin() const {
+  const auto samples = [&](const Side& s) { return std::max(1.0, s.table.samples(x_)); };
+  const double noise = std::min(sides_[0].noise, sides_[1].noise);  // of the path that is known for longer
+  const double error = noise * std::sqrt(1.0 / samples(sides_[0]) + 1.0 / samples(sides_[1]));
+  return std::clamp(kClear * error, config_.margin, config_.dwell_margin);
+}
+
+/// What the path not taken would cost: what was measured, and what is presumed.
+double FrameCost::predict_other() {
+  const double measured = predict(other(path_));
+  if (config_.presumed_gpu_excess == 0.0) return measured;
+  const double excess = std::log1p(config_.presumed_gpu_excess);
+  const double presumed = predict(path_) + (path_ == Path::kCpu ? excess : -excess);
+  const double samples = side(other(path_)).table.samples(x_);
+  return (samples * measured + kPresumed * presumed) / (samples + kPresumed);
+}
+
 /// How far log(cost) may lie below the estimate: by its standard error, and where the estimate comes from other numbers
 /// of visible items, by what those may change.
 double FrameCost::doubt(Path path) {
   const Side& s = side(path);
-  const double error = std::min(kMostOptimism, s.noise / std::sqrt(std::max(s.table.samples(x_), 0.1)));
+  const double presumed = config_.presumed_gpu_excess == 0.0 ? 0.0 : kPresumed;
+  const double error = std::min(kMostOptimism, s.noise / std::sqrt(std::max(s.table.samples(x_) + presumed, 0.1)));
+  if (presumed > 0.0) return error;
   return error + std::min(kMostFarOptimism, kOptimismPerOctave * s.table.distance(x_));
 }
 

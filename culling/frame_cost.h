@@ -15,13 +15,17 @@ struct FrameCostConfig {
   /// Rendering off: no GPU culls in less, milliseconds; so a CPU that does is not worth a probe.
   double least_gpu_cull_ms = 0.01;
   double margin = 0.01;                ///< a path is left for one that is cheaper by this share
-  double dwell_margin = 0.20;          ///< and soon after a switch, by this one
+  double dwell_margin = 0.20;          ///< and soon after a switch, by this one, or what is clearly no noise
   std::uint32_t dwell_frames = 8;      ///< how soon; doubled up to 32 times while switches prove vain
   double probe_share = 0.005;          ///< of all frames, at most, are taken to measure the other path, …
   std::uint32_t first_probes = 2;      ///< … but this many are free,
   double probe_cost = 0.004;           ///< and unprovoked ones may lengthen the sum of all frames by this share
   std::uint32_t probe_interval = 200;  ///< frames between unprovoked ones
   std::uint32_t silent_frames = 16;    ///< on the GPU without a measured one: it is given up
+  /// Share by which frames of the GPU's path are presumed to be dearer, until some ten measured ones say otherwise; 0:
+  /// nothing is presumed, and a path is tried wherever it is not known to be dearer. For software rasterisers, where
+  /// the GPU's work is done by the CPU's cores: there such trials are only ever lost.
+  double presumed_gpu_excess = 0.0;
 };
 
 /// See Controller for what the functions promise. Each path has a table of log(cost) against visible items
@@ -58,6 +62,8 @@ class FrameCost {
   Side& side(Path path) { return sides_[std::size_t(path)]; }
   double position(double visible) const;
   double predict(Path path) { return side(path).table.predict(x_); }
+  double predict_other();
+  double dwell_margin() const;
   double doubt(Path path);
   void learn(Path path, double log_cost, double x, std::uint64_t frame);
   double filter(Side& s, double residual, bool fresh) const;

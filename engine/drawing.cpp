@@ -1,10 +1,18 @@
 #include "sightline/engine/drawing.h"
 
+#include <algorithm>
+#include <chrono>
+
 namespace sightline::engine {
 namespace {
 
 constexpr std::size_t kFramesInFlight = 2;
 constexpr GLuint64 kLongestWait = 10'000'000'000;  // ns; a lost context must not hang the application
+constexpr std::size_t kMostDrawn = 8;
+
+double now_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 }  // namespace
 
@@ -33,7 +41,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
 }
 
 Drawing::~Drawing() {
-  for (const GLsync fence : in_flight_) context_->functions().DeleteSync(fence);
+  for (const InFlight& frame : in_flight_) context_->functions().DeleteSync(frame.fence);
 }
 
 core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_culls) {
@@ -89,38 +97,57 @@ core::Expected<void> Drawing::update(const core::Snapshot& snapshot, std::span<c
   return culler_ ? culler_->update(snapshot, *scene_, touched) : core::Expected<void>();
 }
 
+void Drawing::wait_for_room() {
+  const double begin = now_seconds();
+  while (in_flight_.size() >= kFramesInFlight) wait_for_oldest();
+  waited_ms_ = 1e3 * (now_seconds() - begin);
+}
+
 void Drawing::wait_for_oldest() {
   const gl::Functions& gl = context_->functions();
-  gl.ClientWaitSync(in_flight_.front(), GL_SYNC_FLUSH_COMMANDS_BIT, kLongestWait);
-  gl.DeleteSync(in_flight_.front());
+  const InFlight oldest = in_flight_.front();
   in_flight_.pop_front();
+  const bool ready = gl.ClientWaitSync(oldest.fence, GL_SYNC_FLUSH_COMMANDS_BIT, 0) == GL_ALREADY_SIGNALED;
+  if (!ready) gl.ClientWaitSync(oldest.fence, GL_SYNC_FLUSH_COMMANDS_BIT, kLongestWait);
+  gl.DeleteSync(oldest.fence);
+  const double now = now_seconds();
+  drawn_.push_back({oldest.frame, ready ? 0.0 : 1e3 * (now - std::max(last_drawn_, oldest.submitted))});
+  if (drawn_.size() > kMostDrawn) drawn_.pop_front();  // nobody takes them
+  last_drawn_ = now;
 }
 
 core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot& snapshot,
-                                   const core::VisibleSet& visible) {
-  while (in_flight_.size() >= kFramesInFlight) wait_for_oldest();
+                                   const core::VisibleSet& visible, std::uint64_t frame) {
+  wait_for_room();
   if (auto done = lists_->update(snapshot, *scene_, visible); !done) return done;
-  return submit(view, snapshot);
+  return submit(view, snapshot, frame);
 }
 
 core::Expected<void> Drawing::cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
   return culler_->cull(view, snapshot, *scene_, *lists_, frame);
 }
 
-core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot) {
-  while (in_flight_.size() >= kFramesInFlight) wait_for_oldest();
-  return submit(view, snapshot);
+core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
+  wait_for_room();
+  return submit(view, snapshot, frame);
+}
+
+std::optional<Drawing::Drawn> Drawing::take_drawn() {
+  if (drawn_.empty()) return std::nullopt;
+  const Drawn oldest = drawn_.front();
+  drawn_.pop_front();
+  return oldest;
 }
 
 std::optional<culling::GpuCuller::Feedback> Drawing::take_gpu_feedback() {
   return culler_ ? culler_->take_feedback() : std::nullopt;
 }
 
-core::Expected<void> Drawing::submit(const core::View& view, const core::Snapshot& snapshot) {
+core::Expected<void> Drawing::submit(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
   if (renderer_)
     if (auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_); !done) return done;
   const gl::Functions& gl = context_->functions();
-  in_flight_.push_back(gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0));
+  in_flight_.push_back({gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), frame, now_seconds()});
   gl.Flush();
   return {};
 }

@@ -18,11 +18,22 @@ class Drawing {
   ~Drawing();
 
   /// Submits one frame of a visible set. Before that it waits until at most one earlier frame is still being drawn.
-  core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible);
+  /// `frame` comes back in take_drawn().
+  core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible,
+                            std::uint64_t frame);
   /// Culls on the GPU, if the configuration asks for it, and submits a frame of what is found there with draw_culled().
-  /// `frame` comes back in take_gpu_feedback().
+  /// `frame` comes back in take_gpu_feedback(), too.
   core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
-  core::Expected<void> draw_culled(const core::View& view, const core::Snapshot& snapshot);
+  core::Expected<void> draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
+  /// What the last of these has waited, milliseconds.
+  double waited_ms() const { return waited_ms_; }
+  /// A frame that is drawn, and how long the GPU was at it alone: from the end of the frame before, or its submission,
+  /// until its end, as somebody sees who waits for that; 0: nobody had to wait. The oldest not yet taken.
+  struct Drawn {
+    std::uint64_t frame = 0;
+    double gpu_ms = 0.0;
+  };
+  std::optional<Drawn> take_drawn();
   std::optional<culling::GpuCuller::Feedback> take_gpu_feedback();
   /// Follows an edit of `touched` slots (Snapshot::apply): rewrites their records and adds those of appended slots, or
   /// makes everything anew where GpuScene::append has no room.
@@ -46,8 +57,15 @@ class Drawing {
  private:
   Drawing() = default;
   core::Expected<culling::GpuCuller> make_culler(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
+  void wait_for_room();
   void wait_for_oldest();
-  core::Expected<void> submit(const core::View& view, const core::Snapshot& snapshot);
+  core::Expected<void> submit(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
+
+  struct InFlight {
+    GLsync fence;
+    std::uint64_t frame;
+    double submitted;  // seconds on the steady clock
+  };
 
   std::optional<gl::Context> own_context_;  // first member: everything below is made with it and must go before it
   gl::Context* context_ = nullptr;
@@ -60,7 +78,9 @@ class Drawing {
   std::optional<culling::GpuCuller> culler_;
   std::optional<render::Renderer> renderer_;  // none when only culling
   render::RenderTarget target_;
-  std::deque<GLsync> in_flight_;
+  std::deque<InFlight> in_flight_;
+  std::deque<Drawn> drawn_;
+  double last_drawn_ = 0.0, waited_ms_ = 0.0;  // seconds: when the newest of drawn_ was known to be
 };
 
 }  // namespace sightline::engine

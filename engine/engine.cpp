@@ -18,6 +18,8 @@ namespace {
 
 constexpr double kFewSlots = 256.0;  // not worth a thread
 constexpr double kTryAgain = 0.5;    // seconds
+// Measured on llvmpipe: 1.15 to 1.2 times the frame of the CPU's path (docs/hybrid-culling.md).
+constexpr double kSoftwareGpuExcess = 0.1;
 
 PlanRequest plan_request(const EngineConfig& config) {
   return {config.culler, config.draw, config.ids};
@@ -90,8 +92,17 @@ void Engine::follow_hybrid() {
   else if (hybrid_)
     hybrid_->scene_changed(items);
   else
-    hybrid_.emplace(config_.controller, items, frames_);
+    hybrid_.emplace(controller_config(), items, frames_);
   if (hybrid_ && !drawing_) hybrid_->gpu_lost();
+}
+
+culling::ControllerConfig Engine::controller_config() const {
+  culling::ControllerConfig config = config_.controller;
+#if SIGHTLINE_HAS_GL
+  double& excess = config.frame_cost.presumed_gpu_excess;
+  if (excess == 0.0 && drawing_ && drawing_->context().capabilities().software) excess = kSoftwareGpuExcess;
+#endif
+  return config;
 }
 
 core::Expected<void> Engine::set_culler(CullerChoice choice) {
@@ -218,11 +229,12 @@ core::Expected<FrameReport> Engine::frame(const core::View& view, const core::Vi
 #if SIGHTLINE_HAS_GL
   if (drawing_) {
     const double culled = now_seconds();
-    auto done =
-        *on_gpu ? drawing_->draw_culled(view, *live_.snapshot) : drawing_->draw(view, *live_.snapshot, visible_);
+    auto done = *on_gpu ? drawing_->draw_culled(view, *live_.snapshot, report.frame)
+                        : drawing_->draw(view, *live_.snapshot, visible_, report.frame);
     report.drawn = config_.draw && done;
     if (done = unless_lost(std::move(done)); !done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);
+    report.wait_ms = drawing_->waited_ms();
   }
 #endif
   if (hybrid_) hybrid_->measured(report);
@@ -272,6 +284,8 @@ void Engine::gather_late_reports() {
 #if SIGHTLINE_HAS_GL
   constexpr std::size_t kMost = 64;
   if (!drawing_) return;
+  if (hybrid_)
+    while (const auto drawn = drawing_->take_drawn()) hybrid_->drawn(drawn->frame, drawn->gpu_ms);
   while (const auto feedback = drawing_->take_gpu_feedback()) {
     late_.push_back({feedback->frame, std::int64_t(feedback->visible), feedback->time_ms.value_or(-1.0)});
     if (hybrid_) hybrid_->measured(late_.back());

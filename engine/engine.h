@@ -39,8 +39,10 @@ struct EngineConfig {
   /// Edits leave slots behind. When this share of them was appended or given up, a new order is made in the background;
   /// 0: never. Items that move far count twice: 1 % of them cost up to a tenth of culling speed until it lands.
   double rebuild_share = 0.03;
-  culling::GpuCullerConfig gpu_culler = {};   ///< its form is measured once, unless named here
-  culling::ControllerConfig controller = {};  ///< of the hybrid; whether frames or cull times count follows from `draw`
+  culling::GpuCullerConfig gpu_culler = {};  ///< its form is measured once, unless named here
+  /// Of the hybrid. Whether frames or cull times count follows from `draw`; on a software rasteriser 10 % is presumed
+  /// as FrameCostConfig::presumed_gpu_excess, unless another share is named here.
+  culling::ControllerConfig controller = {};
 };
 
 /// Times in milliseconds of wall clock.
@@ -49,8 +51,8 @@ struct FrameReport {
   const char* path = "cpu";     ///< that culled it: "linear", "cpu" or "gpu"
   const char* state = "fixed";  ///< the hybrid's, see culling::Controller::state
   double cull_ms = 0.0;         ///< the culler alone; of the GPU culler what submitting takes
-  double draw_ms =
-      0.0;  ///< waiting for the frame before the last, making and submitting the draw lists; 0 without drawing
+  double draw_ms = 0.0;         ///< waiting, then making and submitting the draw lists; 0 without GL
+  double wait_ms = 0.0;         ///< of draw_ms: until the frame before the last was drawn
   double frame_ms = 0.0;  ///< since the last frame began, at most two frames being in flight; 0 for the first frame
   bool drawn = false;     ///< false without drawing, and while the context is lost
   std::int64_t visible = 0, tested = 0;  ///< items; hierarchy and item boxes. -1: known to the GPU alone
@@ -140,6 +142,7 @@ class Engine {
   bool needs_gl() const;
   core::Expected<void> equip();
   void follow_hybrid();
+  culling::ControllerConfig controller_config() const;
   core::Expected<void> make_drawing();
   void look_after_context();
   core::Expected<void> unless_lost(core::Expected<void> done) const;

@@ -1,5 +1,7 @@
 #include "sightline/engine/hybrid.h"
 
+#include <algorithm>
+
 #include "sightline/engine/engine.h"
 
 namespace sightline::engine {
@@ -16,7 +18,7 @@ Path Hybrid::next(double since_last_ms) {
   const std::uint64_t frame = controller_.frames();
   if (frame > 0) {
     Pending& last = pending(frame - 1);
-    last.sample.frame_ms = since_last_ms;
+    last.interval_ms = since_last_ms;
     last.interval_known = true;
     feed_when_complete(last);
   }
@@ -28,8 +30,16 @@ Path Hybrid::next(double since_last_ms) {
   return p.sample.path;
 }
 
+/// What waits for more to be known of a frame.
+Hybrid::Pending* Hybrid::find(std::uint64_t report_frame) {
+  if (report_frame < first_frame_) return nullptr;
+  Pending& p = pending(report_frame - first_frame_);
+  return p.sample.frame == report_frame - first_frame_ && !p.fed ? &p : nullptr;
+}
+
 void Hybrid::measured(const FrameReport& report) {
   Pending& p = pending(controller_.frames() - 1);
+  p.wait_ms = report.wait_ms;
   if (p.sample.path == Path::kGpu) return;  // its CPU time is that of submitting
   p.sample.cull_ms = report.cull_ms;
   p.sample.visible = double(report.visible);
@@ -38,19 +48,29 @@ void Hybrid::measured(const FrameReport& report) {
 }
 
 void Hybrid::measured(const LateReport& report) {
-  if (report.frame < first_frame_) return;
-  const std::uint64_t frame = report.frame - first_frame_;
-  Pending& p = pending(frame);
-  if (p.sample.frame != frame || p.sample.path != Path::kGpu || p.fed) return;
-  p.sample.visible = double(report.visible);
-  if (report.gpu_cull_ms >= 0.0) p.sample.cull_ms = report.gpu_cull_ms;
-  p.late_known = true;
-  feed_when_complete(p);
+  Pending* p = find(report.frame);
+  if (!p || p->sample.path != Path::kGpu) return;
+  p->sample.visible = double(report.visible);
+  if (report.gpu_cull_ms >= 0.0) p->sample.cull_ms = report.gpu_cull_ms;
+  p->late_known = true;
+  feed_when_complete(*p);
 }
 
+void Hybrid::drawn(std::uint64_t frame, double gpu_ms) {
+  Pending* p = find(frame);
+  if (!p) return;
+  p->gpu_ms = gpu_ms;
+  p->drawn = true;
+  feed_when_complete(*p);
+}
+
+/// The interval between two frames holds what the first of them cost the CPU, and the wait for one two frames before:
+/// taken as it is, a path would pay for what the other one did. So each frame is charged with the CPU's time without
+/// the wait, or with the GPU's if that is more.
 void Hybrid::feed_when_complete(Pending& p) {
-  if (p.fed || !p.interval_known || !p.late_known) return;
+  if (p.fed || !p.interval_known || !p.late_known || !p.drawn) return;
   p.fed = true;
+  p.sample.frame_ms = std::max(p.interval_ms - p.wait_ms, p.gpu_ms);
   controller_.feed(p.sample);
 }
 

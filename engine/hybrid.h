@@ -22,6 +22,8 @@ class Hybrid {
   culling::Path next(double since_last_ms);
   /// What the frame that has begun has cost the CPU.
   void measured(const FrameReport& report);
+  /// An earlier frame is drawn, and kept the GPU busy so long; 0: not longer than it kept the CPU.
+  void drawn(std::uint64_t frame, double gpu_ms);
   /// What the GPU found in an earlier frame.
   void measured(const LateReport& report);
 
@@ -41,8 +43,10 @@ class Hybrid {
  private:
   struct Pending {
     culling::FrameSample sample;
-    bool interval_known = false, late_known = false, fed = true;
+    double interval_ms = 0.0, wait_ms = 0.0, gpu_ms = 0.0;
+    bool interval_known = false, late_known = false, drawn = false, fed = true;
   };
+  Pending* find(std::uint64_t report_frame);
   Pending& pending(std::uint64_t frame) { return pending_[frame % pending_.size()]; }
   void feed_when_complete(Pending& p);
 

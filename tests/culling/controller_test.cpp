@@ -102,6 +102,26 @@ TEST(FrameCost, ReactsToAChangeWithinEightFrames) {
   }
 }
 
+/// Where the GPU's path is presumed to be dearer nothing but probes goes there, however new the view, unless they keep
+/// saying that it is cheaper.
+TEST(FrameCost, APresumptionStandsUntilItIsRefuted) {
+  ControllerConfig config;
+  config.frame_cost.presumed_gpu_excess = 0.1;
+  std::mt19937 random(1);
+  const auto noise = [&] { return 0.85 + 0.3 * double(random()) * 0x1p-32; };
+  for (const double gpu : {1.0, 1.05, 1.2, 2.0}) {
+    SCOPED_TRACE(gpu);
+    Loop loop(config);
+    std::size_t on_gpu = 0;
+    for (int i = 0; i < 400; ++i) on_gpu += loop.step({noise(), gpu * noise(), double(64 << (i / 20))}) == 'g';
+    EXPECT_LE(on_gpu, 2u);
+  }
+  Loop wrong(config);
+  EXPECT_GE(count(wrong.run(100, {2.0, 1.0}).substr(40), 'g'), 58u);
+  Loop right(config);
+  EXPECT_LE(count(right.run(300, {1.0, 1.5}), 'g'), 2u);
+}
+
 TEST(FrameCost, TakesTheOtherPathWhereTheViewSaysSo) {
   Loop loop;
   const Costs few{0.1, 1.0, 1e3}, many{5.0, 1.0, 4e5};

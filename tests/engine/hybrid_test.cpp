@@ -2,6 +2,7 @@
 // that fails are survived.
 #include <gtest/gtest.h>
 
+#include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
 namespace sightline::tests {
@@ -162,6 +163,40 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
   EXPECT_TRUE(engine->drawing()->why_gpu_form().starts_with("measured: ")) << engine->drawing()->why_gpu_form();
 }
 
+/// A GPU that is the slower of the two is waited for two frames later, when another path may have been taken: the frame
+/// that was drawn pays, and not the one that waited.
+TEST(Hybrid, ChargesTheFrameThatKeptTheGpuBusy) {
+  constexpr std::uint64_t kFrames = 240;
+  int wrong = 0;
+  for (const double gpu_path : {0.85, 1.15})  // of the CPU's
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      Random random(seed);
+      engine::Hybrid hybrid({}, 1'000'000, 0);
+      double now = 0.0, began = 0.0, free = 0.0;  // the GPU is free from then on
+      std::vector<double> submitted, drawn;
+      for (std::uint64_t frame = 0; frame < kFrames; ++frame) {
+        const bool gpu = hybrid.next(frame > 0 ? now - began : 0.0) == culling::Path::kGpu;
+        wrong += gpu == (gpu_path > 1.0);
+        began = now;
+        const auto visible = [](std::uint64_t f) { return std::int64_t(64) << (f / 20); };
+        engine::FrameReport report{.frame = frame, .cull_ms = 0.1, .visible = visible(frame), .tested = 3000};
+        if (frame >= 2) {
+          report.wait_ms = std::max(0.0, drawn[frame - 2] - now);
+          now += report.wait_ms;
+          const double before = frame >= 3 ? drawn[frame - 3] : 0.0;
+          hybrid.drawn(frame - 2, drawn[frame - 2] - std::max(before, submitted[frame - 2]));
+          hybrid.measured(engine::LateReport{frame - 2, visible(frame - 2), 0.1});
+        }
+        now += 1.0;
+        submitted.push_back(now);
+        free = std::max(free, now) + 10.0 * (gpu ? gpu_path : 1.0) * uniform(random, 0.97, 1.03);
+        drawn.push_back(free);
+        hybrid.measured(report);
+      }
+    }
+  EXPECT_LT(wrong, int(20 * kFrames) / 12);
+}
+
 /// A hybrid that comes late counts frames from where it comes.
 TEST(Hybrid, LearnsTheSameWhereverItBegins) {
   constexpr std::uint64_t kFirst = 12345;
@@ -179,6 +214,8 @@ TEST(Hybrid, LearnsTheSameWhereverItBegins) {
     early.measured(report);
     report.frame += kFirst;
     late.measured(report);
+    early.drawn(frame, 0.0);
+    late.drawn(frame + kFirst, 0.0);
     if (!gpu) continue;
     early.measured(engine::LateReport{frame, 1000, 0.5});
     late.measured(engine::LateReport{frame + kFirst, 1000, 0.5});

@@ -169,7 +169,7 @@ TEST_F(SceneRender, UnculledDrawingShowsTheSame) {
     const Picture culled = take(engine, view);
     core::VisibleSet all;
     all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
-    ASSERT_TRUE(engine.drawing()->draw(view, engine.snapshot(), all));
+    ASSERT_TRUE(engine.drawing()->draw(view, engine.snapshot(), all, 0));
     engine.finish();
     const auto difference = render::compare(culled.colour, engine.drawing()->target().read_colour());
     ASSERT_TRUE(difference);
@@ -303,7 +303,7 @@ TEST_F(SceneRender, VacantSlotsOfRangesAreNotDrawn) {
   const auto ids_of_everything = [&](const View& view) {
     core::VisibleSet all;
     all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
-    EXPECT_TRUE(engine.drawing()->draw(view, engine.snapshot(), all));
+    EXPECT_TRUE(engine.drawing()->draw(view, engine.snapshot(), all, 0));
     engine.finish();
     const render::IdImage image = engine.drawing()->target().read_ids();
     return std::set<std::uint32_t>(image.ids.begin(), image.ids.end());
