@@ -30,6 +30,7 @@ struct Options {
   apps::ModelOptions model;
   std::string size = "1280x720", path, save_path = "path.json", screenshot, json_file;
   CullerChoice culler = CullerChoice::kAutomatic;
+  culling::GpuCullerConfig gpu_culler;
   int frames = 0;
 };
 
@@ -39,6 +40,7 @@ void add_options(CLI::App& app, Options& o) {
       ->capture_default_str()
       ->check(apps::accepted_by(apps::parse_size));
   apps::add_culler_option(app, o.culler);
+  apps::add_gpu_pass_option(app, o.gpu_culler);
   app.add_option("--path", o.path,
                  "Play this camera path first; with --frames as so many evenly spaced frames, else in its own time");
   app.add_option("--save-path", o.save_path, "Where R writes what it has recorded")->capture_default_str();
@@ -51,7 +53,7 @@ void add_options(CLI::App& app, Options& o) {
 /// What a frame costs, over the frames since the title was last written.
 struct TitleFigures {
   double since = 0.0, cull_ms = 0.0, frame_ms = 0.0;
-  int frames = 0;
+  int frames = 0, timed = 0;  // timed: all but those after a pause
 };
 
 struct Camera {
@@ -185,6 +187,8 @@ core::Expected<int> Viewer::run() {
     if (auto done = follow_size(); !done) return tl::unexpected(done.error());
     for (const int key : input.pressed) press(key);
     if (input.orbit_begins) centre_on_picture();
+    // Files that were written, cullers made and pictures read are not what a frame costs.
+    if (input.waited || input.orbit_begins || !input.pressed.empty()) engine_.paused();
     if (!input.camera.idle()) playing_ = false;  // the user has taken over
     play();
     camera_.control.apply(input.camera);
@@ -291,9 +295,10 @@ void Viewer::note(const engine::FrameReport& report) {
   title_.cull_ms += report.cull_ms;
   title_.frame_ms += report.frame_ms;
   ++title_.frames;
+  title_.timed += report.frame_ms > 0.0;
   if (!options_.json_file.empty()) {
     cull_ms_.push_back(report.cull_ms);
-    if (frames_ > 1) frame_ms_.push_back(report.frame_ms);
+    if (report.frame_ms > 0.0) frame_ms_.push_back(report.frame_ms);
   }
   const double now = glfwGetTime();
   if (now - title_.since < kTitleInterval) return;
@@ -305,7 +310,7 @@ void Viewer::write_title() {
   char text[200];
   std::snprintf(text, sizeof text, "%s: %s (%s) | cull %.3f ms | frame %.1f ms | %lld of %zu items visible%s%s%s",
                 engine_.culler_name(), last_.path, last_.state, title_.cull_ms / title_.frames,
-                title_.frame_ms / title_.frames, (long long)visible_, engine_.snapshot().size(),
+                title_.frame_ms / std::max(1, title_.timed), (long long)visible_, engine_.snapshot().size(),
                 camera_.control.orbiting() ? " | orbit" : "", frozen_ ? " | culling camera frozen" : "",
                 recorder_ ? " | recording" : "");
   window_.set_title(text);
@@ -355,6 +360,7 @@ core::Expected<int> view_model(const Options& o) {
   config.width = window->size()[0];
   config.height = window->size()[1];
   config.culler = o.culler;
+  config.gpu_culler = o.gpu_culler;
   config.context = &window->context();
   auto engine = engine::Engine::create(*model->scene, config);
   if (!engine) return tl::unexpected(engine.error());

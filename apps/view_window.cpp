@@ -86,12 +86,12 @@ void Window::close() {
 
 WindowInput Window::poll() {
   glfwPollEvents();
-  while (!closing() && (size()[0] == 0 || size()[1] == 0)) glfwWaitEvents();
+  WindowInput input;
+  for (; !closing() && (size()[0] == 0 || size()[1] == 0); input.waited = true) glfwWaitEvents();
   GLFWwindow* window = state_->window;
   const auto key = [&](int name) { return glfwGetKey(window, name) == GLFW_PRESS ? 1.0 : 0.0; };
   const auto button = [&](int name) { return glfwGetMouseButton(window, name) == GLFW_PRESS; };
 
-  WindowInput input;
   std::swap(input.pressed, state_->pressed);
   input.camera.wheel = std::exchange(state_->wheel, 0.0);
   const double now = glfwGetTime();

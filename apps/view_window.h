@@ -20,6 +20,7 @@ struct WindowInput {
   CameraInput camera;
   std::vector<int> pressed;   ///< GLFW's key numbers, in order
   bool orbit_begins = false;  ///< the right button went down
+  bool waited = false;        ///< the window was minimised
 };
 
 class Window {
