@@ -47,7 +47,7 @@ Path FrameCost::next() {
   ++frames_;
   ++since_switch_;
   probing_ = false;
-  if (gpu_) decide();
+  if (gpu_ && !settled()) decide();
   return probing_ ? other(path_) : path_;
 }
 
@@ -162,6 +162,7 @@ double FrameCost::position(double visible) const {
 }
 
 void FrameCost::feed(const FrameSample& sample) {
+  if (settled()) return;
   double x = x_;
   if (std::isfinite(sample.visible) && sample.visible >= 0.0) {
     x = position(sample.visible);

@@ -24,7 +24,8 @@ struct FrameCostConfig {
   std::uint32_t silent_frames = 16;    ///< on the GPU without a measured one: it is given up
   /// Share by which frames of the GPU's path are presumed to be dearer, until some ten measured ones say otherwise; 0:
   /// nothing is presumed, and a path is tried wherever it is not known to be dearer. For software rasterisers, where
-  /// the GPU's work is done by the CPU's cores: there such trials are only ever lost.
+  /// the GPU's work is done by the CPU's cores: there such trials are only ever lost. With rendering off, where they
+  /// have no clock that could say otherwise, the GPU's path is then never taken.
   double presumed_gpu_excess = 0.0;
 };
 
@@ -59,6 +60,8 @@ class FrameCost {
     bool on_trial = false;              // entered for that reason; no sample yet
   };
 
+  /// There is nothing to learn: the CPU's path it is.
+  bool settled() const { return config_.presumed_gpu_excess > 0.0 && !config_.rendering; }
   Side& side(Path path) { return sides_[std::size_t(path)]; }
   double position(double visible) const;
   double predict(Path path) { return side(path).table.predict(x_); }

@@ -118,6 +118,8 @@ void Drawing::wait_for_oldest() {
 
 core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot& snapshot,
                                    const core::VisibleSet& visible, std::uint64_t frame) {
+  waited_ms_ = 0.0;
+  if (!renderer_) return {};
   wait_for_room();
   if (auto done = lists_->update(snapshot, *scene_, visible); !done) return done;
   return submit(view, snapshot, frame);

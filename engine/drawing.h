@@ -18,7 +18,7 @@ class Drawing {
   ~Drawing();
 
   /// Submits one frame of a visible set. Before that it waits until at most one earlier frame is still being drawn.
-  /// `frame` comes back in take_drawn().
+  /// `frame` comes back in take_drawn(). Where there is nothing to render it does nothing.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible,
                             std::uint64_t frame);
   /// Culls on the GPU, if the configuration asks for it, and submits a frame of what is found there with draw_culled().

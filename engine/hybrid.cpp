@@ -40,7 +40,8 @@ Hybrid::Pending* Hybrid::find(std::uint64_t report_frame) {
 void Hybrid::measured(const FrameReport& report) {
   Pending& p = pending(controller_.frames() - 1);
   p.wait_ms = report.wait_ms;
-  if (p.sample.path == Path::kGpu) return;  // its CPU time is that of submitting
+  p.drawn = !report.drawn && p.sample.path == Path::kCpu;  // then there is nothing to wait for
+  if (p.sample.path == Path::kGpu) return;                 // its CPU time is that of submitting
   p.sample.cull_ms = report.cull_ms;
   p.sample.visible = double(report.visible);
   p.sample.tested = double(report.tested);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/culling/gpu/gpu_band.h"
 #include "sightline/culling/gpu/gpu_pass.h"
 
 namespace sightline::culling {
@@ -30,15 +31,8 @@ struct PlaneBlock {
 };
 static_assert(sizeof(PlaneBlock) == 32 * kMaxCullPlanes + 16);
 
-/// GLSL says that operations are correctly rounded, but not which way: an error of up to 2^-23 each where the CPU has
-/// 2^-24, and may flush every denormal to zero: of the plane (times a coordinate), of a coordinate (times less than 1),
-/// of three products and three sums, at most 2^-126 each.
-float gpu_band(float band, const core::ItemBounds& bounds) {
-  double sizes = 8.0;
-  if (!bounds.extent().empty())
-    for (int i = 0; i < 3; ++i)
-      sizes += std::max(std::abs(double(bounds.extent().min[i])), std::abs(double(bounds.extent().max[i])));
-  return std::min(core::round_up(2.0 * double(band) + 0x1p-126 * sizes), std::numeric_limits<float>::max());
+float rounded_up(double band) {
+  return std::min(core::round_up(band), std::numeric_limits<float>::max());
 }
 
 /// Slots of each batch's records.
@@ -196,8 +190,10 @@ void GpuCuller::upload_planes(const CullPlanes& planes, const core::ItemBounds& 
   PlaneBlock block{};
   for (int i = 0; i < planes.plane_count(); ++i) {
     const FloatPlane& plane = planes.planes()[i];
-    block.planes[i] = {
-        {plane.normal[0], plane.normal[1], plane.normal[2]}, plane.offset, gpu_band(plane.band, bounds), {}};
+    block.planes[i] = {{plane.normal[0], plane.normal[1], plane.normal[2]},
+                       plane.offset,
+                       rounded_up(gpu_band(plane.band, bounds)),
+                       {}};
   }
   block.union_first = planes.union_first();
   block.plane_count = planes.plane_count();

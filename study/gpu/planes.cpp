@@ -1,7 +1,8 @@
 #include "sightline/study/gpu/planes.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "sightline/culling/gpu/gpu_band.h"
 
 namespace sightline::study {
 namespace {
@@ -15,15 +16,6 @@ struct PlaneBlock {
   std::int32_t count, unused[3];
 };
 static_assert(sizeof(PlaneBlock) == 32 * culling::kMaxCullPlanes + 16);
-
-/// Sum of what flushed denormals can take from a height, in 2^-126 (see culling/gpu).
-double denormal_terms(const core::ItemBounds& bounds) {
-  double terms = 8.0;
-  if (bounds.extent().empty()) return terms;
-  for (int i = 0; i < 3; ++i)
-    terms += std::max(std::abs(double(bounds.extent().min[i])), std::abs(double(bounds.extent().max[i])));
-  return terms;
-}
 
 float within_range(double x) {
   return core::round_up(std::min(x, double(core::Aabb::kFar)));
@@ -43,11 +35,9 @@ core::Expected<GpuPlanes> GpuPlanes::create(const gl::Functions& gl) {
 void GpuPlanes::upload(const culling::CullPlanes& planes, const core::ItemBounds& bounds) const {
   PlaneBlock block{};
   block.count = planes.union_first();
-  const double denormals = 0x1p-126 * denormal_terms(bounds);
   for (int k = 0; k < block.count; ++k) {
     const culling::FloatPlane& p = planes.planes()[k];
-    // Twice the band, as GLSL leaves the direction of rounding to the driver.
-    const double band = 2.0 * double(p.band) + denormals;
+    const double band = culling::gpu_band(p.band, bounds);
     block.planes[k] = {{p.normal[0], p.normal[1], p.normal[2]},
                        within_range(double(p.offset) + band),
                        -within_range(band - double(p.offset)),

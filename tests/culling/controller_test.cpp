@@ -116,6 +116,9 @@ TEST(FrameCost, APresumptionStandsUntilItIsRefuted) {
     for (int i = 0; i < 400; ++i) on_gpu += loop.step({noise(), gpu * noise(), double(64 << (i / 20))}) == 'g';
     EXPECT_LE(on_gpu, 2u);
   }
+  config.frame_cost.rendering = false;
+  EXPECT_EQ(Loop(config).run(300, {1.0, 0.5}), std::string(300, 'c'));
+  config.frame_cost.rendering = true;
   Loop wrong(config);
   EXPECT_GE(count(wrong.run(100, {2.0, 1.0}).substr(40), 'g'), 58u);
   Loop right(config);

@@ -179,7 +179,8 @@ TEST(Hybrid, ChargesTheFrameThatKeptTheGpuBusy) {
         wrong += gpu == (gpu_path > 1.0);
         began = now;
         const auto visible = [](std::uint64_t f) { return std::int64_t(64) << (f / 20); };
-        engine::FrameReport report{.frame = frame, .cull_ms = 0.1, .visible = visible(frame), .tested = 3000};
+        engine::FrameReport report{
+            .frame = frame, .cull_ms = 0.1, .drawn = true, .visible = visible(frame), .tested = 3000};
         if (frame >= 2) {
           report.wait_ms = std::max(0.0, drawn[frame - 2] - now);
           now += report.wait_ms;
@@ -210,7 +211,7 @@ TEST(Hybrid, LearnsTheSameWhereverItBegins) {
     const bool gpu = a == culling::Path::kGpu;
     on_gpu += gpu;
     interval = gpu ? 2.0 : 9.0;
-    engine::FrameReport report{.frame = frame, .cull_ms = 5.0, .visible = 1000, .tested = 3000};
+    engine::FrameReport report{.frame = frame, .cull_ms = 5.0, .drawn = true, .visible = 1000, .tested = 3000};
     early.measured(report);
     report.frame += kFirst;
     late.measured(report);
