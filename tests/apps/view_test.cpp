@@ -67,11 +67,12 @@ class View : public RenderTest {
     // GLX unloads its driver, and what that keeps for ever can then no longer be told from leaks.
     const char* sanitizer = std::getenv("ASAN_OPTIONS");
     setenv("ASAN_OPTIONS", ((sanitizer ? std::string(sanitizer) + ":" : "") + "detect_leaks=0").c_str(), 1);
-    // `timeout` ends the display should this process come to a sudden end.
-    display_ = start_program(
-        "timeout",
-        {"300", "Xvfb", "-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp", "-fbdir", path("")},
-        "xvfb");
+    // `timeout` ends the display should this process come to a sudden end; -noreset: it refuses nobody when its last
+    // client has gone.
+    display_ = start_program("timeout",
+                             {"300", "Xvfb", "-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp",
+                              "-noreset", "-fbdir", path("")},
+                             "xvfb");
     ASSERT_NE(display_.pid, 0);
     std::string number;
     comes_true([&] {
