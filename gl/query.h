@@ -1,6 +1,8 @@
 // Query objects: what a draw counted or how long it took.
 #pragma once
 
+#include <optional>
+
 #include "sightline/gl/functions.h"
 #include "sightline/gl/handle.h"
 
@@ -26,6 +28,15 @@ class Query {
     handle_.gl().GetQueryObjectuiv(handle_.name(), GL_QUERY_RESULT, &value);
     return value;
   }
+  /// The same, or nothing while the GPU is not through with it. Never waits.
+  std::optional<GLuint> result_if_known() const {
+    constexpr GLuint kUnknown = ~0u;
+    GLuint value = kUnknown;
+    handle_.gl().GetQueryObjectuiv(handle_.name(), GL_QUERY_RESULT_NO_WAIT, &value);
+    return value == kUnknown ? std::nullopt : std::optional(value);
+  }
+  /// Default-made.
+  bool empty() const { return handle_.name() == 0; }
 
  private:
   static GLuint make(const Functions& gl, GLenum target) {

@@ -3,6 +3,7 @@
 // instances of each; vertex stages test boxes, geometry stages write what is kept through transform feedback.
 #include "sightline/culling/gpu/gpu_pass.h"
 #include "sightline/gl/framebuffer.h"
+#include "sightline/gl/query.h"
 #include "sightline/gl/transform_feedback.h"
 #include "sightline/gl/vertex_array.h"
 
@@ -13,11 +14,6 @@ using gpuscene::BatchKind;
 using gpuscene::DrawLists;
 
 constexpr GLuint kClusterAttribute = 0, kClusterBufferBinding = 0;
-
-void delete_query(const gl::Functions& gl, GLuint name) {
-  gl.DeleteQueries(1, &name);
-}
-using Query = gl::Handle<delete_query>;
 
 class GeometryPass : public GpuPass {
  public:
@@ -60,11 +56,8 @@ class GeometryPass : public GpuPass {
       if (!clusters) return tl::unexpected(clusters.error());
       Kept& kept = kept_.emplace_back(Kept{std::move(*clusters), gl::TransformFeedback(*gl_)});
       kept.feedback.set_buffer(kept.clusters.id(), 0, kept.clusters.size());
-      for (auto& of_probe : queries_) {
-        GLuint name = 0;
-        gl_->CreateQueries(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, 1, &name);
-        of_probe[std::size_t(batch.kind)] = Query(*gl_, name);
-      }
+      for (auto& of_probe : queries_)
+        of_probe[std::size_t(batch.kind)] = gl::Query(*gl_, GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
     }
     return {};
   }
@@ -79,19 +72,17 @@ class GeometryPass : public GpuPass {
     for (std::size_t i = 0; i < batches.size(); ++i) find_clusters(batches[i], kept_[i]);
     item_array_.bind();
     for (std::size_t i = 0; i < batches.size(); ++i)
-      find_items(batches[i], kept_[i], lists, queries_[probe][std::size_t(batches[i].kind)].name());
+      find_items(batches[i], kept_[i], lists, queries_[probe][std::size_t(batches[i].kind)]);
     gl_->Disable(GL_RASTERIZER_DISCARD);
   }
 
   std::optional<std::uint64_t> found(std::size_t probe) override {
     std::uint64_t sum = 0;
-    for (const Query& query : queries_[probe]) {
-      if (query.name() == 0) continue;
-      constexpr GLuint kUnknown = ~0u;
-      GLuint found = kUnknown;
-      gl_->GetQueryObjectuiv(query.name(), GL_QUERY_RESULT_NO_WAIT, &found);
-      if (found == kUnknown) return std::nullopt;
-      sum += found;
+    for (const gl::Query& query : queries_[probe]) {
+      if (query.empty()) continue;
+      const auto found = query.result_if_known();
+      if (!found) return std::nullopt;
+      sum += *found;
     }
     return sum;
   }
@@ -116,17 +107,17 @@ class GeometryPass : public GpuPass {
     kept.feedback.end();
   }
 
-  void find_items(const CullBatch& batch, const Kept& kept, const DrawLists& lists, GLuint query) const {
+  void find_items(const CullBatch& batch, const Kept& kept, const DrawLists& lists, const gl::Query& query) const {
     item_pass_.of(batch.kind).use();
     bind_batch(*gl_, batch);
     gl_->VertexArrayVertexBuffer(item_array_.id(), kClusterBufferBinding, kept.clusters.id(), 0, sizeof(std::uint32_t));
     const DrawLists::Target target = lists.target(batch.kind);
     item_feedback_.set_buffer(target.buffer, target.offset, target.size);
-    gl_->BeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, query);
+    query.begin();
     item_feedback_.begin_points();
     gl_->DrawTransformFeedbackInstanced(GL_POINTS, kept.feedback.id(), GLsizei(kClusterSize));
     item_feedback_.end();
-    gl_->EndQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
+    query.end();
   }
 
   const gl::Functions* gl_;
@@ -134,8 +125,8 @@ class GeometryPass : public GpuPass {
   gl::VertexArray cluster_array_, item_array_;
   gl::Framebuffer framebuffer_;
   gl::TransformFeedback item_feedback_;
-  std::vector<Kept> kept_;                                             // by batch
-  std::vector<std::array<Query, gpuscene::kBatchKindCount>> queries_;  // by probe
+  std::vector<Kept> kept_;                                                 // by batch
+  std::vector<std::array<gl::Query, gpuscene::kBatchKindCount>> queries_;  // by probe
 };
 
 }  // namespace

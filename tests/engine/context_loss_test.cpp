@@ -139,6 +139,7 @@ TEST_F(ContextLossTest, LossInTheMiddleOfARebuild) {
   EXPECT_TRUE(engine->frame(view(2))->drawn);
   expect_picture(*engine, view(2));
   ASSERT_TRUE(other->make_current());
+  engine->drop_context();  // which goes before the engine
 }
 
 TEST_F(ContextLossTest, AContextThatFailsIsNotTaken) {
