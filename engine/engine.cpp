@@ -216,7 +216,7 @@ void Engine::note_gpu_form() {
 #endif
 }
 
-core::Expected<FrameReport> Engine::frame(const core::View& view, const core::View& cull_view) {
+core::Expected<FrameReport> Engine::frame([[maybe_unused]] const core::View& view, const core::View& cull_view) {
   if (auto landed = land(); !landed) return tl::unexpected(landed.error());
   FrameReport report;
   report.frame = frames_++;
