@@ -85,9 +85,7 @@ core::Expected<core::View> choose_view(const Options& o, const apps::Model& mode
     auto path = importers::read_path(o.path);
     if (path) path = importers::translated(*path, model.offset);
     if (!path) return tl::unexpected(path.error());
-    const double share = o.frames > 1 ? double(o.frame) / double(o.frames - 1) : 0.0;
-    const core::CameraSample s = path->sample(path->begin() + share * (path->end() - path->begin()));
-    return core::View::perspective(s.pose, s.fovy, aspect, path->near, path->far);
+    return path->view(path->time_of(o.frame, o.frames), aspect);
   }
   const core::AabbD bounds = apps::world_bounds(snapshot);
   const double distance = std::max(1.0, glm::length(bounds.size()));

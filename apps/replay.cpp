@@ -157,10 +157,8 @@ core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core:
   Flight flight;
   apps::Progress progress("flying", std::size_t(o.frames));
   for (int i = 0; i < o.frames; ++i) {
-    const double share = o.frames > 1 ? double(i) / double(o.frames - 1) : 0.0;
-    const double time = path.begin() + share * (path.end() - path.begin());
-    const core::CameraSample sample = path.sample(time);
-    auto view = core::View::perspective(sample.pose, sample.fovy, aspect, path.near, path.far);
+    const double time = path.time_of(i, o.frames);
+    auto view = path.view(time, aspect);
     if (!view) return tl::unexpected(view.error());
     auto report = engine.frame(*view);
     if (!report) return tl::unexpected(report.error());
@@ -352,11 +350,8 @@ core::Expected<int> replay(const Options& o) {
   if (!o.controller_trace.empty()) return replay_controller(o);
   const auto size = apps::parse_size(o.size);
   if (!size) return tl::unexpected(size.error());
-  if (!o.images.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(o.images, error);
-    if (error) return core::fail(o.images + ": cannot be made: " + error.message());
-  }
+  if (!o.images.empty())
+    if (auto made = apps::make_directory(o.images); !made) return tl::unexpected(made.error());
   auto model = apps::load_model(o.model);
   if (!model) return tl::unexpected(model.error());
   engine::EngineConfig config;

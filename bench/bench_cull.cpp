@@ -285,11 +285,8 @@ core::Expected<Json> measure(const Options& options) {
   if (!boxes) return tl::unexpected(boxes.error());
   const auto views = bench::read_views(options.input.views);
   if (!views) return tl::unexpected(views.error());
-  if (!options.ids_out.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(options.ids_out, error);
-    if (error) return core::fail(options.ids_out + ": cannot be made a directory: " + error.message());
-  }
+  if (!options.ids_out.empty())
+    if (auto made = apps::make_directory(options.ids_out); !made) return tl::unexpected(made.error());
 
   Subject subject(*boxes, options);
   const auto frames = inspect(subject, *boxes, *views, options);

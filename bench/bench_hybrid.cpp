@@ -81,8 +81,7 @@ core::Expected<std::vector<core::View>> tour(core::Scene& scene, const Options& 
   const std::array<int, 2> size = *apps::parse_size(o.size);
   std::vector<core::View> views;
   for (int i = 0; i < o.frames; ++i) {
-    const core::CameraSample at = path.sample(path.begin() + (path.end() - path.begin()) * i / (o.frames - 1));
-    auto view = core::View::perspective(at.pose, at.fovy, double(size[0]) / size[1], path.near, path.far);
+    auto view = path.view(path.time_of(i, o.frames), double(size[0]) / size[1]);
     if (!view) return tl::unexpected(view.error());
     views.push_back(std::move(*view));
   }
@@ -237,11 +236,8 @@ core::Expected<Json> run_submission(const Options& o, gl::Context& context) {
 }
 
 core::Expected<int> run(const Options& o) {
-  if (!o.csv.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(o.csv, error);
-    if (error) return core::fail(o.csv + ": cannot be made: " + error.message());
-  }
+  if (!o.csv.empty())
+    if (auto made = apps::make_directory(o.csv); !made) return tl::unexpected(made.error());
   auto context = gl::Context::create_offscreen();
   if (!context) return tl::unexpected(context.error());
   Json json;

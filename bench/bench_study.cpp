@@ -54,8 +54,7 @@ void add_view(const core::Pose& pose, double fovy, const core::AabbD& bounds, st
 study::Path tour(const core::CameraPath& flight, const core::AabbD& bounds, int frames, double seconds) {
   study::Path path{"tour", {}, seconds, {}, {}};
   for (int i = 0; i < frames; ++i) {
-    const core::CameraSample s =
-        flight.sample(flight.begin() + (flight.end() - flight.begin()) * i / std::max(1, frames - 1));
+    const core::CameraSample s = flight.sample(flight.time_of(i, frames));
     add_view(s.pose, s.fovy, bounds, path);
   }
   return path;

@@ -200,6 +200,16 @@ CameraSample CameraPath::sample(double time) const {
   return out;
 }
 
+Expected<View> CameraPath::view(double time, double aspect) const {
+  const CameraSample at = sample(time);
+  return View::perspective(at.pose, at.fovy, aspect, near, far);
+}
+
+double CameraPath::time_of(int frame, int frames) const {
+  const double share = frames > 1 ? double(frame) / (frames - 1) : 0.0;
+  return begin() + share * (end() - begin());
+}
+
 // --- the automatic tour ----------------------------------------------------------------------------------------------
 
 namespace {

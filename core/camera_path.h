@@ -35,6 +35,10 @@ class CameraPath {
 
   /// `time` outside the keys clamps to the first or last.
   CameraSample sample(double time) const;
+  /// The same as a perspective view. Fails as View::perspective does.
+  Expected<View> view(double time, double aspect) const;
+  /// When frame `frame` of `frames` evenly spaced ones is, the first at begin() and the last at end().
+  double time_of(int frame, int frames) const;
   double begin() const { return keys_.front().time; }
   double end() const { return keys_.back().time; }
   const std::vector<CameraKey>& keys() const { return keys_; }

@@ -1,7 +1,8 @@
 #include "sightline/engine/drawing.h"
 
 #include <algorithm>
-#include <chrono>
+
+#include "sightline/engine/clock.h"
 
 namespace sightline::engine {
 namespace {
@@ -9,10 +10,6 @@ namespace {
 constexpr std::size_t kFramesInFlight = 2;
 constexpr GLuint64 kLongestWait = 10'000'000'000;  // ns; a lost context must not hang the application
 constexpr std::size_t kMostDrawn = 8;
-
-double now_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 }  // namespace
 

@@ -1,9 +1,10 @@
 #include "sightline/engine/engine.h"
 
 #include <cassert>
-#include <chrono>
 #include <tuple>
 #include <utility>
+
+#include "sightline/engine/clock.h"
 
 #if SIGHTLINE_HAS_GL
 #include "sightline/engine/drawing.h"
@@ -23,10 +24,6 @@ constexpr double kSoftwareGpuExcess = 0.1;
 
 PlanRequest plan_request(const EngineConfig& config) {
   return {config.culler, config.draw, config.ids};
-}
-
-double now_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace
@@ -76,11 +73,7 @@ core::Expected<void> Engine::land() {
 
 /// What hangs on the plan and on the order of the items besides the CPU culler.
 core::Expected<void> Engine::follow_generation() {
-  core::Expected<void> done;
-  if (needs_gl())
-    done = make_drawing();
-  else
-    drawing_.reset();
+  auto done = make_drawing(true);
   follow_hybrid();
   return done;
 }
@@ -109,30 +102,14 @@ core::Expected<void> Engine::set_culler(CullerChoice choice) {
   rebuild_.reset();  // it would land with the choice before
   const CullerChoice before = std::exchange(config_.culler, choice);
   live_.follow_plan(plan_request(config_));
-  if (auto done = equip(); !done) {
+  if (auto done = make_drawing(false); !done) {
     config_.culler = before;
     live_.follow_plan(plan_request(config_));
+    note_gpu_form();
     return done;
   }
   follow_hybrid();
   return {};
-}
-
-/// Makes what the plan needs in the context and is not there.
-core::Expected<void> Engine::equip() {
-  if (!needs_gl()) {
-    drawing_.reset();
-    return {};
-  }
-#if SIGHTLINE_HAS_GL
-  if (drawing_) {
-    if (!live_.plan.gpu_culls()) return {};
-    auto done = unless_lost(drawing_->add_culler(*live_.snapshot));
-    note_gpu_form();
-    return done;
-  }
-#endif
-  return make_drawing();
 }
 
 core::Expected<void> Engine::resize(int width, int height) {
@@ -149,20 +126,30 @@ bool Engine::needs_gl() const {
   return config_.draw || live_.plan.gpu_culls();
 }
 
-/// Makes what lies in the context, anew or at first; while the context is lost there is nothing to do.
-core::Expected<void> Engine::make_drawing() {
+/// Makes what the plan needs in the context: all of it for a new order of the items or a new context, else what is not
+/// there. While the context is lost there is nothing to do.
+core::Expected<void> Engine::make_drawing(bool new_order) {
+  if (!needs_gl()) {
+    drawing_.reset();
+    return {};
+  }
 #if SIGHTLINE_HAS_GL
   core::Expected<void> done;
+  const bool gpu_culls = live_.plan.gpu_culls();
   if (drawing_) {
-    done = unless_lost(drawing_->rebuild(*live_.snapshot, live_.plan.gpu_culls()));
+    if (new_order)
+      done = unless_lost(drawing_->rebuild(*live_.snapshot, gpu_culls));
+    else if (gpu_culls)
+      done = unless_lost(drawing_->add_culler(*live_.snapshot));
   } else if (next_try_ < 0.0) {
-    auto drawing = Drawing::create(*live_.snapshot, config_, live_.plan.gpu_culls());
+    auto drawing = Drawing::create(*live_.snapshot, config_, gpu_culls);
     if (!drawing) return tl::unexpected(drawing.error());
     drawing_ = std::move(*drawing);
   }
-  if (drawing_) note_gpu_form();
+  note_gpu_form();
   return done;
 #else
+  (void)new_order;
   return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
 #endif
 }
@@ -173,7 +160,7 @@ void Engine::look_after_context() {
   if (drawing_ && drawing_->context().lost()) drop_context();
   if (next_try_ < 0.0 || config_.context || now_seconds() < next_try_ || !needs_gl()) return;
   next_try_ = -1.0;
-  if (make_drawing()) {
+  if (make_drawing(true)) {
     if (hybrid_) hybrid_->gpu_ready();
   } else {
     next_try_ = now_seconds() + kTryAgain;
@@ -200,8 +187,7 @@ core::Expected<void> Engine::use_context(gl::Context& context) {
   const auto before = std::pair(config_.context, next_try_);
   config_.context = &context;
   next_try_ = -1.0;
-  if (!needs_gl()) return {};
-  if (auto done = make_drawing(); !done) {
+  if (auto done = make_drawing(true); !done) {
     std::tie(config_.context, next_try_) = before;
     return done;
   }
@@ -212,7 +198,8 @@ core::Expected<void> Engine::use_context(gl::Context& context) {
 /// The plan is made before there is a context to measure in.
 void Engine::note_gpu_form() {
 #if SIGHTLINE_HAS_GL
-  if (const auto* culler = drawing_->gpu_culler()) add_gpu_form(live_.plan, culler->form(), drawing_->why_gpu_form());
+  const auto* culler = drawing_ && live_.plan.gpu_culls() ? drawing_->gpu_culler() : nullptr;
+  if (culler) add_gpu_form(live_.plan, culler->form(), drawing_->why_gpu_form());
 #endif
 }
 

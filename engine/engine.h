@@ -140,10 +140,9 @@ class Engine {
   Engine(core::Scene& scene, const EngineConfig& config);
   void build();
   bool needs_gl() const;
-  core::Expected<void> equip();
   void follow_hybrid();
   culling::ControllerConfig controller_config() const;
-  core::Expected<void> make_drawing();
+  core::Expected<void> make_drawing(bool new_order);
   void look_after_context();
   core::Expected<void> unless_lost(core::Expected<void> done) const;
   core::Expected<void> land();

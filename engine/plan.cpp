@@ -26,8 +26,7 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, CullerChoice choic
     why = items(n) + (n < kSmallScene ? ", fewer than " : ", at least ") + limit;
   }
   const bool hybrid = plan.culler == CullerChoice::kHybrid;
-  const bool tree = plan.culler == CullerChoice::kCpu || hybrid;
-  const bool gpu = plan.culler == CullerChoice::kGpu || hybrid;
+  const bool tree = plan.has_tree(), gpu = plan.gpu_culls();
   plan.entries.push_back({"linear culler", !tree && !gpu, why});
   plan.entries.push_back({"CPU culling hierarchy", tree, why});
   plan.entries.push_back({"GPU culler", gpu, gpu ? why : gpu_why});

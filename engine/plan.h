@@ -29,6 +29,7 @@ struct Plan {
   CullerChoice culler = CullerChoice::kLinear;  ///< never kAutomatic
   std::vector<PlanEntry> entries;               ///< every feature the build knows, used or left out, with the reason
 
+  bool has_tree() const { return culler == CullerChoice::kCpu || culler == CullerChoice::kHybrid; }
   bool gpu_culls() const { return culler == CullerChoice::kGpu || culler == CullerChoice::kHybrid; }
 };
 

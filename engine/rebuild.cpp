@@ -16,8 +16,7 @@ void Generation::update(std::span<const core::Slot> touched) {
 void Generation::follow_plan(const PlanRequest& request) {
   plan = make_plan(*snapshot, request.culler, request.draw, request.ids);
   const bool has_tree = culler && std::holds_alternative<culling::CpuCuller>(*culler);
-  const bool wants_tree = plan.culler == CullerChoice::kCpu || plan.culler == CullerChoice::kHybrid;
-  if (wants_tree && !has_tree)
+  if (plan.has_tree() && !has_tree)
     culler = std::make_unique<Culler>(std::in_place_type<culling::CpuCuller>, snapshot->bounds());
   else if (!culler || (has_tree && plan.culler == CullerChoice::kLinear))  // costs nothing beside a GPU culler
     culler = std::make_unique<Culler>(std::in_place_type<culling::LinearCuller>, snapshot->bounds());

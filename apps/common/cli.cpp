@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <new>
@@ -59,6 +60,13 @@ core::Expected<double> parse_finite(const std::string& text) {
   if (!parsed || used != int(text.size()) || !std::isfinite(value))
     return core::fail("expected a finite number, found \"" + text + "\"");
   return value;
+}
+
+core::Expected<void> make_directory(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) return core::fail(path + ": cannot be made a directory: " + error.message());
+  return {};
 }
 
 core::Expected<void> write_text(const std::string& file, const std::string& text) {

@@ -46,6 +46,9 @@ std::string to_text(const Json& json) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+/// With those above it, unless it is there.
+core::Expected<void> make_directory(const std::string& path);
+
 /// Writes text to a file, or to stdout for "-".
 core::Expected<void> write_text(const std::string& file, const std::string& text);
 

@@ -20,12 +20,9 @@ struct ClusterBits {
 
 core::Expected<void> make_array(const gl::Functions& gl, std::size_t bytes, GLenum format, const char* what,
                                 TexelArray& out) {
-  auto made = gl::Buffer::create(gl, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, what);
+  auto made = TexelArray::create(gl, bytes, nullptr, format, what);
   if (!made) return tl::unexpected(made.error());
-  out.buffer = std::move(*made);
-  auto view = gl::TextureBuffer::create(gl, out.buffer, format, what);
-  if (!view) return tl::unexpected(view.error());
-  out.texels = std::move(*view);
+  out = std::move(*made);
   return {};
 }
 
@@ -39,6 +36,15 @@ void write_from(const TexelArray& array, std::size_t first, const std::vector<T>
 
 static_assert(sizeof(Aabb) == 6 * sizeof(float));
 static_assert(sizeof(CompactBox) == 8 && sizeof(ClusterBits) == 16);
+
+core::Expected<TexelArray> TexelArray::create(const gl::Functions& gl, std::size_t bytes, const void* data,
+                                              GLenum format, const char* what) {
+  auto buffer = gl::Buffer::create(gl, bytes, data, GL_DYNAMIC_STORAGE_BIT, what);
+  if (!buffer) return tl::unexpected(buffer.error());
+  auto texels = gl::TextureBuffer::create(gl, *buffer, format, what);
+  if (!texels) return tl::unexpected(texels.error());
+  return TexelArray{std::move(*buffer), std::move(*texels)};
+}
 
 core::vec3 chunk_place(const core::Snapshot& snapshot, std::uint32_t chunk) {
   return core::vec3(snapshot.chunk_origins()[chunk] - snapshot.bounds().origin);

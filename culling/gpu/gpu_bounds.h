@@ -14,10 +14,14 @@ namespace sightline::culling {
 
 inline constexpr std::uint32_t kClusterSize = 64;
 
-/// What shaders read through a buffer texture.
+/// What shaders read through a buffer texture, and the CPU may write.
 struct TexelArray {
   gl::Buffer buffer;
   gl::TextureBuffer texels;
+
+  /// `data`: copied, or null for undefined contents.
+  static core::Expected<TexelArray> create(const gl::Functions& gl, std::size_t bytes, const void* data, GLenum format,
+                                           const char* what);
 };
 
 /// Follows the records of a gpuscene::Batch: place k is record k. Nothing is visible of places without a record and of

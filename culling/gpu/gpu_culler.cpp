@@ -95,16 +95,13 @@ core::Expected<void> GpuCuller::write_chunks(const Snapshot& snapshot) {
   std::vector<glm::vec4> rows;
   for (std::uint32_t i = 0; i < snapshot.chunk_origins().size(); ++i) rows.emplace_back(chunk_place(snapshot, i), 0.0f);
   const std::size_t bytes = rows.size() * sizeof(rows[0]);
-  if (bytes > chunks_.size() || chunks_.size() == 0) {
-    auto buffer = gl::Buffer::create(*gl_, 2 * bytes + sizeof(rows[0]), nullptr, GL_DYNAMIC_STORAGE_BIT, "cull chunks");
-    if (!buffer) return tl::unexpected(buffer.error());
-    auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_RGBA32F, "cull chunks");
-    if (!texels) return tl::unexpected(texels.error());
-    chunk_texels_ = std::move(*texels);
-    chunks_ = std::move(*buffer);
-    for (CullBatch& batch : batches_) batch.chunk_texels = chunk_texels_.id();
+  if (bytes > chunks_.buffer.size() || chunks_.buffer.size() == 0) {
+    auto made = TexelArray::create(*gl_, 2 * bytes + sizeof(rows[0]), nullptr, GL_RGBA32F, "cull chunks");
+    if (!made) return tl::unexpected(made.error());
+    chunks_ = std::move(*made);
+    for (CullBatch& batch : batches_) batch.chunk_texels = chunks_.texels.id();
   }
-  chunks_.write(0, bytes, rows.data());
+  chunks_.buffer.write(0, bytes, rows.data());
   return {};
 }
 
@@ -113,16 +110,14 @@ core::Expected<void> GpuCuller::add_batch(const Snapshot& snapshot, const gpusce
   const GpuBoundsForm form = GpuBounds::form_for(batch.kind, bounds_form_);
   auto made = GpuBounds::create(*gl_, snapshot, batch, std::move(slots), form);
   if (!made) return tl::unexpected(made.error());
-  CullBatch added{batch.kind, std::move(*made), {}, {}, batch.texels.id(), chunk_texels_.id()};
+  CullBatch added{batch.kind, std::move(*made), {}, batch.texels.id(), chunks_.texels.id()};
   if (added.meshes()) {
     std::vector<gpuscene::ElementsCommand> commands = scene.meshes().commands;
     commands.resize(batch.capacity);
-    auto buffer = gl::Buffer::create(*gl_, std::span(commands), GL_DYNAMIC_STORAGE_BIT, "commands of all meshes");
-    if (!buffer) return tl::unexpected(buffer.error());
-    added.commands = std::move(*buffer);
-    auto texels = gl::TextureBuffer::create(*gl_, added.commands, GL_R32UI, "commands of all meshes");
-    if (!texels) return tl::unexpected(texels.error());
-    added.command_texels = std::move(*texels);
+    auto array = TexelArray::create(*gl_, commands.size() * sizeof(commands[0]), commands.data(), GL_R32UI,
+                                    "commands of all meshes");
+    if (!array) return tl::unexpected(array.error());
+    added.commands = std::move(*array);
   }
   batches_.push_back(std::move(added));
   return {};
@@ -146,19 +141,19 @@ core::Expected<void> GpuCuller::update(const Snapshot& snapshot, const gpuscene:
     if (!batch.meshes()) continue;
     const auto& commands = scene.meshes().commands;
     for (const std::uint32_t record : records)
-      batch.commands.write(record * sizeof(commands[0]), sizeof(commands[0]), &commands[record]);
+      batch.commands.buffer.write(record * sizeof(commands[0]), sizeof(commands[0]), &commands[record]);
   }
   return {};
 }
 
 std::size_t GpuCuller::memory_bytes() const {
-  std::size_t bytes = plane_block_.size() + chunks_.size() + pass_->memory_bytes();
+  std::size_t bytes = plane_block_.size() + chunks_.buffer.size() + pass_->memory_bytes();
   for (const CullBatch& batch : batches_) bytes += batch.memory_bytes();
   return bytes;
 }
 
 std::size_t GpuCuller::bounds_memory_bytes() const {
-  std::size_t bytes = chunks_.size();
+  std::size_t bytes = chunks_.buffer.size();
   for (const CullBatch& batch : batches_) bytes += batch.bounds.memory_bytes();
   return bytes;
 }

@@ -18,6 +18,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/culling/frustum_test.h"
+#include "sightline/culling/gpu/gpu_bounds.h"
 #include "sightline/culling/gpu/gpu_culler_config.h"
 #include "sightline/gl/timer.h"
 #include "sightline/gpuscene/draw_lists.h"
@@ -105,8 +106,7 @@ class GpuCuller {
   const gl::Functions* gl_ = nullptr;
   GpuBoundsForm bounds_form_ = GpuBoundsForm::kFloat;
   std::vector<CullBatch> batches_;
-  gl::Buffer chunks_;  // origins, four floats each; only where boxes come from records
-  gl::TextureBuffer chunk_texels_;
+  TexelArray chunks_;  // origins, four floats each; only where boxes come from records
   core::Slot slot_count_ = 0;
   bool uses_layers_ = false;
   std::unique_ptr<GpuPass> pass_;

@@ -51,7 +51,7 @@ void bind_batch(const gl::Functions& gl, const CullBatch& batch) {
   gl.BindTextureUnit(kClusterLayerUnit, batch.bounds.cluster_layers().texels.id());
   gl.BindTextureUnit(kItemBoxUnit, batch.bounds.item_boxes().texels.id());
   gl.BindTextureUnit(kItemLayerUnit, batch.bounds.item_layers().texels.id());
-  gl.BindTextureUnit(kCommandUnit, batch.command_texels.id());
+  gl.BindTextureUnit(kCommandUnit, batch.commands.texels.id());
   if (batch.bounds.form() != GpuBoundsForm::kParameters) return;
   gl.BindTextureUnit(kRecordUnit, batch.record_texels);
   gl.BindTextureUnit(kChunkUnit, batch.chunk_texels);

@@ -22,12 +22,11 @@ namespace sightline::culling {
 struct CullBatch {
   gpuscene::BatchKind kind;
   GpuBounds bounds;
-  gl::Buffer commands;  ///< of all meshes; none of other batches
-  gl::TextureBuffer command_texels;
+  TexelArray commands;                         ///< of all meshes; none of other batches
   GLuint record_texels = 0, chunk_texels = 0;  ///< where boxes come from records
 
   bool meshes() const { return kind == gpuscene::BatchKind::kMesh; }
-  std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.size(); }
+  std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.buffer.size(); }
 };
 
 /// Culls whose results may wait to be taken, and one more whose result nobody reads, for when these are full.

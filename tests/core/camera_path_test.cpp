@@ -91,6 +91,21 @@ TEST(CameraPath, ClampsOutsideItsKeys) {
   for (const double t : {kInf, 1e9}) EXPECT_EQ(path.sample(t).pose.eye, keys.back().pose.eye);
 }
 
+TEST(CameraPath, FramesAreEvenlySpacedFromBeginToEnd) {
+  CameraPath path =
+      *CameraPath::create({{2.0, {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}}, {6.0, {{4, 0, 0}, {9, 1, 0}, {0, 0, 1}}}});
+  EXPECT_EQ(path.time_of(0, 5), 2.0);
+  EXPECT_EQ(path.time_of(1, 5), 3.0);
+  EXPECT_EQ(path.time_of(4, 5), 6.0);
+  EXPECT_EQ(path.time_of(0, 1), 2.0);
+  path.near = 0.25;
+  path.far = 50.0;
+  const CameraSample at = path.sample(3.5);
+  const auto view = path.view(3.5, 1.5), same = View::perspective(at.pose, at.fovy, 1.5, 0.25, 50.0);
+  ASSERT_TRUE(view && same);
+  EXPECT_EQ(view->clip_from_world(), same->clip_from_world());
+}
+
 TEST(CameraPath, PositionSpeedAndAccelerationDoNotJump) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));

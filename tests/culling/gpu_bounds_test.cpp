@@ -150,8 +150,7 @@ class GpuBoundsTest : public tests::GlTest {
         if (gpuscene::batch_of(snapshot.kind(slot)) == batch.kind) slots.push_back(slot);
       auto bounds = GpuBounds::create(gl(), snapshot, batch, slots, GpuBounds::form_for(batch.kind, form));
       ASSERT_TRUE(bounds) << bounds.error().message;
-      const culling::CullBatch cull_batch{batch.kind, std::move(*bounds), {},
-                                          {},         batch.texels.id(),  chunk_texels->id()};
+      const culling::CullBatch cull_batch{batch.kind, std::move(*bounds), {}, batch.texels.id(), chunk_texels->id()};
       const std::vector<float> boxes = read(cull_batch);
       for (std::size_t record = 0; record < boxes.size() / 7; ++record) {
         const float* at = &boxes[7 * record];

@@ -84,8 +84,7 @@ class GpuRealModels : public tests::GlTest, public testing::WithParamInterface<c
     Found found;
     for (int i = 0; i < kFrames; ++i) {
       SCOPED_TRACE("frame " + std::to_string(i));
-      const core::CameraSample at = path.sample(path.begin() + (path.end() - path.begin()) * i / (kFrames - 1));
-      const auto view = core::View::perspective(at.pose, at.fovy, kAspect, path.near, path.far);
+      const auto view = path.view(path.time_of(i, kFrames), kAspect);
       core::VisibleSet set;
       cpu.cull(*view, set);
       const std::vector<core::Slot> wanted = rig.occupied(set);
