@@ -137,8 +137,8 @@ EndRange end_range(const Snout& s, double radius, double shear_x, double shear_y
     slope = (length(s.top_radius) - length(s.bottom_radius)) / h;
   }
   const double up = 1.0 - lean - slope * steep, down = 1.0 - lean + slope * steep;
-  if (!(up > kNearlyOpen && down > kNearlyOpen)) return {-h, h};
-  return {-radius * steep / down, radius * steep / up};
+  if (!(up > kNearlyOpen && down > kNearlyOpen)) return {-h, h, true};
+  return {-radius * steep / down, radius * steep / up, false};
 }
 
 }  // namespace

@@ -116,6 +116,7 @@ AabbD bounds(const Primitive& primitive, const Affine& world_from_item);
 /// closed contour) the range is limited to one snout height beyond the end. Height 0: the slant alone, r m.e.
 struct EndRange {
   double min = 0.0, max = 0.0;
+  bool limited = false;
 };
 EndRange bottom_end_range(const Snout& snout);
 EndRange top_end_range(const Snout& snout);

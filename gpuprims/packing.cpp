@@ -4,6 +4,9 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <numbers>
+
+#include "sightline/gpuprims/mesh_builder.h"
 
 namespace sightline::gpuprims {
 namespace {
@@ -18,94 +21,183 @@ Texel texel(double x, double y, double z, double w) {
   return {word(x), word(y), word(z), word(w)};
 }
 
-/// The four texels all kinds share; the placement's columns are scaled, its origin moved by `local_origin`.
-void pack_head(const PackedItem& item, const dvec3& scale, const dvec3& local_origin, double extra,
-               std::span<Texel> out) {
-  const core::dmat3 linear(item.placement.linear);
-  const dvec3 x = linear[0] * scale.x, y = linear[1] * scale.y, z = linear[2] * scale.z;
-  const dvec3 o = dvec3(item.placement.origin) + linear * local_origin;
-  out[0] = texel(x.x, x.y, x.z, y.x);
-  out[1] = texel(y.y, y.z, z.x, z.y);
-  out[2] = texel(z.z, o.x, o.y, o.z);
-  out[3] = {item.placement.chunk, item.id, item.material, word(extra)};
-}
-
 double length(float v) {
   return std::abs(double(v));
 }
 
-void pack_cylinder(std::span<const float> p, const PackedItem& item, std::span<Texel> out) {
-  const double radius = length(p[0]);
-  pack_head(item, dvec3(radius), dvec3(0.0), radius > 0.0 ? length(p[1]) / radius : 0.0, out);
+/// The local frame that a record is written in, in terms of the primitive's own: axes and origin.
+struct Frame {
+  core::dmat3 axes{1.0};
+  dvec3 origin{0.0};
+};
+
+Frame scaled(const dvec3& size, const dvec3& origin = dvec3(0.0)) {
+  Frame frame;
+  for (int i = 0; i < 3; ++i) frame.axes[i][i] = size[i];
+  frame.origin = origin;
+  return frame;
 }
 
-void pack_torus(std::span<const float> p, const PackedItem& item, std::span<Texel> out) {
-  const double major = length(p[0]), tube = length(p[1]), angle = length(p[2]);
-  const double unit = std::max(major, tube), inverse = unit > 0.0 ? 1.0 / unit : 0.0;
-  // Without a tube there is nothing to see, not even a hoop.
-  pack_head(item, dvec3(tube > 0.0 && angle > 0.0 ? unit : 0.0), dvec3(0.0), tube * inverse, out);
-  out[4] = texel(major * inverse, angle, std::cos(angle), std::sin(angle));
+/// Turned by `angle` about z.
+Frame turned(double size, double angle) {
+  const double c = size * std::cos(angle), s = size * std::sin(angle);
+  return {core::dmat3(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, size), dvec3(0.0)};
 }
 
-void pack_snout(std::span<const float> p, const PackedItem& item, std::span<Texel> out) {
-  const core::Snout s = std::get<core::Snout>(core::make_primitive(core::Kind::kSnout, p));
+/// The four texels all kinds share.
+void pack_head(const PackedItem& item, const Frame& frame, double extra, std::span<Texel> out) {
+  const core::dmat3 linear(item.placement.linear), m = linear * frame.axes;
+  const dvec3 o = dvec3(item.placement.origin) + linear * frame.origin;
+  out[0] = texel(m[0].x, m[0].y, m[0].z, m[1].x);
+  out[1] = texel(m[1].y, m[1].z, m[2].x, m[2].y);
+  out[2] = texel(m[2].z, o.x, o.y, o.z);
+  out[3] = {item.placement.chunk, item.id, item.material, word(extra)};
+}
+
+/// A record that shows nothing.
+void pack_nothing(const PackedItem& item, std::span<Texel> out) {
+  std::fill(out.begin(), out.end(), Texel{});
+  pack_head(item, scaled(dvec3(0.0)), 0.0, out);
+}
+
+/// Thinner than this part of its greatest length nothing is drawn: a volume is needed to cast rays at, and float still
+/// tells its two sides apart.
+constexpr double kThinnest = 1e-6;
+
+void pack_cylinder(const core::Cylinder& c, const PackedItem& item, std::span<Texel> out) {
+  const double radius = length(c.radius);
+  if (radius == 0.0) return pack_nothing(item, out);
+  pack_head(item, scaled(dvec3(radius)), length(c.height) / radius, out);
+}
+
+/// Half the sweep of a torus slice as its shader wants it: (first, 1 when closed, cos, sin).
+Texel sweep_texel(double first, double angle) {
+  constexpr double kFullTurn = 2.0 * std::numbers::pi;
+  const double half = 0.5 * std::min(angle, kFullTurn);
+  return texel(first, angle >= kFullTurn ? 1.0 : 0.0, std::cos(half), std::sin(half));
+}
+
+/// Angles of full tori come as floats a little below 2 pi, too: their seams have no end caps.
+double sweep_angle(float angle) {
+  constexpr double kNearlyFull = 6.283185;
+  const double a = length(angle);
+  return a >= kNearlyFull ? 2.0 * std::numbers::pi : a;
+}
+
+void pack_circular_torus(const core::CircularTorus& t, const PackedItem& item, std::span<Texel> out) {
+  const double major = length(t.major_radius), tube = length(t.tube_radius), angle = sweep_angle(t.angle);
+  if (tube == 0.0) return pack_nothing(item, out);  // not even a hoop
+  const double unit = std::max(major, tube);
+  pack_head(item, turned(unit, 0.5 * angle), tube / unit, out);
+  out[4] = sweep_texel(major / unit, angle);
+}
+
+void pack_rectangular_torus(const core::RectangularTorus& t, const PackedItem& item, std::span<Texel> out) {
+  const double a = length(t.inner_radius), b = length(t.outer_radius), angle = sweep_angle(t.angle);
+  const double outer = std::max(a, b);
+  if (outer == 0.0) return pack_nothing(item, out);
+  pack_head(item, turned(outer, 0.5 * angle), length(t.height) / outer, out);
+  out[4] = sweep_texel(std::min(a, b) / outer, angle);
+}
+
+void pack_pyramid(const core::Pyramid& p, const PackedItem& item, std::span<Texel> out) {
+  const double bottom_x = length(p.bottom_x), bottom_y = length(p.bottom_y), top_x = length(p.top_x),
+               top_y = length(p.top_y), height = length(p.height);
+  const double unit = std::max({bottom_x, bottom_y, top_x, top_y, height});
+  if (unit == 0.0) return pack_nothing(item, out);
+  pack_head(item, scaled(dvec3(unit)), height / unit, out);
+  const double half = 0.5 / unit;
+  out[4] = texel(bottom_x * half, bottom_y * half, top_x * half, top_y * half);
+  out[5] = texel(p.offset_x / unit, p.offset_y / unit, 0.0, 0.0);
+}
+
+void pack_snout(const core::Snout& s, const PackedItem& item, std::span<Texel> out) {
+  constexpr double kFarBeyond = 1e30;
   const double bottom = length(s.bottom_radius), top = length(s.top_radius), height = length(s.height);
-  const double unit = std::max(bottom, top), inverse = unit > 0.0 ? 1.0 / unit : 0.0;
-  pack_head(item, dvec3(unit), dvec3(0.0), height * inverse, out);
+  const double unit = std::max(bottom, top);
+  if (unit == 0.0) return pack_nothing(item, out);
+  if (height == 0.0) {  // the larger end's disc
+    const double side = top > bottom ? 0.5 : -0.5;
+    pack_head(item, scaled(dvec3(unit), side * dvec3(s.offset_x, s.offset_y, 0.0)), 0.0, out);
+    out[4] = texel(1.0, 1.0, 0.0, 0.0);
+    out[5] = texel(0.0, 0.0, 0.0, 0.0);
+    out[6] = texel(0.0, 0.0, -kFarBeyond, kFarBeyond);
+    return;
+  }
+  pack_head(item, scaled(dvec3(unit)), height / unit, out);
   const core::EndRange below = core::bottom_end_range(s), above = core::top_end_range(s);
   const double low = std::min(-0.5 * height + below.min, 0.5 * height + above.min);
   const double high = std::max(-0.5 * height + below.max, 0.5 * height + above.max);
-  out[4] = texel(bottom * inverse, top * inverse, s.offset_x * inverse, s.offset_y * inverse);
-  out[5] =
-      texel(std::tan(s.bottom_shear_x), std::tan(s.bottom_shear_y), std::tan(s.top_shear_x), std::tan(s.top_shear_y));
-  out[6] = texel(low * inverse, high * inverse, 0.0, 0.0);
+  out[4] = texel(bottom / unit, top / unit, s.offset_x / unit, s.offset_y / unit);
+  out[5] = texel(std::tan(double(s.bottom_shear_x)), std::tan(double(s.bottom_shear_y)),
+                 std::tan(double(s.top_shear_x)), std::tan(double(s.top_shear_y)));
+  out[6] = texel(low / unit, high / unit, below.limited ? (-0.5 * height + below.min) / unit : -kFarBeyond,
+                 above.limited ? (0.5 * height + above.max) / unit : kFarBeyond);
 }
 
-/// The unit ball above z = cut, stretched by `radii` about `centre`.
-void pack_cap(const PackedItem& item, const dvec3& radii, double centre, double cut, std::span<Texel> out) {
-  pack_head(item, radii, dvec3(0.0, 0.0, centre), cut, out);
+/// A cap as high as its ball's radius, stretched; flat ones as caps of a huge ball instead, from which they differ by a
+/// quarter of their height.
+void pack_elliptical_dish(const core::EllipticalDish& d, const PackedItem& item, std::span<Texel> out) {
+  constexpr double kFlat = 1e-5;
+  const double radius = length(d.base_radius), height = length(d.height);
+  if (radius == 0.0) return pack_nothing(item, out);
+  if (height >= kFlat * radius) return pack_head(item, scaled(dvec3(radius, radius, height)), 1.0, out);
+  pack_head(item, scaled(dvec3(radius)), std::max(height / radius, kThinnest), out);
 }
 
-void pack_elliptical_dish(double radius, double height, const PackedItem& item, std::span<Texel> out) {
-  // A dish of no height is a disc: drawn a thousandth of its radius thick, which float still resolves.
-  const double shown = std::max(height, 1e-3 * radius);
-  pack_cap(item, dvec3(radius, radius, shown), 0.0, 0.0, out);
+void pack_spherical_dish(const core::SphericalDish& d, const PackedItem& item, std::span<Texel> out) {
+  const double radius = length(d.base_radius), height = length(d.height);
+  if (radius == 0.0 && height == 0.0) return pack_nothing(item, out);
+  if (height < radius) {
+    pack_head(item, scaled(dvec3(radius)), std::max(height / radius, kThinnest), out);
+    return;
+  }
+  const double ball = 0.5 * (radius * (radius / height) + height);
+  pack_head(item, scaled(dvec3(ball), dvec3(0.0, 0.0, height - ball)), height / ball, out);
 }
 
-void pack_spherical_dish(double radius, double height, const PackedItem& item, std::span<Texel> out) {
-  if (height < 1e-3 * radius) return pack_elliptical_dish(radius, height, item, out);
-  const double sphere = (radius * radius + height * height) / (2.0 * height);
-  pack_cap(item, dvec3(sphere), height - sphere, (sphere - height) / sphere, out);
+void pack_sphere(const core::Sphere& s, const PackedItem& item, std::span<Texel> out) {
+  pack_head(item, scaled(dvec3(0.5 * length(s.diameter))), 2.0, out);
 }
 
-void pack_line(std::span<const float> p, const PackedItem& item, std::span<Texel> out) {
-  pack_head(item, dvec3(double(p[1]) - p[0], 1.0, 1.0), dvec3(p[0], 0.0, 0.0), 0.0, out);
+void pack_box(const core::Box& b, const PackedItem& item, std::span<Texel> out) {
+  const dvec3 size(length(b.size_x), length(b.size_y), length(b.size_z));
+  const double thinnest = kThinnest * std::max({size.x, size.y, size.z});
+  pack_head(item, scaled(glm::max(size, dvec3(thinnest))), 0.0, out);
+}
+
+void pack_line(const core::Line& l, const PackedItem& item, std::span<Texel> out) {
+  pack_head(item, scaled(dvec3(double(l.to) - l.from, 1.0, 1.0), dvec3(l.from, 0.0, 0.0)), 0.0, out);
 }
 
 }  // namespace
 
 void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& item, std::span<Texel> out) {
   assert(out.size() == std::size_t(texels_per_item(kind)));
+  if (int(kind) >= core::kPrimitiveKindCount) return pack_head(item, {}, 0.0, out);
+  if (!all_finite(parameters)) return pack_nothing(item, out);
+  const core::Primitive primitive = core::make_primitive(kind, parameters);
   switch (kind) {
     case core::Kind::kCylinder:
-      return pack_cylinder(parameters, item, out);
+      return pack_cylinder(std::get<core::Cylinder>(primitive), item, out);
     case core::Kind::kCircularTorus:
-      return pack_torus(parameters, item, out);
+      return pack_circular_torus(std::get<core::CircularTorus>(primitive), item, out);
+    case core::Kind::kRectangularTorus:
+      return pack_rectangular_torus(std::get<core::RectangularTorus>(primitive), item, out);
+    case core::Kind::kPyramid:
+      return pack_pyramid(std::get<core::Pyramid>(primitive), item, out);
     case core::Kind::kSnout:
-      return pack_snout(parameters, item, out);
+      return pack_snout(std::get<core::Snout>(primitive), item, out);
     case core::Kind::kSphere:
-      return pack_cap(item, dvec3(0.5 * length(parameters[0])), 0.0, -1.0, out);
+      return pack_sphere(std::get<core::Sphere>(primitive), item, out);
     case core::Kind::kEllipticalDish:
-      return pack_elliptical_dish(length(parameters[0]), length(parameters[1]), item, out);
+      return pack_elliptical_dish(std::get<core::EllipticalDish>(primitive), item, out);
     case core::Kind::kSphericalDish:
-      return pack_spherical_dish(length(parameters[0]), length(parameters[1]), item, out);
-    case core::Kind::kLine:
-      return pack_line(parameters, item, out);
+      return pack_spherical_dish(std::get<core::SphericalDish>(primitive), item, out);
     case core::Kind::kBox:
-      return pack_head(item, dvec3(length(parameters[0]), length(parameters[1]), length(parameters[2])), dvec3(0.0),
-                       0.0, out);
+      return pack_box(std::get<core::Box>(primitive), item, out);
     default:
-      return pack_head(item, dvec3(1.0), dvec3(0.0), 0.0, out);
+      return pack_line(std::get<core::Line>(primitive), item, out);
   }
 }
 

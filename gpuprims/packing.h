@@ -4,13 +4,17 @@
 //   head (every kind)   4 texels   placement 12 floats, chunk, item id, material | flags, first shape parameter
 //   box, mesh, line     head alone: 64 bytes
 //   cylinder            head alone: 64 bytes, in units of its radius; first parameter: height
-//   sphere, dishes      head alone: 64 bytes, in units of their (ellipsoid's) radii; first parameter: where the ball is
-//                       cut
+//   sphere, dishes      head alone: 64 bytes, in units of their ball's radii, flat dishes of their base's; first
+//                       parameter: height of the cap
 //   circular torus      head + 1:   80 bytes, in units of its larger radius; first parameter: tube radius
+//   rectangular torus   head + 1:   80 bytes, in units of its outer radius; first parameter: height
+//   pyramid             head + 2:   96 bytes, in units of its largest side or height; first parameter: height
 //   snout               head + 3:  112 bytes, in units of its larger radius; first parameter: height
 //
-// Scaling by the largest radius keeps the shader's numbers near 1 whatever the file's unit. An affine placement makes
-// every kind exact under any node transform, mirrored, sheared and non-uniform ones included.
+// What the further texels hold is said in each kind's shader. Scaling by the largest radius keeps the shader's numbers
+// near 1 whatever the file's unit. Slices of tori are turned so that their sweep is symmetric about x. An affine
+// placement makes every kind exact under any node transform, mirrored, sheared and non-uniform ones included. What a
+// parameter that is not finite belongs to is drawn as nothing.
 #pragma once
 
 #include <array>
@@ -27,7 +31,7 @@ using Texel = std::array<std::uint32_t, 4>;
 
 /// High bits of the material word; the low 24 bits are the row of the material table.
 enum ItemFlags : std::uint32_t {
-  kBottomOpen = 1u << 24,
+  kBottomOpen = 1u << 24,  ///< that end is not drawn; the solid is as closed as ever where a section cuts it
   kTopOpen = 1u << 25,
   kFlatShaded = 1u << 26,
 };
@@ -42,7 +46,17 @@ struct PackedItem {
 
 /// Texels per record of a ray-cast or instanced kind.
 constexpr int texels_per_item(core::Kind kind) {
-  return kind == core::Kind::kCircularTorus ? 5 : kind == core::Kind::kSnout ? 7 : 4;
+  switch (kind) {
+    case core::Kind::kCircularTorus:
+    case core::Kind::kRectangularTorus:
+      return 5;
+    case core::Kind::kPyramid:
+      return 6;
+    case core::Kind::kSnout:
+      return 7;
+    default:
+      return 4;
+  }
 }
 
 /// Writes the record of one item to `out`, which holds texels_per_item(kind) texels. `parameters` are those of the

@@ -32,23 +32,19 @@ core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int
 
   ViewBlock block{};
   const dmat4& eye = view.eye_from_world();
-  for (int c = 0; c < 3; ++c) block.eye_from_world[c] = glm::vec4(eye[c]);
+  for (int c = 0; c < 3; ++c) block.eye_from_world[c] = eye[c];
   block.clip_from_eye = glm::mat4(clip);
   // Solves clip.x = ndc.x * clip.w for the point at eye depth t; w is clip[2][3] * -t in perspective, 1 in orthographic
   // views.
-  const double sx = 1.0 / clip[0][0], sy = 1.0 / clip[1][1];
-  if (perspective) {
-    const double w = -clip[2][3];
-    block.ray_direction = glm::vec4(sx * clip[2][0], sy * clip[2][1], -1.0, 0.0);
-    block.ray_direction_dx = glm::vec4(sx * w, 0.0, 0.0, 0.0);
-    block.ray_direction_dy = glm::vec4(0.0, sy * w, 0.0, 0.0);
-  } else {
-    block.ray_origin = glm::vec4(-sx * clip[3][0], -sy * clip[3][1], 0.0, 0.0);
-    block.ray_origin_dx = glm::vec4(sx, 0.0, 0.0, 0.0);
-    block.ray_origin_dy = glm::vec4(0.0, sy, 0.0, 0.0);
-    block.ray_direction = glm::vec4(0.0, 0.0, -1.0, 0.0);
+  const double scale[2] = {1.0 / clip[0][0], 1.0 / clip[1][1]}, size[2] = {double(width), double(height)};
+  for (int axis = 0; axis < 2; ++axis) {
+    // At ndc -1 + 2 p / size.
+    const double w = perspective ? -clip[2][3] : 1.0, step = scale[axis] * w * 2.0 / size[axis];
+    block.pixel_ray[axis] = perspective ? dvec4(0.0, 0.0, scale[axis] * (clip[2][axis] - w), step)
+                                        : dvec4(-scale[axis] * (clip[3][axis] + w), step, 0.0, 0.0);
+    block.pixel_ray_float[axis] = glm::vec4(block.pixel_ray[axis]);
   }
-  block.pixel_to_ndc = glm::vec4(2.0 / width, 2.0 / height, 0.0, 0.0);
+  block.viewport = glm::vec4(width, height, 0.0, 0.0);
   block.depth_range = glm::vec4(eye_depth(clip, 1.0), std::min(eye_depth(clip, 0.0), 3.0e38), 0.0, 0.0);
   block.up = glm::vec4(glm::normalize(glm::dmat3(eye) * glm::dvec3(0.0, 0.0, 1.0)), 0.0);
 

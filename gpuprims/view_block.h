@@ -10,22 +10,21 @@
 namespace sightline::gpuprims {
 
 struct ViewBlock {
-  glm::vec4 eye_from_world[3];  // columns of a mat3, padded
+  glm::dvec4 eye_from_world[3];  // columns of a dmat3, padded
+  glm::dvec4 pixel_ray[2];
+  glm::vec4 pixel_ray_float[2];
   glm::mat4 clip_from_eye;
-  glm::vec4 ray_origin, ray_origin_dx, ray_origin_dy;
-  glm::vec4 ray_direction, ray_direction_dx, ray_direction_dy;
-  glm::vec4 pixel_to_ndc;
   glm::vec4 depth_range;
+  glm::vec4 viewport;
   glm::vec4 up;
   glm::ivec4 flags;
   glm::vec4 sections[core::kMaxSectionPlanes];
 };
-static_assert(offsetof(ViewBlock, clip_from_eye) == 48);
-static_assert(offsetof(ViewBlock, ray_origin) == 112);
-static_assert(offsetof(ViewBlock, pixel_to_ndc) == 208);
-static_assert(offsetof(ViewBlock, flags) == 256);
-static_assert(offsetof(ViewBlock, sections) == 272);
-static_assert(sizeof(ViewBlock) == 272 + 16 * core::kMaxSectionPlanes);
+static_assert(offsetof(ViewBlock, pixel_ray) == 96);
+static_assert(offsetof(ViewBlock, clip_from_eye) == 192);
+static_assert(offsetof(ViewBlock, flags) == 304);
+static_assert(offsetof(ViewBlock, sections) == 320);
+static_assert(sizeof(ViewBlock) == 320 + 16 * core::kMaxSectionPlanes);
 
 /// Clip matrix with reversed zero-to-one depth, whatever convention the view was made for.
 core::dmat4 reversed_clip_from_eye(const core::View& view);

@@ -12,13 +12,10 @@ namespace sightline::gpuscene {
 /// Records per command: eight corners each must stay within 16-bit indices, and the index patterns should stay small.
 inline constexpr std::uint32_t kRecordsPerCommand = 2048;
 
-/// Corner c of a box has bits x = c & 1, y = c >> 1 & 1, z = c >> 2, set on the side towards the viewer. The first
-/// three faces are those sides, the last three the others; counter-clockwise from outside when bit set means the larger
-/// coordinate.
-inline constexpr std::array<std::uint16_t, 36> kBoxIndices = {1, 3, 7, 1, 7, 5, 2, 6, 7, 2, 7, 3, 4, 5, 7, 4, 7, 6,
-                                                              0, 4, 6, 0, 6, 2, 0, 1, 5, 0, 5, 4, 0, 2, 3, 0, 3, 1};
-inline constexpr std::uint32_t kProxyIndexCount = 18;
-inline constexpr std::uint32_t kBoxIndexCount = 36;
+/// Corner c of a box has bits x = c & 1, y = c >> 1 & 1, z = c >> 2, set on the side towards the viewer. These are the
+/// three faces on those sides, counter-clockwise from outside when bit set means the larger coordinate.
+inline constexpr std::array<std::uint16_t, 18> kProxyIndices = {1, 3, 7, 1, 7, 5, 2, 6, 7, 2, 7, 3, 4, 5, 7, 4, 7, 6};
+inline constexpr std::uint32_t kProxyIndexCount = kProxyIndices.size();
 inline constexpr std::uint32_t kLineIndexCount = 2;
 
 struct IndexPattern {
@@ -26,11 +23,9 @@ struct IndexPattern {
   std::int32_t vertices_per_record;
 };
 
-/// Where a batch's pattern lies in corner_indices(): proxies, then boxes, then lines, kRecordsPerCommand repeats each.
+/// Where a batch's pattern lies in corner_indices(): proxies, then lines, kRecordsPerCommand repeats each.
 inline IndexPattern pattern_of(BatchKind kind) {
-  if (kind == BatchKind::kBox) return {kRecordsPerCommand * kProxyIndexCount, kBoxIndexCount, kCornersPerRecord};
-  if (kind == BatchKind::kLine)
-    return {kRecordsPerCommand * (kProxyIndexCount + kBoxIndexCount), kLineIndexCount, kLineIndexCount};
+  if (kind == BatchKind::kLine) return {kRecordsPerCommand * kProxyIndexCount, kLineIndexCount, kLineIndexCount};
   return {0, kProxyIndexCount, kCornersPerRecord};
 }
 

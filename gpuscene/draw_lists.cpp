@@ -17,10 +17,9 @@ constexpr std::uint32_t kShortestRange = 128;
 
 std::vector<std::uint16_t> corner_patterns() {
   std::vector<std::uint16_t> indices;
-  for (const std::uint32_t per_record : {kProxyIndexCount, kBoxIndexCount})
-    for (std::uint32_t record = 0; record < kRecordsPerCommand; ++record)
-      for (std::uint32_t i = 0; i < per_record; ++i)
-        indices.push_back(std::uint16_t(record * kCornersPerRecord + kBoxIndices[i]));
+  for (std::uint32_t record = 0; record < kRecordsPerCommand; ++record)
+    for (const std::uint16_t corner : kProxyIndices)
+      indices.push_back(std::uint16_t(record * kCornersPerRecord + corner));
   for (std::uint32_t i = 0; i < kRecordsPerCommand * kLineIndexCount; ++i) indices.push_back(std::uint16_t(i));
   return indices;
 }

@@ -1,6 +1,6 @@
 // The GPU form of a visible set: which records each batch draws, as indirect commands and record ids.
 //
-// Ray-cast and box batches draw without attributes: eight vertices per record, the corners of its box, so gl_VertexID /
+// Ray-cast batches draw without attributes: eight vertices per record, the corners of its box, so gl_VertexID /
 // 8 names the record and a range of records is a command whose base vertex is eight times the range's first. Vertex ids
 // beyond the batch's records name places in the list of single records, read through a buffer texture. Lines do the
 // same with two vertices. Meshes bring their record as an attribute with divisor 1, offset by the command's base

@@ -16,17 +16,14 @@ using gpuprims::Texel;
 constexpr std::uint32_t kHeadroom = 64;  // records, beside an eighth of what there is
 
 constexpr std::array<std::string_view, kBatchKindCount> kBatchNames = {
-    "cylinder", "snout", "circular_torus", "sphere_cap", "box", "line", "mesh"};
+    "cylinder", "snout", "circular_torus", "sphere_cap", "rectangular_torus", "pyramid", "box", "line", "mesh"};
 
 /// Which batch draws which kind, in the order of core::Kind.
 constexpr std::array<BatchKind, core::kKindCount> kBatchOfKind = {
-    BatchKind::kMesh,  // pyramid
-    BatchKind::kBox,   // box
-    BatchKind::kMesh,  // rectangular torus
-    BatchKind::kCircularTorus,
+    BatchKind::kPyramid,   BatchKind::kBox,      BatchKind::kRectangularTorus, BatchKind::kCircularTorus,
     BatchKind::kSphereCap,  // elliptical dish
     BatchKind::kSphereCap,  // spherical dish
-    BatchKind::kSnout,         BatchKind::kCylinder,
+    BatchKind::kSnout,     BatchKind::kCylinder,
     BatchKind::kSphereCap,  // sphere
     BatchKind::kLine,
     BatchKind::kMesh,  // facet group
@@ -108,7 +105,7 @@ void GpuScene::pack(const Snapshot& snapshot, Slot slot, std::span<Texel> out) {
     const std::size_t n = std::size_t(core::parameter_count(kind));
     parameters = std::span(items.parameters).subspan(i * n, n);
   }
-  const bool flat = kind == Kind::kBox || flat_shaded(snapshot, slot);
+  const bool flat = flat_shaded(snapshot, slot);
   const std::uint32_t flags = flat ? std::uint32_t(gpuprims::kFlatShaded) : 0u;
   core::Placement placement = items.placements[i];
   if (snapshot.vacant(slot)) placement.linear = core::mat3(0.0f);  // a point, of which nothing is rasterised

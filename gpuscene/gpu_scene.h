@@ -24,23 +24,32 @@ struct GpuSceneConfig {
 };
 
 /// Items that one program draws. There is a batch only for what the scene holds.
-enum class BatchKind : std::uint8_t { kCylinder, kSnout, kCircularTorus, kSphereCap, kBox, kLine, kMesh };
-inline constexpr int kBatchKindCount = 7;
+enum class BatchKind : std::uint8_t {
+  kCylinder,
+  kSnout,
+  kCircularTorus,
+  kSphereCap,
+  kRectangularTorus,
+  kPyramid,
+  kBox,
+  kLine,
+  kMesh,
+};
+inline constexpr int kBatchKindCount = 9;
 
 std::string_view batch_name(BatchKind kind);
 
-/// The batch that draws items of a kind. Spheres and both dishes share kSphereCap; what is tessellated (pyramids,
-/// rectangular tori, facet groups, meshes) goes to kMesh.
+/// The batch that draws items of a kind. Spheres and both dishes share kSphereCap; facet groups and meshes go to kMesh.
 BatchKind batch_of(core::Kind kind);
 
 inline constexpr std::size_t kMostTexelsPerItem = 8;
 
 /// True for batches whose shader casts rays within a proxy.
 constexpr bool is_ray_cast(BatchKind kind) {
-  return kind <= BatchKind::kSphereCap;
+  return kind <= BatchKind::kBox;
 }
 
-/// One record per item, in slot order: place k of a ray-cast, box or line batch is place k of the snapshot's of_kind()
+/// One record per item, in slot order: place k of a ray-cast or line batch is place k of the snapshot's of_kind()
 /// arrays.
 struct Batch {
   BatchKind kind = BatchKind::kMesh;

@@ -19,7 +19,9 @@ constexpr std::array<ProgramFiles, gpuscene::kBatchKindCount> kProgramFiles = {{
     {"primitive.vert", "primitive.frag", "SNOUT"},
     {"primitive.vert", "primitive.frag", "CIRCULAR_TORUS"},
     {"primitive.vert", "primitive.frag", "SPHERE_CAP"},
-    {"box.vert", "surface.frag", "BOX"},
+    {"primitive.vert", "primitive.frag", "RECTANGULAR_TORUS"},
+    {"primitive.vert", "primitive.frag", "PYRAMID"},
+    {"primitive.vert", "primitive.frag", "BOX"},
     {"line.vert", "surface.frag", "LINE"},
     {"mesh.vert", "surface.frag", "MESH"},
 }};
@@ -79,22 +81,21 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
   if (!block) return tl::unexpected(block.error());
   view_block_.write(0, sizeof(*block), &*block);
 
-  // Chunk origins become eye-relative in double; only the small difference is rounded to float.
   const core::dmat4& eye_from_world = view.eye_from_world();
   const auto& origins = snapshot.chunk_origins();
-  std::vector<glm::vec4> rows(std::max<std::size_t>(1, origins.size()));
-  for (std::size_t i = 0; i < origins.size(); ++i) rows[i] = glm::vec4(eye_from_world * core::dvec4(origins[i], 1.0));
+  std::vector<core::dvec4> rows(std::max<std::size_t>(1, origins.size()));
+  for (std::size_t i = 0; i < origins.size(); ++i) rows[i] = eye_from_world * core::dvec4(origins[i], 1.0);
   if (rows.size() > chunk_capacity_) {
     chunk_capacity_ = 2 * rows.size();
-    auto buffer =
-        gl::Buffer::create(*gl_, chunk_capacity_ * sizeof(glm::vec4), nullptr, GL_DYNAMIC_STORAGE_BIT, "chunk origins");
+    auto buffer = gl::Buffer::create(*gl_, chunk_capacity_ * sizeof(core::dvec4), nullptr, GL_DYNAMIC_STORAGE_BIT,
+                                     "chunk origins");
     if (!buffer) return tl::unexpected(buffer.error());
     chunk_rows_ = std::move(*buffer);
-    auto texels = gl::TextureBuffer::create(*gl_, chunk_rows_, GL_RGBA32F, "chunk origins");
+    auto texels = gl::TextureBuffer::create(*gl_, chunk_rows_, GL_RGBA32UI, "chunk origins");
     if (!texels) return tl::unexpected(texels.error());
     chunk_texels_ = std::move(*texels);
   }
-  chunk_rows_.write(0, rows.size() * sizeof(glm::vec4), rows.data());
+  chunk_rows_.write(0, rows.size() * sizeof(core::dvec4), rows.data());
   return {};
 }
 

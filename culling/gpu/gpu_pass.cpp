@@ -40,8 +40,9 @@ gl::ProgramDescription describe_item_pass(std::string name, const CullBatch& bat
   if (batch.bounds.form() == GpuBoundsForm::kFloat) define("BOUNDS_FLOAT");
   if (batch.bounds.form() == GpuBoundsForm::kCompact) define("BOUNDS_COMPACT");
   if (batch.bounds.form() != GpuBoundsForm::kParameters) return description;
-  static constexpr std::array<const char*, 5> kShapes = {"SHAPE_CYLINDER", "SHAPE_SNOUT", "SHAPE_TORUS", "SHAPE_CAP",
-                                                         "SHAPE_BOX"};  // of the first batch kinds
+  static constexpr std::array<const char*, 7> kShapes = {
+      "SHAPE_CYLINDER",          "SHAPE_SNOUT",   "SHAPE_TORUS", "SHAPE_CAP",
+      "SHAPE_RECTANGULAR_TORUS", "SHAPE_PYRAMID", "SHAPE_BOX"};  // of the first batch kinds
   define(kShapes[std::size_t(batch.kind)]);
   return description;
 }

@@ -1,13 +1,12 @@
 #include "sightline/culling/gpu/record_box.h"
 
+#include <array>
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 namespace sightline::culling {
 namespace {
 
-using core::dvec2;
 using core::dvec3;
 using gpuscene::BatchKind;
 
@@ -48,30 +47,50 @@ Extent of_box(const Record&, const dvec3& u, const dvec3& a) {
   return {-reach, reach, a.x + a.y + a.z};
 }
 
-double cap_support(double cut, const dvec3& u) {
-  const double all = glm::length(u);
-  return u.z >= cut * all ? all : cut * u.z + std::sqrt(std::max(0.0, (1.0 - cut) * (1.0 + cut))) * xy(u);
+/// gpuprims/shaders/sphere_cap.glsl has what a cap of height c is.
+double cap_support(double c, const dvec3& u) {
+  const double all = glm::length(u), cut = 1.0 - c;
+  if (c >= 1.0) return u.z >= cut * all ? all : cut * u.z + std::sqrt(std::max(0.0, (1.0 - cut) * (1.0 + cut))) * xy(u);
+  const double fall = u.z > 0.0 ? (u.x * u.x + u.y * u.y) / (all + u.z) : all - u.z;  // |u| - u.z
+  const double ball_fall = 0.5 * (1.0 + c * c) * fall;                                // times c
+  return c * c * all >= ball_fall ? c * u.z + ball_fall / c : xy(u);
 }
 
 Extent of_cap(const Record& r, const dvec3& u, const dvec3& a) {
-  const double cut = r(3, 3);
-  return {-cap_support(cut, -u), cap_support(cut, u), 2.0 * (a.x + a.y + a.z)};
+  const double c = r(3, 3);
+  return {-cap_support(c, -u), cap_support(c, u), 2.0 * (a.x + a.y + a.z)};
+}
+
+/// Least and greatest of dot(u, e) over the unit vectors e of a sweep.
+std::array<double, 2> sweep_extent(const Record& r, const dvec3& u) {
+  const double whole = xy(u), c = r(4, 2), s = r(4, 3);
+  if (r(4, 1) > 0.0) return {-whole, whole};
+  const auto in_sweep = [&](double x) { return x * s >= std::abs(u.y) * c; };  // without the shader's slack
+  const double across = std::abs(u.y) * s;
+  return {in_sweep(-u.x) ? -whole : u.x * c - across, in_sweep(u.x) ? whole : u.x * c + across};
 }
 
 Extent of_torus(const Record& r, const dvec3& u, const dvec3& a) {
-  const double major = r(4, 0), tube = r(3, 3), angle = r(4, 1);
-  const dvec2 end(r(4, 2), r(4, 3));
-  const auto in_sweep = [&](const dvec2& v) {  // without the shader's slack
-    const bool after_start = v.y >= 0.0, before_end = end.x * v.y - end.y * v.x <= 0.0;
-    if (angle >= 2.0 * std::numbers::pi) return true;
-    return angle <= std::numbers::pi ? after_start && before_end : after_start || before_end;
-  };
-  const double whole = xy(u), at_end = u.x * end.x + u.y * end.y;
-  const double least = in_sweep({-u.x, -u.y}) ? -whole : std::min(u.x, at_end);
-  const double most = in_sweep({u.x, u.y}) ? whole : std::max(u.x, at_end);
+  const double major = r(4, 0), tube = r(3, 3);
+  const auto [least, most] = sweep_extent(r, u);
   const double disc_least = tube * std::hypot(least, u.z), disc_most = tube * std::hypot(most, u.z);
   return {std::min(major * least - disc_least, major * most - disc_most),
           std::max(major * least + disc_least, major * most + disc_most), 2.0 * (major + tube) * (a.x + a.y + a.z)};
+}
+
+Extent of_rectangular_torus(const Record& r, const dvec3& u, const dvec3& a) {
+  const double inner = r(4, 0), rise = 0.5 * r(3, 3) * std::abs(u.z);
+  const auto [least, most] = sweep_extent(r, u);
+  return {std::min(least, inner * least) - rise, std::max(most, inner * most) + rise,
+          2.0 * (a.x + a.y) + 0.5 * r(3, 3) * a.z};
+}
+
+Extent of_pyramid(const Record& r, const dvec3& u, const dvec3& a) {
+  const double lean = 0.5 * (u.x * r(5, 0) + u.y * r(5, 1) + u.z * r(3, 3));
+  const double bottom = r(4, 0) * std::abs(u.x) + r(4, 1) * std::abs(u.y);
+  const double top = r(4, 2) * std::abs(u.x) + r(4, 3) * std::abs(u.y);
+  const double terms = (r(4, 0) + r(4, 2) + std::abs(r(5, 0))) * a.x + (r(4, 1) + r(4, 3) + std::abs(r(5, 1))) * a.y;
+  return {std::min(-lean - bottom, lean - top), std::max(bottom - lean, top + lean), terms + r(3, 3) * a.z};
 }
 
 Extent of_snout(const Record& r, const dvec3& u, const dvec3& a) {
@@ -99,6 +118,10 @@ ExtentOf extent_of(BatchKind kind) {
       return of_torus;
     case BatchKind::kSphereCap:
       return of_cap;
+    case BatchKind::kRectangularTorus:
+      return of_rectangular_torus;
+    case BatchKind::kPyramid:
+      return of_pyramid;
     case BatchKind::kBox:
       return of_box;
     default:

@@ -1,70 +1,58 @@
-// Slice of a circular torus in units of its larger radius. Derivation: gpuprims/circular_torus.h. item.extra = tube radius;
-// texel 4: (major radius, angle, cos angle, sin angle).
+// Slice of a circular torus in units of its larger radius, the sweep's bisector along x. Derivation: gpuprims/circular_torus.h.
+// extra = tube radius; texel 4: (major radius, 1 when closed, cosine and sine of half the angle).
+#include "arithmetic.glsl"
+#include "wedge.glsl"
 
 const int kTexelsPerItem = 5;
-const float kPi = 3.14159265358979;
-const float kFullTurn = 6.2831850;  // a little less than 2 pi: seams of full tori have no end caps
 
 #ifdef VERTEX_STAGE
-LocalBox local_box(Item item, uint instance) {
-  vec4 shape = payload_floats(instance, kTexelsPerItem, 4);
-  float tube = item.extra, outer = shape.x + tube, inner = shape.x - tube, angle = shape.y;
-  vec3 low = vec3(-outer, -outer, -tube), high = vec3(outer, outer, tube);
-  if (inner >= 0.0 && angle < kFullTurn) {
-    float c = shape.z, s = shape.w;
-    if (angle < kPi) low.x = c * (c < 0.0 ? outer : inner);
-    if (angle < 0.5 * kPi) high.y = s * outer;
-    if (angle <= kPi) low.y = 0.0;
-    else if (angle < 1.5 * kPi) low.y = s * outer;
-  }
-  return LocalBox(low, high);
+LocalBox local_box(uint record, float tube) {
+  vec4 sweep = payload_floats(record, kTexelsPerItem, 4);
+  float inner = max(sweep.x - tube, 0.0), outer = sweep.x + tube;
+  vec4 box = sweep.y > 0.0 ? vec4(-outer, -outer, outer, outer) : sweep_box(sweep.zw, inner, outer);
+  return LocalBox(vec3(box.xy, -tube), vec3(box.zw, tube));
 }
-#endif
 
-#ifdef FRAGMENT_STAGE
-struct TorusShape {
-  float major, tube, angle;
-  vec2 end;  // direction of the last disc
-};
+vec3 axis_point(uint record, float tube, float z) { return vec3(0.0); }
+#else
+
+const float kPi = 3.14159265358979;
+
+struct Shape {
+  float major, tube;
+  bool closed;
+  vec2 half_angle;
+} shape;
+
+void load_shape(uint record, float tube, float shift) {
+  vec4 sweep = payload_floats(record, kTexelsPerItem, 4);
+  shape = Shape(sweep.x, tube, sweep.y > 0.0, sweep.zw);
+}
 
 // (rho - R)^2 + z^2 - r^2 and its derivative along the ray: the form that stays exact for thin tori.
-vec2 torus_value(TorusShape s, vec3 o, vec3 d, float t) {
+vec2 torus_value(vec3 o, vec3 d, float t) {
   vec3 p = o + t * d;
-  float rho = length(p.xy), off = rho - s.major;
+  float rho = length(p.xy), off = rho - shape.major;
   float drho = rho > 0.0 ? dot(p.xy, d.xy) / rho : length(d.xy);
-  return vec2(off * off + p.z * p.z - s.tube * s.tube, 2.0 * (off * drho + p.z * d.z));
-}
-
-bool in_sweep(TorusShape s, vec2 p) {
-  if (s.angle >= kFullTurn) return true;
-  bool after_start = p.y >= 0.0, before_end = p.x * s.end.y - p.y * s.end.x >= 0.0;
-  return s.angle <= kPi ? after_start && before_end : after_start || before_end;
-}
-
-void offer_end(inout Search search, TorusShape s, vec3 o, vec3 d, float inv_length, vec2 radial, vec2 outward) {
-  float speed = dot(d.xy, outward);
-  if (speed == 0.0) return;
-  float t = -dot(o.xy, outward) / speed;
-  vec3 p = o + t * d;
-  vec2 q = vec2(dot(p.xy, radial) - s.major, p.z);
-  if (dot(q, q) <= s.tube * s.tube) offer(search, t * inv_length, vec3(outward, 0.0));
+  return vec2(off * off + (p.z - shape.tube) * (p.z + shape.tube), 2.0 * (off * drho + p.z * d.z));
 }
 
 // Root of a monotone piece by Newton's method, kept inside the bracket by bisection.
-float bracketed_root(TorusShape s, vec3 o, vec3 d, float low, float high, bool low_outside) {
+float bracketed_root(vec3 o, vec3 d, float low, float high, bool low_outside) {
   float t = 0.5 * (low + high);
-  for (int i = 0; i < 24; ++i) {
-    vec2 g = torus_value(s, o, d, t);
+  for (int i = 0; i < 32; ++i) {
+    vec2 g = torus_value(o, d, t);
     if ((g.x > 0.0) == low_outside) low = t; else high = t;
     float next = t - g.x / g.y;
     if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (abs(next - t) <= 1e-7 * (1.0 + abs(t))) return next;
+    float step_length = abs(next - t);
     t = next;
+    if (step_length <= 6e-8 * (1.0 + abs(t))) break;
   }
   return t;
 }
 
-// Critical points of the quartic along the ray, rising: roots of t^3 + P t + Q.
+// Real roots of t^3 + P t + Q, rising; returns how many.
 int critical_points(float P, float Q, out vec3 t) {
   float third = P / 3.0, half_q = 0.5 * Q;
   float disc = half_q * half_q + third * third * third;
@@ -88,42 +76,46 @@ int critical_points(float P, float Q, out vec3 t) {
   return count;
 }
 
-void intersect_primitive(inout Search search, vec3 o, vec3 direction, float tube, uint instance, uint flags) {
-  vec4 shape = payload_floats(instance, kTexelsPerItem, 4);
-  TorusShape s = TorusShape(shape.x, tube, shape.y, shape.zw);
+void offer_tube(inout Search search, float from, float to, float inv_length, Span wedges[2], int wedge_count) {
+  Span tube = Span(from * inv_length, to * inv_length, kLateral, kLateral);
+  for (int i = 0; i < wedge_count; ++i) offer_span(search, common_part(tube, wedges[i]));
+}
+
+void intersect_primitive(inout Search search, vec3 o, vec3 direction) {
   float inv_length = inversesqrt(dot(direction, direction));
   vec3 d = direction * inv_length;
+  float outer = shape.major + shape.tube, p = dot(o, o), reach2 = outer * outer - p;
+  if (!(reach2 > 0.0)) return;
+  Span wedges[2];
+  int wedge_count = wedge_spans(o, direction, shape.half_angle, shape.closed, wedges);
+  if (wedge_count == 0) return;
 
-  if (s.angle < kFullTurn) {
-    if ((flags & kBottomOpen) == 0u) offer_end(search, s, o, d, inv_length, vec2(1.0, 0.0), vec2(0.0, -1.0));
-    if ((flags & kTopOpen) == 0u) offer_end(search, s, o, d, inv_length, s.end, vec2(-s.end.y, s.end.x));
-  }
-
-  float outer = s.major + tube, p = dot(o, o), reach2 = outer * outer - p;
-  if (reach2 <= 0.0) return;
-  float reach = sqrt(reach2);
-  float R2 = s.major * s.major;
-  float k = p + R2 - tube * tube;
+  float reach = 1.0001 * sqrt(reach2);
+  float R2 = shape.major * shape.major;
+  float k = p + (shape.major - shape.tube) * outer;
   vec3 c;
   int count = critical_points(k - 2.0 * R2 * dot(d.xy, d.xy), -2.0 * R2 * dot(o.xy, d.xy), c);
   c = clamp(c, -reach, reach);
 
-  float low = -reach;
+  float low = -reach, entered = 0.0;
   bool low_outside = true;
   for (int piece = 0; piece <= count; ++piece) {
     bool last = piece == count;
     float high = last ? reach : c[piece];
-    bool high_outside = last || torus_value(s, o, d, high).x > 0.0;
+    bool high_outside = last || torus_value(o, d, high).x > 0.0;
     if (low_outside != high_outside) {
-      float t = bracketed_root(s, o, d, low, high, low_outside);
-      vec3 q = o + t * d;
-      if (in_sweep(s, q.xy)) {
-        float rho = length(q.xy);
-        offer(search, t * inv_length, rho > 0.0 ? vec3(q.xy * (1.0 - s.major / rho), q.z) : vec3(0.0, 0.0, q.z));
-      }
+      float t = bracketed_root(o, d, low, high, low_outside);
+      if (low_outside) entered = t;
+      else offer_tube(search, entered, t, inv_length, wedges, wedge_count);
     }
     low = high;
     low_outside = high_outside;
   }
+}
+
+vec3 face_normal(vec3 p, int face) {
+  if (face != kLateral) return sweep_end_normal(shape.half_angle, face);
+  float rho = length(p.xy);
+  return vec3(rho > 0.0 ? p.xy * (1.0 - shape.major / rho) : vec2(0.0), p.z);
 }
 #endif

@@ -9,16 +9,18 @@ struct LocalBox {
 // Wider than the rounding of the eye's local position, in box sizes: an eye on a face counts as inside.
 const float kInsideMargin = 1e-4;
 
-// Clip position of corner gl_VertexID % 8, whose bits say on which axes it lies on the viewer's side. `viewer` is the eye's local
-// position, or in orthographic views the direction towards the viewer; `mirrored` tells a left-handed placement.
-vec4 proxy_position(Item item, LocalBox box, vec3 viewer, bool mirrored) {
+// Which corner vertex gl_VertexID % 8 is, whose bits say on which axes it lies on the viewer's side, of the box with a margin around.
+// `viewer` is the eye's local position, or in orthographic views the direction towards the viewer; `mirrored` tells a left-handed
+// placement. False when the eye is inside: `corner` is then that of the screen, in -1 to 1.
+bool proxy_corner(LocalBox box, vec3 margin, vec3 viewer, bool mirrored, out vec3 corner) {
   bvec3 towards = bvec3((gl_VertexID & 1) != 0, (gl_VertexID & 2) != 0, (gl_VertexID & 4) != 0);
   if (perspective_view()) {
-    vec3 margin = kInsideMargin * (box.high - box.low);
-    if (all(greaterThan(viewer, box.low - margin)) && all(lessThan(viewer, box.high + margin))) {
+    vec3 around = 2.0 * margin + kInsideMargin * (box.high - box.low);
+    if (all(greaterThan(viewer, box.low - around)) && all(lessThan(viewer, box.high + around))) {
       // The first side covers the screen, the corners of the others fall together.
       vec2 uv = towards.x ? vec2(towards.y, towards.z) : vec2(1.0);
-      return vec4(2.0 * uv - 1.0, 1.0, 1.0);
+      corner = vec3(2.0 * uv - 1.0, 1.0);
+      return false;
     }
     viewer -= 0.5 * (box.low + box.high);
   }
@@ -26,7 +28,6 @@ vec4 proxy_position(Item item, LocalBox box, vec3 viewer, bool mirrored) {
   // Each side taken at its low coordinate, and a mirrored placement, turns the winding: two axes change places to turn it back.
   bool turned = (positive.x ^^ positive.y ^^ positive.z) == mirrored;
   if (turned) towards = towards.yxz;
-  bvec3 high = equal(towards, positive);
-  vec3 p = mix(box.low, box.high, high);
-  return view.clip_from_eye * vec4(item.eye_from_local * p + item.origin, 1.0);
+  corner = mix(box.low - margin, box.high + margin, equal(towards, positive));
+  return true;
 }

@@ -1,114 +1,111 @@
-// Snout (truncated cone, eccentric, slanted ends) in units of its larger radius. Derivation: gpuprims/snout.h. item.extra = height;
-// texels 4 … 6: (bottom radius, top radius, offset x, y), (bottom slant x, y, top slant x, y), (lowest z, highest z, -, -).
+// Snout (truncated cone, eccentric, slanted ends) in units of its larger radius. Derivation: gpuprims/snout.h. extra = height; texels
+// 4 to 6: (bottom radius, top radius, offset x, y), (bottom slant x, y, top slant x, y), (lowest and highest z of the solid, level cuts
+// below and above or far beyond).
+#include "arithmetic.glsl"
+#include "search.glsl"
 
 const int kTexelsPerItem = 7;
 
-struct SnoutShape {
-  float bottom_radius, top_radius, height;
-  vec2 offset, bottom_slant, top_slant;
-  float low, high;
-};
-
-SnoutShape fetch_shape(uint instance, float height) {
-  vec4 a = payload_floats(instance, kTexelsPerItem, 4);
-  vec4 b = payload_floats(instance, kTexelsPerItem, 5);
-  vec4 c = payload_floats(instance, kTexelsPerItem, 6);
-  return SnoutShape(a.x, a.y, height, a.zw, b.xy, b.zw, c.x, c.y);
-}
-
 #ifdef VERTEX_STAGE
-LocalBox local_box(Item item, uint instance) {
-  SnoutShape s = fetch_shape(instance, item.extra);
-  if (s.height == 0.0) {
-    vec2 reach = 0.5 * abs(s.offset) + max(s.bottom_radius, s.top_radius);
-    return LocalBox(vec3(-reach, s.low), vec3(reach, s.high));
-  }
+LocalBox local_box(uint record, float height) {
+  vec4 ends = payload_floats(record, kTexelsPerItem, 4);
+  vec2 range = payload_floats(record, kTexelsPerItem, 6).xy;
+  if (!(height > 0.0)) return LocalBox(vec3(-1.0, -1.0, range.x), vec3(1.0, 1.0, range.y));
   // The circles of the cone at the lowest and highest z bound everything between.
-  vec2 c0 = s.offset * (s.low / s.height), c1 = s.offset * (s.high / s.height);
-  float slope = (s.top_radius - s.bottom_radius) / s.height;
-  float mean = 0.5 * (s.bottom_radius + s.top_radius);
-  float r0 = max(0.0, mean + slope * s.low), r1 = max(0.0, mean + slope * s.high);
-  return LocalBox(vec3(min(c0 - r0, c1 - r1), s.low), vec3(max(c0 + r0, c1 + r1), s.high));
-}
-#endif
-
-#ifdef FRAGMENT_STAGE
-void offer_disc(inout Search search, vec3 o, vec3 d, vec2 centre, float radius, float facing) {
-  if (d.z == 0.0) return;
-  float t = -o.z / d.z;
-  vec2 p = o.xy + t * d.xy - centre;
-  if (dot(p, p) <= radius * radius) offer(search, t, vec3(0.0, 0.0, facing));
+  vec2 part = range / height;
+  vec2 c0 = ends.zw * part.x, c1 = ends.zw * part.y;
+  float mean = 0.5 * (ends.x + ends.y), widening = ends.y - ends.x;
+  float r0 = max(0.0, mean + widening * part.x), r1 = max(0.0, mean + widening * part.y);
+  return LocalBox(vec3(min(c0 - r0, c1 - r1), range.x), vec3(max(c0 + r0, c1 + r1), range.y));
 }
 
-void intersect_primitive(inout Search search, vec3 o, vec3 d, float height, uint instance, uint flags) {
-  SnoutShape s = fetch_shape(instance, height);
-  bool open_bottom = (flags & kBottomOpen) != 0u, open_top = (flags & kTopOpen) != 0u;
-  if (s.height == 0.0) {
-    if (!open_bottom) offer_disc(search, o, d, -0.5 * s.offset, s.bottom_radius, -1.0);
-    if (!open_top) offer_disc(search, o, d, 0.5 * s.offset, s.top_radius, 1.0);
-    return;
-  }
-  const int kLateral = 0, kBottom = 1, kTop = 2;
+vec3 axis_point(uint record, float height, float z) {
+  vec2 offset = payload_floats(record, kTexelsPerItem, 4).zw;
+  return vec3(height > 0.0 ? offset * (z / height) : vec2(0.0), z);
+}
+#else
 
-  // u(t) = xy - centre(z) and r(z) are linear in t; the cone's inside is |u|^2 <= r^2 with r >= 0.
-  vec2 lean = s.offset / s.height;
-  float slope = (s.top_radius - s.bottom_radius) / s.height;
-  vec2 u0 = o.xy - lean * o.z, u1 = d.xy - lean * d.z;
-  float r0 = 0.5 * (s.bottom_radius + s.top_radius) + slope * o.z, r1 = slope * d.z;
+const int kBottomLevel = 8, kTopLevel = 9;
 
-  float t0 = -kNoHit, t1 = kNoHit;
-  int side0 = kLateral, side1 = kLateral;
-  float a = dot(u1, u1) - r1 * r1, b = dot(u0, u1) - r0 * r1;
-  if (abs(a) > 1e-7 * (dot(u1, u1) + r1 * r1)) {
-    // b^2 - a c, expanded so that its large equal terms are gone: |r1 u0 - r0 u1|^2 - (u0 x u1)^2.
-    vec2 w = r1 * u0 - r0 * u1;
-    float cross_u = u0.x * u1.y - u0.y * u1.x;
-    float disc = dot(w, w) - cross_u * cross_u;
-    if (disc < 0.0) {
-      if (a > 0.0) return;                        // passes outside the nappes
-      disc = 0.0;
-    }
-    float root = sqrt(disc);
-    float q = b >= 0.0 ? -(b + root) : root - b;  // the root without cancellation; the other by Vieta
-    float c = dot(u0, u0) - r0 * r0;
-    float ta = q / a, tb = q != 0.0 ? c / q : ta;
-    float first = min(ta, tb), last = max(ta, tb);
-    bool first_real = r0 + first * r1 >= 0.0, last_real = r0 + last * r1 >= 0.0;
-    if (a > 0.0) {
-      if (!first_real && !last_real) return;      // the mirrored nappe
-      t0 = first;
-      t1 = last;
-    } else if (r1 > 0.0) {                        // steeper than the cone: inside from the real nappe onwards
-      t0 = last;
-    } else {
-      t1 = first;
-    }
-  } else if (b != 0.0) {                          // parallel to a side line: one crossing
-    float t = -0.5 * (dot(u0, u0) - r0 * r0) / b;
-    if (b > 0.0) t1 = t; else t0 = t;
-  } else if (dot(u0, u0) > r0 * r0) {
-    return;
-  }
+struct Shape {
+  vec2 lean;                       // of the axis, per z
+  float radius, widening;          // at the ray's origin, and per z
+  float to_bottom, to_top;         // the ends' distances along z from the ray's origin, bottom upwards and top downwards
+  vec2 bottom_slant, top_slant;
+  float lowest, highest;           // level cuts, from the ray's origin
+} shape;
 
-  float reach = 0.5 * s.height;
-  vec2 bottom_centre = -0.5 * s.offset, top_centre = 0.5 * s.offset;
-  clip_interval(o.z + reach - dot(s.bottom_slant, o.xy - bottom_centre), d.z - dot(s.bottom_slant, d.xy), kBottom, t0, t1,
-                side0, side1);
-  clip_interval(reach - o.z + dot(s.top_slant, o.xy - top_centre), dot(s.top_slant, d.xy) - d.z, kTop, t0, t1, side0,
-                side1);
-  if (t0 > t1) return;
-  for (int i = 0; i < 2; ++i) {
-    int side = i == 0 ? side0 : side1;
-    float t = i == 0 ? t0 : t1;
-    if (abs(t) >= kNoHit || (side == kBottom && open_bottom) || (side == kTop && open_top)) continue;
-    vec3 normal;
-    if (side == kLateral) {
-      vec2 u = u0 + t * u1;
-      normal = vec3(u, -dot(u, lean) - slope * (r0 + t * r1));
-    } else {
-      normal = side == kBottom ? vec3(s.bottom_slant, -1.0) : vec3(-s.top_slant, 1.0);
-    }
-    offer(search, t, normal);
+void load_shape(uint record, float height, float shift) {
+  vec4 ends = payload_floats(record, kTexelsPerItem, 4);
+  vec4 slants = payload_floats(record, kTexelsPerItem, 5);
+  vec4 range = payload_floats(record, kTexelsPerItem, 6);
+  float inverse_height = height > 0.0 ? 1.0 / height : 0.0;
+  shape.lean = ends.zw * inverse_height;
+  shape.widening = (ends.y - ends.x) * inverse_height;
+  shape.radius = 0.5 * (ends.x + ends.y) + (ends.y - ends.x) * (shift * inverse_height);
+  shape.to_bottom = 0.5 * height + shift;
+  shape.to_top = 0.5 * height - shift;
+  shape.bottom_slant = slants.xy;
+  shape.top_slant = slants.zw;
+  shape.lowest = range.z - shift;
+  shape.highest = range.w - shift;
+}
+
+// The part of the line within the nappe of radius >= 0, where u = xy - centre(z) and r(z) are linear in t; false when there is none.
+bool nappe(vec3 o, vec3 d, inout Span span) {
+  vec2 u0 = o.xy - shape.lean * o.z, u1 = d.xy - shape.lean * d.z;
+  float r0 = shape.radius + shape.widening * o.z, r1 = shape.widening * d.z;
+  float across = dot(u1, u1), b = dot(u0, u1) - r0 * r1, c = dot(u0, u0) - r0 * r0;
+  float a = across - r1 * r1;
+  if (abs(a) < kCancels * across) a = (length(u1) - abs(r1)) * (length(u1) + abs(r1));
+  if (a == 0.0 && b == 0.0) return c <= 0.0 && r0 >= 0.0 && r1 == 0.0;  // along the axis of a cylinder
+  // b^2 - a c, its large equal terms cancelled by hand: |r0 u1 - r1 u0|^2 - (u0 x u1)^2.
+  vec2 v = r0 * u1 - r1 * u0;
+  float m = cross_product(u0, u1), square = dot(v, v), rest = square - m * m;
+  if (abs(rest) < kCancels * square) {
+    vec2 vx = subtract(exact_product(r0, u1.x), exact_product(r1, u0.x));
+    vec2 vy = subtract(exact_product(r0, u1.y), exact_product(r1, u0.y));
+    rest = difference_of_squares(vx, vy, exact_cross(u0, u1));
   }
+  if (a < 0.0) rest = max(rest, 0.0);  // negative by rounding only: the line crosses both nappes
+  if (!(rest >= 0.0)) return false;
+  float root = sqrt(rest), q = b >= 0.0 ? -(b + root) : root - b;
+  float near_root = q == 0.0 ? 0.0 : c / q;
+  if (a == 0.0) {  // parallel to a generator: one crossing, on the nappe towards which r grows
+    if (b < 0.0 && r1 > 0.0) enter(span, near_root, kLateral);
+    else if (b > 0.0 && r1 < 0.0) leave(span, near_root, kLateral);
+    else return false;
+    return true;
+  }
+  float far_root = q / a, first = min(near_root, far_root), last = max(near_root, far_root);
+  if (a > 0.0) {
+    if (!(r0 - b / a * r1 >= 0.0)) return false;  // both crossings on the other nappe
+    enter(span, first, kLateral);
+    leave(span, last, kLateral);
+  } else if (r1 > 0.0) {
+    enter(span, last, kLateral);
+  } else {
+    leave(span, first, kLateral);
+  }
+  return true;
+}
+
+void intersect_primitive(inout Search search, vec3 o, vec3 d) {
+  Span span = whole_line();
+  if (!nappe(o, d, span)) return;
+  vec2 from_bottom = o.xy + shape.lean * shape.to_bottom, from_top = o.xy - shape.lean * shape.to_top;
+  clip(span, o.z + shape.to_bottom - dot(shape.bottom_slant, from_bottom), d.z - dot(shape.bottom_slant, d.xy), kBottom);
+  clip(span, shape.to_top - o.z + dot(shape.top_slant, from_top), dot(shape.top_slant, d.xy) - d.z, kTop);
+  clip(span, o.z - shape.lowest, d.z, kBottomLevel);
+  clip(span, shape.highest - o.z, -d.z, kTopLevel);
+  offer_span(search, span);
+}
+
+vec3 face_normal(vec3 p, int face) {
+  if (face == kBottom) return vec3(shape.bottom_slant, -1.0);
+  if (face == kTop) return vec3(-shape.top_slant, 1.0);
+  if (face == kBottomLevel || face == kTopLevel) return vec3(0.0, 0.0, face == kTopLevel ? 1.0 : -1.0);
+  vec2 u = p.xy - shape.lean * p.z;
+  return vec3(u, -dot(u, shape.lean) - shape.widening * (shape.radius + shape.widening * p.z));
 }
 #endif

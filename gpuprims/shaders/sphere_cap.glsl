@@ -1,33 +1,83 @@
-// Sphere, elliptical dish and spherical dish: the unit ball above the plane z = k, under each kind's own scale. item.extra = k: -1 for a
-// sphere, 0 for an elliptical dish (half a ball, stretched), (R - h) / R for a spherical dish of sphere radius R.
+// Sphere, elliptical dish and spherical dish: a cap of a ball of height c = extra, each under its kind's own scale.
+//   c >= 1  the unit ball about the origin, above z = 1 - c: a sphere is c = 2, an elliptical dish c = 1 and stretched
+//   c < 1   a flat cap above the unit circle in z = 0, of a ball of radius (1 + c^2) / 2c, which may be huge
+#include "arithmetic.glsl"
+#include "search.glsl"
 
 const int kTexelsPerItem = 4;
 
 #ifdef VERTEX_STAGE
-LocalBox local_box(Item item, uint instance) {
-  float k = item.extra;
-  float reach = k > 0.0 ? sqrt(max(1.0 - k * k, 0.0)) : 1.0;
-  return LocalBox(vec3(-reach, -reach, k), vec3(reach, reach, 1.0));
+LocalBox local_box(uint record, float c) {
+  return LocalBox(vec3(-1.0, -1.0, c < 1.0 ? 0.0 : 1.0 - c), vec3(1.0, 1.0, min(c, 1.0)));
 }
-#endif
 
-#ifdef FRAGMENT_STAGE
-void intersect_primitive(inout Search search, vec3 o, vec3 d, float k, uint instance, uint flags) {
-  const int kRound = 0, kBase = 1;
-  // The origin is the ray's closest approach to the centre: o.d = 0, and the half chord follows without cancellation.
-  float rest = 1.0 - dot(o, o);
-  if (rest < 0.0) return;
-  float chord = sqrt(rest / dot(d, d));
-  float t0 = -chord, t1 = chord;
-  int side0 = kRound, side1 = kRound;
-  clip_interval(o.z - k, d.z, kBase, t0, t1, side0, side1);
-  if (t0 > t1) return;
-  bool open_base = (flags & kBottomOpen) != 0u;
-  for (int i = 0; i < 2; ++i) {
-    int side = i == 0 ? side0 : side1;
-    float t = i == 0 ? t0 : t1;
-    if (side == kBase && open_base) continue;
-    offer(search, t, side == kRound ? o + t * d : vec3(0.0, 0.0, -1.0));
+vec3 axis_point(uint record, float c, float z) { return vec3(0.0); }
+#else
+
+struct Shape {
+  float c;
+} shape;
+
+void load_shape(uint record, float c, float shift) { shape = Shape(c); }
+
+bool ball(vec3 o, vec3 d, inout Span span) {
+  // The line passes the centre at distance |o x d| / |d|.
+  float a = dot(d, d);
+  vec3 m = cross(o, d);
+  float rest = a - dot(m, m);
+  if (abs(rest) < kCancels * a) {
+    vec2 mx = exact_cross(o.yz, d.yz), my = exact_cross(o.zx, d.zx), mz = exact_cross(o.xy, d.xy);
+    vec2 square = add(add(exact_product(d.x, d.x), exact_product(d.y, d.y)), exact_product(d.z, d.z));
+    rest = subtract(square, add(add(multiply(mx, mx), multiply(my, my)), multiply(mz, mz))).x;
   }
+  if (!(rest >= 0.0)) return false;
+  float middle = -dot(o, d) / a, half_chord = sqrt(rest) / a;
+  enter(span, middle - half_chord, kLateral);
+  leave(span, middle + half_chord, kLateral);
+  return true;
+}
+
+// The ball that a flat cap is cut from: x^2 + y^2 + z^2 - 1 + z (1 - c^2) / c <= 0, times c.
+bool flat_ball(vec3 o, vec3 d, inout Span span) {
+  float c = shape.c, slope = (1.0 - c) * (1.0 + c);
+  float a = c * dot(d, d), b = c * dot(o, d) + 0.5 * slope * d.z;
+  float rho = dot(o.xy, o.xy) - 1.0;
+  float f = c * (rho + o.z * o.z) + slope * o.z;
+  float rest = b * b - a * f;
+  if (!(rest >= 0.0)) return false;
+  float root = sqrt(rest), q = b >= 0.0 ? -(b + root) : root - b;
+  float t0 = a > 0.0 ? q / a : (q >= 0.0 ? kNoHit : -kNoHit), t1 = q != 0.0 ? f / q : t0;
+  enter(span, min(t0, t1), kLateral);
+  leave(span, max(t0, t1), kLateral);
+  return true;
+}
+
+void intersect_primitive(inout Search search, vec3 o, vec3 d) {
+  Span span = whole_line();
+  float start = 0.0;
+  if (shape.c < 1.0) {
+    // From where the ray meets the base plane, its disc tells exactly who enters there.
+    float to_base = -o.z / d.z;
+    vec2 base = o.xy + to_base * d.xy;
+    if (dot(base, base) < 4.0) {
+      start = to_base;
+      o = vec3(base, 0.0);
+    }
+    if (!flat_ball(o, d, span)) return;
+    clip(span, o.z, d.z, kBottom);
+  } else {
+    if (!ball(o, d, span)) return;
+    if (shape.c < 2.0) clip(span, o.z - (1.0 - shape.c), d.z, kBottom);
+  }
+  if (is_empty(span)) return;
+  span.from += start;
+  span.to += start;
+  offer_span(search, span);
+}
+
+vec3 face_normal(vec3 p, int face) {
+  if (face == kBottom) return vec3(0.0, 0.0, -1.0);
+  float c = shape.c;
+  return c < 1.0 ? vec3(c * p.xy, c * p.z + 0.5 * (1.0 - c) * (1.0 + c)) : p;
 }
 #endif

@@ -3,16 +3,12 @@
 const int kMaxSections = 8;
 
 layout(std140, binding = 0) uniform ViewBlock {
-  mat3 eye_from_world;      // linear part: chunk-relative directions into eye space
+  dmat3 eye_from_world;     // linear part: chunk-relative directions into eye space
+  dvec4 pixel_ray[2];       // x, y of the point at depth t on the ray through pixel coordinate p: (a + b p) + t (c + d p)
+  vec4 pixel_ray_float[2];  // the same for fragments, whose steps are small
   mat4 clip_from_eye;       // reversed zero-to-one depth
-  vec4 ray_origin;          // a pixel's ray: (ray_origin + x ray_origin_dx + y ray_origin_dy)
-  vec4 ray_origin_dx;       //   + t (ray_direction + x ray_direction_dx + y ray_direction_dy), (x, y) in -1 … 1
-  vec4 ray_origin_dy;
-  vec4 ray_direction;
-  vec4 ray_direction_dx;
-  vec4 ray_direction_dy;
-  vec4 pixel_to_ndc;        // xy: 2 / viewport size
   vec4 depth_range;         // x: eye depth of the near plane, y: of the far plane (infinity allowed)
+  vec4 viewport;            // xy: size in pixels
   vec4 up;                  // world up in eye space
   ivec4 flags;              // x: 1 perspective, 0 orthographic; y: number of sections; z: 1 when sections unite
   vec4 sections[kMaxSections];  // eye-space half-spaces

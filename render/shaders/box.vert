@@ -1,8 +1,6 @@
 // Box: the eight corners of the unit cube, scaled by the placement. Both sides are drawn, so the eye may be inside; normals follow
 // from the fragment stage (the record is flagged flat-shaded).
-#define VERTEX_STAGE
-#include "view.glsl"
-#include "payload.glsl"
+#include "item.glsl"
 
 out vec3 p_eye;
 out vec3 n_eye;

@@ -1,7 +1,5 @@
 // One-pixel line between the local points (0, 0, 0) and (1, 0, 0); the placement carries both ends.
-#define VERTEX_STAGE
-#include "view.glsl"
-#include "payload.glsl"
+#include "item.glsl"
 
 out vec3 p_eye;
 out vec3 n_eye;
@@ -9,7 +7,7 @@ flat out uvec2 item_words;
 
 void main() {
   Item item = fetch_item(record_of(2u), 4);
-  p_eye = item.eye_from_local * vec3(float(gl_VertexID & 1), 0.0, 0.0) + item.origin;
+  p_eye = vec3(eye_position(item, vec3(float(gl_VertexID & 1), 0.0, 0.0)));
   n_eye = vec3(0.0, 0.0, 1.0);  // lit as if it faced the viewer
   item_words = uvec2(item.id, item.material);
   gl_Position = view.clip_from_eye * vec4(p_eye, 1.0);

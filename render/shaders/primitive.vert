@@ -1,37 +1,88 @@
-// Proxy of one ray-cast primitive; which one is chosen by a define.
+// Proxy of one ray-cast primitive, and what its fragments need to cast rays near it. Which primitive is chosen by a define.
 #define VERTEX_STAGE
-#include "view.glsl"
-#include "payload.glsl"
+#include "item.glsl"
 #include "proxy.glsl"
-#ifdef CYLINDER
-#include "cylinder.glsl"
-#endif
-#ifdef SNOUT
-#include "snout.glsl"
-#endif
-#ifdef CIRCULAR_TORUS
-#include "circular_torus.glsl"
-#endif
-#ifdef SPHERE_CAP
-#include "sphere_cap.glsl"
-#endif
+#include "primitive.glsl"
 
 // Four slots, no more: a software rasteriser copies them for every triangle. The rest is fetched again per pixel.
-flat out vec4 local_from_eye[3];  // rows of the affine map: direction xyz, origin w
-flat out uint record;
+flat out vec4 local_from_eye[3];  // rows of the linear map; w: local origin of the ray through the anchor's pixel, from the shift
+flat out uvec4 anchor;            // eye depth and shift in z (float bits), record, pixel x | y << 16
+
+// Rays are told from an anchor, a point of the primitive near what is seen of it: the ray through its pixel is taken to its depth in
+// double here, and each fragment takes the small step to its own pixel in float. So neither the distance of the eye nor, of long thin
+// primitives, that of the local origin costs precision.
+struct Anchor {
+  vec3 local;
+  dvec3 eye;
+  float depth;
+  vec2 pixel;
+};
+
+// x, y of the ray through a pixel coordinate at a depth.
+vec2 ray_at(vec2 pixel, float depth) {
+  vec4 x = view.pixel_ray_float[0], y = view.pixel_ray_float[1];
+  return vec2(x.x + x.y * pixel.x + depth * (x.z + x.w * pixel.x), y.x + y.y * pixel.y + depth * (y.z + y.w * pixel.y));
+}
+
+dvec2 exact_ray_at(vec2 pixel, float depth) {
+  dvec4 x = view.pixel_ray[0], y = view.pixel_ray[1];
+  return dvec2(x.x + x.y * pixel.x + depth * (x.z + x.w * pixel.x), y.x + y.y * pixel.y + depth * (y.z + y.w * pixel.y));
+}
+
+// Size of a pixel at a depth.
+vec2 pixel_size(float depth) {
+  return abs(vec2(view.pixel_ray_float[0].y, view.pixel_ray_float[1].y) +
+             depth * vec2(view.pixel_ray_float[0].w, view.pixel_ray_float[1].w));
+}
+
+// The box's point nearest to the middle of the view at the depth of the point nearest to the eye.
+Anchor choose_anchor(Item item, LocalBox box, mat3 eye_from_local, mat3 rows, vec3 origin, vec3 local_eye) {
+  vec3 nearest = perspective_view() ? clamp(local_eye, box.low, box.high) : 0.5 * (box.low + box.high);
+  float depth = max(0.0, -(eye_from_local * nearest + origin).z);
+  vec3 middle = vec3(ray_at(0.5 * view.viewport.xy, depth), -depth);
+  Anchor a;
+  a.local = clamp((middle - origin) * rows, box.low, box.high);
+  a.eye = eye_position(item, a.local);
+  a.depth = max(0.0, float(-a.eye.z));
+  vec2 first = ray_at(vec2(0.0), a.depth), step_size = ray_at(vec2(1.0), a.depth) - first;
+  bool seen = step_size.x != 0.0 && step_size.y != 0.0;  // not when the depth is 0
+  a.pixel = seen ? floor(clamp((vec2(a.eye.xy) - first) / step_size, vec2(0.0), vec2(65535.0))) : vec2(0.0);
+  return a;
+}
 
 void main() {
-  record = record_of(8u);
+  uint record = record_of(8u);
   Item item = fetch_item(record, kTexelsPerItem);
-  float volume = determinant(item.eye_from_local);
-  if (volume == 0.0 || isnan(volume)) {  // singular placement: nothing to see
+  mat3 eye_from_local = mat3(view.eye_from_world) * item.chunk_from_local;
+  vec3 yz = cross(eye_from_local[1], eye_from_local[2]);
+  float volume = dot(eye_from_local[0], yz);
+  if (!(abs(volume) > 0.0 && abs(volume) < 3e38)) {  // singular placement: nothing to see
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     return;
   }
-  mat3 linear = inverse(item.eye_from_local);
-  vec3 local_eye = -(linear * item.origin);
-  mat3 rows = transpose(linear);
-  for (int i = 0; i < 3; ++i) local_from_eye[i] = vec4(rows[i], local_eye[i]);
-  vec3 viewer = perspective_view() ? local_eye : linear * vec3(0.0, 0.0, 1.0);
-  gl_Position = proxy_position(item, local_box(item, record), viewer, volume < 0.0);
+  mat3 rows =
+      mat3(yz, cross(eye_from_local[2], eye_from_local[0]), cross(eye_from_local[0], eye_from_local[1])) * (1.0 / volume);
+  vec3 origin = vec3(eye_position(item, vec3(0.0)));
+  vec3 local_eye = -(origin * rows);
+  LocalBox box = local_box(record, item.extra);
+
+  Anchor a = choose_anchor(item, box, eye_from_local, rows, origin, local_eye);
+  vec3 axis = axis_point(record, item.extra, a.local.z);
+  vec3 from_anchor = vec3(dvec3(exact_ray_at(a.pixel, a.depth), -a.depth) - a.eye);
+  vec3 start = a.local - axis + from_anchor * rows;
+  for (int i = 0; i < 3; ++i) local_from_eye[i] = vec4(rows[i], start[i]);
+  anchor = uvec4(floatBitsToUint(a.depth), floatBitsToUint(axis.z), record, uint(a.pixel.x) | uint(a.pixel.y) << 16);
+
+  // A part of a pixel more on each side, at the depth of the farthest corner: rasterisers round corners to such parts, and neighbours
+  // that meet in a plane must not both miss a pixel there.
+  vec3 reach = 0.5 * (box.high - box.low);
+  vec3 towards_eye = vec3(eye_from_local[0].z, eye_from_local[1].z, eye_from_local[2].z);
+  float farthest = dot(abs(towards_eye), reach) - dot(towards_eye, box.low + reach) - origin.z;
+  vec2 size = pixel_size(max(farthest, 0.0)) * (1.0 / 32.0);
+  vec3 margin = 1e-5 * reach + max(size.x, size.y) * vec3(length(rows[0]), length(rows[1]), length(rows[2]));
+
+  vec3 viewer = perspective_view() ? local_eye : vec3(rows[0].z, rows[1].z, rows[2].z), corner;
+  gl_Position = proxy_corner(box, margin, viewer, volume < 0.0, corner)
+                    ? view.clip_from_eye * vec4(vec3(eye_position(item, corner)), 1.0)
+                    : vec4(corner, 1.0);
 }

@@ -63,7 +63,21 @@ bool sections_keep(const View& view, const dvec3& p) {
   return !unite;
 }
 
-/// Eye depth of the first crossing that the view keeps, infinity for none: the slow, obvious way.
+/// Where the ray's own t enters what the sections keep: candidates for cut faces.
+std::vector<double> section_entries(const View& view, const dvec3& origin, const dvec3& direction) {
+  std::vector<double> entries;
+  for (const core::Plane& plane : view.sections) {
+    const double t = -core::evaluate(plane, origin) / glm::dot(plane.normal, direction);
+    const double step = 1e-9 * std::abs(t);
+    if (std::isfinite(t) && !sections_keep(view, origin + (t - step) * direction) &&
+        sections_keep(view, origin + (t + step) * direction))
+      entries.push_back(t);
+  }
+  return entries;
+}
+
+/// Eye depth of the first crossing that the view keeps, or of the face where a section cuts the solid, infinity for
+/// none: the slow, obvious way.
 double reference_depth(const core::Primitive& primitive, const Affine& world_from_item, const View& view, int x,
                        int y) {
   const core::dmat4 world_from_clip = glm::inverse(view.clip_from_eye());
@@ -88,11 +102,17 @@ double reference_depth(const core::Primitive& primitive, const Affine& world_fro
   const dmat3 item_from_world = glm::inverse(world_from_item.linear);
   const gpuprims::Ray ray{item_from_world * (world_origin - world_from_item.origin), item_from_world * world_direction};
   const gpuprims::Hits hits = intersect_any(primitive, ray);
+  double first = std::numeric_limits<double>::infinity();
   for (int i = 0; i < hits.count; ++i) {
     const double t = hits.hit[i].t;
-    if (t >= t_near && sections_keep(view, world_origin + t * world_direction)) return t;
+    if (t >= t_near && sections_keep(view, world_origin + t * world_direction)) first = std::min(first, t);
   }
-  return std::numeric_limits<double>::infinity();
+  for (const double t : section_entries(view, world_origin, world_direction)) {
+    int before = 0;
+    while (before < hits.count && hits.hit[before].t < t) ++before;
+    if (t >= t_near && before % 2 == 1) first = std::min(first, t);
+  }
+  return first;
 }
 
 class RayCast : public tests::GlTest {

@@ -6,8 +6,11 @@ const float kTwoToMinus16 = 1.52587890625e-5, kTwoToMinus17 = 7.62939453125e-6, 
 layout(binding = 5) uniform usamplerBuffer records;       // gpuprims/packing.h
 layout(binding = 6) uniform samplerBuffer chunk_origins;  // relative to that of the boxes
 
-#if defined(SHAPE_TORUS)
+#if defined(SHAPE_TORUS) || defined(SHAPE_RECTANGULAR_TORUS)
+#define SWEPT
 const int kTexels = 5;
+#elif defined(SHAPE_PYRAMID)
+const int kTexels = 6;
 #elif defined(SHAPE_SNOUT)
 const int kTexels = 7;
 #else
@@ -17,6 +20,16 @@ const int kTexels = 4;
 vec4 record_floats(uint record, int texel) {
   return uintBitsToFloat(texelFetch(records, kTexels * int(record) + texel));
 }
+
+#ifdef SWEPT
+// Least and greatest of dot(u, e) over the unit vectors e of a sweep: (first, 1 when closed, cosine and sine of half its angle).
+vec2 sweep_extent(vec4 sweep, vec3 u) {
+  float whole = length(u.xy), slack = kTwoToMinus16 * (abs(u.x) + abs(u.y)), across = abs(u.y) * sweep.w;
+  if (sweep.y > 0.0) return vec2(-whole, whole);
+  float side = abs(u.y) * sweep.z - slack;
+  return vec2(-u.x * sweep.w >= side ? -whole : u.x * sweep.z - across, u.x * sweep.w >= side ? whole : u.x * sweep.z + across);
+}
+#endif
 
 // The shape along one direction u: least and greatest dot(u, p), and the sum of absolute terms, of u with a little more.
 #if defined(SHAPE_CYLINDER)
@@ -30,29 +43,40 @@ vec3 extent(uint record, float unused, vec3 u, vec3 a) {
   return vec3(-reach, reach, a.x + a.y + a.z);
 }
 #elif defined(SHAPE_CAP)
-float cap_support(float cut, vec3 u) {
-  float all = length(u);
-  return u.z >= cut * all ? all : cut * u.z + sqrt(max(0.0, (1.0 - cut) * (1.0 + cut))) * length(u.xy);
+// gpuprims/shaders/sphere_cap.glsl has what a cap of height c is.
+float cap_support(float c, vec3 u) {
+  float all = length(u), cut = 1.0 - c;
+  if (c >= 1.0) return u.z >= cut * all ? all : cut * u.z + sqrt(max(0.0, (1.0 - cut) * (1.0 + cut))) * length(u.xy);
+  float fall = u.z > 0.0 ? dot(u.xy, u.xy) / (all + u.z) : all - u.z;  // |u| - u.z
+  float ball_fall = 0.5 * (1.0 + c * c) * fall;                        // times c
+  return c * c * all >= ball_fall ? c * u.z + ball_fall / c : length(u.xy);
 }
-vec3 extent(uint record, float cut, vec3 u, vec3 a) {
-  return vec3(-cap_support(cut, -u), cap_support(cut, u), 2.0 * (a.x + a.y + a.z));
+vec3 extent(uint record, float c, vec3 u, vec3 a) {
+  return vec3(-cap_support(c, -u), cap_support(c, u), 2.0 * (a.x + a.y + a.z));
 }
 #elif defined(SHAPE_TORUS)
-// Whether the sweep passes direction v, or nearly so.
-bool in_sweep(vec2 v, float angle, vec2 end) {
-  float slack = kTwoToMinus16 * (abs(v.x) + abs(v.y));
-  bool after_start = v.y >= -slack, before_end = end.x * v.y - end.y * v.x <= slack;
-  return angle <= 3.14159265 ? after_start && before_end : after_start || before_end;
-}
 vec3 extent(uint record, float tube, vec3 u, vec3 a) {
-  vec4 sweep = record_floats(record, 4);  // larger radius, angle, its cosine and sine
-  float at_end = dot(u.xy, sweep.zw), whole = length(u.xy);
-  bool closed = sweep.y >= 6.2831853;
-  float least = closed || in_sweep(-u.xy, sweep.y, sweep.zw) ? -whole : min(u.x, at_end);
-  float most = closed || in_sweep(u.xy, sweep.y, sweep.zw) ? whole : max(u.x, at_end);
-  float disc_least = tube * length(vec2(least, u.z)), disc_most = tube * length(vec2(most, u.z));
-  return vec3(min(sweep.x * least - disc_least, sweep.x * most - disc_most),
-              max(sweep.x * least + disc_least, sweep.x * most + disc_most), 2.0 * (sweep.x + tube) * (a.x + a.y + a.z));
+  vec4 sweep = record_floats(record, 4);  // first: larger radius
+  vec2 range = sweep_extent(sweep, u);
+  float disc_least = tube * length(vec2(range.x, u.z)), disc_most = tube * length(vec2(range.y, u.z));
+  return vec3(min(sweep.x * range.x - disc_least, sweep.x * range.y - disc_most),
+              max(sweep.x * range.x + disc_least, sweep.x * range.y + disc_most), 2.0 * (sweep.x + tube) * (a.x + a.y + a.z));
+}
+#elif defined(SHAPE_RECTANGULAR_TORUS)
+vec3 extent(uint record, float height, vec3 u, vec3 a) {
+  vec4 sweep = record_floats(record, 4);  // first: inner radius
+  vec2 range = sweep_extent(sweep, u);
+  float rise = 0.5 * height * abs(u.z);
+  return vec3(min(range.x, sweep.x * range.x) - rise, max(range.y, sweep.x * range.y) + rise, 2.0 * (a.x + a.y) + 0.5 * height * a.z);
+}
+#elif defined(SHAPE_PYRAMID)
+vec3 extent(uint record, float height, vec3 u, vec3 a) {
+  vec4 sides = record_floats(record, 4);
+  vec2 offset = record_floats(record, 5).xy;
+  float lean = 0.5 * (dot(u.xy, offset) + u.z * height);
+  float bottom = dot(sides.xy, abs(u.xy)), top = dot(sides.zw, abs(u.xy));
+  float terms = dot(sides.xy + sides.zw + abs(offset), a.xy) + height * a.z;
+  return vec3(min(-lean - bottom, lean - top), max(bottom - lean, top + lean), terms);
 }
 #elif defined(SHAPE_SNOUT)
 // The cone's circle at height z, of a snout that has a height.

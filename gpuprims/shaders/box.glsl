@@ -1,0 +1,29 @@
+// Box: the unit cube about the origin, its sizes in the placement.
+#include "search.glsl"
+
+const int kTexelsPerItem = 4;
+
+#ifdef VERTEX_STAGE
+LocalBox local_box(uint record, float unused) { return LocalBox(vec3(-0.5), vec3(0.5)); }
+
+vec3 axis_point(uint record, float unused, float z) { return vec3(0.0); }
+#else
+
+void load_shape(uint record, float unused, float shift) {}
+
+// Faces: 4 + axis below, 7 + axis above.
+void intersect_primitive(inout Search search, vec3 o, vec3 d) {
+  Span span = whole_line();
+  for (int axis = 0; axis < 3; ++axis) {
+    clip(span, 0.5 + o[axis], d[axis], 4 + axis);
+    clip(span, 0.5 - o[axis], -d[axis], 7 + axis);
+  }
+  offer_span(search, span);
+}
+
+vec3 face_normal(vec3 p, int face) {
+  vec3 normal = vec3(0.0);
+  normal[(face - 4) % 3] = face >= 7 ? 1.0 : -1.0;
+  return normal;
+}
+#endif

@@ -1,0 +1,45 @@
+// What every item carries: its placement, its chunk, its id and its material; and where that lies as the eye sees it.
+#include "view.glsl"
+#include "payload.glsl"
+
+layout(binding = 1) uniform usamplerBuffer chunk_origins;  // doubles, two texels each: relative to the eye, in eye space
+
+// Records drawn one by one, where the vertex id does not name the record itself (see gpuscene/draw_lists.h).
+layout(binding = 3) uniform usamplerBuffer single_records;
+layout(location = 0) uniform uint record_count;
+
+uint record_of(uint vertices_per_record) {
+  uint record = uint(gl_VertexID) / vertices_per_record;
+  return record < record_count ? record : texelFetch(single_records, int(record - record_count)).x;
+}
+
+struct Item {
+  mat3 chunk_from_local;  // linear part
+  vec3 offset;            // of the local frame, from the chunk's origin
+  dvec3 chunk;            // origin, in eye space
+  uint id;                // item id
+  uint material;          // low 24 bits: row of the material table; high 8 bits: flags
+  float extra;            // first shape parameter
+};
+
+Item fetch_item(uint record, int texels_per_item) {
+  vec4 a = payload_floats(record, texels_per_item, 0);
+  vec4 b = payload_floats(record, texels_per_item, 1);
+  vec4 c = payload_floats(record, texels_per_item, 2);
+  uvec4 d = payload_texel(record, texels_per_item, 3);
+  uvec4 xy = texelFetch(chunk_origins, 2 * int(d.x)), z = texelFetch(chunk_origins, 2 * int(d.x) + 1);
+  Item item;
+  item.chunk_from_local = mat3(a.xyz, vec3(a.w, b.xy), vec3(b.zw, c.x));
+  item.offset = c.yzw;
+  item.chunk = dvec3(packDouble2x32(xy.xy), packDouble2x32(xy.zw), packDouble2x32(z.xy));
+  item.id = d.y;
+  item.material = d.z;
+  item.extra = uintBitsToFloat(d.w);
+  return item;
+}
+
+// A local point in eye space, in double: a far eye then loses nothing of where it lies among its neighbours.
+dvec3 eye_position(Item item, vec3 local) {
+  dvec3 from_chunk = dvec3(item.offset) + dmat3(item.chunk_from_local) * dvec3(local);
+  return view.eye_from_world * from_chunk + item.chunk;
+}

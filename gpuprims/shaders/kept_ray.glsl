@@ -1,0 +1,52 @@
+// A pixel's ray in eye space, t its eye depth, and the parts of it that near and far plane and the section planes keep.
+#include "view.glsl"
+#include "search.glsl"
+
+vec3 eye_direction(vec2 pixel) {
+  return vec3(view.pixel_ray_float[0].z + view.pixel_ray_float[0].w * pixel.x,
+              view.pixel_ray_float[1].z + view.pixel_ray_float[1].w * pixel.y, -1.0);
+}
+
+vec3 eye_point(vec2 pixel, float t) {
+  vec2 start = vec2(view.pixel_ray_float[0].x + view.pixel_ray_float[0].y * pixel.x,
+                    view.pixel_ray_float[1].x + view.pixel_ray_float[1].y * pixel.y);
+  return vec3(start, 0.0) + t * eye_direction(pixel);
+}
+
+// From one pixel's ray to another's, at the same depth.
+vec3 eye_step(vec2 pixels, float t) {
+  return vec3((view.pixel_ray_float[0].y + t * view.pixel_ray_float[0].w) * pixels.x,
+              (view.pixel_ray_float[1].y + t * view.pixel_ray_float[1].w) * pixels.y, 0.0);
+}
+
+// Reversed zero-to-one depth of eye depth t.
+float depth_at(float t) {
+  return (view.clip_from_eye[3].z - view.clip_from_eye[2].z * t) / (view.clip_from_eye[3].w - view.clip_from_eye[2].w * t);
+}
+
+// Sections are half-spaces; kept is what lies in all of them, or in any when they unite. Along a ray what is in all is one span; what is
+// in none, left out when they unite, is one span, too. `cut_normal`: outward normal of the face that cut solids show, in eye space.
+Search search_kept(vec3 start, vec3 direction, uint hidden, out vec3 cut_normal) {
+  vec2 range = view.depth_range.xy + start.z;  // start.z is minus the depth of t = 0
+  Search search = search_within(range, hidden);
+  cut_normal = vec3(0.0);
+  int count = view.flags.y;
+  if (count == 0) return search;
+  bool unite = view.flags.z == 1;
+  Span span = whole_line();  // faces: which section
+  for (int i = 0; i < count; ++i) {
+    vec4 section = unite ? -view.sections[i] : view.sections[i];
+    clip(span, dot(section.xyz, start) + section.w, dot(section.xyz, direction), i);
+  }
+  if (!unite) {
+    search.first = vec2(max(range.x, span.from), min(range.y, span.to));
+    search.cut_first = span.from > range.x;
+    cut_normal = -view.sections[span.from_face].xyz;
+  } else if (!is_empty(span)) {
+    search.first.y = min(range.y, span.from);
+    search.second = vec2(max(range.x, span.to), range.y);
+    search.cut_second = span.to > range.x;
+    cut_normal = -view.sections[span.to_face].xyz;
+  }
+  return search;
+}

@@ -1,0 +1,20 @@
+// The primitive that a program is for: one of these defines. What several share comes first: a file is included once, where it is first
+// named, be that in a branch that is not taken.
+#include "arithmetic.glsl"
+#include "search.glsl"
+#include "wedge.glsl"
+#if defined(CYLINDER)
+#include "cylinder.glsl"
+#elif defined(SNOUT)
+#include "snout.glsl"
+#elif defined(CIRCULAR_TORUS)
+#include "circular_torus.glsl"
+#elif defined(SPHERE_CAP)
+#include "sphere_cap.glsl"
+#elif defined(RECTANGULAR_TORUS)
+#include "rectangular_torus.glsl"
+#elif defined(PYRAMID)
+#include "pyramid.glsl"
+#elif defined(BOX)
+#include "box.glsl"
+#endif

@@ -1,0 +1,59 @@
+// Frustum of a rectangular pyramid, in units of its largest side or height. extra = height; texels 4 and 5: (half the bottom's sides,
+// half the top's), (offset x, y, -, -).
+#include "search.glsl"
+
+const int kTexelsPerItem = 6;
+
+#ifdef VERTEX_STAGE
+LocalBox local_box(uint record, float height) {
+  vec4 sides = payload_floats(record, kTexelsPerItem, 4);
+  vec2 end = 0.5 * payload_floats(record, kTexelsPerItem, 5).xy;
+  return LocalBox(vec3(min(-end - sides.xy, end - sides.zw), -0.5 * height), vec3(max(sides.xy - end, end + sides.zw), 0.5 * height));
+}
+
+vec3 axis_point(uint record, float height, float z) {
+  vec2 offset = payload_floats(record, kTexelsPerItem, 5).xy;
+  return vec3(height > 0.0 ? offset * (z / height) : vec2(0.0), z);
+}
+#else
+
+struct Shape {
+  vec2 lean;            // of the axis, per z
+  vec2 sides, widening; // half sides at the ray's origin, and per z
+  float low, high;      // ends in z from the ray's origin
+} shape;
+
+void load_shape(uint record, float height, float shift) {
+  vec4 sides = payload_floats(record, kTexelsPerItem, 4);
+  vec2 offset = payload_floats(record, kTexelsPerItem, 5).xy;
+  float inverse_height = height > 0.0 ? 1.0 / height : 0.0;
+  shape.lean = offset * inverse_height;
+  shape.widening = (sides.zw - sides.xy) * inverse_height;
+  shape.sides = 0.5 * (sides.xy + sides.zw) + (sides.zw - sides.xy) * (shift * inverse_height);
+  shape.low = -0.5 * height - shift;
+  shape.high = 0.5 * height - shift;
+}
+
+// Faces: 4 + axis below, 6 + axis above.
+void intersect_primitive(inout Search search, vec3 o, vec3 d) {
+  Span span = whole_line();
+  vec2 u0 = o.xy - shape.lean * o.z, u1 = d.xy - shape.lean * d.z;
+  vec2 w0 = shape.sides + shape.widening * o.z, w1 = shape.widening * d.z;
+  for (int axis = 0; axis < 2; ++axis) {
+    clip(span, w0[axis] + u0[axis], w1[axis] + u1[axis], 4 + axis);
+    clip(span, w0[axis] - u0[axis], w1[axis] - u1[axis], 6 + axis);
+  }
+  clip(span, o.z - shape.low, d.z, kBottom);
+  clip(span, shape.high - o.z, -d.z, kTop);
+  offer_span(search, span);
+}
+
+vec3 face_normal(vec3 p, int face) {
+  if (face == kBottom || face == kTop) return vec3(0.0, 0.0, face == kTop ? 1.0 : -1.0);
+  int axis = (face - 4) % 2;
+  float side = face >= 6 ? 1.0 : -1.0;
+  vec3 normal = vec3(0.0, 0.0, -shape.widening[axis] - side * shape.lean[axis]);
+  normal[axis] = side;
+  return normal;
+}
+#endif

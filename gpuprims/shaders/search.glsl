@@ -1,0 +1,94 @@
+// The search for the first crossing of a ray with a solid that the view shows. Knows nothing of views: whoever casts the ray says
+// which parts of it are kept. A solid comes as the spans of the ray inside it; where a kept part begins within such a span at a
+// section plane, the solid is cut, and the cut face is what is seen.
+
+const float kNoHit = 3.0e38;
+
+// Faces of a solid. Some kinds have more, above these.
+const int kLateral = 0, kBottom = 1, kTop = 2, kCut = 3;
+
+struct Search {
+  vec2 first, second;          // the kept parts of the ray; `second` begins behind the end of `first`, or is empty
+  bool cut_first, cut_second;  // whether they begin at a section plane
+  uint hidden;                 // bit of each face that is not drawn. The solid is as closed as with it
+  float t;                     // kNoHit while nothing was found
+  int face;
+};
+
+Search search_within(vec2 kept, uint hidden) {
+  return Search(kept, vec2(1.0, -1.0), false, false, hidden, kNoHit, kLateral);
+}
+
+Search search_all() { return search_within(vec2(-kNoHit, kNoHit), 0u); }
+
+void offer(inout Search s, float t, int face) {
+  if (t < s.t) {
+    s.t = t;
+    s.face = face;
+  }
+}
+
+bool shown(Search s, int face) { return (s.hidden >> uint(face) & 1u) == 0u; }
+
+void offer_part(inout Search s, float t0, int face0, float t1, int face1, vec2 kept, bool cut) {
+  if (!(t0 <= kept.y && t1 >= kept.x)) return;
+  if (t0 >= kept.x) {
+    if (shown(s, face0)) {
+      offer(s, t0, face0);
+      return;
+    }
+  } else if (cut) {
+    offer(s, kept.x, kCut);
+    return;
+  }
+  if (t1 <= kept.y && shown(s, face1)) offer(s, t1, face1);  // the inside, seen from within
+}
+
+// The ray is inside the solid from t0 to t1, where it crosses the named faces.
+void offer_span(inout Search s, float t0, int face0, float t1, int face1) {
+  offer_part(s, t0, face0, t1, face1, s.first, s.cut_first);
+  if (s.second.x <= s.second.y) offer_part(s, t0, face0, t1, face1, s.second, s.cut_second);
+}
+
+// A span of a ray and the faces at its ends.
+struct Span {
+  float from, to;
+  int from_face, to_face;
+};
+
+Span whole_line() { return Span(-kNoHit, kNoHit, kLateral, kLateral); }
+
+bool is_empty(Span s) { return !(s.from <= s.to); }
+
+void enter(inout Span s, float t, int face) {
+  if (t > s.from) {
+    s.from = t;
+    s.from_face = face;
+  }
+}
+
+void leave(inout Span s, float t, int face) {
+  if (t < s.to) {
+    s.to = t;
+    s.to_face = face;
+  }
+}
+
+// Keeps value + t slope >= 0.
+void clip(inout Span s, float value, float slope, int face) {
+  if (slope > 0.0) enter(s, -value / slope, face);
+  else if (slope < 0.0) leave(s, -value / slope, face);
+  else if (!(value >= 0.0)) s.to = -kNoHit, s.from = kNoHit;
+}
+
+Span common_part(Span a, Span b) {
+  enter(a, b.from, b.from_face);
+  leave(a, b.to, b.to_face);
+  return a;
+}
+
+void offer_span(inout Search search, Span s) {
+  // Ends at infinity come from shapes that the ray never leaves: rounding errors of bad data, nothing to see.
+  if (is_empty(s) || s.from <= -kNoHit || s.to >= kNoHit) return;
+  offer_span(search, s.from, s.from_face, s.to, s.to_face);
+}

@@ -1,0 +1,41 @@
+// The sweep of a torus slice: the wedge about z within half an angle of the x axis. It cuts a ray into one span or two.
+#include "search.glsl"
+
+// `half_angle`: its cosine and sine. `closed`: from a full turn on there are no ends. Returns how many spans.
+int wedge_spans(vec3 o, vec3 d, vec2 half_angle, bool closed, out Span spans[2]) {
+  spans[0] = whole_line();
+  spans[1] = whole_line();
+  if (closed) return 1;
+  // Inner normals of the half-planes that end the sweep are (sin, cos) and (sin, -cos).
+  vec2 cross_start = vec2(half_angle.y, half_angle.x), cross_end = vec2(half_angle.y, -half_angle.x);
+  float start = dot(o.xy, cross_start), start_slope = dot(d.xy, cross_start);
+  float end = dot(o.xy, cross_end), end_slope = dot(d.xy, cross_end);
+  if (half_angle.x >= 0.0) {
+    if (half_angle.y == 0.0 && d.y == 0.0) return 0;  // a disc, edge on
+    clip(spans[0], start, start_slope, kBottom);
+    clip(spans[0], end, end_slope, kTop);
+    if (is_empty(spans[0])) return 0;
+    // Opposite a thin wedge rounding errors may leave a little.
+    float middle = 0.5 * (max(spans[0].from, -1e30) + min(spans[0].to, 1e30));
+    return o.x + middle * d.x >= 0.0 ? 1 : 0;
+  }
+  // What is left out is convex, and open: a ray along the axis is in the wedge.
+  if ((start_slope == 0.0 && start >= 0.0) || (end_slope == 0.0 && end >= 0.0)) return 1;
+  Span gap = whole_line();
+  clip(gap, -start, -start_slope, kBottom);
+  clip(gap, -end, -end_slope, kTop);
+  if (!(gap.from < gap.to)) return 1;
+  int count = 0;
+  if (gap.from > -kNoHit) leave(spans[count++], gap.from, gap.from_face);
+  if (gap.to < kNoHit) enter(spans[count++], gap.to, gap.to_face);
+  return count;
+}
+
+// Outward normals of the sweep's ends.
+vec3 sweep_end_normal(vec2 half_angle, int face) { return vec3(-half_angle.y, face == kBottom ? -half_angle.x : half_angle.x, 0.0); }
+
+// Box of all points between two distances from the axis, within the sweep: low x, low y, high x, high y.
+vec4 sweep_box(vec2 half_angle, float inner, float outer) {
+  float c = half_angle.x, widest = c > 0.0 ? half_angle.y * outer : outer;
+  return vec4(c * (c > 0.0 ? inner : outer), -widest, outer, widest);
+}
