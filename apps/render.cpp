@@ -23,7 +23,7 @@ struct Options {
   culling::GpuCullerConfig gpu_culler;
   int frame = 0, frames = 300;
   bool fit = false, gl_debug = false;
-  double max = -1.0, mean = -1.0, tolerance = 2e-5, pixels_per_degree = render::kPixelsPerDegree;
+  double max = -1.0, mean = -1.0, pixels_per_degree = render::kPixelsPerDegree;
 };
 
 void add_options(CLI::App& app, Options& o) {
@@ -67,10 +67,6 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--diff", o.diff, "Difference image, PNG, four times amplified")->needs(compare);
   apps::add_culler_option(app, o.culler);
   apps::add_gpu_pass_option(app, o.gpu_culler);
-  app.add_option("--tolerance", o.tolerance, "Chord tolerance of tessellated kinds, metres")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber)
-      ->check(apps::accepted_by(apps::parse_finite));
   app.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
   app.add_option("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
 }
@@ -173,7 +169,6 @@ core::Expected<int> render_model(const Options& o) {
   config.height = (*size)[1];
   config.ids = !o.ids.empty() || !o.ids_json.empty() || !o.reference_ids.empty();
   config.gl_debug = o.gl_debug;
-  config.chord_tolerance = o.tolerance;
   config.culler = o.culler;
   config.gpu_culler = o.gpu_culler;
   auto engine = engine::Engine::create(*model->scene, config);

@@ -25,7 +25,6 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
     drawing->own_context_ = std::move(*context);
     drawing->context_ = &*drawing->own_context_;
   }
-  drawing->scene_config_.chord_tolerance = config.chord_tolerance;
   drawing->renders_ = config.draw;
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
@@ -42,7 +41,7 @@ Drawing::~Drawing() {
 }
 
 core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_culls) {
-  auto scene = gpuscene::GpuScene::create(*context_, snapshot, scene_config_);
+  auto scene = gpuscene::GpuScene::create(*context_, snapshot);
   if (!scene) return tl::unexpected(scene.error());
   auto lists = gpuscene::DrawLists::create(*context_, *scene);
   if (!lists) return tl::unexpected(lists.error());

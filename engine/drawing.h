@@ -69,7 +69,6 @@ class Drawing {
 
   std::optional<gl::Context> own_context_;  // first member: everything below is made with it and must go before it
   gl::Context* context_ = nullptr;
-  gpuscene::GpuSceneConfig scene_config_;
   bool renders_ = true;
   culling::GpuCullerConfig cull_config_;  // names the form once it is known
   std::string why_gpu_form_;

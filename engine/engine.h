@@ -35,7 +35,6 @@ struct EngineConfig {
   bool gl_debug = false;  ///< collect driver messages; slower
   /// A current context to draw with, owned by the application, see use_context(). Null: one is made offscreen.
   gl::Context* context = nullptr;
-  double chord_tolerance = 2e-5;  ///< metres, for the kinds that are tessellated
   /// Edits leave slots behind. When this share of them was appended or given up, a new order is made in the background;
   /// 0: never. Items that move far count twice: 1 % of them cost up to a tenth of culling speed until it lands.
   double rebuild_share = 0.03;

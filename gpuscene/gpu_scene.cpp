@@ -46,11 +46,9 @@ std::vector<Texel> pack_slots(const Snapshot& snapshot, std::span<const Slot> sl
   return texels;
 }
 
-/// None of kinds that are tessellated.
-std::optional<std::uint32_t> mesh_index(const Snapshot& snapshot, Slot slot) {
-  const core::KindItems& items = snapshot.of_kind(snapshot.kind(slot));
-  if (int(snapshot.kind(slot)) < core::kPrimitiveKindCount) return std::nullopt;
-  return items.meshes[snapshot.index_in_kind(slot)];
+/// Of an item of the mesh batch.
+std::uint32_t mesh_index(const Snapshot& snapshot, Slot slot) {
+  return snapshot.of_kind(snapshot.kind(slot)).meshes[snapshot.index_in_kind(slot)];
 }
 
 core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, const Snapshot& snapshot,
@@ -112,8 +110,7 @@ void GpuScene::pack(const Snapshot& snapshot, Slot slot, std::span<Texel> out) {
   gpuprims::pack(kind, parameters, {placement, snapshot.item(slot), material_row(snapshot, slot) | flags}, out);
 }
 
-core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snapshot& snapshot,
-                                          const GpuSceneConfig& config) {
+core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snapshot& snapshot) {
   const gl::Functions& gl = context.functions();
   GpuScene scene;
   std::array<std::vector<Slot>, kBatchKindCount> slots;
@@ -126,11 +123,11 @@ core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snap
   }
   const auto& mesh_slots = slots[std::size_t(BatchKind::kMesh)];
   if (!mesh_slots.empty()) {
-    auto pool = build_mesh_pool(gl, snapshot, mesh_slots, config);
+    auto pool = build_mesh_pool(gl, snapshot, mesh_slots);
     if (!pool) return tl::unexpected(pool.error());
     scene.meshes_ = std::move(*pool);
     for (std::uint32_t i = 0; i < mesh_slots.size(); ++i)
-      if (const auto mesh = mesh_index(snapshot, mesh_slots[i])) scene.record_of_mesh_.emplace(*mesh, i);
+      scene.record_of_mesh_.emplace(mesh_index(snapshot, mesh_slots[i]), i);
   }
   scene.slot_count_ = Slot(snapshot.size());
 
@@ -154,16 +151,14 @@ bool GpuScene::append(const Snapshot& snapshot) {
   for (Slot slot = slot_count_; slot < snapshot.size(); ++slot)
     slots[std::size_t(batch_of(snapshot.kind(slot)))].push_back(slot);
   const auto& mesh_slots = slots[std::size_t(BatchKind::kMesh)];
-  for (const Slot slot : mesh_slots) {
-    const auto mesh = mesh_index(snapshot, slot);
-    if (!mesh || !record_of_mesh_.contains(*mesh)) return false;
-  }
+  for (const Slot slot : mesh_slots)
+    if (!record_of_mesh_.contains(mesh_index(snapshot, slot))) return false;
   for (std::size_t kind = 0; kind < slots.size(); ++kind) {
     const Batch* target = batch(BatchKind(kind));
     if (!slots[kind].empty() && (!target || target->capacity - target->count < slots[kind].size())) return false;
   }
   for (const Slot slot : mesh_slots) {
-    ElementsCommand command = meshes_.commands[record_of_mesh_.at(*mesh_index(snapshot, slot))];
+    ElementsCommand command = meshes_.commands[record_of_mesh_.at(mesh_index(snapshot, slot))];
     command.base_instance = std::uint32_t(meshes_.commands.size());
     command.instance_count = snapshot.vacant(slot) ? 0 : 1;
     meshes_.commands.push_back(command);

@@ -16,13 +16,6 @@
 
 namespace sightline::gpuscene {
 
-struct GpuSceneConfig {
-  /// Metres between a tessellated kind's triangles and its true surface. Smaller: rounder dishes, more triangles.
-  double chord_tolerance = 2e-5;
-  /// Per full circle; bounds the triangles of a huge tank.
-  int max_segments = 256;
-};
-
 /// Items that one program draws. There is a batch only for what the scene holds.
 enum class BatchKind : std::uint8_t {
   kCylinder,
@@ -68,7 +61,7 @@ struct ElementsCommand {
 };
 static_assert(sizeof(ElementsCommand) == 20);
 
-/// Triangles of all meshes and tessellated kinds; equal shapes are stored once.
+/// Triangles of all meshes, each stored once.
 struct MeshPool {
   gl::Buffer vertices;                    ///< kVertexBytes each: float position x y z, snorm16 normal x y z 0
   gl::Buffer indices;                     ///< uint32
@@ -80,14 +73,13 @@ class GpuScene {
  public:
   /// Uploads everything the snapshot holds. Fails when the GPU has not the memory. The context must be current, here
   /// and in all other calls.
-  static core::Expected<GpuScene> create(const gl::Context& context, const core::Snapshot& snapshot,
-                                         const GpuSceneConfig& config = {});
+  static core::Expected<GpuScene> create(const gl::Context& context, const core::Snapshot& snapshot);
 
   /// Writes the records of changed slots anew: placement, material, and nothing to draw for vacant ones, which ranges
   /// may hold. Slots that were appended come first, see append().
   void update(const core::Snapshot& snapshot, std::span<const core::Slot> changed);
   /// Adds records of slots appended since the last call. False, with nothing done, when it takes a new GpuScene: memory
-  /// for an eighth more than at first is used up, or there are kinds, meshes or tessellated shapes that were not there.
+  /// for an eighth more than at first is used up, or there are kinds or meshes that were not there.
   bool append(const core::Snapshot& snapshot);
 
   const std::vector<Batch>& batches() const { return batches_; }
