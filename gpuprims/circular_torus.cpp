@@ -163,6 +163,7 @@ std::vector<ProfilePoint> make_profile(const Tessellation& config, double major,
 
 }  // namespace
 
+template <class Real>
 Hits intersect(const core::CircularTorus& torus, const Ray& ray, Caps caps) {
   Hits hits;
   const double major = std::fabs(torus.major_radius), minor = std::fabs(torus.tube_radius);
@@ -209,6 +210,9 @@ Hits intersect(const core::CircularTorus& torus, const Ray& ray, Caps caps) {
   }
   return hits;
 }
+
+template Hits intersect<double>(const core::CircularTorus&, const Ray&, Caps);
+template Hits intersect<float>(const core::CircularTorus&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::CircularTorus& torus, const Tessellation& config, Caps caps) {
   const double major = std::fabs(torus.major_radius), minor = std::fabs(torus.tube_radius);

@@ -35,6 +35,7 @@ Span lateral_span(const LocalRay& ray, double radius) {
 
 }  // namespace
 
+template <class Real>
 Hits intersect(const core::Cylinder& cylinder, const Ray& ray, Caps caps) {
   Hits hits;
   const double radius = std::fabs(cylinder.radius), height = std::fabs(cylinder.height);
@@ -61,6 +62,9 @@ Hits intersect(const core::Cylinder& cylinder, const Ray& ray, Caps caps) {
   emit(span.to, span.to_face);
   return hits;
 }
+
+template Hits intersect<double>(const core::Cylinder&, const Ray&, Caps);
+template Hits intersect<float>(const core::Cylinder&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::Cylinder& cylinder, const Tessellation& config, Caps caps) {
   const double radius = std::fabs(cylinder.radius), half = 0.5 * std::fabs(cylinder.height);

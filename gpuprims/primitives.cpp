@@ -14,6 +14,23 @@
 
 namespace sightline::gpuprims {
 
+template <class Real>
+Hits intersect(const core::Primitive& primitive, const Ray& ray, Caps caps) {
+  return std::visit(
+      [&](const auto& p) -> Hits {
+        using Kind = std::decay_t<decltype(p)>;
+        if constexpr (std::is_same_v<Kind, core::Cylinder> || std::is_same_v<Kind, core::Snout> ||
+                      std::is_same_v<Kind, core::CircularTorus>) {
+          return intersect<Real>(p, ray, caps);
+        } else {
+          return {};
+        }
+      },
+      primitive);
+}
+template Hits intersect<double>(const core::Primitive&, const Ray&, Caps);
+template Hits intersect<float>(const core::Primitive&, const Ray&, Caps);
+
 core::Mesh tessellate(const core::Primitive& primitive, const Tessellation& config, Caps caps) {
   return std::visit(
       [&](const auto& p) -> core::Mesh {

@@ -183,6 +183,7 @@ std::vector<Rung> make_rungs(const Solid& solid, int segments) {
 
 }  // namespace
 
+template <class Real>
 Hits intersect(const core::Snout& snout, const Ray& ray, Caps caps) {
   Hits hits;
   if (!finite(snout) || (snout.bottom_radius == 0.0f && snout.top_radius == 0.0f)) return hits;
@@ -225,6 +226,9 @@ Hits intersect(const core::Snout& snout, const Ray& ray, Caps caps) {
   emit(span.to, span.to_face);
   return hits;
 }
+
+template Hits intersect<double>(const core::Snout&, const Ray&, Caps);
+template Hits intersect<float>(const core::Snout&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::Snout& snout, const Tessellation& config, Caps caps) {
   if (!finite(snout) || (snout.bottom_radius == 0.0f && snout.top_radius == 0.0f)) return {};

@@ -16,6 +16,7 @@ namespace sightline::gpuprims {
 /// Along the ray, w = xy - c and r are linear: w0 + s w1, r0 + s r1. The discriminant of |w|^2 - r^2 is taken as
 /// |r0 w1 - r1 w0|^2 - (w0 x w1)^2 (Lagrange's identity: the large terms cancelled by hand), the roots by Press et al.,
 /// "Numerical Recipes", section 5.6, so that rays parallel to a generator and equal radii need no case of their own.
+template <class Real = double>
 Hits intersect(const core::Snout& snout, const Ray& ray, Caps caps = {});
 
 /// Contour points lie on the true intersection of cone and end plane, at equal angles about the cone's axis, and where
