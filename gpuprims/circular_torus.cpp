@@ -5,136 +5,145 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/gpuprims/local_ray.h"
 #include "sightline/gpuprims/mesh_builder.h"
+#include "sightline/gpuprims/wedge.h"
 
 namespace sightline::gpuprims {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFullTurn = 2.0 * kPi;
-enum Face : int { kTube, kStart, kEnd };
 
-/// Everything divided by the bounding radius R + r, so that no power of it overflows.
+/// The whole torus in its bounding radius' neighbourhood, and a ray o + s u about its point closest to the centre (o.u
+/// = 0, |u| = 1).
+template <class Real>
 struct Tube {
-  dvec3 o, u;  ///< the ray: o + s u
-  double major, minor;
+  Vec3<Real> o, u;
+  Real major, minor;
 
-  /// G and its derivative along the ray.
-  double distance(double s, double& derivative) const {
-    const double x = o.x + s * u.x, y = o.y + s * u.y, z = o.z + s * u.z;
-    const double rho = std::sqrt(x * x + y * y), off = rho - major;
-    derivative = 2.0 * (z * u.z + (rho > 0.0 ? off * (x * u.x + y * u.y) / rho : 0.0));
-    return off * off + (z - minor) * (z + minor);
+  /// G as in the header, times rho and its derivative along the ray times rho: one division less, and the same root.
+  struct Value {
+    Real g, slope, rho;
+  };
+  Value distance(Real s) const {
+    const Real x = o.x + s * u.x, y = o.y + s * u.y, z = o.z + s * u.z;
+    const Real rho = std::sqrt(x * x + y * y), off = rho - major;
+    return {off * off + (z - minor) * (z + minor), 2 * (rho * z * u.z + off * (x * u.x + y * u.y)), rho};
   }
 };
 
-/// Newton steps on t^3 + p t + q that make the residual smaller.
-double polish_cubic(double t, double p, double q) {
-  double residual = (t * t + p) * t + q;
-  for (int i = 0; i < 2; ++i) {
-    const double derivative = 3.0 * t * t + p;
-    const double next = t - residual / derivative;
-    const double next_residual = (next * next + p) * next + q;
-    if (!(std::fabs(next_residual) < std::fabs(residual))) break;
-    t = next;
-    residual = next_residual;
-  }
-  return t;
+/// Newton's step on t^3 + p t + q.
+template <class Real>
+Real polish_cubic(Real t, Real p, Real q) {
+  const Real derivative = 3 * t * t + p;
+  return derivative != 0 ? t - ((t * t + p) * t + q) / derivative : t;
 }
 
 /// Real roots of t^3 + p t + q in rising order; returns their number, 1 or 3. Press et al., "Numerical Recipes",
-/// section 5.6.
-int depressed_cubic(double p, double q, double roots[3]) {
-  const double discriminant = 0.25 * q * q + p * p * p / 27.0;
-  if (discriminant > 0.0 || p >= 0.0) {
-    const double a = -std::copysign(std::cbrt(0.5 * std::fabs(q) + std::sqrt(std::max(0.0, discriminant))), q);
-    roots[0] = polish_cubic(a != 0.0 ? a - p / (3.0 * a) : 0.0, p, q);
+/// section 5.6, where cos(acos(x) / 3) for 0 <= x <= 1 is the root c of 4 c^3 - 3 c = x, by Newton from a parabola that
+/// is within 4e-4 of it; the other two follow from the largest.
+template <class Real>
+int depressed_cubic(Real p, Real q, Real roots[3]) {
+  const Real third = -p / 3, discriminant = q * q / 4 - third * third * third;
+  if (discriminant > 0 || !(p < 0)) {
+    const Real a = -std::copysign(std::cbrt(std::fabs(q) / 2 + std::sqrt(std::max(Real(0), discriminant))), q);
+    roots[0] = polish_cubic(a != 0 ? a + third / a : Real(0), p, q);
     return 1;
   }
-  const double m = 2.0 * std::sqrt(-p / 3.0);
-  const double angle = std::acos(std::clamp(3.0 * q / (p * m), -1.0, 1.0)) / 3.0;
-  roots[0] = polish_cubic(m * std::cos(angle - 4.0 / 3.0 * kPi), p, q);
-  roots[1] = polish_cubic(m * std::cos(angle - 2.0 / 3.0 * kPi), p, q);
-  roots[2] = polish_cubic(m * std::cos(angle), p, q);
+  const Real half = std::sqrt(third), x = std::min(Real(1), std::fabs(q) / (2 * third * half));
+  Real c = Real(0.8664) + x * (Real(0.1598) - Real(0.0265) * x);
+  for (int i = 0; i < 2; ++i) c -= ((4 * c * c - 3) * c - x) / (12 * c * c - 3);
+  const Real largest = -std::copysign(2 * half * c, q),
+             apart = half * std::sqrt(std::max(Real(0), 3 * (1 - c) * (1 + c)));
+  const Real low = -largest / 2 - apart, high = -largest / 2 + apart;
+  roots[0] = std::signbit(q) ? low : largest;
+  roots[1] = std::signbit(q) ? high : low;
+  roots[2] = std::signbit(q) ? largest : high;
   return 3;
 }
 
-/// The crossing between `low` and `high`, at which G has different signs.
-double bracketed_root(const Tube& tube, double low, double high, bool outside_at_low) {
-  constexpr double kClose = 1e-15;
-  double s = 0.5 * (low + high), derivative = 0.0;
-  for (int i = 0; i < 100; ++i) {
-    const double value = tube.distance(s, derivative);
-    ((value > 0.0) == outside_at_low ? low : high) = s;
-    double next = s - value / derivative;
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    const double step = std::fabs(next - s);
-    s = next;
-    if (step <= kClose) break;
+/// Where F crosses 0 between its extreme at e, where it is `depth` < 0, and `bound`: Newton on F's expansion about e,
+/// depth + 2 (3 e^2 + p) h^2 + 4 e h^3 + h^4, in which nothing cancels. Close, not exact.
+template <class Real>
+Real guess_root(Real depth, Real e, Real p, Real bound) {
+  const Real curvature = 2 * (3 * e * e + p), reach = bound - e;
+  Real h = std::copysign(std::min(std::sqrt(-depth / curvature), std::fabs(reach)), reach);
+  for (int i = 0; i < 4; ++i) {
+    const Real value = depth + h * h * (curvature + h * (4 * e + h));
+    const Real step = value / (h * (2 * curvature + h * (12 * e + 4 * h)));
+    h -= step;
+    if (!(std::fabs(step) > Real(1e-4) * std::fabs(h))) break;
   }
-  const double value = tube.distance(s, derivative);
-  const double polished = s - value / derivative;
-  return polished >= low && polished <= high ? polished : s;
+  return e + h;
+}
+
+/// The crossing between `low` and `high`, at which G has different signs: safeguarded Newton from a guess.
+template <class Real>
+Real bracketed_root(const Tube<Real>& tube, Real low, Real high, bool outside_at_low, Real guess) {
+  // Newton squares the error: the step after one of this size, relative to the half chord, changes nothing.
+  const Real near = std::sqrt(std::numeric_limits<Real>::epsilon()) * Real(0.1) * (high - low);
+  const Real least = std::numeric_limits<Real>::epsilon();
+  Real s = guess > low && guess < high ? guess : (low + high) / 2;
+  for (int i = 0; i < 100; ++i) {
+    const auto value = tube.distance(s);
+    ((value.g > 0) == outside_at_low ? low : high) = s;
+    Real next = s - value.g * value.rho / value.slope;
+    const bool newton = next >= low && next <= high;
+    if (!newton) next = (low + high) / 2;
+    const Real step = std::fabs(next - s);
+    s = next;
+    if (step <= (newton ? near : least)) break;
+  }
+  return s;
+}
+
+/// Where F has its extremes, between both ends of the line in the bounding sphere: 3 to 5 values.
+template <class Real>
+struct Pieces {
+  Real breaks[5];
+  int count = 0;
+  Real p;  ///< of F' = 4 (s^3 + p s + q)
+};
+template <class Real>
+Pieces<Real> monotone_pieces(const Tube<Real>& tube, Real end) {
+  const Real r2 = tube.major * tube.major,
+             k = glm::dot(tube.o, tube.o) + (tube.major - tube.minor) * (tube.major + tube.minor);
+  const Real across = tube.u.x * tube.u.x + tube.u.y * tube.u.y, along = tube.o.x * tube.u.x + tube.o.y * tube.u.y;
+  Pieces<Real> pieces;
+  pieces.p = k - 2 * r2 * across;
+  Real extremes[3];
+  const int extreme_count = depressed_cubic(pieces.p, -2 * r2 * along, extremes);
+  pieces.breaks[pieces.count++] = -end;
+  for (int i = 0; i < extreme_count; ++i)
+    if (extremes[i] > pieces.breaks[pieces.count - 1] && extremes[i] < end) pieces.breaks[pieces.count++] = extremes[i];
+  pieces.breaks[pieces.count++] = end;
+  return pieces;
 }
 
 /// Where the line enters and leaves the whole torus, in rising order: 0, 2 or 4 values.
-int tube_crossings(const Tube& tube, double crossings[4]) {
-  const double square = glm::dot(tube.o, tube.o);
-  constexpr double kBeyond = 1.001;  // surely outside the bounding sphere of radius 1
-  if (!(square < 1.0 + 1e-12)) return 0;
-  const double end = std::sqrt(kBeyond - std::min(square, 1.0));
-  const double r2 = tube.major * tube.major, k = square + (tube.major - tube.minor) * (tube.major + tube.minor);
-  const double across = tube.u.x * tube.u.x + tube.u.y * tube.u.y, along = tube.o.x * tube.u.x + tube.o.y * tube.u.y;
-  double extremes[3];
-  const int extreme_count = depressed_cubic(k - 2.0 * r2 * across, -2.0 * r2 * along, extremes);
-
-  double breaks[5] = {-end};
-  int break_count = 1;
-  for (int i = 0; i < extreme_count; ++i)
-    if (extremes[i] > breaks[break_count - 1] && extremes[i] < end) breaks[break_count++] = extremes[i];
-  breaks[break_count++] = end;
+template <class Real>
+int tube_crossings(const Tube<Real>& tube, Real crossings[4]) {
+  const Real size = tube.major + tube.minor, room = size * size - glm::dot(tube.o, tube.o);
+  if (!(room > -4 * std::numeric_limits<Real>::epsilon() * size * size)) return 0;
+  const Real end = std::sqrt(std::max(Real(0), room) + size * size / 1024);  // surely outside
+  const Pieces<Real> pieces = monotone_pieces(tube, end);
 
   int count = 0;
+  Real depth = 0;  // F at the last break
   bool outside = true;
-  for (int i = 1; i < break_count; ++i) {
-    double derivative = 0.0;
-    const bool next_outside = i + 1 == break_count || tube.distance(breaks[i], derivative) > 0.0;
-    if (next_outside != outside) crossings[count++] = bracketed_root(tube, breaks[i - 1], breaks[i], outside);
+  for (int i = 1; i < pieces.count; ++i) {
+    const Real low = pieces.breaks[i - 1], high = pieces.breaks[i];
+    const bool last = i + 1 == pieces.count;
+    const auto value = last ? typename Tube<Real>::Value{1, 0, 0} : tube.distance(high);
+    const Real next_depth = value.g * (value.g + 4 * tube.major * value.rho);
+    const bool next_outside = value.g > 0;
+    if (next_outside != outside) {
+      const Real guess = outside ? guess_root(next_depth, high, pieces.p, low) : guess_root(depth, low, pieces.p, high);
+      crossings[count++] = bracketed_root(tube, low, high, outside, guess);
+    }
     outside = next_outside;
+    depth = next_depth;
   }
   return count;
-}
-
-/// The wedge 0 <= phi <= angle about z as at most two spans of the ray.
-int wedge_spans(const dvec3& o, const dvec3& u, double angle, Span spans[2]) {
-  if (angle >= kFullTurn) return 1;
-  const dvec2 start(0.0, 1.0), end(std::sin(angle), -std::cos(angle));  // inner normals of the two half-planes
-  const double start_value = glm::dot(start, dvec2(o)), start_slope = glm::dot(start, dvec2(u));
-  const double end_value = glm::dot(end, dvec2(o)), end_slope = glm::dot(end, dvec2(u));
-  if (angle <= kPi) {
-    if (angle == 0.0 && start_slope == 0.0) return 0;  // a disc, edge on
-    spans[0].clip(start_value, start_slope, kStart);
-    spans[0].clip(end_value, end_slope, kEnd);
-    return spans[0].empty() ? 0 : 1;
-  }
-  // What is left out is convex, and open: a ray along the axis is in the wedge.
-  if ((start_slope == 0.0 && start_value >= 0.0) || (end_slope == 0.0 && end_value >= 0.0)) return 1;
-  Span gap;
-  gap.clip(-start_value, -start_slope, kStart);
-  gap.clip(-end_value, -end_slope, kEnd);
-  if (!(gap.from < gap.to)) return 1;
-  int count = 0;
-  if (gap.from_face != Span::kNoFace) spans[count++].leave(gap.from, gap.from_face);
-  if (gap.to_face != Span::kNoFace) spans[count++].enter(gap.to, gap.to_face);
-  return count;
-}
-
-/// The common part of a tube span and a wedge span.
-Span intersect_spans(Span a, const Span& b) {
-  a.enter(b.from, b.from_face);
-  a.leave(b.to, b.to_face);
-  return a;
 }
 
 /// One (rho, z) point of the swept outline and its outward normal.
@@ -169,48 +178,28 @@ Hits intersect(const core::CircularTorus& torus, const Ray& ray, Caps caps) {
   const double major = std::fabs(torus.major_radius), minor = std::fabs(torus.tube_radius);
   const double angle = std::fabs(torus.angle), size = major + minor;
   if (!(minor > 0.0 && std::isfinite(size) && std::isfinite(angle))) return hits;
-  const LocalRay local = closest_approach(ray);
+  LocalRay<Real> local = closest_approach<Real>(ray, dvec3(1.0), size);
   if (!local.valid) return hits;
-  // Once more about the closest point: from a far origin the first move is off by a rounding of the distance.
-  const dvec3 near_origin = local.origin / size;
-  const double shift = -glm::dot(near_origin, local.direction);
-  const Tube tube{near_origin + shift * local.direction, local.direction, major / size, minor / size};
+  recentre(local);
+  const double per_unit = inverse_power_of_two(size);
+  const Tube<Real> tube{local.origin, local.direction, Real(major * per_unit), Real(minor * per_unit)};
 
-  double crossings[4];
+  Real crossings[4];
   const int crossing_count = tube_crossings(tube, crossings);
   if (crossing_count == 0) return hits;
-  Span wedges[2];
-  const int wedge_count = wedge_spans(tube.o, tube.u, angle, wedges);
-  const dvec2 bisector(std::cos(0.5 * std::min(angle, kPi)), std::sin(0.5 * std::min(angle, kPi)));
-
-  const auto emit = [&](double s, int face) {
-    const double t = local.t((s + shift) * size);
-    if (face == kStart) {
-      if (caps.bottom) hits.insert({t, {0.0, -1.0, 0.0}});
-    } else if (face == kEnd) {
-      if (caps.top) hits.insert({t, {-std::sin(angle), std::cos(angle), 0.0}});
-    } else {
-      const dvec3 p = tube.o + s * tube.u;
-      const double rho = glm::length(dvec2(p)), factor = rho > 0.0 ? (rho - tube.major) / rho : 0.0;
-      hits.insert({t, {factor * p.x, factor * p.y, p.z}});
-    }
+  const Wedge<Real> wedge(angle);
+  const auto normal = [&](int face, const Vec3<Real>& p) {
+    if (face != kLateral) return wedge.normal(face);
+    const Real rho = std::sqrt(p.x * p.x + p.y * p.y), factor = rho > 0 ? (rho - tube.major) / rho : 0;
+    return Vec3<Real>(factor * p.x, factor * p.y, p.z);
   };
-  for (int i = 0; i + 1 < crossing_count; i += 2) {
-    Span inside;
-    inside.enter(crossings[i], kTube);
-    inside.leave(crossings[i + 1], kTube);
-    for (int j = 0; j < wedge_count; ++j) {
-      const Span span = intersect_spans(inside, wedges[j]);
-      if (span.empty()) continue;
-      const dvec2 middle = dvec2(tube.o) + 0.5 * (span.from + span.to) * dvec2(tube.u);
-      if (angle <= kPi && glm::dot(middle, bisector) < 0.0) continue;  // rounding errors opposite a thin wedge
-      emit(span.from, span.from_face);
-      emit(span.to, span.to_face);
-    }
+  for (int i = 0; i < crossing_count; i += 2) {
+    Span<Real> pieces[2];
+    const int count = wedge.cut(tube.o, tube.u, {crossings[i], crossings[i + 1], kLateral, kLateral}, pieces);
+    for (int j = 0; j < count; ++j) add_hits(hits, local, pieces[j], hidden_faces(caps), normal);
   }
   return hits;
 }
-
 template Hits intersect<double>(const core::CircularTorus&, const Ray&, Caps);
 template Hits intersect<float>(const core::CircularTorus&, const Ray&, Caps);
 
@@ -218,7 +207,7 @@ core::Mesh tessellate(const core::CircularTorus& torus, const Tessellation& conf
   const double major = std::fabs(torus.major_radius), minor = std::fabs(torus.tube_radius);
   const double angle = std::fabs(torus.angle), size = major + minor;
   if (!(minor > 0.0 && std::isfinite(size) && std::isfinite(angle))) return {};
-  const int columns = segment_count(config, size, std::min(angle, kFullTurn));
+  const int columns = segment_count(config, size, std::min(angle, 2.0 * kPi));
   const std::vector<dvec2> sweep = arc_points(columns, angle);
   const std::vector<ProfilePoint> profile = make_profile(config, major, minor);
 
@@ -227,7 +216,7 @@ core::Mesh tessellate(const core::CircularTorus& torus, const Tessellation& conf
     const ProfilePoint& p = profile[row];
     return Vertex{dvec3(p.position.x * sweep[column], p.position.y), dvec3(p.normal.x * sweep[column], p.normal.y)};
   });
-  if (angle >= kFullTurn) return builder.finish();
+  if (angle >= 2.0 * kPi) return builder.finish();
 
   std::vector<dvec3> outline;
   outline.reserve(profile.size());

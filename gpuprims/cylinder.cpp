@@ -8,61 +8,22 @@
 #include "sightline/gpuprims/mesh_builder.h"
 
 namespace sightline::gpuprims {
-namespace {
-
-enum Face : int { kLateral, kBottom, kTop };
-
-/// The part of the line within the infinite cylinder.
-Span lateral_span(const LocalRay& ray, double radius) {
-  Span span;
-  const dvec2 o(ray.origin), u(ray.direction);
-  const double across = glm::length(u);
-  if (across == 0.0) {
-    if (!(glm::length(o) <= radius)) span.clear();
-    return span;
-  }
-  const double distance = std::fabs(cross(o, u)) / across;
-  if (!(distance <= radius)) {
-    span.clear();
-    return span;
-  }
-  const double middle = -(glm::dot(o, u) / across) / across;
-  const double half = std::sqrt((radius - distance) * (radius + distance)) / across;
-  span.enter(middle - half, kLateral);
-  span.leave(middle + half, kLateral);
-  return span;
-}
-
-}  // namespace
-
 template <class Real>
 Hits intersect(const core::Cylinder& cylinder, const Ray& ray, Caps caps) {
   Hits hits;
-  const double radius = std::fabs(cylinder.radius), height = std::fabs(cylinder.height);
-  if (!(radius > 0.0 && std::isfinite(radius + height))) return hits;
-  const LocalRay local = closest_approach(ray);
+  const double radius = std::fabs(cylinder.radius), half = 0.5 * std::fabs(cylinder.height);
+  if (!(radius > 0.0 && std::isfinite(radius + half))) return hits;
+  const auto local = closest_approach<Real>(ray, {1.0, 1.0, weight(radius, half)}, radius);
   if (!local.valid) return hits;
-
-  Span span = lateral_span(local, radius);
-  span.clip(0.5 * height + local.origin.z, local.direction.z, kBottom);
-  span.clip(0.5 * height - local.origin.z, -local.direction.z, kTop);
-  const bool edge_on_disc = height == 0.0 && local.direction.z == 0.0;
-  if (span.empty() || edge_on_disc) return hits;
-
-  const auto emit = [&](double s, int face) {
-    if (face == kBottom) {
-      if (caps.bottom) hits.insert({local.t(s), {0.0, 0.0, -1.0}});
-    } else if (face == kTop) {
-      if (caps.top) hits.insert({local.t(s), {0.0, 0.0, 1.0}});
-    } else {
-      hits.insert({local.t(s), {local.origin.x + s * local.direction.x, local.origin.y + s * local.direction.y, 0.0}});
-    }
-  };
-  emit(span.from, span.from_face);
-  emit(span.to, span.to_face);
+  const double per_unit = inverse_power_of_two(radius);
+  auto span = cylinder_span(local.origin, local.direction, Real(radius * per_unit), kLateral);
+  span.clip_slab(local.origin.z, local.direction.z, Real(half * per_unit), kBottom, kTop);
+  add_hits(hits, local, span, hidden_faces(caps), [](int face, const Vec3<Real>& p) {
+    constexpr Real kAcross[] = {1, 0, 0}, kAlong[] = {0, -1, 1};  // by face
+    return Vec3<Real>(kAcross[face] * p.x, kAcross[face] * p.y, kAlong[face]);
+  });
   return hits;
 }
-
 template Hits intersect<double>(const core::Cylinder&, const Ray&, Caps);
 template Hits intersect<float>(const core::Cylinder&, const Ray&, Caps);
 

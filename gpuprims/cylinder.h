@@ -9,9 +9,8 @@ namespace sightline::gpuprims {
 /// is a disc of two sides at one t (the side facing the ray first), radius 0 is nothing. An open end drops its
 /// crossing.
 ///
-/// Half-chord form of the quadratic about the point closest to the axis: with unit direction u and origin o, u_xy and
-/// o_xy their parts across the axis, the line passes the axis at distance q = |o_xy x u_xy| / |u_xy| at s = -o_xy.u_xy
-/// / |u_xy|^2 and cuts sqrt(r^2 - q^2) / |u_xy| to both sides; see local_ray.h for the sources.
+/// Half-chord form of the quadratic about a point close to the cylinder (see local_ray.h): with o and u the parts of
+/// origin and direction across the axis, the line cuts sqrt(r^2 u.u - (o x u)^2) / u.u to both sides of s = -o.u / u.u.
 template <class Real = double>
 Hits intersect(const core::Cylinder& cylinder, const Ray& ray, Caps caps = {});
 

@@ -1,4 +1,5 @@
-// gpuprims: analytic primitives. For each kind one stem: reference intersection in double, tessellation by chord
+// gpuprims: analytic primitives. For each kind one stem: reference intersection in double and
+// float, tessellation by chord
 // tolerance, its GLSL twin below shaders/, and the packing of its parameters for the GPU.
 //
 // This header holds what the reference intersections share.
@@ -22,15 +23,15 @@ struct Ray {
 /// One crossing of a surface. The normal points out of the solid, in local space, not normalised; it is a gradient, so
 /// it transforms by the inverse transpose.
 struct Hit {
-  double t = 0.0;
-  dvec3 normal{0.0};
+  double t;
+  dvec3 normal;
 };
 
 /// All crossings of a ray with one primitive over -inf < t < inf, in rising t. The caller picks the first that its
 /// interval and its section planes keep: so the eye may be inside, and a section opens the view into the solid.
 struct Hits {
   static constexpr int kCapacity = 8;
-  std::array<Hit, kCapacity> hit;
+  std::array<Hit, kCapacity> hit;  ///< undefined from `count` on
   int count = 0;
 
   /// Inserts in order of t; drops the hit when the capacity is reached (no primitive of ours can).

@@ -13,56 +13,93 @@
 namespace sightline::gpuprims {
 namespace {
 
-enum Face : int { kLateral, kBottom, kTop, kBottomLevel, kTopLevel };
+enum LevelFace : int { kBottomLevel = kTop + 1, kTopLevel };
 
 /// z = height + dot(tangent, xy - centre).
+template <class Real>
 struct EndPlane {
-  dvec2 centre, tangent;
-  double height;
+  Vec2<Real> centre, tangent;
+  Real height;
 
-  double above(const dvec3& p) const { return p.z - height - glm::dot(tangent, dvec2(p) - centre); }
-  double slope(const dvec3& u) const { return u.z - glm::dot(tangent, dvec2(u)); }
+  Real above(const Vec3<Real>& p) const { return p.z - height - glm::dot(tangent, Vec2<Real>(p) - centre); }
+  Real slope(const Vec3<Real>& u) const { return u.z - glm::dot(tangent, Vec2<Real>(u)); }
+
+  template <class To>
+  EndPlane<To> scaled(double scale) const {
+    return {Vec2<To>(scale * centre), Vec2<To>(tangent), To(scale * height)};
+  }
 };
 
 /// The snout's solid in the terms of snout.h.
+template <class Real = double>
 struct Solid {
-  dvec2 lean;       ///< of the axis, per z
-  double radius;    ///< at z = 0
-  double widening;  ///< of the radius, per z
-  EndPlane bottom, top;
-  double lowest, highest;            ///< heights that the contours reach at most
+  Vec2<Real> lean;  ///< of the axis, per z
+  Real radius;      ///< at z = 0
+  Real widening;    ///< of the radius, per z
+  EndPlane<Real> bottom, top;
+  Real lowest, highest;              ///< heights that the contours reach at most
   bool bottom_limited, top_limited;  ///< an end is cut level there
+  bool slanted;                      ///< false: both end planes are level
 
-  double radius_at(double z) const { return radius + widening * z; }
-  dvec3 point(const dvec2& e, double z) const {
-    const double r = radius_at(z);
-    return {lean * z + (r > 1e-12 * radius ? r : 0.0) * e, z};  // an apex is one point, not a ring of rounding errors
+  Real radius_at(Real z) const { return radius + widening * z; }
+  Vec2<Real> from_axis(const Vec3<Real>& p) const { return {p.x - lean.x * p.z, p.y - lean.y * p.z}; }
+  Vec3<Real> lateral_normal(const Vec3<Real>& p) const {
+    const Vec2<Real> w = from_axis(p);
+    if (glm::dot(w, w) <= Real(1e-24) * radius * radius) return {0, 0, -widening};  // the apex
+    return {w.x, w.y, -glm::dot(lean, w) - widening * radius_at(p.z)};
   }
-  dvec3 normal(const dvec3& p) const {
-    const dvec2 w = dvec2(p) - lean * p.z;
-    if (glm::length(w) <= 1e-12 * radius) return {0.0, 0.0, -widening};  // the apex
-    return {w, -glm::dot(lean, w) - widening * radius_at(p.z)};
+  Vec3<Real> normal(int face, const Vec3<Real>& p) const {
+    const Vec3<Real> normals[] = {lateral_normal(p),
+                                  {bottom.tangent.x, bottom.tangent.y, -1},
+                                  {-top.tangent.x, -top.tangent.y, 1},
+                                  {0, 0, -1},
+                                  {0, 0, 1}};
+    return normals[face];
+  }
+  template <class To>
+  Solid<To> scaled(double scale) const {
+    return {Vec2<To>(lean),
+            To(scale * radius),
+            To(widening),
+            bottom.template scaled<To>(scale),
+            top.template scaled<To>(scale),
+            To(scale * lowest),
+            To(scale * highest),
+            bottom_limited,
+            top_limited,
+            slanted};
   }
 };
 
 /// Whether an end plane meets the cone further out than `reach` from the end's centre, on the side of `sign`, or
 /// nowhere: then the level at `reach` is a face of the solid. Otherwise it only touches, and must not cut by a rounding
 /// error.
-bool is_limited(const Solid& solid, const EndPlane& plane, double radius, double sign, double reach) {
+bool is_limited(const Solid<>& solid, const EndPlane<double>& plane, double radius, double sign, double reach) {
   const double steep = glm::length(plane.tangent), upright = 1.0 - glm::dot(plane.tangent, solid.lean);
   const bool closed = upright > std::fabs(solid.widening) * steep;
   return !closed || radius * steep / (upright - sign * solid.widening * steep) > reach * (1.0 + 1e-12);
 }
 
+bool is_slanted(const core::Snout& s) {
+  return s.bottom_shear_x != 0.0f || s.bottom_shear_y != 0.0f || s.top_shear_x != 0.0f || s.top_shear_y != 0.0f;
+}
+
 /// For height > 0.
-Solid make_solid(const core::Snout& s) {
+Solid<> make_solid(const core::Snout& s) {
   const double h = std::fabs(s.height), rb = std::fabs(s.bottom_radius), rt = std::fabs(s.top_radius);
   const dvec2 offset(s.offset_x, s.offset_y);
-  const core::EndRange bottom = core::bottom_end_range(s), top = core::top_end_range(s);
-  Solid solid;
+  Solid<> solid;
   solid.lean = offset / h;
   solid.radius = 0.5 * (rb + rt);
   solid.widening = (rt - rb) / h;
+  solid.slanted = is_slanted(s);
+  if (!solid.slanted) {  // tangents are slow
+    solid.bottom = {-0.5 * offset, {}, solid.lowest = -0.5 * h};
+    solid.top = {0.5 * offset, {}, solid.highest = 0.5 * h};
+    solid.bottom_limited = solid.top_limited = false;
+    return solid;
+  }
+  const core::EndRange bottom = core::bottom_end_range(s), top = core::top_end_range(s);
   solid.bottom = {-0.5 * offset, {std::tan(double(s.bottom_shear_x)), std::tan(double(s.bottom_shear_y))}, -0.5 * h};
   solid.top = {0.5 * offset, {std::tan(double(s.top_shear_x)), std::tan(double(s.top_shear_y))}, 0.5 * h};
   solid.lowest = -0.5 * h + bottom.min;
@@ -73,9 +110,10 @@ Solid make_solid(const core::Snout& s) {
 }
 
 bool finite(const core::Snout& s) {
-  const float values[] = {s.bottom_radius,  s.top_radius,     s.height,      s.offset_x,   s.offset_y,
-                          s.bottom_shear_x, s.bottom_shear_y, s.top_shear_x, s.top_shear_y};
-  return all_finite(values);
+  const double lengths = double(s.bottom_radius) * 0.0 + double(s.top_radius) * 0.0 + double(s.height) * 0.0;
+  const double others = double(s.offset_x) * 0.0 + double(s.offset_y) * 0.0 + double(s.bottom_shear_x) * 0.0 +
+                        double(s.bottom_shear_y) * 0.0 + double(s.top_shear_x) * 0.0 + double(s.top_shear_y) * 0.0;
+  return lengths + others == 0.0;  // NaN where any is not finite
 }
 
 /// What a snout of height 0 shows: the larger end.
@@ -89,50 +127,68 @@ Disc flat_disc(const core::Snout& s) {
   return {{std::max(rb, rt), 0.0f}, {side * s.offset_x, side * s.offset_y, 0.0}};
 }
 
+/// Where the ray comes closest to the (leaning) axis, by the measure of local_ray.h.
+template <class Real>
+LocalRay<Real> approach_axis(const Solid<>& solid, const Ray& ray, double widest) {
+  const ScaledRay scaled = scale_direction(ray);
+  const dvec3 &o = scaled.origin, &d = scaled.direction;
+  const dvec2& l = solid.lean;
+  const dvec3 upright_o(o.x - l.x * o.z, o.y - l.y * o.z, o.z), upright_d(d.x - l.x * d.z, d.y - l.y * d.z, d.z);
+  const double reach = std::max(-solid.lowest, solid.highest);
+  return move_to<Real>(scaled, closest_approach(upright_o, upright_d, {1.0, 1.0, weight(widest, reach)}), widest);
+}
+
 /// The part of the line within the nappe of radius >= 0.
-Span nappe_span(const Solid& solid, const dvec3& o, const dvec3& u) {
-  const dvec2 w0 = dvec2(o) - solid.lean * o.z, w1 = dvec2(u) - solid.lean * u.z;
-  const double r0 = solid.radius_at(o.z), r1 = solid.widening * u.z;
-  const double speed = glm::length(w1), distance = glm::length(w0);
-  const double a = (speed - std::fabs(r1)) * (speed + std::fabs(r1));
-  const double b = glm::dot(w0, w1) - r0 * r1;
-  const double c = (distance - r0) * (distance + r0);
-  const double reach = glm::length(r0 * w1 - r1 * w0), moment = std::fabs(cross(w0, w1));
+template <class Real>
+Span<Real> nappe_span(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<Real>& u) {
+  const Vec2<Real> w0 = solid.from_axis(o), w1 = solid.from_axis(u);
+  const Real r0 = solid.radius_at(o.z), r1 = solid.widening * u.z;
+  const Real speed = glm::dot(w1, w1), b = glm::dot(w0, w1) - r0 * r1, c = glm::dot(w0, w0) - r0 * r0;
+  const auto nothing = Span<Real>::nothing();
+  // So nearly along the axis of a cylinder that the squares would underflow; see cylinder_span.
+  if (!(speed + r1 * r1 > 1024 * std::numeric_limits<Real>::min())) return c <= 0 && r0 >= 0 ? Span<Real>() : nothing;
+  const Real a = speed - r1 * r1, moment = cross(w0, w1);
+  const Vec2<Real> reach(r0 * w1.x - r1 * w0.x, r0 * w1.y - r1 * w0.y);
+  Real discriminant = glm::dot(reach, reach) - moment * moment;
+  if (a < 0) discriminant = std::max(Real(0), discriminant);  // negative by rounding only: the line crosses both nappes
+  if (!(discriminant >= 0)) return nothing;
+  const Real q = -(b + std::copysign(std::sqrt(discriminant), b));
+  const Real near_root = q == 0 ? 0 : c / q;
 
-  Span span;
-  span.clear();
-  if (a == 0.0 && b == 0.0) return c <= 0.0 && r0 >= 0.0 && r1 == 0.0 ? Span{} : span;  // along the axis of a cylinder
-  double discriminant = (reach - moment) * (reach + moment);
-  if (a < 0.0) discriminant = std::max(0.0, discriminant);  // negative by rounding only: the line crosses both nappes
-  if (!(discriminant >= 0.0)) return span;
-  const double q = -(b + std::copysign(std::sqrt(discriminant), b));
-  const double near_root = q == 0.0 ? 0.0 : c / q;
+  Span<Real> span;
+  if (a == 0) {  // parallel to a generator: one crossing, on the nappe towards which r grows
+    if (q > 0 && r1 > 0)
+      span.enter(near_root, kLateral);
+    else if (q < 0 && r1 < 0)
+      span.leave(near_root, kLateral);
+    else
+      return nothing;
+    return span;
+  }
+  const Real far_root = q / a, low = std::min(near_root, far_root), high = std::max(near_root, far_root);
+  if (a > 0) return r0 * a - b * r1 >= 0 ? Span<Real>{low, high, kLateral, kLateral} : nothing;  // else the other nappe
+  if (r1 > 0)
+    span.enter(high, kLateral);
+  else
+    span.leave(low, kLateral);
+  return span;
+}
 
-  Span result;
-  if (a == 0.0) {  // parallel to a generator: one crossing, on the nappe towards which r grows
-    if (b < 0.0 && r1 > 0.0) result.enter(near_root, kLateral);
-    if (b > 0.0 && r1 < 0.0) result.leave(near_root, kLateral);
-    return result.from_face == Span::kNoFace && result.to_face == Span::kNoFace ? span : result;
-  }
-  const double far_root = q / a;
-  const double low = std::min(near_root, far_root), high = std::max(near_root, far_root);
-  if (a > 0.0) {
-    if (!(r0 - b / a * r1 >= 0.0)) return span;  // both crossings on the other nappe
-    result.enter(low, kLateral);
-    result.leave(high, kLateral);
-  } else if (r1 > 0.0) {
-    result.enter(high, kLateral);
-  } else {
-    result.leave(low, kLateral);
-  }
-  return result;
+/// Between the ends.
+template <class Real>
+void clip_ends(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<Real>& u, Span<Real>& span) {
+  if (!solid.slanted) return span.clip_slab(o.z, u.z, solid.highest, kBottom, kTop);
+  span.clip(solid.bottom.above(o), solid.bottom.slope(u), kBottom);
+  span.clip(-solid.top.above(o), -solid.top.slope(u), kTop);
+  if (solid.bottom_limited) span.clip(o.z - solid.lowest, u.z, kBottomLevel);
+  if (solid.top_limited) span.clip(solid.highest - o.z, -u.z, kTopLevel);
 }
 
 /// Heights at which the generator at angle direction e lies between the ends; empty where the end planes have crossed,
 /// `from` still being on the bottom contour. Along a generator an end plane's equation is linear: z' (1 - m.s - k m.e)
 /// = r m.e, with z' from the end's centre.
-Span generator_span(const Solid& solid, const dvec2& e) {
-  Span span;
+Span<double> generator_span(const Solid<>& solid, const dvec2& e) {
+  Span<double> span;
   span.enter(solid.lowest, kBottomLevel);
   span.leave(solid.highest, kTopLevel);
   if (solid.widening > 0.0) span.enter(-solid.radius / solid.widening, kLateral);
@@ -147,13 +203,18 @@ Span generator_span(const Solid& solid, const dvec2& e) {
   return span;
 }
 
+dvec3 generator_point(const Solid<>& solid, const dvec2& e, double z) {
+  const double r = solid.radius_at(z);  // an apex is one point, not a ring of rounding errors
+  return {solid.lean * z + (r > 1e-12 * solid.radius ? r : 0.0) * e, z};
+}
+
 /// One generator of the tessellation, or the point between two where the end planes meet (low == high).
 struct Rung {
   dvec3 low, high, normal;
 };
 
 /// Where the edge between two neighbouring contour points passes through the other end plane.
-dvec3 planes_meet(const Solid& solid, const dvec3& a, const dvec3& b) {
+dvec3 planes_meet(const Solid<>& solid, const dvec3& a, const dvec3& b) {
   const double fa = solid.top.above(a), fb = solid.top.above(b);
   const double part = fa != fb ? std::clamp(fa / (fa - fb), 0.0, 1.0) : 0.5;
   return a + part * (b - a);
@@ -161,7 +222,7 @@ dvec3 planes_meet(const Solid& solid, const dvec3& a, const dvec3& b) {
 
 /// The generators between the ends once around, and at the line where the end planes meet, should they meet in the
 /// cone.
-std::vector<Rung> make_rungs(const Solid& solid, int segments) {
+std::vector<Rung> make_rungs(const Solid<>& solid, int segments) {
   const std::vector<dvec2> circle = arc_points(segments, 2.0 * std::numbers::pi);
   std::vector<Rung> rungs;
   const auto span_at = [&](int i) { return generator_span(solid, circle[i % segments]); };
@@ -170,8 +231,8 @@ std::vector<Rung> make_rungs(const Solid& solid, int segments) {
     return dvec3(e, -glm::dot(solid.lean, e) - solid.widening);
   };
   for (int i = 0; i < segments; ++i) {
-    const Span here = span_at(i), next = span_at(i + 1);
-    const auto point = [&](int at, double z) { return solid.point(circle[at % segments], z); };
+    const Span<double> here = span_at(i), next = span_at(i + 1);
+    const auto point = [&](int at, double z) { return generator_point(solid, circle[at % segments], z); };
     if (!here.empty()) rungs.push_back({point(i, here.from), point(i, here.to), normal_at(i)});
     if (here.empty() != next.empty()) {
       const dvec3 meet = planes_meet(solid, point(i, here.from), point(i + 1, next.from));
@@ -186,47 +247,23 @@ std::vector<Rung> make_rungs(const Solid& solid, int segments) {
 template <class Real>
 Hits intersect(const core::Snout& snout, const Ray& ray, Caps caps) {
   Hits hits;
-  if (!finite(snout) || (snout.bottom_radius == 0.0f && snout.top_radius == 0.0f)) return hits;
+  const double widest = std::max(std::fabs(snout.bottom_radius), std::fabs(snout.top_radius));
+  if (!finite(snout) || widest == 0.0) return hits;
   if (snout.height == 0.0f) {
     const Disc disc = flat_disc(snout);
-    return intersect(disc.cylinder, {ray.origin - disc.centre, ray.direction}, caps);
+    return intersect<Real>(disc.cylinder, {ray.origin - disc.centre, ray.direction}, caps);
   }
-  const LocalRay local = closest_approach(ray);
+  const Solid<> exact = make_solid(snout);
+  const auto local = approach_axis<Real>(exact, ray, widest);
   if (!local.valid) return hits;
-  const Solid solid = make_solid(snout);
-  const dvec3 &o = local.origin, &u = local.direction;
-
-  Span span = nappe_span(solid, o, u);
-  span.clip(solid.bottom.above(o), solid.bottom.slope(u), kBottom);
-  span.clip(-solid.top.above(o), -solid.top.slope(u), kTop);
-  if (solid.bottom_limited) span.clip(o.z - solid.lowest, u.z, kBottomLevel);
-  if (solid.top_limited) span.clip(solid.highest - o.z, -u.z, kTopLevel);
-  if (span.empty() || !std::isfinite(span.from) || !std::isfinite(span.to)) return hits;
-
-  const auto emit = [&](double s, int face) {
-    const double t = local.t(s);
-    switch (face) {
-      case kBottom:
-        if (caps.bottom) hits.insert({t, {solid.bottom.tangent, -1.0}});
-        break;
-      case kTop:
-        if (caps.top) hits.insert({t, {-solid.top.tangent, 1.0}});
-        break;
-      case kBottomLevel:
-        if (caps.bottom) hits.insert({t, {0.0, 0.0, -1.0}});
-        break;
-      case kTopLevel:
-        if (caps.top) hits.insert({t, {0.0, 0.0, 1.0}});
-        break;
-      default:
-        hits.insert({t, solid.normal(o + s * u)});
-    }
-  };
-  emit(span.from, span.from_face);
-  emit(span.to, span.to_face);
+  const auto solid = exact.scaled<Real>(inverse_power_of_two(widest));
+  Span<Real> span = nappe_span(solid, local.origin, local.direction);
+  clip_ends(solid, local.origin, local.direction, span);
+  const unsigned hidden = (caps.bottom ? 0u : 1u << kBottom | 1u << kBottomLevel) |  //
+                          (caps.top ? 0u : 1u << kTop | 1u << kTopLevel);
+  add_hits(hits, local, span, hidden, [&](int face, const Vec3<Real>& p) { return solid.normal(face, p); });
   return hits;
 }
-
 template Hits intersect<double>(const core::Snout&, const Ray&, Caps);
 template Hits intersect<float>(const core::Snout&, const Ray&, Caps);
 
@@ -238,7 +275,7 @@ core::Mesh tessellate(const core::Snout& snout, const Tessellation& config, Caps
     for (core::vec3& p : mesh.positions) p += core::vec3(disc.centre);
     return mesh;
   }
-  const Solid solid = make_solid(snout);
+  const Solid<> solid = make_solid(snout);
   const double widest = std::max(solid.radius_at(solid.lowest), solid.radius_at(solid.highest));
   const std::vector<Rung> rungs = make_rungs(solid, segment_count(config, widest, 2.0 * std::numbers::pi));
   const int count = static_cast<int>(rungs.size());
