@@ -84,6 +84,12 @@ inline double weight(double a, double b) {
   return ratio * ratio;
 }
 
+/// The weights of a box of these half extents, one of which is positive.
+inline dvec3 weights(const dvec3& half) {
+  const double most = std::max(half.x, std::max(half.y, half.z));
+  return {weight(most, half.x), weight(most, half.y), weight(most, half.z)};
+}
+
 /// Where the weighted distance to the local origin is least. With weights 1 / extent^2, up to a common factor, this
 /// lies within sqrt(3) extents along each axis if the ray meets the box -extent … extent at all. Origins up to 1e150.
 inline double closest_approach(const dvec3& o, const dvec3& d, const dvec3& weights) {

@@ -18,12 +18,10 @@ template <class Real>
 Hits intersect(const core::Primitive& primitive, const Ray& ray, Caps caps) {
   return std::visit(
       [&](const auto& p) -> Hits {
-        using Kind = std::decay_t<decltype(p)>;
-        if constexpr (std::is_same_v<Kind, core::Cylinder> || std::is_same_v<Kind, core::Snout> ||
-                      std::is_same_v<Kind, core::CircularTorus>) {
-          return intersect<Real>(p, ray, caps);
-        } else {
+        if constexpr (std::is_same_v<std::decay_t<decltype(p)>, core::Line>) {
           return {};
+        } else {
+          return intersect<Real>(p, ray, caps);
         }
       },
       primitive);

@@ -5,10 +5,9 @@
 
 namespace sightline::gpuprims {
 
-/// Crossings of the ray's full line with any primitive, in rising t, as each kind's own header says. A line has
-/// none, and so far nor have box, pyramid, sphere, dishes and rectangular torus. Undefined rays and parameters (not
-/// finite) hit nothing. Real is what the primitive's own part computes in, double or float; the ray is moved into its
-/// neighbourhood in double either way, and t comes back in double.
+/// Crossings of the ray's full line with any primitive, in rising t, as each kind's own header says. A line has none.
+/// Undefined rays and parameters (not finite) hit nothing. Real is what the primitive's own part computes in, double or
+/// float; the ray is moved into its neighbourhood in double either way, and t comes back in double.
 template <class Real = double>
 Hits intersect(const core::Primitive& primitive, const Ray& ray, Caps caps = {});
 

@@ -2,9 +2,86 @@
 
 #include <cmath>
 
+#include "sightline/gpuprims/local_ray.h"
 #include "sightline/gpuprims/mesh_builder.h"
 
 namespace sightline::gpuprims {
+namespace {
+
+enum SideFace : int { kSides = kTop + 1 };  ///< -x, +x, -y, +y
+
+/// x and y alike: |position - lean z| <= width + widening z.
+template <class Real>
+struct Frustum {
+  Vec2<Real> lean, width, widening;
+  Real half_height;
+
+  void clip_sides(const Vec3<Real>& o, const Vec3<Real>& u, Span<Real>& span) const {
+    for (int axis = 0; axis < 2; ++axis) {
+      const Real value = o[axis] - lean[axis] * o.z, slope = u[axis] - lean[axis] * u.z;
+      const Real reach = width[axis] + widening[axis] * o.z, growth = widening[axis] * u.z;
+      const bool flat = width[axis] == 0 && widening[axis] == 0;
+      if (flat && slope == 0) span = Span<Real>::nothing();  // edge on
+      span.clip(reach + value, growth + slope, kSides + 2 * axis);
+      span.clip(reach - value, growth - slope, kSides + 2 * axis + 1);
+    }
+  }
+  /// Whether any point above or below p is in the frustum.
+  bool casts_shadow_on(const Vec3<Real>& p) const {
+    Span<Real> column{-half_height, half_height};
+    clip_sides({p.x, p.y, 0}, {0, 0, 1}, column);
+    return !column.empty();
+  }
+  Vec3<Real> normal(int face) const {
+    if (face < kSides) return {0, 0, face == kTop ? 1 : -1};
+    const int axis = (face - kSides) / 2;
+    const Real side = (face - kSides) % 2 == 0 ? Real(-1) : Real(1);
+    Vec3<Real> n(0, 0, -side * lean[axis] - widening[axis]);
+    n[axis] = side;
+    return n;
+  }
+};
+
+/// As if of that height, lengths multiplied by `scale`.
+template <class Real>
+Frustum<Real> make_frustum(const core::Pyramid& p, double height, double scale) {
+  const dvec2 bottom = glm::abs(dvec2(p.bottom_x, p.bottom_y)), top = glm::abs(dvec2(p.top_x, p.top_y));
+  return {Vec2<Real>(dvec2(p.offset_x, p.offset_y) / height), Vec2<Real>(0.25 * scale * (bottom + top)),
+          Vec2<Real>(0.5 * (top - bottom) / height), Real(0.5 * scale * height)};
+}
+
+dvec3 half_extents(const core::Pyramid& p) {
+  const double x = std::max(std::fabs(p.bottom_x), std::fabs(p.top_x)) + std::fabs(double(p.offset_x));
+  const double y = std::max(std::fabs(p.bottom_y), std::fabs(p.top_y)) + std::fabs(double(p.offset_y));
+  return 0.5 * dvec3(x, y, std::fabs(p.height));
+}
+
+}  // namespace
+
+template <class Real>
+Hits intersect(const core::Pyramid& pyramid, const Ray& ray, Caps caps) {
+  Hits hits;
+  const dvec3 half = half_extents(pyramid);
+  const double size = std::max(half.x, std::max(half.y, half.z));
+  if (!(size > 0.0 && std::isfinite(half.x + half.y + half.z))) return hits;
+  const auto local = closest_approach<Real>(ray, weights(half), size);
+  if (!local.valid) return hits;
+
+  const bool flat = half.z == 0.0;
+  const auto frustum = make_frustum<Real>(pyramid, flat ? size : 2.0 * half.z, inverse_power_of_two(size));
+  Span<Real> span;
+  span.clip_slab(local.origin.z, local.direction.z, flat ? 0 : frustum.half_height, kBottom, kTop);
+  if (!flat) {
+    frustum.clip_sides(local.origin, local.direction, span);
+  } else if (span.empty() || !frustum.casts_shadow_on(local.at(span.from))) {
+    return hits;
+  }
+  add_hits(hits, local, span, hidden_faces(caps),
+           [&](int face, const Vec3<Real>& /*p*/) { return frustum.normal(face); });
+  return hits;
+}
+template Hits intersect<double>(const core::Pyramid&, const Ray&, Caps);
+template Hits intersect<float>(const core::Pyramid&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::Pyramid& p, const Tessellation& /*config*/, Caps caps) {
   const float values[] = {p.bottom_x, p.bottom_y, p.top_x, p.top_y, p.offset_x, p.offset_y, p.height};

@@ -1,6 +1,5 @@
-// gpuprims: analytic primitives. For each kind one stem: reference intersection in double and
-// float, tessellation by chord
-// tolerance, its GLSL twin below shaders/, and the packing of its parameters for the GPU.
+// gpuprims: analytic primitives. For each kind one stem: reference intersection in double and float, tessellation by
+// chord tolerance, its GLSL twin below shaders/, and the packing of its parameters for the GPU.
 //
 // This header holds what the reference intersections share.
 #pragma once

@@ -11,41 +11,41 @@ namespace {
 using twin::LVec;
 
 struct Solid {
-  core::Snout s;
-  core::EndRange bottom = core::bottom_end_range(s), top = core::top_end_range(s);
+  core::Snout shape;
+  core::EndRange bottom = core::bottom_end_range(shape), top = core::top_end_range(shape);
 
   // Straight from the definition in core/primitive.h.
   bool inside(const LVec& p) const {
-    const long double h = s.height, part = p.z / h;
+    const long double h = shape.height, part = p.z / h;
     if (p.z < -0.5L * h + bottom.min || p.z > 0.5L * h + top.max) return false;
     const long double r = radius(p.z);
-    const long double x = p.x - part * s.offset_x, y = p.y - part * s.offset_y;
+    const long double x = p.x - part * shape.offset_x, y = p.y - part * shape.offset_y;
     if (r < 0 || x * x + y * y > r * r) return false;
-    const long double low = -0.5L * h + std::tan((long double)s.bottom_shear_x) * (p.x + 0.5L * s.offset_x) +
-                            std::tan((long double)s.bottom_shear_y) * (p.y + 0.5L * s.offset_y);
-    const long double high = 0.5L * h + std::tan((long double)s.top_shear_x) * (p.x - 0.5L * s.offset_x) +
-                             std::tan((long double)s.top_shear_y) * (p.y - 0.5L * s.offset_y);
+    const long double low = -0.5L * h + std::tan((long double)shape.bottom_shear_x) * (p.x + 0.5L * shape.offset_x) +
+                            std::tan((long double)shape.bottom_shear_y) * (p.y + 0.5L * shape.offset_y);
+    const long double high = 0.5L * h + std::tan((long double)shape.top_shear_x) * (p.x - 0.5L * shape.offset_x) +
+                             std::tan((long double)shape.top_shear_y) * (p.y - 0.5L * shape.offset_y);
     return p.z >= low && p.z <= high;
   }
   long double radius(long double z) const {
-    return s.bottom_radius + ((long double)s.top_radius - s.bottom_radius) * (z / s.height + 0.5L);
+    return shape.bottom_radius + ((long double)shape.top_radius - shape.bottom_radius) * (z / shape.height + 0.5L);
   }
   long double lateral(const LVec& p) const {
-    const long double part = p.z / s.height;
-    return std::hypot(p.x - part * s.offset_x, p.y - part * s.offset_y) - radius(p.z);
+    const long double part = p.z / shape.height;
+    return std::hypot(p.x - part * shape.offset_x, p.y - part * shape.offset_y) - radius(p.z);
   }
   std::vector<dvec3> cap_normals() const {
-    return {{std::tan(double(s.bottom_shear_x)), std::tan(double(s.bottom_shear_y)), -1.0},
-            {-std::tan(double(s.top_shear_x)), -std::tan(double(s.top_shear_y)), 1.0},
+    return {{std::tan(double(shape.bottom_shear_x)), std::tan(double(shape.bottom_shear_y)), -1.0},
+            {-std::tan(double(shape.top_shear_x)), -std::tan(double(shape.top_shear_y)), 1.0},
             {0, 0, -1},
             {0, 0, 1}};
   }
   dvec3 half() const {
-    const core::AabbD box = core::bounds(s, {});
+    const core::AabbD box = core::bounds(shape, {});
     return glm::max(glm::abs(box.min), glm::abs(box.max));
   }
   double size() const { return glm::length(half()); }
-  double feature() const { return std::min({std::max(s.bottom_radius, s.top_radius), s.height}); }
+  double feature() const { return std::min({std::max(shape.bottom_radius, shape.top_radius), shape.height}); }
 };
 
 core::Snout random_snout(twin::Random& random, double steepest) {
@@ -84,17 +84,7 @@ core::Snout random_snout(twin::Random& random, double steepest) {
 }
 
 void run_against_twin(unsigned count, double steepest) {
-  twin::Tally tally;
-  for (unsigned seed = 0; seed < count; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    twin::Random random(seed);
-    const Solid solid{random_snout(random, steepest)};
-    const twin::Shot shot = random_shot(random, solid.half());
-    twin::compare(solid, shot, intersect(solid.s, shot.ray), tally);
-    if (testing::Test::HasFatalFailure()) return;
-  }
-  EXPECT_GT(tally.hit, tally.rays / 8);
-  testing::Test::RecordProperty("worst_over_size", testing::PrintToString(tally.worst));
+  twin::run_both(count, 0.125, [&](twin::Random& random) { return Solid{random_snout(random, steepest)}; });
 }
 
 TEST(Snout, AgreesWithTheMarchingTwin) {

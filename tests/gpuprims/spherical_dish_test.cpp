@@ -1,0 +1,83 @@
+#include "sightline/gpuprims/spherical_dish.h"
+
+#include <gtest/gtest.h>
+
+#include "intersection_twin.h"
+
+namespace sightline::gpuprims {
+namespace {
+
+using twin::LVec;
+
+struct Solid {
+  core::SphericalDish shape;
+  bool inside(const LVec& p) const {
+    const long double r = radius();
+    return p.z >= 0 && lateral(p) <= r * r;
+  }
+  long double radius() const {
+    const long double r = shape.base_radius, h = shape.height;
+    return (r * r + h * h) / (2.0L * h);
+  }
+  long double lateral(const LVec& p) const {
+    const long double z = p.z - (shape.height - radius());
+    return p.x * p.x + p.y * p.y + z * z;
+  }
+  std::vector<dvec3> cap_normals() const { return {{0, 0, -1}}; }
+  double widest() const { return shape.height > shape.base_radius ? double(radius()) : shape.base_radius; }
+  dvec3 half() const { return {widest(), widest(), shape.height}; }
+  double size() const { return glm::length(half()); }
+  double feature() const { return std::min(shape.base_radius, shape.height); }
+};
+
+TEST(SphericalDish, AgreesWithTheMarchingTwin) {
+  twin::run_both(6000, 0.125, [](twin::Random& random) {
+    const double scale = random.log_uniform(-6, 6);
+    return Solid{{float(scale), float(scale * random.log_uniform(-2, 2))}};
+  });
+}
+
+TEST(SphericalDish, KeepsItsPrecisionWhenVeryFlat) {
+  const core::SphericalDish flat{1.0f, 1e-6f};
+  const Hits hits = intersect(flat, {{0.6, 0.0, 1e3}, {0.0, 0.0, -1.0}});
+  ASSERT_EQ(hits.count, 2);
+  EXPECT_NEAR(hits.hit[0].t, 1e3 - (1.0 - 0.36) * 1e-6, 2e-13);
+  EXPECT_EQ(hits.hit[1].t, 1e3);
+}
+
+TEST(SphericalDish, HeightZeroIsADiscOfTwoSides) {
+  for (const float height : {0.0f, 1e-30f}) {
+    const core::SphericalDish disc{2.0f, height};
+    const Hits hits = intersect(disc, {{1.0, 0.0, 5.0}, {0.0, 0.0, -2.0}});
+    ASSERT_EQ(hits.count, 2);
+    EXPECT_EQ(hits.hit[0].t, 2.5);
+    EXPECT_EQ(hits.hit[0].normal.z, 1.0);
+    EXPECT_EQ(hits.hit[1].t, 2.5);
+    EXPECT_EQ(hits.hit[1].normal.z, -1.0);
+    EXPECT_EQ(intersect<float>(disc, {{1.0, 0.0, 5.0}, {0.0, 0.0, -2.0}}).count, 2);
+    EXPECT_EQ(intersect(disc, {{2.1, 0.0, 5.0}, {0.0, 0.0, -1.0}}).count, 0);
+    EXPECT_EQ(intersect(disc, {{1.0, 0.0, 5.0}, {0.0, 0.0, -2.0}}, {false, true}).count, 1) << "the upper side";
+  }
+}
+
+TEST(SphericalDish, BaseRadiusZeroIsABall) {
+  const Hits hits = intersect(core::SphericalDish{0.0f, 2.0f}, {{0.6, 0.0, 5.0}, {0.0, 0.0, -1.0}});
+  ASSERT_EQ(hits.count, 2);
+  EXPECT_NEAR(hits.hit[0].t, 5.0 - 1.8, 1e-14);
+  EXPECT_NEAR(hits.hit[1].t, 5.0 - 0.2, 1e-14);
+  EXPECT_EQ(intersect(core::SphericalDish{0.0f, 0.0f}, {{0.0, 0.0, 5.0}, {0.0, 0.0, -1.0}}).count, 0);
+}
+
+TEST(SphericalDish, OpenBaseDropsItsCrossingOnly) {
+  const core::SphericalDish dish{1.0f, 0.5f};
+  const Ray down{{0.1, 0.2, 5.0}, {0.0, 0.0, -1.0}};
+  const Hits open = intersect(dish, down, {false, true});
+  ASSERT_EQ(open.count, 1);
+  EXPECT_GT(open.hit[0].normal.z, 0.0);
+  const Hits closed = intersect(dish, down, {true, false});
+  ASSERT_EQ(closed.count, 2) << "it has no top";
+  EXPECT_EQ(closed.hit[1].t, 5.0);
+}
+
+}  // namespace
+}  // namespace sightline::gpuprims
