@@ -27,11 +27,11 @@
 #include "sightline/bench/harness.h"
 #include "sightline/core/bvh_build.h"
 #include "sightline/core/error.h"
+#include "sightline/core/instruction_set.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/cpu_culler.h"
-#include "sightline/culling/instruction_set.h"
 #include "sightline/culling/linear_culler.h"
 #include "sightline/culling/slot_list.h"
 
@@ -241,11 +241,10 @@ double time_refit(Subject& subject) {
 }
 
 core::Expected<void> choose_instructions(const std::string& name) {
-  for (const auto set :
-       {culling::InstructionSet::kScalar, culling::InstructionSet::kAvx2, culling::InstructionSet::kAvx512}) {
-    if (name != culling::name(set)) continue;
-    if (!culling::supported(set)) return core::fail("--simd " + name + ": this processor or build does not have it");
-    culling::force_instruction_set(set);
+  for (const auto set : {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
+    if (name != core::name(set)) continue;
+    if (!core::supported(set)) return core::fail("--simd " + name + ": this processor or build does not have it");
+    core::force_instruction_set(set);
   }
   return {};
 }
@@ -305,7 +304,7 @@ core::Expected<Json> measure(const Options& options) {
   Json json{{"items", boxes->size()},
             {"culler", options.culler},
             {"output", options.output},
-            {"instructions", culling::name(culling::instruction_set())},
+            {"instructions", core::name(core::instruction_set())},
             {"build_ms", subject.build_ms},
             {"refit_ms", refit_ms},
             {"bytes_per_item", subject.bytes_per_item()},

@@ -23,6 +23,10 @@ target_compile_options(sightline_flags INTERFACE
   # g++ 12 sees overlapping copies in std::string's own code (GCC bug 105651).
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
   $<$<AND:$<BOOL:${SIGHTLINE_WARNINGS_AS_ERRORS}>,$<CXX_COMPILER_ID:GNU,Clang>>:-Werror>)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  set(SIGHTLINE_X86_KERNELS TRUE)
+  target_compile_definitions(sightline_flags INTERFACE SIGHTLINE_X86_KERNELS)
+endif()
 if(SIGHTLINE_SANITIZE)
   target_compile_options(sightline_flags INTERFACE -fsanitize=${SIGHTLINE_SANITIZE} -fno-omit-frame-pointer
                          -fno-sanitize-recover=undefined)
@@ -36,6 +40,18 @@ function(sightline_library name)
   add_library(sightline::${name} ALIAS sightline_${name})
   target_link_libraries(sightline_${name} PUBLIC ${arg_LINKS} PRIVATE sightline_flags ${arg_PRIVATE_LINKS})
   target_include_directories(sightline_${name} PUBLIC ${SIGHTLINE_INCLUDE_ROOT})
+endfunction()
+
+# sightline_kernels(NAME AVX2 file AVX512 file): one binary for all processors. These files alone may use wider
+# instructions; core/instruction_set.h says which the processor has.
+function(sightline_kernels name)
+  cmake_parse_arguments(arg "" "AVX2;AVX512" "" ${ARGN})
+  if(SIGHTLINE_X86_KERNELS)
+    target_sources(sightline_${name} PRIVATE ${arg_AVX2} ${arg_AVX512})
+    set_source_files_properties(${arg_AVX2} PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma;-mbmi;-mpopcnt")
+    set_source_files_properties(${arg_AVX512} PROPERTIES
+      COMPILE_OPTIONS "-mavx512f;-mavx512bw;-mavx512dq;-mavx512vl;-mfma;-mbmi;-mpopcnt")
+  endif()
 endfunction()
 
 # sightline_program(NAME SOURCES … LINKS …): an executable in bin/.

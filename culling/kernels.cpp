@@ -1,19 +1,9 @@
 #include "sightline/culling/kernels.h"
 
-#include <atomic>
 #include <bit>
-#include <cassert>
 
 namespace sightline::culling {
 namespace {
-
-std::atomic<int> g_forced{-1};
-
-InstructionSet widest() {
-  for (const InstructionSet set : {InstructionSet::kAvx512, InstructionSet::kAvx2})
-    if (supported(set)) return set;
-  return InstructionSet::kScalar;
-}
 
 unsigned resolve(const ItemTest& test, std::size_t first, unsigned open, PlaneMask mask) {
   unsigned kept = 0;
@@ -42,37 +32,12 @@ ItemTest make_item_test(const core::ItemBounds& bounds, const CullPlanes& planes
   return test;
 }
 
-bool supported(InstructionSet set) {
-#ifdef SIGHTLINE_X86_KERNELS
-  if (set == InstructionSet::kAvx2) return __builtin_cpu_supports("avx2") != 0;
-  if (set == InstructionSet::kAvx512)
-    return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0 &&
-           __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0;
-#endif
-  return set == InstructionSet::kScalar;
-}
-
-InstructionSet instruction_set() {
-  static const InstructionSet best = widest();
-  const int forced = g_forced.load(std::memory_order_relaxed);
-  return forced < 0 ? best : InstructionSet(forced);
-}
-
-void force_instruction_set(std::optional<InstructionSet> set) {
-  assert(!set || supported(*set));
-  g_forced = set ? int(*set) : -1;
-}
-
-const char* name(InstructionSet set) {
-  return set == InstructionSet::kScalar ? "scalar" : set == InstructionSet::kAvx2 ? "avx2" : "avx512";
-}
-
 const Kernels& kernels() {
 #ifdef SIGHTLINE_X86_KERNELS
-  switch (instruction_set()) {
-    case InstructionSet::kAvx512:
+  switch (core::instruction_set()) {
+    case core::InstructionSet::kAvx512:
       return avx512_kernels();
-    case InstructionSet::kAvx2:
+    case core::InstructionSet::kAvx2:
       return avx2_kernels();
     default:
       break;

@@ -6,10 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "sightline/core/instruction_set.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/frustum_test.h"
 #include "sightline/culling/hierarchy.h"
-#include "sightline/culling/instruction_set.h"
 
 namespace sightline::culling {
 

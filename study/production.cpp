@@ -33,10 +33,10 @@ class Production : public Method {
   Production(const ProductionForm& form, std::span<const core::Aabb> boxes) : form_(form), scene_(boxes) {
     list_.reserve(boxes.size());
   }
-  ~Production() override { culling::force_instruction_set(std::nullopt); }
+  ~Production() override { core::force_instruction_set(std::nullopt); }
 
   void cull(const core::View& view) override {
-    culling::force_instruction_set(form_.instructions);
+    core::force_instruction_set(form_.instructions);
     if (form_.hierarchy)
       scene_.culler->cull(view, set_);
     else
@@ -75,9 +75,9 @@ class Production : public Method {
 }  // namespace
 
 std::vector<ProductionForm> production_forms() {
-  using culling::InstructionSet;
+  using core::InstructionSet;
   std::vector<ProductionForm> forms{{"production", std::nullopt, false}, {"production ids", std::nullopt, true}};
-  if (culling::supported(InstructionSet::kAvx2) && culling::instruction_set() != InstructionSet::kAvx2)
+  if (core::supported(InstructionSet::kAvx2) && core::instruction_set() != InstructionSet::kAvx2)
     forms.push_back({"production AVX2", InstructionSet::kAvx2, false});
   forms.push_back({"production scalar", InstructionSet::kScalar, false});
   return forms;

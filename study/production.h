@@ -8,16 +8,16 @@
 #include <vector>
 
 #include "sightline/core/aabb.h"
-#include "sightline/culling/instruction_set.h"
+#include "sightline/core/instruction_set.h"
 #include "sightline/study/method.h"
 
 namespace sightline::study {
 
 struct ProductionForm {
   std::string name;
-  std::optional<culling::InstructionSet> instructions;  ///< nullopt: the widest that the processor has
-  bool list_ids = false;                                ///< also write every visible box's index; otherwise ranges
-  bool hierarchy = true;                                ///< false: the linear culler
+  std::optional<core::InstructionSet> instructions;  ///< nullopt: the widest that the processor has
+  bool list_ids = false;                             ///< also write every visible box's index; otherwise ranges
+  bool hierarchy = true;                             ///< false: the linear culler
 };
 
 /// The plain form, "production", first; then those that this processor can run. All use one thread.

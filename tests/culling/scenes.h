@@ -16,8 +16,8 @@
 #include "sightline/core/view.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/frustum_test.h"
-#include "sightline/culling/instruction_set.h"
 #include "sightline/tests/core/primitive_samples.h"
+#include "sightline/tests/support/instruction_sets.h"
 
 namespace sightline::tests {
 
@@ -138,19 +138,6 @@ inline bool left_open(const culling::CullPlanes& planes, const core::Aabb& box) 
   for (int k = planes.union_first(); k < planes.plane_count(); ++k)
     if (near_plane(k)) return true;
   return planes.union_first() == planes.plane_count();
-}
-
-/// Runs `check` in every form of the kernels that this machine has.
-template <class Check>
-void for_each_instruction_set(const Check& check) {
-  for (const auto set :
-       {culling::InstructionSet::kScalar, culling::InstructionSet::kAvx2, culling::InstructionSet::kAvx512}) {
-    if (!culling::supported(set)) continue;
-    SCOPED_TRACE(culling::name(set));
-    culling::force_instruction_set(set);
-    check();
-  }
-  culling::force_instruction_set(std::nullopt);
 }
 
 /// Boxes in the order that a hierarchy gives them, with the culler over it. The last `unsorted` ones stay as they are.

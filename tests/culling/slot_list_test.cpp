@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/culling/instruction_set.h"
+#include "sightline/core/instruction_set.h"
 
 namespace sightline::culling {
 namespace {
@@ -38,10 +38,11 @@ TEST(SlotList, ListsWhatTheSetHolds) {
   constexpr unsigned kSeed = 20261121;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   constexpr std::uint32_t kSentinel = 0xdeadbeef;
-  for (const InstructionSet simd : {InstructionSet::kScalar, InstructionSet::kAvx2, InstructionSet::kAvx512}) {
-    if (!supported(simd)) continue;
-    SCOPED_TRACE(name(simd));
-    force_instruction_set(simd);
+  for (const core::InstructionSet simd :
+       {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
+    if (!core::supported(simd)) continue;
+    SCOPED_TRACE(core::name(simd));
+    core::force_instruction_set(simd);
     std::mt19937 random(kSeed);
     for (int round = 0; round < 200; ++round) {
       const core::VisibleSet set = random_set(random);
@@ -55,7 +56,7 @@ TEST(SlotList, ListsWhatTheSetHolds) {
       ASSERT_EQ(list.back(), kSentinel) << "wrote beyond the set";
       for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_EQ(list[i], ids[expected[i]]);
     }
-    force_instruction_set({});
+    core::force_instruction_set({});
   }
 }
 

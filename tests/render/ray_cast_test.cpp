@@ -9,9 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing.h"
-#include "sightline/gpuprims/circular_torus.h"
-#include "sightline/gpuprims/cylinder.h"
-#include "sightline/gpuprims/snout.h"
+#include "sightline/gpuprims/primitives.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline {
@@ -26,34 +24,6 @@ using core::View;
 
 constexpr int kWidth = 96, kHeight = 64;
 constexpr double kAspect = double(kWidth) / kHeight;
-
-/// Ball of `radii` about (0, 0, centre), kept above z = 0: what spheres and dishes are. Written apart from the library.
-gpuprims::Hits intersect_ball(const gpuprims::Ray& ray, const dvec3& radii, double centre, bool whole) {
-  gpuprims::Hits hits;
-  const dvec3 o = (ray.origin - dvec3(0, 0, centre)) / radii, d = ray.direction / radii;
-  const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - 1.0, disc = b * b - a * c;
-  if (disc < 0.0) return hits;
-  for (const double t : {(-b - std::sqrt(disc)) / a, (-b + std::sqrt(disc)) / a})
-    if (whole || ray.origin.z + t * ray.direction.z >= 0.0) hits.insert({t, o + t * d});
-  const double base = -ray.origin.z / ray.direction.z;
-  const dvec3 p = o + base * d;
-  if (!whole && ray.direction.z != 0.0 && glm::dot(p, p) <= 1.0) hits.insert({base, {0, 0, -1}});
-  return hits;
-}
-
-gpuprims::Hits intersect_any(const core::Primitive& primitive, const gpuprims::Ray& ray) {
-  if (const auto* s = std::get_if<core::Sphere>(&primitive))
-    return intersect_ball(ray, dvec3(0.5 * s->diameter), 0.0, true);
-  if (const auto* e = std::get_if<core::EllipticalDish>(&primitive))
-    return intersect_ball(ray, dvec3(e->base_radius, e->base_radius, e->height), 0.0, false);
-  if (const auto* s = std::get_if<core::SphericalDish>(&primitive)) {
-    const double r = s->base_radius, h = s->height, radius = (r * r + h * h) / (2.0 * h);
-    return intersect_ball(ray, dvec3(radius), h - radius, false);
-  }
-  if (const auto* c = std::get_if<core::Cylinder>(&primitive)) return gpuprims::intersect(*c, ray);
-  if (const auto* s = std::get_if<core::Snout>(&primitive)) return gpuprims::intersect(*s, ray);
-  return gpuprims::intersect(std::get<core::CircularTorus>(primitive), ray);
-}
 
 bool sections_keep(const View& view, const dvec3& p) {
   if (view.sections.empty()) return true;
@@ -101,7 +71,7 @@ double reference_depth(const core::Primitive& primitive, const Affine& world_fro
   const dvec3 world_direction = dmat3(world_from_eye) * direction;
   const dmat3 item_from_world = glm::inverse(world_from_item.linear);
   const gpuprims::Ray ray{item_from_world * (world_origin - world_from_item.origin), item_from_world * world_direction};
-  const gpuprims::Hits hits = intersect_any(primitive, ray);
+  const gpuprims::Hits hits = gpuprims::intersect(primitive, ray);
   double first = std::numeric_limits<double>::infinity();
   for (int i = 0; i < hits.count; ++i) {
     const double t = hits.hit[i].t;

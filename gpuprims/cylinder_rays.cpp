@@ -1,0 +1,47 @@
+#include "sightline/gpuprims/cylinder_rays.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "sightline/core/instruction_set.h"
+#include "sightline/gpuprims/cylinder_rays_impl.h"
+#include "sightline/gpuprims/local_ray.h"
+
+namespace sightline::gpuprims {
+
+void first_crossings(const core::Cylinder& cylinder, const RayArrays& rays, std::span<const double> t_min, Caps caps,
+                     std::span<double> t) {
+  assert(t_min.size() >= rays.count && t.size() >= rays.count);
+  const double radius = std::fabs(cylinder.radius), half = 0.5 * std::fabs(cylinder.height);
+  if (!(radius > 0.0 && std::isfinite(radius + half))) {
+    std::fill_n(t.begin(), rays.count, std::numeric_limits<double>::infinity());
+    return;
+  }
+  const CylinderRays in{{rays.origin[0], rays.origin[1], rays.origin[2]},
+                        {rays.direction[0], rays.direction[1], rays.direction[2]},
+                        t_min.data(),
+                        t.data(),
+                        rays.count,
+                        radius,
+                        half,
+                        weight(radius, half),
+                        1024 * std::numeric_limits<double>::min(),
+                        std::numeric_limits<double>::infinity(),
+                        !caps.bottom,
+                        !caps.top};
+#ifdef SIGHTLINE_X86_KERNELS
+  switch (core::instruction_set()) {
+    case core::InstructionSet::kAvx512:
+      return first_crossings_avx512(in);
+    case core::InstructionSet::kAvx2:
+      return first_crossings_avx2(in);
+    default:
+      break;
+  }
+#endif
+  first_crossings(in);
+}
+
+}  // namespace sightline::gpuprims

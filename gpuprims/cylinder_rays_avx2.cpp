@@ -1,0 +1,10 @@
+// cylinder_rays.h for AVX2.
+#include "sightline/gpuprims/cylinder_rays_impl.h"
+
+namespace sightline::gpuprims {
+
+void first_crossings_avx2(const CylinderRays& in) {
+  first_crossings(in);
+}
+
+}  // namespace sightline::gpuprims

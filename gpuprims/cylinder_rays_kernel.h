@@ -1,0 +1,23 @@
+// Internal: cylinder_rays.h for one instruction set each.
+#pragma once
+
+#include <cstddef>
+
+namespace sightline::gpuprims {
+
+struct CylinderRays {
+  const double* origin[3];
+  const double* direction[3];
+  const double* t_min;
+  double* t;
+  std::size_t count;
+  double radius, half, weight;  ///< of z in closest_approach()
+  double least;                 ///< squared part of a direction across the axis below which it counts as parallel
+  double infinity;
+  bool bottom_open, top_open;
+};
+
+void first_crossings_avx2(const CylinderRays& in);
+void first_crossings_avx512(const CylinderRays& in);
+
+}  // namespace sightline::gpuprims

@@ -1,0 +1,24 @@
+// Runs a check in every form of the kernels.
+#pragma once
+
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "sightline/core/instruction_set.h"
+
+namespace sightline::tests {
+
+/// Runs `check` in every form of the kernels that this machine has.
+template <class Check>
+void for_each_instruction_set(const Check& check) {
+  for (const auto set : {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
+    if (!core::supported(set)) continue;
+    SCOPED_TRACE(core::name(set));
+    core::force_instruction_set(set);
+    check();
+  }
+  core::force_instruction_set(std::nullopt);
+}
+
+}  // namespace sightline::tests
