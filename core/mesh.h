@@ -27,4 +27,15 @@ struct Mesh {
   bool is_facet_group() const { return !polygon_contours.empty(); }
 };
 
+/// What a mesh's triangles enclose, if anything.
+enum class Enclosure : std::uint8_t {
+  kNothing,  ///< open: some edge has no neighbour, or one that runs the same way
+  kInside,   ///< a solid, its triangles counter-clockwise from outside
+  kOutside,  ///< a solid whose triangles are clockwise from outside
+};
+
+/// Tells solids from sheets: closed is where every edge, as a pair of positions, is run as often forth as back.
+/// Vertices doubled for their normals count as one. Sorts the mesh's vertices and edges: about 0.2 us for each index.
+Enclosure enclosure(const Mesh& mesh);
+
 }  // namespace sightline::core

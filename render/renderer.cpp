@@ -31,12 +31,18 @@ constexpr GLint kRecordCountUniform = 0;
 enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
 enum VertexAttribute : GLuint { kInstanceAttribute, kPositionAttribute, kNormalAttribute };
 
+gl::ShaderContext shader_context() {
+  gl::ShaderContext context;
+  context.tables = {shaders(), gpuprims::shaders()};
+  return context;
+}
+
 core::Expected<gl::Program> make_program(const gl::Functions& gl, BatchKind kind) {
   const ProgramFiles& files = kProgramFiles[std::size_t(kind)];
   gl::ProgramDescription description;
   description.name = gpuscene::batch_name(kind);
   description.stages = {{GL_VERTEX_SHADER, {files.vertex}}, {GL_FRAGMENT_SHADER, {files.fragment}}};
-  description.shaders.tables = {shaders(), gpuprims::shaders()};
+  description.shaders = shader_context();
   description.shaders.defines = {files.define};
   return gl::Program::create(gl, description);
 }
@@ -129,14 +135,30 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
   gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, lists.commands().id());
   for (const gpuscene::Batch& batch : scene.batches())
     if (lists.section(batch.kind).count > 0) draw_batch(batch, scene, lists);
+  const gpuscene::Batch* meshes = scene.batch(BatchKind::kMesh);
+  if (meshes && !view.sections.empty() && lists.section(BatchKind::kMesh).count > 0)
+    return draw_section_caps(snapshot, *meshes, scene, lists, target);
+  return {};
+}
+
+core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot, const gpuscene::Batch& meshes,
+                                                 const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                                                 const RenderTarget& target) {
+  if (!section_caps_) {
+    auto caps = SectionCaps::create(*gl_, shader_context());
+    if (!caps) return tl::unexpected(caps.error());
+    section_caps_ = std::move(*caps);
+  }
+  if (auto done = section_caps_->prepare(snapshot, meshes, target.width(), target.height()); !done) return done;
+  gl_->BindTextureUnit(kPayloadUnit, meshes.texels.id());
+  gl_->Disable(GL_CULL_FACE);
+  section_caps_->draw([&] { submit_batch(meshes, scene, lists); });
   return {};
 }
 
 void Renderer::draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
                           const gpuscene::DrawLists& lists) const {
   const gl::Functions& gl = *gl_;
-  const gpuscene::DrawLists::Section& section = lists.section(batch.kind);
-  const auto* offset = reinterpret_cast<const void*>(section.offset);  // NOLINT(performance-no-int-to-ptr): so is GL
   programs_[std::size_t(batch.kind)].use();
   gl.BindTextureUnit(kPayloadUnit, batch.texels.id());
   // Proxies show their front faces, and must survive in front of the near plane: the surface behind them may be beyond
@@ -144,6 +166,17 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene
   const auto toggle = gpuscene::is_ray_cast(batch.kind) ? gl.Enable : gl.Disable;
   toggle(GL_DEPTH_CLAMP);
   toggle(GL_CULL_FACE);
+  if (batch.kind != BatchKind::kMesh)
+    gl.ProgramUniform1ui(programs_[std::size_t(batch.kind)].id(), kRecordCountUniform, batch.count);
+  submit_batch(batch, scene, lists);
+}
+
+/// With the program that is in use.
+void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
+                            const gpuscene::DrawLists& lists) const {
+  const gl::Functions& gl = *gl_;
+  const gpuscene::DrawLists::Section& section = lists.section(batch.kind);
+  const auto* offset = reinterpret_cast<const void*>(section.offset);  // NOLINT(performance-no-int-to-ptr): so is GL
   GLenum mode = GL_TRIANGLES, index_type = GL_UNSIGNED_SHORT;
   if (batch.kind == BatchKind::kMesh) {
     if (scene.meshes().indices.id() == 0) return;
@@ -155,7 +188,6 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene
     mesh_array_.bind();
   } else {
     if (batch.kind == BatchKind::kLine) mode = GL_LINES;
-    gl.ProgramUniform1ui(programs_[std::size_t(batch.kind)].id(), kRecordCountUniform, batch.count);
     gl.VertexArrayElementBuffer(corner_array_.id(), lists.corner_indices().id());
     corner_array_.bind();
   }
@@ -171,7 +203,7 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene
 }
 
 std::size_t Renderer::memory_bytes() const {
-  return view_block_.size() + chunk_rows_.size();
+  return view_block_.size() + chunk_rows_.size() + (section_caps_ ? section_caps_->memory_bytes() : 0);
 }
 
 }  // namespace sightline::render

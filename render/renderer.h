@@ -10,6 +10,7 @@
 #include "sightline/gl/vertex_array.h"
 #include "sightline/gpuscene/draw_lists.h"
 #include "sightline/render/render_target.h"
+#include "sightline/render/section_caps.h"
 
 namespace sightline::render {
 
@@ -32,6 +33,11 @@ class Renderer {
   core::Expected<void> upload_view(const core::View& view, const core::Snapshot& snapshot, const RenderTarget& target);
   void draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
                   const gpuscene::DrawLists& lists) const;
+  void submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
+                    const gpuscene::DrawLists& lists) const;
+  core::Expected<void> draw_section_caps(const core::Snapshot& snapshot, const gpuscene::Batch& meshes,
+                                         const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                                         const RenderTarget& target);
 
   const gl::Functions* gl_ = nullptr;
   std::array<gl::Program, gpuscene::kBatchKindCount> programs_;
@@ -39,6 +45,7 @@ class Renderer {
   gl::Buffer view_block_, chunk_rows_;
   gl::TextureBuffer chunk_texels_;
   std::size_t chunk_capacity_ = 0;
+  std::optional<SectionCaps> section_caps_;  // from the first view with sections on, if there are meshes
 };
 
 }  // namespace sightline::render

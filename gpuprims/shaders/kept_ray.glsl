@@ -50,3 +50,10 @@ Search search_kept(vec3 start, vec3 direction, uint hidden, out vec3 cut_normal)
   }
   return search;
 }
+
+// Eye depth at which what the sections keep begins on a pixel's ray, between near and far plane; kNoHit where it does not.
+float section_entry(vec2 pixel, out vec3 cut_normal) {
+  Search search = search_kept(eye_point(pixel, 0.0), eye_direction(pixel), 0u, cut_normal);
+  if (search.cut_second && search.second.x <= search.second.y) return search.second.x;
+  return search.cut_first && search.first.x <= search.first.y ? search.first.x : kNoHit;
+}

@@ -1,0 +1,119 @@
+#include "sightline/render/section_caps.h"
+
+#include <unordered_map>
+
+namespace sightline::render {
+namespace {
+
+constexpr GLuint kEnclosureUnit = 4;
+enum StorageBinding : GLuint { kCellBinding = 1, kNodeBinding };
+constexpr GLint kWidthUniform = 1;
+constexpr std::size_t kCellBytes = 12, kNodeBytes = 8, kNodeHeaderBytes = 8;
+
+core::Expected<gl::Program> make_program(const gl::Functions& gl, const gl::ShaderContext& shaders, const char* name,
+                                         const char* vertex, const char* fragment, const char* define) {
+  gl::ProgramDescription description;
+  description.name = name;
+  description.stages = {{GL_VERTEX_SHADER, {vertex}}, {GL_FRAGMENT_SHADER, {fragment}}};
+  description.shaders = shaders;
+  description.shaders.defines = {define};
+  return gl::Program::create(gl, description);
+}
+
+/// For each record of the mesh batch, which come in slot order, what its mesh encloses.
+std::vector<std::uint8_t> enclosures(const core::Snapshot& snapshot) {
+  std::unordered_map<std::uint32_t, core::Enclosure> of_mesh;
+  std::vector<std::uint8_t> of_record;
+  for (core::Slot slot = 0; slot < snapshot.size(); ++slot) {
+    const core::Kind kind = snapshot.kind(slot);
+    if (gpuscene::batch_of(kind) != gpuscene::BatchKind::kMesh) continue;
+    const std::uint32_t mesh = snapshot.of_kind(kind).meshes[snapshot.index_in_kind(slot)];
+    const auto [place, fresh] = of_mesh.try_emplace(mesh);
+    if (fresh) place->second = core::enclosure(snapshot.scene().mesh(snapshot.scene().mesh_at(mesh)));
+    of_record.push_back(std::uint8_t(place->second));
+  }
+  return of_record;
+}
+
+}  // namespace
+
+core::Expected<SectionCaps> SectionCaps::create(const gl::Functions& gl, const gl::ShaderContext& shaders) {
+  SectionCaps caps;
+  caps.gl_ = &gl;
+  const auto make = [&](gl::Program& program, const char* name, const char* vertex, const char* fragment,
+                        const char* define) -> core::Expected<void> {
+    auto made = make_program(gl, shaders, name, vertex, fragment, define);
+    if (!made) return tl::unexpected(made.error());
+    program = std::move(*made);
+    return {};
+  };
+  auto done = make(caps.count_, "crossings counted", "mesh.vert", "section_crossing.frag", "COUNT_CROSSINGS");
+  if (done) done = make(caps.list_, "crossings listed", "mesh.vert", "section_crossing.frag", "LIST_CROSSINGS");
+  if (done) done = make(caps.caps_, "section caps", "section_cap.vert", "section_cap.frag", "SECTION_CAPS");
+  if (!done) return tl::unexpected(done.error());
+  caps.no_attributes_ = gl::VertexArray(gl);
+  return caps;
+}
+
+core::Expected<void> SectionCaps::prepare(const core::Snapshot& snapshot, const gpuscene::Batch& meshes, int width,
+                                          int height) {
+  if (width != width_ || height != height_) {
+    const std::size_t pixels = std::size_t(width) * std::size_t(height);
+    auto cells = gl::Buffer::create(*gl_, pixels * kCellBytes, nullptr, 0, "section crossings of pixels");
+    if (!cells) return tl::unexpected(cells.error());
+    auto nodes = gl::Buffer::create(*gl_, kNodeHeaderBytes + pixels * kListed * kNodeBytes, nullptr, 0,
+                                    "lists of section crossings");
+    if (!nodes) return tl::unexpected(nodes.error());
+    cells_ = std::move(*cells);
+    nodes_ = std::move(*nodes);
+    width_ = width;
+    height_ = height;
+  }
+  if (mesh_count_ == meshes.count) return {};
+  const std::vector<std::uint8_t> of_record = enclosures(snapshot);
+  auto buffer = gl::Buffer::create(*gl_, std::span(of_record), 0, "what meshes enclose");
+  if (!buffer) return tl::unexpected(buffer.error());
+  auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_R8UI, "what meshes enclose");
+  if (!texels) return tl::unexpected(texels.error());
+  enclosures_ = std::move(*buffer);
+  enclosure_texels_ = std::move(*texels);
+  mesh_count_ = meshes.count;
+  return {};
+}
+
+void SectionCaps::begin_counting() const {
+  const gl::Functions& gl = *gl_;
+  const GLuint zero = 0;
+  gl.ClearNamedBufferSubData(cells_.id(), GL_R32UI, 0, GLsizeiptr(cells_.size()), GL_RED_INTEGER, GL_UNSIGNED_INT,
+                             &zero);
+  gl.ClearNamedBufferSubData(nodes_.id(), GL_R32UI, 0, kNodeHeaderBytes, GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
+  gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kCellBinding, cells_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kNodeBinding, nodes_.id());
+  gl.BindTextureUnit(kEnclosureUnit, enclosure_texels_.id());
+  for (const gl::Program* program : {&count_, &list_, &caps_})
+    gl.ProgramUniform1i(program->id(), kWidthUniform, width_);
+  // Every crossing counts, whatever hides it and however far behind the far plane it is.
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Enable(GL_DEPTH_CLAMP);
+  gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  count_.use();
+}
+
+void SectionCaps::begin_listing() const {
+  gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  list_.use();
+}
+
+void SectionCaps::draw_caps() const {
+  const gl::Functions& gl = *gl_;
+  gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  gl.Disable(GL_DEPTH_CLAMP);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  caps_.use();
+  no_attributes_.bind();
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace sightline::render

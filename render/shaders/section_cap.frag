@@ -1,0 +1,35 @@
+// Cut faces of closed meshes.
+#include "kept_ray.glsl"
+#include "payload.glsl"
+#include "section_cells.glsl"
+#include "shading.glsl"
+
+const int kLongestList = 256;
+
+// Of the meshes that the cut point is in, the one with the first record; of one alone, the sum says which.
+uint record_at(Cell cell) {
+  if (cell.winding == 1) return cell.records - 1u;
+  uint found = 0xffffffffu;
+  int steps = 0;
+  for (uint i = cell.head; i != 0u && steps < kLongestList; i = nodes[i - 1u].next, ++steps) {
+    uint record = nodes[i - 1u].crossing >> 1;
+    if (record >= found) continue;
+    int winding = 0, counted = 0;
+    for (uint j = cell.head; j != 0u && counted < kLongestList; j = nodes[j - 1u].next, ++counted)
+      if (nodes[j - 1u].crossing >> 1 == record) winding += (nodes[j - 1u].crossing & 1u) != 0u ? 1 : -1;
+    if (winding > 0) found = record;
+  }
+  return found;
+}
+
+void main() {
+  Cell cell = cells[cell_of_pixel()];
+  if (cell.winding < 1) discard;
+  uint record = record_at(cell);
+  if (record == 0xffffffffu) discard;
+  uvec4 words = payload_texel(record, 4, 3);  // chunk, item id, material and flags
+  if (dithered_away(words.z, words.y)) discard;
+  vec3 normal;
+  gl_FragDepth = depth_at(section_entry(gl_FragCoord.xy, normal));
+  write_surface(normal, eye_direction(gl_FragCoord.xy), words.z, words.y);
+}
