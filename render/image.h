@@ -1,6 +1,7 @@
 // Images on the CPU: PNG and PFM files, and comparison for regression tests.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -25,6 +26,13 @@ struct DepthImage {
 struct IdImage {
   int width = 0, height = 0;
   std::vector<std::uint32_t> ids;
+};
+
+/// Unit normals in eye space as surfaces are shaded with them, towards the eye, rows top to bottom; zero where nothing
+/// was drawn.
+struct NormalImage {
+  int width = 0, height = 0;
+  std::vector<std::array<float, 3>> normals;
 };
 
 /// Writers go through a temporary file and replace `path` only when complete. Errors name the file and the reason.

@@ -23,7 +23,8 @@ std::vector<T> read_flipped(const gl::Texture2D& texture, GLenum format, GLenum 
 
 }  // namespace
 
-core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, int width, int height, bool with_ids) {
+core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, int width, int height, bool with_ids,
+                                                  bool with_normals) {
   const gl::Functions& gl = context.functions();
   RenderTarget target;
   std::vector<gl::Attachment> attachments;
@@ -37,6 +38,7 @@ core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, in
   };
   auto done = attach(target.colour_, GL_COLOR_ATTACHMENT0, GL_RGBA8, "colour target");
   if (done && with_ids) done = attach(target.ids_, GL_COLOR_ATTACHMENT1, GL_R32UI, "id target");
+  if (done && with_normals) done = attach(target.normals_, GL_COLOR_ATTACHMENT2, GL_RGBA32F, "normal target");
   if (done) done = attach(target.depth_, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, "depth target");
   if (!done) return tl::unexpected(done.error());
   auto framebuffer = gl::Framebuffer::create(gl, attachments, "render target");
@@ -46,7 +48,7 @@ core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, in
 }
 
 std::size_t RenderTarget::memory_bytes() const {
-  return std::size_t(width()) * std::size_t(height()) * (has_ids() ? 12 : 8);
+  return std::size_t(width()) * std::size_t(height()) * (8u + (has_ids() ? 4u : 0u) + (has_normals() ? 16u : 0u));
 }
 
 Image RenderTarget::read_colour() const {
@@ -60,6 +62,11 @@ Image RenderTarget::read_colour() const {
 IdImage RenderTarget::read_ids() const {
   assert(has_ids());
   return {width(), height(), read_flipped<std::uint32_t>(ids_, GL_RED_INTEGER, GL_UNSIGNED_INT, 1)};
+}
+
+NormalImage RenderTarget::read_normals() const {
+  assert(has_normals());
+  return {width(), height(), read_flipped<std::array<float, 3>>(normals_, GL_RGB, GL_FLOAT, 1)};
 }
 
 DepthImage RenderTarget::read_depth(const core::View& view) const {

@@ -37,13 +37,14 @@ gl::ShaderContext shader_context() {
   return context;
 }
 
-core::Expected<gl::Program> make_program(const gl::Functions& gl, BatchKind kind) {
+core::Expected<gl::Program> make_program(const gl::Functions& gl, BatchKind kind, bool with_normals) {
   const ProgramFiles& files = kProgramFiles[std::size_t(kind)];
   gl::ProgramDescription description;
   description.name = gpuscene::batch_name(kind);
   description.stages = {{GL_VERTEX_SHADER, {files.vertex}}, {GL_FRAGMENT_SHADER, {files.fragment}}};
   description.shaders = shader_context();
   description.shaders.defines = {files.define};
+  if (with_normals) description.shaders.defines.emplace_back("NORMALS");
   return gl::Program::create(gl, description);
 }
 
@@ -62,12 +63,13 @@ void describe_mesh(const gl::Functions& gl, GLuint array) {
 
 }  // namespace
 
-core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpuscene::GpuScene& scene) {
+core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpuscene::GpuScene& scene,
+                                          bool with_normals) {
   const gl::Functions& gl = context.functions();
   Renderer renderer;
   renderer.gl_ = &gl;
   for (const gpuscene::Batch& batch : scene.batches()) {
-    auto program = make_program(gl, batch.kind);
+    auto program = make_program(gl, batch.kind, with_normals);
     if (!program) return tl::unexpected(program.error());
     renderer.programs_[std::size_t(batch.kind)] = std::move(*program);
     gl::VertexArray& array = batch.kind == BatchKind::kMesh ? renderer.mesh_array_ : renderer.corner_array_;
@@ -124,8 +126,10 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
   const GLuint framebuffer = target.framebuffer().id();
   const float colour[4] = {background[0], background[1], background[2], 1.0f}, far_depth = 0.0f;
   const GLuint no_item[4] = {0, 0, 0, 0};
+  const float no_normal[4] = {0.0f, 0.0f, 0.0f, 0.0f};
   gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, colour);
   if (target.has_ids()) gl.ClearNamedFramebufferuiv(framebuffer, GL_COLOR, 1, no_item);
+  if (target.has_normals()) gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 2, no_normal);
   gl.ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
 
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, view_block_.id());

@@ -16,8 +16,10 @@ namespace sightline::render {
 
 class Renderer {
  public:
-  /// Compiles one program for each batch that `scene` holds and none else. Fails with the driver's log.
-  static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene);
+  /// Compiles one program for each batch that `scene` holds and none else, which also writes normals if asked to. Fails
+  /// with the driver's log.
+  static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene,
+                                         bool with_normals = false);
 
   /// Clears the target and draws what the lists name. Cylinders, snouts and torus slices are exact up to float
   /// arithmetic; depth is reverse-Z whatever the view's own convention. Sets all GL state it needs and leaves it set.

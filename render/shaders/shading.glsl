@@ -4,6 +4,9 @@ layout(binding = 2) uniform samplerBuffer materials;  // rgb: sRGB colour, a: al
 
 layout(location = 0) out vec4 out_colour;
 layout(location = 1) out uint out_id;  // item id + 1; 0 is background
+#ifdef NORMALS
+layout(location = 2) out vec4 out_normal;  // in eye space, towards the eye
+#endif
 
 vec4 material_of(uint word) { return texelFetch(materials, int(word & 0xffffffu)); }
 
@@ -27,4 +30,7 @@ void write_surface(vec3 normal, vec3 direction, uint word, uint id) {
   float gloss = 0.12 * pow(head, 24.0);
   out_colour = vec4(min(material_of(word).rgb * light + gloss, vec3(1.0)), 1.0);
   out_id = id + 1u;
+#ifdef NORMALS
+  out_normal = vec4(n, 0.0);
+#endif
 }
