@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "sightline/apps/common/statistics.h"
@@ -133,7 +134,118 @@ class Plot {
   std::ostringstream svg_;
 };
 
+/// Whole decades, at least one.
+struct Decades {
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  void add(double v) {
+    if (v > 0.0) least = std::min(least, v), most = std::max(most, v);
+  }
+  int low() const { return most > 0.0 ? int(std::floor(std::log10(least))) : 0; }
+  int high() const { return most > 0.0 ? std::max(low() + 1, int(std::ceil(std::log10(most)))) : 1; }
+  double share(double v) const { return (std::log10(v) - low()) / (high() - low()); }
+};
+
+class Panels {
+ public:
+  explicit Panels(const std::vector<Panel>& panels) : panels_(panels) {
+    for (const Panel& panel : panels)
+      for (const PanelSeries& series : panel.series) {
+        if (std::find(labels_.begin(), labels_.end(), series.label) == labels_.end()) labels_.push_back(series.label);
+        for (const PanelSeries::Point& point : series.points) x_.add(point.x), y_.add(point.y);
+      }
+  }
+
+  std::string run(const std::string& title, const std::string& x_label, const std::string& y_label) {
+    const std::size_t columns = std::min(kColumns, panels_.size());
+    const std::size_t rows = columns == 0 ? 0 : (panels_.size() + columns - 1) / columns;
+    const double width = std::max(2.0, double(columns)) * kPanelWidth, height = kHead + double(rows) * kPanelHeight;
+    svg_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\"" << height
+         << "\" font-family=\"sans-serif\" font-size=\"11\">\n"
+         << "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+    text(width / 2, 20, "middle", "#222", title);
+    text(width / 2, 38, "middle", "#444", "across: " + x_label + "; up: " + y_label);
+    for (std::size_t i = 0; i < labels_.size(); ++i) {
+      const double x = 20 + (width - 40) * double(i) / double(labels_.size());
+      svg_ << "<circle cx=\"" << x << "\" cy=\"54\" r=\"4\" fill=\"" << colour(i) << "\"/>\n";
+      text(x + 8, 58, "start", "#222", labels_[i]);
+    }
+    for (std::size_t i = 0; i < panels_.size(); ++i) {
+      left_ = double(i % columns) * kPanelWidth + 50;
+      top_ = kHead + double(i / columns) * kPanelHeight + 22;
+      draw(panels_[i]);
+    }
+    svg_ << "</svg>\n";
+    return svg_.str();
+  }
+
+ private:
+  static constexpr std::size_t kColumns = 3;
+  static constexpr double kPanelWidth = 320, kPanelHeight = 250, kHead = 66, kZeroRow = 14;
+  static constexpr double kInnerWidth = kPanelWidth - 65, kInnerHeight = kPanelHeight - 48;
+
+  static const char* colour(std::size_t i) {
+    static constexpr const char* kAll[] = {"#1f6fb4", "#d9731a", "#2c9c3f", "#c23b3b",
+                                           "#7b52ab", "#7f5a46", "#d65fa8", "#222222"};
+    return kAll[i % std::size(kAll)];
+  }
+  double x_of(double v) const { return left_ + x_.share(v) * kInnerWidth; }
+  double y_of(double v) const {
+    const double bottom = top_ + kInnerHeight;
+    return v > 0.0 ? bottom - kZeroRow - y_.share(v) * (kInnerHeight - kZeroRow) : bottom;
+  }
+
+  void draw(const Panel& panel) {
+    text(left_ + kInnerWidth / 2, top_ - 6, "middle", "#222", panel.title);
+    for (int d = x_.low(); d <= x_.high(); ++d) {
+      const double value = std::pow(10.0, d), x = x_of(value);
+      line(x, top_, x, top_ + kInnerHeight);
+      text(x, top_ + kInnerHeight + 14, "middle", "#444", short_number(value));
+    }
+    const int step = std::max(1, (y_.high() - y_.low()) / 6);
+    for (int d = y_.low(); d <= y_.high(); d += step) tick_y(std::pow(10.0, d));
+    tick_y(0.0);
+    for (const PanelSeries& series : panel.series) draw(series);
+  }
+  void draw(const PanelSeries& series) {
+    const char* fill = colour(std::size_t(std::find(labels_.begin(), labels_.end(), series.label) - labels_.begin()));
+    svg_ << "<polyline fill=\"none\" stroke=\"" << fill << "\" points=\"";
+    for (const PanelSeries::Point& p : series.points) svg_ << x_of(p.x) << ',' << y_of(p.y) << ' ';
+    svg_ << "\"/>\n";
+    for (const PanelSeries::Point& p : series.points) {
+      svg_ << "<circle cx=\"" << x_of(p.x) << "\" cy=\"" << y_of(p.y) << "\" r=\"3\" fill=\"" << fill << "\"><title>"
+           << escaped(series.label + " " + p.name) << ": " << short_number(p.x) << ", " << short_number(p.y)
+           << "</title></circle>\n";
+      if (!p.name.empty())
+        svg_ << "<text x=\"" << x_of(p.x) + 5 << "\" y=\"" << y_of(p.y) - 4 << "\" font-size=\"8\" fill=\"" << fill
+             << "\">" << escaped(p.name) << "</text>\n";
+    }
+  }
+  void tick_y(double value) {
+    const double y = y_of(value);
+    line(left_, y, left_ + kInnerWidth, y);
+    text(left_ - 5, y + 4, "end", "#444", short_number(value));
+  }
+  void line(double x1, double y1, double x2, double y2) {
+    svg_ << "<line x1=\"" << x1 << "\" y1=\"" << y1 << "\" x2=\"" << x2 << "\" y2=\"" << y2 << "\" stroke=\"#ddd\"/>\n";
+  }
+  void text(double x, double y, const char* anchor, const char* fill, const std::string& content) {
+    svg_ << "<text x=\"" << x << "\" y=\"" << y << "\" text-anchor=\"" << anchor << "\" fill=\"" << fill << "\">"
+         << escaped(content) << "</text>\n";
+  }
+
+  const std::vector<Panel>& panels_;
+  std::vector<std::string> labels_;
+  Decades x_, y_;
+  double left_ = 0.0, top_ = 0.0;  // of the panel that is drawn
+  std::ostringstream svg_;
+};
+
 }  // namespace
+
+std::string svg_panels(const std::string& title, const std::string& x_label, const std::string& y_label,
+                       const std::vector<Panel>& panels) {
+  return Panels(panels).run(title, x_label, y_label);
+}
 
 std::string svg_plot(const std::string& title, const Series& left, const Series& right, const Marks& marks) {
   Plot plot(title, std::max(left.values.size(), right.values.size()));

@@ -1,4 +1,5 @@
-// Line plots as SVG: two quantities over the frames of a path, each with its own axis, and what held in which frames.
+// Plots as SVG: two quantities over the frames of a path, each with its own axis, and what held in which frames; and
+// small log-log plots side by side, for errors against what they cost.
 #pragma once
 
 #include <array>
@@ -22,5 +23,24 @@ struct Marks {
 
 /// A plot with `left` against the left axis and `right` against the right one.
 std::string svg_plot(const std::string& title, const Series& left, const Series& right, const Marks& marks = {});
+
+/// In one colour wherever the label is the same.
+struct PanelSeries {
+  struct Point {
+    double x = 1.0, y = 0.0;  ///< x > 0; y >= 0, where 0 lies on a line of its own below
+    std::string name;         ///< beside the point; may be empty
+  };
+  std::string label;
+  std::vector<Point> points;  ///< joined by a line in this order
+};
+
+struct Panel {
+  std::string title;
+  std::vector<PanelSeries> series;
+};
+
+/// Log-log panels, three in a row, with the same axes and one legend.
+std::string svg_panels(const std::string& title, const std::string& x_label, const std::string& y_label,
+                       const std::vector<Panel>& panels);
 
 }  // namespace sightline::apps

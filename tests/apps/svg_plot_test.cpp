@@ -47,5 +47,25 @@ TEST(SvgPlot, TheLinePassesOverWhatIsNotKnown) {
   EXPECT_EQ(svg.substr(line, svg.find(" \"", line) - line), "points=\"80,290 475,170 870,50");
 }
 
+/// One panel of decades 1 … 100 by 0.1 … 10: 50 to 305 across, 88 to 276 up, and 0 at 290.
+TEST(SvgPanels, PointsStandAtTheirLogarithms) {
+  const std::string svg = svg_panels("a", "x", "y", {{"one", {{"s", {{1, 0.1, ""}, {10, 1, "mid"}, {100, 10, ""}}}}}});
+  EXPECT_EQ(count(svg, "points=\"50,276 177.5,182 305,88 \""), 1) << svg;
+  EXPECT_EQ(count(svg, ">mid<"), 1);
+  EXPECT_EQ(count(svg, "<circle"), 4) << "three points and the legend's";
+}
+
+TEST(SvgPanels, ZeroLiesBelowAndLabelsShareColours) {
+  const Panel first{"one", {{"s", {{1, 0, ""}, {100, 10, ""}}}, {"t", {{10, 0.1, ""}}}}},
+      second{"two", {{"t", {{10, 1, ""}}}}};
+  const std::string svg = svg_panels("a", "x", "y", {first, second});
+  EXPECT_EQ(count(svg, "points=\"50,290 305,88 \""), 1) << svg;
+  EXPECT_EQ(count(svg, "fill=\"#d9731a\""), 3) << "t in the legend and in both panels";
+}
+
+TEST(SvgPanels, NothingIsNoError) {
+  EXPECT_EQ(count(svg_panels("a", "x", "y", {}), "</svg>"), 1);
+}
+
 }  // namespace
 }  // namespace sightline::apps
