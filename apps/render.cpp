@@ -21,7 +21,7 @@ struct Options {
   std::string size = "1280x720", view, path, out, ids, ids_json, depth, reference, reference_ids, diff, json_file;
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
-  int frame = 0, frames = 300;
+  int frame = 0, frames = 300, samples = 1;
   bool fit = false, gl_debug = false;
   double max = -1.0, mean = -1.0, pixels_per_degree = render::kPixelsPerDegree;
 };
@@ -67,6 +67,9 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--diff", o.diff, "Difference image, PNG, four times amplified")->needs(compare);
   apps::add_culler_option(app, o.culler);
   apps::add_gpu_pass_option(app, o.gpu_culler);
+  app.add_option("--samples", o.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
   app.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
   app.add_option("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
 }
@@ -167,6 +170,7 @@ core::Expected<int> render_model(const Options& o) {
   config.draw = true;
   config.width = (*size)[0];
   config.height = (*size)[1];
+  config.samples = o.samples;
   config.ids = !o.ids.empty() || !o.ids_json.empty() || !o.reference_ids.empty();
   config.gl_debug = o.gl_debug;
   config.culler = o.culler;

@@ -26,6 +26,7 @@ struct Options {
   std::string path, save_path, size = "1280x720", json_file, csv, plot, images;
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
+  int samples = 1;
   int frames = 300, every = 30;
   bool no_render = false;
   std::string record_both, controller_trace, policy = "frame-cost", rendering = "on";
@@ -56,6 +57,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(1, 1000000));
   apps::add_culler_option(app, o.culler);
   apps::add_gpu_pass_option(app, o.gpu_culler);
+  apps::add_samples_option(app, o.samples);
   auto* no_render = app.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
   app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
   app.add_option("--json", o.json_file, "Write all figures as JSON to FILE, or - for stdout");
@@ -360,6 +362,7 @@ core::Expected<int> replay(const Options& o) {
   config.height = (*size)[1];
   config.culler = o.culler;
   config.gpu_culler = o.gpu_culler;
+  config.samples = o.samples;
   config.controller.policy = policy_of(o);
   if (!o.record_both.empty()) return record_both(o, *model, config);
   auto engine = engine::Engine::create(*model->scene, config);

@@ -31,6 +31,7 @@ struct Options {
   std::string size = "1280x720", path, save_path = "path.json", screenshot, json_file;
   CullerChoice culler = CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
+  int samples = 1;
   int frames = 0;
 };
 
@@ -41,6 +42,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(apps::accepted_by(apps::parse_size));
   apps::add_culler_option(app, o.culler);
   apps::add_gpu_pass_option(app, o.gpu_culler);
+  apps::add_samples_option(app, o.samples);
   app.add_option("--path", o.path,
                  "Play this camera path first; with --frames as so many evenly spaced frames, else in its own time");
   app.add_option("--save-path", o.save_path, "Where R writes what it has recorded")->capture_default_str();
@@ -212,7 +214,7 @@ core::Expected<void> Viewer::frame() {
   const auto report = engine_.frame(*view, frozen_.value_or(*view));
   if (!report) return tl::unexpected(report.error());
   if (!report->drawn) return core::fail("the GL context was lost");
-  window_.present(engine_.drawing()->target().framebuffer(), size_);
+  window_.present(engine_.drawing()->target().resolved(), size_);
   ++frames_;
   if (recorder_) recorder_->add(glfwGetTime(), {camera_.control.pose(), camera_.fovy});
   note(*report);
@@ -361,6 +363,7 @@ core::Expected<int> view_model(const Options& o) {
   config.height = window->size()[1];
   config.culler = o.culler;
   config.gpu_culler = o.gpu_culler;
+  config.samples = o.samples;
   config.context = &window->context();
   auto engine = engine::Engine::create(*model->scene, config);
   if (!engine) return tl::unexpected(engine.error());

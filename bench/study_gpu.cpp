@@ -113,7 +113,7 @@ struct Stage {
     if (!lists) return tl::unexpected(lists.error());
     auto renderer = render::Renderer::create(context, *scene);
     if (!renderer) return tl::unexpected(renderer.error());
-    auto target = render::RenderTarget::create(context, kWidth, kHeight, false);
+    auto target = render::RenderTarget::create(context, kWidth, kHeight);
     if (!target) return tl::unexpected(target.error());
     return Stage{context,           std::move(snapshot),  std::move(*scene),
                  std::move(*lists), std::move(*renderer), std::move(*target)};

@@ -28,7 +28,8 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   drawing->renders_ = config.draw;
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
-    auto target = render::RenderTarget::create(*drawing->context_, config.width, config.height, config.ids);
+    auto target = render::RenderTarget::create(*drawing->context_, config.width, config.height,
+                                               {config.ids, false, config.samples});
     if (!target) return tl::unexpected(target.error());
     drawing->target_ = std::move(*target);
   }
@@ -52,7 +53,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_c
     culler = std::move(*made);
   }
   if (renders_) {
-    auto renderer = render::Renderer::create(*context_, *scene);
+    auto renderer = render::Renderer::create(*context_, *scene, target_.form());
     if (!renderer) return tl::unexpected(renderer.error());
     renderer_ = std::move(*renderer);
   }
@@ -81,7 +82,7 @@ core::Expected<void> Drawing::add_culler(const core::Snapshot& snapshot) {
 }
 
 core::Expected<void> Drawing::resize(int width, int height) {
-  auto target = render::RenderTarget::create(*context_, width, height, target_.has_ids());
+  auto target = render::RenderTarget::create(*context_, width, height, target_.form());
   if (!target) return tl::unexpected(target.error());
   target_ = std::move(*target);
   return {};

@@ -32,6 +32,7 @@ struct EngineConfig {
   bool draw = false;  ///< false: no GL at all, unless the culler needs it
   int width = 1280, height = 720;
   bool ids = false;       ///< item-id image beside colour and depth
+  int samples = 1;        ///< per pixel; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// A current context to draw with, owned by the application, see use_context(). Null: one is made offscreen.
   gl::Context* context = nullptr;

@@ -23,36 +23,79 @@ std::vector<T> read_flipped(const gl::Texture2D& texture, GLenum format, GLenum 
 
 }  // namespace
 
-core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, int width, int height, bool with_ids,
-                                                  bool with_normals) {
-  const gl::Functions& gl = context.functions();
-  RenderTarget target;
-  std::vector<gl::Attachment> attachments;
+core::Expected<RenderTarget::Attachments> RenderTarget::make_attachments(const gl::Functions& gl, int width, int height,
+                                                                         const TargetForm& form) {
+  Attachments made;
+  std::vector<gl::Attachment> list;
   const auto attach = [&](gl::Texture2D& texture, GLenum point, GLenum format,
                           const char* what) -> core::Expected<void> {
-    auto made = gl::Texture2D::create(gl, width, height, format, what);
-    if (!made) return tl::unexpected(made.error());
-    texture = std::move(*made);
-    attachments.push_back({point, &texture});
+    auto created = gl::Texture2D::create(gl, width, height, format, what, form.samples);
+    if (!created) return tl::unexpected(created.error());
+    texture = std::move(*created);
+    list.push_back({point, &texture});
     return {};
   };
-  auto done = attach(target.colour_, GL_COLOR_ATTACHMENT0, GL_RGBA8, "colour target");
-  if (done && with_ids) done = attach(target.ids_, GL_COLOR_ATTACHMENT1, GL_R32UI, "id target");
-  if (done && with_normals) done = attach(target.normals_, GL_COLOR_ATTACHMENT2, GL_RGBA32F, "normal target");
-  if (done) done = attach(target.depth_, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, "depth target");
+  auto done = attach(made.colour, GL_COLOR_ATTACHMENT0, GL_RGBA8, "colour target");
+  if (done && form.ids) done = attach(made.ids, GL_COLOR_ATTACHMENT1, GL_R32UI, "id target");
+  if (done && form.normals) done = attach(made.normals, GL_COLOR_ATTACHMENT2, GL_RGBA32F, "normal target");
+  if (done) done = attach(made.depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, "depth target");
   if (!done) return tl::unexpected(done.error());
-  auto framebuffer = gl::Framebuffer::create(gl, attachments, "render target");
+  auto framebuffer = gl::Framebuffer::create(gl, list, "render target");
   if (!framebuffer) return tl::unexpected(framebuffer.error());
-  target.framebuffer_ = std::move(*framebuffer);
+  made.framebuffer = std::move(*framebuffer);
+  return made;
+}
+
+core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, int width, int height,
+                                                  const TargetForm& form) {
+  const gl::Functions& gl = context.functions();
+  RenderTarget target;
+  target.gl_ = &gl;
+  target.form_ = form;
+  auto drawn = make_attachments(gl, width, height, form);
+  if (!drawn) return tl::unexpected(drawn.error());
+  target.drawn_ = std::move(*drawn);
+  target.sample_offsets_.assign(std::size_t(form.samples), glm::vec2(0.0f));
+  if (form.samples == 1) return target;
+
+  target.drawn_.framebuffer.bind();
+  for (int i = 0; i < form.samples; ++i) {
+    GLfloat place[2];
+    gl.GetMultisamplefv(GL_SAMPLE_POSITION, GLuint(i), place);
+    target.sample_offsets_[std::size_t(i)] = {place[0] - 0.5f, place[1] - 0.5f};
+  }
+  auto single = make_attachments(gl, width, height, {form.ids, form.normals, 1});
+  if (!single) return tl::unexpected(single.error());
+  target.single_ = std::move(*single);
   return target;
 }
 
+const RenderTarget::Attachments& RenderTarget::resolved_attachments() const {
+  if (form_.samples == 1) return drawn_;
+  const auto blit = [&](GLenum attachment, GLbitfield mask) {
+    gl_->NamedFramebufferReadBuffer(drawn_.framebuffer.id(), attachment);
+    gl_->NamedFramebufferDrawBuffer(single_.framebuffer.id(), attachment);
+    gl_->BlitNamedFramebuffer(drawn_.framebuffer.id(), single_.framebuffer.id(), 0, 0, width(), height(), 0, 0, width(),
+                              height(), mask, GL_NEAREST);
+  };
+  if (form_.ids) blit(GL_COLOR_ATTACHMENT1, GL_COLOR_BUFFER_BIT);
+  if (form_.normals) blit(GL_COLOR_ATTACHMENT2, GL_COLOR_BUFFER_BIT);
+  blit(GL_COLOR_ATTACHMENT0, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  return single_;
+}
+
+const gl::Framebuffer& RenderTarget::resolved() const {
+  return resolved_attachments().framebuffer;
+}
+
 std::size_t RenderTarget::memory_bytes() const {
-  return std::size_t(width()) * std::size_t(height()) * (8u + (has_ids() ? 4u : 0u) + (has_normals() ? 16u : 0u));
+  const std::size_t sample = 8u + (has_ids() ? 4u : 0u) + (has_normals() ? 16u : 0u);
+  const std::size_t per_pixel = form_.samples == 1 ? 1u : std::size_t(form_.samples) + 1u;
+  return std::size_t(width()) * std::size_t(height()) * sample * per_pixel;
 }
 
 Image RenderTarget::read_colour() const {
-  const auto rgba = read_flipped<std::uint8_t>(colour_, GL_RGBA, GL_UNSIGNED_BYTE, 4);
+  const auto rgba = read_flipped<std::uint8_t>(resolved_attachments().colour, GL_RGBA, GL_UNSIGNED_BYTE, 4);
   Image image{width(), height(), std::vector<std::uint8_t>(rgba.size() / 4 * 3)};
   for (std::size_t i = 0; i < rgba.size() / 4; ++i)
     std::copy_n(rgba.begin() + std::ptrdiff_t(4 * i), 3, image.pixels.begin() + std::ptrdiff_t(3 * i));
@@ -61,16 +104,18 @@ Image RenderTarget::read_colour() const {
 
 IdImage RenderTarget::read_ids() const {
   assert(has_ids());
-  return {width(), height(), read_flipped<std::uint32_t>(ids_, GL_RED_INTEGER, GL_UNSIGNED_INT, 1)};
+  return {width(), height(),
+          read_flipped<std::uint32_t>(resolved_attachments().ids, GL_RED_INTEGER, GL_UNSIGNED_INT, 1)};
 }
 
 NormalImage RenderTarget::read_normals() const {
   assert(has_normals());
-  return {width(), height(), read_flipped<std::array<float, 3>>(normals_, GL_RGB, GL_FLOAT, 1)};
+  return {width(), height(), read_flipped<std::array<float, 3>>(resolved_attachments().normals, GL_RGB, GL_FLOAT, 1)};
 }
 
 DepthImage RenderTarget::read_depth(const core::View& view) const {
-  DepthImage image{width(), height(), read_flipped<float>(depth_, GL_DEPTH_COMPONENT, GL_FLOAT, 1)};
+  DepthImage image{width(), height(),
+                   read_flipped<float>(resolved_attachments().depth, GL_DEPTH_COMPONENT, GL_FLOAT, 1)};
   const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
   for (float& depth : image.metres)
     depth = depth == 0.0f ? std::numeric_limits<float>::infinity() : float(gpuprims::eye_depth(clip, depth));

@@ -27,7 +27,7 @@ constexpr std::array<ProgramFiles, gpuscene::kBatchKindCount> kProgramFiles = {{
 }};
 
 enum TextureUnit : GLuint { kPayloadUnit, kChunkUnit, kMaterialUnit, kSinglesUnit };
-constexpr GLint kRecordCountUniform = 0;
+enum Uniform : GLint { kRecordCountUniform, kSampleOffsetsUniform };
 enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
 enum VertexAttribute : GLuint { kInstanceAttribute, kPositionAttribute, kNormalAttribute };
 
@@ -37,14 +37,15 @@ gl::ShaderContext shader_context() {
   return context;
 }
 
-core::Expected<gl::Program> make_program(const gl::Functions& gl, BatchKind kind, bool with_normals) {
+core::Expected<gl::Program> make_program(const gl::Functions& gl, BatchKind kind, const TargetForm& form) {
   const ProgramFiles& files = kProgramFiles[std::size_t(kind)];
   gl::ProgramDescription description;
   description.name = gpuscene::batch_name(kind);
   description.stages = {{GL_VERTEX_SHADER, {files.vertex}}, {GL_FRAGMENT_SHADER, {files.fragment}}};
   description.shaders = shader_context();
   description.shaders.defines = {files.define};
-  if (with_normals) description.shaders.defines.emplace_back("NORMALS");
+  if (form.normals) description.shaders.defines.emplace_back("NORMALS");
+  if (form.samples > 1) description.shaders.defines.push_back("SAMPLES " + std::to_string(form.samples));
   return gl::Program::create(gl, description);
 }
 
@@ -64,12 +65,12 @@ void describe_mesh(const gl::Functions& gl, GLuint array) {
 }  // namespace
 
 core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpuscene::GpuScene& scene,
-                                          bool with_normals) {
+                                          const TargetForm& form) {
   const gl::Functions& gl = context.functions();
   Renderer renderer;
   renderer.gl_ = &gl;
   for (const gpuscene::Batch& batch : scene.batches()) {
-    auto program = make_program(gl, batch.kind, with_normals);
+    auto program = make_program(gl, batch.kind, form);
     if (!program) return tl::unexpected(program.error());
     renderer.programs_[std::size_t(batch.kind)] = std::move(*program);
     gl::VertexArray& array = batch.kind == BatchKind::kMesh ? renderer.mesh_array_ : renderer.corner_array_;
@@ -121,6 +122,7 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_GREATER);
   gl.DepthMask(GL_TRUE);
+  gl.Enable(GL_MULTISAMPLE);
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 
   const GLuint framebuffer = target.framebuffer().id();
@@ -137,8 +139,13 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
   gl.BindTextureUnit(kMaterialUnit, scene.materials().id());
   gl.BindTextureUnit(kSinglesUnit, lists.singles().id());
   gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, lists.commands().id());
-  for (const gpuscene::Batch& batch : scene.batches())
-    if (lists.section(batch.kind).count > 0) draw_batch(batch, scene, lists);
+  for (const gpuscene::Batch& batch : scene.batches()) {
+    if (lists.section(batch.kind).count == 0) continue;
+    if (target.form().samples > 1 && gpuscene::is_ray_cast(batch.kind))
+      gl.ProgramUniform2fv(programs_[std::size_t(batch.kind)].id(), kSampleOffsetsUniform, target.form().samples,
+                           &target.sample_offsets()[0].x);
+    draw_batch(batch, scene, lists);
+  }
   const gpuscene::Batch* meshes = scene.batch(BatchKind::kMesh);
   if (meshes && !view.sections.empty() && lists.section(BatchKind::kMesh).count > 0)
     return draw_section_caps(snapshot, *meshes, scene, lists, target);
@@ -167,7 +174,8 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene
   gl.BindTextureUnit(kPayloadUnit, batch.texels.id());
   // Proxies show their front faces, and must survive in front of the near plane: the surface behind them may be beyond
   // it.
-  const auto toggle = gpuscene::is_ray_cast(batch.kind) ? gl.Enable : gl.Disable;
+  const bool ray_cast = gpuscene::is_ray_cast(batch.kind);
+  const auto toggle = ray_cast ? gl.Enable : gl.Disable;
   toggle(GL_DEPTH_CLAMP);
   toggle(GL_CULL_FACE);
   if (batch.kind != BatchKind::kMesh)

@@ -16,13 +16,14 @@ namespace sightline::render {
 
 class Renderer {
  public:
-  /// Compiles one program for each batch that `scene` holds and none else, which also writes normals if asked to. Fails
-  /// with the driver's log.
+  /// Compiles one program for each batch that `scene` holds and none else, for targets of one form. Fails with the
+  /// driver's log.
   static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene,
-                                         bool with_normals = false);
+                                         const TargetForm& form = {});
 
   /// Clears the target and draws what the lists name. Cylinders, snouts and torus slices are exact up to float
-  /// arithmetic; depth is reverse-Z whatever the view's own convention. Sets all GL state it needs and leaves it set.
+  /// arithmetic; with several samples per pixel they cover those whose rays hit them, in the colour and at the depth of
+  /// one. Depth is reverse-Z whatever the view's own convention. Sets all GL state it needs and leaves it set.
   /// Does not wait.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                             const gpuscene::DrawLists& lists, const RenderTarget& target);

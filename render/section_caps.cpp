@@ -95,6 +95,7 @@ void SectionCaps::begin_counting() const {
     gl.ProgramUniform1i(program->id(), kWidthUniform, width_);
   // Every crossing counts, whatever hides it and however far behind the far plane it is.
   gl.Disable(GL_DEPTH_TEST);
+  gl.Disable(GL_MULTISAMPLE);  // or neighbouring triangles would count one crossing twice
   gl.Enable(GL_DEPTH_CLAMP);
   gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   count_.use();
@@ -110,6 +111,7 @@ void SectionCaps::draw_caps() const {
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   gl.Disable(GL_DEPTH_CLAMP);
   gl.Enable(GL_DEPTH_TEST);
+  gl.Enable(GL_MULTISAMPLE);
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   caps_.use();
   no_attributes_.bind();

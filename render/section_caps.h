@@ -15,7 +15,8 @@ namespace sightline::render {
 /// adds, however deep they are stacked. The sum of the records counted, forth and back, is then the record of the one
 /// mesh the point is in. Only where it is in several, a second pass lists the crossings of the pixel, and the first
 /// mesh of those it is in is shown: lists have room for kListed crossings a pixel on average; beyond that some such
-/// pixel shows the item of another mesh of its list. Exact up to rasterisation otherwise.
+/// pixel shows the item of another mesh of its list. Exact up to rasterisation otherwise. Multisampled targets get
+/// whole pixels of it: the outlines of cut faces of meshes stay jagged.
 ///
 /// Meshes that are not closed (core::enclosure) have no inside and stay open where they are cut.
 ///

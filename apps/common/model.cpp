@@ -98,6 +98,12 @@ void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config) {
       ->check(CLI::IsMember(names));
 }
 
+void add_samples_option(CLI::App& app, int& samples) {
+  app.add_option("--samples", samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
+}
+
 void explain(const engine::Plan& plan) {
   for (const engine::PlanEntry& e : plan.entries)
     std::fprintf(stderr, "%-9s %-36s %s\n", e.used ? "used" : "left out", e.feature.c_str(), e.why.c_str());

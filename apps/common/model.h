@@ -53,6 +53,9 @@ void add_culler_option(CLI::App& app, engine::CullerChoice& choice);
 /// --gpu-pass, into `config`.
 void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config);
 
+/// --samples
+void add_samples_option(CLI::App& app, int& samples);
+
 /// Prints what was made and what was left out, to stderr.
 void explain(const engine::Plan& plan);
 

@@ -10,28 +10,61 @@ flat in uvec4 anchor;
 
 layout(depth_less) out float gl_FragDepth;
 
-void main() {
-  uint record = anchor.z;
-  uvec4 words = payload_texel(record, kTexelsPerItem, 3);  // chunk, item id, material and flags, first shape parameter
-  if (dithered_away(words.z, words.y)) discard;
-  float anchor_depth = uintBitsToFloat(anchor.x), shift = uintBitsToFloat(anchor.y);
-  vec2 from_anchor = gl_FragCoord.xy - vec2(anchor.w & 0xffffu, anchor.w >> 16);
-  mat3 rows = mat3(local_from_eye[0].xyz, local_from_eye[1].xyz, local_from_eye[2].xyz);
-  vec3 direction = eye_direction(gl_FragCoord.xy);
+#ifdef SAMPLES
+layout(location = 1) uniform vec2 sample_offsets[SAMPLES];
+#endif
+
+// What a ray found: local position, depth, and all that shading asks for.
+struct Sight {
+  vec3 p;
+  float depth;
+  int face;
+  vec3 cut_normal;
+};
+
+// Casts the ray through a pixel coordinate; false when it hits nothing.
+bool cast_ray(vec2 pixel, mat3 rows, uint hidden, out Sight sight) {
+  float anchor_depth = uintBitsToFloat(anchor.x);
+  vec2 from_anchor = pixel - vec2(anchor.w & 0xffffu, anchor.w >> 16);
+  vec3 direction = eye_direction(pixel);
   vec3 d = direction * rows;
   vec3 o = vec3(local_from_eye[0].w, local_from_eye[1].w, local_from_eye[2].w) + eye_step(from_anchor, anchor_depth) * rows;
   // From the ray's closest approach on, coordinates are of the primitive's own size.
   float start = -dot(o, d) / dot(d, d);
   o += start * d;
   start += anchor_depth;
-
-  vec3 start_eye = eye_point(gl_FragCoord.xy, start), cut_normal;
-  Search search = search_kept(start_eye, direction, hidden_faces(words.z), cut_normal);
-  load_shape(record, uintBitsToFloat(words.w), shift);
+  Search search = search_kept(eye_point(pixel, start), direction, hidden, sight.cut_normal);
   intersect_primitive(search, o, d);
-  if (search.t == kNoHit) discard;
+  sight.p = o + search.t * d;
+  sight.depth = start + search.t;
+  sight.face = search.face;
+  return search.t != kNoHit;
+}
 
-  gl_FragDepth = min(depth_at(start + search.t), gl_FragCoord.z);  // keeps the promise of depth_less where rounding would break it
-  vec3 normal = search.face == kCut ? cut_normal : rows * face_normal(o + search.t * d, search.face);
-  write_surface(normal, direction, words.z, words.y);
+void main() {
+  uint record = anchor.z;
+  uvec4 words = payload_texel(record, kTexelsPerItem, 3);  // chunk, item id, material and flags, first shape parameter
+  if (dithered_away(words.z, words.y)) discard;
+  load_shape(record, uintBitsToFloat(words.w), uintBitsToFloat(anchor.y));
+  mat3 rows = mat3(local_from_eye[0].xyz, local_from_eye[1].xyz, local_from_eye[2].xyz);
+  uint hidden = hidden_faces(words.z);
+  Sight sight;
+#ifdef SAMPLES
+  // Every sample has its ray, of which one is shaded: edges are as smooth as samples are many, and neighbours that share a pixel share
+  // its samples without gaps.
+  int covered = 0;
+  for (int i = 0; i < SAMPLES; ++i) {
+    Sight found;
+    if (!cast_ray(gl_FragCoord.xy + sample_offsets[i], rows, hidden, found)) continue;
+    if (covered == 0) sight = found;
+    covered |= 1 << i;
+  }
+  if (covered == 0) discard;
+  gl_SampleMask[0] = covered;
+#else
+  if (!cast_ray(gl_FragCoord.xy, rows, hidden, sight)) discard;
+#endif
+  gl_FragDepth = min(depth_at(sight.depth), gl_FragCoord.z);  // keeps the promise of depth_less where rounding would break it
+  vec3 normal = sight.face == kCut ? sight.cut_normal : rows * face_normal(sight.p, sight.face);
+  write_surface(normal, eye_direction(gl_FragCoord.xy), words.z, words.y);
 }

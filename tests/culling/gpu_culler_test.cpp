@@ -429,7 +429,8 @@ TEST_P(GpuCullerPictures, NothingIsReadBackFromCullToDraw) {
   make_plant(scene);
   Rig rig(*context, scene, GetParam());
   auto renderer = render::Renderer::create(*context, rig.gpu);
-  auto target = render::RenderTarget::create(*context, tests::PicturePair::kWidth, tests::PicturePair::kHeight, true);
+  auto target =
+      render::RenderTarget::create(*context, tests::PicturePair::kWidth, tests::PicturePair::kHeight, {.ids = true});
   ASSERT_TRUE(renderer && target);
   const auto frames = [&] {
     for (const View& view : plant_views()) {

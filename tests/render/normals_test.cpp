@@ -36,8 +36,8 @@ class Normals : public tests::GlTest {
     core::Snapshot snapshot(scene);
     auto gpu = gpuscene::GpuScene::create(*context, snapshot);
     auto lists = gpuscene::DrawLists::create(*context, *gpu);
-    auto renderer = render::Renderer::create(*context, *gpu, with_normals);
-    auto target = render::RenderTarget::create(*context, kWidth, kHeight, false, with_normals);
+    auto renderer = render::Renderer::create(*context, *gpu, {.normals = with_normals});
+    auto target = render::RenderTarget::create(*context, kWidth, kHeight, {.normals = with_normals});
     EXPECT_TRUE(renderer) << renderer.error().message;
     EXPECT_EQ(target->has_normals(), with_normals);
     core::VisibleSet all;

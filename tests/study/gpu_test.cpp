@@ -350,7 +350,7 @@ TEST_F(StudyGpuTest, CullingInTheDrawChangesNoPixel) {
     ASSERT_TRUE(scene);
     auto renderer = render::Renderer::create(*context, *scene);
     auto lists = gpuscene::DrawLists::create(*context, *scene);
-    auto target = render::RenderTarget::create(*context, 160, 120, true);
+    auto target = render::RenderTarget::create(*context, 160, 120, {.ids = true});
     auto in_draw = InDraw::create(*context, snapshot, *scene);
     ASSERT_TRUE(renderer && lists && target);
     ASSERT_TRUE(in_draw) << in_draw.error().message;
