@@ -48,13 +48,14 @@ struct Solid {
     if (glm::dot(w, w) <= Real(1e-24) * radius * radius) return {0, 0, -widening};  // the apex
     return {w.x, w.y, -glm::dot(lean, w) - widening * radius_at(p.z)};
   }
+  /// Without a branch on the face: see choose() in local_ray.h.
   Vec3<Real> normal(int face, const Vec3<Real>& p) const {
-    const Vec3<Real> normals[] = {lateral_normal(p),
-                                  {bottom.tangent.x, bottom.tangent.y, -1},
-                                  {-top.tangent.x, -top.tangent.y, 1},
-                                  {0, 0, -1},
-                                  {0, 0, 1}};
-    return normals[face];
+    constexpr Real kLateralShare[] = {1, 0, 0, 0, 0}, kUp[] = {0, -1, 1, -1, 1};
+    Vec3<Real> n = kLateralShare[face] * lateral_normal(p);
+    n.z += kUp[face];
+    if (slanted && face == kBottom) n += Vec3<Real>(bottom.tangent, 0);
+    if (slanted && face == kTop) n -= Vec3<Real>(top.tangent, 0);
+    return n;
   }
   template <class To>
   Solid<To> scaled(double scale) const {
@@ -84,24 +85,34 @@ bool is_slanted(const core::Snout& s) {
   return s.bottom_shear_x != 0.0f || s.bottom_shear_y != 0.0f || s.top_shear_x != 0.0f || s.top_shear_y != 0.0f;
 }
 
+/// Both end planes level; height > 0; lengths multiplied by `scale`. Apart from make_solid because its tangents are
+/// slow.
+template <class Real>
+Solid<Real> make_level_solid(const core::Snout& s, double scale) {
+  const double per_height = 1.0 / std::fabs(s.height), half = 0.5 * scale * std::fabs(s.height);
+  const double rb = std::fabs(s.bottom_radius), rt = std::fabs(s.top_radius);
+  const Vec2<Real> centre(0.5 * scale * s.offset_x, 0.5 * scale * s.offset_y);
+  Solid<Real> solid;
+  solid.lean = {Real(s.offset_x * per_height), Real(s.offset_y * per_height)};
+  solid.radius = Real(0.5 * scale * (rb + rt));
+  solid.widening = Real((rt - rb) * per_height);
+  solid.highest = Real(half);
+  solid.lowest = -solid.highest;
+  solid.bottom = {-centre, Vec2<Real>(0), solid.lowest};
+  solid.top = {centre, Vec2<Real>(0), solid.highest};
+  solid.bottom_limited = solid.top_limited = solid.slanted = false;
+  return solid;
+}
+
 /// For height > 0.
 Solid<> make_solid(const core::Snout& s) {
-  const double h = std::fabs(s.height), rb = std::fabs(s.bottom_radius), rt = std::fabs(s.top_radius);
-  const dvec2 offset(s.offset_x, s.offset_y);
-  Solid<> solid;
-  solid.lean = offset / h;
-  solid.radius = 0.5 * (rb + rt);
-  solid.widening = (rt - rb) / h;
+  Solid<> solid = make_level_solid<double>(s, 1.0);
   solid.slanted = is_slanted(s);
-  if (!solid.slanted) {  // tangents are slow
-    solid.bottom = {-0.5 * offset, {}, solid.lowest = -0.5 * h};
-    solid.top = {0.5 * offset, {}, solid.highest = 0.5 * h};
-    solid.bottom_limited = solid.top_limited = false;
-    return solid;
-  }
+  if (!solid.slanted) return solid;
+  const double h = std::fabs(s.height), rb = std::fabs(s.bottom_radius), rt = std::fabs(s.top_radius);
   const core::EndRange bottom = core::bottom_end_range(s), top = core::top_end_range(s);
-  solid.bottom = {-0.5 * offset, {std::tan(double(s.bottom_shear_x)), std::tan(double(s.bottom_shear_y))}, -0.5 * h};
-  solid.top = {0.5 * offset, {std::tan(double(s.top_shear_x)), std::tan(double(s.top_shear_y))}, 0.5 * h};
+  solid.bottom.tangent = {std::tan(double(s.bottom_shear_x)), std::tan(double(s.bottom_shear_y))};
+  solid.top.tangent = {std::tan(double(s.top_shear_x)), std::tan(double(s.top_shear_y))};
   solid.lowest = -0.5 * h + bottom.min;
   solid.highest = 0.5 * h + top.max;
   solid.bottom_limited = is_limited(solid, solid.bottom, rb, -1.0, -bottom.min);
@@ -127,14 +138,15 @@ Disc flat_disc(const core::Snout& s) {
   return {{std::max(rb, rt), 0.0f}, {side * s.offset_x, side * s.offset_y, 0.0}};
 }
 
-/// Where the ray comes closest to the (leaning) axis, by the measure of local_ray.h.
+/// Where the ray comes closest to the (leaning) axis, by the measure of local_ray.h; `reach` along z.
 template <class Real>
-LocalRay<Real> approach_axis(const Solid<>& solid, const Ray& ray, double widest) {
+LocalRay<Real> approach_axis(const core::Snout& s, const Ray& ray, double widest, double reach) {
   const ScaledRay scaled = scale_direction(ray);
   const dvec3 &o = scaled.origin, &d = scaled.direction;
-  const dvec2& l = solid.lean;
-  const dvec3 upright_o(o.x - l.x * o.z, o.y - l.y * o.z, o.z), upright_d(d.x - l.x * d.z, d.y - l.y * d.z, d.z);
-  const double reach = std::max(-solid.lowest, solid.highest);
+  const double per_height = 1.0 / std::fabs(s.height), lean_x = s.offset_x * per_height,
+               lean_y = s.offset_y * per_height;
+  const dvec3 upright_o(o.x - lean_x * o.z, o.y - lean_y * o.z, o.z);
+  const dvec3 upright_d(d.x - lean_x * d.z, d.y - lean_y * d.z, d.z);
   return move_to<Real>(scaled, closest_approach(upright_o, upright_d, {1.0, 1.0, weight(widest, reach)}), widest);
 }
 
@@ -166,11 +178,15 @@ Span<Real> nappe_span(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<
     return span;
   }
   const Real far_root = q / a, low = std::min(near_root, far_root), high = std::max(near_root, far_root);
-  if (a > 0) return r0 * a - b * r1 >= 0 ? Span<Real>{low, high, kLateral, kLateral} : nothing;  // else the other nappe
-  if (r1 > 0)
-    span.enter(high, kLateral);
-  else
-    span.leave(low, kLateral);
+  if (a > 0) {
+    if (!(r0 * a - b * r1 >= 0)) return nothing;  // both crossings on the other nappe
+    return {low, high, kLateral, kLateral};
+  }
+  const bool grows = r1 > 0;  // one crossing on either nappe: inside from or up to the one on ours
+  span.from = grows ? high : -Span<Real>::kInfinity;
+  span.to = grows ? Span<Real>::kInfinity : low;
+  span.from_face = choose(grows, kLateral, Span<Real>::kNoFace);
+  span.to_face = choose(grows, Span<Real>::kNoFace, kLateral);
   return span;
 }
 
@@ -253,10 +269,12 @@ Hits intersect(const core::Snout& snout, const Ray& ray, Caps caps) {
     const Disc disc = flat_disc(snout);
     return intersect<Real>(disc.cylinder, {ray.origin - disc.centre, ray.direction}, caps);
   }
-  const Solid<> exact = make_solid(snout);
-  const auto local = approach_axis<Real>(exact, ray, widest);
+  const double scale = inverse_power_of_two(widest);
+  const Solid<Real> solid =
+      is_slanted(snout) ? make_solid(snout).scaled<Real>(scale) : make_level_solid<Real>(snout, scale);
+  const double reach = double(std::max(-solid.lowest, solid.highest)) / scale;
+  const auto local = approach_axis<Real>(snout, ray, widest, reach);
   if (!local.valid) return hits;
-  const auto solid = exact.scaled<Real>(inverse_power_of_two(widest));
   Span<Real> span = nappe_span(solid, local.origin, local.direction);
   clip_ends(solid, local.origin, local.direction, span);
   const unsigned hidden = (caps.bottom ? 0u : 1u << kBottom | 1u << kBottomLevel) |  //
