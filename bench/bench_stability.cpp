@@ -1,0 +1,186 @@
+// sightline-stability: stiff and extreme cases of all analytic primitives, computed in double, in float and by the
+// shaders, against a reference of 113 bits.
+#include <atomic>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/progress.h"
+#include "sightline/bench/stability/measure.h"
+
+namespace {
+
+using namespace sightline;
+using bench::Case;
+using bench::Path;
+using bench::Result;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  int rays = 500;
+  std::uint64_t seed = 1;
+  std::vector<std::string> primitives, families, paths;
+  std::string json, plot;
+  bool details = false;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--rays", options.rays, "per case")->check(CLI::Range(1, 1'000'000))->capture_default_str();
+  app.add_option("--seed", options.seed, "of all cases")->capture_default_str();
+  app.add_option("--primitive", options.primitives, "only these kinds, as sightline-info names them");
+  app.add_option("--case", options.families, "only these families")->check(CLI::IsMember(bench::stability_families()));
+  app.add_option("--path", options.paths, "only these ways of computing")
+      ->check(CLI::IsMember({"double", "float", "glsl"}));
+  app.add_flag("--details", options.details, "a line for every magnitude, not only for the worst of a family");
+  app.add_option("--json", options.json, "write the figures to this file, or - for standard output");
+  app.add_option("--plot", options.plot, "error against magnitude, SVG");
+}
+
+bool wanted(const std::vector<std::string>& names, std::string_view name) {
+  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Calls work(0 ... count - 1) from all processors, and tells how far it is.
+template <class Work>
+void for_all(const char* label, std::size_t count, const Work& work) {
+  apps::Progress progress(label, count);
+  std::atomic<std::size_t> next = 0, done = 0;
+  const auto take = [&](bool tell) {
+    for (std::size_t i = next++; i < count; i = next++) {
+      work(i);
+      ++done;
+      if (tell) progress.advance(done);
+    }
+  };
+  std::vector<std::thread> others(std::max(1u, std::thread::hardware_concurrency()) - 1);
+  for (std::thread& thread : others) thread = std::thread(take, false);
+  take(true);
+  for (std::thread& thread : others) thread.join();
+}
+
+std::vector<Result> measure_on_cpu(const std::vector<Case>& cases, const Options& options) {
+  std::vector<std::vector<Result>> by_case(cases.size());
+  for_all("cases", cases.size(), [&](std::size_t i) {
+    const Case& c = cases[i];
+    const std::vector<bench::Sample> samples = bench::make_samples(c, options.rays, options.seed);
+    std::vector<bench::Truth> truths;
+    truths.reserve(samples.size());
+    for (const bench::Sample& sample : samples) truths.push_back(bench::find_truth(sample));
+    for (const Path path : {Path::kDouble, Path::kFloat}) {
+      if (!wanted(options.paths, bench::path_name(path))) continue;
+      std::vector<bench::Answer> answers;
+      answers.reserve(samples.size());
+      for (const bench::Sample& sample : samples) answers.push_back(bench::intersect_on_cpu(sample, path));
+      const bench::Limits& limits = path == Path::kDouble ? c.wide : c.single;
+      by_case[i].push_back({c.kind, c.family, c.name(), c.magnitude, path, judge(samples, truths, answers, limits)});
+    }
+  });
+  std::vector<Result> results;
+  for (const std::vector<Result>& some : by_case) results.insert(results.end(), some.begin(), some.end());
+  return results;
+}
+
+// --- reports ---------------------------------------------------------------------------------------------------------
+
+void print_head() {
+  std::printf("%-17s %-20s %-6s %7s %7s %9s %9s %9s %9s %6s %6s %6s  %s\n", "primitive", "case", "path", "rays", "hits",
+              "max t/r", "99.9 %", "bound", "normal", "false+", "false-", "ties", "");
+}
+
+void print(const Result& r) {
+  const bench::Figures& f = r.figures;
+  std::printf("%-17s %-20s %-6s %7d %7d %9.1e %9.1e %9.1e %9.1e %6d %6d %6d  %s\n",
+              std::string(core::kind_name(r.kind)).c_str(), r.name.c_str(), std::string(path_name(r.path)).c_str(),
+              f.rays, f.hits, f.max_t, f.p999_t, f.limits.t, f.max_normal, f.false_hits, f.false_misses, f.ties,
+              f.ok()             ? "ok"
+              : f.not_finite > 0 ? "NOT FINITE"
+                                 : "FAILS");
+}
+
+/// Larger is worse: failing cases above all others.
+double badness(const Result& r) {
+  const bench::Figures& f = r.figures;
+  const double t = f.max_t / f.limits.t;
+  return f.ok() ? t : 1e6 + t + f.false_hits + f.false_misses;
+}
+
+/// Of each family the magnitude that did worst.
+std::vector<Result> worst_of_families(const std::vector<Result>& results) {
+  std::vector<Result> worst;
+  std::map<std::tuple<core::Kind, std::string, Path>, std::size_t> known;
+  for (const Result& r : results) {
+    const auto [place, fresh] = known.try_emplace({r.kind, r.family, r.path}, worst.size());
+    if (fresh) {
+      worst.push_back(r);
+    } else if (badness(r) > badness(worst[place->second])) {
+      worst[place->second] = r;
+    }
+  }
+  return worst;
+}
+
+Json to_json(const std::vector<Result>& results) {
+  Json cases = Json::array();
+  for (const Result& r : results) {
+    const bench::Figures& f = r.figures;
+    cases.push_back({{"primitive", core::kind_name(r.kind)},
+                     {"case", r.name},
+                     {"path", path_name(r.path)},
+                     {"rays", f.rays},
+                     {"max_rel_t_error", f.max_t},
+                     {"false_hits", f.false_hits},
+                     {"false_misses", f.false_misses},
+                     {"bound", f.limits.t},
+                     {"ok", f.ok()},
+                     {"family", r.family},
+                     {"magnitude", r.magnitude},
+                     {"hits", f.hits},
+                     {"p999_rel_t_error", f.p999_t},
+                     {"max_normal_error_deg", f.max_normal * 180.0 / M_PI},
+                     {"not_finite", f.not_finite},
+                     {"band", f.limits.band},
+                     {"in_band", f.ties},
+                     {"wrong_allowed", f.limits.wrong}});
+  }
+  return {{"cases", cases}};
+}
+
+core::Expected<int> run(const Options& options) {
+  std::vector<Case> cases;
+  for (Case& c : bench::stability_cases())
+    if (wanted(options.primitives, core::kind_name(c.kind)) && wanted(options.families, c.family))
+      cases.push_back(std::move(c));
+  const std::vector<Result> results = measure_on_cpu(cases, options);
+  if (results.empty()) return core::fail("nothing to measure: no case of that kind, family and path");
+
+  if (options.json != "-") {
+    print_head();
+    for (const Result& r : options.details ? results : worst_of_families(results)) print(r);
+  }
+  const auto failed = std::count_if(results.begin(), results.end(), [](const Result& r) { return !r.figures.ok(); });
+  if (options.json != "-") std::printf("%zu cases, %zu past a bound\n", results.size(), std::size_t(failed));
+  if (!options.json.empty())
+    if (auto done = apps::write_text(options.json, apps::to_text(to_json(results))); !done)
+      return tl::unexpected(done.error());
+  return failed == 0 ? apps::kExitOk : apps::kExitFailure;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("How stable the intersections with analytic primitives are in stiff and extreme cases",
+               "sightline-stability");
+  apps::describe(app,
+                 "  sightline-stability --plot stability.svg\n"
+                 "  sightline-stability --primitive cylinder --case slenderness --details\n"
+                 "  sightline-stability --path double --rays 100000 --json figures.json");
+  Options options;
+  add_options(app, options);
+  return apps::run(app, argc, argv, [&] { return run(options); });
+}

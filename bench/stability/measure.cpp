@@ -1,0 +1,131 @@
+#include "sightline/bench/stability/measure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/gpuprims/primitives.h"
+
+namespace sightline::bench {
+namespace {
+
+using core::dvec3;
+
+/// Judges one ray after the other.
+class Judge {
+ public:
+  explicit Judge(const Limits& limits) { figures_.limits = limits; }
+
+  void add(const Sample& sample, const Truth& truth, const Answer& answer) {
+    ++figures_.rays;
+    figures_.hits += !truth.crossings.empty();
+    if (!is_finite(answer.hits)) {
+      ++figures_.not_finite;
+      return;
+    }
+    const auto near = [&] { return neighbours(sample.primitive, truth.ray, figures_.limits.band * sample.radius); };
+    const int expected = answer.first_only ? std::min(1, int(truth.crossings.size())) : int(truth.crossings.size());
+    const int found = answer.hits.count;
+    if (found != expected) {
+      const bool tie = near_tie(truth.crossings, near()) || differ_by_slivers(sample, truth, answer);
+      ++(tie ? figures_.ties : found > expected ? figures_.false_hits : figures_.false_misses);
+      return;
+    }
+    double t_error = 0.0, normal_error = 0.0;
+    for (int i = 0; i < found; ++i) {
+      const Crossing& crossing = truth.crossings[std::size_t(i)];
+      const gpuprims::Hit& hit = answer.hits.hit[std::size_t(i)];
+      t_error = std::max(t_error, radii(sample, truth, Quad(hit.t) - crossing.t));
+      normal_error = std::max(normal_error, angle_between(hit.normal, crossing.normal));
+    }
+    if (t_error > figures_.limits.t || normal_error > figures_.limits.normal) {
+      const Neighbours beside = near();
+      if (near_tie(truth.crossings, beside)) {
+        ++figures_.ties;
+        return;
+      }
+      constexpr double kUnseen = 1.1;  // sixteen neighbours leave gaps
+      normal_error = std::max(0.0, normal_error - kUnseen * normal_spread(truth.crossings, beside));
+    }
+    if (found > 0) errors_.push_back(t_error);
+    figures_.max_normal = std::max(figures_.max_normal, normal_error);
+  }
+
+  Figures finish() {
+    if (!errors_.empty()) {
+      std::sort(errors_.begin(), errors_.end());
+      figures_.max_t = errors_.back();
+      figures_.p999_t = errors_[std::size_t(std::ceil(0.999 * double(errors_.size()))) - 1];
+    }
+    return figures_;
+  }
+
+ private:
+  static bool is_finite(const gpuprims::Hits& hits) {
+    return std::all_of(hits.hit.begin(), hits.hit.begin() + hits.count,
+                       [](const gpuprims::Hit& hit) { return std::isfinite(hit.t) && core::is_finite(hit.normal); });
+  }
+  static double radii(const Sample& sample, const Truth& truth, Quad t) {
+    return double(fabsq(t) * sqrtq(dot(truth.ray.direction, truth.ray.direction))) / sample.radius;
+  }
+  /// Whether the answers are equal but for pairs of crossings that lie closer together than the band.
+  bool differ_by_slivers(const Sample& sample, const Truth& truth, const Answer& answer) const {
+    if (answer.first_only) return false;
+    const auto count = [&](std::size_t crossings, const auto& t_of) {
+      int left = 0;
+      for (std::size_t i = 0; i < crossings; ++i, ++left)
+        if (i + 1 < crossings && radii(sample, truth, t_of(i + 1) - t_of(i)) <= figures_.limits.band) ++i, --left;
+      return left;
+    };
+    return count(truth.crossings.size(), [&](std::size_t i) { return truth.crossings[i].t; }) ==
+           count(std::size_t(answer.hits.count), [&](std::size_t i) { return Quad(answer.hits.hit[i].t); });
+  }
+
+  Figures figures_;
+  std::vector<double> errors_;
+};
+
+}  // namespace
+
+std::string_view path_name(Path path) {
+  constexpr std::string_view kNames[kPathCount] = {"double", "float", "glsl"};
+  return kNames[int(path)];
+}
+
+bool Figures::ok() const {
+  return not_finite == 0 && max_t <= limits.t && max_normal <= limits.normal &&
+         false_hits + false_misses <= limits.wrong * rays;
+}
+
+std::vector<Sample> make_samples(const Case& c, int rays, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Sample> samples;
+  samples.reserve(std::size_t(rays));
+  for (int i = 0; i < rays; ++i) samples.push_back(c.sample(random));
+  return samples;
+}
+
+Truth find_truth(const Sample& sample) {
+  Truth truth;
+  truth.ray = in_item_frame(sample.world_from_item, sample.ray);
+  truth.crossings = reference_crossings(sample.primitive, truth.ray);
+  return truth;
+}
+
+Answer intersect_on_cpu(const Sample& sample, Path path) {
+  const core::dmat3 item_from_world = glm::inverse(sample.world_from_item.linear);
+  const gpuprims::Ray ray{item_from_world * (sample.ray.origin - sample.world_from_item.origin),
+                          item_from_world * sample.ray.direction};
+  Answer answer;
+  answer.hits = path == Path::kDouble ? gpuprims::intersect<double>(sample.primitive, ray)
+                                      : gpuprims::intersect<float>(sample.primitive, ray);
+  return answer;
+}
+
+Figures judge(std::span<const Sample> samples, std::span<const Truth> truths, std::span<const Answer> answers,
+              const Limits& limits) {
+  Judge judge(limits);
+  for (std::size_t i = 0; i < samples.size(); ++i) judge.add(samples[i], truths[i], answers[i]);
+  return judge.finish();
+}
+
+}  // namespace sightline::bench

@@ -1,0 +1,125 @@
+// Arithmetic of 113 bits for the stability suite's reference: a number, a vector, and polynomials of degree 4 at most
+// with their real roots. Slow (a hundred times double) and plain.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include <quadmath.h>
+
+#include "sightline/core/conventions.h"
+
+namespace sightline::bench {
+
+__extension__ using Quad = __float128;
+
+struct QuadVec {
+  Quad x = 0, y = 0, z = 0;
+
+  QuadVec() = default;
+  QuadVec(Quad x_, Quad y_, Quad z_) : x(x_), y(y_), z(z_) {}
+  explicit QuadVec(const core::dvec3& v) : x(v.x), y(v.y), z(v.z) {}
+
+  friend QuadVec operator+(const QuadVec& a, const QuadVec& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend QuadVec operator-(const QuadVec& a, const QuadVec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend QuadVec operator*(Quad s, const QuadVec& a) { return {s * a.x, s * a.y, s * a.z}; }
+};
+
+inline Quad dot(const QuadVec& a, const QuadVec& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline QuadVec cross(const QuadVec& a, const QuadVec& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline core::dvec3 to_double(const QuadVec& a) {
+  return {double(a.x), double(a.y), double(a.z)};
+}
+
+/// Polynomial in one variable, coefficients by rising power. Made from a number it is a constant, so that an implicit
+/// form written once serves a point and a line alike.
+class Polynomial {
+ public:
+  static constexpr int kMaxDegree = 4;
+
+  Polynomial() = default;
+  Polynomial(Quad constant) : c_{constant} {}  // NOLINT(google-explicit-constructor): numbers are polynomials
+  Polynomial(Quad constant, Quad slope) : c_{constant, slope}, degree_(1) {}
+
+  int degree() const { return degree_; }
+  Quad operator[](int power) const { return c_[std::size_t(power)]; }
+
+  Quad operator()(Quad s) const {
+    Quad value = c_[std::size_t(degree_)];
+    for (int i = degree_ - 1; i >= 0; --i) value = value * s + c_[std::size_t(i)];
+    return value;
+  }
+
+  Polynomial derivative() const {
+    Polynomial result;
+    result.degree_ = std::max(0, degree_ - 1);
+    for (int i = 1; i <= degree_; ++i) result.c_[std::size_t(i - 1)] = i * c_[std::size_t(i)];
+    return result;
+  }
+
+  friend Polynomial operator+(const Polynomial& a, const Polynomial& b) {
+    Polynomial result;
+    result.degree_ = std::max(a.degree_, b.degree_);
+    for (std::size_t i = 0; i <= std::size_t(result.degree_); ++i) result.c_[i] = a.c_[i] + b.c_[i];
+    return result;
+  }
+  friend Polynomial operator-(const Polynomial& a, const Polynomial& b) { return a + Polynomial(-1) * b; }
+  friend Polynomial operator*(const Polynomial& a, const Polynomial& b) {
+    assert(a.degree_ + b.degree_ <= kMaxDegree);
+    Polynomial result;
+    result.degree_ = a.degree_ + b.degree_;
+    for (int i = 0; i <= a.degree_; ++i)
+      for (int j = 0; j <= b.degree_; ++j) result.c_[std::size_t(i + j)] += a[i] * b[j];
+    return result;
+  }
+
+ private:
+  std::array<Quad, kMaxDegree + 1> c_{};
+  int degree_ = 0;
+};
+
+/// Roots at which the polynomial changes its sign, in rising order.
+struct Roots {
+  std::array<Quad, Polynomial::kMaxDegree> at{};
+  int count = 0;
+};
+
+/// The root between `low` and `high`, where a polynomial without extremes between them has different signs: Newton's
+/// method, and bisection where that would leave the bracket.
+inline Quad bracketed_root(const Polynomial& p, const Polynomial& slope, Quad low, Quad high) {
+  const bool rising = p(high) > 0;
+  const Quad exact = 0x1p-111;  // two ulps of 1
+  Quad s = (low + high) / 2;
+  for (int i = 0; i < 400; ++i) {
+    const Quad value = p(s);
+    ((value > 0) == rising ? high : low) = s;
+    Quad next = s - value / slope(s);
+    if (!(next > low && next < high)) next = (low + high) / 2;
+    const bool done = fabsq(next - s) <= exact * fabsq(s) || high - low <= exact * fabsq(s);
+    s = next;
+    if (done) break;
+  }
+  return s;
+}
+
+/// Roots in [low, high]. Between neighbouring extremes, which are the roots of the derivative, there is one at most.
+inline Roots roots(const Polynomial& p, Quad low, Quad high) {
+  Roots found;
+  if (p.degree() == 0) return found;
+  const Polynomial slope = p.derivative();
+  const Roots extremes = roots(slope, low, high);
+  Quad from = low;
+  for (int i = 0; i <= extremes.count; ++i) {
+    const Quad to = i < extremes.count ? extremes.at[std::size_t(i)] : high;
+    if ((p(from) > 0) != (p(to) > 0)) found.at[std::size_t(found.count++)] = bracketed_root(p, slope, from, to);
+    from = to;
+  }
+  return found;
+}
+
+}  // namespace sightline::bench
