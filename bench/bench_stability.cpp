@@ -13,6 +13,9 @@
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/bench/stability/measure.h"
+#ifdef SIGHTLINE_HAS_GL
+#include "sightline/bench/stability/glsl_rays.h"
+#endif
 
 namespace {
 
@@ -30,6 +33,10 @@ struct Options {
   bool details = false;
 };
 
+bool wanted(const std::vector<std::string>& names, std::string_view name) {
+  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--rays", options.rays, "per case")->check(CLI::Range(1, 1'000'000))->capture_default_str();
   app.add_option("--seed", options.seed, "of all cases")->capture_default_str();
@@ -40,10 +47,6 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--details", options.details, "a line for every magnitude, not only for the worst of a family");
   app.add_option("--json", options.json, "write the figures to this file, or - for standard output");
   app.add_option("--plot", options.plot, "error against magnitude, SVG");
-}
-
-bool wanted(const std::vector<std::string>& names, std::string_view name) {
-  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
 }
 
 /// Calls work(0 ... count - 1) from all processors, and tells how far it is.
@@ -64,23 +67,57 @@ void for_all(const char* label, std::size_t count, const Work& work) {
   for (std::thread& thread : others) thread.join();
 }
 
-std::vector<Result> measure_on_cpu(const std::vector<Case>& cases, const Options& options) {
+/// What one case needs on every path.
+struct Prepared {
+  std::vector<bench::Sample> samples;
+  std::vector<bench::Truth> truths;
+};
+
+Result result_of(const Case& c, Path path, const Prepared& p, const std::vector<bench::Answer>& answers) {
+  const bench::Limits& limits = path == Path::kDouble ? c.wide : c.single;
+  return {c.kind, c.family, c.name(), c.magnitude, path, judge(p.samples, p.truths, answers, limits)};
+}
+
+/// Without GL there is nothing to measure, which is an error only where it was asked for.
+core::Expected<void> measure_shaders(const std::vector<Case>& cases, const std::vector<Prepared>& prepared,
+                                     const Options& options, std::vector<std::vector<Result>>& by_case) {
+#ifdef SIGHTLINE_HAS_GL
+  auto shaders = bench::GlslRays::create();
+  if (!shaders && options.paths.empty()) {
+    std::fprintf(stderr, "sightline-stability: without the shaders: %s\n", shaders.error().message.c_str());
+    return {};
+  }
+  if (!shaders) return tl::unexpected(shaders.error());
+  apps::Progress progress("shaders", cases.size());
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const auto answers = shaders->trace(cases[i].kind, prepared[i].samples);
+    if (!answers) return tl::unexpected(answers.error());
+    by_case[i].push_back(result_of(cases[i], Path::kGlsl, prepared[i], *answers));
+    progress.advance(i + 1);
+  }
+#else
+  if (!options.paths.empty()) return core::fail("--path glsl: this build has no GL");
+#endif
+  return {};
+}
+
+core::Expected<std::vector<Result>> measure(const std::vector<Case>& cases, const Options& options) {
+  std::vector<Prepared> prepared(cases.size());
   std::vector<std::vector<Result>> by_case(cases.size());
   for_all("cases", cases.size(), [&](std::size_t i) {
     const Case& c = cases[i];
-    const std::vector<bench::Sample> samples = bench::make_samples(c, options.rays, options.seed);
-    std::vector<bench::Truth> truths;
-    truths.reserve(samples.size());
-    for (const bench::Sample& sample : samples) truths.push_back(bench::find_truth(sample));
+    Prepared& p = prepared[i];
+    p.samples = bench::make_samples(c, options.rays, options.seed);
+    for (const bench::Sample& sample : p.samples) p.truths.push_back(bench::find_truth(sample));
     for (const Path path : {Path::kDouble, Path::kFloat}) {
       if (!wanted(options.paths, bench::path_name(path))) continue;
       std::vector<bench::Answer> answers;
-      answers.reserve(samples.size());
-      for (const bench::Sample& sample : samples) answers.push_back(bench::intersect_on_cpu(sample, path));
-      const bench::Limits& limits = path == Path::kDouble ? c.wide : c.single;
-      by_case[i].push_back({c.kind, c.family, c.name(), c.magnitude, path, judge(samples, truths, answers, limits)});
+      for (const bench::Sample& sample : p.samples) answers.push_back(bench::intersect_on_cpu(sample, path));
+      by_case[i].push_back(result_of(c, path, p, answers));
     }
   });
+  if (wanted(options.paths, "glsl"))
+    if (auto done = measure_shaders(cases, prepared, options, by_case); !done) return tl::unexpected(done.error());
   std::vector<Result> results;
   for (const std::vector<Result>& some : by_case) results.insert(results.end(), some.begin(), some.end());
   return results;
@@ -156,7 +193,9 @@ core::Expected<int> run(const Options& options) {
   for (Case& c : bench::stability_cases())
     if (wanted(options.primitives, core::kind_name(c.kind)) && wanted(options.families, c.family))
       cases.push_back(std::move(c));
-  const std::vector<Result> results = measure_on_cpu(cases, options);
+  const auto measured = measure(cases, options);
+  if (!measured) return tl::unexpected(measured.error());
+  const std::vector<Result>& results = *measured;
   if (results.empty()) return core::fail("nothing to measure: no case of that kind, family and path");
 
   if (options.json != "-") {

@@ -47,25 +47,25 @@ class Polynomial {
   Polynomial(Quad constant, Quad slope) : c_{constant, slope}, degree_(1) {}
 
   int degree() const { return degree_; }
-  Quad operator[](int power) const { return c_[std::size_t(power)]; }
+  Quad operator[](int power) const { return c_[static_cast<std::size_t>(power)]; }
 
   Quad operator()(Quad s) const {
-    Quad value = c_[std::size_t(degree_)];
-    for (int i = degree_ - 1; i >= 0; --i) value = value * s + c_[std::size_t(i)];
+    Quad value = (*this)[degree_];
+    for (int i = degree_ - 1; i >= 0; --i) value = value * s + (*this)[i];
     return value;
   }
 
   Polynomial derivative() const {
     Polynomial result;
     result.degree_ = std::max(0, degree_ - 1);
-    for (int i = 1; i <= degree_; ++i) result.c_[std::size_t(i - 1)] = i * c_[std::size_t(i)];
+    for (int i = 1; i <= degree_; ++i) result.at(i - 1) = i * (*this)[i];
     return result;
   }
 
   friend Polynomial operator+(const Polynomial& a, const Polynomial& b) {
     Polynomial result;
     result.degree_ = std::max(a.degree_, b.degree_);
-    for (std::size_t i = 0; i <= std::size_t(result.degree_); ++i) result.c_[i] = a.c_[i] + b.c_[i];
+    for (int i = 0; i <= result.degree_; ++i) result.at(i) = a[i] + b[i];
     return result;
   }
   friend Polynomial operator-(const Polynomial& a, const Polynomial& b) { return a + Polynomial(-1) * b; }
@@ -74,11 +74,12 @@ class Polynomial {
     Polynomial result;
     result.degree_ = a.degree_ + b.degree_;
     for (int i = 0; i <= a.degree_; ++i)
-      for (int j = 0; j <= b.degree_; ++j) result.c_[std::size_t(i + j)] += a[i] * b[j];
+      for (int j = 0; j <= b.degree_; ++j) result.at(i + j) += a[i] * b[j];
     return result;
   }
 
  private:
+  Quad& at(int power) { return c_[static_cast<std::size_t>(power)]; }
   std::array<Quad, kMaxDegree + 1> c_{};
   int degree_ = 0;
 };
