@@ -25,7 +25,7 @@ struct Limits {
   double t = 0.0;       ///< largest error of a crossing
   double normal = 0.0;  ///< of its normal, radians
   double band = 0.0;    ///< rays nearer to a tie than this are not judged
-  double wrong = 0.0;   ///< share of rays that may hit or miss wrongly outside the band
+  double wrong = 0.0;   ///< share of rays that may hit or miss wrongly outside the band, on average
 };
 
 struct Case {

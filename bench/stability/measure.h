@@ -30,6 +30,7 @@ struct Figures {
   double max_normal = 0.0;               ///< radians
   Limits limits;
 
+  /// Within the limits.
   bool ok() const;
 };
 
