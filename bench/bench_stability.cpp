@@ -1,6 +1,7 @@
 // sightline-stability: stiff and extreme cases of all analytic primitives, computed in double, in float and by the
 // shaders, against a reference of 113 bits.
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -12,9 +13,10 @@
 
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/progress.h"
+#include "sightline/apps/common/svg_plot.h"
 #include "sightline/bench/stability/measure.h"
 #ifdef SIGHTLINE_HAS_GL
-#include "sightline/bench/stability/glsl_rays.h"
+#include "sightline/bench/stability/fuzz.h"
 #endif
 
 namespace {
@@ -26,7 +28,8 @@ using bench::Result;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  int rays = 500;
+  int rays = 200;
+  std::int64_t fuzz = 0;
   std::uint64_t seed = 1;
   std::vector<std::string> primitives, families, paths;
   std::string json, plot;
@@ -44,6 +47,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--case", options.families, "only these families")->check(CLI::IsMember(bench::stability_families()));
   app.add_option("--path", options.paths, "only these ways of computing")
       ->check(CLI::IsMember({"double", "float", "glsl"}));
+  app.add_option("--fuzz", options.fuzz, "instead: so many random parameter sets of each kind through the shaders")
+      ->check(CLI::Range(std::int64_t(1), std::int64_t(1'000'000'000)));
   app.add_flag("--details", options.details, "a line for every magnitude, not only for the worst of a family");
   app.add_option("--json", options.json, "write the figures to this file, or - for standard output");
   app.add_option("--plot", options.plot, "error against magnitude, SVG");
@@ -188,7 +193,86 @@ Json to_json(const std::vector<Result>& results) {
   return {{"cases", cases}};
 }
 
+/// Error against magnitude, a panel for each family, a line for each path: the worst of all kinds. Magnitudes of 0 lie
+/// a decade before the others.
+std::string plot(const std::vector<Result>& results) {
+  std::vector<apps::Panel> panels;
+  std::map<std::tuple<std::string, std::string, double>, double> worst;  // family, line, magnitude
+  std::map<std::string, double> least;
+  for (const Result& r : results) {
+    if (r.family == "singular") continue;  // nothing to measure but whether numbers stay finite
+    const double magnitude = std::fabs(r.magnitude);
+    const bool wide = r.path == Path::kDouble;
+    const auto note = [&](const std::string& line, double value) {
+      double& known = worst[{r.family, line, magnitude}];
+      known = std::max(known, value);
+    };
+    note(std::string(path_name(r.path)), r.figures.max_t);
+    note(wide ? "bound of double" : "bound of float and glsl", r.figures.limits.t);
+    if (least.try_emplace(r.family, HUGE_VAL).second) panels.push_back({r.family, {}});
+    if (magnitude > 0.0) least[r.family] = std::min(least[r.family], magnitude);
+  }
+  for (apps::Panel& panel : panels) {
+    for (const auto& [key, value] : worst) {
+      const auto& [family, line, magnitude] = key;
+      if (family != panel.title) continue;
+      if (panel.series.empty() || panel.series.back().label != line) panel.series.push_back({line, {}});
+      panel.series.back().points.push_back({magnitude > 0.0 ? magnitude : 0.1 * least[family], value, {}});
+    }
+  }
+  return apps::svg_panels("Largest error of all kinds", "what the case sweeps", "error of t in radii", panels, true);
+}
+
+#ifdef SIGHTLINE_HAS_GL
+core::Expected<int> run_fuzz(const Options& options) {
+  auto shaders = bench::GlslRays::create();
+  if (!shaders) return tl::unexpected(shaders.error());
+  Json kinds = Json::array();
+  bool ok = true;
+  const bool table = options.json != "-";
+  if (table)
+    std::printf("%-17s %9s %9s %9s %10s %9s %9s %9s %9s\n", "primitive", "sets", "finite", "hits", "not finite",
+                "outside", "disagree", "in band", "thin");
+  for (int i = 0; i < core::kPrimitiveKindCount; ++i) {
+    const auto kind = core::Kind(i);
+    if (kind == core::Kind::kLine || !wanted(options.primitives, core::kind_name(kind))) continue;
+    const auto done = bench::fuzz(*shaders, kind, options.fuzz, options.seed);
+    if (!done) return tl::unexpected(done.error());
+    const bench::FuzzFigures& f = *done;
+    ok = ok && f.ok();
+    kinds.push_back({{"primitive", core::kind_name(kind)},
+                     {"sets", f.sets},
+                     {"finite", f.finite},
+                     {"hits", f.hits},
+                     {"not_finite", f.not_finite},
+                     {"outside_bounds", f.outside},
+                     {"disagree", f.disagree},
+                     {"in_band", f.in_band},
+                     {"thin", f.thin},
+                     {"band_of_size", bench::kFuzzBand},
+                     {"ok", f.ok()}});
+    if (!table) continue;
+    std::printf("%-17s %9lld %9lld %9lld %10lld %9lld %9lld %9lld %9lld  %s\n",
+                std::string(core::kind_name(kind)).c_str(), static_cast<long long>(f.sets),
+                static_cast<long long>(f.finite), static_cast<long long>(f.hits), static_cast<long long>(f.not_finite),
+                static_cast<long long>(f.outside), static_cast<long long>(f.disagree),
+                static_cast<long long>(f.in_band), static_cast<long long>(f.thin), f.ok() ? "ok" : "FAILS");
+    for (const std::string& example : f.examples) std::printf("    %s\n", example.c_str());
+    std::fflush(stdout);
+  }
+  if (!options.json.empty())
+    if (auto written = apps::write_text(options.json, apps::to_text(Json{{"fuzz", kinds}})); !written)
+      return tl::unexpected(written.error());
+  return ok ? apps::kExitOk : apps::kExitFailure;
+}
+#else
+core::Expected<int> run_fuzz(const Options&) {
+  return core::fail("--fuzz: this build has no GL");
+}
+#endif
+
 core::Expected<int> run(const Options& options) {
+  if (options.fuzz > 0) return run_fuzz(options);
   std::vector<Case> cases;
   for (Case& c : bench::stability_cases())
     if (wanted(options.primitives, core::kind_name(c.kind)) && wanted(options.families, c.family))
@@ -207,6 +291,8 @@ core::Expected<int> run(const Options& options) {
   if (!options.json.empty())
     if (auto done = apps::write_text(options.json, apps::to_text(to_json(results))); !done)
       return tl::unexpected(done.error());
+  if (!options.plot.empty())
+    if (auto done = apps::write_text(options.plot, plot(results)); !done) return tl::unexpected(done.error());
   return failed == 0 ? apps::kExitOk : apps::kExitFailure;
 }
 
@@ -218,6 +304,7 @@ int main(int argc, char** argv) {
   apps::describe(app,
                  "  sightline-stability --plot stability.svg\n"
                  "  sightline-stability --primitive cylinder --case slenderness --details\n"
+                 "  sightline-stability --fuzz 1000000 --primitive snout\n"
                  "  sightline-stability --path double --rays 100000 --json figures.json");
   Options options;
   add_options(app, options);

@@ -147,7 +147,7 @@ struct Decades {
 
 class Panels {
  public:
-  explicit Panels(const std::vector<Panel>& panels) : panels_(panels) {
+  Panels(const std::vector<Panel>& panels, bool own_x) : panels_(panels), own_x_(own_x) {
     for (const Panel& panel : panels)
       for (const PanelSeries& series : panel.series) {
         if (std::find(labels_.begin(), labels_.end(), series.label) == labels_.end()) labels_.push_back(series.label);
@@ -195,8 +195,13 @@ class Panels {
   }
 
   void draw(const Panel& panel) {
+    if (own_x_) {
+      x_ = {};
+      for (const PanelSeries& series : panel.series)
+        for (const PanelSeries::Point& point : series.points) x_.add(point.x);
+    }
     text(left_ + kInnerWidth / 2, top_ - 6, "middle", "#222", panel.title);
-    for (int d = x_.low(); d <= x_.high(); ++d) {
+    for (int d = x_.low(), step = 1 + (x_.high() - x_.low()) / 6; d <= x_.high(); d += step) {
       const double value = std::pow(10.0, d), x = x_of(value);
       line(x, top_, x, top_ + kInnerHeight);
       text(x, top_ + kInnerHeight + 14, "middle", "#444", short_number(value));
@@ -234,6 +239,7 @@ class Panels {
   }
 
   const std::vector<Panel>& panels_;
+  bool own_x_;
   std::vector<std::string> labels_;
   Decades x_, y_;
   double left_ = 0.0, top_ = 0.0;  // of the panel that is drawn
@@ -243,8 +249,8 @@ class Panels {
 }  // namespace
 
 std::string svg_panels(const std::string& title, const std::string& x_label, const std::string& y_label,
-                       const std::vector<Panel>& panels) {
-  return Panels(panels).run(title, x_label, y_label);
+                       const std::vector<Panel>& panels, bool own_x) {
+  return Panels(panels, own_x).run(title, x_label, y_label);
 }
 
 std::string svg_plot(const std::string& title, const Series& left, const Series& right, const Marks& marks) {

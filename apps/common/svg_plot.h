@@ -39,8 +39,8 @@ struct Panel {
   std::vector<PanelSeries> series;
 };
 
-/// Log-log panels, three in a row, with the same axes and one legend.
+/// Log-log panels, three in a row, with the same axes and one legend. With `own_x` each panel has its own x axis.
 std::string svg_panels(const std::string& title, const std::string& x_label, const std::string& y_label,
-                       const std::vector<Panel>& panels);
+                       const std::vector<Panel>& panels, bool own_x = false);
 
 }  // namespace sightline::apps

@@ -151,19 +151,49 @@ Solid solid_of(const core::SphericalDish& d) {
 
 Surface side(Quad sign, bool x_axis, Quad bottom, Quad top, Quad offset, Quad height) {
   return {[=](const Coordinates& p) {
-            const Polynomial part = height == 0 ? Polynomial(0) : p.z * (1 / height);  // -1/2 ... 1/2
+            const Polynomial part = p.z * (1 / height);  // -1/2 ... 1/2
             return sign * ((x_axis ? p.x : p.y) - offset * part) - ((bottom + top) / 4 + (top - bottom) / 2 * part);
           },
           kLateral};
 }
 
+/// Of height 0: the hull of both ends. A point lies in it when it does in one of the rectangles between them.
+Solid flat_pyramid(const core::Pyramid& p) {
+  Solid solid;
+  solid.surfaces = {below_z(0)};
+  solid.sheet = true;
+  solid.inside = [p](const QuadVec& at) {
+    Quad from = 0, to = 1;  // the parts of the way up that are left
+    const auto keep = [&](Quad distance, float bottom, float top, float offset, int sign) {
+      // length(bottom) / 2 + part (length(top) - length(bottom)) / 2 - sign (distance - offset (part - 1/2)) >= 0
+      const Quad value = length(bottom) / 2 - sign * (distance + Quad(offset) / 2);
+      const Quad slope = (length(top) - length(bottom)) / 2 + sign * Quad(offset);
+      if (slope > 0) from = std::max(from, -value / slope);
+      if (slope < 0) to = std::min(to, -value / slope);
+      if (slope == 0 && value < 0) to = -1;
+    };
+    for (const int sign : {-1, 1}) {
+      keep(at.x, p.bottom_x, p.top_x, p.offset_x, sign);
+      keep(at.y, p.bottom_y, p.top_y, p.offset_y, sign);
+    }
+    return from <= to;
+  };
+  return solid;
+}
+
 Solid solid_of(const core::Pyramid& p) {
   const Quad bx = length(p.bottom_x), by = length(p.bottom_y), tx = length(p.top_x), ty = length(p.top_y);
   const Quad h = length(p.height);
-  if (h == 0) return {};
-  return convex({side(1, true, bx, tx, p.offset_x, h), side(-1, true, bx, tx, p.offset_x, h),
-                 side(1, false, by, ty, p.offset_y, h), side(-1, false, by, ty, p.offset_y, h), above_z(-h / 2),
-                 below_z(h / 2)});
+  const bool flat_x = bx == 0 && tx == 0, flat_y = by == 0 && ty == 0;
+  if (flat_x && flat_y) return {};
+  if (h == 0) return flat_x || flat_y ? Solid{} : flat_pyramid(p);
+  const std::vector<Surface> x_sides{side(1, true, bx, tx, p.offset_x, h), side(-1, true, bx, tx, p.offset_x, h)};
+  const std::vector<Surface> y_sides{side(1, false, by, ty, p.offset_y, h), side(-1, false, by, ty, p.offset_y, h)};
+  std::vector<Surface> limits{above_z(-h / 2), below_z(h / 2)};
+  if (!flat_x) limits.insert(limits.end(), x_sides.begin(), x_sides.end());
+  if (!flat_y) limits.insert(limits.end(), y_sides.begin(), y_sides.end());
+  if (flat_x || flat_y) return sheet(flat_x ? x_sides[0] : y_sides[0], limits);
+  return convex(limits);
 }
 
 /// sign * axis <= half.

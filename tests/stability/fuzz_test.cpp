@@ -1,0 +1,38 @@
+// Random parameters of every kind through the shaders; the millions are the tool's, `sightline-stability --fuzz`.
+#include "sightline/bench/stability/fuzz.h"
+
+#include <gtest/gtest.h>
+
+#include "sightline/tests/support/gl_test.h"
+
+namespace sightline::bench {
+namespace {
+
+class Fuzz : public testing::TestWithParam<core::Kind> {};
+
+TEST_P(Fuzz, ShaderAndReferenceAgree) {
+  constexpr std::uint64_t kSeed = 1;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  auto shaders = GlslRays::create();
+  if (!shaders) {
+    const char* require = std::getenv("SIGHTLINE_REQUIRE_GL");
+    if (require && std::string(require) != "0") FAIL() << shaders.error().message;
+    GTEST_SKIP() << shaders.error().message;
+  }
+  const auto figures = fuzz(*shaders, GetParam(), 20'000, kSeed);
+  ASSERT_TRUE(figures) << figures.error().message;
+  EXPECT_EQ(figures->not_finite, 0);
+  EXPECT_EQ(figures->outside, 0);
+  EXPECT_EQ(figures->disagree, 0);
+  EXPECT_GT(figures->hits, 4000);
+  for (const std::string& example : figures->examples) ADD_FAILURE() << example;
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, Fuzz,
+                         testing::Values(core::Kind::kCylinder, core::Kind::kSnout, core::Kind::kCircularTorus,
+                                         core::Kind::kRectangularTorus, core::Kind::kSphere, core::Kind::kSphericalDish,
+                                         core::Kind::kEllipticalDish, core::Kind::kBox, core::Kind::kPyramid),
+                         [](const auto& kind) { return std::string(core::kind_name(kind.param)); });
+
+}  // namespace
+}  // namespace sightline::bench
