@@ -17,6 +17,7 @@
 #include "sightline/bench/stability/measure.h"
 #ifdef SIGHTLINE_HAS_GL
 #include "sightline/bench/stability/fuzz.h"
+#include "sightline/bench/stability/view_rays.h"
 #endif
 
 namespace {
@@ -44,7 +45,11 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--rays", options.rays, "per case")->check(CLI::Range(1, 1'000'000))->capture_default_str();
   app.add_option("--seed", options.seed, "of all cases")->capture_default_str();
   app.add_option("--primitive", options.primitives, "only these kinds, as sightline-info names them");
-  app.add_option("--case", options.families, "only these families")->check(CLI::IsMember(bench::stability_families()));
+  app.add_option("--case", options.families, "only these families")->check([](const std::string& name) {
+    std::vector<std::string> known = bench::stability_families();
+    known.insert(known.end(), {"near-far", "field-of-view", "view-offset", "view-distance"});
+    return wanted(known, name) ? std::string() : "there is no family \"" + name + "\"";
+  });
   app.add_option("--path", options.paths, "only these ways of computing")
       ->check(CLI::IsMember({"double", "float", "glsl"}));
   app.add_option("--fuzz", options.fuzz, "instead: so many random parameter sets of each kind through the shaders")
@@ -102,6 +107,28 @@ core::Expected<void> measure_shaders(const std::vector<Case>& cases, const std::
   }
 #else
   if (!options.paths.empty()) return core::fail("--path glsl: this build has no GL");
+#endif
+  return {};
+}
+
+/// The cases that need a whole picture, after those of single rays.
+core::Expected<void> measure_views(const Options& options, std::vector<Result>& results) {
+#ifdef SIGHTLINE_HAS_GL
+  std::vector<bench::ViewCase> cases = bench::view_cases(options.seed);
+  std::erase_if(cases, [&](const bench::ViewCase& c) {
+    return !wanted(options.primitives, core::kind_name(c.kind)) || !wanted(options.families, c.family);
+  });
+  if (cases.empty() || !wanted(options.paths, "glsl")) return {};
+  auto views = bench::ViewRays::create();
+  if (!views && options.paths.empty()) return {};  // said before
+  if (!views) return tl::unexpected(views.error());
+  apps::Progress progress("views", cases.size());
+  for (const bench::ViewCase& c : cases) {
+    const auto figures = views->judge_picture(c, options.rays);
+    if (!figures) return tl::unexpected(figures.error());
+    results.push_back({c.kind, c.family, c.name(), c.magnitude, Path::kGlsl, *figures});
+    progress.advance(results.size());
+  }
 #endif
   return {};
 }
@@ -277,8 +304,9 @@ core::Expected<int> run(const Options& options) {
   for (Case& c : bench::stability_cases())
     if (wanted(options.primitives, core::kind_name(c.kind)) && wanted(options.families, c.family))
       cases.push_back(std::move(c));
-  const auto measured = measure(cases, options);
+  auto measured = measure(cases, options);
   if (!measured) return tl::unexpected(measured.error());
+  if (auto done = measure_views(options, *measured); !done) return tl::unexpected(done.error());
   const std::vector<Result>& results = *measured;
   if (results.empty()) return core::fail("nothing to measure: no case of that kind, family and path");
 
