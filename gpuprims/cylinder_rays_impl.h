@@ -73,7 +73,7 @@ inline void first_crossings(const CylinderRays& in) {
     const double first = (start + from) + (slab_from > side_from ? below : 0.0);
     const double last = (start + to) + (slab_to < side_to ? above : 0.0);
     const double seen = smaller(first >= t_min[i] ? first : infinity, last >= t_min[i] ? last : infinity);
-    t[i] = (least_room >= 0.0) & (from <= to) ? seen : infinity;
+    t[i] = ((least_room >= 0.0) & (from <= to)) ? seen : infinity;
   }
 }
 

@@ -127,6 +127,13 @@ bool finite(const core::Snout& s) {
   return lengths + others == 0.0;  // NaN where any is not finite
 }
 
+/// Lengths multiplied by `scale`; height > 0.
+template <class Real>
+Solid<Real> make_local_solid(const core::Snout& s, double scale) {
+  if (is_slanted(s)) return make_solid(s).scaled<Real>(scale);
+  return make_level_solid<Real>(s, scale);
+}
+
 /// What a snout of height 0 shows: the larger end.
 struct Disc {
   core::Cylinder cylinder;
@@ -200,6 +207,24 @@ void clip_ends(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<Real>& 
   if (solid.top_limited) span.clip(solid.highest - o.z, -u.z, kTopLevel);
 }
 
+/// For height > 0. Apart, so that no path has hits to copy.
+template <class Real>
+Hits intersect_solid(const core::Snout& snout, const Ray& ray, Caps caps) {
+  Hits hits;
+  const double widest = std::max(std::fabs(snout.bottom_radius), std::fabs(snout.top_radius));
+  const double scale = inverse_power_of_two(widest);
+  const Solid<Real> solid = make_local_solid<Real>(snout, scale);
+  const double reach = double(std::max(-solid.lowest, solid.highest)) / scale;
+  const auto local = approach_axis<Real>(snout, ray, widest, reach);
+  if (!local.valid) return hits;
+  Span<Real> span = nappe_span(solid, local.origin, local.direction);
+  clip_ends(solid, local.origin, local.direction, span);
+  const unsigned hidden = (caps.bottom ? 0u : 1u << kBottom | 1u << kBottomLevel) |  //
+                          (caps.top ? 0u : 1u << kTop | 1u << kTopLevel);
+  add_hits(hits, local, span, hidden, [&](int face, const Vec3<Real>& p) { return solid.normal(face, p); });
+  return hits;
+}
+
 /// Heights at which the generator at angle direction e lies between the ends; empty where the end planes have crossed,
 /// `from` still being on the bottom contour. Along a generator an end plane's equation is linear: z' (1 - m.s - k m.e)
 /// = r m.e, with z' from the end's centre.
@@ -262,25 +287,10 @@ std::vector<Rung> make_rungs(const Solid<>& solid, int segments) {
 
 template <class Real>
 Hits intersect(const core::Snout& snout, const Ray& ray, Caps caps) {
-  Hits hits;
-  const double widest = std::max(std::fabs(snout.bottom_radius), std::fabs(snout.top_radius));
-  if (!finite(snout) || widest == 0.0) return hits;
-  if (snout.height == 0.0f) {
-    const Disc disc = flat_disc(snout);
-    return intersect<Real>(disc.cylinder, {ray.origin - disc.centre, ray.direction}, caps);
-  }
-  const double scale = inverse_power_of_two(widest);
-  const Solid<Real> solid =
-      is_slanted(snout) ? make_solid(snout).scaled<Real>(scale) : make_level_solid<Real>(snout, scale);
-  const double reach = double(std::max(-solid.lowest, solid.highest)) / scale;
-  const auto local = approach_axis<Real>(snout, ray, widest, reach);
-  if (!local.valid) return hits;
-  Span<Real> span = nappe_span(solid, local.origin, local.direction);
-  clip_ends(solid, local.origin, local.direction, span);
-  const unsigned hidden = (caps.bottom ? 0u : 1u << kBottom | 1u << kBottomLevel) |  //
-                          (caps.top ? 0u : 1u << kTop | 1u << kTopLevel);
-  add_hits(hits, local, span, hidden, [&](int face, const Vec3<Real>& p) { return solid.normal(face, p); });
-  return hits;
+  if (!finite(snout) || (snout.bottom_radius == 0.0f && snout.top_radius == 0.0f)) return {};
+  if (snout.height != 0.0f) return intersect_solid<Real>(snout, ray, caps);
+  const Disc disc = flat_disc(snout);
+  return intersect<Real>(disc.cylinder, {ray.origin - disc.centre, ray.direction}, caps);
 }
 template Hits intersect<double>(const core::Snout&, const Ray&, Caps);
 template Hits intersect<float>(const core::Snout&, const Ray&, Caps);
