@@ -62,7 +62,7 @@ void pack_nothing(const PackedItem& item, std::span<Texel> out) {
 
 /// Thinner than this part of its greatest length nothing is drawn: a volume is needed to cast rays at, and float still
 /// tells its two sides apart.
-constexpr double kThinnest = 1e-6;
+constexpr double kThinnest = 1e-7;
 
 void pack_cylinder(const core::Cylinder& c, const PackedItem& item, std::span<Texel> out) {
   const double radius = length(c.radius);
@@ -135,14 +135,11 @@ void pack_snout(const core::Snout& s, const PackedItem& item, std::span<Texel> o
                  above.limited ? (0.5 * height + above.max) / unit : kFarBeyond);
 }
 
-/// A cap as high as its ball's radius, stretched; flat ones as caps of a huge ball instead, from which they differ by a
-/// quarter of their height.
+/// A cap as high as its ball's radius, stretched.
 void pack_elliptical_dish(const core::EllipticalDish& d, const PackedItem& item, std::span<Texel> out) {
-  constexpr double kFlat = 1e-5;
   const double radius = length(d.base_radius), height = length(d.height);
   if (radius == 0.0) return pack_nothing(item, out);
-  if (height >= kFlat * radius) return pack_head(item, scaled(dvec3(radius, radius, height)), 1.0, out);
-  pack_head(item, scaled(dvec3(radius)), std::max(height / radius, kThinnest), out);
+  pack_head(item, scaled(dvec3(radius, radius, std::max(height, kThinnest * radius))), 1.0, out);
 }
 
 void pack_spherical_dish(const core::SphericalDish& d, const PackedItem& item, std::span<Texel> out) {

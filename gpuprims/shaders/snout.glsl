@@ -29,7 +29,8 @@ const int kBottomLevel = 8, kTopLevel = 9;
 
 struct Shape {
   vec2 lean;                       // of the axis, per z
-  float radius, widening;          // at the ray's origin, and per z
+  float radius, radius_low;        // at the ray's origin, and what rounding has left of it
+  float widening;                  // of the radius, per z
   float to_bottom, to_top;         // the ends' distances along z from the ray's origin, bottom upwards and top downwards
   vec2 bottom_slant, top_slant;
   float lowest, highest;           // level cuts, from the ray's origin
@@ -42,13 +43,25 @@ void load_shape(uint record, float height, float shift) {
   float inverse_height = height > 0.0 ? 1.0 / height : 0.0;
   shape.lean = ends.zw * inverse_height;
   shape.widening = (ends.y - ends.x) * inverse_height;
-  shape.radius = 0.5 * (ends.x + ends.y) + (ends.y - ends.x) * (shift * inverse_height);
+  vec2 radius = add(0.5 * exact_sum(ends.x, ends.y), vec2((ends.y - ends.x) * (shift * inverse_height), 0.0));
+  shape.radius = radius.x;
+  shape.radius_low = radius.y;
   shape.to_bottom = 0.5 * height + shift;
   shape.to_top = 0.5 * height - shift;
   shape.bottom_slant = slants.xy;
   shape.top_slant = slants.zw;
   shape.lowest = range.z - shift;
   shape.highest = range.w - shift;
+}
+
+// |r0 u1 - r1 u0|^2 - (u0 x u1)^2 without rounding errors, those of the line about the axis included.
+float exact_discriminant(vec3 o, vec3 d) {
+  vec2 r0 = add(vec2(shape.radius, shape.radius_low), exact_product(shape.widening, o.z));
+  vec2 r1 = exact_product(shape.widening, d.z);
+  vec2 x0 = subtract(vec2(o.x, 0.0), exact_product(shape.lean.x, o.z)), y0 = subtract(vec2(o.y, 0.0), exact_product(shape.lean.y, o.z));
+  vec2 x1 = subtract(vec2(d.x, 0.0), exact_product(shape.lean.x, d.z)), y1 = subtract(vec2(d.y, 0.0), exact_product(shape.lean.y, d.z));
+  vec2 vx = subtract(multiply(r0, x1), multiply(r1, x0)), vy = subtract(multiply(r0, y1), multiply(r1, y0));
+  return difference_of_squares(vx, vy, subtract(multiply(x0, y1), multiply(y0, x1)));
 }
 
 // The part of the line within the nappe of radius >= 0, where u = xy - centre(z) and r(z) are linear in t; false when there is none.
@@ -62,11 +75,7 @@ bool nappe(vec3 o, vec3 d, inout Span span) {
   // b^2 - a c, its large equal terms cancelled by hand: |r0 u1 - r1 u0|^2 - (u0 x u1)^2.
   vec2 v = r0 * u1 - r1 * u0;
   float m = cross_product(u0, u1), square = dot(v, v), rest = square - m * m;
-  if (abs(rest) < kCancels * square) {
-    vec2 vx = subtract(exact_product(r0, u1.x), exact_product(r1, u0.x));
-    vec2 vy = subtract(exact_product(r0, u1.y), exact_product(r1, u0.y));
-    rest = difference_of_squares(vx, vy, exact_cross(u0, u1));
-  }
+  if (abs(rest) < kCancels * square) rest = exact_discriminant(o, d);
   if (a < 0.0) rest = max(rest, 0.0);  // negative by rounding only: the line crosses both nappes
   if (!(rest >= 0.0)) return false;
   float root = sqrt(rest), q = b >= 0.0 ? -(b + root) : root - b;
@@ -92,12 +101,25 @@ bool nappe(vec3 o, vec3 d, inout Span span) {
 
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
+  float start = 0.0;
+  if (abs(shape.widening) > 1.0 && d.z != 0.0) {
+    // Flat: from where the ray is level with the origin, where a rounded z does not become a wrong radius.
+    float to_level = -o.z / d.z;
+    vec2 level = o.xy + to_level * d.xy;
+    if (dot(level, level) < 16.0) {
+      start = to_level;
+      o = vec3(level, 0.0);
+    }
+  }
   if (!nappe(o, d, span)) return;
   vec2 from_bottom = o.xy + shape.lean * shape.to_bottom, from_top = o.xy - shape.lean * shape.to_top;
   clip(span, o.z + shape.to_bottom - dot(shape.bottom_slant, from_bottom), d.z - dot(shape.bottom_slant, d.xy), kBottom);
   clip(span, shape.to_top - o.z + dot(shape.top_slant, from_top), dot(shape.top_slant, d.xy) - d.z, kTop);
   clip(span, o.z - shape.lowest, d.z, kBottomLevel);
   clip(span, shape.highest - o.z, -d.z, kTopLevel);
+  if (is_empty(span)) return;
+  span.from += start;
+  span.to += start;
   offer_span(search, span);
 }
 
