@@ -284,10 +284,10 @@ void add_tangent(Cases& cases) {
       c.wide.normal = 10.0 * c.wide.t;
       // A ray's origin and direction as floats already move it by about an ulp of a radius, so t by up to sqrt(2 ulp);
       // factor 4 for solids of a few radii. Target: at most 1 % of cylinders and cones wrong within 1e-6 r, without a
-      // band; tori of the shapes tried here reach four times as far in radii.
-      const bool torus = kind == Kind::kCircularTorus || kind == Kind::kRectangularTorus;
-      const double lost = 4.0 * std::sqrt(2.0 * 2.0 * kFloatStep);
-      c.single = {lost, 2.0 * lost, 0.0, std::min(0.5, (torus ? 0.04 : 0.01) * 1e-6 / within)};
+      // band. Tori of the shapes tried here reach four times as far in radii.
+      const double reach = kind == Kind::kCircularTorus || kind == Kind::kRectangularTorus ? 4.0 : 1.0;
+      const double lost = 4.0 * std::sqrt(2.0 * 2.0 * kFloatStep * reach);
+      c.single = {lost, 2.0 * lost, 0.0, std::min(0.5, 0.01 * reach * 1e-6 / within)};
       c.sample = [=](Random& random) {
         const Primitive primitive = plain_shape(kind, random);
         const double radius = radius_of(primitive);

@@ -58,6 +58,7 @@ struct ShaderCrossing {
 
 /// What the shader gets for a sample, and what its answer needs.
 struct Prepared {
+  bool shown = false;  ///< see primitive.vert
   LocalRay ray;
   double start = 0.0;  ///< t of the moved origin
   dmat3 item_normal_from_local{0.0};
@@ -105,6 +106,9 @@ Prepared prepare(const Sample& sample, std::span<const Texel> record) {
   dvec3 o = local_from_world * ((sample.ray.origin - sample.world_from_item.origin) - local_frame.origin);
   const Axis axis = axis_of(sample.primitive);
   Prepared prepared;
+  const core::mat3 linear(local_frame.linear);
+  const float volume = std::fabs(glm::dot(linear[0], glm::cross(linear[1], linear[2])));
+  prepared.shown = volume > 0.0f && volume < kNoHit;
   prepared.start = -glm::dot(o, d) / glm::dot(d, d);
   o += prepared.start * d;
   float shift = 0.0f;
@@ -123,7 +127,7 @@ Prepared prepare(const Sample& sample, std::span<const Texel> record) {
 Answer answer_of(const Prepared& prepared, const ShaderCrossing& found) {
   Answer answer;
   answer.first_only = true;
-  if (found.t == kNoHit) return answer;
+  if (found.t == kNoHit || !prepared.shown) return answer;
   const dvec3 normal(found.normal);
   const dvec3 turned = prepared.item_normal_from_local * normal;
   // A singular frame has no normals; whether the shader's own is a number is what is asked.

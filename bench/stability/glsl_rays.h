@@ -20,7 +20,8 @@ class GlslRays {
   /// The nearest crossing over the whole line of each sample. A record is packed for each; what the shader gets is what
   /// a renderer can give it (render/shaders/primitive.vert): the ray in the record's local frame, moved in double to
   /// its closest approach to the centre, or of kinds that may be needles to the nearest point of their axis, and then
-  /// rounded to float. Its t, counted from there, is added up in double. All samples must be of one kind.
+  /// rounded to float. Its t, counted from there, is added up in double. What it says of placements that
+  /// a renderer does not show, because float cannot hold their volume, is left out. All samples must be of one kind.
   core::Expected<std::vector<Answer>> trace(core::Kind kind, std::span<const Sample> samples);
 
   const gl::Context& context() const { return context_; }
