@@ -126,7 +126,7 @@ double ssim(const Image& image_a, const Image& image_b) {
       const double ma = mean_a.values[i], mb = mean_b.values[i];
       const double va = aa.values[i] - ma * ma, vb = bb.values[i] - mb * mb, cov = ab.values[i] - ma * mb;
       similarity += (2.0 * ma * mb + kC1) * (2.0 * cov + kC2) /
-                    ((ma * ma + mb * mb + kC1) * (std::max(0.0, va) + std::max(0.0, vb) + kC2));
+                    ((ma * ma + mb * mb + kC1) * (va + vb + kC2));  // rounding below 0 is nothing beside kC2
     }
   return similarity / (double(a.width - 2 * kSsimRadius) * double(a.height - 2 * kSsimRadius));
 }
