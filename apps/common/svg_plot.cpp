@@ -170,8 +170,9 @@ class Panels {
       text(x + 8, 58, "start", "#222", labels_[i]);
     }
     for (std::size_t i = 0; i < panels_.size(); ++i) {
+      const std::size_t row = i / columns;
       left_ = double(i % columns) * kPanelWidth + 50;
-      top_ = kHead + double(i / columns) * kPanelHeight + 22;
+      top_ = kHead + double(row) * kPanelHeight + 22;
       draw(panels_[i]);
     }
     svg_ << "</svg>\n";
@@ -180,8 +181,8 @@ class Panels {
 
  private:
   static constexpr std::size_t kColumns = 3;
-  static constexpr double kPanelWidth = 320, kPanelHeight = 250, kHead = 66, kZeroRow = 14;
-  static constexpr double kInnerWidth = kPanelWidth - 65, kInnerHeight = kPanelHeight - 48;
+  static constexpr double kPanelWidth = 330, kPanelHeight = 250, kHead = 66, kZeroRow = 14;
+  static constexpr double kInnerWidth = kPanelWidth - 75, kInnerHeight = kPanelHeight - 48;
 
   static const char* colour(std::size_t i) {
     static constexpr const char* kAll[] = {"#1f6fb4", "#d9731a", "#2c9c3f", "#c23b3b",

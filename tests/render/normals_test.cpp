@@ -56,7 +56,7 @@ class Normals : public tests::GlTest {
     int hits = 0;
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
-        const std::size_t i = std::size_t(y * kWidth + x);
+        const std::size_t i = std::size_t(y) * kWidth + std::size_t(x);
         const auto& n = drawn.normals.normals[i];
         const dvec3 normal(n[0], n[1], n[2]);
         const double depth = drawn.depth.metres[i];
