@@ -2,7 +2,8 @@
 # Everything that a real GPU is needed to answer, in one command: builds, measures, and writes one Markdown report.
 #   bench/gpu_report.sh [REPORT.md]      default: out/gpu_report/report.md; its folder also gets JSON, CSV and plots
 # SCALE (1: 713,000 and 5 million items), FRAMES (200), PASSES (5), SIZE (1280x720) and BIN (a folder of built programs:
-# nothing is built then) may be set. SCALE=0.01 FRAMES=40 PASSES=2 SIZE=320x180 runs in some seven minutes on a software rasteriser.
+# nothing is built then), MODELS and VIEWS (real models and a folder of views of them) may be set. SCALE=0.01 FRAMES=40 PASSES=2
+# SIZE=320x180 runs in some ten minutes on a software rasteriser.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=${1:-out/gpu_report/report.md}
@@ -76,5 +77,13 @@ for n in 713000 5000000; do
   traces+=("$trace")
 done
 show "$bin/sightline-bench-controller" "${traces[@]}" --seeds 1 --plot "$out/regret.svg"
+
+section "Error against time: triangles and ray-cast primitives, kind by kind and in models (MODELS names files, VIEWS a folder of views)"
+show "$bin/sightline-bench-error-time" --json "$out/error_time.json" --plot "$out/error_time"
+read -ra models <<<"${MODELS:-}"
+if [ ${#models[@]} -gt 0 ]; then
+  show "$bin/sightline-bench-error-time" "${models[@]}" ${VIEWS:+--views "$VIEWS"} --size "$size" --json "$out/error_time_models.json" \
+    --plot "$out/error_time_models"
+fi
 
 echo "Written: $report" >&2
