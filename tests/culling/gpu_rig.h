@@ -126,7 +126,7 @@ class PicturePair {
 
   PicturePair(const gl::Context& context, const Rig& rig)
       : renderer_(std::move(*render::Renderer::create(context, rig.gpu))),
-        target_(std::move(*render::RenderTarget::create(context, kWidth, kHeight, true))) {}
+        target_(std::move(*render::RenderTarget::create(context, kWidth, kHeight, {.ids = true}))) {}
 
   struct Pixels {
     std::size_t shown = 0, ties = 0;  ///< ties: one of two items at the very same depth
