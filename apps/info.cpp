@@ -90,8 +90,11 @@ int main(int argc, char** argv) {
     auto model = apps::load_model(options);
     if (!model) return tl::unexpected(model.error());
     if (auto delta = model->scene->commit(); !delta) return tl::unexpected(delta.error());
-    if (options.explain)
-      apps::explain(engine::make_plan(core::Snapshot(*model->scene), engine::CullerChoice::kAutomatic, true, false));
+    if (options.explain) {
+      core::Snapshot snapshot(*model->scene);
+      snapshot.find_joints();
+      apps::explain(engine::make_plan(snapshot, engine::CullerChoice::kAutomatic, true, false));
+    }
     const Facts facts = gather(*model->scene);
     if (json_file != "-") print(model->report, facts);
     if (json_file.empty()) return apps::kExitOk;

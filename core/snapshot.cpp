@@ -176,6 +176,7 @@ AabbD Snapshot::gather(const Scene& scene, const Scene::ItemState& state, ItemId
   r.kind = scene.kind(item);
   r.layers = state.layers;
   r.material = state.material;
+  r.opaque = state.material == kNone || scene.material(scene.material_at(state.material)).alpha >= 1.0f;
   r.linear = mat3(state.world_from_item.linear);
   r.origin = state.world_from_item.origin;
   const bool mesh = int(r.kind) >= kPrimitiveKindCount;
@@ -209,6 +210,7 @@ void Snapshot::copy(Slot first, Slot end, Items& out) const {
     r.kind = kinds_[s];
     r.layers = vacant(s) ? 0 : bounds_.layers(s);
     r.material = materials_[s];
+    r.opaque = opaque(s);
     r.box = bounds_.box(s);
     r.linear = list.placements[i].linear;
     r.origin = world_from_item(s).origin;
@@ -250,6 +252,7 @@ std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
 // --- edits -----------------------------------------------------------------------------------------------------------
 
 std::vector<Slot> Snapshot::apply(const Items& items) {
+  const std::size_t former_size = size();
   std::vector<Slot> touched;
   touched.reserve(items.removed.size() + items.records.size());
   for (const ItemId item : items.removed) {
@@ -274,9 +277,31 @@ std::vector<Slot> Snapshot::apply(const Items& items) {
   radix_sort<32>(known);
   stay_or_go(items, known, touched, appended);
   append_sorted(items, appended);
+  dissolve_joints(items, former_size, touched);
   extend_ranks();
   count_vacant();
   return touched;
+}
+
+void Snapshot::dissolve_joints(const Items& items, std::size_t former_size, std::vector<Slot>& touched) {
+  if (joints_.count() == 0) return;
+  std::vector<ItemId> uncovered;
+  for (const ItemId item : items.removed) joints_.dissolve(item, uncovered);
+  for (const Items::Record& r : items.records) joints_.dissolve(r.item, uncovered);
+  if (uncovered.empty()) return;
+  std::vector<Slot> others;
+  for (const ItemId item : uncovered)
+    if (const Slot s = slot(item); s < former_size) others.push_back(s);  // kNone is not
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  // Neighbours that were edited themselves are among the touched.
+  std::vector<bool> known(others.size());
+  for (const Slot s : touched) {
+    const auto at = std::lower_bound(others.begin(), others.end(), s);
+    if (at != others.end() && *at == s) known[std::size_t(at - others.begin())] = true;
+  }
+  for (std::size_t i = 0; i < others.size(); ++i)
+    if (!known[i]) touched.push_back(others[i]);
 }
 
 /// A block's boxes and what is kept by slot, then what is kept by kind.
@@ -334,6 +359,7 @@ void Snapshot::stay_or_go(const Items& items, std::span<const std::uint64_t> kno
       moved_to[own] = chunk;
       p = place(r.linear, r.origin, chunk);
       materials_[s] = r.material;
+      learn_material(r.material, r.opaque);
       Aabb grown = taken;
       grown.grow(r.box);
       const bool stays = all_stay || r.layers == 0 || r.box.empty() || taken.empty() || allowance == 0 ||
@@ -390,6 +416,7 @@ void Snapshot::append(const Items& items, std::uint32_t record, std::uint32_t ch
   }
   kinds_.push_back(r.kind);
   index_in_kind_.push_back(std::uint32_t(list.size()));
+  learn_material(r.material, r.opaque);
   items_.push_back(r.item);
   slots_[r.item] = s;
   materials_.push_back(r.material);
@@ -407,6 +434,12 @@ void Snapshot::show(Slot s, const Aabb& box, std::uint32_t layers) {
   if (word >= vacant_.size()) return;
   const std::uint64_t bit = std::uint64_t(1) << s % kRankStride;
   vacant_[word] = vacant ? vacant_[word] | bit : vacant_[word] & ~bit;
+}
+
+void Snapshot::learn_material(std::uint32_t material, bool opaque) {
+  if (material == kNone || !opaque || knows_opaque(material)) return;
+  if (material >= opaque_materials_.size()) opaque_materials_.resize(material + 1);
+  opaque_materials_[material] = true;
 }
 
 void Snapshot::give_up(Slot s) {
@@ -480,7 +513,8 @@ Primitive Snapshot::primitive(Slot s) const {
 }
 
 std::size_t Snapshot::memory_bytes() const {
-  std::size_t bytes = bounds_.memory_bytes() + kinds_.capacity() * sizeof(Kind) +
+  std::size_t bytes = bounds_.memory_bytes() + joints_.memory_bytes() + opaque_materials_.capacity() / 8 +
+                      kinds_.capacity() * sizeof(Kind) +
                       (index_in_kind_.capacity() + items_.capacity() + slots_.capacity() + materials_.capacity()) * 4 +
                       ranks_.capacity() * sizeof(ranks_[0]) + chunks_.memory_bytes() +
                       (block_sizes_.capacity() + vacant_before_.capacity()) * 4 + vacant_.capacity() * 8;

@@ -14,6 +14,7 @@
 #include "sightline/core/bvh_build.h"
 #include "sightline/core/chunk_grid.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/joints.h"
 #include "sightline/core/large_array.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/visible_set.h"
@@ -48,7 +49,7 @@ class Snapshot {
   /// Items are read as the scene has them now, so deltas may be applied late as long as all of them are, in order: one
   /// that a later delta removes is passed over, one that the snapshot already holds is updated. Time follows the size
   /// of the delta, not of the snapshot, but for an eighth of a byte per slot.
-  /// Returns the slots below the former size() whose boxes, layers or items changed, each once.
+  /// Returns the slots below the former size() whose boxes, layers, items or covered ends changed, each once.
   std::vector<Slot> apply(const SceneDelta& delta);
 
   // --- a new order in the background -------------------------------------------------------------------------------
@@ -81,6 +82,12 @@ class Snapshot {
   ItemId item(Slot slot) const { return items_[slot]; }  ///< kNone when the slot was given up; hidden items keep theirs
   Slot slot(ItemId item) const { return item < slots_.size() ? slots_[item] : kNone; }  ///< kNone when unknown
   std::uint32_t material(Slot slot) const { return materials_[slot]; }                  ///< material index or kNone
+  /// Materials never change; of those that no item of the snapshot has ever had nothing is known.
+  bool opaque(Slot slot) const { return materials_[slot] == kNone || knows_opaque(materials_[slot]); }
+  /// Looks for ends that lie on a neighbour's, for whoever draws: until then there are none. Those of items that are
+  /// edited, and of their neighbours there, are dissolved.
+  void find_joints() { joints_ = Joints(*this); }
+  const Joints& joints() const { return joints_; }
   const KindItems& of_kind(Kind kind) const { return kind_items_[std::size_t(kind)]; }
 
   /// Items of `kind` in slots below `slot`: so a range of slots becomes a range of of_kind(kind). Constant time.
@@ -107,9 +114,14 @@ class Snapshot {
   void append_sorted(const Items& items, std::span<const Newcomer> newcomers);
   void append(const Items& items, std::uint32_t record, std::uint32_t chunk);
   void give_up(Slot slot);
+  void learn_material(std::uint32_t material, bool opaque);
   void show(Slot slot, const Aabb& box, std::uint32_t layers);
   Placement& placement(Slot slot) { return kind_items_[std::size_t(kinds_[slot])].placements[index_in_kind_[slot]]; }
   Placement place(const mat3& linear, const dvec3& origin, std::uint32_t chunk) const;
+  void dissolve_joints(const Items& items, std::size_t former_size, std::vector<Slot>& touched);
+  bool knows_opaque(std::uint32_t material) const {
+    return material < opaque_materials_.size() && opaque_materials_[material];
+  }
   void extend_ranks();
   void count_vacant();
   std::uint32_t vacant_below(Slot slot) const;
@@ -129,12 +141,15 @@ class Snapshot {
   LargeArray<std::uint64_t> vacant_;                          // bit per slot; empty while none is
   std::vector<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
   ChunkGrid chunks_;
+  std::vector<bool> opaque_materials_;
+  Joints joints_;
 };
 
 struct Snapshot::Items {
   struct Record {
     ItemId item = kNone;
     Kind kind = Kind::kMesh;
+    bool opaque = true;
     std::uint32_t layers = 0;  // 0: hidden
     std::uint32_t material = kNone;
     std::uint32_t payload = 0;  // mesh index, or first of `parameters`

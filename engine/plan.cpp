@@ -73,6 +73,8 @@ Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, b
   Plan plan;
   plan_culling(plan, snapshot, choice);
   plan_batches(plan, snapshot, draw);
+  const std::size_t hidden = snapshot.joints().count();
+  plan.entries.push_back({"hidden ends at joints", hidden > 0, std::to_string(hidden) + " ends lie on a neighbour's"});
   plan.entries.push_back({"item-id target", draw && ids, ids ? "asked for" : "not asked for"});
   return plan;
 }

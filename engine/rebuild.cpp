@@ -25,6 +25,7 @@ void Generation::follow_plan(const PlanRequest& request) {
 Generation make_generation(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request) {
   Generation generation;
   generation.snapshot = std::move(snapshot);
+  if (request.draw) generation.snapshot->find_joints();
   generation.follow_plan(request);
   return generation;
 }

@@ -103,8 +103,10 @@ void GpuScene::pack(const Snapshot& snapshot, Slot slot, std::span<Texel> out) {
     const std::size_t n = std::size_t(core::parameter_count(kind));
     parameters = std::span(items.parameters).subspan(i * n, n);
   }
-  const bool flat = flat_shaded(snapshot, slot);
-  const std::uint32_t flags = flat ? std::uint32_t(gpuprims::kFlatShaded) : 0u;
+  const core::Ends covered = snapshot.joints().covered(snapshot.item(slot));
+  std::uint32_t flags = flat_shaded(snapshot, slot) ? std::uint32_t(gpuprims::kFlatShaded) : 0u;
+  if ((covered & core::kBottomEnd) != 0) flags |= gpuprims::kBottomOpen;
+  if ((covered & core::kTopEnd) != 0) flags |= gpuprims::kTopOpen;
   core::Placement placement = items.placements[i];
   if (snapshot.vacant(slot)) placement.linear = core::mat3(0.0f);  // a point, of which nothing is rasterised
   gpuprims::pack(kind, parameters, {placement, snapshot.item(slot), material_row(snapshot, slot) | flags}, out);

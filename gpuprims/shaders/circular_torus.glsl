@@ -87,7 +87,8 @@ void intersect_primitive(inout Search search, vec3 o, vec3 direction) {
   float outer = shape.major + shape.tube, p = dot(o, o), reach2 = outer * outer - p;
   if (!(reach2 > 0.0)) return;
   Span wedges[2];
-  int wedge_count = wedge_spans(o, direction, shape.half_angle, shape.closed, wedges);
+  vec2 ends_reach = shape.tube * vec2(hidden_reach(search, kBottom), hidden_reach(search, kTop));
+  int wedge_count = wedge_spans(o, direction, shape.half_angle, shape.closed, ends_reach, wedges);
   if (wedge_count == 0) return;
 
   float reach = 1.0001 * sqrt(reach2);

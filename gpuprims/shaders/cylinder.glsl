@@ -34,8 +34,8 @@ void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   } else if (!(dot(o.xy, o.xy) <= 1.0)) {
     return;
   }
-  clip(span, o.z - shape.low, d.z, kBottom);
-  clip(span, shape.high - o.z, -d.z, kTop);
+  clip(span, o.z - shape.low + hidden_reach(search, kBottom), d.z, kBottom);
+  clip(span, shape.high - o.z + hidden_reach(search, kTop), -d.z, kTop);
   offer_span(search, span);
 }
 

@@ -53,7 +53,7 @@ void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   clip(outer, shape.high - o.z, -d.z, kHigh);
   if (is_empty(outer)) return;
   Span wedges[2];
-  int wedge_count = wedge_spans(o, d, shape.half_angle, shape.closed, wedges);
+  int wedge_count = wedge_spans(o, d, shape.half_angle, shape.closed, vec2(0.0), wedges);
   Span hole = whole_line();
   if (!(shape.inner > 0.0) || !within_radius(o, d, shape.inner, hole, kInner)) {
     offer_swept(search, outer, wedges, wedge_count);

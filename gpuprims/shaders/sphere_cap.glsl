@@ -64,10 +64,10 @@ void intersect_primitive(inout Search search, vec3 o, vec3 d) {
       o = vec3(base, 0.0);
     }
     if (!flat_ball(o, d, span)) return;
-    clip(span, o.z, d.z, kBottom);
+    clip(span, o.z, d.z, kBottom);  // hidden or not: farther down the ball is wider than what covers the base
   } else {
     if (!ball(o, d, span)) return;
-    if (shape.c < 2.0) clip(span, o.z - (1.0 - shape.c), d.z, kBottom);
+    if (shape.c < 2.0) clip(span, o.z - (1.0 - shape.c) + hidden_reach(search, kBottom), d.z, kBottom);
   }
   if (is_empty(span)) return;
   span.from += start;

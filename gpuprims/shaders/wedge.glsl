@@ -1,15 +1,16 @@
 // The sweep of a torus slice: the wedge about z within half an angle of the x axis. It cuts a ray into one span or two.
 #include "search.glsl"
 
-// `half_angle`: its cosine and sine. `closed`: from a full turn on there are no ends. Returns how many spans.
-int wedge_spans(vec3 o, vec3 d, vec2 half_angle, bool closed, out Span spans[2]) {
+// `half_angle`: its cosine and sine. `closed`: from a full turn on there are no ends. `reach`: how far start and end of the sweep lie
+// outside their planes. Returns how many spans.
+int wedge_spans(vec3 o, vec3 d, vec2 half_angle, bool closed, vec2 reach, out Span spans[2]) {
   spans[0] = whole_line();
   spans[1] = whole_line();
   if (closed) return 1;
   // Inner normals of the half-planes that end the sweep are (sin, cos) and (sin, -cos).
   vec2 cross_start = vec2(half_angle.y, half_angle.x), cross_end = vec2(half_angle.y, -half_angle.x);
-  float start = dot(o.xy, cross_start), start_slope = dot(d.xy, cross_start);
-  float end = dot(o.xy, cross_end), end_slope = dot(d.xy, cross_end);
+  float start = dot(o.xy, cross_start) + reach.x, start_slope = dot(d.xy, cross_start);
+  float end = dot(o.xy, cross_end) + reach.y, end_slope = dot(d.xy, cross_end);
   if (half_angle.x >= 0.0) {
     if (half_angle.y == 0.0 && d.y == 0.0) return 0;  // a disc, edge on
     clip(spans[0], start, start_slope, kBottom);

@@ -80,6 +80,7 @@ void main() {
   float farthest = dot(abs(towards_eye), reach) - dot(towards_eye, box.low + reach) - origin.z;
   vec2 size = pixel_size(max(farthest, 0.0)) * (1.0 / 32.0);
   vec3 margin = 1e-5 * reach + max(size.x, size.y) * vec3(length(rows[0]), length(rows[1]), length(rows[2]));
+  if (hidden_faces(item.material) != 0u) margin += kHiddenReach;
 
   vec3 viewer = perspective_view() ? local_eye : vec3(rows[0].z, rows[1].z, rows[2].z), corner;
   gl_Position = proxy_corner(box, margin, viewer, volume < 0.0, corner)
