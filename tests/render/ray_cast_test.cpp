@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing.h"
-#include "sightline/gpuprims/primitives.h"
+#include "sightline/tests/render/pixel_reference.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline {
@@ -18,72 +18,11 @@ namespace {
 using core::Affine;
 using core::dmat3;
 using core::dvec3;
-using core::dvec4;
 using core::Pose;
 using core::View;
 
 constexpr int kWidth = 96, kHeight = 64;
 constexpr double kAspect = double(kWidth) / kHeight;
-
-bool sections_keep(const View& view, const dvec3& p) {
-  if (view.sections.empty()) return true;
-  const bool unite = view.section_mode == core::SectionMode::kUnion;
-  for (const core::Plane& plane : view.sections)
-    if ((core::evaluate(plane, p) >= 0.0) == unite) return unite;
-  return !unite;
-}
-
-/// Where the ray's own t enters what the sections keep: candidates for cut faces.
-std::vector<double> section_entries(const View& view, const dvec3& origin, const dvec3& direction) {
-  std::vector<double> entries;
-  for (const core::Plane& plane : view.sections) {
-    const double t = -core::evaluate(plane, origin) / glm::dot(plane.normal, direction);
-    const double step = 1e-9 * std::abs(t);
-    if (std::isfinite(t) && !sections_keep(view, origin + (t - step) * direction) &&
-        sections_keep(view, origin + (t + step) * direction))
-      entries.push_back(t);
-  }
-  return entries;
-}
-
-/// Eye depth of the first crossing that the view keeps, or of the face where a section cuts the solid, infinity for
-/// none: the slow, obvious way.
-double reference_depth(const core::Primitive& primitive, const Affine& world_from_item, const View& view, int x,
-                       int y) {
-  const core::dmat4 world_from_clip = glm::inverse(view.clip_from_eye());
-  const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
-  const double ndc_x = 2.0 * (x + 0.5) / kWidth - 1.0, ndc_y = 1.0 - 2.0 * (y + 0.5) / kHeight;
-  const auto eye_point = [&](double depth) {
-    const dvec4 p = world_from_clip * dvec4(ndc_x, ndc_y, depth, 1.0);
-    return dvec3(p) / p.w;
-  };
-  const double near_depth = view.clip_depth() == core::ClipDepth::kMinusOneToOne ? -1.0 : 1.0;
-  dvec3 near = eye_point(near_depth), direction;
-  const double t_near = -near.z;
-  if (view.orthographic()) {
-    direction = dvec3(0.0, 0.0, -1.0);
-    near.z = 0.0;
-  } else {
-    direction = near / -near.z;
-    near = dvec3(0.0);
-  }
-  const dvec3 world_origin = dvec3(world_from_eye * dvec4(near, 1.0));
-  const dvec3 world_direction = dmat3(world_from_eye) * direction;
-  const dmat3 item_from_world = glm::inverse(world_from_item.linear);
-  const gpuprims::Ray ray{item_from_world * (world_origin - world_from_item.origin), item_from_world * world_direction};
-  const gpuprims::Hits hits = gpuprims::intersect(primitive, ray);
-  double first = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < hits.count; ++i) {
-    const double t = hits.hit[i].t;
-    if (t >= t_near && sections_keep(view, world_origin + t * world_direction)) first = std::min(first, t);
-  }
-  for (const double t : section_entries(view, world_origin, world_direction)) {
-    int before = 0;
-    while (before < hits.count && hits.hit[before].t < t) ++before;
-    if (t >= t_near && before % 2 == 1) first = std::min(first, t);
-  }
-  return first;
-}
 
 class RayCast : public tests::GlTest {
  protected:
@@ -112,7 +51,8 @@ class RayCast : public tests::GlTest {
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
         const double found = depth.metres[std::size_t(y * kWidth + x)];
-        const double expected = reference_depth(primitive, world_from_item, view, x, y);
+        const double expected =
+            tests::first_shown(primitive, world_from_item, view, tests::pixel_ray(view, kWidth, kHeight, x, y));
         ASSERT_EQ(std::isfinite(found), ids.ids[std::size_t(y * kWidth + x)] == 1u);
         differing += std::isfinite(found) != std::isfinite(expected);
         if (!std::isfinite(found) || !std::isfinite(expected)) continue;
