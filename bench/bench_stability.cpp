@@ -50,8 +50,9 @@ void add_options(CLI::App& app, Options& options) {
     known.insert(known.end(), {"near-far", "field-of-view", "view-offset", "view-distance"});
     return wanted(known, name) ? std::string() : "there is no family \"" + name + "\"";
   });
-  app.add_option("--path", options.paths, "only these ways of computing")
-      ->check(CLI::IsMember({"double", "float", "glsl"}));
+  app.add_option("--path", options.paths, "only these ways of computing")->check([](const std::string& name) {
+    return wanted({"double", "float", "glsl"}, name) ? std::string() : "there is no path \"" + name + "\"";
+  });
   app.add_option("--fuzz", options.fuzz, "instead: so many random parameter sets of each kind through the shaders")
       ->check(CLI::Range(std::int64_t(1), std::int64_t(1'000'000'000)));
   app.add_flag("--details", options.details, "a line for every magnitude, not only for the worst of a family");

@@ -22,7 +22,8 @@ struct FuzzFigures {
 };
 
 /// Disagreement counts where no ray parallel to it within this band, in sizes of the solid, answers otherwise; and
-/// where none of the solid's lengths is less than kFuzzThin of the largest: shaders draw nothing thinner.
+/// where none of the solid's lengths is less than kFuzzThin of the largest: thinner ones have few digits of a float
+/// left, and none below a tenth of that.
 inline constexpr double kFuzzBand = 2e-6, kFuzzThin = 1e-6;
 
 /// `sets` random sets of one kind: most with lengths from 1e-6 to 1e6 within a few decades of each other, others
