@@ -54,6 +54,11 @@ void pack_head(const PackedItem& item, const Frame& frame, double extra, std::sp
   out[3] = {item.placement.chunk, item.id, item.material, word(extra)};
 }
 
+/// Numbers of shapes beyond this are not drawn: their squares are no floats.
+constexpr double kFarBeyond = 1e18;
+/// A snout of less height than this part of its other lengths counts as one without height.
+constexpr double kFlattest = 1e-12;
+
 /// A record that shows nothing.
 void pack_nothing(const PackedItem& item, std::span<Texel> out) {
   std::fill(out.begin(), out.end(), Texel{});
@@ -112,11 +117,11 @@ void pack_pyramid(const core::Pyramid& p, const PackedItem& item, std::span<Texe
 }
 
 void pack_snout(const core::Snout& s, const PackedItem& item, std::span<Texel> out) {
-  constexpr double kFarBeyond = 1e30;
   const double bottom = length(s.bottom_radius), top = length(s.top_radius), height = length(s.height);
   const double unit = std::max(bottom, top);
   if (unit == 0.0) return pack_nothing(item, out);
-  if (height == 0.0) {  // the larger end's disc
+  if (height <=
+      kFlattest * (unit + std::abs(double(s.offset_x)) + std::abs(double(s.offset_y)))) {  // the larger end's disc
     const double side = top > bottom ? 0.5 : -0.5;
     pack_head(item, scaled(dvec3(unit), side * dvec3(s.offset_x, s.offset_y, 0.0)), 0.0, out);
     out[4] = texel(1.0, 1.0, 0.0, 0.0);
@@ -167,14 +172,8 @@ void pack_line(const core::Line& l, const PackedItem& item, std::span<Texel> out
   pack_head(item, scaled(dvec3(double(l.to) - l.from, 1.0, 1.0), dvec3(l.from, 0.0, 0.0)), 0.0, out);
 }
 
-}  // namespace
-
-void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& item, std::span<Texel> out) {
-  assert(out.size() == std::size_t(texels_per_item(kind)));
-  if (int(kind) >= core::kPrimitiveKindCount) return pack_head(item, {}, 0.0, out);
-  if (!all_finite(parameters)) return pack_nothing(item, out);
-  const core::Primitive primitive = core::make_primitive(kind, parameters);
-  switch (kind) {
+void pack_primitive(const core::Primitive& primitive, const PackedItem& item, std::span<Texel> out) {
+  switch (core::kind_of(primitive)) {
     case core::Kind::kCylinder:
       return pack_cylinder(std::get<core::Cylinder>(primitive), item, out);
     case core::Kind::kCircularTorus:
@@ -196,6 +195,25 @@ void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& 
     default:
       return pack_line(std::get<core::Line>(primitive), item, out);
   }
+}
+
+/// Whether the numbers of a record's shape, behind its placement, are ones to compute with.
+bool sane(std::span<const Texel> record) {
+  const auto within = [](std::uint32_t w) { return std::abs(double(std::bit_cast<float>(w))) <= kFarBeyond; };
+  if (!within(record[3][3])) return false;
+  for (const Texel& texel : record.subspan(4))
+    if (!std::all_of(texel.begin(), texel.end(), within)) return false;
+  return true;
+}
+
+}  // namespace
+
+void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& item, std::span<Texel> out) {
+  assert(out.size() == std::size_t(texels_per_item(kind)));
+  if (int(kind) >= core::kPrimitiveKindCount) return pack_head(item, {}, 0.0, out);
+  if (!all_finite(parameters)) return pack_nothing(item, out);
+  pack_primitive(core::make_primitive(kind, parameters), item, out);
+  if (!sane(out)) pack_nothing(item, out);
 }
 
 }  // namespace sightline::gpuprims

@@ -46,7 +46,7 @@ struct Solid {
   Vec3<Real> lateral_normal(const Vec3<Real>& p) const {
     const Vec2<Real> w = from_axis(p);
     if (glm::dot(w, w) <= Real(1e-24) * radius * radius) return {0, 0, -widening};  // the apex
-    return {w.x, w.y, -glm::dot(lean, w) - widening * radius_at(p.z)};
+    return {w.x, w.y, -glm::dot(lean, w) - widening * glm::length(w)};
   }
   /// Without a branch on the face: see choose() in local_ray.h.
   Vec3<Real> normal(int face, const Vec3<Real>& p) const {

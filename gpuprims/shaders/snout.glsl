@@ -102,7 +102,7 @@ bool nappe(vec3 o, vec3 d, inout Span span) {
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
   float start = 0.0;
-  if (abs(shape.widening) > 1.0 && d.z != 0.0) {
+  if (max(abs(shape.widening), max(abs(shape.lean.x), abs(shape.lean.y))) > 1.0 && d.z != 0.0) {
     // Flat: from where the ray is level with the origin, where a rounded z does not become a wrong radius.
     float to_level = -o.z / d.z;
     vec2 level = o.xy + to_level * d.xy;
@@ -131,6 +131,6 @@ vec3 face_normal(vec3 p, int face) {
   if (face == kTop) return vec3(-shape.top_slant, 1.0);
   if (face == kBottomLevel || face == kTopLevel) return vec3(0.0, 0.0, face == kTopLevel ? 1.0 : -1.0);
   vec2 u = p.xy - shape.lean * p.z;
-  return vec3(u, -dot(u, shape.lean) - shape.widening * (shape.radius + shape.widening * p.z));
+  return vec3(u, -dot(u, shape.lean) - shape.widening * length(u));  // |u| for r, which cancels at an apex
 }
 #endif
