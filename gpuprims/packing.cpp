@@ -110,7 +110,7 @@ void pack_pyramid(const core::Pyramid& p, const PackedItem& item, std::span<Texe
                top_y = length(p.top_y), height = length(p.height);
   const double unit = std::max({bottom_x, bottom_y, top_x, top_y, height});
   if (unit == 0.0) return pack_nothing(item, out);
-  pack_head(item, scaled(dvec3(unit)), height / unit, out);
+  pack_head(item, scaled(dvec3(unit)), std::max(height / unit, kThinnest), out);
   const double half = 0.5 / unit;
   out[4] = texel(bottom_x * half, bottom_y * half, top_x * half, top_y * half);
   out[5] = texel(p.offset_x / unit, p.offset_y / unit, 0.0, 0.0);

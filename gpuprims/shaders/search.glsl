@@ -94,7 +94,8 @@ Span common_part(Span a, Span b) {
 }
 
 void offer_span(inout Search search, Span s) {
-  // Ends at infinity come from shapes that the ray never leaves: rounding errors of bad data, nothing to see.
-  if (is_empty(s) || s.from <= -kNoHit || s.to >= kNoHit) return;
+  // Ends at infinity, or nearly there, come from shapes that the ray never leaves: rounding errors of bad data, nothing to see.
+  const float kBeyond = 1.0e18;
+  if (is_empty(s) || s.from <= -kBeyond || s.to >= kBeyond) return;
   offer_span(search, s.from, s.from_face, s.to, s.to_face);
 }

@@ -22,7 +22,8 @@ bool dithered_away(uint word, uint id) {
 
 void write_surface(vec3 normal, vec3 direction, uint word, uint id) {
   vec3 to_viewer = normalize(-direction);
-  vec3 n = dot(normal, normal) > 0.0 ? normalize(normal) : to_viewer;
+  float square = dot(normal, normal);
+  vec3 n = square > 0.0 && square < 3.0e38 ? normal * inversesqrt(square) : to_viewer;
   if (dot(n, to_viewer) < 0.0) n = -n;  // both sides are lit: open pipes and cut solids show their inside
   float head = dot(n, to_viewer);
   float sky = 0.5 + 0.5 * dot(n, view.up.xyz);

@@ -26,9 +26,7 @@ TEST_P(Fuzz, ShaderAndReferenceAgree) {
   ASSERT_TRUE(figures) << figures.error().message;
   EXPECT_EQ(figures->not_finite, 0);
   EXPECT_EQ(figures->outside, 0);
-  // Pyramids and snouts that lean by thousands of times their height: docs/stability.md.
-  const bool leans = GetParam() == core::Kind::kPyramid || GetParam() == core::Kind::kSnout;
-  EXPECT_LE(figures->disagree, leans ? 4 : 0);
+  EXPECT_EQ(figures->disagree, 0);
   EXPECT_GT(figures->hits, 4000);
   if (!HasFailure()) return;
   for (const std::string& example : figures->examples) ADD_FAILURE() << example;
