@@ -19,6 +19,7 @@ template <class Real>
 struct Tube {
   Vec3<Real> o, u;
   Real major, minor;
+  Real inner, outer;  // major - minor and their sum
 
   /// G as in the header, times rho and its derivative along the ray times rho: one division less, and the same root.
   struct Value {
@@ -27,7 +28,7 @@ struct Tube {
   Value distance(Real s) const {
     const Real x = o.x + s * u.x, y = o.y + s * u.y, z = o.z + s * u.z;
     const Real rho = std::sqrt(x * x + y * y), off = rho - major;
-    return {off * off + (z - minor) * (z + minor), 2 * (rho * z * u.z + off * (x * u.x + y * u.y)), rho};
+    return {(rho - outer) * (rho - inner) + z * z, 2 * (rho * z * u.z + off * (x * u.x + y * u.y)), rho};
   }
 };
 
@@ -79,9 +80,9 @@ Real guess_root(Real depth, Real e, Real p, Real bound) {
 /// The crossing between `low` and `high`, at which G has different signs: safeguarded Newton from a guess.
 template <class Real>
 Real bracketed_root(const Tube<Real>& tube, Real low, Real high, bool outside_at_low, Real guess) {
-  // Newton squares the error: the step after one of this size, relative to the half chord, changes nothing.
-  const Real near = std::sqrt(std::numeric_limits<Real>::epsilon()) * Real(0.1) * (high - low);
-  const Real least = std::numeric_limits<Real>::epsilon();
+  // Newton squares the error, relative to the chord or, where the axis is nearer and bends G, to its distance: the step
+  // after one whose square is this small changes nothing.
+  const Real least = std::numeric_limits<Real>::epsilon(), chord = high - low, near = least * Real(0.01) * chord;
   Real s = guess > low && guess < high ? guess : (low + high) / 2;
   for (int i = 0; i < 100; ++i) {
     const auto value = tube.distance(s);
@@ -91,7 +92,7 @@ Real bracketed_root(const Tube<Real>& tube, Real low, Real high, bool outside_at
     if (!newton) next = (low + high) / 2;
     const Real step = std::fabs(next - s);
     s = next;
-    if (step <= (newton ? near : least)) break;
+    if (newton ? step * step <= near * std::min(chord, value.rho) : step <= least) break;
   }
   return s;
 }
@@ -182,7 +183,12 @@ Hits intersect(const core::CircularTorus& torus, const Ray& ray, Caps caps) {
   if (!local.valid) return hits;
   recentre(local);
   const double per_unit = inverse_power_of_two(size);
-  const Tube<Real> tube{local.origin, local.direction, Real(major * per_unit), Real(minor * per_unit)};
+  const Tube<Real> tube{local.origin,
+                        local.direction,
+                        Real(major * per_unit),
+                        Real(minor * per_unit),
+                        Real((major - minor) * per_unit),
+                        Real(size * per_unit)};
 
   Real crossings[4];
   const int crossing_count = tube_crossings(tube, crossings);
