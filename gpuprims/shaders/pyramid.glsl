@@ -37,17 +37,8 @@ void load_shape(uint record, float height, float shift) {
 // Faces: 4 + axis below, 6 + axis above.
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
-  float start = 0.0;
   vec2 slant = max(abs(shape.lean), abs(shape.widening));
-  if (max(slant.x, slant.y) > 1.0 && d.z != 0.0) {
-    // Flat: from where the ray is level with the origin, where a rounded z does not become a wrong side.
-    float to_level = -o.z / d.z;
-    vec2 level = o.xy + to_level * d.xy;
-    if (dot(level, level) < 16.0) {
-      start = to_level;
-      o = vec3(level, 0.0);
-    }
-  }
+  float start = max(slant.x, slant.y) > 1.0 ? move_to_level(o, d, 4.0) : 0.0;
   vec2 u0 = o.xy - shape.lean * o.z, u1 = d.xy - shape.lean * d.z;
   vec2 w0 = shape.sides + shape.widening * o.z, w1 = shape.widening * d.z;
   for (int axis = 0; axis < 2; ++axis) {
@@ -56,10 +47,7 @@ void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   }
   clip(span, o.z - shape.low, d.z, kBottom);
   clip(span, shape.high - o.z, -d.z, kTop);
-  if (is_empty(span)) return;
-  span.from += start;
-  span.to += start;
-  offer_span(search, span);
+  offer_span(search, span, start);
 }
 
 vec3 face_normal(vec3 p, int face) {

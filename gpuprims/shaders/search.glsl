@@ -93,9 +93,22 @@ Span common_part(Span a, Span b) {
   return a;
 }
 
-void offer_span(inout Search search, Span s) {
+// Moves a ray's origin to where it is level with z = 0, if that is within a distance of the axis, and returns how far that is in t.
+// Flat solids are intersected from there, where a rounded z does not become a wrong radius.
+float move_to_level(inout vec3 o, vec3 d, float distance) {
+  float t = -o.z / d.z;
+  vec2 level = o.xy + t * d.xy;
+  if (!(dot(level, level) < distance * distance)) return 0.0;
+  o = vec3(level, 0.0);
+  return t;
+}
+
+// `start`: t of where the span is counted from.
+void offer_span(inout Search search, Span s, float start) {
   // Ends at infinity, or nearly there, come from shapes that the ray never leaves: rounding errors of bad data, nothing to see.
   const float kBeyond = 1.0e18;
   if (is_empty(s) || s.from <= -kBeyond || s.to >= kBeyond) return;
-  offer_span(search, s.from, s.from_face, s.to, s.to_face);
+  offer_span(search, start + s.from, s.from_face, start + s.to, s.to_face);
 }
+
+void offer_span(inout Search search, Span s) { offer_span(search, s, 0.0); }

@@ -101,16 +101,8 @@ bool nappe(vec3 o, vec3 d, inout Span span) {
 
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
-  float start = 0.0;
-  if (max(abs(shape.widening), max(abs(shape.lean.x), abs(shape.lean.y))) > 1.0 && d.z != 0.0) {
-    // Flat: from where the ray is level with the origin, where a rounded z does not become a wrong radius.
-    float to_level = -o.z / d.z;
-    vec2 level = o.xy + to_level * d.xy;
-    if (dot(level, level) < 16.0) {
-      start = to_level;
-      o = vec3(level, 0.0);
-    }
-  }
+  bool flat_one = max(abs(shape.widening), max(abs(shape.lean.x), abs(shape.lean.y))) > 1.0;
+  float start = flat_one ? move_to_level(o, d, 4.0) : 0.0;
   if (!nappe(o, d, span)) return;
   vec2 from_bottom = o.xy + shape.lean * shape.to_bottom, from_top = o.xy - shape.lean * shape.to_top;
   float reach_bottom = hidden_reach(search, kBottom) * length(vec3(shape.bottom_slant, 1.0));
@@ -120,10 +112,7 @@ void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   clip(span, shape.to_top - o.z + dot(shape.top_slant, from_top) + reach_top, dot(shape.top_slant, d.xy) - d.z, kTop);
   clip(span, o.z - shape.lowest, d.z, kBottomLevel);
   clip(span, shape.highest - o.z, -d.z, kTopLevel);
-  if (is_empty(span)) return;
-  span.from += start;
-  span.to += start;
-  offer_span(search, span);
+  offer_span(search, span, start);
 }
 
 vec3 face_normal(vec3 p, int face) {

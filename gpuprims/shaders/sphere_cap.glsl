@@ -56,23 +56,14 @@ void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
   float start = 0.0;
   if (shape.c < 1.0) {
-    // From where the ray meets the base plane, its disc tells exactly who enters there.
-    float to_base = -o.z / d.z;
-    vec2 base = o.xy + to_base * d.xy;
-    if (dot(base, base) < 4.0) {
-      start = to_base;
-      o = vec3(base, 0.0);
-    }
+    start = move_to_level(o, d, 2.0);  // the base plane, whose disc tells exactly who enters there
     if (!flat_ball(o, d, span)) return;
     clip(span, o.z, d.z, kBottom);  // hidden or not: farther down the ball is wider than what covers the base
   } else {
     if (!ball(o, d, span)) return;
     if (shape.c < 2.0) clip(span, o.z - (1.0 - shape.c) + hidden_reach(search, kBottom), d.z, kBottom);
   }
-  if (is_empty(span)) return;
-  span.from += start;
-  span.to += start;
-  offer_span(search, span);
+  offer_span(search, span, start);
 }
 
 vec3 face_normal(vec3 p, int face) {
