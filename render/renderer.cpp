@@ -31,9 +31,12 @@ enum Uniform : GLint { kRecordCountUniform, kSampleOffsetsUniform };
 enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
 enum VertexAttribute : GLuint { kInstanceAttribute, kPositionAttribute, kNormalAttribute };
 
-gl::ShaderContext shader_context() {
+/// What all programs for targets of a form share.
+gl::ShaderContext shader_context(const TargetForm& form) {
   gl::ShaderContext context;
   context.tables = {shaders(), gpuprims::shaders()};
+  if (form.normals) context.defines.emplace_back("NORMALS");
+  if (form.samples > 1) context.defines.push_back("SAMPLES " + std::to_string(form.samples));
   return context;
 }
 
@@ -42,10 +45,8 @@ core::Expected<gl::Program> make_program(const gl::Functions& gl, BatchKind kind
   gl::ProgramDescription description;
   description.name = gpuscene::batch_name(kind);
   description.stages = {{GL_VERTEX_SHADER, {files.vertex}}, {GL_FRAGMENT_SHADER, {files.fragment}}};
-  description.shaders = shader_context();
-  description.shaders.defines = {files.define};
-  if (form.normals) description.shaders.defines.emplace_back("NORMALS");
-  if (form.samples > 1) description.shaders.defines.push_back("SAMPLES " + std::to_string(form.samples));
+  description.shaders = shader_context(form);
+  description.shaders.defines.emplace_back(files.define);
   return gl::Program::create(gl, description);
 }
 
@@ -156,7 +157,7 @@ core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot,
                                                  const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                                  const RenderTarget& target) {
   if (!section_caps_) {
-    auto caps = SectionCaps::create(*gl_, shader_context());
+    auto caps = SectionCaps::create(*gl_, shader_context(target.form()));
     if (!caps) return tl::unexpected(caps.error());
     section_caps_ = std::move(*caps);
   }

@@ -16,7 +16,7 @@ core::Expected<gl::Program> make_program(const gl::Functions& gl, const gl::Shad
   description.name = name;
   description.stages = {{GL_VERTEX_SHADER, {vertex}}, {GL_FRAGMENT_SHADER, {fragment}}};
   description.shaders = shaders;
-  description.shaders.defines = {define};
+  description.shaders.defines.emplace_back(define);
   return gl::Program::create(gl, description);
 }
 
