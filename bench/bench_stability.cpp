@@ -15,7 +15,7 @@
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/bench/stability/measure.h"
-#ifdef SIGHTLINE_HAS_GL
+#if SIGHTLINE_HAS_GL
 #include "sightline/bench/stability/fuzz.h"
 #include "sightline/bench/stability/view_rays.h"
 #endif
@@ -90,9 +90,10 @@ Result result_of(const Case& c, Path path, const Prepared& p, const std::vector<
 }
 
 /// Without GL there is nothing to measure, which is an error only where it was asked for.
-core::Expected<void> measure_shaders(const std::vector<Case>& cases, const std::vector<Prepared>& prepared,
-                                     const Options& options, std::vector<std::vector<Result>>& by_case) {
-#ifdef SIGHTLINE_HAS_GL
+core::Expected<void> measure_shaders([[maybe_unused]] const std::vector<Case>& cases,
+                                     [[maybe_unused]] const std::vector<Prepared>& prepared, const Options& options,
+                                     [[maybe_unused]] std::vector<std::vector<Result>>& by_case) {
+#if SIGHTLINE_HAS_GL
   auto shaders = bench::GlslRays::create();
   if (!shaders && options.paths.empty()) {
     std::fprintf(stderr, "sightline-stability: without the shaders: %s\n", shaders.error().message.c_str());
@@ -113,8 +114,9 @@ core::Expected<void> measure_shaders(const std::vector<Case>& cases, const std::
 }
 
 /// The cases that need a whole picture, after those of single rays.
-core::Expected<void> measure_views(const Options& options, std::vector<Result>& results) {
-#ifdef SIGHTLINE_HAS_GL
+core::Expected<void> measure_views([[maybe_unused]] const Options& options,
+                                   [[maybe_unused]] std::vector<Result>& results) {
+#if SIGHTLINE_HAS_GL
   std::vector<bench::ViewCase> cases = bench::view_cases(options.seed);
   std::erase_if(cases, [&](const bench::ViewCase& c) {
     return !wanted(options.primitives, core::kind_name(c.kind)) || !wanted(options.families, c.family);
@@ -251,7 +253,7 @@ std::string plot(const std::vector<Result>& results) {
   return apps::svg_panels("Largest error of all kinds", "what the case sweeps", "error of t in radii", panels, true);
 }
 
-#ifdef SIGHTLINE_HAS_GL
+#if SIGHTLINE_HAS_GL
 core::Expected<int> run_fuzz(const Options& options) {
   auto shaders = bench::GlslRays::create();
   if (!shaders) return tl::unexpected(shaders.error());
