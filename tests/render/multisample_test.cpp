@@ -96,9 +96,11 @@ TEST_F(Multisample, ShowsNothingBetweenPipesThatMeet) {
   // a sample of background between them would add 50 and more.
   core::Scene whole, halves;
   const dmat3 turn = {{0.36, 0.48, -0.8}, {-0.8, 0.6, 0.0}, {0.48, 0.64, 0.6}};
-  whole.add_primitive(whole.add_node(whole.root(), "pipe", {turn, dvec3(0)}), core::Cylinder{0.5f, 4.0f}, {}, black(whole));
+  whole.add_primitive(whole.add_node(whole.root(), "pipe", {turn, dvec3(0)}), core::Cylinder{0.5f, 4.0f}, {},
+                      black(whole));
   for (const double side : {-1.0, 1.0})
-    halves.add_primitive(halves.add_node(halves.root(), "half", {turn, side * turn[2]}), core::Cylinder{0.5f, 2.0f}, {}, black(halves));
+    halves.add_primitive(halves.add_node(halves.root(), "half", {turn, side * turn[2]}), core::Cylinder{0.5f, 2.0f}, {},
+                         black(halves));
   const View view = look(6.0);
   const auto difference = render::compare(picture(whole, view, 4), picture(halves, view, 4));
   ASSERT_TRUE(difference);
