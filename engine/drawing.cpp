@@ -29,7 +29,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
     auto target = render::RenderTarget::create(*drawing->context_, config.width, config.height,
-                                               {config.ids, false, config.samples});
+                                               {.ids = config.ids, .samples = config.samples});
     if (!target) return tl::unexpected(target.error());
     drawing->target_ = std::move(*target);
   }

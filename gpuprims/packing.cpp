@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <variant>
 
 #include "sightline/gpuprims/mesh_builder.h"
 
@@ -65,11 +66,11 @@ void pack_nothing(const PackedItem& item, std::span<Texel> out) {
   pack_head(item, scaled(dvec3(0.0)), 0.0, out);
 }
 
-/// Thinner than this part of its greatest length nothing is drawn: a volume is needed to cast rays at, and float still
-/// tells its two sides apart.
+/// What is thinner than this part of its greatest length is drawn that thick: a volume is needed to cast rays at, and
+/// float still tells its two sides apart.
 constexpr double kThinnest = 1e-7;
 
-void pack_cylinder(const core::Cylinder& c, const PackedItem& item, std::span<Texel> out) {
+void pack_shape(const core::Cylinder& c, const PackedItem& item, std::span<Texel> out) {
   const double radius = length(c.radius);
   if (radius == 0.0) return pack_nothing(item, out);
   pack_head(item, scaled(dvec3(radius)), length(c.height) / radius, out);
@@ -89,7 +90,7 @@ double sweep_angle(float angle) {
   return a >= kNearlyFull ? 2.0 * std::numbers::pi : a;
 }
 
-void pack_circular_torus(const core::CircularTorus& t, const PackedItem& item, std::span<Texel> out) {
+void pack_shape(const core::CircularTorus& t, const PackedItem& item, std::span<Texel> out) {
   const double major = length(t.major_radius), tube = length(t.tube_radius), angle = sweep_angle(t.angle);
   if (tube == 0.0) return pack_nothing(item, out);  // not even a hoop
   const double unit = std::max(major, tube);
@@ -97,7 +98,7 @@ void pack_circular_torus(const core::CircularTorus& t, const PackedItem& item, s
   out[4] = sweep_texel(major / unit, angle);
 }
 
-void pack_rectangular_torus(const core::RectangularTorus& t, const PackedItem& item, std::span<Texel> out) {
+void pack_shape(const core::RectangularTorus& t, const PackedItem& item, std::span<Texel> out) {
   const double a = length(t.inner_radius), b = length(t.outer_radius), angle = sweep_angle(t.angle);
   const double outer = std::max(a, b);
   if (outer == 0.0) return pack_nothing(item, out);
@@ -105,7 +106,7 @@ void pack_rectangular_torus(const core::RectangularTorus& t, const PackedItem& i
   out[4] = sweep_texel(std::min(a, b) / outer, angle);
 }
 
-void pack_pyramid(const core::Pyramid& p, const PackedItem& item, std::span<Texel> out) {
+void pack_shape(const core::Pyramid& p, const PackedItem& item, std::span<Texel> out) {
   const double bottom_x = length(p.bottom_x), bottom_y = length(p.bottom_y), top_x = length(p.top_x),
                top_y = length(p.top_y), height = length(p.height);
   const double unit = std::max({bottom_x, bottom_y, top_x, top_y, height});
@@ -116,7 +117,7 @@ void pack_pyramid(const core::Pyramid& p, const PackedItem& item, std::span<Texe
   out[5] = texel(p.offset_x / unit, p.offset_y / unit, 0.0, 0.0);
 }
 
-void pack_snout(const core::Snout& s, const PackedItem& item, std::span<Texel> out) {
+void pack_shape(const core::Snout& s, const PackedItem& item, std::span<Texel> out) {
   const double bottom = length(s.bottom_radius), top = length(s.top_radius), height = length(s.height);
   const double unit = std::max(bottom, top);
   if (unit == 0.0) return pack_nothing(item, out);
@@ -141,13 +142,13 @@ void pack_snout(const core::Snout& s, const PackedItem& item, std::span<Texel> o
 }
 
 /// A cap as high as its ball's radius, stretched.
-void pack_elliptical_dish(const core::EllipticalDish& d, const PackedItem& item, std::span<Texel> out) {
+void pack_shape(const core::EllipticalDish& d, const PackedItem& item, std::span<Texel> out) {
   const double radius = length(d.base_radius), height = length(d.height);
   if (radius == 0.0) return pack_nothing(item, out);
   pack_head(item, scaled(dvec3(radius, radius, std::max(height, kThinnest * radius))), 1.0, out);
 }
 
-void pack_spherical_dish(const core::SphericalDish& d, const PackedItem& item, std::span<Texel> out) {
+void pack_shape(const core::SphericalDish& d, const PackedItem& item, std::span<Texel> out) {
   const double radius = length(d.base_radius), height = length(d.height);
   if (radius == 0.0 && height == 0.0) return pack_nothing(item, out);
   if (height < radius) {
@@ -158,43 +159,18 @@ void pack_spherical_dish(const core::SphericalDish& d, const PackedItem& item, s
   pack_head(item, scaled(dvec3(ball), dvec3(0.0, 0.0, height - ball)), height / ball, out);
 }
 
-void pack_sphere(const core::Sphere& s, const PackedItem& item, std::span<Texel> out) {
+void pack_shape(const core::Sphere& s, const PackedItem& item, std::span<Texel> out) {
   pack_head(item, scaled(dvec3(0.5 * length(s.diameter))), 2.0, out);
 }
 
-void pack_box(const core::Box& b, const PackedItem& item, std::span<Texel> out) {
+void pack_shape(const core::Box& b, const PackedItem& item, std::span<Texel> out) {
   const dvec3 size(length(b.size_x), length(b.size_y), length(b.size_z));
   const double thinnest = kThinnest * std::max({size.x, size.y, size.z});
   pack_head(item, scaled(glm::max(size, dvec3(thinnest))), 0.0, out);
 }
 
-void pack_line(const core::Line& l, const PackedItem& item, std::span<Texel> out) {
+void pack_shape(const core::Line& l, const PackedItem& item, std::span<Texel> out) {
   pack_head(item, scaled(dvec3(double(l.to) - l.from, 1.0, 1.0), dvec3(l.from, 0.0, 0.0)), 0.0, out);
-}
-
-void pack_primitive(const core::Primitive& primitive, const PackedItem& item, std::span<Texel> out) {
-  switch (core::kind_of(primitive)) {
-    case core::Kind::kCylinder:
-      return pack_cylinder(std::get<core::Cylinder>(primitive), item, out);
-    case core::Kind::kCircularTorus:
-      return pack_circular_torus(std::get<core::CircularTorus>(primitive), item, out);
-    case core::Kind::kRectangularTorus:
-      return pack_rectangular_torus(std::get<core::RectangularTorus>(primitive), item, out);
-    case core::Kind::kPyramid:
-      return pack_pyramid(std::get<core::Pyramid>(primitive), item, out);
-    case core::Kind::kSnout:
-      return pack_snout(std::get<core::Snout>(primitive), item, out);
-    case core::Kind::kSphere:
-      return pack_sphere(std::get<core::Sphere>(primitive), item, out);
-    case core::Kind::kEllipticalDish:
-      return pack_elliptical_dish(std::get<core::EllipticalDish>(primitive), item, out);
-    case core::Kind::kSphericalDish:
-      return pack_spherical_dish(std::get<core::SphericalDish>(primitive), item, out);
-    case core::Kind::kBox:
-      return pack_box(std::get<core::Box>(primitive), item, out);
-    default:
-      return pack_line(std::get<core::Line>(primitive), item, out);
-  }
 }
 
 /// Whether the numbers of a record's shape, behind its placement, are ones to compute with.
@@ -212,7 +188,7 @@ void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& 
   assert(out.size() == std::size_t(texels_per_item(kind)));
   if (int(kind) >= core::kPrimitiveKindCount) return pack_head(item, {}, 0.0, out);
   if (!all_finite(parameters)) return pack_nothing(item, out);
-  pack_primitive(core::make_primitive(kind, parameters), item, out);
+  std::visit([&](const auto& shape) { pack_shape(shape, item, out); }, core::make_primitive(kind, parameters));
   if (!sane(out)) pack_nothing(item, out);
 }
 

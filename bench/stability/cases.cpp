@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include <glm/gtc/matrix_transform.hpp>
+
 namespace sightline::bench {
 namespace {
 
@@ -390,15 +392,7 @@ void add_rim(Cases& cases) {
 }
 
 dmat3 turn_about(const dvec3& axis, double angle) {
-  const dvec3 a = glm::normalize(axis);
-  const double c = std::cos(angle), s = std::sin(angle);
-  dmat3 m;
-  for (int i = 0; i < 3; ++i) {
-    dvec3 e(0.0);
-    e[i] = 1.0;
-    m[i] = c * e + s * glm::cross(a, e) + (1.0 - c) * glm::dot(a, e) * a;
-  }
-  return m;
+  return dmat3(glm::rotate(core::dmat4(1.0), angle, glm::normalize(axis)));
 }
 
 /// Sheared and mirrored frames by the ratio of their largest to their smallest stretch.

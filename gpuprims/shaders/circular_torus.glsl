@@ -76,11 +76,6 @@ int critical_points(float P, float Q, out vec3 t) {
   return count;
 }
 
-void offer_tube(inout Search search, float from, float to, float inv_length, Span wedges[2], int wedge_count) {
-  Span tube = Span(from * inv_length, to * inv_length, kLateral, kLateral);
-  for (int i = 0; i < wedge_count; ++i) offer_span(search, common_part(tube, wedges[i]));
-}
-
 void intersect_primitive(inout Search search, vec3 o, vec3 direction) {
   float inv_length = inversesqrt(dot(direction, direction));
   vec3 d = direction * inv_length;
@@ -107,7 +102,7 @@ void intersect_primitive(inout Search search, vec3 o, vec3 direction) {
     if (low_outside != high_outside) {
       float t = bracketed_root(o, d, low, high, low_outside);
       if (low_outside) entered = t;
-      else offer_tube(search, entered, t, inv_length, wedges, wedge_count);
+      else offer_swept(search, Span(entered * inv_length, t * inv_length, kLateral, kLateral), wedges, wedge_count);
     }
     low = high;
     low_outside = high_outside;

@@ -1,6 +1,5 @@
 // Cylinder in units of its radius: x^2 + y^2 <= 1, |z| <= h / 2, extra = h. Derivation: gpuprims/cylinder.h.
-#include "arithmetic.glsl"
-#include "search.glsl"
+#include "cylinder_span.glsl"
 
 const int kTexelsPerItem = 4;
 
@@ -21,19 +20,7 @@ void load_shape(uint record, float height, float shift) { shape = Shape(-0.5 * h
 
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
-  float a = dot(d.xy, d.xy);
-  if (a > 0.0) {
-    // The line passes the axis at distance |c| / sqrt(a): half a chord is sqrt(a - c^2) / a.
-    float c = cross_product(o.xy, d.xy), rest = a - c * c;
-    if (abs(rest) < kCancels * a)
-      rest = difference_of_squares(vec2(d.x, 0.0), vec2(d.y, 0.0), exact_cross(o.xy, d.xy));
-    if (!(rest >= 0.0)) return;
-    float middle = -dot(o.xy, d.xy) / a, half_chord = sqrt(rest) / a;
-    enter(span, middle - half_chord, kLateral);
-    leave(span, middle + half_chord, kLateral);
-  } else if (!(dot(o.xy, o.xy) <= 1.0)) {
-    return;
-  }
+  if (!cylinder_span(o, d, 1.0, kLateral, span)) return;
   clip(span, o.z - shape.low + hidden_reach(search, kBottom), d.z, kBottom);
   clip(span, shape.high - o.z + hidden_reach(search, kTop), -d.z, kTop);
   offer_span(search, span);

@@ -38,6 +38,9 @@ Item fetch_item(uint record, int texels_per_item) {
   return item;
 }
 
+// The local frame's origin in eye space.
+vec3 eye_origin(Item item) { return vec3(view.eye_from_world * dvec3(item.offset) + item.chunk); }
+
 // A local point in eye space, in double: a far eye then loses nothing of where it lies among its neighbours.
 dvec3 eye_position(Item item, vec3 local) {
   dvec3 from_chunk = dvec3(item.offset) + dmat3(item.chunk_from_local) * dvec3(local);

@@ -1,6 +1,6 @@
 // Slice of a rectangular torus in units of its outer radius, the sweep's bisector along x. extra = height; texel 4: (inner radius, 1
 // when closed, cosine and sine of half the angle). Derivation: gpuprims/rectangular_torus.h.
-#include "arithmetic.glsl"
+#include "cylinder_span.glsl"
 #include "wedge.glsl"
 
 const int kTexelsPerItem = 5;
@@ -28,34 +28,16 @@ void load_shape(uint record, float height, float shift) {
   shape = Shape(sweep.x, -0.5 * height - shift, 0.5 * height - shift, sweep.y > 0.0, sweep.zw);
 }
 
-// Where the line is within `radius` of the axis; false: nowhere. `everywhere` when it runs along the axis within.
-bool within_radius(vec3 o, vec3 d, float radius, inout Span span, int face) {
-  float a = dot(d.xy, d.xy), r2 = radius * radius;
-  if (!(a > 0.0)) return dot(o.xy, o.xy) <= r2;
-  float c = cross_product(o.xy, d.xy), square = a * r2, rest = square - c * c;
-  if (abs(rest) < kCancels * square)
-    rest = difference_of_squares(exact_product(d.x, radius), exact_product(d.y, radius), exact_cross(o.xy, d.xy));
-  if (!(rest >= 0.0)) return false;
-  float middle = -dot(o.xy, d.xy) / a, half_chord = sqrt(rest) / a;
-  enter(span, middle - half_chord, face);
-  leave(span, middle + half_chord, face);
-  return true;
-}
-
-void offer_swept(inout Search search, Span span, Span wedges[2], int wedge_count) {
-  for (int i = 0; i < wedge_count; ++i) offer_span(search, common_part(span, wedges[i]));
-}
-
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span outer = whole_line();
-  if (!within_radius(o, d, 1.0, outer, kLateral)) return;
+  if (!cylinder_span(o, d, 1.0, kLateral, outer)) return;
   clip(outer, o.z - shape.low, d.z, kLow);
   clip(outer, shape.high - o.z, -d.z, kHigh);
   if (is_empty(outer)) return;
   Span wedges[2];
   int wedge_count = wedge_spans(o, d, shape.half_angle, shape.closed, vec2(0.0), wedges);
   Span hole = whole_line();
-  if (!(shape.inner > 0.0) || !within_radius(o, d, shape.inner, hole, kInner)) {
+  if (!(shape.inner > 0.0) || !cylinder_span(o, d, shape.inner, kInner, hole)) {
     offer_swept(search, outer, wedges, wedge_count);
     return;
   }

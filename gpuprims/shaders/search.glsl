@@ -6,6 +6,7 @@ const float kNoHit = 3.0e38;
 
 // Faces of a solid. Some kinds have more, above these.
 const int kLateral = 0, kBottom = 1, kTop = 2, kCut = 3;
+const int kBottomLevel = 8, kTopLevel = 9;  // what stands in for an end plane that does not close the solid
 
 struct Search {
   vec2 first, second;          // the kept parts of the ray; `second` begins behind the end of `first`, or is empty

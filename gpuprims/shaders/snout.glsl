@@ -25,8 +25,6 @@ vec3 axis_point(uint record, float height, float z) {
 }
 #else
 
-const int kBottomLevel = 8, kTopLevel = 9;
-
 struct Shape {
   vec2 lean;                       // of the axis, per z
   float radius, radius_low;        // at the ray's origin, and what rounding has left of it

@@ -32,6 +32,11 @@ int wedge_spans(vec3 o, vec3 d, vec2 half_angle, bool closed, vec2 reach, out Sp
   return count;
 }
 
+// Of a span of the swept solid, what lies within the wedge.
+void offer_swept(inout Search search, Span span, Span wedges[2], int wedge_count) {
+  for (int i = 0; i < wedge_count; ++i) offer_span(search, common_part(span, wedges[i]));
+}
+
 // Outward normals of the sweep's ends.
 vec3 sweep_end_normal(vec2 half_angle, int face) { return vec3(-half_angle.y, face == kBottom ? -half_angle.x : half_angle.x, 0.0); }
 

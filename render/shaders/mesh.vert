@@ -18,7 +18,7 @@ flat out uvec2 item_words;
 void main() {
   Item item = fetch_item(instance, 4);
   mat3 eye_from_local = mat3(view.eye_from_world) * item.chunk_from_local;
-  p_eye = eye_from_local * position + vec3(eye_position(item, vec3(0.0)));
+  p_eye = eye_from_local * position + eye_origin(item);
   gl_Position = view.clip_from_eye * vec4(p_eye, 1.0);
 #ifdef CROSSINGS
   uint enclosure = texelFetch(enclosures, int(instance)).x;

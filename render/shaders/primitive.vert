@@ -3,6 +3,7 @@
 #include "item.glsl"
 #include "proxy.glsl"
 #include "primitive.glsl"
+#include "kept_ray.glsl"
 
 // Four slots, no more: a software rasteriser copies them for every triangle. The rest is fetched again per pixel.
 flat out vec4 local_from_eye[3];  // rows of the linear map; w: local origin of the ray through the anchor's pixel, from the shift
@@ -18,33 +19,22 @@ struct Anchor {
   vec2 pixel;
 };
 
-// x, y of the ray through a pixel coordinate at a depth.
-vec2 ray_at(vec2 pixel, float depth) {
-  vec4 x = view.pixel_ray_float[0], y = view.pixel_ray_float[1];
-  return vec2(x.x + x.y * pixel.x + depth * (x.z + x.w * pixel.x), y.x + y.y * pixel.y + depth * (y.z + y.w * pixel.y));
-}
-
+// eye_point() in double, but for z.
 dvec2 exact_ray_at(vec2 pixel, float depth) {
   dvec4 x = view.pixel_ray[0], y = view.pixel_ray[1];
   return dvec2(x.x + x.y * pixel.x + depth * (x.z + x.w * pixel.x), y.x + y.y * pixel.y + depth * (y.z + y.w * pixel.y));
-}
-
-// Size of a pixel at a depth.
-vec2 pixel_size(float depth) {
-  return abs(vec2(view.pixel_ray_float[0].y, view.pixel_ray_float[1].y) +
-             depth * vec2(view.pixel_ray_float[0].w, view.pixel_ray_float[1].w));
 }
 
 // The box's point nearest to the middle of the view at the depth of the point nearest to the eye.
 Anchor choose_anchor(Item item, LocalBox box, mat3 eye_from_local, mat3 rows, vec3 origin, vec3 local_eye) {
   vec3 nearest = perspective_view() ? clamp(local_eye, box.low, box.high) : 0.5 * (box.low + box.high);
   float depth = max(0.0, -(eye_from_local * nearest + origin).z);
-  vec3 middle = vec3(ray_at(0.5 * view.viewport.xy, depth), -depth);
+  vec3 middle = eye_point(0.5 * view.viewport.xy, depth);
   Anchor a;
   a.local = clamp((middle - origin) * rows, box.low, box.high);
   a.eye = eye_position(item, a.local);
   a.depth = max(0.0, float(-a.eye.z));
-  vec2 first = ray_at(vec2(0.0), a.depth), step_size = ray_at(vec2(1.0), a.depth) - first;
+  vec2 first = eye_point(vec2(0.0), a.depth).xy, step_size = eye_step(vec2(1.0), a.depth).xy;
   bool seen = step_size.x != 0.0 && step_size.y != 0.0;  // not when the depth is 0
   a.pixel = seen ? floor(clamp((vec2(a.eye.xy) - first) / step_size, vec2(0.0), vec2(65535.0))) : vec2(0.0);
   return a;
@@ -62,7 +52,7 @@ void main() {
   }
   mat3 rows =
       mat3(yz, cross(eye_from_local[2], eye_from_local[0]), cross(eye_from_local[0], eye_from_local[1])) * (1.0 / volume);
-  vec3 origin = vec3(eye_position(item, vec3(0.0)));
+  vec3 origin = eye_origin(item);
   vec3 local_eye = -(origin * rows);
   LocalBox box = local_box(record, item.extra);
 
@@ -78,7 +68,7 @@ void main() {
   vec3 reach = 0.5 * (box.high - box.low);
   vec3 towards_eye = vec3(eye_from_local[0].z, eye_from_local[1].z, eye_from_local[2].z);
   float farthest = dot(abs(towards_eye), reach) - dot(towards_eye, box.low + reach) - origin.z;
-  vec2 size = pixel_size(max(farthest, 0.0)) * (1.0 / 32.0);
+  vec2 size = abs(eye_step(vec2(1.0), max(farthest, 0.0)).xy) * (1.0 / 32.0);
   vec3 margin = 1e-5 * reach + max(size.x, size.y) * vec3(length(rows[0]), length(rows[1]), length(rows[2]));
   if (hidden_faces(item.material) != 0u) margin += kHiddenReach;
 

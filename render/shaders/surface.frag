@@ -1,4 +1,4 @@
-// Rasterised surfaces: meshes, boxes and lines.
+// Rasterised surfaces: meshes and lines.
 #include "view.glsl"
 #include "payload.glsl"
 #include "shading.glsl"

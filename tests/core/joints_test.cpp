@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
 #include "sightline/core/snapshot.h"
@@ -19,15 +20,7 @@ using tests::uniform;
 constexpr double kPi = std::numbers::pi;
 
 dmat3 turned(double angle, const dvec3& axis) {
-  const dvec3 a = glm::normalize(axis);
-  const double c = std::cos(angle), s = std::sin(angle);
-  dmat3 m;
-  for (int i = 0; i < 3; ++i) {
-    dvec3 e(0.0);
-    e[i] = 1.0;
-    m[i] = c * e + s * glm::cross(a, e) + (1.0 - c) * glm::dot(a, e) * a;
-  }
-  return m;
+  return dmat3(glm::rotate(core::dmat4(1.0), angle, glm::normalize(axis)));
 }
 
 /// A scene to which solids are added one by one, item 0 first.

@@ -1,0 +1,18 @@
+// The part of a ray within an infinite cylinder about z: gpuprims/local_ray.h.
+#include "arithmetic.glsl"
+#include "search.glsl"
+
+// Narrows `span` to it; false: nothing is left.
+bool cylinder_span(vec3 o, vec3 d, float radius, int face, inout Span span) {
+  float a = dot(d.xy, d.xy), r2 = radius * radius;
+  if (!(a > 0.0)) return dot(o.xy, o.xy) <= r2;
+  // The line passes the axis at distance |c| / sqrt(a): half a chord is sqrt(a r^2 - c^2) / a.
+  float c = cross_product(o.xy, d.xy), square = a * r2, rest = square - c * c;
+  if (abs(rest) < kCancels * square)
+    rest = difference_of_squares(exact_product(d.x, radius), exact_product(d.y, radius), exact_cross(o.xy, d.xy));
+  if (!(rest >= 0.0)) return false;
+  float middle = -dot(o.xy, d.xy) / a, half_chord = sqrt(rest) / a;
+  enter(span, middle - half_chord, face);
+  leave(span, middle + half_chord, face);
+  return true;
+}
