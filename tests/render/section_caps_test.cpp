@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/drawing.h"
-#include "sightline/gpuprims/primitives.h"
+#include "sightline/tests/render/pixel_reference.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline {
@@ -33,28 +33,13 @@ struct Expected {
   std::vector<core::ItemId> items;
 };
 
-/// Kept part of the ray by stepping over all section planes' crossings, so that it owes nothing to the shaders' way.
-bool kept(const View& view, const dvec3& p) {
-  if (view.sections.empty()) return true;
-  const bool unite = view.section_mode == core::SectionMode::kUnion;
-  for (const core::Plane& plane : view.sections)
-    if ((core::evaluate(plane, p) >= 0.0) == unite) return unite;
-  return !unite;
-}
-
 Expected expect(const std::vector<Solid>& solids, const View& view, int x, int y) {
-  const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
-  const core::dmat4& clip = view.clip_from_eye();
-  const dvec3 origin(world_from_eye[3]);
-  const dvec3 eye((2.0 * (x + 0.5) / kWidth - 1.0) / clip[0][0], (1.0 - 2.0 * (y + 0.5) / kHeight) / clip[1][1], -1.0);
-  const dvec3 direction = dmat3(world_from_eye) * eye;
-  std::vector<double> cuts;
-  for (const core::Plane& plane : view.sections)
-    cuts.push_back(-core::evaluate(plane, origin) / glm::dot(plane.normal, direction));
-
+  const tests::PixelRay ray = tests::pixel_ray(view, kWidth, kHeight, x, y);
+  const dvec3 &origin = ray.origin, &direction = ray.direction;
+  const std::vector<double> cuts = tests::section_entries(view, origin, direction);
   Expected expected;
   const auto offer = [&](double t, bool cut, core::ItemId item) {
-    if (!(t >= kNear) || t > expected.depth + 1e-9) return;
+    if (!(t >= ray.t_near) || t > expected.depth + 1e-9) return;
     if (t < expected.depth - 1e-9) expected = {t, cut, {}};
     expected.items.push_back(item);
   };
@@ -64,11 +49,9 @@ Expected expect(const std::vector<Solid>& solids, const View& view, int x, int y
         gpuprims::intersect(solids[i].box, {inverse * (origin - solids[i].placed.origin), inverse * direction});
     if (hits.count != 2) continue;
     for (int k = 0; k < 2; ++k)
-      if (kept(view, origin + hits.hit[k].t * direction)) offer(hits.hit[k].t, false, core::ItemId(i));
-    for (const double t : cuts) {
-      const bool begins = !kept(view, origin + (t - 1e-7) * direction) && kept(view, origin + (t + 1e-7) * direction);
-      if (begins && t > hits.hit[0].t && t < hits.hit[1].t) offer(t, true, core::ItemId(i));
-    }
+      if (tests::sections_keep(view, origin + hits.hit[k].t * direction)) offer(hits.hit[k].t, false, core::ItemId(i));
+    for (const double t : cuts)
+      if (t > hits.hit[0].t && t < hits.hit[1].t) offer(t, true, core::ItemId(i));
   }
   return expected;
 }
