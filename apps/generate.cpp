@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/cli.h"
-#include "sightline/importers/plant_generator.h"
-#include "sightline/importers/rvm_writer.h"
+#include "sightline/importers/plant/plant_generator.h"
+#include "sightline/importers/rvm/rvm_writer.h"
 
 namespace {
 

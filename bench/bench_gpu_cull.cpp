@@ -17,7 +17,7 @@
 #include "sightline/bench/harness.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/gpu/gpu_culler.h"
-#include "sightline/importers/plant_generator.h"
+#include "sightline/importers/plant/plant_generator.h"
 
 namespace {
 

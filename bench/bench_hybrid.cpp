@@ -18,7 +18,7 @@
 #include "sightline/bench/hybrid_scenes.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/core/snapshot.h"
-#include "sightline/importers/plant_generator.h"
+#include "sightline/importers/plant/plant_generator.h"
 #include "sightline/study/aircraft.h"
 
 namespace {

@@ -20,7 +20,7 @@
 #include "sightline/bench/study_report.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/core/snapshot.h"
-#include "sightline/importers/plant_generator.h"
+#include "sightline/importers/plant/plant_generator.h"
 #include "sightline/study/aircraft.h"
 #include "sightline/study/platforms.h"
 #include "sightline/study/session.h"

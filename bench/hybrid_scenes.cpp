@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/importers/plant_generator.h"
+#include "sightline/importers/plant/plant_generator.h"
 #include "sightline/study/aircraft.h"
 
 namespace sightline::bench {

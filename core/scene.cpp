@@ -417,6 +417,20 @@ Scene::ItemState Scene::state(ItemId id) const {
                here.material == kNone ? MaterialId{} : MaterialId{here.material, 0});
 }
 
+// --- taking back -----------------------------------------------------------------------------------------------------
+
+void Scene::take_back(const Mark& mark, std::span<const NodeId> added) {
+  for (const NodeId node : added) remove_node(node);
+  assert(std::all_of(items_.begin() + std::ptrdiff_t(mark.items), items_.end(),
+                     [](const Item& item) { return !item.alive && !item.committed; }));
+  std::erase_if(dirty_items_, [&](ItemId item) { return item >= mark.items; });
+  items_.resize(mark.items);
+  parameters_.resize(mark.parameters);
+  meshes_.resize(mark.meshes);
+  mesh_bounds_.resize(mark.meshes);
+  materials_.resize(mark.materials);
+}
+
 // --- publishing ------------------------------------------------------------------------------------------------------
 
 void Scene::touch_node(std::uint32_t index) {
@@ -452,12 +466,16 @@ std::vector<ItemId> Scene::collect_dirty_items() {
   return items;
 }
 
+bool Scene::can_commit(ItemId item, const Affine& world_from_item) const {
+  return publishable(world_from_item) && publishable(bounds_under(item, world_from_item));
+}
+
 Expected<SceneDelta> Scene::validated(std::span<const ItemId> items) const {
   SceneDelta delta;
   ItemId bad = kNone;
   for_each_state(items, [&](ItemId id, const ItemState& state) {
     if (bad != kNone) return;
-    if (publishable(state.world_from_item) && publishable(bounds_under(id, state.world_from_item))) {
+    if (can_commit(id, state.world_from_item)) {
       (items_[id].committed ? delta.changed : delta.inserted).push_back(id);
     } else {
       bad = id;

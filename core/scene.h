@@ -129,6 +129,20 @@ class Scene {
   /// Bounds of the item's geometry under any map of it. Empty for an empty mesh.
   AabbD bounds_under(ItemId item, const Affine& world_from_item) const;
 
+  /// Whether commit() would take the item with this world placement.
+  bool can_commit(ItemId item, const Affine& world_from_item) const;
+
+  // --- taking back -------------------------------------------------------------------------------------------------
+  /// Where the scene's contents end.
+  struct Mark {
+    std::size_t items = 0, parameters = 0, meshes = 0, materials = 0;
+  };
+  Mark mark() const { return {items_.size(), parameters_.size(), meshes_.size(), materials_.size()}; }
+  /// Takes back everything added since the mark: `added`, the nodes that hold all items since, with their subtrees, and
+  /// all meshes and materials since. Nothing else may refer to those, and no commit may lie between. The ids are given
+  /// out again.
+  void take_back(const Mark& mark, std::span<const NodeId> added);
+
   // --- publishing --------------------------------------------------------------------------------------------------
   /// Validates every edit since the last commit and reports what it touched. All or nothing: when an item's parameters,
   /// world placement or world bounds are not finite or reach beyond 1e37 m, nothing is published, the edits stay

@@ -1,19 +1,52 @@
 #include "sightline/importers/import.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sightline/importers/file_bytes.h"
-#include "sightline/importers/rvm_reader.h"
+#include "sightline/importers/rvm/rvm_reader.h"
 #ifdef SIGHTLINE_HAVE_OBJ
-#include "sightline/importers/obj_reader.h"
+#include "sightline/importers/obj/obj_reader.h"
 #endif
 
 namespace sightline::importers {
 namespace {
+
+using Bytes = std::span<const std::byte>;
+
+struct Format {
+  std::string_view extension;
+  core::Expected<ImportReport> (*read)(Bytes, const std::filesystem::path&, core::Scene&, core::NodeId,
+                                       const ImportOptions&);
+};
+
+constexpr Format kFormats[] = {
+    {".rvm",
+     [](Bytes bytes, const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
+        const ImportOptions& options) { return read_rvm(bytes, path.filename().string(), scene, parent, options); }},
+#ifdef SIGHTLINE_HAVE_OBJ
+    {".obj", read_obj},
+#endif
+};
+
+/// Formats that a build may lack, and the option that it then lacks.
+struct Optional {
+  std::string_view extension, option;
+};
+constexpr Optional kOptional[] = {{".obj", "SIGHTLINE_OBJ"}};
+
+constexpr auto kExtensions = [] {
+  std::array<std::string_view, std::size(kFormats)> all;
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = kFormats[i].extension;
+  return all;
+}();
 
 std::string lower_case_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -25,20 +58,20 @@ std::string lower_case_extension(const std::filesystem::path& path) {
 core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path, core::Scene& scene,
                                                core::NodeId parent, const ImportOptions& options) {
   const std::string extension = lower_case_extension(path);
-  const bool rvm = extension == ".rvm", obj = extension == ".obj";
-  if (!rvm && !obj)
-    return core::fail(
-        fmt::format("{}: unknown extension '{}', expected .rvm or .obj", path.string(), path.extension().string()));
-#ifndef SIGHTLINE_HAVE_OBJ
-  if (obj) return core::fail(fmt::format("{}: this build reads no OBJ files (SIGHTLINE_OBJ is off)", path.string()));
-#endif
+  const auto* format =
+      std::find_if(std::begin(kFormats), std::end(kFormats), [&](const Format& f) { return f.extension == extension; });
+  if (format == std::end(kFormats)) {
+    for (const Optional& o : kOptional)
+      if (o.extension == extension)
+        return core::fail(
+            fmt::format("{}: this build reads no {} files ({} is off)", path.string(), extension, o.option));
+    return core::fail(fmt::format("{}: unknown extension '{}', expected {}", path.string(), path.extension().string(),
+                                  fmt::join(kExtensions, ", ")));
+  }
   const auto bytes = read_file_bytes(path);
   if (!bytes) return tl::unexpected(bytes.error());
-#ifdef SIGHTLINE_HAVE_OBJ
-  if (obj) return read_obj(*bytes, path, scene, parent, options);
-#endif
-  auto report = read_rvm(*bytes, path.filename().string(), scene, parent, options);
-  if (!report && path.has_parent_path())
+  auto report = format->read(*bytes, path, scene, parent, options);
+  if (!report && report.error().message != kCancelled && path.has_parent_path())
     report.error().message = (path.parent_path() / report.error().message).string();
   return report;
 }
@@ -48,11 +81,16 @@ void append(ImportReport& total, ImportReport&& one) {
   std::move(one.warnings.begin(), one.warnings.end(), std::back_inserter(total.warnings));
   for (std::size_t k = 0; k < total.items.size(); ++k) total.items[k] += one.items[k];
   total.degenerate += one.degenerate;
+  total.shared_meshes += one.shared_meshes;
   total.bytes += one.bytes;
   total.metres_per_unit = one.metres_per_unit;
 }
 
 }  // namespace
+
+std::span<const std::string_view> known_extensions() {
+  return kExtensions;
+}
 
 core::Expected<ImportReport> import_file(const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
                                          const ImportOptions& options) {
@@ -68,11 +106,15 @@ core::Expected<ImportReport> import_file(const std::filesystem::path& path, core
 
 core::Expected<ImportReport> import_files(std::span<const std::filesystem::path> paths, core::Scene& scene,
                                           core::NodeId parent, const ImportOptions& options) {
+  const core::Scene::Mark mark = scene.mark();
   ImportReport total;
-  for (const std::filesystem::path& path : paths) {
-    auto report = import_file(path, scene, parent, options);
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    ImportOptions one = options;
+    if (options.progress)
+      one.progress = [&, i](double share) { return options.progress((double(i) + share) / double(paths.size())); };
+    auto report = import_file(paths[i], scene, parent, one);
     if (!report) {
-      for (const core::NodeId node : total.nodes) scene.remove_node(node);
+      scene.take_back(mark, total.nodes);
       return report;
     }
     append(total, std::move(*report));

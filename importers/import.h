@@ -1,15 +1,15 @@
-// importers: bytes to scene and scene to bytes. Readers for AVEVA RVM (rvm_reader.h) and Wavefront OBJ (obj_reader.h),
-// the RVM writer (rvm_writer.h), triangulation of facet polygons (triangulate.h), and the generator of synthetic
-// plants.
+// importers: bytes to scene and scene to bytes. A folder per format holds its reader (rvm/, obj/, …) and writer; plant/
+// is the generator of synthetic plants; triangulate.h covers polygons with triangles.
 //
-// This header reads files of any known format. Readers never print, throw or exit. A failed import leaves the scene
-// exactly as it was; a successful one can be committed (what is not finite, or larger than any site, was dropped and
-// listed).
+// This header reads files of any format that the build knows. Readers never print, throw or exit. A failed or cancelled
+// import leaves the scene exactly as it was; a successful one can be committed (what is not finite, or larger than any
+// site, was dropped and listed).
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,30 +26,50 @@ struct ImportWarning {
   std::string message;       ///< one line
 };
 
+/// Which axis of a file points up. Scenes have z up.
+enum class UpAxis : std::uint8_t { kY, kZ };
+
 struct ImportOptions {
   /// Damaged files: false fails at the first damage, true imports what can be had and lists the damage as warnings.
   bool lenient = false;
+  /// Length of a coordinate's unit, finite and > 0, for formats that name none: OBJ, PLY, STL, VTK. RVM and glTF say
+  /// it.
+  double metres_per_unit = 1.0;
+  /// The same for what points up.
+  UpAxis up = UpAxis::kZ;
+  /// Keeps meshes once that differ by a similarity alone (mesh_sharing.h). Costs a few nanoseconds a vertex.
+  bool share_meshes = true;
+  /// Called now and then by the importing thread with the share that is done, rising from 0 to 1. Answering false
+  /// cancels: the import fails with kCancelled as its message.
+  std::function<bool(double)> progress = {};
 };
+
+inline constexpr std::string_view kCancelled = "cancelled";
 
 /// Warnings kept per import; one more says how many were not.
 inline constexpr std::size_t kMaxWarnings = 1000;
 
 struct ImportReport {
-  std::vector<core::NodeId> nodes;  ///< one per file, in order: children of the given parent, named after the file
+  std::vector<core::NodeId>
+      nodes;  ///< one per model file, in order: children of the given parent, named after the file
   std::vector<ImportWarning> warnings;
   /// Items imported by kind as found in the file (an empty facet group counts as one), degenerate ones included.
   std::array<std::uint64_t, core::kKindCount> items{};
-  std::uint64_t degenerate = 0;  ///< items without volume: no length for lines, no area for facets
-  std::uint64_t bytes = 0;       ///< read from files
-  double metres_per_unit = 1.0;  ///< of the last file's coordinates; the scene is in metres
+  std::uint64_t degenerate = 0;     ///< items without volume: no length for lines, no area for facets
+  std::uint64_t shared_meshes = 0;  ///< mesh items that use a mesh which another one brought
+  std::uint64_t bytes = 0;          ///< read from files
+  double metres_per_unit = 1.0;     ///< of the last file's coordinates; the scene is in metres
 };
 
-/// Imports one file as a new child of `parent`, named after it; its format follows from the extension (.rvm, .obj, any
-/// case). Errors name the file: unknown extension, missing, a directory, empty, unreadable, damaged.
+/// Extensions that import_file() knows in this build, with dots, in lower case.
+std::span<const std::string_view> known_extensions();
+
+/// Imports one file as a new child of `parent`, named after it; its format follows from the extension (any case).
+/// Errors name the file: unknown extension, missing, a directory, empty, unreadable, damaged.
 core::Expected<ImportReport> import_file(const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
                                          const ImportOptions& options = {});
 
-/// Imports several files, one node each. All or nothing: when one fails the nodes of those before it are removed.
+/// Imports several files, one node each. All or nothing: when one fails those before it are taken back.
 core::Expected<ImportReport> import_files(std::span<const std::filesystem::path> paths, core::Scene& scene,
                                           core::NodeId parent, const ImportOptions& options = {});
 

@@ -25,7 +25,7 @@ core::Expected<Model> load_model(const ModelOptions& options) {
     model.scene->set_transform(model.scene->root(), core::translation(*offset));
   }
   const std::vector<std::filesystem::path> paths(options.files.begin(), options.files.end());
-  auto report = importers::import_files(paths, *model.scene, model.scene->root(), {options.lenient});
+  auto report = importers::import_files(paths, *model.scene, model.scene->root(), {.lenient = options.lenient});
   if (!report) return tl::unexpected(report.error());
   model.report = std::move(*report);
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/importers/plant_generator.h"
+#include "sightline/importers/plant/plant_generator.h"
 #include "sightline/study/aircraft.h"
 
 namespace sightline {

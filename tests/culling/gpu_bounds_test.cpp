@@ -8,7 +8,7 @@
 #include "scenes.h"
 #include "sightline/culling/gpu/compact_box.h"
 #include "sightline/culling/gpu/gpu_pass.h"
-#include "sightline/importers/plant_generator.h"
+#include "sightline/importers/plant/plant_generator.h"
 #include "sightline/tests/culling/test_shaders.h"
 #include "sightline/tests/support/gl_test.h"
 

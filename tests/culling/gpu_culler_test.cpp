@@ -4,7 +4,7 @@
 
 #include "gpu_rig.h"
 #include "scenes.h"
-#include "sightline/importers/plant_generator.h"
+#include "sightline/importers/plant/plant_generator.h"
 #include "sightline/tests/support/gl_test.h"
 #include "sightline/tests/support/gl_watch.h"
 

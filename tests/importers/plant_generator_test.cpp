@@ -1,4 +1,4 @@
-#include "sightline/importers/plant_generator.h"
+#include "sightline/importers/plant/plant_generator.h"
 
 #include <algorithm>
 #include <array>

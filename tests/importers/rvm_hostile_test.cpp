@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
-#include "sightline/importers/rvm_reader.h"
+#include "sightline/importers/rvm/rvm_reader.h"
 #include "sightline/tests/importers/rvm_bytes.h"
 
 namespace {

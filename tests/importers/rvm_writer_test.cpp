@@ -1,4 +1,4 @@
-#include "sightline/importers/rvm_writer.h"
+#include "sightline/importers/rvm/rvm_writer.h"
 
 #include <filesystem>
 #include <fstream>
@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/importers/rvm_output.h"
-#include "sightline/importers/rvm_reader.h"
+#include "sightline/importers/rvm/rvm_output.h"
+#include "sightline/importers/rvm/rvm_reader.h"
 #include "sightline/tests/importers/rvm_bytes.h"
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/support/test_data.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sightline/importers/file_bytes.h"
-#include "sightline/importers/rvm_chunks.h"
+#include "sightline/importers/rvm/rvm_chunks.h"
 
 namespace sightline::importers::rvm {
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "sightline/core/aabb.h"
-#include "sightline/importers/plant_stage.h"
+#include "sightline/importers/plant/plant_stage.h"
 
 namespace sightline::importers::plant {
 

@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/importers/import.h"
-#include "sightline/importers/rvm_chunks.h"
+#include "sightline/importers/import_job.h"
+#include "sightline/importers/rvm/rvm_chunks.h"
 
 namespace sightline::importers {
 
 class RvmSceneBuilder {
  public:
-  RvmSceneBuilder(core::Scene& scene, core::NodeId parent, std::string_view file_name, ImportReport& report);
+  explicit RvmSceneBuilder(ImportJob& job);
 
   void add(const rvm::Head& head);
   void add(const rvm::Model& model);
@@ -44,9 +44,8 @@ class RvmSceneBuilder {
   void want_material(core::NodeId node, MaterialKey key) { wanted_.emplace_back(node, key); }
   core::NodeId node_for(const rvm::Item& item, std::uint32_t layers);
 
+  ImportJob& job_;
   core::Scene& scene_;
-  ImportReport& report_;
-  core::NodeId file_node_;
   std::vector<OpenGroup> open_;  // the file's node first
   std::map<std::uint32_t, std::array<std::uint8_t, 3>> colours_;
   std::vector<std::pair<core::NodeId, MaterialKey>> wanted_;

@@ -1,4 +1,4 @@
-#include "sightline/importers/rvm_chunks.h"
+#include "sightline/importers/rvm/rvm_chunks.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,11 @@
-#include "sightline/importers/rvm_reader.h"
+#include "sightline/importers/rvm/rvm_reader.h"
 
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 
-#include "sightline/importers/rvm_chunks.h"
-#include "sightline/importers/rvm_scene_builder.h"
+#include "sightline/importers/rvm/rvm_chunks.h"
+#include "sightline/importers/rvm/rvm_scene_builder.h"
 
 namespace sightline::importers {
 namespace {
@@ -15,48 +14,41 @@ namespace {
 /// lengths).
 constexpr double kLargestReach = 1e36;
 
-/// Walks the chunks. Without a scene it only validates: so a strict import can promise to leave the scene alone.
+/// Walks the chunks.
 class RvmWalk {
  public:
-  RvmWalk(std::span<const std::byte> bytes, std::string_view file_name, bool lenient, core::Scene* scene,
-          core::NodeId parent)
-      : bytes_(bytes), file_name_(file_name), lenient_(lenient), scene_(scene), parent_(parent) {}
+  RvmWalk(std::span<const std::byte> bytes, ImportJob& job) : bytes_(bytes), job_(job), builder_(job) {}
 
-  core::Expected<ImportReport> run() {
-    report_.bytes = bytes_.size();
-    report_.metres_per_unit = 0.001;
-    if (auto begun = begin(); !begun) return tl::unexpected(begun.error());
-    while (!ended_)
-      if (auto stepped = step(); !stepped) return tl::unexpected(stepped.error());
-    if (builder_) builder_->finish();
-    if (unlisted_ > 0)
-      report_.warnings.push_back({file_name_, at_, fmt::format("{} further warnings are not listed", unlisted_)});
-    return std::move(report_);
+  core::Expected<void> run() {
+    job_.report().bytes = bytes_.size();
+    job_.report().metres_per_unit = 0.001;
+    if (auto begun = begin(); !begun) return begun;
+    while (!ended_) {
+      if (auto stepped = step(); !stepped) return stepped;
+      if (auto asked = job_.progress(double(at_) / double(bytes_.size())); !asked) return asked;
+    }
+    builder_.finish();
+    return {};
   }
 
  private:
   core::Error error(std::uint64_t offset, std::string_view tag, std::string_view message) const {
-    if (tag.empty()) return {fmt::format("{}: byte {}: {}", file_name_, offset, message)};
-    return {fmt::format("{}: byte {}: {} chunk: {}", file_name_, offset, tag, message)};
+    if (tag.empty()) return {fmt::format("{}: byte {}: {}", job_.file(), offset, message)};
+    return {fmt::format("{}: byte {}: {} chunk: {}", job_.file(), offset, tag, message)};
   }
 
   void warn(std::uint64_t offset, std::string_view tag, std::string_view message) {
-    if (report_.warnings.size() >= kMaxWarnings) {
-      ++unlisted_;
-      return;
-    }
-    report_.warnings.push_back(
-        {file_name_, offset, tag.empty() ? std::string(message) : fmt::format("{} chunk: {}", tag, message)});
+    job_.warn(offset, tag.empty() ? std::string(message) : fmt::format("{} chunk: {}", tag, message));
   }
 
   /// Damage: an error when strict, a warning when lenient.
   core::Expected<void> damage(std::uint64_t offset, std::string_view tag, std::string_view message) {
-    if (!lenient_) return tl::unexpected(error(offset, tag, message));
+    if (!job_.options().lenient) return tl::unexpected(error(offset, tag, message));
     warn(offset, tag, message);
     return {};
   }
 
-  /// The HEAD chunk. Nothing is added to the scene before it has been read.
+  /// The HEAD chunk.
   core::Expected<void> begin() {
     const auto header = rvm::read_header(bytes_, 0);
     if (!header || header->name() != "HEAD")
@@ -65,10 +57,7 @@ class RvmWalk {
     rvm::ByteCursor cursor(bytes_, rvm::kHeaderBytes, next_valid ? header->next : bytes_.size());
     const rvm::Head head = rvm::read_head(cursor);
     if (!cursor.ok()) return tl::unexpected(error(cursor.error_offset(), "HEAD", cursor.error()));
-    if (scene_) {
-      builder_.emplace(*scene_, parent_, file_name_, report_);
-      builder_->add(head);
-    }
+    builder_.add(head);
     return advance(*header, cursor.position());
   }
 
@@ -124,12 +113,12 @@ class RvmWalk {
     if (tag == "INSU") return read_item(tag, core::kLayerInsulation, cursor);
     if (tag == "COLR") {
       const rvm::Colour colour = rvm::read_colour(cursor);
-      if (builder_ && cursor.ok()) builder_->add(colour);
+      if (cursor.ok()) builder_.add(colour);
       return true;
     }
     if (tag == "MODL") {
       const rvm::Model model = rvm::read_model(cursor);
-      if (builder_ && cursor.ok()) builder_->add(model);
+      if (cursor.ok()) builder_.add(model);
       return true;
     }
     auto tolerated = damage(at_, tag, tag == "HEAD" ? "a second one; skipped" : "unknown; skipped");
@@ -146,7 +135,7 @@ class RvmWalk {
         group.position = {};
       }
     ++depth_;
-    if (builder_) builder_->open(group);
+    builder_.open(group);
     return true;
   }
 
@@ -157,7 +146,7 @@ class RvmWalk {
       return true;
     }
     --depth_;
-    if (builder_) builder_->close();
+    builder_.close();
     return true;
   }
 
@@ -173,20 +162,16 @@ class RvmWalk {
       warn(at_, tag, "dropped: a number is not finite");
     } else if (item.reach > kLargestReach) {
       warn(at_, tag, fmt::format("dropped: reaches {:.3g} m, expected at most {:.3g} m", item.reach, kLargestReach));
-    } else if (builder_) {
-      builder_->add(item, layers, bytes_);
+    } else {
+      builder_.add(item, layers, bytes_);
     }
     return true;
   }
 
   std::span<const std::byte> bytes_;
-  std::string file_name_;
-  bool lenient_;
-  core::Scene* scene_;
-  core::NodeId parent_;
-  std::optional<RvmSceneBuilder> builder_;
-  ImportReport report_;
-  std::uint64_t at_ = 0, depth_ = 0, unlisted_ = 0;
+  ImportJob& job_;
+  RvmSceneBuilder builder_;
+  std::uint64_t at_ = 0, depth_ = 0;
   bool ended_ = false;
 };
 
@@ -195,11 +180,9 @@ class RvmWalk {
 core::Expected<ImportReport> read_rvm(std::span<const std::byte> bytes, std::string_view file_name, core::Scene& scene,
                                       core::NodeId parent, const ImportOptions& options) {
   if (bytes.empty()) return core::fail(fmt::format("{}: the file is empty", file_name));
-  if (!options.lenient) {
-    auto checked = RvmWalk(bytes, file_name, false, nullptr, parent).run();
-    if (!checked) return checked;
-  }
-  return RvmWalk(bytes, file_name, options.lenient, &scene, parent).run();
+  // Matrices of the file map to metres with z up already; its unit is the one of its parameters.
+  return run_import(file_name, scene, parent, options, {1.0, UpAxis::kZ},
+                    [&](ImportJob& job) { return RvmWalk(bytes, job).run(); });
 }
 
 }  // namespace sightline::importers

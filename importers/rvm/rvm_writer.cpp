@@ -1,4 +1,4 @@
-#include "sightline/importers/rvm_writer.h"
+#include "sightline/importers/rvm/rvm_writer.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "sightline/importers/rvm_output.h"
-#include "sightline/importers/rvm_reader.h"
+#include "sightline/importers/rvm/rvm_output.h"
+#include "sightline/importers/rvm/rvm_reader.h"
 #include "sightline/importers/triangulate.h"
 
 namespace sightline::importers {

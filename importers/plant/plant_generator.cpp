@@ -1,4 +1,4 @@
-#include "sightline/importers/plant_generator.h"
+#include "sightline/importers/plant/plant_generator.h"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "sightline/importers/plant_equipment.h"
-#include "sightline/importers/plant_pipes.h"
-#include "sightline/importers/plant_stage.h"
+#include "sightline/importers/plant/plant_equipment.h"
+#include "sightline/importers/plant/plant_pipes.h"
+#include "sightline/importers/plant/plant_stage.h"
 
 namespace sightline::importers {
 namespace {

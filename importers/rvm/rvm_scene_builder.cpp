@@ -1,11 +1,11 @@
-#include "sightline/importers/rvm_scene_builder.h"
+#include "sightline/importers/rvm/rvm_scene_builder.h"
 
 #include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "sightline/importers/rvm_reader.h"
+#include "sightline/importers/rvm/rvm_reader.h"
 
 namespace sightline::importers {
 namespace {
@@ -26,15 +26,12 @@ bool any_bit_set(const std::array<float, 3>& values) {
 
 }  // namespace
 
-RvmSceneBuilder::RvmSceneBuilder(core::Scene& scene, core::NodeId parent, std::string_view file_name,
-                                 ImportReport& report)
-    : scene_(scene), report_(report), file_node_(scene.add_node(parent, file_name)) {
-  report_.nodes.push_back(file_node_);
-  open_.push_back({file_node_, 1, {}, {}});
+RvmSceneBuilder::RvmSceneBuilder(ImportJob& job) : job_(job), scene_(job.scene()) {
+  open_.push_back({job.file_node(), 1, {}, {}});
 }
 
 void RvmSceneBuilder::set_text(std::string_view key, std::string_view value) {
-  if (!value.empty()) scene_.set_attribute(file_node_, key, value);
+  if (!value.empty()) scene_.set_attribute(job_.file_node(), key, value);
 }
 
 void RvmSceneBuilder::add(const rvm::Head& head) {
@@ -72,17 +69,10 @@ core::NodeId RvmSceneBuilder::node_for(const rvm::Item& item, std::uint32_t laye
 void RvmSceneBuilder::add(const rvm::Item& item, std::uint32_t layers, std::span<const std::byte> file) {
   const core::NodeId node = node_for(item, layers);
   const core::Affine placement = placement_of(item.matrix);
-  ++report_.items[std::size_t(item.kind)];
-  if (item.kind == core::Kind::kFacetGroup) {
-    core::Mesh mesh = rvm::read_facets(file, item);
-    if (mesh.indices.empty()) ++report_.degenerate;
-    scene_.add_mesh_instance(node, scene_.add_mesh(std::move(mesh)), placement);
-    return;
-  }
+  if (item.kind == core::Kind::kFacetGroup)
+    return job_.add_mesh(node, rvm::read_facets(file, item), placement, {}, item.kind);
   const auto count = std::size_t(core::parameter_count(item.kind));
-  const core::Primitive primitive = core::make_primitive(item.kind, {item.parameters.data(), count});
-  if (core::is_degenerate(primitive)) ++report_.degenerate;
-  scene_.add_primitive(node, primitive, placement);
+  job_.add_primitive(node, core::make_primitive(item.kind, {item.parameters.data(), count}), placement);
 }
 
 void RvmSceneBuilder::finish() {

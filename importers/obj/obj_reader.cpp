@@ -1,25 +1,22 @@
-#include "sightline/importers/obj_reader.h"
+#include "sightline/importers/obj/obj_reader.h"
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <istream>
 #include <map>
 #include <optional>
 #include <streambuf>
-#include <unordered_map>
 
 #include <fmt/format.h>
 #include <tiny_obj_loader.h>
 
-#include "sightline/importers/triangulate.h"
+#include "sightline/importers/import_job.h"
+#include "sightline/importers/side_files.h"
 
 namespace sightline::importers {
 namespace {
 
 static_assert(sizeof(tinyobj::real_t) == sizeof(double), "the double-precision variant of tinyobjloader is needed");
-
-constexpr double kLargestCoordinate = 1e36;
 
 /// Lets the library read the image in place, and tells how far it has come.
 class ImageBuffer final : public std::streambuf {
@@ -29,19 +26,22 @@ class ImageBuffer final : public std::streambuf {
     setg(begin, begin, begin + bytes.size());
   }
   std::uint64_t consumed() const { return std::uint64_t(gptr() - eback()); }
-  std::uint64_t line() const { return std::uint64_t(std::count(eback(), gptr(), '\n')); }
+  std::uint64_t line() {
+    line_ += std::uint64_t(std::count(eback() + counted_, gptr(), '\n'));
+    counted_ = gptr() - eback();
+    return line_;
+  }
+  double share() const { return double(gptr() - eback()) / double(egptr() - eback()); }
+
+ private:
+  std::uint64_t line_ = 0;
+  std::ptrdiff_t counted_ = 0;
 };
 
 struct Corner {
   std::uint32_t position = 0, normal = core::kNone;
   friend bool operator==(const Corner&, const Corner&) = default;
 };
-struct CornerHash {
-  std::size_t operator()(const Corner& c) const {
-    return std::size_t((std::uint64_t(c.position) << 32 | c.normal) * 0x9e3779b97f4a7c15u >> 16);
-  }
-};
-
 /// Faces of one name and one material: corners back to back, and how many each face has.
 struct Part {
   std::vector<Corner> corners;
@@ -49,12 +49,11 @@ struct Part {
 };
 
 struct Loading {
-  ImageBuffer* image = nullptr;
-  std::string file;
-  std::filesystem::path directory;
-  bool lenient = false;
-  ImportReport report;
-  std::uint64_t unlisted = 0;
+  Loading(ImportJob& import, std::span<const std::byte> bytes, const std::filesystem::path& file)
+      : job(import), image(bytes), path(file) {}
+  ImportJob& job;
+  ImageBuffer image;
+  const std::filesystem::path& path;
   std::optional<core::Error> error;
 
   std::vector<core::dvec3> positions;
@@ -62,32 +61,31 @@ struct Loading {
   std::vector<std::string> names;  // in order of appearance
   std::map<std::string, std::size_t, std::less<>> index_of_name;
   std::map<std::pair<std::size_t, int>, Part> parts;  // by name and material
+  Part* part = nullptr;                               // of the current name and material; none after a change of either
   std::vector<tinyobj::material_t> materials;
   std::string name;
   int material = -1;
 
-  void warn(std::string message) {
-    if (report.warnings.size() < kMaxWarnings)
-      report.warnings.push_back({file, image->consumed(), std::move(message)});
-    else
-      ++unlisted;
+  void warn(std::string_view message) { job.warn(image.consumed(), fmt::format("line {}: {}", image.line(), message)); }
+  void check(core::Expected<void> result) {
+    if (!result && !error) error = std::move(result.error());
   }
-  void damage(std::string message) {
-    if (lenient)
-      warn(fmt::format("line {}: {}; face left out", image->line(), message));
-    else if (!error)
-      error = core::Error{fmt::format("{}: line {}: {}", file, image->line(), message)};
+  void damage(std::string_view message) {
+    check(job.damage(image.consumed(), fmt::format("line {}: {}{}", image.line(), message,
+                                                   job.options().lenient ? "; face left out" : "")));
+  }
+  void begin_name(const char* begun) {
+    name = begun;
+    part = nullptr;
   }
   Part& current_part() {
+    if (part) return *part;
     const auto [at, added] = index_of_name.try_emplace(name, names.size());
     if (added) names.push_back(name);
-    return parts[{at->second, material}];
+    part = &parts[{at->second, material}];
+    return *part;
   }
 };
-
-bool usable(const core::dvec3& p) {
-  return core::is_finite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kLargestCoordinate;
-}
 
 /// Index from 1, or from -1 backwards, to an index from 0. Nothing when there is no such element.
 std::optional<std::uint32_t> resolve(int index, std::size_t count) {
@@ -124,14 +122,11 @@ void add_face(Loading& loading, std::span<const tinyobj::index_t> indices) {
   const std::size_t begin = part.corners.size();
   for (const tinyobj::index_t& index : indices) {
     const auto corner = resolve_corner(loading, index);
-    const bool good = corner && usable(loading.positions[corner->position]);
-    if (corner && !good)
-      loading.warn(fmt::format("line {}: face dropped: a vertex is not finite or beyond {:g}", loading.image->line(),
-                               kLargestCoordinate));
-    if (!good) return part.corners.resize(begin);
+    if (!corner) return part.corners.resize(begin);
     part.corners.push_back(*corner);
   }
   part.face_sizes.push_back(std::uint32_t(indices.size()));
+  loading.check(loading.job.progress(0.9 * loading.image.share()));
 }
 
 tinyobj::callback_t callbacks() {
@@ -148,15 +143,16 @@ tinyobj::callback_t callbacks() {
   on.usemtl_cb = [](void* to, const char* name, int material) {
     auto& loading = *static_cast<Loading*>(to);
     loading.material = material;
-    if (material < 0) loading.warn(fmt::format("line {}: unknown material '{}'", loading.image->line(), name));
+    loading.part = nullptr;
+    if (material < 0) loading.warn(fmt::format("unknown material '{}'", name));
   };
   on.mtllib_cb = [](void* to, const tinyobj::material_t* materials, int count) {
     static_cast<Loading*>(to)->materials.assign(materials, materials + count);
   };
   on.group_cb = [](void* to, const char** names, int count) {
-    static_cast<Loading*>(to)->name = count > 0 ? names[0] : "";
+    static_cast<Loading*>(to)->begin_name(count > 0 ? names[0] : "");
   };
-  on.object_cb = [](void* to, const char* name) { static_cast<Loading*>(to)->name = name; };
+  on.object_cb = [](void* to, const char* name) { static_cast<Loading*>(to)->begin_name(name); };
   return on;
 }
 
@@ -167,70 +163,64 @@ class NearbyMaterials final : public tinyobj::MaterialReader {
 
   bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials,
                   std::map<std::string, int>* index_of, std::string* warning, std::string* error) override {
-    const auto path = locate(name);
-    if (!path) return false;
-    std::ifstream file(*path);
-    if (!file) {
-      loading_.warn(fmt::format("line {}: material file '{}' not found", loading_.image->line(), name));
+    const auto bytes = read_side_file(loading_.path, name);
+    if (!bytes) {
+      loading_.warn("material file " + bytes.error().message);
       return false;
     }
-    tinyobj::LoadMtl(index_of, materials, &file, warning, error);
+    ImageBuffer image(*bytes);
+    std::istream stream(&image);
+    tinyobj::LoadMtl(index_of, materials, &stream, warning, error);
     return !materials->empty();
   }
 
  private:
-  std::optional<std::filesystem::path> locate(const std::string& name) {
-    std::error_code code;
-    const std::filesystem::path root = std::filesystem::weakly_canonical(loading_.directory, code);
-    const std::filesystem::path path = std::filesystem::weakly_canonical(root / name, code);
-    const std::filesystem::path relative = path.lexically_relative(root);
-    if (code || relative.empty() || *relative.begin() == "..") {
-      loading_.warn(fmt::format("line {}: material file '{}' refused: it lies outside the model's directory",
-                                loading_.image->line(), name));
-      return {};
-    }
-    if (!std::filesystem::is_regular_file(path, code)) {
-      loading_.warn(fmt::format("line {}: material file '{}' not found", loading_.image->line(), name));
-      return {};
-    }
-    return path;
-  }
   Loading& loading_;
 };
 
-core::AabbD extent(const Part& part, const std::vector<core::dvec3>& positions) {
-  core::AabbD box;
-  for (const Corner& corner : part.corners) box.grow(positions[corner.position]);
-  return box;
-}
+/// Faces of a part over its own vertices: each pair of position and normal once.
+class PartMesh {
+ public:
+  explicit PartMesh(const Loading& loading) : loading_(loading), first_(loading.positions.size(), core::kNone) {}
 
-core::Mesh make_mesh(const Part& part, const Loading& loading, const core::dvec3& centre) {
-  core::Mesh mesh;
-  const bool with_normals =
-      std::none_of(part.corners.begin(), part.corners.end(), [](const Corner& c) { return c.normal == core::kNone; });
-  std::unordered_map<Corner, std::uint32_t, CornerHash> vertex_of;
-  std::vector<core::vec3> outline;
-  std::vector<std::uint32_t> vertices, triangles;
-  std::size_t first = 0;
-  for (const std::uint32_t size : part.face_sizes) {
-    outline.clear(), vertices.clear(), triangles.clear();
-    for (std::size_t i = first; i < first + size; ++i) {
-      Corner corner = part.corners[i];
+  /// Takes the part's corners.
+  PolygonMesh make(Part& part) {
+    PolygonMesh mesh;
+    const bool with_normals =
+        std::none_of(part.corners.begin(), part.corners.end(), [](const Corner& c) { return c.normal == core::kNone; });
+    vertices_.clear();
+    for (Corner corner : part.corners) {
       if (!with_normals) corner.normal = core::kNone;
-      const auto [at, added] = vertex_of.try_emplace(corner, std::uint32_t(mesh.positions.size()));
-      if (added) {
-        mesh.positions.emplace_back(loading.positions[corner.position] - centre);
-        if (with_normals) mesh.normals.push_back(loading.normals[corner.normal]);
-      }
-      vertices.push_back(at->second);
-      outline.push_back(mesh.positions[at->second]);
+      mesh.corners.push_back(vertex_of(corner));
     }
-    triangulate_polygon(outline, std::span(&size, 1), 0, triangles);
-    for (const std::uint32_t t : triangles) mesh.indices.push_back(vertices[t]);
-    first += size;
+    for (const Vertex& vertex : vertices_) {
+      mesh.positions.push_back(loading_.positions[vertex.corner.position]);
+      if (with_normals) mesh.normals.push_back(loading_.normals[vertex.corner.normal]);
+      first_[vertex.corner.position] = core::kNone;  // for the next part
+    }
+    mesh.face_sizes = std::move(part.face_sizes);
+    part = {};
+    return mesh;
   }
-  return mesh;
-}
+
+ private:
+  struct Vertex {
+    Corner corner;
+    std::uint32_t next = core::kNone;  // of the same position
+  };
+
+  std::uint32_t vertex_of(const Corner& corner) {
+    std::uint32_t& first = first_[corner.position];
+    for (std::uint32_t i = first; i != core::kNone; i = vertices_[i].next)
+      if (vertices_[i].corner == corner) return i;
+    vertices_.push_back({corner, first});
+    return first = std::uint32_t(vertices_.size() - 1);
+  }
+
+  const Loading& loading_;
+  std::vector<std::uint32_t> first_;  // latest vertex of each position of the file
+  std::vector<Vertex> vertices_;
+};
 
 core::MaterialId add_material(core::Scene& scene, const tinyobj::material_t& source) {
   core::Material material;
@@ -243,13 +233,16 @@ core::MaterialId add_material(core::Scene& scene, const tinyobj::material_t& sou
   return scene.add_material(std::move(material));
 }
 
-void add_to_scene(Loading& loading, core::Scene& scene, core::NodeId parent) {
-  const core::NodeId file_node = scene.add_node(parent, loading.file);
-  loading.report.nodes.push_back(file_node);
+core::Expected<void> add_to_scene(Loading& loading) {
+  core::Scene& scene = loading.job.scene();
   std::vector<core::NodeId> nodes;
-  for (const std::string& name : loading.names) nodes.push_back(scene.add_node(file_node, name));
+  for (const std::string& name : loading.names) nodes.push_back(scene.add_node(loading.job.file_node(), name));
   std::map<int, core::MaterialId> made;
+  PartMesh part_mesh(loading);
+  std::size_t done = 0;
   for (auto& [key, part] : loading.parts) {
+    if (auto asked = loading.job.progress(0.9 + 0.1 * double(done++) / double(loading.parts.size())); !asked)
+      return asked;
     if (part.face_sizes.empty()) continue;
     core::MaterialId material;
     if (key.second >= 0 && std::size_t(key.second) < loading.materials.size()) {
@@ -257,30 +250,28 @@ void add_to_scene(Loading& loading, core::Scene& scene, core::NodeId parent) {
       if (!known.valid()) known = add_material(scene, loading.materials[std::size_t(key.second)]);
       material = known;
     }
-    const core::dvec3 centre = extent(part, loading.positions).centre();
-    core::Mesh mesh = make_mesh(part, loading, centre);
-    mesh.name = loading.names[key.first];
-    part = {};
-    ++loading.report.items[std::size_t(core::Kind::kMesh)];
-    if (mesh.indices.empty()) ++loading.report.degenerate;
-    scene.add_mesh_instance(nodes[key.first], scene.add_mesh(std::move(mesh)), core::translation(centre), material);
+    loading.job.add_mesh(nodes[key.first], part_mesh.make(part), loading.names[key.first], {}, material,
+                         loading.image.consumed());
   }
+  return {};
 }
 
 core::Expected<void> parse(Loading& loading) {
-  std::istream stream(loading.image);
+  std::istream stream(&loading.image);
   NearbyMaterials material_reader(loading);
   std::string warnings, errors;
   try {
     if (!tinyobj::LoadObjWithCallback(stream, callbacks(), &loading, &material_reader, &warnings, &errors))
-      return core::fail(fmt::format("{}: {}", loading.file, errors));
+      return core::fail(fmt::format("{}: {}", loading.job.file(), errors));
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& thrown) {
-    return core::fail(fmt::format("{}: line {}: {}", loading.file, loading.image->line(), thrown.what()));
+    return core::fail(fmt::format("{}: line {}: {}", loading.job.file(), loading.image.line(), thrown.what()));
   }
   if (loading.error) return tl::unexpected(*loading.error);
   if (loading.positions.empty())
     return core::fail(
-        fmt::format("{}: not an OBJ file: expected vertex statements ('v x y z'), found none", loading.file));
+        fmt::format("{}: not an OBJ file: expected vertex statements ('v x y z'), found none", loading.job.file()));
   return {};
 }
 
@@ -288,19 +279,12 @@ core::Expected<void> parse(Loading& loading) {
 
 core::Expected<ImportReport> read_obj(std::span<const std::byte> bytes, const std::filesystem::path& path,
                                       core::Scene& scene, core::NodeId parent, const ImportOptions& options) {
-  ImageBuffer image(bytes);
-  Loading loading;
-  loading.image = &image;
-  loading.file = path.filename().string();
-  loading.directory = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  loading.lenient = options.lenient;
-  loading.report.bytes = bytes.size();
-  if (auto parsed = parse(loading); !parsed) return tl::unexpected(parsed.error());
-  add_to_scene(loading, scene, parent);
-  if (loading.unlisted > 0)
-    loading.report.warnings.push_back(
-        {loading.file, bytes.size(), fmt::format("{} further warnings are not listed", loading.unlisted)});
-  return std::move(loading.report);
+  return run_import(path.filename().string(), scene, parent, options, frame_of(options), [&](ImportJob& job) {
+    job.report().bytes = bytes.size();
+    Loading loading(job, bytes, path);
+    auto done = parse(loading);
+    return done ? add_to_scene(loading) : done;
+  });
 }
 
 }  // namespace sightline::importers

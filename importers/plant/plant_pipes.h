@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sightline/core/aabb.h"
-#include "sightline/importers/plant_stage.h"
+#include "sightline/importers/plant/plant_stage.h"
 
 namespace sightline::importers::plant {
 

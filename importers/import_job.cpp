@@ -1,0 +1,121 @@
+#include "sightline/importers/import_job.h"
+
+#include <exception>
+#include <new>
+#include <span>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace sightline::importers {
+namespace {
+
+core::Affine scene_from_file(const FileFrame& frame) {
+  core::Affine map;
+  map.linear = frame.metres_per_unit * core::dmat3(1.0);
+  if (frame.up == UpAxis::kY)  // x stays, y becomes z, z becomes -y
+    map.linear = frame.metres_per_unit * core::dmat3(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0);
+  return map;
+}
+
+}  // namespace
+
+ImportJob::ImportJob(std::string_view file, core::Scene& scene, core::NodeId parent, const ImportOptions& options,
+                     const FileFrame& frame)
+    : scene_(scene), options_(options), file_(file), file_node_(scene.add_node(parent, file, scene_from_file(frame))) {
+  report_.nodes.push_back(file_node_);
+  report_.metres_per_unit = frame.metres_per_unit;
+}
+
+void ImportJob::warn(std::uint64_t offset, std::string message) {
+  if (report_.warnings.size() < kMaxWarnings)
+    report_.warnings.push_back({file_, offset, std::move(message)});
+  else
+    ++unlisted_;
+}
+
+core::Expected<void> ImportJob::damage(std::uint64_t offset, std::string message) {
+  if (!options_.lenient) return core::fail(fmt::format("{}: {}", file_, message));
+  warn(offset, std::move(message));
+  return {};
+}
+
+core::Expected<void> ImportJob::progress(double share) {
+  constexpr double kStep = 1.0 / 256.0;
+  if (!options_.progress || share < shown_ + kStep) return {};
+  shown_ = share;
+  if (!options_.progress(share)) return core::fail(std::string(kCancelled));
+  return {};
+}
+
+void ImportJob::add_mesh(core::NodeId node, core::Mesh mesh, const core::Affine& placement, core::MaterialId material,
+                         core::Kind found) {
+  ++report_.items[std::size_t(found)];
+  if (mesh.indices.empty()) ++report_.degenerate;
+  scene_.add_mesh_instance(node, scene_.add_mesh(std::move(mesh)), placement, material);
+}
+
+void ImportJob::add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name,
+                         const core::Affine& placement, core::MaterialId material, std::uint64_t offset) {
+  CentredMesh centred_mesh = centred(polygons);
+  if (centred_mesh.dropped > 0)
+    warn(offset, fmt::format("{}: {} faces dropped: fewer than 3 corners, or a corner not finite or beyond {:g}",
+                             name.empty() ? std::string_view("mesh") : name, centred_mesh.dropped, kLargestCoordinate));
+  centred_mesh.mesh.name = name;
+  add_mesh(node, std::move(centred_mesh.mesh), placement * core::translation(centred_mesh.centre), material);
+}
+
+void ImportJob::add_primitive(core::NodeId node, const core::Primitive& primitive, const core::Affine& placement,
+                              core::MaterialId material) {
+  ++report_.items[std::size_t(core::kind_of(primitive))];
+  if (core::is_degenerate(primitive)) ++report_.degenerate;
+  scene_.add_primitive(node, primitive, placement, material);
+}
+
+/// Readers refuse bad numbers, but transforms of nodes multiply.
+void ImportJob::drop_what_cannot_be_committed(core::ItemId first) {
+  std::vector<core::ItemId> added;
+  for (core::ItemId item = first; item < scene_.item_slots(); ++item) added.push_back(item);
+  std::vector<core::ItemId> bad;
+  scene_.for_each_state(added, [&](core::ItemId item, const core::Scene::ItemState& state) {
+    if (!scene_.can_commit(item, state.world_from_item)) bad.push_back(item);
+  });
+  for (const core::ItemId item : bad) {
+    --report_.items[std::size_t(scene_.kind(item))];
+    warn(0, fmt::format("{}: item dropped: its place or size is not finite or beyond any site",
+                        scene_.path(scene_.node_of(item))));
+    scene_.remove_item(item);
+  }
+}
+
+void ImportJob::finish(core::ItemId first) {
+  drop_what_cannot_be_committed(first);
+  if (unlisted_ > 0)
+    report_.warnings.push_back({file_, report_.bytes, fmt::format("{} further warnings are not listed", unlisted_)});
+}
+
+core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scene, core::NodeId parent,
+                                        const ImportOptions& options, const FileFrame& frame,
+                                        const std::function<core::Expected<void>(ImportJob&)>& read) {
+  const core::Scene::Mark mark = scene.mark();
+  ImportJob job(file, scene, parent, options, frame);
+  core::Error error;
+  try {
+    auto done = job.progress(0.0);
+    if (done) done = read(job);
+    if (done) done = job.progress(1.0);
+    if (done) {
+      job.finish(core::ItemId(mark.items));
+      return std::move(job.report_);
+    }
+    error = std::move(done.error());
+  } catch (const std::bad_alloc&) {
+    error.message = fmt::format("{}: not enough memory", file);
+  } catch (const std::exception& thrown) {
+    error.message = fmt::format("{}: {}", file, thrown.what());
+  }
+  scene.take_back(mark, job.report_.nodes);
+  return tl::unexpected(std::move(error));
+}
+
+}  // namespace sightline::importers

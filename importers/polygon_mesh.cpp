@@ -1,0 +1,114 @@
+#include "sightline/importers/polygon_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "sightline/core/affine.h"
+#include "sightline/importers/triangulate.h"
+
+namespace sightline::importers {
+namespace {
+
+bool usable(const core::dvec3& p) {
+  return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
+         std::abs(p.z) <= kLargestCoordinate;  // false for what is no number
+}
+
+/// Calls visit(first corner, corners) for each face.
+template <class Visit>
+void for_each_face(const PolygonMesh& polygons, Visit&& visit) {
+  std::size_t first = 0;
+  if (polygons.face_sizes.empty())
+    for (; first + 3 <= polygons.corners.size(); first += 3) visit(first, std::uint32_t{3});
+  for (const std::uint32_t size : polygons.face_sizes) {
+    visit(first, size);
+    first += size;
+  }
+}
+
+class Centring {
+ public:
+  explicit Centring(const PolygonMesh& polygons) : from_(polygons) {}
+
+  CentredMesh run() {
+    number_vertices();
+    copy_vertices();
+    for_each_face(from_, [&](std::size_t first, std::uint32_t size) {
+      if (good(first, size)) add_face(first, size);
+    });
+    return std::move(to_);
+  }
+
+ private:
+  bool good(std::size_t first, std::uint32_t size) const {
+    if (size < 3) return false;
+    for (std::size_t i = first; i < first + size; ++i)
+      if (!usable(from_.positions[from_.corners[i]])) return false;
+    return true;
+  }
+
+  /// Marks what good faces use, then numbers it in the file's order: near vertices stay near.
+  void number_vertices() {
+    place_.assign(from_.positions.size(), core::kNone);
+    std::size_t indices = 0;
+    for_each_face(from_, [&](std::size_t first, std::uint32_t size) {
+      if (!good(first, size)) {
+        ++to_.dropped;
+        return;
+      }
+      indices += 3 * (std::size_t{size} - 2);
+      for (std::size_t i = first; i < first + size; ++i) place_[from_.corners[i]] = 0;
+    });
+    to_.mesh.indices.reserve(indices);
+    for (std::uint32_t& place : place_)
+      if (place != core::kNone) place = used_++;
+  }
+
+  void copy_vertices() {
+    core::AabbD box;
+    bool with_normals = !from_.normals.empty();
+    for (std::size_t i = 0; i < place_.size(); ++i) {
+      if (place_[i] == core::kNone) continue;
+      box.grow(from_.positions[i]);
+      with_normals = with_normals && core::is_finite(core::dvec3(from_.normals[i]));
+    }
+    if (!box.empty()) to_.centre = box.centre();
+    to_.mesh.positions.reserve(used_);
+    if (with_normals) to_.mesh.normals.reserve(used_);
+    for (std::size_t i = 0; i < place_.size(); ++i) {
+      if (place_[i] == core::kNone) continue;
+      to_.mesh.positions.emplace_back(from_.positions[i] - to_.centre);
+      if (with_normals) to_.mesh.normals.push_back(from_.normals[i]);
+    }
+  }
+
+  void add_face(std::size_t first, std::uint32_t size) {
+    if (size == 3) {
+      for (std::size_t i = first; i < first + 3; ++i) to_.mesh.indices.push_back(place_[from_.corners[i]]);
+      return;
+    }
+    vertices_.clear(), outline_.clear(), triangles_.clear();
+    for (std::size_t i = first; i < first + size; ++i) {
+      vertices_.push_back(place_[from_.corners[i]]);
+      outline_.push_back(to_.mesh.positions[vertices_.back()]);
+    }
+    triangulate_polygon(outline_, std::span(&size, 1), 0, triangles_);
+    for (const std::uint32_t t : triangles_) to_.mesh.indices.push_back(vertices_[t]);
+  }
+
+  const PolygonMesh& from_;
+  CentredMesh to_;
+  std::vector<std::uint32_t> place_;  // of a file's vertex in the mesh
+  std::uint32_t used_ = 0;
+  std::vector<std::uint32_t> vertices_, triangles_;  // of one face
+  std::vector<core::vec3> outline_;
+};
+
+}  // namespace
+
+CentredMesh centred(const PolygonMesh& polygons) {
+  return Centring(polygons).run();
+}
+
+}  // namespace sightline::importers

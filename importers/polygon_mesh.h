@@ -1,0 +1,34 @@
+// Internal to the importers: polygons as files hold them, and how they become a mesh of the scene.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sightline/core/mesh.h"
+
+namespace sightline::importers {
+
+/// Faces over shared vertices. Every corner is below positions.size().
+struct PolygonMesh {
+  std::vector<core::dvec3> positions;     ///< any bits
+  std::vector<core::vec3> normals;        ///< one per position, or none
+  std::vector<std::uint32_t> corners;     ///< counter-clockwise from outside, faces back to back
+  std::vector<std::uint32_t> face_sizes;  ///< empty: all faces are triangles
+};
+
+/// A coordinate beyond this is taken for damage: items that reach 1e37 m cannot be committed.
+inline constexpr double kLargestCoordinate = 1e36;
+
+struct CentredMesh {
+  core::Mesh mesh;
+  core::dvec3 centre{0.0};  ///< mesh coordinates are relative to it
+  std::uint64_t dropped =
+      0;  ///< faces of fewer than three corners, or with a corner that is not finite or too far away
+};
+
+/// Positions relative to the centre of their box, taken in double, before they become float: precision follows the mesh
+/// and not the site. Vertices that no face uses are left out, the others keep their order. Faces become triangles
+/// (triangulate.h). Normals that are not finite cost the mesh its normals.
+CentredMesh centred(const PolygonMesh& polygons);
+
+}  // namespace sightline::importers

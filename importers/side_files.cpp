@@ -1,0 +1,39 @@
+#include "sightline/importers/side_files.h"
+
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "sightline/importers/file_bytes.h"
+
+namespace sightline::importers {
+
+namespace fs = std::filesystem;
+
+core::Expected<fs::path> find_side_file(const fs::path& model, std::string_view name) {
+  // A NUL would end the name early for the system, after it has been judged as a whole.
+  if (name.empty() || name.find('\0') != std::string_view::npos)
+    return core::fail("a side file's name is empty or holds a NUL");
+  std::error_code code;
+  const fs::path root = fs::weakly_canonical(model.has_parent_path() ? model.parent_path() : fs::path("."), code);
+  if (code) return core::fail(fmt::format("'{}': {}", name, code.message()));
+  const fs::path path = fs::weakly_canonical(root / name, code);
+  if (code) return core::fail(fmt::format("'{}' not found: {}", name, code.message()));
+  const fs::path relative = path.lexically_relative(root);
+  if (relative.empty() || *relative.begin() == "..")
+    return core::fail(fmt::format("'{}' refused: it lies outside the model's directory", name));
+  if (!fs::is_regular_file(path, code)) return core::fail(fmt::format("'{}' not found", name));
+  return path;
+}
+
+core::Expected<std::vector<std::byte>> read_side_file(const fs::path& model, std::string_view name,
+                                                      std::uint64_t largest) {
+  const auto path = find_side_file(model, name);
+  if (!path) return tl::unexpected(path.error());
+  std::error_code code;
+  if (const auto size = fs::file_size(*path, code); !code && size > largest)
+    return core::fail(fmt::format("'{}' is refused: {} bytes, expected at most {}", name, size, largest));
+  return read_file_bytes(*path);
+}
+
+}  // namespace sightline::importers
