@@ -5,14 +5,51 @@
 #include <cstdio>
 #include <map>
 
+#include "sightline/apps/common/progress.h"
+
 namespace sightline::apps {
+namespace {
+
+constexpr std::size_t kProgressSteps = 1000;
+
+}  // namespace
+
+void add_import_options(CLI::App& app, importers::ImportOptions& options) {
+  static const std::map<std::string, double> lengths = {{"mm", 1e-3}, {"cm", 1e-2},   {"m", 1.0},
+                                                        {"km", 1e3},  {"in", 0.0254}, {"ft", 0.3048}};
+  app.add_flag("--lenient", options.lenient, "Keep what can be read of damaged files and list the damage");
+  app.add_option_function<std::string>(
+         "--units", [&options](const std::string& name) { options.metres_per_unit = lengths.at(name); },
+         "Unit of files that name none (OBJ, PLY, STL, VTK): mm, cm, m, km, in or ft")
+      ->check(CLI::IsMember(lengths))
+      ->default_str("m");
+  app.add_option_function<std::string>(
+         "--up",
+         [&options](const std::string& name) {
+           options.up = name == "y" ? importers::UpAxis::kY : importers::UpAxis::kZ;
+         },
+         "Axis that points up in files that do not say: y or z")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->default_str("z");
+}
 
 void add_model_options(CLI::App& app, ModelOptions& options) {
-  app.add_option("MODEL", options.files, "Model files (.rvm, .obj), loaded into one scene")->required();
+  std::string extensions;
+  for (const std::string_view extension : importers::known_extensions())
+    extensions.append(extensions.empty() ? "" : ", ").append(extension);
+  app.add_option("MODEL", options.files, "Model files (" + extensions + "), loaded into one scene")->required();
   app.add_option("--translate", options.translate, "Move the model by X,Y,Z metres (root transform)")
       ->check(accepted_by(parse_vector));
-  app.add_flag("--lenient", options.lenient, "Keep what can be read of damaged files and list the damage");
+  add_import_options(app, options.import);
   app.add_flag("--explain", options.explain, "Print which features the scene needs and which are left out, and why");
+}
+
+void print_warnings(const std::vector<importers::ImportWarning>& warnings) {
+  constexpr std::size_t kShown = 5;
+  for (std::size_t i = 0; i < std::min(kShown, warnings.size()); ++i)
+    std::fprintf(stderr, "warning: %s: byte %llu: %s\n", warnings[i].file.c_str(),
+                 (unsigned long long)warnings[i].offset, warnings[i].message.c_str());
+  if (warnings.size() > kShown) std::fprintf(stderr, "warning: and %zu more\n", warnings.size() - kShown);
 }
 
 core::Expected<Model> load_model(const ModelOptions& options) {
@@ -25,18 +62,19 @@ core::Expected<Model> load_model(const ModelOptions& options) {
     model.scene->set_transform(model.scene->root(), core::translation(*offset));
   }
   const std::vector<std::filesystem::path> paths(options.files.begin(), options.files.end());
-  auto report = importers::import_files(paths, *model.scene, model.scene->root(), {.lenient = options.lenient});
+  importers::ImportOptions import = options.import;
+  {
+    Progress progress("reading", kProgressSteps);
+    import.progress = [&](double share) { progress.advance(std::size_t(share * double(kProgressSteps)));
+    return true;
+  };
+  auto report = importers::import_files(paths, *model.scene, model.scene->root(), import);
   if (!report) return tl::unexpected(report.error());
   model.report = std::move(*report);
-
-  constexpr std::size_t kShown = 5;
-  const auto& warnings = model.report.warnings;
-  for (std::size_t i = 0; i < std::min(kShown, warnings.size()); ++i)
-    std::fprintf(stderr, "warning: %s: byte %llu: %s\n", warnings[i].file.c_str(),
-                 (unsigned long long)warnings[i].offset, warnings[i].message.c_str());
-  if (warnings.size() > kShown) std::fprintf(stderr, "warning: and %zu more\n", warnings.size() - kShown);
-  return model;
 }
+print_warnings(model.report.warnings);
+return model;
+}  // namespace sightline::apps
 
 core::AabbD world_bounds(const core::Snapshot& snapshot) {
   core::AabbD bounds;

@@ -19,11 +19,14 @@ namespace sightline::apps {
 struct ModelOptions {
   std::vector<std::string> files;
   std::string translate;  ///< "X,Y,Z" metres, empty for none
-  bool lenient = false;
+  importers::ImportOptions import;
   bool explain = false;
 };
 
-/// MODEL…, --translate, --lenient, --explain.
+/// --lenient, --units, --up: how files are read.
+void add_import_options(CLI::App& app, importers::ImportOptions& options);
+
+/// MODEL…, --translate, --explain and the import options.
 void add_model_options(CLI::App& app, ModelOptions& options);
 
 struct Model {
@@ -32,7 +35,10 @@ struct Model {
   core::dvec3 offset{0.0};  ///< --translate
 };
 
-/// Imports all files below the root, whose transform is --translate. Warnings go to stderr, the first few in full.
+/// The first few in full, to stderr.
+void print_warnings(const std::vector<importers::ImportWarning>& warnings);
+
+/// Imports all files below the root, whose transform is --translate. Warnings go to stderr, and progress.
 core::Expected<Model> load_model(const ModelOptions& options);
 
 /// World bounds of a snapshot's items.
