@@ -53,7 +53,7 @@ struct ImportReport {
   std::vector<core::NodeId>
       nodes;  ///< one per model file, in order: children of the given parent, named after the file
   std::vector<ImportWarning> warnings;
-  /// Items imported by kind as found in the file (an empty facet group counts as one), degenerate ones included.
+  /// Items by kind as found in the file (an empty facet group counts as one), degenerate ones included.
   std::array<std::uint64_t, core::kKindCount> items{};
   std::uint64_t degenerate = 0;     ///< items without volume: no length for lines, no area for facets
   std::uint64_t shared_meshes = 0;  ///< mesh items that use a mesh which another one brought

@@ -1,5 +1,6 @@
 #include "sightline/importers/import_job.h"
 
+#include <cmath>
 #include <exception>
 #include <new>
 #include <span>
@@ -16,6 +17,15 @@ core::Affine scene_from_file(const FileFrame& frame) {
   if (frame.up == UpAxis::kY)  // x stays, y becomes z, z becomes -y
     map.linear = frame.metres_per_unit * core::dmat3(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0);
   return map;
+}
+
+/// No stretching worth mentioning: what reaches kLargestCoordinate can still be committed.
+bool is_tame(const core::Affine& map) {
+  constexpr double kLargestEntry = 2.0;
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row)
+      if (!(std::abs(map.linear[column][row]) <= kLargestEntry)) return false;
+  return glm::all(glm::lessThanEqual(glm::abs(map.origin), core::dvec3(kLargestCoordinate)));
 }
 
 }  // namespace
@@ -74,6 +84,7 @@ void ImportJob::add_primitive(core::NodeId node, const core::Primitive& primitiv
 
 /// Readers refuse bad numbers, but transforms of nodes multiply.
 void ImportJob::drop_what_cannot_be_committed(core::ItemId first) {
+  if (reach_promised_ && is_tame(scene_.world_from_node(file_node_))) return;
   std::vector<core::ItemId> added;
   for (core::ItemId item = first; item < scene_.item_slots(); ++item) added.push_back(item);
   std::vector<core::ItemId> bad;
@@ -81,7 +92,6 @@ void ImportJob::drop_what_cannot_be_committed(core::ItemId first) {
     if (!scene_.can_commit(item, state.world_from_item)) bad.push_back(item);
   });
   for (const core::ItemId item : bad) {
-    --report_.items[std::size_t(scene_.kind(item))];
     warn(0, fmt::format("{}: item dropped: its place or size is not finite or beyond any site",
                         scene_.path(scene_.node_of(item))));
     scene_.remove_item(item);

@@ -44,6 +44,10 @@ class ImportJob {
   void add_primitive(core::NodeId node, const core::Primitive& primitive, const core::Affine& placement,
                      core::MaterialId material = {});
 
+  /// Promises that no item, as placed below the file's node, reaches farther than kLargestCoordinate: spares a check of
+  /// each at the end.
+  void promise_reach() { reach_promised_ = true; }
+
  private:
   friend core::Expected<ImportReport> run_import(std::string_view, core::Scene&, core::NodeId, const ImportOptions&,
                                                  const FileFrame&,
@@ -60,6 +64,7 @@ class ImportJob {
   ImportReport report_;
   std::uint64_t unlisted_ = 0;
   double shown_ = -1.0;
+  bool reach_promised_ = false;
 };
 
 /// Runs `read` for a file named `file`. When it fails, or something below throws (no memory, a library), the scene is

@@ -10,10 +10,6 @@
 namespace sightline::importers {
 namespace {
 
-/// Beyond this an item could not be committed (core's limit is 1e37 m, and slanted snouts reach a few times their
-/// lengths).
-constexpr double kLargestReach = 1e36;
-
 /// Walks the chunks.
 class RvmWalk {
  public:
@@ -22,6 +18,7 @@ class RvmWalk {
   core::Expected<void> run() {
     job_.report().bytes = bytes_.size();
     job_.report().metres_per_unit = 0.001;
+    job_.promise_reach();
     if (auto begun = begin(); !begun) return begun;
     while (!ended_) {
       if (auto stepped = step(); !stepped) return stepped;
@@ -160,8 +157,8 @@ class RvmWalk {
       warn(at_, tag, "the bounding box fits neither known layout; taken as box, extra word, parameters");
     if (!item.finite) {
       warn(at_, tag, "dropped: a number is not finite");
-    } else if (item.reach > kLargestReach) {
-      warn(at_, tag, fmt::format("dropped: reaches {:.3g} m, expected at most {:.3g} m", item.reach, kLargestReach));
+    } else if (item.reach > kLargestCoordinate) {
+      warn(at_, tag, fmt::format("dropped: reaches {:.3g} m, expected at most {:.3g} m", item.reach, kLargestCoordinate));
     } else {
       builder_.add(item, layers, bytes_);
     }
