@@ -47,6 +47,8 @@ json to_json(const importers::ImportReport& report, const Facts& facts) {
   out["bounds"] =
       facts.bounds.empty() ? json(nullptr) : json{{"min", corner(facts.bounds.min)}, {"max", corner(facts.bounds.max)}};
   out["metres_per_unit"] = report.metres_per_unit;
+  out["shared_meshes"] = report.shared_meshes;
+  out["sharing_error"] = report.sharing_error;
   out["warnings"] = json::array();
   for (const auto& w : report.warnings)
     out["warnings"].push_back({{"file", w.file}, {"offset", w.offset}, {"message", w.message}});
@@ -66,6 +68,9 @@ void print(const importers::ImportReport& report, const Facts& facts) {
   std::printf("%-18s %12llu  (depth %llu)\n", "nodes", (unsigned long long)facts.nodes,
               (unsigned long long)facts.max_depth);
   std::printf("%-18s %12llu\n", "mesh triangles", (unsigned long long)facts.triangles);
+  if (report.shared_meshes > 0)
+    std::printf("%-18s %12llu  (moved by at most %.2g m)\n", "shared meshes", (unsigned long long)report.shared_meshes,
+                report.sharing_error);
   if (facts.bounds.empty()) {
     std::printf("%-18s empty\n", "bounds");
   } else {

@@ -82,6 +82,7 @@ void append(ImportReport& total, ImportReport&& one) {
   for (std::size_t k = 0; k < total.items.size(); ++k) total.items[k] += one.items[k];
   total.degenerate += one.degenerate;
   total.shared_meshes += one.shared_meshes;
+  total.sharing_error = std::max(total.sharing_error, one.sharing_error);
   total.bytes += one.bytes;
   total.metres_per_unit = one.metres_per_unit;
 }

@@ -1,5 +1,6 @@
 #include "sightline/importers/import_job.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <new>
@@ -28,11 +29,22 @@ bool is_tame(const core::Affine& map) {
   return glm::all(glm::lessThanEqual(glm::abs(map.origin), core::dvec3(kLargestCoordinate)));
 }
 
+/// At least what the map multiplies any length by (the linear part's Frobenius norm).
+double largest_stretch(const core::Affine& map) {
+  double squares = 0.0;
+  for (int column = 0; column < 3; ++column) squares += glm::dot(map.linear[column], map.linear[column]);
+  return std::sqrt(squares);
+}
+
 }  // namespace
 
 ImportJob::ImportJob(std::string_view file, core::Scene& scene, core::NodeId parent, const ImportOptions& options,
                      const FileFrame& frame)
-    : scene_(scene), options_(options), file_(file), file_node_(scene.add_node(parent, file, scene_from_file(frame))) {
+    : scene_(scene),
+      options_(options),
+      file_(file),
+      file_node_(scene.add_node(parent, file, scene_from_file(frame))),
+      sharing_(scene) {
   report_.nodes.push_back(file_node_);
   report_.metres_per_unit = frame.metres_per_unit;
 }
@@ -62,7 +74,19 @@ void ImportJob::add_mesh(core::NodeId node, core::Mesh mesh, const core::Affine&
                          core::Kind found) {
   ++report_.items[std::size_t(found)];
   if (mesh.indices.empty()) ++report_.degenerate;
-  scene_.add_mesh_instance(node, scene_.add_mesh(std::move(mesh)), placement, material);
+  const MeshSharing::Use use = use_of(std::move(mesh));
+  const core::Affine node_from_mesh = placement * use.added_from_mesh;
+  scene_.add_mesh_instance(node, use.mesh, node_from_mesh, material);
+  if (use.error > 0.0)
+    report_.sharing_error =
+        std::max(report_.sharing_error, use.error * largest_stretch(scene_.world_from_node(node) * placement));
+}
+
+MeshSharing::Use ImportJob::use_of(core::Mesh mesh) {
+  if (!options_.share_meshes) return {scene_.add_mesh(std::move(mesh)), {}, 0.0, false};
+  MeshSharing::Use use = sharing_.add(std::move(mesh));
+  if (use.shared) ++report_.shared_meshes;
+  return use;
 }
 
 void ImportJob::add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name,

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "sightline/importers/import.h"
+#include "sightline/importers/mesh_sharing.h"
 #include "sightline/importers/polygon_mesh.h"
 
 namespace sightline::importers {
@@ -54,6 +55,7 @@ class ImportJob {
                                                  const std::function<core::Expected<void>(ImportJob&)>&);
   ImportJob(std::string_view file, core::Scene& scene, core::NodeId parent, const ImportOptions& options,
             const FileFrame& frame);
+  MeshSharing::Use use_of(core::Mesh mesh);
   void drop_what_cannot_be_committed(core::ItemId first);
   void finish(core::ItemId first);
 
@@ -61,6 +63,7 @@ class ImportJob {
   const ImportOptions& options_;
   std::string file_;
   core::NodeId file_node_;
+  MeshSharing sharing_;
   ImportReport report_;
   std::uint64_t unlisted_ = 0;
   double shown_ = -1.0;

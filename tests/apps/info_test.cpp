@@ -19,8 +19,9 @@ std::uint64_t total(const Json& info) {
 
 TEST_F(Info, WritesTheKeysOfTheContract) {
   const Json info = run_json("info", {plant(1000)});
-  EXPECT_EQ(keys_of(info), (std::vector<std::string>{"bounds", "degenerate", "items", "max_depth", "metres_per_unit",
-                                                     "nodes", "triangles", "warnings"}));
+  EXPECT_EQ(keys_of(info),
+            (std::vector<std::string>{"bounds", "degenerate", "items", "max_depth", "metres_per_unit", "nodes",
+                                      "shared_meshes", "sharing_error", "triangles", "warnings"}));
   EXPECT_EQ(keys_of(info["items"]), kKinds);
   EXPECT_EQ(keys_of(info["bounds"]), (std::vector<std::string>{"max", "min"}));
   EXPECT_EQ(info["bounds"]["min"].size(), 3u);

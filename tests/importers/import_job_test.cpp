@@ -1,0 +1,162 @@
+#include "sightline/importers/import_job.h"
+
+#include <limits>
+#include <new>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace sightline::importers {
+namespace {
+
+using core::Affine;
+using core::dvec3;
+
+PolygonMesh square(const dvec3& at) {
+  return {{at, at + dvec3(1, 0, 0), at + dvec3(1, 1, 0), at + dvec3(0, 1, 0)}, {}, {0, 1, 2, 3}, {4}};
+}
+
+struct Counts {
+  std::size_t nodes, items, item_slots, meshes, materials;
+  explicit Counts(const core::Scene& s)
+      : nodes(s.node_count()),
+        items(s.item_count()),
+        item_slots(s.item_slots()),
+        meshes(s.mesh_slots()),
+        materials(s.material_slots()) {}
+  friend bool operator==(const Counts&, const Counts&) = default;
+};
+
+core::Expected<void> fill(ImportJob& job) {
+  const core::NodeId node = job.scene().add_node(job.file_node(), "part");
+  job.scene().set_attribute(node, "key", "value");
+  job.add_primitive(node, core::Sphere{2.0f}, {}, job.scene().add_material({.name = "paint"}));
+  job.add_mesh(node, square(dvec3(0.0)), "square", {}, {});
+  return {};
+}
+
+TEST(ImportJob, FailureLeavesTheSceneAsItWas) {
+  core::Scene scene;
+  const ImportOptions options;
+  const auto import = [&](const std::function<core::Expected<void>(ImportJob&)>& read) {
+    return run_import("file", scene, scene.root(), options, {}, read);
+  };
+  ASSERT_TRUE(import(fill));
+  ASSERT_TRUE(scene.commit());
+  const Counts before(scene);
+
+  const auto failed = import([](ImportJob& job) {
+    (void)fill(job);
+    return core::Expected<void>(core::fail("file: byte 7: broken"));
+  });
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().message, "file: byte 7: broken");
+  EXPECT_EQ(Counts(scene), before);
+
+  const auto thrown = import([](ImportJob& job) -> core::Expected<void> {
+    (void)fill(job);
+    throw std::runtime_error("a library's words");
+  });
+  ASSERT_FALSE(thrown);
+  EXPECT_EQ(thrown.error().message, "file: a library's words");
+  EXPECT_EQ(Counts(scene), before);
+
+  const auto no_memory = import([](ImportJob& job) -> core::Expected<void> {
+    (void)fill(job);
+    throw std::bad_alloc();
+  });
+  ASSERT_FALSE(no_memory);
+  EXPECT_EQ(no_memory.error().message, "file: not enough memory");
+  EXPECT_EQ(Counts(scene), before);
+
+  const auto nothing = scene.commit();
+  ASSERT_TRUE(nothing);
+  EXPECT_TRUE(nothing->empty());
+  ASSERT_TRUE(import(fill)) << "as if nothing had happened";
+  const auto delta = scene.commit();
+  ASSERT_TRUE(delta);
+  EXPECT_EQ(delta->inserted.size(), 2u);
+}
+
+TEST(ImportJob, CancelsWhereverItIsAsked) {
+  for (int asked_until = 0; asked_until < 3; ++asked_until) {
+    core::Scene scene;
+    const Counts before(scene);
+    int asked = 0;
+    double last = -1.0;
+    ImportOptions options;
+    options.progress = [&](double share) {
+      EXPECT_GT(share, last);
+      last = share;
+      return asked++ < asked_until;
+    };
+    const auto report = run_import("file", scene, scene.root(), options, {}, [](ImportJob& job) {
+      (void)fill(job);
+      return job.progress(0.5);
+    });
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().message, kCancelled);
+    EXPECT_EQ(asked, asked_until + 1);
+    EXPECT_EQ(Counts(scene), before);
+  }
+}
+
+TEST(ImportJob, UnitsAndUpAxis) {
+  core::Scene scene;
+  const auto report = run_import("file", scene, scene.root(), {}, {0.001, UpAxis::kY}, fill);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->metres_per_unit, 0.001);
+  const Affine world = scene.world_from_node(report->nodes[0]);
+  const dvec3 up = core::transform_point(world, {0.0, 1000.0, 0.0});
+  const dvec3 right = core::transform_point(world, {1000.0, 0.0, 0.0});
+  EXPECT_LT(glm::distance(up, {0, 0, 1}), 1e-15);
+  EXPECT_LT(glm::distance(right, {1, 0, 0}), 1e-15);
+  EXPECT_NEAR(glm::determinant(world.linear), 1e-9, 1e-20) << "no mirror";
+}
+
+TEST(ImportJob, DropsWhatCouldNotBeCommitted) {
+  core::Scene scene;
+  const auto report = run_import("file", scene, scene.root(), {}, {}, [](ImportJob& job) {
+    core::Scene& s = job.scene();
+    const core::NodeId far = s.add_node(job.file_node(), "far", core::translation({1e38, 0, 0}));
+    const core::NodeId none =
+        s.add_node(job.file_node(), "none", {core::dmat3(std::numeric_limits<double>::quiet_NaN()), {}});
+    job.add_primitive(far, core::Sphere{1.0f}, {});
+    job.add_mesh(none, square(dvec3(0.0)), "square", {}, {});
+    job.add_primitive(job.file_node(), core::Sphere{1.0f}, {});
+    return core::Expected<void>();
+  });
+  ASSERT_TRUE(report);
+  EXPECT_EQ(scene.item_count(), 1u);
+  EXPECT_EQ(report->warnings.size(), 2u);
+  EXPECT_TRUE(scene.commit());
+}
+
+TEST(PolygonMesh, FarCoordinatesKeepTheirDetail) {
+  const double detail = 1e-4, far = 1e7;
+  PolygonMesh mesh = square({far, -far, far});
+  mesh.positions[2].x += detail;
+  const CentredMesh made = centred(mesh);
+  ASSERT_EQ(made.mesh.positions.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_LT(glm::distance(dvec3(made.mesh.positions[i]) + made.centre, mesh.positions[i]), 1e-2 * detail);
+}
+
+TEST(PolygonMesh, DropsBadFacesAndUnusedVertices) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  PolygonMesh mesh;
+  mesh.positions = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {kNan, 0, 0}, {1e37, 0, 0}};
+  mesh.normals.assign(6, {0, 0, 1});
+  mesh.normals[0] = core::vec3(std::numeric_limits<float>::quiet_NaN());  // of a vertex that no face uses
+  mesh.corners = {1, 2, 3, 1, 2, 1, 2, 4, 5, 2, 1};
+  mesh.face_sizes = {3, 2, 3, 3};
+  const CentredMesh made = centred(mesh);
+  EXPECT_EQ(made.dropped, 3u);
+  EXPECT_EQ(made.mesh.positions.size(), 3u);
+  EXPECT_EQ(made.mesh.normals.size(), 3u);
+  EXPECT_EQ(made.mesh.indices, (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_TRUE(centred({}).mesh.positions.empty());
+}
+
+}  // namespace
+}  // namespace sightline::importers
