@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
   app.add_option("--json", json_file, "Write the figures as JSON to FILE, or - for stdout");
   apps::add_import_options(app, options);
   return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
-    options.share_meshes = !no_sharing;
+    if (no_sharing) options.copies = importers::MeshCopies::kApart;
     nlohmann::json out = nlohmann::json::array();
     if (json_file != "-")
       std::printf("%9s %9s %10s %9s %9s %9s %9s  file\n", "MB", "MB/s", "import ms", "commit ms", "items", "shared",

@@ -29,6 +29,13 @@ struct ImportWarning {
 /// Which axis of a file points up. Scenes have z up.
 enum class UpAxis : std::uint8_t { kY, kZ };
 
+/// Meshes of a file that are taken for copies of one another.
+enum class MeshCopies : std::uint8_t {
+  kApart,    ///< none
+  kExact,    ///< equal to the bit: what is written back is what was read
+  kSimilar,  ///< those that differ by a similarity: moved, turned, scaled by one factor, up to the file's rounding
+};
+
 struct ImportOptions {
   /// Damaged files: false fails at the first damage, true imports what can be had and lists the damage as warnings.
   bool lenient = false;
@@ -37,8 +44,8 @@ struct ImportOptions {
   double metres_per_unit = 1.0;
   /// The same for what points up.
   UpAxis up = UpAxis::kZ;
-  /// Keeps meshes once that differ by a similarity alone (mesh_sharing.h). Costs a few nanoseconds a vertex.
-  bool share_meshes = true;
+  /// Which meshes are kept once (mesh_sharing.h). Costs a few nanoseconds a vertex.
+  MeshCopies copies = MeshCopies::kSimilar;
   /// Called now and then by the importing thread with the share that is done, rising from 0 to 1. Answering false
   /// cancels: the import fails with kCancelled as its message.
   std::function<bool(double)> progress = {};

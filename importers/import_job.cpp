@@ -44,7 +44,7 @@ ImportJob::ImportJob(std::string_view file, core::Scene& scene, core::NodeId par
       options_(options),
       file_(file),
       file_node_(scene.add_node(parent, file, scene_from_file(frame))),
-      sharing_(scene) {
+      sharing_(scene, options.copies) {
   report_.nodes.push_back(file_node_);
   report_.metres_per_unit = frame.metres_per_unit;
 }
@@ -83,7 +83,7 @@ void ImportJob::add_mesh(core::NodeId node, core::Mesh mesh, const core::Affine&
 }
 
 MeshSharing::Use ImportJob::use_of(core::Mesh mesh) {
-  if (!options_.share_meshes) return {scene_.add_mesh(std::move(mesh)), {}, 0.0, false};
+  if (options_.copies == MeshCopies::kApart) return {scene_.add_mesh(std::move(mesh)), {}, 0.0, false};
   MeshSharing::Use use = sharing_.add(std::move(mesh));
   if (use.shared) ++report_.shared_meshes;
   return use;

@@ -146,13 +146,13 @@ struct Fit {
 };
 
 /// Tries nothing but a shift first, then the similarity that three anchors give.
-std::optional<Fit> fit(const Mesh& mesh, const Mesh& copy, const MeshAnchors& anchors) {
+std::optional<Fit> fit(const Mesh& mesh, const Mesh& copy, const MeshAnchors& anchors, bool exact) {
   if (mesh.indices != copy.indices || mesh.contour_sizes != copy.contour_sizes ||
       mesh.polygon_contours != copy.polygon_contours || mesh.positions.size() != copy.positions.size() ||
       mesh.normals.size() != copy.normals.size())
     return {};
   if (same_bits(mesh.positions, copy.positions) && same_bits(mesh.normals, copy.normals)) return Fit{};
-  if (mesh.is_facet_group()) return {};
+  if (exact) return {};
   const double tolerance = kSharingTolerance * diagonal(copy);
   const dvec3 mesh_a(mesh.positions[anchors.a]), copy_a(copy.positions[anchors.a]);
   const Affine shift = core::translation(copy_a - mesh_a);
@@ -182,7 +182,7 @@ MeshSharing::Use MeshSharing::add(core::Mesh mesh) {
     if (bin == known_.end()) continue;
     for (std::size_t i = 0; i < std::min(bin->second.size(), kMostTried); ++i) {
       const Known& known = bin->second[i];
-      if (const auto found = fit(scene_.mesh(known.mesh), mesh, known.anchors))
+      if (const auto found = fit(scene_.mesh(known.mesh), mesh, known.anchors, exact_))
         return {known.mesh, found->copy_from_mesh, found->error, true};
     }
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sightline/core/scene.h"
+#include "sightline/importers/import.h"
 
 namespace sightline::importers {
 
@@ -28,7 +29,9 @@ struct MeshAnchors {
 /// changes; compared vertex by vertex. A few nanoseconds a vertex.
 class MeshSharing {
  public:
-  explicit MeshSharing(core::Scene& scene) : scene_(scene) {}
+  /// `copies`: kExact or kSimilar.
+  explicit MeshSharing(core::Scene& scene, MeshCopies copies = MeshCopies::kSimilar)
+      : scene_(scene), exact_(copies == MeshCopies::kExact) {}
 
   struct Use {
     core::MeshId mesh;
@@ -46,6 +49,7 @@ class MeshSharing {
   };
 
   core::Scene& scene_;
+  bool exact_;
   std::unordered_map<std::uint64_t, std::vector<Known>> known_;
 };
 

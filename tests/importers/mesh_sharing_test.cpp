@@ -117,15 +117,13 @@ TEST(MeshSharing, KeepsApartWhatDiffers) {
   EXPECT_FALSE(found(other)) << "other polygons";
 }
 
-TEST(MeshSharing, KeepsFacetGroupsToTheBit) {
+TEST(MeshSharing, ExactCopiesAlone) {
   core::Scene scene;
-  MeshSharing sharing(scene);
-  Mesh facets = box_mesh({1, 2, 3});
-  facets.contour_sizes = {4, 4};
-  facets.polygon_contours = {1, 1};
-  sharing.add(facets);
-  EXPECT_TRUE(sharing.add(facets).shared);
-  EXPECT_FALSE(sharing.add(moved(facets, core::translation({1.0, 0.0, 0.0}))).shared);
+  MeshSharing sharing(scene, MeshCopies::kExact);
+  const Mesh box = box_mesh({1, 2, 3});
+  sharing.add(box);
+  EXPECT_TRUE(sharing.add(box).shared);
+  EXPECT_FALSE(sharing.add(moved(box, core::translation({1.0, 0.0, 0.0}))).shared);
 }
 
 TEST(MeshSharing, TakesMeshesWithoutExtent) {

@@ -24,7 +24,7 @@ NodeId rewrite(const Scene& scene, NodeId top, Scene& again) {
   EXPECT_TRUE(bytes) << (bytes ? "" : bytes.error().message);
   if (!bytes) return {};
   EXPECT_EQ(bytes->size() % 1760, 0u);
-  const auto report = read_rvm(*bytes, scene.name(top), again, again.root());
+  const auto report = read_rvm(*bytes, scene.name(top), again, again.root(), {.copies = MeshCopies::kExact});
   EXPECT_TRUE(report) << (report ? "" : report.error().message);
   if (!report) return {};
   EXPECT_TRUE(report->warnings.empty()) << report->warnings[0].message;
@@ -33,7 +33,7 @@ NodeId rewrite(const Scene& scene, NodeId top, Scene& again) {
 
 void expect_round_trip(const std::vector<std::byte>& bytes) {
   Scene first, second, third;
-  const auto report = read_rvm(bytes, "file.rvm", first, first.root());
+  const auto report = read_rvm(bytes, "file.rvm", first, first.root(), {.copies = MeshCopies::kExact});
   ASSERT_TRUE(report) << report.error().message;
   const NodeId top = report->nodes[0], again = rewrite(first, top, second);
   ASSERT_TRUE(again.valid());
