@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/model.h"
+#include "sightline/core/find_nodes.h"
 
 namespace {
 
@@ -35,6 +36,54 @@ Facts gather(const core::Scene& scene) {
   return facts;
 }
 
+/// "KEY=TEXT" or "TEXT".
+core::NodeCondition parse_condition(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) return {"", text};
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+core::AabbD bounds_of(const core::Scene& scene, core::NodeId top) {
+  core::AabbD bounds;
+  scene.for_each_node(top, [&](core::NodeId node, const core::Affine& world, bool, std::uint32_t, core::MaterialId) {
+    for (core::ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item))
+      bounds.grow(scene.bounds_under(item, world * scene.placement(item)));
+  });
+  return bounds;
+}
+
+json to_json(const core::AabbD& bounds) {
+  if (bounds.empty()) return nullptr;
+  const auto corner = [](const core::dvec3& v) { return json::array({v.x, v.y, v.z}); };
+  return {{"min", corner(bounds.min)}, {"max", corner(bounds.max)}};
+}
+
+json to_json(const core::Scene& scene, std::span<const core::NodeId> found) {
+  json out = json::array();
+  for (const core::NodeId node : found) {
+    json attributes = json::object();
+    for (const auto& [key, value] : scene.attributes(node)) attributes[key] = value;
+    out.push_back(
+        {{"path", scene.path(node)}, {"attributes", attributes}, {"bounds", to_json(bounds_of(scene, node))}});
+  }
+  return out;
+}
+
+/// Lines that people can read and scripts can cut: path, centre, attributes.
+void print(const core::Scene& scene, std::span<const core::NodeId> found) {
+  for (const core::NodeId node : found) {
+    const core::AabbD bounds = bounds_of(scene, node);
+    std::printf("%s", scene.path(node).c_str());
+    if (!bounds.empty()) {
+      const core::dvec3 c = bounds.centre();
+      std::printf("  (at %.3f %.3f %.3f)", c.x, c.y, c.z);
+    }
+    std::printf("\n");
+    for (const auto& [key, value] : scene.attributes(node)) std::printf("    %s: %s\n", key.c_str(), value.c_str());
+  }
+  std::printf("%zu found\n", found.size());
+}
+
 json to_json(const importers::ImportReport& report, const Facts& facts) {
   json out;
   for (int k = 0; k < core::kKindCount; ++k)
@@ -43,10 +92,9 @@ json to_json(const importers::ImportReport& report, const Facts& facts) {
   out["nodes"] = facts.nodes;
   out["max_depth"] = facts.max_depth;
   out["triangles"] = facts.triangles;
-  const auto corner = [](const core::dvec3& v) { return json::array({v.x, v.y, v.z}); };
-  out["bounds"] =
-      facts.bounds.empty() ? json(nullptr) : json{{"min", corner(facts.bounds.min)}, {"max", corner(facts.bounds.max)}};
+  out["bounds"] = to_json(facts.bounds);
   out["metres_per_unit"] = report.metres_per_unit;
+  out["attributed"] = report.attributed;
   out["shared_meshes"] = report.shared_meshes;
   out["sharing_error"] = report.sharing_error;
   out["warnings"] = json::array();
@@ -68,6 +116,7 @@ void print(const importers::ImportReport& report, const Facts& facts) {
   std::printf("%-18s %12llu  (depth %llu)\n", "nodes", (unsigned long long)facts.nodes,
               (unsigned long long)facts.max_depth);
   std::printf("%-18s %12llu\n", "mesh triangles", (unsigned long long)facts.triangles);
+  if (report.attributed > 0) std::printf("%-18s %12llu\n", "with attributes", (unsigned long long)report.attributed);
   if (report.shared_meshes > 0)
     std::printf("%-18s %12llu  (moved by at most %.2g m)\n", "shared meshes", (unsigned long long)report.shared_meshes,
                 report.sharing_error);
@@ -86,10 +135,17 @@ void print(const importers::ImportReport& report, const Facts& facts) {
 int main(int argc, char** argv) {
   CLI::App app("Counts, bounds, units, tree depth and problems of model files", "sightline-info");
   apps::describe(
-      app, "  sightline-info plant.rvm\n  sightline-info --json - a.rvm b.rvm\n  sightline-info --lenient damaged.rvm");
+      app,
+      "  sightline-info plant.rvm\n  sightline-info --json - a.rvm b.rvm\n  sightline-info --lenient damaged.rvm\n"
+      "  sightline-info plant.rvm plant.txt --find Type=VALVE --find PS-100");
   apps::ModelOptions options;
   std::string json_file;
+  std::vector<std::string> find;
   apps::add_model_options(app, options);
+  app.add_option("--find", find,
+                 "List nodes instead: those whose name or an attribute holds TEXT, or whose attribute KEY does "
+                 "(KEY=TEXT); given several times, all must hold")
+      ->allow_extra_args(false);
   app.add_option("--json", json_file, "Write the facts as JSON to FILE, or - for stdout");
   return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
     auto model = apps::load_model(options);
@@ -100,11 +156,17 @@ int main(int argc, char** argv) {
       snapshot.find_joints();
       apps::explain(engine::make_plan(snapshot, engine::CullerChoice::kAutomatic, true, false));
     }
+    std::vector<core::NodeCondition> conditions;
+    for (const std::string& text : find) conditions.push_back(parse_condition(text));
+    const auto found = conditions.empty() ? std::vector<core::NodeId>()
+                                          : core::find_nodes(*model->scene, model->scene->root(), conditions);
     const Facts facts = gather(*model->scene);
-    if (json_file != "-") print(model->report, facts);
+    if (json_file != "-" && find.empty()) print(model->report, facts);
+    if (json_file != "-" && !find.empty()) print(*model->scene, found);
     if (json_file.empty()) return apps::kExitOk;
-    if (auto done = apps::write_text(json_file, apps::to_text(to_json(model->report, facts))); !done)
-      return tl::unexpected(done.error());
+    json out = to_json(model->report, facts);
+    if (!find.empty()) out["found"] = to_json(*model->scene, found);
+    if (auto done = apps::write_text(json_file, apps::to_text(out)); !done) return tl::unexpected(done.error());
     return apps::kExitOk;
   });
 }

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "sightline/importers/file_bytes.h"
+#include "sightline/importers/rvm/rvm_attributes.h"
 #include "sightline/importers/rvm/rvm_reader.h"
 #ifdef SIGHTLINE_HAVE_OBJ
 #include "sightline/importers/obj/obj_reader.h"
@@ -31,6 +32,8 @@ constexpr Format kFormats[] = {
     {".rvm",
      [](Bytes bytes, const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
         const ImportOptions& options) { return read_rvm(bytes, path.filename().string(), scene, parent, options); }},
+    {".txt", read_rvm_attributes},
+    {".att", read_rvm_attributes},
 #ifdef SIGHTLINE_HAVE_OBJ
     {".obj", read_obj},
 #endif
@@ -53,6 +56,11 @@ std::string lower_case_extension(const std::filesystem::path& path) {
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
   return extension;
+}
+
+bool is_attribute_file(const std::filesystem::path& path) {
+  const std::string extension = lower_case_extension(path);
+  return extension == ".txt" || extension == ".att";
 }
 
 core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path, core::Scene& scene,
@@ -81,10 +89,11 @@ void append(ImportReport& total, ImportReport&& one) {
   std::move(one.warnings.begin(), one.warnings.end(), std::back_inserter(total.warnings));
   for (std::size_t k = 0; k < total.items.size(); ++k) total.items[k] += one.items[k];
   total.degenerate += one.degenerate;
+  total.attributed += one.attributed;
   total.shared_meshes += one.shared_meshes;
   total.sharing_error = std::max(total.sharing_error, one.sharing_error);
   total.bytes += one.bytes;
-  total.metres_per_unit = one.metres_per_unit;
+  if (!one.nodes.empty()) total.metres_per_unit = one.metres_per_unit;
 }
 
 }  // namespace
@@ -107,13 +116,15 @@ core::Expected<ImportReport> import_file(const std::filesystem::path& path, core
 
 core::Expected<ImportReport> import_files(std::span<const std::filesystem::path> paths, core::Scene& scene,
                                           core::NodeId parent, const ImportOptions& options) {
+  std::vector<std::filesystem::path> ordered(paths.begin(), paths.end());
+  std::stable_partition(ordered.begin(), ordered.end(), [](const auto& path) { return !is_attribute_file(path); });
   const core::Scene::Mark mark = scene.mark();
   ImportReport total;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
+  for (std::size_t i = 0; i < ordered.size(); ++i) {
     ImportOptions one = options;
     if (options.progress)
-      one.progress = [&, i](double share) { return options.progress((double(i) + share) / double(paths.size())); };
-    auto report = import_file(paths[i], scene, parent, one);
+      one.progress = [&, i](double share) { return options.progress((double(i) + share) / double(ordered.size())); };
+    auto report = import_file(ordered[i], scene, parent, one);
     if (!report) {
       scene.take_back(mark, total.nodes);
       return report;

@@ -47,7 +47,7 @@ struct ImportOptions {
   /// Which meshes are kept once (mesh_sharing.h). Costs a few nanoseconds a vertex.
   MeshCopies copies = MeshCopies::kSimilar;
   /// Called now and then by the importing thread with the share that is done, rising from 0 to 1. Answering false
-  /// cancels: the import fails with kCancelled as its message.
+  /// cancels, unless all is done (1): the import fails with kCancelled as its message.
   std::function<bool(double)> progress = {};
 };
 
@@ -64,6 +64,7 @@ struct ImportReport {
   std::array<std::uint64_t, core::kKindCount> items{};
   std::uint64_t degenerate = 0;     ///< items without volume: no length for lines, no area for facets
   std::uint64_t shared_meshes = 0;  ///< mesh items that use a mesh which another one brought
+  std::uint64_t attributed = 0;     ///< groups that an attribute file gave attributes to
   double sharing_error = 0.0;       ///< metres: no vertex of those lies farther from where the file has it
   std::uint64_t bytes = 0;          ///< read from files
   double metres_per_unit = 1.0;     ///< of the last file's coordinates; the scene is in metres
@@ -72,12 +73,14 @@ struct ImportReport {
 /// Extensions that import_file() knows in this build, with dots, in lower case.
 std::span<const std::string_view> known_extensions();
 
-/// Imports one file as a new child of `parent`, named after it; its format follows from the extension (any case).
+/// Imports one file as a new child of `parent`, named after it; its format follows from the extension (any case). An
+/// attribute file (.txt, .att) adds no node: it speaks of RVM groups that are there (rvm/rvm_attributes.h).
 /// Errors name the file: unknown extension, missing, a directory, empty, unreadable, damaged.
 core::Expected<ImportReport> import_file(const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
                                          const ImportOptions& options = {});
 
-/// Imports several files, one node each. All or nothing: when one fails those before it are taken back.
+/// Imports several files, one node each; attribute files last, wherever they stand. All or nothing: when one fails
+/// those before it are taken back (but for attributes of groups that were there before).
 core::Expected<ImportReport> import_files(std::span<const std::filesystem::path> paths, core::Scene& scene,
                                           core::NodeId parent, const ImportOptions& options = {});
 

@@ -137,9 +137,9 @@ core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scen
   try {
     auto done = job.progress(0.0);
     if (done) done = read(job);
-    if (done) done = job.progress(1.0);
     if (done) {
       job.finish(core::ItemId(mark.items));
+      (void)job.progress(1.0);
       return std::move(job.report_);
     }
     error = std::move(done.error());

@@ -158,7 +158,8 @@ class RvmWalk {
     if (!item.finite) {
       warn(at_, tag, "dropped: a number is not finite");
     } else if (item.reach > kLargestCoordinate) {
-      warn(at_, tag, fmt::format("dropped: reaches {:.3g} m, expected at most {:.3g} m", item.reach, kLargestCoordinate));
+      warn(at_, tag,
+           fmt::format("dropped: reaches {:.3g} m, expected at most {:.3g} m", item.reach, kLargestCoordinate));
     } else {
       builder_.add(item, layers, bytes_);
     }

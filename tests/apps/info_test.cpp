@@ -20,7 +20,7 @@ std::uint64_t total(const Json& info) {
 TEST_F(Info, WritesTheKeysOfTheContract) {
   const Json info = run_json("info", {plant(1000)});
   EXPECT_EQ(keys_of(info),
-            (std::vector<std::string>{"bounds", "degenerate", "items", "max_depth", "metres_per_unit", "nodes",
+            (std::vector<std::string>{"attributed", "bounds", "degenerate", "items", "max_depth", "metres_per_unit", "nodes",
                                       "shared_meshes", "sharing_error", "triangles", "warnings"}));
   EXPECT_EQ(keys_of(info["items"]), kKinds);
   EXPECT_EQ(keys_of(info["bounds"]), (std::vector<std::string>{"max", "min"}));

@@ -79,7 +79,7 @@ TEST(ImportJob, FailureLeavesTheSceneAsItWas) {
 }
 
 TEST(ImportJob, CancelsWhereverItIsAsked) {
-  for (int asked_until = 0; asked_until < 3; ++asked_until) {
+  for (int asked_until = 0; asked_until < 2; ++asked_until) {
     core::Scene scene;
     const Counts before(scene);
     int asked = 0;
