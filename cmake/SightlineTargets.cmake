@@ -32,6 +32,9 @@ if(SIGHTLINE_SANITIZE)
                          -fno-sanitize-recover=undefined)
   target_link_options(sightline_flags INTERFACE -fsanitize=${SIGHTLINE_SANITIZE})
 endif()
+if(SIGHTLINE_FUZZ)
+  target_compile_options(sightline_flags INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 
 # sightline_library(NAME SOURCES … [LINKS …] [PRIVATE_LINKS …]): the library of folder NAME. LINKS are the arrows.
 function(sightline_library name)

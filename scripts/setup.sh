@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what a build needs on Debian 12 (skipping what is there), then configures and builds one preset.
-#   scripts/setup.sh [PRESET]      release (default), debug, asan or tsan
+#   scripts/setup.sh [PRESET]      release (default), debug, asan, tsan or fuzz
 # Extra CMake arguments come from SIGHTLINE_CMAKE_ARGS.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -9,6 +9,8 @@ preset=${1:-release}
 packages=(g++ cmake ninja-build pkg-config ccache libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev
   libtinyobjloader-dev libpng-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libglfw3-dev libgtest-dev
   libgmp-dev xvfb xdotool)
+# The fuzz targets need clang and its runtime; CI runs them (see tests/CMakeLists.txt).
+if [ "$preset" = fuzz ] || [ -n "${CI:-}" ]; then packages+=(clang libclang-rt-14-dev); fi
 
 missing=()
 for package in "${packages[@]}"; do

@@ -1,0 +1,9 @@
+// OBJ files, and behind the separator the MTL files that they name.
+#include "sightline/importers/obj/obj_reader.h"
+#include "sightline/tests/fuzz/fuzz_target.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace sightline;
+  fuzz::check_reader(importers::read_obj, "fuzz.obj", fuzz::bytes_of(data, size), {1000, std::size_t{1} << 20});
+  return 0;
+}
