@@ -5,6 +5,7 @@
 #include <istream>
 #include <map>
 #include <optional>
+#include <set>
 #include <streambuf>
 
 #include <fmt/format.h>
@@ -147,7 +148,8 @@ tinyobj::callback_t callbacks() {
     if (material < 0) loading.warn(fmt::format("unknown material '{}'", name));
   };
   on.mtllib_cb = [](void* to, const tinyobj::material_t* materials, int count) {
-    static_cast<Loading*>(to)->materials.assign(materials, materials + count);
+    auto& known = static_cast<Loading*>(to)->materials;  // all so far are called again
+    known.insert(known.end(), materials + known.size(), materials + count);
   };
   on.group_cb = [](void* to, const char** names, int count) {
     static_cast<Loading*>(to)->begin_name(count > 0 ? names[0] : "");
@@ -156,18 +158,22 @@ tinyobj::callback_t callbacks() {
   return on;
 }
 
-/// Opens MTL files in the OBJ file's directory and nowhere else.
+/// Opens MTL files in the OBJ file's directory and nowhere else, each once however often and by whatever names it is
+/// asked for.
 class NearbyMaterials final : public tinyobj::MaterialReader {
  public:
   explicit NearbyMaterials(Loading& loading) : loading_(loading) {}
 
   bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials,
                   std::map<std::string, int>* index_of, std::string* warning, std::string* error) override {
-    const auto bytes = read_side_file(loading_.path, name);
+    const auto path = find_side_file(loading_.path, name);
+    if (path && known_.contains(*path)) return !materials->empty();
+    const auto bytes = path ? read_side_file(loading_.path, name) : tl::unexpected(path.error());
     if (!bytes) {
       loading_.warn("material file " + bytes.error().message);
       return false;
     }
+    known_.insert(*path);
     ImageBuffer image(*bytes);
     std::istream stream(&image);
     tinyobj::LoadMtl(index_of, materials, &stream, warning, error);
@@ -176,6 +182,7 @@ class NearbyMaterials final : public tinyobj::MaterialReader {
 
  private:
   Loading& loading_;
+  std::set<std::filesystem::path> known_;
 };
 
 /// Faces of a part over its own vertices: each pair of position and normal once.

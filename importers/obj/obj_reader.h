@@ -20,6 +20,12 @@
 
 namespace sightline::importers {
 
+/// Memory that read_obj allocates at its peak, the scene's included, stays below this many times the bytes of the OBJ
+/// file and its MTL files together, plus kObjMemoryConstant. A model takes about ten times; the worst is a file of
+/// empty materials, for each of which the library keeps 2 kB.
+inline constexpr std::size_t kObjMemoryFactor = 800;
+inline constexpr std::size_t kObjMemoryConstant = std::size_t{1} << 20;
+
 /// Reads a whole file image; `path` names the node and says where MTL files lie. On error the scene is untouched. A
 /// file without a single vertex statement is no OBJ file: an error, lenient or not.
 core::Expected<ImportReport> read_obj(std::span<const std::byte> bytes, const std::filesystem::path& path,

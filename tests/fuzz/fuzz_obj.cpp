@@ -4,6 +4,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace sightline;
-  fuzz::check_reader(importers::read_obj, "fuzz.obj", fuzz::bytes_of(data, size), {1000, std::size_t{1} << 20});
+  fuzz::check_reader(importers::read_obj, "fuzz.obj", fuzz::bytes_of(data, size),
+                     {importers::kObjMemoryFactor, importers::kObjMemoryConstant});
   return 0;
 }

@@ -3,11 +3,11 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
 
 namespace sightline::fuzz {
 
-/// What the next side files asked for hold, in order; those beyond are not found. Must outlive the reading.
+/// What side files hold: the first for the first name that is asked for, the second for the next other name, and so
+/// on. What is beyond, or empty, is not found. Must outlive the reading.
 void set_side_files(std::span<const std::span<const std::byte>> files);
 
 }  // namespace sightline::fuzz
