@@ -251,7 +251,7 @@ Item read_item(ByteCursor& cursor, std::span<const std::byte> file, bool extra_w
   if (extra_word) choose_layout(file, placement_at, cursor.position(), own, item);
   for (const float value : item.matrix) note_number(item, value);
   item.reach = largest * largest_scale(item.matrix);
-  for (std::size_t i = 9; i < 12; ++i) item.reach = std::max(item.reach, std::abs(double(item.matrix[i])));
+  for (const float entry : item.matrix) item.reach = std::max(item.reach, std::abs(double(entry)));
   return item;
 }
 

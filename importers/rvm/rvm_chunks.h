@@ -108,7 +108,8 @@ struct Item {
   bool ambiguous =
       false;           ///< OBST, INSU: neither layout agreed with the stored box; taken as box, extra word, parameters
   bool finite = true;  ///< no number is NaN or infinite
-  double reach = 0.0;  ///< metres: no point of the item lies farther from the origin than this, give or take its shear
+  double reach = 0.0;  ///< metres: no point of the item lies farther from the origin than this, give or take its
+                       ///< shear, nor is an entry of its matrix larger
 };
 
 Head read_head(ByteCursor& cursor);

@@ -240,6 +240,23 @@ TEST(RvmHostile, NotFiniteOrFarBeyond) {
   }
 }
 
+TEST(RvmHostile, LargeScaleOfSomethingSmall) {
+  // Reaches nowhere, and its matrix could still not be committed.
+  tests::RvmBytes b;
+  b.head().group("g", 1);
+  b.begin("PRIM").u32(1).u32(8).floats({1, 0, 0, -3e38f, 1, 0, 0, 0, 1, 0, 0, 0});
+  b.floats({0, 0, 0, 0, 0, 0}).floats({1e-39f, 1e-43f}).end();
+  b.prim(8, {1, 2}).group_end().finish();
+  for (const bool lenient : {false, true}) {
+    ASSERT_TRUE(survives(b.bytes, lenient));
+    core::Scene scene;
+    const auto report = read_rvm(b.bytes, "bad.rvm", scene, scene.root(), {.lenient = lenient});
+    ASSERT_TRUE(report.has_value());
+    EXPECT_EQ(report->warnings.size(), 1u);
+    EXPECT_EQ(scene.item_count(), 1u);
+  }
+}
+
 TEST(RvmHostile, TextAndNoise) {
   const std::string_view text = "v 0 0 0\nthis is no RVM file, but it is long enough to hold a chunk header\n";
   EXPECT_FALSE(survives(std::as_bytes(std::span(text)), true));
