@@ -42,9 +42,11 @@ struct Target {
 std::vector<Attack> rvm_attacks();
 std::vector<Attack> obj_attacks();
 std::vector<Attack> json_attacks();
+std::vector<Attack> gltf_attacks();
+std::vector<Attack> glb_attacks();
+std::vector<Attack> ply_attacks();
+std::vector<Attack> stl_attacks();
 
-/// An attack of one case, a model without side files.
-Attack attack(std::string name, std::string file, std::string content);
 /// Text over and over.
 std::string repeated(const std::string& text, std::size_t times);
 

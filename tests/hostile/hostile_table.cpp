@@ -30,12 +30,6 @@
 
 namespace sightline::hostile {
 
-Attack attack(std::string name, std::string file, std::string content) {
-  return {std::move(name), 1, [file = std::move(file), content = std::move(content)](std::size_t) {
-            return Case{{{file, content}}};
-          }};
-}
-
 std::string repeated(const std::string& text, std::size_t times) {
   std::string all;
   all.reserve(text.size() * times);
@@ -248,6 +242,7 @@ Row run(const Target& target, const Attack& attack, Folder& folder) {
 
 // --- what every format gets ------------------------------------------------------------------------------------------
 
+/// Models; the fuzz targets' side files, which have no names, are left out.
 std::vector<std::string> seeds_of(const std::string& format) {
   std::vector<fs::path> paths;
   for (const auto& entry : fs::directory_iterator(fs::path(SIGHTLINE_SOURCE_DIR) / "tests/fuzz/corpus" / format))
@@ -256,7 +251,8 @@ std::vector<std::string> seeds_of(const std::string& format) {
   std::vector<std::string> seeds;
   for (const fs::path& path : paths) {
     std::ifstream in(path, std::ios::binary);
-    seeds.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+    const std::string all((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    seeds.push_back(all.substr(0, all.find("\n--side-file--\n")));
   }
   return seeds;
 }
@@ -312,6 +308,10 @@ std::vector<Target> targets() {
     if (std::find(known.begin(), known.end(), extension) != known.end()) all.push_back({format, extension, attacks()});
   };
   add("obj", ".obj", obj_attacks);
+  add("gltf", ".gltf", gltf_attacks);
+  add("glb", ".glb", glb_attacks);
+  add("ply", ".ply", ply_attacks);
+  add("stl", ".stl", stl_attacks);
   all.push_back({"view_json", ".json", json_attacks()});
   all.push_back({"path_json", ".json", json_attacks()});
   return all;
