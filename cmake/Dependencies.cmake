@@ -29,6 +29,11 @@ if(SIGHTLINE_OBJ AND SIGHTLINE_IMPORTERS)
   sightline_need(SIGHTLINE_OBJ tinyobjloader_FOUND "tinyobjloader not found")
 endif()
 
+if(SIGHTLINE_GLTF AND SIGHTLINE_IMPORTERS)
+  find_path(SIGHTLINE_STB_INCLUDE stb_image.h PATH_SUFFIXES stb)
+  sightline_need(SIGHTLINE_GLTF SIGHTLINE_STB_INCLUDE "stb_image.h not found (libstb-dev)")
+endif()
+
 if(SIGHTLINE_GL)
   find_path(SIGHTLINE_GL_INCLUDE GL/glcorearb.h)
   find_path(SIGHTLINE_EGL_INCLUDE EGL/egl.h)

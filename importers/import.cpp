@@ -12,6 +12,9 @@
 
 #include "sightline/importers/file_bytes.h"
 #include "sightline/importers/rvm/rvm_attributes.h"
+#ifdef SIGHTLINE_HAVE_GLTF
+#include "sightline/importers/gltf/gltf_reader.h"
+#endif
 #include "sightline/importers/rvm/rvm_reader.h"
 #ifdef SIGHTLINE_HAVE_OBJ
 #include "sightline/importers/obj/obj_reader.h"
@@ -37,13 +40,17 @@ constexpr Format kFormats[] = {
 #ifdef SIGHTLINE_HAVE_OBJ
     {".obj", read_obj},
 #endif
+#ifdef SIGHTLINE_HAVE_GLTF
+    {".gltf", read_gltf},
+    {".glb", read_gltf},
+#endif
 };
 
 /// Formats that a build may lack, and the option that it then lacks.
 struct Optional {
   std::string_view extension, option;
 };
-constexpr Optional kOptional[] = {{".obj", "SIGHTLINE_OBJ"}};
+constexpr Optional kOptional[] = {{".obj", "SIGHTLINE_OBJ"}, {".gltf", "SIGHTLINE_GLTF"}, {".glb", "SIGHTLINE_GLTF"}};
 
 constexpr auto kExtensions = [] {
   std::array<std::string_view, std::size(kFormats)> all;

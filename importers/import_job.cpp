@@ -99,6 +99,14 @@ void ImportJob::add_mesh(core::NodeId node, const PolygonMesh& polygons, std::st
   add_mesh(node, std::move(centred_mesh.mesh), placement * core::translation(centred_mesh.centre), material);
 }
 
+void ImportJob::add_instance(core::NodeId node, core::MeshId mesh, const core::Affine& placement,
+                             core::MaterialId material, bool first) {
+  ++report_.items[std::size_t(core::Kind::kMesh)];
+  if (scene_.mesh(mesh).indices.empty()) ++report_.degenerate;
+  if (!first) ++report_.shared_meshes;
+  scene_.add_mesh_instance(node, mesh, placement, material);
+}
+
 void ImportJob::add_primitive(core::NodeId node, const core::Primitive& primitive, const core::Affine& placement,
                               core::MaterialId material) {
   ++report_.items[std::size_t(core::kind_of(primitive))];
@@ -116,8 +124,11 @@ void ImportJob::drop_what_cannot_be_committed(core::ItemId first) {
     if (!scene_.can_commit(item, state.world_from_item)) bad.push_back(item);
   });
   for (const core::ItemId item : bad) {
-    warn(0, fmt::format("{}: item dropped: its place or size is not finite or beyond any site",
-                        scene_.path(scene_.node_of(item))));
+    if (report_.warnings.size() < kMaxWarnings)  // else the path, as long as the tree is deep, is not needed
+      warn(0, fmt::format("{}: item dropped: its place or size is not finite or beyond any site",
+                          scene_.path(scene_.node_of(item))));
+    else
+      ++unlisted_;
     scene_.remove_item(item);
   }
 }

@@ -41,6 +41,9 @@ class ImportJob {
   /// becomes a warning at `offset`.
   void add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name, const core::Affine& placement,
                 core::MaterialId material, std::uint64_t offset = 0);
+  /// Another item of a mesh that is in the scene already; `first`: one that no item uses yet.
+  void add_instance(core::NodeId node, core::MeshId mesh, const core::Affine& placement, core::MaterialId material = {},
+                    bool first = false);
   /// Adds and counts.
   void add_primitive(core::NodeId node, const core::Primitive& primitive, const core::Affine& placement,
                      core::MaterialId material = {});

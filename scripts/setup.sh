@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 preset=${1:-release}
 
 packages=(g++ cmake ninja-build pkg-config ccache libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev
-  libtinyobjloader-dev libpng-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libglfw3-dev libgtest-dev
+  libtinyobjloader-dev libstb-dev libpng-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libglfw3-dev libgtest-dev
   libgmp-dev xvfb xdotool)
 # The fuzz targets need clang and its runtime; CI runs them (see tests/CMakeLists.txt).
 if [ "$preset" = fuzz ] || [ -n "${CI:-}" ]; then packages+=(clang libclang-rt-14-dev); fi

@@ -1,0 +1,476 @@
+#include "sightline/importers/gltf/gltf_document.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+
+#include <fmt/format.h>
+
+#include "sightline/importers/side_files.h"
+
+namespace sightline::importers {
+namespace {
+
+using Bytes = std::span<const std::byte>;
+using Type = GltfAccessor::Type;
+
+static_assert(std::endian::native == std::endian::little, "buffers are read as the processor holds numbers");
+
+constexpr int kMaxDepth = 128;                        // extras of some exporters nest their own trees
+constexpr double kLargestIndex = 9007199254740992.0;  // 2^53
+
+std::uint32_t word_at(Bytes bytes, std::size_t at) {
+  std::uint32_t word = 0;
+  std::memcpy(&word, bytes.data() + at, sizeof word);
+  return word;
+}
+
+std::string_view text_of(Bytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+int component_bytes(Type type) {
+  switch (type) {
+    case Type::kByte:
+    case Type::kUnsignedByte:
+      return 1;
+    case Type::kShort:
+    case Type::kUnsignedShort:
+      return 2;
+    default:
+      return 4;
+  }
+}
+
+bool known(std::uint64_t type) {
+  return type >= 5120 && type <= 5126 && type != 5124;
+}
+
+int components_of(std::string_view type) {
+  constexpr std::pair<std::string_view, int> kTypes[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
+                                                         {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
+  for (const auto& [name, components] : kTypes)
+    if (name == type) return components;
+  return 0;
+}
+
+/// Factor of a normalised integer (glTF 2.0, 3.6.2.2); the most negative value stands for -1, too.
+template <class T>
+double scaled(T value, bool normalized) {
+  if constexpr (!std::is_floating_point_v<T>)
+    if (normalized) return std::max(double(value) / double(std::numeric_limits<T>::max()), -1.0);
+  return double(value);
+}
+
+template <class T>
+void gather(const std::byte* from, std::uint64_t stride, std::uint64_t n, int components, bool normalized,
+            double* out) {
+  for (std::uint64_t i = 0; i < n; ++i, from += stride)
+    for (int c = 0; c < components; ++c) {
+      T value;
+      std::memcpy(&value, from + std::size_t(c) * sizeof(T), sizeof(T));
+      *out++ = scaled(value, normalized);
+    }
+}
+
+void gather(Type type, const std::byte* from, std::uint64_t stride, std::uint64_t n, int components, bool normalized,
+            double* out) {
+  switch (type) {
+    case Type::kByte:
+      return gather<std::int8_t>(from, stride, n, components, normalized, out);
+    case Type::kUnsignedByte:
+      return gather<std::uint8_t>(from, stride, n, components, normalized, out);
+    case Type::kShort:
+      return gather<std::int16_t>(from, stride, n, components, normalized, out);
+    case Type::kUnsignedShort:
+      return gather<std::uint16_t>(from, stride, n, components, normalized, out);
+    case Type::kUnsignedInt:
+      return gather<std::uint32_t>(from, stride, n, components, normalized, out);
+    case Type::kFloat:
+      return gather<float>(from, stride, n, components, normalized, out);
+  }
+}
+
+/// Whether `count` elements of `size` bytes, `stride` apart, end within `available` bytes after `offset`.
+bool fits(std::uint64_t offset, std::uint64_t count, std::uint64_t stride, std::uint64_t size,
+          std::uint64_t available) {
+  if (count == 0) return offset <= available;
+  if (offset > available || size > available - offset) return false;
+  return (count - 1) <= (available - offset - size) / stride;
+}
+
+int base64_digit(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+' || c == '-') return 62;
+  return c == '/' || c == '_' ? 63 : -1;
+}
+
+core::Expected<std::vector<std::byte>> base64_decoded(std::string_view text) {
+  while (!text.empty() && text.back() == '=') text.remove_suffix(1);
+  std::vector<std::byte> bytes;
+  bytes.reserve(text.size() / 4 * 3 + 3);
+  std::uint32_t bits = 0;
+  int held = 0;
+  for (const char c : text) {
+    const int digit = base64_digit(c);
+    if (digit < 0) return core::fail("a data URI: expected base64");
+    bits = bits << 6 | std::uint32_t(digit);
+    held += 6;
+    if (held < 8) continue;
+    held -= 8;
+    bytes.push_back(std::byte(bits >> held & 0xff));
+  }
+  return bytes;
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  const char lower = char(c | 0x20);
+  return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
+}
+
+}  // namespace
+
+// --- values --------------------------------------------------------------------------------------------------------
+
+std::string GltfElement::where() const {
+  return fmt::format("/{}/{}", array, index);
+}
+
+const Json* gltf_find(const Json& object, std::string_view key) {
+  if (!object.is_object()) return nullptr;
+  const auto it = object.find(key);
+  return it == object.end() ? nullptr : &*it;
+}
+
+core::Expected<std::uint64_t> gltf_index(const Json& object, std::string_view key, const std::string& where,
+                                         std::optional<std::uint64_t> fallback) {
+  const Json* value = gltf_find(object, key);
+  if (!value && fallback) return *fallback;
+  if (!value) return core::fail(fmt::format("{}/{}: expected a whole number, which is missing", where, key));
+  const double number = value->is_number() ? value->get<double>() : -1.0;
+  if (!(number >= 0.0 && number <= kLargestIndex && number == std::floor(number)))
+    return core::fail(fmt::format("{}/{}: expected a whole number from 0, found {}", where, key, describe(*value)));
+  return std::uint64_t(number);
+}
+
+core::Expected<void> gltf_numbers(const Json& object, std::string_view key, const std::string& where, double* to,
+                                  std::size_t n) {
+  const Json* value = gltf_find(object, key);
+  if (!value) return {};
+  bool good = value->is_array() && value->size() == n;
+  for (std::size_t i = 0; good && i < n; ++i) {
+    const Json& number = (*value)[i];
+    good = number.is_number() && std::isfinite(number.get<double>());
+    if (good) to[i] = number.get<double>();
+  }
+  if (!good)
+    return core::fail(
+        fmt::format("{}/{}: expected an array of {} finite numbers, found {}", where, key, n, describe(*value)));
+  return {};
+}
+
+std::string gltf_text(const Json& object, std::string_view key) {
+  const Json* value = gltf_find(object, key);
+  return value && value->is_string() ? value->get<std::string>() : std::string();
+}
+
+std::string percent_decoded(std::string_view uri) {
+  std::string decoded;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    const bool whole = uri[i] == '%' && i + 2 < uri.size();
+    const int high = whole ? hex_digit(uri[i + 1]) : -1, low = whole ? hex_digit(uri[i + 2]) : -1;
+    if (high >= 0 && low >= 0) {
+      decoded.push_back(char(high * 16 + low));
+      i += 2;
+    } else {
+      decoded.push_back(uri[i]);
+    }
+  }
+  return decoded;
+}
+
+// --- accessors -----------------------------------------------------------------------------------------------------
+
+void GltfAccessor::read(std::uint64_t first, std::uint64_t n, double* out) const {
+  if (data)
+    gather(type, data + first * stride, stride, n, components, normalized, out);
+  else
+    std::fill_n(out, n * std::uint64_t(components), 0.0);
+  if (!sparse) return;
+  const std::uint64_t size = std::uint64_t(component_bytes(type) * components);
+  const auto& indices = sparse->indices;
+  for (auto it = std::lower_bound(indices.begin(), indices.end(), first); it != indices.end() && *it < first + n; ++it)
+    gather(type, sparse->values + std::uint64_t(it - indices.begin()) * size, size, 1, components, normalized,
+           out + (*it - first) * std::uint64_t(components));
+}
+
+// --- the document --------------------------------------------------------------------------------------------------
+
+core::Expected<void> GltfDocument::open(Bytes bytes) {
+  bytes_read_ = bytes.size();
+  std::string_view text = text_of(bytes);
+  if (text.starts_with("glTF"))
+    if (auto done = open_binary(bytes, text); !done) return done;
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  auto parsed = parse_json(text, job_.file(), kMaxDepth);
+  if (!parsed) return tl::unexpected(std::move(parsed.error()));
+  root_ = std::move(*parsed);
+  auto done = check_asset();
+  if (!done) done.error().message.insert(0, job_.file() + ": ");
+  return done;
+}
+
+core::Expected<void> GltfDocument::open_binary(Bytes bytes, std::string_view& text) {
+  constexpr std::size_t kHeader = 12, kChunkHeader = 8;
+  constexpr std::uint32_t kJson = 0x4E4F534A, kBinary = 0x004E4942;
+  const auto bad = [&](std::string_view message) { return core::fail(fmt::format("{}: {}", job_.file(), message)); };
+  if (bytes.size() < kHeader + kChunkHeader) return bad("byte 0: expected a GLB header, found the end of the file");
+  if (word_at(bytes, 4) != 2) return bad(fmt::format("byte 4: expected GLB version 2, found {}", word_at(bytes, 4)));
+  if (word_at(bytes, 8) > bytes.size())
+    if (auto asked = job_.damage(
+            8, fmt::format("byte 8: expected a file of {} bytes, found {}", word_at(bytes, 8), bytes.size()));
+        !asked)
+      return asked;
+  bytes = bytes.first(std::min<std::size_t>(bytes.size(), word_at(bytes, 8)));
+  if (bytes.size() < kHeader + kChunkHeader) return bad("byte 8: expected a length beyond the header");
+  if (word_at(bytes, 16) != kJson) return bad("byte 16: expected a JSON chunk");
+  std::size_t at = kHeader;
+  for (bool first = true; at + kChunkHeader <= bytes.size(); first = false) {
+    const std::uint64_t size = word_at(bytes, at), left = bytes.size() - at - kChunkHeader;
+    const std::uint32_t kind = word_at(bytes, at + 4);
+    if (size > left)
+      if (auto asked = job_.damage(at, fmt::format("byte {}: expected a chunk of {} bytes, found {}", at, size, left));
+          !asked)
+        return asked;
+    const Bytes chunk = bytes.subspan(at + kChunkHeader, std::min(size, left));
+    if (first) text = text_of(chunk);
+    if (!first && kind == kBinary && binary_.empty()) binary_ = chunk;
+    at += kChunkHeader + chunk.size();
+  }
+  return {};
+}
+
+core::Expected<void> GltfDocument::check_asset() const {
+  const Json* asset = gltf_find(root_, "asset");
+  const std::string version = asset ? gltf_text(*asset, "version") : std::string();
+  const std::string least = asset ? gltf_text(*asset, "minVersion") : std::string();
+  if (!version.starts_with("2.") || (!least.empty() && least != "2.0"))
+    return core::fail(fmt::format("/asset/version: expected glTF \"2.0\", found \"{}\"{}", version,
+                                  least.empty() ? "" : fmt::format(" that needs \"{}\"", least)));
+  for (const std::string_view array :
+       {"accessors", "buffers", "bufferViews", "images", "materials", "meshes", "nodes", "scenes", "textures"})
+    if (const Json* value = gltf_find(root_, array); value && !value->is_array())
+      return core::fail(fmt::format("/{}: expected an array, found {}", array, describe(*value)));
+  return {};
+}
+
+std::size_t GltfDocument::count(std::string_view array) const {
+  const Json* elements = gltf_find(root_, array);
+  return elements ? elements->size() : 0;
+}
+
+core::Expected<GltfElement> GltfDocument::element(std::string_view array, std::uint64_t index,
+                                                  std::string_view from) const {
+  const Json* elements = gltf_find(root_, array);
+  const std::size_t size = elements ? elements->size() : 0;
+  if (index >= size)
+    return core::fail(fmt::format("{}: expected one of the {} {}, found {}", from, size, array, index));
+  const GltfElement found{&(*elements)[index], array, std::size_t(index)};
+  if (!found.json->is_object())
+    return core::fail(fmt::format("{}: expected an object, found {}", found.where(), describe(*found.json)));
+  return found;
+}
+
+core::Expected<Bytes> GltfDocument::uri_bytes(std::string_view uri) {
+  if (uri.starts_with("data:")) {
+    const std::size_t comma = uri.find(',');
+    if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(";base64"))
+      return core::fail("a data URI: expected \";base64,\" and what it encodes");
+    auto decoded = base64_decoded(uri.substr(comma + 1));
+    if (!decoded) return tl::unexpected(decoded.error());
+    held_.push_back(std::move(*decoded));
+    return Bytes(held_.back());
+  }
+  if (uri.find("://") != std::string_view::npos)
+    return core::fail(fmt::format("'{}' refused: only files beside the model are read", uri));
+  const std::string name = percent_decoded(uri);
+  const auto path = find_side_file(path_, name);
+  if (!path) return tl::unexpected(path.error());
+  if (const auto known_file = files_.find(path->string()); known_file != files_.end()) return known_file->second;
+  auto read = read_side_file(path_, name);
+  if (!read) return tl::unexpected(read.error());
+  bytes_read_ += read->size();
+  held_.push_back(std::move(*read));
+  return files_[path->string()] = Bytes(held_.back());
+}
+
+bool GltfDocument::take_corners(std::uint64_t corners) {
+  corners_ += corners;
+  return corners_ <= kNumbersPerByte * bytes_read_ + kSpareNumbers;
+}
+
+bool GltfDocument::take_items(std::uint64_t items) {
+  items_ += items;
+  return items_ <= bytes_read_ + kSpareNumbers;
+}
+
+void GltfDocument::release(std::size_t held) {
+  for (std::size_t i = held; i < held_.size(); ++i)
+    std::erase_if(files_, [&](const auto& file) { return file.second.data() == held_[i].data(); });
+  held_.resize(held);
+}
+
+core::Expected<Bytes> GltfDocument::buffer(std::uint64_t index, std::string_view from) {
+  if (const auto known_buffer = buffers_.find(index); known_buffer != buffers_.end()) return known_buffer->second;
+  const auto found = element("buffers", index, from);
+  if (!found) return tl::unexpected(found.error());
+  const std::string where = found->where();
+  const auto length = gltf_index(*found->json, "byteLength", where);
+  if (!length) return tl::unexpected(length.error());
+  Bytes bytes;
+  if (const Json* uri = gltf_find(*found->json, "uri"); uri && uri->is_string()) {
+    const auto read = uri_bytes(uri->get_ref<const std::string&>());
+    if (!read) return core::fail(fmt::format("{}/uri: {}", where, read.error().message));
+    bytes = *read;
+  } else if (index == 0) {
+    bytes = binary_;
+  }
+  if (*length > bytes.size()) {
+    const std::string message = fmt::format("{}: expected {} bytes, found {}", where, *length, bytes.size());
+    if (!job_.options().lenient) return core::fail(message);
+    job_.warn(0, message);
+  }
+  return buffers_[index] = bytes.first(std::min<std::uint64_t>(*length, bytes.size()));
+}
+
+core::Expected<GltfDocument::View> GltfDocument::view(std::uint64_t index, std::string_view from) {
+  const auto found = element("bufferViews", index, from);
+  if (!found) return tl::unexpected(found.error());
+  const std::string where = found->where();
+  const auto of = gltf_index(*found->json, "buffer", where);
+  if (!of) return tl::unexpected(of.error());
+  const auto offset = gltf_index(*found->json, "byteOffset", where, 0);
+  if (!offset) return tl::unexpected(offset.error());
+  const auto length = gltf_index(*found->json, "byteLength", where);
+  if (!length) return tl::unexpected(length.error());
+  const auto stride = gltf_index(*found->json, "byteStride", where, 0);
+  if (!stride) return tl::unexpected(stride.error());
+  const auto bytes = buffer(*of, where + "/buffer");
+  if (!bytes) return tl::unexpected(bytes.error());
+  if (!fits(*offset, *length, 1, 1, bytes->size()))
+    return core::fail(fmt::format("{}: expected {} bytes from {} within the {} of buffer {}", where, *length, *offset,
+                                  bytes->size(), *of));
+  return View{bytes->subspan(*offset, *length), *stride};
+}
+
+core::Expected<Bytes> GltfDocument::view_bytes(std::uint64_t index, std::string_view from) {
+  const auto found = view(index, from);
+  if (!found) return tl::unexpected(found.error());
+  return found->bytes;
+}
+
+core::Expected<const GltfAccessor*> GltfDocument::accessor(std::uint64_t index, std::string_view from) {
+  if (const auto known_accessor = accessors_.find(index); known_accessor != accessors_.end())
+    return &known_accessor->second;
+  const auto found = element("accessors", index, from);
+  if (!found) return tl::unexpected(found.error());
+  auto made = make_accessor(*found);
+  if (!made) return tl::unexpected(made.error());
+  return &accessors_.emplace(index, std::move(*made)).first->second;
+}
+
+core::Expected<GltfAccessor> GltfDocument::make_accessor(const GltfElement& of) {
+  const std::string where = of.where();
+  const Json& json = *of.json;
+  GltfAccessor made;
+  const auto type = gltf_index(json, "componentType", where);
+  if (!type) return tl::unexpected(type.error());
+  if (!known(*type)) return core::fail(fmt::format("{}/componentType: expected 5120 … 5126, found {}", where, *type));
+  made.type = Type(*type);
+  made.components = components_of(gltf_text(json, "type"));
+  if (made.components == 0)
+    return core::fail(
+        fmt::format("{}/type: expected SCALAR, VEC2 … MAT4, found \"{}\"", where, gltf_text(json, "type")));
+  const auto count_of = gltf_index(json, "count", where);
+  if (!count_of) return tl::unexpected(count_of.error());
+  if (*count_of >= core::kNone)
+    return core::fail(fmt::format("{}/count: expected less than {}, found {}", where, core::kNone, *count_of));
+  made.count = *count_of;
+  const Json* normalized = gltf_find(json, "normalized");
+  made.normalized = normalized && normalized->is_boolean() && normalized->get<bool>();
+  const std::uint64_t size = std::uint64_t(component_bytes(made.type) * made.components);
+  made.stride = size;
+  if (gltf_find(json, "bufferView")) {
+    const auto index = gltf_index(json, "bufferView", where);
+    if (!index) return tl::unexpected(index.error());
+    const auto offset = gltf_index(json, "byteOffset", where, 0);
+    if (!offset) return tl::unexpected(offset.error());
+    const auto in = view(*index, where + "/bufferView");
+    if (!in) return tl::unexpected(in.error());
+    if (in->stride != 0) made.stride = in->stride;
+    if (made.stride < size || !fits(*offset, made.count, made.stride, size, in->bytes.size()))
+      return core::fail(
+          fmt::format("{}: expected {} elements of {} bytes, {} apart from {}, within the {} of buffer "
+                      "view {}",
+                      where, made.count, size, made.stride, *offset, in->bytes.size(), *index));
+    made.data = in->bytes.data() + *offset;
+  }
+  if (const Json* sparse = gltf_find(json, "sparse")) {
+    auto read = read_sparse(*sparse, made, where + "/sparse");
+    if (!read) return tl::unexpected(read.error());
+    made.sparse = std::move(*read);
+  }
+  return made;
+}
+
+core::Expected<GltfAccessor::Sparse> GltfDocument::read_sparse(const Json& json, const GltfAccessor& of,
+                                                               const std::string& where) {
+  const Json* indices = gltf_find(json, "indices");
+  const Json* values = gltf_find(json, "values");
+  if (!indices || !values) return core::fail(fmt::format("{}: expected indices and values", where));
+  const auto changed = gltf_index(json, "count", where);
+  if (!changed) return tl::unexpected(changed.error());
+  /// The packed elements that "indices" or "values" names.
+  const auto part = [&](const Json& named, std::uint64_t size, const std::string& at) -> core::Expected<Bytes> {
+    const auto index = gltf_index(named, "bufferView", at);
+    if (!index) return tl::unexpected(index.error());
+    const auto offset = gltf_index(named, "byteOffset", at, 0);
+    if (!offset) return tl::unexpected(offset.error());
+    const auto in = view(*index, at + "/bufferView");
+    if (!in) return tl::unexpected(in.error());
+    if (!fits(*offset, *changed, size, size, in->bytes.size()))
+      return core::fail(fmt::format("{}: expected {} elements of {} bytes from {} within the {} of buffer view {}", at,
+                                    *changed, size, *offset, in->bytes.size(), *index));
+    return in->bytes.subspan(*offset);
+  };
+  const auto type = gltf_index(*indices, "componentType", where + "/indices");
+  if (!type) return tl::unexpected(type.error());
+  if (*type != 5121 && *type != 5123 && *type != 5125)
+    return core::fail(fmt::format("{}/indices/componentType: expected an unsigned integer (5121, 5123, 5125), found {}",
+                                  where, *type));
+  const std::uint64_t index_size = std::uint64_t(component_bytes(Type(*type)));
+  const auto index_bytes = part(*indices, index_size, where + "/indices");
+  if (!index_bytes) return tl::unexpected(index_bytes.error());
+  const auto value_bytes = part(*values, std::uint64_t(component_bytes(of.type) * of.components), where + "/values");
+  if (!value_bytes) return tl::unexpected(value_bytes.error());
+
+  sparse_ += *changed;
+  if (sparse_ > kNumbersPerByte * bytes_read_ + kSpareNumbers)
+    return core::fail(fmt::format("{}: more sparse values than a file of {} bytes may hold", where, bytes_read_));
+  GltfAccessor::Sparse sparse{std::vector<std::uint32_t>(*changed), value_bytes->data()};
+  for (std::uint64_t i = 0; i < *changed; ++i) {
+    std::memcpy(&sparse.indices[i], index_bytes->data() + i * index_size, index_size);
+    if (sparse.indices[i] >= of.count || (i > 0 && sparse.indices[i] <= sparse.indices[i - 1]))
+      return core::fail(fmt::format("{}/indices: expected rising indices below {}, found {} at place {}", where,
+                                    of.count, sparse.indices[i], i));
+  }
+  return sparse;
+}
+
+}  // namespace sightline::importers

@@ -1,0 +1,212 @@
+#include "sightline/importers/gltf/gltf_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace sightline::importers {
+namespace {
+
+constexpr std::uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
+
+core::Expected<std::vector<std::uint32_t>> vertex_order(GltfDocument& document, const GltfSources& sources,
+                                                        std::uint64_t vertices, const std::string& where) {
+  const GltfAccessor* indices = nullptr;
+  if (sources.indices != core::kNone) {
+    const auto found = document.accessor(sources.indices, where + "/indices");
+    if (!found) return tl::unexpected(found.error());
+    indices = *found;
+    if (indices->components != 1 || indices->type == GltfAccessor::Type::kFloat)
+      return core::fail(fmt::format("{}/indices: expected whole numbers, found another type", where));
+  }
+  const std::uint64_t count = indices ? indices->count : vertices;
+  const std::uint64_t corners = sources.mode == kTriangles ? count : count < 3 ? 0 : 3 * (count - 2);
+  if (!document.take_corners(corners))
+    return core::fail(fmt::format("{}: more triangles than a file of {} bytes may hold", where, document.bytes_read()));
+  std::vector<std::uint32_t> order(count);
+  if (!indices) {
+    for (std::uint64_t i = 0; i < count; ++i) order[i] = std::uint32_t(i);
+    return order;
+  }
+  constexpr std::uint64_t kBlock = 1024;
+  double block[kBlock];
+  for (std::uint64_t first = 0; first < count; first += kBlock) {
+    const std::uint64_t n = std::min(kBlock, count - first);
+    indices->read(first, n, block);
+    for (std::uint64_t i = 0; i < n; ++i)
+      order[first + i] = block[i] >= 0.0 ? std::uint32_t(block[i]) : core::kNone;  // negative: no vertex
+  }
+  return order;
+}
+
+/// Calls visit(a, b, c) for each triangle (glTF 2.0, 3.7.2.1).
+template <class Visit>
+void for_each_triangle(const std::vector<std::uint32_t>& order, std::uint64_t mode, Visit&& visit) {
+  const std::size_t n = order.size();
+  if (mode == kTriangles)
+    for (std::size_t i = 0; i + 2 < n; i += 3) visit(order[i], order[i + 1], order[i + 2]);
+  if (mode == kStrip)
+    for (std::size_t i = 0; i + 2 < n; ++i) visit(order[i], order[i + 1 + i % 2], order[i + 2 - i % 2]);
+  if (mode == kFan)
+    for (std::size_t i = 0; i + 2 < n; ++i) visit(order[i + 1], order[i + 2], order[0]);
+}
+
+core::Expected<const GltfAccessor*> vectors(GltfDocument& document, std::uint64_t index, const std::string& where) {
+  const auto found = document.accessor(index, where);
+  if (found && (*found)->components != 3) return core::fail(where + ": expected VEC3, found another type");
+  return found;
+}
+
+/// Renumbers corners from 0 and returns the vertices that they named, rising. Empty: all from `first` on.
+std::vector<std::uint32_t> compact(std::vector<std::uint32_t>& corners, std::uint32_t& first, std::uint32_t& count) {
+  const auto [low, high] = std::minmax_element(corners.begin(), corners.end());
+  first = *low;
+  count = *high - *low + 1;
+  std::vector<std::uint32_t> used;
+  // Several primitives may share one long list of vertices: what one of them costs follows its own corners.
+  if (count > corners.size()) {
+    used = corners;
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    for (std::uint32_t& corner : corners)
+      corner = std::uint32_t(std::lower_bound(used.begin(), used.end(), corner) - used.begin());
+    count = std::uint32_t(used.size());
+  } else {
+    for (std::uint32_t& corner : corners) corner -= first;
+  }
+  return used;
+}
+
+}  // namespace
+
+core::Expected<GltfSources> gltf_sources(const Json& primitive, const std::string& where) {
+  GltfSources sources;
+  const auto mode = gltf_index(primitive, "mode", where, kTriangles);
+  if (!mode) return tl::unexpected(mode.error());
+  if (*mode > kFan) return core::fail(fmt::format("{}/mode: expected 0 … 6, found {}", where, *mode));
+  sources.mode = *mode;
+  if (!sources.draws_triangles()) return sources;
+  const Json* attributes = gltf_find(primitive, "attributes");
+  if (!attributes) return core::fail(where + "/attributes: expected an object, which is missing");
+  const auto positions = gltf_index(*attributes, "POSITION", where + "/attributes");
+  const auto normals = gltf_index(*attributes, "NORMAL", where + "/attributes", core::kNone);
+  const auto indices = gltf_index(primitive, "indices", where, core::kNone);
+  for (const auto* value : {&positions, &normals, &indices})
+    if (!*value) return tl::unexpected(value->error());
+  return GltfSources{*positions, *normals, *indices, *mode};
+}
+
+core::Expected<std::vector<std::uint32_t>> gltf_triangles(ImportJob& job, GltfDocument& document,
+                                                          const GltfSources& sources, const std::string& where) {
+  const auto positions = vectors(document, sources.positions, where + "/attributes/POSITION");
+  if (!positions) return tl::unexpected(positions.error());
+  const auto order = vertex_order(document, sources, (*positions)->count, where);
+  if (!order) return tl::unexpected(order.error());
+  std::vector<std::uint32_t> corners;
+  corners.reserve(sources.mode == kTriangles ? order->size() : 3 * order->size());
+  std::uint64_t beyond = 0;
+  for_each_triangle(*order, sources.mode, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    if (std::max({a, b, c}) >= (*positions)->count)
+      ++beyond;
+    else if (sources.mode == kTriangles || (a != b && b != c && c != a))  // strips are stitched with empty triangles
+      corners.insert(corners.end(), {a, b, c});
+  });
+  std::string message;
+  if (beyond > 0)
+    message = fmt::format("{}/indices: expected indices below the {} vertices, found {} triangles beyond", where,
+                          (*positions)->count, beyond);
+  else if (sources.mode == kTriangles && order->size() % 3 != 0)
+    message = fmt::format("{}: expected three corners for each triangle, found {} corners", where, order->size());
+  if (!message.empty() && !job.options().lenient) return core::fail(message);
+  if (!message.empty()) job.warn(0, message);
+  return corners;
+}
+
+core::Expected<PolygonMesh> gltf_mesh(GltfDocument& document, const GltfSources& sources,
+                                      std::vector<std::uint32_t> corners, const std::string& where) {
+  PolygonMesh mesh;
+  if (corners.empty()) return mesh;
+  const auto positions = vectors(document, sources.positions, where + "/attributes/POSITION");
+  if (!positions) return tl::unexpected(positions.error());
+  const GltfAccessor* normals = nullptr;
+  if (sources.normals != core::kNone) {
+    const auto found = vectors(document, sources.normals, where + "/attributes/NORMAL");
+    if (!found) return tl::unexpected(found.error());
+    if ((*found)->count != (*positions)->count)
+      return core::fail(fmt::format("{}/attributes/NORMAL: expected {} normals, found {}", where, (*positions)->count,
+                                    (*found)->count));
+    normals = *found;
+  }
+  std::uint32_t first = 0, count = 0;
+  const std::vector<std::uint32_t> used = compact(corners, first, count);
+  static_assert(sizeof(core::dvec3) == 3 * sizeof(double));
+  mesh.positions.resize(count);
+  if (used.empty()) (*positions)->read(first, count, &mesh.positions[0].x);
+  for (std::size_t i = 0; i < used.size(); ++i) (*positions)->read(used[i], 1, &mesh.positions[i].x);
+  if (normals) mesh.normals.reserve(count);
+  for (std::uint32_t i = 0; normals && i < count; ++i) {
+    core::dvec3 normal(0.0);
+    normals->read(used.empty() ? first + i : used[i], 1, &normal.x);
+    mesh.normals.emplace_back(normal);
+  }
+  mesh.corners = std::move(corners);
+  return mesh;
+}
+
+core::Expected<void> GltfTable::open(GltfDocument& document, const Json& attributes, std::span<const Column> columns,
+                                     const std::string& where) {
+  accessors_.assign(columns.size(), nullptr);
+  blocks_.assign(columns.size(), {});
+  bool any = false;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Column& column = columns[i];
+    if (!gltf_find(attributes, column.name) && !column.required) continue;
+    const std::string here = fmt::format("{}/{}", where, column.name);
+    const auto index = gltf_index(attributes, column.name, where);
+    if (!index) return tl::unexpected(index.error());
+    const auto found = document.accessor(*index, here);
+    if (!found) return tl::unexpected(found.error());
+    if ((*found)->components != column.components)
+      return core::fail(fmt::format("{}: expected {} numbers for each instance, found {}", here, column.components,
+                                    (*found)->components));
+    if (any && (*found)->count != count_)
+      return core::fail(fmt::format("{}: expected {} instances as the attributes before it, found {}", here, count_,
+                                    (*found)->count));
+    accessors_[i] = *found;
+    count_ = (*found)->count;
+    any = true;
+  }
+  return {};
+}
+
+std::uint64_t GltfTable::load(std::uint64_t first) {
+  const std::uint64_t n = std::min(kBlock, count_ - first);
+  for (std::size_t i = 0; i < accessors_.size(); ++i) {
+    if (!accessors_[i]) continue;
+    blocks_[i].resize(n * std::uint64_t(accessors_[i]->components));
+    accessors_[i]->read(first, n, blocks_[i].data());
+  }
+  return n;
+}
+
+core::Affine gltf_affine(const double* m) {
+  return {core::dmat3(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]), {m[12], m[13], m[14]}};
+}
+
+core::Affine gltf_affine(const double* translation, const double* rotation, const double* scale) {
+  core::Affine map;
+  if (translation) map.origin = {translation[0], translation[1], translation[2]};
+  const double length =
+      rotation ? std::hypot(std::hypot(rotation[0], rotation[1]), std::hypot(rotation[2], rotation[3])) : 0.0;
+  if (length > 0.0) {
+    const double x = rotation[0] / length, y = rotation[1] / length, z = rotation[2] / length, w = rotation[3] / length;
+    map.linear = core::dmat3(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w),  //
+                             2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w),  //
+                             2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y));
+  }
+  for (int i = 0; scale && i < 3; ++i) map.linear[i] *= scale[i];
+  return map;
+}
+
+}  // namespace sightline::importers

@@ -1,0 +1,77 @@
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "sightline/importers/gltf/gltf_materials.h"
+
+// Compiled here once, for the two formats that glTF allows, and without its access to files.
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_NO_STDIO
+#define STBI_NO_HDR
+#define STBI_NO_LINEAR
+#define STBI_NO_FAILURE_STRINGS
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb_image.h>
+#pragma GCC diagnostic pop
+
+namespace sightline::importers {
+namespace {
+
+std::array<double, 256> linear_values() {
+  std::array<double, 256> linear{};
+  for (std::size_t i = 0; i < linear.size(); ++i) {
+    const double v = double(i) / 255.0;
+    linear[i] = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+  }
+  return linear;
+}
+
+bool starts_with(std::span<const std::byte> file, std::initializer_list<int> signature) {
+  if (file.size() < signature.size()) return false;
+  std::size_t i = 0;
+  for (const int byte : signature)
+    if (file[i++] != std::byte(byte)) return false;
+  return true;
+}
+
+}  // namespace
+
+double srgb_from_linear(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+}
+
+core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh) {
+  if (!starts_with(file, {0x89, 'P', 'N', 'G'}) && !starts_with(file, {0xff, 0xd8}))
+    return core::fail("expected a PNG or JPEG image");
+  if (file.size() > std::size_t(std::numeric_limits<int>::max())) return core::fail("expected an image below 2 GiB");
+  const auto* data = reinterpret_cast<const stbi_uc*>(file.data());
+  int width = 0, height = 0, channels = 0;
+  if (!stbi_info_from_memory(data, int(file.size()), &width, &height, &channels) || width <= 0 || height <= 0)
+    return core::fail("expected a readable image header");
+  const std::uint64_t count = std::uint64_t(width) * std::uint64_t(height);
+  if (count > kMostPixels)
+    return core::fail(fmt::format("expected at most {} pixels, found {} x {}", kMostPixels, width, height));
+  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
+      stbi_load_from_memory(data, int(file.size()), &width, &height, &channels, 4), stbi_image_free);
+  if (!pixels) return core::fail("expected a whole image, found damage");
+  const std::array<double, 256> linear = linear_values();
+  core::dvec3 sum(0.0);
+  double weights = 0.0, alpha = 0.0;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const stbi_uc* pixel = pixels.get() + 4 * i;
+    const double weight = weigh ? pixel[3] / 255.0 : 1.0;
+    sum += weight * core::dvec3(linear[pixel[0]], linear[pixel[1]], linear[pixel[2]]);
+    weights += weight;
+    alpha += pixel[3] / 255.0;
+  }
+  return ImageMean{weights > 0.0 ? sum / weights : core::dvec3(1.0), alpha / double(count)};
+}
+
+}  // namespace sightline::importers

@@ -1,0 +1,77 @@
+#include "sightline/importers/gltf/gltf_materials.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace sightline::importers {
+
+core::Expected<core::MaterialId> GltfMaterials::material(std::uint64_t index, const std::string& from) {
+  if (const auto known = made_.find(index); known != made_.end()) return known->second;
+  const auto element = document_.element("materials", index, from);
+  if (!element) return tl::unexpected(element.error());
+  const auto made = make(*element);
+  if (made) made_[index] = *made;
+  return made;
+}
+
+core::Expected<core::MaterialId> GltfMaterials::make(const GltfElement& element) {
+  const std::string where = element.where();
+  const Json empty = Json::object();
+  const Json* pbr = gltf_find(*element.json, "pbrMetallicRoughness");
+  if (!pbr) pbr = &empty;
+  double factor[4] = {1.0, 1.0, 1.0, 1.0};
+  if (auto read = gltf_numbers(*pbr, "baseColorFactor", where + "/pbrMetallicRoughness", factor, 4); !read)
+    return tl::unexpected(read.error());
+  const std::string mode = gltf_text(*element.json, "alphaMode");
+  const bool opaque = mode.empty() || mode == "OPAQUE";
+  ImageMean mean;
+  if (const Json* texture = gltf_find(*pbr, "baseColorTexture")) {
+    const std::string at = where + "/pbrMetallicRoughness/baseColorTexture";
+    const auto index = gltf_index(*texture, "index", at);
+    if (!index) return tl::unexpected(index.error());
+    const auto found = texture_mean(*index, at + "/index", !opaque);
+    if (found)
+      mean = *found;
+    else
+      job_.warn(0, found.error().message + "; texture left out");
+  }
+  core::Material material;
+  material.name = gltf_text(*element.json, "name");
+  for (int i = 0; i < 3; ++i)
+    material.colour[i] = float(srgb_from_linear(std::clamp(factor[i] * mean.colour[i], 0.0, 1.0)));
+  if (mode == "BLEND") material.alpha = float(std::clamp(factor[3] * mean.alpha, 0.0, 1.0));
+  return job_.scene().add_material(std::move(material));
+}
+
+core::Expected<ImageMean> GltfMaterials::texture_mean(std::uint64_t texture, const std::string& from, bool weigh) {
+  const auto found = document_.element("textures", texture, from);
+  if (!found) return tl::unexpected(found.error());
+  const auto source = gltf_index(*found->json, "source", found->where());
+  if (!source) return tl::unexpected(source.error());
+  const auto image = document_.element("images", *source, found->where() + "/source");
+  if (!image) return tl::unexpected(image.error());
+  const std::string where = image->where();
+  const Json* uri = gltf_find(*image->json, "uri");
+  const bool embedded = !uri || !uri->is_string();
+  const auto view = embedded ? gltf_index(*image->json, "bufferView", where) : 0;
+  if (!view) return tl::unexpected(view.error());
+
+  // Images are known by what they are made of: a file may name one picture many times.
+  const std::string name = embedded ? fmt::format("view {}", *view) : uri->get<std::string>();
+  const bool inside = name.starts_with("data:");
+  const std::string key = fmt::format("{} {}", weigh, inside ? where : name);
+  if (const auto known = means_.find(key); known != means_.end()) return known->second;
+
+  const std::size_t held = document_.held();
+  const auto bytes = embedded ? document_.view_bytes(*view, where) : document_.uri_bytes(name);
+  if (!bytes)
+    return embedded ? tl::unexpected(bytes.error())
+                    : tl::unexpected(core::Error{fmt::format("{}/uri: {}", where, bytes.error().message)});
+  auto mean = image_mean(*bytes, weigh);
+  if (!embedded) document_.release(held);
+  if (!mean) return core::fail(fmt::format("{}: {}", where, mean.error().message));
+  return means_[key] = *mean;
+}
+
+}  // namespace sightline::importers

@@ -1,0 +1,426 @@
+#include "sightline/importers/gltf/gltf_reader.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "sightline/importers/gltf/gltf_collections.h"
+#include "sightline/importers/gltf/gltf_document.h"
+#include "sightline/importers/gltf/gltf_geometry.h"
+#include "sightline/importers/gltf/gltf_materials.h"
+#include "sightline/importers/import_job.h"
+
+namespace sightline::importers {
+namespace {
+
+using core::Affine;
+using core::Expected;
+using core::NodeId;
+
+constexpr std::string_view kKnownExtensions[] = {
+    "KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_texture_transform",  "KHR_lights_punctual",
+    "KHR_animation_pointer", "KHR_xmp_json_ld",         "KHR_materials_variants", "KHR_node_visibility"};
+
+class Reading {
+ public:
+  Reading(ImportJob& job, const std::filesystem::path& path)
+      : job_(job), document_(job, path), materials_(job, document_), collections_(job, document_) {}
+
+  Expected<void> run(std::span<const std::byte> bytes) {
+    if (auto opened = document_.open(bytes); !opened) return opened;
+    auto done = read();
+    if (!done && done.error().message != kCancelled) done.error().message.insert(0, job_.file() + ": ");
+    return done;
+  }
+
+ private:
+  struct Visit {
+    std::uint64_t node;
+    NodeId parent;
+    Affine file_from_parent;
+  };
+  struct Node {
+    NodeId id;
+    Affine file_from_node;
+    std::string where;
+  };
+  struct SharedMesh {
+    bool drawn = false;    // else it has no triangles, or could not be read and was complained about
+    PolygonMesh polygons;  // until the first item
+    std::string name;
+    core::MeshId mesh;  // from then on
+    Affine placement;   // where its coordinates lie
+  };
+
+  // Errors from here on say where in the file, but not which file.
+
+  Expected<void> read() {
+    if (auto checked = check_extensions(); !checked) return checked;
+    if (auto checked = find_parents(); !checked) return checked;
+    // The convention has z up, whatever glTF says.
+    follows_convention_ = GltfCollections::follows_convention(document_);
+    if (follows_convention_) job_.scene().set_transform(job_.file_node(), {});
+    auto done = walk();
+    job_.report().bytes = document_.bytes_read();
+    if (done && not_triangles_ > 0)
+      job_.warn(0, fmt::format("{} primitives left out: points or lines, expected triangles", not_triangles_));
+    return done;
+  }
+
+  /// A part that cannot be read: fails when strict, else it is left out. Cancelling always fails.
+  Expected<void> left_out(core::Error error) {
+    if (!job_.options().lenient || error.message == kCancelled) return tl::unexpected(std::move(error));
+    job_.warn(0, std::move(error.message));
+    return {};
+  }
+
+  Expected<void> check_extensions() {
+    const Json* required = gltf_find(document_.root(), "extensionsRequired");
+    if (!required || !required->is_array()) return {};
+    for (const Json& extension : *required) {
+      const std::string name = extension.is_string() ? extension.get<std::string>() : describe(extension);
+      const bool look = name.starts_with("KHR_materials_") || name.find("texture") != std::string::npos;
+      if (look ||
+          std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) != std::end(kKnownExtensions))
+        continue;
+      if (auto asked =
+              left_out({fmt::format("/extensionsRequired: expected extensions that can be read, found {}", name)});
+          !asked)
+        return asked;
+    }
+    return {};
+  }
+
+  // --- the tree ----------------------------------------------------------------------------------------------------
+
+  /// Each node's only parent, without those that would make more of the file than a forest.
+  Expected<void> find_parents() {
+    parents_.assign(document_.count("nodes"), core::kNone);
+    for (std::size_t i = 0; i < parents_.size(); ++i) {
+      const Json& node = (*gltf_find(document_.root(), "nodes"))[i];
+      const Json* children = gltf_find(node, "children");
+      for (std::size_t c = 0; children && c < children->size(); ++c) {
+        const auto child = child_of(*children, c, i);
+        if (child)
+          parents_[*child] = std::uint32_t(i);
+        else if (auto asked = left_out(child.error()); !asked)
+          return asked;
+      }
+    }
+    return cut_cycles();
+  }
+
+  Expected<std::uint64_t> child_of(const Json& children, std::size_t place, std::size_t parent) {
+    const std::string where = fmt::format("/nodes/{}/children", parent);
+    if (!children.is_array())
+      return core::fail(fmt::format("{}: expected an array, found {}", where, describe(children)));
+    const auto child = index_at(children[place], where);
+    if (!child) return child;
+    if (const auto found = document_.element("nodes", *child, where); !found) return tl::unexpected(found.error());
+    if (parents_[*child] != core::kNone)
+      return core::fail(
+          fmt::format("/nodes/{}: expected one parent, found nodes {} and {}", *child, parents_[*child], parent));
+    return child;
+  }
+
+  static Expected<std::uint64_t> index_at(const Json& value, const std::string& where) {
+    if (!value.is_number_unsigned())
+      return core::fail(fmt::format("{}: expected whole numbers, found {}", where, describe(value)));
+    return value.get<std::uint64_t>();
+  }
+
+  /// A node whose ancestors lead back to it can be reached from no root: the cycle is cut above it.
+  Expected<void> cut_cycles() {
+    std::vector<std::uint32_t> seen_from(parents_.size(), core::kNone);
+    for (std::uint32_t start = 0; start < parents_.size(); ++start) {
+      std::uint32_t node = start;
+      while (node != core::kNone && seen_from[node] == core::kNone) {
+        seen_from[node] = start;
+        node = parents_[node];
+      }
+      if (node == core::kNone || seen_from[node] != start) continue;
+      if (auto asked = left_out({fmt::format("/nodes/{}: expected a tree, found it among its own ancestors", node)});
+          !asked)
+        return asked;
+      parents_[node] = core::kNone;
+    }
+    return {};
+  }
+
+  Expected<std::vector<std::uint64_t>> roots() {
+    std::vector<std::uint64_t> found;
+    const auto wanted = gltf_index(document_.root(), "scene", "", 0);
+    if (!wanted) return tl::unexpected(wanted.error());
+    if (document_.count("scenes") == 0) {
+      for (std::uint64_t i = 0; i < parents_.size(); ++i)
+        if (parents_[i] == core::kNone) found.push_back(i);
+      return found;
+    }
+    if (document_.count("scenes") > 1)
+      job_.warn(0, fmt::format("/scenes: only scene {} of {} is read", *wanted, document_.count("scenes")));
+    const auto scene = document_.element("scenes", *wanted, "/scene");
+    if (!scene) return tl::unexpected(scene.error());
+    const Json* nodes = gltf_find(*scene->json, "nodes");
+    if (!nodes) return found;
+    const std::string where = scene->where() + "/nodes";
+    std::vector<bool> taken(parents_.size());
+    for (std::size_t i = 0; i < nodes->size(); ++i) {
+      auto node = nodes->is_array()
+                      ? index_at((*nodes)[i], where)
+                      : core::fail(fmt::format("{}: expected an array, found {}", where, describe(*nodes)));
+      if (node && *node >= parents_.size())
+        node = core::fail(fmt::format("{}: expected one of the {} nodes, found {}", where, parents_.size(), *node));
+      else if (node && (parents_[*node] != core::kNone || taken[*node]))
+        node = core::fail(fmt::format("{}: expected nodes without a parent, each once, found {}", where, *node));
+      if (node) {
+        taken[*node] = true;
+        found.push_back(*node);
+      } else if (auto asked = left_out(node.error()); !asked) {
+        return tl::unexpected(asked.error());
+      }
+    }
+    return found;
+  }
+
+  Expected<void> walk() {
+    const auto tops = roots();
+    if (!tops) return left_out(tops.error());
+    std::vector<Visit> stack;
+    for (auto top = tops->rbegin(); top != tops->rend(); ++top) stack.push_back({*top, job_.file_node(), {}});
+    for (; !stack.empty(); ++visited_) {
+      if (auto asked = progress(0.0); !asked) return asked;
+      const Visit visit = stack.back();
+      stack.pop_back();
+      const auto element = document_.element("nodes", visit.node, "/nodes");
+      if (!element) {
+        if (auto asked = left_out(element.error()); !asked) return asked;
+        continue;
+      }
+      auto node = add_node(*element, visit);
+      if (!node) return tl::unexpected(node.error());
+      if (auto shown = add_items(*element, *node); !shown)
+        if (auto asked = left_out(shown.error()); !asked) return asked;
+      const Json* children = gltf_find(*element->json, "children");
+      for (std::size_t c = children && children->is_array() ? children->size() : 0; c-- > 0;) {
+        const Json& child = (*children)[c];
+        if (!child.is_number_unsigned()) continue;
+        const std::uint64_t index = child.get<std::uint64_t>();
+        if (index >= parents_.size() || parents_[index] != visit.node) continue;
+        stack.push_back({index, node->id, node->file_from_node});
+        parents_[index] = core::kNone;  // listed twice, it is still one child
+      }
+    }
+    return {};
+  }
+
+  /// `share` of the node being visited.
+  Expected<void> progress(double share) {
+    return job_.progress(0.2 + 0.8 * (double(visited_) + share) / double(std::max<std::size_t>(parents_.size(), 1)));
+  }
+
+  // --- a node ------------------------------------------------------------------------------------------------------
+
+  Expected<Affine> transform_of(const GltfElement& element) {
+    const Json& json = *element.json;
+    const std::string where = element.where();
+    if (gltf_find(json, "matrix")) {
+      double m[16] = {};
+      if (auto read = gltf_numbers(json, "matrix", where, m, 16); !read) return tl::unexpected(read.error());
+      if (m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0)
+        return core::fail(fmt::format("{}/matrix: expected 0 0 0 1 as its last row", where));
+      return gltf_affine(m);
+    }
+    double translation[3] = {}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
+    auto read = gltf_numbers(json, "translation", where, translation, 3);
+    if (read) read = gltf_numbers(json, "rotation", where, rotation, 4);
+    if (read) read = gltf_numbers(json, "scale", where, scale, 3);
+    if (!read) return tl::unexpected(read.error());
+    return gltf_affine(translation, rotation, scale);
+  }
+
+  Expected<Node> add_node(const GltfElement& element, const Visit& visit) {
+    Affine parent_from_node;
+    if (const auto found = transform_of(element)) {
+      parent_from_node = *found;
+    } else if (auto asked = left_out(found.error()); !asked) {
+      return tl::unexpected(asked.error());
+    }
+    const NodeId id = job_.scene().add_node(visit.parent, name_of(element), parent_from_node);
+    add_attributes(*element.json, id);
+    return Node{id, visit.file_from_parent * parent_from_node, element.where()};
+  }
+
+  std::string name_of(const GltfElement& element) const {
+    std::string name = gltf_text(*element.json, "name");
+    const Json* index = gltf_find(*element.json, "mesh");
+    if (!name.empty() || !index || !index->is_number_unsigned()) return name;
+    const auto mesh = document_.element("meshes", index->get<std::uint64_t>(), "");
+    return mesh ? gltf_text(*mesh->json, "name") : name;
+  }
+
+  void add_attributes(const Json& node, NodeId id) {
+    const Json* extras = gltf_find(node, "extras");
+    if (!extras) return;
+    const auto add = [&](const std::string& key, const Json& value) {
+      if (value.is_string())
+        job_.scene().set_attribute(id, key, value.get_ref<const std::string&>());
+      else if (value.is_number() || value.is_boolean())
+        job_.scene().set_attribute(id, key, value.dump());
+    };
+    if (!extras->is_object()) return add("extras", *extras);
+    for (const auto& [key, value] : extras->items()) add(key, value);
+  }
+
+  Expected<void> add_items(const GltfElement& element, const Node& node) {
+    const Json& json = *element.json;
+    const Json* extensions = gltf_find(json, "extensions");
+    const Json* instancing = extensions ? gltf_find(*extensions, "EXT_mesh_gpu_instancing") : nullptr;
+    const Json* attributes = instancing ? gltf_find(*instancing, "attributes") : nullptr;
+    const std::string where = node.where + "/extensions/EXT_mesh_gpu_instancing/attributes";
+    if (instancing && !attributes) return core::fail(where + ": expected an object, which is missing");
+    const std::string name = gltf_text(json, "name");
+    if (attributes && follows_convention_ && GltfCollections::is_collection(name))
+      return collections_.add(name, *attributes, node.id, node.file_from_node, where,
+                              [this](double share) { return progress(share); });
+    if (!gltf_find(json, "mesh")) return {};
+    const auto index = gltf_index(json, "mesh", node.where);
+    if (!index) return tl::unexpected(index.error());
+    const auto mesh = document_.element("meshes", *index, node.where + "/mesh");
+    if (!mesh) return tl::unexpected(mesh.error());
+    return attributes ? add_instances(*mesh, *attributes, node, where) : add_mesh(*mesh, node);
+  }
+
+  // --- meshes ------------------------------------------------------------------------------------------------------
+
+  /// Calls visit(primitive, where) for each primitive of a mesh; what it cannot read is left out.
+  template <class VisitPrimitive>
+  Expected<void> for_each_primitive(const GltfElement& mesh, VisitPrimitive&& visit) {
+    const Json* primitives = gltf_find(*mesh.json, "primitives");
+    if (!primitives || !primitives->is_array())
+      return core::fail(mesh.where() + "/primitives: expected an array of mesh primitives");
+    for (std::size_t i = 0; i < primitives->size(); ++i) {
+      const Expected<void> done = visit((*primitives)[i], fmt::format("{}/primitives/{}", mesh.where(), i));
+      if (done) continue;
+      if (auto asked = left_out(done.error()); !asked) return tl::unexpected(asked.error());
+    }
+    return {};
+  }
+
+  Expected<void> add_mesh(const GltfElement& mesh, const Node& node) {
+    return for_each_primitive(mesh, [&](const Json& primitive, const std::string& where) -> Expected<void> {
+      const auto sources = gltf_sources(primitive, where);
+      if (!sources) return tl::unexpected(sources.error());
+      const Json* attributes = gltf_find(primitive, "attributes");
+      if (sources->draws_triangles() && gltf_find(*attributes, "_treeIndex"))
+        return collections_.add_triangles(*sources, *attributes, node.id, node.file_from_node, where,
+                                          [this](double share) { return progress(share); });
+      const auto material = material_of(primitive, where);
+      if (!material) return tl::unexpected(material.error());
+      const auto shared = shared_mesh(*sources, mesh, where);
+      if (!shared) return tl::unexpected(shared.error());
+      if (!(*shared)->drawn) return {};
+      if (auto taken = take_items(1, where); !taken) return taken;
+      add_item(**shared, node.id, {}, *material);
+      return {};
+    });
+  }
+
+  Expected<void> add_instances(const GltfElement& mesh, const Json& attributes, const Node& node,
+                               const std::string& where) {
+    enum { kTranslation, kRotation, kScale, kMatrix, kTree, kColour };
+    constexpr GltfTable::Column kColumns[] = {{"TRANSLATION", 3},      {"ROTATION", 4},   {"SCALE", 3},
+                                              {"_instanceMatrix", 16}, {"_treeIndex", 1}, {"_color", 4}};
+    GltfTable table;
+    if (auto opened = table.open(document_, attributes, kColumns, where); !opened) return opened;
+    return for_each_primitive(mesh, [&](const Json& primitive, const std::string& at) -> Expected<void> {
+      const auto sources = gltf_sources(primitive, at);
+      if (!sources) return tl::unexpected(sources.error());
+      const auto material = material_of(primitive, at);
+      if (!material) return tl::unexpected(material.error());
+      const auto shared = shared_mesh(*sources, mesh, at);
+      if (!shared) return tl::unexpected(shared.error());
+      if (!(*shared)->drawn) return {};
+      if (auto taken = take_items(table.count(), at); !taken) return taken;
+      for (std::uint64_t first = 0; first < table.count(); first += GltfTable::kBlock) {
+        if (auto asked = progress(double(first) / double(table.count())); !asked) return asked;
+        const std::uint64_t n = table.load(first);
+        for (std::uint64_t i = 0; i < n; ++i) {
+          const double* matrix = table.row(kMatrix, i);
+          const Affine from_copy =
+              matrix ? gltf_affine(matrix)
+                     : gltf_affine(table.row(kTranslation, i), table.row(kRotation, i), table.row(kScale, i));
+          const auto place = collections_.place(table.row(kTree, i), node.id, node.file_from_node, from_copy);
+          const bool coloured = table.has(kColour);
+          const core::MaterialId colour =
+              coloured ? collections_.material(table.row(kColour, i), &table.accessor(kColour)) : *material;
+          add_item(**shared, place.node, place.from_item, colour);
+        }
+      }
+      return {};
+    });
+  }
+
+  Expected<core::MaterialId> material_of(const Json& primitive, const std::string& where) {
+    if (!gltf_find(primitive, "material")) return core::MaterialId{};
+    const auto index = gltf_index(primitive, "material", where);
+    if (!index) return tl::unexpected(index.error());
+    return materials_.material(*index, where + "/material");
+  }
+
+  Expected<void> take_items(std::uint64_t count, const std::string& where) {
+    if (document_.take_items(count)) return {};
+    return core::fail(fmt::format("{}: more items than a file of {} bytes may hold", where, document_.bytes_read()));
+  }
+
+  void add_item(SharedMesh& shared, NodeId node, const Affine& node_from_copy, core::MaterialId material) {
+    if (shared.mesh.valid()) return job_.add_instance(node, shared.mesh, node_from_copy * shared.placement, material);
+    // The job decides what the mesh becomes and where its coordinates lie.
+    core::Scene& scene = job_.scene();
+    const auto item = core::ItemId(scene.item_slots());
+    job_.add_mesh(node, std::exchange(shared.polygons, {}), shared.name, {}, material);
+    shared.mesh = scene.mesh_of(item);
+    shared.placement = scene.placement(item);
+    scene.set_placement(item, node_from_copy * shared.placement);
+  }
+
+  /// The mesh of a primitive, read when it is first asked for.
+  Expected<SharedMesh*> shared_mesh(const GltfSources& sources, const GltfElement& mesh, const std::string& where) {
+    const auto [known, added] = meshes_.try_emplace(sources);
+    SharedMesh& shared = known->second;
+    if (!added) return &shared;
+    if (!sources.draws_triangles()) {
+      ++not_triangles_;
+      return &shared;
+    }
+    auto corners = gltf_triangles(job_, document_, sources, where);
+    if (!corners) return tl::unexpected(corners.error());
+    auto polygons = gltf_mesh(document_, sources, std::move(*corners), where);
+    if (!polygons) return tl::unexpected(polygons.error());
+    shared.drawn = true;
+    shared.polygons = std::move(*polygons);
+    shared.name = gltf_text(*mesh.json, "name");
+    return &shared;
+  }
+
+  ImportJob& job_;
+  GltfDocument document_;
+  GltfMaterials materials_;
+  GltfCollections collections_;
+  bool follows_convention_ = false;
+  std::vector<std::uint32_t> parents_;
+  std::uint64_t visited_ = 0, not_triangles_ = 0;
+  std::map<GltfSources, SharedMesh> meshes_;
+};
+
+}  // namespace
+
+core::Expected<ImportReport> read_gltf(std::span<const std::byte> bytes, const std::filesystem::path& path,
+                                       core::Scene& scene, core::NodeId parent, const ImportOptions& options) {
+  return run_import(path.filename().string(), scene, parent, options, {1.0, UpAxis::kY},
+                    [&](ImportJob& job) { return Reading(job, path).run(bytes); });
+}
+
+}  // namespace sightline::importers

@@ -1,0 +1,523 @@
+#include "sightline/importers/gltf/gltf_reader.h"
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "sightline/tests/importers/gltf_bytes.h"
+#include "sightline/tests/support/test_data.h"
+
+namespace sightline::importers {
+namespace {
+
+using core::dvec3;
+using tests::GltfBytes;
+using Json = nlohmann::json;
+
+class GltfReader : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(testing::TempDir()) / (std::string("sightline_gltf_") + test->name()) / "models";
+    std::filesystem::remove_all(folder_.parent_path());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_.parent_path()); }
+
+  core::Expected<ImportReport> read(std::span<const std::byte> bytes, bool lenient = false) {
+    scene_ = core::Scene();
+    auto report =
+        read_gltf(bytes, folder_ / "model.glb", scene_, scene_.root(), {.lenient = lenient, .share_meshes = false});
+    if (report) {
+      EXPECT_TRUE(scene_.commit());
+    } else {
+      EXPECT_EQ(scene_.node_count(), 1u);
+      EXPECT_EQ(scene_.item_slots() + scene_.mesh_slots() + scene_.material_slots(), 0u);
+    }
+    return report;
+  }
+  core::Expected<ImportReport> read(const GltfBytes& file, bool lenient = false) { return read(file.glb(), lenient); }
+  core::Expected<ImportReport> read_text(const std::string& text, bool lenient = false) {
+    return read(std::as_bytes(std::span(text)), lenient);
+  }
+  /// The error of a strict read, which must fail, and the first warning of a lenient one, which must not.
+  void expect_damage(const GltfBytes& file, const std::string& message) {
+    const auto strict = read(file);
+    ASSERT_FALSE(strict) << message;
+    EXPECT_EQ(strict.error().message.find("model.glb: " + message), 0u) << strict.error().message;
+    const auto lenient = read(file, true);
+    ASSERT_TRUE(lenient) << lenient.error().message;
+    ASSERT_FALSE(lenient->warnings.empty()) << message;
+    EXPECT_EQ(lenient->warnings[0].message.find(message), 0u) << lenient->warnings[0].message;
+  }
+
+  core::NodeId find(std::string_view name) const {
+    core::NodeId found;
+    scene_.for_each_node(scene_.root(), [&](core::NodeId node, auto&&...) {
+      if (scene_.name(node) == name) found = node;
+    });
+    return found;
+  }
+  /// World positions of an item's corners, in order.
+  std::vector<dvec3> corners(core::ItemId item) const {
+    const core::Affine world = scene_.state(item).world_from_item;
+    const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(item));
+    std::vector<dvec3> all;
+    for (const std::uint32_t i : mesh.indices) all.push_back(core::transform_point(world, dvec3(mesh.positions[i])));
+    return all;
+  }
+  void expect_corners(core::ItemId item, const std::vector<dvec3>& expected, double tolerance = 1e-6) const {
+    const auto found = corners(item);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i)
+      EXPECT_LE(glm::length(found[i] - expected[i]), tolerance)
+          << "corner " << i << ": " << found[i].x << " " << found[i].y << " " << found[i].z;
+  }
+
+  std::filesystem::path folder_;
+  core::Scene scene_;
+};
+
+/// A file with one triangle (1 0 0, 0 2 0, 0 0 3) of floats.
+GltfBytes triangle_file() {
+  GltfBytes g;
+  g.mesh({{"attributes", {{"POSITION", g.floats({1, 0, 0, 0, 2, 0, 0, 0, 3}, "VEC3")}}}});
+  return g;
+}
+
+TEST_F(GltfReader, HierarchyTransformsNamesAndAttributes) {
+  GltfBytes g = triangle_file();
+  g.json["meshes"][0]["name"] = "wedge";
+  const int leaf = g.add("nodes", {{"mesh", 0},
+                                   {"translation", {10, 20, 30}},
+                                   {"rotation", {0, 0, std::sqrt(0.5), std::sqrt(0.5)}},
+                                   {"scale", {2, 3, 4}}});
+  const int arm = g.add("nodes", {{"name", "arm"},
+                                  {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 100, 0, 0, 1}},
+                                  {"children", {leaf}},
+                                  {"extras", {{"tag", "P-100"}, {"weight", 2.5}, {"open", true}, {"list", {1, 2}}}}});
+  g.root({{"name", "unit"}, {"children", {arm}}, {"extras", "note"}});
+  const auto report = read(g);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->warnings.empty());
+  EXPECT_EQ(report->items[std::size_t(core::Kind::kMesh)], 1u);
+  EXPECT_EQ(scene_.path(scene_.node_of(0)), "model.glb/unit/arm/wedge");
+  const auto& attributes = scene_.attributes(find("arm"));
+  ASSERT_EQ(attributes.size(), 3u);  // JSON objects have no order
+  EXPECT_EQ(attributes[0], (std::pair<std::string, std::string>("open", "true")));
+  EXPECT_EQ(attributes[1], (std::pair<std::string, std::string>("tag", "P-100")));
+  EXPECT_EQ(attributes[2], (std::pair<std::string, std::string>("weight", "2.5")));
+  EXPECT_EQ(scene_.attributes(find("unit"))[0].second, "note");
+  // A quarter turn about z takes x to y and y to -x; then z up: (x, y, z) -> (x, -z, y).
+  expect_corners(0, {{110, -30, 22}, {104, -30, 20}, {110, -42, 20}});
+}
+
+TEST_F(GltfReader, EveryComponentType) {
+  const auto expect = [&](GltfBytes g, int positions, double scale) {
+    g.mesh({{"attributes", {{"POSITION", positions}}}});
+    g.root({{"mesh", 0}});
+    const auto report = read(g);
+    ASSERT_TRUE(report) << report.error().message;
+    expect_corners(0, {{scale, 0, 0}, {0, 0, scale}, {0, -scale, 0}});
+  };
+  const auto with = [&]<class T>(T one) {
+    for (const bool normalized : {false, true}) {
+      if (std::is_same_v<T, float> && normalized) continue;
+      GltfBytes g;
+      const int positions = g.accessor<T>({one, 0, 0, 0, one, 0, 0, 0, one}, "VEC3", normalized);
+      expect(g, positions, normalized ? double(one) / double(std::numeric_limits<T>::max()) : double(one));
+    }
+  };
+  with(std::int8_t{100}), with(std::uint8_t{200}), with(std::int16_t{30000}), with(std::uint16_t{60000}), with(2.5f);
+  // The most negative value of a normalised type stands for -1, too.
+  GltfBytes g;
+  const int positions = g.accessor<std::int8_t>({-128, 0, 0, 0, -128, 0, 0, 0, -128}, "VEC3", true);
+  expect(g, positions, -1.0);
+}
+
+TEST_F(GltfReader, IndexTypesStridesStripsAndFans) {
+  // Five points in a plane, interleaved with numbers that mean nothing.
+  const std::vector<float> points = {0, 0, 0, 9, 1, 0, 0, 9, 1, 1, 0, 9, 0, 1, 0, 9, -1, 0.5f, 0, 9};
+  const dvec3 p[] = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}, {-1, 0, 0.5}};
+  const auto file = [&](int mode, auto type) {
+    using T = decltype(type);
+    GltfBytes g;
+    const int view = g.view(points.data(), points.size() * 4, 16);
+    const int positions =
+        g.add("accessors", {{"bufferView", view}, {"componentType", 5126}, {"count", 5}, {"type", "VEC3"}});
+    const int indices = g.accessor<T>({0, 1, 2, 0, 2, 3}, "SCALAR");
+    g.mesh({{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"mode", mode}});
+    g.root({{"mesh", 0}});
+    return g;
+  };
+  const std::vector<dvec3> plain = {p[0], p[1], p[2], p[0], p[2], p[3]};
+  ASSERT_TRUE(read(file(4, std::uint8_t{})));
+  expect_corners(0, plain);
+  ASSERT_TRUE(read(file(4, std::uint16_t{})));
+  expect_corners(0, plain);
+  ASSERT_TRUE(read(file(4, std::uint32_t{})));
+  expect_corners(0, plain);
+  // 0 1 2 | 2 1 0 turned | 2 0 2 empty | 2 0 3 turned: 0 3 2 … by the rule of the specification.
+  ASSERT_TRUE(read(file(5, std::uint8_t{})));
+  expect_corners(0, {p[0], p[1], p[2], p[1], p[0], p[2], p[0], p[3], p[2]});
+  ASSERT_TRUE(read(file(6, std::uint8_t{})));
+  expect_corners(0, {p[1], p[2], p[0], p[2], p[3], p[0]});
+}
+
+TEST_F(GltfReader, PointsAndLinesAreLeftOut) {
+  GltfBytes g = triangle_file();
+  g.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"mode", 0}});
+  g.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"mode", 3}});
+  g.root({{"mesh", 0}});
+  const auto report = read(g);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(scene_.item_count(), 1u);
+  ASSERT_EQ(report->warnings.size(), 1u);
+}
+
+/// Accessors of random types, strides, offsets and sparse changes against numbers kept beside them.
+TEST_F(GltfReader, RandomAccessorsHoldTheirNumbers) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    const std::size_t count = 3 + random() % 40;
+    const bool base = random() % 4 != 0, sparse = random() % 2 != 0;
+    const std::size_t stride = 12 + 4 * (random() % 4), offset = 4 * (random() % 3);
+    std::vector<dvec3> expected(count, dvec3(0.0));
+    std::vector<float> data((offset + count * stride) / 4 + 3, 77.0f);
+    for (std::size_t i = 0; base && i < count; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const float value = float(int(random() % 2001) - 1000);
+        data[(offset + i * stride) / 4 + std::size_t(k)] = value;
+        expected[i][k] = value;
+      }
+    GltfBytes g;
+    Json accessor = {{"componentType", 5126}, {"count", count}, {"type", "VEC3"}};
+    if (base) {
+      accessor["bufferView"] = g.view(data.data(), data.size() * 4, stride);
+      accessor["byteOffset"] = offset;
+    }
+    if (sparse) {
+      std::vector<std::uint16_t> which;
+      std::vector<float> values;
+      for (std::size_t i = 0; i < count; ++i) {
+        if (random() % 3) continue;
+        which.push_back(std::uint16_t(i));
+        for (int k = 0; k < 3; ++k) values.push_back(float(expected[i][k] = int(random() % 100)));
+      }
+      which.push_back(0), values.insert(values.end(), 3, 0.0f);  // so that no view is empty
+      accessor["sparse"] = {
+          {"count", which.size() - 1},
+          {"indices", {{"bufferView", g.view(which.data(), which.size() * 2)}, {"componentType", 5123}}},
+          {"values", {{"bufferView", g.view(values.data(), values.size() * 4)}}}};
+    }
+    const int positions = g.add("accessors", accessor);
+    // Few corners of many vertices and many corners of few take different ways.
+    std::vector<std::uint32_t> indices;
+    for (std::size_t i = 0, n = 3 * (1 + random() % 30); i < n; ++i) indices.push_back(std::uint32_t(random() % count));
+    g.mesh({{"attributes", {{"POSITION", positions}}}, {"indices", g.accessor(indices, "SCALAR")}});
+    g.root({{"mesh", 0}});
+    const auto report = read(g);
+    ASSERT_TRUE(report) << report.error().message;
+    std::vector<dvec3> wanted;
+    for (const std::uint32_t i : indices) wanted.emplace_back(expected[i].x, -expected[i].z, expected[i].y);
+    expect_corners(0, wanted, 1e-3);
+    ASSERT_FALSE(HasFailure());
+  }
+}
+
+TEST_F(GltfReader, InstancesShareTheirMesh) {
+  GltfBytes g = triangle_file();
+  g.root({{"mesh", 0}, {"translation", {5, 0, 0}}});
+  g.root({{"mesh", 0}});
+  const int moves = g.floats({1, 0, 0, 0, 2, 0, 0, 0, 3}, "VEC3");
+  const int turns = g.accessor<std::int16_t>({0, 0, 0, 32767, 0, 0, 23170, 23170, 0, 0, 32767, 0}, "VEC4", true);
+  const int scales = g.floats({1, 1, 1, 2, 2, 2, 3, 3, 3}, "VEC3");
+  g.root({{"mesh", 0},
+          {"extensions",
+           {{"EXT_mesh_gpu_instancing",
+             {{"attributes", {{"TRANSLATION", moves}, {"ROTATION", turns}, {"SCALE", scales}}}}}}}});
+  const auto report = read(g);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(scene_.item_count(), 5u);
+  EXPECT_EQ(scene_.mesh_slots(), 1u);
+  EXPECT_EQ(report->shared_meshes, 4u);
+  expect_corners(0, {{6, 0, 0}, {5, 0, 2}, {5, -3, 0}});
+  expect_corners(1, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+  expect_corners(2, {{2, 0, 0}, {1, 0, 2}, {1, -3, 0}});
+  expect_corners(3, {{0, 0, 4}, {-4, 0, 2}, {0, -6, 2}}, 1e-5);  // a quarter turn about z, twice as large
+  expect_corners(4, {{-3, -3, 0}, {0, -3, -6}, {0, -12, 0}}, 1e-5);
+}
+
+TEST_F(GltfReader, FarFromTheOriginKeepsDetail) {
+  GltfBytes g;
+  // A square of 0.2 mm, 10,000 km away by its node; another whose bytes say 16 m steps and whose node scales them.
+  g.mesh({{"attributes", {{"POSITION", g.floats({0, 0, 0, 2e-4f, 0, 0, 0, 2e-4f, 0}, "VEC3")}}}});
+  g.root({{"mesh", 0}, {"translation", {1e7, 1e7, 1e7}}});
+  // Integers hold 24 bits and more: a mesh whose own numbers lie far out is re-centred before it becomes float.
+  const int far = g.accessor<std::uint32_t>({4000000001u, 0, 0, 4000000000u, 1, 0, 4000000000u, 0, 1}, "VEC3");
+  g.mesh({{"attributes", {{"POSITION", far}}}});
+  g.root({{"mesh", 1}});
+  const auto report = read(g);
+  ASSERT_TRUE(report) << report.error().message;
+  expect_corners(0, {{1e7, -1e7, 1e7}, {1e7 + 2e-4, -1e7, 1e7}, {1e7, -1e7, 1e7 + 2e-4}}, 1e-8);
+  expect_corners(1, {{4000000001.0, 0, 0}, {4000000000.0, 0, 1}, {4000000000.0, -1, 0}}, 1e-6);
+}
+
+TEST_F(GltfReader, MaterialsAreConvertedToSrgb) {
+  GltfBytes g = triangle_file();
+  g.add("materials", {{"name", "paint"},
+                      {"pbrMetallicRoughness", {{"baseColorFactor", {0.214041, 1.0, 0.0, 0.25}}}},
+                      {"alphaMode", "BLEND"}});
+  g.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.25}}}}});
+  g.json["meshes"][0]["primitives"][0]["material"] = 0;
+  g.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"material", 1}});
+  g.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}});
+  g.root({{"mesh", 0}});
+  g.root({{"mesh", 0}});
+  ASSERT_TRUE(read(g));
+  ASSERT_EQ(scene_.material_slots(), 2u);
+  const core::Material& paint = scene_.material(scene_.item_material(0));
+  EXPECT_EQ(paint.name, "paint");
+  EXPECT_NEAR(paint.colour.x, 0.5, 1e-4);
+  EXPECT_EQ(paint.colour.y, 1.0f);
+  EXPECT_EQ(paint.colour.z, 0.0f);
+  EXPECT_EQ(paint.alpha, 0.25f);
+  EXPECT_EQ(scene_.material(scene_.item_material(1)).alpha, 1.0f);  // opaque, whatever its alpha
+  EXPECT_FALSE(scene_.item_material(2).valid());
+}
+
+TEST_F(GltfReader, TexturesCountAsTheirMean) {
+  // Two pixels: opaque red, and half blue without any opacity.
+  GltfBytes g = tests::small_gltf();
+  auto& material = g.json["materials"][0];
+  material["pbrMetallicRoughness"]["baseColorFactor"] = {1.0, 1.0, 1.0, 1.0};
+  ASSERT_TRUE(read(g));
+  core::Material found = scene_.material(scene_.item_material(0));
+  EXPECT_EQ(found.colour, core::vec3(1, 0, 0));  // blended: the second pixel does not count
+  EXPECT_NEAR(found.alpha, 0.5, 1e-6);
+  material.erase("alphaMode");
+  ASSERT_TRUE(read(g));
+  found = scene_.material(scene_.item_material(0));
+  EXPECT_NEAR(found.colour.x, 0.735357, 1e-4);  // sRGB of 1/2
+  EXPECT_NEAR(found.colour.z, 0.362249, 1e-4);  // of 0.2158605 / 2
+  EXPECT_EQ(found.alpha, 1.0f);
+}
+
+TEST_F(GltfReader, TexturesThatCannotBeReadAreWarnings) {
+  const auto expect = [&](const Json& image, const std::string& part) {
+    GltfBytes g = tests::small_gltf();
+    g.json["images"][0] = image;
+    g.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {0.0, 1.0, 0.0, 1.0};
+    const auto report = read(g);
+    ASSERT_TRUE(report) << report.error().message;
+    ASSERT_EQ(report->warnings.size(), 1u) << part;
+    EXPECT_NE(report->warnings[0].message.find(part), std::string::npos) << report->warnings[0].message;
+    EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, core::vec3(0, 1, 0));
+  };
+  expect({{"uri", "missing.png"}}, "'missing.png' not found");
+  expect({{"uri", "../secret.png"}}, "refused");
+  expect({{"uri", "https://example.com/a.png"}}, "refused");
+  expect({{"uri", "data:image/png;base64,AAAA"}}, "expected a PNG or JPEG");
+  expect({{"bufferView", 99}}, "expected one of the");
+  expect(Json::object(), "bufferView");
+  // 9000 x 9000 pixels in a hundred bytes.
+  expect(
+      {{"uri",
+        "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAIygAACMoCAYAAABt1XK6AAAAC0lEQVR42mNggAMAAAsAAaAuyIUAAAAASUVORK5"
+        "CYII="}},
+      "at most");
+}
+
+TEST_F(GltfReader, BuffersBesideTheModel) {
+  GltfBytes g = triangle_file();
+  g.root({{"mesh", 0}});
+  const auto* data = reinterpret_cast<const char*>(g.binary.data());
+  std::filesystem::create_directories(folder_ / "parts");
+  std::ofstream(folder_ / "parts" / "a b.bin", std::ios::binary).write(data, std::streamsize(g.binary.size()));
+  std::ofstream(folder_.parent_path() / "secret.bin", std::ios::binary).write(data, std::streamsize(g.binary.size()));
+  const auto near = read_text(g.gltf("parts/a%20b.bin"));
+  ASSERT_TRUE(near) << near.error().message;
+  EXPECT_EQ(near->bytes, g.gltf("parts/a%20b.bin").size() + g.binary.size());
+  expect_corners(0, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+  ASSERT_TRUE(read_text(g.gltf("data:application/octet-stream;base64," + tests::base64(g.binary))));
+  expect_corners(0, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+  for (const std::string bad : {"../secret.bin", "%2e%2e/secret.bin", "/etc/passwd", "file:///etc/passwd",
+                                "missing.bin", "", "data:,xyz", "data:x;base64,(/)"}) {
+    const auto strict = read_text(g.gltf(bad));
+    ASSERT_FALSE(strict) << bad;
+    EXPECT_EQ(strict.error().message.find("model.glb: /buffers/0"), 0u) << strict.error().message;
+    const auto lenient = read_text(g.gltf(bad), true);
+    ASSERT_TRUE(lenient) << lenient.error().message;
+    EXPECT_EQ(scene_.item_count(), 0u);
+    EXPECT_EQ(lenient->warnings.size(), 1u);
+  }
+}
+
+TEST_F(GltfReader, RequiredExtensions) {
+  GltfBytes g = triangle_file();
+  g.root({{"mesh", 0}});
+  g.json["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_materials_unlit", "EXT_mesh_gpu_instancing"};
+  EXPECT_TRUE(read(g));
+  g.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  expect_damage(g, "/extensionsRequired: expected extensions that can be read, found KHR_draco_mesh_compression");
+  g.json["extensionsRequired"] = {"EXT_meshopt_compression"};
+  expect_damage(g, "/extensionsRequired: expected extensions that can be read, found EXT_meshopt_compression");
+}
+
+TEST_F(GltfReader, DefaultSceneAndOthers) {
+  GltfBytes g = triangle_file();
+  const int a = g.add("nodes", {{"name", "a"}, {"mesh", 0}}), b = g.add("nodes", {{"name", "b"}, {"mesh", 0}});
+  g.json["scenes"] = {{{"nodes", {a}}}, {{"nodes", {b}}}};
+  g.json["scene"] = 1;
+  const auto report = read(g);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->warnings.size(), 1u);
+  EXPECT_TRUE(find("b").valid());
+  EXPECT_FALSE(find("a").valid());
+  g.json.erase("scenes"), g.json.erase("scene");
+  ASSERT_TRUE(read(g));
+  EXPECT_EQ(scene_.item_count(), 2u);
+}
+
+TEST_F(GltfReader, GraphsThatAreNoTrees) {
+  GltfBytes g = triangle_file();
+  g.root({{"mesh", 0}, {"name", "good"}});
+  GltfBytes cycle = g;
+  cycle.json["nodes"].push_back({{"children", {2}}});
+  cycle.json["nodes"].push_back({{"children", {1}}});
+  expect_damage(cycle, "/nodes/1: expected a tree");
+  EXPECT_EQ(scene_.item_count(), 1u);
+  GltfBytes self = g;
+  self.json["nodes"].push_back({{"children", {1}}});
+  self.json.erase("scenes"), self.json.erase("scene");
+  expect_damage(self, "/nodes/1: expected a tree");
+  EXPECT_EQ(scene_.item_count(), 1u);
+  GltfBytes shared = g;
+  shared.root({{"children", {0}}});
+  expect_damage(shared, "/scenes/0/nodes: expected nodes without a parent");
+  GltfBytes parents = g;
+  parents.json["nodes"] = {{{"children", {2}}}, {{"children", {2}}}, {{"mesh", 0}}};
+  parents.json["scenes"][0]["nodes"] = {0, 1};
+  expect_damage(parents, "/nodes/2: expected one parent, found nodes 0 and 1");
+  EXPECT_EQ(scene_.item_count(), 1u);
+  GltfBytes twice = g;
+  twice.json["nodes"] = {{{"children", {1, 1}}}, {{"mesh", 0}}};
+  expect_damage(twice, "/nodes/1: expected one parent");
+  EXPECT_EQ(scene_.item_count(), 1u);
+}
+
+TEST_F(GltfReader, IndicesOutOfRangeAreDamage) {
+  GltfBytes g = tests::small_gltf();
+  const auto expect = [&](const std::string& pointer, const Json& value, const std::string& message) {
+    SCOPED_TRACE(pointer);
+    GltfBytes bad = g;
+    bad.json[Json::json_pointer(pointer)] = value;
+    expect_damage(bad, message);
+  };
+  expect("/scene", 7, "/scene: expected one of the 1 scenes, found 7");
+  expect("/scenes/0/nodes/0", 99, "/scenes/0/nodes: expected one of the 5 nodes, found 99");
+  expect("/scenes/0/nodes", "none", "/scenes/0/nodes: expected an array");
+  expect("/nodes/1/children/0", 99, "/nodes/1/children: expected one of the 5 nodes, found 99");
+  expect("/nodes/1/children/0", -1, "/nodes/1/children: expected whole numbers");
+  expect("/nodes/1/scale", {1, 2}, "/nodes/1/scale: expected an array of 3 finite numbers");
+  expect("/nodes/1/matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2}, "/nodes/1/matrix: expected 0 0 0 1");
+  expect("/nodes/0/mesh", 99, "/nodes/0/mesh: expected one of the 2 meshes, found 99");
+  expect("/nodes/0/mesh", 0.5, "/nodes/0/mesh: expected a whole number");
+  expect("/meshes/0/primitives", 3, "/meshes/0/primitives: expected an array");
+  expect("/meshes/0/primitives/0/attributes/POSITION", 99,
+         "/meshes/0/primitives/0/attributes/POSITION: expected one of");
+  expect("/meshes/0/primitives/0/attributes/POSITION", 2, "/meshes/0/primitives/0/attributes/POSITION: expected VEC3");
+  expect("/meshes/0/primitives/0/attributes/NORMAL", 99, "/meshes/0/primitives/0/attributes/NORMAL: expected one of");
+  expect("/meshes/0/primitives/0/indices", 0, "/meshes/0/primitives/0/indices: expected whole numbers");
+  expect("/meshes/0/primitives/0/mode", 9, "/meshes/0/primitives/0/mode: expected 0 … 6");
+  expect("/meshes/0/primitives/0/material", 3, "/meshes/0/primitives/0/material: expected one of the 1 materials");
+  expect("/accessors/0/bufferView", 99, "/accessors/0/bufferView: expected one of");
+  expect("/accessors/0/byteOffset", 40, "/accessors/0: expected 4 elements of 12 bytes");
+  expect("/accessors/0/count", 4294967294u, "/accessors/0: expected 4294967294 elements");
+  expect("/accessors/0/count", 4294967295u, "/accessors/0/count: expected less");
+  expect("/accessors/0/count", 1e300, "/accessors/0/count: expected a whole number");
+  expect("/accessors/0/componentType", 5124, "/accessors/0/componentType: expected");
+  expect("/accessors/0/type", "VEC9", "/accessors/0/type: expected");
+  expect("/accessors/3/sparse/indices/bufferView", 99, "/accessors/3/sparse/indices/bufferView: expected one of");
+  expect("/accessors/3/sparse/count", 1000, "/accessors/3/sparse/indices: expected 1000 elements");
+  expect("/bufferViews/0/byteOffset", 9007199254740992.0, "/bufferViews/0: expected");
+  expect("/bufferViews/0/byteLength", 9007199254740992.0, "/bufferViews/0: expected");
+  expect("/bufferViews/0/byteStride", 4, "/accessors/0: expected 4 elements of 12 bytes, 4 apart");
+  expect("/bufferViews/0/byteStride", 9007199254740992.0, "/accessors/0: expected 4 elements");
+  expect("/bufferViews/0/buffer", 5, "/bufferViews/0/buffer: expected one of the 1 buffers");
+  expect("/materials/0/pbrMetallicRoughness/baseColorFactor", {1, 2},
+         "/materials/0/pbrMetallicRoughness/baseColorFactor:");
+}
+
+TEST_F(GltfReader, IndicesBeyondTheVerticesCostTheirTriangles) {
+  GltfBytes g = triangle_file();
+  g.json["meshes"][0]["primitives"][0]["indices"] =
+      g.accessor<std::uint16_t>({0, 1, 2, 0, 1, 3, 0, 65535, 2}, "SCALAR");
+  g.root({{"mesh", 0}});
+  expect_damage(g, "/meshes/0/primitives/0/indices: expected indices below the 3 vertices, found 2 triangles beyond");
+  EXPECT_EQ(corners(0).size(), 3u);
+}
+
+TEST_F(GltfReader, GeometryThatIsNotFiniteIsDropped) {
+  GltfBytes g;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  g.mesh({{"attributes", {{"POSITION", g.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, nan, 0, 0, 0, 1, 0}, "VEC3")}}}});
+  g.root({{"mesh", 0}});
+  const auto report = read(g);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->warnings.size(), 1u);
+  EXPECT_EQ(corners(0).size(), 3u);
+}
+
+TEST_F(GltfReader, OtherFilesAreNoGltf) {
+  for (const std::string text : {"", "{", "[]", "nonsense", "glTF", "{\"asset\":{\"version\":\"1.0\"}}",
+                                 "{\"asset\":{\"version\":\"2.1\",\"minVersion\":\"2.1\"}}", "{\"asset\":[]}",
+                                 "{\"asset\":{\"version\":\"2.0\"},\"nodes\":{}}"}) {
+    for (const bool lenient : {false, true}) {
+      const auto report = read_text(text, lenient);
+      ASSERT_FALSE(report) << text;
+      EXPECT_EQ(report.error().message.find("model.glb: "), 0u) << report.error().message;
+    }
+  }
+  EXPECT_TRUE(read_text("\xEF\xBB\xBF{\"asset\":{\"version\":\"2.0\"}}"));
+}
+
+TEST_F(GltfReader, CancellingTakesEverythingBack) {
+  const auto bytes = tests::small_gltf().glb();
+  int calls = 0;
+  ASSERT_TRUE(read_gltf(bytes, "m.glb", scene_, scene_.root(), {.progress = [&](double) { return ++calls > 0; }}));
+  ASSERT_GT(calls, 4);
+  for (int last = 1; last <= calls; ++last)
+    for (const bool lenient : {false, true}) {
+      core::Scene scene;
+      int call = 0;
+      const auto report = read_gltf(bytes, "m.glb", scene, scene.root(),
+                                    {.lenient = lenient, .progress = [&](double) { return ++call < last; }});
+      ASSERT_FALSE(report);
+      EXPECT_EQ(report.error().message, kCancelled);
+      EXPECT_EQ(scene.node_count(), 1u);
+      EXPECT_EQ(scene.item_slots() + scene.mesh_slots() + scene.material_slots(), 0u);
+    }
+}
+
+TEST_F(GltfReader, RealFile) {
+  SIGHTLINE_NEED_DATA("meshes/3d_industrial_tanker.glb");
+  const auto report = import_file(tests::data_path("meshes/3d_industrial_tanker.glb"), scene_, scene_.root());
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->warnings.empty());
+  ASSERT_EQ(scene_.item_count(), 1u);
+  EXPECT_EQ(scene_.mesh(scene_.mesh_of(0)).indices.size(), 3u * 3720u);
+  EXPECT_EQ(scene_.path(scene_.node_of(0)),
+            "3d_industrial_tanker.glb/Sketchfab_model/94d6c67918f74c6fbb1dbab506f21050.fbx/RootNode/Tanker/"
+            "Tanker_Tanker_0");
+  const core::Material& paint = scene_.material(scene_.item_material(0));
+  EXPECT_EQ(paint.name, "Tanker");
+  EXPECT_GT(paint.colour.y, paint.colour.z);  // green
+}
+
+}  // namespace
+}  // namespace sightline::importers
