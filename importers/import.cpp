@@ -15,7 +15,9 @@
 #ifdef SIGHTLINE_HAVE_GLTF
 #include "sightline/importers/gltf/gltf_reader.h"
 #endif
+#include "sightline/importers/ply/ply_reader.h"
 #include "sightline/importers/rvm/rvm_reader.h"
+#include "sightline/importers/stl/stl_reader.h"
 #ifdef SIGHTLINE_HAVE_OBJ
 #include "sightline/importers/obj/obj_reader.h"
 #endif
@@ -37,6 +39,8 @@ constexpr Format kFormats[] = {
         const ImportOptions& options) { return read_rvm(bytes, path.filename().string(), scene, parent, options); }},
     {".txt", read_rvm_attributes},
     {".att", read_rvm_attributes},
+    {".ply", read_ply},
+    {".stl", read_stl},
 #ifdef SIGHTLINE_HAVE_OBJ
     {".obj", read_obj},
 #endif

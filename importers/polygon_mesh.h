@@ -14,6 +14,14 @@ struct PolygonMesh {
   std::vector<core::vec3> normals;        ///< one per position, or none
   std::vector<std::uint32_t> corners;     ///< counter-clockwise from outside, faces back to back
   std::vector<std::uint32_t> face_sizes;  ///< empty: all faces are triangles
+
+  /// Makes the last `size` corners a face, for those who add faces one by one.
+  void end_face(std::uint32_t size) {
+    if (size == 3 && face_sizes.empty()) return;
+    if (face_sizes.empty()) face_sizes.assign((corners.size() - size) / 3, 3);
+    face_sizes.push_back(size);
+  }
+  std::size_t face_count() const { return face_sizes.empty() ? corners.size() / 3 : face_sizes.size(); }
 };
 
 /// A coordinate beyond this is taken for damage: items that reach 1e37 m cannot be committed.

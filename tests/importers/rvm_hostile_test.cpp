@@ -1,88 +1,25 @@
 // Damaged and malicious RVM files: no crash, no hang, no memory beyond the stated multiple, and what is imported can be
 // committed. Run under -fsanitize=address,undefined this also shows that no read leaves the buffer.
-#include <atomic>
-#include <cstdlib>
 #include <cstring>
-#include <memory>
-#include <new>
 #include <random>
 
 #include <gtest/gtest.h>
-#include <malloc.h>
 
 #include "sightline/importers/rvm/rvm_reader.h"
+#include "sightline/tests/importers/hostile.h"
 #include "sightline/tests/importers/rvm_bytes.h"
-
-namespace {
-
-std::atomic<std::size_t> live_bytes{0}, peak_bytes{0};
-
-void* counted_allocation(std::size_t size) {
-  void* p = std::malloc(size);
-  if (!p) throw std::bad_alloc();
-  const std::size_t live = live_bytes += malloc_usable_size(p);
-  std::size_t peak = peak_bytes;
-  while (peak < live && !peak_bytes.compare_exchange_weak(peak, live)) {
-  }
-  return p;
-}
-
-void counted_release(void* p) noexcept {
-  if (p) live_bytes -= malloc_usable_size(p);
-  std::free(p);
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted_allocation(size);
-}
-void* operator new[](std::size_t size) {
-  return counted_allocation(size);
-}
-void operator delete(void* p) noexcept {
-  counted_release(p);
-}
-void operator delete[](void* p) noexcept {
-  counted_release(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-  counted_release(p);
-}
-void operator delete[](void* p, std::size_t) noexcept {
-  counted_release(p);
-}
 
 namespace sightline::importers {
 namespace {
 
 using Bytes = std::vector<std::byte>;
 
-/// Reads from a heap buffer of exactly that size, checks memory and that the scene is sound; true when the import
-/// succeeded.
+/// True when the import succeeded.
 bool survives(std::span<const std::byte> content, bool lenient, double* factor = nullptr) {
-  const std::unique_ptr<std::byte[]> exact(new std::byte[content.size()]);
-  std::memcpy(exact.get(), content.data(), content.size());
-  const std::size_t before = live_bytes;
-  peak_bytes = before;
-  core::Scene scene;
-  const core::NodeId parent = scene.add_node(scene.root(), "kept");
-  const auto report = read_rvm({exact.get(), content.size()}, "hostile.rvm", scene, parent, {.lenient = lenient});
-  const std::size_t used = peak_bytes - before;
-  EXPECT_LE(used, kRvmMemoryFactor * content.size() + kRvmMemoryConstant);
-  if (factor) *factor = std::max(*factor, double(used) / double(content.size()));
-  if (report) {
-    EXPECT_LE(report->warnings.size(), kMaxWarnings + 1);
-    const auto committed = scene.commit();
-    EXPECT_TRUE(committed.has_value()) << (committed ? "" : committed.error().message);
-    return true;
-  }
-  EXPECT_NE(report.error().message.find("hostile.rvm"), std::string::npos) << report.error().message;
-  EXPECT_EQ(scene.node_count(), 2u);
-  EXPECT_EQ(scene.item_slots(), 0u);
-  EXPECT_EQ(scene.mesh_slots(), 0u);
-  EXPECT_EQ(scene.material_slots(), 0u);
-  return false;
+  const auto read = [&](std::span<const std::byte> bytes, core::Scene& scene, core::NodeId parent) {
+    return read_rvm(bytes, "hostile.rvm", scene, parent, {.lenient = lenient});
+  };
+  return tests::survives(content, read, kRvmMemoryFactor, kRvmMemoryConstant, factor);
 }
 
 TEST(RvmHostile, EveryTruncation) {

@@ -1,0 +1,138 @@
+#include "sightline/importers/face_colours.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace sightline::importers {
+namespace {
+
+std::uint32_t channel(PackedColour colour, int i) {
+  return colour >> (24 - 8 * i) & 0xff;
+}
+
+/// Numbers colours by first appearance. Nothing once there are too many.
+class ColourTable {
+ public:
+  /// kNone when there are too many.
+  std::uint32_t number_of(PackedColour colour) {
+    if (!distinct.empty() && colour == distinct[last_]) return last_;
+    auto at = std::lower_bound(sorted_.begin(), sorted_.end(), colour,
+                               [&](std::uint32_t number, PackedColour c) { return distinct[number] < c; });
+    if (at == sorted_.end() || distinct[*at] != colour) {
+      if (distinct.size() == kMostFaceColours) return core::kNone;
+      distinct.push_back(colour);
+      at = sorted_.insert(at, std::uint32_t(distinct.size() - 1));
+    }
+    return last_ = *at;
+  }
+  std::vector<PackedColour> distinct;
+
+ private:
+  std::vector<std::uint32_t> sorted_;  // numbers, by colour
+  std::uint32_t last_ = 0;
+};
+
+/// Faces of one colour over their own vertices.
+class Splitter {
+ public:
+  Splitter(const PolygonMesh& from, const std::vector<PackedColour>& colours, ColourTable& table)
+      : from_(from), place_(from.positions.size(), core::kNone), parts_(table.distinct.size()) {
+    // Faces sorted by colour: the count of each, where each begins, then each face to its place.
+    faces_of_.assign(table.distinct.size() + 1, 0);
+    for (const PackedColour colour : colours) ++faces_of_[table.number_of(colour) + 1];
+    for (std::size_t i = 1; i < faces_of_.size(); ++i) faces_of_[i] += faces_of_[i - 1];
+    faces_.resize(colours.size());
+    std::vector<std::size_t> next(faces_of_.begin(), faces_of_.end() - 1);
+    std::size_t corner = 0;
+    for (std::size_t face = 0; face < colours.size(); ++face) {
+      const std::uint32_t size = from.face_sizes.empty() ? 3 : from.face_sizes[face];
+      faces_[next[table.number_of(colours[face])]++] = {corner, size};
+      corner += size;
+    }
+  }
+
+  std::size_t parts() const { return parts_; }
+
+  PolygonMesh part(std::size_t colour) {
+    PolygonMesh to;
+    used_.clear();
+    for (std::size_t f = faces_of_[colour]; f < faces_of_[colour + 1]; ++f) {
+      for (std::size_t c = faces_[f].first; c < faces_[f].first + faces_[f].size; ++c)
+        to.corners.push_back(place_of(from_.corners[c]));
+      to.end_face(faces_[f].size);
+    }
+    to.positions.reserve(used_.size());
+    if (!from_.normals.empty()) to.normals.reserve(used_.size());
+    for (const std::uint32_t vertex : used_) {
+      to.positions.push_back(from_.positions[vertex]);
+      if (!from_.normals.empty()) to.normals.push_back(from_.normals[vertex]);
+      place_[vertex] = core::kNone;  // for the next part
+    }
+    return to;
+  }
+
+ private:
+  struct Face {
+    std::size_t first;
+    std::uint32_t size;
+  };
+
+  std::uint32_t place_of(std::uint32_t vertex) {
+    if (place_[vertex] == core::kNone) {
+      place_[vertex] = std::uint32_t(used_.size());
+      used_.push_back(vertex);
+    }
+    return place_[vertex];
+  }
+
+  const PolygonMesh& from_;
+  std::vector<std::uint32_t> place_, used_;
+  std::vector<std::size_t> faces_of_;  // first face of each colour in faces_
+  std::vector<Face> faces_;
+  std::size_t parts_;
+};
+
+}  // namespace
+
+void ColourSum::add(PackedColour colour) {
+  for (int i = 0; i < 4; ++i) channels[i] += channel(colour, i);
+  ++count;
+}
+
+PackedColour ColourSum::average() const {
+  if (count == 0) return kNoColour;
+  const auto mean = [&](int i) { return std::uint32_t((channels[i] + count / 2) / count); };
+  return pack_colour(mean(0), mean(1), mean(2), mean(3));
+}
+
+core::MaterialId add_colour_material(core::Scene& scene, PackedColour colour) {
+  if (colour == kNoColour) return {};
+  core::Material material;
+  for (int i = 0; i < 3; ++i) material.colour[i] = float(channel(colour, i)) / 255.0f;
+  material.alpha = float(channel(colour, 3)) / 255.0f;
+  material.name = channel(colour, 3) == 255 ? fmt::format("#{:06x}", colour >> 8) : fmt::format("#{:08x}", colour);
+  return scene.add_material(std::move(material));
+}
+
+void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& polygons,
+                         const std::vector<PackedColour>& colours, std::string_view name) {
+  ColourTable table;
+  ColourSum sum;
+  bool few = true;
+  for (const PackedColour colour : colours) {
+    few = few && table.number_of(colour) != core::kNone;
+    if (colour != kNoColour) sum.add(colour);
+  }
+  if (!few) {
+    job.warn(0, fmt::format("more than {} colours of faces: their average is shown", kMostFaceColours));
+    return job.add_mesh(node, polygons, name, {}, add_colour_material(job.scene(), sum.average()));
+  }
+  if (table.distinct.size() == 1)
+    return job.add_mesh(node, polygons, name, {}, add_colour_material(job.scene(), table.distinct[0]));
+  Splitter splitter(polygons, colours, table);
+  for (std::size_t i = 0; i < splitter.parts(); ++i)
+    job.add_mesh(node, splitter.part(i), name, {}, add_colour_material(job.scene(), table.distinct[i]));
+}
+
+}  // namespace sightline::importers

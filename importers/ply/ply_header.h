@@ -1,0 +1,49 @@
+// Internal to the PLY reader: what a file says about itself before its data begin.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sightline/core/error.h"
+
+namespace sightline::importers::ply {
+
+enum class Encoding : std::uint8_t { kAscii, kLittleEndian, kBigEndian };
+enum class Scalar : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+
+constexpr std::size_t size_of(Scalar type) {
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[std::size_t(type)];
+}
+
+/// Names are views into the file.
+struct Property {
+  std::string_view name;
+  Scalar type = Scalar::kFloat;
+  std::optional<Scalar> count;  ///< of lists: the type of their length
+};
+
+struct Element {
+  std::string_view name;
+  std::uint64_t count = 0;  ///< as claimed
+  std::vector<Property> properties;
+
+  /// Bytes of the shortest record in a binary file; exact without lists.
+  std::size_t least_bytes() const;
+  bool has_lists() const;
+};
+
+struct Header {
+  Encoding encoding = Encoding::kAscii;
+  std::vector<Element> elements;
+  std::size_t size = 0;  ///< bytes; the data begin there
+};
+
+/// Lines may end in LF, CR LF or CR, as the first one does. Errors read "line N: expected …, found …".
+core::Expected<Header> parse_header(std::span<const std::byte> file);
+
+}  // namespace sightline::importers::ply

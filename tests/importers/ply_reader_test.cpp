@@ -1,0 +1,432 @@
+// Well-formed and hostile PLY files. Run under -fsanitize=address,undefined this also shows that no read leaves the
+// buffer.
+#include "sightline/importers/ply/ply_reader.h"
+
+#include <bit>
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "sightline/importers/face_colours.h"
+#include "sightline/tests/importers/hostile.h"
+#include "sightline/tests/support/test_data.h"
+
+namespace sightline::importers {
+namespace {
+
+using core::dvec3;
+
+/// Bytes of a PLY file: text or numbers of either order.
+struct Bytes {
+  std::string text;
+  bool big = false;
+
+  template <class T>
+  Bytes& put(T value) {
+    char raw[sizeof(T)];
+    std::memcpy(raw, &value, sizeof(T));
+    if (big != (std::endian::native == std::endian::big)) std::reverse(raw, raw + sizeof(T));
+    text.append(raw, sizeof(T));
+    return *this;
+  }
+};
+
+class PlyReader : public testing::Test {
+ protected:
+  core::Expected<ImportReport> read(const std::string& text, const ImportOptions& options = {}) {
+    scene_ = core::Scene();
+    return read_ply(std::as_bytes(std::span(text)), "model.ply", scene_, scene_.root(), options);
+  }
+  const core::Mesh& mesh(core::ItemId item = 0) const { return scene_.mesh(scene_.mesh_of(item)); }
+  /// Of a mesh's vertex, in the file's node.
+  dvec3 point(std::size_t vertex, core::ItemId item = 0) const {
+    return core::transform_point(scene_.placement(item), dvec3(mesh(item).positions[vertex]));
+  }
+  const core::Material& material(core::ItemId item = 0) const { return scene_.material(scene_.item_material(item)); }
+  core::Scene scene_;
+};
+
+const std::string kSquare =
+    "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+    "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+
+TEST_F(PlyReader, Text) {
+  const auto report = read("ply\nformat ascii 1.0\ncomment made by hand\n" + kSquare);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->warnings.empty());
+  ASSERT_EQ(scene_.item_count(), 1u);
+  EXPECT_EQ(report->items[std::size_t(core::Kind::kMesh)], 1u);
+  EXPECT_EQ(scene_.name(report->nodes[0]), "model.ply");
+  EXPECT_EQ(mesh().indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
+  EXPECT_EQ(point(2), dvec3(1, 1, 0));
+  EXPECT_FALSE(scene_.item_material(0).valid());
+  EXPECT_TRUE(scene_.commit());
+}
+
+TEST_F(PlyReader, LineEndsOfAllSystems) {
+  for (const std::string end : {"\r\n", "\r"}) {
+    std::string text;
+    for (const char c : "ply\nformat ascii 1.0\n" + kSquare) text += c == '\n' ? end : std::string(1, c);
+    const auto report = read(text);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(mesh().indices.size(), 6u);
+  }
+}
+
+/// Vertices of all types with unknown properties between, an unknown element with lists, lists of all types.
+std::string every_type(bool big) {
+  Bytes b;
+  b.big = big;
+  b.text = std::string("ply\nformat binary_") + (big ? "big" : "little") +
+           "_endian 1.0\nobj_info x\nelement vertex 3\n"
+           "property char a\nproperty uint16 b\nproperty double x\nproperty short y\nproperty float32 z\n"
+           "property list uchar float32 c\nproperty float nx\nproperty float ny\nproperty float nz\n"
+           "element camera 2\nproperty list int double view\nproperty uint d\n"
+           "element empty 18446744073709551615\n"
+           "element plain 3\nproperty int16 e\nproperty double f\n"
+           "element face 2\nproperty uchar flags\nproperty list ushort uchar vertex_index\n"
+           "property list uchar float texcoord\n"
+           "element face 2\nproperty list double float vertex_indices\n"
+           "end_header\n";
+  for (int i = 0; i < 3; ++i) {
+    b.put(std::int8_t(-1)).put(std::uint16_t(65535)).put(1e7 + 0.0001 * i).put(std::int16_t(-300 + i));
+    b.put(0.5f * float(i * i)).put(std::uint8_t(i));
+    for (int k = 0; k < i; ++k) b.put(3.5f);
+    b.put(0.0f).put(0.0f).put(-1.0f);
+  }
+  for (int i = 0; i < 2; ++i) b.put(std::int32_t(2)).put(1.0).put(2.0).put(std::uint32_t(7));
+  for (int i = 0; i < 3; ++i) b.put(std::int16_t(1)).put(double(NAN));
+  for (int i = 0; i < 2; ++i) {
+    b.put(std::uint8_t(1)).put(std::uint16_t(3));
+    for (int k = 0; k < 3; ++k) b.put(std::uint8_t((i + k) % 3));
+    b.put(std::uint8_t(6));
+    for (int k = 0; k < 6; ++k) b.put(0.25f);
+  }
+  for (int i = 0; i < 2; ++i) b.put(3.0).put(2.0f).put(1.0f).put(0.0f);
+  return b.text;
+}
+
+TEST_F(PlyReader, EveryTypeInEitherOrder) {
+  for (const bool big : {false, true}) {
+    const auto report = read(every_type(big));
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->warnings.empty());
+    EXPECT_EQ(mesh().indices, (std::vector<std::uint32_t>{0, 1, 2, 1, 2, 0, 2, 1, 0, 2, 1, 0}));
+    EXPECT_EQ(mesh().normals, std::vector<core::vec3>(3, {0, 0, -1}));
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(point(std::size_t(i)).x, 1e7 + 0.0001 * i, 1e-8);
+      EXPECT_EQ(point(std::size_t(i)).y, -300 + i);
+      EXPECT_EQ(point(std::size_t(i)).z, 0.5 * i * i);
+    }
+  }
+}
+
+TEST_F(PlyReader, FarCoordinatesKeepTheirDigits) {
+  const auto report = read(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "10000000.0001 -20000000 0\n+10000000.0002 -20000000 0\n1.00000000001E7 -20000000.0001 0\n3 0 1 2\n",
+      {.metres_per_unit = 0.001, .up = UpAxis::kY});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->metres_per_unit, 0.001);
+  EXPECT_NEAR(point(0).x, 10000000.0001, 1e-8);
+  EXPECT_NEAR(point(1).x, 10000000.0002, 1e-8);
+  EXPECT_NEAR(point(2).y, -20000000.0001, 1e-8);
+  // y up: the file's -y is the scene's -z... in metres.
+  const dvec3 world = core::transform_point(scene_.world_from_node(report->nodes[0]), point(0));
+  EXPECT_NEAR(world.x, 10000.0000001, 1e-9);
+  EXPECT_NEAR(world.z, -20000.0, 1e-9);
+}
+
+TEST_F(PlyReader, VertexColoursBecomeTheirAverage) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  ASSERT_TRUE(read(head + "property uchar red\nproperty uchar green\nproperty uchar blue\n" + faces +
+                   "0 0 0 255 0 10\n1 0 0 255 0 20\n0 1 0 0 51 30\n3 0 1 2\n"));
+  EXPECT_EQ(material().name, "#aa1114");
+  EXPECT_EQ(material().colour, core::vec3(170, 17, 20) / 255.0f);
+  EXPECT_EQ(material().alpha, 1.0f);
+  ASSERT_TRUE(read(head + "property float red\nproperty float green\nproperty float blue\nproperty ushort alpha\n" +
+                   faces + "0 0 0 1 0 nan 32896\n1 0 0 1 -3 0 32896\n0 1 0 1 0 0 32896\n3 0 1 2\n"));
+  EXPECT_EQ(material().name, "#ff000080");
+  EXPECT_EQ(material().alpha, 128.0f / 255.0f);
+}
+
+/// A fan of triangles about vertex 0, each with a colour.
+std::string coloured_faces(std::size_t faces, std::size_t colours) {
+  std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(faces + 2) +
+                     "\nproperty float x\nproperty float y\nproperty float z\nelement face " + std::to_string(faces) +
+                     "\nproperty list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\n"
+                     "property uchar blue\nend_header\n";
+  for (std::size_t i = 0; i < faces + 2; ++i) text += std::to_string(i) + " " + std::to_string(i * i) + " 0\n";
+  for (std::size_t i = 0; i < faces; ++i)
+    text += "3 0 " + std::to_string(i + 1) + " " + std::to_string(i + 2) + " " + std::to_string(i % colours / 256) +
+            " " + std::to_string(i % colours % 256) + " 7\n";
+  return text;
+}
+
+TEST_F(PlyReader, FaceColoursBecomeItems) {
+  for (const std::size_t colours : {std::size_t(1), std::size_t(3), kMostFaceColours}) {
+    const std::size_t faces = 2 * colours + 1;
+    const auto report = read(coloured_faces(faces, colours));
+    ASSERT_TRUE(report) << report.error().message;
+    ASSERT_EQ(scene_.item_count(), colours);
+    for (core::ItemId item = 0; item < colours; ++item) {
+      EXPECT_EQ(material(item).colour, core::vec3(0, float(item), 7) / 255.0f);
+      std::size_t triangle = 0;
+      for (std::size_t face = item; face < faces; face += colours, ++triangle)
+        for (std::size_t c = 0; c < 3; ++c) {
+          const std::size_t vertex = c == 0 ? 0 : face + c;
+          ASSERT_EQ(point(mesh(item).indices[3 * triangle + c], item), dvec3(vertex, vertex * vertex, 0));
+        }
+      EXPECT_EQ(mesh(item).indices.size(), 3 * triangle);
+    }
+  }
+  const auto report = read(coloured_faces(1000, kMostFaceColours + 1));
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->warnings.size(), 1u);
+  ASSERT_EQ(scene_.item_count(), 1u);
+  EXPECT_EQ(mesh().indices.size(), 3000u);
+  EXPECT_EQ(material().name, "#007c07");
+}
+
+TEST_F(PlyReader, PolygonsKeepTheirColours) {
+  const auto report = read(
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+      "nx\n"
+      "property float ny\nproperty float nz\nelement face 3\nproperty list uchar int vertex_indices\nproperty uchar "
+      "red\n"
+      "property uchar green\nproperty uchar blue\nend_header\n"
+      "0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n-1 0 0 1 0 0\n"
+      "3 0 3 4 1 2 3\n4 0 1 2 3 9 9 9\n3 0 1 2 1 2 3\n");
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(scene_.item_count(), 2u);
+  EXPECT_EQ(mesh(0).indices.size(), 6u);
+  EXPECT_EQ(mesh(1).indices.size(), 6u);
+  EXPECT_EQ(mesh(1).positions.size(), 4u);
+  EXPECT_EQ(mesh(1).normals, std::vector<core::vec3>(4, {0, 0, 1}));
+}
+
+TEST_F(PlyReader, StripsTurnEverySecondTriangle) {
+  const auto report = read(
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 2\nproperty list int int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n9 0 1 2 3 4 -1 0 1 3\n4 -1 4 3 -1\n");
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(mesh().indices, (std::vector<std::uint32_t>{0, 1, 2, 2, 1, 3, 2, 3, 4, 0, 1, 3}));
+}
+
+TEST_F(PlyReader, PointsGiveNoItem) {
+  const auto report = read(
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 "
+      "3\n");
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->warnings.size(), 1u);
+  EXPECT_EQ(scene_.item_count(), 0u);
+  EXPECT_EQ(scene_.node_count(), 2u);
+}
+
+TEST_F(PlyReader, DamageNamesThePlace) {
+  const std::string head = "ply\nformat ascii 1.0\n";
+  struct Case {
+    std::string what, with, message;
+    std::size_t triangles;  // when lenient
+  };
+  const Case cases[] = {
+      {"4 0 1 2 3", "4 0 1 2 4", "line 14: expected vertices from 0 to 3", 0},
+      {"4 0 1 2 3", "4 0 1 2 -1", "line 14: expected vertices from 0 to 3", 0},
+      {"4 0 1 2 3", "4 0 1 2 1.5", "line 14: expected vertices from 0 to 3", 0},
+      {"4 0 1 2 3", "4000000000 0 1 2 3", "expected 1 of 'face'", 0},
+      {"4 0 1 2 3", "-4 0 1 2 3", "expected 1 of 'face'", 0},
+      {"4 0 1 2 3", "", "expected 1 of 'face'", 0},
+      {"1 1 0", "1 one 0", "line 12: expected numbers in 'vertex' 2", 0},
+      {"face 1", "face 2", "expected 2 of 'face'", 2},
+      {"face 1", "face 18446744073709551615", "expected 18446744073709551615 of 'face'", 2},
+      {"vertex 4", "vertex 4000000000", "expected 4000000000 of 'vertex'", 0},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.what + " -> " + c.with);
+    std::string text = head + kSquare;
+    text.replace(text.find(c.what), c.what.size(), c.with);
+    const auto strict = read(text);
+    ASSERT_FALSE(strict);
+    EXPECT_NE(strict.error().message.find("model.ply: line "), std::string::npos) << strict.error().message;
+    EXPECT_NE(strict.error().message.find(c.message), std::string::npos) << strict.error().message;
+    EXPECT_EQ(scene_.node_count(), 1u);
+    const auto lenient = read(text, {.lenient = true});
+    ASSERT_TRUE(lenient) << lenient.error().message;
+    EXPECT_FALSE(lenient->warnings.empty());
+    EXPECT_EQ(scene_.item_count() ? mesh().indices.size() / 3 : 0u, c.triangles);
+  }
+}
+
+TEST_F(PlyReader, BadHeadersAreErrorsEvenWhenLenient) {
+  for (const std::string text :
+       {"", "ply", "plyx\n", "solid\n", "ply\nformat ascii 2.0\nend_header\n", "ply\nformat xml 1.0\nend_header\n",
+        "ply\nelement vertex 3\n", "ply\nformat ascii 1.0\nelement vertex -1\nend_header\n",
+        "ply\nformat ascii 1.0\nelement vertex 99999999999999999999\nend_header\n",
+        "ply\nformat ascii 1.0\nproperty float x\nend_header\n",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty real x\nend_header\n",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar\nend_header\n",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n",
+        "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nelement vertex 1\n"
+        "property float x\nproperty float y\nproperty float z\nend_header\n",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"}) {
+    SCOPED_TRACE(text);
+    const auto report = read(text, {.lenient = true});
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().message.rfind("model.ply: ", 0), 0u) << report.error().message;
+    EXPECT_EQ(scene_.node_count(), 1u);
+  }
+}
+
+TEST_F(PlyReader, NotFiniteIsDroppedAndListed) {
+  for (const std::string bad : {"nan", "-inf", "1e999", "2e36"}) {
+    SCOPED_TRACE(bad);
+    std::string text = "ply\nformat ascii 1.0\n" + kSquare;
+    text.replace(text.find("1 1 0"), 1, bad);
+    const auto report = read(text);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(report->warnings.size(), 1u);
+    EXPECT_TRUE(mesh().indices.empty());
+    EXPECT_TRUE(scene_.commit());
+  }
+}
+
+TEST_F(PlyReader, CancelLeavesTheSceneAlone) {
+  const std::string text = coloured_faces(50000, 3);
+  double last = -1.0;
+  int calls = 0;
+  ASSERT_TRUE(read(text, {.progress = [&](double share) {
+                     EXPECT_GT(share, last);
+                     last = share;
+                     return ++calls > 0;
+                   }}));
+  EXPECT_EQ(last, 1.0);
+  EXPECT_GT(calls, 10);
+  for (const double at : {0.0, 0.1, 0.5, 1.0}) {
+    const auto report = read(text, {.progress = [&](double share) { return share < at; }});
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().message, kCancelled);
+    EXPECT_EQ(scene_.node_count(), 1u);
+    EXPECT_EQ(scene_.mesh_slots() + scene_.material_slots() + scene_.item_slots(), 0u);
+  }
+}
+
+TEST_F(PlyReader, FilesOfVtk) {
+  // Written by vtkPLYWriter of VTK 9.1 from a vtkConeSource of 12 sides, height 2 and radius 0.5, triangulated.
+  for (const char* name : {"cone_vtk.ply", "cone_vtk_text.ply"}) {
+    const auto report =
+        import_file(std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "tests/data" / name, scene_, scene_.root());
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->warnings.empty());
+    const core::ItemId item = core::ItemId(scene_.item_count() - 1);
+    EXPECT_EQ(mesh(item).positions.size(), 13u);
+    EXPECT_EQ(mesh(item).indices.size(), 3u * 22);
+    const core::AabbD box = scene_.bounds_under(item, scene_.placement(item));
+    EXPECT_NEAR(box.min.x, -1.0, 1e-7);
+    EXPECT_NEAR(box.max.y, 0.5, 1e-7);
+  }
+}
+
+TEST_F(PlyReader, RealFile) {
+  SIGHTLINE_NEED_DATA("meshes/stanford-bunny.ply");
+  const auto report = import_file(tests::data_path("meshes/stanford-bunny.ply"), scene_, scene_.root());
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->warnings.empty());
+  EXPECT_EQ(mesh().indices.size(), 3u * 69451);
+  EXPECT_EQ(mesh().positions.size(), 34834u);  // of 35947, the others are in no face
+  EXPECT_TRUE(scene_.commit());
+}
+
+// --- hostile
+// -----------------------------------------------------------------------------------------------------------
+
+bool survives(std::string_view text, bool lenient, double* used = nullptr) {
+  const auto read = [&](std::span<const std::byte> bytes, core::Scene& scene, core::NodeId parent) {
+    return read_ply(bytes, "hostile.ply", scene, parent, {.lenient = lenient});
+  };
+  return tests::survives(std::as_bytes(std::span(text)), read, kPlyMemoryFactor, kPlyMemoryConstant, used);
+}
+
+TEST(PlyHostile, EveryTruncation) {
+  for (const std::string& whole : {every_type(false), every_type(true), coloured_faces(4, 2)}) {
+    const std::size_t body = whole.find("end_header\n") + 11;
+    for (std::size_t size = 0; size <= whole.size(); ++size) {
+      SCOPED_TRACE(testing::Message() << "truncated to " << size);
+      const std::string_view part(whole.data(), size);
+      const bool text = whole.find("ascii") != std::string::npos;
+      ASSERT_EQ(survives(part, false), size >= whole.size() - (text ? 1 : 0));  // the last line's end is not missed
+      ASSERT_EQ(survives(part, true), size >= body);
+    }
+  }
+}
+
+TEST(PlyHostile, RandomMutations) {
+  int imports = 0;
+  for (unsigned seed = 0; seed < 30000; ++seed) {
+    std::mt19937 random(seed);
+    std::string text = seed % 3 == 0 ? coloured_faces(4, 2) : every_type(seed % 3 == 1);
+    const std::size_t body = text.find("end_header\n") + 11;
+    // Most mutations beyond the header, or little else would be seen.
+    const bool in_header = random() % 4 == 0;
+    for (std::size_t i = 1 + random() % 5; i > 0; --i) {
+      const std::size_t at = in_header ? random() % body : body + random() % (text.size() - body);
+      text[at] = random() % 2 ? char(random() & 0xff) : char(text[at] ^ (1 << random() % 8));
+    }
+    imports += survives(text, false);
+    imports += survives(text, true);
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+  }
+  EXPECT_GT(imports, 10000);
+}
+
+TEST(PlyHostile, Noise) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 2000; ++i) {
+    std::string noise = i % 2 ? "ply\nformat binary_little_endian 1.0\n" : "";
+    for (std::size_t n = random() % 2000; n > 0; --n) noise += char(random() & 0xff);
+    EXPECT_FALSE(survives(noise, true));
+  }
+}
+
+TEST(PlyHostile, MemoryOfTheWorstInputs) {
+  constexpr std::size_t kMany = 400000;
+  const std::string binary = "ply\nformat binary_little_endian 1.0\n", text = "ply\nformat ascii 1.0\n";
+  const std::string bytes = "property uchar x\nproperty uchar y\nproperty uchar z\n";
+  const auto vertices = [&](std::size_t n) { return "element vertex " + std::to_string(n) + "\n"; };
+  const auto faces = [](std::size_t n) { return "element face " + std::to_string(n) + "\n"; };
+  const std::string list = "property list uchar uchar vertex_indices\n", end = "end_header\n";
+  const std::string triangle("\3\0\1\2", 4);
+  std::vector<std::string> worst;
+  worst.push_back(binary + vertices(kMany) + bytes + end + std::string(3 * kMany, '\1'));
+  worst.push_back(text + vertices(kMany) + bytes + end);
+  for (std::size_t i = 0; i < kMany; ++i) worst.back() += "1 2 3\n";
+  worst.push_back(binary + vertices(3) + bytes + faces(kMany) + list + end + std::string("\0\0\0\1\0\0\0\1\0", 9));
+  for (std::size_t i = 0; i < kMany; ++i) worst.back() += triangle;
+  worst.push_back(worst.back());
+  worst.back().replace(worst.back().find("end_header"), 0,
+                       "property uchar red\nproperty uchar green\nproperty uchar blue\n");
+  worst.push_back(binary + vertices(3) + bytes + faces(4 * kMany) + list + end + std::string(9 + 4 * kMany, '\0'));
+  worst.push_back(binary + vertices(3) + bytes + "element tristrips 1\nproperty list uint uchar vertex_indices\n" +
+                  end + std::string("\0\0\0\1\0\0\0\1\0\0\0\x40\0", 13));
+  for (std::size_t i = 0; i < (4u << 20) / 16; ++i) worst.back().append("\0\1\2\1\0\1\2\1\0\1\2\1\0\1\2\1", 16);
+  worst.push_back(binary);
+  for (std::size_t i = 0; i < kMany; ++i) worst.back() += "element a 1\n";
+  worst.push_back(binary + "element a 1\n");
+  for (std::size_t i = 0; i < kMany; ++i) worst.back() += "property char a\n";
+  worst.back() += end;
+  worst.push_back(text + vertices(kMany) + bytes + faces(1) + list + end);
+  for (std::size_t i = 0; i < kMany; ++i) worst.back() += "x y z ";
+  for (const std::string& file : worst) {
+    double used = 0.0;
+    survives(file, true, &used);
+    std::printf("peak memory / file size: %.1f\n", used);
+  }
+}
+
+}  // namespace
+}  // namespace sightline::importers
