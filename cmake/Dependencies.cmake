@@ -18,6 +18,7 @@ if(SIGHTLINE_OPENMP)
 endif()
 
 if(SIGHTLINE_IMPORTERS)
+  find_package(Threads REQUIRED)
   find_package(nlohmann_json QUIET)
   find_package(fmt QUIET)
   sightline_need(SIGHTLINE_IMPORTERS nlohmann_json_FOUND "nlohmann-json not found")

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "sightline/core/radix_sort.h"
 
@@ -415,6 +417,76 @@ Scene::ItemState Scene::state(ItemId id) const {
   const Resolved here = resolve(live(node), resolve_above(node));
   return state(id, here.world, here.visible, here.layers,
                here.material == kNone ? MaterialId{} : MaterialId{here.material, 0});
+}
+
+// --- joining ---------------------------------------------------------------------------------------------------------
+
+std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
+  assert(other.removed_items_.empty() && other.nodes_[0].first_item == kNone);
+  assert(names_.size() + other.names_.size() < kNone && "more than 4 GiB of names");
+  const auto nodes = std::uint32_t(nodes_.size() - 1);  // the other root is left behind, so node i becomes nodes + i
+  const auto items = std::uint32_t(items_.size()), values = std::uint32_t(parameters_.size());
+  const auto meshes = std::uint32_t(meshes_.size()), materials = std::uint32_t(materials_.size());
+  const auto names = std::uint32_t(names_.size());
+  const auto shift = [](std::uint32_t& index, std::uint32_t by) {
+    if (index != kNone) index += by;
+  };
+
+  std::vector<std::uint32_t> tops;
+  for (std::uint32_t i = other.nodes_[0].first_child; i != kNone; i = other.nodes_[i].next) tops.push_back(nodes + i);
+  // All memory first: running out of it then changes nothing.
+  const auto make_room = [](auto& array, const auto& more) {
+    const std::size_t size = array.size() + more.size();
+    if (size > array.capacity()) array.reserve(std::max(size, 2 * array.capacity()));
+  };
+  make_room(nodes_, other.nodes_), make_room(items_, other.items_), make_room(parameters_, other.parameters_);
+  make_room(meshes_, other.meshes_), make_room(mesh_bounds_, other.mesh_bounds_);
+  make_room(materials_, other.materials_), make_room(names_, other.names_);
+  make_room(free_nodes_, other.free_nodes_), make_room(dirty_nodes_, other.dirty_nodes_);
+  make_room(dirty_items_, other.dirty_items_);
+  attributes_.reserve(attributes_.size() + other.attributes_.size());
+  std::vector<NodeId> added;
+  added.reserve(tops.size());
+
+  for (std::size_t i = 1; i < other.nodes_.size(); ++i) {
+    Node node = other.nodes_[i];
+    for (std::uint32_t* index : {&node.parent, &node.first_child, &node.last_child, &node.next, &node.previous})
+      shift(*index, nodes);
+    shift(node.first_item, items), shift(node.last_item, items);
+    shift(node.material, materials);
+    node.name_offset += names;
+    nodes_.push_back(node);
+  }
+  for (Item item : other.items_) {
+    assert(!item.committed);
+    shift(item.node, nodes);
+    shift(item.next, items), shift(item.previous, items);
+    shift(item.material, materials);
+    item.payload += int(item.kind) < kPrimitiveKindCount ? values : meshes;
+    items_.push_back(item);
+  }
+  parameters_.insert(parameters_.end(), other.parameters_.begin(), other.parameters_.end());
+  std::move(other.meshes_.begin(), other.meshes_.end(), std::back_inserter(meshes_));
+  mesh_bounds_.insert(mesh_bounds_.end(), other.mesh_bounds_.begin(), other.mesh_bounds_.end());
+  std::move(other.materials_.begin(), other.materials_.end(), std::back_inserter(materials_));
+  names_ += other.names_;
+  dead_name_bytes_ += other.dead_name_bytes_;
+  while (!other.attributes_.empty()) {
+    auto entry = other.attributes_.extract(other.attributes_.begin());
+    entry.key() += nodes;
+    attributes_.insert(std::move(entry));
+  }
+  for (const std::uint32_t node : other.free_nodes_) free_nodes_.push_back(nodes + node);
+  for (const std::uint32_t node : other.dirty_nodes_)
+    if (node != 0) dirty_nodes_.push_back(nodes + node);
+  for (const ItemId item : other.dirty_items_) dirty_items_.push_back(items + item);
+  live_nodes_ += other.live_nodes_ - 1;
+  live_items_ += other.live_items_;
+  for (const std::uint32_t top : tops) {
+    link(top, parent.index);
+    added.push_back(handle(top));
+  }
+  return added;
 }
 
 // --- taking back -----------------------------------------------------------------------------------------------------

@@ -132,6 +132,12 @@ class Scene {
   /// Whether commit() would take the item with this world placement.
   bool can_commit(ItemId item, const Affine& world_from_item) const;
 
+  // --- joining -----------------------------------------------------------------------------------------------------
+  /// Moves all below `other`'s root to below `parent`, after what is there; items come after this scene's in the order
+  /// of their ids. Returns the children that `parent` gained. `other`'s ids mean nothing any more; it must never have
+  /// been committed, and its root holds no items.
+  std::vector<NodeId> append(NodeId parent, Scene&& other);
+
   // --- taking back -------------------------------------------------------------------------------------------------
   /// Where the scene's contents end.
   struct Mark {

@@ -69,11 +69,6 @@ std::string lower_case_extension(const std::filesystem::path& path) {
   return extension;
 }
 
-bool is_attribute_file(const std::filesystem::path& path) {
-  const std::string extension = lower_case_extension(path);
-  return extension == ".txt" || extension == ".att";
-}
-
 core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path, core::Scene& scene,
                                                core::NodeId parent, const ImportOptions& options) {
   const std::string extension = lower_case_extension(path);
@@ -95,18 +90,6 @@ core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path
   return report;
 }
 
-void append(ImportReport& total, ImportReport&& one) {
-  total.nodes.insert(total.nodes.end(), one.nodes.begin(), one.nodes.end());
-  std::move(one.warnings.begin(), one.warnings.end(), std::back_inserter(total.warnings));
-  for (std::size_t k = 0; k < total.items.size(); ++k) total.items[k] += one.items[k];
-  total.degenerate += one.degenerate;
-  total.attributed += one.attributed;
-  total.shared_meshes += one.shared_meshes;
-  total.sharing_error = std::max(total.sharing_error, one.sharing_error);
-  total.bytes += one.bytes;
-  if (!one.nodes.empty()) total.metres_per_unit = one.metres_per_unit;
-}
-
 }  // namespace
 
 std::span<const std::string_view> known_extensions() {
@@ -123,26 +106,6 @@ core::Expected<ImportReport> import_file(const std::filesystem::path& path, core
   if (!std::filesystem::is_regular_file(status))
     return core::fail(fmt::format("{}: not a regular file", path.string()));
   return read_by_extension(path, scene, parent, options);
-}
-
-core::Expected<ImportReport> import_files(std::span<const std::filesystem::path> paths, core::Scene& scene,
-                                          core::NodeId parent, const ImportOptions& options) {
-  std::vector<std::filesystem::path> ordered(paths.begin(), paths.end());
-  std::stable_partition(ordered.begin(), ordered.end(), [](const auto& path) { return !is_attribute_file(path); });
-  const core::Scene::Mark mark = scene.mark();
-  ImportReport total;
-  for (std::size_t i = 0; i < ordered.size(); ++i) {
-    ImportOptions one = options;
-    if (options.progress)
-      one.progress = [&, i](double share) { return options.progress((double(i) + share) / double(ordered.size())); };
-    auto report = import_file(ordered[i], scene, parent, one);
-    if (!report) {
-      scene.take_back(mark, total.nodes);
-      return report;
-    }
-    append(total, std::move(*report));
-  }
-  return total;
 }
 
 }  // namespace sightline::importers

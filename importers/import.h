@@ -46,7 +46,9 @@ struct ImportOptions {
   UpAxis up = UpAxis::kZ;
   /// Which meshes are kept once (mesh_sharing.h). Costs a few nanoseconds a vertex.
   MeshCopies copies = MeshCopies::kSimilar;
-  /// Called now and then by the importing thread with the share that is done, rising from 0 to 1. Answering false
+  /// Threads for several files; 0: one for each processor.
+  int threads = 0;
+  /// Called now and then by the thread that imports with the share that is done, rising from 0 to 1. Answering false
   /// cancels, unless all is done (1): the import fails with kCancelled as its message.
   std::function<bool(double)> progress = {};
 };

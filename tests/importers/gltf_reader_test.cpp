@@ -29,8 +29,8 @@ class GltfReader : public testing::Test {
 
   core::Expected<ImportReport> read(std::span<const std::byte> bytes, bool lenient = false) {
     scene_ = core::Scene();
-    auto report =
-        read_gltf(bytes, folder_ / "model.glb", scene_, scene_.root(), {.lenient = lenient, .share_meshes = false});
+    auto report = read_gltf(bytes, folder_ / "model.glb", scene_, scene_.root(),
+                            {.lenient = lenient, .copies = MeshCopies::kApart});
     if (report) {
       EXPECT_TRUE(scene_.commit());
     } else {
