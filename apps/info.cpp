@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/report_json.h"
 #include "sightline/core/find_nodes.h"
 
 namespace {
@@ -86,8 +87,7 @@ void print(const core::Scene& scene, std::span<const core::NodeId> found) {
 
 json to_json(const importers::ImportReport& report, const Facts& facts) {
   json out;
-  for (int k = 0; k < core::kKindCount; ++k)
-    out["items"][std::string(core::kind_name(core::Kind(k)))] = report.items[k];
+  out["items"] = apps::items_json(report.items);
   out["degenerate"] = report.degenerate;
   out["nodes"] = facts.nodes;
   out["max_depth"] = facts.max_depth;
@@ -97,9 +97,7 @@ json to_json(const importers::ImportReport& report, const Facts& facts) {
   out["attributed"] = report.attributed;
   out["shared_meshes"] = report.shared_meshes;
   out["sharing_error"] = report.sharing_error;
-  out["warnings"] = json::array();
-  for (const auto& w : report.warnings)
-    out["warnings"].push_back({{"file", w.file}, {"offset", w.offset}, {"message", w.message}});
+  out["warnings"] = apps::warnings_json(report.warnings);
   return out;
 }
 
@@ -151,11 +149,7 @@ int main(int argc, char** argv) {
     auto model = apps::load_model(options);
     if (!model) return tl::unexpected(model.error());
     if (auto delta = model->scene->commit(); !delta) return tl::unexpected(delta.error());
-    if (options.explain) {
-      core::Snapshot snapshot(*model->scene);
-      snapshot.find_joints();
-      apps::explain(engine::make_plan(snapshot, engine::CullerChoice::kAutomatic, true, false));
-    }
+    if (options.explain) apps::explain(*model->scene);
     std::vector<core::NodeCondition> conditions;
     for (const std::string& text : find) conditions.push_back(parse_condition(text));
     const auto found = conditions.empty() ? std::vector<core::NodeId>()

@@ -62,19 +62,20 @@ core::Expected<Model> load_model(const ModelOptions& options) {
     model.scene->set_transform(model.scene->root(), core::translation(*offset));
   }
   const std::vector<std::filesystem::path> paths(options.files.begin(), options.files.end());
-  importers::ImportOptions import = options.import;
+  importers::ImportOptions reading = options.import;
   {
     Progress progress("reading", kProgressSteps);
-    import.progress = [&](double share) { progress.advance(std::size_t(share * double(kProgressSteps)));
-    return true;
-  };
-  auto report = importers::import_files(paths, *model.scene, model.scene->root(), import);
-  if (!report) return tl::unexpected(report.error());
-  model.report = std::move(*report);
+    reading.progress = [&](double share) {
+      progress.advance(std::size_t(share * double(kProgressSteps)));
+      return true;
+    };
+    auto report = importers::import_files(paths, *model.scene, model.scene->root(), reading);
+    if (!report) return tl::unexpected(report.error());
+    model.report = std::move(*report);
+  }
+  print_warnings(model.report.warnings);
+  return model;
 }
-print_warnings(model.report.warnings);
-return model;
-}  // namespace sightline::apps
 
 core::AabbD world_bounds(const core::Snapshot& snapshot) {
   core::AabbD bounds;
@@ -145,6 +146,12 @@ void add_samples_option(CLI::App& app, int& samples) {
 void explain(const engine::Plan& plan) {
   for (const engine::PlanEntry& e : plan.entries)
     std::fprintf(stderr, "%-9s %-36s %s\n", e.used ? "used" : "left out", e.feature.c_str(), e.why.c_str());
+}
+
+void explain(const core::Scene& scene) {
+  core::Snapshot snapshot(scene);
+  snapshot.find_joints();
+  explain(engine::make_plan(snapshot, engine::CullerChoice::kAutomatic, true, false));
 }
 
 }  // namespace sightline::apps

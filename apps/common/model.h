@@ -65,4 +65,7 @@ void add_samples_option(CLI::App& app, int& samples);
 /// Prints what was made and what was left out, to stderr.
 void explain(const engine::Plan& plan);
 
+/// The same for tools that draw nothing: what drawing the committed scene would take.
+void explain(const core::Scene& scene);
+
 }  // namespace sightline::apps

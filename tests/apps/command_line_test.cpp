@@ -9,6 +9,7 @@ class EveryTool : public ToolTest, public ::testing::WithParamInterface<std::str
   /// Arguments without which the tool refuses to start, naming files that need not exist.
   Args required() const {
     if (GetParam() == "bench-cull") return {"--boxes", path("boxes"), "--views", path("views")};
+    if (GetParam() == "convert") return {path("model.rvm"), path("out.rvm")};
     return {path("model.rvm")};
   }
   Args required_and(const Args& more) const {

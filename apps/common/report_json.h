@@ -1,0 +1,22 @@
+// What an import found, as JSON: the same words in every tool (names as in sightline-info --json).
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "sightline/importers/import.h"
+
+namespace sightline::apps {
+
+inline nlohmann::json items_json(const std::array<std::uint64_t, core::kKindCount>& items) {
+  nlohmann::json out;
+  for (int k = 0; k < core::kKindCount; ++k) out[std::string(core::kind_name(core::Kind(k)))] = items[std::size_t(k)];
+  return out;
+}
+
+inline nlohmann::json warnings_json(const std::vector<importers::ImportWarning>& warnings) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const auto& w : warnings) out.push_back({{"file", w.file}, {"offset", w.offset}, {"message", w.message}});
+  return out;
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,149 @@
+// sightline-convert: model files into one RVM or OBJ file.
+
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/common/progress.h"
+#include "sightline/apps/common/report_json.h"
+#include "sightline/importers/obj/obj_writer.h"
+#include "sightline/importers/rvm/rvm_writer.h"
+
+namespace {
+
+using namespace sightline;
+using nlohmann::json;
+using ItemCounts = std::array<std::uint64_t, core::kKindCount>;
+
+/// What was written, in either format.
+struct Written {
+  ItemCounts items{};
+  std::uint64_t left_out = 0, bytes = 0;
+  json tessellation;  // null for RVM, which keeps primitives
+};
+
+std::string extension_of(const std::string& file) {
+  std::string extension = std::filesystem::path(file).extension().string();
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+/// The last of the files is the one to write. CLI11 cannot tell it apart: a list of files takes all that come.
+std::string take_output(std::vector<std::string>& files) {
+  std::string output = std::move(files.back());
+  files.pop_back();
+  const std::string extension = extension_of(output);
+  if (extension != ".rvm" && extension != ".obj")
+    throw CLI::ValidationError("OUTPUT", "expected a name ending in .rvm or .obj, found \"" + output + "\"");
+  return output;
+}
+
+core::Expected<double> parse_tolerance(const std::string& text) {
+  const auto tolerance = apps::parse_finite(text);
+  if (tolerance && *tolerance <= 0.0) return core::fail("expected a tolerance above 0, found \"" + text + "\"");
+  return tolerance;
+}
+
+core::Expected<Written> write_as_rvm(const core::Scene& scene, core::NodeId top, const std::string& output) {
+  if (auto done = importers::write_rvm(scene, top, output); !done) return tl::unexpected(done.error());
+  Written written;
+  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+    if (scene.contains_item(item)) ++written.items[std::size_t(scene.kind(item))];
+  std::error_code ignored;
+  written.bytes = std::filesystem::file_size(output, ignored);
+  return written;
+}
+
+core::Expected<Written> write_as_obj(const core::Scene& scene, core::NodeId top, const std::string& output,
+                                     double tolerance) {
+  constexpr std::size_t kSteps = 1000;
+  apps::Progress bar("writing", kSteps);
+  const auto report = importers::write_obj(scene, top, output, {.tolerance = tolerance, .progress = [&](double share) {
+                                                                  bar.advance(std::size_t(share * double(kSteps)));
+                                                                  return true;
+                                                                }});
+  if (!report) return tl::unexpected(report.error());
+  return Written{report->items,
+                 report->left_out,
+                 report->bytes,
+                 {{"tolerance", tolerance},
+                  {"largest_chord_error", report->largest_chord_error},
+                  {"triangles", report->triangles},
+                  {"vertices", report->vertices}}};
+}
+
+std::uint64_t total(const ItemCounts& items) {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t n : items) sum += n;
+  return sum;
+}
+
+json to_json(const apps::ModelOptions& options, const importers::ImportReport& read, const std::string& output,
+             const Written& written) {
+  return {{"inputs", options.files},
+          {"output", output},
+          {"items_in", apps::items_json(read.items)},
+          {"items_out", apps::items_json(written.items)},
+          {"left_out", written.left_out},
+          {"bytes_in", read.bytes},
+          {"bytes_out", written.bytes},
+          {"tessellation", written.tessellation},
+          {"warnings", apps::warnings_json(read.warnings)}};
+}
+
+void print(const importers::ImportReport& read, const std::string& output, const Written& written) {
+  std::printf("%s: %llu of %llu items, %llu bytes", output.c_str(), (unsigned long long)total(written.items),
+              (unsigned long long)total(read.items), (unsigned long long)written.bytes);
+  if (!written.tessellation.is_null())
+    std::printf(", %llu triangles, at most %.3g m from the primitives they stand for",
+                (unsigned long long)written.tessellation["triangles"].get<std::uint64_t>(),
+                written.tessellation["largest_chord_error"].get<double>());
+  std::printf("\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Reads model files and writes them into one: RVM keeps analytic primitives, OBJ gets triangles",
+               "sightline-convert");
+  apps::describe(app,
+                 "  sightline-convert plant.rvm plant.obj --tolerance 0.005\n"
+                 "  sightline-convert a.rvm b.rvm both.rvm\n"
+                 "  sightline-convert --units mm part.stl part.rvm\n"
+                 "  sightline-convert --lenient damaged.rvm repaired.rvm --json -");
+  apps::ModelOptions options;
+  std::string output, json_file;
+  double tolerance = importers::ObjWriteOptions{}.tolerance;
+  options.import.copies = importers::MeshCopies::kExact;  // meshes go out as they came
+  apps::add_model_options(app, options);
+  app.get_option("MODEL")
+      ->expected(2, CLI::detail::expected_max_vector_size)
+      ->option_text("... OUTPUT REQUIRED")
+      ->description("Model files, then the file to write: .rvm or .obj (with .mtl beside it)");
+  app.final_callback([&] { output = take_output(options.files); });
+  app.add_option("--tolerance", tolerance, "Largest distance of OBJ triangles from analytic primitives, metres")
+      ->capture_default_str()
+      ->check(apps::accepted_by(parse_tolerance));
+  app.add_option("--json", json_file, "Write what was read and written as JSON to FILE, or - for stdout");
+  return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
+    auto model = apps::load_model(options);
+    if (!model) return tl::unexpected(model.error());
+    core::Scene& scene = *model->scene;
+    if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
+    if (options.explain) apps::explain(scene);
+    // One file's node is the file; several become the groups of one.
+    const core::NodeId top = model->report.nodes.size() == 1 ? model->report.nodes[0] : scene.root();
+    const auto written =
+        extension_of(output) == ".rvm" ? write_as_rvm(scene, top, output) : write_as_obj(scene, top, output, tolerance);
+    if (!written) return tl::unexpected(written.error());
+    if (json_file != "-") print(model->report, output, *written);
+    if (json_file.empty()) return apps::kExitOk;
+    if (auto done = apps::write_text(json_file, apps::to_text(to_json(options, model->report, output, *written)));
+        !done)
+      return tl::unexpected(done.error());
+    return apps::kExitOk;
+  });
+}

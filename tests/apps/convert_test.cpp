@@ -1,0 +1,95 @@
+// sightline-convert: what goes in comes out, and nothing half-written is left.
+#include "sightline/tests/apps/tool_test.h"
+
+namespace sightline::tests {
+namespace {
+
+class Convert : public ToolTest {
+ protected:
+  static int total(const Json& items) {
+    int sum = 0;
+    for (const auto& [kind, count] : items.items()) sum += count.get<int>();
+    return sum;
+  }
+};
+
+constexpr const char* kStlText =
+    "solid part\nfacet normal 0 0 1\nouter loop\nvertex 1000000000 0 0\nvertex 1000002000 0 0\n"
+    "vertex 1000000000 2000 0\nendloop\nendfacet\nendsolid part\n";
+
+TEST_F(Convert, RvmComesBackAsItWas) {
+  const std::string model = plant(1000);
+  const Json facts = run_json("convert", {model, path("again.RVM")});
+  EXPECT_TRUE(read_bytes(model) == read_bytes(path("again.RVM")));
+  EXPECT_EQ(facts["inputs"], Json::array({model}));
+  EXPECT_EQ(facts["output"], path("again.RVM"));
+  EXPECT_EQ(facts["items_in"], facts["items_out"]);
+  EXPECT_EQ(total(facts["items_out"]), 1000);
+  EXPECT_EQ(facts["left_out"], 0);
+  EXPECT_EQ(facts["bytes_in"], read_bytes(model).size());
+  EXPECT_EQ(facts["bytes_out"], read_bytes(model).size());
+  EXPECT_EQ(facts["tessellation"], nullptr);
+  EXPECT_EQ(facts["warnings"], Json::array());
+}
+
+TEST_F(Convert, SeveralFilesBecomeOne) {
+  ASSERT_EQ(run("convert", {plant(1000, 1), plant(1001, 2), path("both.rvm")}).code, 0);
+  EXPECT_EQ(total(run_json("info", {path("both.rvm")})["items"]), 2001);
+}
+
+TEST_F(Convert, MovesTheModel) {
+  const std::string model = plant(1000);
+  ASSERT_EQ(run("convert", {"--translate", "100,0,-7", model, path("moved.rvm")}).code, 0);
+  const Json here = run_json("info", {model}), there = run_json("info", {path("moved.rvm")});
+  EXPECT_NEAR(there["bounds"]["min"][0].get<double>(), here["bounds"]["min"][0].get<double>() + 100.0, 1e-3);
+  EXPECT_NEAR(there["bounds"]["max"][2].get<double>(), here["bounds"]["max"][2].get<double>() - 7.0, 1e-3);
+}
+
+TEST_F(Convert, ToleranceDecidesTheTriangles) {
+  const std::string model = plant(1000);
+  const Json coarse = run_json("convert", {model, path("coarse.obj"), "--tolerance", "0.05"});
+  const Json fine = run_json("convert", {model, path("fine.obj"), "--tolerance", "0.0005"});
+  EXPECT_EQ(coarse["tessellation"]["tolerance"], 0.05);
+  EXPECT_LE(coarse["tessellation"]["largest_chord_error"].get<double>(), 0.05);
+  EXPECT_LE(fine["tessellation"]["largest_chord_error"].get<double>(), 0.0005);
+  EXPECT_GT(fine["tessellation"]["triangles"].get<int>(), 2 * coarse["tessellation"]["triangles"].get<int>());
+  EXPECT_EQ(coarse["bytes_out"], read_bytes(path("coarse.obj")).size() + read_bytes(path("coarse.mtl")).size());
+  EXPECT_FALSE(read_bytes(path("coarse.mtl")).empty());
+}
+
+TEST_F(Convert, UnitsAndAxesAreApplied) {
+  const std::string part = write("part.stl", kStlText);
+  ASSERT_EQ(run("convert", {part, path("part.obj"), "--units", "mm", "--up", "y"}).code, 0);
+  EXPECT_EQ(read_bytes(path("part.obj")), "o part\nv 1000000 0 0\nv 1000002 0 0\nv 1000000 0 2\nf 1 2 3\n");
+}
+
+TEST_F(Convert, SpeaksBesideJson) {
+  const Outcome outcome = run("convert", {plant(1000), path("a.obj")});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.out.find("1000 of 1000 items"), std::string::npos) << outcome;
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST_F(Convert, RefusesBadUsage) {
+  expect_usage_error("convert", {path("only.rvm")}, "required");
+  expect_usage_error("convert", {path("in.rvm"), path("out.stl")}, "out.stl");
+  expect_usage_error("convert", {path("in.rvm"), path("out")}, ".rvm or .obj");
+  for (const char* bad : {"0", "-1", "nan", "inf", "fine"})
+    expect_usage_error("convert", {path("in.rvm"), path("out.obj"), "--tolerance", bad}, bad);
+}
+
+TEST_F(Convert, RefusesBadFilesAndLeavesNothing) {
+  const std::string model = plant(1000);
+  fs::create_directories(path("out"));
+  expect_failure("convert", {path("missing.rvm"), path("out/a.rvm")}, "missing.rvm");
+  expect_failure("convert", {model, write("damaged.stl", std::string(kStlText) + "facet"), path("out/a.obj")},
+                 "damaged.stl");
+  EXPECT_TRUE(fs::is_empty(path("out")));
+  expect_failure("convert", {model, unwritable("a.obj")}, "a.obj");
+  expect_failure("convert", {model, unwritable("a.rvm")}, "a.rvm");
+  ASSERT_EQ(run("convert", {"--lenient", path("damaged.stl"), path("out/a.obj")}).code, 0);
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), fs::directory_iterator()), 1);
+}
+
+}  // namespace
+}  // namespace sightline::tests
