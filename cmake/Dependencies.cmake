@@ -35,6 +35,14 @@ if(SIGHTLINE_GLTF AND SIGHTLINE_IMPORTERS)
   sightline_need(SIGHTLINE_GLTF SIGHTLINE_STB_INCLUDE "stb_image.h not found (libstb-dev)")
 endif()
 
+if(SIGHTLINE_VTK AND SIGHTLINE_IMPORTERS)
+  # By component: the whole of a packaged VTK asks for Qt, Java and more. Its writers are the tests' own need.
+  find_package(VTK 9 QUIET COMPONENTS CommonCore CommonDataModel CommonExecutionModel FiltersGeometry IOCore
+               OPTIONAL_COMPONENTS IOLegacy IOXML)
+  sightline_need(SIGHTLINE_VTK VTK_FOUND "VTK 9 not found (libvtk9-dev)")
+  sightline_need(SIGHTLINE_VTK UNIX "its module is loaded by dlopen()")
+endif()
+
 if(SIGHTLINE_GL)
   find_path(SIGHTLINE_GL_INCLUDE GL/glcorearb.h)
   find_path(SIGHTLINE_EGL_INCLUDE EGL/egl.h)

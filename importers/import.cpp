@@ -21,6 +21,9 @@
 #ifdef SIGHTLINE_HAVE_OBJ
 #include "sightline/importers/obj/obj_reader.h"
 #endif
+#ifdef SIGHTLINE_HAVE_VTK
+#include "sightline/importers/vtk/vtk_module.h"
+#endif
 
 namespace sightline::importers {
 namespace {
@@ -48,13 +51,22 @@ constexpr Format kFormats[] = {
     {".gltf", read_gltf},
     {".glb", read_gltf},
 #endif
+#ifdef SIGHTLINE_HAVE_VTK
+    {".vtk", read_vtk_by_module},
+    {".vtm", read_vtk_by_module},
+    {".vtmb", read_vtk_by_module},
+    {".vtp", read_vtk_by_module},
+    {".vtu", read_vtk_by_module},
+#endif
 };
 
 /// Formats that a build may lack, and the option that it then lacks.
 struct Optional {
   std::string_view extension, option;
 };
-constexpr Optional kOptional[] = {{".obj", "SIGHTLINE_OBJ"}, {".gltf", "SIGHTLINE_GLTF"}, {".glb", "SIGHTLINE_GLTF"}};
+constexpr Optional kOptional[] = {{".obj", "SIGHTLINE_OBJ"}, {".gltf", "SIGHTLINE_GLTF"}, {".glb", "SIGHTLINE_GLTF"},
+                                  {".vtk", "SIGHTLINE_VTK"}, {".vtm", "SIGHTLINE_VTK"},   {".vtmb", "SIGHTLINE_VTK"},
+                                  {".vtp", "SIGHTLINE_VTK"}, {".vtu", "SIGHTLINE_VTK"}};
 
 constexpr auto kExtensions = [] {
   std::array<std::string_view, std::size(kFormats)> all;

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what a build needs on Debian 12 (skipping what is there), then configures and builds one preset.
 #   scripts/setup.sh [PRESET]      release (default), debug, asan, tsan or fuzz
-# Extra CMake arguments come from SIGHTLINE_CMAKE_ARGS.
+# Extra CMake arguments come from SIGHTLINE_CMAKE_ARGS; SIGHTLINE_SETUP_VTK=1 installs VTK too.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=${1:-release}
@@ -9,6 +9,8 @@ preset=${1:-release}
 packages=(g++ cmake ninja-build pkg-config ccache libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev
   libtinyobjloader-dev libstb-dev libpng-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libglfw3-dev libgtest-dev
   libgmp-dev xvfb xdotool)
+# VTK brings 246 packages: on request. With it the build has importers/vtk.
+if [ -n "${SIGHTLINE_SETUP_VTK:-}" ]; then packages+=(libvtk9-dev); fi
 # The fuzz targets need clang and its runtime; CI runs them (see tests/CMakeLists.txt).
 if [ "$preset" = fuzz ] || [ -n "${CI:-}" ]; then packages+=(clang libclang-rt-14-dev); fi
 

@@ -1,0 +1,176 @@
+#include "sightline/importers/vtk/vtk_reader.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "sightline/importers/file_bytes.h"
+#include "sightline/importers/import_job.h"
+#include "sightline/importers/side_files.h"
+#include "sightline/importers/vtk/vtk_file.h"
+#include "sightline/importers/vtk/vtk_legacy.h"
+#include "sightline/importers/vtk/vtk_quiet.h"
+#include "sightline/importers/vtk/vtk_scene_builder.h"
+#include "sightline/importers/vtk/vtk_xml.h"
+
+namespace sightline::importers {
+namespace {
+
+namespace fs = std::filesystem;
+using Done = core::Expected<void>;
+
+std::string lower_case_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return extension;
+}
+
+bool is_index(const fs::path& path) {
+  const std::string extension = lower_case_extension(path);
+  return extension == ".vtm" || extension == ".vtmb";
+}
+
+/// Reads a file and those that it names, without recursion: files yet to be read wait in a list.
+class Reading {
+ public:
+  Reading(ImportJob& job, const fs::path& model) : job_(job), builder_(job), model_(model) {}
+
+  Done run(std::span<const std::byte> bytes) {
+    if (!is_index(model_)) return read_data(job_.file_node(), bytes, model_, "", Share{job_});
+    std::error_code ignored;
+    indices_.push_back({fs::weakly_canonical(model_, ignored), kNoIndex});
+    if (auto read = read_index(job_.file_node(), bytes, "", 0); !read) return read;
+    while (!waiting_.empty()) {
+      const Block block = std::move(waiting_.back());
+      waiting_.pop_back();
+      if (auto read = read_block(block); !read) return read;
+      ++done_;
+    }
+    return {};
+  }
+
+ private:
+  static constexpr std::size_t kNoIndex = ~std::size_t{0};
+
+  /// A .vtm file and the one that named it.
+  struct Index {
+    fs::path path;
+    std::size_t named_by;
+  };
+  struct Block {
+    core::NodeId node;
+    std::string file;
+    std::size_t named_by;
+  };
+
+  Done read_data(core::NodeId node, std::span<const std::byte> bytes, const fs::path& path, std::string part,
+                 const Share& share) {
+    VtkFile file{bytes, std::move(part), share.part(0.0, 0.5)};
+    auto data = lower_case_extension(path) == ".vtk" ? parse_vtk_legacy(file) : parse_vtk_xml(file);
+    if (!data) return tl::unexpected(data.error());
+    auto items = builder_.add(node, **data, share.part(0.5, 1.0));
+    builder_.forget();
+    if (!items) return tl::unexpected(items.error());
+    known_[path] = *items;
+    return {};
+  }
+
+  bool names_itself(const fs::path& path, std::size_t named_by) const {
+    for (std::size_t i = named_by; i != kNoIndex; i = indices_[i].named_by)
+      if (indices_[i].path == path) return true;
+    return false;
+  }
+
+  Done read_block(const Block& block) {
+    const fs::path& index = indices_[block.named_by].path;
+    const auto path = find_side_file(index, block.file);
+    if (!path) return job_.damage(0, "block " + path.error().message);
+    if (const auto known = known_.find(*path); known != known_.end()) {
+      builder_.add_again(block.node, known->second);
+      return {};
+    }
+    if (is_index(*path) && names_itself(*path, block.named_by))
+      return job_.damage(0, fmt::format("block '{}' refused: the file names itself", block.file));
+    const auto bytes = read_file_bytes(*path);
+    if (!bytes) return job_.damage(0, "block " + bytes.error().message);
+    job_.report().bytes += bytes->size();
+    const double all = double(done_ + 1 + waiting_.size());
+    const Share share{job_, double(done_) / all, 1.0 / all};
+    const core::ItemId first = core::ItemId(job_.scene().item_slots());
+    Done read;
+    if (is_index(*path)) {
+      indices_.push_back({*path, block.named_by});
+      read = read_index(block.node, *bytes, block.file + ": ", indices_.size() - 1);
+    } else if (const std::string kind = lower_case_extension(*path);
+               kind == ".vtk" || kind == ".vtp" || kind == ".vtu") {
+      read = read_data(block.node, *bytes, *path, block.file + ": ", share);
+    } else {
+      return job_.damage(0, fmt::format("block '{}' refused: expected .vtk, .vtp, .vtu, .vtm or .vtmb", block.file));
+    }
+    const bool whole_import = blocks_ > kMaxVtkBlocks || job_.scene().item_slots() != first;
+    if (read || !job_.options().lenient || whole_import || read.error().message == kCancelled) return read;
+    job_.warn(0, read.error().message + "; block left out");
+    return {};
+  }
+
+  /// Makes nodes of its blocks at once, so that they stand in order, and leaves their files for later.
+  Done read_index(core::NodeId node, std::span<const std::byte> bytes, std::string part, std::size_t index) {
+    const VtkFile file{bytes, std::move(part), Share{job_, 0.0, 0.0}};
+    const auto tree = parse_xml(file);
+    if (!tree) return tl::unexpected(tree.error());
+    const XmlElement& root = (*tree)[0];
+    if (root.name != "VTKFile" || root.attribute("type") != "vtkMultiBlockDataSet")
+      return file.fail(0, "expected a VTKFile element of type vtkMultiBlockDataSet");
+    struct Open {
+      std::uint32_t element;
+      core::NodeId node;
+    };
+    std::vector<Block> found;
+    std::vector<Open> open;
+    if (root.first_child != core::kNone) open.push_back({(*tree)[root.first_child].first_child, node});
+    while (!open.empty()) {
+      const auto [at, parent] = open.back();
+      open.pop_back();
+      if (at == core::kNone) continue;
+      const XmlElement& element = (*tree)[at];
+      open.push_back({element.next, parent});
+      const bool data = element.name == "DataSet", pieces = element.name == "Piece";
+      const std::string name = xml_unescaped(element.attribute("file"));
+      if ((!data && !pieces && element.name != "Block") || (data && name.empty())) continue;
+      if (++blocks_ > kMaxVtkBlocks)
+        return core::fail(fmt::format("{}: expected at most {} blocks", job_.file(), kMaxVtkBlocks));
+      const core::NodeId made =
+          pieces ? parent : job_.scene().add_node(parent, xml_unescaped(element.attribute("name")));
+      if (data) found.push_back({made, name, index});
+      open.push_back({element.first_child, made});
+    }
+    waiting_.insert(waiting_.end(), std::make_move_iterator(found.rbegin()), std::make_move_iterator(found.rend()));
+    return {};
+  }
+
+  ImportJob& job_;
+  VtkSceneBuilder builder_;
+  const fs::path& model_;
+  std::vector<Index> indices_;
+  std::vector<Block> waiting_;  // the next one last
+  std::map<fs::path, VtkSceneBuilder::Items> known_;
+  std::size_t blocks_ = 0, done_ = 0;
+};
+
+}  // namespace
+
+core::Expected<ImportReport> read_vtk(std::span<const std::byte> bytes, const fs::path& path, core::Scene& scene,
+                                      core::NodeId parent, const ImportOptions& options) {
+  return run_import(path.filename().string(), scene, parent, options, frame_of(options), [&](ImportJob& job) {
+    job.report().bytes = bytes.size();
+    const VtkQuiet quiet;
+    return Reading(job, path).run(bytes);
+  });
+}
+
+}  // namespace sightline::importers

@@ -1,0 +1,273 @@
+#include "sightline/importers/vtk/vtk_surface.h"
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <vtkCallbackCommand.h>
+#include <vtkCellArray.h>
+#include <vtkCellArrayIterator.h>
+#include <vtkCellData.h>
+#include <vtkCellType.h>
+#include <vtkCommand.h>
+#include <vtkGeometryFilter.h>
+#include <vtkIdTypeArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkUnstructuredGrid.h>
+
+namespace sightline::importers {
+namespace {
+
+bool same_in_any_case(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
+vtkUnsignedCharArray* as_colours(vtkAbstractArray* array) {
+  auto* colours = vtkUnsignedCharArray::SafeDownCast(array);
+  const int components = colours ? colours->GetNumberOfComponents() : 0;
+  return components == 3 || components == 4 ? colours : nullptr;
+}
+
+/// How many points a cell has: at least `least`, and no more unless `open`.
+struct CellSize {
+  int least;
+  bool open = false;
+  bool known() const { return least > 0; }
+  bool fits(vtkIdType size) const { return size == least || (open && size > least); }
+};
+
+CellSize size_of(int type) {
+  switch (type) {
+    case VTK_VERTEX:
+      return {1};
+    case VTK_POLY_VERTEX:
+      return {1, true};
+    case VTK_LINE:
+      return {2};
+    case VTK_POLY_LINE:
+      return {2, true};
+    case VTK_TRIANGLE:
+      return {3};
+    case VTK_TRIANGLE_STRIP:
+      return {3, true};
+    case VTK_POLYGON:
+      return {3, true};
+    case VTK_PIXEL:
+      return {4};
+    case VTK_QUAD:
+      return {4};
+    case VTK_TETRA:
+      return {4};
+    case VTK_VOXEL:
+      return {8};
+    case VTK_HEXAHEDRON:
+      return {8};
+    case VTK_WEDGE:
+      return {6};
+    case VTK_PYRAMID:
+      return {5};
+    case VTK_PENTAGONAL_PRISM:
+      return {10};
+    case VTK_HEXAGONAL_PRISM:
+      return {12};
+    case VTK_QUADRATIC_EDGE:
+      return {3};
+    case VTK_QUADRATIC_TRIANGLE:
+      return {6};
+    case VTK_QUADRATIC_QUAD:
+      return {8};
+    case VTK_QUADRATIC_TETRA:
+      return {10};
+    case VTK_QUADRATIC_HEXAHEDRON:
+      return {20};
+    case VTK_QUADRATIC_WEDGE:
+      return {15};
+    case VTK_QUADRATIC_PYRAMID:
+      return {13};
+    case VTK_BIQUADRATIC_QUAD:
+      return {9};
+    case VTK_TRIQUADRATIC_HEXAHEDRON:
+      return {27};
+    case VTK_QUADRATIC_LINEAR_QUAD:
+      return {6};
+    case VTK_QUADRATIC_LINEAR_WEDGE:
+      return {12};
+    case VTK_BIQUADRATIC_QUADRATIC_WEDGE:
+      return {18};
+    case VTK_BIQUADRATIC_QUADRATIC_HEXAHEDRON:
+      return {24};
+    case VTK_BIQUADRATIC_TRIANGLE:
+      return {7};
+    case VTK_POLYHEDRON:
+      return {4, true};
+    default:
+      return {0};
+  }
+}
+
+/// Tells whether VTK may look at a grid's cells.
+class CellCheck {
+ public:
+  explicit CellCheck(vtkUnstructuredGrid& grid)
+      : points_(grid.GetNumberOfPoints()), faces_(grid.GetFaces()), locations_(grid.GetFaceLocations()) {}
+
+  /// Empty for a good cell, else what is wrong with it.
+  std::string fault(vtkIdType cell, int type, std::span<const vtkIdType> ids) {
+    if (type == VTK_EMPTY_CELL && ids.empty()) return {};
+    const CellSize size = size_of(type);
+    if (!size.known()) return fmt::format("expected a linear, quadratic or polyhedral type, found type {}", type);
+    if (!size.fits(vtkIdType(ids.size())))
+      return fmt::format("expected {}{} points for a cell of type {}, found {}", size.open ? "at least " : "",
+                         size.least, type, ids.size());
+    for (const vtkIdType id : ids)
+      if (id < 0 || id >= points_) return fmt::format("expected a point below {}, found {}", points_, id);
+    if (type == VTK_POLYHEDRON && !faces_are_good(cell, ids)) return "the faces of a polyhedron are damaged";
+    return {};
+  }
+
+  /// Of a good polyhedron: number of faces, then each face's size and points.
+  std::span<const vtkIdType> face_stream(vtkIdType cell) const {
+    const vtkIdType begin = locations_->GetValue(cell);
+    vtkIdType end = begin + 1;
+    for (vtkIdType f = 0; f < faces_->GetValue(begin); ++f) end += 1 + faces_->GetValue(end);
+    return {faces_->GetPointer(begin), std::size_t(end - begin)};
+  }
+
+ private:
+  bool faces_are_good(vtkIdType cell, std::span<const vtkIdType> ids) {
+    if (!faces_ || !locations_ || cell >= locations_->GetNumberOfValues()) return false;
+    sorted_.assign(ids.begin(), ids.end());
+    std::sort(sorted_.begin(), sorted_.end());
+    const vtkIdType end = faces_->GetNumberOfValues();
+    vtkIdType at = locations_->GetValue(cell);
+    if (at < 0 || at >= end) return false;
+    const vtkIdType faces = faces_->GetValue(at++);
+    if (faces < 4) return false;
+    for (vtkIdType f = 0; f < faces; ++f) {
+      if (at >= end) return false;
+      const vtkIdType size = faces_->GetValue(at++);
+      if (size < 3 || size > end - at) return false;
+      for (const vtkIdType stop = at + size; at < stop; ++at)
+        if (!std::binary_search(sorted_.begin(), sorted_.end(), faces_->GetValue(at))) return false;
+    }
+    return true;
+  }
+
+  const vtkIdType points_;
+  vtkIdTypeArray *faces_, *locations_;
+  std::vector<vtkIdType> sorted_;
+};
+
+/// The grid itself, or a copy with its good cells alone.
+core::Expected<vtkSmartPointer<vtkDataSet>> checked(vtkUnstructuredGrid& grid, ImportJob& job) {
+  vtkNew<vtkUnstructuredGrid> good;  // empty so far
+  vtkCellArray* cells = grid.GetCells();
+  if (!cells || cells->GetNumberOfCells() == 0) return vtkSmartPointer<vtkDataSet>(good);
+  vtkUnsignedCharArray* types = grid.GetCellTypesArray();
+  if (!grid.GetPoints() || !cells->IsValid() || !types || types->GetNumberOfValues() != cells->GetNumberOfCells()) {
+    const auto told = job.damage(0, "cells left out: expected points, rising offsets and a type for each cell");
+    if (!told) return tl::unexpected(told.error());
+    return vtkSmartPointer<vtkDataSet>(good);
+  }
+  CellCheck check(grid);
+  std::vector<bool> bad(std::size_t(cells->GetNumberOfCells()));
+  std::size_t bad_count = 0;
+  std::string first;
+  const auto cell = vtk::TakeSmartPointer(cells->NewIterator());
+  vtkIdType size = 0;
+  const vtkIdType* ids = nullptr;
+  for (cell->GoToFirstCell(); !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
+    const vtkIdType id = cell->GetCurrentCellId();
+    cell->GetCurrentCell(size, ids);
+    std::string fault = check.fault(id, types->GetValue(id), {ids, std::size_t(size)});
+    if (fault.empty()) continue;
+    bad[std::size_t(id)] = true;
+    if (bad_count++ == 0) first = fmt::format("cell {}: {}", id, fault);
+  }
+  if (bad_count == 0) return vtkSmartPointer<vtkDataSet>(&grid);
+  const auto told = job.damage(0, fmt::format("{} of {} cells left out: {}", bad_count, bad.size(), first));
+  if (!told) return tl::unexpected(told.error());
+  good->SetPoints(grid.GetPoints());
+  good->GetPointData()->ShallowCopy(grid.GetPointData());
+  good->GetCellData()->CopyAllocate(grid.GetCellData());
+  for (cell->GoToFirstCell(); !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
+    const vtkIdType id = cell->GetCurrentCellId();
+    if (bad[std::size_t(id)]) continue;
+    cell->GetCurrentCell(size, ids);
+    const int type = types->GetValue(id);
+    vtkIdType added = 0;
+    if (type == VTK_POLYHEDRON) {
+      const auto faces = check.face_stream(id);
+      added = good->InsertNextCell(type, size, ids, faces[0], faces.data() + 1);
+    } else {
+      added = good->InsertNextCell(type, size, ids);
+    }
+    good->GetCellData()->CopyData(grid.GetCellData(), id, added);
+  }
+  return vtkSmartPointer<vtkDataSet>(good);
+}
+
+/// Leaves what a surface needs, where it is of every point or cell: filters carry all arrays along, unchecked.
+void keep_normals_colours_ghosts(vtkDataSetAttributes& attributes, vtkIdType count) {
+  vtkNew<vtkCellData> kept;  // as good as any kind of attributes
+  const auto whole = [&](vtkDataArray* array) { return array && array->GetNumberOfTuples() == count; };
+  if (auto* normals = attributes.GetNormals(); whole(normals)) kept->SetNormals(normals);
+  if (auto* colours = colours_of(attributes); whole(colours)) kept->SetScalars(colours);
+  if (auto* ghosts = attributes.GetArray(vtkDataSetAttributes::GhostArrayName()); whole(ghosts)) kept->AddArray(ghosts);
+  attributes.ShallowCopy(kept);
+}
+
+struct Watch {
+  const Share& share;
+  core::Expected<void> asked;
+};
+
+void on_progress(vtkObject* caller, unsigned long, void* client, void* done) {
+  auto& watch = *static_cast<Watch*>(client);
+  if (watch.asked) watch.asked = watch.share.progress(*static_cast<double*>(done));
+  if (!watch.asked) static_cast<vtkAlgorithm*>(caller)->SetAbortExecute(1);
+}
+
+}  // namespace
+
+vtkUnsignedCharArray* colours_of(vtkDataSetAttributes& attributes) {
+  if (auto* active = as_colours(attributes.GetScalars())) return active;
+  for (int i = 0; i < attributes.GetNumberOfArrays(); ++i) {
+    auto* colours = as_colours(attributes.GetAbstractArray(i));
+    if (!colours || !colours->GetName()) continue;
+    for (const std::string_view name : {"colors", "rgb", "rgba"})
+      if (same_in_any_case(colours->GetName(), name)) return colours;
+  }
+  return nullptr;
+}
+
+core::Expected<vtkSmartPointer<vtkPolyData>> outer_surface(vtkDataSet& data, const Share& share) {
+  vtkSmartPointer<vtkDataSet> input;
+  input.TakeReference(data.NewInstance());
+  input->ShallowCopy(&data);
+  input->GetFieldData()->Initialize();
+  keep_normals_colours_ghosts(*input->GetPointData(), input->GetNumberOfPoints());
+  keep_normals_colours_ghosts(*input->GetCellData(), input->GetNumberOfCells());
+  if (auto* grid = vtkUnstructuredGrid::SafeDownCast(input)) {
+    auto good = checked(*grid, share.job);
+    if (!good) return tl::unexpected(good.error());
+    input = *good;
+  }
+  vtkNew<vtkGeometryFilter> filter;
+  Watch watch{share, {}};
+  vtkNew<vtkCallbackCommand> command;
+  command->SetCallback(on_progress);
+  command->SetClientData(&watch);
+  filter->AddObserver(vtkCommand::ProgressEvent, command);
+  filter->SetInputData(input);
+  filter->Update();
+  if (!watch.asked) return tl::unexpected(watch.asked.error());
+  return vtkSmartPointer<vtkPolyData>(filter->GetOutput());
+}
+
+}  // namespace sightline::importers

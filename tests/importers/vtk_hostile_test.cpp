@@ -1,0 +1,241 @@
+// Damaged and malicious VTK files: no crash, no hang, no memory beyond what the headers state, and what is imported can
+// be committed. Run under -fsanitize=address,undefined this also shows that no read of ours leaves the buffer.
+#include <cstring>
+#include <memory>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "sightline/importers/vtk/vtk_reader.h"
+#include "sightline/tests/importers/vtk_files.h"
+
+namespace sightline::importers {
+namespace {
+
+/// Reads from a heap buffer of exactly that size and checks that the scene is sound; true when the import succeeded.
+bool survives(std::string_view content, const std::string& name, bool lenient) {
+  const std::unique_ptr<std::byte[]> exact(new std::byte[content.size()]);
+  std::memcpy(exact.get(), content.data(), content.size());
+  core::Scene scene;
+  const core::NodeId parent = scene.add_node(scene.root(), "kept");
+  const auto report = read_vtk({exact.get(), content.size()}, name, scene, parent, {.lenient = lenient});
+  if (report) {
+    const auto committed = scene.commit();
+    EXPECT_TRUE(committed.has_value()) << (committed ? "" : committed.error().message);
+    return true;
+  }
+  EXPECT_EQ(report.error().message.substr(0, name.size() + 2), name + ": ");
+  EXPECT_EQ(scene.node_count(), 2u);
+  EXPECT_EQ(scene.item_slots() + scene.mesh_slots() + scene.material_slots(), 0u);
+  return false;
+}
+
+std::string error_of(std::string_view content, const std::string& name) {
+  core::Scene scene;
+  const auto report = read_vtk(std::as_bytes(std::span(content)), name, scene, scene.root());
+  return report ? "" : report.error().message;
+}
+
+TEST(VtkHostile, EveryTruncation) {
+  for (const auto& [name, whole] : tests::vtk_files()) {
+    int imports = 0;
+    for (std::size_t size = 0; size < whole.size(); ++size) {
+      SCOPED_TRACE(testing::Message() << name << " truncated to " << size);
+      imports += survives(std::string_view(whole).substr(0, size), name, false);
+      survives(std::string_view(whole).substr(0, size), name, true);
+      ASSERT_FALSE(testing::Test::HasFailure());
+    }
+    // A legacy file's attributes may end anywhere between two sections, appended data behind the last array.
+    EXPECT_LT(imports, int(whole.size()) / 2) << name;
+  }
+}
+
+std::string mutated(std::string bytes, std::mt19937& random) {
+  constexpr std::string_view kWords[] = {
+      "0", "-1", "1",  "2147483647", "4294967296", "9223372036854775807", "18446744073709551615", "nan", "1e308", "",
+      "<", "\"", "/>", "42",         "12"};
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  for (int times = 1 + int(random() % 3); times > 0; --times) {
+    std::size_t at = random() % bytes.size();
+    switch (random() % 4) {
+      case 0:
+        for (int flips = 1 + int(random() % 8); flips > 0; --flips)
+          bytes[random() % bytes.size()] ^= char(1 << random() % 8);
+        break;
+      case 1: {  // a number becomes another
+        while (at < bytes.size() && !is_digit(bytes[at])) ++at;
+        std::size_t end = at;
+        while (end < bytes.size() && is_digit(bytes[end])) ++end;
+        bytes.replace(at, end - at, kWords[random() % std::size(kWords)]);
+        break;
+      }
+      case 2: {  // a word of a binary array
+        const std::uint32_t word = random() % 3 ? ~0u >> random() % 32 : std::uint32_t(random());
+        if (at + 4 <= bytes.size()) std::memcpy(bytes.data() + at, &word, 4);
+        break;
+      }
+      default: {  // a stretch comes twice or not at all
+        const std::string part = bytes.substr(at, random() % 200);
+        if (random() % 2)
+          bytes.insert(random() % bytes.size(), part);
+        else
+          bytes.erase(at, part.size());
+        if (bytes.empty()) bytes = "<";
+      }
+    }
+  }
+  return bytes;
+}
+
+TEST(VtkHostile, RandomMutations) {
+  int strict = 0, lenient = 0;
+  for (const auto& [name, whole] : tests::vtk_files()) {
+    for (unsigned seed = 0; seed < 1000; ++seed) {
+      std::mt19937 random(seed);
+      const std::string bytes = mutated(whole, random);
+      strict += survives(bytes, name, false);
+      lenient += survives(bytes, name, true);
+      ASSERT_FALSE(testing::Test::HasFailure()) << name << ", seed " << seed;
+    }
+  }
+  EXPECT_GT(lenient, strict);
+  EXPECT_GT(strict, 0);
+  RecordProperty("strict_imports", strict);
+  RecordProperty("lenient_imports", lenient);
+}
+
+TEST(VtkHostile, AbsurdCounts) {
+  for (const char* count : {"18446744073709551615", "9223372036854775807", "4611686018427387904", "2147483647", "99999",
+                            "-1", "1e9", "99999999999999999999999"}) {
+    SCOPED_TRACE(count);
+    const std::string head = "# vtk DataFile Version 3.0\nt\n", n = count;
+    for (const std::string form : {"ASCII\n", "BINARY\n"}) {
+      const std::string poly = head + form + "DATASET POLYDATA\n", grid = head + form + "DATASET UNSTRUCTURED_GRID\n";
+      EXPECT_FALSE(survives(poly + "POINTS " + n + " float\n0 0 0 1 0 0 0 1 0\n", "a.vtk", false));
+      const std::string points = "POINTS 0 float\n";
+      EXPECT_FALSE(survives(poly + points + "POLYGONS " + n + " 4\n3 0 1 2\n", "a.vtk", false));
+      EXPECT_FALSE(survives(poly + points + "POLYGONS 1 " + n + "\n3 0 1 2\n", "a.vtk", false));
+      EXPECT_FALSE(survives(poly + points + "POINT_DATA " + n + "\nVECTORS a float\n1 2 3\n", "a.vtk", false));
+      EXPECT_FALSE(
+          survives(poly + points + "POINT_DATA 1\nSCALARS a float " + n + "\nLOOKUP_TABLE d\n1 2\n", "a.vtk", false));
+      EXPECT_FALSE(survives(poly + points + "FIELD f 1\na " + n + " " + n + " string\nx\n", "a.vtk", false));
+      EXPECT_FALSE(survives(poly + points + "FIELD f " + n + "\n", "a.vtk", false));
+      EXPECT_FALSE(survives(grid + points + "CELLS 1 4\n3 0 1 2\nCELL_TYPES " + n + "\n5\n", "a.vtk", false));
+    }
+    const auto xml = [&](const std::string& points, const std::string& cells) {
+      return R"(<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints=")" + points +
+             R"(" NumberOfCells=")" + cells +
+             R"("><Points><DataArray type="Float32">0 0 0 1 0 0 0 1 0</DataArray></Points>
+             <Cells><DataArray type="Int64" Name="connectivity">0 1 2</DataArray><DataArray type="Int64" Name="offsets">3
+             </DataArray><DataArray type="UInt8" Name="types">5</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>)";
+    };
+    EXPECT_TRUE(survives(xml("3", "1"), "a.vtu", false));
+    EXPECT_FALSE(survives(xml(n, "1"), "a.vtu", false));
+    EXPECT_FALSE(survives(xml("3", n), "a.vtu", false));
+  }
+}
+
+TEST(VtkHostile, CellsThatLieAreRefused) {
+  const auto file = [](const std::string& connectivity, const std::string& offsets, const std::string& types) {
+    return R"(<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints="3" NumberOfCells="2"><Points>
+      <DataArray type="Float32">0 0 0 1 0 0 0 1 0</DataArray></Points><Cells><DataArray type="Int64" Name="connectivity">)" +
+           connectivity + R"(</DataArray><DataArray type="Int64" Name="offsets">)" + offsets +
+           R"(</DataArray><DataArray type="Int64" Name="types">)" + types +
+           "</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>";
+  };
+  EXPECT_EQ(error_of(file("0 1 2 2 1 0", "3 6", "5 5"), "a.vtu"), "");
+  const std::string rise = "expected offsets of cells that rise from 0";
+  for (const char* offsets : {"6 3", "-3 6", "3 5", "3 7", "9223372036854775807 6", "0 0"})
+    EXPECT_NE(error_of(file("0 1 2 2 1 0", offsets, "5 5"), "a.vtu").find(rise), std::string::npos) << offsets;
+  for (const char* types : {"5 12", "5 42", "5 70", "5 255", "5 -1", "5 261"})
+    EXPECT_NE(error_of(file("0 1 2 2 1 0", "3 6", types), "a.vtu").find("1 of 2 cells left out: cell 1"),
+              std::string::npos)
+        << types;
+  for (const char* ids : {"0 1 2 2 1 3", "0 1 2 2 1 -1", "0 1 2 2 1 4294967296"})
+    EXPECT_NE(error_of(file(ids, "3 6", "5 5"), "a.vtu").find("expected a point below 3"), std::string::npos) << ids;
+  EXPECT_NE(error_of(file("0 1 2 2 1 0.5", "3 6", "5 5"), "a.vtu").find("expected a number"), std::string::npos);
+}
+
+TEST(VtkHostile, NestingEntitiesAndAttributes) {
+  std::string deep = "<VTKFile type=\"PolyData\">", many = "<VTKFile";
+  for (int i = 0; i < 100000; ++i) deep += "<a>";
+  for (int i = 0; i < 1000; ++i) many += " a" + std::to_string(i) + "=\"\"";
+  EXPECT_NE(error_of(deep, "a.vtp").find("at most 64 levels"), std::string::npos);
+  EXPECT_NE(error_of(many + "/>", "a.vtp").find("at most 64 attributes"), std::string::npos);
+  EXPECT_FALSE(
+      survives("<!DOCTYPE a [<!ENTITY b \"bb\"><!ENTITY c \"&b;&b;\">]><VTKFile type=\"&c;\"/>", "a.vtp", true));
+  for (const char* text : {"<VTKFile", "<VTKFile/>", "</VTKFile>", "<>", "< >", "<a b=c/>", "<a><b></a></b>", "<!--",
+                           "<?", "<VTKFile type=\"PolyData\"/>", "<VTKFile type=\"PolyData\"><PolyData/>"})
+    EXPECT_FALSE(survives(text, "a.vtp", true)) << text;
+}
+
+/// A file of one compressed array of zeros.
+std::string bomb(std::size_t points) {
+  vtkNew<vtkPoints> zeros;
+  zeros->SetNumberOfPoints(vtkIdType(points));
+  std::memset(zeros->GetVoidPointer(0), 0, points * 12);
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(zeros);
+  vtkNew<vtkXMLPolyDataWriter> writer;
+  writer->SetInputData(data);
+  writer->SetBlockSize(1 << 24);
+  return tests::written(*writer);
+}
+
+TEST(VtkHostile, CompressionIsBounded) {
+  EXPECT_TRUE(survives(bomb(10000), "a.vtp", false));
+  const std::string error = error_of(bomb(10000000), "a.vtp");
+  EXPECT_NE(error.find("in all in a file of"), std::string::npos) << error;
+}
+
+TEST(VtkHostile, OneArrayManyTimes) {
+  // Claims add up: a thousand elements that show the same appended array cost no more than one.
+  std::string file = R"(<VTKFile type="PolyData"><PolyData><Piece NumberOfPoints="0"><PointData>)";
+  for (int i = 0; i < 1000; ++i)
+    file += R"(<DataArray type="UInt8" NumberOfComponents="3" format="appended" offset="0"/>)";
+  file += R"(</PointData></Piece></PolyData><AppendedData encoding="raw">_)";
+  const std::uint32_t size = 1 << 20;
+  file.append(reinterpret_cast<const char*>(&size), 4);
+  file.append(size, 'x');
+  EXPECT_NE(error_of(file, "a.vtp").find("in all in a file of"), std::string::npos);
+}
+
+TEST(VtkHostile, NumbersBeyondReasonAreDropped) {
+  for (const char* number : {"nan", "inf", "-1e37", "1e300", "1e999999", "-inf"}) {
+    SCOPED_TRACE(number);
+    const std::string file = std::string("# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 4 double\n") +
+                             "0 0 0 1 0 0 0 1 0 0 0 " + number + "\nPOLYGONS 2 8\n3 0 1 2\n3 0 1 3\n";
+    core::Scene scene;
+    const auto report = read_vtk(std::as_bytes(std::span(file)), "a.vtk", scene, scene.root());
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(report->warnings.size(), 1u);
+    EXPECT_EQ(scene.mesh(scene.mesh_of(0)).indices.size(), 3u);
+    EXPECT_TRUE(scene.commit());
+  }
+  EXPECT_EQ(error_of("# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 double\n0 1e-400 +3\n", "a.vtk"),
+            "");
+}
+
+TEST(VtkHostile, Noise) {
+  std::mt19937 random(11);
+  for (int i = 0; i < 1000; ++i) {
+    std::string noise(random() % 3000 + 1, ' ');
+    for (char& c : noise) c = char(random() & 0xff);
+    for (const char* name : {"a.vtk", "a.vtp", "a.vtu", "a.vtm"}) EXPECT_FALSE(survives(noise, name, i % 2 != 0));
+  }
+}
+
+TEST(VtkHostile, VtkKeepsQuiet) {
+  // A compressed block that is none: VTK's decompressor would print of it.
+  std::string file = tests::vtk_files().at("poly_zlib.vtp");
+  const std::size_t data = file.find('_', file.find("<AppendedData"));
+  for (std::size_t i = data + 19; i < data + 23; ++i) file[i] = 'x';
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  const std::string error = error_of(file, "a.vtp");
+  EXPECT_EQ(testing::internal::GetCapturedStderr() + testing::internal::GetCapturedStdout(), "");
+  EXPECT_NE(error.find("compressed block 0 is damaged"), std::string::npos) << error;
+}
+
+}  // namespace
+}  // namespace sightline::importers
