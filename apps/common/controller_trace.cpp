@@ -31,6 +31,9 @@ constexpr std::array<Column, 9> kColumns = {{{"frame", nullptr, true, false},
                                              {"intersections", &TraceFrame::intersections, false, false},
                                              {"height", &TraceFrame::height, false, false}}};
 
+/// Of times, counts and frame numbers. What is beyond cannot be summed, nor written and read again.
+constexpr double kLargest = 1e15;
+
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\r");
   if (first == std::string_view::npos) return {};
@@ -84,11 +87,13 @@ core::Expected<TraceFrame> parse_frame(std::string_view line, const Layout& layo
     const std::string what = std::string(column->name) + ": '" + std::string(fields[i]) + "' is no ";
     if (!value) return core::fail(what + "number");
     if (column->field) {
-      const bool good = std::isnan(*value) || (std::isfinite(*value) && (column->time ? *value > 0.0 : *value >= 0.0));
-      if (!good) return core::fail(what + (column->time ? "time > 0" : "count"));
+      const bool good = std::isnan(*value) || (*value <= kLargest && (column->time ? *value > 0.0 : *value >= 0.0));
+      if (!good)
+        return core::fail(what + (column->time ? "time > 0" : "count >= 0") +
+                          (*value > kLargest ? " and <= 1e15" : ""));
       frame.*column->field = *value;
     } else {
-      if (*value != std::floor(*value) || std::abs(*value) > 1e15) return core::fail(what + "frame number");
+      if (*value != std::floor(*value) || std::abs(*value) > kLargest) return core::fail(what + "frame number");
       if (last && *value != *last + 1.0) return core::fail(what + "successor of the frame before");
       last = *value;
     }

@@ -61,6 +61,7 @@ TEST(ControllerTrace, NamesTheLineOfWhatIsWrong) {
       {header + "0,1,,1,1,1\n", "t.csv:2: cpu_cull_ms: '' is no number"},
       {header + "0,1,1,0,1,1\n", "t.csv:2: cpu_frame_ms: '0' is no time > 0"},
       {header + "0,1,1,1,-2,1\n", "t.csv:2: gpu_cull_ms: '-2' is no time > 0"},
+      {header + "0,1.7976931348623157e308,1,1,1,1\n", "visible: '1.7976931348623157e308' is no count >= 0 and <= 1e15"},
       {header + "0,1,1,1,1,inf\n", "t.csv:2: gpu_frame_ms: 'inf' is no time > 0"},
       {header + "0,-1,1,1,1,1\n", "t.csv:2: visible: '-1' is no count"},
       {header + "0.5,1,1,1,1,1\n", "t.csv:2: frame: '0.5' is no frame number"},
