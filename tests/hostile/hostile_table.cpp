@@ -205,7 +205,7 @@ struct Row {
 
 Row run(const Target& target, const Attack& attack, Folder& folder) {
   Row row;
-  row.format = target.format;
+  row.format = target.extension == ".glb" ? "glb" : target.format;
   row.attack = attack.name;
   const std::uint64_t baseline_kib = in_child(0, [] { return Told(); }).peak_kib;
   for (std::size_t k = 0; k < attack.cases; ++k) {
@@ -243,10 +243,10 @@ Row run(const Target& target, const Attack& attack, Folder& folder) {
 // --- what every format gets ------------------------------------------------------------------------------------------
 
 /// Models; the fuzz targets' side files, which have no names, are left out.
-std::vector<std::string> seeds_of(const std::string& format) {
+std::vector<std::string> seeds_of(const Target& target) {
   std::vector<fs::path> paths;
-  for (const auto& entry : fs::directory_iterator(fs::path(SIGHTLINE_SOURCE_DIR) / "tests/fuzz/corpus" / format))
-    paths.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(fs::path(SIGHTLINE_SOURCE_DIR) / "tests/fuzz/corpus" / target.format))
+    if (entry.path().extension() == target.extension) paths.push_back(entry.path());
   std::sort(paths.begin(), paths.end());
   std::vector<std::string> seeds;
   for (const fs::path& path : paths) {
@@ -260,7 +260,7 @@ std::vector<std::string> seeds_of(const std::string& format) {
 /// Every length of the first 200 bytes of each seed, and beyond them steps such that there are 200 more.
 Attack truncation(const Target& target) {
   std::vector<std::pair<std::size_t, std::size_t>> cuts;  // seed, length
-  const std::vector<std::string> seeds = seeds_of(target.format);
+  const std::vector<std::string> seeds = seeds_of(target);
   for (std::size_t s = 0; s < seeds.size(); ++s) {
     const std::size_t size = seeds[s].size(), step = std::max<std::size_t>(size / 200, 1);
     for (std::size_t length = 0; length < size; length += length < 200 ? 1 : step) cuts.emplace_back(s, length);
@@ -273,7 +273,7 @@ Attack truncation(const Target& target) {
 /// Bits turned, bytes replaced by extremes, pieces doubled or left out: one to eight times. The case is the random
 /// seed.
 Attack mutation(const Target& target, std::size_t count) {
-  const auto make = [seeds = seeds_of(target.format), name = "model" + target.extension](std::size_t k) {
+  const auto make = [seeds = seeds_of(target), name = "model" + target.extension](std::size_t k) {
     std::mt19937 random(unsigned(k) + 1);
     std::string text = seeds[random() % seeds.size()];
     for (unsigned times = 1 + random() % 8; times > 0 && !text.empty(); --times) {
@@ -309,7 +309,7 @@ std::vector<Target> targets() {
   };
   add("obj", ".obj", obj_attacks);
   add("gltf", ".gltf", gltf_attacks);
-  add("glb", ".glb", glb_attacks);
+  add("gltf", ".glb", glb_attacks);
   add("ply", ".ply", ply_attacks);
   add("stl", ".stl", stl_attacks);
   all.push_back({"view_json", ".json", json_attacks()});

@@ -105,7 +105,7 @@ TEST_F(ObjReader, BadIndicesNameTheLine) {
 }
 
 TEST_F(ObjReader, NumbersBeyondReasonAreDropped) {
-  for (const char* number : {"1e300", "-1e37", "1e999999999999"}) {
+  for (const char* number : {"1e300", "-1e37", "1e999999999999", "1e-2147483648"}) {
     SCOPED_TRACE(number);
     const auto report = read(std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 ") + number + "\nf 1 2 3\nf 1 2 4\n");
     ASSERT_TRUE(report) << report.error().message;
