@@ -48,7 +48,8 @@ core::Expected<double> parse_tolerance(const std::string& text) {
 }
 
 core::Expected<Written> write_as_rvm(const core::Scene& scene, core::NodeId top, const std::string& output) {
-  if (auto done = importers::write_rvm(scene, top, output); !done) return tl::unexpected(done.error());
+  apps::Progress bar("writing");
+  if (auto done = importers::write_rvm(scene, top, output, bar.callback()); !done) return tl::unexpected(done.error());
   Written written;
   for (core::ItemId item = 0; item < scene.item_slots(); ++item)
     if (scene.contains_item(item)) ++written.items[std::size_t(scene.kind(item))];
@@ -59,12 +60,8 @@ core::Expected<Written> write_as_rvm(const core::Scene& scene, core::NodeId top,
 
 core::Expected<Written> write_as_obj(const core::Scene& scene, core::NodeId top, const std::string& output,
                                      double tolerance) {
-  constexpr std::size_t kSteps = 1000;
-  apps::Progress bar("writing", kSteps);
-  const auto report = importers::write_obj(scene, top, output, {.tolerance = tolerance, .progress = [&](double share) {
-                                                                  bar.advance(std::size_t(share * double(kSteps)));
-                                                                  return true;
-                                                                }});
+  apps::Progress bar("writing");
+  const auto report = importers::write_obj(scene, top, output, {.tolerance = tolerance, .progress = bar.callback()});
   if (!report) return tl::unexpected(report.error());
   return Written{report->items,
                  report->left_out,

@@ -8,11 +8,6 @@
 #include "sightline/apps/common/progress.h"
 
 namespace sightline::apps {
-namespace {
-
-constexpr std::size_t kProgressSteps = 1000;
-
-}  // namespace
 
 void add_import_options(CLI::App& app, importers::ImportOptions& options) {
   static const std::map<std::string, double> lengths = {{"mm", 1e-3}, {"cm", 1e-2},   {"m", 1.0},

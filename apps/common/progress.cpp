@@ -19,6 +19,13 @@ void Progress::advance(std::size_t done) {
   std::fprintf(stderr, "\r%s [%s] %3d%% ", label_.c_str(), bar.c_str(), percent);
 }
 
+std::function<bool(double)> Progress::callback() {
+  return [this](double share) {
+    advance(std::size_t(share * double(total_)));
+    return true;
+  };
+}
+
 Progress::~Progress() {
   if (shown_ >= 0) std::fprintf(stderr, "\r%*s\r", int(label_.size()) + 50, "");
 }

@@ -1,17 +1,20 @@
 // A progress bar on stderr; silent when that is no terminal.
 #pragma once
 
+#include <functional>
 #include <string>
 
 namespace sightline::apps {
 
 class Progress {
  public:
-  Progress(std::string label, std::size_t total);
+  explicit Progress(std::string label, std::size_t total = 1000);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   void advance(std::size_t done);
+  /// For work that tells its share, 0 to 1, and asks whether to go on: it does. The bar must outlive it.
+  std::function<bool(double)> callback();
 
  private:
   std::string label_;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/importers/import.h"
 #include "sightline/importers/rvm/rvm_output.h"
 #include "sightline/importers/rvm/rvm_reader.h"
 #include "sightline/importers/triangulate.h"
@@ -113,14 +114,18 @@ struct Frame {
 
 class RvmWriter {
  public:
-  RvmWriter(const core::Scene& scene, ByteSink& sink) : scene_(scene), out_(sink) {}
+  RvmWriter(const core::Scene& scene, ByteSink& sink, const std::function<bool(double)>& progress)
+      : scene_(scene), out_(sink), progress_(progress) {}
 
   core::Expected<void> run(NodeId top) {
     top_ = top;
     find_first_items(top);
     write_head(top);
     push_top(top);
-    while (!stack_.empty() && error_.message.empty() && out_.ok()) step();
+    while (!stack_.empty() && error_.message.empty() && out_.ok()) {
+      step();
+      if (!told()) return core::fail(std::string(kCancelled));
+    }
     if (!error_.message.empty()) return tl::unexpected(error_);
     write_colours();
     out_.begin("END:");
@@ -133,6 +138,14 @@ class RvmWriter {
   }
 
  private:
+  /// False when the caller cancels.
+  bool told() {
+    constexpr std::uint64_t kItemsBetween = 4096;
+    if (!progress_ || written_ < told_ + kItemsBetween) return true;
+    told_ = written_;
+    return progress_(double(written_) / double(scene_.item_count()));
+  }
+
   /// Items and child groups may alternate in a file: a child comes before any item inserted after the first item in it
   /// or in a later sibling. That first item's id, by node index:
   void find_first_items(NodeId top) {
@@ -272,6 +285,7 @@ class RvmWriter {
   }
 
   void write_item(const Frame& frame, std::uint32_t layers, ItemId item, const Look& look) {
+    ++written_;
     const bool model = (layers & core::kLayerModel) != 0;
     const bool obstruction = !model && (layers & core::kLayerObstruction) != 0;
     const bool insulation = !model && !obstruction && (layers & core::kLayerInsulation) != 0;
@@ -356,6 +370,8 @@ class RvmWriter {
 
   const core::Scene& scene_;
   rvm::ChunkWriter out_;
+  const std::function<bool(double)>& progress_;
+  std::uint64_t written_ = 0, told_ = 0;  // items
   NodeId top_;
   Palette palette_;
   std::vector<Frame> stack_;
@@ -365,17 +381,20 @@ class RvmWriter {
 
 }  // namespace
 
-core::Expected<void> write_rvm(const core::Scene& scene, NodeId node, const std::filesystem::path& path) {
+core::Expected<void> write_rvm(const core::Scene& scene, NodeId node, const std::filesystem::path& path,
+                               const std::function<bool(double)>& progress) {
   ReplacingFileSink sink(path);
   if (auto opened = sink.open(); !opened) return opened;
-  if (auto written = RvmWriter(scene, sink).run(node); !written)
+  if (auto written = RvmWriter(scene, sink, progress).run(node); !written) {
+    if (written.error().message == kCancelled) return written;
     return core::fail(fmt::format("{}: {}", path.string(), written.error().message));
+  }
   return sink.finish();
 }
 
 core::Expected<std::vector<std::byte>> write_rvm(const core::Scene& scene, NodeId node) {
   VectorSink sink;
-  if (auto written = RvmWriter(scene, sink).run(node); !written) return tl::unexpected(written.error());
+  if (auto written = RvmWriter(scene, sink, {}).run(node); !written) return tl::unexpected(written.error());
   return std::move(sink.bytes);
 }
 

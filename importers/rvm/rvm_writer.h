@@ -16,6 +16,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "sightline/core/error.h"
@@ -25,8 +26,10 @@ namespace sightline::importers {
 
 /// Writes beside `path` and renames at the end: on failure what was there stays. Fails on a path that cannot be
 /// written, on more than 4 GiB (offsets are 32 bits), and on an item whose baked matrix is not finite in float.
-/// Streams: memory is a few bytes per node, not per item.
-core::Expected<void> write_rvm(const core::Scene& scene, core::NodeId node, const std::filesystem::path& path);
+/// Streams: memory is a few bytes per node, not per item. `progress` as ImportOptions::progress: answering false
+/// cancels with kCancelled as the message.
+core::Expected<void> write_rvm(const core::Scene& scene, core::NodeId node, const std::filesystem::path& path,
+                               const std::function<bool(double)>& progress = {});
 
 /// The same into memory.
 core::Expected<std::vector<std::byte>> write_rvm(const core::Scene& scene, core::NodeId node);

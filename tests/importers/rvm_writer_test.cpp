@@ -193,6 +193,13 @@ TEST(RvmWriter, FilesAreReplacedWholeOrNotAtAll) {
   EXPECT_NE(failed.error().message.find("out.rvm"), std::string::npos);
   EXPECT_EQ(std::filesystem::file_size(path), 1760u);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  scene.remove_item(1);
+  for (int i = 0; i < 10000; ++i) scene.add_primitive(group, core::Cylinder{1, 2});
+  const auto cancelled = write_rvm(scene, top, path, [](double share) { return share < 0.5; });
+  ASSERT_FALSE(cancelled);
+  EXPECT_EQ(cancelled.error().message, kCancelled);
+  EXPECT_EQ(std::filesystem::file_size(path), 1760u);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
   EXPECT_FALSE(write_rvm(scene, group, folder));
   EXPECT_FALSE(write_rvm(scene, group, folder / "nowhere" / "out.rvm"));
   std::filesystem::remove_all(folder);
