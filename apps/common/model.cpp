@@ -59,11 +59,8 @@ core::Expected<Model> load_model(const ModelOptions& options) {
   const std::vector<std::filesystem::path> paths(options.files.begin(), options.files.end());
   importers::ImportOptions reading = options.import;
   {
-    Progress progress("reading", kProgressSteps);
-    reading.progress = [&](double share) {
-      progress.advance(std::size_t(share * double(kProgressSteps)));
-      return true;
-    };
+    Progress progress("reading");
+    reading.progress = progress.callback();
     auto report = importers::import_files(paths, *model.scene, model.scene->root(), reading);
     if (!report) return tl::unexpected(report.error());
     model.report = std::move(*report);
