@@ -31,6 +31,15 @@ bool publishable(const Affine& world_from_item) {
   return true;
 }
 
+/// Whether no point of the box comes near the limit under the map. False for a box that is empty or not finite.
+bool surely_publishable(const AabbD& box, const Affine& world_from_item) {
+  if (box.empty()) return false;
+  const dvec3 reach = glm::max(glm::abs(box.min), glm::abs(box.max));
+  dvec3 farthest = glm::abs(world_from_item.origin);
+  for (int i = 0; i < 3; ++i) farthest += glm::abs(world_from_item.linear[i]) * reach[i];
+  return glm::all(glm::lessThan(farthest, dvec3(0.5 * kLargestCoordinate)));
+}
+
 /// Bounds of points under a map. Vertex by vertex: the box of a rotated box would be up to sqrt(3) too large.
 AabbD mesh_extent(const Mesh& mesh, const Affine& world_from_item) {
   AabbD box;
@@ -281,7 +290,12 @@ const Scene::Resolved& Scene::resolve_once(std::uint32_t index, ResolvedNodes& k
 MeshId Scene::add_mesh(Mesh mesh) {
   assert(mesh.normals.empty() || mesh.normals.size() == mesh.positions.size());
   AabbD box;
-  for (const vec3& p : mesh.positions) box.grow(dvec3(p));
+  bool finite = true;
+  for (const vec3& p : mesh.positions) {
+    box.grow(dvec3(p));
+    finite = finite && is_finite(dvec3(p));
+  }
+  if (!finite) box.min = dvec3(std::numeric_limits<double>::quiet_NaN());  // commit() refuses its items
   meshes_.push_back(std::move(mesh));
   mesh_bounds_.push_back(box);
   return {std::uint32_t(meshes_.size() - 1), 0};
@@ -539,7 +553,11 @@ std::vector<ItemId> Scene::collect_dirty_items() {
 }
 
 bool Scene::can_commit(ItemId item, const Affine& world_from_item) const {
-  return publishable(world_from_item) && publishable(bounds_under(item, world_from_item));
+  if (!publishable(world_from_item)) return false;
+  // A mesh of many instances is not walked for each: nearly all lie well within the limit with their boxes.
+  if (const Item& it = live(item); int(it.kind) >= kPrimitiveKindCount)
+    if (surely_publishable(mesh_bounds_[it.payload], world_from_item)) return true;
+  return publishable(bounds_under(item, world_from_item));
 }
 
 Expected<SceneDelta> Scene::validated(std::span<const ItemId> items) const {
