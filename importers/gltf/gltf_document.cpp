@@ -312,12 +312,14 @@ core::Expected<Bytes> GltfDocument::uri_bytes(std::string_view uri) {
 
 bool GltfDocument::take_corners(std::uint64_t corners) {
   corners_ += corners;
-  return corners_ <= kNumbersPerByte * bytes_read_ + kSpareNumbers;
+  overdrawn_ = overdrawn_ || corners_ > kNumbersPerByte * bytes_read_ + kSpareNumbers;
+  return !overdrawn_;
 }
 
 bool GltfDocument::take_items(std::uint64_t items) {
   items_ += items;
-  return items_ <= bytes_read_ + kSpareNumbers;
+  overdrawn_ = overdrawn_ || items_ > bytes_read_ + kSpareNumbers;
+  return !overdrawn_;
 }
 
 void GltfDocument::release(std::size_t held) {

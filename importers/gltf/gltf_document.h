@@ -82,6 +82,7 @@ class GltfDocument {
   /// can name the same numbers again and again: only such limits keep memory proportional.
   bool take_corners(std::uint64_t corners);
   bool take_items(std::uint64_t items);
+  bool overdrawn() const { return overdrawn_; }  ///< an answer was false: going on would only take time
 
  private:
   struct View {
@@ -99,6 +100,7 @@ class GltfDocument {
   const std::filesystem::path& path_;
   Json root_;
   std::span<const std::byte> binary_;
+  bool overdrawn_ = false;
   std::uint64_t bytes_read_ = 0, corners_ = 0, items_ = 0, sparse_ = 0;
   std::unordered_map<std::uint64_t, GltfAccessor> accessors_;
   std::unordered_map<std::uint64_t, std::span<const std::byte>> buffers_;

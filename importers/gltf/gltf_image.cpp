@@ -47,7 +47,7 @@ double srgb_from_linear(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
-core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh) {
+core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh, std::uint64_t& pixels_left) {
   if (!starts_with(file, {0x89, 'P', 'N', 'G'}) && !starts_with(file, {0xff, 0xd8}))
     return core::fail("expected a PNG or JPEG image");
   if (file.size() > std::size_t(std::numeric_limits<int>::max())) return core::fail("expected an image below 2 GiB");
@@ -58,6 +58,8 @@ core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh
   const std::uint64_t count = std::uint64_t(width) * std::uint64_t(height);
   if (count > kMostPixels)
     return core::fail(fmt::format("expected at most {} pixels, found {} x {}", kMostPixels, width, height));
+  if (count > pixels_left) return core::fail("more pixels in all images than the file's size allows");
+  pixels_left -= count;
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(data, int(file.size()), &width, &height, &channels, 4), stbi_image_free);
   if (!pixels) return core::fail("expected a whole image, found damage");

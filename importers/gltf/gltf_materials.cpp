@@ -68,10 +68,13 @@ core::Expected<ImageMean> GltfMaterials::texture_mean(std::uint64_t texture, con
   if (!bytes)
     return embedded ? tl::unexpected(bytes.error())
                     : tl::unexpected(core::Error{fmt::format("{}/uri: {}", where, bytes.error().message)});
-  auto mean = image_mean(*bytes, weigh);
+  const std::uint64_t most = kMostPixels + kPixelsPerByte * document_.bytes_read();
+  std::uint64_t left = most - std::min(most, pixels_taken_);
+  auto mean = image_mean(*bytes, weigh, left);
+  pixels_taken_ = most - left;
   if (!embedded) document_.release(held);
-  if (!mean) return core::fail(fmt::format("{}: {}", where, mean.error().message));
-  return means_[key] = *mean;
+  if (!mean) mean.error().message.insert(0, where + ": ");
+  return means_.emplace(key, std::move(mean)).first->second;
 }
 
 }  // namespace sightline::importers

@@ -20,10 +20,14 @@ struct ImageMean {
   core::dvec3 colour{1.0};
   double alpha = 1.0;
 };
-/// A PNG or JPEG file image of at most kMostPixels, decoded by stb_image. Memory: 4 bytes a pixel for the time of the
+/// A PNG or JPEG file image of at most kMostPixels, decoded by stb_image. Its pixels are taken from `pixels_left`, and
+/// it is refused when those do not suffice. Memory: 4 bytes a pixel for the time of the
 /// call.
-core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh);
+core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh, std::uint64_t& pixels_left);
 inline constexpr std::uint64_t kMostPixels = std::uint64_t{64} << 20;
+/// Of all images together, for each byte of the file: what deflate can pack. Names for one image over and over end
+/// here.
+inline constexpr std::uint64_t kPixelsPerByte = 1024;
 
 /// Makes a scene's material of a file's when it is first asked for.
 class GltfMaterials {
@@ -38,7 +42,8 @@ class GltfMaterials {
   ImportJob& job_;
   GltfDocument& document_;
   std::unordered_map<std::uint64_t, core::MaterialId> made_;
-  std::map<std::string, ImageMean> means_;
+  std::map<std::string, core::Expected<ImageMean>> means_;
+  std::uint64_t pixels_taken_ = 0;
 };
 
 }  // namespace sightline::importers

@@ -70,9 +70,11 @@ class Reading {
     return done;
   }
 
-  /// A part that cannot be read: fails when strict, else it is left out. Cancelling always fails.
+  /// A part that cannot be read: fails when strict, else it is left out. Cancelling and files that ask for more than
+  /// any proportion to their bytes always fail.
   Expected<void> left_out(core::Error error) {
-    if (!job_.options().lenient || error.message == kCancelled) return tl::unexpected(std::move(error));
+    if (!job_.options().lenient || error.message == kCancelled || document_.overdrawn())
+      return tl::unexpected(std::move(error));
     job_.warn(0, std::move(error.message));
     return {};
   }
@@ -302,7 +304,9 @@ class Reading {
     if (!primitives || !primitives->is_array())
       return core::fail(mesh.where() + "/primitives: expected an array of mesh primitives");
     for (std::size_t i = 0; i < primitives->size(); ++i) {
-      const Expected<void> done = visit((*primitives)[i], fmt::format("{}/primitives/{}", mesh.where(), i));
+      const std::string where = fmt::format("{}/primitives/{}", mesh.where(), i);
+      auto done = take_items(1, where);  // even one that draws nothing takes time under each node
+      if (done) done = visit((*primitives)[i], where);
       if (done) continue;
       if (auto asked = left_out(done.error()); !asked) return tl::unexpected(asked.error());
     }
@@ -321,9 +325,7 @@ class Reading {
       if (!material) return tl::unexpected(material.error());
       const auto shared = shared_mesh(*sources, mesh, where);
       if (!shared) return tl::unexpected(shared.error());
-      if (!(*shared)->drawn) return {};
-      if (auto taken = take_items(1, where); !taken) return taken;
-      add_item(**shared, node.id, {}, *material);
+      if ((*shared)->drawn) add_item(**shared, node.id, {}, *material);
       return {};
     });
   }

@@ -32,7 +32,7 @@ namespace sightline::importers {
 
 /// Memory that read_gltf allocates at its peak, the scene's included, stays below this many times the bytes of the file
 /// and of those that it names, plus kGltfMemoryConstant; a texture adds 4 bytes for each of its pixels while it is
-/// averaged. Files that ask for more (one accessor drawn a million times) are refused.
+/// averaged. Files that ask for more (one accessor drawn a million times) are refused, lenient or not.
 inline constexpr std::size_t kGltfMemoryFactor = 256;
 inline constexpr std::size_t kGltfMemoryConstant = std::size_t{32} << 20;
 

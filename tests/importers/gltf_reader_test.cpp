@@ -29,8 +29,7 @@ class GltfReader : public testing::Test {
 
   core::Expected<ImportReport> read(std::span<const std::byte> bytes, bool lenient = false) {
     scene_ = core::Scene();
-    auto report = read_gltf(bytes, folder_ / "model.glb", scene_, scene_.root(),
-                            {.lenient = lenient, .copies = MeshCopies::kApart});
+    auto report = read_gltf(bytes, folder_ / "model.glb", scene_, scene_.root(), {.lenient = lenient});
     if (report) {
       EXPECT_TRUE(scene_.commit());
     } else {
@@ -491,7 +490,7 @@ TEST_F(GltfReader, CancellingTakesEverythingBack) {
   int calls = 0;
   ASSERT_TRUE(read_gltf(bytes, "m.glb", scene_, scene_.root(), {.progress = [&](double) { return ++calls > 0; }}));
   ASSERT_GT(calls, 4);
-  for (int last = 1; last <= calls; ++last)
+  for (int last = 1; last < calls; ++last)  // the last call says that all is done
     for (const bool lenient : {false, true}) {
       core::Scene scene;
       int call = 0;
