@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -22,7 +23,7 @@ using ItemCounts = std::array<std::uint64_t, core::kKindCount>;
 struct Written {
   ItemCounts items{};
   std::uint64_t left_out = 0, bytes = 0;
-  json tessellation;  // null for RVM, which keeps primitives
+  std::optional<importers::ObjWriteReport> triangles;  ///< none in RVM, which keeps primitives
 };
 
 std::string extension_of(const std::string& file) {
@@ -42,7 +43,7 @@ std::string take_output(std::vector<std::string>& files) {
 }
 
 core::Expected<double> parse_tolerance(const std::string& text) {
-  const auto tolerance = apps::parse_finite(text);
+  auto tolerance = apps::parse_finite(text);
   if (tolerance && *tolerance <= 0.0) return core::fail("expected a tolerance above 0, found \"" + text + "\"");
   return tolerance;
 }
@@ -63,13 +64,7 @@ core::Expected<Written> write_as_obj(const core::Scene& scene, core::NodeId top,
   apps::Progress bar("writing");
   const auto report = importers::write_obj(scene, top, output, {.tolerance = tolerance, .progress = bar.callback()});
   if (!report) return tl::unexpected(report.error());
-  return Written{report->items,
-                 report->left_out,
-                 report->bytes,
-                 {{"tolerance", tolerance},
-                  {"largest_chord_error", report->largest_chord_error},
-                  {"triangles", report->triangles},
-                  {"vertices", report->vertices}}};
+  return Written{report->items, report->left_out, report->bytes, *report};
 }
 
 std::uint64_t total(const ItemCounts& items) {
@@ -79,7 +74,13 @@ std::uint64_t total(const ItemCounts& items) {
 }
 
 json to_json(const apps::ModelOptions& options, const importers::ImportReport& read, const std::string& output,
-             const Written& written) {
+             double tolerance, const Written& written) {
+  json tessellation;
+  if (written.triangles)
+    tessellation = {{"tolerance", tolerance},
+                    {"largest_chord_error", written.triangles->largest_chord_error},
+                    {"triangles", written.triangles->triangles},
+                    {"vertices", written.triangles->vertices}};
   return {{"inputs", options.files},
           {"output", output},
           {"items_in", apps::items_json(read.items)},
@@ -87,17 +88,16 @@ json to_json(const apps::ModelOptions& options, const importers::ImportReport& r
           {"left_out", written.left_out},
           {"bytes_in", read.bytes},
           {"bytes_out", written.bytes},
-          {"tessellation", written.tessellation},
+          {"tessellation", tessellation},
           {"warnings", apps::warnings_json(read.warnings)}};
 }
 
 void print(const importers::ImportReport& read, const std::string& output, const Written& written) {
   std::printf("%s: %llu of %llu items, %llu bytes", output.c_str(), (unsigned long long)total(written.items),
               (unsigned long long)total(read.items), (unsigned long long)written.bytes);
-  if (!written.tessellation.is_null())
+  if (written.triangles)
     std::printf(", %llu triangles, at most %.3g m from the primitives they stand for",
-                (unsigned long long)written.tessellation["triangles"].get<std::uint64_t>(),
-                written.tessellation["largest_chord_error"].get<double>());
+                (unsigned long long)written.triangles->triangles, written.triangles->largest_chord_error);
   std::printf("\n");
 }
 
@@ -138,7 +138,8 @@ int main(int argc, char** argv) {
     if (!written) return tl::unexpected(written.error());
     if (json_file != "-") print(model->report, output, *written);
     if (json_file.empty()) return apps::kExitOk;
-    if (auto done = apps::write_text(json_file, apps::to_text(to_json(options, model->report, output, *written)));
+    if (auto done =
+            apps::write_text(json_file, apps::to_text(to_json(options, model->report, output, tolerance, *written)));
         !done)
       return tl::unexpected(done.error());
     return apps::kExitOk;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 #include <utility>
 
 #include "sightline/core/prefetch.h"
@@ -25,7 +24,8 @@ std::uint64_t hash(const core::dvec3& p) {
 }
 
 bool same_bits(const core::dvec3& a, const core::dvec3& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;  // what is no number equals itself
+  using Bits = std::array<std::uint64_t, 3>;
+  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);  // what is no number equals itself
 }
 
 }  // namespace

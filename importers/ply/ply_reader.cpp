@@ -106,7 +106,7 @@ struct Record {
     std::array<std::uint32_t, 4> channels{0, 0, 0, 255};
     for (std::size_t i = 0; i < (layout.has(kAlpha) ? 4 : 3); ++i) {
       const double value = values[kRed + i] * layout.colour_scale[i];
-      channels[i] = value > 0.0 ? std::uint32_t(std::min(value, 255.0) + 0.5) : 0;  // 0 for what is no number
+      channels[i] = value > 0.0 ? std::uint32_t(std::lround(std::min(value, 255.0))) : 0;  // 0 for what is no number
     }
     return pack_colour(channels[0], channels[1], channels[2], channels[3]);
   }

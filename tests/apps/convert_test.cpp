@@ -14,8 +14,8 @@ class Convert : public ToolTest {
 };
 
 constexpr const char* kStlText =
-    "solid part\nfacet normal 0 0 1\nouter loop\nvertex 1000000000 0 0\nvertex 1000002000 0 0\n"
-    "vertex 1000000000 2000 0\nendloop\nendfacet\nendsolid part\n";
+    "solid part\nfacet normal 0 0 1\nouter loop\nvertex 1000001000 0 0\nvertex 1000003000 0 0\n"
+    "vertex 1000001000 2000 0\nendloop\nendfacet\nendsolid part\n";
 
 TEST_F(Convert, RvmComesBackAsItWas) {
   const std::string model = plant(1000);
@@ -60,7 +60,7 @@ TEST_F(Convert, ToleranceDecidesTheTriangles) {
 TEST_F(Convert, UnitsAndAxesAreApplied) {
   const std::string part = write("part.stl", kStlText);
   ASSERT_EQ(run("convert", {part, path("part.obj"), "--units", "mm", "--up", "y"}).code, 0);
-  EXPECT_EQ(read_bytes(path("part.obj")), "o part\nv 1000000 0 0\nv 1000002 0 0\nv 1000000 0 2\nf 1 2 3\n");
+  EXPECT_EQ(read_bytes(path("part.obj")), "o part\nv 1000001 0 0\nv 1000003 0 0\nv 1000001 0 2\nf 1 2 3\n");
 }
 
 TEST_F(Convert, SpeaksBesideJson) {

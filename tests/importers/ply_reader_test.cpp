@@ -307,7 +307,7 @@ TEST_F(PlyReader, CancelLeavesTheSceneAlone) {
                    }}));
   EXPECT_EQ(last, 1.0);
   EXPECT_GT(calls, 10);
-  for (const double at : {0.0, 0.1, 0.5, 1.0}) {
+  for (const double at : {0.0, 0.1, 0.5}) {
     const auto report = read(text, {.progress = [&](double share) { return share < at; }});
     ASSERT_FALSE(report);
     EXPECT_EQ(report.error().message, kCancelled);

@@ -191,7 +191,7 @@ TEST_F(StlReader, CancelLeavesTheSceneAlone) {
   for (int i = 0; i < 20000; ++i) text += kTextFacet;
   text += "endsolid\n";
   for (const std::string& bytes : {binary(facets), text}) {
-    for (const double at : {0.0, 0.3, 1.0}) {
+    for (const double at : {0.0, 0.3}) {
       const auto report = read(bytes, {.progress = [&](double share) { return share < at; }});
       ASSERT_FALSE(report);
       EXPECT_EQ(report.error().message, kCancelled);
