@@ -50,12 +50,6 @@ void print_warnings(const std::vector<importers::ImportWarning>& warnings) {
 core::Expected<Model> load_model(const ModelOptions& options) {
   Model model;
   model.scene = std::make_unique<core::Scene>();
-  if (!options.translate.empty()) {
-    const auto offset = parse_vector(options.translate);
-    if (!offset) return tl::unexpected(offset.error());
-    model.offset = *offset;
-    model.scene->set_transform(model.scene->root(), core::translation(*offset));
-  }
   const std::vector<std::filesystem::path> paths(options.files.begin(), options.files.end());
   importers::ImportOptions reading = options.import;
   {
@@ -66,6 +60,13 @@ core::Expected<Model> load_model(const ModelOptions& options) {
     model.report = std::move(*report);
   }
   print_warnings(model.report.warnings);
+  // Not before: what an absurd offset takes out of all range is an error of the offset's, and nothing to be dropped.
+  if (!options.translate.empty()) {
+    const auto offset = parse_vector(options.translate);
+    if (!offset) return tl::unexpected(offset.error());
+    model.offset = *offset;
+    model.scene->set_transform(model.scene->root(), core::translation(*offset));
+  }
   return model;
 }
 
