@@ -17,6 +17,10 @@ using core::Mesh;
 /// Copies tried of one hash. More than this many different meshes of one hash are not found but made.
 constexpr std::size_t kMostTried = 16;
 
+/// Nothing is taken for a copy of something so many times smaller or larger: factors of a placement must stay far from
+/// where a scene refuses them.
+constexpr double kLargestScale = 1e6;
+
 std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
   hash = (hash ^ value) * 0x9e3779b97f4a7c15u;
   return hash ^ (hash >> 32);
@@ -161,12 +165,13 @@ std::optional<Fit> fit(const Mesh& mesh, const Mesh& copy, const MeshAnchors& an
   const auto mesh_at = [&](std::uint32_t i) { return dvec3(mesh.positions[i]) - mesh_a; };
   const auto copy_at = [&](std::uint32_t i) { return dvec3(copy.positions[i]) - copy_a; };
   const dvec3 mesh_ab = mesh_at(anchors.b), copy_ab = copy_at(anchors.b);
-  if (!(glm::length(mesh_ab) > 0.0 && glm::length(copy_ab) > 0.0)) return {};
+  const double scale = glm::length(copy_ab) / glm::length(mesh_ab);
+  if (!(scale >= 1.0 / kLargestScale && scale <= kLargestScale)) return {};  // false for what has no length
   const auto mesh_axes = axes(mesh_ab, mesh_at(anchors.c));
   const auto copy_axes = axes(copy_ab, copy_at(anchors.c));
   if (!mesh_axes || !copy_axes) return {};
   Affine map;
-  map.linear = (glm::length(copy_ab) / glm::length(mesh_ab)) * (*copy_axes * glm::transpose(*mesh_axes));
+  map.linear = scale * (*copy_axes * glm::transpose(*mesh_axes));
   map.origin = copy_a - map.linear * mesh_a;
   if (const auto error = misfit(mesh, copy, map, tolerance)) return Fit{map, *error};
   return {};

@@ -145,6 +145,16 @@ TEST(MeshSharing, TakesMeshesWithoutExtent) {
   EXPECT_FALSE(add({{0, 0, 0}, {0, 1, 0}, {0, 3, 0}, {0, 4, 0}}).shared) << "a turned line has no axes";
 }
 
+/// The placement that maps one to the other could not be committed.
+TEST(MeshSharing, KeepsApartWhatDiffersByMoreThanAnySite) {
+  core::Scene scene;
+  MeshSharing sharing(scene);
+  const Mesh tiny = box_mesh(dvec3(1e-20, 2e-20, 3e-20));
+  EXPECT_FALSE(sharing.add(tiny).shared);
+  EXPECT_FALSE(sharing.add(moved(tiny, {core::dmat3(1e38), {}})).shared);
+  EXPECT_TRUE(sharing.add(moved(tiny, {core::dmat3(1e5), {}})).shared);
+}
+
 /// Thousands of meshes of one topology: each is looked up by its shape, not compared with all others.
 TEST(MeshSharing, TellsManyBoxesApart) {
   core::Scene scene;
