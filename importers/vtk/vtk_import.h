@@ -15,7 +15,8 @@
 // - Strings in field data become attributes of the node, "name" or "name[i]", up to kMaxVtkAttributes of them.
 //
 // Left out with damage (an error when strict): polygons and cells that refer to points which are not there, have
-// another number of points than their type asks for, or are of a type other than linear, quadratic or polyhedral.
+// another number of points than their type asks for, or are of a type other than linear, quadratic or polyhedral; and
+// all cells of a grid that crowds them around so few points that finding its surface would take forever.
 #pragma once
 
 #include <cstddef>

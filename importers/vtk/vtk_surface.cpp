@@ -163,6 +163,24 @@ class CellCheck {
   std::vector<vtkIdType> sorted_;
 };
 
+/// VTK finds the faces that cells share in lists by point: their lengths squared are its time. Meshes have tens of
+/// cells at a point, and here and there a hub; a file made for it has all its cells at a few points, and takes hours.
+bool crowded(vtkCellArray& cells, vtkIdType points) {
+  constexpr double kCellsAtPoint = 200.0, kAnyway = 1e8;
+  std::vector<std::uint32_t> cells_at(std::size_t(points), 0);
+  const auto cell = vtk::TakeSmartPointer(cells.NewIterator());
+  vtkIdType size = 0;
+  const vtkIdType* ids = nullptr;
+  for (cell->GoToFirstCell(); !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
+    cell->GetCurrentCell(size, ids);
+    for (vtkIdType i = 0; i < size; ++i)
+      if (ids[i] >= 0 && ids[i] < points) ++cells_at[std::size_t(ids[i])];
+  }
+  double work = 0.0, uses = 0.0;
+  for (const double count : cells_at) work += count * count, uses += count;
+  return work > kAnyway + kCellsAtPoint * uses;
+}
+
 /// The grid itself, or a copy with its good cells alone.
 core::Expected<vtkSmartPointer<vtkDataSet>> checked(vtkUnstructuredGrid& grid, ImportJob& job) {
   vtkNew<vtkUnstructuredGrid> good;  // empty so far
@@ -171,6 +189,11 @@ core::Expected<vtkSmartPointer<vtkDataSet>> checked(vtkUnstructuredGrid& grid, I
   vtkUnsignedCharArray* types = grid.GetCellTypesArray();
   if (!grid.GetPoints() || !cells->IsValid() || !types || types->GetNumberOfValues() != cells->GetNumberOfCells()) {
     const auto told = job.damage(0, "cells left out: expected points, rising offsets and a type for each cell");
+    if (!told) return tl::unexpected(told.error());
+    return vtkSmartPointer<vtkDataSet>(good);
+  }
+  if (crowded(*cells, grid.GetNumberOfPoints())) {
+    const auto told = job.damage(0, "cells left out: expected them around many points, found them around few");
     if (!told) return tl::unexpected(told.error());
     return vtkSmartPointer<vtkDataSet>(good);
   }
