@@ -146,7 +146,7 @@ class GltfCollectionsTest : public testing::Test {
     attributes_ = Json::object();
     file_ = {};
   }
-  void expect_on_surface(const dvec3& world, double size, double tolerance = 1e-6) {
+  double distance_of(const dvec3& world) {
     const core::Affine item = scene_.state(0).world_from_item;
     double distance = 1e9;
     if (int(scene_.kind(0)) < core::kPrimitiveKindCount) {
@@ -162,7 +162,10 @@ class GltfCollectionsTest : public testing::Test {
       for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
         distance = std::min(distance, distance_to_triangle(world, at(i), at(i + 1), at(i + 2)));
     }
-    EXPECT_LE(distance, tolerance * size) << world.x << " " << world.y << " " << world.z;
+    return distance;
+  }
+  void expect_on_surface(const dvec3& world, double size, double tolerance = 1e-6) {
+    EXPECT_LE(distance_of(world), tolerance * size) << world.x << " " << world.y << " " << world.z;
   }
   /// Runs `body` with many seeds.
   template <class Body>
@@ -301,6 +304,8 @@ TEST_F(GltfCollectionsTest, GeneralCylinders) {
                    low = zb - (local.x * nb.x + local.y * nb.y) / nb.z;
       const double h = i % 3 == 0 ? low : i % 3 == 1 ? high : real(low, high);
       expect_on_surface(b + local.x * x + local.y * y + h * z, 10, whole ? 1e-6 : kFacetError);
+      // Nor does it go on beyond its ends.
+      EXPECT_GT(distance_of(b + local.x * x + local.y * y + (i % 2 ? high + 1e-3 : low - 1e-3) * z), 1e-4);
     }
   });
 }
