@@ -157,7 +157,7 @@ class ByteStream {
   bool read(std::byte* to, std::size_t count) {
     if (count > rest()) return false;
     if (!base64_) {
-      std::memcpy(to, text_.data() + at_, count);
+      if (count > 0) std::memcpy(to, text_.data() + at_, count);  // an array of none may have no memory
       at_ += count;
       return true;
     }

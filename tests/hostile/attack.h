@@ -46,6 +46,9 @@ std::vector<Attack> gltf_attacks();
 std::vector<Attack> glb_attacks();
 std::vector<Attack> ply_attacks();
 std::vector<Attack> stl_attacks();
+std::vector<Attack> vtk_attacks();
+std::vector<Attack> vtp_attacks();
+std::vector<Attack> vtm_attacks();
 
 /// Text over and over.
 std::string repeated(const std::string& text, std::size_t times);

@@ -251,6 +251,18 @@ TEST(VtkHostile, NumbersBeyondReasonAreDropped) {
             "");
 }
 
+TEST(VtkHostile, AppendedArraysOfNoBytes) {
+  const std::string array = R"( format="appended" offset="0"/>)";
+  const std::string text = R"(<VTKFile type="PolyData" byte_order="LittleEndian"><PolyData>)"
+                           R"(<Piece NumberOfPoints="0" NumberOfPolys="0"><Points>)"
+                           R"(<DataArray type="Float32" NumberOfComponents="3")" +
+                           array + R"(</Points><Polys><DataArray type="Int64" Name="connectivity")" + array +
+                           R"(<DataArray type="Int64" Name="offsets")" + array +
+                           R"(</Polys></Piece></PolyData><AppendedData encoding="raw">_)" + std::string(8, '\0') +
+                           "</AppendedData></VTKFile>";
+  for (const bool lenient : {false, true}) EXPECT_TRUE(survives(text, "empty.vtp", lenient));
+}
+
 TEST(VtkHostile, Noise) {
   std::mt19937 random(11);
   for (int i = 0; i < 1000; ++i) {
