@@ -40,6 +40,7 @@ struct Target {
 };
 
 std::vector<Attack> rvm_attacks();
+std::vector<Attack> attribute_attacks();
 std::vector<Attack> obj_attacks();
 std::vector<Attack> json_attacks();
 std::vector<Attack> gltf_attacks();

@@ -71,15 +71,23 @@ auto timed(Told& told, const Call& call) {
   return result;
 }
 
-bool import_model(const fs::path& model, bool lenient, Told& told) {
+/// The groups that attribute files speak of.
+void add_groups(core::Scene& scene) {
+  const core::NodeId site = scene.add_node(scene.add_node(scene.root(), "model.rvm"), "/SITE");
+  for (const char* name : {"/A", "/B", "/A", ""}) scene.add_primitive(scene.add_node(site, name), core::Sphere{1.0f});
+}
+
+bool import_model(const Target& target, const fs::path& model, bool lenient, Told& told) {
   core::Scene scene;
+  if (target.format == "rvm_attributes") add_groups(scene);
+  const std::size_t nodes = scene.node_count(), items = scene.item_slots();
   const auto report =
       timed(told, [&] { return importers::import_file(model, scene, scene.root(), {.lenient = lenient}); });
   told.items = std::max<std::uint64_t>(told.items, scene.item_count());
   told.materials = std::max<std::uint64_t>(told.materials, scene.material_slots());
   if (!report) {
     keep_message(told, report.error().message);
-    told.broken = told.broken || scene.node_count() != 1 || scene.item_slots() != 0 || scene.mesh_slots() != 0;
+    told.broken = told.broken || scene.node_count() != nodes || scene.item_slots() != items || scene.mesh_slots() != 0;
     return false;
   }
   if (!report->warnings.empty()) keep_message(told, report->warnings[0].message);
@@ -101,8 +109,8 @@ Told import_all_ways(const Target& target, const fs::path& model) {
   } else if (target.format == "path_json") {
     read_json([&] { return importers::read_path(model); }, told);
   } else {
-    told.imported_strict = import_model(model, false, told);
-    told.imported_lenient = import_model(model, true, told);
+    told.imported_strict = import_model(target, model, false, told);
+    told.imported_lenient = import_model(target, model, true, told);
   }
   return told;
 }
@@ -308,7 +316,7 @@ void warm_up(const Target& target, Folder& folder) {
 }
 
 std::vector<Target> targets() {
-  std::vector<Target> all = {{"rvm", ".rvm", rvm_attacks()}};
+  std::vector<Target> all = {{"rvm", ".rvm", rvm_attacks()}, {"rvm_attributes", ".txt", attribute_attacks()}};
   const auto known = importers::known_extensions();
   const auto add = [&](const char* format, const char* extension, std::vector<Attack> (*attacks)()) {
     if (std::find(known.begin(), known.end(), extension) != known.end()) all.push_back({format, extension, attacks()});

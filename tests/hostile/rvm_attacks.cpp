@@ -68,6 +68,24 @@ Case swollen(std::size_t k) {
   return model(b.end());
 }
 
+Case attributes(const std::string& body) {
+  return {{{"model.txt", "CADC_Attributes_File v1.0 , start: NEW , end: END , name_end: := , sep: &end&\n" + body}}};
+}
+
+/// A million elements within one another, opened or closed.
+Case nested_elements(std::size_t k) {
+  return attributes(k == 0 ? repeated("NEW /SITE\n", 1000000) : "NEW /SITE\n" + repeated("END\n", 1000000));
+}
+
+/// One element of a million attributes, a million elements of one, and values that are all separators.
+Case swollen_attributes(std::size_t k) {
+  std::string body = "NEW /SITE\n";
+  for (int i = 0; k == 0 && i < 1000000; ++i) body += std::to_string(i) + ":=\n";
+  if (k == 1) body += repeated("NEW /A\na:=\nEND\n", 1000000);
+  if (k == 2) body += "a:=" + repeated("&end&", 1000000) + "\n";
+  return attributes(body + "END\n");
+}
+
 }  // namespace
 
 std::vector<Attack> rvm_attacks() {
@@ -75,6 +93,10 @@ std::vector<Attack> rvm_attacks() {
           {"cycles", 3, cycle},
           {"deep nesting (100,000)", 1, nested},
           {"swelling", 2, swollen}};
+}
+
+std::vector<Attack> attribute_attacks() {
+  return {{"deep nesting (1,000,000)", 2, nested_elements}, {"swelling", 3, swollen_attributes}};
 }
 
 }  // namespace sightline::hostile
