@@ -39,6 +39,7 @@ run() {
   local target=$1 log=$build/logs/$1.log status=passed options=()
   mkdir -p "$build/corpus/$target" "$build/crashes/$target" "$build/logs"
   [ -f "tests/fuzz/$target.dict" ] && options+=("-dict=tests/fuzz/$target.dict")
+  [ -n "${CI:-}" ] && options+=(-seed=1) # the same inputs in every run; elsewhere new ones
   UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 "$build/bin/fuzz_$target" "-max_total_time=$seconds" -timeout=10 \
     -rss_limit_mb=3000 -malloc_limit_mb=1100 "-max_len=$(longest "$target")" -print_final_stats=1 "${options[@]}" \
     "-artifact_prefix=$build/crashes/$target/" "$build/corpus/$target" "tests/fuzz/corpus/$target" >"$log" 2>&1 ||

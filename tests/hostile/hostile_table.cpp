@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -406,5 +407,10 @@ int main(int argc, char** argv) {
       return 2;
     }
   }
-  return sightline::hostile::run_table(mutations, json);
+  try {
+    return sightline::hostile::run_table(mutations, json);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "hostile_table: %s\n", error.what());
+    return 1;
+  }
 }
