@@ -266,13 +266,13 @@ std::vector<std::string> seeds_of(const Target& target) {
   return seeds;
 }
 
-/// Every length of the first 200 bytes of each seed, and beyond them steps such that there are 200 more.
+/// Every length of the first 100 bytes of each seed, and beyond them steps such that there are about 100 more.
 Attack truncation(const Target& target) {
   std::vector<std::pair<std::size_t, std::size_t>> cuts;  // seed, length
   const std::vector<std::string> seeds = seeds_of(target);
   for (std::size_t s = 0; s < seeds.size(); ++s) {
-    const std::size_t size = seeds[s].size(), step = std::max<std::size_t>(size / 200, 1);
-    for (std::size_t length = 0; length < size; length += length < 200 ? 1 : step) cuts.emplace_back(s, length);
+    const std::size_t size = seeds[s].size(), step = std::max<std::size_t>(size / 100, 1);
+    for (std::size_t length = 0; length < size; length += length < 100 ? 1 : step) cuts.emplace_back(s, length);
   }
   return {"truncation", cuts.size(), [seeds, cuts, name = "model" + target.extension](std::size_t k) {
             return Case{{{name, seeds[cuts[k].first].substr(0, cuts[k].second)}}};
