@@ -56,15 +56,16 @@ class SideBySide {
   }
 
   core::Expected<ImportReport> run() {
-    std::vector<std::jthread> workers;
-    for (std::size_t i = 0; i < threads_; ++i) workers.emplace_back([this] { work(); });
+    std::vector<std::jthread> workers = start();
+    if (workers.empty()) return core::fail(paths_[0].string() + ": no thread can be started to read it");
     const core::Scene::Mark mark = scene_.mark();
     ImportReport total;
     core::Expected<void> done;
     for (std::size_t i = 0; done && i < files_.size(); ++i) {
       done = wait_for(i);
       if (done) done = append(i, total);
-      if (done && !tell() && i + 1 < files_.size()) done = core::fail(std::string(kCancelled));
+      const bool last = i + 1 == files_.size();
+      if (done && !tell(last) && !last) done = core::fail(std::string(kCancelled));
     }
     if (done) return total;
     stop();
@@ -80,6 +81,16 @@ class SideBySide {
     core::Scene scene;
     std::optional<core::Expected<ImportReport>> report;  // there when read
   };
+
+  /// As many threads as the system gives.
+  std::vector<std::jthread> start() {
+    std::vector<std::jthread> workers;
+    try {
+      for (std::size_t i = 0; i < threads_; ++i) workers.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {
+    }
+    return workers;
+  }
 
   /// Reads one file after the other, no farther ahead of what has been appended than memory allows.
   void work() {
@@ -112,7 +123,7 @@ class SideBySide {
     std::unique_lock lock(mutex_);
     while (!changed_.wait_for(lock, kBetweenReports, [&] { return files_[i].report.has_value(); })) {
       lock.unlock();
-      if (!tell()) return core::fail(std::string(kCancelled));
+      if (!tell(false)) return core::fail(std::string(kCancelled));
       lock.lock();
     }
     return {};
@@ -134,11 +145,13 @@ class SideBySide {
     return {};
   }
 
-  bool tell() {
+  /// False when the caller cancels. Only when all files have been appended is all done.
+  bool tell(bool all_done) {
     if (!options_.progress) return true;
+    constexpr double kNearlyDone = 0.999;
     double done = 0.0;
     for (const File& file : files_) done += file.size * file.share;
-    const double share = std::min(1.0, done / total_size_);
+    const double share = all_done ? 1.0 : std::min(kNearlyDone, done / total_size_);
     if (share <= told_) return true;
     told_ = share;
     return options_.progress(share);
