@@ -20,8 +20,8 @@ std::uint64_t total(const Json& info) {
 TEST_F(Info, WritesTheKeysOfTheContract) {
   const Json info = run_json("info", {plant(1000)});
   EXPECT_EQ(keys_of(info),
-            (std::vector<std::string>{"attributed", "bounds", "degenerate", "items", "max_depth", "metres_per_unit", "nodes",
-                                      "shared_meshes", "sharing_error", "triangles", "warnings"}));
+            (std::vector<std::string>{"attributed", "bounds", "degenerate", "items", "max_depth", "metres_per_unit",
+                                      "nodes", "shared_meshes", "sharing_error", "triangles", "warnings"}));
   EXPECT_EQ(keys_of(info["items"]), kKinds);
   EXPECT_EQ(keys_of(info["bounds"]), (std::vector<std::string>{"max", "min"}));
   EXPECT_EQ(info["bounds"]["min"].size(), 3u);
@@ -58,7 +58,8 @@ TEST_F(Info, KeepsStdoutForTheJson) {
 }
 
 TEST_F(Info, CountsTrianglesOfMeshes) {
-  const std::string mesh = write("square.obj", "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nf 1 2 3\nf 1 3 4\n");
+  const std::string mesh =
+      write("square.stl", tests::stl_text({{{{0, 0, 0}, {2, 0, 0}, {2, 3, 0}}}, {{{0, 0, 0}, {2, 3, 0}, {0, 3, 0}}}}));
   const Json info = run_json("info", {mesh});
   EXPECT_EQ(info["triangles"], 2);
   EXPECT_EQ(info["items"]["mesh"], total(info));
@@ -66,7 +67,7 @@ TEST_F(Info, CountsTrianglesOfMeshes) {
 }
 
 TEST_F(Info, ASceneWithoutItemsHasNoBounds) {
-  const Json info = run_json("info", {write("points.obj", "v 0 0 0\nv 1 0 0\n")});
+  const Json info = run_json("info", {write("nothing.stl", tests::stl_text({}))});
   EXPECT_EQ(total(info), 0u);
   EXPECT_TRUE(info["bounds"].is_null());
 }

@@ -9,7 +9,7 @@ class RenderInputs : public RenderTest {
   void SetUp() override {
     RenderTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    model = write("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+    model = write("triangle.stl", tests::stl_text({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}}}));
   }
   Args with(const Args& more) const {
     Args args = {model, "--size", "16x16"};
@@ -75,7 +75,7 @@ TEST_F(RenderInputs, RefusesBadPaths) {
 }
 
 TEST_F(RenderInputs, DrawsAnEmptyScene) {
-  render({write("points.obj", "v 0 0 0\n"), "--size", "16x16", "--out", path("a.png"), "--ids", path("b.png"),
+  render({write("nothing.stl", tests::stl_text({})), "--size", "16x16", "--out", path("a.png"), "--ids", path("b.png"),
           "--depth", path("c.pfm")});
   for (const char* file : {"a.png", "b.png", "c.pfm"}) EXPECT_GT(fs::file_size(path(file)), 0u) << file;
 }

@@ -268,7 +268,7 @@ TEST_F(Render, ExplainsWhatWasLeftOut) {
   };
   const std::string plan = render(with({"--explain"})).err;
   EXPECT_EQ(line_with(plan, "snout program").rfind("used", 0), 0u) << plan;
-  const std::string triangle = write("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+  const std::string triangle = write("triangle.stl", tests::stl_text({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}}}));
   const std::string small = render({triangle, "--size", "32x32", "--explain"}).err;
   for (const char* program : {"cylinder program", "snout program", "circular torus program"})
     EXPECT_EQ(line_with(small, program).rfind("left out", 0), 0u) << small;

@@ -224,7 +224,7 @@ TEST_F(Replay, PlotsMarkThePathsOfTheHybrid) {
 }
 
 TEST_F(Replay, OneFrameAndNoItemsAreFine) {
-  const std::string points = write("points.obj", "v 0 0 0\n"), svg = path("plot.svg");
+  const std::string points = write("nothing.stl", tests::stl_text({})), svg = path("plot.svg");
   const Json flight = run_json("replay", {points, "--no-render", "--frames", "1", "--plot", svg});
   EXPECT_EQ(flight["items"], 0);
   EXPECT_EQ(visible(flight), std::vector<std::uint64_t>{0});

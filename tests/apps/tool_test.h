@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -47,6 +48,18 @@ struct Outcome {
 
 inline std::ostream& operator<<(std::ostream& to, const Outcome& outcome) {
   return to << "exit " << outcome.code << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err;
+}
+
+/// Triangles in the text of STL, which every build reads.
+inline std::string stl_text(const std::vector<std::array<std::array<int, 3>, 3>>& triangles) {
+  std::string text = "solid\n";
+  for (const auto& triangle : triangles) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const auto& [x, y, z] : triangle)
+      text += "vertex " + std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid\n";
 }
 
 /// Each test gets an empty folder, removed after it.
