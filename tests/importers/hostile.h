@@ -1,5 +1,5 @@
-// What every reader must survive: damaged and malicious bytes. For one translation unit of a test program
-// (counted_memory.h).
+// What every reader must survive: damaged and malicious bytes. For test programs with counted_memory.cpp, which sees
+// their memory.
 #pragma once
 
 #include <cstring>
