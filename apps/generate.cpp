@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstdio>
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/cli.h"

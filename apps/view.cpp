@@ -7,6 +7,7 @@
 #include <optional>
 
 #define GLFW_INCLUDE_NONE
+#include <CLI/CLI.hpp>
 #include <GLFW/glfw3.h>
 #include <nlohmann/json.hpp>
 

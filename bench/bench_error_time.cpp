@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/progress.h"

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/cli.h"

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include <CLI/CLI.hpp>
+
 #include "sightline/bench/plant_boxes.h"
 #include "sightline/core/bvh_build.h"
 #include "sightline/culling/hierarchy.h"

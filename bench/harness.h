@@ -8,11 +8,13 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "sightline/core/error.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
+
+namespace CLI {
+class App;
+}
 
 namespace sightline::bench {
 

@@ -5,7 +5,7 @@
 # FRAMES (300), SIZE (640x360), EVERY (25) and OUT (out) may be set in the environment.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-scripts/setup.sh release
+scripts/setup.sh release sightline-generate sightline-render sightline-replay
 bin=build/release/bin
 out=${OUT:-out}
 mkdir -p "$out"

@@ -1,18 +1,22 @@
 #!/usr/bin/env bash
 # Installs what a build needs on Debian 12 (skipping what is there), then configures and builds one preset.
-#   scripts/setup.sh [PRESET]      release (default), debug, asan, tsan or fuzz
-# Extra CMake arguments come from SIGHTLINE_CMAKE_ARGS; SIGHTLINE_SETUP_VTK=1 installs VTK too.
+#   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan or fuzz; everything, or these targets
+# Packages that only tests and the window need are installed for everything, and for targets with tests (…_tests). Extra
+# CMake arguments come from SIGHTLINE_CMAKE_ARGS; SIGHTLINE_SETUP_VTK=1 installs VTK too.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=${1:-release}
+[ $# -gt 0 ] && shift
 
-packages=(g++ cmake ninja-build pkg-config ccache libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev
-  libtinyobjloader-dev libstb-dev libpng-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libglfw3-dev libgtest-dev
-  libgmp-dev xvfb xdotool)
+packages=(g++ cmake ninja-build libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtinyobjloader-dev
+  libstb-dev libpng-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri)
+if [ $# -eq 0 ] || [[ $* == *_tests* ]]; then packages+=(ccache libglfw3-dev libgtest-dev libgmp-dev xvfb xdotool); fi
 # VTK brings 246 packages: on request. With it the build has importers/vtk.
 if [ -n "${SIGHTLINE_SETUP_VTK:-}" ]; then packages+=(libvtk9-dev); fi
-# The fuzz targets need clang and its runtime; CI runs them (see tests/CMakeLists.txt).
-if [ "$preset" = fuzz ] || [ -n "${CI:-}" ]; then packages+=(clang libclang-rt-14-dev); fi
+# The fuzz targets need clang and its runtime (see tests/CMakeLists.txt).
+if [ "$preset" = fuzz ] || [[ ${SIGHTLINE_CMAKE_ARGS:-} == *SIGHTLINE_FUZZ_TESTS=ON* ]]; then
+  packages+=(clang libclang-rt-14-dev)
+fi
 
 missing=()
 for package in "${packages[@]}"; do
@@ -29,8 +33,11 @@ if [ ${#missing[@]} -gt 0 ]; then
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 fi
 
+# The launcher is chosen once: another one would compile everything anew.
 launcher=()
-command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+if [ ! -e "build/$preset/CMakeCache.txt" ] && command -v ccache >/dev/null; then
+  launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+fi
 # shellcheck disable=SC2086
 cmake --preset "$preset" "${launcher[@]}" ${SIGHTLINE_CMAKE_ARGS:-} >/dev/null
-cmake --build --preset "$preset" -j "$(nproc)"
+cmake --build --preset "$preset" -j "$(nproc)" ${1:+--target "$@"}

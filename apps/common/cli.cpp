@@ -8,6 +8,8 @@
 #include <new>
 #include <sstream>
 
+#include <CLI/CLI.hpp>
+
 namespace sightline::apps {
 
 void describe(CLI::App& app, const std::string& examples) {

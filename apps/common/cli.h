@@ -5,10 +5,12 @@
 #include <functional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "sightline/core/conventions.h"
 #include "sightline/core/error.h"
+
+namespace CLI {
+class App;  // <CLI/CLI.hpp> costs four seconds a file: for those that define options
+}
 
 namespace sightline::apps {
 

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <map>
 
+#include <CLI/CLI.hpp>
+
 #include "sightline/apps/common/progress.h"
 
 namespace sightline::apps {
