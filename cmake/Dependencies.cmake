@@ -1,10 +1,18 @@
 # Finds what the chosen options need. An optional dependency that is absent switches its option off, says so once, and
-# the rest builds without it; core and culling need GLM and tl-expected alone.
+# the rest builds without it; core and culling need GLM and tl-expected alone. With SIGHTLINE_REQUIRE_ALL it is an error.
+
+# sightline_lack(WHAT): says what this build is without.
+function(sightline_lack what)
+  if(SIGHTLINE_REQUIRE_ALL)
+    message(FATAL_ERROR "sightline: ${what} (SIGHTLINE_REQUIRE_ALL is on)")
+  endif()
+  message(STATUS "sightline: ${what}")
+endfunction()
 
 # sightline_need(OPTION CONDITION LACK): switches OPTION off for this build when CONDITION is false, and says LACK.
 macro(sightline_need option condition lack)
   if(${option} AND NOT ${condition})
-    message(STATUS "sightline: ${option} is off: ${lack}")
+    sightline_lack("${option} is off: ${lack}")
     set(${option} OFF)
   endif()
 endmacro()

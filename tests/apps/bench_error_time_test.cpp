@@ -1,5 +1,5 @@
 // sightline-bench-error-time as a user runs it: finer triangles are nearer to the truth, and rays nearest.
-#include "sightline/tests/apps/tool_test.h"
+#include "sightline/tests/apps/render_test.h"
 
 namespace sightline::tests {
 namespace {
@@ -12,14 +12,7 @@ Args quick(std::initializer_list<std::string> more) {
   return args;
 }
 
-class BenchErrorTime : public ToolTest {
- protected:
-  void SetUp() override {
-    ToolTest::SetUp();
-    static const Outcome first = run("bench-error-time", quick({"--only", "box", "--pictures", "1"}));
-    if (first.code != 0) GTEST_SKIP() << first;
-  }
-};
+using BenchErrorTime = RenderTest;
 
 TEST_F(BenchErrorTime, MeasuresKinds) {
   const Json json = run_json("bench-error-time", quick({"--only", "cylinder,box", "--pictures", "1", "--samples", "2",

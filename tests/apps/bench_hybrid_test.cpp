@@ -1,17 +1,10 @@
 // sightline-bench-hybrid as a user runs it: every method sees the same, and figures hang together.
-#include "sightline/tests/apps/tool_test.h"
+#include "sightline/tests/apps/render_test.h"
 
 namespace sightline::tests {
 namespace {
 
-class BenchHybrid : public ToolTest {
- protected:
-  void SetUp() override {
-    ToolTest::SetUp();
-    static const Outcome first = run("bench-hybrid", {"--submission", "1000", "--frames", "2", "--size", "16x16"});
-    if (first.code != 0) GTEST_SKIP() << first;
-  }
-};
+using BenchHybrid = RenderTest;
 
 const Args kQuick = {"--frames", "6", "--passes", "1", "--block", "4", "--warm-up", "1", "--size", "32x24"};
 

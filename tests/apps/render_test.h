@@ -1,14 +1,12 @@
 // Tests that draw through sightline-render.
 #pragma once
 
-#include <cstdlib>
-
 #include "sightline/tests/apps/tool_test.h"
+#include "sightline/tests/support/no_gl.h"
 
 namespace sightline::tests {
 
-/// Skips, with the tool's own words, where it finds no EGL or OpenGL; fails instead if SIGHTLINE_REQUIRE_GL is set to
-/// other than 0.
+/// Skips, with the tool's own words, or fails where it finds no EGL or OpenGL (no_gl.h).
 class RenderTest : public ToolTest {
  protected:
   void SetUp() override {
@@ -16,10 +14,7 @@ class RenderTest : public ToolTest {
     static const Outcome probe =
         run("render", {write("probe.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"), "--size", "8x8"});
     if (probe.code == 0) return;
-    const char* require = std::getenv("SIGHTLINE_REQUIRE_GL");
-    const bool required = require && std::string(require) != "0";
-    const bool no_gl = probe.err.find("EGL") != std::string::npos || probe.err.find("OpenGL") != std::string::npos;
-    if (required || !no_gl) FAIL() << probe;
+    if (!may_skip(probe.err)) FAIL() << probe;
     GTEST_SKIP() << probe.err;
   }
 

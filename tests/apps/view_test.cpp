@@ -62,6 +62,7 @@ class View : public RenderTest {
  protected:
   void SetUp() override {
     RenderTest::SetUp();
+    if (!IsSkipped() && !HasFatalFailure()) need("Xvfb", {"-version"});
     if (IsSkipped() || HasFatalFailure()) return;
     for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY"}) unsetenv(name);
     // GLX unloads its driver, and what that keeps for ever can then no longer be told from leaks.
@@ -82,13 +83,8 @@ class View : public RenderTest {
       return waitid(P_PID, id_t(display_.pid), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid != 0;
     });
     number = number.substr(0, number.find('\n'));
-    if (!number.empty()) {
-      setenv("DISPLAY", (":" + number).c_str(), 1);
-      return;
-    }
-    const char* require = std::getenv("SIGHTLINE_REQUIRE_GL");
-    if (require && std::string(require) != "0") FAIL() << read_bytes(display_.err);
-    GTEST_SKIP() << "no virtual display: " << read_bytes(display_.err);
+    ASSERT_FALSE(number.empty()) << "no virtual display: " << read_bytes(display_.err);
+    setenv("DISPLAY", (":" + number).c_str(), 1);
   }
   void TearDown() override {
     if (display_.pid != 0) {
@@ -96,6 +92,14 @@ class View : public RenderTest {
       wait_for(display_);
     }
     RenderTest::TearDown();
+  }
+
+  /// Skips where a program is not installed, or fails where drawing is required.
+  void need(const std::string& program, const Args& args) const {
+    const Outcome outcome = run_program(program, args);
+    if (outcome.code >= 0) return;
+    if (gl_required()) FAIL() << outcome;
+    GTEST_SKIP() << outcome;
   }
 
   /// sightline-view must succeed.
@@ -181,8 +185,7 @@ class ViewKeys : public View {
  protected:
   void SetUp() override {
     View::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    if (run_program("xdotool", {"version"}).code != 0) GTEST_SKIP() << "xdotool is not installed";
+    if (!IsSkipped() && !HasFatalFailure()) need("xdotool", {"version"});
   }
   void TearDown() override {
     if (child_.pid != 0) {

@@ -1,7 +1,6 @@
 // Fixture for tests that need a GL context.
 #pragma once
 
-#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,12 +8,12 @@
 #include <gtest/gtest.h>
 
 #include "sightline/gl/context.h"
+#include "sightline/tests/support/no_gl.h"
 
 namespace sightline::tests {
 
 /// Each test gets an offscreen debug context of its own, current on the test's thread, and fails when an error is left
-/// in it at the end. Without EGL or a driver the test is skipped with the reason, or fails if SIGHTLINE_REQUIRE_GL is
-/// set to other than 0 (so that a machine that should have GL cannot pass by skipping).
+/// in it at the end. Without EGL or a driver the test is skipped with the reason, or fails (no_gl.h).
 ///
 /// GL objects of the test body die before the context. Members of a derived fixture do not: reset them in a TearDown()
 /// that then calls GlTest::TearDown().
@@ -28,8 +27,7 @@ class GlTest : public ::testing::Test {
       context.emplace(std::move(*made));
       return;
     }
-    const char* require = std::getenv("SIGHTLINE_REQUIRE_GL");
-    if (require && std::string(require) != "0") FAIL() << made.error().message;
+    if (!may_skip(made.error().message)) FAIL() << made.error().message;
     GTEST_SKIP() << made.error().message;
   }
 
