@@ -303,14 +303,14 @@ std::optional<std::uint32_t> part_of(const double* tree_index) {
   return std::uint32_t(*tree_index);
 }
 
-/// Red, green, blue and alpha as bytes. Older writers leave the accessor's bytes without `normalized`.
+/// Red, green and blue as bytes. Older writers leave the accessor's bytes without `normalized`.
 std::uint32_t bytes_of(const double* colour, const GltfAccessor& accessor) {
   using Type = GltfAccessor::Type;
   double most = 1.0;
   if (!accessor.normalized && accessor.type == Type::kUnsignedByte) most = 255.0;
   if (!accessor.normalized && accessor.type == Type::kUnsignedShort) most = 65535.0;
   std::uint32_t bytes = 0;
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 3; ++i) {
     const double channel = std::clamp(std::isfinite(colour[i]) ? colour[i] / most : 1.0, 0.0, 1.0);
     bytes |= std::uint32_t(std::lround(255.0 * channel)) << (8 * i);
   }
@@ -358,7 +358,6 @@ core::MaterialId GltfCollections::material(const double* colour, const GltfAcces
   core::Material material;
   material.name = fmt::format("#{:02x}{:02x}{:02x}", bytes & 0xff, bytes >> 8 & 0xff, bytes >> 16 & 0xff);
   for (int i = 0; i < 3; ++i) material.colour[i] = float(bytes >> (8 * i) & 0xff) / 255.0f;
-  material.alpha = float(bytes >> 24) / 255.0f;
   return known = job_.scene().add_material(std::move(material));
 }
 
@@ -443,6 +442,7 @@ core::Expected<void> GltfCollections::add_triangles(const GltfSources& sources, 
     Of found;
     trees.read((*corners)[corner], 1, &found.tree);
     if (colours) colours->read((*corners)[corner], 1, found.colour);
+    found.colour[3] = 1.0;  // alpha is ignored
     return found;
   };
   for (std::size_t begin = 0; begin < corners->size();) {

@@ -4,7 +4,7 @@
 // A node named after a kind of primitive holds one accessor for each parameter as attributes of
 // EXT_mesh_gpu_instancing. Coordinates are metres with z up, angles radians. All kinds have `_treeIndex` (the part of
 // the plant; float) and
-// `_color` (sRGB, four bytes).
+// `_color` (sRGB, four bytes; alpha is ignored as the viewers of the convention do: writers leave it 0).
 //
 //   BoxCollection               _instanceMatrix of the cube -1/2 … 1/2
 //   QuadCollection              … of its square in z = 0
@@ -66,7 +66,7 @@ class GltfCollections {
   };
   Place place(const double* tree_index, core::NodeId fallback, const core::Affine& file_from_node,
               const core::Affine& node_from_item);
-  /// `colour` of an accessor's four numbers; null: none.
+  /// `colour` of an accessor's four numbers, of which the last is ignored; null: none.
   core::MaterialId material(const double* colour, const GltfAccessor* accessor);
 
  private:

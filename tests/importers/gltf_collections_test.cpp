@@ -134,7 +134,7 @@ class GltfCollectionsTest : public testing::Test {
     file_.json["nodes"] = Json::array();
     file_.json["scenes"][0]["nodes"] = Json::array();
     column("_treeIndex", "SCALAR", {42.0f});
-    attributes_["_color"] = file_.accessor<std::uint8_t>({255, 128, 0, 255}, "VEC4", true);
+    attributes_["_color"] = file_.accessor<std::uint8_t>({255, 128, 0, 0}, "VEC4", true);  // writers leave the alpha 0
     file_.root({{"name", kind}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", attributes_}}}}}});
     scene_ = core::Scene();
     const auto report = read_gltf(file_.glb(), "plant.glb", scene_, scene_.root());
@@ -142,7 +142,9 @@ class GltfCollectionsTest : public testing::Test {
     ASSERT_TRUE(report->warnings.empty()) << report->warnings[0].message;
     ASSERT_EQ(scene_.item_count(), 1u);
     EXPECT_EQ(scene_.path(scene_.node_of(0)), "plant.glb/42");
-    EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, core::vec3(1.0f, 128 / 255.0f, 0.0f));
+    const core::Material& material = scene_.material(scene_.item_material(0));
+    EXPECT_EQ(material.colour, core::vec3(1.0f, 128 / 255.0f, 0.0f));
+    EXPECT_EQ(material.alpha, 1.0f);
     attributes_ = Json::object();
     file_ = {};
   }
@@ -369,6 +371,33 @@ TEST_F(GltfCollectionsTest, PartsGatherOverCollectionsWithZUp) {
   EXPECT_EQ(items["plant.glb/9"], 1);
   EXPECT_NEAR(top["plant.glb/9"], 5.0, 1e-6);  // z is up
   EXPECT_NEAR(top["plant.glb/7"], 7.5, 1e-6);
+}
+
+TEST_F(GltfCollectionsTest, AlphaOfColoursIsIgnored) {
+  GltfBytes g;
+  const std::vector<std::uint8_t> reds = {255, 0, 0, 0, 255, 0, 0, 0, 255, 0, 0, 0,
+                                          255, 0, 0, 9, 255, 0, 0, 9, 255, 0, 0, 9};
+  const int trees = g.floats({7, 7, 7, 7, 7, 7}, "SCALAR"), colours = g.accessor(reds, "VEC4", true);
+  const int points = g.floats({0, 0, 0, 1, 0, 0, 0, 0, 4, 0, 0, 0, 2, 0, 0, 0, 0, 4}, "VEC3");
+  const int part = g.mesh({{"attributes", {{"POSITION", points}, {"_treeIndex", trees}, {"COLOR_0", colours}}}});
+  g.root({{"name", "TriangleMesh"}, {"mesh", part}});
+  const int copied = g.mesh({{"attributes", {{"POSITION", points}}}});
+  const int tree = g.floats({8}, "SCALAR"), colour = g.accessor<std::uint8_t>({255, 0, 0, 0}, "VEC4", true);
+  const int matrix = g.floats({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1}, "MAT4");
+  const Json attributes = {{"_treeIndex", tree}, {"_color", colour}, {"_instanceMatrix", matrix}};
+  g.root({{"name", "InstanceMesh"},
+          {"mesh", copied},
+          {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", attributes}}}}}});
+  const auto report = read_gltf(g.glb(), "plant.glb", scene_, scene_.root());
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(scene_.item_count(), 2u);  // alpha parts no mesh, either
+  ASSERT_EQ(scene_.material_slots(), 1u);
+  for (core::ItemId item = 0; item < 2; ++item) {
+    const core::Material& material = scene_.material(scene_.item_material(item));
+    EXPECT_EQ(material.name, "#ff0000");
+    EXPECT_EQ(material.colour, core::vec3(1, 0, 0));
+    EXPECT_EQ(material.alpha, 1.0f);
+  }
 }
 
 TEST_F(GltfCollectionsTest, WhatHasNoShapeIsDroppedAndListed) {

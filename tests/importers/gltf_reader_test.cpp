@@ -289,6 +289,19 @@ TEST_F(GltfReader, MaterialsAreConvertedToSrgb) {
   EXPECT_FALSE(scene_.item_material(2).valid());
 }
 
+TEST_F(GltfReader, OnlyBlendMakesMaterialsTransparent) {
+  for (const auto& [mode, alpha] : {std::pair("", 1.0f), {"OPAQUE", 1.0f}, {"MASK", 1.0f}, {"BLEND", 0.0f}}) {
+    SCOPED_TRACE(mode);
+    GltfBytes g = triangle_file();
+    g.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0}}}}});
+    if (*mode) g.json["materials"][0]["alphaMode"] = mode;
+    g.json["meshes"][0]["primitives"][0]["material"] = 0;
+    g.root({{"mesh", 0}});
+    ASSERT_TRUE(read(g));
+    EXPECT_EQ(scene_.material(scene_.item_material(0)).alpha, alpha);
+  }
+}
+
 TEST_F(GltfReader, TexturesCountAsTheirMean) {
   // Two pixels: opaque red, and half blue without any opacity.
   GltfBytes g = tests::small_gltf();
