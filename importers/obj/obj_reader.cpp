@@ -229,15 +229,18 @@ class PartMesh {
   std::vector<Vertex> vertices_;
 };
 
-core::MaterialId add_material(core::Scene& scene, const tinyobj::material_t& source) {
+core::MaterialId add_material(ImportJob& job, const tinyobj::material_t& source) {
   core::Material material;
   material.name = source.name;
   for (int i = 0; i < 3; ++i) {
     const double channel = source.diffuse[i];
     material.colour[i] = std::isfinite(channel) ? float(std::clamp(channel, 0.0, 1.0)) : 0.7f;
   }
-  if (std::isfinite(source.dissolve)) material.alpha = float(std::clamp(source.dissolve, 0.0, 1.0));
-  return scene.add_material(std::move(material));
+  if (source.dissolve > 0.0)
+    material.alpha = float(std::min(source.dissolve, 1.0));
+  else  // writers differ on which of 0 and 1 is opaque, and nobody writes faces to hide them
+    job.warn(0, fmt::format("material '{}': transparent throughout (d 0 or Tr 1); shown opaque", source.name));
+  return job.scene().add_material(std::move(material));
 }
 
 core::Expected<void> add_to_scene(Loading& loading) {
@@ -254,7 +257,7 @@ core::Expected<void> add_to_scene(Loading& loading) {
     core::MaterialId material;
     if (key.second >= 0 && std::size_t(key.second) < loading.materials.size()) {
       core::MaterialId& known = made[key.second];
-      if (!known.valid()) known = add_material(scene, loading.materials[std::size_t(key.second)]);
+      if (!known.valid()) known = add_material(loading.job, loading.materials[std::size_t(key.second)]);
       material = known;
     }
     loading.job.add_mesh(nodes[key.first], part_mesh.make(part), loading.names[key.first], {}, material,

@@ -3,8 +3,9 @@
 // A node named after the file holds one node per distinct object or group name (the latest of `o` and `g` names what
 // follows); each holds one mesh item per material. Positions are read in double and kept relative to the centre of
 // their mesh, which becomes the item's placement. Faces become triangles (any polygon, see triangulate.h); normals are
-// kept when all corners of a mesh have one. Materials keep Kd and d (or 1 - Tr); coordinates are taken as metres.
-// Lines, points, textures and curves are ignored.
+// kept when all corners of a mesh have one. Materials keep Kd and d (or 1 - Tr); one that would hide its faces (d 0 or
+// Tr 1, which many writers mean as opaque) is opaque, with a warning. Coordinates are taken as metres. Lines, points,
+// textures and curves are ignored.
 //
 // Damage is a face whose vertex or normal does not exist: an error naming the line when strict, a warning and no face
 // when lenient. Faces with corners that are not finite or beyond 1e36 are dropped and listed. An MTL file is looked for

@@ -66,6 +66,28 @@ TEST_F(ObjReader, GroupsMaterialsAndRelativeIndices) {
   EXPECT_EQ(scene_.mesh(scene_.mesh_of(2)).normals.size(), 3u);
 }
 
+TEST_F(ObjReader, MaterialsThatWouldHideTheirFacesAreOpaque) {
+  // MeshLab and others wrote "Tr 1" for what is opaque; where both stand, d counts.
+  write("paint.mtl",
+        "newmtl a\nTr 1\nnewmtl b\nd 0\nnewmtl c\nd -1\nnewmtl d\nTr 255\nnewmtl e\nd 1\nTr 1\nnewmtl f\nTr 1\n"
+        "d 0.5\nnewmtl g\nTr 0.75\nnewmtl h\nd 0.125\nnewmtl i\nd 7\nnewmtl j\nd nan\nnewmtl k\n");
+  std::string text = "mtllib paint.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (char name = 'a'; name <= 'k'; ++name) text += std::string("usemtl ") + name + "\nf 1 2 3\n";
+  const auto report = read(text);
+  ASSERT_TRUE(report) << report.error().message;
+  const float alphas[] = {1, 1, 1, 1, 1, 0.5f, 0.25f, 0.125f, 1, 1, 1};
+  ASSERT_EQ(scene_.item_count(), std::size(alphas));
+  for (core::ItemId item = 0; item < std::size(alphas); ++item) {
+    const core::Material& material = scene_.material(scene_.item_material(item));
+    EXPECT_EQ(material.name, std::string(1, char('a' + item)));
+    EXPECT_EQ(material.alpha, alphas[item]) << material.name;
+  }
+  ASSERT_EQ(report->warnings.size(), 5u);
+  for (std::size_t i = 0; i < 5; ++i)  // the library takes "nan" for 0
+    EXPECT_EQ(report->warnings[i].message,
+              std::string("material '") + "abcdj"[i] + "': transparent throughout (d 0 or Tr 1); shown opaque");
+}
+
 TEST_F(ObjReader, FarCoordinatesKeepTheirDigits) {
   const auto report =
       read("v 3000000.001 7000000.002 0\nv 3000000.011 7000000.002 0\nv 3000000.001 7000000.012 0\nf 1 2 3\n");
