@@ -103,7 +103,7 @@ void ColourSum::add(PackedColour colour) {
 PackedColour ColourSum::average() const {
   if (count == 0) return kNoColour;
   const auto mean = [&](int i) { return std::uint32_t((channels[i] + count / 2) / count); };
-  return pack_colour(mean(0), mean(1), mean(2), mean(3));
+  return pack_colour(mean(0), mean(1), mean(2), channels[3] > 0 ? mean(3) : 255);
 }
 
 core::MaterialId add_colour_material(core::Scene& scene, PackedColour colour) {
@@ -128,11 +128,14 @@ void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& p
     job.warn(0, fmt::format("more than {} colours of faces: their average is shown", kMostFaceColours));
     return job.add_mesh(node, polygons, name, {}, add_colour_material(job.scene(), sum.average()));
   }
-  if (table.distinct.size() == 1)
-    return job.add_mesh(node, polygons, name, {}, add_colour_material(job.scene(), table.distinct[0]));
+  const auto material = [&](PackedColour colour) {
+    const bool no_alpha = sum.channels[3] == 0 && colour != kNoColour;
+    return add_colour_material(job.scene(), no_alpha ? colour | 255 : colour);
+  };
+  if (table.distinct.size() == 1) return job.add_mesh(node, polygons, name, {}, material(table.distinct[0]));
   Splitter splitter(polygons, colours, table);
   for (std::size_t i = 0; i < splitter.parts(); ++i)
-    job.add_mesh(node, splitter.part(i), name, {}, add_colour_material(job.scene(), table.distinct[i]));
+    job.add_mesh(node, splitter.part(i), name, {}, material(table.distinct[i]));
 }
 
 }  // namespace sightline::importers

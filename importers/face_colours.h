@@ -22,7 +22,8 @@ struct ColourSum {
   std::uint64_t channels[4] = {0, 0, 0, 0};
   std::uint64_t count = 0;
   void add(PackedColour colour);
-  PackedColour average() const;  ///< kNoColour of nothing
+  /// kNoColour of nothing. Opaque where all alphas are 0: writers without a use for alpha leave it so.
+  PackedColour average() const;
 };
 
 /// A material named "#rrggbb" (with alpha "#rrggbbaa"); none for kNoColour.
@@ -31,7 +32,8 @@ core::MaterialId add_colour_material(core::Scene& scene, PackedColour colour);
 /// More distinct colours than this become their average: a scan's shades are no parts.
 inline constexpr std::size_t kMostFaceColours = 256;
 
-/// Adds one item per distinct colour, in order of first appearance. `colours`: one per face.
+/// Adds one item per distinct colour, in order of first appearance; opaque ones where all alphas are 0. `colours`: one
+/// per face.
 void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& polygons,
                          const std::vector<PackedColour>& colours, std::string_view name);
 

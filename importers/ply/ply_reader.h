@@ -4,7 +4,8 @@
 // relative to the mesh's centre; nx, ny, nz) under the faces of the elements "face" (vertex_indices or vertex_index,
 // any list types) and "tristrips" (-1 ends a strip). Colours (red, green, blue, alpha; whole numbers up to 255, 65535
 // for 16 bits, floats up to 1) become materials: of faces one item per colour, beyond kMostFaceColours their average;
-// of vertices the average over all vertices, where faces have none. All else is skipped. A file without faces (a scan's
+// of vertices the average over all vertices, where faces have none. An alpha of 0 throughout is ignored: writers leave
+// it so. All else is skipped. A file without faces (a scan's
 // points) gives a node without items and a warning.
 //
 // Damage: data that end before the header's counts are met, a face whose vertex does not exist, a word that is no

@@ -155,6 +155,36 @@ TEST_F(PlyReader, VertexColoursBecomeTheirAverage) {
   EXPECT_EQ(material().alpha, 128.0f / 255.0f);
 }
 
+TEST_F(PlyReader, AlphaThatIsZeroThroughoutIsNoAlpha) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string colour = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  ASSERT_TRUE(read(head + colour + faces + "0 0 0 9 9 9 0\n1 0 0 9 9 9 0\n0 1 0 9 9 9 0\n3 0 1 2\n"));
+  EXPECT_EQ(material().name, "#090909");
+  EXPECT_EQ(material().alpha, 1.0f);
+  ASSERT_TRUE(read(head + colour + faces + "0 0 0 9 9 9 0\n1 0 0 9 9 9 0\n0 1 0 9 9 9 255\n3 0 1 2\n"));
+  EXPECT_EQ(material().name, "#09090955");
+
+  const auto read_faces = [&](const std::string& list) {
+    const auto count = std::to_string(std::count(list.begin(), list.end(), '\n'));
+    return read(head + "element face " + count + "\nproperty list uchar int vertex_indices\n" + colour +
+                "end_header\n0 0 0\n1 0 0\n0 1 0\n" + list);
+  };
+  ASSERT_TRUE(read_faces("3 0 1 2 1 2 3 0\n"));
+  EXPECT_EQ(material().name, "#010203");
+  ASSERT_TRUE(read_faces("3 0 1 2 1 2 3 0\n3 0 1 2 4 5 6 0\n3 0 1 2 0 0 0 0\n"));
+  ASSERT_EQ(scene_.item_count(), 3u);
+  EXPECT_EQ(material(0).name, "#010203");
+  EXPECT_EQ(material(1).name, "#040506");
+  EXPECT_EQ(material(1).alpha, 1.0f);
+  EXPECT_FALSE(scene_.item_material(2).valid());
+  // Where some faces can be seen, the others may well be hidden.
+  ASSERT_TRUE(read_faces("3 0 1 2 1 2 3 0\n3 0 1 2 4 5 6 1\n"));
+  EXPECT_EQ(material(0).alpha, 0.0f);
+  EXPECT_EQ(material(1).alpha, 1.0f / 255.0f);
+}
+
 /// A fan of triangles about vertex 0, each with a colour.
 std::string coloured_faces(std::size_t faces, std::size_t colours) {
   std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(faces + 2) +
