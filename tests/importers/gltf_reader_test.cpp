@@ -251,6 +251,52 @@ TEST_F(GltfReader, InstancesShareTheirMesh) {
   expect_corners(4, {{-3, -3, 0}, {0, -3, -6}, {0, -12, 0}}, 1e-5);
 }
 
+TEST_F(GltfReader, RotationsAboutAnyAxis) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    const auto real = [&](double low, double high) {
+      return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    const dvec3 axis = glm::normalize(dvec3(real(-1, 1), real(-1, 1), real(-1, 1)));
+    const double angle = real(-3, 3), length = real(0.5, 2);  // writers do not always keep quaternions at length 1
+    const dvec3 v = length * std::sin(0.5 * angle) * axis, scale(real(0.5, 2), real(0.5, 2), real(0.5, 2));
+    GltfBytes g = triangle_file();
+    g.root({{"rotation", {v.x, v.y, v.z, length * std::cos(0.5 * angle)}}, {"scale", {scale.x, scale.y, scale.z}}});
+    ASSERT_TRUE(read(g));
+    const core::Affine found = scene_.transform(scene_.first_child(scene_.first_child(scene_.root())));
+    for (int i = 0; i < 3; ++i) {  // Rodrigues' formula
+      dvec3 e(0.0);
+      e[i] = scale[i];
+      const dvec3 turned = e * std::cos(angle) + glm::cross(axis, e) * std::sin(angle) +
+                           axis * (glm::dot(axis, e) * (1.0 - std::cos(angle)));
+      EXPECT_LT(glm::distance(found.linear[i], turned), 1e-12);
+    }
+  }
+}
+
+TEST_F(GltfReader, SparseIndicesRiseBelowTheCount) {
+  const auto file = [](const std::vector<std::uint8_t>& indices) {
+    GltfBytes g;
+    const int base = g.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, "VEC3");
+    const std::vector<float> values = {5, 0, 0, 6, 0, 0};
+    g.json["accessors"][std::size_t(base)]["sparse"] = {
+        {"count", indices.size()},
+        {"indices", {{"bufferView", g.view(indices.data(), indices.size())}, {"componentType", 5121}}},
+        {"values", {{"bufferView", g.view(values.data(), 12 * indices.size())}}}};
+    g.mesh({{"attributes", {{"POSITION", base}}}, {"mode", 5}});
+    g.root({{"mesh", 0}});
+    return g;
+  };
+  ASSERT_TRUE(read(file({1, 3})));
+  expect_corners(0, {{0, 0, 0}, {5, 0, 0}, {0, 0, 1}, {5, 0, 0}, {6, 0, 0}, {0, 0, 1}});
+  const std::string where = "/accessors/0/sparse/indices: expected rising indices below 4, found ";
+  expect_damage(file({4}), where + "4 at place 0");
+  expect_damage(file({3, 4}), where + "4 at place 1");
+  expect_damage(file({2, 2}), where + "2 at place 1");
+  expect_damage(file({2, 1}), where + "1 at place 1");
+}
+
 TEST_F(GltfReader, FarFromTheOriginKeepsDetail) {
   GltfBytes g;
   // A square of 0.2 mm, 10,000 km away by its node; another whose bytes say 16 m steps and whose node scales them.

@@ -1,5 +1,6 @@
 #include "sightline/importers/import_job.h"
 
+#include <cmath>
 #include <limits>
 #include <new>
 #include <stdexcept>
@@ -130,6 +131,111 @@ TEST(ImportJob, DropsWhatCouldNotBeCommitted) {
   EXPECT_EQ(scene.item_count(), 1u);
   EXPECT_EQ(report->warnings.size(), 2u);
   EXPECT_TRUE(scene.commit());
+}
+
+TEST(ImportJob, PromisedReachIsCheckedWhereTheParentStretches) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const auto items_left = [](const Affine& scene_from_parent, const dvec3& at) {
+    core::Scene scene;
+    const core::NodeId parent = scene.add_node(scene.root(), "parent", scene_from_parent);
+    const auto report = run_import("file", scene, parent, {}, {}, [&](ImportJob& job) {
+      job.promise_reach();
+      job.add_primitive(job.file_node(), core::Sphere{1.0f}, core::translation(at));
+      return core::Expected<void>();
+    });
+    EXPECT_TRUE(report && scene.commit());
+    EXPECT_EQ(report->warnings.size(), 1u - scene.item_count());
+    return scene.item_count();
+  };
+  EXPECT_EQ(items_left({}, {kLargestCoordinate, 0, 0}), 1u);
+  EXPECT_EQ(items_left({core::dmat3(1e30), {}}, {1e5, 0, 0}), 1u);
+  EXPECT_EQ(items_left({core::dmat3(1e30), {}}, {1e10, 0, 0}), 0u);
+  EXPECT_EQ(items_left({core::dmat3(1.0), {0, 1e40, 0}}, {0, 0, 0}), 0u);
+  EXPECT_EQ(items_left({core::dmat3(kNan), {}}, {0, 0, 0}), 0u);
+}
+
+TEST(ImportJob, ProgressIsToldInSteps) {
+  core::Scene scene;
+  int calls = 0;
+  ImportOptions options;
+  options.progress = [&](double) { return ++calls > 0; };
+  ASSERT_TRUE(run_import("file", scene, scene.root(), options, {}, [](ImportJob& job) {
+    for (int i = 0; i < 100000; ++i) EXPECT_TRUE(job.progress(i / 100000.0));
+    return core::Expected<void>();
+  }));
+  EXPECT_GT(calls, 200);
+  EXPECT_LE(calls, 258);
+}
+
+TEST(ImportJob, DroppedItemsBeyondTheListAreCounted) {
+  core::Scene scene;
+  const auto report = run_import("file", scene, scene.root(), {}, {}, [](ImportJob& job) {
+    const core::NodeId far = job.scene().add_node(job.file_node(), "far", core::translation({1e38, 0, 0}));
+    for (std::size_t i = 0; i < kMaxWarnings + 7; ++i) job.add_primitive(far, core::Sphere{1.0f}, {});
+    return core::Expected<void>();
+  });
+  ASSERT_TRUE(report);
+  EXPECT_EQ(scene.item_count(), 0u);
+  ASSERT_EQ(report->warnings.size(), kMaxWarnings + 1);
+  EXPECT_EQ(report->warnings.back().message, "7 further warnings are not listed");
+}
+
+TEST(ImportJob, CountsWhatItAdds) {
+  core::Scene scene;
+  ImportOptions options;
+  const auto read = [](ImportJob& job) {
+    job.add_mesh(job.file_node(), square(dvec3(0.0)), "square", {}, {});
+    job.add_mesh(job.file_node(), square(dvec3(5.0)), "another", {}, {});
+    job.add_mesh(job.file_node(), PolygonMesh{}, "empty", {}, {});
+    job.add_instance(job.file_node(), job.scene().mesh_of(0), {});
+    job.add_instance(job.file_node(), job.scene().mesh_of(2), {}, {}, true);
+    job.add_primitive(job.file_node(), core::Sphere{0.0f}, {});
+    return core::Expected<void>();
+  };
+  auto report = run_import("file", scene, scene.root(), options, {}, read);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->items[std::size_t(core::Kind::kMesh)], 5u);
+  EXPECT_EQ(report->items[std::size_t(core::Kind::kSphere)], 1u);
+  EXPECT_EQ(report->degenerate, 3u);
+  EXPECT_EQ(report->shared_meshes, 2u);  // the second square and the first instance
+  EXPECT_EQ(scene.mesh_slots(), 2u);
+  options.copies = MeshCopies::kApart;
+  core::Scene apart;
+  report = run_import("file", apart, apart.root(), options, {}, read);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->shared_meshes, 1u);
+  EXPECT_EQ(apart.mesh_slots(), 3u);
+}
+
+TEST(ImportJob, SharingErrorIsInMetresOfTheScene) {
+  /// Meshes alike but for a turn and rounding, at the given scales of their nodes and placements.
+  const auto error = [](std::initializer_list<std::pair<double, double>> scales) {
+    core::Scene scene;
+    const auto report = run_import("file", scene, scene.root(), {}, {}, [&](ImportJob& job) {
+      const auto mesh = [](double angle) {
+        core::Mesh made;
+        for (const dvec3& p : {dvec3(0, 0, 0), dvec3(5, 1, 0), dvec3(7, 3, 2), dvec3(2, 6, 1)})
+          made.positions.emplace_back(std::cos(angle) * p.x - std::sin(angle) * p.y,
+                                      std::sin(angle) * p.x + std::cos(angle) * p.y, p.z);
+        made.indices = {0, 1, 2, 0, 2, 3};
+        return made;
+      };
+      job.add_mesh(job.file_node(), mesh(0.0), {});
+      for (const auto& [of_node, of_item] : scales) {
+        const core::NodeId node = job.scene().add_node(job.file_node(), "n", {core::dmat3(of_node), {}});
+        job.add_mesh(node, mesh(0.3), {core::dmat3(of_item), {}});
+      }
+      return core::Expected<void>();
+    });
+    EXPECT_EQ(report->shared_meshes, scales.size());
+    return report->sharing_error;
+  };
+  const double one = error({{1, 1}});
+  EXPECT_GT(one, 0.0);
+  EXPECT_DOUBLE_EQ(error({{4, 1}}), 4 * one);
+  EXPECT_DOUBLE_EQ(error({{1, 8}}), 8 * one);
+  EXPECT_DOUBLE_EQ(error({{4, 8}}), 32 * one);
+  EXPECT_DOUBLE_EQ(error({{1, 1}, {4, 1}, {2, 1}}), 4 * one);
 }
 
 TEST(PolygonMesh, FarCoordinatesKeepTheirDetail) {

@@ -123,6 +123,35 @@ TEST_F(PlyReader, EveryTypeInEitherOrder) {
   }
 }
 
+/// A triangle along x with the greatest or least numbers of a type.
+template <class T>
+std::string at_the_limit(const std::string& type, T limit, int inwards, bool big) {
+  Bytes b;
+  b.big = big;
+  b.text = std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0\nelement vertex 3\nproperty " +
+           type + " x\nproperty uchar y\nproperty uchar z\nelement face 1\nproperty list uchar uchar vertex_indices\n" +
+           "end_header\n";
+  for (int i = 0; i < 3; ++i) b.put(T(limit + T(inwards * i))).put(std::uint8_t(i == 2)).put(std::uint8_t(0));
+  b.put(std::uint8_t(3)).put(std::uint8_t(0)).put(std::uint8_t(1)).put(std::uint8_t(2));
+  return b.text;
+}
+
+TEST_F(PlyReader, TypesKeepTheirRange) {
+  const auto expect = [&](const std::string& type, auto zero) {
+    using T = decltype(zero);
+    for (const bool big : {false, true})
+      for (const bool least : {false, true}) {
+        SCOPED_TRACE(type + (big ? " big" : " little") + (least ? " least" : " greatest"));
+        const T limit = least ? std::numeric_limits<T>::lowest() : std::numeric_limits<T>::max();
+        ASSERT_TRUE(read(at_the_limit<T>(type, limit, least ? 1 : -1, big)));
+        for (int i = 0; i < 3; ++i) EXPECT_EQ(point(std::size_t(i)).x, double(limit) + (least ? i : -i));
+      }
+  };
+  expect("char", std::int8_t{}), expect("uchar", std::uint8_t{});
+  expect("short", std::int16_t{}), expect("ushort", std::uint16_t{});
+  expect("int", std::int32_t{}), expect("uint", std::uint32_t{});
+}
+
 TEST_F(PlyReader, FarCoordinatesKeepTheirDigits) {
   const auto report = read(
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"

@@ -1,7 +1,9 @@
 #include "sightline/importers/rvm/rvm_reader.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -100,6 +102,118 @@ TEST(RvmReader, ExtraWordMayStandBeforeTheMatrix) {
   }
 }
 
+/// An obstruction's cylinder of radius 1 and height 4, or its given words.
+RvmBytes obstruction(std::initializer_list<float> box, std::uint32_t extra) {
+  RvmBytes b;
+  b.head().group("g", 1).begin("OBST").u32(1).u32(8).matrix().floats(box).u32(extra).floats({1, 4}).end();
+  b.group_end().finish();
+  return b;
+}
+
+TEST(RvmReader, StoredBoxesMayBeAQuarterOfTheSizeOff) {
+  for (const auto& [off, warnings] : {std::pair(0.2f, 0u), {0.3f, 1u}})
+    for (int i = 0; i < 6; ++i) {
+      std::array<float, 6> box = {-1, -1, -2, 1, 1, 2};
+      box[std::size_t(i)] += 4 * off;  // of the longest side
+      const Read read(obstruction({box[0], box[1], box[2], box[3], box[4], box[5]}, 0).bytes);
+      ASSERT_TRUE(read.report);
+      EXPECT_EQ(read.report->warnings.size(), warnings) << off << " at " << i;
+      EXPECT_EQ(read.scene.placement(0).origin, core::dvec3(1, 2, 3));
+    }
+}
+
+TEST(RvmReader, ExtraWordHoldsATransparencyAndNothingElse) {
+  const auto expect = [](std::uint32_t extra, std::size_t warnings, float alpha) {
+    const Read read(obstruction({-1, -1, -2, 1, 1, 2}, extra).bytes);
+    ASSERT_TRUE(read.report);
+    EXPECT_EQ(read.report->warnings.size(), warnings) << extra;
+    EXPECT_FLOAT_EQ(read.scene.material(read.scene.material(read.scene.node_of(0))).alpha, alpha);
+  };
+  expect(100u << 24, 0, 0.0f);
+  expect(101u << 24, 1, 0.0f);
+  expect(50u << 24 | 1, 1, 0.5f);
+  expect(50u << 24 | 1 << 23, 1, 0.5f);
+}
+
+TEST(RvmReader, ExtraWordDecidesWhereBoxesCannot) {
+  // All of the box is 1, and so is the matrix's last number: read either way, the box fits.
+  RvmBytes b;
+  b.head().group("g", 1).begin("OBST").u32(1).u32(11).u32(30u << 24).floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 7, 8, 1});
+  b.floats({1, 1, 1, 1, 1, 1}).u32(1).u32(1).u32(3);
+  for (int i = 0; i < 3; ++i) b.floats({1, 1, 1, 0, 0, 1});
+  b.end().group_end().finish();
+  const Read read(b.bytes);
+  ASSERT_TRUE(read.report) << read.report.error().message;
+  EXPECT_TRUE(read.report->warnings.empty());
+  EXPECT_EQ(read.scene.placement(0).origin, core::dvec3(7, 8, 1));
+}
+
+TEST(RvmReader, WhereNothingDecidesTheExtraWordIsLast) {
+  // Without a facet there is no box of its own, and the first number is 0, as an extra word may be.
+  RvmBytes b;
+  b.head().group("g", 1).begin("OBST").u32(1).u32(11).floats({0, 2, 0, -2, 0, 0, 0, 0, 2, 7, 8, 9});
+  b.floats({0, 0, 0, 0, 0, 0}).u32(0).u32(0).end().group_end().finish();
+  const Read read(b.bytes);
+  ASSERT_TRUE(read.report) << read.report.error().message;
+  EXPECT_TRUE(read.report->warnings.empty());
+  EXPECT_EQ(read.scene.placement(0).origin, core::dvec3(7, 8, 9));
+  // Nor does a box decide that fits neither: this one fits better after an extra word, but not well.
+  b = {};
+  b.head().group("g", 1).begin("OBST").u32(1).u32(8).u32(30u << 24).floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 7, 8, 9});
+  b.floats({-1, -1, -2, 1, 1, 3.5f}).floats({1, 4}).end().group_end().finish();
+  const Read off(b.bytes);
+  ASSERT_TRUE(off.report) << off.report.error().message;
+  EXPECT_EQ(off.report->warnings.size(), 1u);
+  EXPECT_EQ(off.scene.placement(0).origin, core::dvec3(1, 7, 8));
+  // What stands last is the box's 3.5, of which the first byte is 64.
+  EXPECT_FLOAT_EQ(off.scene.material(off.scene.material(off.scene.node_of(0))).alpha, 0.36f);
+}
+
+TEST(RvmReader, ALayerHasOneNodeForEachTransparency) {
+  RvmBytes b;
+  b.head().group("g", 1);
+  for (const auto& [tag, transparency] : {std::pair("OBST", 0u), {"INSU", 0u}, {"OBST", 0u}, {"OBST", 50u}})
+    b.begin(tag).u32(1).u32(8).matrix().floats({-1, -1, -2, 1, 1, 2}).u32(transparency << 24).floats({1, 4}).end();
+  b.group_end().finish();
+  const Read read(b.bytes);
+  ASSERT_TRUE(read.report) << read.report.error().message;
+  EXPECT_EQ(read.scene.node_of(0), read.scene.node_of(2));
+  const core::NodeId nodes[] = {read.scene.node_of(0), read.scene.node_of(1), read.scene.node_of(3)};
+  EXPECT_EQ(read.scene.node_count(), 2u + 1u + 3u);
+  const std::uint32_t layers[] = {core::kLayerObstruction, core::kLayerInsulation, core::kLayerObstruction};
+  const float alphas[] = {1.0f, 1.0f, 0.5f};
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(read.scene.layers(nodes[i]), layers[i]);
+    EXPECT_EQ(read.scene.material(read.scene.material(nodes[i])).alpha, alphas[i]);
+  }
+}
+
+TEST(RvmReader, PaletteBeyondTheUsualColoursIsOfOneTone) {
+  using Rgb = std::array<std::uint8_t, 3>;
+  EXPECT_EQ(rvm_default_colour(1), (Rgb{150, 155, 160}));
+  EXPECT_EQ(rvm_default_colour(16), (Rgb{190, 84, 150}));
+  std::set<Rgb> all;
+  for (std::uint32_t index = 17; index < 1017; ++index) {
+    const Rgb c = rvm_default_colour(index);
+    EXPECT_EQ(*std::max_element(c.begin(), c.end()), 204) << index;
+    EXPECT_EQ(*std::min_element(c.begin(), c.end()), 122) << index;
+    all.insert(c);
+  }
+  EXPECT_GT(all.size(), 300u);  // of 6 * 82
+}
+
+TEST(RvmReader, HeadsOfVersion1HaveNoEncoding) {
+  RvmBytes b;
+  b.begin("HEAD").u32(1).text("info").text("note").text("date").text("user").end();
+  b.begin("MODL").u32(1).text("project").text("name").end();
+  b.group("g", 1, {-0.0f, 0, 0}).prim(8, {1, 2}).group_end().finish();
+  const Read read(b.bytes);
+  ASSERT_TRUE(read.report) << read.report.error().message;
+  for (const auto& [key, value] : read.scene.attributes(read.file())) EXPECT_NE(key, "rvm.encoding");
+  // Any bit that is set is kept, so that writing gives the file's bytes.
+  EXPECT_EQ(read.scene.attributes(read.child(read.file(), 0)), (core::Scene::Attributes{{"rvm.position", "-0 0 0"}}));
+}
+
 TEST(RvmReader, AmbiguousExtraWordIsReported) {
   RvmBytes b;
   b.head().group("g", 1).begin("OBST").u32(1).u32(8).matrix().floats({50, 60, 70, 80, 90, 100}).u32(0x01020304);
@@ -157,6 +271,14 @@ TEST(RvmReader, StoredNormalsDecideWhereOutsideIs) {
   }
 }
 
+TEST(RvmReader, NormalsWithoutADirectionTurnNothing) {
+  RvmBytes b;
+  b.head().group("g", 1).item(11).u32(1).u32(1).u32(3);
+  b.floats({0, 0, 0, 0, 0, 0}).floats({1, 0, 0, 0, 0, 0}).floats({0, 1, 0, 0, 0, 0}).end().group_end().finish();
+  const Read read(b.bytes);
+  EXPECT_EQ(read.scene.mesh(read.scene.mesh_of(0)).indices, (std::vector<std::uint32_t>{0, 1, 2}));
+}
+
 /// Strict: an error that says all of `parts`. Lenient: that many items and at least one warning.
 void expect_damage(const std::vector<std::byte>& bytes, std::initializer_list<std::string> parts, std::size_t items) {
   const Read strict(bytes);
@@ -191,6 +313,18 @@ TEST(RvmReader, DamageIsAnErrorOrAWarning) {
   expect_damage(long_chunk.bytes, {"PRIM", "next chunk"}, 2);
   bad_group.head().begin("CNTB").u32(9).text("g").floats({0, 0, 0}).u32(1).end().prim(8, {1, 2}).group_end().finish();
   expect_damage(bad_group.bytes, {"CNTB", "version 1 to 4, found 9"}, 1);
+  for (const std::uint32_t version : {0u, 5u}) {
+    RvmBytes b;
+    b.head().begin("CNTB").u32(version).text("g").floats({0, 0, 0}).u32(1).end().prim(8, {1, 2}).group_end().finish();
+    expect_damage(b.bytes, {"CNTB", "version 1 to 4, found " + std::to_string(version)}, 1);
+  }
+  // A tag is of printable characters, of which space is one.
+  for (const auto& [tag, message] :
+       {std::pair("W YZ", "unknown"), {"W\x1fYZ", "expected a chunk header"}, {"W\x7fYZ", "expected a chunk header"}}) {
+    RvmBytes b;
+    b.head().group("g", 1).prim(8, {1, 2}).begin(tag).u32(7).end().group_end().finish();
+    expect_damage(b.bytes, {message}, 1);
+  }
 }
 
 TEST(RvmReader, WrongNextOffsetsLoseNothingWhereContentsLeadOn) {
