@@ -34,9 +34,8 @@ Found local_end(const Cylinder& c, bool top) {
 }
 
 Found local_end(const CircularTorus& t, bool top) {
-  constexpr double kNearlyFull = 6.283185;  // closed, as gpuprims/packing.cpp draws them
-  const double r = length(t.tube_radius), major = length(t.major_radius), angle = length(t.angle);
-  if (angle >= kNearlyFull || angle == 0.0 || r > major) return std::nullopt;
+  const double r = length(t.tube_radius), major = length(t.major_radius), angle = sweep_angle(t.angle);
+  if (angle == kFullTurn || angle == 0.0 || r > major) return std::nullopt;
   const dvec3 out = top ? dvec3(std::cos(angle), std::sin(angle), 0.0) : dvec3(1.0, 0.0, 0.0);
   const dvec3 along(-out.y, out.x, 0.0);
   return disc(major * out, r * out, {0.0, 0.0, r}, top ? along : -along);

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
 namespace sightline::core {
 namespace {
@@ -34,17 +33,17 @@ double xy_length(const dvec3& u) {
   return std::hypot(u.x, u.y);
 }
 
-/// Largest and smallest dot(unit xy direction of a sweep angle, u) over the arc 0 … angle.
+/// Largest and smallest dot(unit xy direction of a sweep angle, u) over the arc 0 … angle, up to kFullTurn.
 struct ArcRange {
   double min, max;
 };
 ArcRange arc_range(const dvec3& u, double angle) {
   const double length_xy = xy_length(u);
-  if (angle >= 2.0 * std::numbers::pi) return {-length_xy, length_xy};
+  if (angle == kFullTurn) return {-length_xy, length_xy};
   const double end = u.x * std::cos(angle) + u.y * std::sin(angle);
   ArcRange range{std::min(u.x, end), std::max(u.x, end)};
   double towards = std::atan2(u.y, u.x);
-  if (towards < 0.0) towards += 2.0 * std::numbers::pi;
+  if (towards < 0.0) towards += kFullTurn;
   const double away = towards >= std::numbers::pi ? towards - std::numbers::pi : towards + std::numbers::pi;
   if (towards <= angle) range.max = length_xy;
   if (away <= angle) range.min = -length_xy;
@@ -63,7 +62,7 @@ double support_of(const Box& b, const dvec3& u) {
 }
 
 double support_of(const RectangularTorus& t, const dvec3& u) {
-  const ArcRange w = arc_range(u, length(t.angle));
+  const ArcRange w = arc_range(u, sweep_angle(t.angle));
   const double inner = length(t.inner_radius), outer = length(t.outer_radius);
   const double radial = std::max({inner * w.min, inner * w.max, outer * w.min, outer * w.max});
   return radial + 0.5 * length(t.height) * std::abs(u.z);
@@ -72,7 +71,7 @@ double support_of(const RectangularTorus& t, const dvec3& u) {
 double support_of(const CircularTorus& t, const dvec3& u) {
   // Over one disc of the sweep the support is R w + r sqrt(w^2 + u_z^2): convex in w, so an end of w's range has the
   // maximum.
-  const ArcRange w = arc_range(u, length(t.angle));
+  const ArcRange w = arc_range(u, sweep_angle(t.angle));
   const auto disc = [&](double along) {
     return length(t.major_radius) * along + length(t.tube_radius) * std::hypot(along, u.z);
   };
@@ -200,6 +199,12 @@ bool is_degenerate(const Primitive& primitive) {
     bool operator()(const Line& l) const { return l.from == l.to; }
   };
   return std::visit(Visitor{}, primitive);
+}
+
+double sweep_angle(float angle) {
+  constexpr double kNearlyFull = 6.283185;
+  const double swept = length(angle);
+  return swept >= kNearlyFull ? kFullTurn : swept;
 }
 
 EndRange bottom_end_range(const Snout& s) {

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <numbers>
 #include <span>
 #include <string_view>
 #include <variant>
@@ -47,15 +48,20 @@ struct Pyramid {
 struct Box {
   float size_x, size_y, size_z;
 };
-/// Rectangle (inner..outer radius, height) swept about z by `angle` from +X towards +Y.
+/// Rectangle (inner..outer radius, height) swept about z by sweep_angle(angle) from +X towards +Y.
 struct RectangularTorus {
   float inner_radius, outer_radius, height, angle;
 };
-/// Disc of radius tube_radius, its centre at major_radius from z, swept about z by `angle` from +X towards +Y, up to 2
-/// pi.
+/// Disc of radius tube_radius, its centre at major_radius from z, swept about z by sweep_angle(angle) from +X towards
+/// +Y.
 struct CircularTorus {
   float major_radius, tube_radius, angle;
 };
+/// The sweep of a torus in radians, 0 … kFullTurn, from its parameter `angle`. Files write a full turn as a float a
+/// little below 2 pi, too: from there on the sweep is kFullTurn, and the torus closed: it has no ends. NaN stays.
+inline constexpr double kFullTurn = 2.0 * std::numbers::pi;
+double sweep_angle(float angle);
+
 /// Half an ellipsoid of revolution: base circle at z = 0, pole at z = height.
 struct EllipticalDish {
   float base_radius, height;

@@ -177,8 +177,8 @@ template <class Real>
 Hits intersect(const core::CircularTorus& torus, const Ray& ray, Caps caps) {
   Hits hits;
   const double major = std::fabs(torus.major_radius), minor = std::fabs(torus.tube_radius);
-  const double angle = std::fabs(torus.angle), size = major + minor;
-  if (!(minor > 0.0 && std::isfinite(size) && std::isfinite(angle))) return hits;
+  const double angle = core::sweep_angle(torus.angle), size = major + minor;
+  if (!(minor > 0.0 && std::isfinite(size) && std::isfinite(torus.angle))) return hits;
   LocalRay<Real> local = closest_approach<Real>(ray, dvec3(1.0), size);
   if (!local.valid) return hits;
   recentre(local);
@@ -211,9 +211,9 @@ template Hits intersect<float>(const core::CircularTorus&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::CircularTorus& torus, const Tessellation& config, Caps caps) {
   const double major = std::fabs(torus.major_radius), minor = std::fabs(torus.tube_radius);
-  const double angle = std::fabs(torus.angle), size = major + minor;
-  if (!(minor > 0.0 && std::isfinite(size) && std::isfinite(angle))) return {};
-  const int columns = segment_count(config, size, std::min(angle, 2.0 * kPi));
+  const double angle = core::sweep_angle(torus.angle), size = major + minor;
+  if (!(minor > 0.0 && std::isfinite(size) && std::isfinite(torus.angle))) return {};
+  const int columns = segment_count(config, size, angle);
   const std::vector<dvec2> sweep = arc_points(columns, angle);
   const std::vector<ProfilePoint> profile = make_profile(config, major, minor);
 
@@ -222,7 +222,7 @@ core::Mesh tessellate(const core::CircularTorus& torus, const Tessellation& conf
     const ProfilePoint& p = profile[row];
     return Vertex{dvec3(p.position.x * sweep[column], p.position.y), dvec3(p.normal.x * sweep[column], p.normal.y)};
   });
-  if (angle >= 2.0 * kPi) return builder.finish();
+  if (angle == core::kFullTurn) return builder.finish();
 
   std::vector<dvec3> outline;
   outline.reserve(profile.size());

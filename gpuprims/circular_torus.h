@@ -5,10 +5,10 @@
 
 namespace sightline::gpuprims {
 
-/// Crossings of the ray's full line with the surface, in rising t: an even number up to 6 when closed. From an angle of
-/// 2 pi on there are no ends. caps.bottom is the end at angle 0, caps.top the one at `angle`. Angle 0 is a disc of two
-/// sides, tube radius 0 is nothing. For horn and spindle tori (major <= tube radius) the solid is what the disc's half
-/// away from the axis sweeps: no inner wall.
+/// Crossings of the ray's full line with the surface, in rising t: an even number up to 6 when closed. A closed
+/// torus (core::sweep_angle) has no ends. caps.bottom is the end at angle 0, caps.top the one at `angle`. Angle 0 is a
+/// disc of two sides, tube radius 0 is nothing. For horn and spindle tori (major <= tube radius) the solid is what the
+/// disc's half away from the axis sweeps: no inner wall.
 ///
 /// About the point closest to the centre (o.u = 0, |u| = 1), with k = |o|^2 + R^2 - r^2, A = u_x^2 + u_y^2 and
 /// B = o_x u_x + o_y u_y, the surface is F(s) = (s^2 + k)^2 - 4 R^2 (A s^2 + 2 B s + o_x^2 + o_y^2) = 0, and

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 #include <variant>
 
 #include "sightline/gpuprims/mesh_builder.h"
@@ -78,20 +77,11 @@ void pack_shape(const core::Cylinder& c, const PackedItem& item, std::span<Texel
 
 /// Half the sweep of a torus slice as its shader wants it: (first, 1 when closed, cos, sin).
 Texel sweep_texel(double first, double angle) {
-  constexpr double kFullTurn = 2.0 * std::numbers::pi;
-  const double half = 0.5 * std::min(angle, kFullTurn);
-  return texel(first, angle >= kFullTurn ? 1.0 : 0.0, std::cos(half), std::sin(half));
-}
-
-/// Angles of full tori come as floats a little below 2 pi, too: their seams have no end caps.
-double sweep_angle(float angle) {
-  constexpr double kNearlyFull = 6.283185;
-  const double a = length(angle);
-  return a >= kNearlyFull ? 2.0 * std::numbers::pi : a;
+  return texel(first, angle == core::kFullTurn ? 1.0 : 0.0, std::cos(0.5 * angle), std::sin(0.5 * angle));
 }
 
 void pack_shape(const core::CircularTorus& t, const PackedItem& item, std::span<Texel> out) {
-  const double major = length(t.major_radius), tube = length(t.tube_radius), angle = sweep_angle(t.angle);
+  const double major = length(t.major_radius), tube = length(t.tube_radius), angle = core::sweep_angle(t.angle);
   if (tube == 0.0) return pack_nothing(item, out);  // not even a hoop
   const double unit = std::max(major, tube);
   pack_head(item, turned(unit, 0.5 * angle), tube / unit, out);
@@ -99,7 +89,7 @@ void pack_shape(const core::CircularTorus& t, const PackedItem& item, std::span<
 }
 
 void pack_shape(const core::RectangularTorus& t, const PackedItem& item, std::span<Texel> out) {
-  const double a = length(t.inner_radius), b = length(t.outer_radius), angle = sweep_angle(t.angle);
+  const double a = length(t.inner_radius), b = length(t.outer_radius), angle = core::sweep_angle(t.angle);
   const double outer = std::max(a, b);
   if (outer == 0.0) return pack_nothing(item, out);
   pack_head(item, turned(outer, 0.5 * angle), length(t.height) / outer, out);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "sightline/gpuprims/mesh_builder.h"
@@ -20,8 +19,8 @@ Hits intersect(const core::RectangularTorus& torus, const Ray& ray, Caps caps) {
   Hits hits;
   const double radius_a = std::fabs(torus.inner_radius), radius_b = std::fabs(torus.outer_radius);
   const double inner = std::min(radius_a, radius_b), outer = std::max(radius_a, radius_b);
-  const double half = 0.5 * std::fabs(torus.height), angle = std::fabs(torus.angle);
-  if (!(outer > 0.0 && std::isfinite(outer + half + angle))) return hits;
+  const double half = 0.5 * std::fabs(torus.height), angle = core::sweep_angle(torus.angle);
+  if (!(outer > 0.0 && std::isfinite(outer + half) && std::isfinite(torus.angle))) return hits;
   const auto local = closest_approach<Real>(ray, {1.0, 1.0, weight(outer, half)}, outer);
   if (!local.valid) return hits;
 
@@ -49,12 +48,11 @@ template Hits intersect<double>(const core::RectangularTorus&, const Ray&, Caps)
 template Hits intersect<float>(const core::RectangularTorus&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::RectangularTorus& torus, const Tessellation& config, Caps caps) {
-  constexpr double kFullTurn = 2.0 * std::numbers::pi;
   const double radius_a = std::fabs(torus.inner_radius), radius_b = std::fabs(torus.outer_radius);
   const double inner = std::min(radius_a, radius_b), outer = std::max(radius_a, radius_b);
-  const double half = 0.5 * std::fabs(torus.height), angle = std::fabs(torus.angle);
-  if (!(outer > 0.0 && std::isfinite(outer + half + angle))) return {};
-  const int columns = segment_count(config, outer, std::min(angle, kFullTurn));
+  const double half = 0.5 * std::fabs(torus.height), angle = core::sweep_angle(torus.angle);
+  if (!(outer > 0.0 && std::isfinite(outer + half) && std::isfinite(torus.angle))) return {};
+  const int columns = segment_count(config, outer, angle);
   const std::vector<dvec2> sweep = arc_points(columns, angle);
 
   struct Side {
@@ -70,7 +68,7 @@ core::Mesh tessellate(const core::RectangularTorus& torus, const Tessellation& c
     builder.add_grid(1, columns, [&](int row, int column) {
       return Vertex{swept(row == 0 ? side.from : side.to, sweep[column]), swept(side.normal, sweep[column])};
     });
-  if (angle >= kFullTurn) return builder.finish();
+  if (angle == core::kFullTurn) return builder.finish();
 
   dvec3 start[4], end[4];
   for (int i = 0; i < 4; ++i) {

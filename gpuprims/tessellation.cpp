@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "sightline/gpuprims/mesh_builder.h"
@@ -10,7 +9,7 @@
 namespace sightline::gpuprims {
 namespace {
 
-constexpr double kFullTurn = 2.0 * std::numbers::pi;
+using core::kFullTurn;
 /// Angles come as floats: 2 pi in float is a little more than 2 pi, and must not buy a segment more.
 constexpr double kRounding = 1e-6;
 

@@ -1,8 +1,10 @@
-// Internal to gpuprims: the sweep of both tori, 0 <= phi <= angle about z, as a cut of spans.
+// Internal to gpuprims: the sweep of both tori, 0 <= phi <= angle about z, as a cut of spans. `angle` is
+// core::sweep_angle() of their parameter.
 #pragma once
 
 #include <numbers>
 
+#include "sightline/core/primitive.h"
 #include "sightline/gpuprims/local_ray.h"
 
 namespace sightline::gpuprims {
@@ -11,8 +13,8 @@ namespace sightline::gpuprims {
 template <class Real>
 class Wedge {
  public:
-  /// angle >= 0; from 2 pi on there are no ends.
-  explicit Wedge(double angle) : whole_(angle >= 2.0 * std::numbers::pi) {
+  /// Of core::kFullTurn there are no ends.
+  explicit Wedge(double angle) : whole_(angle == core::kFullTurn) {
     if (whole_) return;
     const double c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
     convex_ = angle <= std::numbers::pi;

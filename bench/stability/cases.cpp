@@ -262,6 +262,7 @@ void add_slice_angle(Cases& cases) {
   std::vector<double> angles = decades(-4, 0);
   for (const double angle : {0.5 * kPi, kPi - 1e-4, kPi, kPi + 1e-4, 1.5 * kPi, 2.0 * kPi - 1e-2, 2.0 * kPi - 1e-4})
     angles.push_back(angle);
+  angles.push_back(6.283185);  // as a float below 2 pi, and closed
   angles.push_back(kWhole);
   for (const Kind kind : {Kind::kCircularTorus, Kind::kRectangularTorus}) {
     for (const double angle : angles) {

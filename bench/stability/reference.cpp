@@ -227,8 +227,8 @@ Solid solid_of(const core::Box& b) {
 struct Sweep {
   Quad angle, end_x, end_y;
 
-  explicit Sweep(float value) : angle(length(value)), end_x(cosq(angle)), end_y(sinq(angle)) {}
-  bool whole() const { return angle >= 2 * kPi; }
+  explicit Sweep(float value) : angle(core::sweep_angle(value)), end_x(cosq(angle)), end_y(sinq(angle)) {}
+  bool whole() const { return angle == Quad(core::kFullTurn); }
   bool holds(const QuadVec& p) const {
     if (whole()) return true;
     const bool behind_start = p.y >= 0, before_end = p.x * end_y - p.y * end_x >= 0;

@@ -67,15 +67,12 @@ SurfacePoint point_on(const core::Snout& s, Where where, Random& random) {
   return p;
 }
 
-double swept(float angle) {
-  return std::min(double(angle), 2.0 * kPi);
-}
-
 SurfacePoint point_on(const core::CircularTorus& t, Where where, Random& random) {
-  const bool whole = t.angle >= 2.0 * kPi;
+  const double sweep = core::sweep_angle(t.angle);
+  const bool whole = sweep == core::kFullTurn;
   const bool end = where != Where::kLateral && !whole;
   const double sign = random.sign();
-  const double phi = end ? (sign < 0 ? 0.0 : double(t.angle)) : random.uniform(0.0, swept(t.angle));
+  const double phi = end ? (sign < 0 ? 0.0 : sweep) : random.uniform(0.0, sweep);
   // Of a spindle only the part away from the axis.
   const double open = t.major_radius < t.tube_radius ? std::acos(-double(t.major_radius) / t.tube_radius) : kPi;
   const double theta = random.uniform(-open, open), part = end && where == Where::kEnd ? std::sqrt(random.unit()) : 1.0;
@@ -88,14 +85,15 @@ SurfacePoint point_on(const core::CircularTorus& t, Where where, Random& random)
 }
 
 SurfacePoint point_on(const core::RectangularTorus& t, Where where, Random& random) {
-  const bool whole = t.angle >= 2.0 * kPi;
+  const double sweep = core::sweep_angle(t.angle);
+  const bool whole = sweep == core::kFullTurn;
   const double inner = std::min(t.inner_radius, t.outer_radius), outer = std::max(t.inner_radius, t.outer_radius);
-  const double half = 0.5 * t.height, phi = random.uniform(0.0, swept(t.angle)), z = random.uniform(-half, half);
+  const double half = 0.5 * t.height, phi = random.uniform(0.0, sweep), z = random.uniform(-half, half);
   const double sign = random.sign(), up = random.sign(), wall = sign < 0 ? inner : outer;
   if (where == Where::kLateral) return {wall * radial(phi) + dvec3(0, 0, z), sign * radial(phi), around(phi)};
   const double across = random.uniform(inner, outer);
   const bool end = !whole && random.below(2) == 0;
-  const double end_phi = up < 0 ? 0.0 : swept(t.angle);
+  const double end_phi = up < 0 ? 0.0 : sweep;
   if (where == Where::kEnd) {
     if (end) return {across * radial(end_phi) + dvec3(0, 0, z), up * around(end_phi), {0, 0, 1}};
     return {across * radial(phi) + dvec3(0, 0, up * half), {0, 0, up}, around(phi)};
@@ -172,7 +170,10 @@ SurfacePoint point_on(const core::Primitive& primitive, Where where, Random& ran
 
 core::Primitive plain_shape(core::Kind kind, Random& random) {
   const auto f = [&](double low, double high) { return float(random.uniform(low, high)); };
-  const auto sweep = [&] { return random.below(4) == 0 ? 6.2831855f : f(0.5, 6.2); };
+  const auto sweep = [&] {  // the floats on both sides of 2 pi are full turns
+    if (random.below(4) != 0) return f(0.5, 6.2);
+    return random.below(2) == 0 ? 6.2831855f : 6.283185f;
+  };
   switch (kind) {
     case core::Kind::kPyramid:
       return core::Pyramid{f(0.5, 2), f(0.5, 2), f(0.2, 2), f(0.2, 2), f(-0.5, 0.5), f(-0.5, 0.5), f(0.5, 2)};

@@ -74,6 +74,22 @@ TEST(Joints, EqualEndsCoverEachOther) {
   EXPECT_EQ(ends_with(elbow, {from_its_end, {-3, 0, 1}}) & ~kOwnTop, kTopEnd);
 }
 
+TEST(Joints, ClosedToriHaveNoEnds) {
+  const float nearly_full = 6.283185f;  // a float below 2 pi
+  const auto has_ends = [](float major, float tube, float angle) {
+    const Primitive torus = CircularTorus{major, tube, angle};
+    const bool bottom = end_face(torus, {}, kBottomEnd).has_value(), top = end_face(torus, {}, kTopEnd).has_value();
+    EXPECT_EQ(bottom, top);
+    return bottom;
+  };
+  for (const float angle : {nearly_full, -nearly_full, float(2.0 * kPi), 7.0f, 0.0f})
+    EXPECT_FALSE(has_ends(3.0f, 1.0f, angle)) << angle;
+  for (const float angle : {std::nextafter(nearly_full, 0.0f), 1e-3f, -1.0f})
+    EXPECT_TRUE(has_ends(3.0f, 1.0f, angle)) << angle;
+  EXPECT_TRUE(has_ends(1.0f, 1.0f, 1.0f)) << "a horn's";
+  EXPECT_FALSE(has_ends(std::nextafter(1.0f, 0.0f), 1.0f, 1.0f)) << "a spindle's is no disc";
+}
+
 TEST(Joints, OfEndsOfDifferentSizeTheSmallerOneIsCovered) {
   EXPECT_EQ(ends_with(Cylinder{2.0f, 1.0f}, translation({0, 0, 1.5})), kOwnTop);
   EXPECT_EQ(ends_with(Cylinder{0.5f, 1.0f}, translation({0, 0, 1.5})), kBottomEnd);

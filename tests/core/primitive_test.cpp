@@ -171,6 +171,25 @@ TEST(Primitive, TorusArcsOfAnyAngle) {
     }
 }
 
+TEST(Primitive, TurnsAHairShortAreFull) {
+  const float full = float(2.0 * kPi), nearly = 6.283185f, short_of_it = std::nextafter(nearly, 0.0f);
+  ASSERT_LT(double(nearly), 2.0 * kPi);
+  const auto towards_the_gap = [](float angle) {
+    const double middle = 0.5 * (double(angle) - 2.0 * kPi);
+    return dvec3(std::cos(middle), std::sin(middle), 0.5);
+  };
+  for (const float angle : {nearly, -nearly, full, -full, 7.0f, 1e6f}) {
+    const dvec3 u = towards_the_gap(nearly);
+    EXPECT_EQ(support(CircularTorus{5, 2, angle}, u), support(CircularTorus{5, 2, full}, u)) << angle;
+    EXPECT_EQ(support(RectangularTorus{2, 5, 1, angle}, u), support(RectangularTorus{2, 5, 1, full}, u)) << angle;
+  }
+  for (const float angle : {short_of_it, -short_of_it}) {
+    const dvec3 u = towards_the_gap(short_of_it);
+    EXPECT_LT(support(CircularTorus{5, 2, angle}, u), support(CircularTorus{5, 2, full}, u)) << angle;
+    EXPECT_LT(support(RectangularTorus{2, 5, 1, angle}, u), support(RectangularTorus{2, 5, 1, full}, u)) << angle;
+  }
+}
+
 TEST(Primitive, HornAndSpindleToriAndBulgingDishes) {
   const float full = float(2.0 * kPi);
   EXPECT_NEAR(support(CircularTorus{1, 1, full}, {1, 0, 0}), 2.0, 1e-12);

@@ -145,5 +145,23 @@ TEST(CircularTorus, OpenEndsDropTheirCrossingOnly) {
   EXPECT_EQ(intersect(elbow, ray, {true, false}).count, 2);
 }
 
+TEST(CircularTorus, TurnsAHairShortAreClosed) {
+  const float full = float(2.0 * kPi), nearly = 6.283185f, short_of_it = std::nextafter(nearly, 0.0f);
+  ASSERT_LT(double(nearly), 2.0 * kPi);
+  const Ray across_the_seam{{3.0, -2.0, 0.2}, {0.0, 1.0, 0.0}};
+  const core::Mesh closed = tessellate(core::CircularTorus{3.0f, 1.0f, full});
+  for (const float angle : {nearly, -nearly, full, 7.0f}) {
+    const core::CircularTorus torus{3.0f, 1.0f, angle};
+    EXPECT_EQ(intersect<double>(torus, across_the_seam).count, 2) << angle;
+    EXPECT_EQ(intersect<float>(torus, across_the_seam).count, 2) << angle;
+    const core::Mesh mesh = tessellate(torus);
+    EXPECT_TRUE(mesh.positions == closed.positions) << angle;
+    EXPECT_TRUE(mesh.indices == closed.indices) << angle;
+  }
+  const core::CircularTorus slice{3.0f, 1.0f, short_of_it};
+  EXPECT_EQ(intersect<double>(slice, across_the_seam).count, 4);
+  EXPECT_GT(tessellate(slice).indices.size(), closed.indices.size());
+}
+
 }  // namespace
 }  // namespace sightline::gpuprims

@@ -113,5 +113,23 @@ TEST(RectangularTorus, OpenEndsDropTheirCrossingOnly) {
   EXPECT_EQ(intersect(elbow, ray, {true, false}).count, 2);
 }
 
+TEST(RectangularTorus, TurnsAHairShortAreClosed) {
+  const float nearly = 6.283185f, short_of_it = std::nextafter(nearly, 0.0f);
+  ASSERT_LT(double(nearly), 2.0 * std::numbers::pi);
+  const Ray across_the_seam{{2.0, -4.0, 0.2}, {0.0, 1.0, 0.0}};
+  const core::Mesh closed = tessellate(core::RectangularTorus{1.0f, 3.0f, 1.0f, kFullTurn});
+  for (const float angle : {nearly, -nearly, kFullTurn, 7.0f}) {
+    const core::RectangularTorus torus{1.0f, 3.0f, 1.0f, angle};
+    EXPECT_EQ(intersect<double>(torus, across_the_seam).count, 2) << angle;
+    EXPECT_EQ(intersect<float>(torus, across_the_seam).count, 2) << angle;
+    const core::Mesh mesh = tessellate(torus);
+    EXPECT_TRUE(mesh.positions == closed.positions) << angle;
+    EXPECT_TRUE(mesh.indices == closed.indices) << angle;
+  }
+  const core::RectangularTorus slice{1.0f, 3.0f, 1.0f, short_of_it};
+  EXPECT_EQ(intersect<double>(slice, across_the_seam).count, 4);
+  EXPECT_GT(tessellate(slice).indices.size(), closed.indices.size());
+}
+
 }  // namespace
 }  // namespace sightline::gpuprims

@@ -89,6 +89,9 @@ TEST(Reference, TorusRingHornSpindleAndSlice) {
   const std::vector<Crossing> down = cross_at(core::CircularTorus{0.5f, 1.0f, kWhole}, {{0, 0, 5}, {0, 0, -1}});
   ASSERT_EQ(down.size(), 2u);
   EXPECT_LE(double(fabsq(down[0].t - (5 - dent))), 1e-15) << "two sheets of the surface meet there: half the digits";
+  // A float short of a full turn, it is closed.
+  EXPECT_EQ(cross_at(core::CircularTorus{2.0f, 0.5f, 6.283185f}, {{2.0, -1.0, 0.0}, {0.0, 1.0, 0.0}}).size(), 2u);
+  EXPECT_EQ(cross_at(core::CircularTorus{2.0f, 0.5f, 6.2831845f}, {{2.0, -1.0, 0.0}, {0.0, 1.0, 0.0}}).size(), 4u);
   // A quarter: from +X to +Y. Along y = -x + c through both ends' planes.
   const core::CircularTorus quarter{2.0f, 0.5f, float(std::numbers::pi / 2)};
   const std::vector<Crossing> ends = cross_at(quarter, {{2.0, -1.0, 0.0}, {0.0, 1.0, 0.0}});
