@@ -33,41 +33,21 @@ struct Aabb {
 };
 
 /// The number before x, as std::nextafter gives it, without the call. Minus infinity and NaN stay.
-inline float next_below(float x) {
-  if (!(x > -std::numeric_limits<float>::infinity())) return x;
-  if (x == 0.0f) return -std::numeric_limits<float>::denorm_min();
-  return std::bit_cast<float>(std::bit_cast<std::int32_t>(x) + (x > 0.0f ? -1 : 1));
-}
 inline double next_below(double x) {
   if (!(x > -std::numeric_limits<double>::infinity())) return x;
   if (x == 0.0) return -std::numeric_limits<double>::denorm_min();
   return std::bit_cast<double>(std::bit_cast<std::int64_t>(x) + (x > 0.0 ? -1 : 1));
 }
 
+// Out of line: what the compiler of an application makes of them must not count. It may contract x * y - z, and g++ 12
+// drops the rounding of neighbouring double(float(x)); the library's own flags (cmake/SightlineTargets.cmake) do not.
+
 /// Largest float <= x. From Aabb::kFar upwards it stays kFar, from -kFar downwards it is the lowest float: both err
 /// outwards or concern coordinates that commit() refuses.
-inline float round_down(double x) {
-  if (x >= double(Aabb::kFar)) return Aabb::kFar;
-  if (x <= -double(Aabb::kFar)) return -std::numeric_limits<float>::max();
-  const float f = static_cast<float>(x);
-  return double(f) <= x ? f : next_below(f);
-}
-
+float round_down(double x);
 /// Smallest float >= x; see round_down.
-inline float round_up(double x) {
-  return -round_down(-x);
-}
-
+float round_up(double x);
 /// The smallest float box around `box - origin`, rounded outwards including the subtraction's own rounding error.
-inline Aabb round_outwards(const AabbD& box, const dvec3& origin) {
-  if (box.empty()) return {};
-  Aabb out;
-  for (int i = 0; i < 3; ++i) {
-    const double lo = box.min[i] - origin[i], hi = box.max[i] - origin[i];
-    out.min[i] = round_down(next_below(lo));
-    out.max[i] = round_up(-next_below(-hi));
-  }
-  return out;
-}
+Aabb round_outwards(const AabbD& box, const dvec3& origin);
 
 }  // namespace sightline::core

@@ -98,6 +98,10 @@ Expected<View> View::from_matrices(const dmat4& eye_from_world, const dmat4& cli
   return View(eye_from_world, clip_from_eye, depth);
 }
 
+dmat4 View::clip_from_world() const {
+  return clip_from_eye_ * eye_from_world_;
+}
+
 dvec3 View::eye() const {
   return dvec3(glm::inverse(eye_from_world_)[3]);
 }

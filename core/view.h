@@ -44,7 +44,7 @@ class View {
   const dmat4& eye_from_world() const { return eye_from_world_; }
   const dmat4& clip_from_eye() const { return clip_from_eye_; }
   /// The product as this class rounds it: the view volume is defined by these sixteen numbers.
-  dmat4 clip_from_world() const { return clip_from_eye_ * eye_from_world_; }
+  dmat4 clip_from_world() const;
   ClipDepth clip_depth() const { return clip_depth_; }
   bool orthographic() const {
     return clip_from_eye_[0][3] == 0.0 && clip_from_eye_[1][3] == 0.0 && clip_from_eye_[2][3] == 0.0;

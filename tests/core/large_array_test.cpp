@@ -52,9 +52,6 @@ TEST(NextBelow, IsWhatNextafterGives) {
   for (const double x : values) {
     if (std::isnan(x)) continue;
     ASSERT_EQ(next_below(x), std::nextafter(x, -infinity)) << x;
-    const float f = std::bit_cast<float>(std::uint32_t(std::bit_cast<std::uint64_t>(x) >> 32));
-    if (std::isnan(f)) continue;
-    ASSERT_EQ(next_below(f), std::nextafterf(f, -std::numeric_limits<float>::infinity())) << f;
   }
   EXPECT_EQ(next_below(-infinity), -infinity);
   EXPECT_TRUE(std::isnan(next_below(std::numeric_limits<double>::quiet_NaN())));
