@@ -26,6 +26,15 @@ target_compile_options(sightline_flags INTERFACE
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   set(SIGHTLINE_X86_KERNELS TRUE)
   target_compile_definitions(sightline_flags INTERFACE SIGHTLINE_X86_KERNELS)
+  # What the wider forms of kernels may use, by the compiler's names. core/instruction_set.cpp asks the processor for
+  # all of it.
+  set(SIGHTLINE_AVX2_FEATURES avx2 fma bmi popcnt)
+  set(SIGHTLINE_AVX512_FEATURES avx512f avx512bw avx512dq avx512vl fma bmi popcnt)
+  foreach(form AVX2 AVX512)
+    list(TRANSFORM SIGHTLINE_${form}_FEATURES REPLACE "(.+)" "SIGHTLINE_HAS(\\1)" OUTPUT_VARIABLE features)
+    list(JOIN features "&&" features)
+    target_compile_definitions(sightline_flags INTERFACE "SIGHTLINE_HAS_${form}=${features}")
+  endforeach()
 endif()
 if(SIGHTLINE_SANITIZE)
   target_compile_options(sightline_flags INTERFACE -fsanitize=${SIGHTLINE_SANITIZE} -fno-omit-frame-pointer
@@ -51,9 +60,10 @@ function(sightline_kernels name)
   cmake_parse_arguments(arg "" "AVX2;AVX512" "" ${ARGN})
   if(SIGHTLINE_X86_KERNELS)
     target_sources(sightline_${name} PRIVATE ${arg_AVX2} ${arg_AVX512})
-    set_source_files_properties(${arg_AVX2} PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma;-mbmi;-mpopcnt")
-    set_source_files_properties(${arg_AVX512} PROPERTIES
-      COMPILE_OPTIONS "-mavx512f;-mavx512bw;-mavx512dq;-mavx512vl;-mfma;-mbmi;-mpopcnt")
+    foreach(form AVX2 AVX512)
+      list(TRANSFORM SIGHTLINE_${form}_FEATURES PREPEND "-m" OUTPUT_VARIABLE options)
+      set_source_files_properties(${arg_${form}} PROPERTIES COMPILE_OPTIONS "${options}")
+    endforeach()
   endif()
 endfunction()
 

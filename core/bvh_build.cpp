@@ -172,7 +172,10 @@ class BlockOrder {
 #ifdef _OPENMP
 #pragma omp taskloop grainsize(1) default(none) shared(work) firstprivate(chunks, count)
 #endif
-    for (std::uint32_t c = 0; c < chunks; ++c) work(c, c * kChunk, std::min(count, (c + 1) * kChunk));
+    for (std::size_t c = 0; c < chunks; ++c) {  // clang counts in 64 bits, and would warn of narrowing
+      const auto chunk = std::uint32_t(c);
+      work(chunk, chunk * kChunk, std::min(count, (chunk + 1) * kChunk));
+    }
   }
 
   // Recursion depth is at most the bit width of the count.

@@ -18,10 +18,10 @@ InstructionSet widest() {
 
 bool supported(InstructionSet set) {
 #ifdef SIGHTLINE_X86_KERNELS
-  if (set == InstructionSet::kAvx2) return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
-  if (set == InstructionSet::kAvx512)
-    return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0 &&
-           __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0;
+  // The build defines both conditions, of the features that it compiles kernels for (cmake/SightlineTargets.cmake).
+#define SIGHTLINE_HAS(feature) (__builtin_cpu_supports(#feature) != 0)
+  if (set == InstructionSet::kAvx2) return SIGHTLINE_HAS_AVX2;
+  if (set == InstructionSet::kAvx512) return SIGHTLINE_HAS_AVX512;
 #endif
   return set == InstructionSet::kScalar;
 }

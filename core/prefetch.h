@@ -4,16 +4,18 @@
 
 #include <cstddef>
 
+#include "sightline/core/intrinsics.h"
+
 namespace sightline::core {
 
 /// Elements between request and use; requests that need the answer of another are made half as far ahead.
 inline constexpr std::size_t kPrefetchAhead = 16;
 
-inline void prefetch([[maybe_unused]] const void* address, [[maybe_unused]] std::size_t bytes) {
-#if defined(__GNUC__)
+inline void prefetch(const void* address, std::size_t bytes) {
   const char* first = static_cast<const char*>(address);
-  for (std::size_t line = 0; line < bytes; line += 64) __builtin_prefetch(first + line, 0, 2);
-  if (bytes > 1) __builtin_prefetch(first + bytes - 1, 0, 2);
+  for (std::size_t line = 0; line < bytes; line += 64) prefetch_line<CacheLevel::kL2>(first + line);
+  if (bytes > 1) prefetch_line<CacheLevel::kL2>(first + bytes - 1);
+#if defined(__GNUC__)
   asm volatile("");  // g++ 12 takes a function that only requests for one without effect, and drops its calls
 #endif
 }

@@ -3,11 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#define SIGHTLINE_PAUSE() __builtin_ia32_pause()
-#else
-#define SIGHTLINE_PAUSE() std::this_thread::yield()
-#endif
+#include "sightline/core/intrinsics.h"
 
 namespace sightline::culling {
 namespace {
@@ -68,7 +64,7 @@ std::uint32_t CullThreads::share(std::uint32_t jobs, Call call, const void* cont
   if (sleeping_.load() > 0) state_.notify_all();
   std::uint32_t own = 0;
   while (work_one()) ++own;
-  while (finished_.load(std::memory_order_acquire) != jobs) SIGHTLINE_PAUSE();
+  while (finished_.load(std::memory_order_acquire) != jobs) core::pause();
   return own;
 }
 
@@ -93,7 +89,7 @@ void CullThreads::help(const std::stop_token& stop) {
     if (work_one()) {
       worked = now();
     } else if (now() - worked < kSpin) {
-      SIGHTLINE_PAUSE();
+      core::pause();
     } else {
       const std::uint64_t seen = state_.load();
       if (std::uint32_t(seen) != 0) continue;

@@ -69,7 +69,7 @@ struct Avx2 {
     const __m128i places = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(kCompress.rows[bits]));
     const __m256i values = _mm256_add_epi32(_mm256_cvtepu8_epi32(places), _mm256_set1_epi32(int(base)));
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), values);
-    return out + __builtin_popcount(bits);
+    return out + _mm_popcnt_u32(bits);
   }
   static void store_places(std::uint32_t* out, std::uint32_t base) {
     append_half(out, base, 0xff);

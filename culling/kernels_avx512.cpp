@@ -42,7 +42,7 @@ struct Avx512 {
   /// Compresses in a register and stores it whole: compressing stores are slow on some processors.
   static std::uint32_t* append(std::uint32_t* out, std::uint32_t base, unsigned bits) {
     _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(__mmask16(bits), places(base)));
-    return out + __builtin_popcount(bits);
+    return out + _mm_popcnt_u32(bits);
   }
 };
 

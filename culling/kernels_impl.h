@@ -7,6 +7,9 @@
 // (U. Assarsson, T. Möller 2000: planes a parent is inside of are not tested below.)
 #pragma once
 
+#include <cstring>
+
+#include "sightline/core/intrinsics.h"
 #include "sightline/culling/kernels.h"
 
 namespace sightline::culling {
@@ -27,7 +30,8 @@ class ItemTester {
                    std::size_t first) const {
     const typename Simd::Values s = Simd::evaluate(plane, x + first, y + first, z + first);
     const unsigned kept = ~Simd::below(s, plane) & kAllLanes, open = kept & ~Simd::above(s, plane);
-    if (__builtin_expect(open == 0, 1)) return kept;
+    if (open == 0) [[likely]]
+      return kept;
     return (kept & ~open) | test_.resolve(test_, first, open, PlaneMask(1) << k);
   }
 
@@ -37,7 +41,7 @@ class ItemTester {
     const FloatPlane* planes = test_.planes;
     unsigned outside = 0, open = 0;
     for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0; m &= m - 1) {
-      const int k = __builtin_ctz(m);
+      const int k = int(core::lowest_bit(m));
       const typename Simd::Plane plane = Simd::spread(planes[k]);
       const typename Simd::Values s = p_values(k, plane, first);
       outside |= Simd::below(s, plane);
@@ -128,7 +132,7 @@ class Traversal {
   // Entries between prefetch and use. A core waits for some two dozen lines at a time on behalf of its first cache,
   // which is four leaves, and for more on behalf of its second: hence two steps.
   static constexpr std::size_t kAhead = 4, kFarAhead = 28;
-  static constexpr int kToL1 = 3, kToL2 = 2;  // the compiler's names for how near
+  static constexpr core::CacheLevel kToL1 = core::CacheLevel::kL1, kToL2 = core::CacheLevel::kL2;
 
   std::uint32_t* next_queue(int k) const { return in_.node_queues[current_ ^ 1] + std::size_t(k) * in_.stride; }
   std::uint32_t* leaf_queue(int k) const { return in_.leaf_queue + std::size_t(k) * in_.leaf_stride; }
@@ -159,7 +163,7 @@ class Traversal {
       return;
     }
     for (unsigned rest = ends; rest != 0; rest &= rest - 1) {
-      const std::uint64_t place = (std::uint64_t(node) * kLanes + unsigned(__builtin_ctz(rest))) * child_nodes_;
+      const std::uint64_t place = (std::uint64_t(node) * kLanes + core::lowest_bit(rest)) * child_nodes_;
       const std::uint32_t last = in_.levels[0].count;
       const std::uint32_t at = place < last ? std::uint32_t(place) : last;
       in_.toggles[at / kLanes] = std::uint16_t(in_.toggles[at / kLanes] ^ 1u << at % kLanes);
@@ -207,7 +211,7 @@ class Traversal {
       unsigned elsewhere = 0;
       if constexpr (kLayers) elsewhere = open & (kBottom ? ~shown : free);
       for (unsigned rest = elsewhere; rest != 0; rest &= rest - 1) {
-        const unsigned lane = unsigned(__builtin_ctz(rest));
+        const unsigned lane = core::lowest_bit(rest);
         push_crossing<kBottom>(node * kLanes + lane, (free >> lane & 1u) != 0 ? 0 : PlaneMask(1) << k);
       }
       out = Simd::append(out, node * kLanes, open & ~elsewhere);
@@ -231,16 +235,16 @@ class Traversal {
       const unsigned single = open & crossed.any & ~crossed.several & (kBottom ? shown : kAllLanes);
       if constexpr (kBottom) in_.partial[c.index] = std::uint16_t(open);
       for (PlaneMask m = single != 0 ? c.mask & (kUnionPlanes - 1) : 0; m != 0; m &= m - 1) {
-        const int k = __builtin_ctz(m);
+        const int k = int(core::lowest_bit(m));
         std::uint32_t* const out = kBottom ? leaf_queue(k) : next_queue(k);
         next_count_[k] =
             std::uint32_t(Simd::append(out + next_count_[k], c.index * kLanes, crossed.by[k] & single) - out);
       }
       for (unsigned rest = open & ~single; rest != 0; rest &= rest - 1) {
-        const unsigned lane = unsigned(__builtin_ctz(rest));
+        const unsigned lane = core::lowest_bit(rest);
         PlaneMask mask = 0;
         for (PlaneMask m = c.mask; m != 0; m &= m - 1)
-          mask |= PlaneMask(crossed.by[__builtin_ctz(m)] >> lane & 1u) << __builtin_ctz(m);
+          mask |= PlaneMask(crossed.by[core::lowest_bit(m)] >> lane & 1u) << core::lowest_bit(m);
         push_crossing<kBottom>(c.index * kLanes + lane, mask);
       }
     }
@@ -256,7 +260,7 @@ class Traversal {
   /// Lanes outside leave `alive`.
   void find_crossed(const HierarchyNode& node, PlaneMask mask, unsigned& alive, Crossed& crossed) const {
     for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0; m &= m - 1) {
-      const int k = __builtin_ctz(m);
+      const int k = int(core::lowest_bit(m));
       unsigned outside = 0, inside = 0;
       classify(node, k, outside, inside);
       alive &= ~outside;
@@ -318,20 +322,20 @@ class Traversal {
     in_.partial[node] = std::uint16_t(in_.partial[node] & ~((all | none) << lane));
   }
 
-  template <int kLocality>
+  template <core::CacheLevel kLevel>
   static void prefetch(const float* x, const float* y, const float* z, std::uint32_t leaf) {
     const std::size_t first = std::size_t(leaf) * kLeafSize;
     for (const float* c : {x + first, y + first, z + first}) {
-      __builtin_prefetch(c, 0, kLocality);
-      __builtin_prefetch(c + kLanes, 0, kLocality);
+      core::prefetch_line<kLevel>(c);
+      core::prefetch_line<kLevel>(c + kLanes);
     }
   }
-  template <int kLocality>
+  template <core::CacheLevel kLevel>
   void prefetch_node(std::uint32_t node) const {
-    for (int axis = 0; axis < 6; ++axis) __builtin_prefetch(level_.nodes[node].bounds[axis], 0, kLocality);
+    for (int axis = 0; axis < 6; ++axis) core::prefetch_line<kLevel>(level_.nodes[node].bounds[axis]);
     if constexpr (kLayers) {
-      __builtin_prefetch(level_.layers[node].any, 0, kLocality);
-      __builtin_prefetch(level_.layers[node].all, 0, kLocality);
+      core::prefetch_line<kLevel>(level_.layers[node].any);
+      core::prefetch_line<kLevel>(level_.layers[node].all);
     }
   }
 
@@ -395,7 +399,7 @@ class Extraction {
 
   static std::uint64_t word(const std::uint16_t* bits) {
     std::uint64_t value;
-    __builtin_memcpy(&value, bits, sizeof(value));
+    std::memcpy(&value, bits, sizeof(value));
     return value;
   }
   /// A bit becomes sixteen.
@@ -414,7 +418,7 @@ class Extraction {
       for (int i = 0; i < kWordNodes; ++i)
         edges_ = Simd::append(edges_, leaf + unsigned(i) * kLanes, unsigned(edges >> (i * kLanes)) & 0xffffu);
     for (std::uint64_t rest = partial; rest != 0; rest &= rest - 1) {
-      const std::uint32_t at = leaf + unsigned(__builtin_ctzll(rest)), mask = in_.leaf_masks[at];
+      const std::uint32_t at = leaf + core::lowest_bit(rest), mask = in_.leaf_masks[at];
       items_ = Simd::append(items_, at * kLeafSize, mask & 0xffffu);
       items_ = Simd::append(items_, at * kLeafSize + kLanes, mask >> kLanes);
     }
@@ -436,7 +440,7 @@ void cull_items(const ItemTest& test, PlaneMask mask, std::size_t first, std::si
   Tested planes[kMaxCullPlanes];
   int count = 0;
   for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0; m &= m - 1) {
-    const FloatPlane& f = test.planes[__builtin_ctz(m)];
+    const FloatPlane& f = test.planes[core::lowest_bit(m)];
     const auto& c = test.coordinates;
     planes[count++] = {&f, c[f.p_axis[0]], c[f.p_axis[1]], c[f.p_axis[2]]};
   }

@@ -60,7 +60,7 @@ struct Scalar {
     for (unsigned i = 0; i < unsigned(kLanes); ++i) out[i] = base + i;
   }
   static std::uint32_t* append(std::uint32_t* out, std::uint32_t base, unsigned bits) {
-    for (; bits != 0; bits &= bits - 1) *out++ = base + unsigned(__builtin_ctz(bits));
+    for (; bits != 0; bits &= bits - 1) *out++ = base + core::lowest_bit(bits);
     return out;
   }
 };

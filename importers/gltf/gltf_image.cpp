@@ -16,10 +16,14 @@
 #define STBI_NO_HDR
 #define STBI_NO_LINEAR
 #define STBI_NO_FAILURE_STRINGS
+#if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
+#endif
 #include <stb_image.h>
+#if defined(__GNUC__)
 #pragma GCC diagnostic pop
+#endif
 
 namespace sightline::importers {
 namespace {

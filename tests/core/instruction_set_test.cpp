@@ -1,0 +1,50 @@
+#include "sightline/core/instruction_set.h"
+
+#include <gtest/gtest.h>
+
+#if defined(SIGHTLINE_X86_KERNELS)
+
+// What the compiler's own __builtin_cpu_supports() reads: part of its ABI, as its answers are compiled into programs.
+struct CpuModel {
+  unsigned vendor, type, subtype, features;
+};
+extern "C" CpuModel __cpu_model;
+
+namespace sightline::core {
+namespace {
+
+/// What the processor has of the instructions that kernels are compiled for (cmake/SightlineTargets.cmake).
+bool has_all_for(InstructionSet set) {
+  const bool common =
+      __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("popcnt");
+  if (set == InstructionSet::kAvx2) return common && __builtin_cpu_supports("avx2");
+  return common && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+}
+
+/// Of a processor without one of its features, each in turn.
+TEST(InstructionSet, NeedsAllThatItsKernelsUse) {
+  const unsigned features = __cpu_model.features;
+  const auto pretend = [](unsigned word) {
+    __cpu_model.features = word;
+    asm volatile("" ::: "memory");
+  };
+  int denied = 0;
+  for (int bit = -1; bit < 32; ++bit) {
+    pretend(bit < 0 ? features : features & ~(1u << bit));
+    for (const InstructionSet set : {InstructionSet::kAvx2, InstructionSet::kAvx512}) {
+      EXPECT_EQ(supported(set), has_all_for(set)) << name(set) << " without feature " << bit;
+      denied += !supported(set);
+    }
+    EXPECT_TRUE(supported(InstructionSet::kScalar));
+  }
+  pretend(features);
+  if (has_all_for(InstructionSet::kAvx2)) {
+    EXPECT_GE(denied, 4) << "no feature was taken away";
+  }
+}
+
+}  // namespace
+}  // namespace sightline::core
+
+#endif
