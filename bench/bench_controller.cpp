@@ -70,7 +70,9 @@ std::vector<apps::TraceFrame> record(std::span<const core::View> views, std::siz
     const double cull = (gpu.pass + gpu.per_item * double(items) + gpu.per_visible * visible);
     apps::TraceFrame f{};
     f.visible = visible;
-    f.tested = double(set.counters.nodes_tested + set.counters.boxes_tested);
+    culling::FrameSample walk;
+    culler.describe(set.counters, walk);
+    f.tested = walk.tested, f.nodes = walk.nodes, f.intersections = walk.intersections, f.height = walk.height;
     f.cpu_cull_ms = times[i];
     f.gpu_cull_ms = cull * random.around_one(gpu.noise);
     const double draw = (gpu.draw + gpu.draw_visible * visible) * random.around_one(gpu.noise);

@@ -19,6 +19,7 @@ struct SlotRange {
 struct CullCounters {
   std::uint64_t nodes_tested = 0;  ///< hierarchy boxes tested against at least one plane
   std::uint64_t boxes_tested = 0;  ///< item boxes tested
+  int levels_walked = 0;           ///< of the hierarchy, from the root's down; 0: none has been walked
 };
 
 /// The visible slots of one view. Ranges and items are each in rising order, disjoint, and share no slot. A slot

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <memory>
 #include <span>
@@ -92,6 +93,7 @@ void cull_tree(const core::ItemBounds& bounds, const Hierarchy& hierarchy, const
   kernel.traverse(in);
   set.counters.nodes_tested += in.nodes_tested;
   set.counters.boxes_tested += in.boxes_tested;
+  set.counters.levels_walked = in.levels_walked;
 
   const std::size_t leaves = hierarchy.lane_count(0);
   const FoundSlots begin{scratch.items.reserve((leaves + 1) * kLeafSize), scratch.edges.reserve(leaves + 4 * kLanes)};
@@ -114,6 +116,7 @@ void CpuCuller::cull(const core::View& view, core::VisibleSet& set) const {
   // A view of everything needs no walk, whose fixed cost grows with the scene.
   if (!hierarchy_.uses_layers() && planes.remaining(bounds_->extent(), planes.all()) == 0) {
     set.counters.nodes_tested = 1;
+    set.counters.levels_walked = 1;
     set.ranges.push_back({0, hierarchy_.slot_count()});
     return;
   }
@@ -125,6 +128,16 @@ void CpuCuller::cull(std::span<const core::View> views, std::span<core::VisibleS
   const auto one = [&](std::uint32_t i) { cull(views[i], sets[i]); };
   if (threads != nullptr) return threads->run(std::uint32_t(views.size()), one);
   for (std::uint32_t i = 0; i < views.size(); ++i) one(i);
+}
+
+/// A node is looked into because its box crosses the view volume's surface, the root's own apart; so is a leaf.
+void CpuCuller::describe(const core::CullCounters& counters, FrameSample& sample) const {
+  const std::uint64_t nodes = counters.nodes_tested / kLanes, leaves = counters.boxes_tested / kLeafSize;
+  sample.tested = double(counters.nodes_tested + counters.boxes_tested);
+  sample.nodes = double(hierarchy_.node_count() * kLanes + hierarchy_.lane_count(0) * kLeafSize);
+  sample.intersections = double((nodes > 0 ? nodes - 1 : 0) + leaves);
+  sample.height = double(counters.levels_walked * std::countr_zero(unsigned(kLanes)) +
+                         (leaves > 0 ? std::countr_zero(kLeafSize) : 0));
 }
 
 }  // namespace sightline::culling

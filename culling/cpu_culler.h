@@ -13,6 +13,7 @@
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/cull_threads.h"
 #include "sightline/culling/hierarchy.h"
+#include "sightline/culling/path_choice.h"
 
 namespace sightline::culling {
 
@@ -33,6 +34,10 @@ class CpuCuller {
   /// Several views in one query: the eyes of a headset, shadow cascades, section views. sets[i] becomes what
   /// cull(views[i]) would make of it. With threads, views are shared out among them where that is quicker.
   void cull(std::span<const core::View> views, std::span<core::VisibleSet> sets, CullThreads* threads = nullptr) const;
+
+  /// Fills in what a controller may want to know of a cull() that left these counters: tested, nodes, intersections and
+  /// height. A level of the hierarchy counts as the four of a binary one, a leaf that was looked into as five.
+  void describe(const core::CullCounters& counters, FrameSample& sample) const;
 
   /// To be called, before the next cull, after boxes or layers of `changed` slots have changed or others were appended:
   /// see Hierarchy::update.

@@ -61,6 +61,7 @@ struct TraversalInput {
   std::uint16_t *inside, *partial, *toggles;
   std::uint32_t* leaf_masks;
   std::uint64_t nodes_tested, boxes_tested;
+  int levels_walked;
 };
 
 /// Where to write what was found: single slots, and the leaves or slots at which ranges begin and end in turn (of

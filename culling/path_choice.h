@@ -26,9 +26,10 @@ struct FrameSample {
   double cull_ms = kNotMeasured;
   double frame_ms = kNotMeasured;
   double visible = kNotMeasured;        ///< items
-  double tested = kNotMeasured;         ///< nodes and boxes
-  double intersections = kNotMeasured;  ///< of these, boxes that cross the view volume's surface
-  double height = kNotMeasured;         ///< levels of the hierarchy walked
+  double tested = kNotMeasured;         ///< boxes, of nodes and of items
+  double nodes = kNotMeasured;          ///< boxes that there are to be tested
+  double intersections = kNotMeasured;  ///< boxes of nodes that were found to cross the view volume's surface
+  double height = kNotMeasured;         ///< how far down the hierarchy was walked, in levels of a binary one
 };
 
 /// Whether a time can be one.

@@ -75,7 +75,7 @@ bool SeedStateMachine::is_slow(const FrameSample& sample) const {
     case SeedTrigger::kIntersections:
       return sample.intersections > config_.slow_intersections;
     case SeedTrigger::kShare:
-      return sample.tested > config_.slow_share * config_.nodes;
+      return sample.nodes > 0.0 && sample.tested > config_.slow_share * sample.nodes;
   }
   return false;
 }

@@ -16,10 +16,9 @@ enum class SeedTrigger : std::uint8_t { kTime, kHeight, kIntersections, kShare }
 struct SeedConfig {
   SeedTrigger trigger = SeedTrigger::kTime;
   double slow_ms = 0.3;             ///< kTime: cull time
-  double slow_height = 20.0;        ///< kHeight: levels
-  double slow_intersections = 1e4;  ///< kIntersections
-  double slow_share = 0.1;          ///< kShare: tested / nodes
-  double nodes = 0.0;               ///< of the hierarchy, for kShare
+  double slow_height = 20.0;        ///< kHeight: FrameSample::height
+  double slow_intersections = 1e4;  ///< kIntersections: FrameSample::intersections
+  double slow_share = 0.1;          ///< kShare: FrameSample::tested / nodes
   std::uint32_t enter_frames = 5;   ///< n: slow CPU frames in a row before the GPU takes over
   std::uint32_t gpu_frames = 500;   ///< m: that it stays for; doubled each time the CPU is still slow after them
   std::uint32_t probe_frames = 2;   ///< CPU frames that tell; all of them slow: back to the GPU

@@ -224,7 +224,7 @@ core::Expected<FrameReport> Engine::frame([[maybe_unused]] const core::View& vie
     report.wait_ms = drawing_->waited_ms();
   }
 #endif
-  if (hybrid_) hybrid_->measured(report);
+  if (hybrid_) hybrid_->measured(report, describe_walk());
   return report;
 }
 
@@ -265,6 +265,15 @@ void Engine::cull_on_cpu(const core::View& view, FrameReport& report) {
   report.path = std::holds_alternative<culling::CpuCuller>(*live_.culler) ? "cpu" : "linear";
   report.visible = std::int64_t(live_.snapshot->count(visible_));
   report.tested = std::int64_t(visible_.counters.nodes_tested + visible_.counters.boxes_tested);
+}
+
+/// Only the dissertation's policy asks for it.
+culling::FrameSample Engine::describe_walk() const {
+  culling::FrameSample walk;
+  const auto* culler = std::get_if<culling::CpuCuller>(live_.culler.get());
+  if (culler && config_.controller.policy == culling::Policy::kSeedStateMachine)
+    culler->describe(visible_.counters, walk);
+  return walk;
 }
 
 void Engine::gather_late_reports() {

@@ -150,6 +150,7 @@ class Engine {
   void note_gpu_form();
   core::Expected<bool> cull(const core::View& view, FrameReport& report);
   void cull_on_cpu(const core::View& view, FrameReport& report);
+  culling::FrameSample describe_walk() const;
   void gather_late_reports();
 
   core::Scene* scene_;

@@ -37,7 +37,7 @@ Hybrid::Pending* Hybrid::find(std::uint64_t report_frame) {
   return p.sample.frame == report_frame - first_frame_ && !p.fed ? &p : nullptr;
 }
 
-void Hybrid::measured(const FrameReport& report) {
+void Hybrid::measured(const FrameReport& report, const culling::FrameSample& walk) {
   Pending& p = pending(controller_.frames() - 1);
   p.wait_ms = report.wait_ms;
   p.drawn = !report.drawn && p.sample.path == Path::kCpu;  // then there is nothing to wait for
@@ -45,6 +45,9 @@ void Hybrid::measured(const FrameReport& report) {
   p.sample.cull_ms = report.cull_ms;
   p.sample.visible = double(report.visible);
   p.sample.tested = double(report.tested);
+  p.sample.nodes = walk.nodes;
+  p.sample.intersections = walk.intersections;
+  p.sample.height = walk.height;
   p.late_known = true;
 }
 

@@ -21,15 +21,16 @@ struct Column {
   bool required, time;
 };
 
-constexpr std::array<Column, 9> kColumns = {{{"frame", nullptr, true, false},
-                                             {"visible", &TraceFrame::visible, true, false},
-                                             {"cpu_cull_ms", &TraceFrame::cpu_cull_ms, true, true},
-                                             {"cpu_frame_ms", &TraceFrame::cpu_frame_ms, true, true},
-                                             {"gpu_cull_ms", &TraceFrame::gpu_cull_ms, true, true},
-                                             {"gpu_frame_ms", &TraceFrame::gpu_frame_ms, true, true},
-                                             {"tested", &TraceFrame::tested, false, false},
-                                             {"intersections", &TraceFrame::intersections, false, false},
-                                             {"height", &TraceFrame::height, false, false}}};
+constexpr std::array<Column, 10> kColumns = {{{"frame", nullptr, true, false},
+                                              {"visible", &TraceFrame::visible, true, false},
+                                              {"cpu_cull_ms", &TraceFrame::cpu_cull_ms, true, true},
+                                              {"cpu_frame_ms", &TraceFrame::cpu_frame_ms, true, true},
+                                              {"gpu_cull_ms", &TraceFrame::gpu_cull_ms, true, true},
+                                              {"gpu_frame_ms", &TraceFrame::gpu_frame_ms, true, true},
+                                              {"tested", &TraceFrame::tested, false, false},
+                                              {"nodes", &TraceFrame::nodes, false, false},
+                                              {"intersections", &TraceFrame::intersections, false, false},
+                                              {"height", &TraceFrame::height, false, false}}};
 
 /// Of times, counts and frame numbers. What is beyond cannot be summed, nor written and read again.
 constexpr double kLargest = 1e15;
@@ -164,6 +165,7 @@ TraceResult run_controller(const std::vector<TraceFrame>& trace, const culling::
     sample.frame_ms = f.cost(path, true);
     if (path == Path::kCpu) {
       sample.tested = f.tested;
+      sample.nodes = f.nodes;
       sample.intersections = f.intersections;
       sample.height = f.height;
     }

@@ -15,6 +15,7 @@ struct TraceFrame {
   double cpu_cull_ms, cpu_frame_ms, gpu_cull_ms, gpu_frame_ms;
   double visible = culling::FrameSample::kNotMeasured;
   double tested = culling::FrameSample::kNotMeasured;         ///< by the CPU
+  double nodes = culling::FrameSample::kNotMeasured;          ///< that the CPU could have tested
   double intersections = culling::FrameSample::kNotMeasured;  ///< by the CPU
   double height = culling::FrameSample::kNotMeasured;         ///< by the CPU
 
@@ -25,9 +26,9 @@ struct TraceFrame {
 };
 
 /// CSV with a header that names the columns, in any order: frame, visible, cpu_cull_ms, cpu_frame_ms, gpu_cull_ms,
-/// gpu_frame_ms and optionally tested, intersections, height; others are skipped. Times are > 0 or "nan", counts >= 0,
-/// nothing exceeds 1e15, frames rise by one. At least one frame. An error names the line. `name` is what errors call
-/// the text.
+/// gpu_frame_ms and optionally tested, nodes, intersections, height; others are skipped. Times are > 0 or "nan", counts
+/// >= 0, nothing exceeds 1e15, frames rise by one. At least one frame. An error names the line. `name` is what errors
+/// call the text.
 core::Expected<std::vector<TraceFrame>> parse_controller_trace(std::string_view text, const std::string& name);
 core::Expected<std::vector<TraceFrame>> read_controller_trace(const std::string& file);
 /// With all columns; what parse_controller_trace reads.

@@ -296,7 +296,6 @@ TEST(SeedStateMachine, EachTriggerLooksAtItsOwnFigure) {
          {SeedTrigger::kTime, SeedTrigger::kHeight, SeedTrigger::kIntersections, SeedTrigger::kShare}) {
       ControllerConfig config = seed_config();
       config.seed.trigger = trigger;
-      config.seed.nodes = 1000.0;
       Controller controller(config);
       controller.gpu_ready();
       std::string choice;
@@ -308,9 +307,26 @@ TEST(SeedStateMachine, EachTriggerLooksAtItsOwnFigure) {
         sample.height = raised == SeedTrigger::kHeight ? 21.0 : 20.0;
         sample.intersections = raised == SeedTrigger::kIntersections ? 10001.0 : 10000.0;
         sample.tested = raised == SeedTrigger::kShare ? 101.0 : 100.0;
+        sample.nodes = 1000.0;
         controller.feed(sample);
       }
       EXPECT_EQ(choice, trigger == raised ? "cccccggggg" : "cccccccccc");
+    }
+  }
+}
+
+TEST(SeedStateMachine, AShareOfUnknownNodesIsNotSlow) {
+  for (const double nodes : {0.0, -1.0, FrameSample::kNotMeasured}) {
+    ControllerConfig config = seed_config();
+    config.seed.trigger = SeedTrigger::kShare;
+    Controller controller(config);
+    controller.gpu_ready();
+    for (std::uint64_t i = 0; i < 10; ++i) {
+      EXPECT_EQ(controller.next(), Path::kCpu) << nodes;
+      FrameSample sample{.frame = i};
+      sample.tested = 5000.0;
+      sample.nodes = nodes;
+      controller.feed(sample);
     }
   }
 }

@@ -94,6 +94,71 @@ TEST(CpuCuller, PartialViewTestsFarLessThanEverything) {
   EXPECT_EQ(set.sorted_slots(), linear.sorted_slots());
 }
 
+/// The walk, box by box.
+struct PlainWalk {
+  const culling::Hierarchy& tree;
+  const culling::CullPlanes planes;
+  int levels = 0;
+  std::uint64_t nodes = 0, crossing = 0, leaves = 0;
+
+  void look_into(int level, std::uint32_t index, culling::PlaneMask mask) {
+    constexpr std::uint32_t kLanes = culling::kLanes;
+    levels = std::max(levels, tree.level_count() - level);
+    ++nodes;
+    const auto& b = tree.level(level)[index].bounds;
+    for (std::uint32_t lane = index * kLanes; lane < std::min((index + 1) * kLanes, tree.lane_count(level)); ++lane) {
+      const std::uint32_t i = lane % kLanes;
+      const Aabb box{{b[0][i], b[1][i], b[2][i]}, {b[3][i], b[4][i], b[5][i]}};
+      const culling::PlaneMask rest = planes.remaining(box, mask);
+      if (planes.outside(box, mask) || rest == 0) continue;
+      ++crossing;
+      if (level > 0)
+        look_into(level - 1, lane, rest);
+      else
+        ++leaves;
+    }
+  }
+};
+
+TEST(CpuCuller, DescribesItsWalk) {
+  bool into_leaves = false, above_them = false;
+  for (const int side : {1, 3, 8, 20, 40}) {
+    const Scene scene(grid(side), core::dvec3(0.0));
+    const culling::Hierarchy& tree = scene.culler->hierarchy();
+    for (const View& view : {partial(side), looking_away(side), partial(3.0 * side)}) {
+      SCOPED_TRACE(testing::Message() << side << "^3 boxes");
+      VisibleSet set;
+      scene.culler->cull(view, set);
+      if (set.counters.nodes_tested == 1) continue;  // all in view: no walk
+      PlainWalk walk{tree, culling::CullPlanes(view, scene.bounds)};
+      walk.look_into(tree.level_count() - 1, 0, walk.planes.all());
+      culling::FrameSample sample;
+      scene.culler->describe(set.counters, sample);
+      EXPECT_EQ(set.counters.levels_walked, walk.levels);
+      EXPECT_EQ(sample.tested, double(16 * walk.nodes + 32 * walk.leaves));
+      EXPECT_EQ(sample.intersections, double(walk.crossing));
+      EXPECT_EQ(sample.height, 4.0 * walk.levels + (walk.leaves > 0 ? 5.0 : 0.0));
+      EXPECT_EQ(sample.nodes, double(16 * tree.node_count() + 32 * ((side * side * side + 31) / 32)));
+      into_leaves |= walk.leaves > 0;
+      above_them |= walk.leaves == 0 && walk.levels < tree.level_count();
+    }
+  }
+  EXPECT_TRUE(into_leaves && above_them);
+}
+
+TEST(CpuCuller, AViewOfEverythingCrossesNothing) {
+  const Scene scene(grid(20), core::dvec3(0.0));
+  VisibleSet set;
+  scene.culler->cull(around(20), set);
+  culling::FrameSample sample;
+  scene.culler->describe(set.counters, sample);
+  EXPECT_EQ(sample.intersections, 0.0);
+  EXPECT_EQ(sample.height, 4.0);
+  scene.culler->describe({}, sample);
+  EXPECT_EQ(sample.intersections, 0.0);
+  EXPECT_EQ(sample.height, 0.0);
+}
+
 TEST(CpuCuller, EmptyScene) {
   const Scene nothing(std::vector<Aabb>{}, core::dvec3(0.0));
   VisibleSet set;

@@ -163,6 +163,40 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
   EXPECT_TRUE(engine->drawing()->why_gpu_form().starts_with("measured: ")) << engine->drawing()->why_gpu_form();
 }
 
+/// Whatever makes a frame slow for the dissertation's policy, the engine measures it.
+TEST_F(HybridTest, EveryTriggerOfTheSeedPolicyIsFed) {
+  using culling::SeedTrigger;
+  core::Scene scene;
+  fill(scene, 22);
+  auto plain = Engine::create(scene, config(CullerChoice::kCpu));
+  ASSERT_TRUE(plain && plain->frame(view(0.0)));
+  const core::CullCounters walk = plain->visible().counters;
+  // 10,648 items are 333 leaves below three levels of nodes: 21, 2 and 1 of them.
+  const double height = 3 * 4 + 5, intersections = double(walk.nodes_tested / 16 - 1 + walk.boxes_tested / 32),
+               share = double(walk.nodes_tested + walk.boxes_tested) / (24 * 16 + 333 * 32);
+  ASSERT_EQ(walk.levels_walked, 3);
+  ASSERT_GT(intersections, 10.0);
+  for (const SeedTrigger trigger : {SeedTrigger::kHeight, SeedTrigger::kIntersections, SeedTrigger::kShare})
+    for (const bool slow : {false, true}) {
+      EngineConfig c = config(CullerChoice::kHybrid);
+      culling::SeedConfig& seed = c.controller.seed;
+      seed.trigger = trigger;
+      const double factor = slow ? 0.999 : 1.001;
+      seed.slow_height = factor * height;
+      seed.slow_intersections = factor * intersections;
+      seed.slow_share = factor * share;
+      auto hybrid = Engine::create(scene, c);
+      ASSERT_TRUE(hybrid) << hybrid.error().message;
+      int on_gpu = 0;
+      for (int frame = 0; frame < 6; ++frame) {
+        const auto report = hybrid->frame(view(0.0));
+        ASSERT_TRUE(report);
+        on_gpu += std::string_view(report->path) == "gpu";
+      }
+      EXPECT_EQ(on_gpu > 0, slow) << "trigger " << int(trigger);
+    }
+}
+
 /// A GPU that is the slower of the two is waited for two frames later, when another path may have been taken: the frame
 /// that was drawn pays, and not the one that waited.
 TEST(Hybrid, ChargesTheFrameThatKeptTheGpuBusy) {
