@@ -21,7 +21,7 @@ struct Context::State {
   Functions gl;
   Capabilities capabilities;
   DebugLog log;
-  bool lost = false;
+  bool lost = false, destroyed = false;
   std::string vendor;
   std::string renderer;
   std::string version;
@@ -118,10 +118,30 @@ void collect_debug_output(const Functions& gl, DebugLog& log) {
 
 }  // namespace
 
-Context::Context(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Context::Context(std::shared_ptr<State> state, bool shares) : state_(std::move(state)), shares_(shares) {}
 Context::Context(Context&& other) noexcept = default;
-Context& Context::operator=(Context&& other) noexcept = default;
-Context::~Context() = default;
+Context& Context::operator=(Context&& other) noexcept {
+  if (this == &other) return *this;
+  destroy();
+  state_ = std::move(other.state_);
+  shares_ = other.shares_;
+  return *this;
+}
+Context::~Context() {
+  destroy();
+}
+
+void Context::destroy() {
+  if (!state_ || shares_) return;
+  stop_freeing(state_->gl);
+  state_->lost = state_->destroyed = true;
+  if (state_->egl.context) destroy_egl_context(state_->egl);
+  state_->egl.context = nullptr;
+}
+
+Context Context::share() const {
+  return {state_, true};
+}
 
 core::Expected<Context> Context::create_offscreen(const ContextOptions& options) {
   auto egl = create_egl_context(options);
@@ -145,7 +165,7 @@ core::Expected<Context> Context::adopt(GetProc get_proc, void* user) {
   state->renderer = get_string(state->gl, GL_RENDERER);
   state->version = get_string(state->gl, GL_VERSION);
   state->capabilities = query_capabilities(state->gl);
-  return Context(std::move(state));
+  return Context(std::move(state), false);
 }
 
 const Functions& Context::functions() const {
@@ -171,6 +191,7 @@ const DebugLog& Context::debug_log() const {
 }
 
 core::Expected<void> Context::make_current() const {
+  if (state_->destroyed) return core::fail(state_->egl.platform + ": the GL context is destroyed");
   return state_->egl.context ? make_egl_current(state_->egl) : core::Expected<void>();
 }
 

@@ -49,8 +49,9 @@ struct Capabilities {
 };
 
 /// Owns (or borrows) one GL context with its function table. Move-only; functions() keeps its address when the Context
-/// moves. Objects made with the table must be destroyed before the Context and while it is current. A thread may use a
-/// context only while it is current there; several contexts in one process are independent.
+/// moves. Objects made with the table must be destroyed before the Context and while it is current, unless somebody
+/// holds a share(). A thread may use a context only while it is current there; several contexts in one process are
+/// independent.
 ///
 /// An offscreen context has no surface at all: with framebuffer 0 bound even a draw with rasterizer discard fails with
 /// GL_INVALID_FRAMEBUFFER_OPERATION, so bind a gl::Framebuffer first (an attachmentless one will do).
@@ -64,6 +65,11 @@ class Context {
   /// current by this class, its debug callback stays the application's, and it must outlive the Context.
   static core::Expected<Context> adopt(GetProc get_proc, void* user);
 
+  /// Another handle of this context, for whoever may outlive it. Does not keep the context, only what is known of it:
+  /// when this Context is destroyed, the share says lost(), and objects made with functions() may be destroyed later,
+  /// whichever context is current then. They free nothing: the context took it along.
+  Context share() const;
+
   Context(Context&& other) noexcept;
   Context& operator=(Context&& other) noexcept;
   ~Context();
@@ -76,14 +82,16 @@ class Context {
   /// How it was made: "EGL surfaceless", "EGL device 1", "adopted".
   const std::string& platform() const;
 
-  /// Makes the context current on this thread. Does nothing for an adopted one.
+  /// Makes the context current on this thread, next to free of cost when it is so already. Does nothing for an adopted
+  /// one. Fails when the context is destroyed or current elsewhere.
   core::Expected<void> make_current() const;
   /// Leaves no context current, so that another thread may take this one. Does nothing for an adopted one.
   void release_current() const;
 
   /// True once the driver has reset the context, after a hang of the GPU for example: what was in it is gone, calls do
-  /// nothing, and only a new context helps. Stays true. Asks the driver without waiting for the GPU; the context must
-  /// be current. Always false without Capabilities::reset_notification.
+  /// nothing, and only a new context helps; and of a share() whose context is destroyed. Stays true. Asks the driver
+  /// without waiting for the GPU; the context must be current. Resets are not seen without
+  /// Capabilities::reset_notification.
   bool lost() const;
 
   /// Messages since the last take_errors(), of every severity; empty unless made with ContextOptions::debug.
@@ -94,8 +102,10 @@ class Context {
 
  private:
   struct State;
-  explicit Context(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  Context(std::shared_ptr<State> state, bool shares);
+  void destroy();
+  std::shared_ptr<State> state_;
+  bool shares_ = false;
 };
 
 }  // namespace sightline::gl

@@ -191,7 +191,7 @@ core::Expected<EglContext> try_candidate(const Egl& egl, const Candidate& candid
   if (!egl.BindAPI(EGL_OPENGL_API)) return core::fail("desktop OpenGL is not offered: " + egl_error(egl));
   auto context = create_context(egl, display, debug);
   if (!context) return tl::unexpected(context.error());
-  EglContext made{nullptr, display, *context, candidate.name};
+  EglContext made{nullptr, display, *context, egl.GetCurrentContext, candidate.name};
   if (egl.MakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, *context)) return made;
   const std::string reason = egl_error(egl);
   egl.DestroyContext(display, *context);
@@ -238,6 +238,7 @@ void destroy_egl_context(const EglContext& context) {
 }
 
 core::Expected<void> make_egl_current(const EglContext& context) {
+  if (context.current() == context.context) return {};
   const Egl egl = reload(context.library);
   egl.BindAPI(EGL_OPENGL_API);
   if (egl.MakeCurrent(context.display, EGL_NO_SURFACE, EGL_NO_SURFACE, context.context)) return {};

@@ -14,13 +14,15 @@ struct EglContext {
   void* library = nullptr;  ///< from dlopen, never closed: drivers do not survive being unloaded
   void* display = nullptr;
   void* context = nullptr;
-  std::string platform;  ///< "EGL surfaceless", "EGL device 0 (software)"
+  void* (*current)() = nullptr;  ///< eglGetCurrentContext: making current what is current already costs this call
+  std::string platform;          ///< "EGL surfaceless", "EGL device 0 (software)"
 };
 
 /// Makes a context and leaves it current on this thread. The error lists each platform tried and why it failed.
 core::Expected<EglContext> create_egl_context(const ContextOptions& options);
 /// Destroys the context. The display stays initialised: EGL shares it among all contexts of the process.
 void destroy_egl_context(const EglContext& egl);
+/// Cheap when it is current already.
 core::Expected<void> make_egl_current(const EglContext& egl);
 /// Leaves no context current on this thread, if this one is.
 void release_egl_current(const EglContext& egl);

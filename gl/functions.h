@@ -42,6 +42,10 @@ std::vector<std::string> list_extensions(const Functions& gl);
 /// "GL_INVALID_OPERATION" and so on; the number in hexadecimal for others.
 std::string error_name(GLenum error);
 
+/// Makes what frees objects do nothing, for a table whose context is gone and took them along: what still owns some may
+/// then be destroyed at any time, whichever context is current.
+void stop_freeing(Functions& gl);
+
 /// Reads and forgets pending errors, so that the next check_error() speaks of what happened in between only. In a debug
 /// context the debug log has them already.
 void discard_errors(const Functions& gl);
