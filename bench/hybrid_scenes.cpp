@@ -127,8 +127,8 @@ core::Expected<void> make_platform_scene(const study::Platform& platform, double
 }
 
 void make_aircraft_scene(double scale, core::Scene& scene) {
-  const std::array<core::MeshId, 4> shapes = {scene.add_mesh(prism(4)), scene.add_mesh(prism(6)),
-                                              scene.add_mesh(prism(8)), scene.add_mesh(prism(12))};
+  const std::array<core::MeshId, 4> shapes = {scene.add_mesh(prism(4)).value(), scene.add_mesh(prism(6)).value(),
+                                              scene.add_mesh(prism(8)).value(), scene.add_mesh(prism(12)).value()};
   const std::vector<core::Aabb> boxes = study::make_aircraft(scaled(study::kAircraftMeshes, scale));
   constexpr std::size_t kPerNode = 1000;
   core::NodeId node;

@@ -19,8 +19,10 @@ class Converter {
   Converter(const Scene& from, int segments) : from_(from) { fineness_.fixed_segments = segments; }
 
   Scene run() {
-    for (std::size_t i = 0; i < from_.material_slots(); ++i)
-      materials_.push_back(to_.add_material(from_.material(from_.material_at(i))));
+    for (std::size_t i = 0; i < from_.material_slots(); ++i) {
+      const core::MaterialId old = from_.material_at(i);
+      materials_.push_back(old.valid() ? to_.add_material(from_.material(old)) : core::MaterialId{});
+    }
     copy_nodes();
     for (ItemId item = 0; item < from_.item_slots(); ++item) copy_item(item);
     return std::move(to_);
@@ -80,14 +82,14 @@ class Converter {
     const auto values = core::parameters(primitive);
     std::memcpy(key.second.data(), values.data(), values.size_bytes());
     const auto [place, fresh] = shapes_.try_emplace(key);
-    if (fresh) place->second = to_.add_mesh(gpuprims::tessellate(primitive, fineness_));
+    if (fresh) place->second = to_.add_mesh(gpuprims::tessellate(primitive, fineness_)).value();
     return place->second;
   }
 
   core::MeshId copied(ItemId item) {
     const core::MeshId old = from_.mesh_of(item);
     const auto [place, fresh] = meshes_.try_emplace(old.index);
-    if (fresh) place->second = to_.add_mesh(from_.mesh(old));
+    if (fresh) place->second = to_.add_mesh(from_.mesh(old)).value();
     return place->second;
   }
 

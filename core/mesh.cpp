@@ -2,9 +2,15 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
+#include <string>
 
 namespace sightline::core {
 namespace {
+
+std::uint64_t sum(std::span<const std::uint32_t> sizes) {
+  return std::accumulate(sizes.begin(), sizes.end(), std::uint64_t(0));
+}
 
 /// For each vertex a number that vertices at the same position share.
 std::vector<std::uint32_t> welded(const std::vector<vec3>& positions) {
@@ -55,6 +61,25 @@ double signed_volume(const Mesh& mesh) {
 }
 
 }  // namespace
+
+Expected<void> validate(const Mesh& mesh) {
+  const std::uint64_t positions = mesh.positions.size(), contours = mesh.contour_sizes.size();
+  const auto refuse = [&](const std::string& expected, std::uint64_t found) {
+    return fail("mesh \"" + mesh.name + "\": expected " + expected + ", found " + std::to_string(found));
+  };
+  if (!mesh.normals.empty() && mesh.normals.size() != positions)
+    return refuse("no normals or one for each of " + std::to_string(positions) + " positions", mesh.normals.size());
+  if (mesh.indices.size() % 3 != 0) return refuse("three indices for each triangle", mesh.indices.size());
+  std::uint32_t largest = 0;
+  for (const std::uint32_t index : mesh.indices) largest = std::max(largest, index);
+  if (!mesh.indices.empty() && largest >= positions)
+    return refuse("indices below " + std::to_string(positions) + ", the number of positions", largest);
+  if (sum(mesh.polygon_contours) != contours)
+    return refuse("polygons that hold all of " + std::to_string(contours) + " contours", sum(mesh.polygon_contours));
+  if (mesh.is_facet_group() && sum(mesh.contour_sizes) != positions)
+    return refuse("contours that hold all of " + std::to_string(positions) + " positions", sum(mesh.contour_sizes));
+  return {};
+}
 
 Enclosure enclosure(const Mesh& mesh) {
   if (!is_closed(mesh)) return Enclosure::kNothing;

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "sightline/core/contract.h"
 #include "sightline/core/radix_sort.h"
 
 namespace sightline::core {
@@ -54,7 +55,50 @@ AabbD mesh_extent(const Mesh& mesh, const Affine& world_from_item) {
   return {box.min - pad, box.max + pad};
 }
 
+std::vector<std::uint32_t> united(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
+  std::vector<std::uint32_t> both;
+  both.reserve(a.size() + b.size());
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  return both;
+}
+
+std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& some) {
+  std::vector<std::uint32_t> rest;
+  std::set_difference(all.begin(), all.end(), some.begin(), some.end(), std::back_inserter(rest));
+  return rest;
+}
+
 }  // namespace
+
+// --- deltas ----------------------------------------------------------------------------------------------------------
+
+void SceneDelta::append(const SceneDelta& later) {
+  changed = without(united(changed, without(later.changed, inserted)), later.removed);
+  removed = united(removed, without(later.removed, inserted));
+  inserted = united(without(inserted, later.removed), later.inserted);
+  materials = united(materials, later.materials);
+}
+
+void SceneSubscription::Inbox::merge_last() {
+  const SceneDelta last = std::move(deltas.back());
+  deltas.pop_back();
+  deltas.back().append(last);
+}
+
+void SceneSubscription::Inbox::push(const SceneDelta& delta) {
+  deltas.push_back(delta);
+  while (deltas.size() > 1 && deltas[deltas.size() - 2].size() <= 2 * deltas.back().size()) merge_last();
+}
+
+SceneDelta SceneSubscription::take() {
+  if (!inbox_ || inbox_->deltas.empty()) return {};
+  while (inbox_->deltas.size() > 1) inbox_->merge_last();
+  SceneDelta all = std::move(inbox_->deltas[0]);
+  inbox_->deltas.clear();
+  return all;
+}
+
+// --- the scene -------------------------------------------------------------------------------------------------------
 
 Scene::Scene() {
   nodes_.emplace_back();
@@ -71,19 +115,19 @@ bool Scene::contains(NodeId node) const {
 }
 
 Scene::Node& Scene::live(NodeId node) {
-  assert(contains(node) && "stale or invalid node handle");
+  SIGHTLINE_CONTRACT(contains(node), "a node handle that is neither stale nor invalid");
   return nodes_[node.index];
 }
 const Scene::Node& Scene::live(NodeId node) const {
-  assert(contains(node) && "stale or invalid node handle");
+  SIGHTLINE_CONTRACT(contains(node), "a node handle that is neither stale nor invalid");
   return nodes_[node.index];
 }
 Scene::Item& Scene::live(ItemId item) {
-  assert(contains_item(item) && "removed or unknown item");
+  SIGHTLINE_CONTRACT(contains_item(item), "an item that is neither removed nor unknown");
   return items_[item];
 }
 const Scene::Item& Scene::live(ItemId item) const {
-  assert(contains_item(item) && "removed or unknown item");
+  SIGHTLINE_CONTRACT(contains_item(item), "an item that is neither removed nor unknown");
   return items_[item];
 }
 
@@ -133,7 +177,7 @@ NodeId Scene::add_node(NodeId parent, std::string_view name, const Affine& paren
 }
 
 void Scene::remove_node(NodeId node) {
-  assert(node != root_ && "the root stays");
+  SIGHTLINE_CONTRACT(node != root_, "a node other than the root, which stays");
   (void)live(node);
   unlink(node.index);
   std::vector<std::uint32_t> subtree{node.index};
@@ -151,15 +195,18 @@ void Scene::remove_node(NodeId node) {
   compact_names();
 }
 
-void Scene::reparent(NodeId node, NodeId new_parent) {
-  assert(node != root_ && "the root stays");
+Expected<void> Scene::reparent(NodeId node, NodeId new_parent) {
+  SIGHTLINE_CONTRACT(node != root_, "a node other than the root, which stays");
   (void)live(node);
   (void)live(new_parent);
-  for ([[maybe_unused]] std::uint32_t i = new_parent.index; i != kNone; i = nodes_[i].parent)
-    assert(i != node.index && "a node cannot hang below itself");
+  for (std::uint32_t i = new_parent.index; i != kNone; i = nodes_[i].parent)
+    if (i == node.index)
+      return fail("node \"" + path(node) + "\": expected a parent outside its subtree, found \"" + path(new_parent) +
+                  "\"");
   unlink(node.index);
   link(node.index, new_parent.index);
   touch_node(node.index);
+  return {};
 }
 
 void Scene::set_transform(NodeId node, const Affine& parent_from_node) {
@@ -175,7 +222,7 @@ void Scene::set_layers(NodeId node, std::uint32_t layers) {
   touch_node(node.index);
 }
 void Scene::set_material(NodeId node, MaterialId material) {
-  live(node).material = material.index;
+  live(node).material = index_of(material);
   touch_node(node.index);
 }
 void Scene::set_name(NodeId node, std::string_view name) {
@@ -224,8 +271,7 @@ std::string_view Scene::name(NodeId node) const {
   return std::string_view(names_).substr(n.name_offset, n.name_length);
 }
 MaterialId Scene::material(NodeId node) const {
-  const std::uint32_t index = live(node).material;
-  return index == kNone ? MaterialId{} : MaterialId{index, 0};
+  return material_at(live(node).material);
 }
 
 const Scene::Attributes& Scene::attributes(NodeId node) const {
@@ -287,8 +333,8 @@ const Scene::Resolved& Scene::resolve_once(std::uint32_t index, ResolvedNodes& k
 
 // --- shared resources ------------------------------------------------------------------------------------------------
 
-MeshId Scene::add_mesh(Mesh mesh) {
-  assert(mesh.normals.empty() || mesh.normals.size() == mesh.positions.size());
+Expected<MeshId> Scene::add_mesh(Mesh mesh) {
+  if (auto valid = validate(mesh); !valid) return tl::unexpected(valid.error());
   AabbD box;
   bool finite = true;
   for (const vec3& p : mesh.positions) {
@@ -296,31 +342,70 @@ MeshId Scene::add_mesh(Mesh mesh) {
     finite = finite && is_finite(dvec3(p));
   }
   if (!finite) box.min = dvec3(std::numeric_limits<double>::quiet_NaN());  // commit() refuses its items
-  meshes_.push_back(std::move(mesh));
-  mesh_bounds_.push_back(box);
-  return {std::uint32_t(meshes_.size() - 1), 0};
+  meshes_.push_back({std::move(mesh), box, generation_});
+  return mesh_at(meshes_.size() - 1);
 }
 MaterialId Scene::add_material(Material material) {
-  materials_.push_back(std::move(material));
-  return {std::uint32_t(materials_.size() - 1), 0};
+  materials_.push_back({std::move(material), generation_});
+  const auto index = std::uint32_t(materials_.size() - 1);
+  dirty_materials_.push_back(index);
+  return material_at(index);
+}
+void Scene::update_material(MaterialId id, Material as) {
+  (void)material(id);
+  materials_[id.index].material = std::move(as);
+  dirty_materials_.push_back(id.index);
+}
+void Scene::remove_material(MaterialId id) {
+  (void)material(id);
+  const std::uint32_t index = id.index;
+  for (std::uint32_t n = 0; n < nodes_.size(); ++n)
+    if (nodes_[n].alive && nodes_[n].material == index) nodes_[n].material = kNone, touch_node(n);
+  for (ItemId i = 0; i < items_.size(); ++i)
+    if (items_[i].alive && items_[i].material == index) items_[i].material = kNone, touch_item(i);
+  materials_[index] = {{}, kNone};
+  dirty_materials_.push_back(index);
+}
+void Scene::remove_mesh(MeshId id) {
+  (void)mesh(id);
+  SIGHTLINE_CONTRACT(std::none_of(items_.begin(), items_.end(),
+                                  [&](const Item& item) {
+                                    return item.alive && int(item.kind) >= kPrimitiveKindCount &&
+                                           item.payload == id.index;
+                                  }),
+                     "a mesh that no item uses");
+  meshes_[id.index] = {{}, {}, kNone};
 }
 bool Scene::contains(MeshId mesh) const {
-  return mesh.index < meshes_.size();
+  return mesh.index < meshes_.size() && mesh_at(mesh.index) == mesh;
 }
 bool Scene::contains(MaterialId material) const {
-  return material.index < materials_.size();
+  return material.index < materials_.size() && material_at(material.index) == material;
+}
+MeshId Scene::mesh_at(std::size_t index) const {
+  if (index == kNone || meshes_[index].generation == kNone) return {};
+  return {std::uint32_t(index), meshes_[index].generation};
+}
+MaterialId Scene::material_at(std::size_t index) const {
+  if (index == kNone || materials_[index].generation == kNone) return {};
+  return {std::uint32_t(index), materials_[index].generation};
+}
+/// kNone for the handle that names none.
+std::uint32_t Scene::index_of(MaterialId material) const {
+  SIGHTLINE_CONTRACT(!material.valid() || contains(material), "a material handle that is not stale");
+  return material.index;
 }
 const Mesh& Scene::mesh(MeshId mesh) const {
-  assert(contains(mesh));
-  return meshes_[mesh.index];
+  SIGHTLINE_CONTRACT(contains(mesh), "a mesh handle that is neither stale nor invalid");
+  return meshes_[mesh.index].mesh;
 }
 const AabbD& Scene::mesh_bounds(MeshId mesh) const {
-  assert(contains(mesh));
-  return mesh_bounds_[mesh.index];
+  SIGHTLINE_CONTRACT(contains(mesh), "a mesh handle that is neither stale nor invalid");
+  return meshes_[mesh.index].bounds;
 }
 const Material& Scene::material(MaterialId material) const {
-  assert(contains(material));
-  return materials_[material.index];
+  SIGHTLINE_CONTRACT(contains(material), "a material handle that is neither stale nor invalid");
+  return materials_[material.index].material;
 }
 
 // --- items -----------------------------------------------------------------------------------------------------------
@@ -344,7 +429,7 @@ ItemId Scene::add_primitive(NodeId node, const Primitive& primitive, const Affin
   Item item;
   item.linear = mat3(node_from_item.linear);
   item.origin = node_from_item.origin;
-  item.material = material.index;
+  item.material = index_of(material);
   item.kind = kind_of(primitive);
   item.payload = std::uint32_t(parameters_.size());
   const auto values = parameters(primitive);
@@ -356,7 +441,7 @@ ItemId Scene::add_mesh_instance(NodeId node, MeshId mesh_id, const Affine& node_
   Item item;
   item.linear = mat3(node_from_item.linear);
   item.origin = node_from_item.origin;
-  item.material = material.index;
+  item.material = index_of(material);
   item.kind = mesh(mesh_id).is_facet_group() ? Kind::kFacetGroup : Kind::kMesh;
   item.payload = mesh_id.index;
   return append_item(node, item);
@@ -389,7 +474,7 @@ void Scene::set_visible(ItemId id, bool visible) {
   touch_item(id);
 }
 void Scene::set_material(ItemId id, MaterialId material) {
-  live(id).material = material.index;
+  live(id).material = index_of(material);
   touch_item(id);
 }
 
@@ -399,8 +484,8 @@ Primitive Scene::primitive(ItemId id) const {
                         std::span(parameters_).subspan(item.payload, std::size_t(parameter_count(item.kind))));
 }
 MeshId Scene::mesh_of(ItemId id) const {
-  assert(int(live(id).kind) >= kPrimitiveKindCount);
-  return {live(id).payload, 0};
+  SIGHTLINE_CONTRACT(int(live(id).kind) >= kPrimitiveKindCount, "an item with a mesh");
+  return mesh_at(live(id).payload);
 }
 Affine Scene::placement(ItemId id) const {
   return {dmat3(live(id).linear), live(id).origin};
@@ -409,14 +494,13 @@ NodeId Scene::node_of(ItemId id) const {
   return handle(live(id).node);
 }
 MaterialId Scene::item_material(ItemId id) const {
-  const std::uint32_t index = live(id).material;
-  return index == kNone ? MaterialId{} : MaterialId{index, 0};
+  return material_at(live(id).material);
 }
 
 AabbD Scene::bounds_under(ItemId id, const Affine& world_from_item) const {
   const Item& item = live(id);
   if (int(item.kind) < kPrimitiveKindCount) return bounds(primitive(id), world_from_item);
-  return mesh_extent(meshes_[item.payload], world_from_item);
+  return mesh_extent(meshes_[item.payload].mesh, world_from_item);
 }
 
 Scene::ItemState Scene::state(ItemId id, const Affine& world_from_node, bool visible, std::uint32_t layers,
@@ -429,8 +513,7 @@ Scene::ItemState Scene::state(ItemId id, const Affine& world_from_node, bool vis
 Scene::ItemState Scene::state(ItemId id) const {
   const NodeId node = node_of(id);
   const Resolved here = resolve(live(node), resolve_above(node));
-  return state(id, here.world, here.visible, here.layers,
-               here.material == kNone ? MaterialId{} : MaterialId{here.material, 0});
+  return state(id, here.world, here.visible, here.layers, material_at(here.material));
 }
 
 // --- joining ---------------------------------------------------------------------------------------------------------
@@ -454,10 +537,9 @@ std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
     if (size > array.capacity()) array.reserve(std::max(size, 2 * array.capacity()));
   };
   make_room(nodes_, other.nodes_), make_room(items_, other.items_), make_room(parameters_, other.parameters_);
-  make_room(meshes_, other.meshes_), make_room(mesh_bounds_, other.mesh_bounds_);
-  make_room(materials_, other.materials_), make_room(names_, other.names_);
+  make_room(meshes_, other.meshes_), make_room(materials_, other.materials_), make_room(names_, other.names_);
   make_room(free_nodes_, other.free_nodes_), make_room(dirty_nodes_, other.dirty_nodes_);
-  make_room(dirty_items_, other.dirty_items_);
+  make_room(dirty_items_, other.dirty_items_), make_room(dirty_materials_, other.materials_);
   attributes_.reserve(attributes_.size() + other.attributes_.size());
   std::vector<NodeId> added;
   added.reserve(tops.size());
@@ -480,9 +562,15 @@ std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
     items_.push_back(item);
   }
   parameters_.insert(parameters_.end(), other.parameters_.begin(), other.parameters_.end());
-  std::move(other.meshes_.begin(), other.meshes_.end(), std::back_inserter(meshes_));
-  mesh_bounds_.insert(mesh_bounds_.end(), other.mesh_bounds_.begin(), other.mesh_bounds_.end());
-  std::move(other.materials_.begin(), other.materials_.end(), std::back_inserter(materials_));
+  const auto take_over = [&](auto& own, auto& entry) {
+    if (entry.generation != kNone) entry.generation = generation_;
+    own.push_back(std::move(entry));
+  };
+  for (MeshEntry& entry : other.meshes_) take_over(meshes_, entry);
+  for (MaterialEntry& entry : other.materials_) {
+    dirty_materials_.push_back(std::uint32_t(materials_.size()));
+    take_over(materials_, entry);
+  }
   names_ += other.names_;
   dead_name_bytes_ += other.dead_name_bytes_;
   while (!other.attributes_.empty()) {
@@ -510,11 +598,12 @@ void Scene::take_back(const Mark& mark, std::span<const NodeId> added) {
   assert(std::all_of(items_.begin() + std::ptrdiff_t(mark.items), items_.end(),
                      [](const Item& item) { return !item.alive && !item.committed; }));
   std::erase_if(dirty_items_, [&](ItemId item) { return item >= mark.items; });
+  std::erase_if(dirty_materials_, [&](std::uint32_t material) { return material >= mark.materials; });
   items_.resize(mark.items);
   parameters_.resize(mark.parameters);
   meshes_.resize(mark.meshes);
-  mesh_bounds_.resize(mark.meshes);
   materials_.resize(mark.materials);
+  ++generation_;
 }
 
 // --- publishing ------------------------------------------------------------------------------------------------------
@@ -556,7 +645,7 @@ bool Scene::can_commit(ItemId item, const Affine& world_from_item) const {
   if (!publishable(world_from_item)) return false;
   // A mesh of many instances is not walked for each: nearly all lie well within the limit with their boxes.
   if (const Item& it = live(item); int(it.kind) >= kPrimitiveKindCount)
-    if (surely_publishable(mesh_bounds_[it.payload], world_from_item)) return true;
+    if (surely_publishable(meshes_[it.payload].bounds, world_from_item)) return true;
   return publishable(bounds_under(item, world_from_item));
 }
 
@@ -586,18 +675,33 @@ Expected<SceneDelta> Scene::commit() {
   radix_sort(removed_items_);
   delta->removed = std::move(removed_items_);
   removed_items_.clear();
+  radix_sort(dirty_materials_);
+  dirty_materials_.erase(std::unique(dirty_materials_.begin(), dirty_materials_.end()), dirty_materials_.end());
+  delta->materials = std::move(dirty_materials_);
+  dirty_materials_.clear();
   dirty_items_ = {};
   dirty_nodes_.clear();
+  if (delta->empty()) return delta;
+  auto& inboxes = subscribers_.inboxes;
+  std::erase_if(inboxes, [](const auto& inbox) { return inbox.expired(); });
+  for (const auto& inbox : inboxes) inbox.lock()->push(*delta);
   return delta;
+}
+
+SceneSubscription Scene::subscribe() {
+  SceneSubscription subscription;
+  subscription.inbox_ = std::make_shared<SceneSubscription::Inbox>();
+  subscribers_.inboxes.push_back(subscription.inbox_);
+  return subscription;
 }
 
 std::size_t Scene::memory_bytes() const {
   std::size_t bytes = nodes_.capacity() * sizeof(Node) + items_.capacity() * sizeof(Item) +
                       parameters_.capacity() * sizeof(float) + names_.capacity() +
                       dirty_items_.capacity() * sizeof(ItemId);
-  for (const Mesh& m : meshes_)
+  for (const auto& [m, bounds, generation] : meshes_)
     bytes +=
-        sizeof(Mesh) + (m.positions.capacity() + m.normals.capacity()) * sizeof(vec3) +
+        sizeof(MeshEntry) + (m.positions.capacity() + m.normals.capacity()) * sizeof(vec3) +
         (m.indices.capacity() + m.contour_sizes.capacity() + m.polygon_contours.capacity()) * sizeof(std::uint32_t);
   for (const auto& [node, list] : attributes_)
     for (const auto& [key, value] : list) bytes += sizeof(Attributes::value_type) + key.size() + value.size();

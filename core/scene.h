@@ -6,10 +6,12 @@
 // that.
 //
 // Node, mesh and material handles are generational: a handle to something removed never comes to mean something else.
-// Using a stale handle breaks the contract (assert); contains() asks. Not thread-safe; concurrent reads are fine.
+// Using a stale handle breaks the contract: builds with assertions and those with SIGHTLINE_CHECKED abort; contains()
+// asks. Not thread-safe; concurrent reads are fine.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -45,11 +47,38 @@ struct Material {
   std::uint32_t code = 0;         ///< the source file's own number (RVM colour index), for writing back
 };
 
-/// Which items a commit touched, each at most once and in rising order: `changed` ones were moved, hidden, shown,
-/// re-layered or given another material; removed ids are gone for good.
+/// What a commit touched, each item and material at most once and in rising order: `changed` items were moved, hidden,
+/// shown, re-layered or given another material; removed ids are gone for good.
 struct SceneDelta {
   std::vector<ItemId> inserted, changed, removed;
-  bool empty() const { return inserted.empty() && changed.empty() && removed.empty(); }
+  std::vector<std::uint32_t> materials;  ///< indices of those added, updated or removed
+  std::size_t size() const { return inserted.size() + changed.size() + removed.size() + materials.size(); }
+  bool empty() const { return size() == 0; }
+  /// Makes this one delta of both. What was inserted here and is removed in `later` never was.
+  void append(const SceneDelta& later);
+};
+
+/// What commits publish, for one consumer among others, whoever commits. Move-only; may outlive the scene, and then
+/// nothing more comes.
+class SceneSubscription {
+ public:
+  SceneSubscription() = default;  ///< to nothing
+  SceneSubscription(SceneSubscription&&) = default;
+  SceneSubscription& operator=(SceneSubscription&&) = default;
+
+  /// All that was published since the last call, as one delta. Read the items before the scene is edited again.
+  SceneDelta take();
+
+ private:
+  friend class Scene;
+  /// Deltas not yet taken, oldest first, each more than twice as large as the next: what waits for a consumer that
+  /// never asks stays within a few words for each item, at a cost for each edit that grows with its logarithm.
+  struct Inbox {
+    std::vector<SceneDelta> deltas;
+    void merge_last();
+    void push(const SceneDelta& delta);
+  };
+  std::shared_ptr<Inbox> inbox_;
 };
 
 class Scene {
@@ -63,8 +92,9 @@ class Scene {
   NodeId add_node(NodeId parent, std::string_view name = {}, const Affine& parent_from_node = {});
   /// Removes a node, its subtree and all their items. Not the root.
   void remove_node(NodeId node);
-  /// Hangs `node` under `parent` as its last child, keeping its local transform. `parent` must not lie in its subtree.
-  void reparent(NodeId node, NodeId parent);
+  /// Hangs `node`, not the root, under `parent` as its last child, keeping its local transform. Fails, and changes
+  /// nothing, when `parent` lies in its subtree: that is what a user may ask for with a drag in a tree.
+  Expected<void> reparent(NodeId node, NodeId parent);
   void set_transform(NodeId node, const Affine& parent_from_node);
   void set_visible(NodeId node, bool visible);          ///< hides or shows the whole subtree
   void set_layers(NodeId node, std::uint32_t layers);   ///< for the node's own items; 0 inherits the parent's
@@ -89,8 +119,17 @@ class Scene {
   std::size_t node_count() const { return live_nodes_; }
 
   // --- shared resources --------------------------------------------------------------------------------------------
-  MeshId add_mesh(Mesh mesh);
+  // Items hold indices. No index of something removed is given out again, but by take_back().
+
+  /// Fails as validate() does, with nothing added.
+  Expected<MeshId> add_mesh(Mesh mesh);
   MaterialId add_material(Material material);
+  /// For all items that have it. Published by the next commit(), like every edit.
+  void update_material(MaterialId material, Material as);
+  /// Nodes and items that name it name none from now on: they inherit, or have the default one. Walks over all of them.
+  void remove_material(MaterialId material);
+  /// No item may use it. Snapshots that still hold a removed item see an empty mesh.
+  void remove_mesh(MeshId mesh);
   bool contains(MeshId mesh) const;
   bool contains(MaterialId material) const;
   const Mesh& mesh(MeshId mesh) const;
@@ -98,8 +137,9 @@ class Scene {
   const Material& material(MaterialId material) const;
   std::size_t mesh_slots() const { return meshes_.size(); }         ///< mesh indices lie below this
   std::size_t material_slots() const { return materials_.size(); }  ///< material indices lie below this
-  MeshId mesh_at(std::size_t index) const { return {std::uint32_t(index), 0}; }
-  MaterialId material_at(std::size_t index) const { return {std::uint32_t(index), 0}; }
+  /// `index` below mesh_slots() or material_slots(), or kNone; invalid for kNone and where it was removed.
+  MeshId mesh_at(std::size_t index) const;
+  MaterialId material_at(std::size_t index) const;
 
   // --- items -------------------------------------------------------------------------------------------------------
   /// The placement's linear part is kept in float (relative precision 6e-8 of the item's own size), its origin in
@@ -152,8 +192,10 @@ class Scene {
   // --- publishing --------------------------------------------------------------------------------------------------
   /// Validates every edit since the last commit and reports what it touched. All or nothing: when an item's parameters,
   /// world placement or world bounds are not finite or reach beyond 1e37 m, nothing is published, the edits stay
-  /// pending, and the error names the node.
+  /// pending, and the error names the node. All subscriptions get a copy of what is returned.
   Expected<SceneDelta> commit();
+  /// For one consumer of several, from now on.
+  SceneSubscription subscribe();
 
   /// Calls visit(node, world_from_node, visible, layers, material) for each node of the subtree, parents first, with
   /// inherited values resolved. Iterative: nesting depth is bounded by memory alone.
@@ -194,6 +236,23 @@ class Scene {
     Kind kind = Kind::kMesh;
     bool alive : 1 = false, visible : 1 = true, committed : 1 = false, dirty : 1 = false;
   };
+  /// A mesh or material at its index. Generation kNone: removed.
+  struct MeshEntry {
+    Mesh mesh;
+    AabbD bounds;
+    std::uint32_t generation = 0;
+  };
+  struct MaterialEntry {
+    Material material;
+    std::uint32_t generation = 0;
+  };
+  /// Whoever follows this scene: the object, not its contents, which may be copied or moved.
+  struct Subscribers {
+    std::vector<std::weak_ptr<SceneSubscription::Inbox>> inboxes;
+    Subscribers() = default;
+    Subscribers(const Subscribers&) {}
+    Subscribers& operator=(const Subscribers&) { return *this; }
+  };
   struct Resolved {
     Affine world;
     std::uint32_t layers, material;
@@ -210,6 +269,7 @@ class Scene {
   Item& live(ItemId item);
   const Item& live(ItemId item) const;
   NodeId handle(std::uint32_t index) const;
+  std::uint32_t index_of(MaterialId material) const;
   Resolved resolve(const Node& node, const Resolved& parent) const;
   Resolved resolve_above(NodeId node) const;
   const Resolved& resolve_once(std::uint32_t node, ResolvedNodes& known) const;
@@ -228,14 +288,16 @@ class Scene {
   std::vector<std::uint32_t> free_nodes_;
   LargeArray<Item> items_;
   LargeArray<float> parameters_;  // of primitives, at Item::payload
-  std::vector<Mesh> meshes_;
-  std::vector<AabbD> mesh_bounds_;
-  std::vector<Material> materials_;
+  std::vector<MeshEntry> meshes_;
+  std::vector<MaterialEntry> materials_;
+  std::uint32_t generation_ = 0;  // of meshes and materials that are added now
   std::string names_;
   std::size_t dead_name_bytes_ = 0;  // of names_, no longer any node's
   std::unordered_map<std::uint32_t, Attributes> attributes_;
   std::vector<std::uint32_t> dirty_nodes_;
   std::vector<ItemId> dirty_items_, removed_items_;  // removed_items_: only those that a commit had published
+  std::vector<std::uint32_t> dirty_materials_;
+  Subscribers subscribers_;
   NodeId root_;
   std::size_t live_nodes_ = 0, live_items_ = 0;
 };
@@ -255,8 +317,7 @@ void Scene::for_each_node(NodeId top, Visit&& visit) const {
     } else {
       stack.pop_back();
     }
-    visit(handle(index), here.world, here.visible, here.layers,
-          here.material == kNone ? MaterialId{} : MaterialId{here.material, 0});
+    visit(handle(index), here.world, here.visible, here.layers, material_at(here.material));
     if (node.first_child != kNone) stack.emplace_back(node.first_child, here);
   }
 }
@@ -283,8 +344,7 @@ void Scene::for_each_state(std::span<const ItemId> items, Visit&& visit) const {
       continue;
     }
     const Resolved& node = resolve_once(live(item).node, known);
-    visit(item, state(item, node.world, node.visible, node.layers,
-                      node.material == kNone ? MaterialId{} : MaterialId{node.material, 0}));
+    visit(item, state(item, node.world, node.visible, node.layers, material_at(node.material)));
   }
 }
 

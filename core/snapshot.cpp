@@ -55,6 +55,25 @@ Aabb union_of(const ItemBounds& bounds, std::size_t first, std::size_t end) {
   return box;
 }
 
+glm::vec4 look_of(const Scene& scene, std::size_t material) {
+  const MaterialId id = scene.material_at(material);
+  const Material look = id.valid() ? scene.material(id) : Material();
+  return {look.colour, look.alpha};
+}
+
+/// `former` with the look that some have now, and those that were added.
+std::shared_ptr<const MaterialTable> updated(const MaterialTable& former, const Scene& scene,
+                                             std::span<const std::uint32_t> materials) {
+  auto table = std::make_shared<MaterialTable>(former);
+  const std::size_t known = table->size();
+  table->resize(std::max(known, scene.material_slots()));
+  for (const std::uint32_t material : materials)
+    if (material < known) (*table)[material] = look_of(scene, material);
+  for (std::size_t material = known; material < table->size(); ++material)
+    (*table)[material] = look_of(scene, material);
+  return table;
+}
+
 std::vector<std::uint32_t> spatial_order(const std::vector<Aabb>& boxes, BvhConfig config) {
   constexpr std::size_t kWorthThreads = 65536;
   if (boxes.size() < kWorthThreads) config.threads = 1;
@@ -68,6 +87,7 @@ std::vector<std::uint32_t> spatial_order(const std::vector<Aabb>& boxes, BvhConf
 
 Snapshot::Snapshot(const Scene& scene, const BvhConfig& config) : scene_(&scene), generation_(next_generation()) {
   Items all;
+  all.materials = updated({}, scene, {});
   all.records.reserve(scene.item_count());
   std::vector<AabbD> boxes;
   boxes.reserve(scene.item_count());
@@ -130,6 +150,7 @@ void Snapshot::build(Items&& items, const BvhConfig& config) {
   const std::vector<std::uint32_t> chunk_of = chunks_.cut(places);
 
   reserve(items);
+  if (items.materials) table_ = items.materials;
   bounds_.resize(n);
   block_sizes_.resize((n + kBlock - 1) / kBlock);
   Aabb block;
@@ -176,7 +197,6 @@ AabbD Snapshot::gather(const Scene& scene, const Scene::ItemState& state, ItemId
   r.kind = scene.kind(item);
   r.layers = state.layers;
   r.material = state.material;
-  r.opaque = state.material == kNone || scene.material(scene.material_at(state.material)).alpha >= 1.0f;
   r.linear = mat3(state.world_from_item.linear);
   r.origin = state.world_from_item.origin;
   const bool mesh = int(r.kind) >= kPrimitiveKindCount;
@@ -197,10 +217,12 @@ void Snapshot::Items::append(const Items& other) {
     if (int(records[i].kind) < kPrimitiveKindCount) records[i].payload += offset;
   parameters.insert(parameters.end(), other.parameters.begin(), other.parameters.end());
   removed.insert(removed.end(), other.removed.begin(), other.removed.end());
+  if (other.materials) materials = other.materials;
 }
 
 void Snapshot::copy(Slot first, Slot end, Items& out) const {
   assert(first <= end && end <= size());
+  out.materials = table_;
   for (Slot s = first; s < end; ++s) {
     if (items_[s] == kNone) continue;
     const KindItems& list = kind_items_[std::size_t(kinds_[s])];
@@ -210,7 +232,6 @@ void Snapshot::copy(Slot first, Slot end, Items& out) const {
     r.kind = kinds_[s];
     r.layers = vacant(s) ? 0 : bounds_.layers(s);
     r.material = materials_[s];
-    r.opaque = opaque(s);
     r.box = bounds_.box(s);
     r.linear = list.placements[i].linear;
     r.origin = world_from_item(s).origin;
@@ -227,6 +248,7 @@ void Snapshot::copy(Slot first, Slot end, Items& out) const {
 }
 
 void Snapshot::copy(std::span<const ItemId> items, Items& out) const {
+  out.materials = table_;
   for (const ItemId item : items) {
     const Slot s = slot(item);
     if (s == kNone)
@@ -239,6 +261,9 @@ void Snapshot::copy(std::span<const ItemId> items, Items& out) const {
 std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
   Items items;
   items.removed = delta.removed;
+  // Items may name materials that a later delta publishes.
+  if (!delta.materials.empty() || table_->size() < scene_->material_slots())
+    items.materials = updated(*table_, *scene_, delta.materials);
   items.records.reserve(delta.changed.size() + delta.inserted.size());
   const auto take = [&](ItemId item, const Scene::ItemState& state) {
     const AabbD box = gather(*scene_, state, item, items);
@@ -253,6 +278,8 @@ std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
 
 std::vector<Slot> Snapshot::apply(const Items& items) {
   const std::size_t former_size = size();
+  const std::shared_ptr<const MaterialTable> former_table = table_;
+  if (items.materials) table_ = items.materials;
   std::vector<Slot> touched;
   touched.reserve(items.removed.size() + items.records.size());
   for (const ItemId item : items.removed) {
@@ -277,17 +304,19 @@ std::vector<Slot> Snapshot::apply(const Items& items) {
   radix_sort<32>(known);
   stay_or_go(items, known, touched, appended);
   append_sorted(items, appended);
-  dissolve_joints(items, former_size, touched);
+  dissolve_joints(items, former_size, *former_table, touched);
   extend_ranks();
   count_vacant();
   return touched;
 }
 
-void Snapshot::dissolve_joints(const Items& items, std::size_t former_size, std::vector<Slot>& touched) {
+void Snapshot::dissolve_joints(const Items& items, std::size_t former_size, const MaterialTable& former_table,
+                               std::vector<Slot>& touched) {
   if (joints_.count() == 0) return;
   std::vector<ItemId> uncovered;
   for (const ItemId item : items.removed) joints_.dissolve(item, uncovered);
   for (const Items::Record& r : items.records) joints_.dissolve(r.item, uncovered);
+  dissolve_where_clear(former_table, uncovered);
   if (uncovered.empty()) return;
   std::vector<Slot> others;
   for (const ItemId item : uncovered)
@@ -302,6 +331,20 @@ void Snapshot::dissolve_joints(const Items& items, std::size_t former_size, std:
   }
   for (std::size_t i = 0; i < others.size(); ++i)
     if (!known[i]) touched.push_back(others[i]);
+}
+
+/// Of items that were opaque and are no more, since their material was edited.
+void Snapshot::dissolve_where_clear(const MaterialTable& former_table, std::vector<ItemId>& uncovered) {
+  if (&former_table == table_.get()) return;
+  std::vector<bool> turned_clear(table_->size());
+  bool any = false;
+  for (std::size_t m = 0; m < std::min(former_table.size(), table_->size()); ++m)
+    any |= turned_clear[m] = former_table[m].a >= 1.0f && (*table_)[m].a < 1.0f;
+  for (Slot s = 0; any && s < size(); ++s) {
+    if (items_[s] == kNone || materials_[s] == kNone || !turned_clear[materials_[s]]) continue;
+    if (joints_.covered(items_[s]) != kNoEnd) uncovered.push_back(items_[s]);
+    joints_.dissolve(items_[s], uncovered);
+  }
 }
 
 /// A block's boxes and what is kept by slot, then what is kept by kind.
@@ -359,7 +402,6 @@ void Snapshot::stay_or_go(const Items& items, std::span<const std::uint64_t> kno
       moved_to[own] = chunk;
       p = place(r.linear, r.origin, chunk);
       materials_[s] = r.material;
-      learn_material(r.material, r.opaque);
       Aabb grown = taken;
       grown.grow(r.box);
       const bool stays = all_stay || r.layers == 0 || r.box.empty() || taken.empty() || allowance == 0 ||
@@ -416,7 +458,6 @@ void Snapshot::append(const Items& items, std::uint32_t record, std::uint32_t ch
   }
   kinds_.push_back(r.kind);
   index_in_kind_.push_back(std::uint32_t(list.size()));
-  learn_material(r.material, r.opaque);
   items_.push_back(r.item);
   slots_[r.item] = s;
   materials_.push_back(r.material);
@@ -434,12 +475,6 @@ void Snapshot::show(Slot s, const Aabb& box, std::uint32_t layers) {
   if (word >= vacant_.size()) return;
   const std::uint64_t bit = std::uint64_t(1) << s % kRankStride;
   vacant_[word] = vacant ? vacant_[word] | bit : vacant_[word] & ~bit;
-}
-
-void Snapshot::learn_material(std::uint32_t material, bool opaque) {
-  if (material == kNone || !opaque || knows_opaque(material)) return;
-  if (material >= opaque_materials_.size()) opaque_materials_.resize(material + 1);
-  opaque_materials_[material] = true;
 }
 
 void Snapshot::give_up(Slot s) {
@@ -512,8 +547,14 @@ Primitive Snapshot::primitive(Slot s) const {
       std::span(list.parameters).subspan(std::size_t(index_in_kind_[s]) * std::size_t(count), std::size_t(count)));
 }
 
+const Mesh& Snapshot::mesh(Slot s) const {
+  static const Mesh kNothing;
+  const MeshId id = scene_->mesh_at(kind_items_[std::size_t(kinds_[s])].meshes[index_in_kind_[s]]);
+  return id.valid() ? scene_->mesh(id) : kNothing;
+}
+
 std::size_t Snapshot::memory_bytes() const {
-  std::size_t bytes = bounds_.memory_bytes() + joints_.memory_bytes() + opaque_materials_.capacity() / 8 +
+  std::size_t bytes = bounds_.memory_bytes() + joints_.memory_bytes() + table_->capacity() * sizeof(glm::vec4) +
                       kinds_.capacity() * sizeof(Kind) +
                       (index_in_kind_.capacity() + items_.capacity() + slots_.capacity() + materials_.capacity()) * 4 +
                       ranks_.capacity() * sizeof(ranks_[0]) + chunks_.memory_bytes() +

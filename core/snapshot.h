@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -38,17 +39,21 @@ struct KindItems {
   std::size_t size() const { return slots.size(); }
 };
 
+/// Colour and alpha of each material by its index; of one that was removed, the default.
+using MaterialTable = std::vector<glm::vec4>;
+
 class Snapshot {
  public:
-  /// Builds a generation from the committed scene. Mesh and material data stay in the scene, which must outlive the
-  /// snapshot. Snapshots of scenes with pending edits show the edits (commit first to have them validated).
+  /// Builds a generation from the committed scene. Mesh data stays in the scene, which must outlive the snapshot.
+  /// Snapshots of scenes with pending edits show the edits (commit first to have them validated).
   explicit Snapshot(const Scene& scene, const BvhConfig& config = {});
 
   /// Follows a commit. An item stays in its slot while the block of 32 slots keeps about the size it was ordered to;
   /// one that leaves it gives its slot up and is appended with the inserted ones, in spatial order among themselves.
   /// Items are read as the scene has them now, so deltas may be applied late as long as all of them are, in order: one
   /// that a later delta removes is passed over, one that the snapshot already holds is updated. Time follows the size
-  /// of the delta, not of the snapshot, but for an eighth of a byte per slot.
+  /// of the delta, not of the snapshot, but for an eighth of a byte per slot; with edited materials, for their table,
+  /// and where one of them lets light through from now on, for four bytes per slot.
   /// Returns the slots below the former size() whose boxes, layers, items or covered ends changed, each once.
   std::vector<Slot> apply(const SceneDelta& delta);
 
@@ -82,8 +87,10 @@ class Snapshot {
   ItemId item(Slot slot) const { return items_[slot]; }  ///< kNone when the slot was given up; hidden items keep theirs
   Slot slot(ItemId item) const { return item < slots_.size() ? slots_[item] : kNone; }  ///< kNone when unknown
   std::uint32_t material(Slot slot) const { return materials_[slot]; }                  ///< material index or kNone
-  /// Materials never change; of those that no item of the snapshot has ever had nothing is known.
-  bool opaque(Slot slot) const { return materials_[slot] == kNone || knows_opaque(materials_[slot]); }
+  const MaterialTable& materials() const { return *table_; }
+  bool opaque(Slot slot) const { return materials_[slot] == kNone || (*table_)[materials_[slot]].a >= 1.0f; }
+  /// Of an item that has one. An empty one where the scene has removed it since, as it may once the item is removed.
+  const Mesh& mesh(Slot slot) const;
   /// Looks for ends that lie on a neighbour's, for whoever draws: until then there are none. Those of items that are
   /// edited, and of their neighbours there, are dissolved.
   void find_joints() { joints_ = Joints(*this); }
@@ -114,14 +121,12 @@ class Snapshot {
   void append_sorted(const Items& items, std::span<const Newcomer> newcomers);
   void append(const Items& items, std::uint32_t record, std::uint32_t chunk);
   void give_up(Slot slot);
-  void learn_material(std::uint32_t material, bool opaque);
   void show(Slot slot, const Aabb& box, std::uint32_t layers);
   Placement& placement(Slot slot) { return kind_items_[std::size_t(kinds_[slot])].placements[index_in_kind_[slot]]; }
   Placement place(const mat3& linear, const dvec3& origin, std::uint32_t chunk) const;
-  void dissolve_joints(const Items& items, std::size_t former_size, std::vector<Slot>& touched);
-  bool knows_opaque(std::uint32_t material) const {
-    return material < opaque_materials_.size() && opaque_materials_[material];
-  }
+  void dissolve_joints(const Items& items, std::size_t former_size, const MaterialTable& former_table,
+                       std::vector<Slot>& touched);
+  void dissolve_where_clear(const MaterialTable& former_table, std::vector<ItemId>& uncovered);
   void extend_ranks();
   void count_vacant();
   std::uint32_t vacant_below(Slot slot) const;
@@ -141,7 +146,7 @@ class Snapshot {
   LargeArray<std::uint64_t> vacant_;                          // bit per slot; empty while none is
   std::vector<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
   ChunkGrid chunks_;
-  std::vector<bool> opaque_materials_;
+  std::shared_ptr<const MaterialTable> table_ = std::make_shared<MaterialTable>();  // shared with copies on their way
   Joints joints_;
 };
 
@@ -149,7 +154,6 @@ struct Snapshot::Items {
   struct Record {
     ItemId item = kNone;
     Kind kind = Kind::kMesh;
-    bool opaque = true;
     std::uint32_t layers = 0;  // 0: hidden
     std::uint32_t material = kNone;
     std::uint32_t payload = 0;  // mesh index, or first of `parameters`
@@ -160,6 +164,7 @@ struct Snapshot::Items {
   std::vector<Record> records;
   std::vector<float> parameters;
   std::vector<ItemId> removed;
+  std::shared_ptr<const MaterialTable> materials;  // null: as they were
 
   void append(const Items& other);
 };

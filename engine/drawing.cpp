@@ -15,20 +15,20 @@ constexpr std::size_t kMostDrawn = 8;
 
 core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& snapshot, const EngineConfig& config,
                                                          bool gpu_culls) {
-  std::unique_ptr<Drawing> drawing(new Drawing);
-  drawing->context_ = config.context;
-  if (!drawing->context_) {
+  std::optional<gl::Context> own;
+  if (!config.context) {
     gl::ContextOptions options;
     options.debug = config.gl_debug;
-    auto context = gl::Context::create_offscreen(options);
-    if (!context) return tl::unexpected(context.error());
-    drawing->own_context_ = std::move(*context);
-    drawing->context_ = &*drawing->own_context_;
+    auto made = gl::Context::create_offscreen(options);
+    if (!made) return tl::unexpected(made.error());
+    own = std::move(*made);
   }
+  gl::Context context = (config.context ? *config.context : *own).share();
+  std::unique_ptr<Drawing> drawing(new Drawing(std::move(own), std::move(context)));
   drawing->renders_ = config.draw;
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
-    auto target = render::RenderTarget::create(*drawing->context_, config.width, config.height,
+    auto target = render::RenderTarget::create(drawing->context_, config.width, config.height,
                                                {.ids = config.ids, .samples = config.samples});
     if (!target) return tl::unexpected(target.error());
     drawing->target_ = std::move(*target);
@@ -38,13 +38,25 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
 }
 
 Drawing::~Drawing() {
-  for (const InFlight& frame : in_flight_) context_->functions().DeleteSync(frame.fence);
+  own_context_.reset();  // takes along what is in it, without disturbing what is current
+  (void)make_current();
+  for (const InFlight& frame : in_flight_) context_.functions().DeleteSync(frame.fence);
+}
+
+bool Drawing::lost() const {
+  (void)make_current();
+  return context_.lost();
+}
+
+std::vector<std::string> Drawing::take_gl_errors() {
+  return make_current() ? context_.take_errors() : std::vector<std::string>();
 }
 
 core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_culls) {
-  auto scene = gpuscene::GpuScene::create(*context_, snapshot);
+  if (auto current = make_current(); !current) return current;
+  auto scene = gpuscene::GpuScene::create(context_, snapshot);
   if (!scene) return tl::unexpected(scene.error());
-  auto lists = gpuscene::DrawLists::create(*context_, *scene);
+  auto lists = gpuscene::DrawLists::create(context_, *scene);
   if (!lists) return tl::unexpected(lists.error());
   std::optional<culling::GpuCuller> culler;
   if (gpu_culls) {
@@ -53,7 +65,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_c
     culler = std::move(*made);
   }
   if (renders_) {
-    auto renderer = render::Renderer::create(*context_, *scene, target_.form());
+    auto renderer = render::Renderer::create(context_, *scene, target_.form());
     if (!renderer) return tl::unexpected(renderer.error());
     renderer_ = std::move(*renderer);
   }
@@ -66,7 +78,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_c
 /// The first of a context measures which form it is to have.
 core::Expected<culling::GpuCuller> Drawing::make_culler(const core::Snapshot& snapshot,
                                                         const gpuscene::GpuScene& scene) {
-  auto culler = culling::GpuCuller::create(*context_, snapshot, scene, cull_config_);
+  auto culler = culling::GpuCuller::create(context_, snapshot, scene, cull_config_);
   if (!culler) return culler;
   if (why_gpu_form_.empty() || !cull_config_.form) why_gpu_form_ = culler->why_this_form();
   if (culler->form_settled()) cull_config_.form = culler->form();
@@ -75,6 +87,7 @@ core::Expected<culling::GpuCuller> Drawing::make_culler(const core::Snapshot& sn
 
 core::Expected<void> Drawing::add_culler(const core::Snapshot& snapshot) {
   if (culler_) return {};
+  if (auto current = make_current(); !current) return current;
   auto culler = make_culler(snapshot, *scene_);
   if (!culler) return tl::unexpected(culler.error());
   culler_ = std::move(*culler);
@@ -82,14 +95,18 @@ core::Expected<void> Drawing::add_culler(const core::Snapshot& snapshot) {
 }
 
 core::Expected<void> Drawing::resize(int width, int height) {
-  auto target = render::RenderTarget::create(*context_, width, height, target_.form());
+  if (auto current = make_current(); !current) return current;
+  auto target = render::RenderTarget::create(context_, width, height, target_.form());
   if (!target) return tl::unexpected(target.error());
   target_ = std::move(*target);
   return {};
 }
 
-core::Expected<void> Drawing::update(const core::Snapshot& snapshot, std::span<const core::Slot> touched) {
+core::Expected<void> Drawing::update(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
+                                     std::span<const std::uint32_t> materials) {
+  if (auto current = make_current(); !current) return current;
   if (!scene_->append(snapshot)) return rebuild(snapshot, culler_.has_value());
+  if (auto done = scene_->update_materials(context_, snapshot, materials); !done) return done;
   scene_->update(snapshot, touched);
   return culler_ ? culler_->update(snapshot, *scene_, touched) : core::Expected<void>();
 }
@@ -101,7 +118,7 @@ void Drawing::wait_for_room() {
 }
 
 void Drawing::wait_for_oldest() {
-  const gl::Functions& gl = context_->functions();
+  const gl::Functions& gl = context_.functions();
   const InFlight oldest = in_flight_.front();
   in_flight_.pop_front();
   const bool ready = gl.ClientWaitSync(oldest.fence, GL_SYNC_FLUSH_COMMANDS_BIT, 0) == GL_ALREADY_SIGNALED;
@@ -117,16 +134,19 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
                                    const core::VisibleSet& visible, std::uint64_t frame) {
   waited_ms_ = 0.0;
   if (!renderer_) return {};
+  if (auto current = make_current(); !current) return current;
   wait_for_room();
   if (auto done = lists_->update(snapshot, *scene_, visible); !done) return done;
   return submit(view, snapshot, frame);
 }
 
 core::Expected<void> Drawing::cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
+  if (auto current = make_current(); !current) return current;
   return culler_->cull(view, snapshot, *scene_, *lists_, frame);
 }
 
 core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
+  if (auto current = make_current(); !current) return current;
   wait_for_room();
   return submit(view, snapshot, frame);
 }
@@ -139,19 +159,20 @@ std::optional<Drawing::Drawn> Drawing::take_drawn() {
 }
 
 std::optional<culling::GpuCuller::Feedback> Drawing::take_gpu_feedback() {
-  return culler_ ? culler_->take_feedback() : std::nullopt;
+  return culler_ && make_current() ? culler_->take_feedback() : std::nullopt;
 }
 
 core::Expected<void> Drawing::submit(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
   if (renderer_)
     if (auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_); !done) return done;
-  const gl::Functions& gl = context_->functions();
+  const gl::Functions& gl = context_.functions();
   in_flight_.push_back({gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), frame, now_seconds()});
   gl.Flush();
   return {};
 }
 
 void Drawing::finish() {
+  if (!make_current()) return;
   while (!in_flight_.empty()) wait_for_oldest();
 }
 

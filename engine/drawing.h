@@ -11,6 +11,7 @@
 
 namespace sightline::engine {
 
+/// Whatever needs the context makes it current on the calling thread, unless it was adopted, and leaves it so.
 class Drawing {
  public:
   static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot& snapshot, const EngineConfig& config,
@@ -35,9 +36,10 @@ class Drawing {
   };
   std::optional<Drawn> take_drawn();
   std::optional<culling::GpuCuller::Feedback> take_gpu_feedback();
-  /// Follows an edit of `touched` slots (Snapshot::apply): rewrites their records and adds those of appended slots, or
-  /// makes everything anew where GpuScene::append has no room.
-  core::Expected<void> update(const core::Snapshot& snapshot, std::span<const core::Slot> touched);
+  /// Follows an edit of `touched` slots (Snapshot::apply) and of materials (SceneDelta::materials): rewrites their
+  /// records and adds those of appended slots, or makes everything anew where GpuScene::append has no room.
+  core::Expected<void> update(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
+                              std::span<const std::uint32_t> materials);
   /// Makes everything of another snapshot, with or without a GPU culler.
   core::Expected<void> rebuild(const core::Snapshot& snapshot, bool gpu_culls);
   /// Makes the GPU culler, for the snapshot of the last update() or rebuild(), unless it is there.
@@ -46,16 +48,20 @@ class Drawing {
   core::Expected<void> resize(int width, int height);
   void finish();
 
-  const gl::Context& context() const { return *context_; }
+  const gl::Context& context() const { return context_; }
+  core::Expected<void> make_current() const { return context_.make_current(); }
+  /// Whether the context is, see gl::Context::lost.
+  bool lost() const;
   const culling::GpuCuller* gpu_culler() const { return culler_ ? &*culler_ : nullptr; }
   const std::string& why_gpu_form() const { return why_gpu_form_; }
   const gpuscene::DrawLists& lists() const { return *lists_; }
-  std::vector<std::string> take_gl_errors() { return context_->take_errors(); }
+  std::vector<std::string> take_gl_errors();
   const render::RenderTarget& target() const { return target_; }
   std::size_t memory_bytes() const;
 
  private:
-  Drawing() = default;
+  Drawing(std::optional<gl::Context> own, gl::Context context)
+      : context_(std::move(context)), own_context_(std::move(own)) {}
   core::Expected<culling::GpuCuller> make_culler(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   void wait_for_room();
   void wait_for_oldest();
@@ -67,8 +73,8 @@ class Drawing {
     double submitted;  // seconds on the steady clock
   };
 
-  std::optional<gl::Context> own_context_;  // first member: everything below is made with it and must go before it
-  gl::Context* context_ = nullptr;
+  gl::Context context_;                     // a share: everything below is made with it and must go before it
+  std::optional<gl::Context> own_context_;  // none when it is the application's
   bool renders_ = true;
   culling::GpuCullerConfig cull_config_;  // names the form once it is known
   std::string why_gpu_form_;

@@ -33,6 +33,7 @@ Engine::Engine(Engine&&) noexcept = default;
 Engine& Engine::operator=(Engine&& other) noexcept {
   rebuild_.reset();  // before what it reads
   scene_ = other.scene_;
+  edits_ = std::move(other.edits_);
   config_ = other.config_;
   live_ = std::move(other.live_);
   visible_ = std::move(other.visible_);
@@ -50,6 +51,7 @@ Engine::~Engine() = default;
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config) {
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
   Engine engine(scene, config);
+  engine.edits_ = scene.subscribe();
   engine.config_.controller.frame_cost.rendering = config.draw;
   engine.build();
   if (auto done = engine.follow_generation(); !done) return tl::unexpected(done.error());
@@ -157,7 +159,7 @@ core::Expected<void> Engine::make_drawing(bool new_order) {
 /// Notices a lost context, and tries to replace one that is the engine's own.
 void Engine::look_after_context() {
 #if SIGHTLINE_HAS_GL
-  if (drawing_ && drawing_->context().lost()) drop_context();
+  if (drawing_ && drawing_->lost()) drop_context();
   if (next_try_ < 0.0 || config_.context || now_seconds() < next_try_ || !needs_gl()) return;
   next_try_ = -1.0;
   if (make_drawing(true)) {
@@ -171,7 +173,7 @@ void Engine::look_after_context() {
 /// A context that is lost in the middle of something is dealt with in the next frame.
 core::Expected<void> Engine::unless_lost(core::Expected<void> done) const {
 #if SIGHTLINE_HAS_GL
-  if (!done && drawing_->context().lost()) return {};
+  if (!done && drawing_->lost()) return {};
 #endif
   return done;
 }
@@ -313,12 +315,12 @@ const char* Engine::culler_name() const {
 
 core::Expected<void> Engine::commit() {
   if (auto landed = land(); !landed) return landed;
-  auto delta = scene_->commit();
-  if (!delta) return tl::unexpected(delta.error());
-  if (delta->empty()) return {};
+  if (auto published = scene_->commit(); !published) return tl::unexpected(published.error());
+  const core::SceneDelta delta = edits_.take();
+  if (delta.empty()) return {};
   if (rebuild_) rebuild_->begin_edit();
-  const std::vector<core::Slot> touched = live_.snapshot->apply(*delta);
-  if (rebuild_) rebuild_->end_edit(*delta);
+  const std::vector<core::Slot> touched = live_.snapshot->apply(delta);
+  if (rebuild_) rebuild_->end_edit(delta);
   live_.update(touched);
   if (hybrid_) hybrid_->scene_changed(live_.snapshot->size());
   const double disorder = double(live_.snapshot->disorder());
@@ -326,13 +328,14 @@ core::Expected<void> Engine::commit() {
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
     rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_));
 #if SIGHTLINE_HAS_GL
-  if (drawing_) return unless_lost(drawing_->update(*live_.snapshot, touched));
+  if (drawing_) return unless_lost(drawing_->update(*live_.snapshot, touched, delta.materials));
 #endif
   return {};
 }
 
 core::Expected<void> Engine::rebuild() {
   if (auto delta = scene_->commit(); !delta) return tl::unexpected(delta.error());
+  edits_ = scene_->subscribe();  // the new snapshot shows all edits
   rebuild_.reset();
   build();
   return follow_generation();
@@ -347,6 +350,13 @@ void Engine::finish() {
 #if SIGHTLINE_HAS_GL
   if (drawing_) drawing_->finish();
 #endif
+}
+
+Drawing* Engine::drawing() {
+#if SIGHTLINE_HAS_GL
+  if (drawing_ && !drawing_->make_current()) return nullptr;
+#endif
+  return drawing_.get();
 }
 
 MemoryReport Engine::memory() const {

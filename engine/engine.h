@@ -34,7 +34,9 @@ struct EngineConfig {
   bool ids = false;       ///< item-id image beside colour and depth
   int samples = 1;        ///< per pixel; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
-  /// A current context to draw with, owned by the application, see use_context(). Null: one is made offscreen.
+  /// A current context to draw with, owned by the application, see use_context(). When it is destroyed before the
+  /// engine, it is lost. Null: one is made offscreen; calls that need it make it current on the calling thread and
+  /// leave it so.
   gl::Context* context = nullptr;
   /// Edits leave slots behind. When this share of them was appended or given up, a new order is made in the background;
   /// 0: never. Items that move far count twice: 1 % of them cost up to a tenth of culling speed until it lands.
@@ -92,8 +94,10 @@ class Engine {
   /// waits. When nobody takes them, the oldest are lost.
   std::optional<LateReport> take_late_report();
 
-  /// Takes over the scene's edits since the last commit, in time that follows their number: see Snapshot::apply. With
-  /// drawing on, edits that GpuScene::append has no room or shape for upload everything anew.
+  /// Commits the scene's pending edits and takes over all that was published since this engine's last commit(), by
+  /// whichever engine or by the application, in time that follows their number: see Snapshot::apply. Until then frames
+  /// show what this engine knows. With drawing on, edits that GpuScene::append has no room or shape for upload
+  /// everything anew.
   ///
   /// After many edits a new order is made in the background (EngineConfig::rebuild_share), from the snapshot and not
   /// from the scene, which may be edited meanwhile. It lands in the first commit() or frame() after it is ready, as an
@@ -114,8 +118,8 @@ class Engine {
   /// context does not have; then nothing has changed.
   core::Expected<void> resize(int width, int height);
 
-  /// Lets go of all that lies in the application's context, which must be current: before the application destroys it.
-  /// Frames are then as after a loss.
+  /// Lets go of all that lies in the application's context, which must be current. Frames are then as after a loss.
+  /// Not needed before the application destroys its gl::Context, but it frees what an adopted context would keep.
   void drop_context();
   /// Another context of the application's, current, in place of a lost or dropped one: makes everything there anew.
   /// Fails with GL's error; then it is as it was before.
@@ -131,7 +135,8 @@ class Engine {
   const Plan& plan() const { return live_.plan; }
   const core::Snapshot& snapshot() const { return *live_.snapshot; }
   const core::VisibleSet& visible() const { return visible_; }  ///< empty when the GPU culls
-  Drawing* drawing() { return drawing_.get(); }  ///< null when nothing needs GL, and while the context is lost
+  /// Null when nothing needs GL, and while the context is lost. An engine's own context is then current.
+  Drawing* drawing();
   MemoryReport memory() const;
   const char* culler_name() const;  ///< "linear", "cpu", "gpu" or "hybrid"
   const Hybrid* hybrid() const { return hybrid_ ? &*hybrid_ : nullptr; }
@@ -154,6 +159,7 @@ class Engine {
   void gather_late_reports();
 
   core::Scene* scene_;
+  core::SceneSubscription edits_;
   EngineConfig config_;
   Generation live_;
   core::VisibleSet visible_;

@@ -39,9 +39,11 @@ void BackgroundRebuild::begin_edit() {
 }
 
 void BackgroundRebuild::end_edit(const core::SceneDelta& delta) {
-  if (state_ != State::kExchanged)
+  if (state_ != State::kExchanged) {
+    behind_ = true;
     for (const auto* list : {&delta.removed, &delta.changed, &delta.inserted})
       missed_.insert(missed_.end(), list->begin(), list->end());
+  }
   editing_ = false;
   mutex_.unlock();
   changed_.notify_one();
@@ -49,7 +51,7 @@ void BackgroundRebuild::end_edit(const core::SceneDelta& delta) {
 
 bool BackgroundRebuild::exchange(Generation& live) {
   std::unique_lock<std::mutex> held(mutex_, std::try_to_lock);
-  if (!held || state_ != State::kReady || !missed_.empty()) return false;
+  if (!held || state_ != State::kReady || behind_) return false;
   std::swap(live, generation_);
   state_ = State::kExchanged;
   held.unlock();
@@ -86,11 +88,14 @@ bool BackgroundRebuild::copy_missed(const std::stop_token& stop, std::vector<cor
                                     core::Snapshot::Items& items) {
   std::sort(missed.begin(), missed.end());
   missed.erase(std::unique(missed.begin(), missed.end()), missed.end());
-  for (std::size_t next = 0; next < missed.size(); next += kPiece) {
+  std::size_t next = 0;
+  do {  // once even without items: the materials come along
     std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
     if (!lock(held, stop)) return false;
-    live_->copy(std::span(missed).subspan(next, std::min(kPiece, missed.size() - next)), items);
-  }
+    const std::size_t count = std::min(kPiece, missed.size() - next);
+    live_->copy(std::span(missed).subspan(next, count), items);
+    next += count;
+  } while (next < missed.size());
   return true;
 }
 
@@ -105,16 +110,17 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
     {
       std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
       if (!lock(held, stop)) return;
-      if (missed_.empty()) {
+      if (!behind_) {
         std::swap(generation, generation_);
         state_ = State::kReady;
         const bool go_on =
-            changed_.wait(held, stop, [&] { return state_ == State::kExchanged || (!missed_.empty() && !editing_); });
+            changed_.wait(held, stop, [&] { return state_ == State::kExchanged || (behind_ && !editing_); });
         std::swap(generation, generation_);
         if (!go_on || state_ == State::kExchanged) break;
         state_ = State::kWorking;
       }
       std::swap(missed, missed_);
+      behind_ = false;
     }
     core::Snapshot::Items late;
     if (!copy_missed(stop, std::move(missed), late)) return;

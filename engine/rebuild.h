@@ -74,9 +74,10 @@ class BackgroundRebuild {
   std::condition_variable_any changed_;
   std::atomic<bool> editing_{false}, finished_{false};
   State state_ = State::kWorking;
-  Generation generation_;             // ready, or to be freed
-  std::vector<core::ItemId> missed_;  // edited since copying began, not yet in generation_
-  std::jthread thread_;               // last: stops before the rest goes
+  Generation generation_;  // ready, or to be freed
+  bool behind_ = false;    // something was edited that is not yet in generation_: these, or materials
+  std::vector<core::ItemId> missed_;
+  std::jthread thread_;  // last: stops before the rest goes
 };
 
 }  // namespace sightline::engine

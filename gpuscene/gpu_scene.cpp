@@ -133,19 +133,34 @@ core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snap
   }
   scene.slot_count_ = Slot(snapshot.size());
 
+  if (auto done = scene.make_materials(gl, snapshot); !done) return tl::unexpected(done.error());
+  return scene;
+}
+
+/// One row for items that name none, then the snapshot's table.
+core::Expected<void> GpuScene::make_materials(const gl::Functions& gl, const Snapshot& snapshot) {
   const core::Material unnamed;
   std::vector<glm::vec4> rows{{unnamed.colour, unnamed.alpha}};
-  for (std::size_t i = 0; i < snapshot.scene().material_slots(); ++i) {
-    const core::Material& m = snapshot.scene().material(snapshot.scene().material_at(i));
-    rows.emplace_back(m.colour, m.alpha);
-  }
-  auto buffer = gl::Buffer::create(gl, std::span(rows), 0, "material table");
+  rows.insert(rows.end(), snapshot.materials().begin(), snapshot.materials().end());
+  rows.resize(rows.size() + rows.size() / 8 + kHeadroom);
+  auto buffer = gl::Buffer::create(gl, std::span(rows), GL_DYNAMIC_STORAGE_BIT, "material table");
   if (!buffer) return tl::unexpected(buffer.error());
-  scene.material_rows_ = std::move(*buffer);
-  auto texels = gl::TextureBuffer::create(gl, scene.material_rows_, GL_RGBA32F, "material table");
+  auto texels = gl::TextureBuffer::create(gl, *buffer, GL_RGBA32F, "material table");
   if (!texels) return tl::unexpected(texels.error());
-  scene.material_texels_ = std::move(*texels);
-  return scene;
+  material_texels_ = std::move(*texels);
+  material_rows_ = std::move(*buffer);
+  return {};
+}
+
+core::Expected<void> GpuScene::update_materials(const gl::Context& context, const Snapshot& snapshot,
+                                                std::span<const std::uint32_t> edited) {
+  if (edited.empty()) return {};
+  const core::MaterialTable& rows = snapshot.materials();
+  constexpr std::size_t kRow = sizeof(glm::vec4);
+  if ((rows.size() + 1) * kRow > material_rows_.size()) return make_materials(context.functions(), snapshot);
+  const std::size_t first = edited.front(), count = edited.back() - first + 1;
+  material_rows_.write((first + 1) * kRow, count * kRow, rows.data() + first);
+  return {};
 }
 
 bool GpuScene::append(const Snapshot& snapshot) {

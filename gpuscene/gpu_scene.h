@@ -81,6 +81,10 @@ class GpuScene {
   /// Adds records of slots appended since the last call. False, with nothing done, when it takes a new GpuScene: memory
   /// for an eighth more than at first is used up, or there are kinds or meshes that were not there.
   bool append(const core::Snapshot& snapshot);
+  /// Writes the looks of edited or added materials, by their indices in rising order, in one go. Makes a larger table
+  /// where there is no room for what was added. Fails when the GPU has not the memory; then nothing has changed.
+  core::Expected<void> update_materials(const gl::Context& context, const core::Snapshot& snapshot,
+                                        std::span<const std::uint32_t> edited);
 
   const std::vector<Batch>& batches() const { return batches_; }
   const Batch* batch(BatchKind kind) const;  ///< null when the scene has none
@@ -96,6 +100,8 @@ class GpuScene {
   static std::uint32_t record_of(const core::Snapshot& snapshot, core::Slot slot);
 
  private:
+  core::Expected<void> make_materials(const gl::Functions& gl, const core::Snapshot& snapshot);
+
   std::vector<Batch> batches_;
   MeshPool meshes_;
   gl::Buffer material_rows_;

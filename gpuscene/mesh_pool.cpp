@@ -26,19 +26,15 @@ std::int16_t snorm16(float v) {
   return std::int16_t(std::lround(std::clamp(v, -1.0f, 1.0f) * 32767.0f));
 }
 
-core::MeshId mesh_of(const Snapshot& snapshot, Slot slot) {
-  return snapshot.scene().mesh_at(snapshot.of_kind(snapshot.kind(slot)).meshes[snapshot.index_in_kind(slot)]);
-}
-
 /// Gathers triangles; items of one mesh share them.
 class PoolBuilder {
  public:
   explicit PoolBuilder(const Snapshot& snapshot) : snapshot_(snapshot) {}
 
   Shape shape_of(Slot slot) {
-    const core::MeshId mesh = mesh_of(snapshot_, slot);
-    const auto [place, fresh] = shapes_.try_emplace(mesh.index);
-    if (fresh) place->second = append(snapshot_.scene().mesh(mesh));
+    const std::uint32_t mesh = snapshot_.of_kind(snapshot_.kind(slot)).meshes[snapshot_.index_in_kind(slot)];
+    const auto [place, fresh] = shapes_.try_emplace(mesh);
+    if (fresh) place->second = append(snapshot_.mesh(slot));
     return place->second;
   }
 
@@ -68,8 +64,7 @@ class PoolBuilder {
 }  // namespace
 
 bool flat_shaded(const Snapshot& snapshot, Slot slot) {
-  return int(snapshot.kind(slot)) >= core::kPrimitiveKindCount &&
-         snapshot.scene().mesh(mesh_of(snapshot, slot)).normals.empty();
+  return int(snapshot.kind(slot)) >= core::kPrimitiveKindCount && snapshot.mesh(slot).normals.empty();
 }
 
 core::Expected<MeshPool> build_mesh_pool(const gl::Functions& gl, const Snapshot& snapshot,

@@ -126,13 +126,17 @@ void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& p
   }
   if (!few) {
     job.warn(0, fmt::format("more than {} colours of faces: their average is shown", kMostFaceColours));
-    return job.add_mesh(node, polygons, name, {}, add_colour_material(job.scene(), sum.average()));
+    job.add_mesh(node, polygons, name, {}, add_colour_material(job.scene(), sum.average()));
+    return;
   }
   const auto material = [&](PackedColour colour) {
     const bool no_alpha = sum.channels[3] == 0 && colour != kNoColour;
     return add_colour_material(job.scene(), no_alpha ? colour | 255 : colour);
   };
-  if (table.distinct.size() == 1) return job.add_mesh(node, polygons, name, {}, material(table.distinct[0]));
+  if (table.distinct.size() == 1) {
+    job.add_mesh(node, polygons, name, {}, material(table.distinct[0]));
+    return;
+  }
   Splitter splitter(polygons, colours, table);
   for (std::size_t i = 0; i < splitter.parts(); ++i)
     job.add_mesh(node, splitter.part(i), name, {}, material(table.distinct[i]));

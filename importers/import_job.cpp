@@ -63,6 +63,7 @@ core::Expected<void> ImportJob::damage(std::uint64_t offset, std::string message
 }
 
 core::Expected<void> ImportJob::progress(double share) {
+  if (!refused_) return refused_;
   constexpr double kStep = 1.0 / 256.0;
   if (!options_.progress || share < shown_ + kStep) return {};
   shown_ = share;
@@ -70,33 +71,40 @@ core::Expected<void> ImportJob::progress(double share) {
   return {};
 }
 
-void ImportJob::add_mesh(core::NodeId node, core::Mesh mesh, const core::Affine& placement, core::MaterialId material,
+bool ImportJob::add_mesh(core::NodeId node, core::Mesh mesh, const core::Affine& placement, core::MaterialId material,
                          core::Kind found) {
   ++report_.items[std::size_t(found)];
   if (mesh.indices.empty()) ++report_.degenerate;
-  const MeshSharing::Use use = use_of(std::move(mesh));
-  const core::Affine node_from_mesh = placement * use.added_from_mesh;
-  scene_.add_mesh_instance(node, use.mesh, node_from_mesh, material);
-  if (use.error > 0.0)
+  const auto use = use_of(std::move(mesh));
+  if (!use) {
+    if (auto told = damage(0, fmt::format("{}: item dropped: {}", scene_.path(node), use.error().message)); !told)
+      refused_ = std::move(told);
+    return false;
+  }
+  const core::Affine node_from_mesh = placement * use->added_from_mesh;
+  scene_.add_mesh_instance(node, use->mesh, node_from_mesh, material);
+  if (use->error > 0.0)
     report_.sharing_error =
-        std::max(report_.sharing_error, use.error * largest_stretch(scene_.world_from_node(node) * placement));
+        std::max(report_.sharing_error, use->error * largest_stretch(scene_.world_from_node(node) * placement));
+  return true;
 }
 
-MeshSharing::Use ImportJob::use_of(core::Mesh mesh) {
-  if (options_.copies == MeshCopies::kApart) return {scene_.add_mesh(std::move(mesh)), {}, 0.0, false};
-  MeshSharing::Use use = sharing_.add(std::move(mesh));
-  if (use.shared) ++report_.shared_meshes;
+core::Expected<MeshSharing::Use> ImportJob::use_of(core::Mesh mesh) {
+  if (options_.copies == MeshCopies::kApart)
+    return scene_.add_mesh(std::move(mesh)).map([](core::MeshId id) { return MeshSharing::Use{id, {}, 0.0, false}; });
+  auto use = sharing_.add(std::move(mesh));
+  if (use && use->shared) ++report_.shared_meshes;
   return use;
 }
 
-void ImportJob::add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name,
+bool ImportJob::add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name,
                          const core::Affine& placement, core::MaterialId material, std::uint64_t offset) {
   CentredMesh centred_mesh = centred(polygons);
   if (centred_mesh.dropped > 0)
     warn(offset, fmt::format("{}: {} faces dropped: fewer than 3 corners, or a corner not finite or beyond {:g}",
                              name.empty() ? std::string_view("mesh") : name, centred_mesh.dropped, kLargestCoordinate));
   centred_mesh.mesh.name = name;
-  add_mesh(node, std::move(centred_mesh.mesh), placement * core::translation(centred_mesh.centre), material);
+  return add_mesh(node, std::move(centred_mesh.mesh), placement * core::translation(centred_mesh.centre), material);
 }
 
 void ImportJob::add_instance(core::NodeId node, core::MeshId mesh, const core::Affine& placement,
@@ -133,10 +141,12 @@ void ImportJob::drop_what_cannot_be_committed(core::ItemId first) {
   }
 }
 
-void ImportJob::finish(core::ItemId first) {
+core::Expected<void> ImportJob::finish(core::ItemId first) {
+  if (!refused_) return refused_;
   drop_what_cannot_be_committed(first);
   if (unlisted_ > 0)
     report_.warnings.push_back({file_, report_.bytes, fmt::format("{} further warnings are not listed", unlisted_)});
+  return {};
 }
 
 core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scene, core::NodeId parent,
@@ -148,8 +158,8 @@ core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scen
   try {
     auto done = job.progress(0.0);
     if (done) done = read(job);
+    if (done) done = job.finish(core::ItemId(mark.items));
     if (done) {
-      job.finish(core::ItemId(mark.items));
       (void)job.progress(1.0);
       return std::move(job.report_);
     }

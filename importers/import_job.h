@@ -34,12 +34,12 @@ class ImportJob {
   core::Expected<void> progress(double share);
 
   /// Adds an item, counts it as a `found`, and shares its mesh where another is the same. `node` is the file's or below
-  /// it.
-  void add_mesh(core::NodeId node, core::Mesh mesh, const core::Affine& placement, core::MaterialId material = {},
+  /// it. A mesh that the scene refuses is damage: it is left out, which false says, and a strict import fails.
+  bool add_mesh(core::NodeId node, core::Mesh mesh, const core::Affine& placement, core::MaterialId material = {},
                 core::Kind found = core::Kind::kMesh);
   /// The same for polygons as files hold them: re-centred, cleaned and triangulated (polygon_mesh.h). What was dropped
   /// becomes a warning at `offset`.
-  void add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name, const core::Affine& placement,
+  bool add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name, const core::Affine& placement,
                 core::MaterialId material, std::uint64_t offset = 0);
   /// Another item of a mesh that is in the scene already; `first`: one that no item uses yet.
   void add_instance(core::NodeId node, core::MeshId mesh, const core::Affine& placement, core::MaterialId material = {},
@@ -58,9 +58,9 @@ class ImportJob {
                                                  const std::function<core::Expected<void>(ImportJob&)>&);
   ImportJob(std::string_view file, core::Scene& scene, core::NodeId parent, const ImportOptions& options,
             const FileFrame& frame);
-  MeshSharing::Use use_of(core::Mesh mesh);
+  core::Expected<MeshSharing::Use> use_of(core::Mesh mesh);
   void drop_what_cannot_be_committed(core::ItemId first);
-  void finish(core::ItemId first);
+  core::Expected<void> finish(core::ItemId first);
 
   core::Scene& scene_;
   const ImportOptions& options_;
@@ -68,6 +68,7 @@ class ImportJob {
   core::NodeId file_node_;
   MeshSharing sharing_;
   ImportReport report_;
+  core::Expected<void> refused_;  // what a strict import fails with at its next sign of progress
   std::uint64_t unlisted_ = 0;
   double shown_ = -1.0;
   bool reach_promised_ = false;

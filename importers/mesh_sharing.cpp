@@ -179,7 +179,7 @@ std::optional<Fit> fit(const Mesh& mesh, const Mesh& copy, const MeshAnchors& an
 
 }  // namespace
 
-MeshSharing::Use MeshSharing::add(core::Mesh mesh) {
+core::Expected<MeshSharing::Use> MeshSharing::add(core::Mesh mesh) {
   const std::uint64_t topology = topology_hash(mesh);
   const std::array<double, 3> shape = invariants(mesh);
   for (const std::uint64_t hash : bins_near(topology, shape)) {
@@ -188,13 +188,14 @@ MeshSharing::Use MeshSharing::add(core::Mesh mesh) {
     for (std::size_t i = 0; i < std::min(bin->second.size(), kMostTried); ++i) {
       const Known& known = bin->second[i];
       if (const auto found = fit(scene_.mesh(known.mesh), mesh, known.anchors, exact_))
-        return {known.mesh, found->copy_from_mesh, found->error, true};
+        return Use{known.mesh, found->copy_from_mesh, found->error, true};
     }
   }
   const MeshAnchors anchors = anchors_of(mesh);
-  const core::MeshId added = scene_.add_mesh(std::move(mesh));
-  known_[bin_hash(topology, shape)].push_back({added, anchors});
-  return {added, {}, 0.0, false};
+  const auto added = scene_.add_mesh(std::move(mesh));
+  if (!added) return tl::unexpected(added.error());
+  known_[bin_hash(topology, shape)].push_back({*added, anchors});
+  return Use{*added, {}, 0.0, false};
 }
 
 }  // namespace sightline::importers

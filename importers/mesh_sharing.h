@@ -39,8 +39,8 @@ class MeshSharing {
     double error = 0.0;            ///< farthest that a vertex was moved, in the added mesh's unit
     bool shared = false;
   };
-  /// Adds the mesh to the scene unless one added through here before can stand for it.
-  Use add(core::Mesh mesh);
+  /// Adds the mesh to the scene unless one added through here before can stand for it. Fails as Scene::add_mesh does.
+  core::Expected<Use> add(core::Mesh mesh);
 
  private:
   struct Known {

@@ -29,7 +29,7 @@ std::vector<std::uint8_t> enclosures(const core::Snapshot& snapshot) {
     if (gpuscene::batch_of(kind) != gpuscene::BatchKind::kMesh) continue;
     const std::uint32_t mesh = snapshot.of_kind(kind).meshes[snapshot.index_in_kind(slot)];
     const auto [place, fresh] = of_mesh.try_emplace(mesh);
-    if (fresh) place->second = core::enclosure(snapshot.scene().mesh(snapshot.scene().mesh_at(mesh)));
+    if (fresh) place->second = core::enclosure(snapshot.mesh(slot));
     of_record.push_back(std::uint8_t(place->second));
   }
   return of_record;

@@ -409,7 +409,7 @@ core::Expected<void> GltfCollections::add(std::string_view kind_name, const Json
         job_.add_primitive(at.node, solid->primitive, at.from_item, colour);
       } else {
         const bool first_nut = !nut_.valid();
-        if (first_nut) nut_ = job_.scene().add_mesh(nut_mesh());
+        if (first_nut) nut_ = job_.scene().add_mesh(nut_mesh()).value();
         job_.add_instance(at.node, nut_, at.from_item, colour, first_nut);
       }
     }

@@ -382,7 +382,8 @@ class Reading {
     // The job decides what the mesh becomes and where its coordinates lie.
     core::Scene& scene = job_.scene();
     const auto item = core::ItemId(scene.item_slots());
-    job_.add_mesh(node, std::exchange(shared.polygons, {}), shared.name, {}, material);
+    if (!job_.add_mesh(node, shared.polygons, shared.name, {}, material)) return;
+    shared.polygons = {};
     shared.mesh = scene.mesh_of(item);
     shared.placement = scene.placement(item);
     scene.set_placement(item, node_from_copy * shared.placement);

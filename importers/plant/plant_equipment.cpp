@@ -294,7 +294,7 @@ void add_paving(Stage& stage, const dvec3& low, const dvec3& high) {
   mesh.polygon_contours = {2};
   const dvec3 centre(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), low.z);
   stage.branch();
-  stage.add_mesh(stage.scene().add_mesh(std::move(mesh)), Frame{dmat3(1.0), centre});
+  stage.add_mesh(stage.scene().add_mesh(std::move(mesh)).value(), Frame{dmat3(1.0), centre});
   for (const double side : {-1.0, 1.0})
     stage.add(core::Line{-x, x}, Frame{dmat3(1.0), centre + dvec3(0.0, side * double(y) * 0.001, 0.0)});
 }

@@ -69,8 +69,10 @@ core::NodeId RvmSceneBuilder::node_for(const rvm::Item& item, std::uint32_t laye
 void RvmSceneBuilder::add(const rvm::Item& item, std::uint32_t layers, std::span<const std::byte> file) {
   const core::NodeId node = node_for(item, layers);
   const core::Affine placement = placement_of(item.matrix);
-  if (item.kind == core::Kind::kFacetGroup)
-    return job_.add_mesh(node, rvm::read_facets(file, item), placement, {}, item.kind);
+  if (item.kind == core::Kind::kFacetGroup) {
+    job_.add_mesh(node, rvm::read_facets(file, item), placement, {}, item.kind);
+    return;
+  }
   const auto count = std::size_t(core::parameter_count(item.kind));
   job_.add_primitive(node, core::make_primitive(item.kind, {item.parameters.data(), count}), placement);
 }

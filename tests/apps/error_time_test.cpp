@@ -182,7 +182,7 @@ class TessellatedScene : public testing::Test {
     scene.add_primitive(hidden, core::Cylinder{1, 2}, core::translation({4, 5, 6}));
     scene.add_primitive(unnamed, core::Cylinder{1, 3});
     scene.add_primitive(unnamed, core::Line{-1, 1});
-    const core::MeshId mesh = scene.add_mesh(triangle);
+    const core::MeshId mesh = scene.add_mesh(triangle).value();
     scene.add_mesh_instance(a, mesh);
     scene.set_visible(scene.add_mesh_instance(a, mesh, core::translation({7, 0, 0})), false);
     scene.remove_item(gone);

@@ -325,6 +325,34 @@ TEST(Joints, EditsDissolveThoseOfTheItemAndItsNeighbours) {
   check("painted", [](Scene& s, MaterialId paint) { s.set_material(ItemId(2), paint); });
 }
 
+/// Only what the glass meets, and nothing when colours change.
+TEST(Joints, DissolveWhereAMaterialTurnsClear) {
+  Solids solids;
+  const MaterialId steel = solids.scene.add_material({}), pane = solids.scene.add_material({});
+  for (int i = 0; i < 6; ++i)
+    solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, double(i)}), i == 2 ? pane : i < 2 ? steel : MaterialId{});
+  Snapshot snapshot = solids.snapshot();
+  ASSERT_EQ(snapshot.joints().count(), 10u);
+  solids.scene.update_material(pane, {.name = "red", .colour = {1, 0, 0}});
+  EXPECT_TRUE(snapshot.apply(*solids.scene.commit()).empty());
+  EXPECT_EQ(snapshot.joints().count(), 10u);
+  solids.scene.update_material(pane, {.name = "glass", .alpha = 0.5f});
+  std::vector<Slot> touched = snapshot.apply(*solids.scene.commit());
+  std::sort(touched.begin(), touched.end());
+  std::vector<Slot> expected{snapshot.slot(1), snapshot.slot(2), snapshot.slot(3)};
+  std::sort(expected.begin(), expected.end());
+  EXPECT_EQ(touched, expected);
+  EXPECT_EQ(snapshot.joints().count(), 6u);
+  EXPECT_EQ(snapshot.joints().covered(2), kNoEnd);
+  EXPECT_EQ(snapshot.joints().covered(1), kBottomEnd);
+  EXPECT_EQ(snapshot.joints().covered(3), kTopEnd);
+  solids.scene.update_material(pane, {.name = "glass", .alpha = 0.4f});
+  EXPECT_TRUE(snapshot.apply(*solids.scene.commit()).empty()) << "it was clear before";
+  solids.scene.update_material(pane, {});
+  EXPECT_TRUE(snapshot.apply(*solids.scene.commit()).empty()) << "joints are not looked for again";
+  EXPECT_EQ(snapshot.joints().count(), 6u);
+}
+
 TEST(Joints, EditedNeighboursAreTouchedOnce) {
   Solids solids;
   for (int i = 0; i < 6; ++i) solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, double(i)}));

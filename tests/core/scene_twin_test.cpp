@@ -1,7 +1,10 @@
 // Random edits of a scene against a twin that recomputes everything whenever it is asked.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -61,6 +64,7 @@ struct Twin {
   std::vector<Node> nodes;
   std::vector<Item> items;
   Ids removed;
+  std::set<std::uint32_t> materials;  // touched
 
   bool within(int node, int top) const {
     for (; node >= 0; node = nodes[std::size_t(node)].parent)
@@ -124,6 +128,8 @@ struct Twin {
     std::sort(removed.begin(), removed.end());
     delta.removed = std::move(removed);
     removed.clear();
+    delta.materials.assign(materials.begin(), materials.end());
+    materials.clear();
     return true;
   }
 };
@@ -134,13 +140,14 @@ class RandomEdits {
     twin_.nodes.emplace_back();
     twin_.nodes[0].handle = scene_.root();
     twin_.nodes[0].layers = kLayerModel;
-    for (int i = 0; i < 4; ++i) materials_.push_back(scene_.add_material({}));
-    mesh_ = scene_.add_mesh(triangle());
+    for (int i = 0; i < 4; ++i) materials_.push_back(add_material());
+    mesh_ = scene_.add_mesh(triangle()).value();
   }
 
   void edit() {
     const int node = random_node();
     Twin::Node& n = twin_.nodes[std::size_t(node)];
+    if (random_() % 50 == 0) edit_material();
     switch (random_() % 16) {
       case 0:
       case 1:
@@ -216,6 +223,10 @@ class RandomEdits {
       EXPECT_EQ(delta->inserted, expected.inserted);
       EXPECT_EQ(delta->changed, expected.changed);
       EXPECT_EQ(delta->removed, expected.removed);
+      EXPECT_EQ(delta->materials, expected.materials);
+      published_.push_back(*delta);
+      for (Consumer& consumer : consumers_)
+        if (random_() % 12 == 0) expect_all_since(consumer);
     }
     return good && delta;
   }
@@ -250,6 +261,56 @@ class RandomEdits {
     return random_() % 4 == 0 ? "" : std::string(1 + random_() % 30, char('a' + random_() % 26));
   }
 
+  MaterialId add_material() {
+    const MaterialId added = scene_.add_material({});
+    twin_.materials.insert(added.index);
+    return added;
+  }
+  void edit_material() {
+    MaterialId& material = materials_[random_() % materials_.size()];
+    twin_.materials.insert(material.index);
+    if (random_() % 2 == 0) return scene_.update_material(material, {.name = some_name()});
+    scene_.remove_material(material);
+    EXPECT_FALSE(scene_.contains(material));
+    for (std::size_t n = 0; n < twin_.nodes.size(); ++n)
+      if (twin_.nodes[n].alive && twin_.nodes[n].material == material) {
+        twin_.nodes[n].material = {};
+        twin_.touch_below(int(n));
+      }
+    for (Twin::Item& item : twin_.items)
+      if (item.alive && item.material == material) item.material = {}, item.touched = true;
+    material = add_material();
+  }
+
+  struct Consumer {
+    SceneSubscription subscription;
+    std::size_t seen = 0;  // of published_
+  };
+  /// Item by item, through what has happened to it.
+  void expect_all_since(Consumer& consumer) {
+    std::map<ItemId, char> fate;  // 'i'nserted, 'c'hanged, 'r'emoved, or '-' for what came and went
+    std::set<std::uint32_t> materials;
+    for (; consumer.seen < published_.size(); ++consumer.seen) {
+      const SceneDelta& delta = published_[consumer.seen];
+      for (const ItemId item : delta.inserted) fate[item] = 'i';
+      for (const ItemId item : delta.changed)
+        if (fate[item] != 'i') fate[item] = 'c';
+      for (const ItemId item : delta.removed) fate[item] = fate[item] == 'i' ? '-' : 'r';
+      materials.insert(delta.materials.begin(), delta.materials.end());
+    }
+    const auto of = [&](char wanted) {
+      Ids ids;
+      for (const auto& [item, is] : fate)
+        if (is == wanted) ids.push_back(item);
+      return ids;
+    };
+    const SceneDelta all = consumer.subscription.take();
+    EXPECT_EQ(all.inserted, of('i'));
+    EXPECT_EQ(all.changed, of('c'));
+    EXPECT_EQ(all.removed, of('r'));
+    EXPECT_TRUE(std::ranges::equal(all.materials, materials));
+  }
+
   void add_node(int parent) {
     Twin::Node n;
     n.parent = parent;
@@ -272,7 +333,7 @@ class RandomEdits {
   void reparent(int node, int parent) {
     if (node == 0 || twin_.within(parent, node)) return;
     Twin::Node& n = twin_.nodes[std::size_t(node)];
-    scene_.reparent(n.handle, twin_.nodes[std::size_t(parent)].handle);
+    EXPECT_TRUE(scene_.reparent(n.handle, twin_.nodes[std::size_t(parent)].handle));
     std::erase(twin_.nodes[std::size_t(n.parent)].children, node);
     n.parent = parent;
     twin_.nodes[std::size_t(parent)].children.push_back(node);
@@ -385,6 +446,8 @@ class RandomEdits {
   std::vector<MaterialId> materials_;
   MeshId mesh_;
   std::vector<int> spoiled_;
+  std::vector<SceneDelta> published_;
+  std::array<Consumer, 3> consumers_{{{scene_.subscribe()}, {scene_.subscribe()}, {scene_.subscribe()}}};
   std::vector<std::size_t> doomed_;
 };
 

@@ -25,11 +25,11 @@ class RandomPlant {
     for (int i = 0; i < 3; ++i) materials_.push_back(scene.add_material({}));
     Mesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    meshes_.push_back(scene.add_mesh(mesh));
+    meshes_.push_back(scene.add_mesh(mesh).value());
     mesh.contour_sizes = {4};
     mesh.polygon_contours = {1};
-    meshes_.push_back(scene.add_mesh(mesh));
-    meshes_.push_back(scene.add_mesh({}));
+    meshes_.push_back(scene.add_mesh(mesh).value());
+    meshes_.push_back(scene.add_mesh({}).value());
     for (int i = 0; i < items; ++i) {
       if (random_() % 8 == 0) add_node();
       add_item();
@@ -42,6 +42,7 @@ class RandomPlant {
   void edit() {
     const NodeId node = some_node();
     const ItemId item = some_item();
+    if (random_() % 10 == 0) edit_material();
     switch (random_() % 12) {
       case 0:
         return add_node();
@@ -98,6 +99,14 @@ class RandomPlant {
     for (int tries = 0; tries < 20 && scene.item_slots() > 0; ++tries)
       if (const ItemId item = ItemId(random_() % scene.item_slots()); scene.contains_item(item)) return item;
     return kNone;
+  }
+  void edit_material() {
+    MaterialId& material = materials_[random_() % materials_.size()];
+    const Material look{
+        .name = "look", .colour = {0.5f, 0.25f, float(random_() % 8) / 8.0f}, .alpha = random_() % 2 ? 1.0f : 0.5f};
+    if (random_() % 2) return scene.update_material(material, look);
+    scene.remove_material(material);
+    material = scene.add_material(look);
   }
   void add_node() { nodes_.push_back(scene.add_node(some_node(), "", somewhere(0.01))); }
   void add_item() {
@@ -168,6 +177,11 @@ void expect_shows(const Snapshot& snapshot, const Scene& scene) {
     ++live;
     const Scene::ItemState state = scene.state(item);
     ASSERT_EQ(snapshot.material(s), state.material);
+    if (state.material != kNone) {
+      const Material& look = scene.material(scene.material_at(state.material));
+      ASSERT_EQ(snapshot.materials()[state.material], glm::vec4(look.colour, look.alpha));
+      ASSERT_EQ(snapshot.opaque(s), look.alpha >= 1.0f);
+    }
     if (int(snapshot.kind(s)) < kPrimitiveKindCount) {
       const Primitive a = snapshot.primitive(s), b = scene.primitive(item);
       ASSERT_TRUE(std::ranges::equal(parameters(a), parameters(b)));

@@ -52,7 +52,7 @@ core::MeshId add_point_mesh(core::Scene& scene, const core::vec3& size) {
   core::Mesh mesh;
   mesh.positions = {{0, 0, 0}, size, {size.x, 0, 0}};
   mesh.indices = {0, 1, 2};
-  return scene.add_mesh(mesh);
+  return scene.add_mesh(mesh).value();
 }
 
 /// Every test is for all ways to cull.

@@ -1,5 +1,7 @@
 // A context that is lost takes nothing with it but what lay in it: frames go on, culled by the CPU, edits too, and
 // where there is a context again the pictures are what they would have been.
+#include <optional>
+
 #include <gtest/gtest.h>
 
 #include "drawn_grid.h"
@@ -115,6 +117,45 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
     EXPECT_GE(on_gpu, 3);
     expect_picture(*engine, view(1.1));
     ASSERT_TRUE(made->make_current());
+  }
+}
+
+/// What an application does that destroys its window before the engine. Another context, with an engine of its own, is
+/// current when the objects of the first are let go.
+TEST_F(ContextLossTest, AContextThatGoesFirstIsLost) {
+  for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu, CullerChoice::kHybrid}) {
+    std::optional<gl::Context> made(std::move(gl::Context::create_offscreen().value()));
+    auto engine = Engine::create(scene, switching(culler, &*made)),
+         unused = Engine::create(scene, switching(culler, &*made));
+    ASSERT_TRUE(engine && unused);
+    SCOPED_TRACE(engine->culler_name());
+    for (int frame = 0; frame < 6; ++frame) ASSERT_TRUE(engine->frame(view(0.1 * frame)) && unused->frame(view(0)));
+    ASSERT_TRUE(context->make_current());
+    auto other = Engine::create(scene, switching(culler, &*context));
+    ASSERT_TRUE(other);
+    made.reset();
+    (void)engine->take_late_report();
+    engine->finish();
+    EXPECT_EQ(engine->drawing(), nullptr);
+    ASSERT_TRUE(engine->resize(48, 32) && engine->resize(96, 64));
+    scene.set_visible(core::ItemId(5577), culler == CullerChoice::kGpu);
+    ASSERT_TRUE(engine->commit());
+    for (int frame = 0; frame < 3; ++frame) {
+      const auto report = engine->frame(view(0));
+      ASSERT_TRUE(report) << report.error().message;
+      EXPECT_FALSE(report->drawn);
+      EXPECT_GT(report->visible, 1000);
+      EXPECT_EQ(engine->memory().gpu, 0u);
+    }
+    ASSERT_TRUE(engine->rebuild());
+    { Engine gone = std::move(*unused); }
+    ASSERT_TRUE(other->commit() && other->frame(view(1)));
+    ASSERT_NO_FATAL_FAILURE(expect_picture(*other, view(1)));
+    for (const std::string& error : other->drawing()->take_gl_errors()) ADD_FAILURE() << error;
+    const auto used = engine->use_context(*context);
+    ASSERT_TRUE(used) << used.error().message;
+    EXPECT_TRUE(engine->frame(view(2))->drawn);
+    ASSERT_NO_FATAL_FAILURE(expect_picture(*engine, view(2)));
   }
 }
 

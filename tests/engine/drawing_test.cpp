@@ -106,6 +106,125 @@ TEST_F(DrawingTest, AnotherSizeIsThatOfANewEngine) {
   }
 }
 
+/// Two windows on one scene; the twin is a third engine, made anew.
+TEST_F(DrawingTest, TwoEnginesDrawOneScene) {
+  core::Scene scene;
+  fill(scene, 22);
+  auto a = Engine::create(scene, config(CullerChoice::kCpu)), b = Engine::create(scene, config(CullerChoice::kGpu));
+  ASSERT_TRUE(a && b);
+  constexpr unsigned kSeed = 6;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937 random{kSeed};
+  for (int round = 0; round < 6; ++round) {
+    SCOPED_TRACE(round);
+    for (int part = 0; part < 3; ++part) {
+      for (int i = 0; i < 60; ++i) scene.set_visible(core::ItemId(random() % scene.item_slots()), random() % 3 == 0);
+      scene.add_primitive(scene.root(), core::Box{2, 2, 2}, core::translation({11.0, 11.0, 4.0 * part + round}));
+      ASSERT_TRUE(part == 0 ? a->commit() : part == 1 ? b->commit() : scene.commit().map([](const auto&) {}));
+    }
+    ASSERT_TRUE(a->commit() && b->commit());
+    auto fresh = Engine::create(scene, config(CullerChoice::kLinear));
+    ASSERT_TRUE(fresh);
+    const core::View eye = view(0.4 * round);
+    ASSERT_TRUE(a->frame(eye) && b->frame(eye) && fresh->frame(eye));
+    expect_same_picture(*a, *fresh, 1);
+    expect_same_picture(*b, *fresh, 1);
+  }
+}
+
+/// Each draws into its own context, whichever was current.
+TEST_F(DrawingTest, EnginesWithContextsOfTheirOwn) {
+  core::Scene dense, sparse;
+  fill(dense, 22);
+  fill(sparse, 22);
+  for (core::ItemId item = 0; item < sparse.item_slots(); item += 3) sparse.set_visible(item, false);
+  for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu}) {
+    engine::EngineConfig own = config(culler);
+    own.context = nullptr;
+    auto a = Engine::create(dense, own), b = Engine::create(sparse, own);
+    ASSERT_TRUE(a && b);
+    ASSERT_TRUE(context->make_current());
+    auto expected_a = Engine::create(dense, config(culler)), expected_b = Engine::create(sparse, config(culler));
+    ASSERT_TRUE(expected_a && expected_b);
+    for (int round = 0; round < 3; ++round) {
+      SCOPED_TRACE(testing::Message() << "round " << round);
+      const core::View eye = view(0.3 * round);
+      ASSERT_TRUE(a->frame(eye) && b->frame(eye) && expected_a->frame(eye) && expected_b->frame(eye));
+      expect_same_picture(*a, *expected_a);
+      expect_same_picture(*b, *expected_b);
+      dense.set_visible(core::ItemId(5000 + round), false);
+      sparse.set_visible(core::ItemId(5000 + round), true);
+      ASSERT_TRUE(a->commit() && b->commit() && expected_a->commit() && expected_b->commit());
+      if (round == 1) {
+        ASSERT_TRUE(a->set_culler(CullerChoice::kHybrid) && b->set_culler(CullerChoice::kGpu));
+      }
+    }
+    ASSERT_TRUE(context->make_current());
+    { Engine gone = std::move(*a); }  // frees nothing of what is current
+    ASSERT_TRUE(expected_a->frame(view(0)) && b->frame(view(0)) && expected_b->frame(view(0)));
+    expect_same_picture(*b, *expected_b);
+    for (const std::string& error : expected_b->drawing()->take_gl_errors()) ADD_FAILURE() << error;
+  }
+}
+
+/// Added, edited and removed, more of them than there was room for; the twin is an engine made anew.
+TEST_F(DrawingTest, MaterialsFollowTheScene) {
+  constexpr unsigned kSeed = 7;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu, CullerChoice::kHybrid}) {
+    core::Scene scene;
+    fill(scene, 22);
+    engine::EngineConfig c = config(culler);
+    switch_often(c);
+    auto engine = Engine::create(scene, c);
+    ASSERT_TRUE(engine);
+    SCOPED_TRACE(engine->culler_name());
+    std::mt19937 random{kSeed};
+    const auto channel = [&] { return float(random() % 256) / 255.0f; };
+    std::vector<core::MaterialId> materials;
+    for (int round = 0; round < 8; ++round) {
+      SCOPED_TRACE(round);
+      const auto some_look = [&] {
+        core::Material look{.name = "look", .colour = {channel(), channel(), channel()}};
+        if (random() % 4 == 0) look.alpha = 0.5f;
+        return look;
+      };
+      for (int i = 0; i < (round == 4 ? 200 : 5); ++i) materials.push_back(scene.add_material(some_look()));
+      for (int i = 0; i < 400 && round % 2 == 0; ++i)
+        scene.set_material(core::ItemId(random() % scene.item_slots()), materials[random() % materials.size()]);
+      for (int i = 0; i < 3; ++i) scene.update_material(materials[random() % materials.size()], some_look());
+      scene.remove_material(materials[0]);
+      materials.erase(materials.begin());
+      ASSERT_TRUE(engine->commit());
+      auto fresh = Engine::create(scene, config(CullerChoice::kCpu));
+      ASSERT_TRUE(fresh);
+      const core::View eye = view(0.4 * round);
+      for (int frame = 0; frame < 3; ++frame) ASSERT_TRUE(engine->frame(eye));
+      ASSERT_TRUE(fresh->frame(eye));
+      ASSERT_NO_FATAL_FAILURE(expect_same_picture(*engine, *fresh, 1));
+    }
+  }
+}
+
+/// A pipe looks into its neighbour that has turned to glass.
+TEST_F(DrawingTest, EndsShowWhereAMaterialTurnsClear) {
+  core::Scene scene;
+  const core::MaterialId pane = scene.add_material({});
+  for (int i = 0; i < 5; ++i)
+    scene.add_primitive(scene.root(), core::Cylinder{1.0f, 2.0f}, core::translation({0, 0, 2.0 * i}),
+                        i % 2 == 1 ? pane : core::MaterialId{});
+  auto engine = Engine::create(scene, config(CullerChoice::kCpu));
+  ASSERT_TRUE(engine);
+  EXPECT_EQ(engine->snapshot().joints().count(), 8u);
+  scene.update_material(pane, {.name = "glass", .alpha = 0.0f});
+  ASSERT_TRUE(engine->commit());
+  auto fresh = Engine::create(scene, config(CullerChoice::kCpu));
+  ASSERT_TRUE(fresh);
+  const core::View eye = *core::View::perspective({{6, 1, 12}, {0, 0, 4}, {0, 0, 1}}, 0.9, 1.5, 0.1);
+  ASSERT_TRUE(engine->frame(eye) && fresh->frame(eye));
+  expect_same_picture(*engine, *fresh);
+}
+
 TEST_F(DrawingTest, DrawsFromAsideWhatAnotherViewSees) {
   core::Scene scene;
   fill(scene, 12);

@@ -23,6 +23,10 @@ View look(const dvec3& eye, const dvec3& target) {
   return *View::perspective({eye, target, {0, 0, 1}}, 0.8, 1.5, 0.1);
 }
 
+View look_at_all() {
+  return look({90, 90, 90}, {0, 0, 0});
+}
+
 std::vector<core::ItemId> visible_items(const Engine& engine) {
   std::vector<core::ItemId> items;
   for (const core::Slot slot : engine.visible().sorted_slots())
@@ -263,6 +267,134 @@ TEST(EngineRebuild, NeverWhenNotWanted) {
   ASSERT_TRUE(engine->commit());
   EXPECT_FALSE(engine->rebuilding());
   expect_like_new(*engine, scene);
+}
+
+// --- several engines -------------------------------------------------------------------------------------------------
+
+/// Each follows every edit, whoever commits it, from its own commit on; one of them in new orders all the time.
+TEST(EnginesOfOneScene, AllFollowWhoeverCommits) {
+  constexpr unsigned kSeed = 15;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937 random{kSeed};
+  core::Scene scene;
+  add_grid(scene, 16);
+  std::vector<Engine> engines;
+  for (const EngineConfig& config : {EngineConfig{.culler = CullerChoice::kLinear, .rebuild_share = 0.0},
+                                     EngineConfig{.culler = CullerChoice::kCpu, .rebuild_share = 0.0},
+                                     EngineConfig{.culler = CullerChoice::kCpu, .rebuild_share = 0.001}}) {
+    auto engine = Engine::create(scene, config);
+    ASSERT_TRUE(engine);
+    engines.push_back(std::move(*engine));
+  }
+  const View view = look_at_all();
+  for (int round = 0; round < 60; ++round) {
+    SCOPED_TRACE(round);
+    std::vector<std::vector<core::ItemId>> before;
+    for (Engine& engine : engines) {
+      ASSERT_TRUE(engine.frame(view));
+      before.push_back(visible_items(engine));
+    }
+    std::vector<bool> asked(engines.size());
+    for (int part = 0; part < 3; ++part) {
+      edit(scene, random, 60);
+      switch (const std::size_t who = random() % 5) {
+        case 3:
+          ASSERT_TRUE(scene.commit()) << "the application";
+          break;
+        case 4:
+          ASSERT_TRUE(engines[round % 3].rebuild());
+          asked[round % 3] = true;
+          break;
+        default:
+          ASSERT_TRUE(engines[who].commit());
+          asked[who] = true;
+      }
+    }
+    for (std::size_t i = 0; i < engines.size(); ++i) {
+      ASSERT_TRUE(engines[i].frame(view));
+      if (!asked[i]) {
+        EXPECT_EQ(visible_items(engines[i]), before[i]) << "engine " << i << " has not asked yet";
+      }
+    }
+    if (round % 4 != 0) continue;  // else they fall behind
+    for (Engine& engine : engines) {
+      ASSERT_TRUE(engine.commit());
+      ASSERT_NO_FATAL_FAILURE(expect_like_new(engine, scene));
+    }
+    if (round % 20 != 0) continue;
+    auto fresh = Engine::create(scene, {.culler = CullerChoice::kCpu});
+    ASSERT_TRUE(fresh);
+    engines[0] = std::move(*fresh);
+  }
+}
+
+/// An error of one is an error of all, and costs none of them an edit.
+TEST(EnginesOfOneScene, ARefusedCommitLosesNothing) {
+  core::Scene scene;
+  add_grid(scene, 4);
+  auto a = Engine::create(scene), b = Engine::create(scene);
+  ASSERT_TRUE(a && b);
+  scene.remove_item(0);
+  ASSERT_TRUE(a->commit());
+  scene.set_placement(1, core::translation(dvec3(std::numeric_limits<double>::quiet_NaN())));
+  EXPECT_FALSE(b->commit());
+  EXPECT_FALSE(a->commit());
+  scene.set_placement(1, {});
+  ASSERT_TRUE(b->commit() && a->commit());
+  expect_like_new(*a, scene);
+  expect_like_new(*b, scene);
+}
+
+/// Removed meshes lie in snapshots until their engine asks.
+TEST(EnginesOfOneScene, AMeshMayGoBeforeAllHaveAsked) {
+  core::Scene scene;
+  add_grid(scene, 12);
+  core::Mesh triangle;
+  triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  triangle.indices = {0, 1, 2};
+  const core::MeshId mesh = scene.add_mesh(triangle).value();
+  const core::ItemId item = scene.add_mesh_instance(scene.root(), mesh, core::translation({5, 5, 5}));
+  auto a = Engine::create(scene), b = Engine::create(scene);
+  ASSERT_TRUE(a && b);
+  scene.remove_item(item);
+  scene.remove_mesh(mesh);
+  ASSERT_TRUE(a->commit());
+  EXPECT_TRUE(b->snapshot().mesh(b->snapshot().slot(item)).positions.empty());
+  expect_like_new(*a, scene);
+  ASSERT_TRUE(b->commit());
+  expect_like_new(*b, scene);
+}
+
+/// A new order that was begun before the material was edited shows it all the same, also when no item was.
+TEST(EngineRebuild, LandsWithTheMaterialsOfNow) {
+  core::Scene scene;
+  add_grid(scene, 16);
+  const core::MaterialId paint = scene.add_material({});
+  for (core::ItemId item = 0; item < scene.item_slots(); item += 2) scene.set_material(item, paint);
+  auto engine = Engine::create(scene);
+  ASSERT_TRUE(engine);
+  constexpr unsigned kSeed = 16;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937 random{kSeed};
+  for (int round = 0; round < 20; ++round) {
+    SCOPED_TRACE(round);
+    edit(scene, random, 600);
+    ASSERT_TRUE(engine->commit());
+    ASSERT_TRUE(engine->rebuilding());
+    for (auto wait = random() % 3000; wait > 0; --wait) std::this_thread::yield();
+    core::Material look{.name = "look", .colour = {0, 0, float(round)}};
+    scene.update_material(paint, look);
+    look.colour.x = 1;
+    const core::MaterialId added = scene.add_material(look);
+    ASSERT_TRUE(engine->commit());
+    while (engine->rebuilding()) {
+      ASSERT_TRUE(engine->frame(look_at_all()));
+      std::this_thread::yield();
+    }
+    ASSERT_GT(engine->snapshot().materials().size(), added.index);
+    EXPECT_EQ(engine->snapshot().materials()[paint.index], glm::vec4(0, 0, round, 1));
+    EXPECT_EQ(engine->snapshot().materials()[added.index], glm::vec4(1, 0, round, 1));
+  }
 }
 
 TEST(Engine, ABadSceneIsAnErrorThatNamesTheNode) {

@@ -36,6 +36,37 @@ core::Expected<void> fill(ImportJob& job) {
   return {};
 }
 
+/// Readers check what files say. Should one let a bad mesh pass, the scene refuses it.
+TEST(ImportJob, AMeshThatTheSceneRefusesIsDamage) {
+  const auto read = [](ImportJob& job) -> core::Expected<void> {
+    const core::NodeId node = job.scene().add_node(job.file_node(), "part");
+    for (const std::uint32_t last : {2u, 3u, 1u}) {
+      core::Mesh mesh;
+      mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+      mesh.indices = {0, 1, last};
+      EXPECT_EQ(job.add_mesh(node, mesh, {}), last < 3);
+    }
+    return {};
+  };
+  for (const MeshCopies copies : {MeshCopies::kApart, MeshCopies::kSimilar}) {
+    core::Scene scene;
+    ImportOptions options;
+    options.copies = copies;
+    options.lenient = true;
+    const auto report = run_import("file", scene, scene.root(), options, {}, read);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(scene.item_count(), 2u);
+    ASSERT_EQ(report->warnings.size(), 1u);
+    EXPECT_EQ(report->warnings[0].message,
+              "file/part: item dropped: mesh \"\": expected indices below 3, the number of positions, found 3");
+    options.lenient = false;
+    const auto refused = run_import("file", scene, scene.root(), options, {}, read);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message, "file: " + report->warnings[0].message);
+    EXPECT_EQ(scene.item_count(), 2u) << "as it was";
+  }
+}
+
 TEST(ImportJob, FailureLeavesTheSceneAsItWas) {
   core::Scene scene;
   const ImportOptions options;

@@ -82,7 +82,7 @@ TEST_F(ObjWriter, MeshesComeBack) {
     std::uniform_real_distribution<double> angle(-3.0, 3.0), far(-1e7, 1e7);
     scene_ = core::Scene();
     const core::NodeId part = scene_.add_node(scene_.root(), "part", core::translation({far(random), far(random), 3}));
-    const core::MeshId mesh = scene_.add_mesh(random_mesh(random, seed % 2 == 0));
+    const core::MeshId mesh = scene_.add_mesh(random_mesh(random, seed % 2 == 0)).value();
     const double c = std::cos(angle(random)), s = std::sin(angle(random));
     for (int i = 0; i < 3; ++i) {
       core::Affine placement = core::translation({double(i), 0.1, -0.2});
@@ -116,7 +116,8 @@ TEST_F(ObjWriter, DigitsOfFarCoordinatesStay) {
   core::Mesh mesh;
   mesh.positions = {{0, 0, 0}, {0.0001f, 0, 0}, {0, 0.0001f, 0}};
   mesh.indices = {0, 1, 2};
-  scene_.add_mesh_instance(scene_.root(), scene_.add_mesh(mesh), core::translation({1e7 + 0.1, -2e7 / 3.0, 0.0}));
+  scene_.add_mesh_instance(scene_.root(), scene_.add_mesh(mesh).value(),
+                           core::translation({1e7 + 0.1, -2e7 / 3.0, 0.0}));
   round_trip();
   const std::vector<dvec3> before = corners(scene_, 0), after = corners(again_, 0);
   for (int k = 0; k < 3; ++k) EXPECT_LE(glm::length(before[std::size_t(k)] - after[std::size_t(k)]), 4e-9);

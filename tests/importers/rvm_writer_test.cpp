@@ -139,7 +139,7 @@ TEST(RvmWriter, MeshesBecomeFacetGroups) {
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   mesh.indices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
   const NodeId top = scene.add_node(scene.root(), "file");
-  scene.add_mesh_instance(scene.add_node(top, "g"), scene.add_mesh(mesh));
+  scene.add_mesh_instance(scene.add_node(top, "g"), scene.add_mesh(mesh).value());
   ASSERT_TRUE(rewrite(scene, top, again).valid());
   ASSERT_EQ(again.kind(0), core::Kind::kFacetGroup);
   const core::Mesh& got = again.mesh(again.mesh_of(0));

@@ -83,7 +83,7 @@ TEST_F(Normals, OfARayCastBall) {
 TEST_F(Normals, OfAMesh) {
   core::Scene scene;
   const core::Mesh mesh = gpuprims::tessellate(core::Sphere{float(2.0 * kRadius)}, {.fixed_segments = 96});
-  scene.add_mesh_instance(scene.root(), scene.add_mesh(mesh), core::translation(kCentre));
+  scene.add_mesh_instance(scene.root(), scene.add_mesh(mesh).value(), core::translation(kCentre));
   expect_ball(draw(scene, true), 2.5);
 }
 

@@ -70,7 +70,7 @@ class SceneRender : public tests::GlTest {
     core::Mesh triangle;
     triangle.positions = {{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0, 0, 0.5f}};
     triangle.indices = {0, 1, 2};
-    return scene.add_mesh(triangle);
+    return scene.add_mesh(triangle).value();
   }
 
   void expect_shown_as_if_built_anew(engine::Engine& edited, core::Scene& scene) {

@@ -115,7 +115,7 @@ void add_random_solids(core::Scene& scene, std::vector<Solid>& solids, std::mt19
     if (i % 4 == 3) {
       scene.add_primitive(node, solid.box);
     } else {
-      scene.add_mesh_instance(node, scene.add_mesh(mesh_of(solid.box, i % 3 == 2)));
+      scene.add_mesh_instance(node, scene.add_mesh(mesh_of(solid.box, i % 3 == 2)).value());
     }
     solids.push_back(solid);
   }
@@ -149,7 +149,7 @@ TEST_F(SectionCaps, NameTheInnerSolidOfANestedPairByItsOwnCrossings) {
   std::vector<Solid> solids{{{4, 4, 4}, {}}, {{1, 1, 1}, {dmat3(1.0), {0, 1.2, 0}}}};
   for (const Solid& solid : solids) {
     const core::NodeId node = scene.add_node(scene.root(), "box", solid.placed);
-    scene.add_mesh_instance(node, scene.add_mesh(mesh_of(solid.box, false)));
+    scene.add_mesh_instance(node, scene.add_mesh(mesh_of(solid.box, false)).value());
   }
   View view = *View::perspective({{0, -8, 0.5}, {0, 0, 0}, {0, 0, 1}}, 0.7, kAspect, kNear);
   view.sections = {{{0, 1, 0}, 0.0}};
@@ -163,7 +163,7 @@ TEST_F(SectionCaps, LeaveOpenMeshesOpen) {
   core::Mesh sheet = mesh_of({2, 2, 2}, false);
   sheet.indices.resize(sheet.indices.size() - 6);
   const core::NodeId node = scene.add_node(scene.root(), "box");
-  scene.add_mesh_instance(node, scene.add_mesh(sheet));
+  scene.add_mesh_instance(node, scene.add_mesh(sheet).value());
   View view = *View::perspective({{0, -8, 0.1}, {0, 0, 0}, {0, 0, 1}}, 0.5, kAspect, kNear);
   view.sections = {{{0, 1, 0}, 0.0}};
   engine::EngineConfig config;
