@@ -318,9 +318,9 @@ core::Expected<void> Engine::commit() {
   if (auto published = scene_->commit(); !published) return tl::unexpected(published.error());
   const core::SceneDelta delta = edits_.take();
   if (delta.empty()) return {};
-  if (rebuild_) rebuild_->begin_edit();
-  const std::vector<core::Slot> touched = live_.snapshot->apply(delta);
-  if (rebuild_) rebuild_->end_edit(delta);
+  std::vector<core::Slot> touched;
+  const auto apply = [&] { touched = live_.snapshot->apply(delta); };
+  rebuild_ ? rebuild_->edit(delta, apply) : apply();
   live_.update(touched);
   if (hybrid_) hybrid_->scene_changed(live_.snapshot->size());
   const double disorder = double(live_.snapshot->disorder());

@@ -32,9 +32,9 @@ Path Hybrid::next(double since_last_ms) {
 
 /// What waits for more to be known of a frame.
 Hybrid::Pending* Hybrid::find(std::uint64_t report_frame) {
-  if (report_frame < first_frame_) return nullptr;
-  Pending& p = pending(report_frame - first_frame_);
-  return p.sample.frame == report_frame - first_frame_ && !p.fed ? &p : nullptr;
+  const std::uint64_t frame = report_frame - first_frame_;  // of earlier ones beyond any that is pending
+  Pending& p = pending(frame);
+  return p.sample.frame == frame && !p.fed ? &p : nullptr;
 }
 
 void Hybrid::measured(const FrameReport& report, const culling::FrameSample& walk) {

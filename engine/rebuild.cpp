@@ -33,19 +33,18 @@ Generation make_generation(std::unique_ptr<core::Snapshot> snapshot, const PlanR
 BackgroundRebuild::BackgroundRebuild(const core::Snapshot& live, const PlanRequest& request)
     : live_(&live), thread_([this, request](const std::stop_token& stop) { run(stop, request); }) {}
 
-void BackgroundRebuild::begin_edit() {
+void BackgroundRebuild::edit(const core::SceneDelta& delta, const std::function<void()>& apply) {
   editing_ = true;  // the other thread lets us pass before its next piece
-  mutex_.lock();
-}
-
-void BackgroundRebuild::end_edit(const core::SceneDelta& delta) {
-  if (state_ != State::kExchanged) {
-    behind_ = true;
-    for (const auto* list : {&delta.removed, &delta.changed, &delta.inserted})
-      missed_.insert(missed_.end(), list->begin(), list->end());
+  {
+    const std::lock_guard held(mutex_);
+    apply();
+    if (state_ != State::kExchanged) {
+      behind_ = true;
+      for (const auto* list : {&delta.removed, &delta.changed, &delta.inserted})
+        missed_.insert(missed_.end(), list->begin(), list->end());
+    }
+    editing_ = false;
   }
-  editing_ = false;
-  mutex_.unlock();
   changed_.notify_one();
 }
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -50,9 +51,8 @@ class BackgroundRebuild {
   BackgroundRebuild(const BackgroundRebuild&) = delete;
   BackgroundRebuild& operator=(const BackgroundRebuild&) = delete;
 
-  /// Brackets every edit of the live snapshot. Waits for one piece at most, well below a millisecond.
-  void begin_edit();
-  void end_edit(const core::SceneDelta& delta);
+  /// Lets `apply` edit the live snapshot by `delta`. Waits for one piece at most, well below a millisecond.
+  void edit(const core::SceneDelta& delta, const std::function<void()>& apply);
 
   /// When the new generation is ready and shows all edits, puts it in place of the live one, which the background
   /// thread frees. Never waits for the build.

@@ -353,6 +353,53 @@ TEST(Joints, DissolveWhereAMaterialTurnsClear) {
   EXPECT_EQ(snapshot.joints().count(), 6u);
 }
 
+/// Of the slots there were before, however the others end: gone, or appended.
+TEST(Joints, NeighboursEditedTogetherTouchFormerSlotsOnly) {
+  const auto check = [](const char* what, void (*edit)(Scene&)) {
+    SCOPED_TRACE(what);
+    Solids solids;
+    for (int i = 0; i < 6; ++i) solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, double(i)}));
+    Snapshot snapshot = solids.snapshot();
+    const std::size_t size = snapshot.size();
+    std::vector<Slot> expected;
+    for (ItemId item = 1; item < 5; ++item) expected.push_back(snapshot.slot(item));
+    edit(solids.scene);
+    std::vector<Slot> touched = snapshot.apply(*solids.scene.commit());
+    for (const Slot slot : touched) EXPECT_LT(slot, size);
+    std::sort(touched.begin(), touched.end());
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(touched, expected);
+  };
+  check("removed", [](Scene& s) { s.remove_item(2), s.remove_item(3); });
+  check("moved far", [](Scene& s) {
+    s.set_placement(2, translation({900, 0, 2}));
+    s.set_placement(3, translation({900, 0, 3}));
+  });
+}
+
+/// Slices that are closed, none, or cut themselves have no ends; those that touch their axis do.
+TEST(Joints, EndsOfTori) {
+  constexpr float kTurn = float(2.0 * kPi);
+  const auto has_ends = [](const CircularTorus& torus) {
+    const bool bottom = end_face(torus, {}, kBottomEnd).has_value(), top = end_face(torus, {}, kTopEnd).has_value();
+    EXPECT_EQ(bottom, top);
+    return bottom;
+  };
+  const auto torus = [](float major, float tube, float angle) { return CircularTorus{major, tube, angle}; };
+  for (const float angle : {1e-3f, 1.0f, 6.2f, 6.28f, -1.0f}) EXPECT_TRUE(has_ends(torus(2, 1, angle))) << angle;
+  for (const float angle : {0.0f, kTurn, 7.0f, -kTurn}) EXPECT_FALSE(has_ends(torus(2, 1, angle))) << angle;
+  EXPECT_TRUE(has_ends(torus(1, 1, 1))) << "touches its axis";
+  EXPECT_FALSE(has_ends(torus(1, 1.001f, 1))) << "crosses it";
+  EXPECT_TRUE(has_ends(torus(2, -1, 1)) && has_ends(torus(-2, 1, 1))) << "signs mean nothing";
+  const auto top = end_face(torus(2, 1, float(kPi / 2)), {}, kTopEnd);
+  ASSERT_TRUE(top);
+  EXPECT_NEAR(glm::distance(top->centre, dvec3(0, 2, 0)), 0.0, 1e-6);
+  EXPECT_NEAR(glm::normalize(glm::cross(top->u, top->v)).x, -1.0, 1e-6);
+  const auto bottom = end_face(torus(2, 1, float(kPi / 2)), {}, kBottomEnd);
+  EXPECT_NEAR(glm::distance(bottom->centre, dvec3(2, 0, 0)), 0.0, 1e-6);
+  EXPECT_NEAR(glm::normalize(glm::cross(bottom->u, bottom->v)).y, -1.0, 1e-6);
+}
+
 TEST(Joints, EditedNeighboursAreTouchedOnce) {
   Solids solids;
   for (int i = 0; i < 6; ++i) solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, double(i)}));

@@ -489,6 +489,55 @@ TEST(Scene, ANodeThatCannotHangBelowItselfStaysWhereItIs) {
   EXPECT_EQ(scene.path(c), "d/a/c");
 }
 
+// --- joining and taking back -----------------------------------------------------------------------------------------
+
+/// Places that removed nodes have left in either scene are given to new nodes, once each.
+TEST(Scene, JoinedScenesReuseTheirPlaces) {
+  Scene scene;
+  const NodeId top = scene.add_node(scene.root(), "top");
+  scene.remove_node(scene.add_node(top));
+  Scene other;
+  const NodeId first = other.add_node(other.root(), "first");
+  std::vector<NodeId> gone;
+  for (int i = 0; i < 10; ++i) gone.push_back(other.add_node(first, "gone"));
+  const NodeId last = other.add_node(first, "last");
+  other.add_primitive(last, kPipe);
+  for (const NodeId node : gone) other.remove_node(node);
+  const std::vector<NodeId> added = scene.append(top, std::move(other));
+  ASSERT_EQ(added.size(), 1u);
+  const std::size_t nodes = scene.node_count();
+  std::uint32_t places = 0;
+  scene.for_each_node(scene.root(), [&](NodeId node, const Affine&, bool, std::uint32_t, MaterialId) {
+    places = std::max(places, node.index + 1);
+  });
+  std::vector<NodeId> fresh;
+  for (int i = 0; i < 11; ++i) fresh.push_back(scene.add_node(top, "fresh"));
+  EXPECT_EQ(scene.node_count(), nodes + 11);
+  for (const NodeId node : fresh) EXPECT_LT(node.index, places) << "no new place";
+  const NodeId beyond = scene.add_node(top);
+  EXPECT_EQ(beyond.index, places);
+  std::vector<NodeId> below = added;
+  below.insert(below.end(), fresh.begin(), fresh.end());
+  below.push_back(beyond);
+  EXPECT_EQ(children_of(scene, top), below);
+  ASSERT_EQ(children_of(scene, added[0]).size(), 1u);
+  EXPECT_EQ(scene.path(scene.node_of(0)), "top/first/last");
+}
+
+/// Items that were pending before the mark stay so; ids that are given out again are published once.
+TEST(Scene, WhatIsTakenBackIsNotPublished) {
+  Scene scene;
+  const ItemId pending = scene.add_primitive(scene.root(), kPipe);
+  const Scene::Mark mark = scene.mark();
+  const NodeId tried = scene.add_node(scene.root());
+  for (int i = 0; i < 3; ++i) scene.add_primitive(tried, kPipe);
+  scene.take_back(mark, std::vector{tried});
+  const ItemId again = scene.add_primitive(scene.root(), kPipe);
+  EXPECT_EQ(again, pending + 1);
+  EXPECT_EQ(scene.commit()->inserted, (Ids{pending, again}));
+  EXPECT_TRUE(scene.commit()->empty());
+}
+
 // --- subscriptions ---------------------------------------------------------------------------------------------------
 
 TEST(Scene, EachSubscriptionGetsWhatWasPublishedSinceItAsked) {

@@ -470,6 +470,33 @@ TEST(Snapshot, FollowsAWholeSiteThatMovesAway) {
   expect_shows(wide, vast);
 }
 
+/// Each chunk goes along as it was: no offset grows, as it would about the first item of the chunk that has moved.
+TEST(Snapshot, WhatMovesAsAWholeKeepsItsPlaceInItsChunk) {
+  Scene scene;
+  const NodeId site = scene.add_node(scene.root());
+  Random random(10);
+  constexpr int kItems = 8 * 32;  // heaps that are blocks of slots
+  for (int i = 0; i < kItems; ++i) {
+    const dvec3 heap(200.0 * (i % 8), 0.0, 0.0);
+    scene.add_primitive(site, Cylinder{1, 1},
+                        translation(heap + dvec3(uniform(random, 0, 14), uniform(random, 0, 14), 0.0)));
+  }
+  ASSERT_TRUE(scene.commit());
+  Snapshot snapshot(scene);
+  const auto offsets = [&] {
+    std::vector<vec3> by_item(kItems);
+    const KindItems& list = snapshot.of_kind(Kind::kCylinder);
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (const ItemId item = snapshot.item(list.slots[i]); item != kNone) by_item[item] = list.placements[i].origin;
+    return by_item;
+  };
+  const std::vector<vec3> before = offsets();
+  scene.set_transform(site, translation({5e5, 5e5, 0}));
+  snapshot.apply(*scene.commit());
+  const std::vector<vec3> after = offsets();
+  for (std::size_t i = 0; i < before.size(); ++i) ASSERT_LT(glm::distance(before[i], after[i]), 1e-4f) << "item " << i;
+}
+
 TEST(Snapshot, FollowsADeepNestThatMoves) {
   Scene scene;
   NodeId node = scene.root();

@@ -1,6 +1,7 @@
 // The engine without drawing: plans, frames, edits and errors.
 #include "sightline/engine/engine.h"
 
+#include <chrono>
 #include <limits>
 #include <random>
 #include <thread>
@@ -254,6 +255,53 @@ TEST(EngineRebuild, MayBeMovedDestroyedOrStoppedAtAnyTime) {
         EXPECT_FALSE(engine->rebuilding());
         ASSERT_NO_FATAL_FAILURE(expect_like_new(*engine, scene));
     }
+  }
+}
+
+/// From 256 slots and more than its share of all on.
+TEST(EngineRebuild, BeginsAboveItsShare) {
+  struct Case {
+    int side;
+    double share;
+    core::ItemId most;  // slots given up without a new order
+  };
+  for (const auto& [side, share, most] : {Case{20, 1.0 / 16.0, 500}, Case{20, 1.0 / 8.0, 1000}, Case{20, 1e-3, 256}}) {
+    core::Scene scene;
+    add_grid(scene, side);
+    auto engine = Engine::create(scene, {.rebuild_share = share});
+    ASSERT_TRUE(engine);
+    for (core::ItemId item = 0; item < most; ++item) scene.remove_item(item);
+    ASSERT_TRUE(engine->commit());
+    EXPECT_EQ(engine->snapshot().disorder(), most);
+    EXPECT_FALSE(engine->rebuilding()) << share;
+    scene.remove_item(most);
+    ASSERT_TRUE(engine->commit());
+    EXPECT_TRUE(engine->rebuilding()) << share;
+  }
+}
+
+/// An edit comes between the end of the build and the exchange: the exchange waits until it is caught up with.
+TEST(EngineRebuild, WhatLandsShowsTheLastEdit) {
+  for (int round = 0; round < 60; ++round) {
+    SCOPED_TRACE(round);
+    core::Scene scene;
+    add_grid(scene, 7);
+    ASSERT_TRUE(scene.commit());
+    const PlanRequest request{CullerChoice::kCpu};
+    Generation live = make_generation(std::make_unique<core::Snapshot>(scene), request);
+    const std::uint64_t first = live.snapshot->generation();
+    BackgroundRebuild rebuild(*live.snapshot, request);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // mostly enough for the build
+    const core::ItemId hidden = core::ItemId(round), removed = core::ItemId(100 + round);
+    scene.set_visible(hidden, false);
+    scene.remove_item(removed);
+    const auto delta = scene.commit();
+    ASSERT_TRUE(delta);
+    rebuild.edit(*delta, [&] { live.snapshot->apply(*delta); });
+    while (!rebuild.exchange(live)) std::this_thread::yield();
+    EXPECT_NE(live.snapshot->generation(), first);
+    EXPECT_TRUE(live.snapshot->vacant(live.snapshot->slot(hidden)));
+    EXPECT_EQ(live.snapshot->slot(removed), core::kNone);
   }
 }
 

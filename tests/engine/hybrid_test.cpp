@@ -37,7 +37,6 @@ TEST_F(HybridTest, ASwitchChangesNoPixel) {
       for (core::ItemId item = 0; item < 300; ++item) scene.set_visible(item * 7, false);
       for (int i = 0; i < 40; ++i)
         scene.add_primitive(scene.root(), core::Box{0.5f, 0.5f, 0.5f}, core::translation({0.5 * i, 11.5, 12.5}));
-      // Both engines follow one scene, whose commit hands its edits out once.
       ASSERT_TRUE(hybrid->commit());
       ASSERT_TRUE(cpu->rebuild());
     }
@@ -128,6 +127,102 @@ TEST_F(HybridTest, FrameCostGivesAGpuWithoutTimesUp) {
     on_gpu += std::string_view(report->path) == "gpu";
   }
   EXPECT_LE(on_gpu, 30);
+}
+
+/// Of late reports that nobody takes the last 64 are kept.
+TEST_F(HybridTest, TheOldestLateReportsAreLost) {
+  core::Scene scene;
+  fill(scene, 22);
+  EngineConfig c = config(CullerChoice::kHybrid);
+  c.draw = false;
+  c.controller.seed.gpu_frames = 1000;
+  auto engine = Engine::create(scene, c);
+  ASSERT_TRUE(engine);
+  std::uint64_t last = 0;
+  int on_gpu = 0;
+  for (int frame = 0; frame < 120; ++frame) {
+    const auto report = engine->frame(view(0.05 * frame));
+    ASSERT_TRUE(report);
+    context->functions().Finish();
+    if (std::string_view(report->path) != "gpu") continue;
+    ++on_gpu;
+    last = report->frame;
+  }
+  ASSERT_GT(on_gpu, 80);
+  std::vector<std::uint64_t> frames;
+  while (const auto report = engine->take_late_report()) frames.push_back(report->frame);
+  ASSERT_EQ(frames.size(), 64u);
+  for (std::size_t i = 0; i < frames.size(); ++i) EXPECT_EQ(frames[i], last - 63 + i);
+}
+
+/// A GPU that has no memory left costs the hybrid nothing but its GPU path; who asked for the GPU is told.
+TEST_F(HybridTest, AGpuCullerThatFails) {
+  core::Scene scene;
+  fill(scene, 22);
+  const auto get_error = context->functions().GetError;
+  auto& gl = const_cast<gl::Functions&>(context->functions());
+  for (const CullerChoice culler : {CullerChoice::kHybrid, CullerChoice::kGpu}) {
+    EngineConfig c = config(culler);
+    c.draw = false;
+    auto engine = Engine::create(scene, c), cpu = Engine::create(scene, config(CullerChoice::kCpu));
+    ASSERT_TRUE(engine && cpu);
+    const auto expected = cpu->frame(view(0));
+    ASSERT_TRUE(expected);
+    gl.GetError = []() -> GLenum { return GL_OUT_OF_MEMORY; };
+    core::Expected<engine::FrameReport> report;
+    for (int frame = 0; frame < 8 && report; ++frame) {
+      report = engine->frame(view(0));
+      if (!report) break;
+      EXPECT_STREQ(report->path, "cpu");
+      EXPECT_EQ(report->visible, expected->visible);
+    }
+    gl.GetError = get_error;
+    EXPECT_EQ(bool(report), culler == CullerChoice::kHybrid) << (report ? "" : report.error().message);
+  }
+}
+
+/// Nothing to cull with on the GPU: a hybrid that comes then begins on the CPU, and takes the GPU when it is there.
+TEST_F(HybridTest, AHybridWithoutAContextWaitsForOne) {
+  core::Scene scene;
+  fill(scene, 22);
+  auto engine = Engine::create(scene, config(CullerChoice::kCpu));
+  ASSERT_TRUE(engine && engine->frame(view(0)));
+  engine->drop_context();
+  ASSERT_TRUE(engine->set_culler(CullerChoice::kHybrid));
+  ASSERT_NE(engine->hybrid(), nullptr);
+  const auto on_gpu = [&] {
+    int frames = 0;
+    for (int frame = 0; frame < 12; ++frame) {
+      const auto report = engine->frame(view(0.1 * frame));
+      EXPECT_TRUE(report);
+      frames += std::string_view(report->path) == "gpu";
+    }
+    return frames;
+  };
+  EXPECT_EQ(on_gpu(), 0);
+  ASSERT_TRUE(engine->rebuild());
+  EXPECT_EQ(on_gpu(), 0);
+  ASSERT_TRUE(engine->use_context(*context));
+  EXPECT_GT(on_gpu(), 0);
+}
+
+/// Frames before the hybrid's first are none of its business, whatever they measured; its first is.
+TEST(Hybrid, CountsFromItsFirstFrame) {
+  constexpr std::uint64_t kFirst = 1000;
+  const auto estimate_after = [](std::uint64_t reported) {
+    culling::ControllerConfig config;
+    config.policy = culling::Policy::kSeedStateMachine;
+    config.seed.slow_ms = 5.0;
+    config.seed.enter_frames = 1;
+    engine::Hybrid hybrid(config, 1'000'000, kFirst);
+    EXPECT_EQ(hybrid.next(0.0), culling::Path::kCpu);
+    hybrid.measured(engine::FrameReport{.frame = kFirst, .cull_ms = 50.0, .drawn = true, .visible = 900'000});
+    hybrid.drawn(reported, 60.0);
+    return hybrid.next(70.0);
+  };
+  EXPECT_EQ(estimate_after(kFirst), culling::Path::kGpu) << "drawn and slow";
+  for (const std::uint64_t other : {kFirst - 1, kFirst - 8, kFirst + 1, std::uint64_t(0)})
+    EXPECT_EQ(estimate_after(other), culling::Path::kCpu) << other;
 }
 
 /// The form of the GPU culler is measured once, or is the one asked for; the plan tells, also after a rebuild.

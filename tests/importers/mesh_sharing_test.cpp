@@ -1,6 +1,7 @@
 #include "sightline/importers/mesh_sharing.h"
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include <glm/gtc/quaternion.hpp>
@@ -64,14 +65,14 @@ TEST(MeshSharing, FindsCopiesUnderSimilarities) {
     Mesh mesh = seed % 2 ? box_mesh({1.0 + 0.01 * seed, 0.5, 0.2}) : random_mesh(random, 4 + seed, 1.0);
     if (seed % 3 == 0)
       for (const vec3& p : mesh.positions) mesh.normals.push_back(glm::normalize(p + vec3(1e-3f)));
-    const auto original = sharing.add(mesh);
+    const auto original = sharing.add(mesh).value();
     EXPECT_FALSE(original.shared);
     for (int copy = 0; copy < 5; ++copy) {
       // Importers centre meshes: a copy lies within a few sizes of the origin.
       Affine map = random_similarity(random, 0.0);
       map.origin = std::cbrt(glm::determinant(map.linear)) * dvec3(1.0, -0.5, 0.25);
       const Mesh there = moved(mesh, map);
-      const auto use = sharing.add(there);
+      const auto use = sharing.add(there).value();
       ASSERT_TRUE(use.shared);
       EXPECT_EQ(use.mesh, original.mesh);
       double worst = 0.0;
@@ -91,8 +92,8 @@ TEST(MeshSharing, KeepsApartWhatDiffers) {
   const auto found = [&](const Mesh& other) {
     core::Scene scene;
     MeshSharing sharing(scene);
-    sharing.add(mesh);
-    const auto use = sharing.add(other);
+    sharing.add(mesh).value();
+    const auto use = sharing.add(other).value();
     EXPECT_EQ(scene.mesh_slots(), use.shared ? 1u : 2u);
     return use.shared;
   };
@@ -112,18 +113,58 @@ TEST(MeshSharing, KeepsApartWhatDiffers) {
   other.normals.assign(mesh.positions.size(), {0, 0, 1});
   EXPECT_FALSE(found(other)) << "with normals";
   other = mesh;
-  other.contour_sizes = {3};
+  other.contour_sizes = {50};
   other.polygon_contours = {1};
   EXPECT_FALSE(found(other)) << "other polygons";
+}
+
+TEST(MeshSharing, KeepsApartWhatIsShadedDifferently) {
+  std::mt19937 random(2);
+  Mesh mesh = random_mesh(random, 20, 1.0);
+  for (const vec3& p : mesh.positions) mesh.normals.push_back(glm::normalize(p));
+  const Mesh there = moved(mesh, core::translation({3.0, 1.0, 2.0}));
+  const auto found = [&](float off) {
+    core::Scene scene;
+    MeshSharing sharing(scene);
+    sharing.add(mesh).value();
+    Mesh other = there;
+    other.normals[7] += off * vec3(other.normals[7].y, -other.normals[7].x, 0.0f);
+    return sharing.add(other).value().shared;
+  };
+  EXPECT_TRUE(found(0.0f));
+  EXPECT_TRUE(found(0.5e-3f));
+  for (const float off : {3e-3f, 1e-2f, 0.1f, 1.0f, std::numeric_limits<float>::quiet_NaN()})
+    EXPECT_FALSE(found(off)) << off;
+}
+
+/// What is only moved has a placement without a turn, to the bit, and says how far off its vertices are.
+TEST(MeshSharing, AMovedCopyIsNotTurned) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 50; ++round) {
+    core::Scene scene;
+    MeshSharing sharing(scene);
+    const Mesh mesh = random_mesh(random, 10, 1.0);
+    sharing.add(mesh).value();
+    const Mesh there = moved(mesh, core::translation({0.1 + round, 0.2, -0.3}));
+    const auto use = sharing.add(there).value();
+    ASSERT_TRUE(use.shared);
+    EXPECT_EQ(use.added_from_mesh.linear, core::dmat3(1.0));
+    double worst = 0.0;
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+      worst = std::max(worst, glm::distance(core::transform_point(use.added_from_mesh, dvec3(mesh.positions[i])),
+                                            dvec3(there.positions[i])));
+    EXPECT_GT(worst, 0.0);
+    EXPECT_NEAR(use.error, worst, 1e-15);
+  }
 }
 
 TEST(MeshSharing, ExactCopiesAlone) {
   core::Scene scene;
   MeshSharing sharing(scene, MeshCopies::kExact);
   const Mesh box = box_mesh({1, 2, 3});
-  sharing.add(box);
-  EXPECT_TRUE(sharing.add(box).shared);
-  EXPECT_FALSE(sharing.add(moved(box, core::translation({1.0, 0.0, 0.0}))).shared);
+  sharing.add(box).value();
+  EXPECT_TRUE(sharing.add(box).value().shared);
+  EXPECT_FALSE(sharing.add(moved(box, core::translation({1.0, 0.0, 0.0}))).value().shared);
 }
 
 TEST(MeshSharing, TakesMeshesWithoutExtent) {
@@ -134,7 +175,7 @@ TEST(MeshSharing, TakesMeshesWithoutExtent) {
     for (std::size_t i = 0; i + 2 < positions.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k) mesh.indices.push_back(std::uint32_t(i + k));
     mesh.positions = std::move(positions);
-    return sharing.add(std::move(mesh));
+    return sharing.add(std::move(mesh)).value();
   };
   EXPECT_FALSE(add({}).shared);
   EXPECT_TRUE(add({}).shared);
@@ -150,9 +191,9 @@ TEST(MeshSharing, KeepsApartWhatDiffersByMoreThanAnySite) {
   core::Scene scene;
   MeshSharing sharing(scene);
   const Mesh tiny = box_mesh(dvec3(1e-20, 2e-20, 3e-20));
-  EXPECT_FALSE(sharing.add(tiny).shared);
-  EXPECT_FALSE(sharing.add(moved(tiny, {core::dmat3(1e38), {}})).shared);
-  EXPECT_TRUE(sharing.add(moved(tiny, {core::dmat3(1e5), {}})).shared);
+  EXPECT_FALSE(sharing.add(tiny).value().shared);
+  EXPECT_FALSE(sharing.add(moved(tiny, {core::dmat3(1e38), {}})).value().shared);
+  EXPECT_TRUE(sharing.add(moved(tiny, {core::dmat3(1e5), {}})).value().shared);
 }
 
 /// Thousands of meshes of one topology: each is looked up by its shape, not compared with all others.
@@ -163,11 +204,12 @@ TEST(MeshSharing, TellsManyBoxesApart) {
   std::uniform_real_distribution<double> side(0.1, 1.0);
   std::vector<dvec3> halves;
   for (int i = 0; i < 3000; ++i) halves.emplace_back(side(random), side(random), side(random));
-  for (const dvec3& half : halves) sharing.add(box_mesh(half));
+  for (const dvec3& half : halves) sharing.add(box_mesh(half)).value();
   const std::size_t kinds = scene.mesh_slots();
   EXPECT_GE(kinds, 2990u);
   std::size_t shared = 0;
-  for (const dvec3& half : halves) shared += sharing.add(moved(box_mesh(half), random_similarity(random, 1.0))).shared;
+  for (const dvec3& half : halves)
+    shared += sharing.add(moved(box_mesh(half), random_similarity(random, 1.0))).value().shared;
   EXPECT_GE(shared, 2990u);
 }
 

@@ -287,6 +287,43 @@ TEST_F(SceneRender, AppendedSlotsShowAsIfBuiltAnew) {
   }
 }
 
+/// Records are appended until the memory is exactly full; one more takes a new GPU scene, and is not half done.
+TEST_F(SceneRender, RecordsFillTheirMemoryToTheLast) {
+  core::Scene scene;
+  const core::MeshId mesh = add_triangle(scene);
+  for (int i = 0; i < 20; ++i) {
+    scene.add_primitive(scene.root(), core::Sphere{1}, core::translation({2.0 * i, 0, 0}));
+    scene.add_mesh_instance(scene.root(), mesh, core::translation({2.0 * i, 0, 2}));
+  }
+  ASSERT_TRUE(scene.commit());
+  core::Snapshot snapshot(scene);
+  auto gpu = gpuscene::GpuScene::create(*context, snapshot);
+  ASSERT_TRUE(gpu);
+  for (const bool meshes : {false, true}) {
+    const auto batch = [&]() -> const gpuscene::Batch& {
+      return *gpu->batch(meshes ? gpuscene::BatchKind::kMesh : gpuscene::BatchKind::kSphereCap);
+    };
+    const auto append = [&](std::uint32_t count) {
+      for (std::uint32_t i = 0; i < count; ++i)
+        if (meshes)
+          scene.add_mesh_instance(scene.root(), mesh);
+        else
+          scene.add_primitive(scene.root(), core::Sphere{1});
+      snapshot.apply(*scene.commit());
+      return gpu->append(snapshot);
+    };
+    const std::uint32_t room = batch().capacity - batch().count;
+    ASSERT_GT(room, 2u);
+    EXPECT_TRUE(append(1));
+    EXPECT_TRUE(append(room - 1)) << "exactly full";
+    EXPECT_EQ(batch().count, batch().capacity);
+    if (!meshes) continue;  // else the snapshot is ahead of the GPU scene
+    EXPECT_FALSE(append(1));
+    EXPECT_EQ(batch().count, batch().capacity);
+    EXPECT_EQ(gpu->meshes().commands.size(), batch().capacity);
+  }
+}
+
 /// Ranges may hold vacant slots, and long ones are drawn without a look at their items.
 TEST_F(SceneRender, VacantSlotsOfRangesAreNotDrawn) {
   core::Scene scene;
