@@ -682,15 +682,15 @@ Expected<SceneDelta> Scene::commit() {
   dirty_items_ = {};
   dirty_nodes_.clear();
   if (delta->empty()) return delta;
-  auto& inboxes = subscribers_.inboxes;
-  std::erase_if(inboxes, [](const auto& inbox) { return inbox.expired(); });
-  for (const auto& inbox : inboxes) inbox.lock()->push(*delta);
+  for (const auto& subscriber : subscribers_.inboxes)
+    if (const auto inbox = subscriber.lock()) inbox->push(*delta);
   return delta;
 }
 
 SceneSubscription Scene::subscribe() {
   SceneSubscription subscription;
   subscription.inbox_ = std::make_shared<SceneSubscription::Inbox>();
+  std::erase_if(subscribers_.inboxes, [](const auto& inbox) { return inbox.expired(); });
   subscribers_.inboxes.push_back(subscription.inbox_);
   return subscription;
 }

@@ -25,6 +25,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   }
   gl::Context context = (config.context ? *config.context : *own).share();
   std::unique_ptr<Drawing> drawing(new Drawing(std::move(own), std::move(context)));
+  if (auto current = drawing->make_current(); !current) return tl::unexpected(current.error());
   drawing->renders_ = config.draw;
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {

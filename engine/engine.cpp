@@ -185,6 +185,9 @@ void Engine::drop_context() {
 }
 
 core::Expected<void> Engine::use_context(gl::Context& context) {
+#if SIGHTLINE_HAS_GL
+  if (drawing_ && drawing_->lost()) drop_context();
+#endif
   assert(!drawing_ && "the other context is still in use: drop_context()");
   const auto before = std::pair(config_.context, next_try_);
   config_.context = &context;

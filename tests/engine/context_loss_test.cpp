@@ -134,6 +134,8 @@ TEST_F(ContextLossTest, AContextThatGoesFirstIsLost) {
     auto other = Engine::create(scene, switching(culler, &*context));
     ASSERT_TRUE(other);
     made.reset();
+    ASSERT_TRUE(unused->use_context(*context)) << "straight away";
+    EXPECT_TRUE(unused->frame(view(0))->drawn);
     (void)engine->take_late_report();
     engine->finish();
     EXPECT_EQ(engine->drawing(), nullptr);

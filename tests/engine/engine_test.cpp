@@ -345,6 +345,10 @@ TEST(EnginesOfOneScene, AllFollowWhoeverCommits) {
     std::vector<bool> asked(engines.size());
     for (int part = 0; part < 3; ++part) {
       edit(scene, random, 60);
+      const core::Scene::Mark mark = scene.mark();  // an import that fails
+      const core::NodeId tried = scene.add_node(scene.root());
+      scene.add_primitive(tried, core::Sphere{5}, core::translation(dvec3(8.0)), scene.add_material({}));
+      scene.take_back(mark, std::vector{tried});
       switch (const std::size_t who = random() % 5) {
         case 3:
           ASSERT_TRUE(scene.commit()) << "the application";

@@ -286,6 +286,33 @@ TEST_F(ContextTest, TwoContextsAreIndependent) {
   EXPECT_EQ(value_in(here), 1u);
 }
 
+/// What is left of a context that went first frees nothing, least of all what another context calls by the same name.
+TEST_F(ContextTest, AShareOutlivesItsContext) {
+  for (const bool assigned : {false, true}) {
+    Context first = make_context(ContextPlatform::kAutomatic);
+    const Context share = first.share();
+    Buffer of_first, of_second;
+    make_buffer_of(share, 1, of_first);
+    EXPECT_FALSE(share.lost());
+    { const Context another = share.share(); }
+    EXPECT_TRUE(share.make_current() && !share.lost()) << "shares come and go";
+    Context second = make_context(ContextPlatform::kAutomatic);
+    ASSERT_EQ(make_buffer_of(second, 2, of_second), of_first.id()) << "the same name";
+    if (assigned)
+      first = std::move(second);
+    else
+      Context(std::move(first));
+    EXPECT_TRUE(share.lost());
+    const auto current = share.make_current();
+    ASSERT_FALSE(current);
+    EXPECT_NE(current.error().message.find("destroyed"), std::string::npos) << current.error().message;
+    EXPECT_EQ(share.renderer(), context->renderer()) << "what is known stays";
+    of_first = {};
+    EXPECT_EQ(value_in(of_second), 2u);
+    of_second = {};
+  }
+}
+
 TEST_F(ContextTest, MovingKeepsTheTableAndTheLog) {
   const Functions* table = &gl();
   Context moved = std::move(*context);
