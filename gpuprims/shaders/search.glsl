@@ -38,7 +38,7 @@ const float kHiddenReach = 2e-4;
 float hidden_reach(Search s, int face) { return shown(s, face) ? 0.0 : kHiddenReach; }
 
 void offer_part(inout Search s, float t0, int face0, float t1, int face1, vec2 kept, bool cut) {
-  if (!(t0 <= kept.y && t1 >= kept.x)) return;
+  if (!(max(t0, kept.x) <= min(t1, kept.y))) return;
   if (t0 >= kept.x) {
     if (shown(s, face0)) {
       offer(s, t0, face0);

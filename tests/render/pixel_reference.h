@@ -1,18 +1,23 @@
-// What a pixel should show of a solid: the double-precision intersection of the ray through its centre, the slow,
+// What a pixel should show: the double-precision intersection of the ray through its centre with everything, the slow,
 // obvious way.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
+#include "sightline/core/mesh.h"
 #include "sightline/core/view.h"
 #include "sightline/gpuprims/primitives.h"
 
 namespace sightline::tests {
 
-inline bool sections_keep(const core::View& view, const core::dvec3& p) {
+using core::dvec3;
+using core::dvec4;
+
+inline bool sections_keep(const core::View& view, const dvec3& p) {
   if (view.sections.empty()) return true;
   const bool unite = view.section_mode == core::SectionMode::kUnion;
   for (const core::Plane& plane : view.sections)
@@ -20,28 +25,31 @@ inline bool sections_keep(const core::View& view, const core::dvec3& p) {
   return !unite;
 }
 
-/// Where the ray's own t enters what the sections keep: candidates for cut faces.
-inline std::vector<double> section_entries(const core::View& view, const core::dvec3& origin,
-                                           const core::dvec3& direction) {
-  std::vector<double> entries;
+/// Where the ray's own t enters what the sections keep, and the plane it enters through: candidates for cut faces.
+struct SectionEntry {
+  double t;
+  dvec3 normal;  ///< of the plane, in the world
+};
+inline std::vector<SectionEntry> section_entries(const core::View& view, const dvec3& origin, const dvec3& direction) {
+  std::vector<SectionEntry> entries;
   for (const core::Plane& plane : view.sections) {
     const double t = -core::evaluate(plane, origin) / glm::dot(plane.normal, direction);
-    const double step = 1e-9 * std::abs(t) + 1e-15 * glm::length(origin);
+    const double step = 1e-9 * std::abs(t) + 1e-14 * glm::length(origin);
     if (std::isfinite(t) && !sections_keep(view, origin + (t - step) * direction) &&
         sections_keep(view, origin + (t + step) * direction))
-      entries.push_back(t);
+      entries.push_back({t, plane.normal});
   }
   return entries;
 }
 
 /// origin + t * direction in the world, t in eye depth; what is nearer than t_near or farther than t_far is not shown.
 struct PixelRay {
-  core::dvec3 origin, direction;
+  dvec3 origin, direction;
   double t_near, t_far;
 };
 
-inline PixelRay pixel_ray(const core::View& view, int width, int height, int x, int y) {
-  using core::dvec3, core::dvec4;
+/// Through pixel x, y from the top left, 0, 0 being the first pixel's centre.
+inline PixelRay pixel_ray(const core::View& view, int width, int height, double x, double y) {
   const core::dmat4 eye_from_clip = glm::inverse(view.clip_from_eye());
   const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
   const bool reversed = view.clip_depth() != core::ClipDepth::kMinusOneToOne;
@@ -60,26 +68,96 @@ inline PixelRay pixel_ray(const core::View& view, int width, int height, int x, 
   return {dvec3(world_from_eye * dvec4(near, 1.0)), core::dmat3(world_from_eye) * direction, t_near, t_far};
 }
 
+/// What a ray meets first of what a view shows.
+struct Sight {
+  double depth = std::numeric_limits<double>::infinity();  ///< in eye space; infinity: nothing
+  dvec3 normal{0.0};                                       ///< unit, in eye space, towards the eye
+  bool cut = false;                                        ///< on the face where a section cuts a solid
+  std::vector<core::ItemId> items;  ///< that show just there: several where solids overlap on a cut face
+
+  bool hit() const { return std::isfinite(depth); }
+};
+
+/// An item and its shape, a primitive or a mesh.
+struct Shape {
+  core::ItemId item = 0;
+  core::Affine world_from_item = {};
+  core::Primitive primitive = core::Sphere{};
+  const core::Mesh* mesh = nullptr;
+  bool closed = true;  ///< sections show a face where they cut it
+};
+
+/// Crossings with a mesh in the mesh's own coordinates, normals as the vertices' are interpolated, or the triangles'.
+inline std::vector<gpuprims::Hit> intersect(const core::Mesh& mesh, const dvec3& origin, const dvec3& direction) {
+  std::vector<gpuprims::Hit> hits;
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const std::uint32_t* at = &mesh.indices[i];
+    const dvec3 a(mesh.positions[at[0]]), u = dvec3(mesh.positions[at[1]]) - a, v = dvec3(mesh.positions[at[2]]) - a;
+    const dvec3 across = glm::cross(u, v), from_a = origin - a, moment = glm::cross(from_a, direction);
+    const double volume = -glm::dot(direction, across);
+    const double p = glm::dot(v, moment) / volume, q = -glm::dot(u, moment) / volume;
+    if (!(p >= 0.0 && q >= 0.0 && p + q <= 1.0)) continue;
+    dvec3 normal = across;
+    if (!mesh.normals.empty())
+      normal =
+          (1.0 - p - q) * dvec3(mesh.normals[at[0]]) + p * dvec3(mesh.normals[at[1]]) + q * dvec3(mesh.normals[at[2]]);
+    hits.push_back({glm::dot(from_a, across) / volume, normal});
+  }
+  std::sort(hits.begin(), hits.end(), [](const gpuprims::Hit& a, const gpuprims::Hit& b) { return a.t < b.t; });
+  return hits;
+}
+
+/// The ray's crossings with an item, in rising t, normals in the world.
+inline std::vector<gpuprims::Hit> crossings(const Shape& shape, const PixelRay& ray) {
+  const core::dmat3 item_from_world = glm::inverse(shape.world_from_item.linear);
+  const dvec3 origin = item_from_world * (ray.origin - shape.world_from_item.origin);
+  const dvec3 direction = item_from_world * ray.direction;
+  std::vector<gpuprims::Hit> hits;
+  if (shape.mesh) {
+    hits = intersect(*shape.mesh, origin, direction);
+  } else {
+    const gpuprims::Hits found = gpuprims::intersect(shape.primitive, {origin, direction});
+    hits.assign(found.hit.begin(), found.hit.begin() + found.count);
+  }
+  for (gpuprims::Hit& hit : hits) hit.normal = glm::transpose(item_from_world) * hit.normal;
+  return hits;
+}
+
+/// What the ray meets first of all shapes: their surfaces, which are seen from both sides, and the faces where sections
+/// cut closed ones.
+inline Sight first_sight(std::span<const Shape> shapes, const core::View& view, const PixelRay& ray) {
+  Sight first;
+  const auto offer = [&](const Shape& shape, double t, const dvec3& normal, bool cut) {
+    if (!(t >= ray.t_near && t <= ray.t_far)) return;
+    const double alike = 1e-9 * (1.0 + std::abs(t));
+    if (t > first.depth + alike) return;
+    if (t < first.depth - alike) {
+      const dvec3 n = glm::normalize(core::dmat3(view.eye_from_world()) * normal);
+      first = {t, glm::dot(normal, ray.direction) > 0.0 ? -n : n, cut, {}};
+    }
+    first.items.push_back(shape.item);
+  };
+  const std::vector<SectionEntry> entries = section_entries(view, ray.origin, ray.direction);
+  for (const Shape& shape : shapes) {
+    const std::vector<gpuprims::Hit> hits = crossings(shape, ray);
+    for (const gpuprims::Hit& hit : hits)
+      if (sections_keep(view, ray.origin + hit.t * ray.direction)) offer(shape, hit.t, hit.normal, false);
+    if (!shape.closed) continue;
+    for (const SectionEntry& entry : entries) {
+      const auto before =
+          std::count_if(hits.begin(), hits.end(), [&](const gpuprims::Hit& hit) { return hit.t < entry.t; });
+      if (before % 2 == 1) offer(shape, entry.t, entry.normal, true);
+    }
+  }
+  return first;
+}
+
 /// Eye depth of the first crossing that the view keeps, or of the face where a section cuts the solid, infinity for
 /// none.
 inline double first_shown(const core::Primitive& primitive, const core::Affine& world_from_item, const core::View& view,
                           const PixelRay& ray) {
-  const core::dmat3 item_from_world = glm::inverse(world_from_item.linear);
-  const gpuprims::Hits hits = gpuprims::intersect(
-      primitive, {item_from_world * (ray.origin - world_from_item.origin), item_from_world * ray.direction});
-  double first = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < hits.count; ++i) {
-    const double t = hits.hit[i].t;
-    if (t >= ray.t_near && t <= ray.t_far && sections_keep(view, ray.origin + t * ray.direction))
-      first = std::min(first, t);
-  }
-  if (hits.count == 0) return first;
-  for (const double t : section_entries(view, ray.origin, ray.direction)) {
-    int before = 0;
-    while (before < hits.count && hits.hit[before].t < t) ++before;
-    if (t >= ray.t_near && t <= ray.t_far && before % 2 == 1) first = std::min(first, t);
-  }
-  return first;
+  const Shape shape{0, world_from_item, primitive, nullptr, true};
+  return first_sight({&shape, 1}, view, ray).depth;
 }
 
 }  // namespace sightline::tests

@@ -1,0 +1,185 @@
+// Pictures of single items of a scene, and every pixel of them against the reference (pixel_reference.h).
+//
+// What is drawn is known to a small part of a pixel: rasterisers round corners to 1/256 pixel, and rays that are cast
+// in float pass a solid at 1e-6 of its size beside the reference's. So five reference rays are cast for each pixel,
+// through its centre and kReach aside of it to four sides:
+//   - all five hit, or all miss: so does the picture. Where they differ (a silhouette) it may do either
+//   - the item is that of one of the rays
+//   - where all five hit and their normals agree within kSmooth, the depth lies between theirs, and the normal is that
+//   of
+//     the ray through the centre within the tolerance
+//   - where all five hit but differ (an edge, or where a surface turns away), the normal is near that of one of them,
+//   and
+//     the depth as near to theirs as they are to each other; silhouettes, where some miss, need no more than the item
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <ostream>
+
+#include <gtest/gtest.h>
+
+#include "sightline/core/snapshot.h"
+#include "sightline/render/renderer.h"
+#include "sightline/tests/render/pixel_reference.h"
+
+namespace sightline::tests {
+
+struct Picture {
+  core::View view;
+  render::Image colour;
+  render::DepthImage depth;
+  render::IdImage ids;
+  render::NormalImage normals;
+};
+
+/// Draws items of a scene, with ids and normals.
+class Camera {
+ public:
+  Camera(const gl::Context& context, core::Scene& scene, int width, int height, int samples = 1) {
+    EXPECT_TRUE(scene.commit());
+    snapshot_.emplace(scene);
+    gpu_ = std::move(*gpuscene::GpuScene::create(context, *snapshot_));
+    lists_ = std::move(*gpuscene::DrawLists::create(context, *gpu_));
+    const render::TargetForm form{true, true, samples};
+    auto renderer = render::Renderer::create(context, *gpu_, form);
+    EXPECT_TRUE(renderer) << renderer.error().message;
+    renderer_ = std::move(*renderer);
+    target_ = std::move(*render::RenderTarget::create(context, width, height, form));
+  }
+
+  const render::RenderTarget& target() const { return *target_; }
+  const std::array<float, 3>& background() const { return renderer_->background; }
+
+  Picture draw(const core::View& view, std::span<const Shape> shapes) {
+    core::VisibleSet visible;
+    visible.generation = snapshot_->generation();
+    for (const Shape& shape : shapes) visible.items.push_back(snapshot_->slot(shape.item));
+    std::sort(visible.items.begin(), visible.items.end());
+    EXPECT_TRUE(lists_->update(*snapshot_, *gpu_, visible));
+    EXPECT_TRUE(renderer_->draw(view, *snapshot_, *gpu_, *lists_, *target_));
+    return {view, target_->read_colour(), target_->read_depth(view), target_->read_ids(), target_->read_normals()};
+  }
+
+ private:
+  std::optional<core::Snapshot> snapshot_;
+  std::optional<gpuscene::GpuScene> gpu_;
+  std::optional<gpuscene::DrawLists> lists_;
+  std::optional<render::Renderer> renderer_;
+  std::optional<render::RenderTarget> target_;
+};
+
+inline constexpr double kReach = 1.0 / 32.0;  ///< pixels
+inline constexpr double kSmooth = 2.0;        ///< degrees
+
+/// What the rays through a pixel and close by see.
+struct PixelSights {
+  std::array<Sight, 5> sights;  ///< the first through the centre
+  int hits = 0;
+
+  const Sight& centre() const { return sights[0]; }
+  bool clear() const { return hits == 0 || smooth; }
+  bool smooth = false;  ///< all hit, and their normals agree
+};
+
+inline double degrees_between(const dvec3& a, const dvec3& b) {
+  return glm::degrees(std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+}
+
+/// x, y as in pixel_ray().
+inline PixelSights look_around(std::span<const Shape> shapes, const core::View& view, int width, int height, double x,
+                               double y) {
+  constexpr double kAside[5][2] = {{0, 0}, {-kReach, -kReach}, {kReach, -kReach}, {-kReach, kReach}, {kReach, kReach}};
+  PixelSights around;
+  around.smooth = true;
+  for (int i = 0; i < 5; ++i) {
+    const Sight& sight = around.sights[std::size_t(i)] =
+        first_sight(shapes, view, pixel_ray(view, width, height, x + kAside[i][0], y + kAside[i][1]));
+    around.hits += sight.hit();
+    around.smooth = around.smooth && sight.hit() && sight.cut == around.sights[0].cut &&
+                    degrees_between(sight.normal, around.sights[0].normal) <= kSmooth;
+  }
+  return around;
+}
+
+struct Tolerance {
+  double depth;    ///< of the depth, or of 1 m if that is more
+  double degrees;  ///< of normals
+};
+
+/// How much of a picture could be compared.
+struct Compared {
+  int clear = 0, edges = 0, silhouettes = 0, cut = 0;  ///< pixels that show something, clear ones on cut faces
+};
+
+/// What is wrong with a pixel; empty: nothing.
+inline std::string complaint(const Picture& picture, std::size_t pixel, const PixelSights& around,
+                             const Tolerance& tolerance) {
+  std::ostringstream text;
+  const double depth = picture.depth.metres[pixel];
+  const std::uint32_t id = picture.ids.ids[pixel];
+  const auto& n = picture.normals.normals[pixel];
+  const dvec3 normal(n[0], n[1], n[2]);
+  const bool hit = std::isfinite(depth);
+  if (hit != (id != 0) || hit != (normal != dvec3(0.0)))
+    return "depth, id and normal disagree on whether there is something";
+  if (!hit) {
+    if (around.hits == 5) text << "nothing, not item " << around.centre().items[0] << " at " << around.centre().depth;
+    return text.str();
+  }
+  if (around.hits == 0) {
+    text << "item " << id - 1 << " at " << depth << ", not nothing";
+    return text.str();
+  }
+  double low = std::numeric_limits<double>::infinity(), high = -low, beside = 180.0;
+  bool known = false;
+  for (const Sight& sight : around.sights) {
+    if (!sight.hit()) continue;
+    low = std::min(low, sight.depth);
+    high = std::max(high, sight.depth);
+    beside = std::min(beside, degrees_between(normal, sight.normal));
+    known = known || std::count(sight.items.begin(), sight.items.end(), id - 1) > 0;
+  }
+  if (!known) text << "item " << id - 1 << ", not " << around.centre().items.front() << "; ";
+  const double slack = tolerance.depth * std::max(1.0, std::abs(depth)) + (around.smooth ? 0.0 : high - low);
+  if (around.hits == 5 && (depth < low - slack || depth > high + slack))
+    text << "depth " << depth << ", not " << low << " to " << high << "; ";
+  if (std::abs(glm::length(normal) - 1.0) > 1e-5) text << "normal of length " << glm::length(normal) << "; ";
+  if (around.smooth) {
+    beside = degrees_between(normal, around.centre().normal);
+    if (beside > tolerance.degrees) text << "normal " << beside << " degrees beside; ";
+  } else if (around.hits == 5 && beside > kSmooth + tolerance.degrees) {
+    text << "normal " << beside << " degrees beside any that is near; ";
+  }
+  return text.str();
+}
+
+/// Compares every pixel. `seen` has one for each, row by row.
+inline Compared compare(const Picture& picture, std::span<const PixelSights> seen, const Tolerance& tolerance) {
+  Compared compared;
+  int wrong = 0;
+  std::ostringstream first;
+  for (std::size_t pixel = 0; pixel < seen.size(); ++pixel) {
+    const PixelSights& around = seen[pixel];
+    if (around.hits > 0) ++(around.smooth ? compared.clear : around.hits == 5 ? compared.edges : compared.silhouettes);
+    compared.cut += around.smooth && around.centre().cut;
+    const std::string text = complaint(picture, pixel, around, tolerance);
+    if (text.empty() || ++wrong > 4) continue;
+    const int x = int(pixel) % picture.ids.width, y = int(pixel) / picture.ids.width;
+    first << "\n  (" << x << ", " << y << "): " << text << around.hits << " of 5 rays hit";
+  }
+  EXPECT_EQ(wrong, 0) << "of " << compared.clear << " clear pixels, " << compared.edges << " at edges, "
+                      << compared.silhouettes << " at silhouettes:" << first.str();
+  return compared;
+}
+
+inline std::vector<PixelSights> look_at(std::span<const Shape> shapes, const core::View& view, int width, int height) {
+  std::vector<PixelSights> seen;
+  seen.reserve(std::size_t(width) * std::size_t(height));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) seen.push_back(look_around(shapes, view, width, height, x, y));
+  return seen;
+}
+
+}  // namespace sightline::tests

@@ -1,0 +1,210 @@
+// Surfaces as they are drawn: item, depth and normal of every pixel of each solid and of meshes, against the reference
+// in double (picture_check.h). Turned, mirrored, sheared and stretched; in perspective and orthographic views, off-axis
+// ones, and from within; whole and cut by sections; at 1 m and at 1e7 m from the origin.
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "sightline/tests/render/picture_check.h"
+#include "sightline/tests/support/gl_test.h"
+
+namespace sightline::tests {
+namespace {
+
+using core::Affine;
+using core::dmat3;
+using core::Pose;
+using core::View;
+
+constexpr int kWidth = 60, kHeight = 44;
+constexpr double kAspect = double(kWidth) / kHeight;
+
+/// Rays are cast in float, from nearby: what they meet is known to 1e-6 of its size, and a normal to that over the
+/// least radius of curvature (a twentieth, of the thin torus), times the stretch of the placement. The depth buffer of
+/// an orthographic view tells 1e-7 of its 60 m apart.
+constexpr Tolerance kRayCast{1e-5, 0.02};
+/// Normals of vertices have 16 bits, 0.002 degrees, which a placement stretches; between them the rasteriser
+/// interpolates, and is 1/256 pixel beside, of the some 10 degrees a pixel of a coarse mesh.
+constexpr Tolerance kRasterised{1e-5, 0.05};
+
+dmat3 turn(double angle, dvec3 axis) {
+  axis = glm::normalize(axis);
+  dmat3 m;
+  for (int i = 0; i < 3; ++i) {
+    dvec3 e(0.0);
+    e[i] = 1.0;
+    m[i] = std::cos(angle) * e + std::sin(angle) * glm::cross(axis, e) + (1.0 - std::cos(angle)) * axis[i] * axis;
+  }
+  return m;
+}
+
+struct Placed {
+  const char* name;
+  dmat3 linear;
+};
+const Placed kPlaced[] = {
+    {"as it is", dmat3(1.0)},
+    {"turned", turn(1.1, {1, 2, -0.7})},
+    {"mirrored", turn(2.3, {-1, 0.4, 1}) * dmat3(1, 0, 0, 0, -1, 0, 0, 0, 1)},
+    {"sheared", turn(0.6, {0.2, 1, 0.5}) * dmat3(1, 0, 0, 0.5, 0.9, 0, 0.2, -0.4, 1.1)},
+    {"stretched", turn(-1.7, {0.6, -1, 0.3}) * dmat3(1.9, 0, 0, 0, 0.5, 0, 0, 0, 1.1) * turn(0.5, {1, 1, 1})},
+    {"mirrored, sheared and small", 0.01 * turn(2.9, {1, 0.1, -0.4}) * dmat3(-1.2, 0.1, 0, 0.3, 0.7, -0.2, 0, 0.4, 1)},
+};
+const dvec3 kNear(1.0, 0.3, -0.2), kFar(6e6, -8e6, 300.0);
+
+/// Directions all around, another for each n.
+dvec3 direction(int n) {
+  const double z = std::fmod(0.381966 * n + 0.2, 1.8) - 0.9, turned = 2.39996 * n;
+  return {std::sqrt(1.0 - z * z) * std::cos(turned), std::sqrt(1.0 - z * z) * std::sin(turned), z};
+}
+
+class Surfaces : public GlTest {
+ protected:
+  struct Named {
+    const char* name;
+    View view;
+  };
+
+  /// About a solid that has its middle there and reaches that far. `inside`: a point within.
+  static std::vector<Named> views(const dvec3& middle, double reach, const dvec3& inside, int turned) {
+    const auto pose = [&](int n, double distance) {
+      return Pose{middle + distance * reach * direction(turned + n), middle + 0.05 * reach * direction(n),
+                  direction(3 * n)};
+    };
+    const double near = 0.01 * reach;
+    std::vector<Named> views = {
+        {"in perspective", *View::perspective(pose(0, 2.6), 0.9, kAspect, near)},
+        {"orthographic", *View::orthographic(pose(1, 2.0), 2.0 * reach, kAspect, -30.0 * reach, 30.0 * reach)},
+        {"off-axis",
+         *View::asymmetric(pose(2, 3.0), -0.3 * near, 0.5 * near, -0.35 * near, 0.3 * near, near, 90.0 * reach)},
+        {"from within",
+         *View::perspective({inside, inside + direction(turned + 3), direction(turned)}, 1.4, kAspect, near)},
+        {"cut", *View::perspective(pose(4, 2.4), 0.9, kAspect, near)},
+        {"cut by any, orthographic",
+         *View::orthographic(pose(5, 2.0), 2.0 * reach, kAspect, -30.0 * reach, 30.0 * reach)},
+        {"cut near the eye", *View::perspective(pose(6, 0.8), 1.3, kAspect, near)}};
+    const auto half_space = [&](int n, double offset) {
+      const dvec3 normal = (1.0 + 0.3 * n) * direction(turned + 2 * n);
+      return core::Plane{normal, offset * reach - glm::dot(normal, inside)};
+    };
+    views[4].view.sections = {half_space(1, 0.05), half_space(2, 0.3)};
+    views[5].view.sections = {half_space(3, -0.02), half_space(4, -0.1)};
+    views[5].view.section_mode = core::SectionMode::kUnion;
+    views[6].view.sections = {half_space(5, 0.1)};
+    return views;
+  }
+
+  /// The middle of the first thick part that a ray through the middle, or near it, passes.
+  static dvec3 point_within(const Shape& shape, const dvec3& middle, double reach) {
+    for (int n = 0; n < 200; ++n) {
+      const PixelRay ray{middle + 0.02 * n * reach * direction(5 * n), direction(n), 0.0, 0.0};
+      const std::vector<gpuprims::Hit> hits = crossings(shape, ray);
+      if (hits.size() >= 2 && hits[1].t - hits[0].t > 0.03 * reach)
+        return ray.origin + 0.5 * (hits[0].t + hits[1].t) * ray.direction;
+    }
+    return middle;
+  }
+
+  /// Each shape at each place, alone in the picture.
+  void check(std::span<const Shape> kinds, const Tolerance& tolerance) {
+    core::Scene scene;
+    std::vector<Shape> shapes;
+    std::vector<core::MeshId> meshes;
+    for (const Shape& kind : kinds) meshes.push_back(kind.mesh ? scene.add_mesh(*kind.mesh) : core::MeshId{});
+    for (const dvec3& site : {kNear, kFar})
+      for (const Placed& placed : kPlaced)
+        for (std::size_t i = 0; i < kinds.size(); ++i) {
+          Shape shape = kinds[i];
+          shape.world_from_item = {placed.linear, site};
+          shape.item = shape.mesh ? scene.add_mesh_instance(scene.root(), meshes[i], shape.world_from_item)
+                                  : scene.add_primitive(scene.root(), shape.primitive, shape.world_from_item);
+          shapes.push_back(shape);
+        }
+    Camera camera(*context, scene, kWidth, kHeight);
+    Compared sum;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const Shape& shape = shapes[i];
+      const core::AabbD box = scene.bounds_under(shape.item, shape.world_from_item);
+      const dvec3 middle = 0.5 * (box.min + box.max);
+      const double reach = 0.5 * glm::length(box.max - box.min);
+      const bool far = i >= shapes.size() / 2;
+      int number = 0;
+      for (const Named& named : views(middle, reach, point_within(shape, middle, reach), 7 * int(i))) {
+        if (far && (number++ + int(i)) % 4 != 0) continue;  // there every fourth will do
+        SCOPED_TRACE(testing::Message() << "shape " << i % kinds.size() << ", "
+                                        << kPlaced[i / kinds.size() % std::size(kPlaced)].name
+                                        << (far ? ", far away, " : ", ") << named.name);
+        const std::vector<PixelSights> seen = look_at({&shape, 1}, named.view, kWidth, kHeight);
+        const Compared compared = compare(camera.draw(named.view, {&shape, 1}), seen, tolerance);
+        EXPECT_GT(compared.clear + compared.edges + compared.silhouettes, 4) << "the view shows nothing";
+        sum.clear += compared.clear;
+        sum.edges += compared.edges;
+        sum.silhouettes += compared.silhouettes;
+        sum.cut += compared.cut;
+      }
+    }
+    EXPECT_GT(sum.clear, 10 * (sum.edges + sum.silhouettes))
+        << sum.edges << " at edges, " << sum.silhouettes << " at silhouettes";
+    EXPECT_GT(sum.cut, sum.clear / 50);
+  }
+
+  void check(std::initializer_list<core::Primitive> primitives) {
+    std::vector<Shape> shapes;
+    for (const core::Primitive& primitive : primitives) shapes.push_back({.primitive = primitive});
+    check(shapes, kRayCast);
+  }
+};
+
+constexpr float kFull = float(2.0 * std::numbers::pi);
+
+TEST_F(Surfaces, OfCylinders) {
+  check({core::Cylinder{0.7f, 2.2f}, core::Cylinder{1.0f, 0.3f}});
+}
+TEST_F(Surfaces, OfSnouts) {
+  check({core::Snout{1.0f, 0.5f, 1.6f, 0, 0, 0, 0, 0, 0}, core::Snout{0.4f, 0.9f, 1.2f, 0.5f, -0.3f, 0, 0, 0, 0},
+         core::Snout{0.9f, 0.6f, 1.5f, 0.3f, 0.2f, 0.2f, -0.1f, 0.15f, 0.1f},
+         core::Snout{1.0f, 0.0f, 1.5f, 0.2f, 0.0f, 0, 0, 0, 0}, core::Snout{1.0f, 0.4f, 0.1f, 0.1f, 0.5f, 0, 0, 0, 0}});
+}
+TEST_F(Surfaces, OfSnoutsWhoseEndsAreSteeperThanTheirCones) {
+  check({core::Snout{1.0f, 0.2f, 1.0f, 0, 0, 1.2f, 0, 0, 0}, core::Snout{0.3f, 1.0f, 1.0f, 0, 0, 0, 0, 0.3f, 1.3f}});
+}
+TEST_F(Surfaces, OfCircularTori) {
+  check({core::CircularTorus{1.0f, 0.35f, kFull}, core::CircularTorus{1.0f, 0.4f, 4.0f},
+         core::CircularTorus{1.2f, 0.3f, 1.2f}, core::CircularTorus{1.0f, 0.05f, 2.5f},
+         core::CircularTorus{0.6f, 0.6f, kFull}});
+}
+TEST_F(Surfaces, OfSpheresAndDishes) {
+  check({core::Sphere{1.8f}, core::EllipticalDish{1.0f, 0.5f}, core::SphericalDish{1.0f, 0.4f},
+         core::SphericalDish{1.0f, 0.05f}, core::SphericalDish{0.6f, 1.1f}});
+}
+TEST_F(Surfaces, OfRectangularTori) {
+  check({core::RectangularTorus{0.5f, 1.2f, 0.5f, 4.0f}, core::RectangularTorus{0.7f, 1.0f, 0.8f, kFull},
+         core::RectangularTorus{0.0f, 1.0f, 0.5f, 1.0f}});
+}
+TEST_F(Surfaces, OfPyramidsAndBoxes) {
+  check({core::Pyramid{1.5f, 1.2f, 0.5f, 0.6f, 0.2f, 0.1f, 1.5f},
+         core::Pyramid{0.5f, 0.6f, 1.5f, 1.2f, -0.4f, 0.7f, 0.4f},
+         core::Pyramid{1.5f, 1.0f, 0.0f, 0.0f, 0.2f, 0.1f, 1.0f}, core::Box{1.4f, 1.2f, 1.0f}});
+}
+
+core::Mesh turned_inside_out(core::Mesh mesh) {
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) std::swap(mesh.indices[i], mesh.indices[i + 1]);
+  return mesh;
+}
+
+TEST_F(Surfaces, OfMeshes) {
+  const gpuprims::Tessellation coarse{.fixed_segments = 9};
+  std::vector<core::Mesh> meshes = {
+      gpuprims::tessellate(core::Sphere{1.8f}, coarse),
+      gpuprims::tessellate(core::CircularTorus{1.0f, 0.4f, 4.0f}, coarse),
+      gpuprims::tessellate(core::Snout{0.9f, 0.6f, 1.5f, 0.3f, 0.2f, 0.2f, -0.1f, 0.15f, 0.1f}, coarse),
+      turned_inside_out(gpuprims::tessellate(core::Cylinder{0.7f, 1.5f}, coarse))};
+  meshes.push_back(meshes[1]);
+  meshes.back().normals.clear();  // flat triangles
+  std::vector<Shape> shapes;
+  for (const core::Mesh& mesh : meshes) shapes.push_back({.mesh = &mesh});
+  check(shapes, kRasterised);
+}
+
+}  // namespace
+}  // namespace sightline::tests
