@@ -2,7 +2,7 @@
 #include "item.glsl"
 
 out vec3 p_eye;
-out vec3 n_eye;
+centroid out vec3 n_eye;
 flat out uvec2 item_words;
 
 void main() {

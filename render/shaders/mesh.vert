@@ -11,7 +11,7 @@ out vec3 p_eye;
 layout(binding = 4) uniform usamplerBuffer enclosures;  // core::Enclosure
 flat out uvec2 crossing_words;  // record, and whether front faces are those that a ray leaves through
 #else
-out vec3 n_eye;
+centroid out vec3 n_eye;
 flat out uvec2 item_words;
 #endif
 

@@ -4,7 +4,7 @@
 #include "shading.glsl"
 
 in vec3 p_eye;
-in vec3 n_eye;
+centroid in vec3 n_eye;
 flat in uvec2 item_words;
 
 void main() {

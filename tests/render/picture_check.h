@@ -31,7 +31,7 @@ struct Picture {
   render::Image colour;
   render::DepthImage depth;
   render::IdImage ids;
-  render::NormalImage normals;
+  render::NormalImage normals;  ///< may be empty: then nothing is said of them
 };
 
 /// Draws items of a scene, with ids and normals.
@@ -87,18 +87,19 @@ inline double degrees_between(const dvec3& a, const dvec3& b) {
   return glm::degrees(std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
 }
 
-/// x, y as in pixel_ray().
+/// x, y as in pixel_ray(). `reach`: how far aside the four rays are.
 inline PixelSights look_around(std::span<const Shape> shapes, const core::View& view, int width, int height, double x,
-                               double y) {
-  constexpr double kAside[5][2] = {{0, 0}, {-kReach, -kReach}, {kReach, -kReach}, {-kReach, kReach}, {kReach, kReach}};
+                               double y, double reach = kReach) {
+  constexpr int kAside[5][2] = {{0, 0}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
   PixelSights around;
   around.smooth = true;
   for (int i = 0; i < 5; ++i) {
     const Sight& sight = around.sights[std::size_t(i)] =
-        first_sight(shapes, view, pixel_ray(view, width, height, x + kAside[i][0], y + kAside[i][1]));
+        first_sight(shapes, view, pixel_ray(view, width, height, x + reach * kAside[i][0], y + reach * kAside[i][1]));
     around.hits += sight.hit();
-    around.smooth = around.smooth && sight.hit() && sight.cut == around.sights[0].cut &&
-                    degrees_between(sight.normal, around.sights[0].normal) <= kSmooth;
+    around.smooth = around.smooth && sight.hit() && sight.items == around.centre().items &&
+                    sight.cut == around.centre().cut &&
+                    degrees_between(sight.normal, around.centre().normal) <= kSmooth;
   }
   return around;
 }
@@ -119,10 +120,11 @@ inline std::string complaint(const Picture& picture, std::size_t pixel, const Pi
   std::ostringstream text;
   const double depth = picture.depth.metres[pixel];
   const std::uint32_t id = picture.ids.ids[pixel];
-  const auto& n = picture.normals.normals[pixel];
+  const bool with_normals = !picture.normals.normals.empty();
+  const auto n = with_normals ? picture.normals.normals[pixel] : std::array<float, 3>{};
   const dvec3 normal(n[0], n[1], n[2]);
   const bool hit = std::isfinite(depth);
-  if (hit != (id != 0) || hit != (normal != dvec3(0.0)))
+  if (hit != (id != 0) || (with_normals && hit != (normal != dvec3(0.0))))
     return "depth, id and normal disagree on whether there is something";
   if (!hit) {
     if (around.hits == 5) text << "nothing, not item " << around.centre().items[0] << " at " << around.centre().depth;
@@ -134,17 +136,20 @@ inline std::string complaint(const Picture& picture, std::size_t pixel, const Pi
   }
   double low = std::numeric_limits<double>::infinity(), high = -low, beside = 180.0;
   bool known = false;
+  core::ItemId expected = 0;
   for (const Sight& sight : around.sights) {
     if (!sight.hit()) continue;
     low = std::min(low, sight.depth);
     high = std::max(high, sight.depth);
     beside = std::min(beside, degrees_between(normal, sight.normal));
+    expected = sight.items.front();
     known = known || std::count(sight.items.begin(), sight.items.end(), id - 1) > 0;
   }
-  if (!known) text << "item " << id - 1 << ", not " << around.centre().items.front() << "; ";
+  if (!known) text << "item " << id - 1 << ", not " << expected << "; ";
   const double slack = tolerance.depth * std::max(1.0, std::abs(depth)) + (around.smooth ? 0.0 : high - low);
   if (around.hits == 5 && (depth < low - slack || depth > high + slack))
     text << "depth " << depth << ", not " << low << " to " << high << "; ";
+  if (!with_normals) return text.str();
   if (std::abs(glm::length(normal) - 1.0) > 1e-5) text << "normal of length " << glm::length(normal) << "; ";
   if (around.smooth) {
     beside = degrees_between(normal, around.centre().normal);
@@ -174,11 +179,12 @@ inline Compared compare(const Picture& picture, std::span<const PixelSights> see
   return compared;
 }
 
-inline std::vector<PixelSights> look_at(std::span<const Shape> shapes, const core::View& view, int width, int height) {
+inline std::vector<PixelSights> look_at(std::span<const Shape> shapes, const core::View& view, int width, int height,
+                                        double reach = kReach) {
   std::vector<PixelSights> seen;
   seen.reserve(std::size_t(width) * std::size_t(height));
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) seen.push_back(look_around(shapes, view, width, height, x, y));
+    for (int x = 0; x < width; ++x) seen.push_back(look_around(shapes, view, width, height, x, y, reach));
   return seen;
 }
 
