@@ -95,6 +95,16 @@ void Buffer::write(std::size_t offset, std::size_t bytes, const void* data) cons
   handle_.gl().NamedBufferSubData(id(), static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), data);
 }
 
+void Buffer::fill(std::size_t offset, std::size_t bytes, std::uint8_t value) const {
+  assert(offset <= bytes_ && bytes <= bytes_ - offset);
+  if (bytes == 0) return;
+  // Mesa looks for the value where an application's unpack parameters point.
+  for (const GLenum parameter : {GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS}) handle_.gl().PixelStorei(parameter, 0);
+  // Byte by byte: what Mesa does with one memset.
+  handle_.gl().ClearNamedBufferSubData(id(), GL_R8UI, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes),
+                                       GL_RED_INTEGER, GL_UNSIGNED_BYTE, &value);
+}
+
 void Buffer::read(std::size_t offset, std::size_t bytes, void* data) const {
   assert(offset <= bytes_ && bytes <= bytes_ - offset);
   if (bytes == 0) return;

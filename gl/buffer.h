@@ -41,6 +41,8 @@ class Buffer {
 
   /// Copies into [offset, offset + bytes), which must lie inside. Needs GL_DYNAMIC_STORAGE_BIT.
   void write(std::size_t offset, std::size_t bytes, const void* data) const;
+  /// Sets every byte of [offset, offset + bytes), which must lie inside, on the GPU.
+  void fill(std::size_t offset, std::size_t bytes, std::uint8_t value) const;
   /// Copies out of [offset, offset + bytes), which must lie inside. Waits for the GPU: for tests and final results.
   void read(std::size_t offset, std::size_t bytes, void* data) const;
   /// glMapNamedBufferRange; null when the driver refuses. A persistent mapping ends with unmap() or the buffer.

@@ -23,16 +23,11 @@ class Query {
   void begin() const { handle_.gl().BeginQuery(target_, handle_.name()); }
   void end() const { handle_.gl().EndQuery(target_); }
   /// Of the last begin() and end(). Waits for the GPU.
-  GLuint result() const {
-    GLuint value = 0;
-    handle_.gl().GetQueryObjectuiv(handle_.name(), GL_QUERY_RESULT, &value);
-    return value;
-  }
+  GLuint result() const { return read(GL_QUERY_RESULT, 0); }
   /// The same, or nothing while the GPU is not through with it. Never waits.
   std::optional<GLuint> result_if_known() const {
     constexpr GLuint kUnknown = ~0u;
-    GLuint value = kUnknown;
-    handle_.gl().GetQueryObjectuiv(handle_.name(), GL_QUERY_RESULT_NO_WAIT, &value);
+    const GLuint value = read(GL_QUERY_RESULT_NO_WAIT, kUnknown);
     return value == kUnknown ? std::nullopt : std::optional(value);
   }
   /// Default-made.
@@ -44,6 +39,13 @@ class Query {
     gl.CreateQueries(target, 1, &name);
     return name;
   }
+  /// `value` stays what it is while there is no answer.
+  GLuint read(GLenum what, GLuint value) const {
+    handle_.gl().BindBuffer(GL_QUERY_BUFFER, 0);  // an application's would take the answer
+    handle_.gl().GetQueryObjectuiv(handle_.name(), what, &value);
+    return value;
+  }
+
   Handle<detail::delete_query> handle_;
   GLenum target_ = GL_NONE;
 };

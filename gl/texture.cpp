@@ -1,5 +1,6 @@
 #include "sightline/gl/texture.h"
 
+#include <array>
 #include <cassert>
 #include <limits>
 
@@ -24,21 +25,44 @@ core::Expected<void> check_size(const Functions& gl, int width, int height, std:
   return {};
 }
 
-/// Rows without padding for the life of the object; then GL's value from before, which may be an application's.
-class TightRows {
+/// What GL is told of pixels in memory. Parameters of images in a stack stay out of it: two dimensions ignore them.
+struct Transfer {
+  GLenum buffer, buffer_binding;
+  std::array<GLenum, 5> parameters;  // the first one is the alignment
+};
+constexpr Transfer kPack = {
+    GL_PIXEL_PACK_BUFFER,
+    GL_PIXEL_PACK_BUFFER_BINDING,
+    {GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS, GL_PACK_SWAP_BYTES}};
+constexpr Transfer kUnpack = {
+    GL_PIXEL_UNPACK_BUFFER,
+    GL_PIXEL_UNPACK_BUFFER_BINDING,
+    {GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SWAP_BYTES}};
+
+/// For its life pixels lie in the caller's memory, without gaps; then GL has its values from before again, which may be
+/// an application's.
+class TightPixels {
  public:
-  TightRows(const Functions& gl, GLenum parameter) : gl_(gl), parameter_(parameter) {
-    gl.GetIntegerv(parameter, &before_);
-    gl.PixelStorei(parameter, 1);
+  TightPixels(const Functions& gl, const Transfer& transfer) : gl_(gl), transfer_(transfer) {
+    gl.GetIntegerv(transfer.buffer_binding, &buffer_before_);
+    gl.BindBuffer(transfer.buffer, 0);
+    for (std::size_t i = 0; i < transfer.parameters.size(); ++i) {
+      gl.GetIntegerv(transfer.parameters[i], &before_[i]);
+      gl.PixelStorei(transfer.parameters[i], i == 0 ? 1 : 0);
+    }
   }
-  TightRows(const TightRows&) = delete;
-  TightRows& operator=(const TightRows&) = delete;
-  ~TightRows() { gl_.PixelStorei(parameter_, before_); }
+  TightPixels(const TightPixels&) = delete;
+  TightPixels& operator=(const TightPixels&) = delete;
+  ~TightPixels() {
+    gl_.BindBuffer(transfer_.buffer, static_cast<GLuint>(buffer_before_));
+    for (std::size_t i = 0; i < before_.size(); ++i) gl_.PixelStorei(transfer_.parameters[i], before_[i]);
+  }
 
  private:
   const Functions& gl_;
-  GLenum parameter_;
-  GLint before_ = 4;
+  const Transfer& transfer_;
+  GLint buffer_before_ = 0;
+  std::array<GLint, 5> before_{};
 };
 
 }  // namespace
@@ -76,14 +100,14 @@ core::Expected<Texture2D> Texture2D::create(const Functions& gl, int width, int 
 
 void Texture2D::write(GLenum format, GLenum type, std::span<const std::byte> pixels) const {
   assert(id() && samples_ == 1);
-  const TightRows rows(handle_.gl(), GL_UNPACK_ALIGNMENT);
+  const TightPixels tight(handle_.gl(), kUnpack);
   handle_.gl().TextureSubImage2D(id(), 0, 0, 0, width_, height_, format, type, pixels.data());
 }
 
 void Texture2D::read(int level, GLenum format, GLenum type, std::span<std::byte> pixels) const {
   assert(id() && samples_ == 1 && level >= 0 && level < levels_);
   assert(pixels.size() <= static_cast<std::size_t>(std::numeric_limits<GLsizei>::max()));
-  const TightRows rows(handle_.gl(), GL_PACK_ALIGNMENT);
+  const TightPixels tight(handle_.gl(), kPack);
   handle_.gl().GetTextureImage(id(), level, format, type, static_cast<GLsizei>(pixels.size()), pixels.data());
 }
 

@@ -48,6 +48,7 @@ std::optional<double> GpuTimer::poll() {
   const GLuint end = queries_[2 * first_ + 1];
   // Queries finish in order: the end's availability is the span's.
   GLuint available = GL_FALSE;
+  gl_->BindBuffer(GL_QUERY_BUFFER, 0);  // an application's would take the answer
   gl_->GetQueryObjectuiv(end, GL_QUERY_RESULT_AVAILABLE, &available);
   if (!available) return std::nullopt;
   GLuint64 begin_ns = 0;

@@ -138,15 +138,10 @@ core::Expected<void> DrawLists::begin_gpu_update(const GpuScene& scene, Counting
   bool grown = false;
   for (const Batch& batch : scene.batches()) grown |= gpu_.records[std::size_t(batch.kind)] != batch.count;
   if (grown) write_gpu_templates(scene);
-  // Byte by byte: what Mesa does with one memset.
-  const auto fill = [&](const gl::Buffer& buffer, std::size_t offset, std::size_t size, GLubyte value) {
-    gl_->ClearNamedBufferSubData(buffer.id(), GL_R8UI, GLintptr(offset), GLsizeiptr(size), GL_RED_INTEGER,
-                                 GL_UNSIGNED_BYTE, &value);
-  };
-  if (search && gpu_.record_commands > 0) fill(gpu_.singles, 0, gpu_.singles.size(), 0xff);
+  if (search && gpu_.record_commands > 0) gpu_.singles.fill(0, gpu_.singles.size(), 0xff);
   if (scene.batch(BatchKind::kMesh) && (search || !gl_->MultiDrawElementsIndirectCountARB)) {
     const Target meshes = target(BatchKind::kMesh);
-    fill(gpu_.commands, meshes.offset, meshes.size, 0);  // commands that draw nothing
+    gpu_.commands.fill(meshes.offset, meshes.size, 0);  // commands that draw nothing
   }
   return {};
 }

@@ -72,6 +72,7 @@ core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, in
 
 const RenderTarget::Attachments& RenderTarget::resolved_attachments() const {
   if (form_.samples == 1) return drawn_;
+  gl_->Disable(GL_SCISSOR_TEST);  // blits obey it
   const auto blit = [&](GLenum attachment, GLbitfield mask) {
     gl_->NamedFramebufferReadBuffer(drawn_.framebuffer.id(), attachment);
     gl_->NamedFramebufferDrawBuffer(single_.framebuffer.id(), attachment);

@@ -1,5 +1,6 @@
 #include "sightline/render/renderer.h"
 
+#include "sightline/gl/pipeline_state.h"
 #include "sightline/gpuprims/shaders.h"
 #include "sightline/gpuprims/view_block.h"
 #include "sightline/render/shaders.h"
@@ -114,17 +115,12 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
                                     const RenderTarget& target) {
   if (auto done = upload_view(view, snapshot, target); !done) return done;
   const gl::Functions& gl = *gl_;
+  gl::reset_pipeline_state(gl);
   target.framebuffer().bind();
   gl.Viewport(0, 0, target.width(), target.height());
   gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-  gl.FrontFace(GL_CCW);
-  gl.CullFace(GL_BACK);
-  gl.Disable(GL_BLEND);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_GREATER);
-  gl.DepthMask(GL_TRUE);
-  gl.Enable(GL_MULTISAMPLE);
-  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 
   const GLuint framebuffer = target.framebuffer().id();
   const float colour[4] = {background[0], background[1], background[2], 1.0f}, far_depth = 0.0f;

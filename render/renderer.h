@@ -23,8 +23,8 @@ class Renderer {
 
   /// Clears the target and draws what the lists name. Cylinders, snouts and torus slices are exact up to float
   /// arithmetic; with several samples per pixel they cover those whose rays hit them, in the colour and at the depth of
-  /// one. Depth is reverse-Z whatever the view's own convention. Sets all GL state it needs and leaves it set.
-  /// Does not wait.
+  /// one. Depth is reverse-Z whatever the view's own convention. Sets all GL state it needs
+  /// (but see gl::reset_pipeline_state) and leaves it set. Does not wait.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                             const gpuscene::DrawLists& lists, const RenderTarget& target);
 

@@ -83,10 +83,8 @@ core::Expected<void> SectionCaps::prepare(const core::Snapshot& snapshot, const 
 
 void SectionCaps::begin_counting() const {
   const gl::Functions& gl = *gl_;
-  const GLuint zero = 0;
-  gl.ClearNamedBufferSubData(cells_.id(), GL_R32UI, 0, GLsizeiptr(cells_.size()), GL_RED_INTEGER, GL_UNSIGNED_INT,
-                             &zero);
-  gl.ClearNamedBufferSubData(nodes_.id(), GL_R32UI, 0, kNodeHeaderBytes, GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
+  cells_.fill(0, cells_.size(), 0);
+  nodes_.fill(0, kNodeHeaderBytes, 0);
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kCellBinding, cells_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kNodeBinding, nodes_.id());

@@ -1,0 +1,159 @@
+// Whatever an application leaves in the context that it shares with an engine, pictures, ids, depths and counts are
+// those of a clean context, bit for bit.
+#include <gtest/gtest.h>
+
+#include "sightline/gpuprims/box.h"
+#include "sightline/tests/engine/drawn_grid.h"
+#include "sightline/tests/engine/hostile_states.h"
+
+namespace sightline::tests {
+namespace {
+
+using engine::CullerChoice;
+using engine::Engine;
+
+struct Way {
+  const char* name;
+  CullerChoice culler;
+  culling::GpuForm form;
+  int samples;
+};
+
+std::ostream& operator<<(std::ostream& to, const Way& way) {
+  return to << way.name;
+}
+
+class ForeignState : public DrawnGrid, public testing::WithParamInterface<Way> {
+ protected:
+  void SetUp() override {
+    DrawnGrid::SetUp();
+    if (!context) return;
+    fill(scene, 7);
+    const core::Material half{"half", {0.9f, 0.2f, 0.1f}, 0.5f};
+    const core::MaterialId material = scene.add_material(half);
+    const core::MeshId mesh = scene.add_mesh(gpuprims::tessellate(core::Box{1.5f, 1.0f, 2.0f}));
+    for (int i = 0; i < 3; ++i) {
+      scene.add_mesh_instance(scene.root(), mesh, core::translation({2.0 * i + 0.3, 1.5, 7.0}));
+      scene.add_primitive(scene.root(), core::Sphere{1.8f}, core::translation({2.0 * i, 4.5, 7.0}), material);
+      scene.add_primitive(scene.root(), core::Line{0.0f, 6.0f}, core::translation({2.0 * i, 0.0, 6.0}));
+    }
+  }
+
+  engine::EngineConfig config() {
+    engine::EngineConfig c = DrawnGrid::config(GetParam().culler, 97, 61);
+    c.ids = true;
+    c.samples = GetParam().samples;
+    c.gpu_culler.form = GetParam().form;
+    return c;
+  }
+  /// Part of the scene, cut open.
+  static core::View cut() {
+    core::View view = *core::View::perspective({{13, -11, 12}, {3.5, 3, 4.5}, {0, 0, 1}}, 0.42, 97.0 / 61.0, 0.1);
+    view.sections = {{glm::normalize(core::dvec3(-0.3, 1.0, 0.2)), -2.6}};
+    return view;
+  }
+
+  struct Shown {
+    render::Image colour;
+    render::IdImage ids;
+    render::DepthImage depth;
+    std::int64_t visible = 0;
+  };
+  static Shown read(Engine& engine) {
+    const render::RenderTarget& target = engine.drawing()->target();
+    return {target.read_colour(), target.read_ids(), target.read_depth(cut()), 0};
+  }
+  /// Submits and waits; how many items are visible, which a GPU tells late.
+  static std::int64_t frame(Engine& engine, const core::View& view = cut()) {
+    const auto report = engine.frame(view);
+    EXPECT_TRUE(report) << report.error().message;
+    engine.finish();
+    const auto late = engine.take_late_report();
+    return late ? late->visible : report->visible;
+  }
+  /// So that nothing is right only because it was there before.
+  static void draw_another(Engine& engine) {
+    frame(engine, *core::View::perspective({{-9, -4, 2}, {3.5, 3, 3}, {0, 0, 1}}, 0.9, 97.0 / 61.0, 0.1));
+  }
+  /// In a context that nobody else has touched.
+  Shown wanted() {
+    auto clean = gl::Context::create_offscreen();
+    EXPECT_TRUE(clean);
+    engine::EngineConfig c = config();
+    c.context = &*clean;
+    auto engine = Engine::create(scene, c);
+    EXPECT_TRUE(engine) << engine.error().message;
+    const std::int64_t visible = frame(*engine);
+    Shown shown = read(*engine);
+    shown.visible = visible;
+    engine = tl::unexpected(core::Error{});  // before its context
+    EXPECT_TRUE(context->make_current());
+    return shown;
+  }
+  void expect_same(const Shown& shown, const Shown& same) {
+    EXPECT_TRUE(shown.colour.pixels == same.colour.pixels) << "another picture";
+    EXPECT_TRUE(shown.ids.ids == same.ids.ids) << "other ids";
+    EXPECT_TRUE(shown.depth.metres == same.depth.metres) << "other depths";
+    EXPECT_EQ(shown.visible, same.visible);
+    for (const std::string& error : context->take_errors()) ADD_FAILURE() << error;
+  }
+
+  core::Scene scene;
+};
+
+TEST_P(ForeignState, SpoilsNoFrameAndNoReadBack) {
+  const Shown clean = wanted();
+  ASSERT_GT(std::count(clean.ids.ids.begin(), clean.ids.ids.end(), 0u), 500);
+  ASSERT_GT(std::count_if(clean.ids.ids.begin(), clean.ids.ids.end(), [](std::uint32_t id) { return id != 0; }), 1500);
+  ASSERT_GT(std::count_if(clean.ids.ids.begin(), clean.ids.ids.end(), [](std::uint32_t id) { return id > 343; }), 300);
+  const ForeignObjects own(gl());
+  auto engine = Engine::create(scene, config());
+  ASSERT_TRUE(engine) << engine.error().message;
+  for (const HostileState& state : hostile_states(own)) {
+    {
+      SCOPED_TRACE(testing::Message() << state.name << ", in frames");
+      draw_another(*engine);
+      state.set();
+      const std::int64_t visible = frame(*engine);
+      state.unset();
+      Shown shown = read(*engine);
+      shown.visible = visible;
+      expect_same(shown, clean);
+    }
+    {
+      SCOPED_TRACE(testing::Message() << state.name << ", in read-backs");
+      draw_another(*engine);
+      const std::int64_t visible = frame(*engine);
+      state.set();
+      Shown shown = read(*engine);
+      state.unset();
+      shown.visible = visible;
+      expect_same(shown, clean);
+    }
+  }
+}
+
+TEST_P(ForeignState, MayBeAllThereIsFromTheFirstCallOn) {
+  const Shown clean = wanted();
+  const ForeignObjects own(gl());
+  for (const HostileState& state : hostile_states(own)) state.set();
+  auto engine = Engine::create(scene, config());
+  ASSERT_TRUE(engine) << engine.error().message;
+  draw_another(*engine);
+  const std::int64_t visible = frame(*engine);
+  Shown shown = read(*engine);
+  shown.visible = visible;
+  for (const HostileState& state : hostile_states(own)) state.unset();
+  expect_same(shown, clean);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Ways, ForeignState,
+    testing::Values(Way{"Cpu", CullerChoice::kCpu, {}, 1}, Way{"CpuMultisampled", CullerChoice::kCpu, {}, 4},
+                    Way{"GpuGeometry", CullerChoice::kGpu, culling::GpuForm::kGeometry, 1},
+                    Way{"GpuCompute", CullerChoice::kGpu, culling::GpuForm::kCompute, 1},
+                    Way{"GpuComputeMultisampled", CullerChoice::kGpu, culling::GpuForm::kCompute, 4}),
+    [](const testing::TestParamInfo<Way>& way) { return std::string(way.param.name); });
+
+}  // namespace
+}  // namespace sightline::tests
