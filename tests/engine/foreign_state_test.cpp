@@ -31,7 +31,7 @@ class ForeignState : public DrawnGrid, public testing::WithParamInterface<Way> {
     fill(scene, 7);
     const core::Material half{"half", {0.9f, 0.2f, 0.1f}, 0.5f};
     const core::MaterialId material = scene.add_material(half);
-    const core::MeshId mesh = scene.add_mesh(gpuprims::tessellate(core::Box{1.5f, 1.0f, 2.0f}));
+    const core::MeshId mesh = scene.add_mesh(gpuprims::tessellate(core::Box{1.5f, 1.0f, 2.0f})).value();
     for (int i = 0; i < 3; ++i) {
       scene.add_mesh_instance(scene.root(), mesh, core::translation({2.0 * i + 0.3, 1.5, 7.0}));
       scene.add_primitive(scene.root(), core::Sphere{1.8f}, core::translation({2.0 * i, 4.5, 7.0}), material);

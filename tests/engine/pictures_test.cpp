@@ -26,7 +26,7 @@ class Pictures : public GlTest {
                                      core::Pyramid{1, 1, 0.5f, 0.4f, 0.1f, 0, 1},
                                      core::Box{0.9f, 0.8f, 1}};
     mesh_ = gpuprims::tessellate(core::Box{0.8f, 0.8f, 0.8f});
-    const core::MeshId mesh = scene_.add_mesh(mesh_);
+    const core::MeshId mesh = scene_.add_mesh(mesh_).value();
     for (int i = 0; i < 27; ++i) {
       const double c = std::cos(1.3 * i), s = std::sin(1.3 * i);
       Shape shape;

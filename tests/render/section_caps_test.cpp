@@ -30,7 +30,7 @@ Shape add_box(core::Scene& scene, const core::Box& box, const core::Affine& plac
               bool inverted = false) {
   Shape shape{.primitive = box};
   shape.world_from_item = placed;
-  shape.item = as_mesh ? scene.add_mesh_instance(scene.root(), scene.add_mesh(mesh_of(box, inverted)), placed)
+  shape.item = as_mesh ? scene.add_mesh_instance(scene.root(), scene.add_mesh(mesh_of(box, inverted)).value(), placed)
                        : scene.add_primitive(scene.root(), box, placed);
   return shape;
 }
@@ -107,7 +107,7 @@ TEST_F(SectionCaps, LeaveOpenMeshesOpen) {
   sheet.indices.resize(sheet.indices.size() - 6);
   Shape shape{.mesh = &sheet};
   shape.closed = false;
-  shape.item = scene.add_mesh_instance(scene.root(), scene.add_mesh(sheet));
+  shape.item = scene.add_mesh_instance(scene.root(), scene.add_mesh(sheet).value());
   Camera camera(*context, scene, kWidth, kHeight);
   View view = *View::perspective({{0.3, -8, 0.1}, {0, 0, 0}, {0, 0, 1}}, 0.5, kAspect, kNear);
   view.sections = {{{0, 1, 0}, 0.0}};

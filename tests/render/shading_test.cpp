@@ -92,9 +92,9 @@ class Shading : public GlTest {
       if (i < 9) item.primitive = kinds[i];
       if (i == 9) item.primitive = core::Box{0.5f, 1.2f, 0.3f};
       if (i > 9) item.mesh = i == 10 ? &ball_ : &facets_;
-      item.item = item.mesh
-                      ? scene_.add_mesh_instance(scene_.root(), scene_.add_mesh(*item.mesh), item.world_from_item, id)
-                      : scene_.add_primitive(scene_.root(), item.primitive, item.world_from_item, id);
+      item.item = item.mesh ? scene_.add_mesh_instance(scene_.root(), scene_.add_mesh(*item.mesh).value(),
+                                                       item.world_from_item, id)
+                            : scene_.add_primitive(scene_.root(), item.primitive, item.world_from_item, id);
       shapes_.push_back(item);
       colours_.push_back(item.colour);
     }
@@ -176,7 +176,7 @@ bool shown(double alpha, core::ItemId item, int x, int y) {
 /// Solids and meshes, whole and cut, in front of a wall.
 TEST_F(Shading, ShowsTransparentItemsInTheirPatternOfPixels) {
   const core::Mesh block = gpuprims::tessellate(core::Box{4, 4, 4});
-  const core::MeshId mesh = scene_.add_mesh(block);
+  const core::MeshId mesh = scene_.add_mesh(block).value();
   const core::ItemId wall = scene_.add_primitive(scene_.root(), core::Box{20, 1, 20}, core::translation({0, 8, 0}));
   const float alphas[] = {0.0f, 0.5f / 16, 0.1f, 3.5f / 16, 0.25f, 0.5f, 0.72f, 15.4f / 16, 15.5f / 16, 1.0f};
   struct Pane {

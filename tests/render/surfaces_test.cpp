@@ -110,7 +110,7 @@ class Surfaces : public GlTest {
     core::Scene scene;
     std::vector<Shape> shapes;
     std::vector<core::MeshId> meshes;
-    for (const Shape& kind : kinds) meshes.push_back(kind.mesh ? scene.add_mesh(*kind.mesh) : core::MeshId{});
+    for (const Shape& kind : kinds) meshes.push_back(kind.mesh ? scene.add_mesh(*kind.mesh).value() : core::MeshId{});
     for (const dvec3& site : {kNear, kFar})
       for (const Placed& placed : kPlaced)
         for (std::size_t i = 0; i < kinds.size(); ++i) {
