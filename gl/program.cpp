@@ -97,6 +97,7 @@ core::Expected<Program> Program::create(const Functions& gl, const ProgramDescri
   program.handle_ = Handle<detail::delete_program>(gl, gl.CreateProgram());
   for (const Shader& shader : shaders) gl.AttachShader(program.id(), shader.name());
   set_feedback(gl, program.id(), description);
+  if (description.separable) gl.ProgramParameteri(program.id(), GL_PROGRAM_SEPARABLE, GL_TRUE);
   gl.LinkProgram(program.id());
   for (const Shader& shader : shaders) gl.DetachShader(program.id(), shader.name());
   GLint linked = GL_FALSE;

@@ -28,6 +28,7 @@ struct ProgramDescription {
   ShaderContext shaders;                          ///< tables, extensions and defines of every stage
   std::vector<std::string> feedback_varyings;     ///< for transform feedback; "gl_NextBuffer" and the like work
   GLenum feedback_mode = GL_INTERLEAVED_ATTRIBS;  ///< or GL_SEPARATE_ATTRIBS
+  bool separable = false;                         ///< for a ProgramPipeline; may then lack stages
 };
 
 /// A linked program. Move-only; a default-made one is empty (id 0).

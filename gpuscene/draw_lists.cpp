@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "sightline/gpuscene/corner_patterns.h"
+#include "sightline/gpuscene/record_commands.h"
 
 namespace sightline::gpuscene {
 namespace {
@@ -14,15 +14,6 @@ using core::Snapshot;
 
 /// Shorter ranges go to the list of single records: a command costs more than that many ids.
 constexpr std::uint32_t kShortestRange = 128;
-
-std::vector<std::uint16_t> corner_patterns() {
-  std::vector<std::uint16_t> indices;
-  for (std::uint32_t record = 0; record < kRecordsPerCommand; ++record)
-    for (const std::uint16_t corner : kProxyIndices)
-      indices.push_back(std::uint16_t(record * kCornersPerRecord + corner));
-  for (std::uint32_t i = 0; i < kRecordsPerCommand * kLineIndexCount; ++i) indices.push_back(std::uint16_t(i));
-  return indices;
-}
 
 }  // namespace
 
@@ -39,10 +30,11 @@ core::Expected<DrawLists> DrawLists::create(const gl::Context& context, const Gp
     lists.mesh_instances_ = std::move(*buffer);
   }
   if (scene.batches().size() > (meshes ? 1u : 0u)) {
-    const std::vector<std::uint16_t> patterns = corner_patterns();
-    auto buffer = gl::Buffer::create(gl, std::span(patterns), 0, "corner indices");
+    std::vector<std::uint16_t> identity(2 * kRecordsPerCommand);
+    std::iota(identity.begin(), identity.end(), std::uint16_t(0));
+    auto buffer = gl::Buffer::create(gl, std::span(identity), 0, "record indices");
     if (!buffer) return tl::unexpected(buffer.error());
-    lists.corner_indices_ = std::move(*buffer);
+    lists.record_indices_ = std::move(*buffer);
   }
   return lists;
 }
@@ -52,11 +44,10 @@ void DrawLists::append(const ElementsCommand* commands, std::size_t count) {
 }
 
 void DrawLists::append_records(BatchKind kind, std::uint32_t first, std::uint32_t count) {
-  const IndexPattern pattern = pattern_of(kind);
+  const std::uint32_t vertices = vertices_per_record(kind);
   for (std::uint32_t done = 0; done < count; done += kRecordsPerCommand) {
     const std::uint32_t n = std::min(kRecordsPerCommand, count - done);
-    const ElementsCommand command{n * pattern.per_record, 1, pattern.first_index,
-                                  std::int32_t(first + done) * pattern.vertices_per_record, 0};
+    const ElementsCommand command{n * vertices, 1, 0, std::int32_t((first + done) * vertices), 0};
     append(&command, 1);
   }
 }
@@ -149,7 +140,7 @@ core::Expected<void> DrawLists::upload() {
 }
 
 std::size_t DrawLists::memory_bytes() const {
-  return commands_.size() + singles_.size() + corner_indices_.size() + mesh_instances_.size() + gpu_.commands.size() +
+  return commands_.size() + singles_.size() + record_indices_.size() + mesh_instances_.size() + gpu_.commands.size() +
          gpu_.singles.size() + gpu_.counts.size();
 }
 

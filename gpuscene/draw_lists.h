@@ -1,10 +1,9 @@
 // The GPU form of a visible set: which records each batch draws, as indirect commands and record ids.
 //
-// Ray-cast batches draw without attributes: eight vertices per record, the corners of its box, so gl_VertexID /
-// 8 names the record and a range of records is a command whose base vertex is eight times the range's first. Vertex ids
-// beyond the batch's records name places in the list of single records, read through a buffer texture. Lines do the
-// same with two vertices. Meshes bring their record as an attribute with divisor 1, offset by the command's base
-// instance.
+// Ray-cast batches draw points without attributes: gl_VertexID names the record, and a range of records is a command
+// whose base vertex is the range's first. Vertex ids beyond the batch's records name places in the list of single
+// records, read through a buffer texture. Lines do the same with two vertices a record. Meshes bring their record as an
+// attribute with divisor 1, offset by the command's base instance.
 //
 // Either of two fills the lists: update() from a visible set of the CPU, or a culler on the GPU, which writes record
 // ids (of meshes whole commands) to target() between begin_gpu_update() and end_gpu_update(); nothing of that comes
@@ -26,8 +25,6 @@
 #include "sightline/gpuscene/gpu_scene.h"
 
 namespace sightline::gpuscene {
-
-inline constexpr std::uint32_t kCornersPerRecord = 8;
 
 class DrawLists {
  public:
@@ -85,8 +82,8 @@ class DrawLists {
   const gl::Buffer& counts() const { return gpu_.counts; }
   static std::size_t command_count_offset(BatchKind kind) { return 2 * std::size_t(kind) * sizeof(std::uint32_t); }
   static std::size_t record_count_offset(BatchKind kind) { return command_count_offset(kind) + sizeof(std::uint32_t); }
-  /// 16-bit index patterns of box and proxy corners; empty when no batch needs them.
-  const gl::Buffer& corner_indices() const { return corner_indices_; }
+  /// 0, 1, 2, … in 16 bits: the indices of all batches but meshes; empty when there are none.
+  const gl::Buffer& record_indices() const { return record_indices_; }
   /// 0, 1, 2, … up to the mesh batch's capacity: the instance attribute of meshes.
   const gl::Buffer& mesh_instances() const { return mesh_instances_; }
   std::size_t memory_bytes() const;
@@ -106,7 +103,7 @@ class DrawLists {
   static constexpr int kFramesInFlight = 3;  // so that no upload waits for the GPU to finish reading
 
   const gl::Functions* gl_ = nullptr;
-  gl::Buffer commands_, singles_, corner_indices_, mesh_instances_;
+  gl::Buffer commands_, singles_, record_indices_, mesh_instances_;
   gl::TextureBuffer single_texels_;
   std::size_t command_capacity_ = 0, single_capacity_ = 0;  // commands and ids per frame in flight
   int frame_ = 0;

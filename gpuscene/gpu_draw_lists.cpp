@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cassert>
 
-#include "sightline/gpuscene/corner_patterns.h"
 #include "sightline/gpuscene/draw_lists.h"
+#include "sightline/gpuscene/record_commands.h"
 #include "sightline/gpuscene/shaders.h"
 
 namespace sightline::gpuscene {
@@ -65,7 +65,7 @@ core::Expected<void> DrawLists::make_gpu_lists(const GpuScene& scene) {
     const std::size_t kind = std::size_t(batch.kind);
     const bool meshes = batch.kind == BatchKind::kMesh;
     lists.sections[kind] = {std::uint32_t(commands), std::uint32_t(singles), batch.capacity,
-                            meshes ? 0 : pattern_of(batch.kind).per_record};
+                            meshes ? 0 : vertices_per_record(batch.kind)};
     lists.command_count[kind] = commands_for(batch);
     commands += lists.command_count[kind];
     if (!meshes) singles += batch.capacity;
@@ -115,12 +115,11 @@ void DrawLists::write_gpu_templates(const GpuScene& scene) {
     const std::size_t kind = std::size_t(batch.kind);
     gpu_.records[kind] = batch.count;
     if (batch.kind == BatchKind::kMesh) continue;
-    const IndexPattern pattern = pattern_of(batch.kind);
+    const std::uint32_t vertices = vertices_per_record(batch.kind);
     const auto& section = gpu_.sections[kind];
     for (std::size_t i = 0; i < gpu_.command_count[kind]; ++i) {
       const std::size_t record = batch.count + section[kFirstSingle] + i * kRecordsPerCommand;
-      commands[section[kFirstCommand] + i] = {0, 1, pattern.first_index,
-                                              std::int32_t(record) * pattern.vertices_per_record, 0};
+      commands[section[kFirstCommand] + i] = {0, 1, 0, std::int32_t(record * vertices), 0};
     }
   }
   gpu_.commands.write(0, commands.size() * sizeof(ElementsCommand), commands.data());

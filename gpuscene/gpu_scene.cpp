@@ -75,6 +75,20 @@ std::string_view batch_name(BatchKind kind) {
   return kBatchNames[std::size_t(kind)];
 }
 
+std::string batch_define(BatchKind kind) {
+  std::string define(batch_name(kind));
+  for (char& c : define)
+    if (c >= 'a' && c <= 'z') c = char(c - 'a' + 'A');
+  return define;
+}
+
+std::vector<std::string> batch_kind_defines() {
+  std::vector<std::string> defines;
+  for (int kind = 0; kind < kBatchKindCount; ++kind)
+    defines.push_back(batch_define(BatchKind(kind)) + "_KIND " + std::to_string(kind) + "u");
+  return defines;
+}
+
 BatchKind batch_of(Kind kind) {
   return kBatchOfKind[std::size_t(kind)];
 }

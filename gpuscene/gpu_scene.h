@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
@@ -31,6 +32,10 @@ enum class BatchKind : std::uint8_t {
 inline constexpr int kBatchKindCount = 9;
 
 std::string_view batch_name(BatchKind kind);
+/// The name in capitals: what shaders of one kind are chosen by.
+std::string batch_define(BatchKind kind);
+/// "CYLINDER_KIND 0u" and so on: a BatchKind in shaders of several kinds.
+std::vector<std::string> batch_kind_defines();
 
 /// The batch that draws items of a kind. Spheres and both dishes share kSphereCap; facet groups and meshes go to kMesh.
 BatchKind batch_of(core::Kind kind);

@@ -10,44 +10,46 @@ namespace {
 
 using gpuscene::BatchKind;
 
-struct ProgramFiles {
-  const char* vertex;
-  const char* fragment;
-  const char* define;
-};
-constexpr std::array<ProgramFiles, gpuscene::kBatchKindCount> kProgramFiles = {{
-    {"primitive.vert", "primitive.frag", "CYLINDER"},
-    {"primitive.vert", "primitive.frag", "SNOUT"},
-    {"primitive.vert", "primitive.frag", "CIRCULAR_TORUS"},
-    {"primitive.vert", "primitive.frag", "SPHERE_CAP"},
-    {"primitive.vert", "primitive.frag", "RECTANGULAR_TORUS"},
-    {"primitive.vert", "primitive.frag", "PYRAMID"},
-    {"primitive.vert", "primitive.frag", "BOX"},
-    {"line.vert", "surface.frag", "LINE"},
-    {"mesh.vert", "surface.frag", "MESH"},
-}};
-
 enum TextureUnit : GLuint { kPayloadUnit, kChunkUnit, kMaterialUnit, kSinglesUnit };
-enum Uniform : GLint { kRecordCountUniform, kSampleOffsetsUniform };
+enum VertexUniform : GLint { kRecordCountUniform, kBatchKindUniform, kTexelsPerItemUniform };
+constexpr GLint kSampleOffsetsUniform = 1;  // of the fragment stage
 enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
 enum VertexAttribute : GLuint { kInstanceAttribute, kPositionAttribute, kNormalAttribute };
 
-/// What all programs for targets of a form share.
-gl::ShaderContext shader_context(const TargetForm& form) {
+/// What all programs for targets of a form share; `sections`: for views with section planes.
+gl::ShaderContext shader_context(const TargetForm& form, bool sections) {
   gl::ShaderContext context;
   context.tables = {shaders(), gpuprims::shaders()};
   if (form.normals) context.defines.emplace_back("NORMALS");
   if (form.samples > 1) context.defines.push_back("SAMPLES " + std::to_string(form.samples));
+  if (sections) context.defines.emplace_back("SECTIONS");
   return context;
 }
 
-core::Expected<gl::Program> make_program(const gl::Functions& gl, BatchKind kind, const TargetForm& form) {
-  const ProgramFiles& files = kProgramFiles[std::size_t(kind)];
+core::Expected<gl::Program> make_batch_program(const gl::Functions& gl, BatchKind kind, const TargetForm& form,
+                                               bool sections) {
   gl::ProgramDescription description;
   description.name = gpuscene::batch_name(kind);
-  description.stages = {{GL_VERTEX_SHADER, {files.vertex}}, {GL_FRAGMENT_SHADER, {files.fragment}}};
-  description.shaders = shader_context(form);
-  description.shaders.defines.emplace_back(files.define);
+  description.shaders = shader_context(form, sections);
+  description.shaders.defines.push_back(gpuscene::batch_define(kind));
+  if (gpuscene::is_ray_cast(kind)) {
+    description.stages = {{GL_FRAGMENT_SHADER, {"primitive.frag"}}};
+    description.separable = true;
+  } else {
+    const char* vertex = kind == BatchKind::kMesh ? "mesh.vert" : "line.vert";
+    description.stages = {{GL_VERTEX_SHADER, {vertex}}, {GL_FRAGMENT_SHADER, {"surface.frag"}}};
+  }
+  return gl::Program::create(gl, description);
+}
+
+/// The stages before the fragments of all ray-cast batches.
+core::Expected<gl::Program> make_proxy_program(const gl::Functions& gl, const TargetForm& form) {
+  gl::ProgramDescription description;
+  description.name = "proxies";
+  description.stages = {{GL_VERTEX_SHADER, {"primitive.vert"}}, {GL_GEOMETRY_SHADER, {"primitive.geom"}}};
+  description.separable = true;
+  description.shaders = shader_context(form, false);
+  for (std::string& define : gpuscene::batch_kind_defines()) description.shaders.defines.push_back(std::move(define));
   return gl::Program::create(gl, description);
 }
 
@@ -71,19 +73,34 @@ core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpus
   const gl::Functions& gl = context.functions();
   Renderer renderer;
   renderer.gl_ = &gl;
-  for (const gpuscene::Batch& batch : scene.batches()) {
-    auto program = make_program(gl, batch.kind, form);
-    if (!program) return tl::unexpected(program.error());
-    renderer.programs_[std::size_t(batch.kind)] = std::move(*program);
-    gl::VertexArray& array = batch.kind == BatchKind::kMesh ? renderer.mesh_array_ : renderer.corner_array_;
-    if (array.id() != 0) continue;
-    array = gl::VertexArray(gl);
-    if (batch.kind == BatchKind::kMesh) describe_mesh(gl, array.id());
-  }
+  if (auto done = renderer.make_programs(scene, form, false); !done) return tl::unexpected(done.error());
+  renderer.record_array_ = gl::VertexArray(gl);
+  renderer.mesh_array_ = gl::VertexArray(gl);
+  describe_mesh(gl, renderer.mesh_array_.id());
   auto block = gl::Buffer::create(gl, sizeof(gpuprims::ViewBlock), nullptr, GL_DYNAMIC_STORAGE_BIT, "view block");
   if (!block) return tl::unexpected(block.error());
   renderer.view_block_ = std::move(*block);
   return renderer;
+}
+
+core::Expected<void> Renderer::make_programs(const gpuscene::GpuScene& scene, const TargetForm& form, bool sections) {
+  BatchPrograms& programs = sections ? section_programs_ : programs_;
+  for (const gpuscene::Batch& batch : scene.batches()) {
+    auto program = make_batch_program(*gl_, batch.kind, form, sections);
+    if (!program) return tl::unexpected(program.error());
+    BatchProgram& made = programs[std::size_t(batch.kind)];
+    made.program = std::move(*program);
+    if (!gpuscene::is_ray_cast(batch.kind)) continue;
+    if (proxy_program_.id() == 0) {
+      auto proxies = make_proxy_program(*gl_, form);
+      if (!proxies) return tl::unexpected(proxies.error());
+      proxy_program_ = std::move(*proxies);
+    }
+    made.pipeline = gl::ProgramPipeline(*gl_);
+    made.pipeline.set_stages(GL_VERTEX_SHADER_BIT | GL_GEOMETRY_SHADER_BIT, proxy_program_);
+    made.pipeline.set_stages(GL_FRAGMENT_SHADER_BIT, made.program);
+  }
+  return {};
 }
 
 core::Expected<void> Renderer::upload_view(const core::View& view, const core::Snapshot& snapshot,
@@ -115,6 +132,11 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
                                     const RenderTarget& target) {
   if (auto done = upload_view(view, snapshot, target); !done) return done;
   const gl::Functions& gl = *gl_;
+  const bool sections = !view.sections.empty();
+  if (sections && !sections_compiled_) {
+    if (auto done = make_programs(scene, target.form(), true); !done) return done;
+    sections_compiled_ = true;
+  }
   gl::reset_pipeline_state(gl);
   target.framebuffer().bind();
   gl.Viewport(0, 0, target.width(), target.height());
@@ -138,10 +160,11 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
   gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, lists.commands().id());
   for (const gpuscene::Batch& batch : scene.batches()) {
     if (lists.section(batch.kind).count == 0) continue;
+    const BatchProgram& program = (sections ? section_programs_ : programs_)[std::size_t(batch.kind)];
     if (target.form().samples > 1 && gpuscene::is_ray_cast(batch.kind))
-      gl.ProgramUniform2fv(programs_[std::size_t(batch.kind)].id(), kSampleOffsetsUniform, target.form().samples,
+      gl.ProgramUniform2fv(program.program.id(), kSampleOffsetsUniform, target.form().samples,
                            &target.sample_offsets()[0].x);
-    draw_batch(batch, scene, lists);
+    draw_batch(batch, program, scene, lists);
   }
   const gpuscene::Batch* meshes = scene.batch(BatchKind::kMesh);
   if (meshes && !view.sections.empty() && lists.section(BatchKind::kMesh).count > 0)
@@ -153,7 +176,7 @@ core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot,
                                                  const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                                  const RenderTarget& target) {
   if (!section_caps_) {
-    auto caps = SectionCaps::create(*gl_, shader_context(target.form()));
+    auto caps = SectionCaps::create(*gl_, shader_context(target.form(), true));
     if (!caps) return tl::unexpected(caps.error());
     section_caps_ = std::move(*caps);
   }
@@ -164,19 +187,25 @@ core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot,
   return {};
 }
 
-void Renderer::draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
+void Renderer::draw_batch(const gpuscene::Batch& batch, const BatchProgram& program, const gpuscene::GpuScene& scene,
                           const gpuscene::DrawLists& lists) const {
   const gl::Functions& gl = *gl_;
-  programs_[std::size_t(batch.kind)].use();
+  const bool ray_cast = gpuscene::is_ray_cast(batch.kind);
+  if (ray_cast) {
+    program.pipeline.use();
+    gl.ProgramUniform1ui(proxy_program_.id(), kBatchKindUniform, GLuint(batch.kind));
+    gl.ProgramUniform1i(proxy_program_.id(), kTexelsPerItemUniform, batch.texels_per_item);
+  } else {
+    program.program.use();
+  }
   gl.BindTextureUnit(kPayloadUnit, batch.texels.id());
   // Proxies show their front faces, and must survive in front of the near plane: the surface behind them may be beyond
   // it.
-  const bool ray_cast = gpuscene::is_ray_cast(batch.kind);
   const auto toggle = ray_cast ? gl.Enable : gl.Disable;
   toggle(GL_DEPTH_CLAMP);
   toggle(GL_CULL_FACE);
   if (batch.kind != BatchKind::kMesh)
-    gl.ProgramUniform1ui(programs_[std::size_t(batch.kind)].id(), kRecordCountUniform, batch.count);
+    gl.ProgramUniform1ui(ray_cast ? proxy_program_.id() : program.program.id(), kRecordCountUniform, batch.count);
   submit_batch(batch, scene, lists);
 }
 
@@ -196,9 +225,9 @@ void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuSce
     gl.VertexArrayElementBuffer(array, scene.meshes().indices.id());
     mesh_array_.bind();
   } else {
-    if (batch.kind == BatchKind::kLine) mode = GL_LINES;
-    gl.VertexArrayElementBuffer(corner_array_.id(), lists.corner_indices().id());
-    corner_array_.bind();
+    mode = batch.kind == BatchKind::kLine ? GL_LINES : GL_POINTS;
+    gl.VertexArrayElementBuffer(record_array_.id(), lists.record_indices().id());
+    record_array_.bind();
   }
   constexpr GLsizei kStride = sizeof(gpuscene::ElementsCommand);
   if (section.counted) {

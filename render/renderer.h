@@ -7,6 +7,7 @@
 
 #include "sightline/core/view.h"
 #include "sightline/gl/program.h"
+#include "sightline/gl/program_pipeline.h"
 #include "sightline/gl/vertex_array.h"
 #include "sightline/gpuscene/draw_lists.h"
 #include "sightline/render/render_target.h"
@@ -16,8 +17,8 @@ namespace sightline::render {
 
 class Renderer {
  public:
-  /// Compiles one program for each batch that `scene` holds and none else, for targets of one form. Fails with the
-  /// driver's log.
+  /// Compiles what each batch that `scene` holds needs and nothing else, for targets of one form. Fails with the
+  /// driver's log. What section planes need is compiled with the first view that has some.
   static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene,
                                          const TargetForm& form = {});
 
@@ -33,8 +34,16 @@ class Renderer {
   std::size_t memory_bytes() const;
 
  private:
+  /// What draws a batch: a whole program or, of ray-cast ones, the fragment stage alone and the pipeline that joins it
+  /// to the stages they share.
+  struct BatchProgram {
+    gl::Program program;
+    gl::ProgramPipeline pipeline;
+  };
+  using BatchPrograms = std::array<BatchProgram, gpuscene::kBatchKindCount>;
+
   core::Expected<void> upload_view(const core::View& view, const core::Snapshot& snapshot, const RenderTarget& target);
-  void draw_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
+  void draw_batch(const gpuscene::Batch& batch, const BatchProgram& program, const gpuscene::GpuScene& scene,
                   const gpuscene::DrawLists& lists) const;
   void submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
                     const gpuscene::DrawLists& lists) const;
@@ -42,9 +51,13 @@ class Renderer {
                                          const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                          const RenderTarget& target);
 
+  core::Expected<void> make_programs(const gpuscene::GpuScene& scene, const TargetForm& form, bool sections);
+
   const gl::Functions* gl_ = nullptr;
-  std::array<gl::Program, gpuscene::kBatchKindCount> programs_;
-  gl::VertexArray corner_array_, mesh_array_;
+  gl::Program proxy_program_;  // vertex and geometry stage of all ray-cast batches; empty when there are none
+  BatchPrograms programs_, section_programs_;  // section_programs_: from the first view with sections on
+  bool sections_compiled_ = false;
+  gl::VertexArray record_array_, mesh_array_;
   gl::Buffer view_block_, chunk_rows_;
   gl::TextureBuffer chunk_texels_;
   std::size_t chunk_capacity_ = 0;

@@ -3,12 +3,6 @@
 
 const int kTexelsPerItem = 4;
 
-#ifdef VERTEX_STAGE
-LocalBox local_box(uint record, float unused) { return LocalBox(vec3(-0.5), vec3(0.5)); }
-
-vec3 axis_point(uint record, float unused, float z) { return vec3(0.0); }
-#else
-
 void load_shape(uint record, float unused, float shift) {}
 
 // Faces: 4 + axis below, 7 + axis above.
@@ -26,4 +20,3 @@ vec3 face_normal(vec3 p, int face) {
   normal[(face - 4) % 3] = face >= 7 ? 1.0 : -1.0;
   return normal;
 }
-#endif

@@ -5,17 +5,6 @@
 
 const int kTexelsPerItem = 5;
 
-#ifdef VERTEX_STAGE
-LocalBox local_box(uint record, float tube) {
-  vec4 sweep = payload_floats(record, kTexelsPerItem, 4);
-  float inner = max(sweep.x - tube, 0.0), outer = sweep.x + tube;
-  vec4 box = sweep.y > 0.0 ? vec4(-outer, -outer, outer, outer) : sweep_box(sweep.zw, inner, outer);
-  return LocalBox(vec3(box.xy, -tube), vec3(box.zw, tube));
-}
-
-vec3 axis_point(uint record, float tube, float z) { return vec3(0.0); }
-#else
-
 const float kPi = 3.14159265358979;
 
 struct Shape {
@@ -114,4 +103,3 @@ vec3 face_normal(vec3 p, int face) {
   float rho = length(p.xy);
   return vec3(rho > 0.0 ? p.xy * (1.0 - shape.major / rho) : vec2(0.0), p.z);
 }
-#endif

@@ -3,15 +3,6 @@
 
 const int kTexelsPerItem = 4;
 
-#ifdef VERTEX_STAGE
-LocalBox local_box(uint record, float height) {
-  vec3 reach = vec3(1.0, 1.0, 0.5 * height);
-  return LocalBox(-reach, reach);
-}
-
-vec3 axis_point(uint record, float height, float z) { return vec3(0.0, 0.0, z); }
-#else
-
 struct Shape {
   float low, high;  // the ends' z from where the ray's origin was put
 } shape;
@@ -29,4 +20,3 @@ void intersect_primitive(inout Search search, vec3 o, vec3 d) {
 vec3 face_normal(vec3 p, int face) {
   return face == kLateral ? vec3(p.xy, 0.0) : vec3(0.0, 0.0, face == kBottom ? -1.0 : 1.0);
 }
-#endif

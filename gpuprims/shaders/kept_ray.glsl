@@ -19,6 +19,12 @@ vec3 eye_step(vec2 pixels, float t) {
               (view.pixel_ray_float[1].y + t * view.pixel_ray_float[1].w) * pixels.y, 0.0);
 }
 
+// Pixel coordinate that shows a point of eye space.
+vec2 pixel_at(vec2 point, float depth) {
+  vec4 x = view.pixel_ray_float[0], y = view.pixel_ray_float[1];
+  return (point - vec2(x.x, y.x) - depth * vec2(x.z, y.z)) / (vec2(x.y, y.y) + depth * vec2(x.w, y.w));
+}
+
 // Reversed zero-to-one depth of eye depth t.
 float depth_at(float t) {
   return (view.clip_from_eye[3].z - view.clip_from_eye[2].z * t) / (view.clip_from_eye[3].w - view.clip_from_eye[2].w * t);
@@ -26,12 +32,13 @@ float depth_at(float t) {
 
 // Sections are half-spaces; kept is what lies in all of them, or in any when they unite. Along a ray what is in all is one span; what is
 // in none, left out when they unite, is one span, too. `cut_normal`: outward normal of the face that cut solids show, in eye space.
+// Compiled without SECTIONS for views that have none.
 Search search_kept(vec3 start, vec3 direction, uint hidden, out vec3 cut_normal) {
   vec2 range = view.depth_range.xy + start.z;  // start.z is minus the depth of t = 0
   Search search = search_within(range, hidden);
   cut_normal = vec3(0.0);
+#ifdef SECTIONS
   int count = view.flags.y;
-  if (count == 0) return search;
   bool unite = view.flags.z == 1;
   Span span = whole_line();  // faces: which section
   for (int i = 0; i < count; ++i) {
@@ -48,12 +55,15 @@ Search search_kept(vec3 start, vec3 direction, uint hidden, out vec3 cut_normal)
     search.cut_second = span.to > range.x;
     cut_normal = -view.sections[span.to_face].xyz;
   }
+#endif
   return search;
 }
 
+#ifdef SECTIONS
 // Eye depth at which what the sections keep begins on a pixel's ray, between near and far plane; kNoHit where it does not.
 float section_entry(vec2 pixel, out vec3 cut_normal) {
   Search search = search_kept(eye_point(pixel, 0.0), eye_direction(pixel), 0u, cut_normal);
   if (search.cut_second && search.second.x <= search.second.y) return search.second.x;
   return search.cut_first && search.first.x <= search.first.y ? search.first.x : kNoHit;
 }
+#endif

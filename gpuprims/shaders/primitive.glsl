@@ -1,17 +1,11 @@
 // The primitive that a program is for: one of these defines. What several share comes first: a file is included once, where it is first
 // named, be that in a branch that is not taken.
+#include "hidden_faces.glsl"
 #include "payload.glsl"
 #include "arithmetic.glsl"
 #include "search.glsl"
 #include "cylinder_span.glsl"
 #include "wedge.glsl"
-
-// Bits of the faces that an item does not show: its ends, and what stands in for them.
-uint hidden_faces(uint material_word) {
-  uint bottom = (material_word & kBottomOpen) != 0u ? 1u << kBottom | 1u << kBottomLevel : 0u;
-  uint top = (material_word & kTopOpen) != 0u ? 1u << kTop | 1u << kTopLevel : 0u;
-  return bottom | top;
-}
 
 #if defined(CYLINDER)
 #include "cylinder.glsl"

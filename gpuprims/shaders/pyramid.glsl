@@ -4,19 +4,6 @@
 
 const int kTexelsPerItem = 6;
 
-#ifdef VERTEX_STAGE
-LocalBox local_box(uint record, float height) {
-  vec4 sides = payload_floats(record, kTexelsPerItem, 4);
-  vec2 end = 0.5 * payload_floats(record, kTexelsPerItem, 5).xy;
-  return LocalBox(vec3(min(-end - sides.xy, end - sides.zw), -0.5 * height), vec3(max(sides.xy - end, end + sides.zw), 0.5 * height));
-}
-
-vec3 axis_point(uint record, float height, float z) {
-  vec2 offset = payload_floats(record, kTexelsPerItem, 5).xy;
-  return vec3(height > 0.0 ? offset * (z / height) : vec2(0.0), z);
-}
-#else
-
 struct Shape {
   vec2 lean;            // of the axis, per z
   vec2 sides, widening; // half sides at the ray's origin, and per z
@@ -58,4 +45,3 @@ vec3 face_normal(vec3 p, int face) {
   normal[axis] = side;
   return normal;
 }
-#endif

@@ -5,16 +5,6 @@
 
 const int kTexelsPerItem = 5;
 
-#ifdef VERTEX_STAGE
-LocalBox local_box(uint record, float height) {
-  vec4 sweep = payload_floats(record, kTexelsPerItem, 4);
-  vec4 box = sweep.y > 0.0 ? vec4(-1.0, -1.0, 1.0, 1.0) : sweep_box(sweep.zw, sweep.x, 1.0);
-  return LocalBox(vec3(box.xy, -0.5 * height), vec3(box.zw, 0.5 * height));
-}
-
-vec3 axis_point(uint record, float height, float z) { return vec3(0.0, 0.0, z); }
-#else
-
 const int kInner = 4, kLow = 5, kHigh = 6;
 
 struct Shape {
@@ -53,4 +43,3 @@ vec3 face_normal(vec3 p, int face) {
   if (face == kBottom || face == kTop) return sweep_end_normal(shape.half_angle, face);
   return vec3(face == kInner ? -p.xy : p.xy, 0.0);
 }
-#endif

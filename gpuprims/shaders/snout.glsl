@@ -6,28 +6,9 @@
 
 const int kTexelsPerItem = 7;
 
-#ifdef VERTEX_STAGE
-LocalBox local_box(uint record, float height) {
-  vec4 ends = payload_floats(record, kTexelsPerItem, 4);
-  vec2 range = payload_floats(record, kTexelsPerItem, 6).xy;
-  if (!(height > 0.0)) return LocalBox(vec3(-1.0, -1.0, range.x), vec3(1.0, 1.0, range.y));
-  // The circles of the cone at the lowest and highest z bound everything between.
-  vec2 part = range / height;
-  vec2 c0 = ends.zw * part.x, c1 = ends.zw * part.y;
-  float mean = 0.5 * (ends.x + ends.y), widening = ends.y - ends.x;
-  float r0 = max(0.0, mean + widening * part.x), r1 = max(0.0, mean + widening * part.y);
-  return LocalBox(vec3(min(c0 - r0, c1 - r1), range.x), vec3(max(c0 + r0, c1 + r1), range.y));
-}
-
-vec3 axis_point(uint record, float height, float z) {
-  vec2 offset = payload_floats(record, kTexelsPerItem, 4).zw;
-  return vec3(height > 0.0 ? offset * (z / height) : vec2(0.0), z);
-}
-#else
-
 struct Shape {
   vec2 lean;                       // of the axis, per z
-  float radius, radius_low;        // at the ray's origin, and what rounding has left of it
+  double radius;                   // at the ray's origin
   float widening;                  // of the radius, per z
   float to_bottom, to_top;         // the ends' distances along z from the ray's origin, bottom upwards and top downwards
   vec2 bottom_slant, top_slant;
@@ -41,9 +22,7 @@ void load_shape(uint record, float height, float shift) {
   float inverse_height = height > 0.0 ? 1.0 / height : 0.0;
   shape.lean = ends.zw * inverse_height;
   shape.widening = (ends.y - ends.x) * inverse_height;
-  vec2 radius = add(0.5 * exact_sum(ends.x, ends.y), vec2((ends.y - ends.x) * (shift * inverse_height), 0.0));
-  shape.radius = radius.x;
-  shape.radius_low = radius.y;
+  shape.radius = 0.5 * (double(ends.x) + double(ends.y)) + double((ends.y - ends.x) * (shift * inverse_height));
   shape.to_bottom = 0.5 * height + shift;
   shape.to_top = 0.5 * height - shift;
   shape.bottom_slant = slants.xy;
@@ -52,20 +31,19 @@ void load_shape(uint record, float height, float shift) {
   shape.highest = range.w - shift;
 }
 
-// |r0 u1 - r1 u0|^2 - (u0 x u1)^2 without rounding errors, those of the line about the axis included.
-float exact_discriminant(vec3 o, vec3 d) {
-  vec2 r0 = add(vec2(shape.radius, shape.radius_low), exact_product(shape.widening, o.z));
-  vec2 r1 = exact_product(shape.widening, d.z);
-  vec2 x0 = subtract(vec2(o.x, 0.0), exact_product(shape.lean.x, o.z)), y0 = subtract(vec2(o.y, 0.0), exact_product(shape.lean.y, o.z));
-  vec2 x1 = subtract(vec2(d.x, 0.0), exact_product(shape.lean.x, d.z)), y1 = subtract(vec2(d.y, 0.0), exact_product(shape.lean.y, d.z));
-  vec2 vx = subtract(multiply(r0, x1), multiply(r1, x0)), vy = subtract(multiply(r0, y1), multiply(r1, y0));
-  return difference_of_squares(vx, vy, subtract(multiply(x0, y1), multiply(y0, x1)));
+// |r0 u1 - r1 u0|^2 - (u0 x u1)^2 in double, the line about the axis included.
+float exact_discriminant(vec3 origin, vec3 direction) {
+  dvec3 o = dvec3(origin), d = dvec3(direction);
+  dvec2 u0 = o.xy - dvec2(shape.lean) * o.z, u1 = d.xy - dvec2(shape.lean) * d.z;
+  double widening = shape.widening, r0 = shape.radius + widening * o.z, r1 = widening * d.z, m = cross_product(u0, u1);
+  dvec2 v = r0 * u1 - r1 * u0;
+  return float(dot(v, v) - m * m);
 }
 
 // The part of the line within the nappe of radius >= 0, where u = xy - centre(z) and r(z) are linear in t; false when there is none.
 bool nappe(vec3 o, vec3 d, inout Span span) {
   vec2 u0 = o.xy - shape.lean * o.z, u1 = d.xy - shape.lean * d.z;
-  float r0 = shape.radius + shape.widening * o.z, r1 = shape.widening * d.z;
+  float r0 = float(shape.radius) + shape.widening * o.z, r1 = shape.widening * d.z;
   float across = dot(u1, u1), b = dot(u0, u1) - r0 * r1, c = dot(u0, u0) - r0 * r0;
   float a = across - r1 * r1;
   if (abs(a) < kCancels * across) a = (length(u1) - abs(r1)) * (length(u1) + abs(r1));
@@ -120,4 +98,3 @@ vec3 face_normal(vec3 p, int face) {
   vec2 u = p.xy - shape.lean * p.z;
   return vec3(u, -dot(u, shape.lean) - shape.widening * length(u));  // |u| for r, which cancels at an apex
 }
-#endif

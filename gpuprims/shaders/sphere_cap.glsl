@@ -6,14 +6,6 @@
 
 const int kTexelsPerItem = 4;
 
-#ifdef VERTEX_STAGE
-LocalBox local_box(uint record, float c) {
-  return LocalBox(vec3(-1.0, -1.0, c < 1.0 ? 0.0 : 1.0 - c), vec3(1.0, 1.0, min(c, 1.0)));
-}
-
-vec3 axis_point(uint record, float c, float z) { return vec3(0.0); }
-#else
-
 struct Shape {
   float c;
 } shape;
@@ -26,9 +18,8 @@ bool ball(vec3 o, vec3 d, inout Span span) {
   vec3 m = cross(o, d);
   float rest = a - dot(m, m);
   if (abs(rest) < kCancels * a) {
-    vec2 mx = exact_cross(o.yz, d.yz), my = exact_cross(o.zx, d.zx), mz = exact_cross(o.xy, d.xy);
-    vec2 square = add(add(exact_product(d.x, d.x), exact_product(d.y, d.y)), exact_product(d.z, d.z));
-    rest = subtract(square, add(add(multiply(mx, mx), multiply(my, my)), multiply(mz, mz))).x;
+    dvec3 direction = dvec3(d), exact_m = cross(dvec3(o), direction);
+    rest = float(dot(direction, direction) - dot(exact_m, exact_m));
   }
   if (!(rest >= 0.0)) return false;
   float middle = -dot(o, d) / a, half_chord = sqrt(rest) / a;
@@ -71,4 +62,3 @@ vec3 face_normal(vec3 p, int face) {
   float c = shape.c;
   return c < 1.0 ? vec3(c * p.xy, c * p.z + 0.5 * (1.0 - c) * (1.0 + c)) : p;
 }
-#endif

@@ -18,12 +18,15 @@ bool perspective_view() { return view.flags.x == 1; }
 
 // True when the section planes keep a point.
 bool sections_keep(vec3 p_eye) {
+#ifdef SECTIONS
   int count = view.flags.y;
-  if (count == 0) return true;
   bool unite = view.flags.z == 1;
   for (int i = 0; i < count; ++i) {
     bool inside = dot(view.sections[i].xyz, p_eye) + view.sections[i].w >= 0.0;
     if (inside == unite) return unite;
   }
   return !unite;
+#else
+  return true;
+#endif
 }

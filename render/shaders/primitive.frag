@@ -5,8 +5,8 @@
 #include "kept_ray.glsl"
 #include "shading.glsl"
 
-flat in vec4 local_from_eye[3];
-flat in uvec4 anchor;
+layout(location = 0) flat in vec4 local_from_eye[3];
+layout(location = 3) flat in uvec4 anchor;
 
 layout(depth_less) out float gl_FragDepth;
 

@@ -1,13 +1,19 @@
-// Proxy of one ray-cast primitive, and what its fragments need to cast rays near it. Which primitive is chosen by a define.
-#define VERTEX_STAGE
+// Sets up one ray-cast primitive of any kind for the frame: the ray from which its fragments step to theirs, and its proxy, which
+// primitive.geom emits. Doubles serve the anchor alone.
 #include "item.glsl"
-#include "proxy.glsl"
-#include "primitive.glsl"
-#include "kept_ray.glsl"
+#include "make_proxy.glsl"
+#include "hidden_faces.glsl"
 
-// Four slots, no more: a software rasteriser copies them for every triangle. The rest is fetched again per pixel.
-flat out vec4 local_from_eye[3];  // rows of the linear map; w: local origin of the ray through the anchor's pixel, from the shift
-flat out uvec4 anchor;            // eye depth and shift in z (float bits), record, pixel x | y << 16
+out gl_PerVertex {
+  vec4 gl_Position;
+};
+out Setup {
+  vec4 local_from_eye[3];
+  uvec4 anchor;
+  vec4 origin, sides[3];
+  vec3 near_steps, far_steps;
+  int form;
+} setup;
 
 // Rays are told from an anchor, a point of the primitive near what is seen of it: the ray through its pixel is taken to its depth in
 // double here, and each fragment takes the small step to its own pixel in float. So neither the distance of the eye nor, of long thin
@@ -41,15 +47,14 @@ Anchor choose_anchor(Item item, LocalBox box, mat3 eye_from_local, mat3 rows, ve
 }
 
 void main() {
-  uint record = record_of(8u);
-  Item item = fetch_item(record, kTexelsPerItem);
+  uint record = record_of(1u);
+  Item item = fetch_item(record, texels_per_item);
   mat3 eye_from_local = mat3(view.eye_from_world) * item.chunk_from_local;
   vec3 yz = cross(eye_from_local[1], eye_from_local[2]);
   float volume = dot(eye_from_local[0], yz);
-  if (!(abs(volume) > 0.0 && abs(volume) < 3e38)) {  // singular placement: nothing to see
-    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
-    return;
-  }
+  gl_Position = vec4(0.0);
+  setup.form = kNoProxy;
+  if (!(abs(volume) > 0.0 && abs(volume) < 3e38)) return;  // singular placement: nothing to see
   mat3 rows =
       mat3(yz, cross(eye_from_local[2], eye_from_local[0]), cross(eye_from_local[0], eye_from_local[1])) * (1.0 / volume);
   vec3 origin = eye_origin(item);
@@ -57,11 +62,11 @@ void main() {
   LocalBox box = local_box(record, item.extra);
 
   Anchor a = choose_anchor(item, box, eye_from_local, rows, origin, local_eye);
-  vec3 axis = axis_point(record, item.extra, a.local.z);
+  vec3 axis = box.axis * a.local.z;
   vec3 from_anchor = vec3(dvec3(exact_ray_at(a.pixel, a.depth), -a.depth) - a.eye);
   vec3 start = a.local - axis + from_anchor * rows;
-  for (int i = 0; i < 3; ++i) local_from_eye[i] = vec4(rows[i], start[i]);
-  anchor = uvec4(floatBitsToUint(a.depth), floatBitsToUint(axis.z), record, uint(a.pixel.x) | uint(a.pixel.y) << 16);
+  for (int i = 0; i < 3; ++i) setup.local_from_eye[i] = vec4(rows[i], start[i]);
+  setup.anchor = uvec4(floatBitsToUint(a.depth), floatBitsToUint(axis.z), record, uint(a.pixel.x) | uint(a.pixel.y) << 16);
 
   // A part of a pixel more on each side, at the depth of the farthest corner: rasterisers round corners to such parts, and neighbours
   // that meet in a plane must not both miss a pixel there.
@@ -72,8 +77,17 @@ void main() {
   vec3 margin = 1e-5 * reach + max(size.x, size.y) * vec3(length(rows[0]), length(rows[1]), length(rows[2]));
   if (hidden_faces(item.material) != 0u) margin += kHiddenReach;
 
-  vec3 viewer = perspective_view() ? local_eye : vec3(rows[0].z, rows[1].z, rows[2].z), corner;
-  gl_Position = proxy_corner(box, margin, viewer, volume < 0.0, corner)
-                    ? view.clip_from_eye * vec4(vec3(eye_position(item, corner)), 1.0)
-                    : vec4(corner, 1.0);
+  vec3 viewer = vec3(rows[0].z, rows[1].z, rows[2].z);
+  bool inside = false;
+  if (perspective_view()) {
+    vec3 around = 2.0 * margin + kInsideMargin * (box.high - box.low);
+    inside = all(greaterThan(local_eye, box.low - around)) && all(lessThan(local_eye, box.high + around));
+    viewer = local_eye - 0.5 * (box.low + box.high);
+  }
+  Proxy proxy = make_proxy(box.low - margin, box.high + margin, viewer, inside, eye_from_local, volume < 0.0, a.local, vec3(a.eye));
+  setup.origin = proxy.origin;
+  setup.sides = proxy.sides;
+  setup.near_steps = proxy.near_steps;
+  setup.far_steps = proxy.far_steps;
+  setup.form = proxy.form;
 }

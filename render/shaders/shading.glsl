@@ -15,9 +15,11 @@ vec4 material_of(uint word) { return texelFetch(materials, int(word & 0xffffffu)
 bool dithered_away(uint word, uint id) {
   float alpha = material_of(word).a;
   if (alpha >= 1.0) return false;
-  const float bayer[16] = float[](0.0, 8.0, 2.0, 10.0, 12.0, 4.0, 14.0, 6.0, 3.0, 11.0, 1.0, 9.0, 15.0, 7.0, 13.0, 5.0);
   uvec2 pixel = uvec2(gl_FragCoord.xy) + uvec2(id * 7u, id * 3u);
-  return alpha < (bayer[(pixel.y & 3u) * 4u + (pixel.x & 3u)] + 0.5) / 16.0;
+  uint across = pixel.x ^ pixel.y;
+  // Bayer's matrix of order 4: the bits of x ^ y and of y in turns, the lowest first.
+  uint rank = (across & 1u) << 3 | (pixel.y & 1u) << 2 | (across & 2u) | (pixel.y & 2u) >> 1;
+  return alpha < (float(rank) + 0.5) / 16.0;
 }
 
 void write_surface(vec3 normal, vec3 direction, uint word, uint id) {

@@ -13,16 +13,18 @@ using gpuscene::BatchKind;
 
 // Of payload.glsl.
 constexpr GLuint kPayloadUnit = 0, kSinglesUnit = 3;
-constexpr GLint kRecordCountUniform = 0;
+constexpr GLint kRecordCountUniform = 0, kBatchKindUniform = 1, kTexelsPerItemUniform = 2;
 
 core::Expected<gl::Program> make_program(const gl::Functions& gl) {
   gl::ProgramDescription description;
   description.name = "cylinders culled in the draw";
   description.stages = {{GL_VERTEX_SHADER, {"in_draw_names.glsl", "primitive.vert", "in_draw.vert"}},
-                        {GL_GEOMETRY_SHADER, {"in_draw.geom"}},
+                        {GL_GEOMETRY_SHADER, {"primitive.geom"}},
                         {GL_FRAGMENT_SHADER, {"primitive.frag"}}};
   description.shaders.tables = {shaders(), render::shaders(), gpuprims::shaders()};
-  description.shaders.defines = {"CYLINDER"};
+  description.shaders.defines = gpuscene::batch_kind_defines();
+  description.shaders.defines.emplace_back("EVERY_BOX");  // so that triangles tell how many passed
+  description.shaders.defines.push_back(gpuscene::batch_define(BatchKind::kCylinder));
   return gl::Program::create(gl, description);
 }
 
@@ -78,15 +80,17 @@ core::Expected<void> InDraw::draw(const core::View& view, const core::Snapshot& 
   planes_.upload(planes, snapshot.bounds());
   program_.use();
   gl.ProgramUniform1ui(program_.id(), kRecordCountUniform, batch.count);
+  gl.ProgramUniform1ui(program_.id(), kBatchKindUniform, GLuint(batch.kind));
+  gl.ProgramUniform1i(program_.id(), kTexelsPerItemUniform, batch.texels_per_item);
   gl.BindTextureUnit(kPayloadUnit, batch.texels.id());
   gl.BindTextureUnit(kSinglesUnit, all_.singles().id());
   gl.BindTextureUnit(kBoxUnit, boxes_.texels.id());
   gl.Enable(GL_DEPTH_CLAMP);
   gl.Enable(GL_CULL_FACE);
-  gl.VertexArrayElementBuffer(array_.id(), all_.corner_indices().id());
+  gl.VertexArrayElementBuffer(array_.id(), all_.record_indices().id());
   array_.bind();
   gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, all_.commands().id());
-  gl.MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
+  gl.MultiDrawElementsIndirect(GL_POINTS, GL_UNSIGNED_SHORT,
                                reinterpret_cast<const void*>(section.offset),  // NOLINT(performance-no-int-to-ptr)
                                section.count, sizeof(gpuscene::ElementsCommand));
   return {};

@@ -1,0 +1,43 @@
+// Program pipeline objects: stages of several separable programs used as one.
+#pragma once
+
+#include "sightline/gl/functions.h"
+#include "sightline/gl/handle.h"
+#include "sightline/gl/program.h"
+
+namespace sightline::gl {
+
+namespace detail {
+inline void delete_program_pipeline(const Functions& gl, GLuint name) {
+  gl.DeleteProgramPipelines(1, &name);
+}
+}  // namespace detail
+
+/// Owns a program pipeline object. Move-only.
+class ProgramPipeline {
+ public:
+  ProgramPipeline() = default;
+  explicit ProgramPipeline(const Functions& gl) : handle_(gl, make(gl)) {}
+
+  GLuint id() const { return handle_.name(); }
+
+  /// Takes `stages` (GL_VERTEX_SHADER_BIT | …) from a separable program, which must outlive every use.
+  void set_stages(GLbitfield stages, const Program& program) const {
+    handle_.gl().UseProgramStages(id(), stages, program.id());
+  }
+  /// Binds it in place of a program.
+  void use() const {
+    handle_.gl().UseProgram(0);
+    handle_.gl().BindProgramPipeline(id());
+  }
+
+ private:
+  static GLuint make(const Functions& gl) {
+    GLuint name = 0;
+    gl.CreateProgramPipelines(1, &name);
+    return name;
+  }
+  Handle<detail::delete_program_pipeline> handle_;
+};
+
+}  // namespace sightline::gl
