@@ -268,6 +268,9 @@ TEST_F(GltfCollectionsTest, EllipsoidSegments) {
     const int which = int(random_() % 3);
     const double height = scalar("_height", which == 0 ? along : which == 1 ? 2 * along : real(0.05, 1.95) * along);
     import("EllipsoidSegmentCollection");
+    EXPECT_EQ(scene_.kind(0), which == 0   ? core::Kind::kEllipticalDish
+                              : which == 1 ? core::Kind::kSphere
+                                           : core::Kind::kSphericalDish);
     const dvec3 x = across(n), y = glm::cross(n, x);
     for (int i = 0; i < 20; ++i) {
       const double h = along - real(0, height), angle = real(0, 2 * kPi);
@@ -414,6 +417,107 @@ TEST_F(GltfCollectionsTest, WhatHasNoShapeIsDroppedAndListed) {
   file_.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"].erase("_radiusA");
   EXPECT_FALSE(read_gltf(file_.glb(), "plant.glb", scene_, scene_.root()));
   EXPECT_TRUE(read_gltf(file_.glb(), "plant.glb", scene_, scene_.root(), {.lenient = true}));
+}
+
+TEST_F(GltfCollectionsTest, AxesAlongTheFramesOwn) {
+  for (int axis = 0; axis < 3; ++axis) {
+    dvec3 n(0.0);
+    n[axis] = 1.0;
+    const dvec3 x = across(n), y = glm::cross(n, x);
+    vector("_normal", n), vector("_centerA", 3.0 * n), vector("_centerB", {0, 0, 0});
+    scalar("_radiusA", 2), scalar("_radiusB", 1);
+    import("EccentricConeCollection");
+    expect_on_surface(3.0 * n + std::sqrt(2.0) * (x + y), 10);
+    vector("_localXAxis", n), vector("_centerA", 3.0 * n), vector("_centerB", {0, 0, 0});  // says nothing
+    scalar("_radiusA", 2), scalar("_radiusB", 1), scalar("_angle", 0), scalar("_arcAngle", 6.28318);
+    import("ConeCollection");
+    EXPECT_EQ(scene_.kind(0), core::Kind::kSnout);
+    expect_on_surface(3.0 * n + std::sqrt(2.0) * (x + y), 10);
+  }
+}
+
+TEST_F(GltfCollectionsTest, NearlyWholeTurnsAndFullRings) {
+  vector("_centerA", {0, 0, 2}), vector("_centerB", {0, 0, 0}), vector("_localXAxis", {1, 0, 0});
+  scalar("_radiusA", 1), scalar("_radiusB", 1), scalar("_angle", 0), scalar("_arcAngle", 6.2);
+  import("ConeCollection");
+  EXPECT_EQ(scene_.kind(0), core::Kind::kRectangularTorus);  // a slit stays open
+  scalar("_thickness", 1.5), scalar("_angle", 0), scalar("_arcAngle", 2 * kPi);
+  matrix({1, 1, 0});
+  import("GeneralRingCollection");
+  EXPECT_EQ(std::get<core::RectangularTorus>(scene_.primitive(0)).inner_radius, 0.0f);
+}
+
+TEST_F(GltfCollectionsTest, SteepPlanesOfCylinders) {
+  for (const double z : {0.3, 0.0, -0.3}) {
+    vector("_centerA", {0, 0, 9}), vector("_centerB", {0, 0, 0}), vector("_localXAxis", {1, 0, 0});
+    scalar("_radius", 1), scalar("_angle", 0), scalar("_arcAngle", 2 * kPi);
+    column("_planeA", "VEC4", {1, 0, float(z), 0}), column("_planeB", "VEC4", {0, 0, -1, 0});
+    if (z > 0.0) {
+      import("GeneralCylinderCollection");
+      expect_on_surface({1, 0, 9 - 2 / 0.3}, 10);
+      continue;
+    }
+    file_.root({{"name", "GeneralCylinderCollection"},
+                {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", attributes_}}}}}});
+    column("_treeIndex", "SCALAR", {1.0f});
+    file_.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = attributes_;
+    scene_ = core::Scene();
+    const auto report = read_gltf(file_.glb(), "plant.glb", scene_, scene_.root());
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(scene_.item_count(), 0u);  // the plane does not face its end
+    EXPECT_EQ(report->warnings.size(), 1u);
+    file_ = {};
+  }
+}
+
+TEST_F(GltfCollectionsTest, TreeIndicesAndColoursOfAnyType) {
+  const auto boxes = [&](const std::vector<float>& trees, int colours, GltfBytes& g) {
+    std::vector<float> matrices;
+    for (std::size_t i = 0; i < trees.size(); ++i)
+      matrices.insert(matrices.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, float(i), 0, 0, 1});
+    const Json attributes = {{"_treeIndex", g.floats(trees, "SCALAR")},
+                             {"_color", colours},
+                             {"_instanceMatrix", g.floats(matrices, "MAT4")}};
+    g.root({{"name", "BoxCollection"}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", attributes}}}}}});
+    scene_ = core::Scene();
+    const auto report = read_gltf(g.glb(), "plant.glb", scene_, scene_.root());
+    EXPECT_TRUE(report) << report.error().message;
+  };
+  GltfBytes plain, bytes, shorts;
+  boxes({0, -1, 4294967295.0f}, plain.floats({1, 0, 0.2f, 0, 1, 0, 0.2f, 0, 1, 0, 0.2f, 0}, "VEC4"), plain);
+  ASSERT_EQ(scene_.item_count(), 3u);
+  EXPECT_EQ(scene_.path(scene_.node_of(0)), "plant.glb/0");
+  EXPECT_EQ(scene_.path(scene_.node_of(1)), "plant.glb/BoxCollection");  // parts of no tree
+  EXPECT_EQ(scene_.path(scene_.node_of(2)), "plant.glb/BoxCollection");
+  const core::vec3 colour(1.0f, 0.0f, 51 / 255.0f);
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, colour);
+  boxes({1}, bytes.accessor<std::uint8_t>({255, 0, 51, 0}, "VEC4"), bytes);
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, colour);
+  boxes({1}, shorts.accessor<std::uint16_t>({65535, 0, 13107, 0}, "VEC4"), shorts);
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, colour);
+}
+
+TEST_F(GltfCollectionsTest, FacesOfOnePartAndColourAreOneMesh) {
+  GltfBytes g;
+  const auto columns = [&](const dvec3& v) {
+    std::vector<float> values;
+    for (int i = 0; i < 4; ++i) values.insert(values.end(), {float(v.x), float(v.y), float(v.z)});
+    return g.floats(values, "VEC3");
+  };
+  const int colours = g.accessor<std::uint8_t>({9, 9, 9, 0, 9, 9, 9, 0, 8, 8, 8, 0, 8, 8, 8, 0}, "VEC4", true);
+  const Json attributes = {{"_treeIndex", g.floats({1, 1, 1, 2}, "SCALAR")},
+                           {"_color", colours},
+                           {"_vertex1", columns({0, 0, 0})},
+                           {"_vertex2", columns({1, 0, 0})},
+                           {"_vertex3", columns({0, 1, 0})},
+                           {"_vertex4", columns({1, 1, 0})}};
+  g.root(
+      {{"name", "TrapeziumCollection"}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", attributes}}}}}});
+  const auto report = read_gltf(g.glb(), "plant.glb", scene_, scene_.root(), {.copies = MeshCopies::kApart});
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(scene_.item_count(), 3u);
+  const std::size_t corners[] = {12, 6, 6};
+  for (core::ItemId i = 0; i < 3; ++i) EXPECT_EQ(scene_.mesh(scene_.mesh_of(i)).indices.size(), corners[i]);
 }
 
 }  // namespace

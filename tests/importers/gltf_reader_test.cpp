@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/importers/gltf/gltf_document.h"
 #include "sightline/tests/importers/gltf_bytes.h"
 #include "sightline/tests/support/test_data.h"
 
@@ -104,6 +105,7 @@ TEST_F(GltfReader, HierarchyTransformsNamesAndAttributes) {
   EXPECT_TRUE(report->warnings.empty());
   EXPECT_EQ(report->items[std::size_t(core::Kind::kMesh)], 1u);
   EXPECT_EQ(scene_.path(scene_.node_of(0)), "model.glb/unit/arm/wedge");
+  EXPECT_EQ(scene_.attributes(find("unit")), (core::Scene::Attributes{{"extras", "note"}}));
   const auto& attributes = scene_.attributes(find("arm"));
   ASSERT_EQ(attributes.size(), 3u);  // JSON objects have no order
   EXPECT_EQ(attributes[0], (std::pair<std::string, std::string>("open", "true")));
@@ -357,12 +359,15 @@ TEST_F(GltfReader, TexturesCountAsTheirMean) {
   core::Material found = scene_.material(scene_.item_material(0));
   EXPECT_EQ(found.colour, core::vec3(1, 0, 0));  // blended: the second pixel does not count
   EXPECT_NEAR(found.alpha, 0.5, 1e-6);
-  material.erase("alphaMode");
-  ASSERT_TRUE(read(g));
-  found = scene_.material(scene_.item_material(0));
-  EXPECT_NEAR(found.colour.x, 0.735357, 1e-4);  // sRGB of 1/2
-  EXPECT_NEAR(found.colour.z, 0.362249, 1e-4);  // of 0.2158605 / 2
-  EXPECT_EQ(found.alpha, 1.0f);
+  for (const bool said : {false, true}) {
+    material.erase("alphaMode");
+    if (said) material["alphaMode"] = "OPAQUE";
+    ASSERT_TRUE(read(g));
+    found = scene_.material(scene_.item_material(0));
+    EXPECT_NEAR(found.colour.x, 0.735357, 1e-4);  // sRGB of 1/2
+    EXPECT_NEAR(found.colour.z, 0.362249, 1e-4);  // of 0.2158605 / 2
+    EXPECT_EQ(found.alpha, 1.0f);
+  }
 }
 
 TEST_F(GltfReader, TexturesThatCannotBeReadAreWarnings) {
@@ -418,7 +423,8 @@ TEST_F(GltfReader, BuffersBesideTheModel) {
 TEST_F(GltfReader, RequiredExtensions) {
   GltfBytes g = triangle_file();
   g.root({{"mesh", 0}});
-  g.json["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_materials_unlit", "EXT_mesh_gpu_instancing"};
+  g.json["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_materials_unlit", "EXT_mesh_gpu_instancing",
+                                  "EXT_texture_webp"};
   EXPECT_TRUE(read(g));
   g.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
   expect_damage(g, "/extensionsRequired: expected extensions that can be read, found KHR_draco_mesh_compression");
@@ -499,6 +505,11 @@ TEST_F(GltfReader, IndicesOutOfRangeAreDamage) {
   expect("/accessors/0/count", 4294967295u, "/accessors/0/count: expected less");
   expect("/accessors/0/count", 1e300, "/accessors/0/count: expected a whole number");
   expect("/accessors/0/componentType", 5124, "/accessors/0/componentType: expected");
+  expect("/accessors/0/componentType", 5127, "/accessors/0/componentType: expected");
+  expect("/nodes/0/mesh", -1, "/nodes/0/mesh: expected a whole number");
+  expect("/nodes/1/matrix", {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, "/nodes/1/matrix: expected 0 0 0 1");
+  expect("/scenes/0/nodes/1", g.json["scenes"][0]["nodes"][0],
+         "/scenes/0/nodes: expected nodes without a parent, each once");
   expect("/accessors/0/type", "VEC9", "/accessors/0/type: expected");
   expect("/accessors/3/sparse/indices/bufferView", 99, "/accessors/3/sparse/indices/bufferView: expected one of");
   expect("/accessors/3/sparse/count", 1000, "/accessors/3/sparse/indices: expected 1000 elements");
@@ -575,6 +586,174 @@ TEST_F(GltfReader, RealFile) {
   const core::Material& paint = scene_.material(scene_.item_material(0));
   EXPECT_EQ(paint.name, "Tanker");
   EXPECT_GT(paint.colour.y, paint.colour.z);  // green
+}
+
+/// A PNG of one pixel, its bytes stored without compression.
+std::string one_pixel(std::uint8_t red, std::uint8_t green, std::uint8_t blue, std::uint8_t alpha) {
+  std::vector<std::byte> png;
+  const auto put = [&](std::initializer_list<int> bytes) {
+    for (const int b : bytes) png.push_back(std::byte(b));
+  };
+  put({0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0, 0, 0, 1, 0, 0, 0, 1, 8, 6, 0, 0, 0});
+  put({0, 0, 0, 0, 0, 0, 0, 16, 'I', 'D', 'A', 'T', 0x78, 1, 1, 5, 0, 250, 255, 0, red, green, blue, alpha});
+  put({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 'I', 'E', 'N', 'D', 0, 0, 0, 0});
+  return "data:image/png;base64," + tests::base64(png);
+}
+
+TEST_F(GltfReader, DarkAndInvisibleTextures) {
+  GltfBytes g = tests::small_gltf();
+  auto& material = g.json["materials"][0];
+  material["pbrMetallicRoughness"]["baseColorFactor"] = {1.0, 1.0, 1.0, 1.0};
+  g.json["images"][0] = {{"uri", one_pixel(2, 10, 11, 0)}};
+  const auto report = read(g);  // blended: nothing of the texture is seen
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->warnings.empty()) << report->warnings[0].message;
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).colour, core::vec3(1.0f));
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).alpha, 0.0f);
+  material["alphaMode"] = "OPAQUE";
+  ASSERT_TRUE(read(g));
+  const core::vec3 dark = scene_.material(scene_.item_material(0)).colour;
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(dark[i], core::vec3(2, 10, 11)[i] / 255.0f, 1e-5f);
+}
+
+TEST_F(GltfReader, ElementsEndWithinTheirView) {
+  const auto file = [](std::size_t length, std::size_t offset, std::size_t count) {
+    GltfBytes g = triangle_file();
+    g.binary.resize(64);
+    g.json["bufferViews"][0] = {{"buffer", 0}, {"byteLength", length}, {"byteStride", 16}};
+    g.json["accessors"][0]["byteOffset"] = offset, g.json["accessors"][0]["count"] = count;
+    g.root({{"mesh", 0}});
+    return g;
+  };
+  EXPECT_TRUE(read(file(44, 0, 3)));
+  expect_damage(file(43, 0, 3), "/accessors/0: expected 3 elements of 12 bytes, 16 apart");
+  EXPECT_TRUE(read(file(48, 4, 3)));
+  expect_damage(file(47, 4, 3), "/accessors/0: expected 3 elements");
+  EXPECT_TRUE(read(file(48, 48, 0)));
+  expect_damage(file(48, 49, 0), "/accessors/0: expected 0 elements");
+}
+
+TEST_F(GltfReader, BothAlphabetsOfBase64) {
+  GltfBytes g;
+  const std::vector<std::uint8_t> bytes = {251, 239, 190, 255, 255, 255, 0, 0, 0};
+  g.mesh({{"attributes", {{"POSITION", g.accessor(bytes, "VEC3")}}}});
+  g.root({{"mesh", 0}});
+  std::string text = tests::base64(g.binary);
+  ASSERT_EQ(text.substr(0, 8), "++++////");
+  ASSERT_TRUE(read_text(g.gltf("data:application/octet-stream;base64," + text)));
+  const auto standard = corners(0);
+  ASSERT_EQ(standard.size(), 3u);
+  EXPECT_NEAR(standard[0].x, 251, 1e-5);
+  text.replace(0, 8, "----____");
+  ASSERT_TRUE(read_text(g.gltf("data:application/octet-stream;base64," + text)));
+  EXPECT_EQ(corners(0), standard);
+}
+
+TEST_F(GltfReader, ChunksOfBinaryFiles) {
+  GltfBytes g = triangle_file();
+  g.root({{"mesh", 0}});
+  const std::vector<std::byte> glb = g.glb();
+  const std::size_t json_size = std::size_t(glb[12]) | std::size_t(glb[13]) << 8, binary_at = 20 + json_size;
+  const auto chunk = [](std::uint32_t kind, std::size_t bytes) {
+    std::vector<std::byte> made(8 + bytes, std::byte{0x3f});
+    for (int i = 0; i < 4; ++i)
+      made[std::size_t(i)] = std::byte(bytes >> (8 * i)), made[std::size_t(4 + i)] = std::byte(kind >> (8 * i));
+    return made;
+  };
+  const auto with_length = [](std::vector<std::byte> bytes, std::size_t length) {
+    for (std::size_t i = 0; i < 4; ++i) bytes[8 + i] = std::byte(length >> (8 * i));
+    return bytes;
+  };
+  const auto expect_triangle = [&](const std::vector<std::byte>& bytes) {
+    const auto report = read(bytes);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->warnings.empty());
+    expect_corners(0, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+  };
+  // Chunks of other kinds say nothing, nor does a second of the same.
+  std::vector<std::byte> bytes = glb;
+  const auto other = chunk(0x58585858, 36), second = chunk(0x004E4942, 36);
+  bytes.insert(bytes.begin() + std::ptrdiff_t(binary_at), other.begin(), other.end());
+  bytes.insert(bytes.end(), second.begin(), second.end());
+  expect_triangle(with_length(bytes, bytes.size()));
+  // The file ends where its header says.
+  bytes = glb;
+  bytes.resize(glb.size() + 20, std::byte{0xff});
+  expect_triangle(bytes);
+  EXPECT_FALSE(read(with_length(glb, glb.size() + 1)));
+  EXPECT_TRUE(read(with_length(glb, glb.size() + 1), true));
+  // Only the first buffer is the binary chunk.
+  g.json["bufferViews"][0]["buffer"] = 1;
+  g.json["buffers"] = {{{"byteLength", 36}}, {{"byteLength", 36}}};
+  std::string text = g.json.dump();
+  EXPECT_FALSE(read_text(text));
+}
+
+TEST_F(GltfReader, PercentSigns) {
+  EXPECT_EQ(percent_decoded("a%20b%"), "a b%");
+  EXPECT_EQ(percent_decoded("%41"), "A");
+  EXPECT_EQ(percent_decoded("x%4"), "x%4");
+  EXPECT_EQ(percent_decoded("%4g%g4%zz"), "%4g%g4%zz");
+}
+
+TEST_F(GltfReader, PrimitivesTakeTheirVerticesOfALongList) {
+  std::vector<float> positions, normals;
+  for (int i = 0; i < 40; ++i) {
+    positions.insert(positions.end(), {float(i), float(i * i), 0.0f});
+    normals.insert(normals.end(), {float(i), 0.0f, 1.0f});
+  }
+  for (const std::vector<std::uint8_t>& indices : {std::vector<std::uint8_t>{10, 11, 12}, {10, 35, 20}}) {
+    GltfBytes g;
+    const Json attributes = {{"POSITION", g.floats(positions, "VEC3")}, {"NORMAL", g.floats(normals, "VEC3")}};
+    g.mesh({{"attributes", attributes}, {"indices", g.accessor(indices, "SCALAR")}});
+    g.root({{"mesh", 0}});
+    ASSERT_TRUE(read(g));
+    const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(0));
+    ASSERT_EQ(mesh.positions.size(), 3u);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double i = indices[c];
+      EXPECT_LT(glm::distance(corners(0)[c], dvec3(i, 0, i * i)), 1e-4);
+      EXPECT_EQ(mesh.normals[mesh.indices[c]], core::vec3(float(i), 0, 1));
+    }
+    g.json["accessors"][1]["count"] = 39;
+    expect_damage(g, "/meshes/0/primitives/0/attributes/NORMAL: expected 40 normals, found 39");
+    g.json["accessors"][1]["count"] = 40;
+  }
+}
+
+TEST_F(GltfReader, StripsAreStitchedWithEmptyTriangles) {
+  for (const std::vector<std::uint8_t>& strip :
+       {std::vector<std::uint8_t>{0, 0, 1, 2}, {0, 1, 2, 2}, {0, 1, 0}, {0, 1, 1}}) {
+    GltfBytes g = triangle_file();
+    auto& primitive = g.json["meshes"][0]["primitives"][0];
+    primitive["mode"] = 5, primitive["indices"] = g.accessor(strip, "SCALAR");
+    g.root({{"mesh", 0}});
+    ASSERT_TRUE(read(g));
+    EXPECT_EQ(scene_.mesh(scene_.mesh_of(0)).indices.size(), strip.size() == 4 ? 3u : 0u);
+  }
+  GltfBytes g = triangle_file();
+  g.json["meshes"][0]["primitives"][0]["indices"] = g.accessor<std::int8_t>({0, 1, -1}, "SCALAR");
+  g.root({{"mesh", 0}});
+  expect_damage(g, "/meshes/0/primitives/0/indices: expected indices below the 3 vertices, found 1 triangles beyond");
+}
+
+TEST_F(GltfReader, InstancesByTheThousand) {
+  GltfBytes g = triangle_file();
+  constexpr std::size_t kMany = 5003;
+  const int moves = g.floats(std::vector<float>(3 * kMany, 1.0f), "VEC3");
+  // The name of a collection means nothing outside the convention.
+  Json attributes = {{"TRANSLATION", moves}};
+  const int node = g.root({{"name", "BoxCollection"},
+                           {"mesh", 0},
+                           {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", attributes}}}}}});
+  ASSERT_TRUE(read(g));
+  EXPECT_EQ(scene_.item_count(), kMany);
+  auto& stored = g.json["nodes"][std::size_t(node)]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+  const std::string where = "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/SCALE: expected ";
+  stored["SCALE"] = g.floats({1, 1, 1}, "VEC3");
+  expect_damage(g, where + "5003 instances as the attributes before it, found 1");
+  stored["SCALE"] = g.floats(std::vector<float>(kMany, 1.0f), "SCALAR");
+  expect_damage(g, where + "3 numbers for each instance, found 1");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -183,6 +184,42 @@ TEST_F(ObjReader, RealFile) {
   for (std::string line; std::getline(file, line);) faces += line.rfind("f ", 0) == 0;
   EXPECT_EQ(mesh.indices.size(), 3 * faces);
   EXPECT_TRUE(scene_.commit());
+}
+
+TEST_F(ObjReader, VerticesAreAPositionAndANormal) {
+  const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nvn 1e999 0 0\n";
+  const auto vertices = [&](const std::string& faces) {
+    EXPECT_TRUE(read(v + faces));
+    const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(0));
+    return std::pair(mesh.positions.size(), mesh.normals.size());
+  };
+  using Sizes = std::pair<std::size_t, std::size_t>;
+  EXPECT_EQ(vertices("f 1//1 2//1 3//1\nf 1//1 3//1 2//1\n"), Sizes(3, 3));
+  EXPECT_EQ(vertices("f 1//1 2//1 3//1\nf 1//2 3//1 2//1\n"), Sizes(4, 4));
+  EXPECT_EQ(vertices("f 1//1 2//1 3//1\nf 1//2 3 2//1\n"), Sizes(3, 0));     // a corner without
+  EXPECT_EQ(vertices("f 1//1 2//1 3//1\nf 1//3 3//1 2//1\n"), Sizes(3, 0));  // a normal that is no direction
+}
+
+TEST_F(ObjReader, MaterialsOfSeveralFiles) {
+  write("a.mtl", "newmtl red\nKd 2 -1 0.5\n");
+  write("b.mtl", "newmtl green\nKd 0 1 1e999\n");
+  const auto report = read(
+      "mtllib a.mtl\nmtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl green\nf 1 2 3\nusemtl red\nf 1 2 3\n"
+      "usemtl none\nf 1 2 3\n");
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(scene_.item_count(), 3u);
+  std::map<std::string, core::vec3> colours;
+  for (core::ItemId i = 0; i < 3; ++i)
+    if (const core::MaterialId m = scene_.item_material(i); m.valid())
+      colours[scene_.material(m).name] = scene_.material(m).colour;
+  EXPECT_EQ(colours, (std::map<std::string, core::vec3>{{"green", {0, 1, 0.7f}}, {"red", {1, 0, 0.5f}}}));
+  ASSERT_EQ(report->warnings.size(), 1u);
+  EXPECT_NE(report->warnings[0].message.find("unknown material 'none'"), std::string::npos);
+}
+
+TEST_F(ObjReader, PartsWithoutAFaceGiveNoItem) {
+  ASSERT_TRUE(read("v 0 0 0\nv 1 0 0\nv 0 1 0\no good\nf 1 2 3\no bad\nf 1 2 9\n", true));
+  EXPECT_EQ(scene_.item_count(), 1u);
 }
 
 }  // namespace

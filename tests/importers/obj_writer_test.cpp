@@ -235,5 +235,20 @@ TEST_F(ObjWriter, CancelAndFailureLeaveWhatWasThere) {
   EXPECT_EQ(files(), 1u);
 }
 
+TEST_F(ObjWriter, ToleranceHoldsInTheWorld) {
+  const auto triangles = [&](const core::dmat3& linear, double tolerance) {
+    scene_ = core::Scene();
+    scene_.add_primitive(scene_.root(), core::Cylinder{1, 2}, {linear, {}});
+    return round_trip({.tolerance = tolerance}).triangles;
+  };
+  const std::uint64_t fine = triangles(core::dmat3(1.0), 1e-4), coarse = triangles(core::dmat3(1.0), 1e-2);
+  EXPECT_GT(fine, 5 * coarse);
+  EXPECT_EQ(triangles(core::dmat3(100.0), 1e-2), fine);
+  EXPECT_EQ(triangles(core::dmat3(0.01), 1e-4), coarse);
+  // Stretched along a direction between the axes: no fewer than where all is stretched as much.
+  const core::dmat3 slanted = core::dmat3(1.0) + 99.0 / 2.0 * core::dmat3(1, 1, 0, 1, 1, 0, 0, 0, 0);
+  EXPECT_GE(triangles(slanted, 1e-2), fine);
+}
+
 }  // namespace
 }  // namespace sightline::importers

@@ -183,5 +183,44 @@ TEST(RvmAttributesOfRealFiles, EveryGroupHasSome) {
   EXPECT_EQ(scene.name(zones[0]), "/PS/WD1/0001");
 }
 
+TEST_F(RvmAttributes, QuotesAndWordsAtTheEdge) {
+  ASSERT_TRUE(read_body("NEW\t/SITE\nA:= 'x\nB:= '\nC:= ''\nD:= 'x\"\nNEWS:= 5\nEND\n"));
+  EXPECT_EQ(of("plant.rvm//SITE", "A"), "'x");
+  EXPECT_EQ(of("plant.rvm//SITE", "B"), "'");
+  EXPECT_EQ(of("plant.rvm//SITE", "C"), "");
+  EXPECT_EQ(of("plant.rvm//SITE", "D"), "'x\"");
+  EXPECT_EQ(of("plant.rvm//SITE", "NEWS"), "5");
+  EXPECT_FALSE(read_body("NEW /SITE\nNEW\nEND\n"));
+  EXPECT_FALSE(read_body("NEW /SITE\n:= value\nEND\n"));
+}
+
+TEST_F(RvmAttributes, FilesOfAnotherNameSpeakOfAllModels) {
+  ASSERT_TRUE(read(std::string(kHeader) + "NEW /SITE\nA:= 1\nEND\n", false, "other.txt"));
+  EXPECT_EQ(of("plant.rvm//SITE", "A"), "1");
+}
+
+TEST_F(RvmAttributes, LimitsAreReached) {
+  const auto nested = [](std::size_t depth) {
+    std::string text = "NEW /SITE\nA:= 1\n";
+    for (std::size_t i = 1; i < depth; ++i) text += "NEW x\n";
+    text += "A:= 2\n";
+    for (std::size_t i = 1; i < depth; ++i) text += "END\n";
+    return text + "B:= 3\nEND\n";
+  };
+  EXPECT_TRUE(read_body(nested(kMaxAttributeDepth)));
+  EXPECT_FALSE(read_body(nested(kMaxAttributeDepth + 1)));
+  SetUp();
+  const auto deep = read_body(nested(kMaxAttributeDepth + 3), true);
+  ASSERT_TRUE(deep) << deep.error().message;
+  EXPECT_EQ(of("plant.rvm//SITE", "B"), "3");  // what was too deep has been left again
+  const auto many = [](std::size_t count) {
+    std::string text = "NEW /SITE\n";
+    for (std::size_t i = 0; i < count; ++i) text += "k" + std::to_string(i) + ":= 1\n";
+    return text + "END\n";
+  };
+  EXPECT_TRUE(read_body(many(kMaxAttributesPerElement)));
+  EXPECT_FALSE(read_body(many(kMaxAttributesPerElement + 1)));
+}
+
 }  // namespace
 }  // namespace sightline::importers

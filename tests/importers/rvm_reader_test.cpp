@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -356,6 +357,45 @@ TEST(RvmReader, WarningsAreCapped) {
   ASSERT_TRUE(read.report);
   ASSERT_EQ(read.report->warnings.size(), kMaxWarnings + 1);
   EXPECT_NE(read.report->warnings.back().message.find("4000"), std::string::npos);
+}
+
+TEST(RvmReader, LostContentsAreSkippedOnlyWhereTheHeaderLeadsOn) {
+  RvmBytes b;
+  b.head().group("g", 1).prim(8, {1, 2});
+  const std::size_t at = b.bytes.size();
+  b.prim(12, {1, 2}).prim(8, {1, 2}).group_end().finish();
+  expect_damage(b.bytes, {"1 to 11, found 12"}, 2);
+  for (const std::uint32_t next : {0u, std::uint32_t(at), std::uint32_t(at + 4), std::uint32_t(b.bytes.size() + 4)}) {
+    b.put(at + 16, next);
+    expect_damage(b.bytes, {"1 to 11, found 12"}, 1);
+    EXPECT_EQ(Read(b.bytes, true).report->warnings.size(), 1u) << next;
+  }
+}
+
+TEST(RvmReader, BytesThatResembleNoKnownChunkAreSkipped) {
+  RvmBytes b;
+  b.head().group("g", 1).item(8).floats({1, 2});
+  for (const char c : {'A', 'B', 'C', 'D'}) b.u32(std::uint8_t(c));
+  b.u32(0).u32(1).end().prim(8, {1, 2}).group_end().finish();
+  expect_damage(b.bytes, {"next chunk"}, 2);
+  EXPECT_EQ(Read(b.bytes, true).report->warnings.size(), 1u);
+}
+
+TEST(RvmReader, WhatIsNotFiniteOrTooFarIsDropped) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  RvmBytes b;
+  b.head().group("g", 1, {1, kNan, 2});
+  for (const float x : {5000.0f, 9e35f, 2e36f})
+    b.begin("PRIM").u32(1).u32(9).floats({1, 0, 0, 0, 1, 0, 0, 0, 1, x, 0, 0, -1, -1, -1, 1, 1, 1, 2}).end();
+  b.group_end().finish();
+  const Read read(b.bytes);
+  ASSERT_TRUE(read.report) << read.report.error().message;
+  EXPECT_EQ(read.report->metres_per_unit, 0.001);
+  EXPECT_TRUE(read.scene.attributes(read.child(read.file(), 0)).empty());
+  EXPECT_EQ(read.scene.item_count(), 2u);
+  ASSERT_EQ(read.report->warnings.size(), 2u);
+  EXPECT_NE(read.report->warnings[0].message.find("not finite"), std::string::npos);
+  EXPECT_NE(read.report->warnings[1].message.find("reaches 2e+36"), std::string::npos);
 }
 
 class ImportFile : public testing::Test {

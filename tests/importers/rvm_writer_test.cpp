@@ -1,7 +1,9 @@
 #include "sightline/importers/rvm/rvm_writer.h"
 
+#include <bit>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -236,6 +238,149 @@ TEST(RvmWriter, DeepTrees) {
   scene.add_primitive(node, core::Sphere{1});
   ASSERT_TRUE(rewrite(scene, top, again).valid());
   EXPECT_EQ(again.node_count(), 10002u);
+}
+
+/// What an item looks like, where it is and what it belongs to.
+struct Seen {
+  core::vec3 colour{0.0f};
+  float alpha = 0.0f;
+  std::uint32_t layers = 0, code = 0;
+  core::dvec3 origin{0.0};
+};
+/// Of spheres by their diameters, after writing and reading.
+std::map<float, Seen> spheres_after(const Scene& scene, NodeId top, Scene& again) {
+  std::map<float, Seen> seen;
+  if (!rewrite(scene, top, again).valid()) return seen;
+  for (core::ItemId i = 0; i < again.item_slots(); ++i) {
+    const auto state = again.state(i);
+    const core::Material& m = again.material(again.material_at(state.material));
+    seen[std::get<core::Sphere>(again.primitive(i)).diameter] = {m.colour, m.alpha, state.layers, m.code,
+                                                                 state.world_from_item.origin};
+  }
+  return seen;
+}
+
+TEST(RvmWriter, ColoursInConflictTakeFreeIndices) {
+  Scene scene, again;
+  const NodeId top = scene.add_node(scene.root(), "file");
+  const core::vec3 red(1, 0, 0), green(0, 1, 0), blue(0, 0, 1), grey(0.5f, 1.5f, -0.5f);
+  float diameter = 0.0f;
+  for (const core::Material& m : {core::Material{"a", red, 1, 5},
+                                  {"b", green, 1, 256},
+                                  {"c", blue, 1, 5},
+                                  {"d", blue, 2, 5},
+                                  {"e", grey, -1, 5}}) {
+    const NodeId group = scene.add_node(top, m.name);
+    scene.set_material(group, scene.add_material(m));
+    scene.add_primitive(group, core::Sphere{++diameter});
+  }
+  auto seen = spheres_after(scene, top, again);
+  EXPECT_EQ(seen[1].colour, red);
+  EXPECT_EQ(seen[2].colour, green);
+  EXPECT_EQ(seen[2].code, 256u);
+  EXPECT_EQ(seen[3].colour, blue);
+  EXPECT_EQ(seen[4].colour, blue);
+  EXPECT_EQ(seen[3].code, seen[4].code);
+  EXPECT_EQ(seen[4].alpha, 1.0f);
+  EXPECT_EQ(seen[5].colour, core::vec3(128 / 255.0f, 1, 0));
+  EXPECT_EQ(seen[5].alpha, 0.0f);
+}
+
+TEST(RvmWriter, ChildrenInheritLookLayersAndPlace) {
+  Scene scene, again;
+  const core::Affine far = core::translation({10, 20, 30});
+  const NodeId above = scene.add_node(scene.root(), "above"), top = scene.add_node(above, "file");
+  scene.set_material(above, scene.add_material({"blue", {0, 0, 1}, 1.0f, 7}));
+  const NodeId moved = scene.add_node(top, "moved", far), below = scene.add_node(moved, "below");
+  const NodeId still = scene.add_node(top, "still"), last = scene.add_node(still, "last", far);
+  scene.set_layers(still, core::kLayerInsulation);
+  const NodeId painted = scene.add_node(top, "painted"), child = scene.add_node(painted, "child");
+  const core::MaterialId red = scene.add_material({"red", {1, 0, 0}, 1.0f, 8}),
+                         green = scene.add_material({"green", {0, 1, 0}, 1.0f, 9});
+  scene.set_material(painted, red);
+  scene.add_primitive(below, core::Sphere{1});
+  scene.add_primitive(last, core::Sphere{2});
+  scene.add_primitive(child, core::Sphere{3});
+  scene.add_primitive(child, core::Sphere{4}, {}, green);
+  scene.add_primitive(child, core::Sphere{5}, {}, scene.add_material({"white", {1, 1, 1}, 1.0f, 10}));
+  scene.add_primitive(child, core::Sphere{6});
+  auto seen = spheres_after(scene, top, again);
+  EXPECT_EQ(seen[1].origin, far.origin);
+  EXPECT_EQ(seen[1].colour, core::vec3(0, 0, 1));
+  EXPECT_EQ(seen[1].layers, core::kLayerModel);
+  EXPECT_EQ(seen[2].origin, far.origin);
+  EXPECT_EQ(seen[2].layers, core::kLayerInsulation);
+  const core::vec3 colours[] = {{1, 0, 0}, {0, 1, 0}, {1, 1, 1}, {1, 0, 0}};
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(seen[float(3 + i)].colour, colours[i]) << i;
+}
+
+TEST(RvmWriter, LayerNodesThatSayMoreGetAGroup) {
+  Scene scene, again;
+  const NodeId top = scene.add_node(scene.root(), "file"), group = scene.add_node(top, "g");
+  scene.set_material(group, scene.add_material({"red", {1, 0, 0}, 1.0f, 8}));
+  const auto layer = [&](NodeId above, std::string_view name, float diameter) {
+    const NodeId node = scene.add_node(above, name);
+    scene.set_layers(node, core::kLayerObstruction);
+    scene.add_primitive(node, core::Sphere{diameter});
+    return node;
+  };
+  layer(group, "named", 1);
+  scene.set_attribute(layer(group, "", 2), rvm::kPositionKey, "1 2 3");
+  scene.set_transform(layer(group, "", 3), core::translation({10, 20, 30}));
+  layer(top, "", 4);
+  scene.set_material(layer(group, "", 5), scene.add_material({"green", {0, 1, 0}, 1.0f, 9}));
+  scene.add_primitive(scene.add_node(layer(group, "", 6)), core::Sphere{7});
+  auto seen = spheres_after(scene, top, again);
+  ASSERT_EQ(seen.size(), 7u);
+  std::map<float, NodeId> above;
+  for (core::ItemId i = 0; i < again.item_slots(); ++i)
+    above[std::get<core::Sphere>(again.primitive(i)).diameter] = again.parent(again.node_of(i));
+  EXPECT_EQ(again.name(above[1]), "named");
+  EXPECT_EQ(again.attributes(above[2]), (Scene::Attributes{{std::string(rvm::kPositionKey), "1 2 3"}}));
+  EXPECT_EQ(seen[3].origin, core::dvec3(10, 20, 30));
+  EXPECT_EQ(seen[5].colour, core::vec3(0, 1, 0));
+  for (const auto& [diameter, sphere] : seen) EXPECT_EQ(sphere.layers, core::kLayerObstruction) << diameter;
+}
+
+TEST(RvmWriter, NormalsOfMeshesAreWritten) {
+  Scene scene, again;
+  const NodeId top = scene.add_node(scene.root(), "file"), group = scene.add_node(top, "g");
+  core::Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.normals = {{0, 0, 1}, {0, 0.6f, 0.8f}, {0.6f, 0, 0.8f}};
+  mesh.indices = {0, 1, 2};
+  scene.add_mesh_instance(group, scene.add_mesh(mesh), {});
+  mesh.contour_sizes = {3}, mesh.polygon_contours = {1};
+  scene.add_mesh_instance(group, scene.add_mesh(mesh), {});
+  ASSERT_TRUE(rewrite(scene, top, again).valid());
+  ASSERT_EQ(again.item_count(), 2u);
+  for (core::ItemId i = 0; i < 2; ++i) EXPECT_EQ(again.mesh(again.mesh_of(i)).normals, mesh.normals) << i;
+}
+
+TEST(RvmWriter, BoxesHoldTheirItems) {
+  Scene scene;
+  const NodeId top = scene.add_node(scene.root(), "file"), group = scene.add_node(top, "g");
+  const core::Primitive snout = core::Snout{0.3f, 0.7f, 1.1f, 0.1f, 0.2f, 0.1f, 0.2f, -0.3f, 0.05f};
+  scene.add_primitive(group, snout);
+  const auto bytes = write_rvm(scene, top);
+  ASSERT_TRUE(bytes);
+  const auto word = [&](std::size_t at) {
+    std::uint32_t w = 0;
+    for (std::size_t i = 0; i < 4; ++i) w = w << 8 | std::uint32_t((*bytes)[at + i]);
+    return w;
+  };
+  std::size_t chunk = 0;
+  while (word(chunk) != 'P' || word(chunk + 4) != 'R' || word(chunk + 8) != 'I') chunk += 4;
+  const core::AabbD exact = core::bounds(snout, {});
+  int rounded = 0;
+  for (int i = 0; i < 6; ++i) {
+    const double stored = double(std::bit_cast<float>(word(chunk + 24 + 8 + 48 + 4 * std::size_t(i))));
+    const double value = i < 3 ? exact.min[i] : exact.max[i - 3];
+    EXPECT_LE(i < 3 ? stored : value, i < 3 ? value : stored) << i;
+    EXPECT_NEAR(stored, value, 1e-6);
+    rounded += stored != value;
+  }
+  EXPECT_GT(rounded, 0);
 }
 
 }  // namespace
