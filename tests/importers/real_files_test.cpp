@@ -11,8 +11,6 @@
 namespace sightline::importers {
 namespace {
 
-constexpr const char* kFiles[] = {"huldra/HA-MECH.RVM", "huldra/HA-PIPE.RVM", "huldra/WD1-PSUP.RVM"};
-
 struct Scan {
   std::array<std::uint64_t, core::kKindCount> items{};
   std::uint64_t groups = 0, sheared_reducers = 0, sheared_offset = 0;
@@ -60,12 +58,11 @@ std::string contents(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST(RealFiles, CountsAgreeWithAnIndependentScan) {
+void compare_with_scan(const std::vector<std::string>& files) {
   Scan total;
   std::vector<std::filesystem::path> paths;
   std::uint64_t degenerate = 0;
-  for (const char* name : kFiles) {
-    SIGHTLINE_NEED_DATA(name);
+  for (const std::string& name : files) {
     SCOPED_TRACE(name);
     paths.push_back(tests::data_path(name));
     const Scan scan = scan_file(contents(paths.back()));
@@ -81,14 +78,14 @@ TEST(RealFiles, CountsAgreeWithAnIndependentScan) {
     total.sheared_reducers += scan.sheared_reducers;
     total.sheared_offset += scan.sheared_offset;
     degenerate += report->degenerate;
-    std::printf("%s: %llu degenerate\n", name, static_cast<unsigned long long>(report->degenerate));
+    std::printf("%s: %llu degenerate\n", name.c_str(), static_cast<unsigned long long>(report->degenerate));
   }
   core::Scene scene;
   const auto report = import_files(paths, scene, scene.root());
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(report->items, total.items);
   EXPECT_EQ(report->degenerate, degenerate);
-  EXPECT_EQ(scene.node_count(), total.groups + 1 + std::size(kFiles));
+  EXPECT_EQ(scene.node_count(), total.groups + 1 + files.size());
   std::array<std::uint64_t, core::kKindCount> in_scene{};
   for (core::ItemId i = 0; i < scene.item_slots(); ++i) ++in_scene[std::size_t(scene.kind(i))];
   EXPECT_EQ(in_scene, total.items);
@@ -98,6 +95,16 @@ TEST(RealFiles, CountsAgreeWithAnIndependentScan) {
   std::printf("sheared snouts with two radii: %llu, with an offset: %llu\n",
               static_cast<unsigned long long>(total.sheared_reducers),
               static_cast<unsigned long long>(total.sheared_offset));
+}
+
+TEST(RealFiles, CountsAgreeWithAnIndependentScan) {
+  const std::vector<std::string> files = {"huldra/HA-MECH.RVM", "huldra/HA-PIPE.RVM", "huldra/WD1-PSUP.RVM"};
+  for (const std::string& file : files) SIGHTLINE_NEED_DATA(file);
+  compare_with_scan(files);
+}
+
+TEST(RealFiles, CountsOfTheSmallPlantAgreeWithAnIndependentScan) {
+  compare_with_scan({"small_plant.rvm"});
 }
 
 }  // namespace

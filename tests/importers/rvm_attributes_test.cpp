@@ -222,5 +222,16 @@ TEST_F(RvmAttributes, LimitsAreReached) {
   EXPECT_FALSE(read_body(many(kMaxAttributesPerElement + 1)));
 }
 
+TEST(RvmAttributesOfRealFiles, TheSmallPlantHasThemAll) {
+  core::Scene scene;
+  const std::vector<std::filesystem::path> paths{tests::data_path("small_plant.rvm"),
+                                                 tests::data_path("small_plant.txt")};
+  const auto report = import_files(paths, scene, scene.root());
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->warnings.empty());
+  EXPECT_EQ(report->attributed, 7u);
+  EXPECT_EQ(core::find_nodes(scene, scene.root(), std::vector<core::NodeCondition>{{"Type", "PIPE"}}).size(), 4u);
+}
+
 }  // namespace
 }  // namespace sightline::importers

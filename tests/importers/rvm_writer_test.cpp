@@ -112,14 +112,22 @@ TEST(RvmWriter, RoundTripOfRandomFiles) {
   }
 }
 
+void expect_round_trip_of_file(const char* name) {
+  SCOPED_TRACE(name);
+  std::ifstream file(tests::data_path(name), std::ios::binary);
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  const auto bytes = std::as_bytes(std::span(text));
+  expect_round_trip({bytes.begin(), bytes.end()});
+}
+
+TEST(RvmWriter, RoundTripOfTheSmallPlant) {
+  expect_round_trip_of_file("small_plant.rvm");
+}
+
 TEST(RvmWriter, RoundTripOfRealFiles) {
   for (const char* name : {"huldra/HA-MECH.RVM", "huldra/HA-PIPE.RVM", "huldra/WD1-PSUP.RVM"}) {
     SIGHTLINE_NEED_DATA(name);
-    SCOPED_TRACE(name);
-    std::ifstream file(tests::data_path(name), std::ios::binary);
-    const std::string text(std::istreambuf_iterator<char>(file), {});
-    const auto bytes = std::as_bytes(std::span(text));
-    expect_round_trip({bytes.begin(), bytes.end()});
+    expect_round_trip_of_file(name);
   }
 }
 

@@ -1,4 +1,4 @@
-// Where the real models lie, for tests that need one.
+// Where models lie, for tests that need one: tests/data/small_plant.rvm is always there, real ones may be.
 #pragma once
 
 #include <cstdlib>
@@ -7,8 +7,10 @@
 
 namespace sightline::tests {
 
-/// Path of a file below SIGHTLINE_DATA, or below ../shared/data beside the sources. May not exist.
+/// Path of a file of tests/data, or below SIGHTLINE_DATA, or below ../shared/data beside the sources. May not exist.
 inline std::filesystem::path data_path(const std::string& name) {
+  const auto own = std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "tests" / "data" / name;
+  if (std::filesystem::exists(own)) return own;
   if (const char* root = std::getenv("SIGHTLINE_DATA")) return std::filesystem::path(root) / name;
   return std::filesystem::path(SIGHTLINE_SOURCE_DIR) / ".." / "shared" / "data" / name;
 }
