@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sightline/engine/clock.h"
+#include "sightline/gl/program_cache.h"
 
 namespace sightline::engine {
 namespace {
@@ -26,6 +27,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   gl::Context context = (config.context ? *config.context : *own).share();
   std::unique_ptr<Drawing> drawing(new Drawing(std::move(own), std::move(context)));
   if (auto current = drawing->make_current(); !current) return tl::unexpected(current.error());
+  drawing->context_.cache_programs(config.program_cache.value_or(gl::ProgramCache::default_folder()));
   drawing->renders_ = config.draw;
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {

@@ -1,11 +1,13 @@
 #include "sightline/gl/context.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "sightline/gl/egl.h"
+#include "sightline/gl/program_cache.h"
 
 namespace sightline::gl {
 
@@ -20,6 +22,7 @@ struct Context::State {
   EglContext egl;  // empty when adopted
   Functions gl;
   Capabilities capabilities;
+  std::optional<ProgramCache> program_cache;
   DebugLog log;
   bool lost = false, destroyed = false;
   std::string vendor;
@@ -197,6 +200,12 @@ core::Expected<void> Context::make_current() const {
 
 void Context::release_current() const {
   if (state_->egl.context) release_egl_current(state_->egl);
+}
+
+void Context::cache_programs(const std::filesystem::path& folder) {
+  state_->program_cache.reset();
+  if (!folder.empty()) state_->program_cache.emplace(state_->gl, folder);
+  state_->gl.program_cache = state_->program_cache ? &*state_->program_cache : nullptr;
 }
 
 bool Context::lost() const {

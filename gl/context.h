@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -87,6 +88,10 @@ class Context {
   core::Expected<void> make_current() const;
   /// Leaves no context current, so that another thread may take this one. Does nothing for an adopted one.
   void release_current() const;
+
+  /// Programs made from now on are looked for in that folder, and kept there: see ProgramCache. Empty: they are not, as
+  /// at first. The context must be current.
+  void cache_programs(const std::filesystem::path& folder);
 
   /// True once the driver has reset the context, after a hang of the GPU for example: what was in it is gone, calls do
   /// nothing, and only a new context helps; and of a share() whose context is destroyed. Stays true. Asks the driver

@@ -19,6 +19,8 @@ namespace sightline::gl {
 inline constexpr int kRequiredMajor = 4;
 inline constexpr int kRequiredMinor = 5;
 
+class ProgramCache;
+
 using Proc = void (*)();
 /// Finds an entry point by its full name ("glEnable"); null when unknown. `user` is what was given beside the callback.
 /// Suits eglGetProcAddress, OSMesaGetProcAddress and glfwGetProcAddress, each behind a one-line wrapper.
@@ -30,6 +32,9 @@ struct Functions {
 #define SIGHTLINE_GL_FUNCTION(name, type) PFNGL##type##PROC name = nullptr;
 #define SIGHTLINE_GL_EXTENSION(name, type, extension) PFNGL##type##PROC name = nullptr;
 #include "sightline/gl/function_table.inc"
+
+  /// Beside the entry points: where Program looks before it compiles, see Context::cache_programs(). Null: nowhere.
+  const ProgramCache* program_cache = nullptr;
 };
 
 /// Loads the table for the context that is current on this thread. Fails when none is, when it is older than 4.5 (with

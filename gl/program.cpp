@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "sightline/gl/program_cache.h"
+
 namespace sightline::gl {
 namespace {
 
@@ -52,23 +54,30 @@ std::string stage_name(GLenum stage) {
   }
 }
 
-core::Expected<Shader> compile(const Functions& gl, const ProgramDescription& program, const StageDescription& stage) {
-  const auto where = [&] {
-    return fmt::format("GL program '{}', {} stage {}", program.name, stage_name(stage.stage),
-                       stage.files.empty() ? "without files" : stage.files.front());
-  };
-  auto source = assemble_stage(program.shaders, stage.files);
-  if (!source) return core::fail(where() + ": " + source.error().message);
-  Shader shader(gl, gl.CreateShader(stage.stage));
-  if (!shader.name()) return core::fail(where() + ": not a shader stage");
-  const GLchar* text = source->text.data();
-  const auto length = static_cast<GLint>(source->text.size());
-  gl.ShaderSource(shader.name(), 1, &text, &length);
-  gl.CompileShader(shader.name());
-  GLint compiled = GL_FALSE;
-  gl.GetShaderiv(shader.name(), GL_COMPILE_STATUS, &compiled);
-  if (compiled) return shader;
-  return core::fail(where() + " does not compile:\n" + name_files_in_log(shader_log(gl, shader.name()), source->files));
+/// Where an error of a stage is: program, stage and the file that it begins with.
+std::string place_of(const ProgramDescription& program, const StageDescription& stage) {
+  return fmt::format("GL program '{}', {} stage {}", program.name, stage_name(stage.stage),
+                     stage.files.empty() ? "without files" : stage.files.front());
+}
+
+core::Expected<std::vector<StageSource>> assemble(const ProgramDescription& description) {
+  std::vector<StageSource> sources;
+  for (const StageDescription& stage : description.stages) {
+    auto source = assemble_stage(description.shaders, stage.files);
+    if (!source) return core::fail(place_of(description, stage) + ": " + source.error().message);
+    sources.push_back(std::move(*source));
+  }
+  return sources;
+}
+
+/// All that decides what comes of linking.
+std::string cache_key(const ProgramDescription& description, const std::vector<StageSource>& sources) {
+  std::string key;
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    key += fmt::format("stage {:#x}, {} bytes\n{}\n", description.stages[i].stage, sources[i].text.size(),
+                       sources[i].text);
+  for (const std::string& name : description.feedback_varyings) key += fmt::format("feedback {}\n", name);
+  return key + fmt::format("mode {:#x}, separable {}\n", description.feedback_mode, description.separable);
 }
 
 void set_feedback(const Functions& gl, GLuint program, const ProgramDescription& description) {
@@ -86,30 +95,88 @@ void delete_program(const Functions& gl, GLuint name) {
 }
 }  // namespace detail
 
-core::Expected<Program> Program::create(const Functions& gl, const ProgramDescription& description) {
-  std::vector<Shader> shaders;
-  for (const StageDescription& stage : description.stages) {
-    auto shader = compile(gl, description, stage);
-    if (!shader) return tl::unexpected(shader.error());
-    shaders.push_back(std::move(*shader));
-  }
+struct Program::Pending {
   Program program;
-  program.handle_ = Handle<detail::delete_program>(gl, gl.CreateProgram());
-  for (const Shader& shader : shaders) gl.AttachShader(program.id(), shader.name());
-  set_feedback(gl, program.id(), description);
-  if (description.separable) gl.ProgramParameteri(program.id(), GL_PROGRAM_SEPARABLE, GL_TRUE);
-  gl.LinkProgram(program.id());
-  for (const Shader& shader : shaders) gl.DetachShader(program.id(), shader.name());
-  GLint linked = GL_FALSE;
-  gl.GetProgramiv(program.id(), GL_LINK_STATUS, &linked);
-  if (!linked) {
-    return core::fail(
-        fmt::format("GL program '{}' does not link:\n{}", description.name, program_log(gl, program.id())));
+  std::vector<StageSource> sources;
+  std::vector<Shader> shaders;
+  std::string key;  // empty without a cache
+  bool cached = false;
+};
+
+/// Asks the driver for nothing that it would have to be through with compiling for.
+core::Expected<Program::Pending> Program::begin(const Functions& gl, const ProgramDescription& description) {
+  auto sources = assemble(description);
+  if (!sources) return tl::unexpected(sources.error());
+  Pending pending;
+  pending.sources = std::move(*sources);
+  pending.program.handle_ = Handle<detail::delete_program>(gl, gl.CreateProgram());
+  const GLuint program = pending.program.id();
+  if (description.separable) gl.ProgramParameteri(program, GL_PROGRAM_SEPARABLE, GL_TRUE);
+  if (gl.program_cache && gl.program_cache->enabled()) {
+    pending.key = cache_key(description, pending.sources);
+    pending.cached = gl.program_cache->load(gl, program, pending.key);
+    if (pending.cached) return pending;
+    gl.ProgramParameteri(program, GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
   }
-  if (!description.name.empty()) {
-    gl.ObjectLabel(GL_PROGRAM, program.id(), static_cast<GLsizei>(description.name.size()), description.name.data());
+  for (std::size_t i = 0; i < description.stages.size(); ++i) {
+    Shader shader(gl, gl.CreateShader(description.stages[i].stage));
+    if (!shader.name()) return core::fail(place_of(description, description.stages[i]) + ": not a shader stage");
+    const GLchar* text = pending.sources[i].text.data();
+    const auto length = static_cast<GLint>(pending.sources[i].text.size());
+    gl.ShaderSource(shader.name(), 1, &text, &length);
+    gl.CompileShader(shader.name());
+    gl.AttachShader(program, shader.name());
+    pending.shaders.push_back(std::move(shader));
   }
-  return program;
+  set_feedback(gl, program, description);
+  gl.LinkProgram(program);
+  return pending;
+}
+
+core::Expected<Program> Program::finish(const Functions& gl, const ProgramDescription& description, Pending pending) {
+  const GLuint program = pending.program.id();
+  if (!pending.cached) {
+    GLint linked = GL_FALSE;
+    gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
+    for (std::size_t i = 0; !linked && i < pending.shaders.size(); ++i) {
+      const GLuint shader = pending.shaders[i].name();
+      GLint compiled = GL_FALSE;
+      gl.GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+      if (!compiled)
+        return core::fail(place_of(description, description.stages[i]) + " does not compile:\n" +
+                          name_files_in_log(shader_log(gl, shader), pending.sources[i].files));
+    }
+    if (!linked)
+      return core::fail(fmt::format("GL program '{}' does not link:\n{}", description.name, program_log(gl, program)));
+    for (const Shader& shader : pending.shaders) gl.DetachShader(program, shader.name());
+    if (!pending.key.empty()) gl.program_cache->store(gl, program, pending.key);
+  }
+  if (!description.name.empty())
+    gl.ObjectLabel(GL_PROGRAM, program, static_cast<GLsizei>(description.name.size()), description.name.data());
+  return std::move(pending.program);
+}
+
+core::Expected<Program> Program::create(const Functions& gl, const ProgramDescription& description) {
+  auto programs = create_all(gl, std::span(&description, 1));
+  if (!programs) return tl::unexpected(programs.error());
+  return std::move(programs->front());
+}
+
+core::Expected<std::vector<Program>> Program::create_all(const Functions& gl,
+                                                         std::span<const ProgramDescription> descriptions) {
+  std::vector<Pending> pending;
+  for (const ProgramDescription& description : descriptions) {
+    auto begun = begin(gl, description);
+    if (!begun) return tl::unexpected(begun.error());
+    pending.push_back(std::move(*begun));
+  }
+  std::vector<Program> programs;
+  for (std::size_t i = 0; i < descriptions.size(); ++i) {
+    auto program = finish(gl, descriptions[i], std::move(pending[i]));
+    if (!program) return tl::unexpected(program.error());
+    programs.push_back(std::move(*program));
+  }
+  return programs;
 }
 
 }  // namespace sightline::gl

@@ -1,6 +1,7 @@
 // GLSL programs from embedded shader files.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,6 +40,10 @@ class Program {
   /// Compiles and links. Fails with the program's name, the stage's first file and the driver's log, in which source
   /// numbers are replaced by file names.
   static core::Expected<Program> create(const Functions& gl, const ProgramDescription& description);
+  /// The same of several. All are begun before any is waited for: drivers that compile on threads of their own, which
+  /// GL_KHR_parallel_shader_compile lets them do unasked, work at all of them at once. Fails with the first error.
+  static core::Expected<std::vector<Program>> create_all(const Functions& gl,
+                                                         std::span<const ProgramDescription> descriptions);
 
   GLuint id() const { return handle_.name(); }
   void use() const { handle_.gl().UseProgram(id()); }
@@ -48,6 +53,10 @@ class Program {
   GLint uniform(const char* name) const { return handle_.gl().GetUniformLocation(id(), name); }
 
  private:
+  struct Pending;
+  static core::Expected<Pending> begin(const Functions& gl, const ProgramDescription& description);
+  static core::Expected<Program> finish(const Functions& gl, const ProgramDescription& description, Pending pending);
+
   Handle<detail::delete_program> handle_;
 };
 

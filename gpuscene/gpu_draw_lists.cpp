@@ -25,17 +25,13 @@ std::size_t commands_for(const Batch& batch) {
                                         : (batch.capacity + kRecordsPerCommand - 1) / kRecordsPerCommand;
 }
 
-core::Expected<void> make_program(const gl::Functions& gl, const char* vertex, std::vector<std::string> varyings,
-                                  gl::Program& out) {
+gl::ProgramDescription describe(const char* vertex, std::vector<std::string> varyings) {
   gl::ProgramDescription description;
   description.name = vertex;
   description.stages = {{GL_VERTEX_SHADER, {vertex}}};
   description.shaders = DrawLists::shader_context();
   description.feedback_varyings = std::move(varyings);
-  auto program = gl::Program::create(gl, description);
-  if (!program) return tl::unexpected(program.error());
-  out = std::move(*program);
-  return {};
+  return description;
 }
 
 core::Expected<void> make_view(const gl::Functions& gl, const gl::Buffer& buffer, const char* what,
@@ -94,10 +90,13 @@ core::Expected<void> DrawLists::make_gpu_lists(const GpuScene& scene) {
 
 core::Expected<void> DrawLists::make_search() {
   auto done = make_view(*gl_, gpu_.commands, "GPU's draw commands", gpu_.command_texels);
-  if (done) done = make_program(*gl_, "count_records.vert", {"command_count", "record_count"}, gpu_.count_records);
-  if (done)
-    done = make_program(*gl_, "write_commands.vert", {"index_count", "gl_SkipComponents4"}, gpu_.write_commands);
   if (!done) return done;
+  auto programs =
+      gl::Program::create_all(*gl_, std::array{describe("count_records.vert", {"command_count", "record_count"}),
+                                               describe("write_commands.vert", {"index_count", "gl_SkipComponents4"})});
+  if (!programs) return tl::unexpected(programs.error());
+  gpu_.count_records = std::move((*programs)[0]);
+  gpu_.write_commands = std::move((*programs)[1]);
   for (const gl::Program* program : {&gpu_.write_commands, &gpu_.count_records})
     gl_->ProgramUniform4uiv(program->id(), kSectionsUniform, kBatchKindCount, gpu_.sections[0].data());
   gpu_.array = gl::VertexArray(*gl_);

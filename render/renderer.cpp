@@ -1,5 +1,7 @@
 #include "sightline/render/renderer.h"
 
+#include <algorithm>
+
 #include "sightline/gl/pipeline_state.h"
 #include "sightline/gpuprims/shaders.h"
 #include "sightline/gpuprims/view_block.h"
@@ -26,8 +28,7 @@ gl::ShaderContext shader_context(const TargetForm& form, bool sections) {
   return context;
 }
 
-core::Expected<gl::Program> make_batch_program(const gl::Functions& gl, BatchKind kind, const TargetForm& form,
-                                               bool sections) {
+gl::ProgramDescription describe_batch(BatchKind kind, const TargetForm& form, bool sections) {
   gl::ProgramDescription description;
   description.name = gpuscene::batch_name(kind);
   description.shaders = shader_context(form, sections);
@@ -39,18 +40,18 @@ core::Expected<gl::Program> make_batch_program(const gl::Functions& gl, BatchKin
     const char* vertex = kind == BatchKind::kMesh ? "mesh.vert" : "line.vert";
     description.stages = {{GL_VERTEX_SHADER, {vertex}}, {GL_FRAGMENT_SHADER, {"surface.frag"}}};
   }
-  return gl::Program::create(gl, description);
+  return description;
 }
 
 /// The stages before the fragments of all ray-cast batches.
-core::Expected<gl::Program> make_proxy_program(const gl::Functions& gl, const TargetForm& form) {
+gl::ProgramDescription describe_proxies(const TargetForm& form) {
   gl::ProgramDescription description;
   description.name = "proxies";
   description.stages = {{GL_VERTEX_SHADER, {"primitive.vert"}}, {GL_GEOMETRY_SHADER, {"primitive.geom"}}};
   description.separable = true;
   description.shaders = shader_context(form, false);
   for (std::string& define : gpuscene::batch_kind_defines()) description.shaders.defines.push_back(std::move(define));
-  return gl::Program::create(gl, description);
+  return description;
 }
 
 void describe_mesh(const gl::Functions& gl, GLuint array) {
@@ -84,18 +85,20 @@ core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpus
 }
 
 core::Expected<void> Renderer::make_programs(const gpuscene::GpuScene& scene, const TargetForm& form, bool sections) {
-  BatchPrograms& programs = sections ? section_programs_ : programs_;
-  for (const gpuscene::Batch& batch : scene.batches()) {
-    auto program = make_batch_program(*gl_, batch.kind, form, sections);
-    if (!program) return tl::unexpected(program.error());
-    BatchProgram& made = programs[std::size_t(batch.kind)];
-    made.program = std::move(*program);
-    if (!gpuscene::is_ray_cast(batch.kind)) continue;
-    if (proxy_program_.id() == 0) {
-      auto proxies = make_proxy_program(*gl_, form);
-      if (!proxies) return tl::unexpected(proxies.error());
-      proxy_program_ = std::move(*proxies);
-    }
+  const std::vector<gpuscene::Batch>& batches = scene.batches();
+  std::vector<gl::ProgramDescription> descriptions;
+  for (const gpuscene::Batch& batch : batches) descriptions.push_back(describe_batch(batch.kind, form, sections));
+  const bool proxies = proxy_program_.id() == 0 && std::any_of(batches.begin(), batches.end(), [](const auto& batch) {
+                         return gpuscene::is_ray_cast(batch.kind);
+                       });
+  if (proxies) descriptions.push_back(describe_proxies(form));
+  auto programs = gl::Program::create_all(*gl_, descriptions);
+  if (!programs) return tl::unexpected(programs.error());
+  if (proxies) proxy_program_ = std::move(programs->back());
+  for (std::size_t i = 0; i < batches.size(); ++i) {
+    BatchProgram& made = (sections ? section_programs_ : programs_)[std::size_t(batches[i].kind)];
+    made.program = std::move((*programs)[i]);
+    if (!gpuscene::is_ray_cast(batches[i].kind)) continue;
     made.pipeline = gl::ProgramPipeline(*gl_);
     made.pipeline.set_stages(GL_VERTEX_SHADER_BIT | GL_GEOMETRY_SHADER_BIT, proxy_program_);
     made.pipeline.set_stages(GL_FRAGMENT_SHADER_BIT, made.program);

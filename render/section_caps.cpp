@@ -1,5 +1,6 @@
 #include "sightline/render/section_caps.h"
 
+#include <array>
 #include <unordered_map>
 
 namespace sightline::render {
@@ -10,14 +11,14 @@ enum StorageBinding : GLuint { kCellBinding = 1, kNodeBinding };
 constexpr GLint kWidthUniform = 1;
 constexpr std::size_t kCellBytes = 12, kNodeBytes = 8, kNodeHeaderBytes = 8;
 
-core::Expected<gl::Program> make_program(const gl::Functions& gl, const gl::ShaderContext& shaders, const char* name,
-                                         const char* vertex, const char* fragment, const char* define) {
+gl::ProgramDescription describe(const gl::ShaderContext& shaders, const char* name, const char* vertex,
+                                const char* fragment, const char* define) {
   gl::ProgramDescription description;
   description.name = name;
   description.stages = {{GL_VERTEX_SHADER, {vertex}}, {GL_FRAGMENT_SHADER, {fragment}}};
   description.shaders = shaders;
   description.shaders.defines.emplace_back(define);
-  return gl::Program::create(gl, description);
+  return description;
 }
 
 /// For each record of the mesh batch, which come in slot order, what its mesh encloses.
@@ -40,17 +41,14 @@ std::vector<std::uint8_t> enclosures(const core::Snapshot& snapshot) {
 core::Expected<SectionCaps> SectionCaps::create(const gl::Functions& gl, const gl::ShaderContext& shaders) {
   SectionCaps caps;
   caps.gl_ = &gl;
-  const auto make = [&](gl::Program& program, const char* name, const char* vertex, const char* fragment,
-                        const char* define) -> core::Expected<void> {
-    auto made = make_program(gl, shaders, name, vertex, fragment, define);
-    if (!made) return tl::unexpected(made.error());
-    program = std::move(*made);
-    return {};
-  };
-  auto done = make(caps.count_, "crossings counted", "mesh.vert", "section_crossing.frag", "COUNT_CROSSINGS");
-  if (done) done = make(caps.list_, "crossings listed", "mesh.vert", "section_crossing.frag", "LIST_CROSSINGS");
-  if (done) done = make(caps.caps_, "section caps", "section_cap.vert", "section_cap.frag", "SECTION_CAPS");
-  if (!done) return tl::unexpected(done.error());
+  auto programs = gl::Program::create_all(
+      gl, std::array{describe(shaders, "crossings counted", "mesh.vert", "section_crossing.frag", "COUNT_CROSSINGS"),
+                     describe(shaders, "crossings listed", "mesh.vert", "section_crossing.frag", "LIST_CROSSINGS"),
+                     describe(shaders, "section caps", "section_cap.vert", "section_cap.frag", "SECTION_CAPS")});
+  if (!programs) return tl::unexpected(programs.error());
+  caps.count_ = std::move((*programs)[0]);
+  caps.list_ = std::move((*programs)[1]);
+  caps.caps_ = std::move((*programs)[2]);
   caps.no_attributes_ = gl::VertexArray(gl);
   return caps;
 }

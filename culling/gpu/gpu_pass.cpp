@@ -7,8 +7,9 @@ namespace sightline::culling {
 core::Expected<void> BatchPrograms::make(const gl::Functions& gl, std::span<const CullBatch> batches,
                                          const std::function<gl::ProgramDescription(const CullBatch&)>& describe) {
   std::vector<std::string> keys;
+  std::vector<gl::ProgramDescription> descriptions;
   for (const CullBatch& batch : batches) {
-    const gl::ProgramDescription description = describe(batch);
+    gl::ProgramDescription description = describe(batch);
     std::string key;
     for (const auto& stage : description.stages)
       for (const auto& file : stage.files) key += file + ' ';
@@ -16,11 +17,12 @@ core::Expected<void> BatchPrograms::make(const gl::Functions& gl, std::span<cons
     std::size_t& index = index_[std::size_t(batch.kind)];
     for (index = 0; index < keys.size() && keys[index] != key;) ++index;
     if (index < keys.size()) continue;
-    auto program = gl::Program::create(gl, description);
-    if (!program) return tl::unexpected(program.error());
-    programs_.push_back(std::move(*program));
+    descriptions.push_back(std::move(description));
     keys.push_back(std::move(key));
   }
+  auto programs = gl::Program::create_all(gl, descriptions);
+  if (!programs) return tl::unexpected(programs.error());
+  programs_ = std::move(*programs);
   return {};
 }
 

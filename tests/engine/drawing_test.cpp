@@ -1,9 +1,12 @@
 // What may change while an engine runs and draws: the culler, the size, the view that culls. Pictures are compared with
 // those of engines made for the purpose.
+#include <filesystem>
 #include <random>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include "sightline/gl/program_cache.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
 namespace sightline::tests {
@@ -246,6 +249,30 @@ TEST_F(DrawingTest, DrawsFromAsideWhatAnotherViewSees) {
   ASSERT_TRUE(expected && expected->frame(aside));
   expect_same_picture(*cpu, *expected, 1);
   expect_same_picture(*gpu, *expected, 1);
+}
+
+TEST_F(DrawingTest, ProgramsAreKeptWhereTheConfigurationSays) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(testing::TempDir()) / ("sightline-drawing-" + std::to_string(getpid()));
+  const auto files = [&] {
+    std::error_code none;
+    return std::distance(fs::directory_iterator(folder, none), fs::directory_iterator());
+  };
+  fs::remove_all(folder);
+  core::Scene scene;
+  fill(scene, 2);
+  engine::EngineConfig c = config(CullerChoice::kAutomatic);
+  c.program_cache = fs::path();
+  ASSERT_TRUE(Engine::create(scene, c));
+  EXPECT_EQ(gl().program_cache, nullptr);
+  c.program_cache = folder;
+  for (int round = 0; round < 2; ++round) {
+    auto engine = Engine::create(scene, c);
+    ASSERT_TRUE(engine && engine->frame(view(0.1)));
+    ASSERT_NE(gl().program_cache, nullptr);
+    EXPECT_EQ(files(), gl().program_cache->enabled() ? 2 : 0) << "cylinders and boxes";
+  }
+  fs::remove_all(folder);
 }
 
 }  // namespace
