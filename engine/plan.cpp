@@ -1,9 +1,14 @@
 #include "sightline/engine/plan.h"
 
+#include <algorithm>
+#include <array>
+
+#if SIGHTLINE_HAS_GL
+#include "sightline/gpuscene/gpu_scene.h"
+#endif
+
 namespace sightline::engine {
 namespace {
-
-using core::Kind;
 
 std::string items(std::size_t n) {
   return std::to_string(n) + (n == 1 ? " item" : " items");
@@ -36,26 +41,23 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, CullerChoice choic
       {"layers in the culler", layers, layers ? "items on several layers" : "all items on the model layer"});
 }
 
-void plan_batches(Plan& plan, const core::Snapshot& snapshot, bool draw) {
-  struct Row {
-    const char* feature;
-    std::vector<Kind> kinds;
-  };
-  const Row rows[] = {
-      {"cylinder program (ray-cast)", {Kind::kCylinder}},
-      {"snout program (ray-cast)", {Kind::kSnout}},
-      {"circular torus program (ray-cast)", {Kind::kCircularTorus}},
-      {"sphere and dish program (ray-cast)", {Kind::kSphere, Kind::kEllipticalDish, Kind::kSphericalDish}},
-      {"box program", {Kind::kBox}},
-      {"line program", {Kind::kLine}},
-      {"mesh program and mesh pool", {Kind::kPyramid, Kind::kRectangularTorus, Kind::kFacetGroup, Kind::kMesh}},
-  };
-  for (const Row& row : rows) {
-    std::size_t n = 0;
-    for (const Kind kind : row.kinds) n += snapshot.of_kind(kind).size();
+/// One row for each program there is; a build without GL has none.
+void plan_batches([[maybe_unused]] Plan& plan, [[maybe_unused]] const core::Snapshot& snapshot,
+                  [[maybe_unused]] bool draw) {
+#if SIGHTLINE_HAS_GL
+  std::array<std::size_t, gpuscene::kBatchKindCount> counts{};
+  for (int kind = 0; kind < core::kKindCount; ++kind)
+    counts[std::size_t(gpuscene::batch_of(core::Kind(kind)))] += snapshot.of_kind(core::Kind(kind)).size();
+  for (int i = 0; i < gpuscene::kBatchKindCount; ++i) {
+    const auto batch = gpuscene::BatchKind(i);
+    const std::size_t n = counts[std::size_t(i)];
+    std::string feature(gpuscene::batch_name(batch));
+    std::replace(feature.begin(), feature.end(), '_', ' ');
+    feature += gpuscene::is_ray_cast(batch) ? " program (ray-cast)" : " program";
     plan.entries.push_back(
-        {row.feature, draw && n > 0, draw ? (n > 0 ? items(n) : "none in the scene") : "drawing is off"});
+        {std::move(feature), draw && n > 0, draw ? (n > 0 ? items(n) : "none in the scene") : "drawing is off"});
   }
+#endif
 }
 
 }  // namespace

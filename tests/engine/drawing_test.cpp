@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "sightline/gl/program_cache.h"
+#include "sightline/gpuprims/box.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
 namespace sightline::tests {
@@ -273,6 +274,39 @@ TEST_F(DrawingTest, ProgramsAreKeptWhereTheConfigurationSays) {
     EXPECT_EQ(files(), gl().program_cache->enabled() ? 2 : 0) << "cylinders and boxes";
   }
   fs::remove_all(folder);
+}
+
+TEST_F(DrawingTest, ThePlanNamesTheProgramsThatAreMade) {
+  const core::Primitive primitives[] = {core::Pyramid{1, 1, 0.5f, 0.5f, 0, 0, 1},
+                                        core::Box{1, 1, 1},
+                                        core::RectangularTorus{1, 2, 1, 1},
+                                        core::CircularTorus{2, 1, 1},
+                                        core::EllipticalDish{1, 1},
+                                        core::SphericalDish{1, 0.5f},
+                                        core::Snout{1, 0.5f, 1, 0, 0, 0, 0, 0, 0},
+                                        core::Cylinder{1, 1},
+                                        core::Sphere{1},
+                                        core::Line{0, 1}};
+  for (int i = 0; i <= int(std::size(primitives)); ++i) {
+    core::Scene scene;
+    if (i < int(std::size(primitives)))
+      scene.add_primitive(scene.root(), primitives[i]);
+    else
+      scene.add_mesh_instance(scene.root(), scene.add_mesh(gpuprims::tessellate(core::Box{1, 1, 1})));
+    auto engine = Engine::create(scene, config(CullerChoice::kAutomatic));
+    ASSERT_TRUE(engine);
+    const core::Kind kind = scene.kind(0);
+    SCOPED_TRACE(core::kind_name(kind));
+    std::string program(gpuscene::batch_name(gpuscene::batch_of(kind)));
+    std::replace(program.begin(), program.end(), '_', ' ');
+    int programs = 0;
+    for (const engine::PlanEntry& entry : engine->plan().entries) {
+      if (entry.feature.find(" program") == std::string::npos) continue;
+      ++programs;
+      EXPECT_EQ(entry.used, entry.feature.rfind(program + " program", 0) == 0) << entry.feature;
+    }
+    EXPECT_EQ(programs, gpuscene::kBatchKindCount);
+  }
 }
 
 }  // namespace
