@@ -285,14 +285,18 @@ TEST(PolygonMesh, DropsBadFacesAndUnusedVertices) {
   mesh.positions = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {kNan, 0, 0}, {1e37, 0, 0}};
   mesh.normals.assign(6, {0, 0, 1});
   mesh.normals[0] = core::vec3(std::numeric_limits<float>::quiet_NaN());  // of a vertex that no face uses
-  mesh.corners = {1, 2, 3, 1, 2, 1, 2, 4, 5, 2, 1};
-  mesh.face_sizes = {3, 2, 3, 3};
+  for (const dvec3& far : {dvec3(0, 1e37, 0), dvec3(0, 0, -1e37)}) mesh.positions.push_back(far);
+  mesh.normals.resize(8, {0, 0, 1});
+  mesh.corners = {1, 2, 3, 1, 2, 1, 2, 4, 5, 2, 1, 6, 2, 1, 7, 2, 1};
+  mesh.face_sizes = {3, 2, 3, 3, 3, 3};
   const CentredMesh made = centred(mesh);
-  EXPECT_EQ(made.dropped, 3u);
+  EXPECT_EQ(made.dropped, 5u);
   EXPECT_EQ(made.mesh.positions.size(), 3u);
   EXPECT_EQ(made.mesh.normals.size(), 3u);
   EXPECT_EQ(made.mesh.indices, (std::vector<std::uint32_t>{0, 1, 2}));
   EXPECT_TRUE(centred({}).mesh.positions.empty());
+  mesh.normals[3].y = std::numeric_limits<float>::infinity();  // of a vertex that a face uses: no normals at all
+  EXPECT_TRUE(centred(mesh).mesh.normals.empty());
 }
 
 }  // namespace

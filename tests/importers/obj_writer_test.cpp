@@ -250,5 +250,40 @@ TEST_F(ObjWriter, ToleranceHoldsInTheWorld) {
   EXPECT_GE(triangles(slanted, 1e-2), fine);
 }
 
+TEST_F(ObjWriter, NormalsGoWithTheSurface) {
+  core::Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.indices = {0, 1, 2};
+  const core::MeshId bare = scene_.add_mesh(mesh);
+  mesh.normals = {{0, 0, 1}, glm::normalize(core::vec3(1, 0, 1)), {0, 0, 0}};
+  const core::MeshId with_normals = scene_.add_mesh(mesh);
+  const core::NodeId top = scene_.add_node(scene_.root(), "top"), a = scene_.add_node(top), b = scene_.add_node(top);
+  scene_.add_mesh_instance(a, bare, {core::dmat3(-1.0), {}});
+  scene_.add_mesh_instance(b, with_normals, {core::dmat3(2, 0, 0, 0, 1, 0, 0, 0, 1), {}});
+  scene_.add_mesh_instance(b, with_normals, {core::dmat3(1, 0, 0, 0, 1, 0, 0, 0, -1), {}});
+  round_trip();
+  EXPECT_EQ(contents(folder_ / "a b.obj").find("-0 "), std::string::npos);
+  std::vector<core::vec3> normals;
+  std::vector<std::string> names;
+  for (core::ItemId i = 0; i < again_.item_slots(); ++i) {
+    names.push_back(std::string(again_.name(again_.node_of(i))));
+    const core::Mesh& read = again_.mesh(again_.mesh_of(i));
+    if (read.normals.empty()) continue;
+    for (const std::uint32_t corner : read.indices) normals.push_back(read.normals[corner]);
+  }
+  EXPECT_EQ(names.front(), "top/#0");
+  EXPECT_EQ(names.back(), "top/#1");
+  const core::vec3 stretched = glm::normalize(core::vec3(0.5f, 0, 1)), mirrored = glm::normalize(core::vec3(1, 0, -1));
+  const core::vec3 up(0, 0, 1);
+  // Without a direction: any. The mirrored triangle runs the other way round.
+  const std::vector<core::vec3> expected = {up, stretched, up, -up, up, mirrored};
+  ASSERT_EQ(normals.size(), 6u);
+  for (const core::vec3& wanted : expected)
+    EXPECT_TRUE(std::any_of(normals.begin(), normals.end(),
+                            [&](const core::vec3& n) { return glm::distance(n, wanted) < 1e-6f; }))
+        << wanted.x << " " << wanted.y << " " << wanted.z;
+  for (const core::vec3& n : normals) EXPECT_NEAR(glm::length(n), 1.0f, 1e-6f);
+}
+
 }  // namespace
 }  // namespace sightline::importers

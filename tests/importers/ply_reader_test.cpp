@@ -269,6 +269,72 @@ TEST_F(PlyReader, PolygonsKeepTheirColours) {
   EXPECT_EQ(mesh(1).normals, std::vector<core::vec3>(4, {0, 0, 1}));
 }
 
+/// A triangle in text with more properties of its vertices; each vertex ends with `values`.
+std::string triangle_with(const std::string& properties, const std::string& values,
+                          const std::string& format = "format ascii 1.0\n") {
+  return "ply\n" + format + "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n" + properties +
+         "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 " + values + "\n1 0 0 " + values +
+         "\n0 1 0 " + values + "\n3 0 1 2\n";
+}
+
+TEST_F(PlyReader, PropertiesCountOnceAndTogether) {
+  const std::string rgb = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  ASSERT_TRUE(read(triangle_with("property double red\nproperty double green\nproperty double blue\n", "1 0 0.5")));
+  EXPECT_EQ(material().name, "#ff0080");
+  ASSERT_TRUE(read(triangle_with(rgb + "property uchar diffuse_red\nproperty uchar x\n", "1 2 3 9 7")));
+  EXPECT_EQ(material().name, "#010203");
+  EXPECT_EQ(point(1), dvec3(1, 0, 0));
+  ASSERT_TRUE(read(triangle_with("property list uchar uchar red\n" + rgb, "1 9 1 2 3")));
+  EXPECT_EQ(material().name, "#010203");
+  ASSERT_TRUE(read(triangle_with("property uchar red\nproperty float nx\n", "9 1")));
+  EXPECT_FALSE(scene_.item_material(0).valid());
+  EXPECT_TRUE(mesh().normals.empty());
+}
+
+TEST_F(PlyReader, HeadersMayHoldCommentsAnywhere) {
+  EXPECT_TRUE(read(triangle_with("", "", "comment first\nobj_info second\nformat ascii 1.0\n\ncomment third\n")));
+  const auto expect = [&](const std::string& format, const std::string& message) {
+    const auto report = read(triangle_with("", "", format));
+    ASSERT_FALSE(report);
+    EXPECT_NE(report.error().message.find(message), std::string::npos) << report.error().message;
+  };
+  expect("format ascii 1.1\n", "line 2: expected version 1.0, found '1.1'");
+  expect("format ascii 1.0\na\x01\x80z\n", "found 'a??z'");
+  expect("format ascii 1.0\nelement extra 4x\n", "line 3: expected how many elements there are, found '4x'");
+  expect("format ascii 1.0\nelement extra 99999999999999999999\n", "line 3: expected how many elements");
+}
+
+TEST_F(PlyReader, FacesOfSeveralElements) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string list = "property list uchar int vertex_indices\n", points = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n";
+  ASSERT_TRUE(read(head + "element face 1\n" + list + "element face 1\n" + list +
+                   "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n" + list +
+                   "end_header\n" + points + "3 0 1 2\n3 1 2 3 1 2 3\n3 0 1 3\n"));
+  ASSERT_EQ(scene_.item_count(), 2u);
+  EXPECT_FALSE(scene_.item_material(0).valid());
+  EXPECT_EQ(mesh(0).indices.size(), 6u);
+  EXPECT_EQ(material(1).name, "#010203");
+  EXPECT_EQ(mesh(1).indices.size(), 3u);
+  // The second triangle of a strip is turned, wherever in the list the strip begins.
+  ASSERT_TRUE(read(head + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" + points +
+                   "5 -1 0 1 2 3\n"));
+  EXPECT_EQ(mesh().indices, (std::vector<std::uint32_t>{0, 1, 2, 2, 1, 3}));
+  // A list's length is a whole number.
+  for (const char* length : {"2.5", "nan", "-1", "1e10"})
+    EXPECT_FALSE(read(head + "element face 1\nproperty list float int vertex_indices\nend_header\n" + points + length +
+                      " 0 1 2\n"))
+        << length;
+}
+
+TEST_F(PlyReader, MeansOfColoursAreRounded) {
+  const std::string rgb = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  std::string text = triangle_with(rgb, "1 2 3");
+  text.replace(text.find("0 0 0 1 2 3"), 11, "0 0 0 3 3 3");
+  ASSERT_TRUE(read(text));
+  EXPECT_EQ(material().name, "#020203");  // of 5/3, 7/3 and 3
+}
+
 TEST_F(PlyReader, StripsTurnEverySecondTriangle) {
   const auto report = read(
       "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"

@@ -62,6 +62,35 @@ class StlReader : public testing::Test {
   core::Scene scene_;
 };
 
+TEST_F(StlReader, HeadersThatSaySolidOrColour) {
+  // Not of the size that it claims, but with bytes that no text has: binary all the same.
+  const auto damaged = read(binary(kSquare, {}, "solid but binary") + "x");
+  ASSERT_FALSE(damaged);
+  EXPECT_NE(damaged.error().message.find("expected 2 facets of 50 bytes"), std::string::npos)
+      << damaged.error().message;
+  const std::vector<std::uint16_t> default_colour = {0x8000, 0x8000};
+  ASSERT_TRUE(read(binary(kSquare, default_colour, std::string(70, ' ') + "COLOR=\x01\x02\x03\xff")));
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#010203");
+  ASSERT_TRUE(read(binary(kSquare, default_colour, std::string(71, ' ') + "COLOR=\x01\x02\x03")));
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#000000");  // cut off, it says nothing
+  // Facets without a colour behind one with.
+  ASSERT_TRUE(read(binary(kSquare, {0x801f, 0})));
+  ASSERT_EQ(scene_.item_count(), 2u);
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "#0000ff");
+  EXPECT_FALSE(scene_.item_material(1).valid());
+}
+
+TEST_F(StlReader, DamageIsToldOnceUntilSomethingBegins) {
+  EXPECT_FALSE(read("solid a\n" + kTextFacet + "endsolid\nendsolid\n"));
+  const std::string words = "three lost words\n";
+  const auto report = read(
+      "solid a\n" + words + kTextFacet + words + "endsolid\n" + words + "solid b\n" + words + kTextFacet + "endsolid\n",
+      {.lenient = true});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->warnings.size(), 3u);
+  EXPECT_EQ(scene_.item_count(), 2u);
+}
+
 TEST_F(StlReader, Binary) {
   // The first word says nothing: many writers of binary files begin with "solid".
   for (const char* header : {"made by hand", "solid but binary"}) {

@@ -303,5 +303,45 @@ TEST(Translated, ViewAndModelMoveTogether) {
   EXPECT_EQ(moved_path->far, path->far);
 }
 
+TEST(ViewJson, LimitsAndReach) {
+  json root = json::parse(kView);
+  for (std::size_t i = 0; i < core::kMaxSectionPlanes; ++i) root["sections"].push_back({{"n", {0, 0, 1}}, {"d", i}});
+  root["section_mode"] = "union";
+  const auto view = parse_view(root.dump(), 1.0, "v.json");
+  ASSERT_TRUE(view) << view.error().message;
+  EXPECT_EQ(view->sections.size(), core::kMaxSectionPlanes);
+  const auto moved = translated(*view, dvec3(1, 2, 3));
+  ASSERT_TRUE(moved);
+  EXPECT_EQ(moved->section_mode, core::SectionMode::kUnion);
+  // An orthographic view reaches ten times as far as its target is away.
+  root = json::parse(kOrtho);
+  root["eye"] = {0, 0, 0}, root["target"] = {0, 5000, 0};
+  const auto ortho = parse_view(root.dump(), 1.0, "v.json");
+  ASSERT_TRUE(ortho) << ortho.error().message;
+  const auto depth = [&](double y) {
+    const dvec4 clip = ortho->clip_from_eye() * (ortho->eye_from_world() * dvec4(0, y, 0, 1));
+    return clip.z / clip.w;
+  };
+  const double span = std::abs(depth(50000.1) - depth(0.1));
+  EXPECT_TRUE(std::abs(span - 1.0) < 1e-6 || std::abs(span - 2.0) < 1e-6) << span;
+}
+
+TEST(ViewJson, PathsKeepTheirRangeAndMoveWhole) {
+  const auto path = parse_path(kPath, "p.json");
+  ASSERT_TRUE(path) << path.error().message;
+  const auto again = parse_path(format_path(*path), "p.json");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->near, 0.1);
+  EXPECT_EQ(again->far, 50.0);
+  const auto moved = translated(*path, dvec3(1, 2, 3));
+  ASSERT_TRUE(moved);
+  EXPECT_EQ(moved->near, 0.1);
+  EXPECT_EQ(moved->far, 50.0);
+  for (std::size_t i = 0; i < path->keys().size(); ++i) {
+    EXPECT_EQ(moved->keys()[i].pose.eye, path->keys()[i].pose.eye + dvec3(1, 2, 3));
+    EXPECT_EQ(moved->keys()[i].pose.target, path->keys()[i].pose.target + dvec3(1, 2, 3));
+  }
+}
+
 }  // namespace
 }  // namespace sightline::importers
