@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/engine/drawing.h"
 #include "sightline/engine/engine.h"
@@ -190,6 +191,7 @@ core::Expected<int> render_model(const Options& o) {
   engine::Drawing& drawing = *engine->drawing();
   for (const std::string& error : drawing.take_gl_errors()) return core::fail("GL: " + error);
 
+  apps::warn_if_blank(drawing, report->visible, "the image");
   const render::Image image = drawing.target().read_colour();
   if (auto done = write_outputs(o, drawing, *view, *model->scene, image); !done) return tl::unexpected(done.error());
   json figures = {{"renderer", drawing.context().renderer()},

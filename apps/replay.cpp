@@ -14,6 +14,7 @@
 #include "sightline/engine/engine.h"
 #include "sightline/importers/view_json.h"
 #if SIGHTLINE_HAS_GL
+#include "sightline/apps/common/blank.h"
 #include "sightline/engine/drawing.h"
 #endif
 
@@ -136,17 +137,6 @@ core::Expected<core::CameraPath> choose_path(const Options& o, const apps::Model
   return path ? importers::translated(*path, model.offset) : path;
 }
 
-core::Expected<void> save_image(engine::Engine& engine, const std::string& folder, int index) {
-#if SIGHTLINE_HAS_GL
-  char name[32];
-  std::snprintf(name, sizeof name, "frame_%05d.png", index);
-  return render::write_png(engine.drawing()->target().read_colour(), std::filesystem::path(folder) / name);
-#else
-  (void)engine, (void)folder, (void)index;
-  return {};
-#endif
-}
-
 /// The GPU's figures arrive some frames late.
 void take_late_reports(engine::Engine& engine, Flight& flight) {
   while (const auto late = engine.take_late_report()) {
@@ -154,6 +144,22 @@ void take_late_reports(engine::Engine& engine, Flight& flight) {
     frame.report.visible = late->visible;
     frame.gpu_cull_ms = late->gpu_cull_ms;
   }
+}
+
+/// Of the last frame of the flight.
+core::Expected<void> save_image(engine::Engine& engine, const std::string& folder, Flight& flight) {
+#if SIGHTLINE_HAS_GL
+  char name[32];
+  std::snprintf(name, sizeof name, "frame_%05d.png", int(flight.frames.size()) - 1);
+  const engine::Drawing& drawing = *engine.drawing();
+  auto done = render::write_png(drawing.target().read_colour(), std::filesystem::path(folder) / name);
+  take_late_reports(engine, flight);
+  apps::warn_if_blank(drawing, flight.frames.back().report.visible, name);
+  return done;
+#else
+  (void)engine, (void)folder, (void)flight;
+  return {};
+#endif
 }
 
 core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core::CameraPath& path, double aspect) {
@@ -169,7 +175,7 @@ core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core:
     flight.frames.push_back({time, *report});
     take_late_reports(engine, flight);
     if (!o.images.empty() && i % o.every == 0)
-      if (auto done = save_image(engine, o.images, i); !done) return tl::unexpected(done.error());
+      if (auto done = save_image(engine, o.images, flight); !done) return tl::unexpected(done.error());
     progress.advance(std::size_t(i) + 1);
   }
   engine.finish();

@@ -11,6 +11,7 @@
 #include <GLFW/glfw3.h>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/view_window.h"
@@ -87,6 +88,7 @@ class Viewer {
   void toggle_freeze();
   void toggle_recording();
   void take_screenshot();
+  core::Expected<void> write_screenshot(const std::string& file);
   void print_keys();
   void quit() { window_.close(); }
 
@@ -259,7 +261,14 @@ void Viewer::toggle_recording() {
 
 void Viewer::take_screenshot() {
   const std::string file = free_name();
-  tell(render::write_png(engine_.drawing()->target().read_colour(), file), "screenshot: " + file);
+  tell(write_screenshot(file), "screenshot: " + file);
+}
+
+core::Expected<void> Viewer::write_screenshot(const std::string& file) {
+  auto done = render::write_png(engine_.drawing()->target().read_colour(), file);
+  while (const auto late = engine_.take_late_report()) visible_ = late->visible;
+  apps::warn_if_blank(*engine_.drawing(), visible_, file);
+  return done;
 }
 
 void Viewer::print_keys() {
@@ -324,8 +333,7 @@ core::Expected<void> Viewer::finish() {
   if (recorder_) toggle_recording();
   for (const std::string& error : engine_.drawing()->take_gl_errors()) return core::fail("GL: " + error);
   core::Expected<void> done;
-  if (!options_.screenshot.empty())
-    done = render::write_png(engine_.drawing()->target().read_colour(), options_.screenshot);
+  if (!options_.screenshot.empty()) done = write_screenshot(options_.screenshot);
   if (done && !options_.json_file.empty()) done = apps::write_text(options_.json_file, apps::to_text(to_json()));
   return done;
 }

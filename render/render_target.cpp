@@ -114,6 +114,11 @@ NormalImage RenderTarget::read_normals() const {
   return {width(), height(), read_flipped<std::array<float, 3>>(resolved_attachments().normals, GL_RGB, GL_FLOAT, 1)};
 }
 
+bool RenderTarget::covered() const {
+  const auto depths = read_flipped<float>(resolved_attachments().depth, GL_DEPTH_COMPONENT, GL_FLOAT, 1);
+  return std::any_of(depths.begin(), depths.end(), [](float depth) { return depth > 0.0f; });
+}
+
 DepthImage RenderTarget::read_depth(const core::View& view) const {
   DepthImage image{width(), height(),
                    read_flipped<float>(resolved_attachments().depth, GL_DEPTH_COMPONENT, GL_FLOAT, 1)};

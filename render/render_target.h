@@ -39,6 +39,8 @@ class RenderTarget {
   Image read_colour() const;
   IdImage read_ids() const;          ///< only of a target with ids
   NormalImage read_normals() const;  ///< only of a target with normals
+  /// Whether any pixel shows anything but the background, by the depth of one sample each.
+  bool covered() const;
   /// Depth as distances along the axis of the view that was drawn.
   DepthImage read_depth(const core::View& view) const;
 

@@ -276,6 +276,35 @@ TEST_F(Render, ExplainsWhatWasLeftOut) {
   EXPECT_EQ(line_with(small, "mesh program").rfind("used", 0), 0u) << small;
 }
 
+TEST_F(Render, SaysWhenNoPixelShowsWhatIsVisible) {
+  const auto look = [&](const char* eye, const char* target) {
+    return write("look.json", std::string(R"({"eye":[)") + eye + R"(],"target":[)" + target +
+                                  R"(],"up":[0,0,1],"fovy_deg":60,"near":0.1,"far":1000})");
+  };
+  const std::string triangle = write("triangle.stl", tests::stl_text({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}}}));
+  const auto stderr_of = [&](const std::string& from, const Args& more) {
+    Args args = {triangle, "--size", "64x48", "--view", from};
+    args.insert(args.end(), more.begin(), more.end());
+    return render(args).err;
+  };
+  for (const Args& more : {Args{}, {"--samples", "4"}, {"--culler", "gpu"}, {"--ids", path("ids.png")}}) {
+    SCOPED_TRACE(more.empty() ? "" : more[0]);
+    const std::string edge_on = stderr_of(look("-3,0,0.5", "0,0,0.5"), more);
+    EXPECT_NE(edge_on.find("no pixel shows any of the 1 visible items"), std::string::npos) << edge_on;
+    EXPECT_EQ(stderr_of(look("-3,-2,0.5", "0,0,0.5"), more).find("no pixel"), std::string::npos);
+    EXPECT_EQ(stderr_of(look("-3,0,0.5", "-6,0,0.5"), more).find("no pixel"), std::string::npos)
+        << "nothing is visible";
+  }
+  const std::string flight =
+      write("flight.json", R"({"keys":[{"t":0,"eye":[-3,0,0.5],"target":[0,0,0.5],"up":[0,0,1],"fovy_deg":60},)"
+                           R"({"t":1,"eye":[-3,-2,0.5],"target":[0,0,0.5],"up":[0,0,1]}],"near":0.1})");
+  const Outcome replay = run("replay", {triangle, "--size", "64x48", "--path", flight, "--frames", "2", "--images",
+                                        path("frames"), "--every", "1"});
+  EXPECT_EQ(replay.code, 0) << replay;
+  EXPECT_NE(replay.err.find("frame_00000.png: no pixel shows any"), std::string::npos) << replay;
+  EXPECT_EQ(replay.err.find("frame_00001.png"), std::string::npos) << replay;
+}
+
 TEST_F(Render, ReplayWritesTheFramesThatRenderDraws) {
   const std::string folder = path("frames"), tour = path("tour.json");
   const Outcome replay = run("replay", with({"--frames", "11", "--images", folder, "--every", "5", "--save-path", tour,
