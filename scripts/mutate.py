@@ -55,7 +55,7 @@ def closing(code, start):
 def variants(number):
     digits = number.replace("'", "")
     if re.fullmatch(r"\d+", digits):
-        return {str(n) for n in (int(digits) + 1, int(digits) - 1, 0)} - {digits} | {"-" + number}
+        return {str(n) for n in (int(digits) + 1, int(digits) - 1, 0, -int(digits))} - {digits}
     value = float(digits)
     return {repr(v) for v in (value + 1.0, value - 1.0, 0.0, -value) if v != value}
 
