@@ -61,7 +61,7 @@ void add_equipment(Builder b) {
   core::Mesh roof;
   roof.positions = {{-2000, -2000, 0}, {2000, -2000, 0}, {2000, 2000, 0}, {-2000, 2000, 0}, {0, 0, 1000}};
   roof.indices = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 0, 2, 1, 0, 3, 2};
-  b.scene.add_mesh_instance(b.node, b.scene.add_mesh(std::move(roof)), {1e-3 * kUp, b.at + dvec3(5, 5, 7)});
+  b.scene.add_mesh_instance(b.node, b.scene.add_mesh(std::move(roof)).value(), {1e-3 * kUp, b.at + dvec3(5, 5, 7)});
 }
 
 std::vector<std::byte> small_plant() {
