@@ -325,7 +325,8 @@ core::Expected<void> Engine::commit() {
   const auto apply = [&] { touched = live_.snapshot->apply(delta); };
   rebuild_ ? rebuild_->edit(delta, apply) : apply();
   live_.update(touched);
-  if (hybrid_) hybrid_->scene_changed(live_.snapshot->size());
+  const bool items_edited = delta.size() > delta.materials.size();  // colours change nothing of what frames cost
+  if (hybrid_ && items_edited) hybrid_->scene_changed(live_.snapshot->size());
   const double disorder = double(live_.snapshot->disorder());
   if (!rebuild_ && config_.rebuild_share > 0.0 && disorder > kFewSlots &&
       disorder > config_.rebuild_share * double(live_.snapshot->size()))

@@ -375,6 +375,10 @@ TEST(Joints, NeighboursEditedTogetherTouchFormerSlotsOnly) {
     s.set_placement(2, translation({900, 0, 2}));
     s.set_placement(3, translation({900, 0, 3}));
   });
+  check("one removed, the other the first that is appended", [](Scene& s) {
+    s.remove_item(2);
+    s.set_placement(3, translation({900, 0, 3}));
+  });
 }
 
 /// Slices that are closed, none, or cut themselves have no ends; those that touch their axis do.

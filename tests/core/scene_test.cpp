@@ -453,7 +453,7 @@ TEST(Scene, WithoutTheirMaterialItemsInherit) {
   scene.set_material(above, red);
   scene.set_material(below, blue);
   const ItemId plain = scene.add_primitive(below, kPipe), painted = scene.add_primitive(below, kPipe, {}, blue),
-               other = scene.add_primitive(above, kPipe, {}, red);
+               other = scene.add_primitive(scene.root(), kPipe, {}, red);
   ASSERT_TRUE(scene.commit());
   scene.remove_material(blue);
   EXPECT_EQ(scene.state(plain).material, red.index);

@@ -427,6 +427,25 @@ TEST(Snapshot, CatchesUpWithDeltasThatCameMeanwhile) {
   }
 }
 
+/// Items are read as they are now, with materials that only a later delta names.
+TEST(Snapshot, KnowsMaterialsOfLaterDeltas) {
+  Scene scene;
+  const ItemId item = scene.add_primitive(scene.root(), Sphere{1});
+  ASSERT_TRUE(scene.commit());
+  Snapshot snapshot(scene);
+  scene.set_placement(item, translation({1, 0, 0}));
+  const SceneDelta moved = *scene.commit();
+  const MaterialId glass = scene.add_material({.name = "glass", .alpha = 0.5f});
+  scene.set_material(item, glass);
+  const SceneDelta painted = *scene.commit();
+  for (const SceneDelta& delta : {moved, painted}) {
+    snapshot.apply(delta);
+    ASSERT_EQ(snapshot.material(snapshot.slot(item)), glass.index);
+    ASSERT_GT(snapshot.materials().size(), glass.index);
+    EXPECT_FALSE(snapshot.opaque(snapshot.slot(item)));
+  }
+}
+
 TEST(Snapshot, TakesADeltaWhoseEditsItAlreadyShows) {
   RandomPlant plant(3, 100, 50.0);
   ASSERT_TRUE(plant.scene.commit());

@@ -178,6 +178,8 @@ TEST_F(HybridTest, AGpuCullerThatFails) {
     }
     gl.GetError = get_error;
     EXPECT_EQ(bool(report), culler == CullerChoice::kHybrid) << (report ? "" : report.error().message);
+    for (int frame = 0; frame < 12 && culler == CullerChoice::kHybrid; ++frame)
+      EXPECT_STREQ(engine->frame(view(0))->path, "cpu") << "it does not try again";
   }
 }
 
@@ -209,7 +211,7 @@ TEST_F(HybridTest, AHybridWithoutAContextWaitsForOne) {
 /// Frames before the hybrid's first are none of its business, whatever they measured; its first is.
 TEST(Hybrid, CountsFromItsFirstFrame) {
   constexpr std::uint64_t kFirst = 1000;
-  const auto estimate_after = [](std::uint64_t reported) {
+  const auto path_after = [](std::uint64_t reported) {
     culling::ControllerConfig config;
     config.policy = culling::Policy::kSeedStateMachine;
     config.seed.slow_ms = 5.0;
@@ -220,9 +222,10 @@ TEST(Hybrid, CountsFromItsFirstFrame) {
     hybrid.drawn(reported, 60.0);
     return hybrid.next(70.0);
   };
-  EXPECT_EQ(estimate_after(kFirst), culling::Path::kGpu) << "drawn and slow";
-  for (const std::uint64_t other : {kFirst - 1, kFirst - 8, kFirst + 1, std::uint64_t(0)})
-    EXPECT_EQ(estimate_after(other), culling::Path::kCpu) << other;
+  EXPECT_EQ(path_after(kFirst), culling::Path::kGpu) << "drawn and slow";
+  constexpr std::uint64_t kRound = culling::kOldestSample;
+  for (const std::uint64_t other : {kFirst - 1, kFirst + 1, kFirst - kRound, kFirst + kRound, std::uint64_t(0)})
+    EXPECT_EQ(path_after(other), culling::Path::kCpu) << other;
 }
 
 /// The form of the GPU culler is measured once, or is the one asked for; the plan tells, also after a rebuild.
