@@ -36,8 +36,9 @@ struct EngineConfig {
   int samples = 1;        ///< per pixel; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// A current context to draw with, owned by the application, see use_context(). When it is destroyed before the
-  /// engine, it is lost. Null: one is made offscreen; calls that need it make it current on the calling thread and
-  /// leave it so.
+  /// engine, it is lost. Its state may be any when the engine is called, but for what gl::reset_pipeline_state names,
+  /// and is another afterwards. Null: one is made offscreen; calls that need it make it current on the calling thread
+  /// and leave it so.
   gl::Context* context = nullptr;
   /// Where linked programs are kept from run to run, so that drivers need not compile them again; processes may share
   /// it. None: the user's cache folder, gl::ProgramCache::default_folder(). An empty path: nowhere.
