@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -134,6 +135,102 @@ TEST(FrameCost, TakesTheOtherPathWhereTheViewSaysSo) {
   }
   EXPECT_EQ(loop.run(20, few).substr(4), std::string(16, 'c'));
   EXPECT_EQ(loop.run(20, many).substr(2), std::string(18, 'g'));
+}
+
+/// An answer of the GPU's comes late: the view has moved on since.
+TEST(FrameCost, ALateSampleDoesNotTakeTheViewBack) {
+  Loop loop;
+  const Costs few{0.1, 1.0, 1e3}, many{5.0, 1.0, 4e5};
+  for (int i = 0; i < 3; ++i) {
+    loop.run(60, few);
+    loop.run(60, many);
+  }
+  loop.run(30, few);
+  for (int i = 0; i < 3; ++i) {
+    const std::uint64_t frame = loop.controller.frames();
+    ASSERT_EQ(loop.controller.next(), Path::kCpu);
+    loop.controller.feed({.frame = frame, .path = Path::kCpu, .frame_ms = few.cpu, .visible = few.visible});
+    loop.controller.feed({.frame = frame - 1, .path = Path::kGpu, .frame_ms = many.gpu, .visible = many.visible});
+  }
+}
+
+/// What was learnt octaves away may be wrong: by 0.2 of log(cost) each, but not by more than 1 in all.
+TEST(FrameCost, TriesAPathThatIsOnlyKnownFromFarAway) {
+  const auto learnt = [](double log_cost, double visible) {
+    Loop loop;
+    loop.run(60, {1.0, std::exp(log_cost), visible});
+    EXPECT_EQ(loop.controller.switches(), 0u) << log_cost;
+    return loop;
+  };
+  Loop near = learnt(0.7, 16.0);
+  EXPECT_EQ(count(near.run(5, {1.0, 0.5, 16.0}), 'g'), 0u);
+  Loop far = learnt(0.7, 16.0);
+  EXPECT_EQ(far.run(8, {1.0, 0.5, 16.0 * 1024.0}).substr(3), "ggggg");
+  Loop farther = learnt(1.6, 1.0);
+  farther.run(30, {1.0, std::exp(1.6), 0x1p24});
+  EXPECT_EQ(farther.controller.switches(), 0u);
+}
+
+/// However often a scene changes: a probe waits for the answer to the one before.
+TEST(FrameCost, ProbesLeaveTimeForAnAnswer) {
+  ControllerConfig config;
+  config.frame_cost.first_probes = 100;
+  Controller controller(config);
+  controller.gpu_ready();
+  std::vector<std::uint64_t> probes;
+  for (std::uint64_t frame = 0; frame < 40; ++frame) {
+    controller.scene_changed(1e5);
+    const Path path = controller.next();
+    if (std::string_view(controller.state()) == "probe") probes.push_back(frame);
+    if (path == Path::kCpu) controller.feed({.frame = frame, .path = path, .frame_ms = 1.0, .visible = 1e4});
+  }
+  EXPECT_EQ(probes, (std::vector<std::uint64_t>{1, 7, 13, 19, 25, 31, 37}));
+}
+
+/// Between paths that cost the same, in noise: the more switches prove vain, the rarer they become.
+TEST(FrameCost, VainSwitchesBecomeRare) {
+  std::uint64_t switches = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    const auto noise = [&] { return 0.4 + 1.2 * double(random()) * 0x1p-32; };
+    Loop loop;
+    for (int i = 0; i < 4000; ++i) {
+      const double cpu = noise();
+      loop.step({cpu, noise()});
+    }
+    switches += loop.controller.switches();
+  }
+  EXPECT_LE(switches, 20u * 17u + 10u);  // 30 each where none counts as vain
+}
+
+TEST(CostTable, LearnsAsARunningMeanDoes) {
+  CostTable table;
+  EXPECT_TRUE(table.empty());
+  table.learn(9.3, 1.5);
+  EXPECT_NEAR(table.predict(9.3), 1.5, 1e-6) << "the first sample wholly";
+  EXPECT_FALSE(table.empty());
+  for (const double x : {8.0, 8.4, 9.0, 9.3, 9.9, 12.5, 0.0, 60.0})
+    for (const double residual : {0.3, -0.2, 0.05}) {
+      const double before = table.predict(x), samples = table.samples(x);
+      table.learn(x, residual);
+      const double share = samples > 0.0 ? std::max(1.0 / (samples + 1.0), 1.0 / CostTable::kMostSamples) : 1.0;
+      EXPECT_NEAR(table.predict(x), before + share * residual, 1e-6) << x;
+    }
+}
+
+TEST(CostTable, StandsForFewerSamplesFarAway) {
+  CostTable table;
+  for (int i = 0; i < 200; ++i) table.learn(10.5, 0.0);
+  EXPECT_NEAR(table.samples(10.5), CostTable::kMostSamples, 1.0);
+  EXPECT_EQ(table.distance(10.5), 0.0);
+  EXPECT_EQ(table.distance(18.0), 4.0);  // from the knot after the next one
+  EXPECT_NEAR(table.samples(18.0), CostTable::kMostSamples / 25.0, 0.1);
+  table.shift(10.5, 2.0);
+  EXPECT_NEAR(table.predict(10.5), 2.0, 1e-6);
+  EXPECT_NEAR(table.samples(10.5), 2.0, 1e-6);
+  table.doubt(0.5);
+  EXPECT_NEAR(table.samples(10.5), 0.5, 1e-6);
+  EXPECT_NEAR(table.predict(10.5), 2.0, 1e-6) << "the curve stays";
 }
 
 TEST(FrameCost, ASpikeIsNoReasonToSwitch) {
@@ -313,6 +410,13 @@ TEST(SeedStateMachine, EachTriggerLooksAtItsOwnFigure) {
       EXPECT_EQ(choice, trigger == raised ? "cccccggggg" : "cccccccccc");
     }
   }
+}
+
+TEST(SeedStateMachine, ThresholdsAreStrict) {
+  ControllerConfig config = seed_config();
+  config.seed.slow_ms = 0.25;
+  EXPECT_EQ(Loop(config).run(20, {0.25, 1.0}), std::string(20, 'c'));
+  EXPECT_EQ(Loop(config).run(7, {std::nextafter(0.25, 1.0), 1.0}), "cccccgg");
 }
 
 TEST(SeedStateMachine, AShareOfUnknownNodesIsNotSlow) {

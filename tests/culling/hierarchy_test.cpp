@@ -142,6 +142,25 @@ TEST(Hierarchy, UpdatesLikeANewOne) {
   }
 }
 
+/// A root that is full gets another one above it, which has its box to learn although nothing below has changed.
+TEST(Hierarchy, GrowsFromExactlyFullLevels) {
+  Random random(4);
+  for (const std::size_t full : {culling::kLeafSize, 512u, 512u * 16u})
+    for (const std::size_t more : {1u, 31u, 512u, 20'000u})
+      for (const bool layers : {false, true}) {
+        SCOPED_TRACE(testing::Message() << full << " + " << more << (layers ? " with layers" : ""));
+        core::ItemBounds bounds;
+        bounds.resize(full);
+        for (std::size_t i = 0; i < full; ++i) bounds.set(i, random_box(random, 100.0));
+        if (layers) bounds.set_layers(3, 2);
+        Hierarchy hierarchy(bounds);
+        bounds.resize(full + more);
+        for (std::size_t i = full; i < full + more; ++i) bounds.set(i, random_box(random, 100.0));
+        hierarchy.update(bounds, {});
+        ASSERT_NO_FATAL_FAILURE(expect_equal(hierarchy, Hierarchy(bounds)));
+      }
+}
+
 TEST(Hierarchy, TakesLessThanOneByteAndAHalfPerItem) {
   Random random(3);
   const Scene scene(random_boxes(random, 50000, 100.0), core::dvec3(0.0));

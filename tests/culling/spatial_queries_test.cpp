@@ -373,6 +373,32 @@ TEST(SpatialQueries, RangesAreExactFarAway) {
   EXPECT_EQ(slots.size(), 1u);
 }
 
+TEST(SpatialQueries, TinyComponentsOfADirectionCountAsZero) {
+  const std::vector<Aabb> boxes = {{{-1, 1, -1}, {1, 2, 1}}, {{-1, -2, -1}, {1, -1, 1}}, {{-1, -1, -1}, {1, 1, 1}}};
+  const Asked asked(boxes, dvec3(0.0), 0);
+  std::vector<SlotDistance> hits;
+  const auto met = [&](double y, double x) {
+    asked.queries.along({.origin = {0.0, 0.5, 0.0}, .direction = {x, y, 0.0}}, core::kDefaultLayerMask, hits);
+    std::size_t beside = 0;  // boxes that the origin is not in
+    for (const SlotDistance& hit : hits) beside += hit.distance > 0.0;
+    std::ranges::sort(hits, {}, &SlotDistance::distance);
+    EXPECT_EQ(hits.size() - beside, 1u) << y;
+    return beside;
+  };
+  const double least = 1.0 / 1e150;
+  for (const double tiny : {0.0, 1e-310, 1e-200, std::nextafter(least, 0.0)})
+    for (const double x : {0.0, 0.25, -0.25}) {
+      EXPECT_EQ(met(tiny, x), 0u) << tiny;
+      EXPECT_EQ(met(-tiny, x), 0u) << -tiny;
+    }
+  for (const double y : {least, 1e-149, 1e-100, 1.0}) {
+    EXPECT_EQ(met(y, 0.0), 1u) << y;
+    EXPECT_NEAR(hits.back().distance * y, 0.5, 1e-12);
+    EXPECT_EQ(met(-y, 0.0), 1u) << -y;
+    EXPECT_NEAR(hits.back().distance * y, 1.5, 1e-12);
+  }
+}
+
 TEST(SpatialQueries, BadQueriesFindNothing) {
   Random random(5);
   const Asked asked(random_boxes(random, 300, 10.0), dvec3(0.0), 50);

@@ -92,6 +92,20 @@ TEST(CircularTorus, FourCrossingsThroughBothSides) {
   EXPECT_EQ(intersect(ring, {{0.0, 0.0, -5.0}, {0.0, 0.0, 1.0}}).count, 0) << "through the hole";
 }
 
+/// The solid is closed: a line that touches it from outside meets it, one a hair beside does not.
+TEST(CircularTorus, TouchingIsMeeting) {
+  for (const double scale : {1.0, 0.25, 1024.0}) {
+    const core::CircularTorus ring{float(3.0 * scale), float(scale), float(2.0 * kPi)};
+    for (const dvec3& direction : {dvec3(0, 0, 1), dvec3(0, 1, 0), dvec3(0, 1, 1)}) {
+      const dvec3 touching(4.0 * scale, 0.0, 0.0), beside(4.0001 * scale, 0.0, 0.0);
+      const Hits hits = intersect(ring, {touching - 5.0 * direction, direction});
+      ASSERT_EQ(hits.count, 2) << scale;
+      EXPECT_NEAR(hits.hit[0].t, 5.0, 1e-6 * scale);
+      EXPECT_EQ(intersect(ring, {beside - 5.0 * direction, direction}).count, 0);
+    }
+  }
+}
+
 TEST(CircularTorus, ThinRingFarAway) {
   // R / r = 1e4, seen from 1e5 R.
   const core::CircularTorus ring{1e4f, 1.0f, float(2.0 * kPi)};

@@ -50,6 +50,18 @@ TEST(SphericalDish, HeightZeroIsADiscOfTwoSides) {
   twin::expect_a_disc_of_two_sides_without_height<core::SphericalDish>();
 }
 
+/// A cap so flat that squares of its height underflow is its base's disc.
+TEST(SphericalDish, IsFlatFromAThousandthOfAFemtometrePerMetre) {
+  for (const float radius : {0.01f, 4.0f, 1000.0f}) {
+    const Ray down{{0.0, 0.5 * radius, radius}, {0.0, 0.0, -1.0}};
+    const Hits disc = intersect(core::SphericalDish{radius, 0.9e-18f * radius}, down);
+    const Hits cap = intersect(core::SphericalDish{radius, 1.1e-18f * radius}, down);
+    ASSERT_TRUE(disc.count == 2 && cap.count == 2) << radius;
+    EXPECT_EQ(disc.hit[0].normal.y, 0.0);
+    EXPECT_GT(cap.hit[0].normal.y, 0.0);
+  }
+}
+
 TEST(SphericalDish, BaseRadiusZeroIsABall) {
   const Hits hits = intersect(core::SphericalDish{0.0f, 2.0f}, {{0.6, 0.0, 5.0}, {0.0, 0.0, -1.0}});
   ASSERT_EQ(hits.count, 2);

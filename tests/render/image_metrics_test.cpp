@@ -191,6 +191,22 @@ TEST(ImageMetrics, ValuesKnownByHand) {
   EXPECT_LT(m->ssim, -0.8) << "the negative of noise";
 }
 
+/// Of pictures of one colour each, the means of the lightness alone count (ITU-R BT.601).
+TEST(ImageMetrics, SsimWeighsRedGreenAndBlue) {
+  const double weights[3] = {0.299, 0.587, 0.114}, c1 = 2.55 * 2.55;
+  for (int channel = 0; channel < 3; ++channel) {
+    const auto of = [&](std::uint8_t v) {
+      std::uint8_t colour[3] = {0, 0, 0};
+      colour[channel] = v;
+      return uniform(16, 16, colour[0], colour[1], colour[2]);
+    };
+    const double a = weights[channel] * 200.0, b = weights[channel] * 100.0;
+    const auto m = image_metrics(of(200), of(100));
+    ASSERT_TRUE(m);
+    EXPECT_NEAR(m->ssim, (2.0 * a * b + c1) / (a * a + b * b + c1), 1e-4) << "channel " << channel;
+  }
+}
+
 /// One pixel in a hundred shows: the 99th percentile is about to notice.
 TEST(ImageMetrics, PercentilesAndMeans) {
   Image b = uniform(100, 100, 0, 0, 0);
