@@ -187,6 +187,48 @@ TEST_F(Surfaces, OfPyramidsAndBoxes) {
          core::Pyramid{1.5f, 1.0f, 0.0f, 0.0f, 0.2f, 0.1f, 1.0f}, core::Box{1.4f, 1.2f, 1.0f}});
 }
 
+/// Rays that are parallel to an axis exactly, where quadratic terms are 0; and eyes on the sides of a solid's box, just
+/// beside them and far beside them.
+TEST_F(Surfaces, AlongTheAxesAndFromTheSidesOfTheirBoxes) {
+  const core::Primitive primitives[] = {core::Cylinder{0.7f, 2.2f},
+                                        core::Snout{0.7f, 0.7f, 1.6f, 0, 0, 0.2f, 0, 0, 0},
+                                        core::Snout{1.0f, 0.5f, 1.6f, 0, 0, 0, 0, 0, 0},
+                                        core::CircularTorus{1.0f, 0.35f, 4.0f},
+                                        core::Sphere{1.8f},
+                                        core::EllipticalDish{1.0f, 0.5f},
+                                        core::SphericalDish{1.0f, 0.4f},
+                                        core::RectangularTorus{0.5f, 1.2f, 0.5f, kFull},
+                                        core::Pyramid{1.5f, 1.2f, 0.5f, 0.6f, 0.2f, 0.1f, 1.5f},
+                                        core::Box{1.4f, 1.2f, 1.0f}};
+  core::Scene scene;
+  std::vector<Shape> shapes;
+  for (const core::Primitive& primitive : primitives) {
+    Shape shape{.primitive = primitive};
+    shape.item = scene.add_primitive(scene.root(), primitive);
+    shapes.push_back(shape);
+  }
+  Camera camera(*context, scene, kWidth, kHeight);
+  for (const Shape& shape : shapes) {
+    const core::AabbD box = core::bounds(shape.primitive, shape.world_from_item);
+    const dvec3 middle = box.centre(), half = 0.5 * (box.max - box.min);
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double side : {-1.0, 1.0}) {
+        SCOPED_TRACE(testing::Message() << "item " << shape.item << ", axis " << axis << ", side " << side);
+        dvec3 out(0.0), up(0.0);
+        out[axis] = side;
+        up[(axis + 1) % 3] = 1.0;
+        const View along = *View::orthographic({middle + 4.0 * out, middle, up}, 3.1, kAspect, -1.0, 20.0);
+        compare(camera.draw(along, {&shape, 1}), look_at({&shape, 1}, along, kWidth, kHeight), kRayCast);
+        for (const double beside : {-1e-3, -1e-5, 0.0, 1e-6, 1e-5, 1e-4, 1e-3, 0.1}) {
+          SCOPED_TRACE(testing::Message() << beside << " beside");
+          const dvec3 eye = middle + (1.0 + beside) * half * out + 0.31 * half * up;
+          const View inwards = *View::perspective({eye, middle + 0.1 * up + 0.2 * out, up}, 1.2, kAspect, 1e-4);
+          compare(camera.draw(inwards, {&shape, 1}), look_at({&shape, 1}, inwards, kWidth, kHeight), kRayCast);
+        }
+      }
+  }
+}
+
 core::Mesh turned_inside_out(core::Mesh mesh) {
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) std::swap(mesh.indices[i], mesh.indices[i + 1]);
   return mesh;
