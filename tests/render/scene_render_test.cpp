@@ -39,16 +39,46 @@ class SceneRender : public tests::GlTest {
   struct Picture {
     render::Image colour;
     render::IdImage ids;
+    render::DepthImage depth;
     std::vector<core::ItemId> visible;
   };
+  /// What was drawn last.
+  static Picture picture_of(engine::Engine& engine, const View& view) {
+    engine.finish();
+    const render::RenderTarget& target = engine.drawing()->target();
+    return {target.read_colour(), target.read_ids(), target.read_depth(view), {}};
+  }
   static Picture take(engine::Engine& engine, const View& view) {
     EXPECT_TRUE(engine.frame(view));
-    engine.finish();
-    Picture picture{engine.drawing()->target().read_colour(), engine.drawing()->target().read_ids(), {}};
+    Picture picture = picture_of(engine, view);
     for (const core::Slot slot : engine.visible().sorted_slots())
       if (!engine.snapshot().vacant(slot)) picture.visible.push_back(engine.snapshot().item(slot));
     std::sort(picture.visible.begin(), picture.visible.end());
     return picture;
+  }
+
+  /// Items that lie at one depth may show either one, since another order of the items draws them in another order; all
+  /// other pixels are the same, but for a colour step where chunks have other origins and so other last bits.
+  static void expect_same_but_for_ties(const Picture& a, const Picture& b) {
+    ASSERT_EQ(a.ids.ids.size(), b.ids.ids.size());
+    int wrong = 0, ties = 0;
+    for (std::size_t p = 0; p < a.ids.ids.size(); ++p) {
+      int worst = 0;
+      for (std::size_t c = 3 * p; c < 3 * p + 3; ++c)
+        worst = std::max(worst, std::abs(a.colour.pixels[c] - b.colour.pixels[c]));
+      const bool same_depth = a.depth.metres[p] == b.depth.metres[p] ||
+                              std::abs(a.depth.metres[p] - b.depth.metres[p]) <= 2e-5f * a.depth.metres[p];
+      const bool tie = a.ids.ids[p] != b.ids.ids[p] && same_depth;
+      ties += tie;
+      if (tie || (a.ids.ids[p] == b.ids.ids[p] && worst <= 1 && same_depth)) continue;
+      if (++wrong <= 4) {
+        ADD_FAILURE() << "pixel " << p % kWidth << ", " << p / kWidth << ": items " << int(a.ids.ids[p]) - 1 << " and "
+                      << int(b.ids.ids[p]) - 1 << ", depths " << a.depth.metres[p] << " and " << b.depth.metres[p]
+                      << ", colours " << worst << " apart";
+      }
+    }
+    EXPECT_EQ(wrong, 0);
+    EXPECT_LE(ties, 4);
   }
 
   static View look(const dvec3& eye, const dvec3& target) {
@@ -78,10 +108,7 @@ class SceneRender : public tests::GlTest {
     for (const View& view : plant_views()) {
       const Picture a = take(edited, view), b = take(fresh, view);
       EXPECT_EQ(a.visible, b.visible);
-      const auto difference = render::compare(a.colour, b.colour);
-      ASSERT_TRUE(difference);
-      // Ties at equal depth, and the last bit of chunk-relative positions.
-      EXPECT_LE(difference->pixels, kWidth * kHeight / 50u);
+      expect_same_but_for_ties(a, b);
     }
   }
 };
@@ -95,10 +122,7 @@ TEST_F(SceneRender, CullingChangesNoPixel) {
     const Picture a = take(linear, view), b = take(tree, view);
     EXPECT_EQ(a.visible, b.visible);
     EXPECT_LT(a.visible.size(), 3000u + 1);
-    const auto difference = render::compare(a.colour, b.colour);
-    ASSERT_TRUE(difference);
-    // Equal depths may fall to either item, since the draw order differs.
-    EXPECT_LE(difference->pixels, kWidth * kHeight / 100u);
+    expect_same_but_for_ties(a, b);
     // Nothing that shows may be culled.
     for (const std::uint32_t id : a.ids.ids) {
       if (id == 0) continue;
@@ -120,9 +144,7 @@ TEST_F(SceneRender, TheGpuCullerChangesNoPixel) {
     engine::Engine cpu = make(scene, config(engine::CullerChoice::kCpu));
     for (const View& view : plant_views()) {
       const Picture a = take(cpu, view), b = take(gpu, view);
-      const auto difference = render::compare(a.colour, b.colour);
-      ASSERT_TRUE(difference);
-      EXPECT_LE(difference->pixels, kWidth * kHeight / 50u);
+      expect_same_but_for_ties(a, b);
       const auto late = gpu.take_late_report();
       ASSERT_TRUE(late);
       EXPECT_EQ(late->frame, frame++);
@@ -170,10 +192,7 @@ TEST_F(SceneRender, UnculledDrawingShowsTheSame) {
     core::VisibleSet all;
     all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
     ASSERT_TRUE(engine.drawing()->draw(view, engine.snapshot(), all, 0));
-    engine.finish();
-    const auto difference = render::compare(culled.colour, engine.drawing()->target().read_colour());
-    ASSERT_TRUE(difference);
-    EXPECT_LE(difference->pixels, kWidth * kHeight / 100u);
+    expect_same_but_for_ties(culled, picture_of(engine, view));
   }
 }
 
@@ -189,16 +208,7 @@ TEST_F(SceneRender, AFarSiteLooksTheSame) {
     SCOPED_TRACE(i);
     const Picture here = take(a, near_views[i]), there = take(b, far_views[i]);
     EXPECT_EQ(here.visible, there.visible);
-    const auto difference = render::compare(here.colour, there.colour);
-    ASSERT_TRUE(difference);
-    std::size_t visibly = 0;
-    for (std::size_t p = 0; p < here.colour.pixels.size(); p += 3) {
-      int worst = 0;
-      for (std::size_t c = p; c < p + 3; ++c)
-        worst = std::max(worst, std::abs(here.colour.pixels[c] - there.colour.pixels[c]));
-      visibly += worst > 2;
-    }
-    EXPECT_LE(visibly, kWidth * kHeight / 1000u);  // 0.1 % of pixels, rounding of a colour step aside
+    expect_same_but_for_ties(here, there);
   }
 }
 
