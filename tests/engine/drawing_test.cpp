@@ -292,7 +292,7 @@ TEST_F(DrawingTest, ThePlanNamesTheProgramsThatAreMade) {
     if (i < int(std::size(primitives)))
       scene.add_primitive(scene.root(), primitives[i]);
     else
-      scene.add_mesh_instance(scene.root(), scene.add_mesh(gpuprims::tessellate(core::Box{1, 1, 1})));
+      scene.add_mesh_instance(scene.root(), scene.add_mesh(gpuprims::tessellate(core::Box{1, 1, 1})).value());
     auto engine = Engine::create(scene, config(CullerChoice::kAutomatic));
     ASSERT_TRUE(engine);
     const core::Kind kind = scene.kind(0);

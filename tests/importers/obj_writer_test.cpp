@@ -254,9 +254,9 @@ TEST_F(ObjWriter, NormalsGoWithTheSurface) {
   core::Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.indices = {0, 1, 2};
-  const core::MeshId bare = scene_.add_mesh(mesh);
+  const core::MeshId bare = scene_.add_mesh(mesh).value();
   mesh.normals = {{0, 0, 1}, glm::normalize(core::vec3(1, 0, 1)), {0, 0, 0}};
-  const core::MeshId with_normals = scene_.add_mesh(mesh);
+  const core::MeshId with_normals = scene_.add_mesh(mesh).value();
   const core::NodeId top = scene_.add_node(scene_.root(), "top"), a = scene_.add_node(top), b = scene_.add_node(top);
   scene_.add_mesh_instance(a, bare, {core::dmat3(-1.0), {}});
   scene_.add_mesh_instance(b, with_normals, {core::dmat3(2, 0, 0, 0, 1, 0, 0, 0, 1), {}});

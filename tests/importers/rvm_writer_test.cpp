@@ -357,9 +357,9 @@ TEST(RvmWriter, NormalsOfMeshesAreWritten) {
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.normals = {{0, 0, 1}, {0, 0.6f, 0.8f}, {0.6f, 0, 0.8f}};
   mesh.indices = {0, 1, 2};
-  scene.add_mesh_instance(group, scene.add_mesh(mesh), {});
+  scene.add_mesh_instance(group, scene.add_mesh(mesh).value(), {});
   mesh.contour_sizes = {3}, mesh.polygon_contours = {1};
-  scene.add_mesh_instance(group, scene.add_mesh(mesh), {});
+  scene.add_mesh_instance(group, scene.add_mesh(mesh).value(), {});
   ASSERT_TRUE(rewrite(scene, top, again).valid());
   ASSERT_EQ(again.item_count(), 2u);
   for (core::ItemId i = 0; i < 2; ++i) EXPECT_EQ(again.mesh(again.mesh_of(i)).normals, mesh.normals) << i;
