@@ -42,7 +42,7 @@ struct EngineConfig {
   gl::Context* context = nullptr;
   /// Where linked programs are kept from run to run, so that drivers need not compile them again; processes may share
   /// it. None: the user's cache folder, gl::ProgramCache::default_folder(). An empty path: nowhere.
-  std::optional<std::filesystem::path> program_cache;
+  std::optional<std::filesystem::path> program_cache = {};
   /// Edits leave slots behind. When this share of them was appended or given up, a new order is made in the background;
   /// 0: never. Items that move far count twice: 1 % of them cost up to a tenth of culling speed until it lands.
   double rebuild_share = 0.03;
