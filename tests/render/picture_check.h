@@ -6,17 +6,18 @@
 //   - all five hit, or all miss: so does the picture. Where they differ (a silhouette) it may do either
 //   - the item is that of one of the rays
 //   - where all five hit and their normals agree within kSmooth, the depth lies between theirs, and the normal is that
-//   of
-//     the ray through the centre within the tolerance
-//   - where all five hit but differ (an edge, or where a surface turns away), the normal is near that of one of them,
-//   and
-//     the depth as near to theirs as they are to each other; silhouettes, where some miss, need no more than the item
+//     of the ray through the centre, within the tolerance
+//   - where all five hit but differ (at an edge, or where a surface turns away), the normal is near that of one of
+//     them, and the depth as near to theirs as they are to each other
+//   - where some miss, the item is all that counts
 #pragma once
 
 #include <array>
 #include <cmath>
-#include <numbers>
-#include <ostream>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
