@@ -218,6 +218,14 @@ TEST(CostTable, LearnsAsARunningMeanDoes) {
     }
 }
 
+TEST(CostTable, CountsSamplesWhereTheyWere) {
+  CostTable table;
+  for (int i = 0; i < 3; ++i) table.learn(10.0, 0.0);  // on a knot; the next one hardly hears of it
+  EXPECT_NEAR(table.samples(10.0), 3.0, 1e-6);
+  EXPECT_NEAR(table.samples(11.0), 1.5, 0.01);
+  EXPECT_NEAR(table.samples(12.0), 0.0, 0.01);
+}
+
 TEST(CostTable, StandsForFewerSamplesFarAway) {
   CostTable table;
   for (int i = 0; i < 200; ++i) table.learn(10.5, 0.0);

@@ -114,6 +114,20 @@ TEST(Records, OtherShapes) {
   EXPECT_EQ(line.origin(), dvec3(-1.0, 0.0, 0.0));
 }
 
+TEST(Records, MeshesArePlacementsAlone) {
+  PackedItem item;
+  item.placement.linear = core::mat3(2.0f);
+  item.placement.origin = core::vec3(1.0f, 2.0f, 3.0f);
+  item.placement.chunk = 7;
+  item.id = 8;
+  item.material = 9u | kFlatShaded;
+  std::vector<Texel> texels(std::size_t(texels_per_item(core::Kind::kMesh)));
+  pack(core::Kind::kMesh, {}, item, texels);
+  const auto f = [](float v) { return std::bit_cast<std::uint32_t>(v); };
+  EXPECT_EQ(texels, (std::vector<Texel>{
+                        {f(2), 0, 0, 0}, {f(2), 0, 0, 0}, {f(2), f(1), f(2), f(3)}, {7, 8, 9u | kFlatShaded, 0}}));
+}
+
 TEST(Records, Snouts) {
   const core::Snout cone{2, 4, 8, 1, -2, 0, 0, 0.5f, 0};
   const Record record(cone);

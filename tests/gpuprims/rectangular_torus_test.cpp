@@ -113,6 +113,25 @@ TEST(RectangularTorus, OpenEndsDropTheirCrossingOnly) {
   EXPECT_EQ(intersect(elbow, ray, {true, false}).count, 2);
 }
 
+TEST(RectangularTorus, NormalsAreThoseOfItsWalls) {
+  const core::Mesh mesh = tessellate(core::RectangularTorus{1.0f, 3.0f, 2.0f, 1.0f});
+  std::size_t level = 0, upright = 0;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const core::vec3 p = mesh.positions[i], n = mesh.normals[i];
+    if (n.z != 0.0f) {
+      ++level;
+      EXPECT_EQ(n, core::vec3(0.0f, 0.0f, p.z));
+      continue;
+    }
+    ++upright;
+    const float rho = std::hypot(p.x, p.y), out = (n.x * p.x + n.y * p.y) / rho;
+    if (std::abs(out) < 1e-6f) continue;  // of an end
+    EXPECT_NEAR(out, rho > 2.0f ? 1.0f : -1.0f, 1e-6f);
+  }
+  EXPECT_GT(level, 8u);
+  EXPECT_GT(upright, 8u);
+}
+
 TEST(RectangularTorus, TurnsAHairShortAreClosed) {
   const float nearly = 6.283185f, short_of_it = std::nextafter(nearly, 0.0f);
   ASSERT_LT(double(nearly), 2.0 * std::numbers::pi);
