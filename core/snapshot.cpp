@@ -525,6 +525,14 @@ std::uint32_t Snapshot::vacant_below(Slot s) const {
   return vacant_before_[word] + std::uint32_t(std::popcount(vacant_[word] & below));
 }
 
+Slot Snapshot::first_where(bool vacant, Slot first, Slot end) const {
+  for (Slot s = first; s < end; s = Slot((s / kRankStride + 1) * kRankStride)) {
+    const std::uint64_t word = vacant ? vacant_[s / kRankStride] : ~vacant_[s / kRankStride];
+    if (const std::uint64_t found = word >> s % kRankStride) return std::min(end, s + Slot(std::countr_zero(found)));
+  }
+  return end;
+}
+
 std::uint64_t Snapshot::count(const VisibleSet& visible) const {
   std::uint64_t n = visible.count();
   if (vacant_count() > 0)

@@ -80,6 +80,12 @@ class Snapshot {
   const ItemBounds& bounds() const { return bounds_; }
   bool vacant(Slot slot) const { return bounds_.vacant(slot); }
   std::size_t vacant_count() const { return vacant_before_.empty() ? 0 : vacant_before_.back(); }
+  /// The first slot of first … end - 1 that is vacant, or that is not; `end` when there is none. Looks at 64 slots a
+  /// step, and at none while no slot is vacant.
+  Slot first_vacant(Slot first, Slot end) const { return vacant_count() == 0 ? end : first_where(true, first, end); }
+  Slot first_occupied(Slot first, Slot end) const {
+    return vacant_count() == 0 ? first : first_where(false, first, end);
+  }
   /// Visible items: slots of the set that are not vacant. Time linear in its ranges alone.
   std::uint64_t count(const VisibleSet& visible) const;
   Kind kind(Slot slot) const { return kinds_[slot]; }
@@ -130,6 +136,7 @@ class Snapshot {
   void extend_ranks();
   void count_vacant();
   std::uint32_t vacant_below(Slot slot) const;
+  Slot first_where(bool vacant, Slot first, Slot end) const;
 
   const Scene* scene_;
   std::uint64_t generation_ = 0;

@@ -9,11 +9,8 @@ namespace sightline::gpuscene {
 namespace {
 
 using core::Slot;
-using core::SlotRange;
 using core::Snapshot;
 
-/// Shorter ranges go to the list of single records: a command costs more than that many ids.
-constexpr std::uint32_t kShortestRange = 128;
 
 }  // namespace
 
@@ -52,53 +49,39 @@ void DrawLists::append_records(BatchKind kind, std::uint32_t first, std::uint32_
   }
 }
 
-void DrawLists::list_records(const Snapshot& snapshot, const Batch& batch, const core::VisibleSet& visible) {
-  const std::size_t begin = command_list_.size(), singles_begin = single_list_.size();
-  for (const SlotRange& range : visible.ranges) {
-    const std::uint32_t first = GpuScene::rank(snapshot, batch.kind, range.first);
-    const std::uint32_t count = GpuScene::rank(snapshot, batch.kind, range.first + range.count) - first;
-    if (count >= kShortestRange) {
-      append_records(batch.kind, first, count);
-    } else {
-      const std::size_t old = single_list_.size();
-      single_list_.resize(old + count);
-      std::iota(single_list_.begin() + std::ptrdiff_t(old), single_list_.end(), first);
-    }
-  }
-  for (const Slot slot : visible.items)
-    if (batch_of(snapshot.kind(slot)) == batch.kind) single_list_.push_back(GpuScene::record_of(snapshot, slot));
-  const std::size_t place = std::size_t(frame_) * single_capacity_ + singles_begin;
-  append_records(batch.kind, batch.count + std::uint32_t(place), std::uint32_t(single_list_.size() - singles_begin));
+void DrawLists::list_records(const Batch& batch) {
+  const VisibleRecords::OfBatch& found = visible_.batches[std::size_t(batch.kind)];
+  const std::size_t begin = command_list_.size();
+  for (const VisibleRecords::Run& run : found.runs) append_records(batch.kind, run.first, run.count);
+  const std::size_t place = std::size_t(frame_) * single_capacity_ + single_list_.size();
+  append_records(batch.kind, batch.count + std::uint32_t(place), std::uint32_t(found.singles.size()));
+  single_list_.insert(single_list_.end(), found.singles.begin(), found.singles.end());
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
 }
 
-void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const core::VisibleSet& visible) {
+void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool) {
   const std::size_t begin = command_list_.size();
-  for (const SlotRange& range : visible.ranges) {
-    const std::uint32_t first = GpuScene::rank(snapshot, BatchKind::kMesh, range.first);
-    append(pool.commands.data() + first, GpuScene::rank(snapshot, BatchKind::kMesh, range.first + range.count) - first);
-  }
-  for (const Slot slot : visible.items)
-    if (batch_of(snapshot.kind(slot)) == BatchKind::kMesh)
-      append(pool.commands.data() + GpuScene::record_of(snapshot, slot), 1);
+  for (const Slot slot : visible_.meshes) append(&pool.commands[GpuScene::record_of(snapshot, slot)], 1);
   sections_[std::size_t(BatchKind::kMesh)] = {begin, int(command_list_.size() - begin)};
 }
 
-core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene,
-                                       const core::VisibleSet& visible) {
+core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible) {
   sections_ = {};
   from_gpu_ = false;
   frame_ = (frame_ + 1) % kFramesInFlight;
-  // Every visible item could become a single one: with room for that, places in the list are known before it is filled.
-  if (visible.count() > single_capacity_ || singles_.size() == 0)
-    if (auto done = grow_singles(std::size_t(visible.count())); !done) return done;
+  visible_.assign(snapshot, visible);
+  std::size_t singles = 0;
+  for (const VisibleRecords::OfBatch& found : visible_.batches) singles += found.singles.size();
+  // There must be room before the lists are made: they say where in the buffer a single record lies.
+  if (singles > single_capacity_ || singles_.size() == 0)
+    if (auto done = grow_singles(singles); !done) return done;
   command_list_.clear();
   single_list_.clear();
   for (const Batch& b : scene.batches()) {
     if (b.kind == BatchKind::kMesh) {
-      list_meshes(snapshot, scene.meshes(), visible);
+      list_meshes(snapshot, scene.meshes());
     } else {
-      list_records(snapshot, b, visible);
+      list_records(b);
     }
   }
   auto done = upload();

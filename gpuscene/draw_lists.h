@@ -23,6 +23,7 @@
 #include "sightline/gl/transform_feedback.h"
 #include "sightline/gl/vertex_array.h"
 #include "sightline/gpuscene/gpu_scene.h"
+#include "sightline/gpuscene/visible_records.h"
 
 namespace sightline::gpuscene {
 
@@ -89,8 +90,8 @@ class DrawLists {
   std::size_t memory_bytes() const;
 
  private:
-  void list_records(const core::Snapshot& snapshot, const Batch& batch, const core::VisibleSet& visible);
-  void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const core::VisibleSet& visible);
+  void list_records(const Batch& batch);
+  void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool);
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);
   void append(const ElementsCommand* commands, std::size_t count);
   core::Expected<void> upload();
@@ -108,6 +109,7 @@ class DrawLists {
   std::size_t command_capacity_ = 0, single_capacity_ = 0;  // commands and ids per frame in flight
   int frame_ = 0;
   std::array<Section, kBatchKindCount> sections_;
+  VisibleRecords visible_;
   std::vector<ElementsCommand> command_list_;
   std::vector<std::uint32_t> single_list_;
 

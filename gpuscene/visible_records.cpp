@@ -1,0 +1,85 @@
+#include "sightline/gpuscene/visible_records.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace sightline::gpuscene {
+namespace {
+
+using core::Kind;
+using core::Slot;
+using core::SlotRange;
+using core::Snapshot;
+
+/// Calls `part(first, end)` for what remains of a range without its vacant runs of more than kLongestGap slots.
+template <class Part>
+void without_vacant_runs(const Snapshot& snapshot, const SlotRange& range, const Part& part) {
+  const Slot end = range.first + range.count;
+  Slot first = snapshot.first_occupied(range.first, end);
+  while (first < end) {
+    Slot stop = first, next = first;
+    do {
+      stop = snapshot.first_vacant(next, end);
+      next = snapshot.first_occupied(stop, end);
+    } while (next < end && next - stop <= kLongestGap);
+    part(first, stop);
+    first = next;
+  }
+}
+
+}  // namespace
+
+void VisibleRecords::assign(const Snapshot& snapshot, const core::VisibleSet& visible) {
+  for (OfBatch& batch : batches) {
+    batch.runs.clear();
+    batch.singles.clear();
+  }
+  meshes.clear();
+  for (const SlotRange& range : visible.ranges)
+    without_vacant_runs(snapshot, range, [&](Slot first, Slot end) {
+      if (end - first >= kShortestRun) return add_range(snapshot, first, end);
+      for (Slot slot = first; slot < end; ++slot)
+        if (!snapshot.vacant(slot)) add_slot(snapshot, slot);
+    });
+  for (const Slot slot : visible.items) add_slot(snapshot, slot);
+}
+
+void VisibleRecords::add_range(const Snapshot& snapshot, Slot first, Slot end) {
+  for (int kind = 0; kind < int(BatchKind::kMesh); ++kind) {
+    const std::uint32_t begin = GpuScene::rank(snapshot, BatchKind(kind), first);
+    const std::uint32_t count = GpuScene::rank(snapshot, BatchKind(kind), end) - begin;
+    OfBatch& batch = batches[std::size_t(kind)];
+    if (count >= kShortestRun) {
+      batch.runs.push_back({begin, count});
+    } else {
+      batch.singles.resize(batch.singles.size() + count);
+      std::iota(batch.singles.end() - std::ptrdiff_t(count), batch.singles.end(), begin);
+    }
+  }
+  add_meshes(snapshot, first, end);
+}
+
+void VisibleRecords::add_meshes(const Snapshot& snapshot, Slot first, Slot end) {
+  const std::ptrdiff_t begin = std::ptrdiff_t(meshes.size());
+  add_meshes(snapshot, Kind::kFacetGroup, first, end);
+  const std::ptrdiff_t middle = std::ptrdiff_t(meshes.size());
+  add_meshes(snapshot, Kind::kMesh, first, end);
+  std::inplace_merge(meshes.begin() + begin, meshes.begin() + middle, meshes.end());
+}
+
+void VisibleRecords::add_meshes(const Snapshot& snapshot, Kind kind, Slot first, Slot end) {
+  const auto& slots = snapshot.of_kind(kind).slots;
+  for (std::uint32_t i = snapshot.rank(kind, first), stop = snapshot.rank(kind, end); i < stop; ++i)
+    if (!snapshot.vacant(slots[i])) meshes.push_back(slots[i]);
+}
+
+void VisibleRecords::add_slot(const Snapshot& snapshot, Slot slot) {
+  const BatchKind kind = batch_of(snapshot.kind(slot));
+  if (kind == BatchKind::kMesh) {
+    meshes.push_back(slot);
+  } else {
+    batches[std::size_t(kind)].singles.push_back(GpuScene::record_of(snapshot, slot));
+  }
+}
+
+}  // namespace sightline::gpuscene
