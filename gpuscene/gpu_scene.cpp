@@ -129,6 +129,7 @@ void GpuScene::pack(const Snapshot& snapshot, Slot slot, std::span<Texel> out) {
 core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snapshot& snapshot) {
   const gl::Functions& gl = context.functions();
   GpuScene scene;
+  scene.writer_ = ElementWriter(context);
   std::array<std::vector<Slot>, kBatchKindCount> slots;
   for (Slot slot = 0; slot < snapshot.size(); ++slot) slots[std::size_t(batch_of(snapshot.kind(slot)))].push_back(slot);
   for (std::size_t i = 0; i < slots.size(); ++i) {
@@ -207,16 +208,25 @@ bool GpuScene::append(const Snapshot& snapshot) {
 }
 
 void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed) {
-  std::array<Texel, kMostTexelsPerItem> record;
-  for (const Slot slot : changed) {
-    const BatchKind kind = batch_of(snapshot.kind(slot));
-    const Batch* target = batch(kind);
+  std::array<std::vector<std::pair<std::uint32_t, Slot>>, kBatchKindCount> records;
+  for (const Slot slot : changed)
+    records[std::size_t(batch_of(snapshot.kind(slot)))].emplace_back(record_of(snapshot, slot), slot);
+  std::vector<std::uint32_t> places;
+  std::vector<Slot> slots;
+  for (std::size_t kind = 0; kind < records.size(); ++kind) {
+    if (records[kind].empty()) continue;
+    const Batch* target = batch(BatchKind(kind));
     assert(target && "slots were appended: create a new GpuScene");
-    const auto texels = std::span(record).first(std::size_t(target->texels_per_item));
-    GpuScene::pack(snapshot, slot, texels);
-    const std::uint32_t place = record_of(snapshot, slot);
-    target->records.write(place * texels.size_bytes(), texels.size_bytes(), texels.data());
-    if (kind == BatchKind::kMesh) meshes_.commands[place].instance_count = snapshot.vacant(slot) ? 0 : 1;
+    std::sort(records[kind].begin(), records[kind].end());
+    places.clear();
+    slots.clear();
+    for (const auto& [record, slot] : records[kind]) {
+      places.push_back(record);
+      slots.push_back(slot);
+      if (target->kind == BatchKind::kMesh) meshes_.commands[record].instance_count = snapshot.vacant(slot) ? 0 : 1;
+    }
+    const std::vector<Texel> texels = pack_slots(snapshot, slots, target->texels_per_item, slots.size());
+    writer_.write(target->records, std::size_t(target->texels_per_item) * sizeof(Texel), places, texels.data());
   }
 }
 

@@ -14,6 +14,7 @@
 #include "sightline/gl/buffer.h"
 #include "sightline/gl/context.h"
 #include "sightline/gpuprims/packing.h"
+#include "sightline/gpuscene/element_writer.h"
 
 namespace sightline::gpuscene {
 
@@ -81,7 +82,8 @@ class GpuScene {
   static core::Expected<GpuScene> create(const gl::Context& context, const core::Snapshot& snapshot);
 
   /// Writes the records of changed slots anew: placement, material, and nothing to draw for vacant ones, which ranges
-  /// may hold. Slots that were appended come first, see append().
+  /// may hold. Slots that were appended come first, see append(). GL calls follow the number of runs of neighbours at
+  /// most, and not of many (ElementWriter, which says what GL state that changes).
   void update(const core::Snapshot& snapshot, std::span<const core::Slot> changed);
   /// Adds records of slots appended since the last call. False, with nothing done, when it takes a new GpuScene: memory
   /// for an eighth more than at first is used up, or there are kinds or meshes that were not there.
@@ -111,6 +113,7 @@ class GpuScene {
   MeshPool meshes_;
   gl::Buffer material_rows_;
   gl::TextureBuffer material_texels_;
+  ElementWriter writer_;
   core::Slot slot_count_ = 0;
   std::unordered_map<std::uint32_t, std::uint32_t> record_of_mesh_;  // of some item with that mesh
 };

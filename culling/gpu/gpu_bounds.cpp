@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <numeric>
 
 #include "sightline/culling/gpu/compact_box.h"
 #include "sightline/culling/gpu/record_box.h"
@@ -12,6 +13,7 @@ namespace {
 
 using core::Aabb;
 using gpuscene::BatchKind;
+using gpuscene::ElementWriter;
 
 /// What shaders/item_test.glsl reads of a cluster whose boxes come from records.
 struct ClusterBits {
@@ -26,10 +28,9 @@ core::Expected<void> make_array(const gl::Functions& gl, std::size_t bytes, GLen
   return {};
 }
 
-/// Values from place `first` on.
-template <class T>
-void write_from(const TexelArray& array, std::size_t first, const std::vector<T>& values) {
-  array.buffer.write(first * sizeof(T), values.size() * sizeof(T), values.data());
+/// The record at a place among those of `clusters`, kClusterSize each.
+std::size_t record_at(std::span<const std::uint32_t> clusters, std::size_t place) {
+  return std::size_t(clusters[place / kClusterSize]) * kClusterSize + place % kClusterSize;
 }
 
 }  // namespace
@@ -84,7 +85,10 @@ core::Expected<GpuBounds> GpuBounds::create(const gl::Functions& gl, const core:
     if (done) done = make_array(gl, clusters * sizeof(std::uint32_t), GL_R32UI, "cluster layers", made.cluster_layers_);
   }
   if (!done) return tl::unexpected(done.error());
-  made.write(snapshot, 0, made.cluster_capacity_);
+  std::vector<std::uint32_t> all(made.cluster_capacity_);
+  std::iota(all.begin(), all.end(), 0u);
+  ElementWriter writer;  // of neighbours alone
+  made.write(snapshot, all, writer);
   return made;
 }
 
@@ -94,64 +98,58 @@ std::uint32_t GpuBounds::append(core::Slot slot) {
   return std::uint32_t(slots_.size() - 1);
 }
 
-void GpuBounds::update(const core::Snapshot& snapshot, std::span<std::uint32_t> changed) const {
-  // Runs of neighbouring clusters.
-  for (std::size_t i = 0; i < changed.size();) {
-    const std::uint32_t first = changed[i] / kClusterSize;
-    std::uint32_t end = first + 1;
-    for (++i; i < changed.size() && changed[i] / kClusterSize <= end; ++i) end = changed[i] / kClusterSize + 1;
-    write(snapshot, first, end);
-  }
+void GpuBounds::update(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed,
+                       ElementWriter& writer) const {
+  std::vector<std::uint32_t> clusters;
+  for (const std::uint32_t record : changed)
+    if (clusters.empty() || clusters.back() != record / kClusterSize) clusters.push_back(record / kClusterSize);
+  write(snapshot, clusters, writer);
 }
 
-void GpuBounds::write(const core::Snapshot& snapshot, std::uint32_t first_cluster, std::uint32_t cluster_end) const {
-  constexpr std::uint32_t kClustersAtOnce = 1024;
+void GpuBounds::write(const core::Snapshot& snapshot, Clusters clusters, ElementWriter& writer) const {
+  constexpr std::size_t kClustersAtOnce = 1024;
+  for (std::size_t first = 0; first < clusters.size(); first += kClustersAtOnce)
+    write_part(snapshot, clusters.subspan(first, std::min(kClustersAtOnce, clusters.size() - first)), writer);
+}
+
+void GpuBounds::write_part(const core::Snapshot& snapshot, Clusters clusters, ElementWriter& writer) const {
   const core::ItemBounds& bounds = snapshot.bounds();
-  std::vector<Aabb> boxes, around;
-  std::vector<std::uint32_t> layers, layers_around;
-  for (std::uint32_t first = first_cluster; first < cluster_end; first += kClustersAtOnce) {
-    const std::uint32_t count = std::min(kClustersAtOnce, cluster_end - first);
-    boxes.assign(std::size_t(count) * kClusterSize, {});
-    around.assign(count, {});
-    layers.assign(boxes.size(), 0);
-    layers_around.assign(count, 0);
-    const std::size_t begin = std::size_t(first) * kClusterSize;
-    const std::size_t records = std::min(boxes.size(), slots_.size() - std::min(slots_.size(), begin));
-    for (std::size_t i = 0; i < records; ++i) {
-      const core::Slot slot = slots_[begin + i];
-      if (bounds.vacant(slot)) continue;
-      boxes[i] = bounds.box(slot);
-      around[i / kClusterSize].grow(boxes[i]);
-      layers[i] = bounds.layers(slot);
-      layers_around[i / kClusterSize] |= layers[i];
-    }
-    write_items(snapshot, first, boxes, around);
-    write_from(cluster_boxes_, first, around);
-    if (item_layers_.buffer.id() == 0) continue;
-    write_from(item_layers_, begin, layers);
-    write_from(cluster_layers_, first, layers_around);
+  std::vector<Aabb> boxes(clusters.size() * kClusterSize), around(clusters.size());
+  std::vector<std::uint32_t> layers(boxes.size(), 0), layers_around(clusters.size(), 0);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const std::size_t record = record_at(clusters, i);
+    if (record >= slots_.size() || bounds.vacant(slots_[record])) continue;
+    const core::Slot slot = slots_[record];
+    boxes[i] = bounds.box(slot);
+    around[i / kClusterSize].grow(boxes[i]);
+    layers[i] = bounds.layers(slot);
+    layers_around[i / kClusterSize] |= layers[i];
   }
+  write_items(snapshot, clusters, boxes, around, writer);
+  writer.write(cluster_boxes_.buffer, sizeof(Aabb), clusters, around.data());
+  if (item_layers_.buffer.id() == 0) return;
+  writer.write(item_layers_.buffer, kClusterSize * sizeof(std::uint32_t), clusters, layers.data());
+  writer.write(cluster_layers_.buffer, sizeof(std::uint32_t), clusters, layers_around.data());
 }
 
-/// `boxes` of items, empty ones where there is none, from the first cluster on.
-void GpuBounds::write_items(const core::Snapshot& snapshot, std::uint32_t first_cluster, std::span<const Aabb> boxes,
-                            std::span<const Aabb> around) const {
-  const std::size_t begin = std::size_t(first_cluster) * kClusterSize;
+/// `boxes` of the clusters' items, empty ones where there is none.
+void GpuBounds::write_items(const core::Snapshot& snapshot, Clusters clusters, std::span<const Aabb> boxes,
+                            std::span<const Aabb> around, ElementWriter& writer) const {
   if (form_ == GpuBoundsForm::kFloat) {
-    item_boxes_.buffer.write(begin * sizeof(Aabb), boxes.size_bytes(), boxes.data());
+    writer.write(item_boxes_.buffer, kClusterSize * sizeof(Aabb), clusters, boxes.data());
   } else if (form_ == GpuBoundsForm::kCompact) {
     std::vector<CompactBox> compacted(boxes.size());
     for (std::size_t i = 0; i < boxes.size(); ++i)
       compacted[i] = boxes[i].min.x > boxes[i].max.x ? CompactBox{CompactBox::kVacant, 0}
                                                      : compact(boxes[i], around[i / kClusterSize]);
-    write_from(item_boxes_, begin, compacted);
+    writer.write(item_boxes_.buffer, kClusterSize * sizeof(CompactBox), clusters, compacted.data());
   } else {
     std::vector<ClusterBits> bits(around.size());
     std::array<gpuprims::Texel, gpuscene::kMostTexelsPerItem> record;
     for (std::size_t i = 0; i < boxes.size(); ++i) {
       if (boxes[i].min.x > boxes[i].max.x) continue;
       const auto texels = std::span(record).first(std::size_t(texels_per_item_));
-      gpuscene::GpuScene::pack(snapshot, slots_[begin + i], texels);
+      gpuscene::GpuScene::pack(snapshot, slots_[record_at(clusters, i)], texels);
       const std::size_t word = i / 32 % 2;
       const std::uint32_t bit = 1u << (i % 32);
       ClusterBits& cluster = bits[i / kClusterSize];
@@ -159,7 +157,7 @@ void GpuBounds::write_items(const core::Snapshot& snapshot, std::uint32_t first_
       if (record_box_contains(kind_, texels, chunk_place(snapshot, texels[3][0]), boxes[i]))
         cluster.from_record[word] |= bit;
     }
-    write_from(item_boxes_, first_cluster, bits);
+    writer.write(item_boxes_.buffer, sizeof(ClusterBits), clusters, bits.data());
   }
 }
 

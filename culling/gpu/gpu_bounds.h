@@ -39,7 +39,8 @@ class GpuBounds {
   /// Adds the record of an appended slot; update() must follow with it. The batch has room: see GpuScene::append.
   std::uint32_t append(core::Slot slot);
   /// Writes the boxes of these records anew, and those of their clusters. `changed` is sorted.
-  void update(const core::Snapshot& snapshot, std::span<std::uint32_t> changed) const;
+  void update(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed,
+              gpuscene::ElementWriter& writer) const;
 
   GpuBoundsForm form() const { return form_; }
   std::uint32_t cluster_count() const { return std::uint32_t((slots_.size() + kClusterSize - 1) / kClusterSize); }
@@ -59,9 +60,11 @@ class GpuBounds {
   }
 
  private:
-  void write(const core::Snapshot& snapshot, std::uint32_t first_cluster, std::uint32_t cluster_end) const;
-  void write_items(const core::Snapshot& snapshot, std::uint32_t first_cluster, std::span<const core::Aabb> boxes,
-                   std::span<const core::Aabb> around) const;
+  using Clusters = std::span<const std::uint32_t>;  // in rising order
+  void write(const core::Snapshot& snapshot, Clusters clusters, gpuscene::ElementWriter& writer) const;
+  void write_part(const core::Snapshot& snapshot, Clusters clusters, gpuscene::ElementWriter& writer) const;
+  void write_items(const core::Snapshot& snapshot, Clusters clusters, std::span<const core::Aabb> boxes,
+                   std::span<const core::Aabb> around, gpuscene::ElementWriter& writer) const;
 
   std::vector<core::Slot> slots_;
   gpuscene::BatchKind kind_ = gpuscene::BatchKind::kMesh;

@@ -57,6 +57,7 @@ core::Expected<GpuCuller> GpuCuller::create(const gl::Context& context, const Sn
   const gl::Functions& gl = context.functions();
   GpuCuller culler;
   culler.gl_ = &gl;
+  culler.writer_ = gpuscene::ElementWriter(context);
   culler.bounds_form_ = config.bounds;
   auto block = gl::Buffer::create(gl, sizeof(PlaneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT, "cull planes");
   if (!block) return tl::unexpected(block.error());
@@ -137,11 +138,11 @@ core::Expected<void> GpuCuller::update(const Snapshot& snapshot, const gpuscene:
   for (CullBatch& batch : batches_) {
     std::vector<std::uint32_t>& records = changed[std::size_t(batch.kind)];
     std::sort(records.begin(), records.end());
-    batch.bounds.update(snapshot, records);
+    batch.bounds.update(snapshot, records, writer_);
     if (!batch.meshes()) continue;
-    const auto& commands = scene.meshes().commands;
-    for (const std::uint32_t record : records)
-      batch.commands.buffer.write(record * sizeof(commands[0]), sizeof(commands[0]), &commands[record]);
+    std::vector<gpuscene::ElementsCommand> commands;
+    for (const std::uint32_t record : records) commands.push_back(scene.meshes().commands[record]);
+    writer_.write(batch.commands.buffer, sizeof(commands[0]), records, commands.data());
   }
   return {};
 }

@@ -55,7 +55,8 @@ class GpuCuller {
   GpuCuller& operator=(GpuCuller&&) noexcept;
   ~GpuCuller();
 
-  /// Follows an edit of `touched` slots (Snapshot::apply) after GpuScene::append and update. Fails when the GPU has not
+  /// Follows an edit of `touched` slots (Snapshot::apply) after GpuScene::append and update, and changes the same GL
+  /// state. Fails when the GPU has not
   /// the memory for layers that came into use; then make it anew.
   core::Expected<void> update(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                               std::span<const core::Slot> touched);
@@ -106,6 +107,7 @@ class GpuCuller {
   const gl::Functions* gl_ = nullptr;
   GpuBoundsForm bounds_form_ = GpuBoundsForm::kFloat;
   std::vector<CullBatch> batches_;
+  gpuscene::ElementWriter writer_;
   TexelArray chunks_;  // origins, four floats each; only where boxes come from records
   core::Slot slot_count_ = 0;
   bool uses_layers_ = false;
