@@ -12,6 +12,48 @@ using core::Slot;
 using core::Snapshot;
 
 
+/// Tells which items turn only front faces of their solid shells (solid_shells.h) to a view's eye: those wholly beyond
+/// the near plane, so that the eye is outside and the plane opens none of them, and not mirrored, of a view without
+/// sections.
+class FacingTest {
+ public:
+  FacingTest(const Snapshot& snapshot, const core::View* view) : snapshot_(snapshot) {
+    if (!view || !view->sections.empty() || mirrors(*view)) return;
+    near_ = core::frustum_planes(view->clip_from_world(), view->clip_depth())[core::kNear];
+    near_.offset += glm::dot(near_.normal, snapshot.bounds().origin);
+    const double norm = glm::length(near_.normal);
+    if (!(norm > 0.0)) return;
+    near_.normal /= norm;
+    near_.offset /= norm;
+    can_tell_ = true;
+  }
+
+  bool shows_fronts_alone(Slot slot) const {
+    return can_tell_ && beyond_near_plane(snapshot_.bounds().box(slot)) && !mirrored(slot);
+  }
+
+ private:
+  /// Of clockwise and counter-clockwise triangles.
+  static bool mirrors(const core::View& view) {
+    const core::dmat4& clip = view.clip_from_eye();
+    return !(glm::determinant(core::dmat3(view.eye_from_world())) * clip[0][0] * clip[1][1] > 0.0);
+  }
+  bool mirrored(Slot slot) const {
+    const core::KindItems& items = snapshot_.of_kind(snapshot_.kind(slot));
+    return !(glm::determinant(items.placements[snapshot_.index_in_kind(slot)].linear) > 0.0f);
+  }
+  /// By more than vertices are rounded on the GPU.
+  bool beyond_near_plane(const core::Aabb& box) const {
+    const core::dvec3 low(box.min), high(box.max), reach = 0.5 * (high - low);
+    const double middle = core::evaluate(near_, 0.5 * (low + high));
+    return middle - glm::dot(glm::abs(near_.normal), reach) > 1e-5 * (middle + glm::length(reach));
+  }
+
+  const Snapshot& snapshot_;
+  core::Plane near_;  // relative to the origin of the bounds
+  bool can_tell_ = false;
+};
+
 }  // namespace
 
 core::Expected<DrawLists> DrawLists::create(const gl::Context& context, const GpuScene& scene) {
@@ -59,13 +101,30 @@ void DrawLists::list_records(const Batch& batch) {
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
 }
 
-void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool) {
+/// Commands that show front faces alone come first.
+void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const core::View* view) {
   const std::size_t begin = command_list_.size();
-  for (const Slot slot : visible_.meshes) append(&pool.commands[GpuScene::record_of(snapshot, slot)], 1);
-  sections_[std::size_t(BatchKind::kMesh)] = {begin, int(command_list_.size() - begin)};
+  const FacingTest facing(snapshot, view);
+  both_faces_.clear();
+  for (const Slot slot : visible_.meshes) {
+    const std::uint32_t record = GpuScene::record_of(snapshot, slot);
+    ElementsCommand command = pool.commands[record];
+    const std::uint32_t solid = pool.solid_indices[record];
+    if (solid > 0 && facing.shows_fronts_alone(slot)) {
+      command_list_.push_back(command);
+      command_list_.back().count = solid;
+      command.first_index += solid;
+      command.count -= solid;
+    }
+    if (command.count > 0) both_faces_.push_back(command);
+  }
+  const int front_only = int(command_list_.size() - begin);
+  append(both_faces_.data(), both_faces_.size());
+  sections_[std::size_t(BatchKind::kMesh)] = {begin, int(command_list_.size() - begin), false, front_only};
 }
 
-core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible) {
+core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
+                                       const core::View* view) {
   sections_ = {};
   from_gpu_ = false;
   frame_ = (frame_ + 1) % kFramesInFlight;
@@ -79,7 +138,7 @@ core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene&
   single_list_.clear();
   for (const Batch& b : scene.batches()) {
     if (b.kind == BatchKind::kMesh) {
-      list_meshes(snapshot, scene.meshes());
+      list_meshes(snapshot, scene.meshes(), view);
     } else {
       list_records(b);
     }

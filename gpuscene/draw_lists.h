@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "sightline/core/snapshot.h"
+#include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/gl/program.h"
 #include "sightline/gl/shader_source.h"
@@ -34,6 +35,7 @@ class DrawLists {
     std::size_t offset = 0;  ///< bytes
     int count = 0;           ///< commands, used or not; 0: nothing to draw
     bool counted = false;    ///< the number in use lies in counts(), at command_count_offset()
+    int front_only = 0;      ///< of meshes: so many of the first commands show front faces alone to the view given
   };
   /// Where a culler on the GPU writes what it finds of a batch, without gaps from the start.
   struct Target {
@@ -49,9 +51,11 @@ class DrawLists {
 
   static core::Expected<DrawLists> create(const gl::Context& context, const GpuScene& scene);
 
-  /// Translates and uploads a visible set of `snapshot`, from which `scene` was made. Fails when the GPU has not the
-  /// memory; then the lists are empty.
-  core::Expected<void> update(const core::Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible);
+  /// Translates and uploads a visible set of `snapshot`, from which `scene` was made. `view`, null if unknown: the one
+  /// that will be drawn, which tells what faces of meshes cannot show, see Section::front_only. Fails when the GPU has
+  /// not the memory; then the lists are empty.
+  core::Expected<void> update(const core::Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
+                              const core::View* view = nullptr);
 
   /// Marks all places of the targets unused; of a culler that counts only where draws would meet them (commands of
   /// meshes without ARB_indirect_parameters). The first call makes room for all of `scene`, and the first to search
@@ -91,7 +95,7 @@ class DrawLists {
 
  private:
   void list_records(const Batch& batch);
-  void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool);
+  void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const core::View* view);
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);
   void append(const ElementsCommand* commands, std::size_t count);
   core::Expected<void> upload();
@@ -110,7 +114,7 @@ class DrawLists {
   int frame_ = 0;
   std::array<Section, kBatchKindCount> sections_;
   VisibleRecords visible_;
-  std::vector<ElementsCommand> command_list_;
+  std::vector<ElementsCommand> command_list_, both_faces_;
   std::vector<std::uint32_t> single_list_;
 
   /// What the GPU fills. One copy: the GPU does its work in order.

@@ -190,7 +190,9 @@ bool GpuScene::append(const Snapshot& snapshot) {
     if (!slots[kind].empty() && (!target || target->capacity - target->count < slots[kind].size())) return false;
   }
   for (const Slot slot : mesh_slots) {
-    ElementsCommand command = meshes_.commands[record_of_mesh_.at(mesh_index(snapshot, slot))];
+    const std::uint32_t alike = record_of_mesh_.at(mesh_index(snapshot, slot));
+    meshes_.solid_indices.push_back(meshes_.solid_indices[alike]);
+    ElementsCommand command = meshes_.commands[alike];
     command.base_instance = std::uint32_t(meshes_.commands.size());
     command.instance_count = snapshot.vacant(slot) ? 0 : 1;
     meshes_.commands.push_back(command);

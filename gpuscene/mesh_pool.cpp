@@ -4,6 +4,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "sightline/gpuscene/solid_shells.h"
+
 namespace sightline::gpuscene {
 namespace {
 
@@ -18,7 +20,7 @@ struct Vertex {
 static_assert(sizeof(Vertex) == MeshPool::kVertexBytes);
 
 struct Shape {
-  std::uint32_t first_index, index_count;
+  std::uint32_t first_index, index_count, solid_indices;
   std::int32_t base_vertex;
 };
 
@@ -43,8 +45,7 @@ class PoolBuilder {
 
  private:
   Shape append(const core::Mesh& mesh) {
-    const Shape shape{std::uint32_t(indices_.size()), std::uint32_t(mesh.indices.size()),
-                      std::int32_t(vertices_.size())};
+    Shape shape{std::uint32_t(indices_.size()), std::uint32_t(mesh.indices.size()), 0, std::int32_t(vertices_.size())};
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
       const core::vec3 n = mesh.normals.empty() ? core::vec3(0.0f) : mesh.normals[i];
       const float norm = glm::length(n);
@@ -52,6 +53,7 @@ class PoolBuilder {
       vertices_.push_back({mesh.positions[i], {snorm16(unit.x), snorm16(unit.y), snorm16(unit.z), 0}});
     }
     indices_.insert(indices_.end(), mesh.indices.begin(), mesh.indices.end());
+    shape.solid_indices = solid_shells_first(mesh.positions, std::span(indices_).subspan(shape.first_index));
     return shape;
   }
 
@@ -72,10 +74,12 @@ core::Expected<MeshPool> build_mesh_pool(const gl::Functions& gl, const Snapshot
   PoolBuilder builder(snapshot);
   MeshPool pool;
   pool.commands.reserve(slots.size());
+  pool.solid_indices.reserve(slots.size());
   for (const Slot slot : slots) {
     const Shape shape = builder.shape_of(slot);
     pool.commands.push_back({shape.index_count, snapshot.vacant(slot) ? 0u : 1u, shape.first_index, shape.base_vertex,
                              std::uint32_t(pool.commands.size())});
+    pool.solid_indices.push_back(shape.solid_indices);
   }
   if (builder.indices().empty()) return pool;  // every mesh is empty: commands of zero indices
   auto vertices = gl::Buffer::create(gl, std::span(builder.vertices()), 0, "mesh vertices");

@@ -186,7 +186,7 @@ core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot,
   if (auto done = section_caps_->prepare(snapshot, meshes, target.width(), target.height()); !done) return done;
   gl_->BindTextureUnit(kPayloadUnit, meshes.texels.id());
   gl_->Disable(GL_CULL_FACE);
-  section_caps_->draw([&] { submit_batch(meshes, scene, lists); });
+  section_caps_->draw([&] { submit_batch(meshes, scene, lists, 0, lists.section(BatchKind::kMesh).count); });
   return {};
 }
 
@@ -207,17 +207,26 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const BatchProgram& prog
   const auto toggle = ray_cast ? gl.Enable : gl.Disable;
   toggle(GL_DEPTH_CLAMP);
   toggle(GL_CULL_FACE);
+  const gpuscene::DrawLists::Section& section = lists.section(batch.kind);
   if (batch.kind != BatchKind::kMesh)
     gl.ProgramUniform1ui(ray_cast ? proxy_program_.id() : program.program.id(), kRecordCountUniform, batch.count);
-  submit_batch(batch, scene, lists);
+  if (section.front_only > 0) {
+    gl.Enable(GL_CULL_FACE);
+    submit_batch(batch, scene, lists, 0, section.front_only);
+    gl.Disable(GL_CULL_FACE);
+  }
+  if (section.count > section.front_only)
+    submit_batch(batch, scene, lists, section.front_only, section.count - section.front_only);
 }
 
-/// With the program that is in use.
+/// Some commands of a batch, with the program that is in use.
 void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
-                            const gpuscene::DrawLists& lists) const {
+                            const gpuscene::DrawLists& lists, int first, int count) const {
   const gl::Functions& gl = *gl_;
+  constexpr GLsizei kStride = sizeof(gpuscene::ElementsCommand);
   const gpuscene::DrawLists::Section& section = lists.section(batch.kind);
-  const auto* offset = reinterpret_cast<const void*>(section.offset);  // NOLINT(performance-no-int-to-ptr): so is GL
+  const std::size_t begin = section.offset + std::size_t(first) * kStride;
+  const auto* offset = reinterpret_cast<const void*>(begin);  // NOLINT(performance-no-int-to-ptr): so is GL
   GLenum mode = GL_TRIANGLES, index_type = GL_UNSIGNED_SHORT;
   if (batch.kind == BatchKind::kMesh) {
     if (scene.meshes().indices.id() == 0) return;
@@ -232,14 +241,13 @@ void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuSce
     gl.VertexArrayElementBuffer(record_array_.id(), lists.record_indices().id());
     record_array_.bind();
   }
-  constexpr GLsizei kStride = sizeof(gpuscene::ElementsCommand);
   if (section.counted) {
     gl.BindBuffer(GL_PARAMETER_BUFFER_ARB, lists.counts().id());
     gl.MultiDrawElementsIndirectCountARB(mode, index_type, offset, GLintptr(lists.command_count_offset(batch.kind)),
-                                         section.count, kStride);
+                                         count, kStride);
     gl.BindBuffer(GL_PARAMETER_BUFFER_ARB, 0);  // Mesa lets plain multi-draws obey it, too
   } else {
-    gl.MultiDrawElementsIndirect(mode, index_type, offset, section.count, kStride);
+    gl.MultiDrawElementsIndirect(mode, index_type, offset, count, kStride);
   }
 }
 

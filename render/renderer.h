@@ -45,8 +45,8 @@ class Renderer {
   core::Expected<void> upload_view(const core::View& view, const core::Snapshot& snapshot, const RenderTarget& target);
   void draw_batch(const gpuscene::Batch& batch, const BatchProgram& program, const gpuscene::GpuScene& scene,
                   const gpuscene::DrawLists& lists) const;
-  void submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
-                    const gpuscene::DrawLists& lists) const;
+  void submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                    int first, int count) const;
   core::Expected<void> draw_section_caps(const core::Snapshot& snapshot, const gpuscene::Batch& meshes,
                                          const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                          const RenderTarget& target);

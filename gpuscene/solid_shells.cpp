@@ -1,0 +1,146 @@
+#include "sightline/gpuscene/solid_shells.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+namespace sightline::gpuscene {
+namespace {
+
+using core::dvec3;
+using core::vec3;
+using Indices = std::span<const std::uint32_t>;
+
+constexpr int kRounds = 8;          // of the search for a point that sees all
+constexpr double kStep = 1.2;       // of the way to a plane
+constexpr double kFlatness = 1e-9;  // radii that count as in the plane: what rounding leaves of a triangle seen edge-on
+
+/// S. Vigna's splitmix64.
+std::uint64_t mixed(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15u;
+  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+  return x ^ x >> 31;
+}
+
+std::uint64_t hash(const vec3& p) {
+  const vec3 q = p + 0.0f;  // one zero
+  return mixed(mixed(std::uint64_t(std::bit_cast<std::uint32_t>(q.x)) << 32 | std::bit_cast<std::uint32_t>(q.y)) ^
+               std::bit_cast<std::uint32_t>(q.z));
+}
+
+/// For each vertex one that stands for all at its position.
+std::vector<std::uint32_t> weld(std::span<const vec3> positions) {
+  constexpr std::uint32_t kFree = 0xffffffffu;
+  const std::size_t mask = std::bit_ceil(2 * positions.size() + 1) - 1;
+  std::vector<std::uint32_t> table(mask + 1, kFree), welded(positions.size());
+  for (std::uint32_t i = 0; i < positions.size(); ++i) {
+    std::size_t place = hash(positions[i]) & mask;
+    while (table[place] != kFree && positions[table[place]] != positions[i]) place = (place + 1) & mask;
+    if (table[place] == kFree) table[place] = i;
+    welded[i] = table[place];
+  }
+  return welded;
+}
+
+/// What hangs together.
+class Sets {
+ public:
+  explicit Sets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
+  std::uint32_t find(std::uint32_t i) {
+    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
+    return i;
+  }
+  void unite(std::uint32_t a, std::uint32_t b) { parents_[find(a)] = find(b); }
+
+ private:
+  std::vector<std::uint32_t> parents_;
+};
+
+struct Shell {
+  std::uint64_t balance = 0;  // of its edges; 0: closed
+  dvec3 sum{0.0};             // of its corners
+  std::uint32_t corners = 0;
+  dvec3 centre{0.0};
+  bool seen = true;  // all of it, from the centre
+  bool undecided = true;
+  bool solid() const { return !undecided && balance == 0; }
+};
+
+/// For each triangle its shell.
+std::vector<std::uint32_t> find_shells(Indices corners, std::size_t positions, std::vector<Shell>& shells) {
+  Sets sets(positions);
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    sets.unite(corners[i], corners[i + 1]);
+    sets.unite(corners[i], corners[i + 2]);
+  }
+  std::vector<std::uint32_t> number(positions, 0xffffffffu), shell_of(corners.size() / 3);
+  for (std::size_t t = 0; t < shell_of.size(); ++t) {
+    std::uint32_t& shell = number[sets.find(corners[3 * t])];
+    if (shell == 0xffffffffu) {
+      shell = std::uint32_t(shells.size());
+      shells.emplace_back();
+    }
+    shell_of[t] = shell;
+  }
+  return shell_of;
+}
+
+void gather(Indices corners, std::span<const vec3> positions, Indices shell_of, std::vector<Shell>& shells) {
+  for (std::size_t t = 0; t < shell_of.size(); ++t) {
+    Shell& shell = shells[shell_of[t]];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint64_t a = corners[3 * t + k], b = corners[3 * t + (k + 1) % 3];
+      shell.balance += mixed(a << 32 | b) - mixed(b << 32 | a);
+      shell.sum += dvec3(positions[a]);
+    }
+    shell.corners += 3;
+  }
+  for (Shell& shell : shells) shell.centre = shell.sum / double(shell.corners);
+}
+
+/// Moves the centres of shells behind each triangle that they are in front of. A centre that had not to be moved sees
+/// all of its shell.
+void relax(Indices corners, std::span<const vec3> positions, Indices shell_of, std::vector<Shell>& shells) {
+  for (std::size_t t = 0; t < shell_of.size(); ++t) {
+    Shell& shell = shells[shell_of[t]];
+    if (!shell.undecided || shell.balance != 0) continue;
+    const dvec3 a(positions[corners[3 * t]]), b(positions[corners[3 * t + 1]]), c(positions[corners[3 * t + 2]]);
+    const dvec3 normal = glm::cross(b - a, c - a), reach = a - shell.centre;
+    const double height = glm::dot(normal, reach), square = glm::dot(normal, normal);
+    if (height >= 0.0 || height * height <= kFlatness * kFlatness * square * glm::dot(reach, reach)) continue;
+    shell.seen = false;
+    shell.centre += kStep * height / square * normal;
+  }
+  for (Shell& shell : shells) {
+    shell.undecided &= !shell.seen;
+    shell.seen = true;
+  }
+}
+
+}  // namespace
+
+std::uint32_t solid_shells_first(std::span<const vec3> positions, std::span<std::uint32_t> indices) {
+  const std::vector<std::uint32_t> welded = weld(positions);
+  std::vector<std::uint32_t> corners(indices.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = welded[indices[i]];
+  std::vector<Shell> shells;
+  const std::vector<std::uint32_t> shell_of = find_shells(corners, positions.size(), shells);
+  gather(corners, positions, shell_of, shells);
+  for (int round = 0; round < kRounds; ++round) relax(corners, positions, shell_of, shells);
+
+  std::vector<std::uint32_t> others;
+  std::size_t solid = 0;
+  for (std::size_t t = 0; t < shell_of.size(); ++t)
+    for (std::size_t k = 3 * t; k < 3 * t + 3; ++k)
+      if (shells[shell_of[t]].solid()) {
+        indices[solid++] = indices[k];
+      } else {
+        others.push_back(indices[k]);
+      }
+  std::copy(others.begin(), others.end(), indices.begin() + std::ptrdiff_t(solid));
+  return std::uint32_t(solid);
+}
+
+}  // namespace sightline::gpuscene
