@@ -69,12 +69,12 @@ static_assert(sizeof(ElementsCommand) == 20);
 
 /// Triangles of all meshes, each stored once.
 struct MeshPool {
-  gl::Buffer vertices;                    ///< kVertexBytes each: float position x y z, snorm16 normal x y z 0
+  gl::Buffer vertices;                    ///< four words each: position x y z as float bits, normal, see mesh_pool.h
   gl::Buffer indices;                     ///< uint32
   std::vector<ElementsCommand> commands;  ///< one per item of the mesh batch, in slot order
   /// How many of a command's first indices are of solid shells, whose back faces cannot be seen from outside.
   std::vector<std::uint32_t> solid_indices;
-  static constexpr int kVertexBytes = 20;
+  static constexpr int kVertexBytes = 16;
 };
 
 class GpuScene {

@@ -15,7 +15,7 @@ using core::Snapshot;
 
 struct Vertex {
   core::vec3 position;
-  std::int16_t normal[4];
+  std::uint32_t normal;
 };
 static_assert(sizeof(Vertex) == MeshPool::kVertexBytes);
 
@@ -24,8 +24,8 @@ struct Shape {
   std::int32_t base_vertex;
 };
 
-std::int16_t snorm16(float v) {
-  return std::int16_t(std::lround(std::clamp(v, -1.0f, 1.0f) * 32767.0f));
+std::uint32_t snorm16(float v) {
+  return std::uint16_t(std::lround(std::clamp(v, -1.0f, 1.0f) * 32767.0f));
 }
 
 /// Gathers triangles; items of one mesh share them.
@@ -47,10 +47,7 @@ class PoolBuilder {
   Shape append(const core::Mesh& mesh) {
     Shape shape{std::uint32_t(indices_.size()), std::uint32_t(mesh.indices.size()), 0, std::int32_t(vertices_.size())};
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-      const core::vec3 n = mesh.normals.empty() ? core::vec3(0.0f) : mesh.normals[i];
-      const float norm = glm::length(n);
-      const core::vec3 unit = norm > 0.0f ? n / norm : core::vec3(0.0f);
-      vertices_.push_back({mesh.positions[i], {snorm16(unit.x), snorm16(unit.y), snorm16(unit.z), 0}});
+      vertices_.push_back({mesh.positions[i], mesh.normals.empty() ? kNoNormal : pack_normal(mesh.normals[i])});
     }
     indices_.insert(indices_.end(), mesh.indices.begin(), mesh.indices.end());
     shape.solid_indices = solid_shells_first(mesh.positions, std::span(indices_).subspan(shape.first_index));
@@ -64,6 +61,14 @@ class PoolBuilder {
 };
 
 }  // namespace
+
+std::uint32_t pack_normal(const core::vec3& normal) {
+  const float sum = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
+  if (!(sum > 0.0f) || !std::isfinite(sum)) return kNoNormal;
+  glm::vec2 p = glm::vec2(normal) / sum;
+  if (normal.z < 0.0f) p = {std::copysign(1.0f - std::abs(p.y), p.x), std::copysign(1.0f - std::abs(p.x), p.y)};
+  return snorm16(p.x) | snorm16(p.y) << 16;
+}
 
 bool flat_shaded(const Snapshot& snapshot, Slot slot) {
   return int(snapshot.kind(slot)) >= core::kPrimitiveKindCount && snapshot.mesh(slot).normals.empty();

@@ -5,6 +5,11 @@
 
 namespace sightline::gpuscene {
 
+/// A direction on the octahedron, unfolded to two snorm16 (Z. Cigolle et al., "A Survey of Efficient Representations
+/// for Independent Unit Vectors", 2014): within 7e-5 rad. kNoNormal for one of no length. mesh.vert unpacks it.
+std::uint32_t pack_normal(const core::vec3& normal);
+inline constexpr std::uint32_t kNoNormal = 0x80008000u;
+
 /// True when an item's mesh brings no normals and is shaded flat.
 bool flat_shaded(const core::Snapshot& snapshot, core::Slot slot);
 

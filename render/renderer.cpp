@@ -16,7 +16,7 @@ enum TextureUnit : GLuint { kPayloadUnit, kChunkUnit, kMaterialUnit, kSinglesUni
 enum VertexUniform : GLint { kRecordCountUniform, kBatchKindUniform, kTexelsPerItemUniform };
 constexpr GLint kSampleOffsetsUniform = 1;  // of the fragment stage
 enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
-enum VertexAttribute : GLuint { kInstanceAttribute, kPositionAttribute, kNormalAttribute };
+enum VertexAttribute : GLuint { kInstanceAttribute, kVertexAttribute };
 
 /// What all programs for targets of a form share; `sections`: for views with section planes.
 gl::ShaderContext shader_context(const TargetForm& form, bool sections) {
@@ -59,12 +59,9 @@ void describe_mesh(const gl::Functions& gl, GLuint array) {
   gl.VertexArrayAttribIFormat(array, kInstanceAttribute, 1, GL_UNSIGNED_INT, 0);
   gl.VertexArrayAttribBinding(array, kInstanceAttribute, kInstanceBinding);
   gl.VertexArrayBindingDivisor(array, kInstanceBinding, 1);
-  gl.EnableVertexArrayAttrib(array, kPositionAttribute);
-  gl.VertexArrayAttribFormat(array, kPositionAttribute, 3, GL_FLOAT, GL_FALSE, 0);
-  gl.VertexArrayAttribBinding(array, kPositionAttribute, kMeshBinding);
-  gl.EnableVertexArrayAttrib(array, kNormalAttribute);
-  gl.VertexArrayAttribFormat(array, kNormalAttribute, 3, GL_SHORT, GL_TRUE, 12);
-  gl.VertexArrayAttribBinding(array, kNormalAttribute, kMeshBinding);
+  gl.EnableVertexArrayAttrib(array, kVertexAttribute);
+  gl.VertexArrayAttribIFormat(array, kVertexAttribute, 4, GL_UNSIGNED_INT, 0);  // one fetch for all
+  gl.VertexArrayAttribBinding(array, kVertexAttribute, kMeshBinding);
 }
 
 }  // namespace

@@ -2,8 +2,7 @@
 #include "item.glsl"
 
 layout(location = 0) in uint instance;
-layout(location = 1) in vec3 position;
-layout(location = 2) in vec3 normal;
+layout(location = 1) in uvec4 vertex;  // gpuscene::MeshPool
 
 out vec3 p_eye;
 #if defined(COUNT_CROSSINGS) || defined(LIST_CROSSINGS)
@@ -15,10 +14,17 @@ centroid out vec3 n_eye;
 flat out uvec2 item_words;
 #endif
 
+// gpuscene::pack_normal
+vec3 unpack_normal(uint word) {
+  vec2 p = unpackSnorm2x16(word);
+  float z = 1.0 - abs(p.x) - abs(p.y), fold = max(-z, 0.0);
+  return word == 0x80008000u ? vec3(0.0) : normalize(vec3(p.x + (p.x < 0.0 ? fold : -fold), p.y + (p.y < 0.0 ? fold : -fold), z));
+}
+
 void main() {
   Item item = fetch_item(instance, 4);
   mat3 eye_from_local = mat3(view.eye_from_world) * item.chunk_from_local;
-  p_eye = eye_from_local * position + eye_origin(item);
+  p_eye = eye_from_local * uintBitsToFloat(vertex.xyz) + eye_origin(item);
   gl_Position = view.clip_from_eye * vec4(p_eye, 1.0);
 #ifdef CROSSINGS
   uint enclosure = texelFetch(enclosures, int(instance)).x;
@@ -28,7 +34,7 @@ void main() {
   // Cofactors instead of the inverse transpose: defined for singular placements too.
   mat3 m = eye_from_local;
   float mirror = determinant(m) < 0.0 ? -1.0 : 1.0;
-  n_eye = mirror * (mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])) * normal);
+  n_eye = mirror * (mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])) * unpack_normal(vertex.w));
   item_words = uvec2(item.id, item.material);
 #endif
 }
