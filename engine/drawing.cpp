@@ -139,7 +139,8 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
   if (!renderer_) return {};
   if (auto current = make_current(); !current) return current;
   wait_for_room();
-  if (auto done = lists_->update(snapshot, *scene_, visible, &view); !done) return done;
+  const gpuscene::DrawnView drawn{view, target_.width(), target_.height(), target_.form().samples};
+  if (auto done = lists_->update(snapshot, *scene_, visible, &drawn); !done) return done;
   return submit(view, snapshot, frame);
 }
 

@@ -1,6 +1,7 @@
 #include "sightline/gpuscene/draw_lists.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "sightline/gpuscene/record_commands.h"
@@ -12,27 +13,57 @@ using core::Slot;
 using core::Snapshot;
 
 
-/// Tells which items turn only front faces of their solid shells (solid_shells.h) to a view's eye: those wholly beyond
-/// the near plane, so that the eye is outside and the plane opens none of them, and not mirrored, of a view without
-/// sections.
-class FacingTest {
+/// What a view shows of meshes, by their boxes.
+class ShownMeshes {
  public:
-  FacingTest(const Snapshot& snapshot, const core::View* view) : snapshot_(snapshot) {
-    if (!view || !view->sections.empty() || mirrors(*view)) return;
-    near_ = core::frustum_planes(view->clip_from_world(), view->clip_depth())[core::kNear];
-    near_.offset += glm::dot(near_.normal, snapshot.bounds().origin);
+  ShownMeshes(const Snapshot& snapshot, const DrawnView* drawn) : snapshot_(snapshot) {
+    if (!drawn) return;
+    const core::View& view = drawn->view;
+    if (drawn->samples == 1) pixels_ = {drawn->width, drawn->height};
+    const core::dmat4 rows = glm::transpose(view.clip_from_world());
+    for (const int axis : {0, 1, 3}) clip_[axis] = relative({core::dvec3(rows[axis]), rows[axis].w});
+    near_ = relative(core::frustum_planes(view.clip_from_world(), view.clip_depth())[core::kNear]);
     const double norm = glm::length(near_.normal);
-    if (!(norm > 0.0)) return;
     near_.normal /= norm;
     near_.offset /= norm;
-    can_tell_ = true;
+    can_face_ = norm > 0.0 && view.sections.empty() && !mirrors(view);
   }
 
-  bool shows_fronts_alone(Slot slot) const {
-    return can_tell_ && beyond_near_plane(snapshot_.bounds().box(slot)) && !mirrored(slot);
+  /// True when an item covers no pixel's centre, whatever it looks like: of what is far away that is a good part.
+  bool between_pixels(Slot slot) const {
+    if (pixels_.x == 0) return false;
+    const Span w = span(clip_[3], slot);
+    return w.low > 0.0 &&
+           (misses_centres(span(clip_[0], slot), w, pixels_.x) || misses_centres(span(clip_[1], slot), w, pixels_.y));
   }
+  /// True when an item turns only front faces of its solid shells (solid_shells.h) to the eye: it is wholly beyond the
+  /// near plane, so that the eye is outside and the plane opens no shell, and not mirrored. Never with sections.
+  bool shows_fronts_alone(Slot slot) const { return can_face_ && beyond_near_plane(slot) && !mirrored(slot); }
 
  private:
+  struct Span {
+    double low, high;
+  };
+  /// Pixels by which a rasteriser may move a vertex: it need not have more than four bits for parts of them.
+  static constexpr double kSnap = 0.08;
+
+  core::Plane relative(core::Plane plane) const {
+    plane.offset += glm::dot(plane.normal, snapshot_.bounds().origin);
+    return plane;
+  }
+  /// Of a linear form over an item's box.
+  Span span(const core::Plane& form, Slot slot) const {
+    const core::Aabb box = snapshot_.bounds().box(slot);
+    const core::dvec3 low(box.min), high(box.max);
+    const double middle = core::evaluate(form, 0.5 * (low + high));
+    const double reach = glm::dot(glm::abs(form.normal), 0.5 * (high - low));
+    return {middle - reach, middle + reach};
+  }
+  static bool misses_centres(const Span& x, const Span& w, int pixels) {
+    const double low = x.low / (x.low < 0.0 ? w.low : w.high), high = x.high / (x.high < 0.0 ? w.high : w.low);
+    const auto place = [&](double clip) { return (0.5 + 0.5 * clip) * pixels - 0.5; };  // centres at whole numbers
+    return std::floor(place(high) + kSnap) < std::ceil(place(low) - kSnap);
+  }
   /// Of clockwise and counter-clockwise triangles.
   static bool mirrors(const core::View& view) {
     const core::dmat4& clip = view.clip_from_eye();
@@ -43,15 +74,16 @@ class FacingTest {
     return !(glm::determinant(items.placements[snapshot_.index_in_kind(slot)].linear) > 0.0f);
   }
   /// By more than vertices are rounded on the GPU.
-  bool beyond_near_plane(const core::Aabb& box) const {
-    const core::dvec3 low(box.min), high(box.max), reach = 0.5 * (high - low);
-    const double middle = core::evaluate(near_, 0.5 * (low + high));
-    return middle - glm::dot(glm::abs(near_.normal), reach) > 1e-5 * (middle + glm::length(reach));
+  bool beyond_near_plane(Slot slot) const {
+    const core::Aabb box = snapshot_.bounds().box(slot);
+    const Span depth = span(near_, slot);
+    return depth.low > 1e-5 * (depth.high + glm::length(core::dvec3(box.max) - core::dvec3(box.min)));
   }
 
   const Snapshot& snapshot_;
-  core::Plane near_;  // relative to the origin of the bounds
-  bool can_tell_ = false;
+  core::Plane near_, clip_[4];  // relative to the origin of the bounds
+  glm::ivec2 pixels_{0};
+  bool can_face_ = false;
 };
 
 }  // namespace
@@ -102,15 +134,16 @@ void DrawLists::list_records(const Batch& batch) {
 }
 
 /// Commands that show front faces alone come first.
-void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const core::View* view) {
+void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const DrawnView* drawn) {
   const std::size_t begin = command_list_.size();
-  const FacingTest facing(snapshot, view);
+  const ShownMeshes shown(snapshot, drawn);
   both_faces_.clear();
   for (const Slot slot : visible_.meshes) {
+    if (shown.between_pixels(slot)) continue;
     const std::uint32_t record = GpuScene::record_of(snapshot, slot);
     ElementsCommand command = pool.commands[record];
     const std::uint32_t solid = pool.solid_indices[record];
-    if (solid > 0 && facing.shows_fronts_alone(slot)) {
+    if (solid > 0 && shown.shows_fronts_alone(slot)) {
       command_list_.push_back(command);
       command_list_.back().count = solid;
       command.first_index += solid;
@@ -124,7 +157,7 @@ void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, cons
 }
 
 core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
-                                       const core::View* view) {
+                                       const DrawnView* drawn) {
   sections_ = {};
   from_gpu_ = false;
   frame_ = (frame_ + 1) % kFramesInFlight;
@@ -138,7 +171,7 @@ core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene&
   single_list_.clear();
   for (const Batch& b : scene.batches()) {
     if (b.kind == BatchKind::kMesh) {
-      list_meshes(snapshot, scene.meshes(), view);
+      list_meshes(snapshot, scene.meshes(), drawn);
     } else {
       list_records(b);
     }

@@ -28,6 +28,13 @@
 
 namespace sightline::gpuscene {
 
+/// What lists will be drawn with.
+struct DrawnView {
+  const core::View& view;
+  int width, height;  ///< of the target, pixels
+  int samples = 1;    ///< per pixel
+};
+
 class DrawLists {
  public:
   /// Where a batch's commands lie in commands(), ElementsCommand each. Lines draw with indices too, 0, 1, 2, …
@@ -35,7 +42,7 @@ class DrawLists {
     std::size_t offset = 0;  ///< bytes
     int count = 0;           ///< commands, used or not; 0: nothing to draw
     bool counted = false;    ///< the number in use lies in counts(), at command_count_offset()
-    int front_only = 0;      ///< of meshes: so many of the first commands show front faces alone to the view given
+    int front_only = 0;      ///< of meshes: so many of the first commands show front faces alone, see update()
   };
   /// Where a culler on the GPU writes what it finds of a batch, without gaps from the start.
   struct Target {
@@ -51,11 +58,11 @@ class DrawLists {
 
   static core::Expected<DrawLists> create(const gl::Context& context, const GpuScene& scene);
 
-  /// Translates and uploads a visible set of `snapshot`, from which `scene` was made. `view`, null if unknown: the one
-  /// that will be drawn, which tells what faces of meshes cannot show, see Section::front_only. Fails when the GPU has
-  /// not the memory; then the lists are empty.
+  /// Translates and uploads a visible set of `snapshot`, from which `scene` was made. With `drawn`, what will be drawn
+  /// with the lists, meshes are left out that cover no pixel's centre, and Section::front_only is known. Fails when the
+  /// GPU has not the memory; then the lists are empty.
   core::Expected<void> update(const core::Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
-                              const core::View* view = nullptr);
+                              const DrawnView* drawn = nullptr);
 
   /// Marks all places of the targets unused; of a culler that counts only where draws would meet them (commands of
   /// meshes without ARB_indirect_parameters). The first call makes room for all of `scene`, and the first to search
@@ -95,7 +102,7 @@ class DrawLists {
 
  private:
   void list_records(const Batch& batch);
-  void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const core::View* view);
+  void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const DrawnView* drawn);
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);
   void append(const ElementsCommand* commands, std::size_t count);
   core::Expected<void> upload();
