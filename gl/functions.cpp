@@ -94,8 +94,9 @@ std::string error_name(GLenum error) {
 void stop_freeing(Functions& gl) {
   const auto free_none = [](GLsizei, const GLuint*) {};
   const auto free_not = [](GLuint) {};
-  for (auto* entry : {&gl.DeleteBuffers, &gl.DeleteFramebuffers, &gl.DeleteQueries, &gl.DeleteRenderbuffers,
-                      &gl.DeleteSamplers, &gl.DeleteTextures, &gl.DeleteTransformFeedbacks, &gl.DeleteVertexArrays})
+  for (auto* entry : {&gl.DeleteBuffers, &gl.DeleteFramebuffers, &gl.DeleteProgramPipelines, &gl.DeleteQueries,
+                      &gl.DeleteRenderbuffers, &gl.DeleteSamplers, &gl.DeleteTextures, &gl.DeleteTransformFeedbacks,
+                      &gl.DeleteVertexArrays})
     *entry = free_none;
   gl.DeleteProgram = gl.DeleteShader = free_not;
   gl.DeleteSync = [](GLsync) {};
