@@ -12,7 +12,6 @@ namespace {
 using core::Slot;
 using core::Snapshot;
 
-
 /// What a view shows of meshes, by their boxes.
 class ShownMeshes {
  public:

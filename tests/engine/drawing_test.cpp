@@ -271,7 +271,7 @@ TEST_F(DrawingTest, ProgramsAreKeptWhereTheConfigurationSays) {
     auto engine = Engine::create(scene, c);
     ASSERT_TRUE(engine && engine->frame(view(0.1)));
     ASSERT_NE(gl().program_cache, nullptr);
-    EXPECT_EQ(files(), gl().program_cache->enabled() ? 2 : 0) << "cylinders and boxes";
+    EXPECT_EQ(files(), gl().program_cache->enabled() ? 3 : 0) << "proxies, cylinders and boxes";
   }
   fs::remove_all(folder);
 }

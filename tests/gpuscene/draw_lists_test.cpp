@@ -117,7 +117,7 @@ class FrontFaces : public tests::GlTest {
   static constexpr int kWidth = 160, kHeight = 120;
 
   core::MeshId mesh_of(const core::Primitive& primitive, gpuprims::Caps caps = {}) {
-    return scene.add_mesh(gpuprims::tessellate(primitive, {.fixed_segments = 24}, caps));
+    return scene.add_mesh(gpuprims::tessellate(primitive, {.fixed_segments = 24}, caps)).value();
   }
 
   void SetUp() override {
@@ -204,7 +204,7 @@ TEST_F(FrontFaces, OfAMeshThatIsSolidInPart) {
   }
   for (const std::uint32_t i : box.indices) mesh.indices.push_back(first + i);
   core::Scene parts;
-  parts.add_mesh_instance(parts.root(), parts.add_mesh(mesh));
+  parts.add_mesh_instance(parts.root(), parts.add_mesh(mesh).value());
   ASSERT_TRUE(parts.commit());
   Stage stage(*context, parts, kWidth, kHeight);
   const View view = *View::perspective({{0.5, -3, 1.5}, {0.5, 0, 0}, {0, 0, 1}}, 0.8, 4.0 / 3.0, 0.1);
@@ -219,7 +219,7 @@ class BetweenPixels : public tests::GlTest {
 
   void SetUp() override {
     tests::GlTest::SetUp();
-    const core::MeshId box = scene.add_mesh(gpuprims::tessellate(core::Primitive(core::Box{1.0f, 1.0f, 1.0f})));
+    const core::MeshId box = scene.add_mesh(gpuprims::tessellate(core::Primitive(core::Box{1.0f, 1.0f, 1.0f}))).value();
     std::mt19937_64 random(11);
     std::uniform_real_distribution<double> part(0.0, 1.0);
     for (int i = 0; i < 6000; ++i) {
@@ -258,7 +258,8 @@ TEST_F(BetweenPixels, NothingShows) {
 TEST_F(BetweenPixels, CentresCountWithTheirSurroundings) {
   for (const double offset : {0.0, 0.2}) {
     core::Scene grid;
-    const core::MeshId box = grid.add_mesh(gpuprims::tessellate(core::Primitive(core::Box{0.02f, 0.02f, 0.02f})));
+    const core::MeshId box =
+        grid.add_mesh(gpuprims::tessellate(core::Primitive(core::Box{0.02f, 0.02f, 0.02f}))).value();
     for (int i = 0; i < 100; ++i)
       grid.add_mesh_instance(grid.root(), box, core::translation({i % 10 + 0.5 + offset, i / 10 + 0.5, 0.0}));
     ASSERT_TRUE(grid.commit());

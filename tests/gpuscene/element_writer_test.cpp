@@ -67,7 +67,7 @@ class ManyEdits : public tests::GlTest {
     core::Mesh triangle;
     triangle.positions = {{0, 0, 0}, {0.5f, 0, 0}, {0, 0.5f, 0}};
     triangle.indices = {0, 1, 2};
-    const core::MeshId mesh = scene.add_mesh(triangle);
+    const core::MeshId mesh = scene.add_mesh(triangle).value();
     for (std::size_t i = 0; i < kItems; ++i) {
       const core::Affine place = core::translation({double(i % 200), double(i / 200), 0.0});
       items.push_back(i % 2 == 0 ? scene.add_primitive(scene.root(), core::Cylinder{0.2f, 0.5f}, place)

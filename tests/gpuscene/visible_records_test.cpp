@@ -30,7 +30,7 @@ core::Scene row(Random& random, std::size_t count, int kinds) {
   facets.contour_sizes = {3};
   facets.polygon_contours = {1};
   core::Scene scene;
-  const core::MeshId mesh = scene.add_mesh(triangle), facet_group = scene.add_mesh(facets);
+  const core::MeshId mesh = scene.add_mesh(triangle).value(), facet_group = scene.add_mesh(facets).value();
   for (std::size_t i = 0; i < count; ++i) {
     const core::Affine place = core::translation({double(i), 0.0, 0.0});
     switch (std::uniform_int_distribution<int>(0, kinds - 1)(random)) {
