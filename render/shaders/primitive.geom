@@ -22,6 +22,8 @@ layout(location = 3) flat out uvec4 anchor;  // eye depth and shift in z (float 
 // Corners of two strips, counter-clockwise from outside, in octal digits from the lowest on: 1, 3, 5, 7, 4, 6 and 2, 6, 3, 7. A
 // rectangle is one strip of four corners.
 const uint kBoxStrips = 07362647531u, kRectangleStrip = 03210u;
+// Proxies lie this part nearer: the depth of what is hit is no farther than theirs, which rounding could turn.
+const float kNearer = 1.0 + 1e-6;
 const int kFirstStrip = 6, kBoxCorners = 10, kRectangleCorners = 4;
 
 void main() {
@@ -35,6 +37,7 @@ void main() {
     local_from_eye = setup[0].local_from_eye;
     anchor = setup[0].anchor;
     gl_Position = proxy_corner(proxy, int(strips & 7u));
+    gl_Position.z *= kNearer;
     EmitVertex();
   }
 }
