@@ -31,10 +31,10 @@ void main() {
   if (enclosure == 0u) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // open meshes have no inside
   crossing_words = uvec2(instance, uint((enclosure == 2u) != (determinant(eye_from_local) < 0.0)));
 #else
-  // Cofactors instead of the inverse transpose: defined for singular placements too.
+  // Cofactors instead of the inverse transpose: defined for singular placements too. Mirrored ones turn the sign, which shading does
+  // not ask for: both sides are lit.
   mat3 m = eye_from_local;
-  float mirror = determinant(m) < 0.0 ? -1.0 : 1.0;
-  n_eye = mirror * (mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])) * unpack_normal(vertex.w));
+  n_eye = mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])) * unpack_normal(vertex.w);
   item_words = uvec2(item.id, item.material);
 #endif
 }

@@ -390,5 +390,23 @@ INSTANTIATE_TEST_SUITE_P(All, JointImagesOfModels,
                            return name;
                          });
 
+/// Ends that are not drawn reach across the gap that a joint may have, proxies and all.
+TEST_F(JointImages, NoRayPassesBetweenEndsThatAreNotDrawn) {
+  constexpr double kGap = 1e-4;  // radii
+  core::Scene scene;
+  scene.add_primitive(scene.root(), core::Cylinder{1, 2}, core::translation({0, 0, -1}));
+  scene.add_primitive(scene.root(), core::Cylinder{1, 2}, core::translation({0, 0, 1 + kGap}));
+  open(scene);
+  ASSERT_EQ(places_.size(), 2u) << "ends not drawn";
+  const dvec3 middle(0, 0, 0.5 * kGap);
+  ASSERT_TRUE(engine_->frame(
+      *View::orthographic({middle + dvec3(5, 1, 0), middle, {0, 0, 1}}, 4.0 * kGap, kAspect, 0.1, 20.0)));
+  engine_->finish();
+  const render::IdImage ids = engine_->drawing()->target().read_ids();
+  EXPECT_EQ(std::count(ids.ids.begin(), ids.ids.end(), 0u), 0);
+  EXPECT_EQ(ids.ids.front(), 2u);
+  EXPECT_EQ(ids.ids.back(), 1u);
+}
+
 }  // namespace
 }  // namespace sightline

@@ -229,6 +229,25 @@ TEST_F(Surfaces, AlongTheAxesAndFromTheSidesOfTheirBoxes) {
   }
 }
 
+TEST_F(Surfaces, OfSolidsUnderSingularPlacementsAreNone) {
+  core::Scene scene;
+  std::vector<Shape> shapes;
+  const core::Primitive primitives[] = {
+      core::Cylinder{1, 2}, core::Snout{1, 0.5f, 2, 0, 0, 0, 0, 0, 0}, core::CircularTorus{1, 0.3f, 4},
+      core::Sphere{2},      core::RectangularTorus{0.5f, 1, 1, 4},     core::Pyramid{1, 1, 2, 2, 0, 0, 1},
+      core::Box{1, 2, 1}};
+  for (const core::Primitive& primitive : primitives)
+    for (const dmat3& flat : {dmat3(0.0), dmat3(1, 0, 0, 0, 1, 0, 0, 0, 0), dmat3(1, 2, 3, 2, 4, 6, 0, 0, 1)}) {
+      Shape shape{.primitive = primitive};
+      shape.item = scene.add_primitive(scene.root(), primitive, {flat, dvec3(0.0)});
+      shapes.push_back(shape);
+    }
+  Camera camera(*context, scene, kWidth, kHeight);
+  const Picture picture =
+      camera.draw(*View::perspective({{3, 2, 1}, {0, 0, 0}, {0, 0, 1}}, 0.9, kAspect, 0.01), shapes);
+  EXPECT_EQ(std::count(picture.ids.ids.begin(), picture.ids.ids.end(), 0u), kWidth * kHeight);
+}
+
 core::Mesh turned_inside_out(core::Mesh mesh) {
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) std::swap(mesh.indices[i], mesh.indices[i + 1]);
   return mesh;
