@@ -2,6 +2,7 @@
 // in double (picture_check.h). Turned, mirrored, sheared and stretched; in perspective and orthographic views, off-axis
 // ones, and from within; whole and cut by sections; at 1 m and at 1e7 m from the origin.
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -227,6 +228,44 @@ TEST_F(Surfaces, AlongTheAxesAndFromTheSidesOfTheirBoxes) {
         }
       }
   }
+}
+
+/// From a third of a pixel to nine pixels across, anywhere between the pixels' centres: what no ray meets, and what few
+/// do.
+TEST_F(Surfaces, OfWhatCoversFewPixels) {
+  const core::Primitive primitives[] = {core::Cylinder{0.3f, 1.0f},
+                                        core::Snout{0.5f, 0.2f, 0.7f, 0.1f, 0, 0, 0, 0, 0},
+                                        core::CircularTorus{0.4f, 0.1f, 2.0f},
+                                        core::Sphere{1.0f},
+                                        core::SphericalDish{0.5f, 0.2f},
+                                        core::RectangularTorus{0.3f, 0.5f, 0.3f, kFull},
+                                        core::Pyramid{0.6f, 0.5f, 0.2f, 0.2f, 0.1f, 0, 0.6f},
+                                        core::Box{0.7f, 0.5f, 0.4f}};
+  constexpr double kDistance = 100.0;  // a pixel is 1 m there
+  int shown = 0;
+  for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random()) / 4294967296.0; };
+    core::Scene scene;
+    std::vector<Shape> shapes;
+    for (int i = 0; i < 60; ++i) {
+      Shape shape{.primitive = primitives[random() % std::size(primitives)]};
+      const double size = std::exp(uniform(std::log(0.3), std::log(9.0))) * (random() % 3 == 0 ? -1.0 : 1.0);
+      shape.world_from_item = {size * turn(uniform(0.0, 6.0), {uniform(-1, 1), uniform(-1, 1), 1.1}),
+                               {uniform(-0.5, 0.5) * kWidth, uniform(-5, 5), uniform(-0.5, 0.5) * kHeight}};
+      shape.item = scene.add_primitive(scene.root(), shape.primitive, shape.world_from_item);
+      shapes.push_back(shape);
+    }
+    Camera camera(*context, scene, kWidth, kHeight);
+    const Pose pose{{0, -kDistance, 0}, {0, 0, 0}, {0, 0, 1}};
+    for (const View& view : {*View::perspective(pose, 2.0 * std::atan(0.5 * kHeight / kDistance), kAspect, 1.0),
+                             *View::orthographic(pose, kHeight, kAspect, 1.0, 200.0)}) {
+      const Compared compared = compare(camera.draw(view, shapes), look_at(shapes, view, kWidth, kHeight), kRayCast);
+      shown += compared.clear + compared.edges + compared.silhouettes;
+    }
+  }
+  EXPECT_GT(shown, 5000);
 }
 
 TEST_F(Surfaces, OfSolidsUnderSingularPlacementsAreNone) {
