@@ -230,9 +230,10 @@ TEST_F(Surfaces, AlongTheAxesAndFromTheSidesOfTheirBoxes) {
   }
 }
 
-/// From a third of a pixel to nine pixels across, anywhere between the pixels' centres: what no ray meets, and what few
-/// do.
-TEST_F(Surfaces, OfWhatCoversFewPixels) {
+constexpr double kFewPixelsDistance = 100.0;  ///< a pixel is 1 m there
+
+/// From a third of a pixel to nine pixels across, anywhere between the pixels' centres.
+std::vector<Shape> add_small_shapes(core::Scene& scene, std::uint32_t seed) {
   const core::Primitive primitives[] = {core::Cylinder{0.3f, 1.0f},
                                         core::Snout{0.5f, 0.2f, 0.7f, 0.1f, 0, 0, 0, 0, 0},
                                         core::CircularTorus{0.4f, 0.1f, 2.0f},
@@ -241,31 +242,74 @@ TEST_F(Surfaces, OfWhatCoversFewPixels) {
                                         core::RectangularTorus{0.3f, 0.5f, 0.3f, kFull},
                                         core::Pyramid{0.6f, 0.5f, 0.2f, 0.2f, 0.1f, 0, 0.6f},
                                         core::Box{0.7f, 0.5f, 0.4f}};
-  constexpr double kDistance = 100.0;  // a pixel is 1 m there
+  std::mt19937 random(seed);
+  const auto uniform = [&](double low, double high) { return low + (high - low) * double(random()) / 4294967296.0; };
+  std::vector<Shape> shapes;
+  for (int i = 0; i < 60; ++i) {
+    Shape shape{.primitive = primitives[random() % std::size(primitives)]};
+    const double size = std::exp(uniform(std::log(0.3), std::log(9.0))) * (random() % 3 == 0 ? -1.0 : 1.0);
+    const dmat3 turned = turn(uniform(0.0, 6.0), {uniform(-1, 1), uniform(-1, 1), 1.1});
+    const double x = uniform(-0.5, 0.5) * kWidth, depth = uniform(-5, 5), y = uniform(-0.5, 0.5) * kHeight;
+    shape.world_from_item = {size * turned, {x, depth, y}};
+    shape.item = scene.add_primitive(scene.root(), shape.primitive, shape.world_from_item);
+    shapes.push_back(shape);
+  }
+  return shapes;
+}
+
+std::array<View, 2> few_pixel_views() {
+  const Pose pose{{0, -kFewPixelsDistance, 0}, {0, 0, 0}, {0, 0, 1}};
+  return {*View::perspective(pose, 2.0 * std::atan(0.5 * kHeight / kFewPixelsDistance), kAspect, 1.0),
+          *View::orthographic(pose, kHeight, kAspect, 1.0, 200.0)};
+}
+
+TEST_F(Surfaces, OfWhatCoversFewPixels) {
   int shown = 0;
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(seed);
-    std::mt19937 random(seed);
-    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random()) / 4294967296.0; };
     core::Scene scene;
-    std::vector<Shape> shapes;
-    for (int i = 0; i < 60; ++i) {
-      Shape shape{.primitive = primitives[random() % std::size(primitives)]};
-      const double size = std::exp(uniform(std::log(0.3), std::log(9.0))) * (random() % 3 == 0 ? -1.0 : 1.0);
-      shape.world_from_item = {size * turn(uniform(0.0, 6.0), {uniform(-1, 1), uniform(-1, 1), 1.1}),
-                               {uniform(-0.5, 0.5) * kWidth, uniform(-5, 5), uniform(-0.5, 0.5) * kHeight}};
-      shape.item = scene.add_primitive(scene.root(), shape.primitive, shape.world_from_item);
-      shapes.push_back(shape);
-    }
+    const std::vector<Shape> shapes = add_small_shapes(scene, seed);
     Camera camera(*context, scene, kWidth, kHeight);
-    const Pose pose{{0, -kDistance, 0}, {0, 0, 0}, {0, 0, 1}};
-    for (const View& view : {*View::perspective(pose, 2.0 * std::atan(0.5 * kHeight / kDistance), kAspect, 1.0),
-                             *View::orthographic(pose, kHeight, kAspect, 1.0, 200.0)}) {
+    for (const View& view : few_pixel_views()) {
       const Compared compared = compare(camera.draw(view, shapes), look_at(shapes, view, kWidth, kHeight), kRayCast);
       shown += compared.clear + compared.edges + compared.silhouettes;
     }
   }
   EXPECT_GT(shown, 5000);
+}
+
+/// A pixel shows something exactly when the ray through one of its samples meets something.
+TEST_F(Surfaces, OfWhatCoversFewSamples) {
+  int shown = 0, empty = 0;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE(seed);
+    core::Scene scene;
+    const std::vector<Shape> shapes = add_small_shapes(scene, seed);
+    Camera camera(*context, scene, kWidth, kHeight, 4);
+    for (const View& view : few_pixel_views()) {
+      const Picture picture = camera.draw(view, shapes);
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+          bool hit = false, missed = true;
+          for (const glm::vec2& offset : camera.target().sample_offsets()) {
+            const PixelSights around =
+                look_around(shapes, view, kWidth, kHeight, double(x) + offset.x, double(y) - offset.y);
+            hit = hit || around.hits == 5;
+            missed = missed && around.hits == 0;
+          }
+          if (!hit && !missed) continue;  // by 1/32 pixel
+          const std::uint8_t* colour = &picture.colour.pixels[3 * (std::size_t(y) * kWidth + std::size_t(x))];
+          bool background = true;
+          for (std::size_t c = 0; c < 3; ++c)
+            background = background && colour[c] == std::lround(255.0f * camera.background()[c]);
+          EXPECT_EQ(background, missed) << x << ", " << y;
+          shown += hit;
+          empty += missed;
+        }
+    }
+  }
+  EXPECT_GT(shown, 2000);
+  EXPECT_GT(empty, 2000);
 }
 
 TEST_F(Surfaces, OfSolidsUnderSingularPlacementsAreNone) {
