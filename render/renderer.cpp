@@ -166,7 +166,9 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
                            &target.sample_offsets()[0].x);
     draw_batch(batch, program, scene, lists);
   }
-  if (proxy_program_.id() != 0) gl.BindProgramPipeline(0);  // a pipeline that is bound outlives its renderer in Mesa
+  // In this order: Mesa never frees a pipeline that gave way to a program and is unbound while that is in use.
+  gl.UseProgram(0);
+  gl.BindProgramPipeline(0);
   const gpuscene::Batch* meshes = scene.batch(BatchKind::kMesh);
   if (meshes && !view.sections.empty() && lists.section(BatchKind::kMesh).count > 0)
     return draw_section_caps(snapshot, *meshes, scene, lists, target);
