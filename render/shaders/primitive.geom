@@ -31,7 +31,11 @@ void main() {
   if (proxy.form == kNoProxy) return;
   bool box = proxy.form == kBoxProxy;
   uint strips = box ? kBoxStrips : kRectangleStrip;
+#ifdef EVERY_BOX  // as many triangles for each: corners that are left over fall together
+  int count = kBoxCorners;
+#else
   int count = box ? kBoxCorners : kRectangleCorners;
+#endif
   for (int i = 0; i < count; ++i, strips >>= 3) {
     if (i == kFirstStrip) EndPrimitive();
     local_from_eye = setup[0].local_from_eye;
