@@ -71,7 +71,9 @@ core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpus
   const gl::Functions& gl = context.functions();
   Renderer renderer;
   renderer.gl_ = &gl;
-  if (auto done = renderer.make_programs(scene, form, false); !done) return tl::unexpected(done.error());
+  auto programs = renderer.make_programs(scene, form, false);
+  if (!programs) return tl::unexpected(programs.error());
+  renderer.programs_ = std::move(*programs);
   renderer.record_array_ = gl::VertexArray(gl);
   renderer.mesh_array_ = gl::VertexArray(gl);
   describe_mesh(gl, renderer.mesh_array_.id());
@@ -81,7 +83,9 @@ core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpus
   return renderer;
 }
 
-core::Expected<void> Renderer::make_programs(const gpuscene::GpuScene& scene, const TargetForm& form, bool sections) {
+/// Of all batches, and the first time the one that they share.
+core::Expected<Renderer::BatchPrograms> Renderer::make_programs(const gpuscene::GpuScene& scene, const TargetForm& form,
+                                                                bool sections) {
   const std::vector<gpuscene::Batch>& batches = scene.batches();
   std::vector<gl::ProgramDescription> descriptions;
   for (const gpuscene::Batch& batch : batches) descriptions.push_back(describe_batch(batch.kind, form, sections));
@@ -92,15 +96,16 @@ core::Expected<void> Renderer::make_programs(const gpuscene::GpuScene& scene, co
   auto programs = gl::Program::create_all(*gl_, descriptions);
   if (!programs) return tl::unexpected(programs.error());
   if (proxies) proxy_program_ = std::move(programs->back());
+  BatchPrograms all;
   for (std::size_t i = 0; i < batches.size(); ++i) {
-    BatchProgram& made = (sections ? section_programs_ : programs_)[std::size_t(batches[i].kind)];
+    BatchProgram& made = all[std::size_t(batches[i].kind)];
     made.program = std::move((*programs)[i]);
     if (!gpuscene::is_ray_cast(batches[i].kind)) continue;
     made.pipeline = gl::ProgramPipeline(*gl_);
     made.pipeline.set_stages(GL_VERTEX_SHADER_BIT | GL_GEOMETRY_SHADER_BIT, proxy_program_);
     made.pipeline.set_stages(GL_FRAGMENT_SHADER_BIT, made.program);
   }
-  return {};
+  return all;
 }
 
 core::Expected<void> Renderer::upload_view(const core::View& view, const core::Snapshot& snapshot,
@@ -133,9 +138,10 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
   if (auto done = upload_view(view, snapshot, target); !done) return done;
   const gl::Functions& gl = *gl_;
   const bool sections = !view.sections.empty();
-  if (sections && !sections_compiled_) {
-    if (auto done = make_programs(scene, target.form(), true); !done) return done;
-    sections_compiled_ = true;
+  if (sections && !section_programs_) {
+    auto made = make_programs(scene, target.form(), true);
+    if (!made) return tl::unexpected(made.error());
+    section_programs_ = std::move(*made);
   }
   gl::reset_pipeline_state(gl);
   target.framebuffer().bind();
@@ -160,7 +166,7 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
   gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, lists.commands().id());
   for (const gpuscene::Batch& batch : scene.batches()) {
     if (lists.section(batch.kind).count == 0) continue;
-    const BatchProgram& program = (sections ? section_programs_ : programs_)[std::size_t(batch.kind)];
+    const BatchProgram& program = (sections ? *section_programs_ : programs_)[std::size_t(batch.kind)];
     if (target.form().samples > 1 && gpuscene::is_ray_cast(batch.kind))
       gl.ProgramUniform2fv(program.program.id(), kSampleOffsetsUniform, target.form().samples,
                            &target.sample_offsets()[0].x);
@@ -170,7 +176,7 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
   gl.UseProgram(0);
   gl.BindProgramPipeline(0);
   const gpuscene::Batch* meshes = scene.batch(BatchKind::kMesh);
-  if (meshes && !view.sections.empty() && lists.section(BatchKind::kMesh).count > 0)
+  if (meshes && sections && lists.section(BatchKind::kMesh).count > 0)
     return draw_section_caps(snapshot, *meshes, scene, lists, target);
   return {};
 }

@@ -24,8 +24,8 @@ class Renderer {
 
   /// Clears the target and draws what the lists name. Cylinders, snouts and torus slices are exact up to float
   /// arithmetic; with several samples per pixel they cover those whose rays hit them, in the colour and at the depth of
-  /// one. Depth is reverse-Z whatever the view's own convention. Sets all GL state it needs
-  /// (but see gl::reset_pipeline_state) and leaves it set. Does not wait.
+  /// one. Depth is reverse-Z whatever the view's own convention. Sets all GL state it needs (but
+  /// see gl::reset_pipeline_state) and leaves it set. Does not wait.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                             const gpuscene::DrawLists& lists, const RenderTarget& target);
 
@@ -51,12 +51,12 @@ class Renderer {
                                          const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                          const RenderTarget& target);
 
-  core::Expected<void> make_programs(const gpuscene::GpuScene& scene, const TargetForm& form, bool sections);
+  core::Expected<BatchPrograms> make_programs(const gpuscene::GpuScene& scene, const TargetForm& form, bool sections);
 
   const gl::Functions* gl_ = nullptr;
   gl::Program proxy_program_;  // vertex and geometry stage of all ray-cast batches; empty when there are none
-  BatchPrograms programs_, section_programs_;  // section_programs_: from the first view with sections on
-  bool sections_compiled_ = false;
+  BatchPrograms programs_;
+  std::optional<BatchPrograms> section_programs_;  // from the first view with sections on
   gl::VertexArray record_array_, mesh_array_;
   gl::Buffer view_block_, chunk_rows_;
   gl::TextureBuffer chunk_texels_;

@@ -56,8 +56,7 @@ class GpuCuller {
   ~GpuCuller();
 
   /// Follows an edit of `touched` slots (Snapshot::apply) after GpuScene::append and update, and changes the same GL
-  /// state. Fails when the GPU has not
-  /// the memory for layers that came into use; then make it anew.
+  /// state. Fails when the GPU has not the memory for layers that came into use; then make it anew.
   core::Expected<void> update(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                               std::span<const core::Slot> touched);
 

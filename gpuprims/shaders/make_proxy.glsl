@@ -9,20 +9,19 @@ const float kInsideMargin = 1e-4;
 // Up to so many pixels along each side a rectangle costs less than a box.
 const float kWidestRectangle = 8.0;
 
-const Proxy kNothing = Proxy(vec4(0.0), vec4[3](vec4(0.0), vec4(0.0), vec4(0.0)), vec3(0.0), vec3(0.0), kNoProxy);
+const Proxy kNothing = Proxy(vec4(0.0), vec4[3](vec4(0.0), vec4(0.0), vec4(0.0)), vec3(0.0), vec3(0.0), 0);
 
-Proxy rectangle_proxy(vec4 corners, float depth) {
-  Proxy proxy = kNothing;
-  proxy.sides[0] = corners;
-  proxy.origin.z = depth;
-  proxy.form = kRectangleProxy;
-  return proxy;
+// From one corner to the other, in -1 to 1.
+Proxy rectangle_proxy(vec2 low, vec2 high, float depth) {
+  vec2 size = high - low;
+  return Proxy(vec4(low, depth, 1.0), vec4[3](vec4(0.0), vec4(size.x, 0.0, 0.0, 0.0), vec4(0.0, size.y, 0.0, 0.0)), vec3(1.0), vec3(0.0),
+               kRectangleCorners);
 }
 
 // `viewer`: as in make_proxy. `local` is a point of the box, `eye` the same in eye space.
 Proxy box_proxy(vec3 low, vec3 high, vec3 viewer, mat3 eye_from_local, bool mirrored, vec3 local, vec3 eye) {
   Proxy proxy;
-  proxy.form = kBoxProxy;
+  proxy.corners = kBoxCorners;
   proxy.origin = view.clip_from_eye * vec4(eye, 1.0);
   for (int i = 0; i < 3; ++i) proxy.sides[i] = view.clip_from_eye * vec4(eye_from_local[i], 0.0);
   bvec3 positive = greaterThanEqual(viewer, vec3(0.0));
@@ -42,8 +41,7 @@ Proxy box_proxy(vec3 low, vec3 high, vec3 viewer, mat3 eye_from_local, bool mirr
 // The proxy of a box that holds its margin already. `viewer` is the eye's local position, or in orthographic views the direction towards
 // the viewer; `inside` tells that the eye is inside; `mirrored` a left-handed placement.
 Proxy make_proxy(vec3 low, vec3 high, vec3 viewer, bool inside, mat3 eye_from_local, bool mirrored, vec3 local, vec3 eye) {
-  if (inside) return rectangle_proxy(vec4(-1.0, -1.0, 1.0, 1.0), 1.0);
-#ifndef EVERY_BOX
+  if (inside) return rectangle_proxy(vec2(-1.0), vec2(1.0), 1.0);
   // The pixels of the box around it in eye space, which is the tighter the smaller it is.
   vec3 reach = 0.5 * (high - low), centre = eye + eye_from_local * (low + reach - local);
   vec3 extent = abs(eye_from_local[0]) * reach.x + abs(eye_from_local[1]) * reach.y + abs(eye_from_local[2]) * reach.z;
@@ -57,10 +55,10 @@ Proxy make_proxy(vec3 low, vec3 high, vec3 viewer, bool inside, mat3 eye_from_lo
   first = max(ceil(first - 0.5), vec2(0.0));
   last = min(floor(last - 0.5), view.viewport.xy - 1.0);
 #endif
+  vec2 pixel = 2.0 / view.viewport.xy;
   bool in_front = nearest > 0.0 || !perspective_view();
   if (in_front && any(greaterThan(first, last))) return kNothing;
   if (in_front && all(lessThan(last - first, vec2(kWidestRectangle))))
-    return rectangle_proxy(vec4(first, last + 1.0) * (2.0 / view.viewport.xyxy) - 1.0, depth_at(nearest));
-#endif
+    return rectangle_proxy(first * pixel - 1.0, (last + 1.0) * pixel - 1.0, depth_at(nearest));
   return box_proxy(low, high, viewer, eye_from_local, mirrored, local, eye);
 }

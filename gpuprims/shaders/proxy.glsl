@@ -3,21 +3,28 @@
 // the whole screen at the near plane with the eye inside the box, on which no side looks then; and where the box covers few pixels,
 // those pixels at the depth of its nearest corner. Or nothing, where the box covers no pixel's centre: no ray is cast beside one.
 
-const int kNoProxy = 0, kBoxProxy = 1, kRectangleProxy = 2;
-
-// In clip space. A box: corner c, whose bits say on which axes it lies on the viewer's side, is the origin and for each axis its side
-// times the axis's step to the near or the far end. A rectangle: x and y of two corners in sides[0], the depth in origin.z.
+// Corner c, whose bits say on which axes it lies on the viewer's side, is in clip space the origin and for each axis its side times the
+// axis's step to the near or the far end. A rectangle is the first side of a box that has no depth.
 struct Proxy {
   vec4 origin, sides[3];
   vec3 near_steps, far_steps;
-  int form;
+  int corners;  // how many of kProxyStrips are drawn: 0, kRectangleCorners or kBoxCorners
 };
 
-vec4 proxy_corner(Proxy proxy, int corner) {
-  if (proxy.form == kRectangleProxy)
-    return vec4((corner & 1) != 0 ? proxy.sides[0].z : proxy.sides[0].x, (corner & 2) != 0 ? proxy.sides[0].w : proxy.sides[0].y,
-                proxy.origin.z, 1.0);
-  bvec3 bits = bvec3((corner & 1) != 0, (corner & 2) != 0, (corner & 4) != 0);
-  vec3 steps = mix(proxy.far_steps, proxy.near_steps, bits);
+const int kRectangleCorners = 4, kBoxCorners = 10;
+
+// Two strips of corners, counter-clockwise from outside, in octal digits from the lowest on: 1, 3, 5, 7, 4, 6 and 2, 6, 3, 7.
+const uint kProxyStrips = 07362647531u;
+const int kFirstStrip = 6;  // its length
+
+vec4 proxy_corner(Proxy proxy, uint corner) {
+  vec3 steps = mix(proxy.far_steps, proxy.near_steps, bvec3((corner & 1u) != 0u, (corner & 2u) != 0u, (corner & 4u) != 0u));
   return proxy.origin + steps.x * proxy.sides[0] + steps.y * proxy.sides[1] + steps.z * proxy.sides[2];
 }
+
+// What the vertex stage finds of a primitive, for its fragments (see primitive.vert) and the stage that emits its proxy.
+struct Setup {
+  vec4 local_from_eye[3];
+  uvec4 anchor;
+  Proxy proxy;
+};

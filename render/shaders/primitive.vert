@@ -7,13 +7,7 @@
 out gl_PerVertex {
   vec4 gl_Position;
 };
-out Setup {
-  vec4 local_from_eye[3];
-  uvec4 anchor;
-  vec4 origin, sides[3];
-  vec3 near_steps, far_steps;
-  int form;
-} setup;
+out Setup setup;
 
 // Rays are told from an anchor, a point of the primitive near what is seen of it: the ray through its pixel is taken to its depth in
 // double here, and each fragment takes the small step to its own pixel in float. So neither the distance of the eye nor, of long thin
@@ -53,7 +47,7 @@ void main() {
   vec3 yz = cross(eye_from_local[1], eye_from_local[2]);
   float volume = dot(eye_from_local[0], yz);
   gl_Position = vec4(0.0);
-  setup.form = kNoProxy;
+  setup.proxy = kNothing;
   if (!(abs(volume) > 0.0 && abs(volume) < 3e38)) return;  // singular placement: nothing to see
   mat3 rows =
       mat3(yz, cross(eye_from_local[2], eye_from_local[0]), cross(eye_from_local[0], eye_from_local[1])) * (1.0 / volume);
@@ -84,10 +78,5 @@ void main() {
     inside = all(greaterThan(local_eye, box.low - around)) && all(lessThan(local_eye, box.high + around));
     viewer = local_eye - 0.5 * (box.low + box.high);
   }
-  Proxy proxy = make_proxy(box.low - margin, box.high + margin, viewer, inside, eye_from_local, volume < 0.0, a.local, vec3(a.eye));
-  setup.origin = proxy.origin;
-  setup.sides = proxy.sides;
-  setup.near_steps = proxy.near_steps;
-  setup.far_steps = proxy.far_steps;
-  setup.form = proxy.form;
+  setup.proxy = make_proxy(box.low - margin, box.high + margin, viewer, inside, eye_from_local, volume < 0.0, a.local, vec3(a.eye));
 }

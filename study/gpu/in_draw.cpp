@@ -23,7 +23,6 @@ core::Expected<gl::Program> make_program(const gl::Functions& gl) {
                         {GL_FRAGMENT_SHADER, {"primitive.frag"}}};
   description.shaders.tables = {shaders(), render::shaders(), gpuprims::shaders()};
   description.shaders.defines = gpuscene::batch_kind_defines();
-  description.shaders.defines.emplace_back("EVERY_BOX");  // so that triangles tell how many passed
   description.shaders.defines.push_back(gpuscene::batch_define(BatchKind::kCylinder));
   return gl::Program::create(gl, description);
 }

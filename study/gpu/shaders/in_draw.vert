@@ -8,6 +8,8 @@ void main() {
   bool rejected = is_empty(low, high);
   for (int k = 0; k < view_planes.plane_count && !rejected; ++k) rejected = rejects(k, low, high);
   gl_Position = vec4(0.0);
-  setup.form = kNoProxy;
-  if (!rejected) place_proxy();
+  setup.proxy = kNothing;
+  if (rejected) return;
+  place_proxy();
+  setup.proxy.corners = kBoxCorners;  // as many triangles for each tell how many passed
 }
