@@ -1,9 +1,12 @@
 #include "sightline/core/mesh.h"
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 #include <span>
 #include <string>
+
+#include "sightline/core/hash.h"
 
 namespace sightline::core {
 namespace {
@@ -12,18 +15,10 @@ std::uint64_t sum(std::span<const std::uint32_t> sizes) {
   return std::accumulate(sizes.begin(), sizes.end(), std::uint64_t(0));
 }
 
-/// For each vertex a number that vertices at the same position share.
-std::vector<std::uint32_t> welded(const std::vector<vec3>& positions) {
-  std::vector<std::uint32_t> order(positions.size()), weld(positions.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto before = [&](std::uint32_t a, std::uint32_t b) {
-    const vec3 &p = positions[a], &q = positions[b];
-    return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z;
-  };
-  std::sort(order.begin(), order.end(), before);
-  for (std::size_t i = 0; i < order.size(); ++i)
-    weld[order[i]] = i > 0 && !before(order[i - 1], order[i]) ? weld[order[i - 1]] : order[i];
-  return weld;
+std::uint64_t hash(const vec3& p) {
+  const vec3 q = p + 0.0f;  // one zero
+  return mixed(mixed(std::uint64_t(std::bit_cast<std::uint32_t>(q.x)) << 32 | std::bit_cast<std::uint32_t>(q.y)) ^
+               std::bit_cast<std::uint32_t>(q.z));
 }
 
 struct Edge {
@@ -32,11 +27,11 @@ struct Edge {
 };
 
 bool is_closed(const Mesh& mesh) {
-  const std::vector<std::uint32_t> weld = welded(mesh.positions);
+  const std::vector<std::uint32_t> welded = weld(mesh.positions);
   std::vector<Edge> edges;
   edges.reserve(mesh.indices.size());
   for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
-    const std::uint32_t a = weld[mesh.indices[i]], b = weld[mesh.indices[i % 3 == 2 ? i - 2 : i + 1]];
+    const std::uint32_t a = welded[mesh.indices[i]], b = welded[mesh.indices[i % 3 == 2 ? i - 2 : i + 1]];
     if (a != b) edges.push_back({std::uint64_t(std::min(a, b)) << 32 | std::max(a, b), a < b ? 1 : -1});
   }
   std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.ends < b.ends; });
@@ -61,6 +56,18 @@ double signed_volume(const Mesh& mesh) {
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> weld(std::span<const vec3> positions) {
+  const std::size_t mask = std::bit_ceil(2 * positions.size() + 1) - 1;
+  std::vector<std::uint32_t> table(mask + 1, kNone), welded(positions.size());
+  for (std::uint32_t i = 0; i < positions.size(); ++i) {
+    std::size_t place = hash(positions[i]) & mask;
+    while (table[place] != kNone && positions[table[place]] != positions[i]) place = (place + 1) & mask;
+    if (table[place] == kNone) table[place] = i;
+    welded[i] = table[place];
+  }
+  return welded;
+}
 
 Expected<void> validate(const Mesh& mesh) {
   const std::uint64_t positions = mesh.positions.size(), contours = mesh.contour_sizes.size();

@@ -1,48 +1,23 @@
 #include "sightline/gpuscene/solid_shells.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numeric>
+
+#include "sightline/core/hash.h"
+#include "sightline/core/mesh.h"
 
 namespace sightline::gpuscene {
 namespace {
 
 using core::dvec3;
+using core::mixed;
 using core::vec3;
 using Indices = std::span<const std::uint32_t>;
 
 constexpr int kRounds = 8;          // of the search for a point that sees all
 constexpr double kStep = 1.2;       // of the way to a plane
 constexpr double kFlatness = 1e-9;  // radii that count as in the plane: what rounding leaves of a triangle seen edge-on
-
-/// S. Vigna's splitmix64.
-std::uint64_t mixed(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
-
-std::uint64_t hash(const vec3& p) {
-  const vec3 q = p + 0.0f;  // one zero
-  return mixed(mixed(std::uint64_t(std::bit_cast<std::uint32_t>(q.x)) << 32 | std::bit_cast<std::uint32_t>(q.y)) ^
-               std::bit_cast<std::uint32_t>(q.z));
-}
-
-/// For each vertex one that stands for all at its position.
-std::vector<std::uint32_t> weld(std::span<const vec3> positions) {
-  constexpr std::uint32_t kFree = 0xffffffffu;
-  const std::size_t mask = std::bit_ceil(2 * positions.size() + 1) - 1;
-  std::vector<std::uint32_t> table(mask + 1, kFree), welded(positions.size());
-  for (std::uint32_t i = 0; i < positions.size(); ++i) {
-    std::size_t place = hash(positions[i]) & mask;
-    while (table[place] != kFree && positions[table[place]] != positions[i]) place = (place + 1) & mask;
-    if (table[place] == kFree) table[place] = i;
-    welded[i] = table[place];
-  }
-  return welded;
-}
 
 /// What hangs together.
 class Sets {
@@ -122,7 +97,7 @@ void relax(Indices corners, std::span<const vec3> positions, Indices shell_of, s
 }  // namespace
 
 std::uint32_t solid_shells_first(std::span<const vec3> positions, std::span<std::uint32_t> indices) {
-  const std::vector<std::uint32_t> welded = weld(positions);
+  const std::vector<std::uint32_t> welded = core::weld(positions);
   std::vector<std::uint32_t> corners(indices.size());
   for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = welded[indices[i]];
   std::vector<Shell> shells;
