@@ -61,25 +61,15 @@ void label(const Functions& gl, GLenum kind, GLuint name, std::string_view what)
 
 }  // namespace
 
-namespace detail {
-void delete_buffer(const Functions& gl, GLuint name) {
-  gl.DeleteBuffers(1, &name);
-}
-void delete_texture(const Functions& gl, GLuint name) {
-  gl.DeleteTextures(1, &name);
-}
-}  // namespace detail
-
 core::Expected<Buffer> Buffer::create(const Functions& gl, std::size_t bytes, const void* data, GLbitfield flags,
                                       std::string_view what) {
   if (bytes == 0 || bytes > static_cast<std::size_t>(std::numeric_limits<GLsizeiptr>::max())) {
     return core::fail(fmt::format("GL buffer '{}': cannot hold {} bytes", what, bytes));
   }
   discard_errors(gl);
-  GLuint name = 0;
-  gl.CreateBuffers(1, &name);
+  const GLuint name = create_name<&Functions::CreateBuffers>(gl);
   Buffer buffer;
-  buffer.handle_ = Handle<detail::delete_buffer>(gl, name);
+  buffer.handle_ = Handle<&Functions::DeleteBuffers>(gl, name);
   gl.NamedBufferStorage(name, static_cast<GLsizeiptr>(bytes), data, flags);
   if (const GLenum error = check_error(gl); error != GL_NO_ERROR) {
     return core::fail(fmt::format("GL buffer '{}': {} bytes wanted: {}", what, bytes, error_name(error)));
@@ -134,10 +124,9 @@ core::Expected<TextureBuffer> TextureBuffer::create(const Functions& gl, const B
                                   what, texels, buffer.size(), limit));
   }
   discard_errors(gl);
-  GLuint name = 0;
-  gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &name);
+  const GLuint name = create_name<&Functions::CreateTextures>(gl, GL_TEXTURE_BUFFER);
   TextureBuffer view;
-  view.handle_ = Handle<detail::delete_texture>(gl, name);
+  view.handle_ = Handle<&Functions::DeleteTextures>(gl, name);
   gl.TextureBuffer(name, format, buffer.id());
   if (const GLenum error = check_error(gl); error != GL_NO_ERROR) {
     return core::fail(fmt::format("GL texture buffer '{}': over {} bytes: {}", what, buffer.size(), error_name(error)));

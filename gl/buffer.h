@@ -13,11 +13,6 @@
 
 namespace sightline::gl {
 
-namespace detail {
-void delete_buffer(const Functions& gl, GLuint name);
-void delete_texture(const Functions& gl, GLuint name);
-}  // namespace detail
-
 /// A buffer of fixed size. Move-only; a default-made one is empty (id 0, size 0).
 class Buffer {
  public:
@@ -51,7 +46,7 @@ class Buffer {
   bool unmap() const;
 
  private:
-  Handle<detail::delete_buffer> handle_;
+  Handle<&Functions::DeleteBuffers> handle_;
   std::size_t bytes_ = 0;
 };
 
@@ -70,7 +65,7 @@ class TextureBuffer {
   std::int64_t texels() const { return texels_; }
 
  private:
-  Handle<detail::delete_texture> handle_;
+  Handle<&Functions::DeleteTextures> handle_;
   std::int64_t texels_ = 0;
 };
 

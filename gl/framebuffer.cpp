@@ -33,10 +33,9 @@ std::string status_name(GLenum status) {
   }
 }
 
-Handle<detail::delete_framebuffer> make(const Functions& gl, std::string_view what) {
+Handle<&Functions::DeleteFramebuffers> make(const Functions& gl, std::string_view what) {
   discard_errors(gl);
-  GLuint name = 0;
-  gl.CreateFramebuffers(1, &name);
+  const GLuint name = create_name<&Functions::CreateFramebuffers>(gl);
   if (!what.empty()) gl.ObjectLabel(GL_FRAMEBUFFER, name, static_cast<GLsizei>(what.size()), what.data());
   return {gl, name};
 }
@@ -51,12 +50,6 @@ core::Expected<void> check_complete(const Functions& gl, GLuint name, std::strin
 }
 
 }  // namespace
-
-namespace detail {
-void delete_framebuffer(const Functions& gl, GLuint name) {
-  gl.DeleteFramebuffers(1, &name);
-}
-}  // namespace detail
 
 core::Expected<Framebuffer> Framebuffer::create(const Functions& gl, std::span<const Attachment> attachments,
                                                 std::string_view what) {

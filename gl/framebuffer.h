@@ -11,10 +11,6 @@
 
 namespace sightline::gl {
 
-namespace detail {
-void delete_framebuffer(const Functions& gl, GLuint name);
-}
-
 /// What is attached where: GL_COLOR_ATTACHMENTi, GL_DEPTH_ATTACHMENT, GL_DEPTH_STENCIL_ATTACHMENT.
 struct Attachment {
   GLenum point = GL_NONE;
@@ -43,7 +39,7 @@ class Framebuffer {
   void bind() const;
 
  private:
-  Handle<detail::delete_framebuffer> handle_;
+  Handle<&Functions::DeleteFramebuffers> handle_;
 };
 
 }  // namespace sightline::gl

@@ -1,15 +1,16 @@
 // Sole ownership of one GL object name: what the classes of this folder are made of.
 #pragma once
 
+#include <type_traits>
 #include <utility>
 
 #include "sightline/gl/functions.h"
 
 namespace sightline::gl {
 
-/// Move-only owner of a name; `Delete(gl, name)` frees it. Name 0 is nothing. The table must outlive the handle, and
-/// the handle must be destroyed while the table's context is current.
-template <void (*Delete)(const Functions&, GLuint)>
+/// Move-only owner of a name that the entry point `Delete` frees, such as &Functions::DeleteBuffers. Name 0 is nothing.
+/// The table must outlive the handle, and the handle must be destroyed while the table's context is current.
+template <auto Delete>
 class Handle {
  public:
   Handle() = default;
@@ -22,7 +23,12 @@ class Handle {
     return *this;
   }
   ~Handle() {
-    if (name_) Delete(*gl_, name_);
+    if (!name_) return;
+    if constexpr (std::is_invocable_v<decltype(gl_->*Delete), GLuint>) {
+      (gl_->*Delete)(name_);
+    } else {
+      (gl_->*Delete)(1, &name_);
+    }
   }
 
   const Functions& gl() const { return *gl_; }  ///< only of a handle that was given a table
@@ -32,5 +38,13 @@ class Handle {
   const Functions* gl_ = nullptr;
   GLuint name_ = 0;
 };
+
+/// One name from an entry point such as &Functions::CreateVertexArrays; `target` is of those that want one.
+template <auto Create, class... Target>
+GLuint create_name(const Functions& gl, Target... target) {
+  GLuint name = 0;
+  (gl.*Create)(target..., 1, &name);
+  return name;
+}
 
 }  // namespace sightline::gl

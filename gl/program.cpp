@@ -9,10 +9,7 @@
 namespace sightline::gl {
 namespace {
 
-void delete_shader(const Functions& gl, GLuint name) {
-  gl.DeleteShader(name);
-}
-using Shader = Handle<delete_shader>;
+using Shader = Handle<&Functions::DeleteShader>;
 
 std::string shader_log(const Functions& gl, GLuint shader) {
   GLint length = 0;
@@ -89,12 +86,6 @@ void set_feedback(const Functions& gl, GLuint program, const ProgramDescription&
 
 }  // namespace
 
-namespace detail {
-void delete_program(const Functions& gl, GLuint name) {
-  gl.DeleteProgram(name);
-}
-}  // namespace detail
-
 struct Program::Pending {
   Program program;
   std::vector<StageSource> sources;
@@ -109,7 +100,7 @@ core::Expected<Program::Pending> Program::begin(const Functions& gl, const Progr
   if (!sources) return tl::unexpected(sources.error());
   Pending pending;
   pending.sources = std::move(*sources);
-  pending.program.handle_ = Handle<detail::delete_program>(gl, gl.CreateProgram());
+  pending.program.handle_ = Handle<&Functions::DeleteProgram>(gl, gl.CreateProgram());
   const GLuint program = pending.program.id();
   if (description.separable) gl.ProgramParameteri(program, GL_PROGRAM_SEPARABLE, GL_TRUE);
   if (gl.program_cache && gl.program_cache->enabled()) {

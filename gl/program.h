@@ -13,10 +13,6 @@
 
 namespace sightline::gl {
 
-namespace detail {
-void delete_program(const Functions& gl, GLuint name);
-}
-
 /// One stage: GL_VERTEX_SHADER, … and the files that make it, in order (see assemble_stage()).
 struct StageDescription {
   GLenum stage = GL_NONE;
@@ -57,7 +53,7 @@ class Program {
   static core::Expected<Pending> begin(const Functions& gl, const ProgramDescription& description);
   static core::Expected<Program> finish(const Functions& gl, const ProgramDescription& description, Pending pending);
 
-  Handle<detail::delete_program> handle_;
+  Handle<&Functions::DeleteProgram> handle_;
 };
 
 }  // namespace sightline::gl

@@ -7,17 +7,11 @@
 
 namespace sightline::gl {
 
-namespace detail {
-inline void delete_program_pipeline(const Functions& gl, GLuint name) {
-  gl.DeleteProgramPipelines(1, &name);
-}
-}  // namespace detail
-
 /// Owns a program pipeline object. Move-only.
 class ProgramPipeline {
  public:
   ProgramPipeline() = default;
-  explicit ProgramPipeline(const Functions& gl) : handle_(gl, make(gl)) {}
+  explicit ProgramPipeline(const Functions& gl) : handle_(gl, create_name<&Functions::CreateProgramPipelines>(gl)) {}
 
   GLuint id() const { return handle_.name(); }
 
@@ -25,20 +19,15 @@ class ProgramPipeline {
   void set_stages(GLbitfield stages, const Program& program) const {
     handle_.gl().UseProgramStages(id(), stages, program.id());
   }
-  /// Binds it in place of a program. In this order: Mesa's glUseProgram(0) binds the pipeline before it again, and calls
-  /// it an error when that one was deleted meanwhile.
+  /// Binds it in place of a program. In this order: Mesa's glUseProgram(0) binds the pipeline before it again, and
+  /// calls it an error when that one was deleted meanwhile.
   void use() const {
     handle_.gl().BindProgramPipeline(id());
     handle_.gl().UseProgram(0);
   }
 
  private:
-  static GLuint make(const Functions& gl) {
-    GLuint name = 0;
-    gl.CreateProgramPipelines(1, &name);
-    return name;
-  }
-  Handle<detail::delete_program_pipeline> handle_;
+  Handle<&Functions::DeleteProgramPipelines> handle_;
 };
 
 }  // namespace sightline::gl

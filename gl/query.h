@@ -8,17 +8,12 @@
 
 namespace sightline::gl {
 
-namespace detail {
-inline void delete_query(const Functions& gl, GLuint name) {
-  gl.DeleteQueries(1, &name);
-}
-}  // namespace detail
-
 /// Owns a query object of one target (GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, GL_PRIMITIVES_GENERATED, …). Move-only.
 class Query {
  public:
   Query() = default;
-  Query(const Functions& gl, GLenum target) : handle_(gl, make(gl, target)), target_(target) {}
+  Query(const Functions& gl, GLenum target)
+      : handle_(gl, create_name<&Functions::CreateQueries>(gl, target)), target_(target) {}
 
   void begin() const { handle_.gl().BeginQuery(target_, handle_.name()); }
   void end() const { handle_.gl().EndQuery(target_); }
@@ -34,11 +29,6 @@ class Query {
   bool empty() const { return handle_.name() == 0; }
 
  private:
-  static GLuint make(const Functions& gl, GLenum target) {
-    GLuint name = 0;
-    gl.CreateQueries(target, 1, &name);
-    return name;
-  }
   /// `value` stays what it is while there is no answer.
   GLuint read(GLenum what, GLuint value) const {
     handle_.gl().BindBuffer(GL_QUERY_BUFFER, 0);  // an application's would take the answer
@@ -46,7 +36,7 @@ class Query {
     return value;
   }
 
-  Handle<detail::delete_query> handle_;
+  Handle<&Functions::DeleteQueries> handle_;
   GLenum target_ = GL_NONE;
 };
 

@@ -72,10 +72,10 @@ core::Expected<Texture2D> Texture2D::create(const Functions& gl, int width, int 
   assert(levels >= 1 && (samples == 1 || levels == 1));
   if (auto sized = check_size(gl, width, height, what, samples); !sized) return tl::unexpected(sized.error());
   discard_errors(gl);
-  GLuint name = 0;
-  gl.CreateTextures(samples > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D, 1, &name);
+  const GLuint name =
+      create_name<&Functions::CreateTextures>(gl, samples > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D);
   Texture2D texture;
-  texture.handle_ = Handle<detail::delete_texture>(gl, name);
+  texture.handle_ = Handle<&Functions::DeleteTextures>(gl, name);
   if (samples > 1) {
     gl.TextureStorage2DMultisample(name, samples, format, width, height, GL_TRUE);
   } else {

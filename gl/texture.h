@@ -37,7 +37,7 @@ class Texture2D {
   void read(int level, GLenum format, GLenum type, std::span<std::byte> pixels) const;
 
  private:
-  Handle<detail::delete_texture> handle_;
+  Handle<&Functions::DeleteTextures> handle_;
   int width_ = 0;
   int height_ = 0;
   int samples_ = 1;

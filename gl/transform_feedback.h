@@ -6,17 +6,12 @@
 
 namespace sightline::gl {
 
-namespace detail {
-inline void delete_transform_feedback(const Functions& gl, GLuint name) {
-  gl.DeleteTransformFeedbacks(1, &name);
-}
-}  // namespace detail
-
 /// Owns a transform feedback object. Move-only.
 class TransformFeedback {
  public:
   TransformFeedback() = default;
-  explicit TransformFeedback(const Functions& gl) : handle_(gl, make(gl)) {}
+  explicit TransformFeedback(const Functions& gl)
+      : handle_(gl, create_name<&Functions::CreateTransformFeedbacks>(gl)) {}
 
   GLuint id() const { return handle_.name(); }
 
@@ -35,12 +30,7 @@ class TransformFeedback {
   }
 
  private:
-  static GLuint make(const Functions& gl) {
-    GLuint name = 0;
-    gl.CreateTransformFeedbacks(1, &name);
-    return name;
-  }
-  Handle<detail::delete_transform_feedback> handle_;
+  Handle<&Functions::DeleteTransformFeedbacks> handle_;
 };
 
 }  // namespace sightline::gl
