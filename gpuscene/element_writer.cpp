@@ -1,8 +1,7 @@
 #include "sightline/gpuscene/element_writer.h"
 
 #include <algorithm>
-#include <cstring>
-#include <vector>
+#include <string>
 
 #include "sightline/gpuscene/shaders.h"
 
@@ -10,7 +9,7 @@ namespace sightline::gpuscene {
 namespace {
 
 constexpr GLuint kInvocations = 256, kMostGroups = 4096;
-enum StorageBinding : GLuint { kSource, kTarget };
+enum StorageBinding : GLuint { kSource, kTarget, kPlaces };
 enum Uniform : GLint { kElementsUniform, kWordsUniform };
 
 /// One past the last of the neighbours from `first` on.
@@ -41,33 +40,38 @@ void ElementWriter::write(const gl::Buffer& buffer, std::size_t bytes, std::span
 bool ElementWriter::scatter(const gl::Buffer& buffer, std::size_t bytes, std::span<const std::uint32_t> places,
                             const void* data) {
   const std::size_t elements = places.size();
-  std::vector<std::byte> source(places.size_bytes() + elements * bytes);
-  if (std::max(buffer.size(), source.size()) > largest_block_) return false;
-  std::memcpy(source.data(), places.data(), places.size_bytes());
-  std::memcpy(source.data() + places.size_bytes(), data, elements * bytes);
-  auto uploaded = gl::Buffer::create(*gl_, std::span(source), 0, "elements to write");
-  if (!uploaded) return false;
-  if (program_.id() == 0) {
-    gl::ProgramDescription description;
-    description.name = "write elements";
-    description.stages = {{GL_COMPUTE_SHADER, {"write_elements.comp"}}};
-    description.shaders.tables = {shaders()};
-    description.shaders.defines = {"INVOCATIONS " + std::to_string(kInvocations)};
-    auto program = gl::Program::create(*gl_, description);
-    if (!program) return false;
-    program_ = std::move(*program);
-  }
-  const std::size_t words = bytes / sizeof(std::uint32_t);
-  gl_->ProgramUniform1ui(program_.id(), kElementsUniform, GLuint(elements));
-  gl_->ProgramUniform1ui(program_.id(), kWordsUniform, GLuint(words));
-  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kSource, uploaded->id());
+  const bool wide = bytes % sizeof(std::uint32_t[4]) == 0;
+  const std::size_t words = bytes / (wide ? sizeof(std::uint32_t[4]) : sizeof(std::uint32_t));
+  if (std::max(buffer.size(), elements * bytes) > largest_block_) return false;
+  const gl::Program* program = prepare(wide);
+  auto source = gl::Buffer::create(*gl_, elements * bytes, data, 0, "elements to write");
+  auto to = gl::Buffer::create(*gl_, places, 0, "places of elements to write");
+  if (!program || !source || !to) return false;
+  gl_->ProgramUniform1ui(program->id(), kElementsUniform, GLuint(elements));
+  gl_->ProgramUniform1ui(program->id(), kWordsUniform, GLuint(words));
+  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kSource, source->id());
   gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kTarget, buffer.id());
-  program_.use();
+  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kPlaces, to->id());
+  program->use();
   const std::size_t groups = (elements * words + kInvocations - 1) / kInvocations;
   gl_->DispatchCompute(GLuint(std::min<std::size_t>(groups, kMostGroups)), 1, 1);
   gl_->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
                      GL_BUFFER_UPDATE_BARRIER_BIT);
   return true;
+}
+
+const gl::Program* ElementWriter::prepare(bool wide) {
+  gl::Program& program = programs_[wide];
+  if (program.id() != 0) return &program;
+  gl::ProgramDescription description;
+  description.name = "write elements";
+  description.stages = {{GL_COMPUTE_SHADER, {"write_elements.comp"}}};
+  description.shaders.tables = {shaders()};
+  description.shaders.defines = {"INVOCATIONS " + std::to_string(kInvocations), wide ? "WORD uvec4" : "WORD uint"};
+  auto made = gl::Program::create(*gl_, description);
+  if (!made) return nullptr;
+  program = std::move(*made);
+  return &program;
 }
 
 }  // namespace sightline::gpuscene
