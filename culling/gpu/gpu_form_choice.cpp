@@ -1,9 +1,7 @@
-// Which form of the GPU culler costs less here.
-#include <algorithm>
-#include <array>
+#include "sightline/culling/gpu/gpu_form_choice.h"
+
 #include <chrono>
 #include <cstdio>
-#include <limits>
 
 #include "sightline/culling/gpu/gpu_culler.h"
 #include "sightline/culling/gpu/gpu_pass.h"
@@ -65,12 +63,6 @@ std::string message_of(const core::Expected<T>& result) {
   return result ? std::string() : result.error().message;
 }
 
-struct Times {
-  double alone = std::numeric_limits<double>::max(), submitted = alone, blocked = alone;
-
-  double cost() const { return alone + std::max(0.0, blocked - submitted); }
-};
-
 }  // namespace
 
 core::Expected<void> GpuCuller::choose_form(const gl::Context& context, const core::Snapshot& snapshot,
@@ -91,7 +83,7 @@ core::Expected<void> GpuCuller::choose_form(const gl::Context& context, const co
     return {};
   }
 
-  std::array<Times, 2> times;
+  std::array<FormTimes, 2> times;
   std::array<std::unique_ptr<GpuPass>, 2> passes{std::move(pass_), std::move(*compute)};
   core::Expected<void> done;
   for (int repetition = 0; done && repetition <= kRepetitions; ++repetition) {
@@ -110,15 +102,12 @@ core::Expected<void> GpuCuller::choose_form(const gl::Context& context, const co
       const double blocked = submit();
       gl_->Finish();
       pass_.swap(passes[i]);
-      if (repetition == 0) continue;
-      times[i].alone = std::min(times[i].alone, alone);
-      times[i].submitted = std::min(times[i].submitted, submitted);
-      times[i].blocked = std::min(times[i].blocked, blocked);
+      if (repetition > 0) times[i].take_least({alone, submitted, blocked});
     }
   }
   if (!done) return done;
   pending_ = first_probe_ = 0;  // nobody is to see these
-  pass_ = std::move(passes[times[1].cost() < times[0].cost() ? 1 : 0]);
+  pass_ = std::move(passes[cheaper_form(times)]);
   std::array<char, 96> text;
   std::snprintf(text.data(), text.size(), "measured: geometry %.2f ms, compute %.2f ms", times[0].cost(),
                 times[1].cost());

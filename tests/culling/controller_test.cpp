@@ -218,6 +218,13 @@ TEST(CostTable, LearnsAsARunningMeanDoes) {
     }
 }
 
+TEST(CostTable, FollowsAtALeastRate) {
+  CostTable table;
+  for (int i = 0; i < 300; ++i) table.learn(10.0, 0.0);  // on a knot
+  table.learn(10.0, 1.0);
+  EXPECT_NEAR(table.predict(10.0), 1.0 / CostTable::kMostSamples, 1e-6);
+}
+
 TEST(CostTable, CountsSamplesWhereTheyWere) {
   CostTable table;
   for (int i = 0; i < 3; ++i) table.learn(10.0, 0.0);  // on a knot; the next one hardly hears of it

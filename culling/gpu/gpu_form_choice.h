@@ -1,0 +1,31 @@
+// Which form of the GPU culler costs less here. Internal to culling/gpu.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace sightline::culling {
+
+/// What culling one view costs in one form, in milliseconds; the least of some repetitions.
+struct FormTimes {
+  double alone = std::numeric_limits<double>::max();  ///< from submission until the GPU is done, nothing else under way
+  double submitted = alone;                           ///< of that, until submission returned
+  double blocked = alone;                             ///< until submission returned while drawing was under way
+
+  /// Time alone, and how much longer submission blocks while drawing is under way.
+  double cost() const { return alone + std::max(0.0, blocked - submitted); }
+
+  void take_least(const FormTimes& other) {
+    alone = std::min(alone, other.alone);
+    submitted = std::min(submitted, other.submitted);
+    blocked = std::min(blocked, other.blocked);
+  }
+};
+
+/// The index of the cheaper form; of equal ones the first, which needs no compute shaders.
+inline std::size_t cheaper_form(const std::array<FormTimes, 2>& times) {
+  return times[1].cost() < times[0].cost() ? 1 : 0;
+}
+
+}  // namespace sightline::culling
