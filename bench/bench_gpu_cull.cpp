@@ -24,13 +24,10 @@ namespace {
 using namespace sightline;
 using Json = nlohmann::ordered_json;
 using bench::milliseconds;
-using culling::GpuBoundsForm;
 using culling::GpuCuller;
-using culling::GpuCullerConfig;
 using culling::GpuForm;
 
 constexpr GpuForm kForms[] = {GpuForm::kGeometry, GpuForm::kCompute};
-constexpr GpuBoundsForm kBoundsForms[] = {GpuBoundsForm::kFloat, GpuBoundsForm::kCompact, GpuBoundsForm::kParameters};
 
 /// The dissertation's platforms P-38, P-40, P-43 and P-50.
 constexpr std::uint64_t kPlatforms[] = {85'291, 265'333, 293'335, 691'951};
@@ -43,7 +40,6 @@ struct Options {
 
 struct Subject {
   GpuCuller culler;
-  GpuCullerConfig config;
   std::vector<double> total, submit;  // by view: the best so far, milliseconds
   std::uint64_t visible = 0;          // of all views
 };
@@ -83,13 +79,10 @@ core::Expected<Json> measure(const gl::Context& context, std::uint64_t items, co
   const std::vector<core::View> views = orbit(snapshot, o.views);
   std::vector<Subject> subjects;
   for (const GpuForm form : kForms) {
-    for (const GpuBoundsForm bounds : kBoundsForms) {
-      const GpuCullerConfig config{form, bounds};
-      auto culler = GpuCuller::create(context, snapshot, *gpu, config);
-      if (!culler) return tl::unexpected(culler.error());
-      const std::vector<double> unknown(views.size(), 1e9);
-      subjects.push_back({std::move(*culler), config, unknown, unknown});
-    }
+    auto culler = GpuCuller::create(context, snapshot, *gpu, {form});
+    if (!culler) return tl::unexpected(culler.error());
+    const std::vector<double> unknown(views.size(), 1e9);
+    subjects.push_back({std::move(*culler), unknown, unknown});
   }
   const gl::Functions& gl = context.functions();
   for (int pass = 0; pass < o.passes; ++pass) {
@@ -110,25 +103,21 @@ core::Expected<Json> measure(const gl::Context& context, std::uint64_t items, co
 
   Json rows = Json::array();
   std::printf("%zu items\n", snapshot.size());
-  for (std::size_t i = 0; i < subjects.size(); ++i) {
-    const Subject& subject = subjects[i];
-    const Subject& exact = subjects[i - i % std::size(kBoundsForms)];  // float boxes in the same form
-    const double total = mean(subject.total), submit = mean(subject.submit), ratio = total / mean(exact.total);
+  for (const Subject& subject : subjects) {
+    const double total = mean(subject.total), submit = mean(subject.submit);
+    const double ratio = total / mean(subjects[0].total);  // to the geometry form
     const double visible = double(subject.visible) / double(views.size());
-    const double extra = double(subject.visible) / double(std::max<std::uint64_t>(1, exact.visible)) - 1.0;
-    const std::string form(name_of(*subject.config.form)), bounds(name_of(subject.config.bounds));
+    const std::string form(name_of(subject.culler.form()));
     const std::size_t bytes = subject.culler.bounds_memory_bytes();
-    std::printf("  %-8s %-10s %8.3f ms (%.2f), submission %8.3f ms, boxes %11zu bytes, %9.0f visible, %+.3f %%\n",
-                form.c_str(), bounds.c_str(), total, ratio, submit, bytes, visible, 100.0 * extra);
+    std::printf("  %-8s %8.3f ms (%.2f), submission %8.3f ms, boxes %11zu bytes, %9.0f visible\n", form.c_str(), total,
+                ratio, submit, bytes, visible);
     rows.push_back({{"form", form},
-                    {"bounds", bounds},
                     {"total_ms", total},
                     {"submit_ms", submit},
                     {"ratio", ratio},
                     {"box_bytes", bytes},
                     {"bytes", subject.culler.memory_bytes()},
-                    {"visible", visible},
-                    {"extra", extra}});
+                    {"visible", visible}});
   }
   return Json{{"items", snapshot.size()}, {"cullers", rows}};
 }

@@ -18,7 +18,6 @@ using gpuscene::DrawLists;
 using gpuscene::ElementsCommand;
 using gpuscene::kBatchKindCount;
 
-constexpr std::uint32_t kClustersPerBlock = 32;
 constexpr int kScanInvocations = 256;
 enum StorageBinding : GLuint { kMasks, kPlaces, kCounts, kCommands, kResults, kFound = kCounts };
 constexpr GLint kSectionsUniform = 0, kFirstPlaceUniform = kBatchKindCount,
@@ -43,15 +42,14 @@ class ComputePass : public GpuPass {
         alignment_(std::size_t(context.capabilities().storage_offset_alignment)) {}
 
   core::Expected<void> make_programs(std::span<const CullBatch> batches) {
-    auto done = test_.make(*gl_, batches, [](const CullBatch& batch) {
-      return describe_item_pass("cull: test", batch, {{GL_COMPUTE_SHADER, {"test_blocks.comp"}}});
+    auto test = gl::Program::create(*gl_, describe_pass("cull: test", {{GL_COMPUTE_SHADER, {"test_blocks.comp"}}}));
+    if (!test) return tl::unexpected(test.error());
+    test_ = std::move(*test);
+    auto done = write_.make(*gl_, batches, [](bool meshes) {
+      auto pass = describe_pass("cull: write", {{GL_COMPUTE_SHADER, {"write_blocks.comp"}}});
+      if (meshes) pass.shaders.defines.emplace_back("MESHES");
+      return pass;
     });
-    if (done)
-      done = write_.make(*gl_, batches, [](const CullBatch& batch) {
-        auto pass = describe_pass("cull: write", {{GL_COMPUTE_SHADER, {"write_blocks.comp"}}});
-        if (batch.meshes()) pass.shaders.defines.emplace_back("MESHES");
-        return pass;
-      });
     if (!done) return done;
     auto sum = describe_pass("cull: sum", {{GL_COMPUTE_SHADER, {"sum_places.comp"}}});
     sum.shaders.defines.push_back("SCAN_INVOCATIONS " + std::to_string(kScanInvocations));
@@ -76,9 +74,9 @@ class ComputePass : public GpuPass {
     for (const CullBatch& batch : batches) {
       blocks += blocks_of(batch.bounds.cluster_capacity());
       const std::size_t record = batch.meshes() ? sizeof(ElementsCommand) : sizeof(std::uint32_t);
-      target = std::max(target, batch.bounds.cluster_capacity() * kClusterSize * record);
+      target = std::max(target, batch.bounds.cluster_capacity() * kItemsPerCluster * record);
     }
-    const std::size_t words = blocks * kClusterSize, most = std::max(target, (words + 1) * sizeof(std::uint32_t));
+    const std::size_t words = blocks * kItemsPerCluster, most = std::max(target, (words + 1) * sizeof(std::uint32_t));
     if (most + alignment_ > largest_block_)
       return core::fail("culling in compute shaders wants storage blocks of " + std::to_string(most + alignment_) +
                         " bytes, and the context's limit is " + std::to_string(largest_block_) +
@@ -133,10 +131,9 @@ class ComputePass : public GpuPass {
     gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer.id());
   }
 
-  void dispatch(const BatchPrograms& programs, const CullBatch& batch) const {
+  void dispatch(const gl::Program& program, const CullBatch& batch) const {
     const std::size_t kind = std::size_t(batch.kind);
     const std::uint32_t first = first_block_[kind], blocks = first_block_[kind + 1] - first;
-    const gl::Program& program = programs.of(batch.kind);
     program.use();
     gl_->ProgramUniform3ui(program.id(), kBatchUniform, batch.bounds.cluster_count(), blocks, first);
     bind_batch(*gl_, batch);
@@ -147,7 +144,7 @@ class ComputePass : public GpuPass {
     sum_.use();
     const GLuint id = sum_.id();
     std::array<std::uint32_t, kBatchKindCount + 1> first_place = first_block_;
-    for (std::uint32_t& place : first_place) place *= kClusterSize;
+    for (std::uint32_t& place : first_place) place *= kItemsPerCluster;
     gl_->ProgramUniform4uiv(id, kSectionsUniform, kBatchKindCount, lists.gpu_sections()[0].data());
     gl_->ProgramUniform1uiv(id, kFirstPlaceUniform, GLsizei(first_place.size()), first_place.data());
     gl_->ProgramUniform1ui(id, kRecordCommandsUniform, GLuint(lists.record_command_count()));
@@ -164,13 +161,14 @@ class ComputePass : public GpuPass {
     const std::size_t rest = target.offset % alignment_;
     gl_->BindBufferRange(GL_SHADER_STORAGE_BUFFER, kFound, target.buffer, GLintptr(target.offset - rest),
                          GLsizeiptr(target.size + rest));
-    gl_->ProgramUniform1ui(write_.of(batch.kind).id(), kFirstWordUniform, GLuint(rest / sizeof(std::uint32_t)));
-    dispatch(write_, batch);
+    gl_->ProgramUniform1ui(write_.of(batch).id(), kFirstWordUniform, GLuint(rest / sizeof(std::uint32_t)));
+    dispatch(write_.of(batch), batch);
   }
 
   const gl::Functions* gl_;
   std::size_t largest_block_, alignment_;  // bytes
-  BatchPrograms test_, write_;
+  gl::Program test_;
+  BatchPrograms write_;
   gl::Program sum_;
   gl::Buffer masks_, places_, results_;
   const volatile std::uint32_t* mapped_ = nullptr;

@@ -29,18 +29,16 @@ class GeometryPass : public GpuPass {
     auto framebuffer = gl::Framebuffer::create_attachmentless(*gl_, 1, 1, "cull");
     if (!framebuffer) return tl::unexpected(framebuffer.error());
     framebuffer_ = std::move(*framebuffer);
-    auto done = cluster_pass_.make(*gl_, batches, [](const CullBatch&) {
-      auto pass =
-          describe_pass("cull clusters", {{GL_VERTEX_SHADER, {"clusters.vert"}}, {GL_GEOMETRY_SHADER, {"keep.geom"}}});
-      pass.feedback_varyings = {"found"};
-      return pass;
-    });
-    if (!done) return done;
-    return item_pass_.make(*gl_, batches, [](const CullBatch& batch) {
-      const char* keep = batch.meshes() ? "keep_commands.geom" : "keep.geom";
-      auto pass =
-          describe_item_pass("cull items", batch, {{GL_VERTEX_SHADER, {"items.vert"}}, {GL_GEOMETRY_SHADER, {keep}}});
-      if (batch.meshes()) {
+    auto clusters =
+        describe_pass("cull clusters", {{GL_VERTEX_SHADER, {"clusters.vert"}}, {GL_GEOMETRY_SHADER, {"keep.geom"}}});
+    clusters.feedback_varyings = {"found"};
+    auto program = gl::Program::create(*gl_, clusters);
+    if (!program) return tl::unexpected(program.error());
+    cluster_pass_ = std::move(*program);
+    return item_pass_.make(*gl_, batches, [](bool meshes) {
+      const char* keep = meshes ? "keep_commands.geom" : "keep.geom";
+      auto pass = describe_pass("cull items", {{GL_VERTEX_SHADER, {"items.vert"}}, {GL_GEOMETRY_SHADER, {keep}}});
+      if (meshes) {
         pass.feedback_varyings = {"command", "base_instance"};
       } else {
         pass.feedback_varyings = {"found"};
@@ -100,7 +98,7 @@ class GeometryPass : public GpuPass {
   };
 
   void find_clusters(const CullBatch& batch, const Kept& kept) const {
-    cluster_pass_.of(batch.kind).use();
+    cluster_pass_.use();
     bind_batch(*gl_, batch);
     kept.feedback.begin_points();
     gl_->DrawArrays(GL_POINTS, 0, GLsizei(batch.bounds.cluster_count()));
@@ -108,20 +106,21 @@ class GeometryPass : public GpuPass {
   }
 
   void find_items(const CullBatch& batch, const Kept& kept, const DrawLists& lists, const gl::Query& query) const {
-    item_pass_.of(batch.kind).use();
+    item_pass_.of(batch).use();
     bind_batch(*gl_, batch);
     gl_->VertexArrayVertexBuffer(item_array_.id(), kClusterBufferBinding, kept.clusters.id(), 0, sizeof(std::uint32_t));
     const DrawLists::Target target = lists.target(batch.kind);
     item_feedback_.set_buffer(target.buffer, target.offset, target.size);
     query.begin();
     item_feedback_.begin_points();
-    gl_->DrawTransformFeedbackInstanced(GL_POINTS, kept.feedback.id(), GLsizei(kClusterSize));
+    gl_->DrawTransformFeedbackInstanced(GL_POINTS, kept.feedback.id(), GLsizei(kItemsPerCluster));
     item_feedback_.end();
     query.end();
   }
 
   const gl::Functions* gl_;
-  BatchPrograms cluster_pass_, item_pass_;
+  gl::Program cluster_pass_;
+  BatchPrograms item_pass_;
   gl::VertexArray cluster_array_, item_array_;
   gl::Framebuffer framebuffer_;
   gl::TransformFeedback item_feedback_;

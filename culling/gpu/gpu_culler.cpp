@@ -58,7 +58,6 @@ core::Expected<GpuCuller> GpuCuller::create(const gl::Context& context, const Sn
   GpuCuller culler;
   culler.gl_ = &gl;
   culler.writer_ = gpuscene::ElementWriter(context);
-  culler.bounds_form_ = config.bounds;
   auto block = gl::Buffer::create(gl, sizeof(PlaneBlock), nullptr, GL_DYNAMIC_STORAGE_BIT, "cull planes");
   if (!block) return tl::unexpected(block.error());
   culler.plane_block_ = std::move(*block);
@@ -81,7 +80,6 @@ GpuForm GpuCuller::form() const {
 
 core::Expected<void> GpuCuller::make_batches(const Snapshot& snapshot, const gpuscene::GpuScene& scene) {
   batches_.clear();
-  if (auto done = write_chunks(snapshot); !done) return done;
   auto slots = slots_by_batch(snapshot);
   for (const Batch& batch : scene.batches())
     if (auto done = add_batch(snapshot, scene, batch, std::move(slots[std::size_t(batch.kind)])); !done) return done;
@@ -90,28 +88,11 @@ core::Expected<void> GpuCuller::make_batches(const Snapshot& snapshot, const gpu
   return {};
 }
 
-/// All anew: few, and new ones come with edits far away.
-core::Expected<void> GpuCuller::write_chunks(const Snapshot& snapshot) {
-  if (bounds_form_ != GpuBoundsForm::kParameters) return {};
-  std::vector<glm::vec4> rows;
-  for (std::uint32_t i = 0; i < snapshot.chunk_origins().size(); ++i) rows.emplace_back(chunk_place(snapshot, i), 0.0f);
-  const std::size_t bytes = rows.size() * sizeof(rows[0]);
-  if (bytes > chunks_.buffer.size() || chunks_.buffer.size() == 0) {
-    auto made = TexelArray::create(*gl_, 2 * bytes + sizeof(rows[0]), nullptr, GL_RGBA32F, "cull chunks");
-    if (!made) return tl::unexpected(made.error());
-    chunks_ = std::move(*made);
-    for (CullBatch& batch : batches_) batch.chunk_texels = chunks_.texels.id();
-  }
-  chunks_.buffer.write(0, bytes, rows.data());
-  return {};
-}
-
 core::Expected<void> GpuCuller::add_batch(const Snapshot& snapshot, const gpuscene::GpuScene& scene, const Batch& batch,
                                           std::vector<Slot> slots) {
-  const GpuBoundsForm form = GpuBounds::form_for(batch.kind, bounds_form_);
-  auto made = GpuBounds::create(*gl_, snapshot, batch, std::move(slots), form);
+  auto made = GpuBounds::create(*gl_, snapshot, batch, std::move(slots));
   if (!made) return tl::unexpected(made.error());
-  CullBatch added{batch.kind, std::move(*made), {}, batch.texels.id(), chunks_.texels.id()};
+  CullBatch added{batch.kind, std::move(*made), {}};
   if (added.meshes()) {
     std::vector<gpuscene::ElementsCommand> commands = scene.meshes().commands;
     commands.resize(batch.capacity);
@@ -127,7 +108,6 @@ core::Expected<void> GpuCuller::add_batch(const Snapshot& snapshot, const gpusce
 core::Expected<void> GpuCuller::update(const Snapshot& snapshot, const gpuscene::GpuScene& scene,
                                        std::span<const Slot> touched) {
   if (snapshot.bounds().uses_layers() != uses_layers_) return make_batches(snapshot, scene);
-  if (auto done = write_chunks(snapshot); !done) return done;
   std::array<std::vector<std::uint32_t>, gpuscene::kBatchKindCount> changed;
   const auto batch_of = [&](Slot slot) { return std::size_t(gpuscene::batch_of(snapshot.kind(slot))); };
   for (const Slot slot : touched) changed[batch_of(slot)].push_back(gpuscene::GpuScene::record_of(snapshot, slot));
@@ -148,13 +128,13 @@ core::Expected<void> GpuCuller::update(const Snapshot& snapshot, const gpuscene:
 }
 
 std::size_t GpuCuller::memory_bytes() const {
-  std::size_t bytes = plane_block_.size() + chunks_.buffer.size() + pass_->memory_bytes();
+  std::size_t bytes = plane_block_.size() + pass_->memory_bytes();
   for (const CullBatch& batch : batches_) bytes += batch.memory_bytes();
   return bytes;
 }
 
 std::size_t GpuCuller::bounds_memory_bytes() const {
-  std::size_t bytes = chunks_.buffer.size();
+  std::size_t bytes = 0;
   for (const CullBatch& batch : batches_) bytes += batch.bounds.memory_bytes();
   return bytes;
 }

@@ -32,10 +32,9 @@ struct CullBatch;
 /// Promise: conservative, and nearly what CpuCuller answers. Items go only when the float form of CullPlanes surely
 /// rejects them, with twice its band and room for flushed denormals, since GLSL leaves rounding mode and denormals to
 /// the driver (The OpenGL Shading Language 4.50, section 4.7.1). So no item of the CPU's set is ever missing, and
-/// what is there beyond it has a corner within that band of a plane: some 10^-6 of the scene's size. Of boxes in a
-/// smaller form (GpuBoundsForm) that holds for what the form makes of the CPU's boxes.
+/// what is there beyond it has a corner within that band of a plane: some 10^-6 of the scene's size.
 ///
-/// The context must be current in all calls. cull() leaves changed: program, texture units 0 to 6, uniform block 1; the
+/// The context must be current in all calls. cull() leaves changed: program, texture units 0 to 4, uniform block 1; the
 /// geometry form also vertex array, framebuffer and transform feedback, the compute form shader storage blocks 0 to 4.
 class GpuCuller {
  public:
@@ -97,17 +96,14 @@ class GpuCuller {
   core::Expected<void> make_batches(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   core::Expected<void> add_batch(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                                  const gpuscene::Batch& batch, std::vector<core::Slot> slots);
-  core::Expected<void> write_chunks(const core::Snapshot& snapshot);
   core::Expected<void> choose_form(const gl::Context& context, const core::Snapshot& snapshot,
                                    const gpuscene::GpuScene& scene);
   void upload_planes(const CullPlanes& planes, const core::ItemBounds& bounds, std::uint32_t layers) const;
   std::size_t next_probe(std::uint64_t frame);
 
   const gl::Functions* gl_ = nullptr;
-  GpuBoundsForm bounds_form_ = GpuBoundsForm::kFloat;
   std::vector<CullBatch> batches_;
   gpuscene::ElementWriter writer_;
-  TexelArray chunks_;  // origins, four floats each; only where boxes come from records
   core::Slot slot_count_ = 0;
   bool uses_layers_ = false;
   std::unique_ptr<GpuPass> pass_;

@@ -22,8 +22,7 @@ namespace sightline::culling {
 struct CullBatch {
   gpuscene::BatchKind kind;
   GpuBounds bounds;
-  TexelArray commands;                         ///< of all meshes; none of other batches
-  GLuint record_texels = 0, chunk_texels = 0;  ///< where boxes come from records
+  TexelArray commands;  ///< of all meshes; none of other batches
 
   bool meshes() const { return kind == gpuscene::BatchKind::kMesh; }
   std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.buffer.size(); }
@@ -57,25 +56,19 @@ inline core::Expected<std::unique_ptr<GpuPass>> make_pass(GpuForm form, const gl
   return form == GpuForm::kCompute ? make_compute_pass(context, batches) : make_geometry_pass(context, batches);
 }
 
-/// A program for each batch, equal ones once.
+/// The program of meshes, and the one of all other batches. Each is made only where there are such batches.
 class BatchPrograms {
  public:
-  /// `describe` says what a batch needs; its stages and defines tell equal ones.
   core::Expected<void> make(const gl::Functions& gl, std::span<const CullBatch> batches,
-                            const std::function<gl::ProgramDescription(const CullBatch&)>& describe);
-  const gl::Program& of(gpuscene::BatchKind kind) const { return programs_[index_[std::size_t(kind)]]; }
+                            const std::function<gl::ProgramDescription(bool meshes)>& describe);
+  const gl::Program& of(const CullBatch& batch) const { return programs_[batch.meshes()]; }
 
  private:
-  std::vector<gl::Program> programs_;
-  std::array<std::size_t, gpuscene::kBatchKindCount> index_{};
+  std::array<gl::Program, 2> programs_;
 };
 
 /// A program of one stage or more from the files of culling/gpu and gpuscene, with the draw lists' defines.
 gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages);
-
-/// The same for item_test.glsl: with the shape and the form of the batch's boxes.
-gl::ProgramDescription describe_item_pass(std::string name, const CullBatch& batch,
-                                          std::vector<gl::StageDescription> stages);
 
 /// Where shaders find what lies in a batch.
 enum CullTextureUnit : GLuint {
@@ -84,8 +77,6 @@ enum CullTextureUnit : GLuint {
   kItemBoxUnit,
   kItemLayerUnit,
   kCommandUnit,
-  kRecordUnit,
-  kChunkUnit,
 };
 void bind_batch(const gl::Functions& gl, const CullBatch& batch);
 

@@ -117,7 +117,7 @@ TEST_P(GpuRealModels, LookTheSameOnBothPaths) {
       SCOPED_TRACE(flight.name);
       const Found found = fly(rig, flight.path);
       EXPECT_GT(found.items, std::min<std::size_t>(1000, 10 * model->scene->item_count()));
-      EXPECT_LE(found.extra, 1 + found.items / (config.bounds == culling::GpuBoundsForm::kFloat ? 10'000 : 50));
+      EXPECT_LE(found.extra, 1 + found.items / 10'000);
       EXPECT_GT(found.shown, 500u);
       EXPECT_LE(found.ties, found.shown / 20);
     }

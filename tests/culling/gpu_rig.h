@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,15 +18,10 @@ namespace sightline::tests {
 
 /// All ways to cull.
 inline std::vector<culling::GpuCullerConfig> all_gpu_configs() {
-  std::vector<culling::GpuCullerConfig> configs;
-  for (const auto form : {culling::GpuForm::kGeometry, culling::GpuForm::kCompute})
-    for (const auto bounds :
-         {culling::GpuBoundsForm::kFloat, culling::GpuBoundsForm::kCompact, culling::GpuBoundsForm::kParameters})
-      configs.push_back({form, bounds});
-  return configs;
+  return {{culling::GpuForm::kGeometry}, {culling::GpuForm::kCompute}};
 }
 inline std::string name_of(const culling::GpuCullerConfig& config) {
-  return std::string(culling::name_of(*config.form)) + "_" + std::string(culling::name_of(config.bounds));
+  return std::string(culling::name_of(*config.form));
 }
 inline std::string gpu_config_name(const testing::TestParamInfo<culling::GpuCullerConfig>& info) {
   return name_of(info.param);
@@ -40,15 +34,13 @@ struct Rig {
   gpuscene::GpuScene gpu;
   gpuscene::DrawLists lists;
   culling::GpuCuller culler;
-  culling::GpuBoundsForm bounds_form;
 
   Rig(const gl::Context& gl, const core::Scene& scene, const culling::GpuCullerConfig& config)
       : context(&gl),
         snapshot(scene),
         gpu(std::move(*gpuscene::GpuScene::create(gl, snapshot))),
         lists(std::move(*gpuscene::DrawLists::create(gl, gpu))),
-        culler(std::move(*culling::GpuCuller::create(gl, snapshot, gpu, config))),
-        bounds_form(config.bounds) {}
+        culler(std::move(*culling::GpuCuller::create(gl, snapshot, gpu, config))) {}
 
   std::vector<core::Slot> cull(const core::View& view) {
     EXPECT_TRUE(culler.cull(view, snapshot, gpu, lists));
@@ -65,17 +57,6 @@ struct Rig {
     culling::LinearCuller(snapshot.bounds()).cull(view, set);
     return occupied(set);
   }
-  /// By batch and cluster: all that the smaller forms know for sure of where an item is.
-  using Cluster = std::pair<gpuscene::BatchKind, std::uint32_t>;
-  Cluster cluster(core::Slot slot) const {
-    return {gpuscene::batch_of(snapshot.kind(slot)), gpuscene::GpuScene::record_of(snapshot, slot) / 64};
-  }
-  std::map<Cluster, core::Aabb> cluster_boxes() const {
-    std::map<Cluster, core::Aabb> boxes;
-    for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
-      if (!snapshot.vacant(slot)) boxes[cluster(slot)].grow(snapshot.bounds().box(slot));
-    return boxes;
-  }
   void apply(const core::SceneDelta& delta) {
     const std::vector<core::Slot> touched = snapshot.apply(delta);
     ASSERT_TRUE(gpu.append(snapshot));
@@ -85,7 +66,7 @@ struct Rig {
 };
 
 /// Culls on the GPU and compares with `wanted`, the CPU's slots in rising order: none is lost, and what is extra lies
-/// within the float planes' band, or with smaller bounds in a cluster that does. Returns how many are extra.
+/// within the float planes' band. Returns how many are extra.
 inline std::size_t expect_found(Rig& rig, const core::View& view, const std::vector<core::Slot>& wanted) {
   const std::vector<core::Slot> found = rig.cull(view);
   EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "named twice";
@@ -95,13 +76,10 @@ inline std::size_t expect_found(Rig& rig, const core::View& view, const std::vec
   std::set_difference(found.begin(), found.end(), wanted.begin(), wanted.end(), std::back_inserter(extra));
   const core::ItemBounds& bounds = rig.snapshot.bounds();
   const culling::CullPlanes planes(view, bounds);
-  const bool exact = rig.bounds_form == culling::GpuBoundsForm::kFloat;
-  const auto around = exact || extra.empty() ? decltype(rig.cluster_boxes()){} : rig.cluster_boxes();
   for (const core::Slot slot : extra) {
     EXPECT_FALSE(bounds.vacant(slot));
     EXPECT_NE(bounds.layers(slot) & view.layers, 0u);
-    EXPECT_TRUE(left_open(planes, exact ? bounds.box(slot) : around.at(rig.cluster(slot))))
-        << "slot " << slot << " is clearly outside";
+    EXPECT_TRUE(left_open(planes, bounds.box(slot))) << "slot " << slot << " is clearly outside";
   }
   return extra.size();
 }

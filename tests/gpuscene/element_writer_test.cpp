@@ -94,12 +94,11 @@ class ManyEdits : public tests::GlTest {
 };
 
 TEST_F(ManyEdits, TakeFewCallsAndLeaveWhatANewSceneHas) {
-  for (const auto bounds :
-       {culling::GpuBoundsForm::kFloat, culling::GpuBoundsForm::kCompact, culling::GpuBoundsForm::kParameters}) {
+  for (const auto form : {culling::GpuForm::kGeometry, culling::GpuForm::kCompute}) {
     core::Snapshot snapshot(scene);
     auto gpu = GpuScene::create(*context, snapshot);
     ASSERT_TRUE(gpu);
-    auto culler = culling::GpuCuller::create(*context, snapshot, *gpu, {culling::GpuForm::kGeometry, bounds});
+    auto culler = culling::GpuCuller::create(*context, snapshot, *gpu, {form});
     ASSERT_TRUE(culler);
     for (const core::ItemId item : items) scene.set_visible(item, true);
     snapshot.apply(*scene.commit());
@@ -118,7 +117,7 @@ TEST_F(ManyEdits, TakeFewCallsAndLeaveWhatANewSceneHas) {
     auto lists = gpuscene::DrawLists::create(*context, *gpu);
     ASSERT_TRUE(culler->cull(*view, snapshot, *gpu, *lists));
     const auto found = culler->read_back(*lists).items;
-    auto fresh = culling::GpuCuller::create(*context, snapshot, *anew, {culling::GpuForm::kGeometry, bounds});
+    auto fresh = culling::GpuCuller::create(*context, snapshot, *anew, {form});
     ASSERT_TRUE(fresh->cull(*view, snapshot, *anew, *lists));
     EXPECT_EQ(found, fresh->read_back(*lists).items);
     EXPECT_GT(found.size(), 1000u);

@@ -1,8 +1,8 @@
-// Blocks of 32 clusters: what a work group of 64 invocations, one for each record of a cluster, does at a time.
+// Blocks of kClustersPerBlock clusters: what a work group does at a time, one invocation for each record of a cluster.
 // C++ side: culling/gpu/compute_pass.cpp.
-layout(local_size_x = 64) in;
+#include "cull_limits.glsl"
 
-const uint kClustersPerBlock = 32u;
+layout(local_size_x = kItemsPerCluster) in;
 
 layout(std430, binding = 0) restrict buffer Masks {
   uint masks[];  // per block and place in a cluster: bit c is the visibility of that record of the block's cluster c

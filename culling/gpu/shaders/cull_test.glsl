@@ -1,10 +1,7 @@
 // Boxes against the planes of a view: the float half of culling/frustum_test.h, evaluated in its order. A box goes only
 // when a plane surely rejects it; what the float form leaves open stays.
 
-const int kMaxPlanes = 14;            // culling::kMaxCullPlanes
-const uint kInside = 0x80000000u;     // of a cluster: no plane cuts it
-const uint kItemsPerCluster = 64u;
-const uint kRejected = 0xffffffffu;   // instead of the number of what goes
+#include "cull_limits.glsl"
 
 struct CullPlane {
   vec4 equation;  // normal, offset

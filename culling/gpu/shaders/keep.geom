@@ -2,7 +2,7 @@
 layout(points) in;
 layout(points, max_vertices = 1) out;
 
-const uint kRejected = 0xffffffffu;  // as in cull_test.glsl
+#include "cull_limits.glsl"
 
 flat in uint name[];
 flat out uint found;

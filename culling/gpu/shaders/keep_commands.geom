@@ -4,7 +4,7 @@ layout(points, max_vertices = 1) out;
 
 layout(binding = 4) uniform usamplerBuffer commands;  // gpuscene::ElementsCommand, five texels each
 
-const uint kRejected = 0xffffffffu;  // as in cull_test.glsl
+#include "cull_limits.glsl"
 
 flat in uint name[];
 flat out uvec4 command;  // index count, instance count, first index, base vertex
