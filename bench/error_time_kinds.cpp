@@ -65,7 +65,7 @@ class Stage {
   std::size_t bytes() const {
     std::size_t bytes = gpu_.meshes().vertices.size() + gpu_.meshes().indices.size();
     for (const gpuscene::Batch& batch : gpu_.batches())
-      bytes += std::size_t(batch.count) * std::size_t(batch.texels_per_item) * sizeof(gpuprims::Texel);
+      bytes += batch.count * gpuscene::record_bytes(batch.kind);
     return bytes;
   }
 

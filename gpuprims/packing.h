@@ -29,19 +29,14 @@ namespace sightline::gpuprims {
 
 using Texel = std::array<std::uint32_t, 4>;
 
-/// High bits of the material word; the low 24 bits are the row of the material table.
-enum ItemFlags : std::uint32_t {
-  kBottomOpen = 1u << 24,  ///< that end is not drawn; the solid is as closed as ever where a section cuts it
-  kTopOpen = 1u << 25,
-  kFlatShaded = 1u << 26,
-};
-inline constexpr std::uint32_t kMaterialMask = 0x00ffffffu;
+using uint = std::uint32_t;  // as GLSL has it
+#include "sightline/gpuprims/shaders/limits.glsl"
 
 /// What a record says of an item besides its shape.
 struct PackedItem {
   core::Placement placement;
   std::uint32_t id = 0;
-  std::uint32_t material = 0;  ///< row of the material table | ItemFlags
+  std::uint32_t material = 0;  ///< row of the material table | kBottomOpen and so on
 };
 
 /// Texels per record of a ray-cast or instanced kind.

@@ -52,7 +52,7 @@ core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int
   const dmat4 world_from_eye = glm::inverse(eye);
   int count = 0;
   for (const core::Plane& plane : view.sections) {
-    if (plane.normal == core::dvec3(0.0) || count == int(core::kMaxSectionPlanes)) continue;
+    if (plane.normal == core::dvec3(0.0) || count == kMaxSections) continue;
     block.sections[count++] = glm::vec4(glm::transpose(world_from_eye) * dvec4(plane.normal, plane.offset));
   }
   block.flags = {perspective ? 1 : 0, count, view.section_mode == core::SectionMode::kUnion ? 1 : 0, 0};

@@ -6,8 +6,11 @@
 #include <glm/glm.hpp>
 
 #include "sightline/core/view.h"
+#include "sightline/gpuprims/packing.h"
 
 namespace sightline::gpuprims {
+
+static_assert(kMaxSections == int(core::kMaxSectionPlanes));
 
 struct ViewBlock {
   glm::dvec4 eye_from_world[3];  // columns of a dmat3, padded
@@ -18,13 +21,13 @@ struct ViewBlock {
   glm::vec4 viewport;
   glm::vec4 up;
   glm::ivec4 flags;
-  glm::vec4 sections[core::kMaxSectionPlanes];
+  glm::vec4 sections[kMaxSections];
 };
 static_assert(offsetof(ViewBlock, pixel_ray) == 96);
 static_assert(offsetof(ViewBlock, clip_from_eye) == 192);
 static_assert(offsetof(ViewBlock, flags) == 304);
 static_assert(offsetof(ViewBlock, sections) == 320);
-static_assert(sizeof(ViewBlock) == 320 + 16 * core::kMaxSectionPlanes);
+static_assert(sizeof(ViewBlock) == 320 + 16 * kMaxSections);
 
 /// Clip matrix with reversed zero-to-one depth, whatever convention the view was made for.
 core::dmat4 reversed_clip_from_eye(const core::View& view);

@@ -15,21 +15,6 @@ using gpuprims::Texel;
 
 constexpr std::uint32_t kHeadroom = 64;  // records, beside an eighth of what there is
 
-constexpr std::array<std::string_view, kBatchKindCount> kBatchNames = {
-    "cylinder", "snout", "circular_torus", "sphere_cap", "rectangular_torus", "pyramid", "box", "line", "mesh"};
-
-/// Which batch draws which kind, in the order of core::Kind.
-constexpr std::array<BatchKind, core::kKindCount> kBatchOfKind = {
-    BatchKind::kPyramid,   BatchKind::kBox,      BatchKind::kRectangularTorus, BatchKind::kCircularTorus,
-    BatchKind::kSphereCap,  // elliptical dish
-    BatchKind::kSphereCap,  // spherical dish
-    BatchKind::kSnout,     BatchKind::kCylinder,
-    BatchKind::kSphereCap,  // sphere
-    BatchKind::kLine,
-    BatchKind::kMesh,  // facet group
-    BatchKind::kMesh,  // mesh
-};
-
 /// Row of the material table: materials come in scene order, after the row for items that name none.
 std::uint32_t material_row(const Snapshot& snapshot, Slot slot) {
   const std::uint32_t material = snapshot.material(slot);
@@ -37,9 +22,9 @@ std::uint32_t material_row(const Snapshot& snapshot, Slot slot) {
 }
 
 /// Records of `slots`, and memory for `capacity` of them.
-std::vector<Texel> pack_slots(const Snapshot& snapshot, std::span<const Slot> slots, int texels_per_item,
+std::vector<Texel> pack_slots(const Snapshot& snapshot, BatchKind kind, std::span<const Slot> slots,
                               std::size_t capacity) {
-  const std::size_t stride = std::size_t(texels_per_item);
+  const std::size_t stride = std::size_t(texels_per_record(kind));
   std::vector<Texel> texels(capacity * stride);
   for (std::size_t i = 0; i < slots.size(); ++i)
     GpuScene::pack(snapshot, slots[i], std::span(texels).subspan(i * stride, stride));
@@ -57,8 +42,7 @@ core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, const 
   batch.kind = kind;
   batch.count = std::uint32_t(slots.size());
   batch.capacity = batch.count + batch.count / 8 + kHeadroom;
-  batch.texels_per_item = gpuprims::texels_per_item(snapshot.kind(slots[0]));
-  const std::vector<Texel> texels = pack_slots(snapshot, slots, batch.texels_per_item, batch.capacity);
+  const std::vector<Texel> texels = pack_slots(snapshot, kind, slots, batch.capacity);
   const std::string what = "records of the " + std::string(batch_name(kind)) + " batch";
   auto buffer = gl::Buffer::create(gl, std::span(texels), GL_DYNAMIC_STORAGE_BIT, what);
   if (!buffer) return tl::unexpected(buffer.error());
@@ -71,32 +55,10 @@ core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, const 
 
 }  // namespace
 
-std::string_view batch_name(BatchKind kind) {
-  return kBatchNames[std::size_t(kind)];
-}
-
-std::string batch_define(BatchKind kind) {
-  std::string define(batch_name(kind));
-  for (char& c : define)
-    if (c >= 'a' && c <= 'z') c = char(c - 'a' + 'A');
-  return define;
-}
-
-std::vector<std::string> batch_kind_defines() {
-  std::vector<std::string> defines;
-  for (int kind = 0; kind < kBatchKindCount; ++kind)
-    defines.push_back(batch_define(BatchKind(kind)) + "_KIND " + std::to_string(kind) + "u");
-  return defines;
-}
-
-BatchKind batch_of(Kind kind) {
-  return kBatchOfKind[std::size_t(kind)];
-}
-
 std::uint32_t GpuScene::rank(const Snapshot& snapshot, BatchKind kind, Slot slot) {
   std::uint32_t rank = 0;
   for (int k = 0; k < core::kKindCount; ++k)
-    if (kBatchOfKind[std::size_t(k)] == kind) rank += snapshot.rank(Kind(k), slot);
+    if (batch_of(Kind(k)) == kind) rank += snapshot.rank(Kind(k), slot);
   return rank;
 }
 
@@ -200,9 +162,8 @@ bool GpuScene::append(const Snapshot& snapshot) {
   for (Batch& b : batches_) {
     const auto& fresh = slots[std::size_t(b.kind)];
     if (fresh.empty()) continue;
-    const std::vector<Texel> texels = pack_slots(snapshot, fresh, b.texels_per_item, fresh.size());
-    b.records.write(std::size_t(b.count) * std::size_t(b.texels_per_item) * sizeof(Texel),
-                    texels.size() * sizeof(Texel), texels.data());
+    const std::vector<Texel> texels = pack_slots(snapshot, b.kind, fresh, fresh.size());
+    b.records.write(b.count * record_bytes(b.kind), texels.size() * sizeof(Texel), texels.data());
     b.count += std::uint32_t(fresh.size());
   }
   slot_count_ = Slot(snapshot.size());
@@ -227,8 +188,8 @@ void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed) {
       slots.push_back(slot);
       if (target->kind == BatchKind::kMesh) meshes_.commands[record].instance_count = snapshot.vacant(slot) ? 0 : 1;
     }
-    const std::vector<Texel> texels = pack_slots(snapshot, slots, target->texels_per_item, slots.size());
-    writer_.write(target->records, std::size_t(target->texels_per_item) * sizeof(Texel), places, texels.data());
+    const std::vector<Texel> texels = pack_slots(snapshot, target->kind, slots, slots.size());
+    writer_.write(target->records, record_bytes(target->kind), places, texels.data());
   }
 }
 

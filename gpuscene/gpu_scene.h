@@ -5,48 +5,16 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
-#include <string_view>
 #include <unordered_map>
 #include <vector>
 
 #include "sightline/core/snapshot.h"
 #include "sightline/gl/buffer.h"
 #include "sightline/gl/context.h"
-#include "sightline/gpuprims/packing.h"
+#include "sightline/gpuscene/batch_kinds.h"
 #include "sightline/gpuscene/element_writer.h"
 
 namespace sightline::gpuscene {
-
-/// Items that one program draws. There is a batch only for what the scene holds.
-enum class BatchKind : std::uint8_t {
-  kCylinder,
-  kSnout,
-  kCircularTorus,
-  kSphereCap,
-  kRectangularTorus,
-  kPyramid,
-  kBox,
-  kLine,
-  kMesh,
-};
-inline constexpr int kBatchKindCount = 9;
-
-std::string_view batch_name(BatchKind kind);
-/// The name in capitals: what shaders of one kind are chosen by.
-std::string batch_define(BatchKind kind);
-/// "CYLINDER_KIND 0u" and so on: a BatchKind in shaders of several kinds.
-std::vector<std::string> batch_kind_defines();
-
-/// The batch that draws items of a kind. Spheres and both dishes share kSphereCap; facet groups and meshes go to kMesh.
-BatchKind batch_of(core::Kind kind);
-
-inline constexpr std::size_t kMostTexelsPerItem = 8;
-
-/// True for batches whose shader casts rays within a proxy.
-constexpr bool is_ray_cast(BatchKind kind) {
-  return kind <= BatchKind::kBox;
-}
 
 /// One record per item, in slot order: place k of a ray-cast or line batch is place k of the snapshot's of_kind()
 /// arrays.
@@ -54,7 +22,6 @@ struct Batch {
   BatchKind kind = BatchKind::kMesh;
   std::uint32_t count = 0;
   std::uint32_t capacity = 0;  ///< records that there is memory for
-  int texels_per_item = 4;
   gl::Buffer records;
   gl::TextureBuffer texels;
 };
@@ -101,7 +68,7 @@ class GpuScene {
   const gl::TextureBuffer& materials() const { return material_texels_; }
   std::size_t memory_bytes() const;
 
-  /// What a slot's record holds. `out`: Batch::texels_per_item texels.
+  /// What a slot's record holds. `out`: texels_per_record() of its batch.
   static void pack(const core::Snapshot& snapshot, core::Slot slot, std::span<gpuprims::Texel> out);
   /// Items of a batch in slots below `slot`. Constant time.
   static std::uint32_t rank(const core::Snapshot& snapshot, BatchKind kind, core::Slot slot);

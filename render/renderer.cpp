@@ -13,7 +13,7 @@ namespace {
 using gpuscene::BatchKind;
 
 enum TextureUnit : GLuint { kPayloadUnit, kChunkUnit, kMaterialUnit, kSinglesUnit };
-enum VertexUniform : GLint { kRecordCountUniform, kBatchKindUniform, kTexelsPerItemUniform };
+enum VertexUniform : GLint { kRecordCountUniform, kBatchKindUniform, kTexelsPerRecordUniform };
 constexpr GLint kSampleOffsetsUniform = 1;  // of the fragment stage
 enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
 enum VertexAttribute : GLuint { kInstanceAttribute, kVertexAttribute };
@@ -32,7 +32,7 @@ gl::ProgramDescription describe_batch(BatchKind kind, const TargetForm& form, bo
   gl::ProgramDescription description;
   description.name = gpuscene::batch_name(kind);
   description.shaders = shader_context(form, sections);
-  description.shaders.defines.push_back(gpuscene::batch_define(kind));
+  for (std::string& define : gpuscene::batch_defines(kind)) description.shaders.defines.push_back(std::move(define));
   if (gpuscene::is_ray_cast(kind)) {
     description.stages = {{GL_FRAGMENT_SHADER, {"primitive.frag"}}};
     description.separable = true;
@@ -203,7 +203,7 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const BatchProgram& prog
   if (ray_cast) {
     program.pipeline.use();
     gl.ProgramUniform1ui(proxy_program_.id(), kBatchKindUniform, GLuint(batch.kind));
-    gl.ProgramUniform1i(proxy_program_.id(), kTexelsPerItemUniform, batch.texels_per_item);
+    gl.ProgramUniform1i(proxy_program_.id(), kTexelsPerRecordUniform, gpuscene::texels_per_record(batch.kind));
   } else {
     program.program.use();
   }

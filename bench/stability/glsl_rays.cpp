@@ -9,6 +9,7 @@
 #include "sightline/gl/buffer.h"
 #include "sightline/gpuprims/packing.h"
 #include "sightline/gpuprims/shaders.h"
+#include "sightline/gpuscene/batch_kinds.h"
 
 namespace sightline::bench {
 namespace {
@@ -20,26 +21,6 @@ using gpuprims::Texel;
 
 constexpr GLint kCountUniform = 0;
 constexpr float kNoHit = 3.0e38f;
-
-/// As rays.comp names the kinds' files.
-const char* define_of(Kind kind) {
-  switch (kind) {
-    case Kind::kCylinder:
-      return "CYLINDER";
-    case Kind::kSnout:
-      return "SNOUT";
-    case Kind::kCircularTorus:
-      return "CIRCULAR_TORUS";
-    case Kind::kRectangularTorus:
-      return "RECTANGULAR_TORUS";
-    case Kind::kBox:
-      return "BOX";
-    case Kind::kPyramid:
-      return "PYRAMID";
-    default:
-      return "SPHERE_CAP";
-  }
-}
 
 /// The frame that a record holds, read back as the shader reads it.
 core::Affine chunk_from_local(std::span<const Texel> record) {
@@ -144,14 +125,15 @@ core::Expected<GlslRays> GlslRays::create() {
 }
 
 core::Expected<const gl::Program*> GlslRays::program(Kind kind) {
-  const std::string name = define_of(kind);
+  const gpuscene::BatchKind batch = gpuscene::batch_of(kind);
+  const std::string name(gpuscene::batch_name(batch));
   const auto known = programs_.find(name);
   if (known != programs_.end()) return &known->second;
   gl::ProgramDescription description;
   description.name = "rays at " + name;
   description.stages = {{GL_COMPUTE_SHADER, {"rays.comp"}}};
   description.shaders.tables = {shaders(), gpuprims::shaders()};
-  description.shaders.defines = {name};
+  description.shaders.defines = gpuscene::batch_defines(batch);
   auto made = gl::Program::create(context_.functions(), description);
   if (!made) return tl::unexpected(made.error());
   return &programs_.emplace(name, std::move(*made)).first->second;

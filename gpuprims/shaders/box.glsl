@@ -1,8 +1,6 @@
 // Box: the unit cube about the origin, its sizes in the placement.
 #include "search.glsl"
 
-const int kTexelsPerItem = 4;
-
 void load_shape(uint record, float unused, float shift) {}
 
 // Faces: 4 + axis below, 7 + axis above.

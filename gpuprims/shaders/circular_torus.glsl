@@ -3,8 +3,6 @@
 #include "arithmetic.glsl"
 #include "wedge.glsl"
 
-const int kTexelsPerItem = 5;
-
 const float kPi = 3.14159265358979;
 
 struct Shape {
@@ -14,7 +12,7 @@ struct Shape {
 } shape;
 
 void load_shape(uint record, float tube, float shift) {
-  vec4 sweep = payload_floats(record, kTexelsPerItem, 4);
+  vec4 sweep = payload_floats(record, TEXELS_PER_RECORD, 4);
   shape = Shape(sweep.x, tube, sweep.y > 0.0, sweep.zw);
 }
 

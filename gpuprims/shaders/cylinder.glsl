@@ -1,8 +1,6 @@
 // Cylinder in units of its radius: x^2 + y^2 <= 1, |z| <= h / 2, extra = h. Derivation: gpuprims/cylinder.h.
 #include "cylinder_span.glsl"
 
-const int kTexelsPerItem = 4;
-
 struct Shape {
   float low, high;  // the ends' z from where the ray's origin was put
 } shape;

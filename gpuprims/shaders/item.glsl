@@ -22,11 +22,11 @@ struct Item {
   float extra;            // first shape parameter
 };
 
-Item fetch_item(uint record, int texels_per_item) {
-  vec4 a = payload_floats(record, texels_per_item, 0);
-  vec4 b = payload_floats(record, texels_per_item, 1);
-  vec4 c = payload_floats(record, texels_per_item, 2);
-  uvec4 d = payload_texel(record, texels_per_item, 3);
+Item fetch_item(uint record, int texels_per_record) {
+  vec4 a = payload_floats(record, texels_per_record, 0);
+  vec4 b = payload_floats(record, texels_per_record, 1);
+  vec4 c = payload_floats(record, texels_per_record, 2);
+  uvec4 d = payload_texel(record, texels_per_record, 3);
   uvec4 xy = texelFetch(chunk_origins, 2 * int(d.x)), z = texelFetch(chunk_origins, 2 * int(d.x) + 1);
   Item item;
   item.chunk_from_local = mat3(a.xyz, vec3(a.w, b.xy), vec3(b.zw, c.x));

@@ -4,14 +4,14 @@
 #include "wedge.glsl"
 
 layout(location = 1) uniform uint batch_kind;  // gpuscene::BatchKind, whose numbers come as defines
-layout(location = 2) uniform int texels_per_item;
+layout(location = 2) uniform int texels_per_record;
 
 struct LocalBox {
   vec3 low, high;
   vec3 axis;  // per z; 0 of kinds that are not shifted
 };
 
-vec4 shape_texel(uint record, int texel) { return payload_floats(record, texels_per_item, min(texel, texels_per_item - 1)); }
+vec4 shape_texel(uint record, int texel) { return payload_floats(record, texels_per_record, min(texel, texels_per_record - 1)); }
 
 vec3 leaning_axis(vec2 offset, float height) { return vec3(height > 0.0 ? offset / height : vec2(0.0), 1.0); }
 

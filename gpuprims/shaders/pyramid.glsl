@@ -2,8 +2,6 @@
 // half the top's), (offset x, y, -, -).
 #include "search.glsl"
 
-const int kTexelsPerItem = 6;
-
 struct Shape {
   vec2 lean;            // of the axis, per z
   vec2 sides, widening; // half sides at the ray's origin, and per z
@@ -11,8 +9,8 @@ struct Shape {
 } shape;
 
 void load_shape(uint record, float height, float shift) {
-  vec4 sides = payload_floats(record, kTexelsPerItem, 4);
-  vec2 offset = payload_floats(record, kTexelsPerItem, 5).xy;
+  vec4 sides = payload_floats(record, TEXELS_PER_RECORD, 4);
+  vec2 offset = payload_floats(record, TEXELS_PER_RECORD, 5).xy;
   float inverse_height = height > 0.0 ? 1.0 / height : 0.0;
   shape.lean = offset * inverse_height;
   shape.widening = (sides.zw - sides.xy) * inverse_height;

@@ -3,8 +3,6 @@
 #include "cylinder_span.glsl"
 #include "wedge.glsl"
 
-const int kTexelsPerItem = 5;
-
 const int kInner = 4, kLow = 5, kHigh = 6;
 
 struct Shape {
@@ -14,7 +12,7 @@ struct Shape {
 } shape;
 
 void load_shape(uint record, float height, float shift) {
-  vec4 sweep = payload_floats(record, kTexelsPerItem, 4);
+  vec4 sweep = payload_floats(record, TEXELS_PER_RECORD, 4);
   shape = Shape(sweep.x, -0.5 * height - shift, 0.5 * height - shift, sweep.y > 0.0, sweep.zw);
 }
 

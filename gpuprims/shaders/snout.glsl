@@ -4,8 +4,6 @@
 #include "arithmetic.glsl"
 #include "search.glsl"
 
-const int kTexelsPerItem = 7;
-
 struct Shape {
   vec2 lean;                       // of the axis, per z
   double radius;                   // at the ray's origin
@@ -16,9 +14,9 @@ struct Shape {
 } shape;
 
 void load_shape(uint record, float height, float shift) {
-  vec4 ends = payload_floats(record, kTexelsPerItem, 4);
-  vec4 slants = payload_floats(record, kTexelsPerItem, 5);
-  vec4 range = payload_floats(record, kTexelsPerItem, 6);
+  vec4 ends = payload_floats(record, TEXELS_PER_RECORD, 4);
+  vec4 slants = payload_floats(record, TEXELS_PER_RECORD, 5);
+  vec4 range = payload_floats(record, TEXELS_PER_RECORD, 6);
   float inverse_height = height > 0.0 ? 1.0 / height : 0.0;
   shape.lean = ends.zw * inverse_height;
   shape.widening = (ends.y - ends.x) * inverse_height;

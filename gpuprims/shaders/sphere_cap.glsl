@@ -4,8 +4,6 @@
 #include "arithmetic.glsl"
 #include "search.glsl"
 
-const int kTexelsPerItem = 4;
-
 struct Shape {
   float c;
 } shape;

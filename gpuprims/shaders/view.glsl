@@ -1,6 +1,6 @@
 // The view as shaders see it: eye space, where a ray's parameter t is its eye depth. Mirrors gpuprims::ViewBlock.
 
-const int kMaxSections = 8;
+#include "limits.glsl"
 
 layout(std140, binding = 0) uniform ViewBlock {
   dmat3 eye_from_world;     // linear part: chunk-relative directions into eye space

@@ -43,7 +43,7 @@ bool cast_ray(vec2 pixel, mat3 rows, uint hidden, out Sight sight) {
 
 void main() {
   uint record = anchor.z;
-  uvec4 words = payload_texel(record, kTexelsPerItem, 3);  // chunk, item id, material and flags, first shape parameter
+  uvec4 words = payload_texel(record, TEXELS_PER_RECORD, 3);  // chunk, item id, material and flags, first shape parameter
   if (dithered_away(words.z, words.y)) discard;
   load_shape(record, uintBitsToFloat(words.w), uintBitsToFloat(anchor.y));
   mat3 rows = mat3(local_from_eye[0].xyz, local_from_eye[1].xyz, local_from_eye[2].xyz);

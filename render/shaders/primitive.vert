@@ -42,7 +42,7 @@ Anchor choose_anchor(Item item, LocalBox box, mat3 eye_from_local, mat3 rows, ve
 
 void main() {
   uint record = record_of(1u);
-  Item item = fetch_item(record, texels_per_item);
+  Item item = fetch_item(record, texels_per_record);
   mat3 eye_from_local = mat3(view.eye_from_world) * item.chunk_from_local;
   vec3 yz = cross(eye_from_local[1], eye_from_local[2]);
   float volume = dot(eye_from_local[0], yz);

@@ -8,7 +8,7 @@ layout(location = 1) out uint out_id;  // item id + 1; 0 is background
 layout(location = 2) out vec4 out_normal;  // in eye space, towards the eye
 #endif
 
-vec4 material_of(uint word) { return texelFetch(materials, int(word & 0xffffffu)); }
+vec4 material_of(uint word) { return texelFetch(materials, int(word & kMaterialMask)); }
 
 // Screen-door transparency: order-free, and every pixel shows exactly one item. The 4x4 pattern shifts from item to item, so that two
 // transparent surfaces behind each other both show.

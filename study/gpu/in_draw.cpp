@@ -13,7 +13,7 @@ using gpuscene::BatchKind;
 
 // Of payload.glsl.
 constexpr GLuint kPayloadUnit = 0, kSinglesUnit = 3;
-constexpr GLint kRecordCountUniform = 0, kBatchKindUniform = 1, kTexelsPerItemUniform = 2;
+constexpr GLint kRecordCountUniform = 0, kBatchKindUniform = 1, kTexelsPerRecordUniform = 2;
 
 core::Expected<gl::Program> make_program(const gl::Functions& gl) {
   gl::ProgramDescription description;
@@ -23,7 +23,8 @@ core::Expected<gl::Program> make_program(const gl::Functions& gl) {
                         {GL_FRAGMENT_SHADER, {"primitive.frag"}}};
   description.shaders.tables = {shaders(), render::shaders(), gpuprims::shaders()};
   description.shaders.defines = gpuscene::batch_kind_defines();
-  description.shaders.defines.push_back(gpuscene::batch_define(BatchKind::kCylinder));
+  for (std::string& define : gpuscene::batch_defines(BatchKind::kCylinder))
+    description.shaders.defines.push_back(std::move(define));
   return gl::Program::create(gl, description);
 }
 
@@ -80,7 +81,7 @@ core::Expected<void> InDraw::draw(const core::View& view, const core::Snapshot& 
   program_.use();
   gl.ProgramUniform1ui(program_.id(), kRecordCountUniform, batch.count);
   gl.ProgramUniform1ui(program_.id(), kBatchKindUniform, GLuint(batch.kind));
-  gl.ProgramUniform1i(program_.id(), kTexelsPerItemUniform, batch.texels_per_item);
+  gl.ProgramUniform1i(program_.id(), kTexelsPerRecordUniform, gpuscene::texels_per_record(batch.kind));
   gl.BindTextureUnit(kPayloadUnit, batch.texels.id());
   gl.BindTextureUnit(kSinglesUnit, all_.singles().id());
   gl.BindTextureUnit(kBoxUnit, boxes_.texels.id());

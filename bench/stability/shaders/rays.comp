@@ -24,7 +24,7 @@ void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= count) return;
   vec3 o = rays[i].origin.xyz, d = rays[i].direction.xyz;
-  load_shape(i, uintBitsToFloat(payload_texel(i, kTexelsPerItem, 3).w), rays[i].origin.w);
+  load_shape(i, uintBitsToFloat(payload_texel(i, TEXELS_PER_RECORD, 3).w), rays[i].origin.w);
   Search search = search_all();
   intersect_primitive(search, o, d);
   bool found = search.t != kNoHit;
