@@ -199,7 +199,7 @@ core::Expected<int> render_model(const Options& o) {
                   {"items", engine->snapshot().size()},
                   {"visible", report->visible},
                   {"tested", report->tested},
-                  {"culler", engine->culler_name()}};
+                  {"culler", name_of(engine->plan().culler)}};
   if (!o.reference_ids.empty())
     if (auto done = compare_ids(o, drawing, figures); !done) return tl::unexpected(done.error());
   bool same = true;

@@ -106,13 +106,12 @@ struct Flight {
   }
   std::size_t on_gpu() const {
     return std::size_t(std::count_if(frames.begin(), frames.end(),
-                                     [](const Frame& f) { return std::string_view(f.report.path) == "gpu"; }));
+                                     [](const Frame& f) { return f.report.culler == engine::CullerChoice::kGpu; }));
   }
   /// Frames culled by another path than the frame before.
   std::size_t switches() const {
     std::size_t count = 0;
-    for (std::size_t i = 1; i < frames.size(); ++i)
-      count += std::string_view(frames[i].report.path) != frames[i - 1].report.path;
+    for (std::size_t i = 1; i < frames.size(); ++i) count += frames[i].report.culler != frames[i - 1].report.culler;
     return count;
   }
   std::vector<double> tested() const {
@@ -197,15 +196,15 @@ json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
   json out = {{"model", o.model.files},
               {"items", engine.snapshot().size()},
               {"renderer", flight.renderer},
-              {"culler", engine.culler_name()},
+              {"culler", name_of(engine.plan().culler)},
               {"size", size}};
   for (const engine::PlanEntry& e : engine.plan().entries)
     out["plan"].push_back({{"feature", e.feature}, {"used", e.used}, {"why", e.why}});
   out["frames"] = json::array();
   for (const Frame& f : flight.frames)
     out["frames"].push_back({{"t", f.time},
-                             {"path", f.report.path},
-                             {"state", f.report.state},
+                             {"path", name_of(f.report.culler)},
+                             {"state", apps::state_name(f.report)},
                              {"cull_ms", f.report.cull_ms},
                              {"gpu_cull_ms", f.gpu_cull_ms},
                              {"draw_ms", f.report.draw_ms},
@@ -225,9 +224,9 @@ std::string to_csv(const Flight& flight) {
   char line[200];
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
     const Frame& f = flight.frames[i];
-    std::snprintf(line, sizeof line, "%zu,%.6f,%s,%s,%.6f,%.6f,%.6f,%.6f,%lld,%lld\n", i, f.time, f.report.path,
-                  f.report.state, f.report.cull_ms, f.gpu_cull_ms, f.report.draw_ms, f.report.frame_ms,
-                  (long long)f.report.visible, (long long)f.report.tested);
+    std::snprintf(line, sizeof line, "%zu,%.6f,%s,%s,%.6f,%.6f,%.6f,%.6f,%lld,%lld\n", i, f.time,
+                  name_of(f.report.culler).data(), apps::state_name(f.report).data(), f.report.cull_ms, f.gpu_cull_ms,
+                  f.report.draw_ms, f.report.frame_ms, (long long)f.report.visible, (long long)f.report.tested);
     csv += line;
   }
   return csv;
@@ -235,7 +234,7 @@ std::string to_csv(const Flight& flight) {
 
 void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* out) {
   std::fprintf(out, "%zu frames, %zu items, culler %s, renderer %s\n\n", flight.frames.size(), engine.snapshot().size(),
-               engine.culler_name(), flight.renderer.c_str());
+               name_of(engine.plan().culler).data(), flight.renderer.c_str());
   std::fprintf(out, "%-16s %12s %12s %12s %12s\n", "", "mean", "median", "p99", "max");
   const auto row = [&](const char* name, const std::vector<double>& samples, int decimals) {
     if (samples.empty()) return;
@@ -249,10 +248,10 @@ void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* 
   row("frame ms", flight.frame(), 3);
   row("visible items", flight.visible(), 0);
   row("boxes tested", flight.tested(), 0);
-  if (const engine::Hybrid* hybrid = engine.hybrid())
+  if (const culling::Controller* controller = engine.controller())
     std::fprintf(out, "%-16s %12llu  (%llu probes; %zu of %zu frames on the GPU)\n", "switches",
-                 (unsigned long long)hybrid->controller().switches(), (unsigned long long)hybrid->controller().probes(),
-                 flight.on_gpu(), flight.frames.size());
+                 (unsigned long long)controller->switches(), (unsigned long long)controller->probes(), flight.on_gpu(),
+                 flight.frames.size());
   double cull_ms = 0.0;
   for (const double ms : flight.cull()) cull_ms += ms;
   if (cull_ms > 0.0)
@@ -270,11 +269,11 @@ apps::Marks marks_of(const Flight& flight) {
   bool on_gpu = false;
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
     const engine::FrameReport& report = flight.frames[i].report;
-    const bool probe = std::string_view(report.state) == "probe", was_on_gpu = on_gpu;
+    const bool probe = report.state == culling::ControllerState::kProbe, was_on_gpu = on_gpu;
     if (probe)
       marks.ticks.push_back(i);
     else
-      on_gpu = std::string_view(report.path) == "gpu";
+      on_gpu = report.culler == engine::CullerChoice::kGpu;
     if (on_gpu && !was_on_gpu) marks.bands.push_back({i, i});
     if (on_gpu) marks.bands.back()[1] = i;
   }
@@ -288,8 +287,8 @@ std::string to_svg(const Options& o, const engine::Engine& engine, const Flight&
     visible.values.push_back(double(f.report.visible));
   }
   const std::string title = o.model.files.front() + ": " + std::to_string(engine.snapshot().size()) +
-                            " items, culler " + engine.culler_name();
-  return apps::svg_plot(title, cull, visible, engine.hybrid() ? marks_of(flight) : apps::Marks{});
+                            " items, culler " + std::string(name_of(engine.plan().culler));
+  return apps::svg_plot(title, cull, visible, engine.controller() ? marks_of(flight) : apps::Marks{});
 }
 
 core::Expected<void> write_reports(const Options& o, const engine::Engine& engine, const Flight& flight,

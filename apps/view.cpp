@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/blank.h"
+#include "sightline/apps/common/controller_trace.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/view_window.h"
@@ -231,7 +232,7 @@ void Viewer::press(int key) {
 
 void Viewer::choose(CullerChoice culler) {
   const core::Expected<void> done = engine_.set_culler(culler);
-  tell(done, std::string("culler: ") + engine_.culler_name());
+  tell(done, "culler: " + std::string(name_of(engine_.plan().culler)));
   if (done && options_.model.explain) apps::explain(engine_.plan());
 }
 
@@ -321,10 +322,10 @@ void Viewer::note(const engine::FrameReport& report) {
 void Viewer::write_title() {
   char text[200];
   std::snprintf(text, sizeof text, "%s: %s (%s) | cull %.3f ms | frame %.1f ms | %lld of %zu items visible%s%s%s",
-                engine_.culler_name(), last_.path, last_.state, title_.cull_ms / title_.frames,
-                title_.frame_ms / std::max(1, title_.timed), (long long)visible_, engine_.snapshot().size(),
-                camera_.control.orbiting() ? " | orbit" : "", frozen_ ? " | culling camera frozen" : "",
-                recorder_ ? " | recording" : "");
+                name_of(engine_.plan().culler).data(), name_of(last_.culler).data(), apps::state_name(last_).data(),
+                title_.cull_ms / title_.frames, title_.frame_ms / std::max(1, title_.timed), (long long)visible_,
+                engine_.snapshot().size(), camera_.control.orbiting() ? " | orbit" : "",
+                frozen_ ? " | culling camera frozen" : "", recorder_ ? " | recording" : "");
   window_.set_title(text);
 }
 
@@ -342,7 +343,7 @@ json Viewer::to_json() const {
   return {{"model", options_.model.files},
           {"items", engine_.snapshot().size()},
           {"renderer", window_.context().renderer()},
-          {"culler", engine_.culler_name()},
+          {"culler", name_of(engine_.plan().culler)},
           {"size", size_},
           {"frames", frames_},
           {"visible", visible_},

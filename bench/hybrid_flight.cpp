@@ -47,7 +47,8 @@ core::Expected<void> Pilot::frame(const core::View& view, bool counts) {
   if (!place_.empty() && place_.back() != core::kNone) frames_[place_.back()].frame_ms = report->frame_ms;
   place_.push_back(counts ? frames_.size() : core::kNone);
   if (counts)
-    frames_.push_back({report->cull_ms, -1.0, 0.0, spent, report->visible, std::string_view(report->path) == "gpu"});
+    frames_.push_back(
+        {report->cull_ms, -1.0, 0.0, spent, report->visible, report->culler == engine::CullerChoice::kGpu});
   take_late();
   return {};
 }
@@ -73,12 +74,12 @@ core::Expected<void> Pilot::fly(std::span<const core::View> views, int lead_in) 
 }
 
 HybridFlight Pilot::land() && {
-  HybridFlight flight{std::move(frames_), 0, 0, {}, engine_.culler_name()};
+  HybridFlight flight{std::move(frames_), 0, 0, {}, std::string(name_of(engine_.plan().culler))};
   if (engine_.drawing() && engine_.drawing()->gpu_culler())
     flight.gpu_form = culling::name_of(engine_.drawing()->gpu_culler()->form());
-  if (const engine::Hybrid* hybrid = engine_.hybrid()) {
-    flight.switches = hybrid->controller().switches();
-    flight.probes = hybrid->controller().probes();
+  if (const culling::Controller* controller = engine_.controller()) {
+    flight.switches = controller->switches();
+    flight.probes = controller->probes();
   }
   return flight;
 }

@@ -51,7 +51,7 @@ std::uint64_t Controller::probes() const {
   return std::visit([](const auto& policy) { return policy.probes(); }, policy_);
 }
 
-const char* Controller::state() const {
+ControllerState Controller::state() const {
   return std::visit([](const auto& policy) { return policy.state(); }, policy_);
 }
 

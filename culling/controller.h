@@ -54,8 +54,7 @@ class Controller {
   std::uint64_t switches() const;
   /// Frames taken on the other path only to measure it.
   std::uint64_t probes() const;
-  /// The state, for traces: "cpu", "cpu-to-gpu", "gpu", "gpu-to-cpu"; FrameCost has also "probe".
-  const char* state() const;
+  ControllerState state() const;
 
  private:
   std::variant<FrameCost, SeedStateMachine> policy_;

@@ -266,9 +266,9 @@ void FrameCost::set_gpu(bool ready) {
   side(Path::kGpu).table.doubt(1.0);
 }
 
-const char* FrameCost::state() const {
-  if (probing_) return "probe";
-  return path_ == Path::kCpu ? "cpu" : "gpu";
+ControllerState FrameCost::state() const {
+  if (probing_) return ControllerState::kProbe;
+  return path_ == Path::kCpu ? ControllerState::kCpu : ControllerState::kGpu;
 }
 
 }  // namespace sightline::culling

@@ -43,7 +43,7 @@ class FrameCost {
 
   std::uint64_t switches() const { return switches_; }
   std::uint64_t probes() const { return probes_; }
-  const char* state() const;
+  ControllerState state() const;
 
  private:
   struct Side {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string_view>
 
 namespace sightline::culling {
 
@@ -11,6 +12,19 @@ enum class Path : std::uint8_t { kCpu, kGpu };
 
 constexpr Path other(Path path) {
   return path == Path::kCpu ? Path::kGpu : Path::kCpu;
+}
+
+/// What a controller is doing.
+enum class ControllerState : std::uint8_t {
+  kCpu,
+  kCpuToGpu,  ///< the dissertation's policy: the CPU was slow, for too few frames yet
+  kGpu,
+  kGpuToCpu,  ///< the dissertation's policy: the CPU is tried again
+  kProbe,     ///< FrameCost: one frame on the other path, to measure it
+};
+constexpr std::string_view name_of(ControllerState state) {
+  constexpr std::string_view kNames[] = {"cpu", "cpu-to-gpu", "gpu", "gpu-to-cpu", "probe"};
+  return kNames[std::size_t(state)];
 }
 
 /// Samples that come later than this are of no use any more, frames.

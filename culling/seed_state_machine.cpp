@@ -42,8 +42,9 @@ void SeedStateMachine::feed(const FrameSample& sample) {
         enter(State::kGpu);
       }
       break;
-    case State::kGpu:
-      break;  // a late sample of the CPU's
+    case State::kGpu:  // a late sample of the CPU's
+    case State::kProbe:
+      break;
   }
 }
 
@@ -53,11 +54,6 @@ void SeedStateMachine::set_gpu(bool ready) {
   if (state_ == State::kGpu || state_ == State::kGpuToCpu) ++switches_;
   stay_ = config_.gpu_frames;
   enter(State::kCpu);
-}
-
-const char* SeedStateMachine::state() const {
-  constexpr const char* kNames[] = {"cpu", "cpu-to-gpu", "gpu", "gpu-to-cpu"};
-  return kNames[std::size_t(state_)];
 }
 
 void SeedStateMachine::enter(State state) {

@@ -37,10 +37,10 @@ class SeedStateMachine {
 
   std::uint64_t switches() const { return switches_; }
   std::uint64_t probes() const { return probes_; }
-  const char* state() const;
+  ControllerState state() const { return state_; }
 
  private:
-  enum class State : std::uint8_t { kCpu, kCpuToGpu, kGpu, kGpuToCpu };
+  using State = ControllerState;
 
   void enter(State state);
   bool is_slow(const FrameSample& sample) const;

@@ -1,6 +1,7 @@
 #include "sightline/engine/drawing.h"
 
 #include <algorithm>
+#include <array>
 
 #include "sightline/engine/clock.h"
 #include "sightline/gl/program_cache.h"
@@ -13,6 +14,21 @@ constexpr GLuint64 kLongestWait = 10'000'000'000;  // ns; a lost context must no
 constexpr std::size_t kMostDrawn = 8;
 
 }  // namespace
+
+void Drawing::plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw) {
+  std::array<std::size_t, gpuscene::kBatchKindCount> counts{};
+  for (int kind = 0; kind < core::kKindCount; ++kind)
+    counts[std::size_t(gpuscene::batch_of(core::Kind(kind)))] += snapshot.of_kind(core::Kind(kind)).size();
+  for (int i = 0; i < gpuscene::kBatchKindCount; ++i) {
+    const auto batch = gpuscene::BatchKind(i);
+    const std::size_t n = counts[std::size_t(i)];
+    std::string feature(gpuscene::batch_name(batch));
+    std::replace(feature.begin(), feature.end(), '_', ' ');
+    feature += gpuscene::is_ray_cast(batch) ? " program (ray-cast)" : " program";
+    const std::string why = !draw ? "drawing is off" : n > 0 ? count_text(n) : "none in the scene";
+    plan.entries.push_back({std::move(feature), draw && n > 0, why});
+  }
+}
 
 core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& snapshot, const EngineConfig& config,
                                                          bool gpu_culls) {

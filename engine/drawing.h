@@ -17,6 +17,8 @@ class Drawing {
   static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot& snapshot, const EngineConfig& config,
                                                          bool gpu_culls);
   ~Drawing();
+  /// Adds a row for each program there is.
+  static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
 
   /// Submits one frame of a visible set. Before that it waits until at most one earlier frame is still being drawn.
   /// `frame` comes back in take_drawn(). Where there is nothing to render it does nothing.
@@ -52,7 +54,10 @@ class Drawing {
   core::Expected<void> make_current() const { return context_.make_current(); }
   /// Whether the context is, see gl::Context::lost.
   bool lost() const;
+  bool software() const { return context_.capabilities().software; }
   const culling::GpuCuller* gpu_culler() const { return culler_ ? &*culler_ : nullptr; }
+  /// Of the GPU culler; none without one.
+  std::optional<culling::GpuForm> gpu_form() const { return culler_ ? std::optional(culler_->form()) : std::nullopt; }
   const std::string& why_gpu_form() const { return why_gpu_form_; }
   const gpuscene::DrawLists& lists() const { return *lists_; }
   std::vector<std::string> take_gl_errors();

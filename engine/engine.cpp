@@ -1,18 +1,14 @@
 #include "sightline/engine/engine.h"
 
 #include <cassert>
+#include <deque>
 #include <tuple>
 #include <utility>
 
 #include "sightline/engine/clock.h"
-
-#if SIGHTLINE_HAS_GL
-#include "sightline/engine/drawing.h"
-#else
-namespace sightline::engine {
-class Drawing {};
-}  // namespace sightline::engine
-#endif
+#include "sightline/engine/drawing_or_none.h"
+#include "sightline/engine/hybrid.h"
+#include "sightline/engine/rebuild.h"
 
 namespace sightline::engine {
 namespace {
@@ -28,42 +24,140 @@ PlanRequest plan_request(const EngineConfig& config) {
 
 }  // namespace
 
-Engine::Engine(core::Scene& scene, const EngineConfig& config) : scene_(&scene), config_(config) {}
-Engine::Engine(Engine&&) noexcept = default;
-Engine& Engine::operator=(Engine&& other) noexcept {
-  rebuild_.reset();  // before what it reads
-  scene_ = other.scene_;
-  edits_ = std::move(other.edits_);
-  config_ = other.config_;
-  live_ = std::move(other.live_);
-  visible_ = std::move(other.visible_);
-  drawing_ = std::move(other.drawing_);
-  next_try_ = other.next_try_;
-  last_frame_began_ = other.last_frame_began_;
-  frames_ = other.frames_;
-  hybrid_ = other.hybrid_;
-  late_ = std::move(other.late_);
-  rebuild_ = std::move(other.rebuild_);
-  return *this;
-}
-Engine::~Engine() = default;
+/// What Engine says of each function holds here, too.
+class Engine::Impl {
+ public:
+  Impl(core::Scene& scene, const EngineConfig& config);
+
+  /// Builds everything that the plan names. The scene is committed.
+  core::Expected<void> build();
+  core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view);
+  std::optional<LateReport> take_late_report();
+  core::Expected<void> commit();
+  core::Expected<void> rebuild();
+  bool rebuilding() const { return rebuild_ && !rebuild_->finished(); }
+  core::Expected<void> set_culler(CullerChoice choice);
+  core::Expected<void> resize(int width, int height);
+  void drop_context();
+  core::Expected<void> use_context(gl::Context& context);
+  void paused();
+  void finish();
+  const Plan& plan() const { return live_.plan; }
+  const core::Snapshot& snapshot() const { return *live_.snapshot; }
+  const core::VisibleSet& visible() const { return visible_; }
+  const culling::Controller* controller() const { return hybrid_ ? &hybrid_->controller() : nullptr; }
+  Drawing* drawing();
+  MemoryReport memory() const;
+
+ private:
+  bool needs_gl() const { return config_.draw || live_.plan.gpu_culls(); }
+  void follow_hybrid();
+  culling::ControllerConfig controller_config() const;
+  core::Expected<void> make_drawing(bool new_order);
+  void look_after_context();
+  core::Expected<void> unless_lost(core::Expected<void> done) const;
+  core::Expected<void> land();
+  core::Expected<void> follow_generation();
+  void note_gpu_form();
+  core::Expected<bool> cull(const core::View& view, FrameReport& report);
+  void cull_on_cpu(const core::View& view, FrameReport& report);
+  culling::FrameSample describe_walk() const;
+  void gather_late_reports();
+
+  core::Scene* scene_;
+  core::SceneSubscription edits_;
+  EngineConfig config_;
+  Generation live_;
+  core::VisibleSet visible_;
+  std::unique_ptr<Drawing> drawing_;
+  double next_try_ = -1.0;          // at a new context, in seconds; below 0: none is missing
+  double last_frame_began_ = -1.0;  // seconds on the steady clock
+  std::uint64_t frames_ = 0;
+  std::optional<Hybrid> hybrid_;
+  std::deque<LateReport> late_;
+  std::unique_ptr<BackgroundRebuild> rebuild_;  // last: it reads live_ until it is gone
+};
+
+// --- the public face -------------------------------------------------------------------------------------------------
 
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config) {
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
-  Engine engine(scene, config);
-  engine.edits_ = scene.subscribe();
-  engine.config_.controller.frame_cost.rendering = config.draw;
-  engine.build();
-  if (auto done = engine.follow_generation(); !done) return tl::unexpected(done.error());
-  return engine;
+  auto impl = std::make_unique<Impl>(scene, config);
+  if (auto done = impl->build(); !done) return tl::unexpected(done.error());
+  return Engine(std::move(impl));
 }
 
-void Engine::build() {
+Engine::Engine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Engine::Engine(Engine&&) noexcept = default;
+Engine& Engine::operator=(Engine&&) noexcept = default;
+Engine::~Engine() = default;
+
+core::Expected<FrameReport> Engine::frame(const core::View& view, const core::View& cull_view) {
+  return impl_->frame(view, cull_view);
+}
+std::optional<LateReport> Engine::take_late_report() {
+  return impl_->take_late_report();
+}
+core::Expected<void> Engine::commit() {
+  return impl_->commit();
+}
+core::Expected<void> Engine::rebuild() {
+  return impl_->rebuild();
+}
+bool Engine::rebuilding() const {
+  return impl_->rebuilding();
+}
+core::Expected<void> Engine::set_culler(CullerChoice choice) {
+  return impl_->set_culler(choice);
+}
+core::Expected<void> Engine::resize(int width, int height) {
+  return impl_->resize(width, height);
+}
+void Engine::drop_context() {
+  impl_->drop_context();
+}
+core::Expected<void> Engine::use_context(gl::Context& context) {
+  return impl_->use_context(context);
+}
+void Engine::paused() {
+  impl_->paused();
+}
+void Engine::finish() {
+  impl_->finish();
+}
+const Plan& Engine::plan() const {
+  return impl_->plan();
+}
+const core::Snapshot& Engine::snapshot() const {
+  return impl_->snapshot();
+}
+const core::VisibleSet& Engine::visible() const {
+  return impl_->visible();
+}
+const culling::Controller* Engine::controller() const {
+  return impl_->controller();
+}
+Drawing* Engine::drawing() {
+  return impl_->drawing();
+}
+MemoryReport Engine::memory() const {
+  return impl_->memory();
+}
+
+// --- order of the items, plan ----------------------------------------------------------------------------------------
+
+Engine::Impl::Impl(core::Scene& scene, const EngineConfig& config)
+    : scene_(&scene), edits_(scene.subscribe()), config_(config) {
+  config_.controller.frame_cost.rendering = config.draw;
+}
+
+core::Expected<void> Engine::Impl::build() {
   live_ = make_generation(std::make_unique<core::Snapshot>(*scene_), plan_request(config_));
+  return follow_generation();
 }
 
 /// Takes a new order over when one is ready.
-core::Expected<void> Engine::land() {
+core::Expected<void> Engine::Impl::land() {
   if (!rebuild_) return {};
   if (rebuild_->finished()) {
     rebuild_.reset();
@@ -74,13 +168,13 @@ core::Expected<void> Engine::land() {
 }
 
 /// What hangs on the plan and on the order of the items besides the CPU culler.
-core::Expected<void> Engine::follow_generation() {
+core::Expected<void> Engine::Impl::follow_generation() {
   auto done = make_drawing(true);
   follow_hybrid();
   return done;
 }
 
-void Engine::follow_hybrid() {
+void Engine::Impl::follow_hybrid() {
   const std::size_t items = live_.snapshot->size();
   if (live_.plan.culler != CullerChoice::kHybrid)
     hybrid_.reset();
@@ -91,16 +185,14 @@ void Engine::follow_hybrid() {
   if (hybrid_ && !drawing_) hybrid_->gpu_lost();
 }
 
-culling::ControllerConfig Engine::controller_config() const {
+culling::ControllerConfig Engine::Impl::controller_config() const {
   culling::ControllerConfig config = config_.controller;
-#if SIGHTLINE_HAS_GL
   double& excess = config.frame_cost.presumed_gpu_excess;
-  if (excess == 0.0 && drawing_ && drawing_->context().capabilities().software) excess = kSoftwareGpuExcess;
-#endif
+  if (excess == 0.0 && drawing_ && drawing_->software()) excess = kSoftwareGpuExcess;
   return config;
 }
 
-core::Expected<void> Engine::set_culler(CullerChoice choice) {
+core::Expected<void> Engine::Impl::set_culler(CullerChoice choice) {
   rebuild_.reset();  // it would land with the choice before
   const CullerChoice before = std::exchange(config_.culler, choice);
   live_.follow_plan(plan_request(config_));
@@ -114,28 +206,21 @@ core::Expected<void> Engine::set_culler(CullerChoice choice) {
   return {};
 }
 
-core::Expected<void> Engine::resize(int width, int height) {
-#if SIGHTLINE_HAS_GL
+core::Expected<void> Engine::Impl::resize(int width, int height) {
   if (drawing_ && config_.draw)
     if (auto done = unless_lost(drawing_->resize(width, height)); !done) return done;
-#endif
   config_.width = width;
   config_.height = height;
   return {};
 }
 
-bool Engine::needs_gl() const {
-  return config_.draw || live_.plan.gpu_culls();
-}
-
 /// Makes what the plan needs in the context: all of it for a new order of the items or a new context, else what is not
 /// there. While the context is lost there is nothing to do.
-core::Expected<void> Engine::make_drawing(bool new_order) {
+core::Expected<void> Engine::Impl::make_drawing(bool new_order) {
   if (!needs_gl()) {
     drawing_.reset();
     return {};
   }
-#if SIGHTLINE_HAS_GL
   core::Expected<void> done;
   const bool gpu_culls = live_.plan.gpu_culls();
   if (drawing_) {
@@ -150,15 +235,10 @@ core::Expected<void> Engine::make_drawing(bool new_order) {
   }
   note_gpu_form();
   return done;
-#else
-  (void)new_order;
-  return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
-#endif
 }
 
 /// Notices a lost context, and tries to replace one that is the engine's own.
-void Engine::look_after_context() {
-#if SIGHTLINE_HAS_GL
+void Engine::Impl::look_after_context() {
   if (drawing_ && drawing_->lost()) drop_context();
   if (next_try_ < 0.0 || config_.context || now_seconds() < next_try_ || !needs_gl()) return;
   next_try_ = -1.0;
@@ -167,27 +247,22 @@ void Engine::look_after_context() {
   } else {
     next_try_ = now_seconds() + kTryAgain;
   }
-#endif
 }
 
 /// A context that is lost in the middle of something is dealt with in the next frame.
-core::Expected<void> Engine::unless_lost(core::Expected<void> done) const {
-#if SIGHTLINE_HAS_GL
+core::Expected<void> Engine::Impl::unless_lost(core::Expected<void> done) const {
   if (!done && drawing_->lost()) return {};
-#endif
   return done;
 }
 
-void Engine::drop_context() {
+void Engine::Impl::drop_context() {
   drawing_.reset();
   next_try_ = 0.0;
   if (hybrid_) hybrid_->gpu_lost();
 }
 
-core::Expected<void> Engine::use_context(gl::Context& context) {
-#if SIGHTLINE_HAS_GL
+core::Expected<void> Engine::Impl::use_context(gl::Context& context) {
   if (drawing_ && drawing_->lost()) drop_context();
-#endif
   assert(!drawing_ && "the other context is still in use: drop_context()");
   const auto before = std::pair(config_.context, next_try_);
   config_.context = &context;
@@ -201,14 +276,12 @@ core::Expected<void> Engine::use_context(gl::Context& context) {
 }
 
 /// The plan is made before there is a context to measure in.
-void Engine::note_gpu_form() {
-#if SIGHTLINE_HAS_GL
-  const auto* culler = drawing_ && live_.plan.gpu_culls() ? drawing_->gpu_culler() : nullptr;
-  if (culler) add_gpu_form(live_.plan, culler->form(), drawing_->why_gpu_form());
-#endif
+void Engine::Impl::note_gpu_form() {
+  if (!drawing_ || !live_.plan.gpu_culls()) return;
+  if (const auto form = drawing_->gpu_form()) add_gpu_form(live_.plan, *form, drawing_->why_gpu_form());
 }
 
-core::Expected<FrameReport> Engine::frame([[maybe_unused]] const core::View& view, const core::View& cull_view) {
+core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const core::View& cull_view) {
   if (auto landed = land(); !landed) return tl::unexpected(landed.error());
   FrameReport report;
   report.frame = frames_++;
@@ -216,9 +289,8 @@ core::Expected<FrameReport> Engine::frame([[maybe_unused]] const core::View& vie
   if (last_frame_began_ >= 0.0) report.frame_ms = 1e3 * (begin - last_frame_began_);
   last_frame_began_ = begin;
   look_after_context();
-  [[maybe_unused]] const auto on_gpu = cull(cull_view, report);
+  const auto on_gpu = cull(cull_view, report);
   if (!on_gpu) return tl::unexpected(on_gpu.error());
-#if SIGHTLINE_HAS_GL
   if (drawing_) {
     const double culled = now_seconds();
     auto done = *on_gpu ? drawing_->draw_culled(view, *live_.snapshot, report.frame)
@@ -228,16 +300,14 @@ core::Expected<FrameReport> Engine::frame([[maybe_unused]] const core::View& vie
     report.draw_ms = 1e3 * (now_seconds() - culled);
     report.wait_ms = drawing_->waited_ms();
   }
-#endif
   if (hybrid_) hybrid_->measured(report, describe_walk());
   return report;
 }
 
 /// True when the GPU did it: then the answer is there, and visible() empty.
-core::Expected<bool> Engine::cull(const core::View& view, FrameReport& report) {
+core::Expected<bool> Engine::Impl::cull(const core::View& view, FrameReport& report) {
   visible_.clear();
   visible_.generation = live_.snapshot->generation();
-#if SIGHTLINE_HAS_GL
   bool on_gpu = drawing_ && live_.plan.culler == CullerChoice::kGpu;
   if (hybrid_) {
     gather_late_reports();
@@ -248,7 +318,7 @@ core::Expected<bool> Engine::cull(const core::View& view, FrameReport& report) {
     const double begin = now_seconds();
     const auto done = drawing_->cull(view, *live_.snapshot, report.frame);
     if (done) {
-      report.path = "gpu";
+      report.culler = CullerChoice::kGpu;
       report.cull_ms = 1e3 * (now_seconds() - begin);
       report.visible = report.tested = -1;
       return true;
@@ -258,22 +328,22 @@ core::Expected<bool> Engine::cull(const core::View& view, FrameReport& report) {
     else if (auto error = unless_lost(done); !error)
       return tl::unexpected(error.error());
   }
-#endif
   cull_on_cpu(view, report);
   return false;
 }
 
-void Engine::cull_on_cpu(const core::View& view, FrameReport& report) {
+void Engine::Impl::cull_on_cpu(const core::View& view, FrameReport& report) {
   const double begin = now_seconds();
   std::visit([&](const auto& culler) { culler.cull(view, visible_); }, *live_.culler);
   report.cull_ms = 1e3 * (now_seconds() - begin);
-  report.path = std::holds_alternative<culling::CpuCuller>(*live_.culler) ? "cpu" : "linear";
+  report.culler =
+      std::holds_alternative<culling::CpuCuller>(*live_.culler) ? CullerChoice::kCpu : CullerChoice::kLinear;
   report.visible = std::int64_t(live_.snapshot->count(visible_));
   report.tested = std::int64_t(visible_.counters.nodes_tested + visible_.counters.boxes_tested);
 }
 
 /// Only the dissertation's policy asks for it.
-culling::FrameSample Engine::describe_walk() const {
+culling::FrameSample Engine::Impl::describe_walk() const {
   culling::FrameSample walk;
   const auto* culler = std::get_if<culling::CpuCuller>(live_.culler.get());
   if (culler && config_.controller.policy == culling::Policy::kSeedStateMachine)
@@ -281,8 +351,7 @@ culling::FrameSample Engine::describe_walk() const {
   return walk;
 }
 
-void Engine::gather_late_reports() {
-#if SIGHTLINE_HAS_GL
+void Engine::Impl::gather_late_reports() {
   constexpr std::size_t kMost = 64;
   if (!drawing_) return;
   if (hybrid_)
@@ -292,10 +361,9 @@ void Engine::gather_late_reports() {
     if (hybrid_) hybrid_->measured(late_.back());
     if (late_.size() > kMost) late_.pop_front();
   }
-#endif
 }
 
-std::optional<LateReport> Engine::take_late_report() {
+std::optional<LateReport> Engine::Impl::take_late_report() {
   gather_late_reports();
   if (late_.empty()) return std::nullopt;
   const LateReport oldest = late_.front();
@@ -303,20 +371,7 @@ std::optional<LateReport> Engine::take_late_report() {
   return oldest;
 }
 
-const char* Engine::culler_name() const {
-  switch (live_.plan.culler) {
-    case CullerChoice::kGpu:
-      return "gpu";
-    case CullerChoice::kHybrid:
-      return "hybrid";
-    case CullerChoice::kCpu:
-      return "cpu";
-    default:
-      return "linear";
-  }
-}
-
-core::Expected<void> Engine::commit() {
+core::Expected<void> Engine::Impl::commit() {
   if (auto landed = land(); !landed) return landed;
   if (auto published = scene_->commit(); !published) return tl::unexpected(published.error());
   const core::SceneDelta delta = edits_.take();
@@ -331,46 +386,37 @@ core::Expected<void> Engine::commit() {
   if (!rebuild_ && config_.rebuild_share > 0.0 && disorder > kFewSlots &&
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
     rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_));
-#if SIGHTLINE_HAS_GL
   if (drawing_) return unless_lost(drawing_->update(*live_.snapshot, touched, delta.materials));
-#endif
   return {};
 }
 
-core::Expected<void> Engine::rebuild() {
+core::Expected<void> Engine::Impl::rebuild() {
   if (auto delta = scene_->commit(); !delta) return tl::unexpected(delta.error());
   edits_ = scene_->subscribe();  // the new snapshot shows all edits
   rebuild_.reset();
-  build();
-  return follow_generation();
+  return build();
 }
 
-void Engine::paused() {
+void Engine::Impl::paused() {
   last_frame_began_ = -1.0;
   if (hybrid_) hybrid_->paused();
 }
 
-void Engine::finish() {
-#if SIGHTLINE_HAS_GL
+void Engine::Impl::finish() {
   if (drawing_) drawing_->finish();
-#endif
 }
 
-Drawing* Engine::drawing() {
-#if SIGHTLINE_HAS_GL
+Drawing* Engine::Impl::drawing() {
   if (drawing_ && !drawing_->make_current()) return nullptr;
-#endif
   return drawing_.get();
 }
 
-MemoryReport Engine::memory() const {
+MemoryReport Engine::Impl::memory() const {
   MemoryReport report;
   report.scene = scene_->memory_bytes();
   report.snapshot = live_.snapshot->memory_bytes();
   if (const auto* culler = std::get_if<culling::CpuCuller>(live_.culler.get())) report.bvh = culler->memory_bytes();
-#if SIGHTLINE_HAS_GL
   if (drawing_) report.gpu = drawing_->memory_bytes();
-#endif
   return report;
 }
 

@@ -7,7 +7,6 @@
 //   write_png(engine->drawing()->target().read_colour(), "out.png");
 #pragma once
 
-#include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,10 +14,9 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
+#include "sightline/culling/controller.h"
 #include "sightline/culling/gpu/gpu_culler_config.h"
-#include "sightline/engine/hybrid.h"
 #include "sightline/engine/plan.h"
-#include "sightline/engine/rebuild.h"
 
 namespace sightline::gl {
 class Context;
@@ -54,12 +52,12 @@ struct EngineConfig {
 
 /// Times in milliseconds of wall clock.
 struct FrameReport {
-  std::uint64_t frame = 0;      ///< calls of frame() before this one
-  const char* path = "cpu";     ///< that culled it: "linear", "cpu" or "gpu"
-  const char* state = "fixed";  ///< the hybrid's, see culling::Controller::state
-  double cull_ms = 0.0;         ///< the culler alone; of the GPU culler what submitting takes
-  double draw_ms = 0.0;         ///< waiting, then making and submitting the draw lists; 0 without GL
-  double wait_ms = 0.0;         ///< of draw_ms: until the frame before the last was drawn
+  std::uint64_t frame = 0;                             ///< calls of frame() before this one
+  CullerChoice culler = CullerChoice::kCpu;            ///< that culled it: kLinear, kCpu or kGpu
+  std::optional<culling::ControllerState> state = {};  ///< of the hybrid; none without one
+  double cull_ms = 0.0;                                ///< the culler alone; of the GPU culler what submitting takes
+  double draw_ms = 0.0;   ///< waiting, then making and submitting the draw lists; 0 without GL
+  double wait_ms = 0.0;   ///< of draw_ms: until the frame before the last was drawn
   double frame_ms = 0.0;  ///< since the last frame began, at most two frames being in flight; 0 for the first frame
   bool drawn = false;     ///< false without drawing, and while the context is lost
   std::int64_t visible = 0, tested = 0;  ///< items; hierarchy and item boxes. -1: known to the GPU alone
@@ -112,7 +110,7 @@ class Engine {
   /// The same order as of a new engine, at once. Stops a rebuild in the background.
   core::Expected<void> rebuild();
   /// True while a new order is made or waits to land.
-  bool rebuilding() const { return rebuild_ && !rebuild_->finished(); }
+  bool rebuilding() const;
 
   /// Another culler from the next frame on. Makes what is missing for it and keeps all else, until the next new order
   /// also what the culler before it had, so that changing back costs next to nothing; the hybrid starts from a first
@@ -137,44 +135,19 @@ class Engine {
   /// Waits until everything submitted is drawn.
   void finish();
 
-  const Plan& plan() const { return live_.plan; }
-  const core::Snapshot& snapshot() const { return *live_.snapshot; }
-  const core::VisibleSet& visible() const { return visible_; }  ///< empty when the GPU culls
+  const Plan& plan() const;
+  const core::Snapshot& snapshot() const;
+  const core::VisibleSet& visible() const;  ///< empty when the GPU culls
   /// Null when nothing needs GL, and while the context is lost. An engine's own context is then current.
   Drawing* drawing();
   MemoryReport memory() const;
-  const char* culler_name() const;  ///< "linear", "cpu", "gpu" or "hybrid"
-  const Hybrid* hybrid() const { return hybrid_ ? &*hybrid_ : nullptr; }
+  const culling::Controller* controller() const;  ///< of the hybrid; null without one
 
  private:
-  Engine(core::Scene& scene, const EngineConfig& config);
-  void build();
-  bool needs_gl() const;
-  void follow_hybrid();
-  culling::ControllerConfig controller_config() const;
-  core::Expected<void> make_drawing(bool new_order);
-  void look_after_context();
-  core::Expected<void> unless_lost(core::Expected<void> done) const;
-  core::Expected<void> land();
-  core::Expected<void> follow_generation();
-  void note_gpu_form();
-  core::Expected<bool> cull(const core::View& view, FrameReport& report);
-  void cull_on_cpu(const core::View& view, FrameReport& report);
-  culling::FrameSample describe_walk() const;
-  void gather_late_reports();
+  class Impl;
+  explicit Engine(std::unique_ptr<Impl> impl);
 
-  core::Scene* scene_;
-  core::SceneSubscription edits_;
-  EngineConfig config_;
-  Generation live_;
-  core::VisibleSet visible_;
-  std::unique_ptr<Drawing> drawing_;
-  double next_try_ = -1.0;          // at a new context, in seconds; below 0: none is missing
-  double last_frame_began_ = -1.0;  // seconds on the steady clock
-  std::uint64_t frames_ = 0;
-  std::optional<Hybrid> hybrid_;
-  std::deque<LateReport> late_;
-  std::unique_ptr<BackgroundRebuild> rebuild_;  // last: it reads live_ until it is gone
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace sightline::engine

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sightline/core/snapshot.h"
@@ -18,6 +19,16 @@ enum class CullerChoice : std::uint8_t {
   kGpu,        ///< on the GPU, whose answer stays there; needs GL
   kHybrid,     ///< the one of these two that costs the frame less, decided from measured times; needs GL
 };
+
+constexpr std::string_view name_of(CullerChoice choice) {
+  constexpr std::string_view kNames[] = {"automatic", "linear", "cpu", "gpu", "hybrid"};
+  return kNames[std::size_t(choice)];
+}
+
+/// "1 item", "7 items".
+inline std::string count_text(std::size_t items) {
+  return std::to_string(items) + (items == 1 ? " item" : " items");
+}
 
 struct PlanEntry {
   std::string feature;

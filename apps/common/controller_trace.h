@@ -7,8 +7,14 @@
 
 #include "sightline/core/error.h"
 #include "sightline/culling/controller.h"
+#include "sightline/engine/engine.h"
 
 namespace sightline::apps {
+
+/// What the hybrid's controller was doing in a frame; "fixed" without a hybrid.
+inline std::string_view state_name(const engine::FrameReport& report) {
+  return report.state ? name_of(*report.state) : "fixed";
+}
 
 /// One frame of a trace: what both paths cost in it, milliseconds. NaN: not measured.
 struct TraceFrame {

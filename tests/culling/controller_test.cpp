@@ -77,7 +77,7 @@ TEST(Controller, StaysOnTheCpuWithoutAGpu) {
     EXPECT_GT(count(loop.run(30, {10.0, 0.1}), 'g'), 10u);
     loop.controller.gpu_lost();
     EXPECT_EQ(loop.run(300, {10.0, 0.1}), std::string(300, 'c'));
-    EXPECT_STREQ(loop.controller.state(), "cpu");
+    EXPECT_EQ(name_of(loop.controller.state()), "cpu");
     loop.controller.gpu_ready();
     EXPECT_GT(count(loop.run(300, {10.0, 0.1}), 'g'), 250u);
   }
@@ -181,7 +181,7 @@ TEST(FrameCost, ProbesLeaveTimeForAnAnswer) {
   for (std::uint64_t frame = 0; frame < 40; ++frame) {
     controller.scene_changed(1e5);
     const Path path = controller.next();
-    if (std::string_view(controller.state()) == "probe") probes.push_back(frame);
+    if (controller.state() == ControllerState::kProbe) probes.push_back(frame);
     if (path == Path::kCpu) controller.feed({.frame = frame, .path = path, .frame_ms = 1.0, .visible = 1e4});
   }
   EXPECT_EQ(probes, (std::vector<std::uint64_t>{1, 7, 13, 19, 25, 31, 37}));
@@ -385,16 +385,16 @@ TEST(SeedStateMachine, FollowsFigure64) {
   const Costs slow{0.31, 9.0}, fast{0.29, 9.0};
   EXPECT_EQ(loop.run(50, fast), std::string(50, 'c'));
   EXPECT_EQ(loop.run(4, slow), "cccc");
-  EXPECT_STREQ(loop.controller.state(), "cpu-to-gpu");
+  EXPECT_EQ(name_of(loop.controller.state()), "cpu-to-gpu");
   EXPECT_EQ(loop.run(1, fast), "c");  // not five in a row
-  EXPECT_STREQ(loop.controller.state(), "cpu");
+  EXPECT_EQ(name_of(loop.controller.state()), "cpu");
   EXPECT_EQ(loop.run(5, slow), "ccccc");
-  EXPECT_STREQ(loop.controller.state(), "gpu");
+  EXPECT_EQ(name_of(loop.controller.state()), "gpu");
   EXPECT_EQ(loop.run(500, slow), std::string(500, 'g'));
   EXPECT_EQ(loop.run(2, slow), "cc");  // two probe frames, still slow: twice as long
   EXPECT_EQ(loop.run(1000, slow), std::string(1000, 'g'));
   EXPECT_EQ(loop.run(1, slow), "c");
-  EXPECT_STREQ(loop.controller.state(), "gpu-to-cpu");
+  EXPECT_EQ(name_of(loop.controller.state()), "gpu-to-cpu");
   EXPECT_EQ(loop.run(100, fast), std::string(100, 'c'));
   EXPECT_EQ(loop.controller.switches(), 2u);
   EXPECT_EQ(loop.controller.probes(), 4u);

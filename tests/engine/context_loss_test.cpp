@@ -58,7 +58,7 @@ TEST_F(ContextLossTest, AnEngineReplacesItsOwnContext) {
   for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu, CullerChoice::kHybrid}) {
     auto engine = Engine::create(scene, switching(culler, nullptr));
     ASSERT_TRUE(engine) << engine.error().message;
-    SCOPED_TRACE(engine->culler_name());
+    SCOPED_TRACE(name_of(engine->plan().culler));
     ASSERT_TRUE(engine->frame(view(0)));
     const render::Image before = picture(*engine);
     lose(engine->drawing()->context());
@@ -71,7 +71,7 @@ TEST_F(ContextLossTest, AnEngineReplacesItsOwnContext) {
     ASSERT_TRUE(difference);
     EXPECT_EQ(difference->max, 0);
     bool gpu = false;
-    for (int frame = 0; frame < 8; ++frame) gpu |= std::string_view(engine->frame(view(0.1 * frame))->path) == "gpu";
+    for (int frame = 0; frame < 8; ++frame) gpu |= engine->frame(view(0.1 * frame))->culler == CullerChoice::kGpu;
     EXPECT_EQ(gpu, culler != CullerChoice::kCpu);
   }
 }
@@ -82,7 +82,7 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
     ASSERT_TRUE(made);
     auto engine = Engine::create(scene, switching(culler, &*made));
     ASSERT_TRUE(engine);
-    SCOPED_TRACE(engine->culler_name());
+    SCOPED_TRACE(name_of(engine->plan().culler));
     std::int64_t visible = 0;
     for (int frame = 0; frame < 6; ++frame) ASSERT_TRUE(engine->frame(view(0.1 * frame)));
     lose(*made);
@@ -90,7 +90,7 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
       const auto report = engine->frame(view(0));
       ASSERT_TRUE(report) << report.error().message;
       EXPECT_FALSE(report->drawn);
-      EXPECT_STRNE(report->path, "gpu");
+      EXPECT_NE(name_of(report->culler), "gpu");
       EXPECT_GT(report->visible, 1000);
       visible = report->visible;
       EXPECT_EQ(engine->drawing(), nullptr);
@@ -112,7 +112,7 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
       const auto report = engine->frame(view(0.1 * frame));
       ASSERT_TRUE(report);
       EXPECT_TRUE(report->drawn);
-      on_gpu += std::string_view(report->path) == "gpu";
+      on_gpu += report->culler == CullerChoice::kGpu;
     }
     EXPECT_GE(on_gpu, 3);
     expect_picture(*engine, view(1.1));
@@ -128,7 +128,7 @@ TEST_F(ContextLossTest, AContextThatGoesFirstIsLost) {
     auto engine = Engine::create(scene, switching(culler, &*made)),
          unused = Engine::create(scene, switching(culler, &*made));
     ASSERT_TRUE(engine && unused);
-    SCOPED_TRACE(engine->culler_name());
+    SCOPED_TRACE(name_of(engine->plan().culler));
     for (int frame = 0; frame < 6; ++frame) ASSERT_TRUE(engine->frame(view(0.1 * frame)) && unused->frame(view(0)));
     ASSERT_TRUE(context->make_current());
     auto other = Engine::create(scene, switching(culler, &*context));

@@ -46,14 +46,14 @@ TEST_F(DrawingTest, CullersMayBeChangedInAnyOrder) {
     }
     ASSERT_TRUE(engine->set_culler(choices[random() % std::size(choices)].first));  // and straight on
     ASSERT_TRUE(engine->set_culler(choice));
-    EXPECT_STREQ(engine->culler_name(), name);
-    EXPECT_EQ(engine->hybrid() != nullptr, choice == CullerChoice::kHybrid);
+    EXPECT_EQ(name_of(engine->plan().culler), name);
+    EXPECT_EQ(engine->controller() != nullptr, choice == CullerChoice::kHybrid);
     const core::View eye = view(0.2 * round);
     for (int frame = 0; frame < 3; ++frame) {
       const auto report = engine->frame(eye);
       ASSERT_TRUE(report);
-      if (!engine->hybrid()) {
-        EXPECT_STREQ(report->path, name);
+      if (!engine->controller()) {
+        EXPECT_EQ(name_of(report->culler), name);
       }
     }
     const render::Image image = engine->drawing()->target().read_colour();
@@ -79,7 +79,7 @@ TEST_F(DrawingTest, AGpuCullerComesToAnEngineThatDoesNotDraw) {
   ASSERT_TRUE(engine->set_culler(CullerChoice::kGpu));
   const auto report = engine->frame(view(0.3));
   ASSERT_TRUE(report);
-  EXPECT_STREQ(report->path, "gpu");
+  EXPECT_EQ(name_of(report->culler), "gpu");
   engine->finish();
   const auto late = engine->take_late_report();
   ASSERT_TRUE(late);
@@ -182,7 +182,7 @@ TEST_F(DrawingTest, MaterialsFollowTheScene) {
     switch_often(c);
     auto engine = Engine::create(scene, c);
     ASSERT_TRUE(engine);
-    SCOPED_TRACE(engine->culler_name());
+    SCOPED_TRACE(name_of(engine->plan().culler));
     std::mt19937 random{kSeed};
     const auto channel = [&] { return float(random() % 256) / 255.0f; };
     std::vector<core::MaterialId> materials;

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/engine/rebuild.h"
+
 namespace sightline::engine {
 namespace {
 
@@ -43,12 +45,12 @@ TEST(Engine, SmallScenesGetNoHierarchy) {
   add_grid(large, 8);
   auto a = Engine::create(small), b = Engine::create(large);
   ASSERT_TRUE(a && b);
-  EXPECT_STREQ(a->culler_name(), "linear");
-  EXPECT_STREQ(b->culler_name(), "cpu");
+  EXPECT_EQ(name_of(a->plan().culler), "linear");
+  EXPECT_EQ(name_of(b->plan().culler), "cpu");
   EXPECT_GT(b->memory().bvh, a->memory().bvh);
   auto forced = Engine::create(small, {.culler = CullerChoice::kCpu});
   ASSERT_TRUE(forced);
-  EXPECT_STREQ(forced->culler_name(), "cpu");
+  EXPECT_EQ(name_of(forced->plan().culler), "cpu");
 }
 
 TEST(Engine, CullersMayBeChangedBetweenEdits) {
@@ -74,13 +76,13 @@ TEST(Engine, CullersMayBeChangedBetweenEdits) {
     const std::size_t choice = random() % 3;
     ASSERT_TRUE(engine->set_culler(choices[choice]));
     EXPECT_FALSE(engine->rebuilding());
-    EXPECT_STREQ(engine->culler_name(), names[choice]);
+    EXPECT_EQ(name_of(engine->plan().culler), names[choice]);
     auto fresh = Engine::create(scene, {.culler = CullerChoice::kLinear});
     ASSERT_TRUE(fresh);
     for (const View& view : {look({-5, 4, 4}, {4, 4, 4}), look({4, 4, 4}, {8, 5, 3})}) {
       const auto report = engine->frame(view);
       ASSERT_TRUE(report && fresh->frame(view));
-      EXPECT_STREQ(report->path, names[choice]);
+      EXPECT_EQ(name_of(report->culler), names[choice]);
       EXPECT_EQ(visible_items(*engine), visible_items(*fresh));
     }
   }

@@ -1,5 +1,7 @@
 // The hybrid: whichever path culls a frame, the image is the same; a small scene gets no GPU culler; edits and a GPU
 // that fails are survived.
+#include "sightline/engine/hybrid.h"
+
 #include <cstdio>
 
 #include <gtest/gtest.h>
@@ -30,7 +32,7 @@ TEST_F(HybridTest, ASwitchChangesNoPixel) {
   auto cpu = Engine::create(scene, config(CullerChoice::kCpu));
   auto hybrid = Engine::create(scene, config(CullerChoice::kHybrid));
   ASSERT_TRUE(cpu && hybrid) << (cpu ? hybrid.error().message : cpu.error().message);
-  ASSERT_STREQ(hybrid->culler_name(), "hybrid");
+  ASSERT_EQ(name_of(hybrid->plan().culler), "hybrid");
   constexpr int kEdit = 7;
   int frames_on[2] = {0, 0};
   for (int frame = 0; frame < 14; ++frame) {
@@ -44,15 +46,15 @@ TEST_F(HybridTest, ASwitchChangesNoPixel) {
     }
     const auto a = cpu->frame(view(0.1 * frame)), b = hybrid->frame(view(0.1 * frame));
     ASSERT_TRUE(a && b);
-    const bool gpu = std::string_view(b->path) == "gpu";
+    const bool gpu = b->culler == CullerChoice::kGpu;
     ++frames_on[gpu];
     EXPECT_EQ(b->visible < 0, gpu);
-    SCOPED_TRACE(b->path);
+    SCOPED_TRACE(name_of(b->culler));
     expect_same_picture(*cpu, *hybrid, frame < kEdit ? 0 : 1);
   }
   EXPECT_GE(frames_on[0], 2);
   EXPECT_GE(frames_on[1], 6);
-  EXPECT_GE(hybrid->hybrid()->controller().switches(), 1u);
+  EXPECT_GE(hybrid->controller()->switches(), 1u);
   int late = 0;
   while (const auto report = hybrid->take_late_report()) {
     EXPECT_GT(report->visible, 0);
@@ -67,8 +69,8 @@ TEST_F(HybridTest, ASmallSceneGetsNoGpuCuller) {
   auto plain = Engine::create(scene, config(CullerChoice::kCpu));
   auto hybrid = Engine::create(scene, config(CullerChoice::kHybrid));
   ASSERT_TRUE(plain && hybrid);
-  EXPECT_STREQ(hybrid->culler_name(), "cpu");
-  EXPECT_EQ(hybrid->hybrid(), nullptr);
+  EXPECT_EQ(name_of(hybrid->plan().culler), "cpu");
+  EXPECT_EQ(hybrid->controller(), nullptr);
   EXPECT_EQ(hybrid->drawing()->gpu_culler(), nullptr);
   EXPECT_EQ(hybrid->memory().gpu, plain->memory().gpu);
   for (const engine::PlanEntry& entry : hybrid->plan().entries)
@@ -88,15 +90,15 @@ TEST_F(HybridTest, AHybridOfASceneThatGrows) {
     c.draw = draw;
     auto engine = Engine::create(small, c);
     ASSERT_TRUE(engine);
-    EXPECT_EQ(engine->hybrid(), nullptr);
+    EXPECT_EQ(engine->controller(), nullptr);
     for (int i = 0; i < 20; ++i) ASSERT_TRUE(engine->frame(view(i)));
     std::vector<core::ItemId> added;
     for (int i = 0; i < 2000; ++i)
       added.push_back(small.add_primitive(small.root(), core::Box{1, 1, 1}, core::translation({i % 40, i / 40, 30})));
     ASSERT_TRUE(engine->rebuild());
-    ASSERT_NE(engine->hybrid(), nullptr);
+    ASSERT_NE(engine->controller(), nullptr);
     int on_gpu = 0, late = 0;
-    for (int i = 0; i < 12; ++i) on_gpu += std::string_view(engine->frame(view(i))->path) == "gpu";
+    for (int i = 0; i < 12; ++i) on_gpu += engine->frame(view(i))->culler == CullerChoice::kGpu;
     engine->finish();
     context->functions().Finish();
     while (const auto report = engine->take_late_report()) {
@@ -107,7 +109,7 @@ TEST_F(HybridTest, AHybridOfASceneThatGrows) {
     EXPECT_GT(late, 0);
     for (const core::ItemId item : added) small.remove_item(item);
     ASSERT_TRUE(engine->rebuild());
-    EXPECT_EQ(engine->hybrid(), nullptr);
+    EXPECT_EQ(engine->controller(), nullptr);
     EXPECT_EQ(engine->drawing() != nullptr, draw);
     ASSERT_TRUE(engine->frame(view(0)));
   }
@@ -126,7 +128,7 @@ TEST_F(HybridTest, FrameCostGivesAGpuWithoutTimesUp) {
   for (int frame = 0; frame < 60; ++frame) {
     const auto report = hybrid->frame(view(0.1 * frame));
     ASSERT_TRUE(report);
-    on_gpu += std::string_view(report->path) == "gpu";
+    on_gpu += report->culler == CullerChoice::kGpu;
   }
   EXPECT_LE(on_gpu, 30);
 }
@@ -146,7 +148,7 @@ TEST_F(HybridTest, TheOldestLateReportsAreLost) {
     const auto report = engine->frame(view(0.05 * frame));
     ASSERT_TRUE(report);
     context->functions().Finish();
-    if (std::string_view(report->path) != "gpu") continue;
+    if (report->culler != CullerChoice::kGpu) continue;
     ++on_gpu;
     last = report->frame;
   }
@@ -175,13 +177,13 @@ TEST_F(HybridTest, AGpuCullerThatFails) {
     for (int frame = 0; frame < 8 && report; ++frame) {
       report = engine->frame(view(0));
       if (!report) break;
-      EXPECT_STREQ(report->path, "cpu");
+      EXPECT_EQ(name_of(report->culler), "cpu");
       EXPECT_EQ(report->visible, expected->visible);
     }
     gl.GetError = get_error;
     EXPECT_EQ(bool(report), culler == CullerChoice::kHybrid) << (report ? "" : report.error().message);
     for (int frame = 0; frame < 12 && culler == CullerChoice::kHybrid; ++frame)
-      EXPECT_STREQ(engine->frame(view(0))->path, "cpu") << "it does not try again";
+      EXPECT_EQ(name_of(engine->frame(view(0))->culler), "cpu") << "it does not try again";
   }
 }
 
@@ -193,13 +195,13 @@ TEST_F(HybridTest, AHybridWithoutAContextWaitsForOne) {
   ASSERT_TRUE(engine && engine->frame(view(0)));
   engine->drop_context();
   ASSERT_TRUE(engine->set_culler(CullerChoice::kHybrid));
-  ASSERT_NE(engine->hybrid(), nullptr);
+  ASSERT_NE(engine->controller(), nullptr);
   const auto on_gpu = [&] {
     int frames = 0;
     for (int frame = 0; frame < 12; ++frame) {
       const auto report = engine->frame(view(0.1 * frame));
       EXPECT_TRUE(report);
-      frames += std::string_view(report->path) == "gpu";
+      frames += report->culler == CullerChoice::kGpu;
     }
     return frames;
   };
@@ -296,7 +298,7 @@ TEST_F(HybridTest, EveryTriggerOfTheSeedPolicyIsFed) {
       for (int frame = 0; frame < 6; ++frame) {
         const auto report = hybrid->frame(view(0.0));
         ASSERT_TRUE(report);
-        on_gpu += std::string_view(report->path) == "gpu";
+        on_gpu += report->culler == CullerChoice::kGpu;
       }
       EXPECT_EQ(on_gpu > 0, slow) << "trigger " << int(trigger);
     }

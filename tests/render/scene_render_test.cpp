@@ -138,7 +138,7 @@ TEST_F(SceneRender, TheGpuCullerChangesNoPixel) {
   engine::EngineConfig no_rebuild = config(engine::CullerChoice::kGpu);
   no_rebuild.rebuild_share = 0.0;
   engine::Engine gpu = make(scene, no_rebuild);
-  EXPECT_STREQ(gpu.culler_name(), "gpu");
+  EXPECT_EQ(name_of(gpu.plan().culler), "gpu");
   std::uint64_t frame = 0;
   const auto check = [&] {
     engine::Engine cpu = make(scene, config(engine::CullerChoice::kCpu));

@@ -1,0 +1,49 @@
+// Stands in for drawing.h in builds without GL: nothing can be created. Internal to engine.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "sightline/engine/engine.h"
+
+namespace sightline::engine {
+
+class Drawing {
+ public:
+  static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot&, const EngineConfig&, bool) {
+    return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
+  }
+  static void plan_programs(Plan&, const core::Snapshot&, bool) {}
+
+  // None of these is ever called.
+  struct Feedback {
+    std::uint64_t frame = 0, visible = 0;
+    std::optional<double> time_ms;
+    double gpu_ms = 0.0;
+  };
+  core::Expected<void> draw(const core::View&, const core::Snapshot&, const core::VisibleSet&, std::uint64_t) {
+    return {};
+  }
+  core::Expected<void> cull(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
+  core::Expected<void> draw_culled(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
+  core::Expected<void> update(const core::Snapshot&, std::span<const core::Slot>, std::span<const std::uint32_t>) {
+    return {};
+  }
+  core::Expected<void> rebuild(const core::Snapshot&, bool) { return {}; }
+  core::Expected<void> add_culler(const core::Snapshot&) { return {}; }
+  core::Expected<void> resize(int, int) { return {}; }
+  core::Expected<void> make_current() const { return {}; }
+  std::optional<Feedback> take_drawn() { return {}; }
+  std::optional<Feedback> take_gpu_feedback() { return {}; }
+  std::optional<culling::GpuForm> gpu_form() const { return {}; }
+  std::string why_gpu_form() const { return {}; }
+  double waited_ms() const { return 0.0; }
+  bool lost() const { return false; }
+  bool software() const { return false; }
+  void finish() {}
+  std::size_t memory_bytes() const { return 0; }
+};
+
+}  // namespace sightline::engine
