@@ -95,6 +95,9 @@ Expected<View> View::orthographic(const Pose& pose, double height, double aspect
 Expected<View> View::from_matrices(const dmat4& eye_from_world, const dmat4& clip_from_eye, ClipDepth depth) {
   if (!finite(eye_from_world) || !finite(clip_from_eye) || !finite(clip_from_eye * eye_from_world))
     return fail("view: matrix entries must be finite");
+  if (row(eye_from_world, 3) != dvec4(0.0, 0.0, 0.0, 1.0))
+    return fail(
+        "view: eye_from_world must be affine, with the last row 0 0 0 1; give projection * view as clip_from_eye");
   return View(eye_from_world, clip_from_eye, depth);
 }
 

@@ -38,7 +38,10 @@ class View {
   /// Off-axis perspective: left < right and bottom < top on the near plane.
   static Expected<View> asymmetric(const Pose& pose, double left, double right, double bottom, double top, double near,
                                    double far = kInfiniteFar);
-  /// Any matrices of an application. clip_from_eye * eye_from_world is what culls. Entries must be finite.
+  /// Any matrices of an application. clip_from_eye * eye_from_world is what culls. A combined projection * view matrix
+  /// is given as clip_from_eye, with the identity as eye_from_world: such a view culls, but cannot be drawn, since
+  /// drawing needs the two parts. Entries must be finite. Fails on an eye_from_world that is not affine (last row 0 0 0
+  /// 1), such as a combined matrix in its place.
   static Expected<View> from_matrices(const dmat4& eye_from_world, const dmat4& clip_from_eye, ClipDepth depth);
 
   const dmat4& eye_from_world() const { return eye_from_world_; }

@@ -299,6 +299,15 @@ TEST(View, RefusesMatricesThatAreNotFinite) {
   EXPECT_TRUE(View::from_matrices(dmat4(1.0), dmat4(1.0), ClipDepth::kMinusOneToOne));
 }
 
+TEST(View, RefusesAProjectionInPlaceOfAnEyeMatrix) {
+  const View view = View::perspective({{3, -8, 2}, {0, 0, 0}, {0, 0, 1}}, 0.8, 1.5, 0.1).value();
+  const dmat4 combined = view.clip_from_world();
+  expect_error(View::from_matrices(combined, dmat4(1.0), ClipDepth::kReversedZeroToOne), "must be affine");
+  const auto given = View::from_matrices(dmat4(1.0), combined, ClipDepth::kReversedZeroToOne);
+  ASSERT_TRUE(given);
+  EXPECT_EQ(given->clip_from_world(), combined);
+}
+
 TEST(View, StartsWithoutSectionsAndOnTheDefaultLayers) {
   const View view = View::perspective({}, 1.0, 1.0, 0.1).value();
   EXPECT_TRUE(view.sections.empty());

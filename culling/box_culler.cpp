@@ -1,0 +1,101 @@
+#include "sightline/culling/box_culler.h"
+
+#include <cassert>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include "sightline/core/bvh_build.h"
+#include "sightline/core/item_bounds.h"
+#include "sightline/culling/cpu_culler.h"
+
+namespace sightline::culling {
+namespace {
+
+core::Expected<void> check(const core::AabbD& box, std::size_t index) {
+  bool fine = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = box.min[axis], high = box.max[axis];
+    fine = fine && (box.empty() ? !std::isnan(low) && !std::isnan(high) : std::isfinite(low) && std::isfinite(high));
+  }
+  if (!fine) return core::fail("box " + std::to_string(index) + ": expected finite corners");
+  return {};
+}
+
+}  // namespace
+
+struct BoxCuller::Impl {
+  core::ItemBounds bounds;              // by slot
+  std::vector<std::uint32_t> index_of;  // slot to index
+  std::vector<core::Slot> slot_of;      // index to slot
+  std::optional<CpuCuller> culler;      // borrows bounds
+
+  core::Aabb rounded(const core::AabbD& box) const {
+    return box.empty() ? core::Aabb() : core::round_outwards(box, bounds.origin);
+  }
+};
+
+BoxCuller::BoxCuller(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+BoxCuller::BoxCuller(BoxCuller&&) noexcept = default;
+BoxCuller& BoxCuller::operator=(BoxCuller&&) noexcept = default;
+BoxCuller::~BoxCuller() = default;
+
+core::Expected<BoxCuller> BoxCuller::create(std::span<const core::AabbD> boxes) {
+  if (boxes.size() >= core::kNone) return core::fail("box culler: expected fewer than 2^32 boxes");
+  core::AabbD around;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (auto fine = check(boxes[i], i); !fine) return tl::unexpected(fine.error());
+    if (!boxes[i].empty()) around.grow(boxes[i]);
+  }
+  auto impl = std::make_unique<Impl>();
+  if (!around.empty()) impl->bounds.origin = glm::round(around.centre());
+  std::vector<core::Aabb> rounded;
+  rounded.reserve(boxes.size());
+  for (const core::AabbD& box : boxes) rounded.push_back(impl->rounded(box));
+  impl->index_of = core::build_bvh(rounded).order;
+  impl->slot_of.resize(boxes.size());
+  impl->bounds.resize(boxes.size());
+  for (core::Slot slot = 0; slot < boxes.size(); ++slot) {
+    impl->slot_of[impl->index_of[slot]] = slot;
+    impl->bounds.set(slot, rounded[impl->index_of[slot]]);
+  }
+  impl->culler.emplace(impl->bounds);
+  return BoxCuller(std::move(impl));
+}
+
+std::size_t BoxCuller::size() const {
+  return impl_->index_of.size();
+}
+
+core::Expected<void> BoxCuller::visible(const double clip_from_world[16], core::ClipDepth depth,
+                                        std::vector<std::uint32_t>& indices) const {
+  const auto view = core::View::from_matrices(core::dmat4(1.0), glm::make_mat4(clip_from_world), depth);
+  if (!view) return tl::unexpected(view.error());
+  visible(*view, indices);
+  return {};
+}
+
+void BoxCuller::visible(const core::View& view, std::vector<std::uint32_t>& indices) const {
+  thread_local core::VisibleSet set;
+  impl_->culler->cull(view, set);
+  indices.clear();
+  const auto take = [&](core::Slot slot) {
+    if (!impl_->bounds.vacant(slot)) indices.push_back(impl_->index_of[slot]);
+  };
+  for (const core::SlotRange& range : set.ranges)
+    for (core::Slot slot = range.first; slot < range.first + range.count; ++slot) take(slot);
+  for (const core::Slot slot : set.items) take(slot);
+}
+
+core::Expected<void> BoxCuller::update(std::uint32_t index, const core::AabbD& box) {
+  assert(index < size());
+  if (auto fine = check(box, index); !fine) return fine;
+  const core::Slot slot = impl_->slot_of[index];
+  impl_->bounds.set(slot, impl_->rounded(box));
+  impl_->culler->update(std::span(&slot, 1));
+  return {};
+}
+
+}  // namespace sightline::culling
