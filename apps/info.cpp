@@ -106,7 +106,7 @@ void print(const importers::ImportReport& report, const Facts& facts) {
   std::uint64_t total = 0;
   for (int k = 0; k < core::kKindCount; ++k) {
     if (report.items[k])
-      std::printf("%-18s %12llu\n", std::string(core::kind_name(core::Kind(k))).c_str(),
+      std::printf("%-18s %12llu\n", std::string(core::name_of(core::Kind(k))).c_str(),
                   (unsigned long long)report.items[k]);
     total += report.items[k];
   }

@@ -102,7 +102,7 @@ core::Expected<void> write_id_names(const std::string& file, const render::IdIma
     if (id == 0) continue;
     const core::ItemId item = id - 1;
     out[std::to_string(item)] = {{"node", scene.path(scene.node_of(item))},
-                                 {"kind", std::string(core::kind_name(scene.kind(item)))}};
+                                 {"kind", std::string(core::name_of(scene.kind(item)))}};
   }
   return apps::write_text(file, apps::to_text(out));
 }

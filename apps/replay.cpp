@@ -41,8 +41,8 @@ void add_controller_options(CLI::App& app, Options& o) {
   app.callback([&o] {
     if (o.model.files.empty() && o.controller_trace.empty()) throw CLI::RequiredError("MODEL");
   });
-  app.add_option("--policy", o.policy, "Of the hybrid: frame-cost or seed")
-      ->check(CLI::IsMember({"frame-cost", "seed"}))
+  app.add_option("--policy", o.policy, "Of the hybrid: frame-cost or 2009")
+      ->check(CLI::IsMember({"frame-cost", "2009"}))
       ->capture_default_str();
   app.add_option("--rendering", o.rendering, "on: frame times count; off: cull times")
       ->check(CLI::IsMember({"on", "off"}))
@@ -301,7 +301,7 @@ core::Expected<void> write_reports(const Options& o, const engine::Engine& engin
 }
 
 culling::Policy policy_of(const Options& o) {
-  return o.policy == "seed" ? culling::Policy::kSeedStateMachine : culling::Policy::kFrameCost;
+  return o.policy == "2009" ? culling::Policy::k2009 : culling::Policy::kFrameCost;
 }
 
 /// Flies twice, with either path fixed. A frame's interval is known when the next one begins, so the last has none.
@@ -397,7 +397,7 @@ int main(int argc, char** argv) {
                  "  sightline-replay a.rvm b.rvm --path flight.json --images frames --every 10\n"
                  "  sightline-replay plant.rvm --culler hybrid --policy frame-cost --trace out.csv\n"
                  "  sightline-replay plant.rvm --record-both trace.csv\n"
-                 "  sightline-replay --controller-only trace.csv --policy seed --rendering off --json -");
+                 "  sightline-replay --controller-only trace.csv --policy 2009 --rendering off --json -");
   Options options;
   add_options(app, options);
   return apps::run(app, argc, argv, [&] { return replay(options); });

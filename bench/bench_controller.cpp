@@ -113,16 +113,16 @@ culling::ControllerConfig config_of(culling::Policy policy) {
 
 void add(Row& row, const std::vector<apps::TraceFrame>& trace, bool rendering, double weight) {
   row.frame_cost.add(apps::run_controller(trace, config_of(culling::Policy::kFrameCost), rendering), weight);
-  row.seed.add(apps::run_controller(trace, config_of(culling::Policy::kSeedStateMachine), rendering), weight);
+  row.seed.add(apps::run_controller(trace, config_of(culling::Policy::k2009), rendering), weight);
 }
 
 /// Whether either path's cost is there at all: without a GPU clock there are no cull times.
 bool has_costs(const std::vector<apps::TraceFrame>& trace, bool rendering) {
-  const auto has = [&](culling::Path path) {
+  const auto has = [&](culling::CullPath path) {
     return std::any_of(trace.begin(), trace.end(),
                        [&](const apps::TraceFrame& f) { return culling::is_measured(f.cost(path, rendering)); });
   };
-  return has(culling::Path::kCpu) && has(culling::Path::kGpu);
+  return has(culling::CullPath::kCpu) && has(culling::CullPath::kGpu);
 }
 
 core::Expected<std::vector<Row>> measure(const Options& options) {

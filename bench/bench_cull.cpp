@@ -242,7 +242,7 @@ double time_refit(Subject& subject) {
 
 core::Expected<void> choose_instructions(const std::string& name) {
   for (const auto set : {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
-    if (name != core::name(set)) continue;
+    if (name != core::name_of(set)) continue;
     if (!core::supported(set)) return core::fail("--simd " + name + ": this processor or build does not have it");
     core::force_instruction_set(set);
   }
@@ -304,7 +304,7 @@ core::Expected<Json> measure(const Options& options) {
   Json json{{"items", boxes->size()},
             {"culler", options.culler},
             {"output", options.output},
-            {"instructions", core::name(core::instruction_set())},
+            {"instructions", core::name_of(core::instruction_set())},
             {"build_ms", subject.build_ms},
             {"refit_ms", refit_ms},
             {"bytes_per_item", subject.bytes_per_item()},

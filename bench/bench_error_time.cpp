@@ -41,7 +41,7 @@ void add_options(CLI::App& app, Options& o) {
   apps::add_model_options(app, o.model);
   app.get_option("MODEL")->required(false)->description("Measure these, each on its own, instead of single kinds");
   std::vector<std::string> kinds;
-  for (const core::Kind kind : bench::measured_kinds()) kinds.emplace_back(core::kind_name(kind));
+  for (const core::Kind kind : bench::measured_kinds()) kinds.emplace_back(core::name_of(kind));
   app.add_option("--only", o.only, "These kinds alone: cylinder, snout, circular_torus, …")
       ->check(CLI::IsMember(kinds))
       ->delimiter(',');
@@ -96,7 +96,7 @@ core::Expected<int> measure_kinds(const Options& o, gl::Context& context, std::F
   const bench::KindConfig config{size[0], size[1], o.samples, o.passes, o.seed, segments_of(o)};
   std::vector<core::Kind> kinds;
   for (const core::Kind kind : bench::measured_kinds())
-    if (o.only.empty() || std::find(o.only.begin(), o.only.end(), core::kind_name(kind)) != o.only.end())
+    if (o.only.empty() || std::find(o.only.begin(), o.only.end(), core::name_of(kind)) != o.only.end())
       kinds.push_back(kind);
   std::fprintf(out, "renderer %s, %dx%d, %d x %d samples per pixel, median of %d passes, seed %u\n",
                context.renderer().c_str(), size[0], size[1], o.samples, o.samples, o.passes, o.seed);

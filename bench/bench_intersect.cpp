@@ -134,7 +134,7 @@ core::Expected<int> run(std::size_t count, const std::string& json) {
     for (const auto set : {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
       if (!core::supported(set)) continue;
       core::force_instruction_set(set);
-      rows.push_back(report("cylinder, many rays", core::name(set), measure_beam(*cylinder, rays)));
+      rows.push_back(report("cylinder, many rays", core::name_of(set), measure_beam(*cylinder, rays)));
     }
     core::force_instruction_set(std::nullopt);
   }

@@ -195,7 +195,7 @@ core::Expected<int> bench_all(const Options& o) {
       const auto found = measure(*context, *items, o.size, random);
       if (!found) return tl::unexpected(found.error());
       if (found->ratios.empty()) continue;
-      const std::string kind_name(core::kind_name(kind));
+      const std::string name_of(core::name_of(kind));
       if (table)
         std::printf("%-20s %8zu %12.2f %10.2f %10.2f\n", kind_name.c_str(), found->ratios.size(), found->ratio(),
                     found->percentile(0.5), found->percentile(0.9));

@@ -119,7 +119,7 @@ core::Expected<void> measure_views([[maybe_unused]] const Options& options,
 #if SIGHTLINE_HAS_GL
   std::vector<bench::ViewCase> cases = bench::view_cases(options.seed);
   std::erase_if(cases, [&](const bench::ViewCase& c) {
-    return !wanted(options.primitives, core::kind_name(c.kind)) || !wanted(options.families, c.family);
+    return !wanted(options.primitives, core::name_of(c.kind)) || !wanted(options.families, c.family);
   });
   if (cases.empty() || !wanted(options.paths, "glsl")) return {};
   auto views = bench::ViewRays::create();
@@ -168,7 +168,7 @@ void print_head() {
 void print(const Result& r) {
   const bench::Figures& f = r.figures;
   std::printf("%-17s %-20s %-6s %7d %7d %9.1e %9.1e %9.1e %9.1e %6d %6d %6d  %s\n",
-              std::string(core::kind_name(r.kind)).c_str(), r.name.c_str(), std::string(path_name(r.path)).c_str(),
+              std::string(core::name_of(r.kind)).c_str(), r.name.c_str(), std::string(path_name(r.path)).c_str(),
               f.rays, f.hits, f.max_t, f.p999_t, f.limits.t, f.max_normal, f.false_hits, f.false_misses, f.ties,
               f.ok()             ? "ok"
               : f.not_finite > 0 ? "NOT FINITE"
@@ -201,7 +201,7 @@ Json to_json(const std::vector<Result>& results) {
   Json cases = Json::array();
   for (const Result& r : results) {
     const bench::Figures& f = r.figures;
-    cases.push_back({{"primitive", core::kind_name(r.kind)},
+    cases.push_back({{"primitive", core::name_of(r.kind)},
                      {"case", r.name},
                      {"path", path_name(r.path)},
                      {"rays", f.rays},
@@ -265,12 +265,12 @@ core::Expected<int> run_fuzz(const Options& options) {
                 "outside", "disagree", "in band", "thin");
   for (int i = 0; i < core::kPrimitiveKindCount; ++i) {
     const auto kind = core::Kind(i);
-    if (kind == core::Kind::kLine || !wanted(options.primitives, core::kind_name(kind))) continue;
+    if (kind == core::Kind::kLine || !wanted(options.primitives, core::name_of(kind))) continue;
     const auto done = bench::fuzz(*shaders, kind, options.fuzz, options.seed);
     if (!done) return tl::unexpected(done.error());
     const bench::FuzzFigures& f = *done;
     ok = ok && f.ok();
-    kinds.push_back({{"primitive", core::kind_name(kind)},
+    kinds.push_back({{"primitive", core::name_of(kind)},
                      {"sets", f.sets},
                      {"finite", f.finite},
                      {"hits", f.hits},
@@ -283,7 +283,7 @@ core::Expected<int> run_fuzz(const Options& options) {
                      {"ok", f.ok()}});
     if (!table) continue;
     std::printf("%-17s %9lld %9lld %9lld %10lld %9lld %9lld %9lld %9lld  %s\n",
-                std::string(core::kind_name(kind)).c_str(), static_cast<long long>(f.sets),
+                std::string(core::name_of(kind)).c_str(), static_cast<long long>(f.sets),
                 static_cast<long long>(f.finite), static_cast<long long>(f.hits), static_cast<long long>(f.not_finite),
                 static_cast<long long>(f.outside), static_cast<long long>(f.disagree),
                 static_cast<long long>(f.in_band), static_cast<long long>(f.thin), f.ok() ? "ok" : "FAILS");
@@ -305,7 +305,7 @@ core::Expected<int> run(const Options& options) {
   if (options.fuzz > 0) return run_fuzz(options);
   std::vector<Case> cases;
   for (Case& c : bench::stability_cases())
-    if (wanted(options.primitives, core::kind_name(c.kind)) && wanted(options.families, c.family))
+    if (wanted(options.primitives, core::name_of(c.kind)) && wanted(options.families, c.family))
       cases.push_back(std::move(c));
   auto measured = measure(cases, options);
   if (!measured) return tl::unexpected(measured.error());

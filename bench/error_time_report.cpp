@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 using Method = Form::Method;
 
 std::string kind_of(const KindResult& result) {
-  return std::string(core::kind_name(result.kind));
+  return std::string(core::name_of(result.kind));
 }
 
 /// Three significant digits, short.

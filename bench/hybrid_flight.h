@@ -20,11 +20,10 @@ struct HybridMode {
   culling::Policy policy = culling::Policy::kFrameCost;
 };
 /// The first two are the single paths.
-inline constexpr HybridMode kHybridModes[] = {
-    {"cpu", engine::CullerChoice::kCpu},
-    {"gpu", engine::CullerChoice::kGpu},
-    {"hybrid frame-cost", engine::CullerChoice::kHybrid},
-    {"hybrid seed", engine::CullerChoice::kHybrid, culling::Policy::kSeedStateMachine}};
+inline constexpr HybridMode kHybridModes[] = {{"cpu", engine::CullerChoice::kCpu},
+                                              {"gpu", engine::CullerChoice::kGpu},
+                                              {"hybrid frame-cost", engine::CullerChoice::kHybrid},
+                                              {"hybrid seed", engine::CullerChoice::kHybrid, culling::Policy::k2009}};
 inline constexpr std::size_t kModes = std::size(kHybridModes);
 
 struct HybridFrame {

@@ -37,7 +37,7 @@ void force_instruction_set(std::optional<InstructionSet> set) {
   g_forced = set ? int(*set) : -1;
 }
 
-const char* name(InstructionSet set) {
+const char* name_of(InstructionSet set) {
   return set == InstructionSet::kScalar ? "scalar" : set == InstructionSet::kAvx2 ? "avx2" : "avx512";
 }
 

@@ -16,6 +16,6 @@ InstructionSet instruction_set();
 /// For tests and benchmarks: what follows, on every thread, runs in this form, which must be supported. nullopt: the
 /// widest again. Not to be called while another thread runs kernels.
 void force_instruction_set(std::optional<InstructionSet> set);
-const char* name(InstructionSet set);
+const char* name_of(InstructionSet set);
 
 }  // namespace sightline::core

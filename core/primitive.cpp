@@ -142,7 +142,7 @@ EndRange end_range(const Snout& s, double radius, double shear_x, double shear_y
 
 }  // namespace
 
-std::string_view kind_name(Kind kind) {
+std::string_view name_of(Kind kind) {
   return kKindNames[std::size_t(kind)];
 }
 

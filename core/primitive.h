@@ -38,7 +38,7 @@ inline constexpr int kPrimitiveKindCount = 10;
 inline constexpr int kKindCount = 12;
 
 /// "cylinder", "circular_torus", …: the names used in every file and message.
-std::string_view kind_name(Kind kind);
+std::string_view name_of(Kind kind);
 
 /// Frustum of a rectangular pyramid. The bottom lies at z = -height/2 around -offset/2, the top at +height/2 around
 /// +offset/2.

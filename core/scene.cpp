@@ -662,7 +662,7 @@ Expected<SceneDelta> Scene::validated(std::span<const ItemId> items) const {
   });
   if (bad == kNone) return delta;
   return fail("node \"" + path(node_of(bad)) + "\": item " + std::to_string(bad) + " (" +
-              std::string(kind_name(kind(bad))) +
+              std::string(name_of(kind(bad))) +
               ") has parameters, a placement or bounds that are not finite or reach beyond 1e37 m");
 }
 

@@ -5,22 +5,22 @@
 namespace sightline::culling {
 namespace {
 
-std::variant<FrameCost, SeedStateMachine> make_policy(const ControllerConfig& config) {
+std::variant<FrameCost, Policy2009> make_policy(const ControllerConfig& config) {
   if (config.policy == Policy::kFrameCost) return FrameCost(config.frame_cost);
-  return SeedStateMachine(config.seed);
+  return Policy2009(config.policy_2009);
 }
 
 }  // namespace
 
 Controller::Controller(const ControllerConfig& config) : policy_(make_policy(config)) {}
 
-Path Controller::next() {
+CullPath Controller::next() {
   ++frames_;
   return std::visit([](auto& policy) { return policy.next(); }, policy_);
 }
 
 void Controller::feed(const FrameSample& sample) {
-  std::uint64_t& newest = newest_[sample.path == Path::kGpu];
+  std::uint64_t& newest = newest_[sample.path == CullPath::kGpu];
   if (sample.frame >= frames_ || sample.frame < newest || sample.frame < measured_from_) return;
   if (frames_ - sample.frame > kOldestSample) return;
   newest = sample.frame + 1;

@@ -1,6 +1,6 @@
 // Which path culls the next frame, the CPU's or the GPU's: pure logic, fed with measured times, without GL or a clock
 // of its own. Two policies. FrameCost (the default) estimates what either path would cost and takes the cheaper one;
-// SeedStateMachine is the state machine of the dissertation that this library grew from, kept as the baseline.
+// Policy2009 is the state machine of the dissertation that this library grew from, kept as the baseline.
 // docs/hybrid-culling.md has the formulas and how close either comes to the best choice of every frame.
 //
 //   controller.scene_changed(items); controller.gpu_ready();
@@ -11,17 +11,17 @@
 #include <variant>
 
 #include "sightline/culling/frame_cost.h"
-#include "sightline/culling/path_choice.h"
-#include "sightline/culling/seed_state_machine.h"
+#include "sightline/culling/frame_sample.h"
+#include "sightline/culling/policy_2009.h"
 
 namespace sightline::culling {
 
-enum class Policy : std::uint8_t { kFrameCost, kSeedStateMachine };
+enum class Policy : std::uint8_t { kFrameCost, k2009 };
 
 struct ControllerConfig {
   Policy policy = Policy::kFrameCost;
   FrameCostConfig frame_cost;
-  SeedConfig seed;
+  Policy2009Config policy_2009;
 };
 
 /// Deterministic: the same calls give the same paths. Allocates nothing; copies are independent. Starts on the CPU, and
@@ -31,7 +31,7 @@ class Controller {
   explicit Controller(const ControllerConfig& config = {});
 
   /// The path of the next frame. Frames are numbered 0, 1, … by the calls.
-  Path next();
+  CullPath next();
 
   /// What was measured in a frame, as soon as it is known: GPU frames come late, and some never. Samples of frames not
   /// yet begun, older than the newest one of their path, or older than kOldestSample frames are ignored; so is each
@@ -57,7 +57,7 @@ class Controller {
   ControllerState state() const;
 
  private:
-  std::variant<FrameCost, SeedStateMachine> policy_;
+  std::variant<FrameCost, Policy2009> policy_;
   std::uint64_t frames_ = 0, measured_from_ = 0;
   std::uint64_t newest_[2] = {0, 0};  // frame after the newest sample, per path
 };

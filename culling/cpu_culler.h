@@ -12,8 +12,8 @@
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/cull_threads.h"
+#include "sightline/culling/frame_sample.h"
 #include "sightline/culling/hierarchy.h"
-#include "sightline/culling/path_choice.h"
 
 namespace sightline::culling {
 

@@ -43,7 +43,7 @@ double least(const std::array<double, 3>& v) {
 
 }  // namespace
 
-Path FrameCost::next() {
+CullPath FrameCost::next() {
   ++frames_;
   ++since_switch_;
   probing_ = false;
@@ -54,10 +54,10 @@ Path FrameCost::next() {
 void FrameCost::decide() {
   Side& mine = side(path_);
   Side& theirs = side(other(path_));
-  if (path_ == Path::kGpu && since_switch_ > config_.silent_frames &&
+  if (path_ == CullPath::kGpu && since_switch_ > config_.silent_frames &&
       frames_ - mine.measured > config_.silent_frames) {  // its timers are missing
     mine = Side();
-    switch_to(Path::kCpu, 0.0);
+    switch_to(CullPath::kCpu, 0.0);
     last_probe_ = frames_;
     return;
   }
@@ -97,14 +97,14 @@ double FrameCost::predict_other() {
   const double measured = predict(other(path_));
   if (config_.presumed_gpu_excess == 0.0) return measured;
   const double excess = std::log1p(config_.presumed_gpu_excess);
-  const double presumed = predict(path_) + (path_ == Path::kCpu ? excess : -excess);
+  const double presumed = predict(path_) + (path_ == CullPath::kCpu ? excess : -excess);
   const double samples = side(other(path_)).table.samples(x_);
   return (samples * measured + kPresumed * presumed) / (samples + kPresumed);
 }
 
 /// How far log(cost) may lie below the estimate: by its standard error, and where the estimate comes from other numbers
 /// of visible items, by what those may change.
-double FrameCost::doubt(Path path) {
+double FrameCost::doubt(CullPath path) {
   const Side& s = side(path);
   const double presumed = config_.presumed_gpu_excess == 0.0 ? 0.0 : kPresumed;
   const double error = std::min(kMostOptimism, s.noise / std::sqrt(std::max(s.table.samples(x_) + presumed, 0.1)));
@@ -127,7 +127,7 @@ bool FrameCost::try_recovered(double own, double theirs) {
 bool FrameCost::wants_probe(double own, double excess) const {
   const Side& mine = sides_[std::size_t(path_)];
   const Side& theirs = sides_[std::size_t(other(path_))];
-  if (path_ == Path::kCpu && !config_.rendering && std::exp(own) < config_.least_gpu_cull_ms) return false;
+  if (path_ == CullPath::kCpu && !config_.rendering && std::exp(own) < config_.least_gpu_cull_ms) return false;
   if (frames_ - last_probe_ < kAnswer && last_probe_ > 0) return false;
   const double allowed = config_.probe_share * double(frames_), taken = double(probes_ + 1);
   const double free = double(config_.first_probes);
@@ -140,7 +140,7 @@ bool FrameCost::wants_probe(double own, double excess) const {
 }
 
 /// Switches for small gaps soon after one another are vain: noise.
-void FrameCost::switch_to(Path path, double gap) {
+void FrameCost::switch_to(CullPath path, double gap) {
   const bool vain = gap < config_.dwell_margin && since_switch_ < 4u * dwell_;
   if (vain)
     dwell_ = std::min(2 * dwell_, 32 * config_.dwell_frames);
@@ -175,7 +175,7 @@ void FrameCost::feed(const FrameSample& sample) {
   if (is_measured(cost)) learn(sample.path, std::log(cost), x, sample.frame);
 }
 
-void FrameCost::learn(Path path, double log_cost, double x, std::uint64_t frame) {
+void FrameCost::learn(CullPath path, double log_cost, double x, std::uint64_t frame) {
   Side& s = side(path);
   const bool away = frame - s.measured >= kAway;
   s.measured = frame + 1;
@@ -208,7 +208,7 @@ double FrameCost::filter(Side& s, double residual, bool fresh) const {
 }
 
 /// Page's test on the filtered residuals; without a change, they are learnt.
-void FrameCost::detect_change(Path path, double filtered, double x, std::uint64_t frame, bool away) {
+void FrameCost::detect_change(CullPath path, double filtered, double x, std::uint64_t frame, bool away) {
   Side& s = side(path);
   const double slack = kSlack * s.noise, threshold = kThreshold * s.noise;
   for (int down = 0; down < 2; ++down) {
@@ -228,7 +228,7 @@ void FrameCost::detect_change(Path path, double filtered, double x, std::uint64_
   s.table.learn(x, filtered);
 }
 
-void FrameCost::change_regime(Path path, double shift, double x, std::uint64_t frame, bool away) {
+void FrameCost::change_regime(CullPath path, double shift, double x, std::uint64_t frame, bool away) {
   Side& s = side(path);
   if (frame - s.shifted <= 2 && shift < 0.0)  // it was a spike after all
     persistence_ = -kMostPersistence;
@@ -262,13 +262,13 @@ void FrameCost::scene_changed(double items) {
 
 void FrameCost::set_gpu(bool ready) {
   gpu_ = ready;
-  if (!ready && path_ == Path::kGpu) switch_to(Path::kCpu, 0.0);
-  side(Path::kGpu).table.doubt(1.0);
+  if (!ready && path_ == CullPath::kGpu) switch_to(CullPath::kCpu, 0.0);
+  side(CullPath::kGpu).table.doubt(1.0);
 }
 
 ControllerState FrameCost::state() const {
   if (probing_) return ControllerState::kProbe;
-  return path_ == Path::kCpu ? ControllerState::kCpu : ControllerState::kGpu;
+  return path_ == CullPath::kCpu ? ControllerState::kCpu : ControllerState::kGpu;
 }
 
 }  // namespace sightline::culling

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "sightline/culling/cost_table.h"
-#include "sightline/culling/path_choice.h"
+#include "sightline/culling/frame_sample.h"
 
 namespace sightline::culling {
 
@@ -36,7 +36,7 @@ class FrameCost {
  public:
   explicit FrameCost(const FrameCostConfig& config) : config_(config), dwell_(config.dwell_frames) {}
 
-  Path next();
+  CullPath next();
   void feed(const FrameSample& sample);
   void scene_changed(double items);
   void set_gpu(bool ready);
@@ -62,24 +62,24 @@ class FrameCost {
 
   /// There is nothing to learn: the CPU's path it is.
   bool settled() const { return config_.presumed_gpu_excess > 0.0 && !config_.rendering; }
-  Side& side(Path path) { return sides_[std::size_t(path)]; }
+  Side& side(CullPath path) { return sides_[std::size_t(path)]; }
   double position(double visible) const;
-  double predict(Path path) { return side(path).table.predict(x_); }
+  double predict(CullPath path) { return side(path).table.predict(x_); }
   double predict_other();
   double dwell_margin() const;
-  double doubt(Path path);
-  void learn(Path path, double log_cost, double x, std::uint64_t frame);
+  double doubt(CullPath path);
+  void learn(CullPath path, double log_cost, double x, std::uint64_t frame);
   double filter(Side& s, double residual, bool fresh) const;
-  void detect_change(Path path, double filtered, double x, std::uint64_t frame, bool away);
-  void change_regime(Path path, double shift, double x, std::uint64_t frame, bool away);
+  void detect_change(CullPath path, double filtered, double x, std::uint64_t frame, bool away);
+  void change_regime(CullPath path, double shift, double x, std::uint64_t frame, bool away);
   void decide();
-  void switch_to(Path path, double gap);
+  void switch_to(CullPath path, double gap);
   bool try_recovered(double own, double theirs);
   bool wants_probe(double own, double excess) const;
 
   FrameCostConfig config_;
   std::array<Side, 2> sides_;
-  Path path_ = Path::kCpu;
+  CullPath path_ = CullPath::kCpu;
   bool gpu_ = false, probing_ = false;
   bool risen_ = false;  // the path taken has become dearer: the other one is worth a look
   double items_ = 0.0;  // of the scene; 0: unknown

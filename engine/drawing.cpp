@@ -22,7 +22,7 @@ void Drawing::plan_programs(Plan& plan, const core::Snapshot& snapshot, bool dra
   for (int i = 0; i < gpuscene::kBatchKindCount; ++i) {
     const auto batch = gpuscene::BatchKind(i);
     const std::size_t n = counts[std::size_t(i)];
-    std::string feature(gpuscene::batch_name(batch));
+    std::string feature(gpuscene::name_of(batch));
     std::replace(feature.begin(), feature.end(), '_', ' ');
     feature += gpuscene::is_ray_cast(batch) ? " program (ray-cast)" : " program";
     const std::string why = !draw ? "drawing is off" : n > 0 ? count_text(n) : "none in the scene";

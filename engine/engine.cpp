@@ -311,7 +311,7 @@ core::Expected<bool> Engine::Impl::cull(const core::View& view, FrameReport& rep
   bool on_gpu = drawing_ && live_.plan.culler == CullerChoice::kGpu;
   if (hybrid_) {
     gather_late_reports();
-    on_gpu = hybrid_->next(report.frame_ms) == culling::Path::kGpu;
+    on_gpu = hybrid_->next(report.frame_ms) == culling::CullPath::kGpu;
     report.state = hybrid_->controller().state();
   }
   if (on_gpu) {
@@ -346,8 +346,7 @@ void Engine::Impl::cull_on_cpu(const core::View& view, FrameReport& report) {
 culling::FrameSample Engine::Impl::describe_walk() const {
   culling::FrameSample walk;
   const auto* culler = std::get_if<culling::CpuCuller>(live_.culler.get());
-  if (culler && config_.controller.policy == culling::Policy::kSeedStateMachine)
-    culler->describe(visible_.counters, walk);
+  if (culler && config_.controller.policy == culling::Policy::k2009) culler->describe(visible_.counters, walk);
   return walk;
 }
 

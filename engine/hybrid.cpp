@@ -6,7 +6,7 @@
 
 namespace sightline::engine {
 
-using culling::Path;
+using culling::CullPath;
 
 Hybrid::Hybrid(const culling::ControllerConfig& config, std::size_t items, std::uint64_t first_frame)
     : controller_(config), first_frame_(first_frame) {
@@ -14,7 +14,7 @@ Hybrid::Hybrid(const culling::ControllerConfig& config, std::size_t items, std::
   controller_.gpu_ready();
 }
 
-Path Hybrid::next(double since_last_ms) {
+CullPath Hybrid::next(double since_last_ms) {
   const std::uint64_t frame = controller_.frames();
   if (frame > 0) {
     Pending& last = pending(frame - 1);
@@ -40,8 +40,8 @@ Hybrid::Pending* Hybrid::find(std::uint64_t report_frame) {
 void Hybrid::measured(const FrameReport& report, const culling::FrameSample& walk) {
   Pending& p = pending(controller_.frames() - 1);
   p.wait_ms = report.wait_ms;
-  p.drawn = !report.drawn && p.sample.path == Path::kCpu;  // then there is nothing to wait for
-  if (p.sample.path == Path::kGpu) return;                 // its CPU time is that of submitting
+  p.drawn = !report.drawn && p.sample.path == CullPath::kCpu;  // then there is nothing to wait for
+  if (p.sample.path == CullPath::kGpu) return;                 // its CPU time is that of submitting
   p.sample.cull_ms = report.cull_ms;
   p.sample.visible = double(report.visible);
   p.sample.tested = double(report.tested);
@@ -53,7 +53,7 @@ void Hybrid::measured(const FrameReport& report, const culling::FrameSample& wal
 
 void Hybrid::measured(const LateReport& report) {
   Pending* p = find(report.frame);
-  if (!p || p->sample.path != Path::kGpu) return;
+  if (!p || p->sample.path != CullPath::kGpu) return;
   p->sample.visible = double(report.visible);
   if (report.gpu_cull_ms >= 0.0) p->sample.cull_ms = report.gpu_cull_ms;
   p->late_known = true;

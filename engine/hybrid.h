@@ -19,7 +19,7 @@ class Hybrid {
   Hybrid(const culling::ControllerConfig& config, std::size_t items, std::uint64_t first_frame);
 
   /// Begins a frame. `since_last_ms`: since the last one began; 0 for the first.
-  culling::Path next(double since_last_ms);
+  culling::CullPath next(double since_last_ms);
   /// What the frame that has begun has cost the CPU. `walk`: of its hierarchy, as CpuCuller::describe tells it.
   void measured(const FrameReport& report, const culling::FrameSample& walk = {});
   /// An earlier frame is drawn, and kept the GPU busy so long; 0: not longer than it kept the CPU.

@@ -18,8 +18,8 @@ constexpr double kPi = std::numbers::pi;
 template <class Real>
 struct Tube {
   Vec3<Real> o, u;
-  Real major, minor;
-  Real inner, outer;  // major - minor and their sum
+  Real major, tube_radius;
+  Real inner, outer;  // major - tube_radius and their sum
 
   /// G as in the header, times rho and its derivative along the ray times rho: one division less, and the same root.
   struct Value {
@@ -107,7 +107,7 @@ struct Pieces {
 template <class Real>
 Pieces<Real> monotone_pieces(const Tube<Real>& tube, Real end) {
   const Real r2 = tube.major * tube.major,
-             k = glm::dot(tube.o, tube.o) + (tube.major - tube.minor) * (tube.major + tube.minor);
+             k = glm::dot(tube.o, tube.o) + (tube.major - tube.tube_radius) * (tube.major + tube.tube_radius);
   const Real across = tube.u.x * tube.u.x + tube.u.y * tube.u.y, along = tube.o.x * tube.u.x + tube.o.y * tube.u.y;
   Pieces<Real> pieces;
   pieces.p = k - 2 * r2 * across;
@@ -123,7 +123,7 @@ Pieces<Real> monotone_pieces(const Tube<Real>& tube, Real end) {
 /// Where the line enters and leaves the whole torus, in rising order: 0, 2 or 4 values.
 template <class Real>
 int tube_crossings(const Tube<Real>& tube, Real crossings[4]) {
-  const Real size = tube.major + tube.minor, room = size * size - glm::dot(tube.o, tube.o);
+  const Real size = tube.major + tube.tube_radius, room = size * size - glm::dot(tube.o, tube.o);
   if (!(room > -4 * std::numeric_limits<Real>::epsilon() * size * size)) return 0;
   const Real end = std::sqrt(std::max(Real(0), room) + size * size / 1024);  // surely outside
   const Pieces<Real> pieces = monotone_pieces(tube, end);
@@ -153,10 +153,10 @@ struct ProfilePoint {
 };
 
 /// The outline counter-clockwise: the whole circle, first point repeated, or for a spindle the part away from the axis.
-std::vector<ProfilePoint> make_profile(const Tessellation& config, double major, double minor) {
-  const bool spindle = major < minor;
-  const double half_arc = spindle ? std::acos(-major / minor) : kPi;
-  const int segments = std::max(spindle ? 2 : 3, segment_count(config, minor, 2.0 * half_arc));
+std::vector<ProfilePoint> make_profile(const Tessellation& config, double major, double tube_radius) {
+  const bool spindle = major < tube_radius;
+  const double half_arc = spindle ? std::acos(-major / tube_radius) : kPi;
+  const int segments = std::max(spindle ? 2 : 3, segment_count(config, tube_radius, 2.0 * half_arc));
   std::vector<ProfilePoint> profile(static_cast<std::size_t>(segments) + 1);
   const std::vector<dvec2> circle = arc_points(segments, 2.0 * half_arc);
   for (int i = 0; i <= segments; ++i) {
@@ -165,7 +165,7 @@ std::vector<ProfilePoint> make_profile(const Tessellation& config, double major,
       const double angle = -half_arc + 2.0 * half_arc * i / segments;
       e = {std::cos(angle), std::sin(angle)};
     }
-    profile[i] = {{std::max(0.0, major + minor * e.x), minor * e.y}, e};
+    profile[i] = {{std::max(0.0, major + tube_radius * e.x), tube_radius * e.y}, e};
   }
   if (spindle) profile.front().position.x = profile.back().position.x = 0.0;
   return profile;
@@ -176,9 +176,9 @@ std::vector<ProfilePoint> make_profile(const Tessellation& config, double major,
 template <class Real>
 Hits intersect(const core::CircularTorus& torus, const Ray& ray, Caps caps) {
   Hits hits;
-  const double major = std::fabs(torus.major_radius), minor = std::fabs(torus.tube_radius);
-  const double angle = core::sweep_angle(torus.angle), size = major + minor;
-  if (!(minor > 0.0 && std::isfinite(size) && std::isfinite(torus.angle))) return hits;
+  const double major = std::fabs(torus.major_radius), tube_radius = std::fabs(torus.tube_radius);
+  const double angle = core::sweep_angle(torus.angle), size = major + tube_radius;
+  if (!(tube_radius > 0.0 && std::isfinite(size) && std::isfinite(torus.angle))) return hits;
   LocalRay<Real> local = closest_approach<Real>(ray, dvec3(1.0), size);
   if (!local.valid) return hits;
   recentre(local);
@@ -186,8 +186,8 @@ Hits intersect(const core::CircularTorus& torus, const Ray& ray, Caps caps) {
   const Tube<Real> tube{local.origin,
                         local.direction,
                         Real(major * per_unit),
-                        Real(minor * per_unit),
-                        Real((major - minor) * per_unit),
+                        Real(tube_radius * per_unit),
+                        Real((major - tube_radius) * per_unit),
                         Real(size * per_unit)};
 
   Real crossings[4];
@@ -210,12 +210,12 @@ template Hits intersect<double>(const core::CircularTorus&, const Ray&, Caps);
 template Hits intersect<float>(const core::CircularTorus&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::CircularTorus& torus, const Tessellation& config, Caps caps) {
-  const double major = std::fabs(torus.major_radius), minor = std::fabs(torus.tube_radius);
-  const double angle = core::sweep_angle(torus.angle), size = major + minor;
-  if (!(minor > 0.0 && std::isfinite(size) && std::isfinite(torus.angle))) return {};
+  const double major = std::fabs(torus.major_radius), tube_radius = std::fabs(torus.tube_radius);
+  const double angle = core::sweep_angle(torus.angle), size = major + tube_radius;
+  if (!(tube_radius > 0.0 && std::isfinite(size) && std::isfinite(torus.angle))) return {};
   const int columns = segment_count(config, size, angle);
   const std::vector<dvec2> sweep = arc_points(columns, angle);
-  const std::vector<ProfilePoint> profile = make_profile(config, major, minor);
+  const std::vector<ProfilePoint> profile = make_profile(config, major, tube_radius);
 
   MeshBuilder builder;
   builder.add_grid(static_cast<int>(profile.size()) - 1, columns, [&](int row, int column) {

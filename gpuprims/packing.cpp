@@ -81,10 +81,10 @@ Texel sweep_texel(double first, double angle) {
 }
 
 void pack_shape(const core::CircularTorus& t, const PackedItem& item, std::span<Texel> out) {
-  const double major = length(t.major_radius), tube = length(t.tube_radius), angle = core::sweep_angle(t.angle);
-  if (tube == 0.0) return pack_nothing(item, out);  // not even a hoop
-  const double unit = std::max(major, tube);
-  pack_head(item, turned(unit, 0.5 * angle), tube / unit, out);
+  const double major = length(t.major_radius), tube_radius = length(t.tube_radius), angle = core::sweep_angle(t.angle);
+  if (tube_radius == 0.0) return pack_nothing(item, out);  // not even a hoop
+  const double unit = std::max(major, tube_radius);
+  pack_head(item, turned(unit, 0.5 * angle), tube_radius / unit, out);
   out[4] = sweep_texel(major / unit, angle);
 }
 

@@ -1,12 +1,11 @@
 // How finely the analytic primitives become triangles. What the per-kind tessellate() functions share and promise:
 //   - positions and normals in the primitive's local units; smooth normals on curved parts, flat ones on caps and faces
 //   - triangles counter-clockwise from outside; none has two corners at one position
-//   - a capped primitive gives a closed surface: as position triples every edge meets its reverse. Vertices at creases
-//   and
-//     seams are doubled for their normals, at bit-identical positions
+//   - a capped primitive gives a closed surface: every edge meets its reverse, compared by positions. Vertices at
+//     creases and seams are doubled for their normals, at positions that are equal to the bit
 //   - a degenerate primitive gives what it shows: a disc of no thickness has two sides, a cylinder of radius 0 is
-//   empty. So
-//     is anything with a parameter that is not finite
+//   empty,
+//     and so is anything with a parameter that is not finite
 #pragma once
 
 #include "sightline/core/mesh.h"

@@ -14,13 +14,13 @@ std::string in_capitals(std::string_view name) {
 }  // namespace
 
 std::vector<std::string> batch_defines(BatchKind kind) {
-  return {in_capitals(batch_name(kind)), "TEXELS_PER_RECORD " + std::to_string(texels_per_record(kind))};
+  return {in_capitals(name_of(kind)), "TEXELS_PER_RECORD " + std::to_string(texels_per_record(kind))};
 }
 
 std::vector<std::string> batch_kind_defines() {
   std::vector<std::string> defines;
   for (int kind = 0; kind < kBatchKindCount; ++kind)
-    defines.push_back(in_capitals(batch_name(BatchKind(kind))) + "_KIND " + std::to_string(kind) + "u");
+    defines.push_back(in_capitals(name_of(BatchKind(kind))) + "_KIND " + std::to_string(kind) + "u");
   return defines;
 }
 

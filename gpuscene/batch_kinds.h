@@ -61,7 +61,7 @@ inline constexpr std::array<BatchKindInfo, kBatchKindCount> kBatchKinds = {{
 constexpr const BatchKindInfo& info_of(BatchKind kind) {
   return kBatchKinds[std::size_t(kind)];
 }
-constexpr std::string_view batch_name(BatchKind kind) {
+constexpr std::string_view name_of(BatchKind kind) {
   return info_of(kind).name;
 }
 constexpr bool is_ray_cast(BatchKind kind) {

@@ -43,7 +43,7 @@ core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, const 
   batch.count = std::uint32_t(slots.size());
   batch.capacity = batch.count + batch.count / 8 + kHeadroom;
   const std::vector<Texel> texels = pack_slots(snapshot, kind, slots, batch.capacity);
-  const std::string what = "records of the " + std::string(batch_name(kind)) + " batch";
+  const std::string what = "records of the " + std::string(name_of(kind)) + " batch";
   auto buffer = gl::Buffer::create(gl, std::span(texels), GL_DYNAMIC_STORAGE_BIT, what);
   if (!buffer) return tl::unexpected(buffer.error());
   batch.records = std::move(*buffer);

@@ -1,5 +1,6 @@
-// gpuscene: what of a snapshot lies in GPU memory. Batches with their records, the mesh pool, chunk origins, materials,
-// and the GPU form of a visible set. Draws nothing and culls nothing.
+// gpuscene: what of a snapshot lies in GPU memory. This header: batches with their records, the mesh pool, materials.
+// Beside it: the kinds of batches (batch_kinds.h) and the GPU form of a visible set (draw_lists.h). Draws nothing and
+// culls nothing.
 #pragma once
 
 #include <cstdint>

@@ -30,7 +30,7 @@ gl::ShaderContext shader_context(const TargetForm& form, bool sections) {
 
 gl::ProgramDescription describe_batch(BatchKind kind, const TargetForm& form, bool sections) {
   gl::ProgramDescription description;
-  description.name = gpuscene::batch_name(kind);
+  description.name = gpuscene::name_of(kind);
   description.shaders = shader_context(form, sections);
   for (std::string& define : gpuscene::batch_defines(kind)) description.shaders.defines.push_back(std::move(define));
   if (gpuscene::is_ray_cast(kind)) {

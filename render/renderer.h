@@ -22,10 +22,10 @@ class Renderer {
   static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene,
                                          const TargetForm& form = {});
 
-  /// Clears the target and draws what the lists name. Cylinders, snouts and torus slices are exact up to float
-  /// arithmetic; with several samples per pixel they cover those whose rays hit them, in the colour and at the depth of
-  /// one. Depth is reverse-Z whatever the view's own convention. Sets all GL state it needs (but
-  /// see gl::reset_pipeline_state) and leaves it set. Does not wait.
+  /// Clears the target and draws what the lists name. All analytic primitives are ray-cast, exact up to float
+  /// arithmetic. With several samples per pixel they cover the samples whose rays hit them, in the colour and at the
+  /// depth of one of them. Depth is reverse-Z whatever the view's own convention. Sets the GL state it needs, but for
+  /// what gl::reset_pipeline_state names, and leaves it set. Does not wait.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                             const gpuscene::DrawLists& lists, const RenderTarget& target);
 

@@ -12,8 +12,8 @@
 namespace sightline::apps {
 namespace {
 
+using culling::CullPath;
 using culling::FrameSample;
-using culling::Path;
 
 struct Column {
   std::string_view name;
@@ -158,12 +158,12 @@ TraceResult run_controller(const std::vector<TraceFrame>& trace, const culling::
   controller.scene_changed(items);
   controller.gpu_ready();
   TraceResult result;
-  const auto show = [&](std::size_t i, Path path) {
+  const auto show = [&](std::size_t i, CullPath path) {
     const TraceFrame& f = trace[i];
     FrameSample sample{.frame = i, .path = path, .visible = f.visible};
     sample.cull_ms = f.cost(path, false);
     sample.frame_ms = f.cost(path, true);
-    if (path == Path::kCpu) {
+    if (path == CullPath::kCpu) {
       sample.tested = f.tested;
       sample.nodes = f.nodes;
       sample.intersections = f.intersections;
@@ -174,12 +174,13 @@ TraceResult run_controller(const std::vector<TraceFrame>& trace, const culling::
   const auto known = [](double ms) { return std::isnan(ms) ? 0.0 : ms; };
   double fixed[2] = {0.0, 0.0};
   for (std::size_t i = 0; i < trace.size(); ++i) {
-    const Path path = controller.next();
-    result.choice += path == Path::kCpu ? 'c' : 'g';
-    if (i >= kGpuLatency && result.choice[i - kGpuLatency] == 'g') show(i - kGpuLatency, Path::kGpu);
-    if (path == Path::kCpu) show(i, path);
-    const double cpu = known(trace[i].cost(Path::kCpu, rendering)), gpu = known(trace[i].cost(Path::kGpu, rendering));
-    result.chosen_ms += path == Path::kCpu ? cpu : gpu;
+    const CullPath path = controller.next();
+    result.choice += path == CullPath::kCpu ? 'c' : 'g';
+    if (i >= kGpuLatency && result.choice[i - kGpuLatency] == 'g') show(i - kGpuLatency, CullPath::kGpu);
+    if (path == CullPath::kCpu) show(i, path);
+    const double cpu = known(trace[i].cost(CullPath::kCpu, rendering)),
+                 gpu = known(trace[i].cost(CullPath::kGpu, rendering));
+    result.chosen_ms += path == CullPath::kCpu ? cpu : gpu;
     result.oracle_ms += std::min(cpu, gpu);
     fixed[0] += cpu;
     fixed[1] += gpu;

@@ -25,8 +25,8 @@ struct TraceFrame {
   double intersections = culling::FrameSample::kNotMeasured;  ///< by the CPU
   double height = culling::FrameSample::kNotMeasured;         ///< by the CPU
 
-  double cost(culling::Path path, bool rendering) const {
-    if (path == culling::Path::kCpu) return rendering ? cpu_frame_ms : cpu_cull_ms;
+  double cost(culling::CullPath path, bool rendering) const {
+    if (path == culling::CullPath::kCpu) return rendering ? cpu_frame_ms : cpu_cull_ms;
     return rendering ? gpu_frame_ms : gpu_cull_ms;
   }
 };

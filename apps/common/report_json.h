@@ -9,7 +9,7 @@ namespace sightline::apps {
 
 inline nlohmann::json items_json(const std::array<std::uint64_t, core::kKindCount>& items) {
   nlohmann::json out;
-  for (int k = 0; k < core::kKindCount; ++k) out[std::string(core::kind_name(core::Kind(k)))] = items[std::size_t(k)];
+  for (int k = 0; k < core::kKindCount; ++k) out[std::string(core::name_of(core::Kind(k)))] = items[std::size_t(k)];
   return out;
 }
 

@@ -126,7 +126,7 @@ core::Expected<GlslRays> GlslRays::create() {
 
 core::Expected<const gl::Program*> GlslRays::program(Kind kind) {
   const gpuscene::BatchKind batch = gpuscene::batch_of(kind);
-  const std::string name(gpuscene::batch_name(batch));
+  const std::string name(gpuscene::name_of(batch));
   const auto known = programs_.find(name);
   if (known != programs_.end()) return &known->second;
   gl::ProgramDescription description;

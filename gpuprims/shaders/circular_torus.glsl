@@ -6,14 +6,14 @@
 const float kPi = 3.14159265358979;
 
 struct Shape {
-  float major, tube;
+  float major, tube_radius;
   bool closed;
   vec2 half_angle;
 } shape;
 
-void load_shape(uint record, float tube, float shift) {
+void load_shape(uint record, float tube_radius, float shift) {
   vec4 sweep = payload_floats(record, TEXELS_PER_RECORD, 4);
-  shape = Shape(sweep.x, tube, sweep.y > 0.0, sweep.zw);
+  shape = Shape(sweep.x, tube_radius, sweep.y > 0.0, sweep.zw);
 }
 
 // (rho - R)^2 + z^2 - r^2 and its derivative along the ray: the form that stays exact for thin tori.
@@ -21,7 +21,7 @@ vec2 torus_value(vec3 o, vec3 d, float t) {
   vec3 p = o + t * d;
   float rho = length(p.xy), off = rho - shape.major;
   float drho = rho > 0.0 ? dot(p.xy, d.xy) / rho : length(d.xy);
-  return vec2(off * off + (p.z - shape.tube) * (p.z + shape.tube), 2.0 * (off * drho + p.z * d.z));
+  return vec2(off * off + (p.z - shape.tube_radius) * (p.z + shape.tube_radius), 2.0 * (off * drho + p.z * d.z));
 }
 
 // Root of a monotone piece by Newton's method, kept inside the bracket by bisection.
@@ -66,16 +66,16 @@ int critical_points(float P, float Q, out vec3 t) {
 void intersect_primitive(inout Search search, vec3 o, vec3 direction) {
   float inv_length = inversesqrt(dot(direction, direction));
   vec3 d = direction * inv_length;
-  float outer = shape.major + shape.tube, p = dot(o, o), reach2 = outer * outer - p;
+  float outer = shape.major + shape.tube_radius, p = dot(o, o), reach2 = outer * outer - p;
   if (!(reach2 > 0.0)) return;
   Span wedges[2];
-  vec2 ends_reach = shape.tube * vec2(hidden_reach(search, kBottom), hidden_reach(search, kTop));
+  vec2 ends_reach = shape.tube_radius * vec2(hidden_reach(search, kBottom), hidden_reach(search, kTop));
   int wedge_count = wedge_spans(o, direction, shape.half_angle, shape.closed, ends_reach, wedges);
   if (wedge_count == 0) return;
 
   float reach = 1.0001 * sqrt(reach2);
   float R2 = shape.major * shape.major;
-  float k = p + (shape.major - shape.tube) * outer;
+  float k = p + (shape.major - shape.tube_radius) * outer;
   vec3 c;
   int count = critical_points(k - 2.0 * R2 * dot(d.xy, d.xy), -2.0 * R2 * dot(o.xy, d.xy), c);
   c = clamp(c, -reach, reach);

@@ -77,7 +77,7 @@ TEST(ControllerTrace, NamesTheLineOfWhatIsWrong) {
 
 /// What the simulation adds up, done again from the choice alone.
 TEST(ControllerTrace, SumsFollowFromTheChoice) {
-  for (const Policy policy : {Policy::kFrameCost, Policy::kSeedStateMachine}) {
+  for (const Policy policy : {Policy::kFrameCost, Policy::k2009}) {
     for (const auto& trace : bench::synthetic_traces(3)) {
       const apps::TraceResult r = apps::run_controller(trace.frames, config_of(policy), true);
       ASSERT_EQ(r.choice.size(), trace.frames.size());
@@ -147,7 +147,7 @@ TEST(ControllerTrace, NextToTheOracleOnRecordedTraces) {
     for (const bool rendering : {false, true}) {
       const auto r = apps::run_controller(*trace, {}, rendering);
       mean += r.chosen_ms / r.oracle_ms / 4;
-      const auto seed = apps::run_controller(*trace, config_of(Policy::kSeedStateMachine), rendering);
+      const auto seed = apps::run_controller(*trace, config_of(Policy::k2009), rendering);
       seed_mean += seed.chosen_ms / seed.oracle_ms / 4;
     }
   }

@@ -119,7 +119,7 @@ TEST(SampleErrors, SilhouettesAgreeWithAllPairs) {
 
 TEST(ErrorField, ItemsAreSideBySideAndWithinThePicture) {
   for (const Kind kind : measured_kinds()) {
-    SCOPED_TRACE(core::kind_name(kind));
+    SCOPED_TRACE(core::name_of(kind));
     for (const FieldSize& size : {FieldSize{30, 8, 8, 1}, FieldSize{288, 2, 1, 1}}) {
       const Field field = make_field(kind, size, 640, 480, 7);
       ASSERT_EQ(field.items.size(), std::size_t(size.columns * size.rows));

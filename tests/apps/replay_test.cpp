@@ -266,7 +266,7 @@ TEST_F(Replay, RunsAControllerAlone) {
   EXPECT_LT(frame_cost["chosen_ms"].get<double>(), 610.0);
   EXPECT_EQ(frame_cost["choice"].get<std::string>().size(), 600u);
   for (const char* rendering : {"on", "off"}) {
-    const Json seed = run_json("replay", {"--controller-only", trace, "--policy", "seed", "--rendering", rendering});
+    const Json seed = run_json("replay", {"--controller-only", trace, "--policy", "2009", "--rendering", rendering});
     EXPECT_EQ(seed["choice"], std::string(5, 'c') + std::string(500, 'g') + "cc" + std::string(93, 'g'));
     EXPECT_EQ(seed["chosen_ms"], 607.0);
     EXPECT_EQ(seed["probes"], 2);

@@ -33,7 +33,7 @@ TEST(InstructionSet, NeedsAllThatItsKernelsUse) {
   for (int bit = -1; bit < 32; ++bit) {
     pretend(bit < 0 ? features : features & ~(1u << bit));
     for (const InstructionSet set : {InstructionSet::kAvx2, InstructionSet::kAvx512}) {
-      EXPECT_EQ(supported(set), has_all_for(set)) << name(set) << " without feature " << bit;
+      EXPECT_EQ(supported(set), has_all_for(set)) << name_of(set) << " without feature " << bit;
       denied += !supported(set);
     }
     EXPECT_TRUE(supported(InstructionSet::kScalar));

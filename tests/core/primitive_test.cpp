@@ -56,7 +56,7 @@ TEST(Primitive, KindsFollowTheRvmNumbers) {
   ASSERT_EQ(std::size(expected), std::size_t(kKindCount));
   for (const auto& e : expected) {
     const Kind kind = kind_at(e.rvm - 1);
-    EXPECT_EQ(kind_name(kind), e.name);
+    EXPECT_EQ(name_of(kind), e.name);
     if (e.rvm <= kPrimitiveKindCount) {
       EXPECT_EQ(parameter_count(kind), e.count);
     }
@@ -80,7 +80,7 @@ TEST(Primitive, ParametersComeInFileOrderAndGoBack) {
     const Primitive p = make_primitive(kind_at(k), values);
     EXPECT_EQ(kind_of(p), kind_at(k));
     const auto back = parameters(p);
-    EXPECT_TRUE(std::equal(back.begin(), back.end(), values.begin(), values.end())) << kind_name(kind_at(k));
+    EXPECT_TRUE(std::equal(back.begin(), back.end(), values.begin(), values.end())) << name_of(kind_at(k));
   }
   const Primitive p = make_primitive(Kind::kSnout, std::vector<float>{1, 2, 3, 4, 5, 6, 7, 8, 9});
   const Snout& s = std::get<Snout>(p);
@@ -96,7 +96,7 @@ TEST(Primitive, ParametersComeInFileOrderAndGoBack) {
 TEST(Primitive, SupportIsReachedByNoPointAndNearlyByTheBest) {
   for (int k = 0; k < kPrimitiveKindCount; ++k)
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
-      SCOPED_TRACE(testing::Message() << kind_name(kind_at(k)) << " seed " << seed);
+      SCOPED_TRACE(testing::Message() << name_of(kind_at(k)) << " seed " << seed);
       Random random(seed * 100 + std::uint64_t(k));
       const Primitive p = tests::random_primitive(kind_at(k), random);
       std::vector<dvec3> points;
@@ -127,7 +127,7 @@ TEST(Primitive, SupportScalesWithItsDirection) {
       const Primitive p = tests::random_primitive(kind_at(k), random);
       const dvec3 u = tests::random_direction(random);
       const double scale = std::pow(10.0, uniform(random, -6.0, 6.0));
-      EXPECT_NEAR(support(p, scale * u), scale * support(p, u), 1e-12 * scale * size_of(p)) << kind_name(kind_at(k));
+      EXPECT_NEAR(support(p, scale * u), scale * support(p, u), 1e-12 * scale * size_of(p)) << name_of(kind_at(k));
       EXPECT_NEAR(support(p, dvec3(0.0)), 0.0, 1e-300);
     }
 }
@@ -143,8 +143,8 @@ TEST(Primitive, NegativeLengthsCountAsPositive) {
         if (kLengths[k][v] == '1' && random() % 2) flipped[v] = -flipped[v];
       const Primitive q = make_primitive(kind_at(k), flipped);
       const dvec3 u = tests::random_direction(random);
-      EXPECT_EQ(support(p, u), support(q, u)) << kind_name(kind_at(k));
-      EXPECT_EQ(is_degenerate(p), is_degenerate(q)) << kind_name(kind_at(k));
+      EXPECT_EQ(support(p, u), support(q, u)) << name_of(kind_at(k));
+      EXPECT_EQ(is_degenerate(p), is_degenerate(q)) << name_of(kind_at(k));
     }
 }
 
@@ -389,7 +389,7 @@ void expect_contains(const AabbD& box, const Affine& a, const dvec3& p) {
 TEST(Primitive, BoundsContainEveryImagePoint) {
   for (int k = 0; k < kPrimitiveKindCount; ++k)
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
-      SCOPED_TRACE(testing::Message() << kind_name(kind_at(k)) << " seed " << seed);
+      SCOPED_TRACE(testing::Message() << name_of(kind_at(k)) << " seed " << seed);
       Random random(seed * 100 + std::uint64_t(k));
       const Primitive p = tests::random_primitive(kind_at(k), random);
       const double far = seed % 3 == 0 ? 0.0 : std::pow(10.0, uniform(random, 0.0, 7.0));
@@ -435,8 +435,7 @@ TEST(Primitive, BoundsOfABadParameterAreNotFinite) {
         broken[std::size_t(v)] = bad;
         const AabbD box = bounds(make_primitive(kind_at(k), broken), {});
         for (int axis = 0; axis < 3; ++axis)
-          EXPECT_FALSE(std::isfinite(box.min[axis]) && std::isfinite(box.max[axis]))
-              << kind_name(kind_at(k)) << " " << v;
+          EXPECT_FALSE(std::isfinite(box.min[axis]) && std::isfinite(box.max[axis])) << name_of(kind_at(k)) << " " << v;
       }
 }
 
@@ -466,12 +465,12 @@ TEST(Primitive, DegenerateMeansNoVolume) {
                             Pyramid{1, 0, 1, 0, 0, 0, 1},
                             Pyramid{0, 0, 0, 0, 1, 1, 1},
                             Pyramid{0, 0, 1, 0, 0, 0, 1}};
-  for (const Primitive& p : flat) EXPECT_TRUE(is_degenerate(p)) << kind_name(kind_of(p));
+  for (const Primitive& p : flat) EXPECT_TRUE(is_degenerate(p)) << name_of(kind_of(p));
   const Primitive solid[] = {Snout{0, 1, 1, 0, 0, 0, 0, 0, 0}, Snout{1, 1, -1, 0, 0, 0, 0, 0, 0},
                              Pyramid{1, 1, 0, 0, 0, 0, 1},     Pyramid{1, 1, 1, 0, 0, 0, 1},
                              Pyramid{1, 0, 0, 1, 0, 0, 1},     CircularTorus{0, 1, 1},
                              RectangularTorus{2, 1, 1, 1}};
-  for (const Primitive& p : solid) EXPECT_FALSE(is_degenerate(p)) << kind_name(kind_of(p));
+  for (const Primitive& p : solid) EXPECT_FALSE(is_degenerate(p)) << name_of(kind_of(p));
 }
 
 TEST(Primitive, DegenerateOnesKeepTheirExtent) {

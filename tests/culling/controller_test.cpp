@@ -20,9 +20,9 @@ struct Costs {
   double cpu = 1.0, gpu = 1.0, visible = 1e5;
 };
 
-ControllerConfig seed_config() {
+ControllerConfig config_2009() {
   ControllerConfig config;
-  config.policy = Policy::kSeedStateMachine;
+  config.policy = Policy::k2009;
   return config;
 }
 
@@ -41,14 +41,14 @@ class Loop {
 
   char step(const Costs& costs) {
     const std::uint64_t frame = controller.frames();
-    const Path path = controller.next();
-    if (two_ago_.path == Path::kGpu) controller.feed(two_ago_);
+    const CullPath path = controller.next();
+    if (two_ago_.path == CullPath::kGpu) controller.feed(two_ago_);
     FrameSample sample{.frame = frame, .path = path, .visible = costs.visible};
-    sample.cull_ms = sample.frame_ms = path == Path::kCpu ? costs.cpu : costs.gpu;
-    if (path == Path::kCpu) controller.feed(sample);
+    sample.cull_ms = sample.frame_ms = path == CullPath::kCpu ? costs.cpu : costs.gpu;
+    if (path == CullPath::kCpu) controller.feed(sample);
     two_ago_ = one_ago_;
     one_ago_ = sample;
-    return path == Path::kCpu ? 'c' : 'g';
+    return path == CullPath::kCpu ? 'c' : 'g';
   }
 
   Controller controller;
@@ -70,7 +70,7 @@ TEST(Controller, IsSmallAndCopyable) {
 }
 
 TEST(Controller, StaysOnTheCpuWithoutAGpu) {
-  for (const ControllerConfig& config : {ControllerConfig{}, seed_config()}) {
+  for (const ControllerConfig& config : {ControllerConfig{}, config_2009()}) {
     Loop loop(config, false);
     EXPECT_EQ(loop.run(300, {10.0, 0.1}), std::string(300, 'c'));
     loop.controller.gpu_ready();
@@ -148,9 +148,9 @@ TEST(FrameCost, ALateSampleDoesNotTakeTheViewBack) {
   loop.run(30, few);
   for (int i = 0; i < 3; ++i) {
     const std::uint64_t frame = loop.controller.frames();
-    ASSERT_EQ(loop.controller.next(), Path::kCpu);
-    loop.controller.feed({.frame = frame, .path = Path::kCpu, .frame_ms = few.cpu, .visible = few.visible});
-    loop.controller.feed({.frame = frame - 1, .path = Path::kGpu, .frame_ms = many.gpu, .visible = many.visible});
+    ASSERT_EQ(loop.controller.next(), CullPath::kCpu);
+    loop.controller.feed({.frame = frame, .path = CullPath::kCpu, .frame_ms = few.cpu, .visible = few.visible});
+    loop.controller.feed({.frame = frame - 1, .path = CullPath::kGpu, .frame_ms = many.gpu, .visible = many.visible});
   }
 }
 
@@ -180,9 +180,9 @@ TEST(FrameCost, ProbesLeaveTimeForAnAnswer) {
   std::vector<std::uint64_t> probes;
   for (std::uint64_t frame = 0; frame < 40; ++frame) {
     controller.scene_changed(1e5);
-    const Path path = controller.next();
+    const CullPath path = controller.next();
     if (controller.state() == ControllerState::kProbe) probes.push_back(frame);
-    if (path == Path::kCpu) controller.feed({.frame = frame, .path = path, .frame_ms = 1.0, .visible = 1e4});
+    if (path == CullPath::kCpu) controller.feed({.frame = frame, .path = path, .frame_ms = 1.0, .visible = 1e4});
   }
   EXPECT_EQ(probes, (std::vector<std::uint64_t>{1, 7, 13, 19, 25, 31, 37}));
 }
@@ -311,11 +311,11 @@ TEST(FrameCost, TakesTheCullTimeWithRenderingOff) {
     controller.gpu_ready();
     std::size_t gpu = 0;
     for (std::uint64_t i = 0; i < 200; ++i) {  // culls faster on the GPU, and yet makes the frame slower
-      const Path path = controller.next();
+      const CullPath path = controller.next();
       FrameSample sample{.frame = i, .path = path, .cull_ms = 2.0, .frame_ms = 5.0, .visible = 1e4};
-      if (path == Path::kGpu) sample.cull_ms = 1.0, sample.frame_ms = 6.0;
+      if (path == CullPath::kGpu) sample.cull_ms = 1.0, sample.frame_ms = 6.0;
       controller.feed(sample);
-      gpu += path == Path::kGpu;
+      gpu += path == CullPath::kGpu;
     }
     EXPECT_EQ(gpu > 100, !rendering);
   }
@@ -342,14 +342,14 @@ TEST(FrameCost, LooksAgainAfterAChangeOfScene) {
 
 /// Twin of the whole controller where samples are bad: it must behave as if they had not been fed at all.
 TEST(Controller, IgnoresStrayAndDamagedSamples) {
-  for (ControllerConfig config : {ControllerConfig{}, seed_config()}) {
+  for (ControllerConfig config : {ControllerConfig{}, config_2009()}) {
     Loop clean(config), dirty(config);
     std::mt19937_64 random(11);
     for (int i = 0; i < 3000; ++i) {
       const double c = 0.2 + double(random() % 1000) / 1000.0, g = 0.2 + double(random() % 1000) / 1000.0;
       ASSERT_EQ(clean.step({c, g}), dirty.step({c, g})) << i;
       const std::uint64_t frames = dirty.controller.frames();
-      for (const Path path : {Path::kCpu, Path::kGpu}) {
+      for (const CullPath path : {CullPath::kCpu, CullPath::kGpu}) {
         FrameSample future{.frame = frames + random() % 5, .path = path, .cull_ms = 99.0, .frame_ms = 99.0};
         dirty.controller.feed(future);
         if (frames > 100) {
@@ -368,7 +368,7 @@ TEST(Controller, IgnoresStrayAndDamagedSamples) {
 }
 
 TEST(Controller, IsDeterministic) {
-  for (const ControllerConfig& config : {ControllerConfig{}, seed_config()}) {
+  for (const ControllerConfig& config : {ControllerConfig{}, config_2009()}) {
     Loop a(config), b(config);
     std::mt19937_64 random(5);
     for (int i = 0; i < 2000; ++i) {
@@ -380,8 +380,8 @@ TEST(Controller, IsDeterministic) {
 
 // --- the dissertation's state machine --------------------------------------------------------------------------------
 
-TEST(SeedStateMachine, FollowsFigure64) {
-  Loop loop(seed_config());
+TEST(Policy2009, FollowsFigure64) {
+  Loop loop(config_2009());
   const Costs slow{0.31, 9.0}, fast{0.29, 9.0};
   EXPECT_EQ(loop.run(50, fast), std::string(50, 'c'));
   EXPECT_EQ(loop.run(4, slow), "cccc");
@@ -401,24 +401,24 @@ TEST(SeedStateMachine, FollowsFigure64) {
   EXPECT_EQ(loop.run(506, slow).substr(5), std::string(500, 'g') + "c") << "m starts over";
 }
 
-TEST(SeedStateMachine, EachTriggerLooksAtItsOwnFigure) {
-  for (const SeedTrigger trigger :
-       {SeedTrigger::kTime, SeedTrigger::kHeight, SeedTrigger::kIntersections, SeedTrigger::kShare}) {
-    for (const SeedTrigger raised :
-         {SeedTrigger::kTime, SeedTrigger::kHeight, SeedTrigger::kIntersections, SeedTrigger::kShare}) {
-      ControllerConfig config = seed_config();
-      config.seed.trigger = trigger;
+TEST(Policy2009, EachTriggerLooksAtItsOwnFigure) {
+  for (const Policy2009Trigger trigger : {Policy2009Trigger::kTime, Policy2009Trigger::kHeight,
+                                          Policy2009Trigger::kIntersections, Policy2009Trigger::kShare}) {
+    for (const Policy2009Trigger raised : {Policy2009Trigger::kTime, Policy2009Trigger::kHeight,
+                                           Policy2009Trigger::kIntersections, Policy2009Trigger::kShare}) {
+      ControllerConfig config = config_2009();
+      config.policy_2009.trigger = trigger;
       Controller controller(config);
       controller.gpu_ready();
       std::string choice;
       for (std::uint64_t i = 0; i < 10; ++i) {
-        const Path path = controller.next();
-        choice += path == Path::kCpu ? 'c' : 'g';
+        const CullPath path = controller.next();
+        choice += path == CullPath::kCpu ? 'c' : 'g';
         FrameSample sample{.frame = i, .path = path};
-        sample.cull_ms = raised == SeedTrigger::kTime ? 0.4 : 0.2;
-        sample.height = raised == SeedTrigger::kHeight ? 21.0 : 20.0;
-        sample.intersections = raised == SeedTrigger::kIntersections ? 10001.0 : 10000.0;
-        sample.tested = raised == SeedTrigger::kShare ? 101.0 : 100.0;
+        sample.cull_ms = raised == Policy2009Trigger::kTime ? 0.4 : 0.2;
+        sample.height = raised == Policy2009Trigger::kHeight ? 21.0 : 20.0;
+        sample.intersections = raised == Policy2009Trigger::kIntersections ? 10001.0 : 10000.0;
+        sample.tested = raised == Policy2009Trigger::kShare ? 101.0 : 100.0;
         sample.nodes = 1000.0;
         controller.feed(sample);
       }
@@ -427,21 +427,21 @@ TEST(SeedStateMachine, EachTriggerLooksAtItsOwnFigure) {
   }
 }
 
-TEST(SeedStateMachine, ThresholdsAreStrict) {
-  ControllerConfig config = seed_config();
-  config.seed.slow_ms = 0.25;
+TEST(Policy2009, ThresholdsAreStrict) {
+  ControllerConfig config = config_2009();
+  config.policy_2009.slow_ms = 0.25;
   EXPECT_EQ(Loop(config).run(20, {0.25, 1.0}), std::string(20, 'c'));
   EXPECT_EQ(Loop(config).run(7, {std::nextafter(0.25, 1.0), 1.0}), "cccccgg");
 }
 
-TEST(SeedStateMachine, AShareOfUnknownNodesIsNotSlow) {
+TEST(Policy2009, AShareOfUnknownNodesIsNotSlow) {
   for (const double nodes : {0.0, -1.0, FrameSample::kNotMeasured}) {
-    ControllerConfig config = seed_config();
-    config.seed.trigger = SeedTrigger::kShare;
+    ControllerConfig config = config_2009();
+    config.policy_2009.trigger = Policy2009Trigger::kShare;
     Controller controller(config);
     controller.gpu_ready();
     for (std::uint64_t i = 0; i < 10; ++i) {
-      EXPECT_EQ(controller.next(), Path::kCpu) << nodes;
+      EXPECT_EQ(controller.next(), CullPath::kCpu) << nodes;
       FrameSample sample{.frame = i};
       sample.tested = 5000.0;
       sample.nodes = nodes;
@@ -450,10 +450,10 @@ TEST(SeedStateMachine, AShareOfUnknownNodesIsNotSlow) {
   }
 }
 
-TEST(SeedStateMachine, DoublingEnds) {
-  ControllerConfig config = seed_config();
-  config.seed.gpu_frames = 3;
-  config.seed.most_gpu_frames = 6;
+TEST(Policy2009, DoublingEnds) {
+  ControllerConfig config = config_2009();
+  config.policy_2009.gpu_frames = 3;
+  config.policy_2009.most_gpu_frames = 6;
   Loop loop(config);
   EXPECT_EQ(loop.run(5 + 3 + 2 + 6 + 2 + 6 + 2, {1.0, 1.0}), "cccccgggccggggggccggggggcc");
 }

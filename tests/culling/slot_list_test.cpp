@@ -41,7 +41,7 @@ TEST(SlotList, ListsWhatTheSetHolds) {
   for (const core::InstructionSet simd :
        {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
     if (!core::supported(simd)) continue;
-    SCOPED_TRACE(core::name(simd));
+    SCOPED_TRACE(core::name_of(simd));
     core::force_instruction_set(simd);
     std::mt19937 random(kSeed);
     for (int round = 0; round < 200; ++round) {

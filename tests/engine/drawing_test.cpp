@@ -296,8 +296,8 @@ TEST_F(DrawingTest, ThePlanNamesTheProgramsThatAreMade) {
     auto engine = Engine::create(scene, config(CullerChoice::kAutomatic));
     ASSERT_TRUE(engine);
     const core::Kind kind = scene.kind(0);
-    SCOPED_TRACE(core::kind_name(kind));
-    std::string program(gpuscene::batch_name(gpuscene::batch_of(kind)));
+    SCOPED_TRACE(core::name_of(kind));
+    std::string program(gpuscene::name_of(gpuscene::batch_of(kind)));
     std::replace(program.begin(), program.end(), '_', ' ');
     int programs = 0;
     for (const engine::PlanEntry& entry : engine->plan().entries) {

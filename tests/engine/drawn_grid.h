@@ -36,10 +36,10 @@ class DrawnGrid : public GlTest {
   }
   /// A hybrid with the dissertation's policy, with numbers that change the path every few frames.
   static void switch_often(engine::EngineConfig& c) {
-    c.controller.policy = culling::Policy::kSeedStateMachine;
-    c.controller.seed.slow_ms = 0.0;
-    c.controller.seed.enter_frames = 2;
-    c.controller.seed.gpu_frames = 3;
+    c.controller.policy = culling::Policy::k2009;
+    c.controller.policy_2009.slow_ms = 0.0;
+    c.controller.policy_2009.enter_frames = 2;
+    c.controller.policy_2009.gpu_frames = 3;
   }
   /// Another order of the items has other chunk origins, and so other last bits: for that, `max` 1.
   static void expect_same_picture(engine::Engine& a, engine::Engine& b, int max = 0) {

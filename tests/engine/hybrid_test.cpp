@@ -139,7 +139,7 @@ TEST_F(HybridTest, TheOldestLateReportsAreLost) {
   fill(scene, 22);
   EngineConfig c = config(CullerChoice::kHybrid);
   c.draw = false;
-  c.controller.seed.gpu_frames = 1000;
+  c.controller.policy_2009.gpu_frames = 1000;
   auto engine = Engine::create(scene, c);
   ASSERT_TRUE(engine);
   std::uint64_t last = 0;
@@ -217,19 +217,19 @@ TEST(Hybrid, CountsFromItsFirstFrame) {
   constexpr std::uint64_t kFirst = 1000;
   const auto path_after = [](std::uint64_t reported) {
     culling::ControllerConfig config;
-    config.policy = culling::Policy::kSeedStateMachine;
-    config.seed.slow_ms = 5.0;
-    config.seed.enter_frames = 1;
+    config.policy = culling::Policy::k2009;
+    config.policy_2009.slow_ms = 5.0;
+    config.policy_2009.enter_frames = 1;
     engine::Hybrid hybrid(config, 1'000'000, kFirst);
-    EXPECT_EQ(hybrid.next(0.0), culling::Path::kCpu);
+    EXPECT_EQ(hybrid.next(0.0), culling::CullPath::kCpu);
     hybrid.measured(engine::FrameReport{.frame = kFirst, .cull_ms = 50.0, .drawn = true, .visible = 900'000});
     hybrid.drawn(reported, 60.0);
     return hybrid.next(70.0);
   };
-  EXPECT_EQ(path_after(kFirst), culling::Path::kGpu) << "drawn and slow";
+  EXPECT_EQ(path_after(kFirst), culling::CullPath::kGpu) << "drawn and slow";
   constexpr std::uint64_t kRound = culling::kOldestSample;
   for (const std::uint64_t other : {kFirst - 1, kFirst + 1, kFirst - kRound, kFirst + kRound, std::uint64_t(0)})
-    EXPECT_EQ(path_after(other), culling::Path::kCpu) << other;
+    EXPECT_EQ(path_after(other), culling::CullPath::kCpu) << other;
 }
 
 /// The form of the GPU culler is measured once, or is the one asked for; the plan tells, also after a rebuild.
@@ -272,7 +272,7 @@ TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
 
 /// Whatever makes a frame slow for the dissertation's policy, the engine measures it.
 TEST_F(HybridTest, EveryTriggerOfTheSeedPolicyIsFed) {
-  using culling::SeedTrigger;
+  using culling::Policy2009Trigger;
   core::Scene scene;
   fill(scene, 22);
   auto plain = Engine::create(scene, config(CullerChoice::kCpu));
@@ -283,15 +283,16 @@ TEST_F(HybridTest, EveryTriggerOfTheSeedPolicyIsFed) {
                share = double(walk.nodes_tested + walk.boxes_tested) / (24 * 16 + 333 * 32);
   ASSERT_EQ(walk.levels_walked, 3);
   ASSERT_GT(intersections, 10.0);
-  for (const SeedTrigger trigger : {SeedTrigger::kHeight, SeedTrigger::kIntersections, SeedTrigger::kShare})
+  for (const Policy2009Trigger trigger :
+       {Policy2009Trigger::kHeight, Policy2009Trigger::kIntersections, Policy2009Trigger::kShare})
     for (const bool slow : {false, true}) {
       EngineConfig c = config(CullerChoice::kHybrid);
-      culling::SeedConfig& seed = c.controller.seed;
-      seed.trigger = trigger;
+      culling::Policy2009Config& policy = c.controller.policy_2009;
+      policy.trigger = trigger;
       const double factor = slow ? 0.999 : 1.001;
-      seed.slow_height = factor * height;
-      seed.slow_intersections = factor * intersections;
-      seed.slow_share = factor * share;
+      policy.slow_height = factor * height;
+      policy.slow_intersections = factor * intersections;
+      policy.slow_share = factor * share;
       auto hybrid = Engine::create(scene, c);
       ASSERT_TRUE(hybrid) << hybrid.error().message;
       int on_gpu = 0;
@@ -316,7 +317,7 @@ TEST(Hybrid, ChargesTheFrameThatKeptTheGpuBusy) {
       double now = 0.0, began = 0.0, free = 0.0;  // the GPU is free from then on
       std::vector<double> submitted, drawn;
       for (std::uint64_t frame = 0; frame < kFrames; ++frame) {
-        const bool gpu = hybrid.next(frame > 0 ? now - began : 0.0) == culling::Path::kGpu;
+        const bool gpu = hybrid.next(frame > 0 ? now - began : 0.0) == culling::CullPath::kGpu;
         wrong += gpu == (gpu_path > 1.0);
         began = now;
         const auto visible = [](std::uint64_t f) { return std::int64_t(64) << (f / 20); };
@@ -349,7 +350,7 @@ TEST(Hybrid, LearnsTheSameWhereverItBegins) {
   for (std::uint64_t frame = 0; frame < 300; ++frame) {
     const auto a = early.next(interval), b = late.next(interval);
     ASSERT_EQ(a, b) << "frame " << frame;
-    const bool gpu = a == culling::Path::kGpu;
+    const bool gpu = a == culling::CullPath::kGpu;
     on_gpu += gpu;
     interval = gpu ? 2.0 : 9.0;
     engine::FrameReport report{.frame = frame, .cull_ms = 5.0, .drawn = true, .visible = 1000, .tested = 3000};

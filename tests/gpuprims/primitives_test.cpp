@@ -32,13 +32,13 @@ TYPED_TEST_SUITE(EveryPrimitive, Reals);
 
 TYPED_TEST(EveryPrimitive, IsHitThroughTheDispatch) {
   for (const core::Primitive& primitive : kPrimitives)
-    EXPECT_GE(intersect<TypeParam>(primitive, kRay).count, 2) << core::kind_name(core::kind_of(primitive));
+    EXPECT_GE(intersect<TypeParam>(primitive, kRay).count, 2) << core::name_of(core::kind_of(primitive));
   EXPECT_EQ(intersect<TypeParam>(core::Primitive(core::Line{-1, 1}), kRay).count, 0);
 }
 
 TYPED_TEST(EveryPrimitive, HidesWithAnUndefinedParameterOrRay) {
   for (const core::Primitive& primitive : kPrimitives) {
-    SCOPED_TRACE(core::kind_name(core::kind_of(primitive)));
+    SCOPED_TRACE(core::name_of(core::kind_of(primitive)));
     const auto values = core::parameters(primitive);
     for (std::size_t i = 0; i < values.size(); ++i) {
       for (const float bad : {kNan, kInfinity, -kInfinity}) {
@@ -64,7 +64,7 @@ TYPED_TEST(EveryPrimitive, HidesWithAnUndefinedParameterOrRay) {
 
 TYPED_TEST(EveryPrimitive, TakesDirectionsOfAnyLength) {
   for (const core::Primitive& primitive : kPrimitives) {
-    SCOPED_TRACE(core::kind_name(core::kind_of(primitive)));
+    SCOPED_TRACE(core::name_of(core::kind_of(primitive)));
     const Hits expected = intersect<TypeParam>(primitive, kRay);
     for (const int exponent : {-1000, -300, 300, 1000}) {
       const double scale = std::ldexp(1.0, exponent);
@@ -86,7 +86,7 @@ TYPED_TEST(EveryPrimitive, TakesNegativeLengthsAsAbsolute) {
                                       core::Cylinder{-3, -4},
                                       core::Sphere{-6}};
   for (std::size_t k = 0; k < std::size(negative); ++k) {
-    SCOPED_TRACE(core::kind_name(core::kind_of(negative[k])));
+    SCOPED_TRACE(core::name_of(core::kind_of(negative[k])));
     const Hits a = intersect<TypeParam>(negative[k], kRay), b = intersect<TypeParam>(kPrimitives[k], kRay);
     ASSERT_EQ(a.count, b.count);
     for (int i = 0; i < a.count; ++i) EXPECT_EQ(a.hit[i].t, b.hit[i].t);

@@ -137,7 +137,7 @@ void for_random_primitives(unsigned count, const Check& check) {
   for (int k = 0; k < core::kPrimitiveKindCount; ++k)
     for (unsigned seed = 0; seed < count; ++seed) {
       const Kind kind = static_cast<Kind>(k);
-      SCOPED_TRACE(testing::Message() << core::kind_name(kind) << ", seed " << seed);
+      SCOPED_TRACE(testing::Message() << core::name_of(kind) << ", seed " << seed);
       Random random(seed);
       check(kind, random_primitive(random, kind), random);
       if (testing::Test::HasFatalFailure()) return;
@@ -176,7 +176,7 @@ TEST(Tessellation, VolumeConverges) {
     ++compared[std::size_t(kind)];
   });
   for (int k = 0; k < core::kPrimitiveKindCount - 1; ++k)
-    EXPECT_GE(compared[std::size_t(k)], 3) << core::kind_name(static_cast<Kind>(k));
+    EXPECT_GE(compared[std::size_t(k)], 3) << core::name_of(static_cast<Kind>(k));
 }
 
 TEST(Tessellation, ShearedEndsOfEqualRadiiKeepTheCylindersVolume) {
@@ -336,7 +336,7 @@ TEST(Tessellation, AgreesWithTheIntersection) {
         apart += !(hits.count && std::fabs(hits.hit[0].t - triangles) <= 2.0 * tolerance / std::max(facing, 0.02));
       }
     }
-    SCOPED_TRACE(core::kind_name(kind));
+    SCOPED_TRACE(core::name_of(kind));
     EXPECT_GT(compared, rays / 5);
     EXPECT_LE(apart, compared / 100) << "of " << compared;
   }
@@ -373,7 +373,7 @@ TEST(Tessellation, DegeneratePrimitivesShowWhatTheyAre) {
                              core::Box{std::numeric_limits<float>::infinity(), 1, 1}};
   for (const Primitive& p : empty) {
     const core::Mesh mesh = tessellate(p);
-    EXPECT_TRUE(mesh.indices.empty() && mesh.positions.empty()) << core::kind_name(core::kind_of(p));
+    EXPECT_TRUE(mesh.indices.empty() && mesh.positions.empty()) << core::name_of(core::kind_of(p));
   }
   const Primitive sheets[] = {core::Cylinder{1, 0},
                               core::EllipticalDish{1, 0},
@@ -386,7 +386,7 @@ TEST(Tessellation, DegeneratePrimitivesShowWhatTheyAre) {
                               core::Box{1, 1, 0},
                               core::Pyramid{1, 1, 1, 1, 0, 0, 0}};
   for (const Primitive& p : sheets) {
-    SCOPED_TRACE(core::kind_name(core::kind_of(p)));
+    SCOPED_TRACE(core::name_of(core::kind_of(p)));
     const core::Mesh mesh = tessellate(p);
     EXPECT_FALSE(mesh.indices.empty());
     tests::expect_sound(mesh);
@@ -406,8 +406,8 @@ TEST(Tessellation, OpenEndsHaveARim) {
     const std::size_t no_top = tessellate(p, {}, {true, false}).indices.size();
     const std::size_t no_bottom = tessellate(p, {}, {false, true}).indices.size();
     const std::size_t open = tessellate(p, {}, {false, false}).indices.size();
-    EXPECT_LT(no_top, closed) << core::kind_name(core::kind_of(p));
-    EXPECT_EQ(no_top + no_bottom, closed + open) << core::kind_name(core::kind_of(p));
+    EXPECT_LT(no_top, closed) << core::name_of(core::kind_of(p));
+    EXPECT_EQ(no_top + no_bottom, closed + open) << core::name_of(core::kind_of(p));
   }
 }
 

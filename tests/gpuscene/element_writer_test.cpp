@@ -110,8 +110,7 @@ TEST_F(ManyEdits, TakeFewCallsAndLeaveWhatANewSceneHas) {
     auto anew = GpuScene::create(*context, snapshot);
     ASSERT_TRUE(anew);
     for (const gpuscene::Batch& batch : gpu->batches())
-      EXPECT_EQ(contents(batch.records), contents(anew->batch(batch.kind)->records))
-          << gpuscene::batch_name(batch.kind);
+      EXPECT_EQ(contents(batch.records), contents(anew->batch(batch.kind)->records)) << gpuscene::name_of(batch.kind);
     auto view = core::View::orthographic({{100, 50, 10}, {100, 50, 0}, {0, 1, 0}}, 60.0, 1.5, 0.0, 20.0);
     ASSERT_TRUE(view);
     auto lists = gpuscene::DrawLists::create(*context, *gpu);

@@ -135,7 +135,7 @@ TEST_F(ObjWriter, PrimitivesKeepTheTolerance) {
                                              core::Pyramid{1, 1, 0.5f, 0.5f, 0, 0, 2}};
   for (const core::Primitive& primitive : primitives)
     for (const double tolerance : {0.1, 0.01, 0.001}) {
-      SCOPED_TRACE(testing::Message() << core::kind_name(core::kind_of(primitive)) << " " << tolerance);
+      SCOPED_TRACE(testing::Message() << core::name_of(core::kind_of(primitive)) << " " << tolerance);
       scene_ = core::Scene();
       core::Affine placement;
       placement.linear = 2.0 * core::dmat3(1.0);

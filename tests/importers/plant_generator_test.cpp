@@ -269,7 +269,7 @@ TEST(PlantGenerator, HasEveryKindButPlainMeshes) {
   const auto counts = count_kinds(generate(100'000, 3));
   for (int kind = 0; kind < core::kKindCount; ++kind) {
     if (Kind(kind) == Kind::kMesh) continue;
-    EXPECT_GT(counts[std::size_t(kind)], 0u) << core::kind_name(Kind(kind));
+    EXPECT_GT(counts[std::size_t(kind)], 0u) << core::name_of(Kind(kind));
   }
 }
 

@@ -90,7 +90,7 @@ void compare_with_scan(const std::vector<std::string>& files) {
   for (core::ItemId i = 0; i < scene.item_slots(); ++i) ++in_scene[std::size_t(scene.kind(i))];
   EXPECT_EQ(in_scene, total.items);
   for (int k = 0; k < core::kKindCount; ++k)
-    std::printf("%s %llu\n", std::string(core::kind_name(core::Kind(k))).c_str(),
+    std::printf("%s %llu\n", std::string(core::name_of(core::Kind(k))).c_str(),
                 static_cast<unsigned long long>(total.items[std::size_t(k)]));
   std::printf("sheared snouts with two radii: %llu, with an offset: %llu\n",
               static_cast<unsigned long long>(total.sheared_reducers),

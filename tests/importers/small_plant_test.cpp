@@ -95,7 +95,7 @@ TEST(SmallPlant, HasEveryKindAndJointsFarAway) {
   const auto report = import_file(tests::data_path("small_plant.rvm"), scene, scene.root());
   ASSERT_TRUE(report) << report.error().message;
   for (int kind = 0; kind <= int(core::Kind::kFacetGroup); ++kind)
-    EXPECT_GT(report->items[std::size_t(kind)], 0u) << core::kind_name(core::Kind(kind));
+    EXPECT_GT(report->items[std::size_t(kind)], 0u) << core::name_of(core::Kind(kind));
   ASSERT_TRUE(scene.commit());
   core::Snapshot snapshot(scene);
   snapshot.find_joints();

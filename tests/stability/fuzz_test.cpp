@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Fuzz,
                          testing::Values(core::Kind::kCylinder, core::Kind::kSnout, core::Kind::kCircularTorus,
                                          core::Kind::kRectangularTorus, core::Kind::kSphere, core::Kind::kSphericalDish,
                                          core::Kind::kEllipticalDish, core::Kind::kBox, core::Kind::kPyramid),
-                         [](const auto& kind) { return std::string(core::kind_name(kind.param)); });
+                         [](const auto& kind) { return std::string(core::name_of(kind.param)); });
 
 }  // namespace
 }  // namespace sightline::bench

@@ -327,7 +327,7 @@ TEST(Cases, AimWell) {
   // Of every case a good part of the rays has crossings: a suite that misses measures nothing.
   for (const Case& c : stability_cases()) {
     if (c.family == "singular") continue;
-    SCOPED_TRACE(std::string(core::kind_name(c.kind)) + " " + c.name());
+    SCOPED_TRACE(std::string(core::name_of(c.kind)) + " " + c.name());
     int hits = 0;
     const std::vector<Sample> samples = make_samples(c, 40, 7);
     for (const Sample& sample : samples) hits += !find_truth(sample).crossings.empty();

@@ -14,7 +14,7 @@ template <class Check>
 void for_each_instruction_set(const Check& check) {
   for (const auto set : {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
     if (!core::supported(set)) continue;
-    SCOPED_TRACE(core::name(set));
+    SCOPED_TRACE(core::name_of(set));
     core::force_instruction_set(set);
     check();
   }

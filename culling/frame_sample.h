@@ -8,10 +8,11 @@
 
 namespace sightline::culling {
 
-enum class Path : std::uint8_t { kCpu, kGpu };
+/// Which culler takes a frame.
+enum class CullPath : std::uint8_t { kCpu, kGpu };
 
-constexpr Path other(Path path) {
-  return path == Path::kCpu ? Path::kGpu : Path::kCpu;
+constexpr CullPath other(CullPath path) {
+  return path == CullPath::kCpu ? CullPath::kGpu : CullPath::kCpu;
 }
 
 /// What a controller is doing.
@@ -35,8 +36,8 @@ inline constexpr std::uint64_t kOldestSample = 64;
 struct FrameSample {
   static constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-  std::uint64_t frame = 0;  ///< counted from 0 by Controller::next
-  Path path = Path::kCpu;   ///< that culled it
+  std::uint64_t frame = 0;         ///< counted from 0 by Controller::next
+  CullPath path = CullPath::kCpu;  ///< that culled it
   double cull_ms = kNotMeasured;
   double frame_ms = kNotMeasured;
   double visible = kNotMeasured;        ///< items

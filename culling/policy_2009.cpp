@@ -1,23 +1,23 @@
-#include "sightline/culling/seed_state_machine.h"
+#include "sightline/culling/policy_2009.h"
 
 #include <algorithm>
 
 namespace sightline::culling {
 
-Path SeedStateMachine::next() {
+CullPath Policy2009::next() {
   if (state_ == State::kGpu) {
     if (count_ < stay_) {
       ++count_;
-      return Path::kGpu;
+      return CullPath::kGpu;
     }
     enter(State::kGpuToCpu);
   }
   if (state_ == State::kGpuToCpu) ++probes_;
-  return Path::kCpu;
+  return CullPath::kCpu;
 }
 
-void SeedStateMachine::feed(const FrameSample& sample) {
-  if (sample.path != Path::kCpu) return;
+void Policy2009::feed(const FrameSample& sample) {
+  if (sample.path != CullPath::kCpu) return;
   const bool slow = is_slow(sample);
   switch (state_) {
     case State::kCpu:
@@ -48,7 +48,7 @@ void SeedStateMachine::feed(const FrameSample& sample) {
   }
 }
 
-void SeedStateMachine::set_gpu(bool ready) {
+void Policy2009::set_gpu(bool ready) {
   gpu_ = ready;
   if (ready || state_ == State::kCpu) return;
   if (state_ == State::kGpu || state_ == State::kGpuToCpu) ++switches_;
@@ -56,21 +56,21 @@ void SeedStateMachine::set_gpu(bool ready) {
   enter(State::kCpu);
 }
 
-void SeedStateMachine::enter(State state) {
+void Policy2009::enter(State state) {
   state_ = state;
   count_ = 0;
 }
 
 /// Comparisons with NaN are false: a frame that was not measured is not slow.
-bool SeedStateMachine::is_slow(const FrameSample& sample) const {
+bool Policy2009::is_slow(const FrameSample& sample) const {
   switch (config_.trigger) {
-    case SeedTrigger::kTime:
+    case Policy2009Trigger::kTime:
       return sample.cull_ms > config_.slow_ms;
-    case SeedTrigger::kHeight:
+    case Policy2009Trigger::kHeight:
       return sample.height > config_.slow_height;
-    case SeedTrigger::kIntersections:
+    case Policy2009Trigger::kIntersections:
       return sample.intersections > config_.slow_intersections;
-    case SeedTrigger::kShare:
+    case Policy2009Trigger::kShare:
       return sample.nodes > 0.0 && sample.tested > config_.slow_share * sample.nodes;
   }
   return false;

@@ -1,20 +1,21 @@
-// The hybrid culler's controller of the dissertation (section 6.1, figure 6.4), to compare with: the CPU culls until it
-// has been slow for some frames in a row; then the GPU for a fixed number of frames; then the CPU is tried again.
+// The 2009 policy: the hybrid culler's controller of the dissertation that this library implements (section 6.1, figure
+// 6.4). The CPU culls until it has been slow for some frames in a row; then the GPU culls for a fixed number of frames;
+// then the CPU is tried again.
 // "Slow" is an absolute threshold, so what the GPU costs is never asked.
 #pragma once
 
 #include <cstdint>
 
-#include "sightline/culling/path_choice.h"
+#include "sightline/culling/frame_sample.h"
 
 namespace sightline::culling {
 
 /// What makes a CPU frame slow: the four that the dissertation tried. Time is the one that it settled for.
-enum class SeedTrigger : std::uint8_t { kTime, kHeight, kIntersections, kShare };
+enum class Policy2009Trigger : std::uint8_t { kTime, kHeight, kIntersections, kShare };
 
 /// Its numbers (section 6.2). Frame counts are at least 1; thresholds are strict.
-struct SeedConfig {
-  SeedTrigger trigger = SeedTrigger::kTime;
+struct Policy2009Config {
+  Policy2009Trigger trigger = Policy2009Trigger::kTime;
   double slow_ms = 0.3;             ///< kTime: cull time
   double slow_height = 20.0;        ///< kHeight: FrameSample::height
   double slow_intersections = 1e4;  ///< kIntersections: FrameSample::intersections
@@ -26,11 +27,11 @@ struct SeedConfig {
 };
 
 /// See Controller for what the functions promise.
-class SeedStateMachine {
+class Policy2009 {
  public:
-  explicit SeedStateMachine(const SeedConfig& config) : config_(config), stay_(config.gpu_frames) {}
+  explicit Policy2009(const Policy2009Config& config) : config_(config), stay_(config.gpu_frames) {}
 
-  Path next();
+  CullPath next();
   void feed(const FrameSample& sample);
   void scene_changed(double) {}  ///< nothing is learnt, so there is nothing to forget
   void set_gpu(bool ready);
@@ -45,7 +46,7 @@ class SeedStateMachine {
   void enter(State state);
   bool is_slow(const FrameSample& sample) const;
 
-  SeedConfig config_;
+  Policy2009Config config_;
   State state_ = State::kCpu;
   bool gpu_ = false;
   std::uint32_t count_ = 0;  // frames that the state has counted
