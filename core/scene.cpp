@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include "sightline/core/contract.h"
@@ -55,50 +54,7 @@ AabbD mesh_extent(const Mesh& mesh, const Affine& world_from_item) {
   return {box.min - pad, box.max + pad};
 }
 
-std::vector<std::uint32_t> united(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
-  std::vector<std::uint32_t> both;
-  both.reserve(a.size() + b.size());
-  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
-  return both;
-}
-
-std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& some) {
-  std::vector<std::uint32_t> rest;
-  std::set_difference(all.begin(), all.end(), some.begin(), some.end(), std::back_inserter(rest));
-  return rest;
-}
-
 }  // namespace
-
-// --- deltas ----------------------------------------------------------------------------------------------------------
-
-void SceneDelta::append(const SceneDelta& later) {
-  changed = without(united(changed, without(later.changed, inserted)), later.removed);
-  removed = united(removed, without(later.removed, inserted));
-  inserted = united(without(inserted, later.removed), later.inserted);
-  materials = united(materials, later.materials);
-}
-
-void SceneSubscription::Inbox::merge_last() {
-  const SceneDelta last = std::move(deltas.back());
-  deltas.pop_back();
-  deltas.back().append(last);
-}
-
-void SceneSubscription::Inbox::push(const SceneDelta& delta) {
-  deltas.push_back(delta);
-  while (deltas.size() > 1 && deltas[deltas.size() - 2].size() <= 2 * deltas.back().size()) merge_last();
-}
-
-SceneDelta SceneSubscription::take() {
-  if (!inbox_ || inbox_->deltas.empty()) return {};
-  while (inbox_->deltas.size() > 1) inbox_->merge_last();
-  SceneDelta all = std::move(inbox_->deltas[0]);
-  inbox_->deltas.clear();
-  return all;
-}
-
-// --- the scene -------------------------------------------------------------------------------------------------------
 
 Scene::Scene() {
   nodes_.emplace_back();

@@ -119,6 +119,10 @@ class Snapshot {
     std::uint32_t record, chunk;
   };
   void build(Items&& items, const BvhConfig& config);
+  static std::vector<std::uint32_t> spatial_order(const std::vector<Aabb>& boxes, BvhConfig config);
+  static float size_of(const Aabb& box);
+  static std::shared_ptr<const MaterialTable> updated(const MaterialTable& former, const Scene& scene,
+                                                      std::span<const std::uint32_t> materials);
   void reserve(const Items& items);
   static AabbD gather(const Scene& scene, const Scene::ItemState& state, ItemId item, Items& out);
   void stay_or_go(const Items& items, std::span<const std::uint64_t> known, std::vector<Slot>& touched,

@@ -1,0 +1,230 @@
+#include <algorithm>
+
+#include "sightline/core/prefetch.h"
+#include "sightline/core/radix_sort.h"
+#include "sightline/core/snapshot.h"
+
+namespace sightline::core {
+namespace {
+
+constexpr float kBlockSlack = 1.1f;  // edits may make a block so much larger than it was ordered to
+
+/// Union of slots first … end - 1, a block at most; vacant ones have no say.
+Aabb union_of(const ItemBounds& bounds, std::size_t first, std::size_t end) {
+  constexpr std::size_t kLanes = 8;  // side by side, for the sake of vector instructions
+  Aabb box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float *low = bounds.coordinate(axis), *high = bounds.coordinate(axis + 3);
+    float least[kLanes], most[kLanes];
+    std::fill_n(least, kLanes, Aabb::kFar);
+    std::fill_n(most, kLanes, -Aabb::kFar);
+    std::size_t s = first;
+    for (; s + kLanes <= end; s += kLanes) {
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        least[i] = low[s + i] < least[i] ? low[s + i] : least[i];
+        most[i] = high[s + i] > most[i] ? high[s + i] : most[i];
+      }
+    }
+    for (; s < end; ++s) {
+      least[0] = std::min(least[0], low[s]);
+      most[0] = std::max(most[0], high[s]);
+    }
+    box.min[axis] = *std::min_element(least, least + kLanes);
+    box.max[axis] = *std::max_element(most, most + kLanes);
+  }
+  return box;
+}
+
+}  // namespace
+
+std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
+  Items items;
+  items.removed = delta.removed;
+  // Items may name materials that a later delta publishes.
+  if (!delta.materials.empty() || table_->size() < scene_->material_slots())
+    items.materials = updated(*table_, *scene_, delta.materials);
+  items.records.reserve(delta.changed.size() + delta.inserted.size());
+  const auto take = [&](ItemId item, const Scene::ItemState& state) {
+    const AabbD box = gather(*scene_, state, item, items);
+    items.records.back().box = round_outwards(box, bounds_.origin);
+  };
+  scene_->for_each_state(delta.changed, take);
+  scene_->for_each_state(delta.inserted, take);
+  return apply(items);
+}
+
+std::vector<Slot> Snapshot::apply(const Items& items) {
+  const std::size_t former_size = size();
+  const std::shared_ptr<const MaterialTable> former_table = table_;
+  if (items.materials) table_ = items.materials;
+  std::vector<Slot> touched;
+  touched.reserve(items.removed.size() + items.records.size());
+  for (const ItemId item : items.removed) {
+    const Slot s = slot(item);
+    if (s == kNone) continue;
+    give_up(s);
+    slots_[item] = kNone;
+    touched.push_back(s);
+  }
+  std::vector<std::uint64_t> known;  // slot and record, to be met block by block
+  std::vector<Newcomer> appended;
+  known.reserve(items.records.size());
+  for (std::size_t i = 0; i < items.records.size(); ++i) {
+    if (i + kPrefetchAhead < items.records.size())
+      prefetch(slots_.data() + items.records[i + kPrefetchAhead].item, sizeof(Slot));
+    const Slot s = slot(items.records[i].item);
+    if (s != kNone)
+      known.push_back(std::uint64_t(s) << 32 | i);
+    else
+      appended.push_back({std::uint32_t(i), kNone});
+  }
+  radix_sort<32>(known);
+  stay_or_go(items, known, touched, appended);
+  append_sorted(items, appended);
+  dissolve_joints(items, former_size, *former_table, touched);
+  extend_ranks();
+  count_vacant();
+  return touched;
+}
+
+void Snapshot::dissolve_joints(const Items& items, std::size_t former_size, const MaterialTable& former_table,
+                               std::vector<Slot>& touched) {
+  if (joints_.count() == 0) return;
+  std::vector<ItemId> uncovered;
+  for (const ItemId item : items.removed) joints_.dissolve(item, uncovered);
+  for (const Items::Record& r : items.records) joints_.dissolve(r.item, uncovered);
+  dissolve_where_clear(former_table, uncovered);
+  if (uncovered.empty()) return;
+  std::vector<Slot> others;
+  for (const ItemId item : uncovered)
+    if (const Slot s = slot(item); s < former_size) others.push_back(s);  // kNone is not
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  // Neighbours that were edited themselves are among the touched.
+  std::vector<bool> known(others.size());
+  for (const Slot s : touched) {
+    const auto at = std::lower_bound(others.begin(), others.end(), s);
+    if (at != others.end() && *at == s) known[std::size_t(at - others.begin())] = true;
+  }
+  for (std::size_t i = 0; i < others.size(); ++i)
+    if (!known[i]) touched.push_back(others[i]);
+}
+
+/// Of items that were opaque and are no more, since their material was edited.
+void Snapshot::dissolve_where_clear(const MaterialTable& former_table, std::vector<ItemId>& uncovered) {
+  if (&former_table == table_.get()) return;
+  std::vector<bool> turned_clear(table_->size());
+  bool any = false;
+  for (std::size_t m = 0; m < std::min(former_table.size(), table_->size()); ++m)
+    any |= turned_clear[m] = former_table[m].a >= 1.0f && (*table_)[m].a < 1.0f;
+  for (Slot s = 0; any && s < size(); ++s) {
+    if (items_[s] == kNone || materials_[s] == kNone || !turned_clear[materials_[s]]) continue;
+    if (joints_.covered(items_[s]) != kNoEnd) uncovered.push_back(items_[s]);
+    joints_.dissolve(items_[s], uncovered);
+  }
+}
+
+/// A block's boxes and what is kept by slot, then what is kept by kind.
+void Snapshot::prefetch_ahead(std::span<const std::uint64_t> known, std::size_t at) const {
+  if (at + kPrefetchAhead < known.size()) {
+    const std::size_t s = known[at + kPrefetchAhead] >> 32, block = s / kBlockSlots * kBlockSlots;
+    for (int axis = 0; axis < 6; ++axis) prefetch(bounds_.coordinate(axis) + block, kBlockSlots * sizeof(float));
+    prefetch(kinds_[s]);
+    prefetch(index_in_kind_[s]);
+    prefetch(materials_[s]);
+    prefetch(items_[s]);
+  }
+  if (at + kPrefetchAhead / 2 >= known.size()) return;
+  const std::size_t s = known[at + kPrefetchAhead / 2] >> 32;
+  const KindItems& list = kind_items_[std::size_t(kinds_[s])];
+  prefetch(list.placements[index_in_kind_[s]]);
+  if (int(kinds_[s]) < kPrimitiveKindCount)
+    prefetch(list.parameters[index_in_kind_[s] * std::size_t(parameter_count(kinds_[s]))]);
+}
+
+/// Puts items that the snapshot knows into their slots, as long as their blocks keep their sizes. Those that have left
+/// join `appended`, and their slots are vacant.
+void Snapshot::stay_or_go(const Items& items, std::span<const std::uint64_t> known, std::vector<Slot>& touched,
+                          std::vector<Newcomer>& appended) {
+  const auto slot_at = [&](std::size_t i) { return Slot(known[i] >> 32); };
+  // Relocation may take a quarter of the slots. Whoever edits more without a new order gets larger blocks instead.
+  const std::size_t live = size() - given_up_;
+  std::size_t allowance = std::max(live + live / 4 + kBlockSlots, size()) - size();
+  std::vector<std::uint32_t> moved_to(chunks_.origins().size(), kNone);  // by chunk: where the last item of it went
+  for (std::size_t first = 0, end = 0; first < known.size(); first = end) {
+    const std::size_t block = slot_at(first) / kBlockSlots;
+    bool all_stay = true;
+    for (end = first; end < known.size() && slot_at(end) / kBlockSlots == block; ++end) {
+      prefetch_ahead(known, end);
+      const Slot s = slot_at(end);
+      const Items::Record& r = items.records[std::uint32_t(known[end])];
+      const Aabb old = bounds_.box(s);
+      all_stay = all_stay && (r.layers == 0 || (old.min == r.box.min && old.max == r.box.max));
+      touched.push_back(s);
+    }
+    Aabb taken;
+    if (!all_stay) {
+      for (std::size_t i = first; i < end; ++i) bounds_.set(slot_at(i), {});
+      taken = union_of(bounds_, block * kBlockSlots, std::min((block + 1) * kBlockSlots, size()));
+    }
+    for (std::size_t i = first; i < end; ++i) {
+      const Slot s = slot_at(i);
+      const Items::Record& r = items.records[std::uint32_t(known[i])];
+      Placement& p = placement(s);
+      // What moves as a whole keeps its chunks: a new one lies where the old one has moved to.
+      const dvec3 offset(p.origin);
+      const std::uint32_t own = p.chunk;
+      const std::uint32_t chunk = chunks_.find(r.origin, own, moved_to[own],
+                                               glm::length(offset) <= chunks_.size() ? r.origin - offset : r.origin);
+      moved_to[own] = chunk;
+      p = place(r.linear, r.origin, chunk);
+      materials_[s] = r.material;
+      Aabb grown = taken;
+      grown.grow(r.box);
+      const bool stays = all_stay || r.layers == 0 || r.box.empty() || taken.empty() || allowance == 0 ||
+                         size_of(grown) <= kBlockSlack * block_sizes_[block];
+      if (stays) {
+        if (r.layers != 0) taken = grown;
+        show(s, r.box, r.layers);
+      } else {
+        give_up(s);
+        appended.push_back({std::uint32_t(known[i]), chunk});
+        --allowance;
+      }
+    }
+  }
+}
+
+void Snapshot::append_sorted(const Items& items, std::span<const Newcomer> newcomers) {
+  if (newcomers.empty()) return;
+  std::vector<Aabb> boxes(newcomers.size());
+  for (std::size_t i = 0; i < newcomers.size(); ++i) boxes[i] = items.records[newcomers[i].record].box;
+  std::vector<std::uint32_t> order = spatial_order(boxes, {});
+  // Blocks of the order are to become blocks of slots: what completes the last block comes from the end.
+  const std::size_t first = size(), missing = std::min((kBlockSlots - first % kBlockSlots) % kBlockSlots, order.size());
+  std::rotate(order.begin(), order.end() - std::ptrdiff_t(missing), order.end());
+
+  bounds_.resize(first + order.size());
+  block_sizes_.resize((size() + kBlockSlots - 1) / kBlockSlots, 0.0f);
+  Aabb block = union_of(bounds_, first / kBlockSlots * kBlockSlots, first);
+  std::uint32_t chunk = kNone;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Newcomer& newcomer = newcomers[order[i]];
+    const Items::Record& r = items.records[newcomer.record];
+    const Slot s = Slot(first + i);
+    chunk = newcomer.chunk != kNone ? newcomer.chunk : chunks_.find(r.origin, chunk, chunk, r.origin);
+    append(items, newcomer.record, chunk);
+    block.grow(r.box);
+    if ((s + 1) % kBlockSlots != 0 && i + 1 != order.size()) continue;
+    block_sizes_[s / kBlockSlots] = std::max(block_sizes_[s / kBlockSlots], size_of(block));
+    block = {};
+  }
+}
+
+void Snapshot::give_up(Slot s) {
+  show(s, {}, 0);
+  items_[s] = kNone;
+  ++given_up_;
+}
+
+}  // namespace sightline::core
