@@ -10,8 +10,8 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/engine/drawing.h"
 #include "sightline/engine/engine.h"
+#include "sightline/image/image_metrics.h"
 #include "sightline/importers/view_json.h"
-#include "sightline/render/image_metrics.h"
 
 namespace {
 
@@ -25,7 +25,7 @@ struct Options {
   culling::GpuCullerConfig gpu_culler;
   int frame = 0, frames = 300, samples = 1;
   bool fit = false, gl_debug = false;
-  double max = -1.0, mean = -1.0, pixels_per_degree = render::kPixelsPerDegree;
+  double max = -1.0, mean = -1.0, pixels_per_degree = image::kPixelsPerDegree;
 };
 
 void add_options(CLI::App& app, Options& o) {
@@ -93,7 +93,7 @@ core::Expected<core::View> choose_view(const Options& o, const apps::Model& mode
   return core::View::perspective(apps::fitting_pose(bounds, apps::kFovy, aspect), apps::kFovy, aspect, 1e-3 * distance);
 }
 
-core::Expected<void> write_id_names(const std::string& file, const render::IdImage& ids, const core::Scene& scene) {
+core::Expected<void> write_id_names(const std::string& file, const image::IdImage& ids, const core::Scene& scene) {
   std::vector<std::uint32_t> seen = ids.ids;
   std::sort(seen.begin(), seen.end());
   seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
@@ -108,8 +108,8 @@ core::Expected<void> write_id_names(const std::string& file, const render::IdIma
 }
 
 /// What the difference means to who looks at it; images too small for it have no such figures.
-void add_metrics(const Options& o, const render::Image& reference, const render::Image& image, json& figures) {
-  const auto metrics = render::image_metrics(reference, image, o.pixels_per_degree);
+void add_metrics(const Options& o, const image::Image& reference, const image::Image& image, json& figures) {
+  const auto metrics = image::image_metrics(reference, image, o.pixels_per_degree);
   if (!metrics) return;
   figures["psnr"] = metrics->psnr;
   figures["ssim"] = metrics->ssim;
@@ -118,13 +118,13 @@ void add_metrics(const Options& o, const render::Image& reference, const render:
                metrics->psnr, metrics->ssim, metrics->flip_mean, metrics->flip_p99);
 }
 
-core::Expected<bool> compare(const Options& o, const render::Image& image, json& figures) {
-  auto reference = render::read_png(o.reference);
+core::Expected<bool> compare(const Options& o, const image::Image& image, json& figures) {
+  auto reference = image::read_png(o.reference);
   if (!reference) return tl::unexpected(reference.error());
-  auto difference = render::compare(image, *reference);
+  auto difference = image::compare(image, *reference);
   if (!difference) return core::fail(o.reference + ": " + difference.error().message);
   if (!o.diff.empty())
-    if (auto done = render::write_png(render::difference_image(image, *reference), o.diff); !done)
+    if (auto done = image::write_png(image::difference_image(image, *reference), o.diff); !done)
       return tl::unexpected(done.error());
   const bool only_mean = o.max < 0.0 && o.mean >= 0.0, only_max = o.mean < 0.0 && o.max >= 0.0;
   const bool same =
@@ -138,9 +138,9 @@ core::Expected<bool> compare(const Options& o, const render::Image& image, json&
 }
 
 core::Expected<void> compare_ids(const Options& o, const engine::Drawing& drawing, json& figures) {
-  auto reference = render::read_png(o.reference_ids);
+  auto reference = image::read_png(o.reference_ids);
   if (!reference) return tl::unexpected(reference.error());
-  const auto wrong = render::wrong_ids(render::ids_of_colours(*reference), drawing.target().read_ids());
+  const auto wrong = image::wrong_ids(image::ids_of_colours(*reference), drawing.target().read_ids());
   if (!wrong) return core::fail(o.reference_ids + ": " + wrong.error().message);
   figures["wrong_ids"] = *wrong;
   std::fprintf(o.json_file == "-" ? stderr : stdout, "pixels of another item %llu\n", (unsigned long long)*wrong);
@@ -148,16 +148,16 @@ core::Expected<void> compare_ids(const Options& o, const engine::Drawing& drawin
 }
 
 core::Expected<void> write_outputs(const Options& o, const engine::Drawing& drawing, const core::View& view,
-                                   const core::Scene& scene, const render::Image& image) {
+                                   const core::Scene& scene, const image::Image& image) {
   core::Expected<void> done;
-  if (!o.out.empty()) done = render::write_png(image, o.out);
-  if (done && !o.depth.empty()) done = render::write_pfm(drawing.target().read_depth(view), o.depth);
+  if (!o.out.empty()) done = image::write_png(image, o.out);
+  if (done && !o.depth.empty()) done = image::write_pfm(drawing.target().read_depth(view), o.depth);
   if (!done || (o.ids.empty() && o.ids_json.empty())) return done;
-  const render::IdImage ids = drawing.target().read_ids();
+  const image::IdImage ids = drawing.target().read_ids();
   if (!o.ids.empty()) {
-    auto colours = render::id_colours(ids);
+    auto colours = image::id_colours(ids);
     if (!colours) return tl::unexpected(colours.error());
-    done = render::write_png(*colours, o.ids);
+    done = image::write_png(*colours, o.ids);
   }
   if (done && !o.ids_json.empty()) done = write_id_names(o.ids_json, ids, scene);
   return done;
@@ -192,7 +192,7 @@ core::Expected<int> render_model(const Options& o) {
   for (const std::string& error : drawing.take_gl_errors()) return core::fail("GL: " + error);
 
   apps::warn_if_blank(drawing, report->visible, "the image");
-  const render::Image image = drawing.target().read_colour();
+  const image::Image image = drawing.target().read_colour();
   if (auto done = write_outputs(o, drawing, *view, *model->scene, image); !done) return tl::unexpected(done.error());
   json figures = {{"renderer", drawing.context().renderer()},
                   {"size", {config.width, config.height}},

@@ -151,7 +151,7 @@ core::Expected<void> save_image(engine::Engine& engine, const std::string& folde
   char name[32];
   std::snprintf(name, sizeof name, "frame_%05d.png", int(flight.frames.size()) - 1);
   const engine::Drawing& drawing = *engine.drawing();
-  auto done = render::write_png(drawing.target().read_colour(), std::filesystem::path(folder) / name);
+  auto done = image::write_png(drawing.target().read_colour(), std::filesystem::path(folder) / name);
   take_late_reports(engine, flight);
   apps::warn_if_blank(drawing, flight.frames.back().report.visible, name);
   return done;

@@ -266,7 +266,7 @@ void Viewer::take_screenshot() {
 }
 
 core::Expected<void> Viewer::write_screenshot(const std::string& file) {
-  auto done = render::write_png(engine_.drawing()->target().read_colour(), file);
+  auto done = image::write_png(engine_.drawing()->target().read_colour(), file);
   while (const auto late = engine_.take_late_report()) visible_ = late->visible;
   apps::warn_if_blank(*engine_.drawing(), visible_, file);
   return done;
@@ -280,7 +280,7 @@ void Viewer::print_keys() {
 /// Makes what lies in the middle of the picture, if anything does, the centre of orbits.
 void Viewer::centre_on_picture() {
   if (!drawn_) return;
-  const render::DepthImage depth = engine_.drawing()->target().read_depth(*drawn_);
+  const image::DepthImage depth = engine_.drawing()->target().read_depth(*drawn_);
   const std::size_t row = std::size_t(depth.height / 2) * std::size_t(depth.width);
   const float metres = depth.metres[row + std::size_t(depth.width / 2)];
   if (std::isfinite(metres) && metres > 0.0f) camera_.control.set_centre(metres);

@@ -161,7 +161,7 @@ core::Expected<Tightness> measure(gl::Context& context, const std::vector<Item>&
     const auto frame = engine->frame(*view);
     gl.EndQuery(kFragmentShaderInvocations);
     if (!frame) return tl::unexpected(frame.error());
-    const render::IdImage ids = engine->drawing()->target().read_ids();
+    const image::IdImage ids = engine->drawing()->target().read_ids();
     const auto shown =
         std::uint64_t(std::count_if(ids.ids.begin(), ids.ids.end(), [](std::uint32_t id) { return id != 0; }));
     if (shown == 0) continue;

@@ -13,7 +13,7 @@
 #include "sightline/core/scene.h"
 #include "sightline/core/view.h"
 #include "sightline/gl/context.h"
-#include "sightline/render/image_metrics.h"
+#include "sightline/image/image_metrics.h"
 
 namespace sightline::bench {
 
@@ -89,7 +89,7 @@ struct ModelFigures {
   double ms = 0.0;            ///< per frame, culling included
   std::size_t gpu_bytes = 0;  ///< without the picture
   /// Against the triangles of the reference, and against the ray-cast picture.
-  render::ImageMetrics to_triangles, to_ray_cast;
+  image::ImageMetrics to_triangles, to_ray_cast;
   std::uint64_t wrong_ids = 0, wrong_ids_to_ray_cast = 0;  ///< pixels
   std::uint64_t ties = 0;  ///< of wrong_ids, where both show the same depth: faces of several items in one place
 };

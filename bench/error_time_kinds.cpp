@@ -152,8 +152,8 @@ class KindMeasurement {
     auto stage = Stage::create(context_, scene, kSampledForm);
     if (!stage) return tl::unexpected(stage.error());
     if (auto done = stage->draw(field.view, sampled_); !done) return done;
-    const render::DepthImage depth = sampled_.read_depth(field.view);
-    const render::NormalImage normals = sampled_.read_normals();
+    const image::DepthImage depth = sampled_.read_depth(field.view);
+    const image::NormalImage normals = sampled_.read_normals();
     const std::size_t first = std::size_t(first_row) * std::size_t(image.width);
     for (std::size_t i = 0; i < depth.metres.size(); ++i) {
       image.depth[first + i] = depth.metres[i];

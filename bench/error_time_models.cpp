@@ -13,9 +13,9 @@ namespace {
 using Method = Form::Method;
 
 struct Picture {
-  render::Image colour;
-  render::IdImage ids;
-  render::DepthImage depth;
+  image::Image colour;
+  image::IdImage ids;
+  image::DepthImage depth;
 };
 
 /// Where several items show the same surface, any of them may be drawn.
@@ -96,15 +96,15 @@ core::Expected<Reference> draw_reference(gl::Context& context, const core::Scene
 
 core::Expected<void> compare(const Picture& triangles, const Picture& ray_cast, const Picture& picture,
                              ModelFigures& figures) {
-  auto metrics = render::image_metrics(triangles.colour, picture.colour);
+  auto metrics = image::image_metrics(triangles.colour, picture.colour);
   if (!metrics) return tl::unexpected(metrics.error());
   figures.to_triangles = *metrics;
-  metrics = render::image_metrics(ray_cast.colour, picture.colour);
+  metrics = image::image_metrics(ray_cast.colour, picture.colour);
   if (!metrics) return tl::unexpected(metrics.error());
   figures.to_ray_cast = *metrics;
-  figures.wrong_ids = *render::wrong_ids(triangles.ids, picture.ids);
+  figures.wrong_ids = *image::wrong_ids(triangles.ids, picture.ids);
   figures.ties = count_ties(triangles, picture);
-  figures.wrong_ids_to_ray_cast = *render::wrong_ids(ray_cast.ids, picture.ids);
+  figures.wrong_ids_to_ray_cast = *image::wrong_ids(ray_cast.ids, picture.ids);
   return {};
 }
 

@@ -27,7 +27,7 @@ Json spread(const Spread& s) {
   return {{"mean", s.mean}, {"p99", s.p99}, {"max", s.max}};
 }
 
-Json image_json(const render::ImageMetrics& m, std::uint64_t wrong_ids) {
+Json image_json(const image::ImageMetrics& m, std::uint64_t wrong_ids) {
   return {{"psnr", m.psnr},
           {"ssim", m.ssim},
           {"flip", {{"mean", m.flip_mean}, {"p99", m.flip_p99}}},
@@ -149,7 +149,7 @@ void print(const NamedModel& model, std::FILE* out) {
                  "----------: |\n",
                  model.name.c_str(), view.view.c_str(), model.items);
     for (const ModelFigures& f : view.forms) {
-      const render::ImageMetrics& m = f.to_triangles;
+      const image::ImageMetrics& m = f.to_triangles;
       std::fprintf(out, "| %-12s | %8s | %7.0f | %5.2f | %.5f | %10.5f | %6.4f | %9llu | %7llu | %12.5f | %11llu |\n",
                    name_of(f.form).c_str(), short_text(f.ms).c_str(), double(f.gpu_bytes) / 1024.0, m.psnr, m.ssim,
                    m.flip_mean, m.flip_p99, (unsigned long long)f.wrong_ids, (unsigned long long)f.ties,
@@ -195,7 +195,7 @@ void print_summary(const std::vector<NamedModel>& models, std::FILE* out) {
     for (const ModelResult& view : model.views) {
       const std::vector<ModelFigures> forms(view.forms.begin(), view.forms.end() - 1);  // without the reference
       const auto [triangles, glsl] = compared(forms);
-      const render::ImageMetrics &g = glsl->to_triangles, &t = triangles->to_triangles;
+      const image::ImageMetrics &g = glsl->to_triangles, &t = triangles->to_triangles;
       std::fprintf(out,
                    "| %s, %s | %s | %s / %s | %.2f | %.0f / %.0f | %.2f | %.1f / %.1f | %.5f / %.5f | %.5f / %.5f | "
                    "%.4f / %.4f | %llu / %llu |\n",
@@ -277,7 +277,7 @@ std::string to_csv(const std::vector<NamedModel>& models) {
       for (const ModelFigures& f : view.forms) {
         csv << model.name << ',' << view.view << ',' << name_of(f.form) << ',' << f.form.segments << ',' << f.ms << ','
             << f.gpu_bytes;
-        const auto add = [&](const render::ImageMetrics& m, std::uint64_t wrong) {
+        const auto add = [&](const image::ImageMetrics& m, std::uint64_t wrong) {
           csv << ',' << m.psnr << ',' << m.ssim << ',' << m.flip_mean << ',' << m.flip_p99 << ',' << wrong;
         };
         add(f.to_triangles, f.wrong_ids);

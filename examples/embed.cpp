@@ -22,6 +22,6 @@ int main(int argc, char** argv) {
   auto report = engine->frame(*view);
   if (!report) return std::fprintf(stderr, "%s\n", report.error().message.c_str()), 1;
   std::printf("%llu items visible, culled in %.3f ms\n", (unsigned long long)report->visible, report->cull_ms);
-  auto saved = render::write_png(engine->drawing()->target().read_colour(), argv[2]);
+  auto saved = image::write_png(engine->drawing()->target().read_colour(), argv[2]);
   return saved ? 0 : 1;
 }

@@ -55,6 +55,6 @@ int main(int argc, char** argv) {
   auto report = engine->frame(*view);
   if (!report) return std::fprintf(stderr, "%s\n", report.error().message.c_str()), 1;
   std::printf("%llu items visible, one for each colour of a block\n", (unsigned long long)report->visible);
-  auto saved = render::write_png(engine->drawing()->target().read_colour(), argv[1]);
+  auto saved = image::write_png(engine->drawing()->target().read_colour(), argv[1]);
   return saved ? 0 : 1;
 }

@@ -95,21 +95,21 @@ std::size_t RenderTarget::memory_bytes() const {
   return std::size_t(width()) * std::size_t(height()) * sample * per_pixel;
 }
 
-Image RenderTarget::read_colour() const {
+image::Image RenderTarget::read_colour() const {
   const auto rgba = read_flipped<std::uint8_t>(resolved_attachments().colour, GL_RGBA, GL_UNSIGNED_BYTE, 4);
-  Image image{width(), height(), std::vector<std::uint8_t>(rgba.size() / 4 * 3)};
+  image::Image image{width(), height(), std::vector<std::uint8_t>(rgba.size() / 4 * 3)};
   for (std::size_t i = 0; i < rgba.size() / 4; ++i)
     std::copy_n(rgba.begin() + std::ptrdiff_t(4 * i), 3, image.pixels.begin() + std::ptrdiff_t(3 * i));
   return image;
 }
 
-IdImage RenderTarget::read_ids() const {
+image::IdImage RenderTarget::read_ids() const {
   assert(has_ids());
   return {width(), height(),
           read_flipped<std::uint32_t>(resolved_attachments().ids, GL_RED_INTEGER, GL_UNSIGNED_INT, 1)};
 }
 
-NormalImage RenderTarget::read_normals() const {
+image::NormalImage RenderTarget::read_normals() const {
   assert(has_normals());
   return {width(), height(), read_flipped<std::array<float, 3>>(resolved_attachments().normals, GL_RGB, GL_FLOAT, 1)};
 }
@@ -119,9 +119,9 @@ bool RenderTarget::covered() const {
   return std::any_of(depths.begin(), depths.end(), [](float depth) { return depth > 0.0f; });
 }
 
-DepthImage RenderTarget::read_depth(const core::View& view) const {
-  DepthImage image{width(), height(),
-                   read_flipped<float>(resolved_attachments().depth, GL_DEPTH_COMPONENT, GL_FLOAT, 1)};
+image::DepthImage RenderTarget::read_depth(const core::View& view) const {
+  image::DepthImage image{width(), height(),
+                          read_flipped<float>(resolved_attachments().depth, GL_DEPTH_COMPONENT, GL_FLOAT, 1)};
   const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
   for (float& depth : image.metres)
     depth = depth == 0.0f ? std::numeric_limits<float>::infinity() : float(gpuprims::eye_depth(clip, depth));

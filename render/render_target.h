@@ -5,7 +5,7 @@
 #include "sightline/gl/context.h"
 #include "sightline/gl/framebuffer.h"
 #include "sightline/gl/texture.h"
-#include "sightline/render/image.h"
+#include "sightline/image/image.h"
 
 namespace sightline::render {
 
@@ -36,13 +36,13 @@ class RenderTarget {
   std::size_t memory_bytes() const;
 
   /// Read-backs resolve, and wait for the GPU: for pictures and tests, never on the way from cull to draw.
-  Image read_colour() const;
-  IdImage read_ids() const;          ///< only of a target with ids
-  NormalImage read_normals() const;  ///< only of a target with normals
+  image::Image read_colour() const;
+  image::IdImage read_ids() const;          ///< only of a target with ids
+  image::NormalImage read_normals() const;  ///< only of a target with normals
   /// Whether any pixel shows anything but the background, by the depth of one sample each.
   bool covered() const;
   /// Depth as distances along the axis of the view that was drawn.
-  DepthImage read_depth(const core::View& view) const;
+  image::DepthImage read_depth(const core::View& view) const;
 
  private:
   struct Attachments {

@@ -110,8 +110,8 @@ core::Expected<Figures> ViewRays::judge_picture(const ViewCase& c, int rays) {
   if (!view) return tl::unexpected(view.error());
   if (const auto drawn = engine->frame(*view); !drawn) return tl::unexpected(drawn.error());
   engine->finish();
-  const render::DepthImage depth = engine->drawing()->target().read_depth(*view);
-  const render::IdImage ids = engine->drawing()->target().read_ids();
+  const image::DepthImage depth = engine->drawing()->target().read_depth(*view);
+  const image::IdImage ids = engine->drawing()->target().read_ids();
 
   const dmat3 world_from_eye = glm::transpose(dmat3(view->eye_from_world()));
   std::vector<Sample> samples;

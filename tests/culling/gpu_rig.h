@@ -132,9 +132,9 @@ class PicturePair {
 
  private:
   struct Picture {
-    render::Image colour;
-    render::IdImage ids;
-    render::DepthImage depth;
+    image::Image colour;
+    image::IdImage ids;
+    image::DepthImage depth;
   };
   Picture draw(const Rig& rig, const core::View& view) {
     EXPECT_TRUE(renderer_.draw(view, rig.snapshot, rig.gpu, rig.lists, target_));

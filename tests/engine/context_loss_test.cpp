@@ -35,17 +35,17 @@ class ContextLossTest : public DrawnGrid {
     switch_often(c);
     return c;
   }
-  static render::Image picture(Engine& engine) { return engine.drawing()->target().read_colour(); }
+  static image::Image picture(Engine& engine) { return engine.drawing()->target().read_colour(); }
   /// The same view on an engine of its own that knows no trouble.
-  render::Image wanted(const core::View& view) {
+  image::Image wanted(const core::View& view) {
     auto twin = Engine::create(scene, switching(CullerChoice::kCpu, nullptr));
     EXPECT_TRUE(twin && twin->frame(view));
-    render::Image image = picture(*twin);
+    image::Image image = picture(*twin);
     return image;
   }
   void expect_picture(Engine& engine, const core::View& view) {
-    const render::Image shown = picture(engine);
-    const auto difference = render::compare(wanted(view), shown);
+    const image::Image shown = picture(engine);
+    const auto difference = image::compare(wanted(view), shown);
     ASSERT_TRUE(difference);
     EXPECT_LE(difference->max, 1);  // another order of the items has other last bits
     (void)context->make_current();
@@ -60,14 +60,14 @@ TEST_F(ContextLossTest, AnEngineReplacesItsOwnContext) {
     ASSERT_TRUE(engine) << engine.error().message;
     SCOPED_TRACE(name_of(engine->plan().culler));
     ASSERT_TRUE(engine->frame(view(0)));
-    const render::Image before = picture(*engine);
+    const image::Image before = picture(*engine);
     lose(engine->drawing()->context());
     const auto report = engine->frame(view(0));
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->drawn);
     ASSERT_NE(engine->drawing(), nullptr);
     EXPECT_FALSE(engine->drawing()->context().lost());
-    const auto difference = render::compare(before, picture(*engine));
+    const auto difference = image::compare(before, picture(*engine));
     ASSERT_TRUE(difference);
     EXPECT_EQ(difference->max, 0);
     bool gpu = false;

@@ -56,9 +56,9 @@ TEST_F(DrawingTest, CullersMayBeChangedInAnyOrder) {
         EXPECT_EQ(name_of(report->culler), name);
       }
     }
-    const render::Image image = engine->drawing()->target().read_colour();
+    const image::Image image = engine->drawing()->target().read_colour();
     ASSERT_TRUE(engine->set_culler(CullerChoice::kLinear) && engine->frame(eye));
-    const auto difference = render::compare(image, engine->drawing()->target().read_colour());
+    const auto difference = image::compare(image, engine->drawing()->target().read_colour());
     ASSERT_TRUE(difference);
     EXPECT_EQ(difference->max, 0);
     EXPECT_EQ(engine->drawing(), drawing) << "made anew";

@@ -3,7 +3,7 @@
 
 #include "sightline/engine/drawing.h"
 #include "sightline/engine/engine.h"
-#include "sightline/render/image.h"
+#include "sightline/image/image.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::tests {
@@ -45,7 +45,7 @@ class DrawnGrid : public GlTest {
   static void expect_same_picture(engine::Engine& a, engine::Engine& b, int max = 0) {
     a.finish();
     b.finish();
-    const auto difference = render::compare(a.drawing()->target().read_colour(), b.drawing()->target().read_colour());
+    const auto difference = image::compare(a.drawing()->target().read_colour(), b.drawing()->target().read_colour());
     ASSERT_TRUE(difference) << difference.error().message;
     EXPECT_LE(difference->max, max) << difference->pixels << " pixels";
   }

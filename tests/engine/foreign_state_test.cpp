@@ -54,9 +54,9 @@ class ForeignState : public DrawnGrid, public testing::WithParamInterface<Way> {
   }
 
   struct Shown {
-    render::Image colour;
-    render::IdImage ids;
-    render::DepthImage depth;
+    image::Image colour;
+    image::IdImage ids;
+    image::DepthImage depth;
     std::int64_t visible = 0;
   };
   static Shown read(Engine& engine) {

@@ -209,8 +209,8 @@ class JointImages : public tests::GlTest {
   void check(const View& view, std::span<const View> references, double radius) {
     ASSERT_TRUE(engine_->frame(view));
     engine_->finish();
-    const render::DepthImage depth = engine_->drawing()->target().read_depth(view);
-    const render::IdImage ids = engine_->drawing()->target().read_ids();
+    const image::DepthImage depth = engine_->drawing()->target().read_depth(view);
+    const image::IdImage ids = engine_->drawing()->target().read_ids();
     const std::vector<const Solid*> near = solids_in(view);
     std::vector<Pixel> expected;
     for (const View& as : references)
@@ -402,7 +402,7 @@ TEST_F(JointImages, NoRayPassesBetweenEndsThatAreNotDrawn) {
   ASSERT_TRUE(engine_->frame(
       *View::orthographic({middle + dvec3(5, 1, 0), middle, {0, 0, 1}}, 4.0 * kGap, kAspect, 0.1, 20.0)));
   engine_->finish();
-  const render::IdImage ids = engine_->drawing()->target().read_ids();
+  const image::IdImage ids = engine_->drawing()->target().read_ids();
   EXPECT_EQ(std::count(ids.ids.begin(), ids.ids.end(), 0u), 0);
   EXPECT_EQ(ids.ids.front(), 2u);
   EXPECT_EQ(ids.ids.back(), 1u);

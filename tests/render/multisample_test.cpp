@@ -20,7 +20,7 @@ constexpr int kWidth = 80, kHeight = 60;
 
 class Multisample : public tests::GlTest {
  protected:
-  render::Image picture(core::Scene& scene, const View& view, int samples, int scale = 1) {
+  image::Image picture(core::Scene& scene, const View& view, int samples, int scale = 1) {
     engine::EngineConfig config;
     config.draw = true;
     config.width = scale * kWidth;
@@ -42,8 +42,8 @@ class Multisample : public tests::GlTest {
 };
 
 /// Each pixel the mean of scale x scale.
-render::Image reduced(const render::Image& fine, int scale) {
-  render::Image image{fine.width / scale, fine.height / scale, {}};
+image::Image reduced(const image::Image& fine, int scale) {
+  image::Image image{fine.width / scale, fine.height / scale, {}};
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
       for (int c = 0; c < 3; ++c) {
@@ -56,7 +56,7 @@ render::Image reduced(const render::Image& fine, int scale) {
   return image;
 }
 
-double rms(const render::Image& a, const render::Image& b) {
+double rms(const image::Image& a, const image::Image& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) {
     const double d = double(a.pixels[i]) - b.pixels[i];
@@ -79,7 +79,7 @@ TEST_F(Multisample, ComesCloserToTheMeanOfManyPixels) {
     SCOPED_TRACE(name);
     core::Scene scene;
     scene.add_primitive(scene.add_node(scene.root(), "item"), solid);
-    const render::Image reference = reduced(picture(scene, look(), 1, 8), 8);
+    const image::Image reference = reduced(picture(scene, look(), 1, 8), 8);
     const double jagged = rms(picture(scene, look(), 1), reference), smooth = rms(picture(scene, look(), 4), reference);
     EXPECT_LT(smooth, 0.65 * jagged) << "rms over the picture";
   }
@@ -102,7 +102,7 @@ TEST_F(Multisample, ShowsNothingBetweenPipesThatMeet) {
     halves.add_primitive(halves.add_node(halves.root(), "half", {turn, side * turn[2]}), core::Cylinder{0.5f, 2.0f}, {},
                          black(halves));
   const View view = look(6.0);
-  const auto difference = render::compare(picture(whole, view, 4), picture(halves, view, 4));
+  const auto difference = image::compare(picture(whole, view, 4), picture(halves, view, 4));
   ASSERT_TRUE(difference);
   EXPECT_LE(difference->max, 24);
 }

@@ -21,9 +21,9 @@ constexpr double kRadius = 0.8;
 class Normals : public tests::GlTest {
  protected:
   struct Drawn {
-    render::Image colour;
-    render::DepthImage depth;
-    render::NormalImage normals;
+    image::Image colour;
+    image::DepthImage depth;
+    image::NormalImage normals;
   };
 
   static core::View view() {
@@ -46,7 +46,7 @@ class Normals : public tests::GlTest {
     EXPECT_TRUE(lists->update(snapshot, *gpu, all));
     EXPECT_TRUE(renderer->draw(view(), snapshot, *gpu, *lists, *target));
     return {target->read_colour(), target->read_depth(view()),
-            with_normals ? target->read_normals() : render::NormalImage{}};
+            with_normals ? target->read_normals() : image::NormalImage{}};
   }
 
   /// Every normal of a ball points away from its centre, `degrees` at most beside.

@@ -29,10 +29,10 @@ namespace sightline::tests {
 
 struct Picture {
   core::View view;
-  render::Image colour;
-  render::DepthImage depth;
-  render::IdImage ids;
-  render::NormalImage normals;  ///< may be empty: then nothing is said of them
+  image::Image colour;
+  image::DepthImage depth;
+  image::IdImage ids;
+  image::NormalImage normals;  ///< may be empty: then nothing is said of them
 };
 
 /// Draws items of a scene, with ids and normals.

@@ -37,9 +37,9 @@ class SceneRender : public tests::GlTest {
   }
 
   struct Picture {
-    render::Image colour;
-    render::IdImage ids;
-    render::DepthImage depth;
+    image::Image colour;
+    image::IdImage ids;
+    image::DepthImage depth;
     std::vector<core::ItemId> visible;
   };
   /// What was drawn last.
@@ -352,7 +352,7 @@ TEST_F(SceneRender, VacantSlotsOfRangesAreNotDrawn) {
     all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
     EXPECT_TRUE(engine.drawing()->draw(view, engine.snapshot(), all, 0));
     engine.finish();
-    const render::IdImage image = engine.drawing()->target().read_ids();
+    const image::IdImage image = engine.drawing()->target().read_ids();
     return std::set<std::uint32_t>(image.ids.begin(), image.ids.end());
   };
   for (core::ItemId item = 0; item < scene.item_slots(); item += 2) scene.set_visible(item, false);

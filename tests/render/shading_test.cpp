@@ -33,7 +33,7 @@ dvec3 shade(const dvec3& colour, const dvec3& normal, const dvec3& to_eye, const
   return 255.0 * glm::min(lit, dvec3(1.0));
 }
 
-dvec3 pixel_of(const render::Image& image, std::size_t pixel) {
+dvec3 pixel_of(const image::Image& image, std::size_t pixel) {
   return {image.pixels[3 * pixel], image.pixels[3 * pixel + 1], image.pixels[3 * pixel + 2]};
 }
 

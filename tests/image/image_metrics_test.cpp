@@ -1,12 +1,12 @@
 // PSNR, SSIM and FLIP: values known by hand, and FLIP against a twin that follows the paper's two-dimensional sums.
-#include "sightline/render/image_metrics.h"
+#include "sightline/image/image_metrics.h"
 
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-namespace sightline::render {
+namespace sightline::image {
 namespace {
 
 Image uniform(int width, int height, std::uint8_t r, std::uint8_t g, std::uint8_t b) {
@@ -235,4 +235,4 @@ TEST(WrongIds, AreCounted) {
 }
 
 }  // namespace
-}  // namespace sightline::render
+}  // namespace sightline::image

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "sightline/core/error.h"
-#include "sightline/render/image.h"
+#include "sightline/image/image.h"
 
-namespace sightline::render {
+namespace sightline::image {
 
 /// Pixels per degree of the visual field for a 0.7 m wide screen of 3,840 pixels seen from 0.7 m, as in FLIP's paper.
 inline constexpr double kPixelsPerDegree = 67.02;
@@ -35,4 +35,4 @@ std::vector<float> flip(const Image& reference, const Image& image, double pixel
 /// Pixels that show another item, or none where there is one. Fails when the sizes differ.
 core::Expected<std::uint64_t> wrong_ids(const IdImage& reference, const IdImage& image);
 
-}  // namespace sightline::render
+}  // namespace sightline::image

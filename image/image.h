@@ -8,7 +8,7 @@
 
 #include "sightline/core/error.h"
 
-namespace sightline::render {
+namespace sightline::image {
 
 /// 8-bit RGB, rows top to bottom, 3 bytes per pixel.
 struct Image {
@@ -55,4 +55,4 @@ core::Expected<ImageDifference> compare(const Image& a, const Image& b);
 /// Absolute differences, amplified four times, as a picture. Sizes must be equal.
 Image difference_image(const Image& a, const Image& b);
 
-}  // namespace sightline::render
+}  // namespace sightline::image

@@ -1,4 +1,4 @@
-#include "sightline/render/image_metrics.h"
+#include "sightline/image/image_metrics.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 #include <glm/glm.hpp>
 
-namespace sightline::render {
+namespace sightline::image {
 namespace {
 
 using glm::dmat3;
@@ -316,4 +316,4 @@ core::Expected<std::uint64_t> wrong_ids(const IdImage& reference, const IdImage&
   return wrong;
 }
 
-}  // namespace sightline::render
+}  // namespace sightline::image

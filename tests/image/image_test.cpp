@@ -1,5 +1,5 @@
 // PNG and PFM files, id colours and image comparison.
-#include "sightline/render/image.h"
+#include "sightline/image/image.h"
 
 #include <cstring>
 #include <fstream>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::render {
+namespace sightline::image {
 namespace {
 
 std::string temporary(const std::string& name) {
@@ -84,4 +84,4 @@ TEST(Image, ComparisonCountsWhatDiffers) {
 }
 
 }  // namespace
-}  // namespace sightline::render
+}  // namespace sightline::image

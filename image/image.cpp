@@ -1,4 +1,4 @@
-#include "sightline/render/image.h"
+#include "sightline/image/image.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +10,7 @@
 
 #include <png.h>
 
-namespace sightline::render {
+namespace sightline::image {
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,4 +126,4 @@ Image difference_image(const Image& a, const Image& b) {
   return out;
 }
 
-}  // namespace sightline::render
+}  // namespace sightline::image
