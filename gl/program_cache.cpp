@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <system_error>
-#include <thread>
 
 #include <fmt/format.h>
+
+#include "sightline/core/atomic_file.h"
 
 namespace sightline::gl {
 namespace {
@@ -79,16 +80,6 @@ std::optional<Entry> parse(std::string_view bytes, std::string_view key) {
   return Entry{static_cast<GLenum>(header.format), bytes};
 }
 
-/// False when it is not all there.
-bool write_file(const fs::path& file, const Header& header, std::string_view key, std::string_view binary) {
-  std::ofstream out(file, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(&header), sizeof header);
-  out.write(key.data(), static_cast<std::streamsize>(key.size()));
-  out.write(binary.data(), static_cast<std::streamsize>(binary.size()));
-  out.close();
-  return out.good();
-}
-
 /// For the user alone, as the XDG base directory specification asks.
 void make_folder(const fs::path& folder) {
   std::error_code ignored;
@@ -141,14 +132,9 @@ void ProgramCache::store(const Functions& gl, GLuint program, std::string_view k
   const std::string whole_key = driver_ + std::string(key);
   const Header header{kMagic, whole_key.size(), binary.size(), checksum(binary), format};
   make_folder(folder_);
-  const fs::path place = place_of(key);
-  // A name of its own, whoever else writes here; should that fail, the checksum tells.
-  const fs::path unfinished =
-      folder_ / fmt::format("{:x}-{:x}{}.new", std::chrono::steady_clock::now().time_since_epoch().count(),
-                            std::hash<std::thread::id>()(std::this_thread::get_id()), kExtension);
-  std::error_code error;
-  if (write_file(unfinished, header, whole_key, binary)) fs::rename(unfinished, place, error);
-  fs::remove(unfinished, error);
+  // Not kept when it cannot be written; the next run compiles again.
+  (void)core::write_file(place_of(key), {std::as_bytes(std::span(&header, 1)), std::as_bytes(std::span(whole_key)),
+                                         std::as_bytes(std::span(binary))});
   drop_oldest();
 }
 

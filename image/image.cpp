@@ -4,41 +4,15 @@
 #include <bit>
 #include <cassert>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <system_error>
+#include <span>
 
 #include <png.h>
 
+#include "sightline/core/atomic_file.h"
+
 namespace sightline::image {
-namespace {
 
 namespace fs = std::filesystem;
-
-/// Writes all bytes beside `path` and renames: a reader never sees half a file, and a failure leaves the old one.
-core::Expected<void> replace_file(const fs::path& path, const void* header, std::size_t header_bytes, const void* data,
-                                  std::size_t bytes) {
-  fs::path partial = path;
-  partial += ".part";
-  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  file.write(static_cast<const char*>(header), std::streamsize(header_bytes));
-  file.write(static_cast<const char*>(data), std::streamsize(bytes));
-  file.close();
-  std::error_code error;
-  if (!file) {
-    fs::remove(partial, error);
-    return core::fail(path.string() + ": cannot be written");
-  }
-  fs::rename(partial, path, error);
-  if (error) {
-    const std::string reason = error.message();
-    fs::remove(partial, error);
-    return core::fail(path.string() + ": cannot be written: " + reason);
-  }
-  return {};
-}
-
-}  // namespace
 
 core::Expected<void> write_png(const Image& image, const fs::path& path) {
   png_image header{};
@@ -53,7 +27,7 @@ core::Expected<void> write_png(const Image& image, const fs::path& path) {
   std::vector<std::uint8_t> encoded(bytes);
   if (!png_image_write_to_memory(&header, encoded.data(), &bytes, 0, image.pixels.data(), 0, nullptr))
     return core::fail(path.string() + ": PNG: " + header.message);
-  return replace_file(path, nullptr, 0, encoded.data(), bytes);
+  return core::write_file(path, {std::as_bytes(std::span(encoded).first(bytes))});
 }
 
 core::Expected<Image> read_png(const fs::path& path) {
@@ -78,7 +52,7 @@ core::Expected<void> write_pfm(const DepthImage& image, const fs::path& path) {
   std::vector<float> flipped(image.metres.size());
   for (std::size_t y = 0; y < std::size_t(image.height); ++y)
     std::copy_n(image.metres.begin() + std::ptrdiff_t(y * row), row, flipped.end() - std::ptrdiff_t((y + 1) * row));
-  return replace_file(path, header.data(), header.size(), flipped.data(), flipped.size() * sizeof(float));
+  return core::write_file(path, {std::as_bytes(std::span(header)), std::as_bytes(std::span(flipped))});
 }
 
 core::Expected<Image> id_colours(const IdImage& ids) {

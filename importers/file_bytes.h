@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sightline/core/atomic_file.h"
 #include "sightline/core/error.h"
 
 namespace sightline::importers {
@@ -29,21 +30,13 @@ class VectorSink final : public ByteSink {
   std::vector<std::byte> bytes;
 };
 
-/// Writes beside the target and renames at the end: readers see the old file or the whole new one.
-class ReplacingFileSink final : public ByteSink {
+class FileSink final : public ByteSink {
  public:
-  explicit ReplacingFileSink(std::filesystem::path target);
-  ~ReplacingFileSink() override;  ///< throws away what was not finished
-  ReplacingFileSink(const ReplacingFileSink&) = delete;
-  ReplacingFileSink& operator=(const ReplacingFileSink&) = delete;
-
-  core::Expected<void> open();
-  bool write(std::span<const std::byte> bytes) override;
-  core::Expected<void> finish();
+  explicit FileSink(core::AtomicFile& file) : file_(file) {}
+  bool write(std::span<const std::byte> bytes) override { return file_.write(bytes); }
 
  private:
-  std::filesystem::path target_, temporary_;
-  void* file_ = nullptr;
+  core::AtomicFile& file_;
 };
 
 }  // namespace sightline::importers

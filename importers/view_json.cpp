@@ -6,10 +6,12 @@
 #include <fstream>
 #include <limits>
 #include <optional>
+#include <span>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "sightline/core/atomic_file.h"
 #include "sightline/importers/json_text.h"
 
 namespace sightline::importers {
@@ -233,12 +235,8 @@ std::string format_path(const core::CameraPath& path) {
 }
 
 Expected<void> write_path(const std::filesystem::path& file, const core::CameraPath& path) {
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  if (!out) return fail(file.string() + ": cannot be opened for writing");
-  out << format_path(path);
-  out.close();
-  if (!out) return fail(file.string() + ": cannot be written");
-  return {};
+  const std::string text = format_path(path);
+  return core::write_file(file, {std::as_bytes(std::span(text))});
 }
 
 Expected<core::View> translated(const core::View& view, const dvec3& offset) {

@@ -3,12 +3,14 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <new>
+#include <span>
 #include <sstream>
 
 #include <CLI/CLI.hpp>
+
+#include "sightline/core/atomic_file.h"
 
 namespace sightline::apps {
 
@@ -77,11 +79,7 @@ core::Expected<void> write_text(const std::string& file, const std::string& text
     if (!std::cout) return core::fail("standard output: cannot be written");
     return {};
   }
-  std::ofstream out(file, std::ios::trunc);
-  out << text;
-  out.close();
-  if (!out) return core::fail(file + ": cannot be written");
-  return {};
+  return core::write_file(file, {std::as_bytes(std::span(text))});
 }
 
 }  // namespace sightline::apps

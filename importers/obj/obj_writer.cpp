@@ -298,14 +298,6 @@ class ObjWriter {
   core::Error error_;
 };
 
-core::Expected<void> write_library(const std::filesystem::path& path, const std::string& text) {
-  ReplacingFileSink sink(path);
-  if (auto opened = sink.open(); !opened) return opened;
-  if (!sink.write(std::as_bytes(std::span(text))))
-    return core::fail(fmt::format("{}: writing failed (is the disk full?)", path.string()));
-  return sink.finish();
-}
-
 }  // namespace
 
 core::Expected<ObjWriteReport> write_obj(const core::Scene& scene, NodeId node, const std::filesystem::path& path,
@@ -317,18 +309,21 @@ core::Expected<ObjWriteReport> write_obj(const core::Scene& scene, NodeId node, 
       on_one_line(std::filesystem::path(path.filename()).replace_extension(".mtl").string(), false));
   if (library == path) return core::fail(fmt::format("{}: expected another extension than .mtl", path.string()));
 
-  ReplacingFileSink sink(path);
-  if (auto opened = sink.open(); !opened) return tl::unexpected(opened.error());
+  auto file = core::AtomicFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  FileSink sink(*file);
   ObjWriter writer(scene, options, sink, library.filename().string());
   auto report = writer.run(node);
+  if (file->failed()) return tl::unexpected(file->commit().error());
   if (!report) {
     if (report.error().message != kCancelled)
       report.error().message = fmt::format("{}: {}", path.string(), report.error().message);
     return report;
   }
   if (!writer.materials().empty())
-    if (auto done = write_library(library, writer.materials()); !done) return tl::unexpected(done.error());
-  if (auto done = sink.finish(); !done) return tl::unexpected(done.error());
+    if (auto done = core::write_file(library, {std::as_bytes(std::span(writer.materials()))}); !done)
+      return tl::unexpected(done.error());
+  if (auto done = file->commit(); !done) return tl::unexpected(done.error());
   return report;
 }
 

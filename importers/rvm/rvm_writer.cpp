@@ -383,13 +383,15 @@ class RvmWriter {
 
 core::Expected<void> write_rvm(const core::Scene& scene, NodeId node, const std::filesystem::path& path,
                                const std::function<bool(double)>& progress) {
-  ReplacingFileSink sink(path);
-  if (auto opened = sink.open(); !opened) return opened;
+  auto file = core::AtomicFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  FileSink sink(*file);
   if (auto written = RvmWriter(scene, sink, progress).run(node); !written) {
     if (written.error().message == kCancelled) return written;
+    if (file->failed()) return file->commit();
     return core::fail(fmt::format("{}: {}", path.string(), written.error().message));
   }
-  return sink.finish();
+  return file->commit();
 }
 
 core::Expected<std::vector<std::byte>> write_rvm(const core::Scene& scene, NodeId node) {

@@ -1,0 +1,51 @@
+// Files that appear whole or not at all.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <span>
+
+#include "sightline/core/error.h"
+
+namespace sightline::core {
+
+/// The new content of a file, kept in a temporary file in the same directory until commit() renames it. Before that,
+/// and after any failure, readers find the old content. Of several writers of one target, in any process, the last to
+/// commit wins; they never mix.
+///
+/// An existing file's permissions are kept. A symbolic link is followed: the file it leads to is replaced. A target
+/// that is not a regular file (a device, a pipe) cannot be replaced and is written to directly. Data is not forced onto
+/// the disk: the promise covers the end of the process at any point, not the loss of power.
+class AtomicFile {
+ public:
+  /// Fails where `target` is a directory, and where its directory does not exist or does not take files.
+  static Expected<AtomicFile> create(std::filesystem::path target);
+  AtomicFile(AtomicFile&&) = default;
+  AtomicFile& operator=(AtomicFile&&) = delete;
+  ~AtomicFile();  ///< removes the temporary file, unless commit() was called
+
+  /// Appends. False after any failure, whose reason commit() tells.
+  bool write(std::span<const std::byte> bytes);
+  bool failed() const { return error_ != 0; }
+  /// Replaces the target. Fails when any write did; then, too, the temporary file is gone. The last call at most.
+  Expected<void> commit();
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  AtomicFile() = default;
+
+  std::filesystem::path target_;
+  std::filesystem::path place_, temporary_;  // temporary_ becomes place_; empty where the target is written to directly
+  std::unique_ptr<std::FILE, Close> file_;   // null once committed
+  int error_ = 0;                            // errno of the first failure
+};
+
+/// Replaces the content of `target` by the `parts`, one after the other.
+Expected<void> write_file(const std::filesystem::path& target, std::initializer_list<std::span<const std::byte>> parts);
+
+}  // namespace sightline::core
