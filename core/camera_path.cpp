@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "sightline/core/item_bounds.h"
+
 namespace sightline::core {
 namespace {
 
@@ -376,6 +378,17 @@ CameraPath make_tour(const AabbD& bounds, const std::vector<dvec3>& places, doub
   path.near = near_for(2.0 * stage.radius);
   path.far = kInfiniteFar;
   return path;
+}
+
+CameraPath make_tour(const ItemBounds& items, double duration) {
+  constexpr std::size_t kPlaces = 4096;
+  std::vector<dvec3> places;
+  const std::size_t step = std::max<std::size_t>(1, items.size() / kPlaces);
+  for (std::size_t i = 0; i < items.size(); i += step) {
+    const Aabb box = items.box(i);
+    if (!box.empty()) places.push_back(items.origin + 0.5 * (dvec3(box.min) + dvec3(box.max)));
+  }
+  return make_tour(items.fitted_bounds().bounds, places, duration);
 }
 
 }  // namespace sightline::core

@@ -10,6 +10,8 @@
 
 namespace sightline::core {
 
+class ItemBounds;
+
 struct CameraKey {
   double time = 0.0;  ///< seconds, rising from key to key
   Pose pose;
@@ -57,5 +59,8 @@ class CameraPath {
 /// Deterministic; works for empty and flat bounds. `places` are points worth visiting (item centres, say); it may be
 /// empty.
 CameraPath make_tour(const AabbD& bounds, const std::vector<dvec3>& places, double duration = 60.0);
+/// The same of a snapshot's items, without its outliers (ItemBounds::fitted_bounds()); the places are centres of at
+/// most some 8,000 of them.
+CameraPath make_tour(const ItemBounds& items, double duration = 60.0);
 
 }  // namespace sightline::core

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <vector>
 
 namespace sightline::core {
 namespace {
@@ -50,6 +51,58 @@ void ItemBounds::set_layers(std::size_t i, std::uint32_t layers) {
     layers_.assign(size_, kLayerModel);
   }
   if (uses_layers_) layers_[i] = layers;
+}
+
+AabbD ItemBounds::in_world(const Aabb& box) const {
+  if (box.empty()) return {};
+  return {dvec3(box.min) + origin, dvec3(box.max) + origin};
+}
+
+AabbD ItemBounds::world_bounds(std::uint32_t mask) const {
+  Aabb all;
+  for (std::size_t i = 0; i < size(); ++i)
+    if (shown(i, mask)) all.grow(box(i));
+  return in_world(all);
+}
+
+FittedBounds ItemBounds::fitted_bounds(std::uint32_t mask) const {
+  constexpr std::size_t kShare = 100;  // one box of so many may be an outlier
+  constexpr double kStretch = 4.0;
+  std::vector<float> values;
+  const auto gather = [&](auto value_of) {
+    values.clear();
+    for (std::size_t i = 0; i < size(); ++i)
+      if (shown(i, mask)) values.push_back(value_of(i));
+  };
+  const auto smallest = [&](std::size_t n) {
+    const auto place = values.begin() + std::ptrdiff_t(n);
+    std::nth_element(values.begin(), place, values.end());
+    return *place;
+  };
+  vec3 middle{0.0f};
+  for (int axis = 0; axis < 3; ++axis) {
+    const float *low = coordinate(axis), *high = coordinate(axis + 3);
+    gather([&](std::size_t i) { return 0.5f * low[i] + 0.5f * high[i]; });
+    if (values.size() < kShare) return {world_bounds(mask), 0};
+    middle[axis] = smallest(values.size() / 2);
+  }
+  const auto reach = [&](std::size_t i) {
+    const Aabb b = box(i);
+    const vec3 far = glm::max(middle - b.min, b.max - middle);
+    return std::max({far.x, far.y, far.z});
+  };
+  gather(reach);
+  const double limit = kStretch * double(smallest(values.size() - values.size() / kShare - 1));
+  Aabb rest;
+  std::size_t outliers = 0;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!shown(i, mask)) continue;
+    if (limit > 0.0 && double(reach(i)) > limit)
+      ++outliers;
+    else
+      rest.grow(box(i));
+  }
+  return {in_world(rest), outliers};
 }
 
 std::size_t ItemBounds::memory_bytes() const {

@@ -455,8 +455,18 @@ MaterialId Scene::item_material(ItemId id) const {
 
 AabbD Scene::bounds_under(ItemId id, const Affine& world_from_item) const {
   const Item& item = live(id);
-  if (int(item.kind) < kPrimitiveKindCount) return bounds(primitive(id), world_from_item);
+  if (int(item.kind) < kPrimitiveKindCount) return core::bounds(primitive(id), world_from_item);
   return mesh_extent(meshes_[item.payload].mesh, world_from_item);
+}
+
+AabbD Scene::bounds(NodeId top, std::uint32_t mask) const {
+  AabbD all;
+  for_each_node(top, [&](NodeId node, const Affine& world, bool visible, std::uint32_t layers, MaterialId material) {
+    for (ItemId item = first_item(node); item != kNone; item = next_item(item))
+      if (const ItemState s = state(item, world, visible, layers, material); (s.layers & mask) != 0)
+        all.grow(bounds_under(item, s.world_from_item));
+  });
+  return all;
 }
 
 Scene::ItemState Scene::state(ItemId id, const Affine& world_from_node, bool visible, std::uint32_t layers,

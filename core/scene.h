@@ -136,6 +136,10 @@ class Scene {
   /// Bounds of the item's geometry under any map of it. Empty for an empty mesh.
   AabbD bounds_under(ItemId item, const Affine& world_from_item) const;
 
+  /// World bounds of the visible items of the subtree that lie on any of `layers`; empty when there are none. Walks
+  /// over the vertices of meshes.
+  AabbD bounds(NodeId node, std::uint32_t layers = kDefaultLayerMask) const;
+
   /// Whether commit() would take the item with this world placement.
   bool can_commit(ItemId item, const Affine& world_from_item) const;
 

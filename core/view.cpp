@@ -1,5 +1,8 @@
 #include "sightline/core/view.h"
 
+#include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -21,6 +24,55 @@ dvec4 row(const dmat4& m, int r) {
 dvec3 other_axis(const dvec3& direction) {
   const dvec3 a = glm::abs(direction);
   return a.z <= a.x && a.z <= a.y ? dvec3(0, 0, 1) : a.y <= a.x ? dvec3(0, 1, 0) : dvec3(1, 0, 0);
+}
+
+Expected<void> check_lens(double fovy, double aspect) {
+  if (!(fovy > 0.0 && fovy < std::numbers::pi)) return fail("perspective view: fovy must lie between 0 and pi");
+  if (!(aspect > 0.0) || !std::isfinite(aspect)) return fail("perspective view: aspect must be positive");
+  return {};
+}
+
+/// `bounds`, or a cube where they are empty or no larger than the rounding of their coordinates.
+AabbD visible_box(const AabbD& bounds) {
+  if (bounds.empty()) return {dvec3(-1.0), dvec3(1.0)};
+  const dvec3 reach = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
+  const double rounding = 1e-12 * std::max({reach.x, reach.y, reach.z});
+  if (glm::length(bounds.size()) > std::max(1e-6, rounding)) return bounds;
+  const dvec3 half(std::max(1.0, rounding));
+  return {bounds.centre() - half, bounds.centre() + half};
+}
+
+/// Corners of a box about the origin, in the eye's axes: right, up, forward.
+using Corners = std::array<dvec3, 8>;
+
+/// The greatest depth, the coordinate along the line of sight, at which an eye at some place along `axis` has all
+/// corners between the slopes -tangent and tangent. A corner c lies below the upper slope where c[axis] - tangent * c.z
+/// is at most place - tangent * depth, and above the lower one where c[axis] + tangent * c.z is at least place +
+/// tangent * depth.
+double nearest_depth(const Corners& corners, int axis, double tangent) {
+  double low = -std::numeric_limits<double>::infinity(), high = -low;
+  for (const dvec3& c : corners) {
+    low = std::max(low, c[axis] - tangent * c.z);
+    high = std::min(high, c[axis] + tangent * c.z);
+  }
+  return (high - low) / (2.0 * tangent);
+}
+
+/// The eye's place along `axis` at which the largest slope to a corner is minus the smallest one. For one pair of
+/// corners that is a linear equation. The sum of the largest and the smallest slope is a maximum over one corner of the
+/// minimum over the other, of functions that all fall with the eye's place: its root is that maximum of that minimum of
+/// roots.
+double centred(const Corners& corners, int axis, double depth) {
+  double place = -std::numeric_limits<double>::infinity();
+  for (const dvec3& a : corners) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const dvec3& b : corners) {
+      const double to_a = a.z - depth, to_b = b.z - depth;
+      least = std::min(least, (a[axis] * to_b + b[axis] * to_a) / (to_a + to_b));
+    }
+    place = std::max(place, least);
+  }
+  return place;
 }
 
 }  // namespace
@@ -50,9 +102,35 @@ Expected<dmat4> look_at(const Pose& pose) {
   return m;
 }
 
+Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, double aspect) {
+  constexpr double kNearest = 0.01;    // of the diagonal: between eye and box
+  constexpr double kVertical = 0.999;  // of the direction's length: beyond, z is no up
+  assert(check_lens(fovy, aspect));
+  const Expected<dmat4> axes = look_at({dvec3(0.0), direction, {0.0, 0.0, 1.0}});
+  assert(axes && "a direction");
+  const auto axis = [&](int row, double sign) {
+    return sign * dvec3((*axes)[0][row], (*axes)[1][row], (*axes)[2][row]);
+  };
+  const dvec3 right = axis(0, 1.0), up = axis(1, 1.0), forward = axis(2, -1.0);
+
+  const AabbD box = visible_box(bounds);
+  const dvec3 half = 0.5 * box.size();
+  Corners corners;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const dvec3 p = half * dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+    corners[i] = {glm::dot(p, right), glm::dot(p, up), glm::dot(p, forward)};
+  }
+  const double tangent = std::tan(0.5 * fovy);
+  const auto first =
+      std::min_element(corners.begin(), corners.end(), [](const dvec3& a, const dvec3& b) { return a.z < b.z; });
+  const double depth = std::min({nearest_depth(corners, 0, tangent * aspect), nearest_depth(corners, 1, tangent),
+                                 first->z - kNearest * glm::length(box.size())});
+  const dvec3 target = box.centre() + centred(corners, 0, depth) * right + centred(corners, 1, depth) * up;
+  return {target + depth * forward, target, std::abs(forward.z) > kVertical ? up : dvec3(0.0, 0.0, 1.0)};
+}
+
 Expected<View> View::perspective(const Pose& pose, double fovy, double aspect, double near, double far) {
-  if (!(fovy > 0.0 && fovy < std::numbers::pi)) return fail("perspective view: fovy must lie between 0 and pi");
-  if (!(aspect > 0.0) || !std::isfinite(aspect)) return fail("perspective view: aspect must be positive");
+  if (auto lens = check_lens(fovy, aspect); !lens) return tl::unexpected(lens.error());
   const double top = near * std::tan(0.5 * fovy);
   return asymmetric(pose, -top * aspect, top * aspect, -top, top, near, far);
 }
@@ -90,6 +168,17 @@ Expected<View> View::orthographic(const Pose& pose, double height, double aspect
   clip[2][2] = 1.0 / (far - near);
   clip[3][2] = far / (far - near);
   return from_matrices(*eye, clip, ClipDepth::kReversedZeroToOne);
+}
+
+Expected<View> View::fit(const AabbD& bounds, const dvec3& direction, double fovy, double aspect) {
+  constexpr double kNear = 1e-3;  // of the diagonal
+  if (auto lens = check_lens(fovy, aspect); !lens) return tl::unexpected(lens.error());
+  if (!bounds.empty() && !(is_finite(bounds.min) && is_finite(bounds.max)))
+    return fail("fitted view: the bounds must be finite");
+  if (!look_at({dvec3(0.0), direction, {0.0, 0.0, 1.0}}))
+    return fail("fitted view: the direction must be finite and not zero");
+  const double near = kNear * glm::length(visible_box(bounds).size());
+  return perspective(fitting_pose(bounds, direction, fovy, aspect), fovy, aspect, near);
 }
 
 Expected<View> View::from_matrices(const dmat4& eye_from_world, const dmat4& clip_from_eye, ClipDepth depth) {

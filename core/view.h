@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "sightline/core/aabb.h"
 #include "sightline/core/affine.h"
 #include "sightline/core/error.h"
 
@@ -38,6 +39,10 @@ class View {
   /// Off-axis perspective: left < right and bottom < top on the near plane.
   static Expected<View> asymmetric(const Pose& pose, double left, double right, double bottom, double top, double near,
                                    double far = kInfiniteFar);
+  /// The perspective view along `direction` whose image the box fills; see fitting_pose(). Near lies at a thousandth of
+  /// the box's diagonal, far is infinite. Fails where fitting_pose() has no answer: a direction that is zero, arguments
+  /// that are not finite or out of range.
+  static Expected<View> fit(const AabbD& bounds, const dvec3& direction, double fovy, double aspect);
   /// Any matrices of an application. clip_from_eye * eye_from_world is what culls. A combined projection * view matrix
   /// is given as clip_from_eye, with the identity as eye_from_world: such a view culls, but cannot be drawn, since
   /// drawing needs the two parts. Entries must be finite. Fails on an eye_from_world that is not affine (last row 0 0 0
@@ -74,5 +79,18 @@ std::array<Plane, kFrustumPlaneCount> frustum_planes(const dmat4& clip_from_worl
 
 /// eye_from_world of a pose: right-handed, looking down -z.
 Expected<dmat4> look_at(const Pose& pose);
+
+/// The pose that looks along `direction` from as near as possible with all eight corners of the box inside a
+/// perspective image of `fovy` radians and width / height `aspect`. The corners touch two opposite borders of the
+/// image, left and right or bottom and top, and are centred between the other two; they touch none only where the eye
+/// would come nearer to the box than a hundredth of its diagonal. The target lies at the depth of the box's centre. Up
+/// is z, or the top of the image where the line of sight is nearly vertical.
+///
+/// An empty box counts as the cube of ±1 m about the origin, a point as that cube about it. Preconditions: bounds
+/// finite or empty, direction finite and not zero, 0 < fovy < pi, aspect positive and finite.
+Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, double aspect);
+
+/// Of an overview, from above and the south-west, z up.
+inline const dvec3 kOverviewDirection{0.55, 0.85, -0.55};
 
 }  // namespace sightline::core

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/core/item_bounds.h"
+
 namespace sightline::core {
 namespace {
 
@@ -323,6 +325,32 @@ TEST(MakeTour, NearFollowsTheSize) {
   EXPECT_NEAR(near_of(10.0), 0.01, 1e-9);
   EXPECT_NEAR(near_of(1e7), 10.0, 1e-9);
   EXPECT_NEAR(near_of(0.1), 0.001, 1e-9) << "a small model must not be cut away";
+}
+
+TEST(MakeTour, OfItemsStaysWithThemWhateverLiesFarOff) {
+  ItemBounds items;
+  items.origin = dvec3(1e6, 0.0, 0.0);
+  items.resize(5000);
+  for (std::size_t i = 0; i < 4990; ++i) {
+    const vec3 p(float(i % 100), float(i / 100), 0.0f);
+    items.set(i, {p, p + 1.0f});
+  }
+  const CameraPath near = make_tour(items, 30.0);
+  EXPECT_NEAR(near.end(), 30.0, 1e-9);
+  std::vector<dvec3> places;
+  for (std::size_t i = 0; i < 4990; ++i)
+    places.push_back(items.origin + 0.5 * (dvec3(items.box(i).min) + dvec3(items.box(i).max)));
+  const CameraPath twin = make_tour(items.world_bounds(), places, 30.0);
+  ASSERT_EQ(near.keys().size(), twin.keys().size());
+  for (std::size_t i = 0; i < twin.keys().size(); ++i) {
+    EXPECT_EQ(near.keys()[i].pose.eye, twin.keys()[i].pose.eye);
+    EXPECT_EQ(near.keys()[i].pose.target, twin.keys()[i].pose.target);
+  }
+
+  items.set(4999, {vec3(1e6f), vec3(1e6f)});
+  const CameraPath far = make_tour(items, 30.0);
+  for (const CameraKey& key : far.keys()) EXPECT_LT(glm::length(key.pose.eye - items.origin), 1000.0);
+  EXPECT_TRUE(make_tour(ItemBounds()).keys().size() > 10u);
 }
 
 }  // namespace

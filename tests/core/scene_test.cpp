@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/core/snapshot.h"
 #include "sightline/tests/core/primitive_samples.h"
 
 namespace sightline::core {
@@ -670,6 +671,45 @@ TEST(Scene, ANameMayBeTakenFromAnotherNode) {
   }
   scene.set_name(a, scene.name(a).substr(2, 6));
   EXPECT_EQ(scene.name(a), "rather");
+}
+
+TEST(Scene, BoundsAreOfWhatASubtreeShows) {
+  Scene scene;
+  const NodeId top = scene.add_node(scene.root(), "top", translation({1e6, 0, 0}));
+  const NodeId a = scene.add_node(top, "a"), b = scene.add_node(top, "b", translation({0, 10, 0}));
+  const NodeId volumes = scene.add_node(top, "volumes"), nothing = scene.add_node(top, "nothing");
+  scene.set_layers(volumes, kLayerObstruction);
+  const Box cube{2, 2, 2};
+  const ItemId first = scene.add_primitive(a, cube), second = scene.add_primitive(a, cube, translation({5, 0, 0}));
+  scene.add_primitive(b, cube);
+  scene.add_primitive(volumes, cube, translation({0, 0, 100}));
+  const auto expect_bounds = [&](const AabbD& box, const dvec3& low, const dvec3& high) {
+    EXPECT_LE(glm::length(box.min - low), 1e-8);
+    EXPECT_LE(glm::length(box.max - high), 1e-8);
+  };
+  expect_bounds(scene.bounds(a), {1e6 - 1, -1, -1}, {1e6 + 6, 1, 1});
+  expect_bounds(scene.bounds(b), {1e6 - 1, 9, -1}, {1e6 + 1, 11, 1});
+  expect_bounds(scene.bounds(scene.root()), {1e6 - 1, -1, -1}, {1e6 + 6, 11, 1});
+  EXPECT_TRUE(scene.bounds(volumes).empty());
+  expect_bounds(scene.bounds(volumes, kLayerObstruction), {1e6 - 1, -1, 99}, {1e6 + 1, 1, 101});
+  expect_bounds(scene.bounds(top, ~0u), {1e6 - 1, -1, -1}, {1e6 + 6, 11, 101});
+  EXPECT_TRUE(scene.bounds(nothing).empty());
+  EXPECT_TRUE(Scene().bounds(Scene().root()).empty());
+
+  // A snapshot's are rounded outwards and no more.
+  ASSERT_TRUE(scene.commit());
+  const AabbD exact = scene.bounds(scene.root()), rounded = Snapshot(scene).bounds().world_bounds();
+  EXPECT_TRUE(glm::all(glm::lessThanEqual(rounded.min, exact.min)));
+  EXPECT_TRUE(glm::all(glm::greaterThanEqual(rounded.max, exact.max)));
+  EXPECT_LE(glm::length(rounded.size() - exact.size()), 1e-4);
+
+  scene.set_visible(second, false);
+  expect_bounds(scene.bounds(a), {1e6 - 1, -1, -1}, {1e6 + 1, 1, 1});
+  scene.remove_item(first);
+  EXPECT_TRUE(scene.bounds(a).empty());
+  scene.set_visible(top, false);
+  EXPECT_TRUE(scene.bounds(scene.root()).empty());
+  EXPECT_TRUE(scene.bounds(b).empty()) << "hidden from above";
 }
 
 }  // namespace

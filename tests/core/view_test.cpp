@@ -315,5 +315,135 @@ TEST(View, StartsWithoutSectionsAndOnTheDefaultLayers) {
   EXPECT_EQ(view.layers, kDefaultLayerMask);
 }
 
+// --- fitting ---------------------------------------------------------------------------------------------------------
+
+/// Where the corners of a box lie: in the image, -1 to 1 between its borders, and how far ahead of the eye.
+struct Seen {
+  dvec2 low{kInf}, high{-kInf};
+  double nearest = kInf;
+};
+
+Seen look_at_box(const AabbD& box, const View& view) {
+  Seen seen;
+  for (int corner = 0; corner < 8; ++corner) {
+    const dvec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                  corner & 4 ? box.max.z : box.min.z);
+    const dvec4 clip = view.clip_from_eye() * (view.eye_from_world() * dvec4(p, 1.0));
+    const dvec2 place = dvec2(clip) / clip.w;
+    seen.low = glm::min(seen.low, place);
+    seen.high = glm::max(seen.high, place);
+    seen.nearest = std::min(seen.nearest, clip.w);
+  }
+  return seen;
+}
+
+/// All corners inside, centred, and two opposite borders touched, unless the eye is as near as it may be.
+void expect_fitted(const AabbD& box, const dvec3& direction, double fovy, double aspect) {
+  const auto view = View::fit(box, direction, fovy, aspect);
+  ASSERT_TRUE(view) << view.error().message;
+  const Pose pose = fitting_pose(box, direction, fovy, aspect);
+  const double diagonal = glm::length(box.size()), from_origin = glm::length(box.centre());
+  const dvec3 forward = glm::normalize(pose.target - pose.eye);
+  const Seen seen = look_at_box(box, *view);
+  // Poses are rounded where they stand; what that moves in the image grows towards the eye and with the lens.
+  const double tangent = std::tan(0.5 * fovy), widest = std::min(tangent, tangent * aspect);
+  const double rounding = 1e-15 * (from_origin + glm::length(pose.eye - box.centre()));
+  const double tolerance = 1e-9 + 20.0 * rounding / (widest * seen.nearest) + 20.0 * rounding / diagonal;
+  EXPECT_LE(glm::length(forward - glm::normalize(direction)), 1e-9 + 10.0 * rounding / diagonal);
+  EXPECT_LE(std::max(seen.high.x, seen.high.y), 1.0 + tolerance);
+  EXPECT_NEAR(seen.low.x + seen.high.x, 0.0, 2.0 * tolerance);
+  EXPECT_NEAR(seen.low.y + seen.high.y, 0.0, 2.0 * tolerance);
+  EXPECT_GE(seen.nearest, (0.01 - 1e-9) * diagonal - 20.0 * rounding);
+  if (seen.nearest > (0.01 + 1e-9) * diagonal + 20.0 * rounding) {
+    EXPECT_GE(std::max(seen.high.x, seen.high.y), 1.0 - tolerance);
+  }
+  EXPECT_NEAR(glm::dot(pose.target - box.centre(), forward), 0.0, 1e-9 * diagonal + 20.0 * rounding);
+}
+
+TEST(FittingPose, FillsTheImageWithTheBox) {
+  Random random(7);
+  int at_a_hundredth = 0;
+  for (int i = 0; i < 3000; ++i) {
+    SCOPED_TRACE("case " + std::to_string(i) + " of seed 7");
+    const double far = std::pow(10.0, uniform(random, -3.0, 7.0)), size = std::pow(10.0, uniform(random, -2.0, 4.0));
+    const dvec3 half = size * dvec3(uniform(random, 0.0, 1.0), uniform(random, 0.0, 1.0), uniform(random, 0.0, 1.0));
+    const dvec3 centre = far * tests::random_direction(random);
+    const double fovy = uniform(random, 0.05, 2.6), aspect = std::pow(10.0, uniform(random, -0.7, 0.7));
+    const AabbD box{centre - half, centre + half};
+    expect_fitted(box, uniform(random, 0.1, 10.0) * tests::random_direction(random), fovy, aspect);
+    const Seen seen = look_at_box(box, View::fit(box, {1, 1, 1}, fovy, aspect).value());
+    at_a_hundredth += seen.nearest < 0.0101 * glm::length(box.size());
+  }
+  EXPECT_GT(at_a_hundredth, 10) << "few wide lenses along diagonals";
+}
+
+TEST(FittingPose, LooksAlongEveryAxisAndFarFromTheOrigin) {
+  for (const double far : {0.0, 1e3, 1e7})
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double sign : {-1.0, 1.0}) {
+        dvec3 direction(0.0);
+        direction[axis] = sign;
+        const dvec3 centre(far, -far, 0.5 * far);
+        expect_fitted({centre, centre + dvec3(100, 40, 20)}, direction, 0.8, 1.5);
+        expect_fitted({centre, centre + dvec3(0.1, 0.04, 0.02)}, direction, 0.8, 1.5);
+        expect_fitted({centre, centre + dvec3(1, 4, 20)}, direction + dvec3(1e-5, 1e-6, 1e-7), 0.8, 0.5);
+        expect_fitted({centre, centre + dvec3(1, 4, 20)}, direction + dvec3(1e-9, 3e-10, 2e-9), 0.8, 0.5);
+      }
+}
+
+TEST(FittingPose, FitsFlatBoxesAndLines) {
+  for (int flat = 0; flat < 3; ++flat)
+    for (int axis = 0; axis < 3; ++axis) {
+      dvec3 plane(30, 20, 10), line(0.0), edge_on(0.0);
+      plane[flat] = 0.0;
+      line[flat] = 50.0;
+      edge_on[axis] = 1.0;
+      for (const dvec3& direction : {edge_on, kOverviewDirection}) {
+        expect_fitted({dvec3(5.0), dvec3(5.0) + plane}, direction, 0.8, 1.5);
+        if (flat != axis || direction != edge_on) expect_fitted({dvec3(5.0), dvec3(5.0) + line}, direction, 0.8, 1.5);
+      }
+      // A line along the line of sight is a point in the middle.
+      const Seen end = look_at_box({dvec3(0.0), line}, View::fit({dvec3(0.0), line}, line, 0.8, 1.5).value());
+      EXPECT_NEAR(end.nearest, 0.5, 1e-9);
+      EXPECT_LE(std::max({-end.low.x, -end.low.y, end.high.x, end.high.y}), 1e-9);
+    }
+}
+
+TEST(FittingPose, WhatHasNoSizeIsACube) {
+  const auto same = [](const Pose& a, const Pose& b, double tolerance) {
+    EXPECT_LE(glm::length(a.eye - b.eye), tolerance);
+    EXPECT_LE(glm::length(a.target - b.target), tolerance);
+  };
+  const auto fitted = [](const AabbD& box) { return fitting_pose(box, kOverviewDirection, 0.8, 1.5); };
+  const AabbD unit{dvec3(-1.0), dvec3(1.0)};
+  same(fitted({}), fitted(unit), 0.0);
+  for (const double far : {0.0, 1.0, 1e7}) {
+    const dvec3 p(far, 2.0 * far, -far);
+    same(fitted({p, p}), fitted({p - 1.0, p + 1.0}), 0.0);
+    same(fitted({p, p + 1e-9}), fitted({p - 1.0, p + 1.0}), 1e-8);
+  }
+  expect_fitted({dvec3(-1e36), dvec3(1e36)}, kOverviewDirection, 0.8, 1.5);
+  EXPECT_TRUE(View::fit({dvec3(1e36), dvec3(1e36)}, kOverviewDirection, 0.8, 1.5));
+}
+
+TEST(FittingPose, NothingOfTheBoxIsCutAway) {
+  for (const double size : {1e-5, 1e-3, 1.0, 1e6}) {
+    const AabbD box{dvec3(0.0), dvec3(size)};
+    const View view = View::fit(box, {1, 1, 1}, 2.5, 1.0).value();
+    for (const dvec3& p : {dvec3(0.0), dvec3(size)})
+      for (const Plane& plane : frustum_planes(view.clip_from_world(), view.clip_depth()))
+        EXPECT_GE(glm::dot(plane.normal, p) + plane.offset, 0.0) << size;
+  }
+}
+
+TEST(FittingPose, ViewsRefuseBadNumbers) {
+  const AabbD box{dvec3(0.0), dvec3(1.0)};
+  for (const dvec3& bad : {dvec3(0.0), dvec3(kNan, 0, 1), dvec3(kInf, 0, 0)})
+    expect_error(View::fit(box, bad, 0.8, 1.5), "direction must be finite and not zero");
+  for (const double bad : {0.0, -1.0, kPi, kNan}) expect_error(View::fit(box, {0, 1, 0}, bad, 1.5), "fovy");
+  for (const double bad : {0.0, -1.0, kInf, kNan}) expect_error(View::fit(box, {0, 1, 0}, 0.8, bad), "aspect");
+  expect_error(View::fit({dvec3(0.0), dvec3(kInf)}, {0, 1, 0}, 0.8, 1.5), "bounds must be finite");
+}
+
 }  // namespace
 }  // namespace sightline::core
