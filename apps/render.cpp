@@ -8,7 +8,6 @@
 
 #include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/model.h"
-#include "sightline/engine/drawing.h"
 #include "sightline/engine/engine.h"
 #include "sightline/image/image_metrics.h"
 #include "sightline/importers/view_json.h"
@@ -137,29 +136,36 @@ core::Expected<bool> compare(const Options& o, const image::Image& image, json& 
   return same;
 }
 
-core::Expected<void> compare_ids(const Options& o, const engine::Drawing& drawing, json& figures) {
+core::Expected<void> compare_ids(const Options& o, engine::Engine& engine, json& figures) {
   auto reference = image::read_png(o.reference_ids);
   if (!reference) return tl::unexpected(reference.error());
-  const auto wrong = image::wrong_ids(image::ids_of_colours(*reference), drawing.target().read_ids());
+  const auto ids = engine.read_ids();
+  if (!ids) return tl::unexpected(ids.error());
+  const auto wrong = image::wrong_ids(image::ids_of_colours(*reference), *ids);
   if (!wrong) return core::fail(o.reference_ids + ": " + wrong.error().message);
   figures["wrong_ids"] = *wrong;
   std::fprintf(o.json_file == "-" ? stderr : stdout, "pixels of another item %llu\n", (unsigned long long)*wrong);
   return {};
 }
 
-core::Expected<void> write_outputs(const Options& o, const engine::Drawing& drawing, const core::View& view,
+core::Expected<void> write_outputs(const Options& o, engine::Engine& engine, const core::View& view,
                                    const core::Scene& scene, const image::Image& image) {
   core::Expected<void> done;
   if (!o.out.empty()) done = image::write_png(image, o.out);
-  if (done && !o.depth.empty()) done = image::write_pfm(drawing.target().read_depth(view), o.depth);
+  if (done && !o.depth.empty()) {
+    const auto depth = engine.read_depth(view);
+    if (!depth) return tl::unexpected(depth.error());
+    done = image::write_pfm(*depth, o.depth);
+  }
   if (!done || (o.ids.empty() && o.ids_json.empty())) return done;
-  const image::IdImage ids = drawing.target().read_ids();
+  const auto ids = engine.read_ids();
+  if (!ids) return tl::unexpected(ids.error());
   if (!o.ids.empty()) {
-    auto colours = image::id_colours(ids);
+    auto colours = image::id_colours(*ids);
     if (!colours) return tl::unexpected(colours.error());
     done = image::write_png(*colours, o.ids);
   }
-  if (done && !o.ids_json.empty()) done = write_id_names(o.ids_json, ids, scene);
+  if (done && !o.ids_json.empty()) done = write_id_names(o.ids_json, *ids, scene);
   return done;
 }
 
@@ -188,23 +194,20 @@ core::Expected<int> render_model(const Options& o) {
   if (!report->drawn) return core::fail("the GL context was lost before the image was drawn");
   engine->finish();
   if (const auto late = engine->take_late_report()) report->visible = late->visible;
-  engine::Drawing& drawing = *engine->drawing();
-  for (const std::string& error : drawing.take_gl_errors()) return core::fail("GL: " + error);
+  for (const std::string& error : engine->take_gl_errors()) return core::fail("GL: " + error);
 
-  apps::warn_if_blank(drawing, report->visible, "the image");
-  const image::Image image = drawing.target().read_colour();
-  if (auto done = write_outputs(o, drawing, *view, *model->scene, image); !done) return tl::unexpected(done.error());
-  json figures = {{"renderer", drawing.context().renderer()},
-                  {"size", {config.width, config.height}},
-                  {"items", engine->snapshot().size()},
-                  {"visible", report->visible},
-                  {"tested", report->tested},
-                  {"culler", name_of(engine->plan().culler)}};
+  apps::warn_if_blank(*engine, report->visible, "the image");
+  const auto image = engine->read_colour();
+  if (!image) return tl::unexpected(image.error());
+  if (auto done = write_outputs(o, *engine, *view, *model->scene, *image); !done) return tl::unexpected(done.error());
+  json figures = {{"renderer", engine->renderer()},     {"size", {config.width, config.height}},
+                  {"items", engine->snapshot().size()}, {"visible", report->visible},
+                  {"tested", report->tested},           {"culler", name_of(engine->plan().culler)}};
   if (!o.reference_ids.empty())
-    if (auto done = compare_ids(o, drawing, figures); !done) return tl::unexpected(done.error());
+    if (auto done = compare_ids(o, *engine, figures); !done) return tl::unexpected(done.error());
   bool same = true;
   if (!o.reference.empty()) {
-    auto compared = compare(o, image, figures);
+    auto compared = compare(o, *image, figures);
     if (!compared) return tl::unexpected(compared.error());
     same = *compared;
   }

@@ -15,7 +15,7 @@
 #include "sightline/importers/view_json.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/apps/common/blank.h"
-#include "sightline/engine/drawing.h"
+#include "sightline/image/image.h"
 #endif
 
 namespace {
@@ -150,10 +150,11 @@ core::Expected<void> save_image(engine::Engine& engine, const std::string& folde
 #if SIGHTLINE_HAS_GL
   char name[32];
   std::snprintf(name, sizeof name, "frame_%05d.png", int(flight.frames.size()) - 1);
-  const engine::Drawing& drawing = *engine.drawing();
-  auto done = image::write_png(drawing.target().read_colour(), std::filesystem::path(folder) / name);
+  const auto picture = engine.read_colour();
+  if (!picture) return tl::unexpected(picture.error());
+  auto done = image::write_png(*picture, std::filesystem::path(folder) / name);
   take_late_reports(engine, flight);
-  apps::warn_if_blank(drawing, flight.frames.back().report.visible, name);
+  apps::warn_if_blank(engine, flight.frames.back().report.visible, name);
   return done;
 #else
   (void)engine, (void)folder, (void)flight;
@@ -179,12 +180,8 @@ core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core:
   }
   engine.finish();
   take_late_reports(engine, flight);
-#if SIGHTLINE_HAS_GL
-  if (engine.drawing()) {
-    flight.renderer = engine.drawing()->context().renderer();
-    for (const std::string& error : engine.drawing()->take_gl_errors()) return core::fail("GL: " + error);
-  }
-#endif
+  flight.renderer = engine.renderer();
+  for (const std::string& error : engine.take_gl_errors()) return core::fail("GL: " + error);
   return flight;
 }
 

@@ -16,8 +16,8 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/view_window.h"
-#include "sightline/engine/drawing.h"
 #include "sightline/engine/engine.h"
+#include "sightline/image/image.h"
 #include "sightline/importers/view_json.h"
 
 namespace {
@@ -218,7 +218,7 @@ core::Expected<void> Viewer::frame() {
   const auto report = engine_.frame(*view, frozen_.value_or(*view));
   if (!report) return tl::unexpected(report.error());
   if (!report->drawn) return core::fail("the GL context was lost");
-  window_.present(engine_.drawing()->target().resolved(), size_);
+  window_.present(engine_.framebuffer().value_or(0), size_);
   ++frames_;
   if (recorder_) recorder_->add(glfwGetTime(), {camera_.control.pose(), camera_.fovy});
   note(*report);
@@ -266,9 +266,11 @@ void Viewer::take_screenshot() {
 }
 
 core::Expected<void> Viewer::write_screenshot(const std::string& file) {
-  auto done = image::write_png(engine_.drawing()->target().read_colour(), file);
+  const auto picture = engine_.read_colour();
+  if (!picture) return tl::unexpected(picture.error());
+  auto done = image::write_png(*picture, file);
   while (const auto late = engine_.take_late_report()) visible_ = late->visible;
-  apps::warn_if_blank(*engine_.drawing(), visible_, file);
+  apps::warn_if_blank(engine_, visible_, file);
   return done;
 }
 
@@ -280,7 +282,9 @@ void Viewer::print_keys() {
 /// Makes what lies in the middle of the picture, if anything does, the centre of orbits.
 void Viewer::centre_on_picture() {
   if (!drawn_) return;
-  const image::DepthImage depth = engine_.drawing()->target().read_depth(*drawn_);
+  const auto read = engine_.read_depth(*drawn_);
+  if (!read) return;
+  const image::DepthImage& depth = *read;
   const std::size_t row = std::size_t(depth.height / 2) * std::size_t(depth.width);
   const float metres = depth.metres[row + std::size_t(depth.width / 2)];
   if (std::isfinite(metres) && metres > 0.0f) camera_.control.set_centre(metres);
@@ -332,7 +336,7 @@ void Viewer::write_title() {
 core::Expected<void> Viewer::finish() {
   engine_.finish();
   if (recorder_) toggle_recording();
-  for (const std::string& error : engine_.drawing()->take_gl_errors()) return core::fail("GL: " + error);
+  for (const std::string& error : engine_.take_gl_errors()) return core::fail("GL: " + error);
   core::Expected<void> done;
   if (!options_.screenshot.empty()) done = write_screenshot(options_.screenshot);
   if (done && !options_.json_file.empty()) done = apps::write_text(options_.json_file, apps::to_text(to_json()));

@@ -114,13 +114,13 @@ WindowInput Window::poll() {
   return input;
 }
 
-void Window::present(const gl::Framebuffer& picture, const std::array<int, 2>& size) {
+void Window::present(std::uint32_t framebuffer, const std::array<int, 2>& size) {
   constexpr GLuint kWindow = 0;
   const gl::Functions& gl = context().functions();
   // Software rasterisers of Mesa learn that the window has another size when its viewport is set.
   gl.BindFramebuffer(GL_FRAMEBUFFER, kWindow);
   gl.Viewport(0, 0, size[0], size[1]);
-  gl.BlitNamedFramebuffer(picture.id(), kWindow, 0, 0, size[0], size[1], 0, 0, size[0], size[1], GL_COLOR_BUFFER_BIT,
+  gl.BlitNamedFramebuffer(framebuffer, kWindow, 0, 0, size[0], size[1], 0, 0, size[0], size[1], GL_COLOR_BUFFER_BIT,
                           GL_NEAREST);
   glfwSwapBuffers(state_->window);
 }

@@ -41,7 +41,7 @@ class Window {
   /// Never waits, but for the window to come back while it is minimised.
   WindowInput poll();
   /// Shows a framebuffer object of the size given.
-  void present(const gl::Framebuffer& picture, const std::array<int, 2>& size);
+  void present(std::uint32_t framebuffer, const std::array<int, 2>& size);
 
  private:
   struct State {

@@ -54,6 +54,7 @@ class Drawing {
   core::Expected<void> make_current() const { return context_.make_current(); }
   /// Whether the context is, see gl::Context::lost.
   bool lost() const;
+  const std::string& renderer() const { return context_.renderer(); }
   bool software() const { return context_.capabilities().software; }
   const culling::GpuCuller* gpu_culler() const { return culler_ ? &*culler_ : nullptr; }
   /// Of the GPU culler; none without one.

@@ -140,6 +140,14 @@ const culling::Controller* Engine::controller() const {
 Drawing* Engine::drawing() {
   return impl_->drawing();
 }
+std::string Engine::renderer() {
+  const Drawing* drawing = impl_->drawing();
+  return drawing ? drawing->renderer() : std::string();
+}
+std::vector<std::string> Engine::take_gl_errors() {
+  Drawing* drawing = impl_->drawing();
+  return drawing ? drawing->take_gl_errors() : std::vector<std::string>();
+}
 MemoryReport Engine::memory() const {
   return impl_->memory();
 }

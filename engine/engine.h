@@ -4,12 +4,14 @@
 //   core::Scene scene = …;
 //   auto engine = engine::Engine::create(scene, {.draw = true, .width = 1280, .height = 720});
 //   auto report = engine->frame(view);
-//   write_png(engine->drawing()->target().read_colour(), "out.png");
+//   image::write_png(*engine->read_colour(), "out.png");
 #pragma once
 
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
@@ -21,6 +23,11 @@
 namespace sightline::gl {
 class Context;
 }
+namespace sightline::image {
+struct DepthImage;
+struct IdImage;
+struct Image;
+}  // namespace sightline::image
 
 namespace sightline::engine {
 
@@ -138,7 +145,24 @@ class Engine {
   const Plan& plan() const;
   const core::Snapshot& snapshot() const;
   const core::VisibleSet& visible() const;  ///< empty when the GPU culls
-  /// Null when nothing needs GL, and while the context is lost. An engine's own context is then current.
+  /// The last frame's picture (image/image.h). Only builds with GL have these functions. They wait for the GPU. They
+  /// fail without EngineConfig::draw, and while the context is lost.
+  core::Expected<image::Image> read_colour();
+  core::Expected<image::IdImage> read_ids();  ///< fails without EngineConfig::ids, too
+  /// Distances along the axis of `view`, which is the one that was drawn.
+  core::Expected<image::DepthImage> read_depth(const core::View& view);
+  /// Whether any pixel shows anything but the background.
+  core::Expected<bool> covered();
+  /// GL's name of the framebuffer with the picture, one value per pixel, in the context that the engine draws with.
+  core::Expected<std::uint32_t> framebuffer();
+
+  /// As GL names it; empty while there is no context.
+  std::string renderer();
+  /// What the driver has complained of since the last call: see EngineConfig::gl_debug.
+  std::vector<std::string> take_gl_errors();
+
+  /// The half that needs GL, for tests and benchmarks of this library (engine/drawing.h). Null when nothing needs GL,
+  /// and while the context is lost. An engine's own context is then current.
   Drawing* drawing();
   MemoryReport memory() const;
   const culling::Controller* controller() const;  ///< of the hybrid; null without one

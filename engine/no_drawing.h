@@ -39,6 +39,8 @@ class Drawing {
   std::optional<Feedback> take_gpu_feedback() { return {}; }
   std::optional<culling::GpuForm> gpu_form() const { return {}; }
   std::string why_gpu_form() const { return {}; }
+  std::string renderer() const { return {}; }
+  std::vector<std::string> take_gl_errors() { return {}; }
   double waited_ms() const { return 0.0; }
   bool lost() const { return false; }
   bool software() const { return false; }

@@ -2,7 +2,8 @@
 //   embed MODEL.rvm OUT.png
 #include <cstdio>
 
-#include "sightline/engine/drawing.h"
+#include "sightline/engine/engine.h"
+#include "sightline/image/image.h"
 #include "sightline/importers/import.h"
 
 using namespace sightline;
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
   auto report = engine->frame(*view);
   if (!report) return std::fprintf(stderr, "%s\n", report.error().message.c_str()), 1;
   std::printf("%llu items visible, culled in %.3f ms\n", (unsigned long long)report->visible, report->cull_ms);
-  auto saved = image::write_png(engine->drawing()->target().read_colour(), argv[2]);
+  auto picture = engine->read_colour();
+  auto saved = picture ? image::write_png(*picture, argv[2]) : tl::unexpected(picture.error());
   return saved ? 0 : 1;
 }

@@ -13,7 +13,8 @@
 #include <vtkNew.h>
 #include <vtkUnsignedCharArray.h>
 
-#include "sightline/engine/drawing.h"
+#include "sightline/engine/engine.h"
+#include "sightline/image/image.h"
 
 using namespace sightline;
 
@@ -55,6 +56,7 @@ int main(int argc, char** argv) {
   auto report = engine->frame(*view);
   if (!report) return std::fprintf(stderr, "%s\n", report.error().message.c_str()), 1;
   std::printf("%llu items visible, one for each colour of a block\n", (unsigned long long)report->visible);
-  auto saved = image::write_png(engine->drawing()->target().read_colour(), argv[1]);
+  auto picture = engine->read_colour();
+  auto saved = picture ? image::write_png(*picture, argv[1]) : tl::unexpected(picture.error());
   return saved ? 0 : 1;
 }

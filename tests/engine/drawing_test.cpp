@@ -309,5 +309,44 @@ TEST_F(DrawingTest, ThePlanNamesTheProgramsThatAreMade) {
   }
 }
 
+/// What an application reads of the last frame, and what it is told where there is none.
+TEST_F(DrawingTest, PicturesAreReadThroughTheEngine) {
+  engine::EngineConfig config;
+  config.draw = config.ids = true;
+  config.width = 60, config.height = 40;
+  core::Scene scene;
+  scene.add_primitive(scene.root(), core::Box{1, 1, 1});
+  auto engine = Engine::create(scene, config);
+  ASSERT_TRUE(engine);
+  const core::View view = *core::View::perspective({{0, -4, 0}, {0, 0, 0}, {0, 0, 1}}, 0.7, 1.5, 0.1);
+  ASSERT_TRUE(engine->frame(view));
+  const render::RenderTarget& target = engine->drawing()->target();
+  EXPECT_EQ(engine->read_colour()->pixels, target.read_colour().pixels);
+  EXPECT_EQ(engine->read_depth(view)->metres, target.read_depth(view).metres);
+  const image::IdImage ids = *engine->read_ids();
+  EXPECT_EQ(ids.ids, target.read_ids().ids);
+  EXPECT_EQ(ids.ids[20 * 60 + 30], 1u) << "the box";
+  EXPECT_EQ(ids.ids[0], 0u);
+  EXPECT_TRUE(*engine->covered());
+  EXPECT_NE(*engine->framebuffer(), 0u);
+  EXPECT_EQ(engine->renderer(), engine->drawing()->context().renderer());
+  EXPECT_TRUE(engine->take_gl_errors().empty());
+  const core::View away = *core::View::perspective({{0, -4, 0}, {0, -8, 0}, {0, 0, 1}}, 0.7, 1.5, 0.1);
+  ASSERT_TRUE(engine->frame(away));
+  EXPECT_FALSE(*engine->covered());
+
+  config.ids = false;
+  auto without_ids = Engine::create(scene, config);
+  ASSERT_TRUE(without_ids->frame(view));
+  EXPECT_EQ(without_ids->read_ids().error().message, "picture: ids are not drawn without EngineConfig::ids");
+  auto culling_alone = Engine::create(scene, {});
+  ASSERT_TRUE(culling_alone->frame(view));
+  EXPECT_TRUE(culling_alone->renderer().empty());
+  EXPECT_FALSE(culling_alone->read_colour());
+  EXPECT_FALSE(culling_alone->read_depth(view));
+  EXPECT_FALSE(culling_alone->covered());
+  EXPECT_FALSE(culling_alone->framebuffer());
+}
+
 }  // namespace
 }  // namespace sightline::tests

@@ -1,0 +1,47 @@
+// What Engine tells of the picture that it has drawn.
+#include "sightline/engine/drawing.h"
+
+namespace sightline::engine {
+namespace {
+
+core::Expected<const render::RenderTarget*> target_of(Engine& engine) {
+  const Drawing* drawing = engine.drawing();
+  if (!drawing) return core::fail("picture: nothing is drawn without EngineConfig::draw, or while the context is lost");
+  if (drawing->target().width() == 0) return core::fail("picture: nothing is drawn without EngineConfig::draw");
+  return &drawing->target();
+}
+
+/// What `read` makes of the target.
+template <class Read>
+auto read_from(Engine& engine, Read read) -> core::Expected<decltype(read(engine.drawing()->target()))> {
+  const auto target = target_of(engine);
+  if (!target) return tl::unexpected(target.error());
+  return read(**target);
+}
+
+}  // namespace
+
+core::Expected<image::Image> Engine::read_colour() {
+  return read_from(*this, [](const render::RenderTarget& target) { return target.read_colour(); });
+}
+
+core::Expected<image::IdImage> Engine::read_ids() {
+  const auto target = target_of(*this);
+  if (!target) return tl::unexpected(target.error());
+  if (!(*target)->has_ids()) return core::fail("picture: ids are not drawn without EngineConfig::ids");
+  return (*target)->read_ids();
+}
+
+core::Expected<image::DepthImage> Engine::read_depth(const core::View& view) {
+  return read_from(*this, [&](const render::RenderTarget& target) { return target.read_depth(view); });
+}
+
+core::Expected<bool> Engine::covered() {
+  return read_from(*this, [](const render::RenderTarget& target) { return target.covered(); });
+}
+
+core::Expected<std::uint32_t> Engine::framebuffer() {
+  return read_from(*this, [](const render::RenderTarget& target) { return std::uint32_t(target.resolved().id()); });
+}
+
+}  // namespace sightline::engine
