@@ -10,9 +10,9 @@
 
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/controller_trace.h"
+#include "sightline/apps/common/svg_plot.h"
 #include "sightline/bench/harness.h"
-#include "sightline/bench/plant_boxes.h"
-#include "sightline/bench/regret_plot.h"
+#include "sightline/bench/models/plant_boxes.h"
 #include "sightline/bench/synthetic_traces.h"
 #include "sightline/culling/cpu_culler.h"
 
@@ -179,9 +179,9 @@ Json to_json(const std::vector<Row>& rows) {
 }
 
 std::string plot(const std::vector<Row>& rows) {
-  std::vector<bench::RegretBar> bars;
+  std::vector<apps::BarPair> bars;
   for (const Row& row : rows) bars.push_back({row.trace, row.frame_cost.oracle, row.seed.oracle});
-  return bench::regret_plot("Cost of the chosen paths / cost of the per-frame oracle", {"frame-cost", "seed"}, bars);
+  return apps::svg_bars("Cost of the chosen paths / cost of the per-frame oracle", {"frame-cost", "seed"}, bars);
 }
 
 core::Expected<int> run(const Options& options) {

@@ -18,7 +18,7 @@
 
 #include "sightline/apps/common/cli.h"
 #include "sightline/bench/harness.h"
-#include "sightline/bench/plant_boxes.h"
+#include "sightline/bench/models/plant_boxes.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/cpu_culler.h"

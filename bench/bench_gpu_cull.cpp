@@ -15,6 +15,7 @@
 
 #include "sightline/apps/common/cli.h"
 #include "sightline/bench/harness.h"
+#include "sightline/bench/models/platforms.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/gpu/gpu_culler.h"
 #include "sightline/importers/plant/plant_generator.h"
@@ -29,11 +30,8 @@ using culling::GpuForm;
 
 constexpr GpuForm kForms[] = {GpuForm::kGeometry, GpuForm::kCompute};
 
-/// The dissertation's platforms P-38, P-40, P-43 and P-50.
-constexpr std::uint64_t kPlatforms[] = {85'291, 265'333, 293'335, 691'951};
-
 struct Options {
-  std::vector<std::uint64_t> items;  // of each plant; none: kPlatforms
+  std::vector<std::uint64_t> items;  // of each plant; none: those of bench::kPlatforms
   int views = 24, passes = 5;
   std::string json;
 };
@@ -127,7 +125,9 @@ core::Expected<int> bench_all(const Options& o) {
   if (!context) return tl::unexpected(context.error());
   std::printf("%s\n", context->renderer().c_str());
   Json result{{"renderer", context->renderer()}, {"plants", Json::array()}};
-  const std::span<const std::uint64_t> plants = o.items.empty() ? std::span(kPlatforms) : std::span(o.items);
+  std::vector<std::uint64_t> plants = o.items;
+  if (plants.empty())
+    for (const bench::Platform& platform : bench::kPlatforms) plants.push_back(platform.primitives());
   for (const std::uint64_t items : plants) {
     auto plant = measure(*context, items, o);
     if (!plant) return tl::unexpected(plant.error());

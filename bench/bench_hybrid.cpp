@@ -17,10 +17,10 @@
 #include "sightline/bench/harness.h"
 #include "sightline/bench/hybrid_report.h"
 #include "sightline/bench/hybrid_scenes.h"
+#include "sightline/bench/models/aircraft.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/importers/plant/plant_generator.h"
-#include "sightline/study/aircraft.h"
 
 namespace {
 
@@ -163,7 +163,7 @@ core::Expected<void> run_generated(const Options& o, Bench& bench) {
   const auto wanted = [&](const std::string& name) {
     return o.only.empty() || std::find(o.only.begin(), o.only.end(), name) != o.only.end();
   };
-  for (const study::Platform& platform : study::kPlatforms) {
+  for (const bench::Platform& platform : bench::kPlatforms) {
     if (!wanted(platform.name)) continue;
     core::Scene scene;
     auto done = bench::make_platform_scene(platform, o.scale, scene);
@@ -173,7 +173,7 @@ core::Expected<void> run_generated(const Options& o, Bench& bench) {
   if (!wanted("aircraft")) return {};
   core::Scene scene;
   bench::make_aircraft_scene(o.scale, scene);
-  return bench.run("aircraft", scene, study::kAircraftSeconds);
+  return bench.run("aircraft", scene, bench::kAircraftSeconds);
 }
 
 // --- what the GPU's path costs the CPU -------------------------------------------------------------------------------

@@ -11,7 +11,7 @@
 
 #include "sightline/apps/common/cli.h"
 #include "sightline/bench/harness.h"
-#include "sightline/bench/plant_boxes.h"
+#include "sightline/bench/models/plant_boxes.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/spatial_queries.h"
 

@@ -250,7 +250,11 @@ std::string plot(const std::vector<Result>& results) {
       panel.series.back().points.push_back({magnitude > 0.0 ? magnitude : 0.1 * least[family], value, {}});
     }
   }
-  return apps::svg_panels("Largest error of all kinds", "what the case sweeps", "error of t in radii", panels, true);
+  return apps::svg_panels({.title = "Largest error of all kinds",
+                           .x_label = "what the case sweeps",
+                           .y_label = "error of t in radii",
+                           .panels = std::move(panels),
+                           .own_x = true});
 }
 
 #if SIGHTLINE_HAS_GL

@@ -84,8 +84,8 @@ core::Expected<void> write_kind_plot(const std::vector<KindResult>& results, con
     if (panels.empty() || panels.back().title != kind_of(result)) panels.push_back({kind_of(result), {}});
     for (auto& series : series_of(result, error)) panels.back().series.push_back(std::move(series));
   }
-  return apps::write_text(
-      file, apps::svg_panels("Error against time", "ms per frame (C++: all rays, one thread)", label, panels));
+  return apps::write_text(file, apps::svg_panels({"Error against time", "ms per frame (C++: all rays, one thread)",
+                                                  label, std::move(panels)}));
 }
 
 core::Expected<void> write_model_plot(const std::vector<NamedModel>& models, const std::string& file,
@@ -104,7 +104,8 @@ core::Expected<void> write_model_plot(const std::vector<NamedModel>& models, con
       }
       panels.push_back({model.name + ", " + view.view, {std::move(triangles), std::move(ray_cast)}});
     }
-  return apps::write_text(file, apps::svg_panels("Error of the picture against its cost", label, "mean FLIP", panels));
+  return apps::write_text(
+      file, apps::svg_panels({"Error of the picture against its cost", label, "mean FLIP", std::move(panels)}));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ report=${1:-out/gpu_report/report.md}
 scale=${SCALE:-1} frames=${FRAMES:-200} passes=${PASSES:-5} size=${SIZE:-1280x720}
 out=$(dirname "$report")
 mkdir -p "$out"
-if [ -z "${BIN:-}" ]; then SIGHTLINE_CMAKE_ARGS="${SIGHTLINE_CMAKE_ARGS:-} -DSIGHTLINE_STUDY=ON" scripts/setup.sh release; fi
+if [ -z "${BIN:-}" ]; then scripts/setup.sh release; fi
 bin=${BIN:-build/release/bin}
 times() { awk -v a="$1" -v b="$2" 'BEGIN { printf "%.6g", a * b }'; }
 whole() { awk -v a="$1" -v b="$2" 'BEGIN { n = int(a * b); print n < 1000 ? 1000 : n }'; }

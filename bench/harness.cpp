@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "sightline/bench/plant_boxes.h"
+#include "sightline/bench/models/plant_boxes.h"
 #include "sightline/core/bvh_build.h"
 #include "sightline/culling/hierarchy.h"
 

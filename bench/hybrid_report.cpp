@@ -6,8 +6,8 @@
 
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/controller_trace.h"
+#include "sightline/apps/common/svg_plot.h"
 #include "sightline/bench/harness.h"
-#include "sightline/study/line_svg.h"
 
 namespace sightline::bench {
 namespace {
@@ -86,20 +86,22 @@ std::string controller_trace(const HybridRun& run, std::size_t pass) {
 }
 
 std::string figure_svg(const HybridRun& run, const char* figure, std::initializer_list<std::size_t> modes) {
-  study::LinePlot plot{
-      std::string("Figure ") + figure + ", " + run.model + ", rendering " + (run.rendering ? "on" : "off"),
-      "frame",
-      "frames per second",
-      true,
-      {}};
+  apps::Panel panel;
   for (const std::size_t mode : modes) {
-    study::Line line{kHybridModes[mode].name, {}, mode == 2};
+    using Style = apps::PanelSeries::Style;
+    apps::PanelSeries line{kHybridModes[mode].name, {}, mode == 2 ? Style::kHeavyLine : Style::kLine};
     const std::vector<double> costs = run.costs(mode);
     for (std::size_t i = 0; i < costs.size(); ++i)
-      if (costs[i] > 0.0) line.points.emplace_back(double(i), 1e3 / costs[i]);
-    plot.lines.push_back(std::move(line));
+      if (costs[i] > 0.0) line.points.push_back({double(i), 1e3 / costs[i], {}});
+    panel.series.push_back(std::move(line));
   }
-  return study::to_svg(plot);
+  return apps::svg_panels(
+      {.title = std::string("Figure ") + figure + ", " + run.model + ", rendering " + (run.rendering ? "on" : "off"),
+       .x_label = "frame",
+       .y_label = "frames per second",
+       .panels = {std::move(panel)},
+       .log_x = false,
+       .large = true});
 }
 
 }  // namespace

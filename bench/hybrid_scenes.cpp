@@ -5,39 +5,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "sightline/bench/models/aircraft.h"
 #include "sightline/importers/plant/plant_generator.h"
-#include "sightline/study/aircraft.h"
 
 namespace sightline::bench {
 namespace {
 
 using core::Affine;
 using core::dvec3;
-using core::Kind;
-
-constexpr std::size_t kFewest = 1000;
-
-std::size_t scaled(std::uint64_t objects, double scale) {
-  return std::max(kFewest, std::size_t(double(objects) * scale));
-}
 
 // --- platforms -------------------------------------------------------------------------------------------------------
-
-/// Places of study::Platform::counts.
-enum Mix : std::uint8_t { kCylinders, kCones, kTori, kOthers };
-
-Mix mix_of(Kind kind) {
-  switch (kind) {
-    case Kind::kCylinder:
-      return kCylinders;
-    case Kind::kSnout:
-      return kCones;
-    case Kind::kCircularTorus:
-      return kTori;
-    default:
-      return kOthers;
-  }
-}
 
 struct Place {
   core::Primitive primitive;
@@ -103,21 +80,21 @@ core::Mesh prism(int sides) {
 
 }  // namespace
 
-core::Expected<void> make_platform_scene(const study::Platform& platform, double scale, core::Scene& scene) {
-  study::Platform primitives = platform;
-  primitives.counts[kOthers] = 0;
+core::Expected<void> make_platform_scene(const Platform& platform, double scale, core::Scene& scene) {
+  Platform primitives = platform;
+  primitives.counts[kMeshes] = 0;
   importers::PlantConfig config;
-  config.items = scaled(primitives.objects(), scale);
-  config.seed = primitives.objects();
+  config.items = scaled(platform.primitives(), scale);
+  config.seed = platform.primitives();
   if (auto made = importers::generate_plant(config, scene); !made) return made;
   std::vector<std::uint8_t> kinds;
   const auto count = core::ItemId(scene.item_slots());
   kinds.reserve(count);
   for (core::ItemId item = 0; item < count; ++item) kinds.push_back(mix_of(scene.kind(item)));
-  study::mix_kinds(primitives, kinds);
+  mix_kinds(primitives, kinds);
   for (core::ItemId item = 0; item < count; ++item) {
     const auto mix = Mix(kinds[item]);
-    if (mix == kOthers || mix == mix_of(scene.kind(item))) continue;
+    if (mix == kMeshes || mix == mix_of(scene.kind(item))) continue;
     const Place place = fitting(mix, scene.bounds_under(item, Affine()));
     scene.add_primitive(scene.node_of(item), place.primitive, scene.placement(item) * place.box_from_item,
                         scene.item_material(item));
@@ -129,7 +106,7 @@ core::Expected<void> make_platform_scene(const study::Platform& platform, double
 void make_aircraft_scene(double scale, core::Scene& scene) {
   const std::array<core::MeshId, 4> shapes = {scene.add_mesh(prism(4)).value(), scene.add_mesh(prism(6)).value(),
                                               scene.add_mesh(prism(8)).value(), scene.add_mesh(prism(12)).value()};
-  const std::vector<core::Aabb> boxes = study::make_aircraft(scaled(study::kAircraftMeshes, scale));
+  const std::vector<core::Aabb> boxes = make_aircraft(scaled(kAircraftMeshes, scale));
   constexpr std::size_t kPerNode = 1000;
   core::NodeId node;
   for (std::size_t i = 0; i < boxes.size(); ++i) {

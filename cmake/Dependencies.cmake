@@ -83,6 +83,8 @@ if(SIGHTLINE_TESTS)
   sightline_need(SIGHTLINE_TESTS GTest_FOUND "GoogleTest not found")
 endif()
 
+sightline_need(SIGHTLINE_BENCH SIGHTLINE_APPS "the tools are off")
+sightline_need(SIGHTLINE_STUDY SIGHTLINE_BENCH "the benchmarks, whose models it takes, are off")
 if(SIGHTLINE_STUDY AND SIGHTLINE_STUDY_OSG)
   find_package(OpenSceneGraph COMPONENTS osgUtil QUIET)
   sightline_need(SIGHTLINE_STUDY_OSG OPENSCENEGRAPH_FOUND "OpenSceneGraph not found (libopenscenegraph-dev)")

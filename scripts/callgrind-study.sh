@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Instructions per frame of the culling alone, per method of the study and model: repeatable where times are not.
 #   scripts/callgrind-study.sh [BENCH arguments …]     default: --only P-38 aircraft
-# BENCH (build/release/bin/sightline-bench-study, built with -DSIGHTLINE_STUDY=ON where valgrind/callgrind.h is found),
+# BENCH (build/release/bin/sightline-study, built with -DSIGHTLINE_STUDY=ON where valgrind/callgrind.h is found),
 # FRAMES (12), VARIANTS (names, comma-separated; empty: all) may be set. Valgrind knows no AVX-512: production runs
 # with AVX2 there. Threads other than the caller's are not counted, so variants with threads are left out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-bench=${BENCH:-build/release/bin/sightline-bench-study}
+bench=${BENCH:-build/release/bin/sightline-study}
 frames=${FRAMES:-12}
 default="no tree corners,no tree radar-two-answers,no tree vertices,no tree split simd-per-test,no tree vertices simd-over-boxes"
 # Only the better of mean and median is run with flags.

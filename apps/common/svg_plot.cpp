@@ -3,20 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "sightline/apps/common/statistics.h"
+#include "sightline/apps/common/svg_canvas.h"
 
 namespace sightline::apps {
 namespace {
 
-constexpr double kWidth = 960, kHeight = 400, kLeft = 80, kRight = 90, kTop = 50, kBottom = 50;
-constexpr int kTicks = 5;
-constexpr const char* kColours[2] = {"#1f6fb4", "#d9731a"};
-constexpr const char *kBandColour = "#e3f1df", *kTickColour = "#3d8a2f";
-constexpr double kTickHeight = 10;
-
-/// The next of 1, 2, 5 times a power of ten, so that axes end on round numbers.
+/// The least 1, 2 or 5 times a power of ten that is not below `v`, so that axes end and step on round numbers.
 double round_up(double v) {
   if (!(v > 0.0)) return 1.0;
   const double unit = std::pow(10.0, std::floor(std::log10(v)));
@@ -25,40 +19,17 @@ double round_up(double v) {
   return 10.0 * unit;
 }
 
-std::string short_number(double v) {
-  std::ostringstream text;
-  text.precision(3);
-  text << v;
-  return text.str();
-}
+// --- two quantities over frames --------------------------------------------------------------------------------------
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '&')
-      out += "&amp;";
-    else
-      out += c;
-  }
-  return out;
-}
-
-class Plot {
+class FramePlot {
  public:
-  Plot(const std::string& title, std::size_t frames) : frames_(std::max<std::size_t>(2, frames)) {
-    svg_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << kWidth << "\" height=\"" << kHeight
-         << "\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-    text(kWidth / 2, 24, "middle", "#222", title);
-    text((kLeft + kWidth - kRight) / 2, kHeight - 12, "middle", "#222", "frame");
+  FramePlot(const std::string& title, std::size_t frames) : frames_(std::max<std::size_t>(2, frames)) {
+    svg_.text(kWidth / 2, 24, "middle", "#222", title);
+    svg_.text((kLeft + kWidth - kRight) / 2, kHeight - 12, "middle", "#222", "frame");
     for (int i = 0; i <= kTicks; ++i) {
       const double x = kLeft + i * (kWidth - kLeft - kRight) / kTicks;
-      std::ostringstream label;
-      label << std::lround(double(i) * double(frames - 1) / kTicks);
-      text(x, kHeight - kBottom + 18, "middle", "#444", label.str());
+      svg_.text(x, kHeight - kBottom + 18, "middle", "#444",
+                std::to_string(std::lround(double(i) * double(frames - 1) / kTicks)));
     }
   }
 
@@ -66,27 +37,27 @@ class Plot {
     for (const auto& [first, last] : marks.bands) {
       const double left = std::max(kLeft, x_of(double(first) - 0.5));
       const double right = std::min(kWidth - kRight, x_of(double(last) + 0.5));
-      rectangle(left, kTop, right - left, kHeight - kTop - kBottom);
+      svg_.rectangle(left, kTop, right - left, kHeight - kTop - kBottom, kBandColour);
     }
     for (const std::size_t frame : marks.ticks) tick(x_of(double(frame)), kTop);
     constexpr double kSwatch = 14, kY = kTop - 10;
     double x = kWidth / 2 - (marks.ticks.empty() ? 60 : 110);
     if (!marks.bands.empty()) {
-      rectangle(x, kY - kTickHeight, kSwatch, kTickHeight + 2);
-      text(x + kSwatch + 5, kY, "start", "#222", marks.band_label);
+      svg_.rectangle(x, kY - kTickHeight, kSwatch, kTickHeight + 2, kBandColour);
+      svg_.text(x + kSwatch + 5, kY, "start", "#222", marks.band_label);
     }
     x = kWidth / 2 + 60;
     if (!marks.ticks.empty()) {
       tick(x, kY - kTickHeight + 1);
-      text(x + 7, kY, "start", "#222", marks.tick_label);
+      svg_.text(x + 7, kY, "start", "#222", marks.tick_label);
     }
   }
 
   void draw(const Series& series, bool right) {
-    const char* colour = kColours[right ? 1 : 0];
+    const char* colour = SvgCanvas::colour(right ? 1 : 0);
     std::vector<double> known = series.values;
     std::erase_if(known, [](double value) { return value < 0.0; });
-    const apps::Summary summary = summarise(known);
+    const Summary summary = summarise(known);
     // One interrupted frame must not flatten all others: far above the 99th percentile the line is cut, and the label
     // says so.
     constexpr double kOutlier = 3.0;
@@ -95,171 +66,229 @@ class Plot {
     const double axis_x = right ? kWidth - kRight : kLeft;
     for (int i = 0; i <= kTicks; ++i) {
       const double y = y_of(double(i) / kTicks);
-      if (!right)
-        svg_ << "<line x1=\"" << kLeft << "\" y1=\"" << y << "\" x2=\"" << kWidth - kRight << "\" y2=\"" << y
-             << "\" stroke=\"#ddd\"/>\n";
-      std::ostringstream label;
-      label << top * i / kTicks;
-      text(axis_x + (right ? 6 : -6), y + 4, right ? "start" : "end", colour, label.str());
+      if (!right) svg_.line(kLeft, y, kWidth - kRight, y);
+      svg_.text(axis_x + (right ? 6 : -6), y + 4, right ? "start" : "end", colour, short_number(top * i / kTicks));
     }
-    text(axis_x, kTop - 10, right ? "end" : "start", colour,
-         series.label + " [" + series.unit + "]" + (cut ? ", cut; max " + short_number(summary.max) : ""));
-    svg_ << "<polyline fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"1.5\" points=\"";
+    svg_.text(axis_x, kTop - 10, right ? "end" : "start", colour,
+              series.label + " [" + series.unit + "]" + (cut ? ", cut; max " + short_number(summary.max) : ""));
+    std::vector<std::array<double, 2>> points;
     for (std::size_t i = 0; i < series.values.size(); ++i)
-      if (series.values[i] >= 0.0) svg_ << x_of(double(i)) << ',' << y_of(std::min(1.0, series.values[i] / top)) << ' ';
-    svg_ << "\"/>\n";
+      if (series.values[i] >= 0.0) points.push_back({x_of(double(i)), y_of(std::min(1.0, series.values[i] / top))});
+    svg_.polyline(points, colour, 1.5);
   }
 
-  std::string finish() {
-    svg_ << "</svg>\n";
-    return svg_.str();
-  }
+  std::string finish() { return std::move(svg_).finish(); }
 
  private:
+  static constexpr double kWidth = 960, kHeight = 400, kLeft = 80, kRight = 90, kTop = 50, kBottom = 50;
+  static constexpr int kTicks = 5;
+  static constexpr const char *kBandColour = "#e3f1df", *kTickColour = "#3d8a2f";
+  static constexpr double kTickHeight = 10;
+
   double x_of(double frame) const { return kLeft + frame / double(frames_ - 1) * (kWidth - kLeft - kRight); }
   static double y_of(double share) { return kHeight - kBottom - share * (kHeight - kTop - kBottom); }
-  void text(double x, double y, const char* anchor, const char* colour, const std::string& content) {
-    svg_ << "<text x=\"" << x << "\" y=\"" << y << "\" text-anchor=\"" << anchor << "\" fill=\"" << colour << "\">"
-         << escaped(content) << "</text>\n";
-  }
-  void rectangle(double x, double y, double width, double height) {
-    svg_ << "<rect x=\"" << x << "\" y=\"" << y << "\" width=\"" << width << "\" height=\"" << height << "\" fill=\""
-         << kBandColour << "\"/>\n";
-  }
-  void tick(double x, double y) {
-    svg_ << "<line x1=\"" << x << "\" y1=\"" << y << "\" x2=\"" << x << "\" y2=\"" << y + kTickHeight << "\" stroke=\""
-         << kTickColour << "\" stroke-width=\"1.5\"/>\n";
-  }
+  void tick(double x, double y) { svg_.line(x, y, x, y + kTickHeight, kTickColour, 1.5); }
+
   std::size_t frames_;
-  std::ostringstream svg_;
+  SvgCanvas svg_{kWidth, kHeight};
 };
 
-/// Whole decades, at least one.
-struct Decades {
-  double least = std::numeric_limits<double>::infinity(), most = 0.0;
-  void add(double v) {
-    if (v > 0.0) least = std::min(least, v), most = std::max(most, v);
-  }
-  int low() const { return most > 0.0 ? int(std::floor(std::log10(least))) : 0; }
-  int high() const { return most > 0.0 ? std::max(low() + 1, int(std::ceil(std::log10(most)))) : 1; }
-  double share(double v) const { return (std::log10(v) - low()) / (high() - low()); }
-};
+// --- panels ----------------------------------------------------------------------------------------------------------
 
-class Panels {
+/// Whole decades around values > 0, at least one; or linear, around all values.
+class Axis {
  public:
-  Panels(const std::vector<Panel>& panels, bool own_x) : panels_(panels), own_x_(own_x) {
-    for (const Panel& panel : panels)
-      for (const PanelSeries& series : panel.series) {
-        if (std::find(labels_.begin(), labels_.end(), series.label) == labels_.end()) labels_.push_back(series.label);
-        for (const PanelSeries::Point& point : series.points) x_.add(point.x), y_.add(point.y);
-      }
-  }
+  explicit Axis(bool logarithmic) : logarithmic_(logarithmic) {}
 
-  std::string run(const std::string& title, const std::string& x_label, const std::string& y_label) {
-    const std::size_t columns = std::min(kColumns, panels_.size());
-    const std::size_t rows = columns == 0 ? 0 : (panels_.size() + columns - 1) / columns;
-    const double width = std::max(2.0, double(columns)) * kPanelWidth, height = kHead + double(rows) * kPanelHeight;
-    svg_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\"" << height
-         << "\" font-family=\"sans-serif\" font-size=\"11\">\n"
-         << "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-    text(width / 2, 20, "middle", "#222", title);
-    text(width / 2, 38, "middle", "#444", "across: " + x_label + "; up: " + y_label);
-    for (std::size_t i = 0; i < labels_.size(); ++i) {
-      const double x = 20 + (width - 40) * double(i) / double(labels_.size());
-      svg_ << "<circle cx=\"" << x << "\" cy=\"54\" r=\"4\" fill=\"" << colour(i) << "\"/>\n";
-      text(x + 8, 58, "start", "#222", labels_[i]);
+  void add(double v) {
+    if (!logarithmic_ || v > 0.0) least_ = std::min(least_, v), most_ = std::max(most_, v);
+  }
+  /// 0 … 1.
+  double share(double v) const {
+    if (logarithmic_) return (std::log10(v) - first_decade()) / (last_decade() - first_decade());
+    return least_ < most_ ? (v - least_) / (most_ - least_) : 0.0;
+  }
+  /// Six or so.
+  std::vector<double> ticks() const {
+    std::vector<double> values;
+    if (logarithmic_) {
+      const int step = 1 + (last_decade() - first_decade()) / 7;
+      for (int d = first_decade(); d <= last_decade(); d += step) values.push_back(std::pow(10.0, d));
+    } else if (least_ <= most_) {
+      const double step = round_up((most_ - least_) / 8);
+      for (double v = std::ceil(least_ / step) * step; v <= most_; v += step) values.push_back(v);
     }
-    for (std::size_t i = 0; i < panels_.size(); ++i) {
-      const std::size_t row = i / columns;
-      left_ = double(i % columns) * kPanelWidth + 50;
-      top_ = kHead + double(row) * kPanelHeight + 22;
-      draw(panels_[i]);
-    }
-    svg_ << "</svg>\n";
-    return svg_.str();
+    return values;
   }
 
  private:
-  static constexpr std::size_t kColumns = 3;
-  static constexpr double kPanelWidth = 330, kPanelHeight = 250, kHead = 66, kZeroRow = 14;
-  static constexpr double kInnerWidth = kPanelWidth - 75, kInnerHeight = kPanelHeight - 48;
+  int first_decade() const { return most_ > 0.0 ? int(std::floor(std::log10(least_))) : 0; }
+  int last_decade() const { return most_ > 0.0 ? std::max(first_decade() + 1, int(std::ceil(std::log10(most_)))) : 1; }
 
-  static const char* colour(std::size_t i) {
-    static constexpr const char* kAll[] = {"#1f6fb4", "#d9731a", "#2c9c3f", "#c23b3b",
-                                           "#7b52ab", "#7f5a46", "#d65fa8", "#222222"};
-    return kAll[i % std::size(kAll)];
+  bool logarithmic_;
+  double least_ = std::numeric_limits<double>::infinity(), most_ = -std::numeric_limits<double>::infinity();
+};
+
+class PanelDrawing {
+ public:
+  explicit PanelDrawing(const PanelPlot& plot)
+      : plot_(plot),
+        columns_(plot.large ? 1 : std::clamp<std::size_t>(plot.panels.size(), 1, 3)),
+        panel_width_(plot.large ? 960 : 330),
+        panel_height_(plot.large ? 520 : 250),
+        width_(std::max(660.0, double(columns_) * panel_width_)),
+        x_(plot.log_x) {
+    for (const Panel& panel : plot.panels)
+      for (const PanelSeries& series : panel.series) {
+        const bool known = std::find(labels_.begin(), labels_.end(), series.label) != labels_.end();
+        if (!known && !series.label.empty()) labels_.push_back(series.label);
+        for (const PanelSeries::Point& point : series.points) x_.add(point.x), y_.add(point.y);
+      }
+    place_legend();
+    const std::size_t rows = (plot.panels.size() + columns_ - 1) / columns_;
+    svg_ = SvgCanvas(width_, head_ + double(rows) * panel_height_, 11);
   }
-  double x_of(double v) const { return left_ + x_.share(v) * kInnerWidth; }
+
+  std::string run() {
+    svg_.text(width_ / 2, 20, "middle", "#222", plot_.title);
+    svg_.text(width_ / 2, 38, "middle", "#444", "across: " + plot_.x_label + "; up: " + plot_.y_label);
+    for (std::size_t i = 0; i < labels_.size(); ++i) {
+      const auto [x, y] = legend_[i];
+      svg_.circle(x, y, 4, SvgCanvas::colour(i));
+      svg_.text(x + 8, y + 4, "start", "#222", labels_[i]);
+    }
+    for (std::size_t i = 0; i < plot_.panels.size(); ++i) {
+      left_ = double(i % columns_) * panel_width_ + 50;
+      top_ = head_ + double(i / columns_) * panel_height_ + 22;
+      draw(plot_.panels[i]);
+    }
+    return std::move(svg_).finish();
+  }
+
+ private:
+  static constexpr double kZeroRow = 14;
+
+  /// From left to right, in as many rows as it takes.
+  void place_legend() {
+    constexpr double kLeft = 20, kRow = 16, kCharacter = 6, kGap = 30;
+    double x = kLeft, y = 54;
+    for (const std::string& label : labels_) {
+      const double needed = kCharacter * double(label.size()) + kGap;
+      if (x > kLeft && x + needed > width_) x = kLeft, y += kRow;
+      legend_.push_back({x, y});
+      x += needed;
+    }
+    head_ = y + 12;
+  }
+
+  double inner_width() const { return panel_width_ - 75; }
+  double inner_height() const { return panel_height_ - 48; }
+  double x_of(double v) const { return left_ + x_.share(v) * inner_width(); }
   double y_of(double v) const {
-    const double bottom = top_ + kInnerHeight;
-    return v > 0.0 ? bottom - kZeroRow - y_.share(v) * (kInnerHeight - kZeroRow) : bottom;
+    const double bottom = top_ + inner_height();
+    return v > 0.0 ? bottom - kZeroRow - y_.share(v) * (inner_height() - kZeroRow) : bottom;
   }
 
   void draw(const Panel& panel) {
-    if (own_x_) {
-      x_ = {};
+    if (plot_.own_x) {
+      x_ = Axis(plot_.log_x);
       for (const PanelSeries& series : panel.series)
         for (const PanelSeries::Point& point : series.points) x_.add(point.x);
     }
-    text(left_ + kInnerWidth / 2, top_ - 6, "middle", "#222", panel.title);
-    for (int d = x_.low(), step = 1 + (x_.high() - x_.low()) / 6; d <= x_.high(); d += step) {
-      const double value = std::pow(10.0, d), x = x_of(value);
-      line(x, top_, x, top_ + kInnerHeight);
-      text(x, top_ + kInnerHeight + 14, "middle", "#444", short_number(value));
+    svg_.text(left_ + inner_width() / 2, top_ - 6, "middle", "#222", panel.title);
+    for (const double value : x_.ticks()) {
+      const double x = x_of(value);
+      svg_.line(x, top_, x, top_ + inner_height());
+      svg_.text(x, top_ + inner_height() + 14, "middle", "#444", short_number(value));
     }
-    const int step = std::max(1, (y_.high() - y_.low()) / 6);
-    for (int d = y_.low(); d <= y_.high(); d += step) tick_y(std::pow(10.0, d));
+    for (const double value : y_.ticks()) tick_y(value);
     tick_y(0.0);
+    crowded_ = 0;
     for (const PanelSeries& series : panel.series) draw(series);
   }
+
   void draw(const PanelSeries& series) {
-    const char* fill = colour(std::size_t(std::find(labels_.begin(), labels_.end(), series.label) - labels_.begin()));
-    svg_ << "<polyline fill=\"none\" stroke=\"" << fill << "\" points=\"";
-    for (const PanelSeries::Point& p : series.points) svg_ << x_of(p.x) << ',' << y_of(p.y) << ' ';
-    svg_ << "\"/>\n";
+    using Style = PanelSeries::Style;
+    const auto place = std::size_t(std::find(labels_.begin(), labels_.end(), series.label) - labels_.begin());
+    const char* colour = series.label.empty() ? "#999" : SvgCanvas::colour(place);
+    if (series.style != Style::kPoints) {
+      std::vector<std::array<double, 2>> points;
+      for (const PanelSeries::Point& p : series.points) points.push_back({x_of(p.x), y_of(p.y)});
+      svg_.polyline(points, colour, series.style == Style::kHeavyLine ? 2.5 : 1.0, series.style == Style::kDashes);
+    }
+    if (series.style != Style::kPoints && series.style != Style::kPointsAndLine) return;
     for (const PanelSeries::Point& p : series.points) {
-      svg_ << "<circle cx=\"" << x_of(p.x) << "\" cy=\"" << y_of(p.y) << "\" r=\"3\" fill=\"" << fill << "\"><title>"
-           << escaped(series.label + " " + p.name) << ": " << short_number(p.x) << ", " << short_number(p.y)
-           << "</title></circle>\n";
-      if (!p.name.empty())
-        svg_ << "<text x=\"" << x_of(p.x) + 5 << "\" y=\"" << y_of(p.y) - 4 << "\" font-size=\"8\" fill=\"" << fill
-             << "\">" << escaped(p.name) << "</text>\n";
+      const std::string& hover = p.hover.empty() ? series.label + " " + p.name : p.hover;
+      svg_.circle(x_of(p.x), y_of(p.y), 3, colour, hover + ": " + short_number(p.x) + ", " + short_number(p.y));
+      if (!p.name.empty()) name(p, colour);
     }
   }
-  void tick_y(double value) {
-    const double y = y_of(value);
-    line(left_, y, left_ + kInnerWidth, y);
-    text(left_ - 5, y + 4, "end", "#444", short_number(value));
-  }
-  void line(double x1, double y1, double x2, double y2) {
-    svg_ << "<line x1=\"" << x1 << "\" y1=\"" << y1 << "\" x2=\"" << x2 << "\" y2=\"" << y2 << "\" stroke=\"#ddd\"/>\n";
-  }
-  void text(double x, double y, const char* anchor, const char* fill, const std::string& content) {
-    svg_ << "<text x=\"" << x << "\" y=\"" << y << "\" text-anchor=\"" << anchor << "\" fill=\"" << fill << "\">"
-         << escaped(content) << "</text>\n";
+
+  void name(const PanelSeries::Point& p, const char* colour) {
+    const int size = plot_.large ? 11 : 8;
+    const bool right = plot_.large && x_.share(p.x) > 0.8;  // no room there: inwards, one above the other
+    if (right)
+      svg_.text(x_of(p.x) + 6, y_of(p.y) - 12 - 14 * crowded_++, "end", colour, p.name, size);
+    else
+      svg_.text(x_of(p.x) + 5, y_of(p.y) - 4, "start", colour, p.name, size);
   }
 
-  const std::vector<Panel>& panels_;
-  bool own_x_;
+  void tick_y(double value) {
+    const double y = y_of(value);
+    svg_.line(left_, y, left_ + inner_width(), y);
+    svg_.text(left_ - 5, y + 4, "end", "#444", short_number(value));
+  }
+
+  const PanelPlot& plot_;
+  std::size_t columns_;
+  double panel_width_, panel_height_, width_, head_ = 0.0;
+  Axis x_, y_{true};
   std::vector<std::string> labels_;
-  Decades x_, y_;
-  double left_ = 0.0, top_ = 0.0;  // of the panel that is drawn
-  std::ostringstream svg_;
+  std::vector<std::array<double, 2>> legend_;  // places of the labels
+  double left_ = 0.0, top_ = 0.0;              // of the panel that is drawn
+  int crowded_ = 0;                            // names so far at its right edge
+  SvgCanvas svg_{0, 0};
 };
 
 }  // namespace
 
-std::string svg_panels(const std::string& title, const std::string& x_label, const std::string& y_label,
-                       const std::vector<Panel>& panels, bool own_x) {
-  return Panels(panels, own_x).run(title, x_label, y_label);
-}
-
 std::string svg_plot(const std::string& title, const Series& left, const Series& right, const Marks& marks) {
-  Plot plot(title, std::max(left.values.size(), right.values.size()));
+  FramePlot plot(title, std::max(left.values.size(), right.values.size()));
   plot.draw(marks);
   plot.draw(right, true);
   plot.draw(left, false);
   return plot.finish();
+}
+
+std::string svg_panels(const PanelPlot& plot) {
+  return PanelDrawing(plot).run();
+}
+
+std::string svg_bars(const std::string& title, const std::array<std::string, 2>& subjects,
+                     const std::vector<BarPair>& bars, double most) {
+  constexpr double kLabel = 330, kWidth = 960, kTop = 60, kRow = 24, kValue = 60, kBottom = 20;
+  const double height = kTop + kRow * double(bars.size()) + kBottom;
+  SvgCanvas svg(kWidth, height, 11);
+  svg.text(kWidth / 2, 22, "middle", "#222", title, 14);
+  const auto x_of = [&](double ratio) {
+    return kLabel + (std::clamp(ratio, 1.0, most) - 1.0) / (most - 1.0) * (kWidth - kLabel - kValue);
+  };
+  for (double tick = 1.0; tick <= most; tick += 0.5) {
+    svg.line(x_of(tick), kTop - 4, x_of(tick), height - kBottom);
+    svg.text(x_of(tick), height - 6, "middle", "#444", short_number(tick));
+  }
+  for (std::size_t k = 0; k < 2; ++k)
+    svg.text(kLabel + 110 * double(k), 44, "start", SvgCanvas::colour(k), subjects[k]);
+  for (std::size_t i = 0; i < bars.size(); ++i) {
+    const double y = kTop + kRow * double(i);
+    svg.text(kLabel - 8, y + 14, "end", "#222", bars[i].label);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double ratio = k == 0 ? bars[i].first : bars[i].second, top = y + 2 + 10 * double(k);
+      svg.rectangle(kLabel, top, x_of(ratio) - kLabel, 9, SvgCanvas::colour(k));
+      svg.text(x_of(ratio) + 4, top + 8, "start", "#444", short_number(ratio, 4), 9);
+    }
+  }
+  return std::move(svg).finish();
 }
 
 }  // namespace sightline::apps

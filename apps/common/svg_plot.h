@@ -1,5 +1,4 @@
-// Plots as SVG: two quantities over the frames of a path, each with its own axis, and what held in which frames; and
-// small log-log plots side by side, for errors against what they cost.
+// Plots as SVG: two quantities over the frames of a path, panels of series with logarithmic axes, and pairs of bars.
 #pragma once
 
 #include <array>
@@ -7,6 +6,8 @@
 #include <vector>
 
 namespace sightline::apps {
+
+// --- two quantities over frames --------------------------------------------------------------------------------------
 
 struct Series {
   std::string label, unit;
@@ -24,14 +25,20 @@ struct Marks {
 /// A plot with `left` against the left axis and `right` against the right one.
 std::string svg_plot(const std::string& title, const Series& left, const Series& right, const Marks& marks = {});
 
+// --- panels ----------------------------------------------------------------------------------------------------------
+
 /// In one colour wherever the label is the same.
 struct PanelSeries {
   struct Point {
-    double x = 1.0, y = 0.0;  ///< x > 0; y >= 0, where 0 lies on a line of its own below
-    std::string name;         ///< beside the point; may be empty
+    double x = 1.0, y = 0.0;  ///< x > 0 on a logarithmic axis; y >= 0, where 0 lies on a line of its own below
+    std::string name;         ///< beside the point
+    std::string hover = {};   ///< shown under the pointer; empty: the label and the name
   };
-  std::string label;
-  std::vector<Point> points;  ///< joined by a line in this order
+  enum class Style { kPointsAndLine, kPoints, kLine, kHeavyLine, kDashes };
+
+  std::string label;          ///< empty: grey, and not in the legend
+  std::vector<Point> points;  ///< a line joins them in this order
+  Style style = Style::kPointsAndLine;
 };
 
 struct Panel {
@@ -39,8 +46,26 @@ struct Panel {
   std::vector<PanelSeries> series;
 };
 
-/// Log-log panels, three in a row, with the same axes and one legend. With `own_x` each panel has its own x axis.
-std::string svg_panels(const std::string& title, const std::string& x_label, const std::string& y_label,
-                       const std::vector<Panel>& panels, bool own_x = false);
+/// Panels with the same axes and one legend. y is logarithmic.
+struct PanelPlot {
+  std::string title = {}, x_label = {}, y_label = {};
+  std::vector<Panel> panels = {};
+  bool log_x = true;
+  bool own_x = false;  ///< each panel has its own x axis
+  bool large = false;  ///< panels as wide as the picture instead of three in a row
+};
+std::string svg_panels(const PanelPlot& plot);
+
+// --- bars ------------------------------------------------------------------------------------------------------------
+
+/// Ratios >= 1 of two subjects.
+struct BarPair {
+  std::string label;
+  double first = 1.0, second = 1.0;
+};
+
+/// Horizontal bars from 1 to `most`; longer ones are cut there, and all carry their value.
+std::string svg_bars(const std::string& title, const std::array<std::string, 2>& subjects,
+                     const std::vector<BarPair>& bars, double most = 4.0);
 
 }  // namespace sightline::apps

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/bench/models/aircraft.h"
 #include "sightline/importers/plant/plant_generator.h"
-#include "sightline/study/aircraft.h"
 
 namespace sightline {
 namespace {
@@ -26,7 +26,7 @@ AabbD bounds_of(const core::Scene& scene, core::ItemId item) {
 }
 
 TEST(HybridScenes, PlatformsHaveTheKindsOfTable31) {
-  for (const study::Platform& platform : study::kPlatforms) {
+  for (const bench::Platform& platform : bench::kPlatforms) {
     SCOPED_TRACE(platform.name);
     core::Scene scene;
     ASSERT_TRUE(bench::make_platform_scene(platform, 1.0, scene));
@@ -34,14 +34,14 @@ TEST(HybridScenes, PlatformsHaveTheKindsOfTable31) {
     EXPECT_EQ(counts[std::size_t(Kind::kCylinder)], platform.counts[0]);
     EXPECT_EQ(counts[std::size_t(Kind::kSnout)], platform.counts[1]);
     EXPECT_EQ(counts[std::size_t(Kind::kCircularTorus)], platform.counts[2]);
-    EXPECT_EQ(scene.item_count(), platform.counts[0] + platform.counts[1] + platform.counts[2]);
+    EXPECT_EQ(scene.item_count(), platform.primitives());
   }
 }
 
 /// What is given as another kind stays in its place: new items lie where the removed ones lay.
 TEST(HybridScenes, AnotherKindKeepsItsPlace) {
-  const study::Platform& platform = study::kPlatforms[3];  // half of it torus slices
-  const std::uint64_t items = platform.counts[0] + platform.counts[1] + platform.counts[2];
+  const bench::Platform& platform = bench::kPlatforms[3];  // half of it torus slices
+  const std::uint64_t items = platform.primitives();
   core::Scene plant, scene;
   ASSERT_TRUE(bench::make_platform_scene(platform, 0.02, scene));
   importers::PlantConfig config;
@@ -69,8 +69,8 @@ TEST(HybridScenes, PrismsFillTheAircraftsBoxes) {
   core::Scene scene;
   bench::make_aircraft_scene(0.005, scene);
   ASSERT_TRUE(scene.commit());
-  const std::vector<core::Aabb> boxes = study::make_aircraft(scene.item_slots());
-  ASSERT_EQ(scene.item_count(), std::size_t(0.005 * double(study::kAircraftMeshes)));
+  const std::vector<core::Aabb> boxes = bench::make_aircraft(scene.item_slots());
+  ASSERT_EQ(scene.item_count(), std::size_t(0.005 * double(bench::kAircraftMeshes)));
   for (core::ItemId item = 0; item < boxes.size(); ++item) {
     const AabbD box = bounds_of(scene, item);
     const double near = 1e-5 * glm::length(box.size()) + 1e-9;

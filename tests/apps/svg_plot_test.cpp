@@ -49,7 +49,8 @@ TEST(SvgPlot, TheLinePassesOverWhatIsNotKnown) {
 
 /// One panel of decades 1 … 100 by 0.1 … 10: 50 to 305 across, 88 to 276 up, and 0 at 290.
 TEST(SvgPanels, PointsStandAtTheirLogarithms) {
-  const std::string svg = svg_panels("a", "x", "y", {{"one", {{"s", {{1, 0.1, ""}, {10, 1, "mid"}, {100, 10, ""}}}}}});
+  const std::string svg =
+      svg_panels({"a", "x", "y", {{"one", {{"s", {{1, 0.1, ""}, {10, 1, "mid"}, {100, 10, ""}}}}}}});
   EXPECT_EQ(count(svg, "points=\"50,276 177.5,182 305,88 \""), 1) << svg;
   EXPECT_EQ(count(svg, ">mid<"), 1);
   EXPECT_EQ(count(svg, "<circle"), 4) << "three points and the legend's";
@@ -58,13 +59,55 @@ TEST(SvgPanels, PointsStandAtTheirLogarithms) {
 TEST(SvgPanels, ZeroLiesBelowAndLabelsShareColours) {
   const Panel first{"one", {{"s", {{1, 0, ""}, {100, 10, ""}}}, {"t", {{10, 0.1, ""}}}}},
       second{"two", {{"t", {{10, 1, ""}}}}};
-  const std::string svg = svg_panels("a", "x", "y", {first, second});
+  const std::string svg = svg_panels({"a", "x", "y", {first, second}});
   EXPECT_EQ(count(svg, "points=\"50,290 305,88 \""), 1) << svg;
   EXPECT_EQ(count(svg, "fill=\"#d9731a\""), 3) << "t in the legend and in both panels";
 }
 
+/// A large panel's x from 2 to 10: 50 to 935 across.
+TEST(SvgPanels, AxesMayBeLinear) {
+  const PanelSeries line{"", {{2, 1, ""}, {4, 10, ""}, {10, 1, ""}}, PanelSeries::Style::kLine};
+  const std::string svg = svg_panels({.panels = {{"", {line}}}, .log_x = false, .large = true});
+  EXPECT_EQ(count(svg, "points=\"50,"), 1) << svg;
+  EXPECT_EQ(count(svg, " 271.25,"), 1) << svg;
+  EXPECT_EQ(count(svg, " 935,"), 1) << svg;
+  EXPECT_EQ(count(svg, "<circle"), 0) << "neither points nor a legend";
+  for (int tick = 2; tick < 10; ++tick) EXPECT_EQ(count(svg, ">" + std::to_string(tick) + "<"), 1) << tick;
+}
+
+TEST(SvgPanels, LongLegendsTakeMoreRows) {
+  std::vector<PanelSeries> series;
+  for (const char letter : {'a', 'b', 'c'}) series.push_back({std::string(60, letter), {{1, 1, ""}}});
+  const std::string svg = svg_panels({"a", "x", "y", {{"one", std::move(series)}}});
+  for (const char* y : {"54", "70", "86"})
+    EXPECT_EQ(count(svg, "<circle cx=\"20\" cy=\"" + std::string(y) + '"'), 1) << svg;
+}
+
+TEST(SvgPanels, LabelsMayHoldMarkup) {
+  const std::string svg = svg_panels({"t<itle", "a & b", "y", {{"one", {{"l<1", {{1, 1, "p>2", "h<3"}}}}}}});
+  for (const char* text : {"t&lt;itle", "a &amp; b", ">l&lt;1<", ">p&gt;2<", "h&lt;3"}) EXPECT_EQ(count(svg, text), 1);
+}
+
+/// A flat line, a single point, and no values above 0 still have axes.
+TEST(SvgPanels, AnySeriesHasAxes) {
+  for (const bool log_x : {false, true})
+    for (const std::vector<PanelSeries::Point>& points :
+         {std::vector<PanelSeries::Point>{}, {{3, 3, ""}}, {{1, 0, ""}, {2, 0, ""}}}) {
+      const std::string svg = svg_panels({.panels = {{"", {{"s", points}}}}, .log_x = log_x});
+      EXPECT_EQ(count(svg, "nan") + count(svg, "inf"), 0) << svg;
+    }
+}
+
+TEST(SvgBars, BarsStartAtOneAndAreCut) {
+  const std::string svg = svg_bars("a", {"first", "second"}, {{"one", 1.0, 2.5}, {"two", 4.0, 99.0}});
+  EXPECT_EQ(count(svg, "width=\"0\""), 1) << svg;
+  EXPECT_EQ(count(svg, "width=\"285\""), 1) << svg;
+  EXPECT_EQ(count(svg, "width=\"570\""), 2) << svg;
+  EXPECT_EQ(count(svg, ">99<"), 1) << "what is cut carries its value";
+}
+
 TEST(SvgPanels, NothingIsNoError) {
-  EXPECT_EQ(count(svg_panels("a", "x", "y", {}), "</svg>"), 1);
+  EXPECT_EQ(count(svg_panels({"a", "x", "y"}), "</svg>"), 1);
 }
 
 }  // namespace

@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "../culling/scenes.h"
-#include "sightline/study/aircraft.h"
+#include "sightline/bench/models/aircraft.h"
+#include "sightline/bench/models/platforms.h"
 #include "sightline/study/brute_force.h"
 #include "sightline/study/camera.h"
 #include "sightline/study/exact.h"
 #include "sightline/study/peer.h"
-#include "sightline/study/platforms.h"
 #include "sightline/study/production.h"
 
 namespace sightline::study {
@@ -52,7 +52,7 @@ TEST(StudyPeers, LoseNothing) {
 }
 
 TEST(StudyPeers, KeepEverythingInViewsTheyCannotHave) {
-  const auto boxes = make_aircraft(2000);
+  const auto boxes = bench::make_aircraft(2000);
   const auto view = core::View::perspective({{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, 0.5, 1.0, 0.1);
   ASSERT_FALSE(symmetric(*view).has_value()) << "no far plane";
   for (const Peer& peer : peers()) {
@@ -95,12 +95,12 @@ TEST(StudyCamera, SymmetricViewsAreTakenApart) {
 }
 
 TEST(StudyPlatforms, KindsAreMixedToTheItem) {
-  for (const Platform& platform : kPlatforms) {
+  for (const bench::Platform& platform : bench::kPlatforms) {
     for (const std::size_t count : {1000u, 12345u}) {
       SCOPED_TRACE(platform.name);
       std::vector<std::uint8_t> kinds;
       for (std::size_t i = 0; i < count; ++i) kinds.push_back(std::uint8_t(i * 7919 % 20 < 13 ? 0 : i % 4));
-      mix_kinds(platform, kinds);
+      bench::mix_kinds(platform, kinds);
       std::array<std::uint64_t, 4> have{};
       for (const std::uint8_t k : kinds) ++have.at(k);
       for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(have[k], platform.counts[k] * count / platform.objects());

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "../culling/scenes.h"
+#include "sightline/bench/models/aircraft.h"
 #include "sightline/core/bvh_build.h"
-#include "sightline/study/aircraft.h"
 
 namespace sightline::study {
 namespace {
@@ -98,7 +98,7 @@ double area_cost(const Tree& tree) {
 }
 
 TEST(StudyTree, SurfaceAreaHeuristicIsWhatItSays) {
-  const auto boxes = make_aircraft(20'000);
+  const auto boxes = bench::make_aircraft(20'000);
   core::BvhConfig config;
   config.max_leaf_size = 3;
   config.threads = 1;

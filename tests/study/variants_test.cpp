@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "../culling/scenes.h"
-#include "sightline/study/aircraft.h"
+#include "sightline/bench/models/aircraft.h"
 #include "sightline/study/culler.h"
 #include "sightline/study/exact.h"
 #include "sightline/study/motion.h"
@@ -212,7 +212,7 @@ TEST(StudyVariants, KeepBoxesThatTouchThePlanes) {
 }
 
 TEST(StudyVariants, ThreadsChangeNothing) {
-  const auto boxes = make_aircraft(60'000);
+  const auto boxes = bench::make_aircraft(60'000);
   const Tree tree = build_tree(boxes, {}, Split::kMean);
   std::vector<core::View> views;
   for (int i = 0; i < 10; ++i) {
@@ -286,13 +286,13 @@ TEST(StudyMotion, SettlesWhatItMayAndNoMore) {
 }
 
 TEST(StudyAircraft, HasTheCountAsked) {
-  const auto boxes = make_aircraft(10'000);
+  const auto boxes = bench::make_aircraft(10'000);
   EXPECT_EQ(boxes.size(), 10'000u);
   for (const core::Aabb& b : boxes) {
     ASSERT_FALSE(b.empty());
     ASSERT_LT(glm::length(b.max), 80.0f);
   }
-  const auto again = make_aircraft(10'000);
+  const auto again = bench::make_aircraft(10'000);
   for (std::size_t i = 0; i < boxes.size(); ++i) ASSERT_EQ(boxes[i].min, again[i].min);
 }
 

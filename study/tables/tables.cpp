@@ -2,23 +2,13 @@
 #include <cstdio>
 #include <string>
 
-#include "sightline/bench/study_report.h"
 #include "sightline/study/operations.h"
 #include "sightline/study/peer.h"
 #include "sightline/study/production.h"
+#include "sightline/study/tables/report.h"
 
-namespace sightline::bench {
+namespace sightline::study {
 namespace {
-
-using study::on_tree;
-using study::Results;
-using study::Run;
-using study::Simd;
-using study::Test;
-using study::Traversal;
-using study::TreeKind;
-using study::Variant;
-using study::with_flags;
 
 double fps(double ms) {
   return ms > 0.0 ? 1e3 / ms : 0.0;
@@ -40,11 +30,11 @@ void row(const Results& r, const Run* run) {
 }
 void common_rows(const Results& r) {
   for (const Run& run : r.runs)
-    if (run.origin != study::Origin::kStudy) row(r, &run);
+    if (run.origin != Origin::kStudy) row(r, &run);
 }
 
-void print_operations(const study::Model& model) {
-  const study::OperationTable table = study::count_operations(model.boxes, model.paths[0].views);
+void print_operations(const Model& model) {
+  const OperationTable table = count_operations(model.boxes, model.paths[0].views);
   std::printf("\nTable 4.1  float operations and comparisons, counted by running the tests (%s)\n", model.name.c_str());
   std::printf("%-28s %9s %9s %9s %9s\n", "", "update", "best", "worst", "mean");
   for (const auto& o : table)
@@ -58,18 +48,18 @@ void print_trees(const std::vector<ModelResults>& all) {
               "B/object");
   for (const ModelResults& paths : all) {
     const Results& r = paths.front();
-    const study::Model& m = *r.model;
-    const auto line = [&](const char* what, const study::Tree& t, double seconds) {
+    const Model& m = *r.model;
+    const auto line = [&](const char* what, const Tree& t, double seconds) {
       std::printf("%-10s %-14s %9zu %9zu %9zu %7u %9.3f %9.1f\n", m.name.c_str(), what, m.boxes.size(), t.nodes.size(),
                   t.leaves, t.height, seconds, double(t.nodes.size()) * 48.0 / double(m.boxes.size()));
     };
     line("median", m.median, m.median_seconds);
     line("mean", m.mean, m.mean_seconds);
     line("SAH", m.sah, m.sah_seconds);
-    line("median leaf 1", study::build_tree(m.boxes, {}, study::Split::kMedian, 1), 0.0);
-    line("mean leaf 1", study::build_tree(m.boxes, {}, study::Split::kMean, 1), 0.0);
+    line("median leaf 1", build_tree(m.boxes, {}, Split::kMedian, 1), 0.0);
+    line("mean leaf 1", build_tree(m.boxes, {}, Split::kMean, 1), 0.0);
     for (const Run& run : r.runs)
-      if (run.origin == study::Origin::kPeer || run.variant == "production")
+      if (run.origin == Origin::kPeer || run.variant == "production")
         std::printf("%-10s %-14s %9zu %9s %9s %7s %9.3f %9.1f\n", m.name.c_str(), run.variant.c_str(), m.boxes.size(),
                     "", "", "", run.build_seconds, double(run.memory_bytes) / double(m.boxes.size()));
   }
@@ -91,7 +81,7 @@ void print_fastest(const std::vector<ModelResults>& all) {
   std::printf(
       "\nProduction against the fastest exact variant of the study, and everything else (ms a frame, fastest pass)\n");
   std::printf("%-10s %-7s %9s %10s %10s %6s %6s", "", "path", "visible", "production", "variant", "ratio", "ids");
-  for (const study::Peer& peer : study::peers()) std::printf(" %14s", peer.name);
+  for (const Peer& peer : peers()) std::printf(" %14s", peer.name);
   std::printf(" %8s  fastest exact variant\n", "B");
   for (const ModelResults& paths : all) {
     for (const Results& r : paths) {
@@ -100,7 +90,7 @@ void print_fastest(const std::vector<ModelResults>& all) {
       const auto ratio = [production](const Run& run) { return run.fastest_ms / production->fastest_ms; };
       std::printf("%-10s %-7s %9.0f %10.5f %10.5f %6.2f %6.2f", r.model->name.c_str(), r.path->name.c_str(),
                   production->mean_visible, production->fastest_ms, best->fastest_ms, ratio(*best), ratio(*ids));
-      for (const study::Peer& peer : study::peers())
+      for (const Peer& peer : peers())
         if (const Run* run = r.find(peer.name)) std::printf(" %14.1f", ratio(*run));
       std::printf(" %8.2f  %s\n", ratio(r.brute_force()), best->variant.c_str());
     }
@@ -161,4 +151,4 @@ void print_runs(const std::vector<ModelResults>& all) {
   }
 }
 
-}  // namespace sightline::bench
+}  // namespace sightline::study

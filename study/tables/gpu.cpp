@@ -1,9 +1,10 @@
-#include "sightline/bench/study_gpu.h"
+#include "sightline/study/tables/gpu.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 
+#include "sightline/bench/models/platforms.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/gpu/gpu_culler.h"
@@ -14,23 +15,17 @@
 #include "sightline/study/gpu/in_draw.h"
 #include "sightline/study/production.h"
 
-namespace sightline::bench {
+namespace sightline::study {
 namespace {
 
-using study::Method;
-using study::Origin;
-using study::Results;
-using study::Run;
-
 constexpr int kWidth = 640, kHeight = 480;
-constexpr std::uint8_t kCylinderKind = 0;
 
 // --- figure 5.15: culling alone --------------------------------------------------------------------------------------
 
 /// Gathers methods to be run in turn.
 class Bench {
  public:
-  Bench(const study::Model& model, const study::SessionOptions& options) : model_(model), options_(options) {}
+  Bench(const Model& model, const SessionOptions& options) : model_(model), options_(options) {}
 
   /// `make()` gives a method, or fails: then it is left out.
   template <class Make>
@@ -46,44 +41,43 @@ class Bench {
       std::fprintf(stderr, "%s: %s is left out: %s\n", model_.name.c_str(), name.c_str(), made.error().message.c_str());
   }
 
-  Results run(const study::Path& path) const {
+  Results run(const Path& path) const {
     options_.progress(std::to_string(contestants_.size()) + " methods in turn");
     Results results;
     results.model = &model_;
     results.path = &path;
-    results.runs = study::measure(path, contestants_, options_.passes);
+    results.runs = measure(path, contestants_, options_.passes);
     return results;
   }
 
  private:
-  const study::Model& model_;
-  const study::SessionOptions& options_;
-  std::vector<study::Contestant> contestants_;
+  const Model& model_;
+  const SessionOptions& options_;
+  std::vector<Contestant> contestants_;
 };
 
-const study::ProductionForm kLinear{"production without hierarchy", std::nullopt, false, false};
+const ProductionForm kLinear{"production without hierarchy", std::nullopt, false, false};
 constexpr const char* kFrontier = "GPU frontier";
 
-Results run_culling(const gl::Context& context, const study::Model& model, const study::SessionOptions& options) {
+Results run_culling(const gl::Context& context, const Model& model, const SessionOptions& options) {
   Bench bench(model, options);
-  for (const study::FlatForm& form : study::flat_forms())
-    bench.add(name(form), Origin::kStudy, [&] { return study::make_flat(context, form, model.boxes); });
-  bench.add(kFrontier, Origin::kStudy, [&] { return study::Frontier::create(context, model.sah, model.boxes); });
-  const auto forms = study::production_forms();
-  for (const study::ProductionForm& form : {forms[0], forms[1], kLinear})
-    bench.add(form.name, Origin::kProduction, [&] { return study::make_production(form, model.boxes); });
-  bench.add(study::BruteForce::name(), Origin::kBaseline,
-            [&] { return std::make_unique<study::BruteForce>(model.boxes); });
+  for (const FlatForm& form : flat_forms())
+    bench.add(name(form), Origin::kStudy, [&] { return make_flat(context, form, model.boxes); });
+  bench.add(kFrontier, Origin::kStudy, [&] { return Frontier::create(context, model.sah, model.boxes); });
+  const auto forms = production_forms();
+  for (const ProductionForm& form : {forms[0], forms[1], kLinear})
+    bench.add(form.name, Origin::kProduction, [&] { return make_production(form, model.boxes); });
+  bench.add(BruteForce::name(), Origin::kBaseline, [&] { return std::make_unique<BruteForce>(model.boxes); });
   return bench.run(model.paths.front());
 }
 
 // --- figure 5.14: whole frames ---------------------------------------------------------------------------------------
 
 /// Each box of a cylinder gets one along its longest side.
-core::Expected<core::Scene> cylinders_of(const study::Model& model) {
+core::Expected<core::Scene> cylinders_of(const Model& model) {
   core::Scene scene;
   for (std::size_t i = 0; i < model.kinds.size(); ++i) {
-    if (model.kinds[i] != kCylinderKind) continue;
+    if (model.kinds[i] != bench::kCylinders) continue;
     const core::dvec3 low(model.boxes[i].min), high(model.boxes[i].max), size = high - low;
     const int z = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2, x = (z + 1) % 3, y = (z + 2) % 3;
     core::Affine placement = core::translation(0.5 * (low + high));
@@ -191,7 +185,7 @@ class DrawCulledByGpu : public Drawing {
 
 class DrawCullingItself : public Drawing {
  public:
-  DrawCullingItself(Stage& stage, study::InDraw in_draw)
+  DrawCullingItself(Stage& stage, InDraw in_draw)
       : Drawing(stage), in_draw_(std::move(in_draw)), triangles_(stage.context.functions(), GL_PRIMITIVES_GENERATED) {}
   core::Expected<void> frame(const core::View& view) override {
     triangles_.begin();
@@ -199,11 +193,11 @@ class DrawCullingItself : public Drawing {
     triangles_.end();
     return done;
   }
-  std::uint64_t drawn() const override { return triangles_.result() / study::InDraw::kTrianglesPerCylinder; }
+  std::uint64_t drawn() const override { return triangles_.result() / InDraw::kTrianglesPerCylinder; }
   std::size_t memory_bytes() const override { return in_draw_.memory_bytes(); }
 
  private:
-  study::InDraw in_draw_;
+  InDraw in_draw_;
   gl::Query triangles_;
 };
 
@@ -215,8 +209,8 @@ core::Expected<std::unique_ptr<Method>> drawing_with(Stage& stage, core::Expecte
 }
 
 /// `path`: without sampled frames; outlives the results.
-core::Expected<Results> run_drawing(const gl::Context& context, const study::Model& model, const study::Path& path,
-                                    const study::SessionOptions& options) {
+core::Expected<Results> run_drawing(const gl::Context& context, const Model& model, const Path& path,
+                                    const SessionOptions& options) {
   auto scene = cylinders_of(model);
   if (!scene) return tl::unexpected(scene.error());
   auto made = Stage::create(context, *scene);
@@ -225,7 +219,7 @@ core::Expected<Results> run_drawing(const gl::Context& context, const study::Mod
   Bench bench(model, options);
   bench.add("no culling", Origin::kBaseline, [&] { return std::make_unique<DrawAll>(stage); });
   bench.add("GPU in the draw", Origin::kStudy, [&] {
-    return drawing_with<DrawCullingItself>(stage, study::InDraw::create(context, stage.snapshot, stage.scene));
+    return drawing_with<DrawCullingItself>(stage, InDraw::create(context, stage.snapshot, stage.scene));
   });
   for (const auto& [name, form] : {std::pair("GPU separate pass (geometry)", culling::GpuForm::kGeometry),
                                    std::pair("GPU separate pass (compute)", culling::GpuForm::kCompute)})
@@ -258,12 +252,11 @@ void print_table(const Results& r, const char* title, bool errors) {
 
 }  // namespace
 
-core::Expected<GpuResults> run_gpu(const gl::Context& context, const study::Model& model,
-                                   const study::SessionOptions& options) {
+core::Expected<GpuResults> run_gpu(const gl::Context& context, const Model& model, const SessionOptions& options) {
   GpuResults results{run_culling(context, model, options), std::nullopt};
-  if (std::find(model.kinds.begin(), model.kinds.end(), kCylinderKind) == model.kinds.end()) return results;
-  const study::Path& path = model.paths.front();
-  const study::Path unsampled{path.name, path.views, path.seconds, {}, {}};
+  if (std::find(model.kinds.begin(), model.kinds.end(), bench::kCylinders) == model.kinds.end()) return results;
+  const Path& path = model.paths.front();
+  const Path unsampled{path.name, path.views, path.seconds, {}, {}};
   auto drawing = run_drawing(context, model, unsampled, options);
   if (!drawing) return tl::unexpected(drawing.error());
   drawing->path = &path;
@@ -288,7 +281,7 @@ core::Expected<void> write_gpu_figures(const GpuResults& results, const std::fil
   };
   std::vector<const Run*> shown;
   for (const char* name :
-       {"GPU points", "GPU signed answers", kFrontier, "production", kLinear.name.c_str(), study::BruteForce::name()})
+       {"GPU points", "GPU signed answers", kFrontier, "production", kLinear.name.c_str(), BruteForce::name()})
     if (const Run* run = results.culling.find(name)) shown.push_back(run);
   if (!shown.empty())
     if (auto w = write_figure(results.culling, "5.15", shown, directory); !w) return w;
@@ -296,4 +289,4 @@ core::Expected<void> write_gpu_figures(const GpuResults& results, const std::fil
   return write_figure(*results.drawing, "5.14", all_of(*results.drawing), directory);
 }
 
-}  // namespace sightline::bench
+}  // namespace sightline::study

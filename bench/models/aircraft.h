@@ -7,7 +7,7 @@
 
 #include "sightline/core/aabb.h"
 
-namespace sightline::study {
+namespace sightline::bench {
 
 inline constexpr std::size_t kAircraftMeshes = 712823;
 
@@ -17,4 +17,4 @@ inline constexpr std::size_t kAircraftMeshes = 712823;
 /// uneven density. Depends on `count` and `seed` alone.
 std::vector<core::Aabb> make_aircraft(std::size_t count = kAircraftMeshes, std::uint64_t seed = 1);
 
-}  // namespace sightline::study
+}  // namespace sightline::bench

@@ -1,4 +1,4 @@
-// Internal to sightline-bench-study: what is printed and what is written of the study's results.
+// Internal to sightline-study: what is printed and what is written of the study's results.
 #pragma once
 
 #include <filesystem>
@@ -10,23 +10,23 @@
 #include "sightline/core/error.h"
 #include "sightline/study/session.h"
 
-namespace sightline::bench {
+namespace sightline::study {
 
 /// All paths of one model; the first is the one that everything was run on.
-using ModelResults = std::vector<study::Results>;
+using ModelResults = std::vector<Results>;
 
 /// The tables of E. T. Carlos, "Frustum Culling Híbrido Utilizando CPU e GPU" (2009), chapter 4, and ours.
 void print_tables(const std::vector<ModelResults>& all);
 /// One line a run.
 void print_runs(const std::vector<ModelResults>& all);
 
-nlohmann::ordered_json to_json(const study::Results& results);
+nlohmann::ordered_json to_json(const Results& results);
 
 /// One of the dissertation's figures: times of runs frame by frame, as CSV and SVG.
-core::Expected<void> write_figure(const study::Results& results, const std::string& figure,
-                                  const std::vector<const study::Run*>& runs, const std::filesystem::path& directory);
+core::Expected<void> write_figure(const Results& results, const std::string& figure,
+                                  const std::vector<const Run*>& runs, const std::filesystem::path& directory);
 
 /// Data and plots of figures 4.1 to 4.16, of limited depth, and of error against time. The directory must exist.
 core::Expected<void> write_figures(const ModelResults& results, const std::filesystem::path& directory);
 
-}  // namespace sightline::bench
+}  // namespace sightline::study

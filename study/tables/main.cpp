@@ -1,4 +1,4 @@
-// sightline-bench-study: the culling techniques of study/ on made-up platforms and an aircraft, beside production,
+// sightline-study: the culling techniques of study/ on made-up platforms and an aircraft, beside production,
 // other libraries and brute force, in one run. Prints the tables of E. T. Carlos, "Frustum Culling Híbrido Utilizando
 // CPU e GPU" (2009), chapters 3 and 4, with --gpu 5, and writes the data of its figures.
 #include <algorithm>
@@ -16,15 +16,15 @@
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/model.h"
 #ifdef SIGHTLINE_STUDY_HAS_GPU
-#include "sightline/bench/study_gpu.h"
+#include "sightline/study/tables/gpu.h"
 #endif
-#include "sightline/bench/study_report.h"
+#include "sightline/bench/models/aircraft.h"
+#include "sightline/bench/models/platforms.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/importers/plant/plant_generator.h"
-#include "sightline/study/aircraft.h"
-#include "sightline/study/platforms.h"
 #include "sightline/study/session.h"
+#include "sightline/study/tables/report.h"
 
 namespace {
 
@@ -98,7 +98,7 @@ study::Model from_boxes(std::string name, std::vector<core::Aabb> boxes, std::ve
 
 /// `mix`: with its proportions of kinds. Boxes in the order of insertion, relative to the snapshot's origin.
 study::Model from_scene(const std::string& name, const core::Scene& scene, int frames, double seconds,
-                        const study::Platform* mix = nullptr) {
+                        const bench::Platform* mix = nullptr) {
   const core::Snapshot snapshot(scene);
   struct Item {
     core::ItemId id;
@@ -112,20 +112,16 @@ study::Model from_scene(const std::string& name, const core::Scene& scene, int f
   std::vector<std::uint8_t> kinds;
   for (const Item& item : items) {
     boxes.push_back(snapshot.bounds().box(item.slot));
-    const core::Kind kind = snapshot.kind(item.slot);
-    kinds.push_back(kind == core::Kind::kCylinder        ? 0
-                    : kind == core::Kind::kSnout         ? 1
-                    : kind == core::Kind::kCircularTorus ? 2
-                                                         : 3);
+    kinds.push_back(bench::mix_of(snapshot.kind(item.slot)));
   }
-  if (mix != nullptr) study::mix_kinds(*mix, kinds);
+  if (mix != nullptr) bench::mix_kinds(*mix, kinds);
   return from_boxes(name, std::move(boxes), std::move(kinds), frames, seconds);
 }
 
-core::Expected<study::Model> make_platform(const study::Platform& platform, const Options& options) {
+core::Expected<study::Model> make_platform(const bench::Platform& platform, const Options& options) {
   core::Scene scene;
   importers::PlantConfig config;
-  config.items = std::max<std::uint64_t>(1000, std::uint64_t(double(platform.objects()) * options.scale));
+  config.items = bench::scaled(platform.objects(), options.scale);
   config.seed = platform.objects();
   if (auto made = importers::generate_plant(config, scene); !made) return tl::unexpected(made.error());
   if (auto done = scene.commit(); !done) return tl::unexpected(done.error());
@@ -139,7 +135,7 @@ core::Expected<std::vector<study::Model>> make_models(const Options& options) {
   const auto wanted = [&](const std::string& name) {
     return options.only.empty() || std::find(options.only.begin(), options.only.end(), name) != options.only.end();
   };
-  for (const study::Platform& p : study::kPlatforms) {
+  for (const bench::Platform& p : bench::kPlatforms) {
     if (!wanted(p.name)) continue;
     if (p.objects() != p.printed)
       std::fprintf(stderr, "%s: tables 3.1 and 3.2 add up to %llu objects, table 3.2 prints %llu\n", p.name,
@@ -156,10 +152,8 @@ core::Expected<std::vector<study::Model>> make_models(const Options& options) {
     models.push_back(from_scene(std::filesystem::path(file).stem().string(), *loaded->scene, options.frames, 60.0));
   }
   if (wanted("aircraft"))
-    models.push_back(from_boxes(
-        "aircraft",
-        study::make_aircraft(std::max<std::size_t>(1000, std::size_t(options.scale * study::kAircraftMeshes))), {},
-        options.frames, study::kAircraftSeconds));
+    models.push_back(from_boxes("aircraft", bench::make_aircraft(bench::scaled(bench::kAircraftMeshes, options.scale)),
+                                {}, options.frames, bench::kAircraftSeconds));
   if (models.empty()) return core::fail("--only: no such model; there are P-38, P-40, P-43, P-50 and aircraft");
   return models;
 }
@@ -175,9 +169,9 @@ study::SessionOptions session_of(const study::Model& model, const Options& optio
           [&model](const std::string& variant) { show_progress(model.name + ": " + variant); }};
 }
 
-bench::ModelResults run_model(const study::Model& model, const Options& options) {
+study::ModelResults run_model(const study::Model& model, const Options& options) {
   const study::SessionOptions session = session_of(model, options);
-  bench::ModelResults results{study::run_everything(model, session)};
+  study::ModelResults results{study::run_everything(model, session)};
   for (std::size_t i = 1; i < model.paths.size() && !options.tour_only; ++i)
     results.push_back(study::run_contenders(results.front(), model.paths[i], kContenders, session));
   show_progress("");
@@ -216,16 +210,16 @@ core::Expected<int> report(const Options& options, const std::vector<ResultsOfMo
 
 core::Expected<int> run_study(const Options& options) {
   std::vector<study::Model> models;
-  std::vector<bench::ModelResults> all;
+  std::vector<study::ModelResults> all;
   Json json = Json::array();
   auto done = for_each_model(models, options, [&](const study::Model& model) -> core::Expected<void> {
     all.push_back(run_model(model, options));
-    for (const study::Results& r : all.back()) json.push_back(bench::to_json(r));
+    for (const study::Results& r : all.back()) json.push_back(study::to_json(r));
     return {};
   });
   if (!done) return tl::unexpected(done.error());
-  return report(options, all, json, options.variants.empty() ? bench::print_tables : bench::print_runs,
-                bench::write_figures);
+  return report(options, all, json, options.variants.empty() ? study::print_tables : study::print_runs,
+                study::write_figures);
 }
 
 #ifdef SIGHTLINE_STUDY_HAS_GPU
@@ -233,26 +227,26 @@ core::Expected<int> run_gpu_study(const Options& options) {
   auto context = gl::Context::create_offscreen();
   if (!context) return tl::unexpected(context.error());
   std::vector<study::Model> models;
-  std::vector<bench::GpuResults> all;
+  std::vector<study::GpuResults> all;
   Json json = Json::array();
   auto done = for_each_model(models, options, [&](const study::Model& model) -> core::Expected<void> {
-    auto results = bench::run_gpu(*context, model, session_of(model, options));
+    auto results = study::run_gpu(*context, model, session_of(model, options));
     show_progress("");
     if (!results) return tl::unexpected(results.error());
-    json.push_back(bench::to_json(results->culling));
-    if (results->drawing) json.push_back(bench::to_json(*results->drawing));
+    json.push_back(study::to_json(results->culling));
+    if (results->drawing) json.push_back(study::to_json(*results->drawing));
     all.push_back(std::move(*results));
     return {};
   });
   if (!done) return tl::unexpected(done.error());
-  const auto print = [&](const std::vector<bench::GpuResults>& r) { bench::print_gpu(*context, r); };
-  return report(options, all, json, print, bench::write_gpu_figures);
+  const auto print = [&](const std::vector<study::GpuResults>& r) { study::print_gpu(*context, r); };
+  return report(options, all, json, print, study::write_gpu_figures);
 }
 #endif
 
 int run_tool(int argc, char** argv) {
   CLI::App app{"Frustum culling techniques of 2009 and before, beside production: error against time.",
-               "sightline-bench-study"};
+               "sightline-study"};
   Options options;
   app.add_flag("--tables", options.tables, "print the tables (not with --json -)");
   app.add_option("--csv", options.csv, "write figures' data, Pareto data and plots into this directory");
@@ -272,11 +266,11 @@ int run_tool(int argc, char** argv) {
 #ifdef SIGHTLINE_STUDY_HAS_GPU
   app.add_flag("--gpu", options.gpu, "the GPU techniques instead: figures 5.14 and 5.15");
   apps::describe(app,
-                 "  sightline-bench-study --tables --scale 0.05 --frames 30\n"
-                 "  sightline-bench-study --gpu --tables --scale 0.05 --frames 30 --only P-40\n");
+                 "  sightline-study --tables --scale 0.05 --frames 30\n"
+                 "  sightline-study --gpu --tables --scale 0.05 --frames 30 --only P-40\n");
   return apps::run(app, argc, argv, [&] { return options.gpu ? run_gpu_study(options) : run_study(options); });
 #else
-  apps::describe(app, "  sightline-bench-study --tables --scale 0.05 --frames 30\n");
+  apps::describe(app, "  sightline-study --tables --scale 0.05 --frames 30\n");
   return apps::run(app, argc, argv, [&] { return run_study(options); });
 #endif
 }
@@ -287,7 +281,7 @@ int main(int argc, char** argv) {
   try {
     return run_tool(argc, argv);
   } catch (const std::exception& error) {  // out of memory
-    std::fputs("sightline-bench-study: ", stderr);
+    std::fputs("sightline-study: ", stderr);
     std::fputs(error.what(), stderr);
     std::fputc('\n', stderr);
   }

@@ -1,9 +1,29 @@
-#include "sightline/study/platforms.h"
+#include "sightline/bench/models/platforms.h"
 
-namespace sightline::study {
+#include <algorithm>
+
+namespace sightline::bench {
+
+Mix mix_of(core::Kind kind) {
+  switch (kind) {
+    case core::Kind::kCylinder:
+      return kCylinders;
+    case core::Kind::kSnout:
+      return kCones;
+    case core::Kind::kCircularTorus:
+      return kTori;
+    default:
+      return kMeshes;
+  }
+}
+
+std::uint64_t scaled(std::uint64_t objects, double scale) {
+  constexpr std::uint64_t kFewest = 1000;
+  return std::max(kFewest, std::uint64_t(double(objects) * scale));
+}
 
 void mix_kinds(const Platform& platform, std::vector<std::uint8_t>& kinds) {
-  constexpr std::size_t kKinds = 4, kMeshes = 3;
+  constexpr std::size_t kKinds = 4;
   std::array<std::uint64_t, kKinds> wanted{}, have{}, missing{}, surplus{};
   std::uint64_t rest = kinds.size();
   for (std::size_t k = 0; k < kMeshes; ++k) {
@@ -40,4 +60,4 @@ void mix_kinds(const Platform& platform, std::vector<std::uint8_t>& kinds) {
   }
 }
 
-}  // namespace sightline::study
+}  // namespace sightline::bench

@@ -7,14 +7,22 @@
 #include <cstdint>
 #include <vector>
 
-namespace sightline::study {
+#include "sightline/core/primitive.h"
+
+namespace sightline::bench {
+
+/// Places of Platform::counts.
+enum Mix : std::uint8_t { kCylinders, kCones, kTori, kMeshes };
+/// kMeshes: any other kind.
+Mix mix_of(core::Kind kind);
 
 struct Platform {
   const char* name;
   std::array<std::uint64_t, 4> counts;  ///< cylinders, cones, torus slices (table 3.1), meshes (3.2)
   std::uint64_t printed;                ///< the number of objects that table 3.2 has
   double seconds;                       ///< of its path (figure 3.17)
-  std::uint64_t objects() const { return counts[0] + counts[1] + counts[2] + counts[3]; }
+  constexpr std::uint64_t primitives() const { return counts[kCylinders] + counts[kCones] + counts[kTori]; }
+  constexpr std::uint64_t objects() const { return primitives() + counts[kMeshes]; }
 };
 
 /// P-43: 280,123 objects are printed, the number of its cylinders.
@@ -24,9 +32,12 @@ inline constexpr Platform kPlatforms[] = {{"P-38", {81374, 3917, 0, 53578}, 1388
                                           {"P-50", {336591, 14192, 341168, 21484}, 713435, 92}};
 inline constexpr double kAircraftSeconds = 73;
 
-/// Changes as few kinds (0 … 3, places of Platform::counts) as it takes to have them in the platform's proportions, to
+/// The number of items that a share of a model has: at least 1000.
+std::uint64_t scaled(std::uint64_t objects, double scale);
+
+/// Changes as few kinds (of type Mix) as it takes to have them in the platform's proportions, to
 /// the item; those to be changed are spread evenly over the sequence. A box keeps its place and size: an elbow that is
 /// given as a mesh lies where the elbow would.
 void mix_kinds(const Platform& platform, std::vector<std::uint8_t>& kinds);
 
-}  // namespace sightline::study
+}  // namespace sightline::bench

@@ -1,34 +1,17 @@
-#include "sightline/study/aircraft.h"
+#include "sightline/bench/models/aircraft.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace sightline::study {
+#include "sightline/bench/models/random.h"
+
+namespace sightline::bench {
 namespace {
 
 using core::dvec3;
 
 constexpr double kLength = 63.0, kRadius = 3.1, kWingSpan = 30.0;
-
-/// SplitMix64: the same numbers everywhere.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double unit() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  }
-  double between(double low, double high) { return low + (high - low) * unit(); }
-  /// Evenly over the logarithm.
-  double size(double low, double high) { return low * std::pow(high / low, unit()); }
-  bool chance(double p) { return unit() < p; }
-
- private:
-  std::uint64_t state_;
-};
 
 class Aircraft {
  public:
@@ -162,4 +145,4 @@ std::vector<core::Aabb> make_aircraft(std::size_t count, std::uint64_t seed) {
   return Aircraft(count, seed).run();
 }
 
-}  // namespace sightline::study
+}  // namespace sightline::bench

@@ -1,31 +1,24 @@
 // The study's figures: CSV, SVG, JSON.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <map>
 #include <string>
 
 #include "sightline/apps/common/cli.h"
-#include "sightline/bench/study_report.h"
-#include "sightline/study/line_svg.h"
-#include "sightline/study/scatter_svg.h"
+#include "sightline/apps/common/svg_plot.h"
+#include "sightline/study/pareto.h"
+#include "sightline/study/tables/report.h"
 
-namespace sightline::bench {
+namespace sightline::study {
 namespace {
 
-using study::on_tree;
-using study::Origin;
-using study::Results;
-using study::Run;
-using study::Test;
-using study::Threads;
-using study::Traversal;
-using study::TreeKind;
-using study::Variant;
-using study::with_flags;
+using apps::PanelSeries;
 using Json = nlohmann::ordered_json;
+using Style = PanelSeries::Style;
 
 const char* promise_of(const Run& run) {
-  return run.promise ? study::name(*run.promise) : "none";
+  return run.promise ? name(*run.promise) : "none";
 }
 
 std::string figure_csv(const std::vector<const Run*>& runs) {
@@ -44,15 +37,25 @@ std::string figure_csv(const std::vector<const Run*>& runs) {
   return text;
 }
 
+/// Lines over frames or levels.
+std::string lines_svg(const std::string& title, const std::string& x_label, const std::string& y_label,
+                      std::vector<PanelSeries> lines) {
+  return apps::svg_panels({.title = title,
+                           .x_label = x_label,
+                           .y_label = y_label,
+                           .panels = {{"", std::move(lines)}},
+                           .log_x = false,
+                           .large = true});
+}
+
 std::string figure_svg(const Results& r, const std::string& figure, const std::vector<const Run*>& runs) {
-  study::LinePlot plot{
-      "Figure " + figure + ", " + r.model->name + ", " + r.path->name, "frame", "ms a frame", true, {}};
+  std::vector<PanelSeries> lines;
   for (const Run* run : runs) {
-    study::Line line{run->variant, {}, run->origin == Origin::kProduction};
-    for (std::size_t i = 0; i < run->ms.size(); ++i) line.points.emplace_back(double(i), run->ms[i]);
-    plot.lines.push_back(std::move(line));
+    lines.push_back({run->variant, {}, run->origin == Origin::kProduction ? Style::kHeavyLine : Style::kLine});
+    for (std::size_t i = 0; i < run->ms.size(); ++i) lines.back().points.push_back({double(i), run->ms[i], {}});
   }
-  return study::to_svg(plot);
+  return lines_svg("Figure " + figure + ", " + r.model->name + ", " + r.path->name, "frame", "ms a frame",
+                   std::move(lines));
 }
 
 core::Expected<void> write_both(const std::filesystem::path& stem, const std::string& csv, const std::string& svg) {
@@ -90,61 +93,77 @@ core::Expected<void> write_paths(const Results& r, bool aircraft, const std::fil
 
 /// Levels walked against time and against error, of the trees that limited depth was run on.
 core::Expected<void> write_depths(const Results& r, const std::filesystem::path& directory) {
-  study::LinePlot time{"Limited depth: time, " + r.model->name, "levels", "ms a frame", true, {}};
-  study::LinePlot error{"Limited depth: error, " + r.model->name, "levels", "false positives a frame", true, {}};
+  std::vector<PanelSeries> time, error;
   std::string csv = "tree,levels,fastest ms,false positives\n";
   for (const TreeKind tree : {r.best_tree, TreeKind::kSah}) {
-    study::Line times{tree == TreeKind::kSah ? "SAH" : tree == TreeKind::kMean ? "mean" : "median", {}, false};
-    study::Line errors = times;
+    PanelSeries times{tree == TreeKind::kSah ? "SAH" : tree == TreeKind::kMean ? "mean" : "median", {}, Style::kLine};
+    PanelSeries errors = times;
     for (std::size_t i = 0; i < r.variants.size(); ++i) {
       const Variant& v = r.variants[i];
       if (v.tree != tree || v.max_depth == 0xff) continue;
       const Run& run = r.runs[i];
-      times.points.emplace_back(v.max_depth, run.fastest_ms);
-      errors.points.emplace_back(v.max_depth, run.false_positives());
+      times.points.push_back({double(v.max_depth), run.fastest_ms, {}});
+      errors.points.push_back({double(v.max_depth), run.false_positives(), {}});
       csv += times.label + ',' + std::to_string(v.max_depth) + ',' + std::to_string(run.fastest_ms) + ',' +
              std::to_string(run.false_positives()) + '\n';
     }
-    time.lines.push_back(std::move(times));
-    error.lines.push_back(std::move(errors));
+    time.push_back(std::move(times));
+    error.push_back(std::move(errors));
   }
-  if (auto w = write_both(directory / ("depth_" + r.model->name), csv, study::to_svg(time)); !w) return w;
-  return apps::write_text((directory / ("depth_error_" + r.model->name + ".svg")).string(), study::to_svg(error));
+  const std::string time_svg =
+      lines_svg("Limited depth: time, " + r.model->name, "levels", "ms a frame", std::move(time));
+  if (auto w = write_both(directory / ("depth_" + r.model->name), csv, time_svg); !w) return w;
+  return apps::write_text(
+      (directory / ("depth_error_" + r.model->name + ".svg")).string(),
+      lines_svg("Limited depth: error, " + r.model->name, "levels", "false positives a frame", std::move(error)));
+}
+
+/// Groups of the plot of error against time.
+enum Group : std::size_t { kNoTree, kTree, kSahTree, kLimitedDepth, kThreads, kLossy, kProduction, kBrute, kPeers };
+constexpr std::array kGroups{"no tree",        "mean or median tree", "SAH tree",   "limited depth",
+                             "threads",        "loses visible boxes", "production", "brute force",
+                             "other libraries"};
+
+Group group_of(const Run& run) {
+  const auto has = [&run](const char* part) { return run.variant.find(part) != std::string::npos; };
+  return run.origin == Origin::kProduction ? kProduction
+         : run.origin == Origin::kPeer     ? kPeers
+         : run.origin == Origin::kBaseline ? kBrute
+         : run.false_negatives() > 0.0     ? kLossy
+         : has("depth<=")                  ? kLimitedDepth
+         : has(" x")                       ? kThreads
+         : has("SAH")                      ? kSahTree
+         : has("no tree")                  ? kNoTree
+                                           : kTree;
 }
 
 core::Expected<void> write_pareto(const Results& r, const std::filesystem::path& directory) {
-  study::ScatterPlot plot;
+  apps::PanelPlot plot;
   plot.title = "Frustum culling, " + r.model->name + " (" + std::to_string(r.model->boxes.size()) + " boxes)";
   plot.x_label = "time per frame, ms (mean over the path of the fastest pass)";
   plot.y_label = "false positives per frame (boxes that do not meet the frustum)";
-  plot.groups = {"no tree",        "mean or median tree", "SAH tree",   "limited depth",
-                 "threads",        "loses visible boxes", "production", "brute force",
-                 "other libraries"};
+  plot.large = true;
+  std::vector<PanelSeries> groups;
+  for (const char* group : kGroups) groups.push_back({group, {}, Style::kPoints});
+  std::vector<std::array<double, 2>> contenders;
   std::string csv =
       "variant,promise,fastest ms,mean ms,median ms,mean visible,false positives,false negatives,nodes,boxes,bytes\n";
   for (const Run& run : r.runs) {
     const double extra = run.false_positives(), lost = run.false_negatives();
-    const bool own = run.origin == Origin::kProduction, brute = run.origin == Origin::kBaseline;
-    const bool peer = run.origin == Origin::kPeer;
-    const auto has = [&run](const char* part) { return run.variant.find(part) != std::string::npos; };
-    plot.points.push_back({run.fastest_ms, extra, run.variant,
-                           own              ? 6
-                           : peer           ? 8
-                           : brute          ? 7
-                           : lost > 0.0     ? 5
-                           : has("depth<=") ? 3
-                           : has(" x")      ? 4
-                           : has("SAH")     ? 2
-                           : has("no tree") ? 0
-                                            : 1,
-                           run.variant == "production" || brute || peer, lost == 0.0});
+    const bool named = run.variant == "production" || run.origin == Origin::kBaseline || run.origin == Origin::kPeer;
+    groups[group_of(run)].points.push_back({run.fastest_ms, extra, named ? run.variant : "", run.variant});
+    if (lost == 0.0) contenders.push_back({run.fastest_ms, extra});
     char line[256];
     std::snprintf(line, sizeof(line), ",%s,%.6f,%.6f,%.6f,%.1f,%.2f,%.2f,%.0f,%.0f,%zu\n", promise_of(run),
                   run.fastest_ms, run.mean_ms, run.median_ms, run.mean_visible, extra, lost, run.mean_nodes,
                   run.mean_boxes, run.memory_bytes);
     csv += run.variant + line;
   }
-  return write_both(directory / ("pareto_" + r.model->name), csv, study::to_svg(plot));
+  PanelSeries front{"", {}, Style::kDashes};
+  for (const std::size_t i : pareto_front(contenders)) front.points.push_back({contenders[i][0], contenders[i][1], {}});
+  groups.insert(groups.begin(), std::move(front));
+  plot.panels = {{"", std::move(groups)}};
+  return write_both(directory / ("pareto_" + r.model->name), csv, apps::svg_panels(plot));
 }
 
 }  // namespace
@@ -188,4 +207,4 @@ core::Expected<void> write_figures(const ModelResults& results, const std::files
   return write_pareto(r, directory);
 }
 
-}  // namespace sightline::bench
+}  // namespace sightline::study
