@@ -36,7 +36,7 @@ cat >"$report" <<HEAD
 Times of different sections were measured at different times: compare within a table.
 HEAD
 
-hybrid=("$bin/sightline-bench-hybrid" --frames "$frames" --size "$size")
+hybrid=("$bin/sightline-bench" hybrid --frames "$frames" --size "$size")
 section "Table 6.1: platforms and aircraft, rendering off and on"
 show "${hybrid[@]}" --scale "$scale" --passes "$passes" --csv "$out/figures" --json "$out/table_6_1.json"
 
@@ -51,7 +51,7 @@ section "What frames culled by the GPU cost the CPU, by the number of items"
 counts=""
 for n in 100000 713000 5000000; do counts+="${counts:+,}$(whole "$scale" "$n")"; done
 for form in geometry compute; do
-  show "$bin/sightline-bench-hybrid" --submission "$counts" --gpu-pass "$form" --frames "$frames" --size "$size" \
+  show "$bin/sightline-bench" hybrid --submission "$counts" --gpu-pass "$form" --frames "$frames" --size "$size" \
     --json "$out/submission_$form.json"
 done
 
@@ -76,13 +76,13 @@ for n in 713000 5000000; do
   "$bin/sightline-replay" "$out/plant_$items.rvm" --record-both "$trace" --frames "$frames" --size "$size" >>"$report" 2>&1
   traces+=("$trace")
 done
-show "$bin/sightline-bench-controller" "${traces[@]}" --seeds 1 --plot "$out/regret.svg"
+show "$bin/sightline-bench" controller "${traces[@]}" --seeds 1 --plot "$out/regret.svg"
 
 section "Error against time: triangles and ray-cast primitives, kind by kind and in models (MODELS names files, VIEWS a folder of views)"
-show "$bin/sightline-bench-error-time" --json "$out/error_time.json" --plot "$out/error_time"
+show "$bin/sightline-bench" error-time --json "$out/error_time.json" --plot "$out/error_time"
 read -ra models <<<"${MODELS:-}"
 if [ ${#models[@]} -gt 0 ]; then
-  show "$bin/sightline-bench-error-time" "${models[@]}" ${VIEWS:+--views "$VIEWS"} --size "$size" --json "$out/error_time_models.json" \
+  show "$bin/sightline-bench" error-time "${models[@]}" ${VIEWS:+--views "$VIEWS"} --size "$size" --json "$out/error_time_models.json" \
     --plot "$out/error_time_models"
 fi
 

@@ -1,5 +1,6 @@
 #include "sightline/bench/harness.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <filesystem>
@@ -62,14 +63,21 @@ core::Expected<std::vector<core::View>> read_views(const std::string& path) {
   return views;
 }
 
+CLI::Option* add_generate_option(CLI::App& app, std::size_t& count) {
+  return app.add_option("--generate", count, "So many boxes of a made-up plant of 400 x 100 x 60 m")
+      ->check(CLI::Range(1, 50'000'000));
+}
+
+CLI::Option* add_views_option(CLI::App& app, std::string& file) {
+  return app.add_option("--views", file, "float64, 16 per frame: column-major clip_from_world, clip space -1...1");
+}
+
 void add_input_options(CLI::App& app, Input& input) {
   CLI::Option_group* source = app.add_option_group("boxes");
   source->add_option("--boxes", input.boxes, "float32 min x y z, max x y z per item");
-  source->add_option("--generate", input.generate, "so many boxes of a made-up plant of 400 x 100 x 60 m")
-      ->check(CLI::Range(1, 50'000'000));
+  add_generate_option(*source, input.generate);
   source->require_option(1);
-  app.add_option("--views", input.views, "float64, 16 per frame: column-major clip_from_world, clip space -1...1")
-      ->required();
+  add_views_option(app, input.views)->required();
 }
 
 core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input) {
@@ -88,15 +96,6 @@ core::ItemBounds in_production_order(std::span<const core::Aabb> boxes) {
 void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order) {
   bounds.resize(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[order.empty() ? i : order[i]]);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const std::size_t mid = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(mid), values.end());
-  const double upper = values[mid];
-  if (values.size() % 2 == 1) return upper;
-  return 0.5 * (upper + *std::max_element(values.begin(), values.begin() + std::ptrdiff_t(mid)));
 }
 
 }  // namespace sightline::bench

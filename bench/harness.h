@@ -1,20 +1,21 @@
-// What the culling benchmarks share: boxes and views from files or made up, and times of a camera path.
+// What the benchmarks share: boxes and views from files or made up, the clock, and times of a camera path.
 #pragma once
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "sightline/apps/common/statistics.h"
 #include "sightline/core/error.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace sightline::bench {
 
@@ -22,6 +23,11 @@ namespace sightline::bench {
 core::Expected<std::vector<core::Aabb>> read_boxes(const std::string& path);
 /// Little-endian float64, 16 per view: column-major clip_from_world, clip space -1 ... 1.
 core::Expected<std::vector<core::View>> read_views(const std::string& path);
+
+/// --generate, into `count`.
+CLI::Option* add_generate_option(CLI::App& app, std::size_t& count);
+/// --views, into `file`.
+CLI::Option* add_views_option(CLI::App& app, std::string& file);
 
 /// Where boxes and views come from.
 struct Input {
@@ -35,6 +41,7 @@ core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input);
 /// Boxes in the given order (empty: as they come).
 void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order);
 
+/// Since some moment.
 inline double milliseconds() {
   using Clock = std::chrono::steady_clock;
   return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
@@ -43,9 +50,7 @@ inline double milliseconds() {
 /// Boxes in the order that production culls them in.
 core::ItemBounds in_production_order(std::span<const core::Aabb> boxes);
 
-double median(std::vector<double> values);
-
-inline constexpr std::size_t kPasses = 3;
+inline constexpr std::size_t kPasses = 3;  ///< of time_path()
 
 /// call(0) … call(count - 1) on each pass; one time per call, the median over the passes.
 template <class Call>
@@ -60,7 +65,7 @@ std::vector<double> time_path(std::size_t count, const Call& call) {
   }
   std::vector<double> times;
   times.reserve(count);
-  for (const auto& of_view : passes) times.push_back(median(of_view));
+  for (const auto& of_view : passes) times.push_back(apps::median(of_view));
   return times;
 }
 

@@ -14,9 +14,17 @@
 
 namespace sightline::apps {
 
+void add_examples(CLI::App& app, const std::string& examples) {
+  app.footer("Examples:\n" + examples);
+}
+
 void describe(CLI::App& app, const std::string& examples) {
   app.set_version_flag("--version", std::string("sightline ") + SIGHTLINE_VERSION);
-  app.footer("Examples:\n" + examples);
+  add_examples(app, examples);
+}
+
+void add_json_option(CLI::App& app, std::string& file) {
+  app.add_option("--json", file, "Write the figures as JSON to FILE, or - for stdout")->option_text("FILE");
 }
 
 int run(CLI::App& app, int argc, char** argv, const std::function<core::Expected<int>()>& body) {
@@ -80,6 +88,10 @@ core::Expected<void> write_text(const std::string& file, const std::string& text
     return {};
   }
   return core::write_file(file, {std::as_bytes(std::span(text))});
+}
+
+std::FILE* table_stream(const std::string& file) {
+  return file == "-" ? stderr : stdout;
 }
 
 }  // namespace sightline::apps

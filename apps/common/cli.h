@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdio>
 #include <functional>
 #include <string>
 
@@ -18,8 +19,12 @@ inline constexpr int kExitOk = 0;
 inline constexpr int kExitFailure = 1;  ///< bad input or a failed comparison
 inline constexpr int kExitUsage = 2;
 
-/// Adds --version, and `examples` below the help text.
+/// Puts `examples`, lines that begin with two spaces, below the help text.
+void add_examples(CLI::App& app, const std::string& examples);
+/// Adds --version and examples.
 void describe(CLI::App& app, const std::string& examples);
+/// --json FILE, into `file`.
+void add_json_option(CLI::App& app, std::string& file);
 
 /// Parses and runs a tool. Its error becomes one line on stderr and exit 1; bad usage exit 2; what a library below us
 /// throws (no memory) exit 1.
@@ -53,5 +58,14 @@ core::Expected<void> make_directory(const std::string& path);
 
 /// Writes text to a file, or to stdout for "-".
 core::Expected<void> write_text(const std::string& file, const std::string& text);
+
+/// Writes to a file as write_text() does; nothing where `file` is empty.
+template <class Json>
+core::Expected<void> write_json(const std::string& file, const Json& json) {
+  return file.empty() ? core::Expected<void>() : write_text(file, to_text(json));
+}
+
+/// For people to read: stdout, or stderr where `file` is "-" and other output goes to stdout.
+std::FILE* table_stream(const std::string& file);
 
 }  // namespace sightline::apps

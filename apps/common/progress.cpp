@@ -30,4 +30,9 @@ Progress::~Progress() {
   if (shown_ >= 0) std::fprintf(stderr, "\r%*s\r", int(label_.size()) + 50, "");
 }
 
+void show_step(const std::string& what) {
+  static const bool terminal = isatty(STDERR_FILENO) != 0;
+  if (terminal) std::fprintf(stderr, "\r\033[K%s", what.c_str());
+}
+
 }  // namespace sightline::apps

@@ -23,4 +23,8 @@ class Progress {
   bool terminal_;
 };
 
+/// Names what is being done, in a line on stderr that the next one replaces; empty: clears it. Silent when that is no
+/// terminal.
+void show_step(const std::string& what);
+
 }  // namespace sightline::apps

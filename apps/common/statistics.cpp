@@ -6,15 +6,26 @@
 
 namespace sightline::apps {
 
-Summary summarise(std::vector<double> samples) {
+double median(std::vector<double> samples) {
+  if (samples.empty()) return 0.0;
+  const auto middle = samples.begin() + std::ptrdiff_t(samples.size() / 2);
+  std::nth_element(samples.begin(), middle, samples.end());
+  if (samples.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(samples.begin(), middle));
+}
+
+double percentile(std::vector<double> samples, double share) {
+  if (samples.empty()) return 0.0;
+  const auto rank = std::size_t(std::ceil(share * double(samples.size())));
+  const auto at = samples.begin() + std::ptrdiff_t(std::clamp<std::size_t>(rank, 1, samples.size()) - 1);
+  std::nth_element(samples.begin(), at, samples.end());
+  return *at;
+}
+
+Summary summarise(const std::vector<double>& samples) {
   if (samples.empty()) return {};
-  std::sort(samples.begin(), samples.end());
-  const auto rank = [&](double share) {
-    const auto i = std::size_t(std::ceil(share * double(samples.size())));
-    return samples[std::clamp<std::size_t>(i, 1, samples.size()) - 1];
-  };
-  return {std::accumulate(samples.begin(), samples.end(), 0.0) / double(samples.size()), rank(0.5), rank(0.99),
-          samples.back()};
+  return {std::accumulate(samples.begin(), samples.end(), 0.0) / double(samples.size()), median(samples),
+          percentile(samples, 0.99), *std::max_element(samples.begin(), samples.end())};
 }
 
 }  // namespace sightline::apps

@@ -1,16 +1,22 @@
-// Summaries of measured times.
+// Summaries of measured times and other samples.
 #pragma once
 
 #include <vector>
 
 namespace sightline::apps {
 
+/// The mean of the two in the middle where the number of samples is even. 0 for none.
+double median(std::vector<double> samples);
+
+/// The least sample that at least `share` (0 … 1) of all are not above (nearest rank). 0 for none.
+double percentile(std::vector<double> samples, double share);
+
 struct Summary {
   double mean = 0.0, median = 0.0, p99 = 0.0, max = 0.0;
 };
 
-/// Of any number of samples; all zero for none. Percentiles are nearest-rank.
-Summary summarise(std::vector<double> samples);
+/// Of any number of samples; all zero for none.
+Summary summarise(const std::vector<double>& samples);
 
 template <class Json>
 Json to_json(const Summary& s) {

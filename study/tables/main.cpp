@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/progress.h"
 #ifdef SIGHTLINE_STUDY_HAS_GPU
 #include "sightline/study/tables/gpu.h"
 #endif
@@ -158,15 +157,9 @@ core::Expected<std::vector<study::Model>> make_models(const Options& options) {
   return models;
 }
 
-/// What is being timed; silent when stderr is no terminal.
-void show_progress(const std::string& what) {
-  static const bool terminal = isatty(STDERR_FILENO) != 0;
-  if (terminal) std::fprintf(stderr, "\r\033[K%s", what.c_str());
-}
-
 study::SessionOptions session_of(const study::Model& model, const Options& options) {
   return {options.passes, options.variants,
-          [&model](const std::string& variant) { show_progress(model.name + ": " + variant); }};
+          [&model](const std::string& variant) { apps::show_step(model.name + ": " + variant); }};
 }
 
 study::ModelResults run_model(const study::Model& model, const Options& options) {
@@ -174,7 +167,7 @@ study::ModelResults run_model(const study::Model& model, const Options& options)
   study::ModelResults results{study::run_everything(model, session)};
   for (std::size_t i = 1; i < model.paths.size() && !options.tour_only; ++i)
     results.push_back(study::run_contenders(results.front(), model.paths[i], kContenders, session));
-  show_progress("");
+  apps::show_step("");
   return results;
 }
 
@@ -198,13 +191,11 @@ core::Expected<int> report(const Options& options, const std::vector<ResultsOfMo
                            const Print& print, const WriteFigures& write_figures) {
   if (options.tables && options.json != "-") print(all);
   if (!options.csv.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(options.csv, error);
+    if (auto made = apps::make_directory(options.csv); !made) return tl::unexpected(made.error());
     for (const ResultsOfModel& r : all)
       if (auto w = write_figures(r, options.csv); !w) return tl::unexpected(w.error());
   }
-  if (!options.json.empty())
-    if (auto w = apps::write_text(options.json, apps::to_text(json)); !w) return tl::unexpected(w.error());
+  if (auto w = apps::write_json(options.json, json); !w) return tl::unexpected(w.error());
   return apps::kExitOk;
 }
 
@@ -231,7 +222,7 @@ core::Expected<int> run_gpu_study(const Options& options) {
   Json json = Json::array();
   auto done = for_each_model(models, options, [&](const study::Model& model) -> core::Expected<void> {
     auto results = study::run_gpu(*context, model, session_of(model, options));
-    show_progress("");
+    apps::show_step("");
     if (!results) return tl::unexpected(results.error());
     json.push_back(study::to_json(results->culling));
     if (results->drawing) json.push_back(study::to_json(*results->drawing));
@@ -244,13 +235,10 @@ core::Expected<int> run_gpu_study(const Options& options) {
 }
 #endif
 
-int run_tool(int argc, char** argv) {
-  CLI::App app{"Frustum culling techniques of 2009 and before, beside production: error against time.",
-               "sightline-study"};
-  Options options;
+void add_options(CLI::App& app, Options& options) {
   app.add_flag("--tables", options.tables, "print the tables (not with --json -)");
   app.add_option("--csv", options.csv, "write figures' data, Pareto data and plots into this directory");
-  app.add_option("--json", options.json, "write all figures to this file, or - for standard output");
+  apps::add_json_option(app, options.json);
   app.add_option("--frames", options.frames, "frames per path")->check(CLI::Range(2, 100000));
   app.add_option("--passes", options.passes, "times each path is flown; medians count")->check(CLI::Range(1, 1000));
   app.add_option("--samples", options.samples, "frames that errors are counted on")->check(CLI::Range(1, 100000));
@@ -265,25 +253,23 @@ int run_tool(int argc, char** argv) {
   app.add_option("--model", options.files.files, "real models besides (RVM, OBJ), each on its own");
 #ifdef SIGHTLINE_STUDY_HAS_GPU
   app.add_flag("--gpu", options.gpu, "the GPU techniques instead: figures 5.14 and 5.15");
-  apps::describe(app,
-                 "  sightline-study --tables --scale 0.05 --frames 30\n"
-                 "  sightline-study --gpu --tables --scale 0.05 --frames 30 --only P-40\n");
-  return apps::run(app, argc, argv, [&] { return options.gpu ? run_gpu_study(options) : run_study(options); });
-#else
-  apps::describe(app, "  sightline-study --tables --scale 0.05 --frames 30\n");
-  return apps::run(app, argc, argv, [&] { return run_study(options); });
 #endif
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run_tool(argc, argv);
-  } catch (const std::exception& error) {  // out of memory
-    std::fputs("sightline-study: ", stderr);
-    std::fputs(error.what(), stderr);
-    std::fputc('\n', stderr);
-  }
-  return apps::kExitFailure;
+  CLI::App app{"Frustum culling techniques of 2009 and before, beside production: error against time.",
+               "sightline-study"};
+  apps::describe(app,
+                 "  sightline-study --tables --scale 0.05 --frames 30\n"
+                 "  sightline-study --tables --only P-40 --csv figures --json study.json");
+  Options options;
+  add_options(app, options);
+  return apps::run(app, argc, argv, [&] {
+#ifdef SIGHTLINE_STUDY_HAS_GPU
+    if (options.gpu) return run_gpu_study(options);
+#endif
+    return run_study(options);
+  });
 }

@@ -1,4 +1,4 @@
-// sightline-bench-cull on boxes and views made here, against a plain test of the six clip planes.
+// sightline-bench cull on boxes and views made here, against a plain test of the six clip planes.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -79,9 +79,9 @@ class BenchCull : public ToolTest {
   }
 
   Json bench(const Args& more) const {
-    Args args = {"--boxes", box_file, "--views", view_file};
+    Args args = {"cull", "--boxes", box_file, "--views", view_file};
     args.insert(args.end(), more.begin(), more.end());
-    return run_json("bench-cull", args);
+    return run_json("bench", args);
   }
 
   std::vector<std::uint32_t> ids(const std::string& folder, std::size_t frame) const {
@@ -96,7 +96,7 @@ class BenchCull : public ToolTest {
   }
 
   void expect_bad(const std::string& boxes_at, const std::string& views_at, const std::string& named) const {
-    expect_failure("bench-cull", {"--boxes", boxes_at, "--views", views_at, "--json", "-"}, named);
+    expect_failure("bench", {"cull", "--boxes", boxes_at, "--views", views_at, "--json", "-"}, named);
   }
 
   std::vector<Box> boxes;
@@ -166,10 +166,10 @@ TEST_F(BenchCull, CullersAndOutputsAgree) {
 
 TEST_F(BenchCull, TakesNoBoxesAndNoViews) {
   const std::string empty = write("empty", "");
-  const Json no_boxes = run_json("bench-cull", {"--boxes", empty, "--views", view_file});
+  const Json no_boxes = run_json("bench", {"cull", "--boxes", empty, "--views", view_file});
   EXPECT_EQ(no_boxes["items"], 0);
   EXPECT_EQ(no_boxes["frames"].size(), views.size());
-  EXPECT_EQ(run_json("bench-cull", {"--boxes", box_file, "--views", empty})["frames"].size(), 0u);
+  EXPECT_EQ(run_json("bench", {"cull", "--boxes", box_file, "--views", empty})["frames"].size(), 0u);
 }
 
 TEST_F(BenchCull, RefusesDamagedFiles) {
@@ -195,19 +195,19 @@ TEST_F(BenchCull, RefusesWhatItCannotReadOrWrite) {
     expect_bad(box_file, bad, bad);
   }
   const std::string bad = unwritable("out");
-  expect_failure("bench-cull", {"--boxes", box_file, "--views", view_file, "--json", bad}, bad);
-  expect_failure("bench-cull", {"--boxes", box_file, "--views", view_file, "--ids-out", bad}, bad);
+  expect_failure("bench", {"cull", "--boxes", box_file, "--views", view_file, "--json", bad}, bad);
+  expect_failure("bench", {"cull", "--boxes", box_file, "--views", view_file, "--ids-out", bad}, bad);
 }
 
 TEST_F(BenchCull, RefusesBadOptions) {
-  const Args files = {"--boxes", box_file, "--views", view_file};
+  const Args files = {"cull", "--boxes", box_file, "--views", view_file};
   for (const auto& [option, value] : std::vector<std::pair<std::string, std::string>>{
            {"--culler", "magic"}, {"--output", "both"}, {"--threads", "0"}, {"--threads", "x"}}) {
     Args args = files;
     args.insert(args.end(), {option, value});
-    expect_usage_error("bench-cull", args, option);
+    expect_usage_error("bench", args, option);
   }
-  expect_usage_error("bench-cull", {"--boxes", box_file}, "--views");
+  expect_usage_error("bench", {"cull", "--boxes", box_file}, "--views");
 }
 
 }  // namespace

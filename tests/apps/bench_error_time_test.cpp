@@ -1,10 +1,10 @@
-// sightline-bench-error-time as a user runs it: finer triangles are nearer to the truth, and rays nearest.
+// sightline-bench error-time as a user runs it: finer triangles are nearer to the truth, and rays nearest.
 #include "sightline/tests/apps/render_test.h"
 
 namespace sightline::tests {
 namespace {
 
-const Args kQuick = {"--size", "160x120", "--segments", "8,32", "--passes", "1"};
+const Args kQuick = {"error-time", "--size", "160x120", "--segments", "8,32", "--passes", "1"};
 
 Args quick(std::initializer_list<std::string> more) {
   Args args = kQuick;
@@ -15,8 +15,8 @@ Args quick(std::initializer_list<std::string> more) {
 using BenchErrorTime = RenderTest;
 
 TEST_F(BenchErrorTime, MeasuresKinds) {
-  const Json json = run_json("bench-error-time", quick({"--only", "cylinder,box", "--pictures", "1", "--samples", "2",
-                                                        "--csv", path("kinds.csv"), "--plot", path("kinds")}));
+  const Json json = run_json("bench", quick({"--only", "cylinder,box", "--pictures", "1", "--samples", "2", "--csv",
+                                             path("kinds.csv"), "--plot", path("kinds")}));
   ASSERT_EQ(json["kinds"].size(), 4u);  // two sizes each
   for (const Json& kind : json["kinds"]) {
     SCOPED_TRACE(kind["primitive"].get<std::string>() + " " + kind["pixels"].dump());
@@ -44,8 +44,7 @@ TEST_F(BenchErrorTime, MeasuresKinds) {
 
 TEST_F(BenchErrorTime, MeasuresModels) {
   const Json json =
-      run_json("bench-error-time",
-               quick({plant(1000), "--reference", "64", "--csv", path("plant.csv"), "--plot", path("plant")}));
+      run_json("bench", quick({plant(1000), "--reference", "64", "--csv", path("plant.csv"), "--plot", path("plant")}));
   ASSERT_EQ(json["models"].size(), 1u);
   ASSERT_EQ(json["models"][0]["views"].size(), 3u);
   for (const Json& view : json["models"][0]["views"]) {
@@ -69,18 +68,18 @@ TEST_F(BenchErrorTime, TakesViewsByTheModelsName) {
   write("views/" + stem + "_first.json", view);
   write("views/" + stem + "_second.json", view);
   write("views/other_third.json", view);
-  const Json json = run_json("bench-error-time", quick({model, "--views", path("views"), "--reference", "64"}));
+  const Json json = run_json("bench", quick({model, "--views", path("views"), "--reference", "64"}));
   ASSERT_EQ(json["models"][0]["views"].size(), 2u);
   EXPECT_EQ(json["models"][0]["views"][0]["view"], "first");
 }
 
 TEST_F(BenchErrorTime, RefusesWhatMakesNoSense) {
-  expect_usage_error("bench-error-time", {"--only", "line"}, "line");
-  expect_usage_error("bench-error-time", {"--segments", "2"}, "--segments");
-  expect_failure("bench-error-time", {"--size", "100x200"}, "--size", true);
-  expect_failure("bench-error-time", {path("none.rvm")}, "none.rvm", true);
+  expect_usage_error("bench", {"error-time", "--only", "line"}, "line");
+  expect_usage_error("bench", {"error-time", "--segments", "2"}, "--segments");
+  expect_failure("bench", {"error-time", "--size", "100x200"}, "--size", true);
+  expect_failure("bench", {"error-time", path("none.rvm")}, "none.rvm", true);
   fs::create_directories(path("empty"));
-  expect_failure("bench-error-time", quick({plant(1000), "--views", path("empty")}), "has no view", true);
+  expect_failure("bench", quick({plant(1000), "--views", path("empty")}), "has no view", true);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// sightline-bench-hybrid as a user runs it: every method sees the same, and figures hang together.
+// sightline-bench hybrid as a user runs it: every method sees the same, and figures hang together.
 #include "sightline/tests/apps/render_test.h"
 
 namespace sightline::tests {
@@ -6,7 +6,7 @@ namespace {
 
 using BenchHybrid = RenderTest;
 
-const Args kQuick = {"--frames", "6", "--passes", "1", "--block", "4", "--warm-up", "1", "--size", "32x24"};
+const Args kQuick = {"hybrid", "--frames", "6", "--passes", "1", "--block", "4", "--warm-up", "1", "--size", "32x24"};
 
 Args quick(std::initializer_list<const char*> more) {
   Args args = kQuick;
@@ -16,8 +16,7 @@ Args quick(std::initializer_list<const char*> more) {
 
 TEST_F(BenchHybrid, FliesGeneratedScenesWithEveryMethod) {
   const std::string figures = path("figures");
-  const Json json =
-      run_json("bench-hybrid", quick({"--only", "P-40,aircraft", "--scale", "0.015", "--csv", figures.c_str()}));
+  const Json json = run_json("bench", quick({"--only", "P-40,aircraft", "--scale", "0.015", "--csv", figures.c_str()}));
   ASSERT_EQ(json["runs"].size(), 4u);  // off and on
   for (const Json& run : json["runs"]) {
     SCOPED_TRACE(run["model"].get<std::string>() + " " + run["rendering"].get<std::string>());
@@ -43,7 +42,7 @@ TEST_F(BenchHybrid, FliesGeneratedScenesWithEveryMethod) {
 }
 
 TEST_F(BenchHybrid, FliesModelsAndLeavesTheGpuOutOfSmallOnes) {
-  const Json json = run_json("bench-hybrid", quick({plant(3000).c_str(), "--rendering", "on"}));
+  const Json json = run_json("bench", quick({plant(3000).c_str(), "--rendering", "on"}));
   ASSERT_EQ(json["runs"].size(), 1u);
   EXPECT_EQ(json["runs"][0]["model"], "plant-3000-1");
   EXPECT_EQ(json["runs"][0]["modes"][2]["culler"], "cpu");
@@ -51,17 +50,17 @@ TEST_F(BenchHybrid, FliesModelsAndLeavesTheGpuOutOfSmallOnes) {
 
 /// The number of GL calls is the CPU's work in a unit that no load changes.
 TEST_F(BenchHybrid, SubmittingTakesNoMoreCallsForMoreItems) {
-  const Json rows = run_json("bench-hybrid", quick({"--submission", "3000,20000"}))["submission"];
+  const Json rows = run_json("bench", quick({"--submission", "3000,20000"}))["submission"];
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_GT(rows[1]["visible"].get<double>(), 3.0 * rows[0]["visible"].get<double>());
   EXPECT_LT(rows[1]["gl_calls"].get<double>(), 1.5 * rows[0]["gl_calls"].get<double>());
 }
 
 TEST_F(BenchHybrid, RefusesWhatMakesNoSense) {
-  expect_usage_error("bench-hybrid", {"--only", "P-39"}, "P-39");
-  expect_usage_error("bench-hybrid", {"--scale", "nan"}, "--scale");
-  expect_failure("bench-hybrid", {path("none.rvm")}, "none.rvm", true);
-  expect_failure("bench-hybrid", {"--csv", unwritable("figures")}, "cannot be made", true);
+  expect_usage_error("bench", {"hybrid", "--only", "P-39"}, "P-39");
+  expect_usage_error("bench", {"hybrid", "--scale", "nan"}, "--scale");
+  expect_failure("bench", {"hybrid", path("none.rvm")}, "none.rvm", true);
+  expect_failure("bench", {"hybrid", "--csv", unwritable("figures")}, "cannot be made", true);
 }
 
 }  // namespace

@@ -8,7 +8,6 @@ class EveryTool : public ToolTest, public ::testing::WithParamInterface<std::str
  protected:
   /// Arguments without which the tool refuses to start, naming files that need not exist.
   Args required() const {
-    if (GetParam() == "bench-cull") return {"--boxes", path("boxes"), "--views", path("views")};
     if (GetParam() == "convert") return {path("model.rvm"), path("out.rvm")};
     return {path("model.rvm")};
   }
@@ -42,8 +41,7 @@ TEST_P(EveryTool, RefusesAnUnknownFlag) {
 }
 
 TEST_P(EveryTool, RefusesMissingArguments) {
-  // Without a model these make their own scenes.
-  if (GetParam() != "bench-hybrid" && GetParam() != "bench-error-time") expect_usage_error(GetParam(), {}, "required");
+  expect_usage_error(GetParam(), {}, "required");
   expect_usage_error(GetParam(), required_and({"--json"}), "--json");
 }
 

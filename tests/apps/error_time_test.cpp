@@ -1,6 +1,6 @@
 // What error against time is measured with: sample errors against a twin that tries all pairs, rays of a field, and the
 // tessellated scene.
-#include "sightline/bench/error_time.h"
+#include "sightline/bench/error_time/error_time.h"
 
 #include <cmath>
 #include <numbers>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/bench/error_time_field.h"
-#include "sightline/bench/tessellated_scene.h"
+#include "sightline/bench/error_time/field.h"
+#include "sightline/bench/error_time/tessellated_scene.h"
 
 namespace sightline::bench {
 namespace {

@@ -1,10 +1,9 @@
-// The scenes of sightline-bench-hybrid: kinds to the item, and boxes where they belong.
-#include "sightline/bench/hybrid_scenes.h"
-
+// The scenes of sightline-bench hybrid: kinds to the item, and boxes where they belong.
 #include <array>
 
 #include <gtest/gtest.h>
 
+#include "sightline/bench/hybrid/scenes.h"
 #include "sightline/bench/models/aircraft.h"
 #include "sightline/importers/plant/plant_generator.h"
 

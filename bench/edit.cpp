@@ -1,0 +1,341 @@
+// sightline-bench edit: what edits cost, and what they leave of culling speed until a new order lands.
+//
+// A plant of cylinders and boxes. Of each kind of edit, a share of all items is edited per commit: times of the commit
+// in its parts (validation by the scene, snapshot, culler), and of culling along a path before, after, and in the new
+// order that the engine would land. Then an engine, edited and culled frame by frame while its rebuild runs.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <numbers>
+#include <numeric>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/cli.h"
+#include "sightline/bench/harness.h"
+#include "sightline/bench/models/plant_boxes.h"
+#include "sightline/bench/subcommands.h"
+#include "sightline/core/scene.h"
+#include "sightline/core/snapshot.h"
+#include "sightline/culling/cpu_culler.h"
+#include "sightline/engine/engine.h"
+
+namespace sightline::bench {
+namespace {
+
+using core::ItemId;
+using core::Snapshot;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kItemsPerNode = 25;  // a pipe run or so
+constexpr int kPathPasses = 7;
+
+struct Options {
+  std::size_t items = 1'000'000;
+  double share = 0.01;
+  int commits = 5;
+  std::string views, json;
+};
+
+enum class Edit { kMoveNear, kMoveFar, kInsert, kRemove, kHide, kShow };
+constexpr std::pair<Edit, const char*> kEdits[] = {{Edit::kMoveNear, "move 1 m"}, {Edit::kMoveFar, "move far"},
+                                                   {Edit::kInsert, "insert"},     {Edit::kRemove, "remove"},
+                                                   {Edit::kHide, "hide"},         {Edit::kShow, "show"}};
+
+// --- the plant -------------------------------------------------------------------------------------------------------
+
+struct Plant {
+  explicit Plant(std::size_t count) : boxes(PlantBoxes(1).make(count)) {
+    core::NodeId node;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i % kItemsPerNode == 0) node = scene.add_node(scene.root());
+      add(node, boxes[i], {});
+    }
+  }
+
+  /// A box, or the cylinder within it.
+  void add(core::NodeId node, const core::Aabb& box, const core::dvec3& offset) {
+    const core::dvec3 low(box.min), high(box.max), size = high - low;
+    const core::Affine at = core::translation(0.5 * (low + high) + offset);
+    const core::Affine stretched{core::dmat3(size.x, 0, 0, 0, size.y, 0, 0, 0, size.z), at.origin};
+    if (scene.item_slots() % 2 == 0)
+      scene.add_primitive(node, core::Box{float(size.x), float(size.y), float(size.z)}, at);
+    else
+      scene.add_primitive(node, core::Cylinder{0.5f, 1.0f}, stretched);
+  }
+
+  core::Scene scene;
+  std::vector<core::Aabb> boxes;
+};
+
+/// Edits `count` items, picked at random, each once per commit.
+class Editor {
+ public:
+  Editor(Plant& plant, std::uint64_t seed) : plant_(plant), random_(seed) {}
+
+  void edit(Edit kind, std::size_t count) {
+    core::Scene& scene = plant_.scene;
+    for (std::size_t i = 0; i < count; ++i) {
+      const ItemId item = pick(kind == Edit::kShow);
+      const core::dvec3 far(spread(0, 400), spread(0, 100), spread(0, 60));
+      switch (kind) {
+        case Edit::kMoveNear:
+          move(item, scene.placement(item).origin + core::dvec3(spread(-1, 1), spread(-1, 1), spread(-1, 1)));
+          break;
+        case Edit::kMoveFar:
+          move(item, far);
+          break;
+        case Edit::kInsert: {
+          const core::Aabb& box = plant_.boxes[random_() % plant_.boxes.size()];
+          plant_.add(scene.node_of(item), box, {spread(-1, 1), spread(-1, 1), spread(-1, 1)});
+          break;
+        }
+        case Edit::kRemove:
+          scene.remove_item(item);
+          break;
+        case Edit::kHide:
+          scene.set_visible(item, false);
+          break;
+        case Edit::kShow:
+          scene.set_visible(item, true);
+          break;
+      }
+    }
+  }
+
+ private:
+  ItemId pick(bool hidden) {
+    for (;;) {
+      const ItemId item = ItemId(random_() % plant_.scene.item_slots());
+      if (plant_.scene.contains_item(item) && plant_.scene.item_visible(item) != hidden) return item;
+    }
+  }
+  double spread(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  void move(ItemId item, const core::dvec3& to) {
+    core::Affine placement = plant_.scene.placement(item);
+    placement.origin = to;
+    plant_.scene.set_placement(item, placement);
+  }
+
+  Plant& plant_;
+  std::mt19937_64 random_;
+};
+
+/// Once around and through the plant, as near as a walk.
+std::vector<core::View> orbit() {
+  std::vector<core::View> views;
+  constexpr int kFrames = 500;
+  for (int i = 0; i < kFrames; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / kFrames, near = 0.5 + 0.5 * std::cos(3.0 * turn);
+    const core::dvec3 target(200 + 150 * std::cos(2.0 * turn), 50, 20);
+    const core::dvec3 eye = target + core::dvec3(std::cos(turn), std::sin(turn), 0.3) * (20.0 + 300.0 * near);
+    views.push_back(*core::View::perspective({eye, target, {0, 0, 1}}, 0.9, 16.0 / 9.0, 0.1));
+  }
+  return views;
+}
+
+// --- one kind of edit ------------------------------------------------------------------------------------------------
+
+struct Subject {
+  explicit Subject(Snapshot s) : snapshot(std::move(s)), culler(snapshot.bounds()) {}
+  Subject(const Subject&) = delete;
+  Subject& operator=(const Subject&) = delete;
+  Snapshot snapshot;
+  culling::CpuCuller culler;
+};
+
+struct Path {
+  double mean_ms = 0.0, mean_visible = 0.0;
+};
+
+/// In turns, so that what else the machine does meets all alike. Medians over the passes of the means along the path.
+std::vector<Path> time_paths(const std::vector<const Subject*>& subjects, const std::vector<core::View>& views) {
+  std::vector<std::vector<double>> times(subjects.size());
+  std::vector<Path> paths(subjects.size());
+  core::VisibleSet set;
+  for (int pass = -1; pass < kPathPasses; ++pass) {
+    for (std::size_t i = 0; i < subjects.size(); ++i) {
+      const double start = milliseconds();
+      for (const core::View& view : views) subjects[i]->culler.cull(view, set);
+      if (pass >= 0) times[i].push_back((milliseconds() - start) / double(views.size()));
+    }
+  }
+  for (std::size_t i = 0; i < subjects.size(); ++i) {
+    paths[i].mean_ms = apps::median(times[i]);
+    for (const core::View& view : views) {
+      subjects[i]->culler.cull(view, set);
+      paths[i].mean_visible += double(subjects[i]->snapshot.count(set)) / double(views.size());
+    }
+  }
+  return paths;
+}
+
+Snapshot in_new_order(const Snapshot& snapshot) {
+  Snapshot::Items items;
+  snapshot.copy(0, core::Slot(snapshot.size()), items);
+  return Snapshot(snapshot, std::move(items));
+}
+
+core::Expected<Json> measure(Edit kind, const char* name, const Options& options,
+                             const std::vector<core::View>& views) {
+  Plant plant(options.items);
+  Editor editor(plant, 1);
+  const std::size_t count = std::max<std::size_t>(1, std::size_t(double(options.items) * options.share));
+  if (kind == Edit::kShow) editor.edit(Edit::kHide, count * std::size_t(options.commits) * 2);
+  if (auto delta = plant.scene.commit(); !delta) return tl::unexpected(delta.error());
+  const Subject before{Snapshot(plant.scene)};
+  Subject edited{Snapshot(plant.scene)};
+
+  std::vector<double> scene_ms, snapshot_ms, culler_ms, total_ms;
+  Json first;
+  for (int commit = 0; commit < options.commits; ++commit) {
+    editor.edit(kind, count);
+    const double start = milliseconds();
+    const auto delta = plant.scene.commit();
+    if (!delta) return tl::unexpected(delta.error());
+    const double validated = milliseconds();
+    const std::vector<core::Slot> touched = edited.snapshot.apply(*delta);
+    const double applied = milliseconds();
+    edited.culler.update(touched);
+    const double end = milliseconds();
+    scene_ms.push_back(validated - start);
+    snapshot_ms.push_back(applied - validated);
+    culler_ms.push_back(end - applied);
+    total_ms.push_back(end - start);
+    if (commit > 0 && commit + 1 < options.commits) continue;
+    const Subject landed(in_new_order(edited.snapshot));
+    const std::vector<Path> paths = time_paths({&before, &edited, &landed}, views);
+    Json culling{{"commits", commit + 1},
+                 {"before_ms", paths[0].mean_ms},
+                 {"after_ms", paths[1].mean_ms},
+                 {"landed_ms", paths[2].mean_ms},
+                 {"after_over_before", paths[1].mean_ms / paths[0].mean_ms},
+                 {"after_over_landed", paths[1].mean_ms / paths[2].mean_ms},
+                 {"visible_before", paths[0].mean_visible},
+                 {"visible_after", paths[1].mean_visible},
+                 {"visible_landed", paths[2].mean_visible},
+                 {"slots", edited.snapshot.size()},
+                 {"disorder", edited.snapshot.disorder()}};
+    if (commit == 0) first = culling;
+    if (commit + 1 < options.commits) continue;
+    return Json{{"edit", name},
+                {"items_per_commit", count},
+                {"commit_ms", apps::median(total_ms)},
+                {"commit_ms_worst", *std::max_element(total_ms.begin(), total_ms.end())},
+                {"scene_ms", apps::median(scene_ms)},
+                {"snapshot_ms", apps::median(snapshot_ms)},
+                {"culler_ms", apps::median(culler_ms)},
+                {"culling_after_one", first},
+                {"culling_after_all", culling}};
+  }
+  return core::fail("no commits");
+}
+
+// --- frames while the engine rebuilds --------------------------------------------------------------------------------
+
+core::Expected<Json> measure_rebuild(const Options& options, const std::vector<core::View>& views) {
+  Plant plant(options.items);
+  Editor editor(plant, 2);
+  const std::size_t count = std::max<std::size_t>(1, std::size_t(double(options.items) * options.share));
+  auto engine = engine::Engine::create(plant.scene);
+  if (!engine) return tl::unexpected(engine.error());
+  struct Longest {
+    double frame = 0.0, commit = 0.0;
+    int frames = 0;
+  } quiet, busy;
+  std::size_t at = 0;
+  double started = 0.0, duration = 0.0;
+  for (int round = 0; duration == 0.0 && round < 100'000; ++round) {
+    const bool was = engine->rebuilding();
+    Longest& longest = was ? busy : quiet;
+    // A tenth of a share a frame goes on while the rebuild runs: what an application that plays a motion would do.
+    editor.edit(Edit::kMoveFar, std::max<std::size_t>(1, was ? count / 10 : count));
+    const std::uint64_t generation = engine->snapshot().generation();
+    const double start = milliseconds();
+    if (auto done = engine->commit(); !done) return tl::unexpected(done.error());
+    const double committed = milliseconds();
+    if (auto frame = engine->frame(views[at++ % views.size()]); !frame) return tl::unexpected(frame.error());
+    const double end = milliseconds();
+    if (round > 0) {
+      longest.commit = std::max(longest.commit, committed - start);
+      longest.frame = std::max(longest.frame, end - committed);
+      ++longest.frames;
+    }
+    if (!was && engine->rebuilding()) started = end;
+    if (engine->snapshot().generation() != generation) duration = end - started;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the rest of an application's frame
+  }
+  return Json{{"rebuild_ms", duration},
+              {"frames_meanwhile", busy.frames},
+              {"longest_frame_ms", busy.frame},
+              {"longest_commit_ms", busy.commit},
+              {"items_per_commit_meanwhile", count / 10},
+              {"longest_frame_ms_before", quiet.frame},
+              {"longest_commit_ms_before", quiet.commit}};
+}
+
+void print_table(const Json& json, std::FILE* out) {
+  std::fprintf(out, "%zu items, %zu edited per commit; culling in ms per view, mean over %zu views\n",
+               json["items"].get<std::size_t>(), json["edits"][0]["items_per_commit"].get<std::size_t>(),
+               json["views"].get<std::size_t>());
+  std::fprintf(out, "%-9s %6s = scene + snapshot + culler | cull before   after  ratio  landed | after %d: ratio\n",
+               "edit", "commit", json["commits"].get<int>());
+  for (const Json& e : json["edits"]) {
+    const Json &one = e["culling_after_one"], &all = e["culling_after_all"];
+    std::fprintf(out, "%-9s %6.2f  %6.2f  %9.2f  %7.2f |      %7.4f %7.4f %6.2f %7.4f |    %10.2f\n",
+                 e["edit"].get<std::string>().c_str(), e["commit_ms"].get<double>(), e["scene_ms"].get<double>(),
+                 e["snapshot_ms"].get<double>(), e["culler_ms"].get<double>(), one["before_ms"].get<double>(),
+                 one["after_ms"].get<double>(), one["after_over_landed"].get<double>(), one["landed_ms"].get<double>(),
+                 all["after_over_landed"].get<double>());
+  }
+  const Json& r = json["rebuild"];
+  std::fprintf(
+      out, "rebuild in the background: %.0f ms, %d frames meanwhile, longest frame %.3f ms, longest commit %.2f ms\n",
+      r["rebuild_ms"].get<double>(), r["frames_meanwhile"].get<int>(), r["longest_frame_ms"].get<double>(),
+      r["longest_commit_ms"].get<double>());
+}
+
+core::Expected<int> run(const Options& options) {
+  auto views = options.views.empty() ? core::Expected<std::vector<core::View>>(orbit()) : read_views(options.views);
+  if (!views) return tl::unexpected(views.error());
+  if (views->empty()) return core::fail(options.views + ": no views");
+  Json json{{"items", options.items}, {"commits", options.commits}, {"views", views->size()}};
+  for (const auto& [kind, name] : kEdits) {
+    auto figures = measure(kind, name, options, *views);
+    if (!figures) return tl::unexpected(figures.error());
+    json["edits"].push_back(std::move(*figures));
+  }
+  auto rebuild = measure_rebuild(options, *views);
+  if (!rebuild) return tl::unexpected(rebuild.error());
+  json["rebuild"] = std::move(*rebuild);
+  print_table(json, apps::table_stream(options.json));
+  return finish(options.json, json);
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--items", options.items, "items of a made-up plant of 400 x 100 x 60 m")
+      ->check(CLI::Range(100, 20'000'000))
+      ->capture_default_str();
+  app.add_option("--share", options.share, "of the items, edited per commit")
+      ->check(CLI::Range(1e-6, 0.1))
+      ->capture_default_str();
+  app.add_option("--commits", options.commits, "of each kind of edit, one after the other")
+      ->check(CLI::Range(1, 9))
+      ->capture_default_str();
+  add_views_option(app, options.views);
+  apps::add_json_option(app, options.json);
+  apps::add_examples(app, "  sightline-bench edit --items 1000000 --share 0.01 --views views.f64 --json -");
+}
+
+}  // namespace
+
+Run add_edit(CLI::App& app) {
+  return add_subcommand<Options>(app, add_options, run);
+}
+
+}  // namespace sightline::bench

@@ -1,0 +1,42 @@
+// What a form of some primitives shows at every sample of a picture, and how wrong that is.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sightline/apps/common/statistics.h"
+#include "sightline/core/conventions.h"
+
+namespace sightline::bench {
+
+/// Rows top to bottom.
+struct SampleImage {
+  int width = 0, height = 0;
+  std::vector<double> depth;        ///< metres along the view axis, infinity where nothing is hit
+  std::vector<core::vec3> normals;  ///< unit length, in eye space, towards the eye
+
+  SampleImage(int w, int h);
+  bool hit(std::size_t i) const;
+};
+
+struct SampleErrors {
+  std::uint64_t hits = 0;                              ///< samples that the reference hits
+  std::uint64_t false_hits = 0, false_misses = 0;      ///< samples
+  apps::Summary depth;                                 ///< |z - z_ref| / z_ref where both hit
+  apps::Summary normal;                                ///< degrees, where both hit
+  double silhouette_mean = 0.0, silhouette_max = 0.0;  ///< pixels
+
+  std::uint64_t wrong() const { return false_hits + false_misses; }
+};
+
+/// Distances of silhouettes are taken no further than this, pixels.
+inline constexpr int kFarthestSilhouette = 40;
+
+/// Errors of `image` against `reference`, of equal size with `samples_per_pixel` >= 1 along each axis.
+///
+/// The silhouette of a picture is its hit samples with a neighbour (of four) that is none. Between two silhouettes the
+/// mean is that of the distances of all samples of either to the nearest one of the other, the maximum the Hausdorff
+/// distance. What moves by less than a sample changes only some samples, so the mean resolves far less than one.
+SampleErrors compare_samples(const SampleImage& reference, const SampleImage& image, int samples_per_pixel);
+
+}  // namespace sightline::bench

@@ -1,0 +1,31 @@
+// Internal to sightline-bench hybrid: what is printed and written of its flights.
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "sightline/bench/hybrid/flight.h"
+
+namespace sightline::bench {
+
+/// One row of table 6.1 of E. T. Carlos, "Frustum Culling Híbrido Utilizando CPU e GPU" (2009), and what it lacks.
+struct HybridRow {
+  double processed = 0.0;                                  ///< frames in the path's seconds at this rate
+  double least_fps = 0.0, most_fps = 0.0, mean_fps = 0.0;  ///< of frames; the mean is frames over time
+  double mean_ms = 0.0, median_ms = 0.0, visible = 0.0;    ///< per frame
+  double to_cpu = 0.0, to_better = 0.0;                    ///< HybridRun::ratio
+  double gpu_share = 0.0, switches = 0.0, probes = 0.0;    ///< means over the passes
+};
+HybridRow row_of(const HybridRun& run, std::size_t mode);
+
+void print(const HybridRun& run, std::FILE* out);
+nlohmann::ordered_json to_json(const HybridRun& run);
+
+/// The run's frames as CSV; the first pass as a trace of both paths (apps/common/controller_trace.h); and the plots of
+/// the figures, frames per second along the path: 6.1 or 6.2 (CPU and GPU) and 6.5 or 6.6 (the hybrid) with rendering
+/// off, 6.7 with it on. The directory must exist.
+core::Expected<void> write_figures(const HybridRun& run, const std::filesystem::path& directory);
+
+}  // namespace sightline::bench

@@ -1,0 +1,101 @@
+// sightline-bench import: how fast model files become scenes, on one thread.
+//
+// Held equal: the file's bytes lie in memory (read once before, from the page cache), a new scene for every pass, the
+// commit is timed apart. A figure is the median over the passes.
+
+#include "sightline/importers/import.h"
+
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/common/statistics.h"
+#include "sightline/bench/harness.h"
+#include "sightline/bench/subcommands.h"
+
+namespace sightline::bench {
+namespace {
+
+struct Options {
+  std::vector<std::string> files;
+  std::string json;
+  int passes = 5;
+  bool no_sharing = false;
+  importers::ImportOptions import;
+};
+
+struct Figures {
+  std::string file;
+  std::uint64_t bytes = 0, items = 0, shared = 0, scene_bytes = 0;
+  double import_ms = 0.0, commit_ms = 0.0;
+  double megabytes_per_s() const { return double(bytes) / 1e3 / import_ms; }
+};
+
+core::Expected<Figures> measure(const std::string& file, int passes, const importers::ImportOptions& options) {
+  Figures figures{.file = file};
+  std::vector<double> import_ms, commit_ms;
+  for (int pass = 0; pass < passes; ++pass) {
+    core::Scene scene;
+    const double begin = milliseconds();
+    const auto report = importers::import_file(file, scene, scene.root(), options);
+    import_ms.push_back(milliseconds() - begin);
+    if (!report) return tl::unexpected(report.error());
+    const double committing = milliseconds();
+    if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
+    commit_ms.push_back(milliseconds() - committing);
+    figures.bytes = report->bytes;
+    figures.items = scene.item_count();
+    figures.shared = report->shared_meshes;
+    figures.scene_bytes = scene.memory_bytes();
+  }
+  figures.import_ms = apps::median(import_ms);
+  figures.commit_ms = apps::median(commit_ms);
+  return figures;
+}
+
+core::Expected<int> run(const Options& options) {
+  importers::ImportOptions import = options.import;
+  if (options.no_sharing) import.copies = importers::MeshCopies::kApart;
+  nlohmann::json json = nlohmann::json::array();
+  std::FILE* out = apps::table_stream(options.json);
+  std::fprintf(out, "%9s %9s %10s %9s %9s %9s %9s  file\n", "MB", "MB/s", "import ms", "commit ms", "items", "shared",
+               "scene MB");
+  for (const std::string& file : options.files) {
+    const auto f = measure(file, options.passes, import);
+    if (!f) return tl::unexpected(f.error());
+    std::fprintf(out, "%9.2f %9.1f %10.2f %9.2f %9llu %9llu %9.1f  %s\n", double(f->bytes) / 1e6, f->megabytes_per_s(),
+                 f->import_ms, f->commit_ms, (unsigned long long)f->items, (unsigned long long)f->shared,
+                 double(f->scene_bytes) / 1e6, file.c_str());
+    json.push_back({{"file", file},
+                    {"bytes", f->bytes},
+                    {"mb_per_s", f->megabytes_per_s()},
+                    {"import_ms", f->import_ms},
+                    {"commit_ms", f->commit_ms},
+                    {"items", f->items},
+                    {"shared_meshes", f->shared},
+                    {"scene_bytes", f->scene_bytes}});
+  }
+  return finish(options.json, json);
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("FILE", options.files, "Model files, each measured by itself")->required();
+  app.add_option("--passes", options.passes, "Imports per file")->capture_default_str()->check(CLI::Range(1, 1000));
+  app.add_flag("--no-sharing", options.no_sharing, "Leave equal meshes apart");
+  apps::add_import_options(app, options.import);
+  apps::add_json_option(app, options.json);
+  apps::add_examples(app,
+                     "  sightline-bench import plant.rvm bunny.ply\n"
+                     "  sightline-bench import --passes 9 --json - a.obj");
+}
+
+}  // namespace
+
+Run add_import(CLI::App& app) {
+  return add_subcommand<Options>(app, add_options, run);
+}
+
+}  // namespace sightline::bench

@@ -1,0 +1,56 @@
+// sightline-bench: what Sightline's parts cost, and how well they do. One subcommand each.
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "sightline/apps/common/cli.h"
+#include "sightline/bench/subcommands.h"
+
+namespace {
+
+using namespace sightline;
+
+struct Subcommand {
+  const char *name, *description;
+  bench::Run (*add)(CLI::App&);
+};
+
+constexpr Subcommand kSubcommands[] = {
+    {"cull", "frustum culling alone, on boxes and views from files", bench::add_cull},
+    {"views", "what several views at once, section planes and layers cost the culler", bench::add_views},
+    {"edit", "what edits cost, and what they leave of culling speed", bench::add_edit},
+    {"controller", "how close the hybrid culler's controller comes to the best choice of every frame",
+     bench::add_controller},
+    {"import", "how fast model files are imported", bench::add_import},
+#if SIGHTLINE_HAS_GOOGLE_BENCHMARK
+    {"queries", "spatial queries through the hierarchy against a loop over all boxes", bench::add_queries},
+    {"intersect", "what a ray against one analytic primitive costs on the CPU", bench::add_intersect},
+#endif
+#if SIGHTLINE_HAS_GL
+    {"gpu-cull", "the forms of the GPU culler against each other", bench::add_gpu_cull},
+    {"hybrid", "frames culled by the CPU, the GPU and the hybrid, in turns: rendering off and on", bench::add_hybrid},
+    {"error-time", "error of tessellated and ray-cast primitives against their run time", bench::add_error_time},
+    {"proxies", "pixels that ray-cast primitives run shaders for, beside those they show", bench::add_proxies},
+#endif
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("What Sightline's parts cost, and how well they do", "sightline-bench");
+  apps::describe(app,
+                 "  sightline-bench cull --help\n"
+                 "  sightline-bench cull --generate 713000 --views views.f64 --verify");
+  app.require_subcommand(1);
+  std::vector<std::pair<CLI::App*, bench::Run>> subcommands;
+  for (const auto& [name, description, add] : kSubcommands) {
+    CLI::App* subcommand = app.add_subcommand(name, description);
+    subcommands.emplace_back(subcommand, add(*subcommand));
+  }
+  return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
+    for (const auto& [subcommand, run] : subcommands)
+      if (subcommand->parsed()) return run();
+    return core::fail("no subcommand");
+  });
+}

@@ -1,0 +1,73 @@
+#include "sightline/bench/microbenchmarks.h"
+
+#include <iostream>
+#include <sstream>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <benchmark/benchmark.h>
+
+#include "sightline/apps/common/cli.h"
+
+namespace sightline::bench {
+namespace {
+
+/// The library's table and its JSON at once. Its own way to write a file ends the process when that fails.
+class Reporter : public benchmark::BenchmarkReporter {
+ public:
+  explicit Reporter(std::ostream& table) {
+    table_.SetOutputStream(&table);
+    table_.SetErrorStream(&table);
+    json_.SetOutputStream(&text_);
+    json_.SetErrorStream(&text_);
+  }
+  bool ReportContext(const Context& context) override {
+    return table_.ReportContext(context) && json_.ReportContext(context);
+  }
+  void ReportRuns(const std::vector<Run>& runs) override {
+    table_.ReportRuns(runs);
+    json_.ReportRuns(runs);
+  }
+  void Finalize() override {
+    table_.Finalize();
+    json_.Finalize();
+  }
+  std::string json() const { return text_.str(); }
+
+ private:
+  benchmark::ConsoleReporter table_{benchmark::ConsoleReporter::OO_Tabular};
+  benchmark::JSONReporter json_;
+  std::ostringstream text_;
+};
+
+}  // namespace
+
+void add_microbenchmark_options(CLI::App& app, MicrobenchmarkOptions& options) {
+  app.add_option("--filter", options.filter, "Those alone whose names match this regular expression");
+  app.add_option("--min-time", options.min_time, "Seconds that each is run for at least")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->capture_default_str();
+  app.add_option("--repetitions", options.repetitions, "Of each; from 2 on with mean, median and deviation")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  apps::add_json_option(app, options.json);
+}
+
+core::Expected<int> run_microbenchmarks(const MicrobenchmarkOptions& options) {
+  std::vector<std::string> arguments{"sightline-bench", "--benchmark_min_time=" + std::to_string(options.min_time),
+                                     "--benchmark_repetitions=" + std::to_string(options.repetitions)};
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  int argc = int(argv.size());
+  benchmark::Initialize(&argc, argv.data());
+  Reporter reporter(options.json == "-" ? std::cerr : std::cout);
+  const std::size_t count = benchmark::RunSpecifiedBenchmarks(&reporter, options.filter);
+  benchmark::ClearRegisteredBenchmarks();
+  if (count == 0) return core::fail("--filter " + options.filter + ": matches no benchmark");
+  if (!options.json.empty())
+    if (auto written = apps::write_text(options.json, reporter.json()); !written)
+      return tl::unexpected(written.error());
+  return apps::kExitOk;
+}
+
+}  // namespace sightline::bench

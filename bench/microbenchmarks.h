@@ -1,0 +1,27 @@
+// A function's time over many inputs, by Google Benchmark.
+#pragma once
+
+#include <string>
+
+#include "sightline/core/error.h"
+
+namespace CLI {
+class App;
+}
+
+namespace sightline::bench {
+
+struct MicrobenchmarkOptions {
+  std::string filter = ".", json;
+  double min_time = 0.5;  ///< seconds
+  int repetitions = 1;
+};
+
+/// --filter, --min-time, --repetitions, --json.
+void add_microbenchmark_options(CLI::App& app, MicrobenchmarkOptions& options);
+
+/// Runs what was registered with benchmark::RegisterBenchmark(), and forgets it: a table, and the library's JSON where
+/// the options ask for it. Fails when the filter matches nothing.
+core::Expected<int> run_microbenchmarks(const MicrobenchmarkOptions& options);
+
+}  // namespace sightline::bench

@@ -1,0 +1,48 @@
+// The subcommands of sightline-bench. Each function gives `app` the subcommand's options and examples.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "sightline/apps/common/cli.h"
+#include "sightline/core/error.h"
+
+namespace sightline::bench {
+
+/// Runs once the options are parsed; the program's exit code.
+using Run = std::function<core::Expected<int>()>;
+
+Run add_controller(CLI::App& app);
+Run add_cull(CLI::App& app);
+Run add_edit(CLI::App& app);
+Run add_import(CLI::App& app);
+Run add_views(CLI::App& app);
+
+// Built where Google Benchmark is.
+Run add_intersect(CLI::App& app);
+Run add_queries(CLI::App& app);
+
+// Built where GL is.
+Run add_error_time(CLI::App& app);
+Run add_gpu_cull(CLI::App& app);
+Run add_hybrid(CLI::App& app);
+Run add_proxies(CLI::App& app);
+
+/// What such a function is made of: options that live as long as the parser and the run.
+template <class Options>
+Run add_subcommand(CLI::App& app, void (*add_options)(CLI::App&, Options&),
+                   core::Expected<int> (*run)(const Options&)) {
+  const auto options = std::make_shared<Options>();
+  add_options(app, *options);
+  return [options, run] { return run(*options); };
+}
+
+/// How a run ends: writes its figures where --json wants them.
+template <class Json>
+core::Expected<int> finish(const std::string& json_file, const Json& json) {
+  if (auto written = apps::write_json(json_file, json); !written) return tl::unexpected(written.error());
+  return apps::kExitOk;
+}
+
+}  // namespace sightline::bench

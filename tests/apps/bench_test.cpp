@@ -1,0 +1,121 @@
+// What every subcommand of sightline-bench promises on its command line, and quick runs of those without tests of their
+// own.
+#include "sightline/tests/apps/tool_test.h"
+
+namespace sightline::tests {
+namespace {
+
+class Bench : public ToolTest {
+ protected:
+  /// The names that --help lists.
+  std::vector<std::string> subcommands() const {
+    const Outcome outcome = run("bench", {"--help"});
+    EXPECT_EQ(outcome.code, 0) << outcome;
+    std::istringstream help(outcome.out.substr(outcome.out.find("Subcommands:")));
+    std::vector<std::string> names;
+    std::string line;
+    std::getline(help, line);
+    while (std::getline(help, line) && !line.empty()) names.push_back(line.substr(2, line.find(' ', 2) - 2));
+    return names;
+  }
+
+  /// One view from outside a made-up plant.
+  std::string view_file() const {
+    const std::array<double, 16> clip_from_world = {0.01, 0, 0, 0, 0, 0.01, 0, 0, 0, 0, -0.01, 0, -1, -1, 0, 1};
+    return write("views.f64", std::string(reinterpret_cast<const char*>(clip_from_world.data()), 128));
+  }
+};
+
+TEST_F(Bench, ListsItsSubcommands) {
+  const std::vector<std::string> names = subcommands();
+  for (const char* name : {"cull", "views", "edit", "controller", "import"})
+    EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+  const auto with_gl = std::count(names.begin(), names.end(), "hybrid");
+  for (const char* name : {"gpu-cull", "error-time", "proxies"})
+    EXPECT_EQ(std::count(names.begin(), names.end(), name), with_gl) << name;
+}
+
+TEST_F(Bench, EverySubcommandHasHelpWithExamples) {
+  for (const std::string& name : subcommands()) {
+    const Outcome outcome = run("bench", {name, "--help"});
+    EXPECT_EQ(outcome.code, 0) << outcome;
+    EXPECT_EQ(outcome.err, "");
+    const std::size_t examples = outcome.out.find("Examples:");
+    ASSERT_NE(examples, std::string::npos) << outcome;
+    EXPECT_NE(outcome.out.find("sightline-bench " + name, examples), std::string::npos) << outcome;
+    EXPECT_NE(outcome.out.find("--json"), std::string::npos) << outcome;
+    expect_usage_error("bench", {name, "--json"}, "--json");
+  }
+}
+
+TEST_F(Bench, RefusesWhatItDoesNotKnow) {
+  expect_usage_error("bench", {}, "subcommand");
+  expect_usage_error("bench", {"no-such-subcommand"}, "subcommand");
+  expect_usage_error("bench", {"edit", "--no-such-flag"}, "--no-such-flag");
+  EXPECT_EQ(run("bench", {"--version"}).code, 0);
+}
+
+TEST_F(Bench, MeasuresViews) {
+  const Json json = run_json("bench", {"views", "--generate", "2000", "--views", view_file()});
+  EXPECT_EQ(json["items"], 2000);
+  ASSERT_EQ(json["rows"].size(), 13u);
+  EXPECT_GT(json["rows"][0]["mean_visible"], 0.0);
+}
+
+TEST_F(Bench, MeasuresEdits) {
+  const Json json = run_json("bench", {"edit", "--items", "2000", "--commits", "1", "--views", view_file()});
+  EXPECT_EQ(json["edits"].size(), 6u);
+  EXPECT_GT(json["rebuild"]["rebuild_ms"], 0.0);
+}
+
+TEST_F(Bench, MeasuresImports) {
+  const Json json = run_json("bench", {"import", plant(1000), "--passes", "1"});
+  ASSERT_EQ(json.size(), 1u);
+  EXPECT_EQ(json[0]["items"], 1000);
+  expect_failure("bench", {"import", path("none.rvm")}, "none.rvm");
+}
+
+TEST_F(Bench, MeasuresTheController) {
+  const Json json = run_json("bench", {"controller", "--seeds", "1", "--plot", path("regret.svg")});
+  ASSERT_GT(json["traces"].size(), 5u);
+  for (const Json& trace : json["traces"]) EXPECT_GE(trace["frame-cost"]["chosen_to_oracle"], 1.0) << trace;
+  EXPECT_GT(read_bytes(path("regret.svg")).size(), 500u);
+  const std::string views = view_file(), recorded = path("recorded.csv");
+  EXPECT_EQ(run("bench", {"controller", "--record", recorded, "--items", "2000", "--views", views}).code, 0);
+  EXPECT_EQ(run("bench", {"controller", recorded, "--seeds", "1"}).code, 0);
+}
+
+/// The names of the benchmarks that Google Benchmark ran.
+std::vector<std::string> names_of(const Json& json) {
+  std::vector<std::string> names;
+  for (const Json& run : json["benchmarks"]) {
+    names.push_back(run["name"]);
+    EXPECT_GT(run["real_time"], 0.0) << run;
+  }
+  return names;
+}
+
+TEST_F(Bench, RunsMicrobenchmarks) {
+  const std::vector<std::string> known = subcommands();
+  if (std::find(known.begin(), known.end(), "queries") == known.end()) GTEST_SKIP() << "without Google Benchmark";
+  const Json queries = run_json("bench", {"queries", "--generate", "2000", "--filter", "box", "--min-time", "0.001"});
+  EXPECT_EQ(names_of(queries),
+            (std::vector<std::string>{"intersecting a box of 2 m/hierarchy", "intersecting a box of 2 m/linear",
+                                      "intersecting a box of 20 m/hierarchy", "intersecting a box of 20 m/linear",
+                                      "inside a box of 20 m/hierarchy", "inside a box of 20 m/linear"}));
+  for (const Json& run : queries["benchmarks"]) EXPECT_GT(run["found"], 0.0) << run;
+  const Json rays = run_json("bench", {"intersect", "--rays", "1000", "--filter", "^box", "--min-time", "0.001"});
+  EXPECT_EQ(names_of(rays), (std::vector<std::string>{"box/double", "box/float"}));
+  for (const Json& run : rays["benchmarks"]) {
+    EXPECT_GT(run["hit"], 0.1) << run;
+    const double rays_ms = 1e3 * 1e3 * run["per ray"].get<double>(), ms = run["cpu_time"];
+    EXPECT_NEAR(rays_ms, ms, 1e-3 * ms) << run;
+  }
+  const std::string bad = unwritable("out.json");
+  const Args quick = {"intersect", "--rays", "1000", "--filter", "^box/double", "--min-time", "0.001", "--json", bad};
+  EXPECT_EQ(run("bench", quick).code, 1);
+  EXPECT_EQ(run("bench", {"intersect", "--rays", "1000", "--filter", "no such name"}).code, 1);
+}
+
+}  // namespace
+}  // namespace sightline::tests
