@@ -9,7 +9,7 @@
 
 #include "sightline/apps/common/camera_control.h"
 #include "sightline/gl/context.h"
-#include "sightline/gl/framebuffer.h"
+#include "sightline/gl/internal/framebuffer.h"
 
 struct GLFWwindow;
 

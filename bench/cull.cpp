@@ -22,15 +22,15 @@
 #include "sightline/bench/brute_force.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
-#include "sightline/core/bvh_build.h"
 #include "sightline/core/error.h"
-#include "sightline/core/instruction_set.h"
+#include "sightline/core/internal/bvh_build.h"
+#include "sightline/core/internal/instruction_set.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/internal/slot_list.h"
 #include "sightline/culling/linear_culler.h"
-#include "sightline/culling/slot_list.h"
 
 namespace sightline::bench {
 namespace {

@@ -19,7 +19,7 @@
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/culling/cpu_culler.h"
-#include "sightline/culling/gpu/gpu_culler.h"
+#include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/importers/plant/plant_generator.h"
 
 namespace sightline::bench {
@@ -108,8 +108,8 @@ core::Expected<Json> measure(const gl::Context& context, std::uint64_t items, co
     const double visible = double(subject.visible) / double(views.size());
     const std::string form(name_of(subject.culler.form()));
     const std::size_t bytes = subject.culler.bounds_memory_bytes();
-    std::fprintf(out, "  %-8s %8.3f ms (%.2f), submission %8.3f ms, boxes %11zu bytes, %9.0f visible\n", form.c_str(), total,
-                ratio, submit, bytes, visible);
+    std::fprintf(out, "  %-8s %8.3f ms (%.2f), submission %8.3f ms, boxes %11zu bytes, %9.0f visible\n", form.c_str(),
+                 total, ratio, submit, bytes, visible);
     rows.push_back({{"form", form},
                     {"total_ms", total},
                     {"submit_ms", submit},

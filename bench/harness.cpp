@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "sightline/bench/models/plant_boxes.h"
-#include "sightline/core/bvh_build.h"
+#include "sightline/core/internal/bvh_build.h"
 #include "sightline/culling/hierarchy.h"
 
 static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");

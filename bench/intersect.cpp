@@ -13,9 +13,9 @@
 #include "sightline/apps/common/cli.h"
 #include "sightline/bench/microbenchmarks.h"
 #include "sightline/bench/subcommands.h"
-#include "sightline/core/instruction_set.h"
-#include "sightline/gpuprims/cylinder_rays.h"
-#include "sightline/gpuprims/primitives.h"
+#include "sightline/core/internal/instruction_set.h"
+#include "sightline/gpuprims/internal/cylinder_rays.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::bench {
 namespace {

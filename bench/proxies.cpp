@@ -21,8 +21,8 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
-#include "sightline/engine/drawing.h"
-#include "sightline/gpuscene/gpu_scene.h"
+#include "sightline/engine/internal/drawing.h"
+#include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/importers/import.h"
 
 namespace sightline::bench {

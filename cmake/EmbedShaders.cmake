@@ -3,7 +3,7 @@
 # sightline_embed_shaders(TARGET NAMESPACE HEADER HEADER_PATH FILES shaders/a.glsl …)
 #   adds to TARGET a generated source that defines, in NAMESPACE (such as sightline::gpuprims),
 #     std::span<const std::pair<std::string_view, std::string_view>> shaders();
-#   the name (without folder) and text of each file, in the order given. HEADER_PATH ("sightline/gpuprims/shaders.h") is
+#   the name (without folder) and text of each file, in the order given. HEADER_PATH ("sightline/gpuprims/internal/shaders.h") is
 #   the hand-written header that declares it. A changed file is embedded anew by the next build.
 
 # ---- The build step: cmake -DOUTPUT= -DNAMESPACE= -DHEADER= -DFILES=a|b -P EmbedShaders.cmake

@@ -4,16 +4,28 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
-set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_VERIFY_INTERFACE_HEADER_SETS ON)  # target all_verify_interface_header_sets: every public header compiles alone
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 
-# Includes read "sightline/core/scene.h" in the tree as after installation: the build tree holds a link to the sources.
-set(SIGHTLINE_INCLUDE_ROOT ${CMAKE_BINARY_DIR}/include)
-file(MAKE_DIRECTORY ${SIGHTLINE_INCLUDE_ROOT})
-file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${SIGHTLINE_INCLUDE_ROOT}/sightline SYMBOLIC)
+# Includes read "sightline/core/scene.h" in the tree as after installation. For that the build tree has an include root
+# per folder, with a link to the sources of that folder alone: what a target does not link it cannot include.
+function(sightline_include_root result name folder)
+  set(root ${PROJECT_BINARY_DIR}/include/${name})
+  get_filename_component(parent ${root}/sightline/${folder} DIRECTORY)
+  file(MAKE_DIRECTORY ${parent})
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${root}/sightline/${folder} SYMBOLIC)
+  set(${result} ${root} PARENT_SCOPE)
+endfunction()
+
+# Folders of programs: sightline_apps_headers and so on.
+foreach(folder apps bench tests)
+  sightline_include_root(root ${folder} ${folder})
+  add_library(sightline_${folder}_headers INTERFACE)
+  target_include_directories(sightline_${folder}_headers INTERFACE ${root})
+endforeach()
 
 add_library(sightline_flags INTERFACE)
-target_include_directories(sightline_flags INTERFACE ${SIGHTLINE_INCLUDE_ROOT})
 # -ffp-contract=off: the cullers promise one answer for every instruction set, and a fused multiply-add rounds differently.
 target_compile_options(sightline_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU,Clang>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off>
@@ -45,13 +57,29 @@ if(SIGHTLINE_FUZZ)
   target_compile_options(sightline_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# sightline_library(NAME SOURCES … [LINKS …] [PRIVATE_LINKS …]): the library of folder NAME. LINKS are the arrows.
+# sightline_library(NAME [NO_INSTALL] [FOLDER folder] SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …]): the library of a folder, by
+# default of the same name. LINKS are the arrows. HEADERS are installed: those for applications, and below internal/
+# what these include; all other headers are the library's own.
 function(sightline_library name)
-  cmake_parse_arguments(arg "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
-  add_library(sightline_${name} STATIC ${arg_SOURCES})
-  add_library(sightline::${name} ALIAS sightline_${name})
-  target_link_libraries(sightline_${name} PUBLIC ${arg_LINKS} PRIVATE sightline_flags ${arg_PRIVATE_LINKS})
-  target_include_directories(sightline_${name} PUBLIC ${SIGHTLINE_INCLUDE_ROOT})
+  cmake_parse_arguments(arg "NO_INSTALL" "FOLDER" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
+  if(NOT arg_FOLDER)
+    set(arg_FOLDER ${name})
+  endif()
+  sightline_include_root(root ${name} ${arg_FOLDER})
+  set(target sightline_${name})
+  add_library(${target} ${arg_SOURCES})
+  add_library(sightline::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_link_libraries(${target} PUBLIC ${arg_LINKS} PRIVATE $<BUILD_INTERFACE:sightline_flags> ${arg_PRIVATE_LINKS})
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${root}>)
+  if(arg_HEADERS)
+    list(TRANSFORM arg_HEADERS PREPEND ${root}/sightline/${arg_FOLDER}/)
+    target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${root} FILES ${arg_HEADERS})
+  endif()
+  if(NOT arg_NO_INSTALL)
+    set_property(GLOBAL APPEND PROPERTY SIGHTLINE_LIBRARIES ${name})
+  endif()
 endfunction()
 
 # sightline_kernels(NAME AVX2 file AVX512 file): one binary for all processors. These files alone may use wider

@@ -1,4 +1,4 @@
-#include "sightline/core/atomic_file.h"
+#include "sightline/core/internal/atomic_file.h"
 
 #include <atomic>
 #include <cassert>

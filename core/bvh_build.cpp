@@ -1,4 +1,4 @@
-#include "sightline/core/bvh_build.h"
+#include "sightline/core/internal/bvh_build.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "sightline/core/chunk_grid.h"
+#include "sightline/core/internal/chunk_grid.h"
 
 #include <algorithm>
 

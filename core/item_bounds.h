@@ -6,7 +6,7 @@
 #include <span>
 
 #include "sightline/core/aabb.h"
-#include "sightline/core/large_array.h"
+#include "sightline/core/internal/large_array.h"
 
 namespace sightline::core {
 

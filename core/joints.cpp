@@ -1,11 +1,11 @@
-#include "sightline/core/joints.h"
+#include "sightline/core/internal/joints.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 
-#include "sightline/core/radix_sort.h"
+#include "sightline/core/internal/radix_sort.h"
 #include "sightline/core/snapshot.h"
 
 namespace sightline::core {

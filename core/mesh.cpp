@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "sightline/core/hash.h"
+#include "sightline/core/internal/hash.h"
 
 namespace sightline::core {
 namespace {

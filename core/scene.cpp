@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "sightline/core/contract.h"
-#include "sightline/core/radix_sort.h"
+#include "sightline/core/internal/contract.h"
+#include "sightline/core/internal/radix_sort.h"
 
 namespace sightline::core {
 namespace {

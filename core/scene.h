@@ -21,9 +21,9 @@
 
 #include "sightline/core/affine.h"
 #include "sightline/core/error.h"
-#include "sightline/core/large_array.h"
+#include "sightline/core/internal/large_array.h"
+#include "sightline/core/internal/prefetch.h"
 #include "sightline/core/mesh.h"
-#include "sightline/core/prefetch.h"
 #include "sightline/core/primitive.h"
 #include "sightline/core/scene_delta.h"
 

@@ -12,11 +12,11 @@
 #include <span>
 #include <vector>
 
-#include "sightline/core/bvh_build.h"
-#include "sightline/core/chunk_grid.h"
+#include "sightline/core/internal/bvh_build.h"
+#include "sightline/core/internal/chunk_grid.h"
+#include "sightline/core/internal/joints.h"
+#include "sightline/core/internal/large_array.h"
 #include "sightline/core/item_bounds.h"
-#include "sightline/core/joints.h"
-#include "sightline/core/large_array.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/visible_set.h"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "sightline/core/prefetch.h"
-#include "sightline/core/radix_sort.h"
+#include "sightline/core/internal/prefetch.h"
+#include "sightline/core/internal/radix_sort.h"
 #include "sightline/core/snapshot.h"
 
 namespace sightline::core {

@@ -7,7 +7,7 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
-#include "sightline/core/bvh_build.h"
+#include "sightline/core/internal/bvh_build.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/cpu_culler.h"
 

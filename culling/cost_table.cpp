@@ -1,4 +1,4 @@
-#include "sightline/culling/cost_table.h"
+#include "sightline/culling/internal/cost_table.h"
 
 #include <algorithm>
 #include <cmath>

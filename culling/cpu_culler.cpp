@@ -8,7 +8,7 @@
 #include <span>
 
 #include "sightline/culling/frustum_test.h"
-#include "sightline/culling/kernels.h"
+#include "sightline/culling/internal/kernels.h"
 
 namespace sightline::culling {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "sightline/core/intrinsics.h"
+#include "sightline/core/internal/intrinsics.h"
 
 namespace sightline::culling {
 namespace {

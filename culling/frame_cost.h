@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
-#include "sightline/culling/cost_table.h"
 #include "sightline/culling/frame_sample.h"
+#include "sightline/culling/internal/cost_table.h"
 
 namespace sightline::culling {
 

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cassert>
 
-#include "sightline/culling/kernels.h"
+#include "sightline/culling/internal/kernels.h"
 
 namespace sightline::culling {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/culling/kernels.h"
+#include "sightline/culling/internal/kernels.h"
 
 #include <bit>
 

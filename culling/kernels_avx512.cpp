@@ -1,8 +1,8 @@
 // The kernels for AVX-512 (F, BW, DQ, VL): sixteen lanes are one register.
 #include <immintrin.h>
 
-#include "sightline/culling/kernels_avx.h"
-#include "sightline/culling/kernels_impl.h"
+#include "sightline/culling/internal/kernels_avx.h"
+#include "sightline/culling/internal/kernels_impl.h"
 
 namespace sightline::culling {
 namespace {

@@ -1,5 +1,5 @@
 // The plain form of the kernels: the twin of the others, and what runs on other processors.
-#include "sightline/culling/kernels_impl.h"
+#include "sightline/culling/internal/kernels_impl.h"
 
 namespace sightline::culling {
 namespace {

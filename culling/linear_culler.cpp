@@ -5,7 +5,7 @@
 #include <cassert>
 #include <vector>
 
-#include "sightline/culling/kernels.h"
+#include "sightline/culling/internal/kernels.h"
 
 namespace sightline::culling {
 namespace {

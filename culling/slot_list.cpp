@@ -1,9 +1,9 @@
-#include "sightline/culling/slot_list.h"
+#include "sightline/culling/internal/slot_list.h"
 
 #include <algorithm>
 #include <cassert>
 
-#include "sightline/culling/kernels.h"
+#include "sightline/culling/internal/kernels.h"
 
 namespace sightline::culling {
 

@@ -1,10 +1,10 @@
-#include "sightline/engine/drawing.h"
+#include "sightline/engine/internal/drawing.h"
 
 #include <algorithm>
 #include <array>
 
-#include "sightline/engine/clock.h"
-#include "sightline/gl/program_cache.h"
+#include "sightline/engine/internal/clock.h"
+#include "sightline/gl/internal/program_cache.h"
 
 namespace sightline::engine {
 namespace {

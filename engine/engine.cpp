@@ -5,10 +5,10 @@
 #include <tuple>
 #include <utility>
 
-#include "sightline/engine/clock.h"
-#include "sightline/engine/drawing_or_none.h"
-#include "sightline/engine/hybrid.h"
-#include "sightline/engine/rebuild.h"
+#include "sightline/engine/internal/clock.h"
+#include "sightline/engine/internal/drawing_or_none.h"
+#include "sightline/engine/internal/hybrid.h"
+#include "sightline/engine/internal/rebuild.h"
 
 namespace sightline::engine {
 namespace {

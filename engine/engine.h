@@ -161,8 +161,8 @@ class Engine {
   /// What the driver has complained of since the last call: see EngineConfig::gl_debug.
   std::vector<std::string> take_gl_errors();
 
-  /// The half that needs GL, for tests and benchmarks of this library (engine/drawing.h). Null when nothing needs GL,
-  /// and while the context is lost. An engine's own context is then current.
+  /// The half that needs GL, for tests and benchmarks of this library (engine/internal/drawing.h). Null when nothing
+  /// needs GL, and while the context is lost. An engine's own context is then current.
   Drawing* drawing();
   MemoryReport memory() const;
   const culling::Controller* controller() const;  ///< of the hybrid; null without one

@@ -1,4 +1,4 @@
-#include "sightline/engine/hybrid.h"
+#include "sightline/engine/internal/hybrid.h"
 
 #include <algorithm>
 

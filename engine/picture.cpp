@@ -1,5 +1,5 @@
 // What Engine tells of the picture that it has drawn.
-#include "sightline/engine/drawing.h"
+#include "sightline/engine/internal/drawing.h"
 
 namespace sightline::engine {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sightline/engine/drawing_or_none.h"
+#include "sightline/engine/internal/drawing_or_none.h"
 
 namespace sightline::engine {
 namespace {

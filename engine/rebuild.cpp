@@ -1,4 +1,4 @@
-#include "sightline/engine/rebuild.h"
+#include "sightline/engine/internal/rebuild.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "sightline/gl/buffer.h"
+#include "sightline/gl/internal/buffer.h"
 
 #include <cassert>
 #include <limits>

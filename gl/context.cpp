@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "sightline/gl/egl.h"
-#include "sightline/gl/program_cache.h"
+#include "sightline/gl/internal/egl.h"
+#include "sightline/gl/internal/program_cache.h"
 
 namespace sightline::gl {
 

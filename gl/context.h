@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sightline/core/error.h"
-#include "sightline/gl/debug_log.h"
 #include "sightline/gl/functions.h"
+#include "sightline/gl/internal/debug_log.h"
 
 namespace sightline::gl {
 

@@ -1,4 +1,4 @@
-#include "sightline/gl/egl.h"
+#include "sightline/gl/internal/egl.h"
 
 #define EGL_NO_PLATFORM_SPECIFIC_TYPES
 #include <array>

@@ -1,4 +1,4 @@
-#include "sightline/gl/framebuffer.h"
+#include "sightline/gl/internal/framebuffer.h"
 
 #include <algorithm>
 #include <array>

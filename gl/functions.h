@@ -31,7 +31,7 @@ using GetProc = Proc (*)(const char* name, void* user);
 struct Functions {
 #define SIGHTLINE_GL_FUNCTION(name, type) PFNGL##type##PROC name = nullptr;
 #define SIGHTLINE_GL_EXTENSION(name, type, extension) PFNGL##type##PROC name = nullptr;
-#include "sightline/gl/function_table.inc"
+#include "sightline/gl/internal/function_table.inc"
 
   /// Beside the entry points: where Program looks before it compiles, see Context::cache_programs(). Null: nowhere.
   const ProgramCache* program_cache = nullptr;

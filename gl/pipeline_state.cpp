@@ -1,4 +1,4 @@
-#include "sightline/gl/pipeline_state.h"
+#include "sightline/gl/internal/pipeline_state.h"
 
 namespace sightline::gl {
 namespace {

@@ -1,10 +1,10 @@
-#include "sightline/gl/program.h"
+#include "sightline/gl/internal/program.h"
 
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "sightline/gl/program_cache.h"
+#include "sightline/gl/internal/program_cache.h"
 
 namespace sightline::gl {
 namespace {

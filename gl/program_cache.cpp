@@ -1,4 +1,4 @@
-#include "sightline/gl/program_cache.h"
+#include "sightline/gl/internal/program_cache.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "sightline/core/atomic_file.h"
+#include "sightline/core/internal/atomic_file.h"
 
 namespace sightline::gl {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/gl/texture.h"
+#include "sightline/gl/internal/texture.h"
 
 #include <array>
 #include <cassert>

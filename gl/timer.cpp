@@ -1,4 +1,4 @@
-#include "sightline/gl/timer.h"
+#include "sightline/gl/internal/timer.h"
 
 #include <utility>
 

@@ -1,7 +1,7 @@
-#include "sightline/gpuprims/box.h"
+#include "sightline/gpuprims/internal/box.h"
 
-#include "sightline/gpuprims/local_ray.h"
-#include "sightline/gpuprims/mesh_builder.h"
+#include "sightline/gpuprims/internal/local_ray.h"
+#include "sightline/gpuprims/internal/mesh_builder.h"
 
 namespace sightline::gpuprims {
 

@@ -1,12 +1,12 @@
-#include "sightline/gpuprims/circular_torus.h"
+#include "sightline/gpuprims/internal/circular_torus.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "sightline/gpuprims/mesh_builder.h"
-#include "sightline/gpuprims/wedge.h"
+#include "sightline/gpuprims/internal/mesh_builder.h"
+#include "sightline/gpuprims/internal/wedge.h"
 
 namespace sightline::gpuprims {
 namespace {

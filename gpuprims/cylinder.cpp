@@ -1,11 +1,11 @@
-#include "sightline/gpuprims/cylinder.h"
+#include "sightline/gpuprims/internal/cylinder.h"
 
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "sightline/gpuprims/local_ray.h"
-#include "sightline/gpuprims/mesh_builder.h"
+#include "sightline/gpuprims/internal/local_ray.h"
+#include "sightline/gpuprims/internal/mesh_builder.h"
 
 namespace sightline::gpuprims {
 template <class Real>

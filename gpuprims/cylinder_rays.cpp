@@ -1,13 +1,13 @@
-#include "sightline/gpuprims/cylinder_rays.h"
+#include "sightline/gpuprims/internal/cylinder_rays.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
-#include "sightline/core/instruction_set.h"
-#include "sightline/gpuprims/cylinder_rays_impl.h"
-#include "sightline/gpuprims/local_ray.h"
+#include "sightline/core/internal/instruction_set.h"
+#include "sightline/gpuprims/internal/cylinder_rays_impl.h"
+#include "sightline/gpuprims/internal/local_ray.h"
 
 namespace sightline::gpuprims {
 

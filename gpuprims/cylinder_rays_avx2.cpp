@@ -1,5 +1,5 @@
 // cylinder_rays.h for AVX2.
-#include "sightline/gpuprims/cylinder_rays_impl.h"
+#include "sightline/gpuprims/internal/cylinder_rays_impl.h"
 
 namespace sightline::gpuprims {
 

@@ -1,13 +1,13 @@
-#include "sightline/gpuprims/elliptical_dish.h"
+#include "sightline/gpuprims/internal/elliptical_dish.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "sightline/gpuprims/cylinder.h"
-#include "sightline/gpuprims/dome.h"
-#include "sightline/gpuprims/mesh_builder.h"
+#include "sightline/gpuprims/internal/cylinder.h"
+#include "sightline/gpuprims/internal/dome.h"
+#include "sightline/gpuprims/internal/mesh_builder.h"
 
 namespace sightline::gpuprims {
 

@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/packing.h"
+#include "sightline/gpuprims/internal/packing.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <variant>
 
-#include "sightline/gpuprims/mesh_builder.h"
+#include "sightline/gpuprims/internal/mesh_builder.h"
 
 namespace sightline::gpuprims {
 namespace {

@@ -1,16 +1,16 @@
-#include "sightline/gpuprims/primitives.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 #include <type_traits>
 
-#include "sightline/gpuprims/box.h"
-#include "sightline/gpuprims/circular_torus.h"
-#include "sightline/gpuprims/cylinder.h"
-#include "sightline/gpuprims/elliptical_dish.h"
-#include "sightline/gpuprims/pyramid.h"
-#include "sightline/gpuprims/rectangular_torus.h"
-#include "sightline/gpuprims/snout.h"
-#include "sightline/gpuprims/sphere.h"
-#include "sightline/gpuprims/spherical_dish.h"
+#include "sightline/gpuprims/internal/box.h"
+#include "sightline/gpuprims/internal/circular_torus.h"
+#include "sightline/gpuprims/internal/cylinder.h"
+#include "sightline/gpuprims/internal/elliptical_dish.h"
+#include "sightline/gpuprims/internal/pyramid.h"
+#include "sightline/gpuprims/internal/rectangular_torus.h"
+#include "sightline/gpuprims/internal/snout.h"
+#include "sightline/gpuprims/internal/sphere.h"
+#include "sightline/gpuprims/internal/spherical_dish.h"
 
 namespace sightline::gpuprims {
 

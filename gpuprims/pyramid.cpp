@@ -1,9 +1,9 @@
-#include "sightline/gpuprims/pyramid.h"
+#include "sightline/gpuprims/internal/pyramid.h"
 
 #include <cmath>
 
-#include "sightline/gpuprims/local_ray.h"
-#include "sightline/gpuprims/mesh_builder.h"
+#include "sightline/gpuprims/internal/local_ray.h"
+#include "sightline/gpuprims/internal/mesh_builder.h"
 
 namespace sightline::gpuprims {
 namespace {

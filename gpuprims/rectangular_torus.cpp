@@ -1,11 +1,11 @@
-#include "sightline/gpuprims/rectangular_torus.h"
+#include "sightline/gpuprims/internal/rectangular_torus.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "sightline/gpuprims/mesh_builder.h"
-#include "sightline/gpuprims/wedge.h"
+#include "sightline/gpuprims/internal/mesh_builder.h"
+#include "sightline/gpuprims/internal/wedge.h"
 
 namespace sightline::gpuprims {
 namespace {

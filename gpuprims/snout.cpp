@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/snout.h"
+#include "sightline/gpuprims/internal/snout.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <numbers>
 #include <vector>
 
-#include "sightline/gpuprims/cylinder.h"
-#include "sightline/gpuprims/local_ray.h"
-#include "sightline/gpuprims/mesh_builder.h"
+#include "sightline/gpuprims/internal/cylinder.h"
+#include "sightline/gpuprims/internal/local_ray.h"
+#include "sightline/gpuprims/internal/mesh_builder.h"
 
 namespace sightline::gpuprims {
 namespace {

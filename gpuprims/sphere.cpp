@@ -1,12 +1,12 @@
-#include "sightline/gpuprims/sphere.h"
+#include "sightline/gpuprims/internal/sphere.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "sightline/gpuprims/dome.h"
-#include "sightline/gpuprims/mesh_builder.h"
+#include "sightline/gpuprims/internal/dome.h"
+#include "sightline/gpuprims/internal/mesh_builder.h"
 
 namespace sightline::gpuprims {
 

@@ -1,12 +1,12 @@
-#include "sightline/gpuprims/spherical_dish.h"
+#include "sightline/gpuprims/internal/spherical_dish.h"
 
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "sightline/gpuprims/cylinder.h"
-#include "sightline/gpuprims/dome.h"
-#include "sightline/gpuprims/mesh_builder.h"
+#include "sightline/gpuprims/internal/cylinder.h"
+#include "sightline/gpuprims/internal/dome.h"
+#include "sightline/gpuprims/internal/mesh_builder.h"
 
 namespace sightline::gpuprims {
 

@@ -1,10 +1,10 @@
-#include "sightline/gpuprims/tessellation.h"
+#include "sightline/gpuprims/internal/tessellation.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "sightline/gpuprims/mesh_builder.h"
+#include "sightline/gpuprims/internal/mesh_builder.h"
 
 namespace sightline::gpuprims {
 namespace {

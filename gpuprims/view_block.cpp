@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/view_block.h"
+#include "sightline/gpuprims/internal/view_block.h"
 
 #include <algorithm>
 #include <cmath>

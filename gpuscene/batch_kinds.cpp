@@ -1,4 +1,4 @@
-#include "sightline/gpuscene/batch_kinds.h"
+#include "sightline/gpuscene/internal/batch_kinds.h"
 
 #include <cctype>
 

@@ -1,10 +1,10 @@
-#include "sightline/gpuscene/draw_lists.h"
+#include "sightline/gpuscene/internal/draw_lists.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "sightline/gpuscene/record_commands.h"
+#include "sightline/gpuscene/internal/record_commands.h"
 
 namespace sightline::gpuscene {
 namespace {

@@ -1,9 +1,9 @@
-#include "sightline/gpuscene/element_writer.h"
+#include "sightline/gpuscene/internal/element_writer.h"
 
 #include <algorithm>
 #include <string>
 
-#include "sightline/gpuscene/shaders.h"
+#include "sightline/gpuscene/internal/shaders.h"
 
 namespace sightline::gpuscene {
 namespace {

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cassert>
 
-#include "sightline/gpuscene/draw_lists.h"
-#include "sightline/gpuscene/record_commands.h"
-#include "sightline/gpuscene/shaders.h"
+#include "sightline/gpuscene/internal/draw_lists.h"
+#include "sightline/gpuscene/internal/record_commands.h"
+#include "sightline/gpuscene/internal/shaders.h"
 
 namespace sightline::gpuscene {
 namespace {

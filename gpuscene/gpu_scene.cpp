@@ -1,9 +1,9 @@
-#include "sightline/gpuscene/gpu_scene.h"
+#include "sightline/gpuscene/internal/gpu_scene.h"
 
 #include <array>
 #include <cassert>
 
-#include "sightline/gpuscene/mesh_pool.h"
+#include "sightline/gpuscene/internal/mesh_pool.h"
 
 namespace sightline::gpuscene {
 namespace {

@@ -1,10 +1,10 @@
-#include "sightline/gpuscene/mesh_pool.h"
+#include "sightline/gpuscene/internal/mesh_pool.h"
 
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
-#include "sightline/gpuscene/solid_shells.h"
+#include "sightline/gpuscene/internal/solid_shells.h"
 
 namespace sightline::gpuscene {
 namespace {

@@ -1,10 +1,10 @@
-#include "sightline/gpuscene/solid_shells.h"
+#include "sightline/gpuscene/internal/solid_shells.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "sightline/core/hash.h"
+#include "sightline/core/internal/hash.h"
 #include "sightline/core/mesh.h"
 
 namespace sightline::gpuscene {

@@ -1,4 +1,4 @@
-#include "sightline/gpuscene/visible_records.h"
+#include "sightline/gpuscene/internal/visible_records.h"
 
 #include <algorithm>
 #include <numeric>

@@ -8,7 +8,7 @@
 
 #include <png.h>
 
-#include "sightline/core/atomic_file.h"
+#include "sightline/core/internal/atomic_file.h"
 
 namespace sightline::image {
 

@@ -35,7 +35,7 @@ struct NormalImage {
   std::vector<std::array<float, 3>> normals;
 };
 
-/// Writers replace `path` only when complete (core/atomic_file.h). Errors name the file and the reason.
+/// Writers replace `path` only when complete (core/internal/atomic_file.h). Errors name the file and the reason.
 core::Expected<void> write_png(const Image& image, const std::filesystem::path& path);
 core::Expected<Image> read_png(const std::filesystem::path& path);
 /// Grey PFM, little-endian, rows bottom to top as the format wants.

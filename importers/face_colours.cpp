@@ -1,4 +1,4 @@
-#include "sightline/importers/face_colours.h"
+#include "sightline/importers/internal/face_colours.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "sightline/importers/file_bytes.h"
+#include "sightline/importers/internal/file_bytes.h"
 
 #include <cerrno>
 #include <cstdio>

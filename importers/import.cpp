@@ -10,19 +10,19 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sightline/importers/file_bytes.h"
-#include "sightline/importers/rvm/rvm_attributes.h"
+#include "sightline/importers/internal/file_bytes.h"
+#include "sightline/importers/rvm/internal/rvm_attributes.h"
 #ifdef SIGHTLINE_HAVE_GLTF
-#include "sightline/importers/gltf/gltf_reader.h"
+#include "sightline/importers/gltf/internal/gltf_reader.h"
 #endif
-#include "sightline/importers/ply/ply_reader.h"
-#include "sightline/importers/rvm/rvm_reader.h"
-#include "sightline/importers/stl/stl_reader.h"
+#include "sightline/importers/ply/internal/ply_reader.h"
+#include "sightline/importers/rvm/internal/rvm_reader.h"
+#include "sightline/importers/stl/internal/stl_reader.h"
 #ifdef SIGHTLINE_HAVE_OBJ
-#include "sightline/importers/obj/obj_reader.h"
+#include "sightline/importers/obj/internal/obj_reader.h"
 #endif
 #ifdef SIGHTLINE_HAVE_VTK
-#include "sightline/importers/vtk/vtk_module.h"
+#include "sightline/importers/vtk/internal/vtk_module.h"
 #endif
 
 namespace sightline::importers {

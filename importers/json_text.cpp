@@ -1,4 +1,4 @@
-#include "sightline/importers/json_text.h"
+#include "sightline/importers/internal/json_text.h"
 
 #include <algorithm>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "sightline/importers/mesh_sharing.h"
+#include "sightline/importers/internal/mesh_sharing.h"
 
 #include <algorithm>
 #include <cmath>

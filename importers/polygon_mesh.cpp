@@ -1,11 +1,11 @@
-#include "sightline/importers/polygon_mesh.h"
+#include "sightline/importers/internal/polygon_mesh.h"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 #include "sightline/core/affine.h"
-#include "sightline/importers/triangulate.h"
+#include "sightline/importers/internal/triangulate.h"
 
 namespace sightline::importers {
 namespace {

@@ -1,10 +1,10 @@
-#include "sightline/importers/side_files.h"
+#include "sightline/importers/internal/side_files.h"
 
 #include <system_error>
 
 #include <fmt/format.h>
 
-#include "sightline/importers/file_bytes.h"
+#include "sightline/importers/internal/file_bytes.h"
 
 namespace sightline::importers {
 

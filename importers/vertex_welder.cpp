@@ -1,11 +1,11 @@
-#include "sightline/importers/vertex_welder.h"
+#include "sightline/importers/internal/vertex_welder.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <utility>
 
-#include "sightline/core/prefetch.h"
+#include "sightline/core/internal/prefetch.h"
 
 namespace sightline::importers {
 namespace {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "sightline/core/atomic_file.h"
-#include "sightline/importers/json_text.h"
+#include "sightline/core/internal/atomic_file.h"
+#include "sightline/importers/internal/json_text.h"
 
 namespace sightline::importers {
 namespace {

@@ -1,10 +1,10 @@
-#include "sightline/render/render_target.h"
+#include "sightline/render/internal/render_target.h"
 
 #include <algorithm>
 #include <cassert>
 #include <limits>
 
-#include "sightline/gpuprims/view_block.h"
+#include "sightline/gpuprims/internal/view_block.h"
 
 namespace sightline::render {
 namespace {

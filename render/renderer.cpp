@@ -1,11 +1,11 @@
-#include "sightline/render/renderer.h"
+#include "sightline/render/internal/renderer.h"
 
 #include <algorithm>
 
-#include "sightline/gl/pipeline_state.h"
-#include "sightline/gpuprims/shaders.h"
-#include "sightline/gpuprims/view_block.h"
-#include "sightline/render/shaders.h"
+#include "sightline/gl/internal/pipeline_state.h"
+#include "sightline/gpuprims/internal/shaders.h"
+#include "sightline/gpuprims/internal/view_block.h"
+#include "sightline/render/internal/shaders.h"
 
 namespace sightline::render {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/render/section_caps.h"
+#include "sightline/render/internal/section_caps.h"
 
 #include <array>
 #include <unordered_map>

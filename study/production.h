@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sightline/core/aabb.h"
-#include "sightline/core/instruction_set.h"
+#include "sightline/core/internal/instruction_set.h"
 #include "sightline/study/method.h"
 
 namespace sightline::study {

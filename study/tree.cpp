@@ -4,7 +4,7 @@
 #include <array>
 #include <cassert>
 
-#include "sightline/core/bvh_build.h"
+#include "sightline/core/internal/bvh_build.h"
 
 namespace sightline::study {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "sightline/core/atomic_file.h"
+#include "sightline/core/internal/atomic_file.h"
 
 namespace sightline::apps {
 

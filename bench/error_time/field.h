@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sightline/bench/error_time/error_time.h"
-#include "sightline/gpuprims/primitives.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::bench {
 

@@ -8,7 +8,7 @@
 #include "sightline/bench/harness.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/core/visible_set.h"
-#include "sightline/render/renderer.h"
+#include "sightline/render/internal/renderer.h"
 
 namespace sightline::bench {
 namespace {
@@ -64,8 +64,7 @@ class Stage {
   /// Records in use and triangles.
   std::size_t bytes() const {
     std::size_t bytes = gpu_.meshes().vertices.size() + gpu_.meshes().indices.size();
-    for (const gpuscene::Batch& batch : gpu_.batches())
-      bytes += batch.count * gpuscene::record_bytes(batch.kind);
+    for (const gpuscene::Batch& batch : gpu_.batches()) bytes += batch.count * gpuscene::record_bytes(batch.kind);
     return bytes;
   }
 

@@ -4,8 +4,8 @@
 #include "sightline/bench/error_time/error_time.h"
 #include "sightline/bench/error_time/tessellated_scene.h"
 #include "sightline/bench/harness.h"
-#include "sightline/engine/drawing.h"
 #include "sightline/engine/engine.h"
+#include "sightline/engine/internal/drawing.h"
 
 namespace sightline::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <map>
 
-#include "sightline/gpuprims/primitives.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::bench {
 namespace {

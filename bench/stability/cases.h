@@ -8,7 +8,7 @@
 
 #include "sightline/bench/stability/shapes.h"
 #include "sightline/core/affine.h"
-#include "sightline/gpuprims/ray.h"
+#include "sightline/gpuprims/internal/ray.h"
 
 namespace sightline::bench {
 

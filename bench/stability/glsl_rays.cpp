@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "sightline/bench/stability/shaders.h"
-#include "sightline/gl/buffer.h"
-#include "sightline/gpuprims/packing.h"
-#include "sightline/gpuprims/shaders.h"
-#include "sightline/gpuscene/batch_kinds.h"
+#include "sightline/gl/internal/buffer.h"
+#include "sightline/gpuprims/internal/packing.h"
+#include "sightline/gpuprims/internal/shaders.h"
+#include "sightline/gpuscene/internal/batch_kinds.h"
 
 namespace sightline::bench {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "sightline/bench/stability/measure.h"
 #include "sightline/gl/context.h"
-#include "sightline/gl/program.h"
+#include "sightline/gl/internal/program.h"
 
 namespace sightline::bench {
 

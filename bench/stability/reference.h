@@ -12,7 +12,7 @@
 #include "sightline/bench/stability/quad.h"
 #include "sightline/core/affine.h"
 #include "sightline/core/primitive.h"
-#include "sightline/gpuprims/ray.h"
+#include "sightline/gpuprims/internal/ray.h"
 
 namespace sightline::bench {
 

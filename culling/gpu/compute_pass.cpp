@@ -8,7 +8,7 @@
 // asked without waiting.
 #include <algorithm>
 
-#include "sightline/culling/gpu/gpu_pass.h"
+#include "sightline/culling/gpu/internal/gpu_pass.h"
 
 namespace sightline::culling {
 namespace {

@@ -1,11 +1,11 @@
 // The form in vertex and geometry stages, with the rasteriser off: two passes over each batch. The first has a vertex
 // for each cluster of 64 consecutive records, the second one for each record of the clusters that were kept, 64
 // instances of each; vertex stages test boxes, geometry stages write what is kept through transform feedback.
-#include "sightline/culling/gpu/gpu_pass.h"
-#include "sightline/gl/framebuffer.h"
-#include "sightline/gl/query.h"
-#include "sightline/gl/transform_feedback.h"
-#include "sightline/gl/vertex_array.h"
+#include "sightline/culling/gpu/internal/gpu_pass.h"
+#include "sightline/gl/internal/framebuffer.h"
+#include "sightline/gl/internal/query.h"
+#include "sightline/gl/internal/transform_feedback.h"
+#include "sightline/gl/internal/vertex_array.h"
 
 namespace sightline::culling {
 namespace {

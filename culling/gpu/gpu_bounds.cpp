@@ -1,4 +1,4 @@
-#include "sightline/culling/gpu/gpu_bounds.h"
+#include "sightline/culling/gpu/internal/gpu_bounds.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,11 +1,11 @@
-#include "sightline/culling/gpu/gpu_culler.h"
+#include "sightline/culling/gpu/internal/gpu_culler.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "sightline/culling/gpu/gpu_band.h"
-#include "sightline/culling/gpu/gpu_pass.h"
+#include "sightline/culling/gpu/internal/gpu_band.h"
+#include "sightline/culling/gpu/internal/gpu_pass.h"
 
 namespace sightline::culling {
 namespace {

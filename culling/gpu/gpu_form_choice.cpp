@@ -1,11 +1,11 @@
-#include "sightline/culling/gpu/gpu_form_choice.h"
+#include "sightline/culling/gpu/internal/gpu_form_choice.h"
 
 #include <chrono>
 #include <cstdio>
 
-#include "sightline/culling/gpu/gpu_culler.h"
-#include "sightline/culling/gpu/gpu_pass.h"
-#include "sightline/gl/framebuffer.h"
+#include "sightline/culling/gpu/internal/gpu_culler.h"
+#include "sightline/culling/gpu/internal/gpu_pass.h"
+#include "sightline/gl/internal/framebuffer.h"
 
 namespace sightline::culling {
 namespace {

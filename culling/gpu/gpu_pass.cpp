@@ -1,8 +1,8 @@
-#include "sightline/culling/gpu/gpu_pass.h"
+#include "sightline/culling/gpu/internal/gpu_pass.h"
 
 #include <algorithm>
 
-#include "sightline/culling/gpu/shaders.h"
+#include "sightline/culling/gpu/internal/shaders.h"
 
 namespace sightline::culling {
 

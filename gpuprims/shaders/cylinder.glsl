@@ -1,4 +1,4 @@
-// Cylinder in units of its radius: x^2 + y^2 <= 1, |z| <= h / 2, extra = h. Derivation: gpuprims/cylinder.h.
+// Cylinder in units of its radius: x^2 + y^2 <= 1, |z| <= h / 2, extra = h. Derivation: gpuprims/internal/cylinder.h.
 #include "cylinder_span.glsl"
 
 struct Shape {

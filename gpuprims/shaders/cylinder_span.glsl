@@ -1,4 +1,4 @@
-// The part of a ray within an infinite cylinder about z: gpuprims/local_ray.h.
+// The part of a ray within an infinite cylinder about z: gpuprims/internal/local_ray.h.
 #include "arithmetic.glsl"
 #include "search.glsl"
 

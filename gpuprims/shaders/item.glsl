@@ -4,7 +4,7 @@
 
 layout(binding = 1) uniform usamplerBuffer chunk_origins;  // doubles, two texels each: relative to the eye, in eye space
 
-// Records drawn one by one, where the vertex id does not name the record itself (see gpuscene/draw_lists.h).
+// Records drawn one by one, where the vertex id does not name the record itself (see gpuscene/internal/draw_lists.h).
 layout(binding = 3) uniform usamplerBuffer single_records;
 layout(location = 0) uniform uint record_count;
 

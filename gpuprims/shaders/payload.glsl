@@ -1,4 +1,4 @@
-// The records of a batch as texels: gpuprims/packing.h.
+// The records of a batch as texels: gpuprims/internal/packing.h.
 
 layout(binding = 0) uniform usamplerBuffer payload;
 

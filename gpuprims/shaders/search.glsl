@@ -32,7 +32,7 @@ void offer(inout Search s, float t, int face) {
 bool shown(Search s, int face) { return (s.hidden >> uint(face) & 1u) == 0u; }
 
 // How far ends that are hidden reach beyond their plane, in radii: into the neighbour that covers them, which may be as far away
-// (kJointGap in core/joints.h). No ray passes between the two then, and a section that lies in the joint cuts one of them at least.
+// (kJointGap in core/internal/joints.h). No ray passes between the two then, and a section that lies in the joint cuts one of them at least.
 const float kHiddenReach = 2e-4;
 
 float hidden_reach(Search s, int face) { return shown(s, face) ? 0.0 : kHiddenReach; }

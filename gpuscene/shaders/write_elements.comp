@@ -1,4 +1,4 @@
-// Puts elements of some words each in their places: gpuscene/element_writer.h.
+// Puts elements of some words each in their places: gpuscene/internal/element_writer.h.
 
 // WORD is what one invocation moves: uint, or uvec4 where elements are made of these.
 

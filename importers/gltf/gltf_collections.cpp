@@ -1,4 +1,4 @@
-#include "sightline/importers/gltf/gltf_collections.h"
+#include "sightline/importers/gltf/internal/gltf_collections.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "sightline/importers/gltf/gltf_document.h"
+#include "sightline/importers/gltf/internal/gltf_document.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "sightline/importers/side_files.h"
+#include "sightline/importers/internal/side_files.h"
 
 namespace sightline::importers {
 namespace {

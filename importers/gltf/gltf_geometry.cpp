@@ -1,4 +1,4 @@
-#include "sightline/importers/gltf/gltf_geometry.h"
+#include "sightline/importers/gltf/internal/gltf_geometry.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "sightline/importers/gltf/gltf_materials.h"
+#include "sightline/importers/gltf/internal/gltf_materials.h"
 
 // Compiled here once, for the two formats that glTF allows, and without its access to files.
 #define STB_IMAGE_IMPLEMENTATION

@@ -1,4 +1,4 @@
-#include "sightline/importers/gltf/gltf_materials.h"
+#include "sightline/importers/gltf/internal/gltf_materials.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "sightline/importers/gltf/gltf_reader.h"
+#include "sightline/importers/gltf/internal/gltf_reader.h"
 
 #include <algorithm>
 #include <map>
@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "sightline/importers/gltf/gltf_collections.h"
-#include "sightline/importers/gltf/gltf_document.h"
-#include "sightline/importers/gltf/gltf_geometry.h"
-#include "sightline/importers/gltf/gltf_materials.h"
-#include "sightline/importers/import_job.h"
+#include "sightline/importers/gltf/internal/gltf_collections.h"
+#include "sightline/importers/gltf/internal/gltf_document.h"
+#include "sightline/importers/gltf/internal/gltf_geometry.h"
+#include "sightline/importers/gltf/internal/gltf_materials.h"
+#include "sightline/importers/internal/import_job.h"
 
 namespace sightline::importers {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/importers/obj/obj_reader.h"
+#include "sightline/importers/obj/internal/obj_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <tiny_obj_loader.h>
 
-#include "sightline/importers/import_job.h"
-#include "sightline/importers/side_files.h"
+#include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/internal/side_files.h"
 
 namespace sightline::importers {
 namespace {

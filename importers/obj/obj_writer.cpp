@@ -14,9 +14,9 @@
 
 #include <fmt/format.h>
 
-#include "sightline/gpuprims/primitives.h"
-#include "sightline/importers/file_bytes.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/importers/import.h"
+#include "sightline/importers/internal/file_bytes.h"
 
 namespace sightline::importers {
 namespace {

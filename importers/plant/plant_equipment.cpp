@@ -1,4 +1,4 @@
-#include "sightline/importers/plant/plant_equipment.h"
+#include "sightline/importers/plant/internal/plant_equipment.h"
 
 #include <algorithm>
 #include <array>

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "sightline/importers/plant/plant_equipment.h"
-#include "sightline/importers/plant/plant_pipes.h"
-#include "sightline/importers/plant/plant_stage.h"
+#include "sightline/importers/plant/internal/plant_equipment.h"
+#include "sightline/importers/plant/internal/plant_pipes.h"
+#include "sightline/importers/plant/internal/plant_stage.h"
 
 namespace sightline::importers {
 namespace {

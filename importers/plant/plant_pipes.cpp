@@ -1,4 +1,4 @@
-#include "sightline/importers/plant/plant_pipes.h"
+#include "sightline/importers/plant/internal/plant_pipes.h"
 
 #include <algorithm>
 #include <array>

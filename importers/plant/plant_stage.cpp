@@ -1,4 +1,4 @@
-#include "sightline/importers/plant/plant_stage.h"
+#include "sightline/importers/plant/internal/plant_stage.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "sightline/importers/ply/ply_header.h"
+#include "sightline/importers/ply/internal/ply_header.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "sightline/importers/ply/ply_reader.h"
+#include "sightline/importers/ply/internal/ply_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "sightline/importers/byte_order.h"
-#include "sightline/importers/face_colours.h"
-#include "sightline/importers/import_job.h"
-#include "sightline/importers/ply/ply_header.h"
-#include "sightline/importers/text_scanner.h"
+#include "sightline/importers/internal/byte_order.h"
+#include "sightline/importers/internal/face_colours.h"
+#include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/internal/text_scanner.h"
+#include "sightline/importers/ply/internal/ply_header.h"
 
 namespace sightline::importers {
 namespace {

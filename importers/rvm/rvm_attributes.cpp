@@ -1,4 +1,4 @@
-#include "sightline/importers/rvm/rvm_attributes.h"
+#include "sightline/importers/rvm/internal/rvm_attributes.h"
 
 #include <algorithm>
 #include <string_view>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "sightline/importers/import_job.h"
+#include "sightline/importers/internal/import_job.h"
 
 namespace sightline::importers {
 namespace {

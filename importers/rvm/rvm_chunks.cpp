@@ -1,11 +1,11 @@
-#include "sightline/importers/rvm/rvm_chunks.h"
+#include "sightline/importers/rvm/internal/rvm_chunks.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "sightline/importers/triangulate.h"
+#include "sightline/importers/internal/triangulate.h"
 
 namespace sightline::importers::rvm {
 namespace {

@@ -1,11 +1,11 @@
-#include "sightline/importers/rvm/rvm_scene_builder.h"
+#include "sightline/importers/rvm/internal/rvm_scene_builder.h"
 
 #include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "sightline/importers/rvm/rvm_reader.h"
+#include "sightline/importers/rvm/internal/rvm_reader.h"
 
 namespace sightline::importers {
 namespace {

@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "sightline/importers/import.h"
-#include "sightline/importers/rvm/rvm_output.h"
-#include "sightline/importers/rvm/rvm_reader.h"
-#include "sightline/importers/triangulate.h"
+#include "sightline/importers/internal/triangulate.h"
+#include "sightline/importers/rvm/internal/rvm_output.h"
+#include "sightline/importers/rvm/internal/rvm_reader.h"
 
 namespace sightline::importers {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/importers/stl/stl_reader.h"
+#include "sightline/importers/stl/internal/stl_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "sightline/importers/byte_order.h"
-#include "sightline/importers/face_colours.h"
-#include "sightline/importers/import_job.h"
-#include "sightline/importers/text_scanner.h"
-#include "sightline/importers/vertex_welder.h"
+#include "sightline/importers/internal/byte_order.h"
+#include "sightline/importers/internal/face_colours.h"
+#include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/internal/text_scanner.h"
+#include "sightline/importers/internal/vertex_welder.h"
 
 namespace sightline::importers {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/importers/vtk/vtk_file.h"
+#include "sightline/importers/vtk/internal/vtk_file.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "sightline/importers/vtk/vtk_grid.h"
+#include "sightline/importers/vtk/internal/vtk_grid.h"
 
 #include <algorithm>
 #include <span>

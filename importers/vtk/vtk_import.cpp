@@ -2,9 +2,9 @@
 
 #include <vtkDataObject.h>
 
-#include "sightline/importers/import_job.h"
-#include "sightline/importers/vtk/vtk_quiet.h"
-#include "sightline/importers/vtk/vtk_scene_builder.h"
+#include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/vtk/internal/vtk_quiet.h"
+#include "sightline/importers/vtk/internal/vtk_scene_builder.h"
 
 namespace sightline::importers {
 

@@ -1,4 +1,4 @@
-#include "sightline/importers/vtk/vtk_legacy.h"
+#include "sightline/importers/vtk/internal/vtk_legacy.h"
 
 #include <algorithm>
 #include <optional>
@@ -16,7 +16,7 @@
 #include <vtkTypeInt64Array.h>
 #include <vtkUnsignedCharArray.h>
 
-#include "sightline/importers/vtk/vtk_grid.h"
+#include "sightline/importers/vtk/internal/vtk_grid.h"
 
 namespace sightline::importers {
 namespace {

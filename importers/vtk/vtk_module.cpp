@@ -1,4 +1,4 @@
-#include "sightline/importers/vtk/vtk_module.h"
+#include "sightline/importers/vtk/internal/vtk_module.h"
 
 #include <string>
 #include <system_error>

@@ -1,5 +1,5 @@
 // What the module libsightline_vtk.so shows to vtk_module.cpp.
-#include "sightline/importers/vtk/vtk_reader.h"
+#include "sightline/importers/vtk/internal/vtk_reader.h"
 
 #if defined(_WIN32)
 #define SIGHTLINE_EXPORT __declspec(dllexport)

@@ -1,4 +1,4 @@
-#include "sightline/importers/vtk/vtk_quiet.h"
+#include "sightline/importers/vtk/internal/vtk_quiet.h"
 
 #include <mutex>
 

@@ -1,4 +1,4 @@
-#include "sightline/importers/vtk/vtk_reader.h"
+#include "sightline/importers/vtk/internal/vtk_reader.h"
 
 #include <algorithm>
 #include <map>
@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
-#include "sightline/importers/file_bytes.h"
-#include "sightline/importers/import_job.h"
-#include "sightline/importers/side_files.h"
-#include "sightline/importers/vtk/vtk_file.h"
-#include "sightline/importers/vtk/vtk_legacy.h"
-#include "sightline/importers/vtk/vtk_quiet.h"
-#include "sightline/importers/vtk/vtk_scene_builder.h"
-#include "sightline/importers/vtk/vtk_xml.h"
+#include "sightline/importers/internal/file_bytes.h"
+#include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/internal/side_files.h"
+#include "sightline/importers/vtk/internal/vtk_file.h"
+#include "sightline/importers/vtk/internal/vtk_legacy.h"
+#include "sightline/importers/vtk/internal/vtk_quiet.h"
+#include "sightline/importers/vtk/internal/vtk_scene_builder.h"
+#include "sightline/importers/vtk/internal/vtk_xml.h"
 
 namespace sightline::importers {
 namespace {

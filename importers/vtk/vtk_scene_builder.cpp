@@ -1,4 +1,4 @@
-#include "sightline/importers/vtk/vtk_scene_builder.h"
+#include "sightline/importers/vtk/internal/vtk_scene_builder.h"
 
 #include <algorithm>
 #include <array>
@@ -19,7 +19,7 @@
 #include <vtkStringArray.h>
 #include <vtkUnsignedCharArray.h>
 
-#include "sightline/importers/face_colours.h"
+#include "sightline/importers/internal/face_colours.h"
 #include "sightline/importers/vtk/vtk_import.h"
 
 namespace sightline::importers {

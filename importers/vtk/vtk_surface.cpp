@@ -1,4 +1,4 @@
-#include "sightline/importers/vtk/vtk_surface.h"
+#include "sightline/importers/vtk/internal/vtk_surface.h"
 
 #include <algorithm>
 #include <span>

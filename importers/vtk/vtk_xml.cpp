@@ -1,4 +1,4 @@
-#include "sightline/importers/vtk/vtk_xml.h"
+#include "sightline/importers/vtk/internal/vtk_xml.h"
 
 #include <algorithm>
 #include <bit>
@@ -20,7 +20,7 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkZLibDataCompressor.h>
 
-#include "sightline/importers/vtk/vtk_grid.h"
+#include "sightline/importers/vtk/internal/vtk_grid.h"
 
 namespace sightline::importers {
 namespace {

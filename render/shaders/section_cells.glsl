@@ -1,4 +1,4 @@
-// What section passes note of a pixel: render/section_caps.h.
+// What section passes note of a pixel: render/internal/section_caps.h.
 
 struct Cell {
   int winding;   // how many meshes the point of the cut face is in

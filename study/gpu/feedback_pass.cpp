@@ -1,6 +1,6 @@
 #include "sightline/study/gpu/feedback_pass.h"
 
-#include "sightline/culling/gpu/shaders.h"
+#include "sightline/culling/gpu/internal/shaders.h"
 #include "sightline/study/gpu/shaders.h"
 
 namespace sightline::study {

@@ -4,12 +4,12 @@
 
 #include <cstdint>
 
-#include "sightline/gl/buffer.h"
-#include "sightline/gl/framebuffer.h"
-#include "sightline/gl/program.h"
-#include "sightline/gl/query.h"
-#include "sightline/gl/transform_feedback.h"
-#include "sightline/gl/vertex_array.h"
+#include "sightline/gl/internal/buffer.h"
+#include "sightline/gl/internal/framebuffer.h"
+#include "sightline/gl/internal/program.h"
+#include "sightline/gl/internal/query.h"
+#include "sightline/gl/internal/transform_feedback.h"
+#include "sightline/gl/internal/vertex_array.h"
 
 namespace sightline::study {
 

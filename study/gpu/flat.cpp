@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "sightline/core/bvh_build.h"
+#include "sightline/core/internal/bvh_build.h"
 #include "sightline/study/gpu/feedback_pass.h"
 #include "sightline/study/gpu/planes.h"
 

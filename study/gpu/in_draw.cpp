@@ -2,8 +2,8 @@
 
 #include <cassert>
 
-#include "sightline/gpuprims/shaders.h"
-#include "sightline/render/shaders.h"
+#include "sightline/gpuprims/internal/shaders.h"
+#include "sightline/render/internal/shaders.h"
 #include "sightline/study/gpu/shaders.h"
 
 namespace sightline::study {

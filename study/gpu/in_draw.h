@@ -2,7 +2,7 @@
 // geometry stage drops what is outside before anything is rasterised.
 #pragma once
 
-#include "sightline/render/renderer.h"
+#include "sightline/render/internal/renderer.h"
 #include "sightline/study/gpu/planes.h"
 
 namespace sightline::study {

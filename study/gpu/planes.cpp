@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sightline/culling/gpu/gpu_band.h"
+#include "sightline/culling/gpu/internal/gpu_band.h"
 
 namespace sightline::study {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/frustum_test.h"
-#include "sightline/gl/buffer.h"
+#include "sightline/gl/internal/buffer.h"
 
 namespace sightline::study {
 

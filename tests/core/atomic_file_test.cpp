@@ -1,5 +1,5 @@
 // Files that appear whole or not at all: what readers find before, after and instead.
-#include "sightline/core/atomic_file.h"
+#include "sightline/core/internal/atomic_file.h"
 
 #include <atomic>
 #include <chrono>

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/aabb.h"
-#include "sightline/core/instruction_set.h"
+#include "sightline/core/internal/instruction_set.h"
 #include "sightline/core/view.h"
 
 namespace sightline::core {

@@ -1,4 +1,4 @@
-#include "sightline/core/instruction_set.h"
+#include "sightline/core/internal/instruction_set.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Which ends are found to lie on a neighbour's, against all pairs compared, and what edits leave of that.
-#include "sightline/core/joints.h"
+#include "sightline/core/internal/joints.h"
 
 #include <cmath>
 #include <numbers>

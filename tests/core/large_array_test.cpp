@@ -1,5 +1,5 @@
 // The small tools under the flat arrays: large allocations, radix sort, the number before another.
-#include "sightline/core/large_array.h"
+#include "sightline/core/internal/large_array.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/aabb.h"
-#include "sightline/core/radix_sort.h"
+#include "sightline/core/internal/radix_sort.h"
 
 namespace sightline::core {
 namespace {

@@ -1,6 +1,6 @@
 // The GPU culler against the linear one: nothing lost, what is extra lies within the float planes' band; through edits,
 // layers, section planes; and on its way to the draw nothing asks the GPU for an answer.
-#include "sightline/culling/gpu/gpu_culler.h"
+#include "sightline/culling/gpu/internal/gpu_culler.h"
 
 #include "gpu_rig.h"
 #include "scenes.h"

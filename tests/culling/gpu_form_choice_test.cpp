@@ -1,5 +1,5 @@
 // Which form of the GPU culler is taken for given times.
-#include "sightline/culling/gpu/gpu_form_choice.h"
+#include "sightline/culling/gpu/internal/gpu_form_choice.h"
 
 #include <gtest/gtest.h>
 

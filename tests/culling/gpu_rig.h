@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "scenes.h"
-#include "sightline/culling/gpu/gpu_culler.h"
+#include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/culling/linear_culler.h"
-#include "sightline/render/renderer.h"
+#include "sightline/render/internal/renderer.h"
 
 namespace sightline::tests {
 

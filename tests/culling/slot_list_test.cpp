@@ -1,11 +1,11 @@
 // Lists against a loop over the set, for every instruction set of the machine.
-#include "sightline/culling/slot_list.h"
+#include "sightline/culling/internal/slot_list.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "sightline/core/instruction_set.h"
+#include "sightline/core/internal/instruction_set.h"
 
 namespace sightline::culling {
 namespace {

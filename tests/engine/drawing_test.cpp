@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "sightline/gl/program_cache.h"
-#include "sightline/gpuprims/box.h"
+#include "sightline/gl/internal/program_cache.h"
+#include "sightline/gpuprims/internal/box.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
 namespace sightline::tests {

@@ -1,8 +1,8 @@
 // Engines that draw a grid of cylinders and boxes, in the test's context.
 #pragma once
 
-#include "sightline/engine/drawing.h"
 #include "sightline/engine/engine.h"
+#include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image.h"
 #include "sightline/tests/support/gl_test.h"
 

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/engine/rebuild.h"
+#include "sightline/engine/internal/rebuild.h"
 
 namespace sightline::engine {
 namespace {

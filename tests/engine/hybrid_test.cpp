@@ -1,6 +1,6 @@
 // The hybrid: whichever path culls a frame, the image is the same; a small scene gets no GPU culler; edits and a GPU
 // that fails are survived.
-#include "sightline/engine/hybrid.h"
+#include "sightline/engine/internal/hybrid.h"
 
 #include <cstdio>
 

@@ -1,5 +1,5 @@
 // glTF files, their buffers and images behind the separator, and GLB files.
-#include "sightline/importers/gltf/gltf_reader.h"
+#include "sightline/importers/gltf/internal/gltf_reader.h"
 #include "sightline/tests/fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

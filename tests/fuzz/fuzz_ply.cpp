@@ -1,5 +1,5 @@
 // PLY files.
-#include "sightline/importers/ply/ply_reader.h"
+#include "sightline/importers/ply/internal/ply_reader.h"
 #include "sightline/tests/fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // RVM files; what was read is written and read again, and must be the same.
-#include "sightline/importers/rvm/rvm_reader.h"
+#include "sightline/importers/rvm/internal/rvm_reader.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/tests/fuzz/fuzz_target.h"
 #include "sightline/tests/importers/scene_compare.h"

@@ -1,6 +1,6 @@
 // Attribute files of RVM models, for a scene of a few groups.
 #include "sightline/core/snapshot.h"
-#include "sightline/importers/rvm/rvm_attributes.h"
+#include "sightline/importers/rvm/internal/rvm_attributes.h"
 #include "sightline/tests/fuzz/fuzz_target.h"
 
 namespace {

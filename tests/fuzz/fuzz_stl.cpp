@@ -1,5 +1,5 @@
 // STL files.
-#include "sightline/importers/stl/stl_reader.h"
+#include "sightline/importers/stl/internal/stl_reader.h"
 #include "sightline/tests/fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,6 +1,6 @@
 // VTK files of all kinds, and behind the separator the blocks that a .vtm file names. VTK itself is not instrumented.
-#include "sightline/importers/vtk/vtk_file.h"
-#include "sightline/importers/vtk/vtk_reader.h"
+#include "sightline/importers/vtk/internal/vtk_file.h"
+#include "sightline/importers/vtk/internal/vtk_reader.h"
 #include "sightline/tests/fuzz/fuzz_target.h"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sightline/importers/side_files.h"
+#include "sightline/importers/internal/side_files.h"
 
 namespace sightline {
 namespace {

@@ -8,7 +8,7 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
-#include "sightline/gl/buffer.h"
+#include "sightline/gl/internal/buffer.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::gl {

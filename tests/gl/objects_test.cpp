@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/gl/buffer.h"
-#include "sightline/gl/framebuffer.h"
-#include "sightline/gl/texture.h"
-#include "sightline/gl/timer.h"
-#include "sightline/gl/vertex_array.h"
+#include "sightline/gl/internal/buffer.h"
+#include "sightline/gl/internal/framebuffer.h"
+#include "sightline/gl/internal/texture.h"
+#include "sightline/gl/internal/timer.h"
+#include "sightline/gl/internal/vertex_array.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::gl {

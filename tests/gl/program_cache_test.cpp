@@ -1,6 +1,6 @@
 // Programs that are kept on disk: what is linked from there does what its source says, and whatever is wrong with a
 // file or folder, programs are made.
-#include "sightline/gl/program_cache.h"
+#include "sightline/gl/internal/program_cache.h"
 
 #include <csignal>
 #include <cstdlib>
@@ -12,8 +12,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "sightline/gl/buffer.h"
-#include "sightline/gl/program.h"
+#include "sightline/gl/internal/buffer.h"
+#include "sightline/gl/internal/program.h"
 #include "sightline/tests/gl/test_shaders.h"
 #include "sightline/tests/support/gl_test.h"
 

@@ -1,4 +1,4 @@
-#include "sightline/gl/program.h"
+#include "sightline/gl/internal/program.h"
 
 #include <array>
 #include <cstdint>
@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/gl/buffer.h"
-#include "sightline/gl/framebuffer.h"
-#include "sightline/gl/texture.h"
-#include "sightline/gl/vertex_array.h"
+#include "sightline/gl/internal/buffer.h"
+#include "sightline/gl/internal/framebuffer.h"
+#include "sightline/gl/internal/texture.h"
+#include "sightline/gl/internal/vertex_array.h"
 #include "sightline/tests/gl/test_shaders.h"
 #include "sightline/tests/support/gl_test.h"
 

@@ -1,4 +1,4 @@
-#include "sightline/gl/shader_source.h"
+#include "sightline/gl/internal/shader_source.h"
 
 #include <fstream>
 #include <sstream>

@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/box.h"
+#include "sightline/gpuprims/internal/box.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/circular_torus.h"
+#include "sightline/gpuprims/internal/circular_torus.h"
 
 #include <numbers>
 

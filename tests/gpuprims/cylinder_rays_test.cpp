@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/cylinder_rays.h"
+#include "sightline/gpuprims/internal/cylinder_rays.h"
 
 #include <limits>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "intersection_twin.h"
-#include "sightline/gpuprims/cylinder.h"
+#include "sightline/gpuprims/internal/cylinder.h"
 #include "sightline/tests/support/instruction_sets.h"
 
 namespace sightline::gpuprims {

@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/cylinder.h"
+#include "sightline/gpuprims/internal/cylinder.h"
 
 #include <gtest/gtest.h>
 

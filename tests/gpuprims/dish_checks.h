@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/gpuprims/primitives.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::gpuprims::twin {
 

@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/elliptical_dish.h"
+#include "sightline/gpuprims/internal/elliptical_dish.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // What holds for every kind: dispatch, undefined input, absolute lengths.
-#include "sightline/gpuprims/primitives.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "sightline/gpuprims/box.h"
-#include "sightline/gpuprims/circular_torus.h"
+#include "sightline/gpuprims/internal/box.h"
+#include "sightline/gpuprims/internal/circular_torus.h"
 
 namespace sightline::gpuprims {
 namespace {

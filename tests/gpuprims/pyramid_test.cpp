@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/pyramid.h"
+#include "sightline/gpuprims/internal/pyramid.h"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/gpuprims/packing.h"
-#include "sightline/gpuprims/view_block.h"
+#include "sightline/gpuprims/internal/packing.h"
+#include "sightline/gpuprims/internal/view_block.h"
 
 namespace sightline::gpuprims {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/rectangular_torus.h"
+#include "sightline/gpuprims/internal/rectangular_torus.h"
 
 #include <numbers>
 

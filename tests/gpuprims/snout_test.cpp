@@ -1,9 +1,9 @@
-#include "sightline/gpuprims/snout.h"
+#include "sightline/gpuprims/internal/snout.h"
 
 #include <gtest/gtest.h>
 
 #include "intersection_twin.h"
-#include "sightline/gpuprims/cylinder.h"
+#include "sightline/gpuprims/internal/cylinder.h"
 
 namespace sightline::gpuprims {
 namespace {

@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/sphere.h"
+#include "sightline/gpuprims/internal/sphere.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/spherical_dish.h"
+#include "sightline/gpuprims/internal/spherical_dish.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/tessellation.h"
+#include "sightline/gpuprims/internal/tessellation.h"
 
 #include <array>
 #include <limits>
@@ -8,10 +8,10 @@
 
 #include "intersection_twin.h"
 #include "mesh_checks.h"
-#include "sightline/gpuprims/circular_torus.h"
-#include "sightline/gpuprims/cylinder.h"
-#include "sightline/gpuprims/primitives.h"
-#include "sightline/gpuprims/snout.h"
+#include "sightline/gpuprims/internal/circular_torus.h"
+#include "sightline/gpuprims/internal/cylinder.h"
+#include "sightline/gpuprims/internal/primitives.h"
+#include "sightline/gpuprims/internal/snout.h"
 
 namespace sightline::gpuprims {
 namespace {

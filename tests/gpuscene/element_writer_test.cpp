@@ -1,5 +1,5 @@
 // Scattered elements of buffers, and the edits of a scene that are written with them.
-#include "sightline/gpuscene/element_writer.h"
+#include "sightline/gpuscene/internal/element_writer.h"
 
 #include <numeric>
 #include <random>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/bench/gl_call_count.h"
-#include "sightline/culling/gpu/gpu_culler.h"
+#include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline {

@@ -1,5 +1,5 @@
 // Packed normals, against a twin of what mesh.vert unpacks.
-#include "sightline/gpuscene/mesh_pool.h"
+#include "sightline/gpuscene/internal/mesh_pool.h"
 
 #include <cmath>
 #include <limits>

@@ -1,12 +1,12 @@
 // Which shells of a mesh count as solid.
-#include "sightline/gpuscene/solid_shells.h"
+#include "sightline/gpuscene/internal/solid_shells.h"
 
 #include <algorithm>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "sightline/gpuprims/primitives.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline {
 namespace {

@@ -1,5 +1,5 @@
 // What a visible set names, by batch, against a look at every slot.
-#include "sightline/gpuscene/visible_records.h"
+#include "sightline/gpuscene/internal/visible_records.h"
 
 #include <algorithm>
 #include <random>

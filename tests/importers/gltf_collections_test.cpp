@@ -1,13 +1,13 @@
 // Plant models of parametric primitives: points of each primitive's surface, computed from the convention's own
 // formulas, must lie on what was imported.
-#include "sightline/importers/gltf/gltf_collections.h"
+#include "sightline/importers/gltf/internal/gltf_collections.h"
 
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "sightline/importers/gltf/gltf_reader.h"
+#include "sightline/importers/gltf/internal/gltf_reader.h"
 #include "sightline/tests/importers/gltf_bytes.h"
 
 namespace sightline::importers {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/importers/gltf/gltf_reader.h"
+#include "sightline/importers/gltf/internal/gltf_reader.h"
 #include "sightline/tests/importers/gltf_bytes.h"
 #include "sightline/tests/importers/hostile.h"
 

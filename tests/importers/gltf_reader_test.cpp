@@ -1,4 +1,4 @@
-#include "sightline/importers/gltf/gltf_reader.h"
+#include "sightline/importers/gltf/internal/gltf_reader.h"
 
 #include <cmath>
 #include <cstring>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/importers/gltf/gltf_document.h"
+#include "sightline/importers/gltf/internal/gltf_document.h"
 #include "sightline/tests/importers/gltf_bytes.h"
 #include "sightline/tests/support/test_data.h"
 

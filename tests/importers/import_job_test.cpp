@@ -1,4 +1,4 @@
-#include "sightline/importers/import_job.h"
+#include "sightline/importers/internal/import_job.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "sightline/importers/obj/obj_reader.h"
+#include "sightline/importers/obj/internal/obj_reader.h"
 
 #include <cmath>
 #include <filesystem>

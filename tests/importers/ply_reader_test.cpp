@@ -1,6 +1,6 @@
 // Well-formed and hostile PLY files. Run under -fsanitize=address,undefined this also shows that no read leaves the
 // buffer.
-#include "sightline/importers/ply/ply_reader.h"
+#include "sightline/importers/ply/internal/ply_reader.h"
 
 #include <bit>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/importers/face_colours.h"
+#include "sightline/importers/internal/face_colours.h"
 #include "sightline/tests/importers/hostile.h"
 #include "sightline/tests/support/test_data.h"
 

@@ -1,4 +1,4 @@
-#include "sightline/importers/rvm/rvm_attributes.h"
+#include "sightline/importers/rvm/internal/rvm_attributes.h"
 
 #include <algorithm>
 #include <memory>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/find_nodes.h"
-#include "sightline/importers/rvm/rvm_reader.h"
+#include "sightline/importers/rvm/internal/rvm_reader.h"
 #include "sightline/tests/importers/rvm_bytes.h"
 #include "sightline/tests/support/test_data.h"
 

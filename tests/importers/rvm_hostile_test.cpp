@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/importers/rvm/rvm_reader.h"
+#include "sightline/importers/rvm/internal/rvm_reader.h"
 #include "sightline/tests/importers/hostile.h"
 #include "sightline/tests/importers/rvm_bytes.h"
 

@@ -1,4 +1,4 @@
-#include "sightline/importers/rvm/rvm_reader.h"
+#include "sightline/importers/rvm/internal/rvm_reader.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/importers/rvm/rvm_output.h"
-#include "sightline/importers/rvm/rvm_reader.h"
+#include "sightline/importers/rvm/internal/rvm_output.h"
+#include "sightline/importers/rvm/internal/rvm_reader.h"
 #include "sightline/tests/importers/rvm_bytes.h"
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/support/test_data.h"

@@ -1,6 +1,6 @@
 // Well-formed and hostile STL files. Run under -fsanitize=address,undefined this also shows that no read leaves the
 // buffer.
-#include "sightline/importers/stl/stl_reader.h"
+#include "sightline/importers/stl/internal/stl_reader.h"
 
 #include <cmath>
 #include <map>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/importers/face_colours.h"
-#include "sightline/importers/vertex_welder.h"
+#include "sightline/importers/internal/face_colours.h"
+#include "sightline/importers/internal/vertex_welder.h"
 #include "sightline/tests/importers/hostile.h"
 
 namespace sightline::importers {

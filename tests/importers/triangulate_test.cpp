@@ -1,4 +1,4 @@
-#include "sightline/importers/triangulate.h"
+#include "sightline/importers/internal/triangulate.h"
 
 #include <cmath>
 #include <random>

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/importers/vtk/vtk_reader.h"
+#include "sightline/importers/vtk/internal/vtk_reader.h"
 #include "sightline/tests/importers/vtk_files.h"
 
 namespace sightline::importers {

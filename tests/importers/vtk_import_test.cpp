@@ -23,7 +23,7 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 
-#include "sightline/importers/face_colours.h"
+#include "sightline/importers/internal/face_colours.h"
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/importers/vtk_samples.h"
 

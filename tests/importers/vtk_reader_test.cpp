@@ -1,5 +1,5 @@
 // Files that VTK's own writers made, in every form they know, against what VTK's own readers make of them.
-#include "sightline/importers/vtk/vtk_reader.h"
+#include "sightline/importers/vtk/internal/vtk_reader.h"
 
 #include <filesystem>
 #include <fstream>

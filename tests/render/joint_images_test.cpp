@@ -1,6 +1,6 @@
 // Pipe runs where solids meet: no cracks, no insides, no ids that flicker. Every pixel against the reference of all
 // solids (pixel_reference.h), close by, from far, grazing, orthographic, far from the origin and cut by sections; the
-// ends that lie on each other are not drawn here (core/joints.h), and must not be missed.
+// ends that lie on each other are not drawn here (core/internal/joints.h), and must not be missed.
 #include <filesystem>
 #include <map>
 #include <numbers>
@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/engine/drawing.h"
+#include "sightline/engine/internal/drawing.h"
 #include "sightline/importers/import.h"
 #include "sightline/tests/render/pixel_reference.h"
 #include "sightline/tests/support/gl_test.h"

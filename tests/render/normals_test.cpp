@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/gpuprims/sphere.h"
-#include "sightline/render/renderer.h"
+#include "sightline/gpuprims/internal/sphere.h"
+#include "sightline/render/internal/renderer.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline {

@@ -22,7 +22,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/render/renderer.h"
+#include "sightline/render/internal/renderer.h"
 #include "sightline/tests/render/pixel_reference.h"
 
 namespace sightline::tests {

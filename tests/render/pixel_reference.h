@@ -10,7 +10,7 @@
 
 #include "sightline/core/mesh.h"
 #include "sightline/core/view.h"
-#include "sightline/gpuprims/primitives.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::tests {
 

@@ -4,7 +4,7 @@
 
 #include "../culling/scenes.h"
 #include "sightline/culling/linear_culler.h"
-#include "sightline/gl/query.h"
+#include "sightline/gl/internal/query.h"
 #include "sightline/study/gpu/flat.h"
 #include "sightline/study/gpu/frontier.h"
 #include "sightline/study/gpu/in_draw.h"

@@ -8,7 +8,7 @@
 
 #include "../culling/scenes.h"
 #include "sightline/bench/models/aircraft.h"
-#include "sightline/core/bvh_build.h"
+#include "sightline/core/internal/bvh_build.h"
 
 namespace sightline::study {
 namespace {

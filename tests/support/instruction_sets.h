@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/core/instruction_set.h"
+#include "sightline/core/internal/instruction_set.h"
 
 namespace sightline::tests {
 

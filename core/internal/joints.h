@@ -1,0 +1,82 @@
+// Joints: coplanar end faces of neighbouring solids, such as the end of a pipe and that of its elbow. An end face that
+// its neighbour covers is invisible from outside, and from inside, too, since rays are cast at solids. It is not drawn.
+//
+// End faces are the flat ends of cylinders, snouts (slanted ones, too) and slices of circular tori, and the bases of
+// dishes. Each is an ellipse under any affine placement. One face covers another when their outward normals are
+// opposite, their centres coincide, and the covered one nowhere reaches beyond the other. Of a pipe on a wider flange
+// only the pipe's end is covered; of two equal ends both are. Two spherical dishes have no joint: shaders do not extend
+// their bases. Shaders extend all other covered ends a little into the neighbour (search.glsl), so that no ray passes
+// between the two. Both items must be visible, in the same layers, and opaque.
+//
+// A culler that keeps one of two neighbours and drops the other would let the viewer look into an open end.
+// Conservative cullers drop only what is outside the view, so this does not happen.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sightline/core/affine.h"
+#include "sightline/core/conventions.h"
+#include "sightline/core/primitive.h"
+
+namespace sightline::core {
+
+class Snapshot;
+
+// Tolerances, in units of the covered face's smaller half-axis. They hold between the placements that are drawn, those
+// of the snapshot. Real files store coordinates in float: their neighbours differ by up to 1e-3 radii.
+/// Largest distance between the two planes, tilt included. Equal to kHiddenReach in search.glsl, by which shaders
+/// extend each covered end.
+inline constexpr double kJointGap = 2e-4;
+/// How far the covered face may reach beyond the other, sideways.
+inline constexpr double kJointExcess = 1e-4;
+
+/// Ends of an item, as bits. "Bottom" is z = -height/2, the start of a sweep, the base of a dish.
+enum Ends : std::uint8_t { kNoEnd = 0, kBottomEnd = 1, kTopEnd = 2 };
+
+/// A flat end in the world: the ellipse centre + u cos a + v sin a. u x v points out of the solid.
+struct EndFace {
+  dvec3 centre{0.0}, u{0.0}, v{0.0};
+};
+
+/// The face at one end. None where the primitive has no such end, or none whose contour is a whole ellipse: closed
+/// tori, solids without volume, tips, slanted ends that cut each other or are steeper than their cone.
+std::optional<EndFace> end_face(const Primitive& primitive, const Affine& world_from_item, Ends end);
+
+/// True when `face` is covered by `other`, as said above. Constant time.
+bool covers(const EndFace& other, const EndFace& face);
+
+/// The covered ends of a snapshot's items.
+class Joints {
+ public:
+  Joints() = default;  ///< none
+  /// Time linear in the number of ends. Of many ends in one place, more than there are in any sound model, some may be
+  /// overlooked, which only means that they are drawn. Faces more than fifty times the usual size are held to the
+  /// tolerance of that size.
+  explicit Joints(const Snapshot& snapshot);
+
+  /// Covered ends of an item.
+  Ends covered(ItemId item) const;
+  /// Covered ends of all items.
+  std::size_t count() const { return count_; }
+
+  /// Shows again the ends of an item that has been changed or removed, and those that it covers, whose items are
+  /// appended to `uncovered`. Joints are not looked for again.
+  void dissolve(ItemId item, std::vector<ItemId>& uncovered);
+
+  /// Nothing while no end is covered, else two bits per item and eight bytes per covered end.
+  std::size_t memory_bytes() const;
+
+ private:
+  friend class JointSearch;
+  bool set(ItemId item, Ends end, bool covered);
+
+  std::vector<std::uint64_t> bits_;    // two per item
+  std::vector<std::uint64_t> covers_;  // rising: covering item << 32 | covered item << 1 | its end is the top
+  std::vector<std::uint32_t> first_;   // per 32 items: first of covers_
+  std::size_t count_ = 0;
+};
+
+}  // namespace sightline::core

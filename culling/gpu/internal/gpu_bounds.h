@@ -1,0 +1,68 @@
+// Item boxes of one batch in GPU memory, and those of its clusters of 64 consecutive records.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sightline/core/snapshot.h"
+#include "sightline/culling/frustum_test.h"
+#include "sightline/gl/internal/buffer.h"
+#include "sightline/gpuscene/internal/gpu_scene.h"
+
+namespace sightline::culling {
+
+using uint = std::uint32_t;  // as GLSL has it
+#include "sightline/culling/gpu/shaders/cull_limits.glsl"
+static_assert(kMaxPlanes == kMaxCullPlanes);
+
+/// What shaders read through a buffer texture, and the CPU may write.
+struct TexelArray {
+  gl::Buffer buffer;
+  gl::TextureBuffer texels;
+
+  /// `data`: copied, or null for undefined contents.
+  static core::Expected<TexelArray> create(const gl::Functions& gl, std::size_t bytes, const void* data, GLenum format,
+                                           const char* what);
+};
+
+/// Follows the records of a gpuscene::Batch: place k is record k. Nothing is visible of places without a record and of
+/// vacant slots.
+class GpuBounds {
+ public:
+  /// `slots`: of the batch's records, in order.
+  static core::Expected<GpuBounds> create(const gl::Functions& gl, const core::Snapshot& snapshot,
+                                          const gpuscene::Batch& batch, std::vector<core::Slot> slots);
+
+  /// Adds the record of an appended slot; update() must follow with it. The batch has room: see GpuScene::append.
+  std::uint32_t append(core::Slot slot);
+  /// Writes the boxes of these records anew, and those of their clusters. `changed` is sorted.
+  void update(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed,
+              gpuscene::ElementWriter& writer) const;
+
+  std::uint32_t cluster_count() const {
+    return std::uint32_t((slots_.size() + kItemsPerCluster - 1) / kItemsPerCluster);
+  }
+  std::uint32_t cluster_capacity() const { return cluster_capacity_; }
+  const std::vector<core::Slot>& slots() const { return slots_; }  ///< by record
+  /// Two RGB32F texels per box: its least and its greatest corner. Places without an item hold the inverted box.
+  const TexelArray& cluster_boxes() const { return cluster_boxes_; }
+  const TexelArray& item_boxes() const { return item_boxes_; }
+  /// R32UI; none when the scene uses no layers.
+  const TexelArray& cluster_layers() const { return cluster_layers_; }
+  const TexelArray& item_layers() const { return item_layers_; }
+  std::size_t memory_bytes() const {
+    return item_boxes_.buffer.size() + item_layers_.buffer.size() + cluster_boxes_.buffer.size() +
+           cluster_layers_.buffer.size();
+  }
+
+ private:
+  using Clusters = std::span<const std::uint32_t>;  // in rising order
+  void write(const core::Snapshot& snapshot, Clusters clusters, gpuscene::ElementWriter& writer) const;
+  void write_part(const core::Snapshot& snapshot, Clusters clusters, gpuscene::ElementWriter& writer) const;
+
+  std::vector<core::Slot> slots_;
+  std::uint32_t cluster_capacity_ = 0;
+  TexelArray item_boxes_, item_layers_, cluster_boxes_, cluster_layers_;
+};
+
+}  // namespace sightline::culling

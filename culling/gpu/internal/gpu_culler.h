@@ -1,0 +1,118 @@
+// culling/gpu: culling on the GPU, in OpenGL 4.5 core, whose answer stays there.
+//
+// Records are tested in clusters of 64 consecutive ones: first the cluster's box, then, where it is not outside, the
+// records'. So cost follows what is visible but for 1/64 of the records. There are two forms with the same answer in
+// the same order, one in vertex and geometry stages and one in compute shaders (GpuForm). What is found, record ids or
+// the draw commands of meshes, goes straight into gpuscene::DrawLists, which have draw commands made of it on the GPU:
+// nothing is read back, nothing is waited for, and what the CPU does per frame does not depend on the number of items.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sightline/core/snapshot.h"
+#include "sightline/core/view.h"
+#include "sightline/culling/frustum_test.h"
+#include "sightline/culling/gpu/gpu_culler_config.h"
+#include "sightline/culling/gpu/internal/gpu_bounds.h"
+#include "sightline/gl/internal/timer.h"
+#include "sightline/gpuscene/internal/draw_lists.h"
+#include "sightline/gpuscene/internal/gpu_scene.h"
+
+namespace sightline::culling {
+
+class GpuPass;
+struct CullBatch;
+
+/// Promise: conservative, and nearly what CpuCuller answers. Items go only when the float form of CullPlanes surely
+/// rejects them, with twice its band and room for flushed denormals, since GLSL leaves rounding mode and denormals to
+/// the driver (The OpenGL Shading Language 4.50, section 4.7.1). So no item of the CPU's set is ever missing, and
+/// what is there beyond it has a corner within that band of a plane: some 10^-6 of the scene's size.
+///
+/// The context must be current in all calls. cull() leaves changed: program, texture units 0 to 4, uniform block 1; the
+/// geometry form also vertex array, framebuffer and transform feedback, the compute form shader storage blocks 0 to 4.
+class GpuCuller {
+ public:
+  /// For `scene`, made from `snapshot`. Fails when the GPU has not the memory, or the context cannot do the form asked
+  /// for (compute: a storage block's size limits the records of a batch).
+  ///
+  /// Without a form in `config` both are made, measured and compared by
+  ///     cost = alone + max(0, blocked - submitted)
+  /// in milliseconds of wall clock: of a cull of half of the scene's surroundings, from submission until the GPU is
+  /// through (alone), of which the submission takes `submitted`; and the submission again (blocked) while the GPU is
+  /// still busy with drawing of some milliseconds, for which some drivers wait at a barrier. Each is the least of a few
+  /// interleaved repetitions. That waits for the GPU, some ten culls long.
+  static core::Expected<GpuCuller> create(const gl::Context& context, const core::Snapshot& snapshot,
+                                          const gpuscene::GpuScene& scene, const GpuCullerConfig& config = {});
+
+  GpuCuller(GpuCuller&&) noexcept;
+  GpuCuller& operator=(GpuCuller&&) noexcept;
+  ~GpuCuller();
+
+  /// Follows an edit of `touched` slots (Snapshot::apply) after GpuScene::append and update, and changes the same GL
+  /// state. Fails when the GPU has not the memory for layers that came into use; then make it anew.
+  core::Expected<void> update(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
+                              std::span<const core::Slot> touched);
+
+  /// Fills `lists` with what `view` can see. Submits and returns; `frame` comes back with the feedback. Fails when the
+  /// lists have not the memory on the GPU.
+  core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
+                            gpuscene::DrawLists& lists, std::uint64_t frame = 0);
+
+  /// What became known of an earlier cull().
+  struct Feedback {
+    std::uint64_t frame = 0;        ///< as given to cull()
+    std::uint64_t visible = 0;      ///< items
+    std::optional<double> time_ms;  ///< on the GPU; none on software rasterisers, whose queries mean nothing
+  };
+  /// The oldest not yet taken, in order; nothing while the GPU is not through with it. Never waits. A few wait to be
+  /// taken, and as long as they do, later calls have none.
+  std::optional<Feedback> take_feedback();
+
+  /// The set that the last cull() put into `lists`, single slots all. Waits for the GPU: for tests and tools.
+  core::VisibleSet read_back(const gpuscene::DrawLists& lists) const;
+
+  GpuForm form() const;
+  /// False when it could not be measured, such as without items: then let the next culler measure again.
+  bool form_settled() const { return form_settled_; }
+  /// "asked for", or what was measured, or why that could not be.
+  const std::string& why_this_form() const { return why_this_form_; }
+  std::size_t memory_bytes() const;
+  std::size_t bounds_memory_bytes() const;  ///< of these: boxes of items and clusters
+
+ private:
+  /// Of one cull().
+  struct Probe {
+    std::uint64_t frame = 0;
+    bool timed = false, skipped = false;  // skipped: nothing could be visible
+  };
+
+  GpuCuller();
+  core::Expected<void> make_batches(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
+  core::Expected<void> add_batch(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
+                                 const gpuscene::Batch& batch, std::vector<core::Slot> slots);
+  core::Expected<void> choose_form(const gl::Context& context, const core::Snapshot& snapshot,
+                                   const gpuscene::GpuScene& scene);
+  void upload_planes(const CullPlanes& planes, const core::ItemBounds& bounds, std::uint32_t layers) const;
+  std::size_t next_probe(std::uint64_t frame);
+
+  const gl::Functions* gl_ = nullptr;
+  std::vector<CullBatch> batches_;
+  gpuscene::ElementWriter writer_;
+  core::Slot slot_count_ = 0;
+  bool uses_layers_ = false;
+  std::unique_ptr<GpuPass> pass_;
+  bool form_settled_ = true;
+  std::string why_this_form_ = "asked for";
+  gl::Buffer plane_block_;
+  std::vector<Probe> probes_;  // a ring, and one that nobody reads, for when it is full
+  std::size_t first_probe_ = 0, pending_ = 0;
+  std::optional<gl::GpuTimer> timer_;
+};
+
+}  // namespace sightline::culling

@@ -1,0 +1,83 @@
+// What the forms of the GPU culler have in common, and the interface behind which they differ. Internal to culling/gpu.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sightline/culling/gpu/gpu_culler_config.h"
+#include "sightline/culling/gpu/internal/gpu_bounds.h"
+#include "sightline/gl/internal/program.h"
+#include "sightline/gl/internal/timer.h"
+#include "sightline/gpuscene/internal/draw_lists.h"
+
+namespace sightline::culling {
+
+/// What is tested of a gpuscene::Batch, and for meshes what is drawn.
+struct CullBatch {
+  gpuscene::BatchKind kind;
+  GpuBounds bounds;
+  TexelArray commands;  ///< of all meshes; none of other batches
+
+  bool meshes() const { return kind == gpuscene::BatchKind::kMesh; }
+  std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.buffer.size(); }
+};
+
+/// Culls whose results may wait to be taken, and one more whose result nobody reads, for when these are full.
+inline constexpr std::size_t kTakenProbes = gl::GpuTimer::kSlots, kProbes = kTakenProbes + 1;
+
+/// One form, made for batches of certain kinds and capacities.
+class GpuPass {
+ public:
+  virtual ~GpuPass() = default;
+
+  virtual GpuForm form() const = 0;
+  virtual gpuscene::DrawLists::Counting counting() const = 0;
+  /// Fills the lists between their begin_gpu_update() and end_gpu_update(). The planes are bound.
+  virtual void run(std::span<const CullBatch> batches, const gpuscene::DrawLists& lists, std::size_t probe) = 0;
+  /// Items that the last run with this probe found; nothing while the GPU is not through with it. Never waits.
+  virtual std::optional<std::uint64_t> found(std::size_t probe) = 0;
+  virtual std::size_t memory_bytes() const = 0;
+};
+
+/// Each fails when the context cannot do it, with the reason.
+core::Expected<std::unique_ptr<GpuPass>> make_geometry_pass(const gl::Context& context,
+                                                            std::span<const CullBatch> batches);
+core::Expected<std::unique_ptr<GpuPass>> make_compute_pass(const gl::Context& context,
+                                                           std::span<const CullBatch> batches);
+
+inline core::Expected<std::unique_ptr<GpuPass>> make_pass(GpuForm form, const gl::Context& context,
+                                                          std::span<const CullBatch> batches) {
+  return form == GpuForm::kCompute ? make_compute_pass(context, batches) : make_geometry_pass(context, batches);
+}
+
+/// The program of meshes, and the one of all other batches. Each is made only where there are such batches.
+class BatchPrograms {
+ public:
+  core::Expected<void> make(const gl::Functions& gl, std::span<const CullBatch> batches,
+                            const std::function<gl::ProgramDescription(bool meshes)>& describe);
+  const gl::Program& of(const CullBatch& batch) const { return programs_[batch.meshes()]; }
+
+ private:
+  std::array<gl::Program, 2> programs_;
+};
+
+/// A program of one stage or more from the files of culling/gpu and gpuscene, with the draw lists' defines.
+gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages);
+
+/// Where shaders find what lies in a batch.
+enum CullTextureUnit : GLuint {
+  kClusterBoxUnit,
+  kClusterLayerUnit,
+  kItemBoxUnit,
+  kItemLayerUnit,
+  kCommandUnit,
+};
+void bind_batch(const gl::Functions& gl, const CullBatch& batch);
+
+}  // namespace sightline::culling

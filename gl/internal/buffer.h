@@ -1,0 +1,72 @@
+// Buffer objects with immutable storage, and the texture view through which every shader stage can read one.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+#include "sightline/core/error.h"
+#include "sightline/gl/functions.h"
+#include "sightline/gl/internal/handle.h"
+
+namespace sightline::gl {
+
+/// A buffer of fixed size. Move-only; a default-made one is empty (id 0, size 0).
+class Buffer {
+ public:
+  Buffer() = default;
+
+  /// Allocates `bytes` > 0 with glNamedBufferStorage. `data` is copied, or null for undefined contents. `flags` as
+  /// GL's: GL_DYNAMIC_STORAGE_BIT for write(), GL_MAP_…_BIT for map(). `what` names the contents in errors and debug
+  /// output. Fails when the driver has not the memory, or for 0 bytes.
+  static core::Expected<Buffer> create(const Functions& gl, std::size_t bytes, const void* data, GLbitfield flags,
+                                       std::string_view what);
+  /// The same from values.
+  template <class T, std::size_t N>
+  static core::Expected<Buffer> create(const Functions& gl, std::span<T, N> values, GLbitfield flags,
+                                       std::string_view what) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    return create(gl, values.size_bytes(), values.data(), flags, what);
+  }
+
+  GLuint id() const { return handle_.name(); }
+  std::size_t size() const { return bytes_; }  ///< bytes
+
+  /// Copies into [offset, offset + bytes), which must lie inside. Needs GL_DYNAMIC_STORAGE_BIT.
+  void write(std::size_t offset, std::size_t bytes, const void* data) const;
+  /// Sets every byte of [offset, offset + bytes), which must lie inside, on the GPU.
+  void fill(std::size_t offset, std::size_t bytes, std::uint8_t value) const;
+  /// Copies out of [offset, offset + bytes), which must lie inside. Waits for the GPU: for tests and final results.
+  void read(std::size_t offset, std::size_t bytes, void* data) const;
+  /// glMapNamedBufferRange; null when the driver refuses. A persistent mapping ends with unmap() or the buffer.
+  void* map(std::size_t offset, std::size_t bytes, GLbitfield access) const;
+  /// False when the contents were lost while mapped.
+  bool unmap() const;
+
+ private:
+  Handle<&Functions::DeleteBuffers> handle_;
+  std::size_t bytes_ = 0;
+};
+
+/// A buffer seen as a one-dimensional array of texels (samplerBuffer and its kin). Borrows the buffer: it must live
+/// while the view is used. Move-only.
+class TextureBuffer {
+ public:
+  TextureBuffer() = default;
+
+  /// Views the whole buffer. `format` is a sized format that texture buffers allow (GL_R32UI, GL_RGB32F, …). Fails for
+  /// other formats and for more texels than the context can address, which GL itself would silently cut off.
+  static core::Expected<TextureBuffer> create(const Functions& gl, const Buffer& buffer, GLenum format,
+                                              std::string_view what);
+
+  GLuint id() const { return handle_.name(); }
+  std::int64_t texels() const { return texels_; }
+
+ private:
+  Handle<&Functions::DeleteTextures> handle_;
+  std::int64_t texels_ = 0;
+};
+
+}  // namespace sightline::gl

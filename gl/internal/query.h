@@ -1,0 +1,43 @@
+// Query objects: what a draw counted or how long it took.
+#pragma once
+
+#include <optional>
+
+#include "sightline/gl/functions.h"
+#include "sightline/gl/internal/handle.h"
+
+namespace sightline::gl {
+
+/// Owns a query object of one target (GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, GL_PRIMITIVES_GENERATED, …). Move-only.
+class Query {
+ public:
+  Query() = default;
+  Query(const Functions& gl, GLenum target)
+      : handle_(gl, create_name<&Functions::CreateQueries>(gl, target)), target_(target) {}
+
+  void begin() const { handle_.gl().BeginQuery(target_, handle_.name()); }
+  void end() const { handle_.gl().EndQuery(target_); }
+  /// Of the last begin() and end(). Waits for the GPU.
+  GLuint result() const { return read(GL_QUERY_RESULT, 0); }
+  /// The same, or nothing while the GPU is not through with it. Never waits.
+  std::optional<GLuint> result_if_known() const {
+    constexpr GLuint kUnknown = ~0u;
+    const GLuint value = read(GL_QUERY_RESULT_NO_WAIT, kUnknown);
+    return value == kUnknown ? std::nullopt : std::optional(value);
+  }
+  /// Default-made.
+  bool empty() const { return handle_.name() == 0; }
+
+ private:
+  /// `value` stays what it is while there is no answer.
+  GLuint read(GLenum what, GLuint value) const {
+    handle_.gl().BindBuffer(GL_QUERY_BUFFER, 0);  // an application's would take the answer
+    handle_.gl().GetQueryObjectuiv(handle_.name(), what, &value);
+    return value;
+  }
+
+  Handle<&Functions::DeleteQueries> handle_;
+  GLenum target_ = GL_NONE;
+};
+
+}  // namespace sightline::gl

@@ -1,0 +1,221 @@
+// Internal to gpuprims: what all reference intersections share: how a ray is brought into the primitive's
+// neighbourhood, the intervals of it that are clipped there, and how these become hits.
+//
+// The ray is moved in double to a point close to the primitive, so that what follows works with numbers of the
+// primitive's size, however far the eye and however long the direction; only then does Real = float begin. Haines et
+// al., "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems (2019), chapter 7, show why. Close is
+// meant by each axis' own measure (`weights`): the middle of a pipe a million radii long may be as far from the
+// crossing as the eye.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "sightline/gpuprims/internal/ray.h"
+
+namespace sightline::gpuprims {
+
+using core::dvec2;
+template <class Real>
+using Vec2 = glm::vec<2, Real>;
+template <class Real>
+using Vec3 = glm::vec<3, Real>;
+
+/// The faces of what has two ends, numbered as in the shaders.
+enum Face : int { kLateral, kBottom, kTop };
+/// A bit per face that is not drawn.
+inline unsigned hidden_faces(Caps caps) {
+  return (caps.bottom ? 0u : 1u << kBottom) | (caps.top ? 0u : 1u << kTop);
+}
+
+/// The power of two in (x/2, x] and its inverse, for 0 < x < 2^1023: what is scaled by them is not rounded.
+inline double power_of_two(double x) {
+  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & 0x7ff0000000000000u);
+}
+inline double inverse_power_of_two(double x) {
+  return std::bit_cast<double>(0x7fe0000000000000u - (std::bit_cast<std::uint64_t>(x) & 0x7ff0000000000000u));
+}
+
+/// origin + s * direction in units of the primitive; the original parameter is start + s * scale. The largest part of
+/// the direction lies in [1, 2).
+template <class Real>
+struct LocalRay {
+  Vec3<Real> origin, direction;
+  double start, scale;
+  bool valid;  ///< false for rays that are not finite or have no direction: they hit nothing
+
+  double t(Real s) const { return start + double(s) * scale; }
+  Vec3<Real> at(Real s) const { return origin + s * direction; }
+};
+
+/// The ray with a direction of ordinary length: any shorter than 2^1023 becomes one without rounding.
+struct ScaledRay {
+  dvec3 origin, direction;
+  double factor;  ///< original t = factor * ours
+};
+inline ScaledRay scale_direction(const Ray& ray) {
+  const dvec3& d = ray.direction;
+  const double factor = inverse_power_of_two(std::max(std::fabs(d.x), std::max(std::fabs(d.y), std::fabs(d.z))));
+  return {ray.origin, factor * d, factor};
+}
+
+/// The ray seen from its point at `start`, in units of power_of_two(size). The new origin lies on the given ray exactly
+/// there, up to one rounding of what remains (fused multiply-add), so nothing of the eye's distance is lost.
+template <class Real>
+LocalRay<Real> move_to(const ScaledRay& ray, double start, double size) {
+  const dvec3 &o = ray.origin, &d = ray.direction;
+  const double x = std::fma(start, d.x, o.x), y = std::fma(start, d.y, o.y), z = std::fma(start, d.z, o.z);
+  const bool valid = x * x + y * y + z * z + std::fabs(start) < std::numeric_limits<double>::infinity();
+  const double per_unit = inverse_power_of_two(size);
+  return {{Real(x * per_unit), Real(y * per_unit), Real(z * per_unit)},
+          {Real(d.x), Real(d.y), Real(d.z)},
+          start * ray.factor,
+          power_of_two(size) * ray.factor,
+          valid};
+}
+
+/// (a / b)^2 as a weight for closest_approach: of an axis along which the primitive reaches b, against one with a. What
+/// is flatter than 1e-12 is measured as 1e-12.
+inline double weight(double a, double b) {
+  const double ratio = a / std::max(b, 1e-12 * a);
+  return ratio * ratio;
+}
+
+/// The weights of a box of these half extents, one of which is positive.
+inline dvec3 weights(const dvec3& half) {
+  const double most = std::max(half.x, std::max(half.y, half.z));
+  return {weight(most, half.x), weight(most, half.y), weight(most, half.z)};
+}
+
+/// Where the weighted distance to the local origin is least. With weights 1 / extent^2, up to a common factor, this
+/// lies within sqrt(3) extents along each axis if the ray meets the box -extent … extent at all. Origins up to 1e150.
+inline double closest_approach(const dvec3& o, const dvec3& d, const dvec3& weights) {
+  const dvec3 wd = weights * d;
+  return -glm::dot(wd, o) / glm::dot(wd, d);
+}
+template <class Real>
+LocalRay<Real> closest_approach(const Ray& ray, const dvec3& weights, double size) {
+  const ScaledRay scaled = scale_direction(ray);
+  return move_to<Real>(scaled, closest_approach(scaled.origin, scaled.direction, weights), size);
+}
+
+/// About the point closest to the local origin (from a far eye the first move is off by a rounding of the distance),
+/// with a direction of unit length.
+template <class Real>
+void recentre(LocalRay<Real>& ray) {
+  const Real square = glm::dot(ray.direction, ray.direction), length = std::sqrt(square);
+  const Real shift = -glm::dot(ray.origin, ray.direction) / square;
+  ray.origin += shift * ray.direction;
+  ray.start += double(shift) * ray.scale;
+  ray.direction /= length;
+  ray.scale /= double(length);
+}
+
+/// a.x b.y - a.y b.x.
+template <class Real>
+Real cross(const Vec2<Real>& a, const Vec2<Real>& b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+/// condition ? a : b, for conditions that no processor can guess: a branch that is mistaken costs more than all around.
+inline int choose(bool condition, int a, int b) {
+  return b ^ ((a ^ b) & -int(condition));
+}
+
+/// A closed interval of s and the faces that bound it. Default: the whole line.
+template <class Real>
+struct Span {
+  static constexpr int kNoFace = -1;
+  static constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+  Real from = -kInfinity, to = kInfinity;
+  int from_face = kNoFace, to_face = kNoFace;
+
+  static Span nothing() { return {Real(1), Real(0)}; }
+  bool empty() const { return !(from <= to); }
+  bool bounded() const { return from <= to && from > -kInfinity && to < kInfinity; }
+
+  void enter(Real s, int face) {
+    from_face = choose(s > from, face, from_face);
+    from = std::max(from, s);
+  }
+  void leave(Real s, int face) {
+    to_face = choose(s < to, face, to_face);
+    to = std::min(to, s);
+  }
+  /// The common part of both.
+  void clip(const Span& other) {
+    enter(other.from, other.from_face);
+    leave(other.to, other.to_face);
+  }
+  /// Keeps value + s * slope >= 0.
+  void clip(Real value, Real slope, int face) {
+    if (slope > 0) {
+      enter(-value / slope, face);
+    } else if (slope < 0) {
+      leave(-value / slope, face);
+    } else if (!(value >= 0)) {
+      *this = nothing();
+    }
+  }
+  /// Keeps -half <= value + s * slope <= half. Of a slab without thickness one point is left, with both faces in the
+  /// order the ray meets them; nothing of a ray within it.
+  void clip_slab(Real value, Real slope, Real half, int low_face, int high_face) {
+    if (slope == 0) {
+      if (half == 0 || !(std::fabs(value) <= half)) *this = nothing();
+      return;
+    }
+    const Real inverse = 1 / slope, middle = -value * inverse, extent = half * std::fabs(inverse);
+    enter(middle - extent, choose(slope > 0, low_face, high_face));
+    leave(middle + extent, choose(slope > 0, high_face, low_face));
+  }
+};
+
+/// What is left of `span` beside the open `gap`, in rising order; returns the number of pieces, 0 to 2. A gap between
+/// equal ends is none.
+template <class Real>
+int subtract(const Span<Real>& span, const Span<Real>& gap, Span<Real> pieces[2]) {
+  Span<Real> before = span, after = span;
+  if (!(gap.from < gap.to))
+    after = Span<Real>::nothing();
+  else
+    before.leave(gap.from, gap.from_face), after.enter(gap.to, gap.to_face);
+  int count = 0;
+  if (!before.empty()) pieces[count++] = before;
+  if (!after.empty()) pieces[count++] = after;
+  return count;
+}
+
+/// The part of a line within the infinite cylinder about z. Half-chord form of the quadratic; all terms are of the
+/// cylinder's size where the origin is.
+template <class Real>
+Span<Real> cylinder_span(const Vec3<Real>& origin, const Vec3<Real>& direction, Real radius, int face) {
+  const Vec2<Real> o(origin), u(direction);
+  const Real a = glm::dot(u, u), b = glm::dot(o, u), moment = cross(o, u);
+  // So nearly along the axis that it takes 1e15 radii to leave: the squares would underflow.
+  if (!(a > 1024 * std::numeric_limits<Real>::min()))
+    return glm::dot(o, o) <= radius * radius ? Span<Real>() : Span<Real>::nothing();
+  const Real discriminant = radius * radius * a - moment * moment;
+  if (!(discriminant >= 0)) return Span<Real>::nothing();
+  const Real half = std::sqrt(discriminant);
+  const Real inverse = 1 / a;
+  return {(-b - half) * inverse, (-b + half) * inverse, face, face};
+}
+
+/// Adds both ends of a span that bound the solid, but for hidden faces. normal(face, p) is the gradient of a face at p.
+/// Spans come in rising order.
+template <class Real, class Normal>
+void add_hits(Hits& hits, const LocalRay<Real>& ray, const Span<Real>& span, unsigned hidden, const Normal& normal) {
+  if (!span.bounded()) return;
+  const auto add = [&](Real s, int face) {
+    if ((hidden >> face & 1u) != 0) return;
+    const Vec3<Real> n = normal(face, ray.at(s));
+    hits.hit[hits.count++] = {ray.t(s), {double(n.x), double(n.y), double(n.z)}};
+  };
+  add(span.from, span.from_face);
+  add(span.to, span.to_face);
+}
+
+}  // namespace sightline::gpuprims

@@ -1,0 +1,21 @@
+// The rectangular torus, whole or a slice: reference intersection and tessellation.
+#pragma once
+
+#include "sightline/gpuprims/internal/tessellation.h"
+
+namespace sightline::gpuprims {
+
+/// Crossings of the ray's full line with the surface, in rising t: an even number up to 6 when closed. From an angle of
+/// 2 pi on there are no ends; caps.bottom is the end at angle 0, caps.top the one at `angle`. The inner radius is the
+/// smaller of the two. Without thickness, height or angle it is a surface of two sides, each crossing twice at one t,
+/// and nothing edge on; outer radius 0 is nothing.
+///
+/// The outer cylinder's span between both levels, less the inner cylinder's, less what the sweep leaves out (wedge.h).
+template <class Real = double>
+Hits intersect(const core::RectangularTorus& torus, const Ray& ray, Caps caps = {});
+
+/// The inner radius is the smaller of the two. From an angle of 2 pi on there are no ends; caps.bottom is the end at
+/// angle 0, caps.top the one at `angle`. Without thickness, height or angle it is a surface of two sides.
+core::Mesh tessellate(const core::RectangularTorus& torus, const Tessellation& config = {}, Caps caps = {});
+
+}  // namespace sightline::gpuprims

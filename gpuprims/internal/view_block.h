@@ -1,0 +1,43 @@
+// The uniform block that every shader reads: C++ twin of shaders/view.glsl (std140).
+#pragma once
+
+#include <cstddef>
+
+#include <glm/glm.hpp>
+
+#include "sightline/core/view.h"
+#include "sightline/gpuprims/internal/packing.h"
+
+namespace sightline::gpuprims {
+
+static_assert(kMaxSections == int(core::kMaxSectionPlanes));
+
+struct ViewBlock {
+  glm::dvec4 eye_from_world[3];  // columns of a dmat3, padded
+  glm::dvec4 pixel_ray[2];
+  glm::vec4 pixel_ray_float[2];
+  glm::mat4 clip_from_eye;
+  glm::vec4 depth_range;
+  glm::vec4 viewport;
+  glm::vec4 up;
+  glm::ivec4 flags;
+  glm::vec4 sections[kMaxSections];
+};
+static_assert(offsetof(ViewBlock, pixel_ray) == 96);
+static_assert(offsetof(ViewBlock, clip_from_eye) == 192);
+static_assert(offsetof(ViewBlock, flags) == 304);
+static_assert(offsetof(ViewBlock, sections) == 320);
+static_assert(sizeof(ViewBlock) == 320 + 16 * kMaxSections);
+
+/// Clip matrix with reversed zero-to-one depth, whatever convention the view was made for.
+core::dmat4 reversed_clip_from_eye(const core::View& view);
+
+/// Fills the block for a viewport of width x height pixels. Views may be perspective (also off-axis) or orthographic; a
+/// projection with any other structure is an error.
+core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int height);
+
+/// Eye depth (metres along the view axis) of a reversed zero-to-one depth value; infinity for the cleared depth 0 of an
+/// infinite far plane.
+double eye_depth(const core::dmat4& reversed_clip_from_eye, double depth);
+
+}  // namespace sightline::gpuprims

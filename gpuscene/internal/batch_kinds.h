@@ -1,0 +1,89 @@
+// The kinds of batches: what one program draws. One row per kind says all that differs between them; renderer, GPU
+// culler, plan and shaders read it from here.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sightline/core/primitive.h"
+#include "sightline/gpuprims/internal/packing.h"
+
+namespace sightline::gpuscene {
+
+/// In the order of kBatchKinds.
+enum class BatchKind : std::uint8_t {
+  kCylinder,
+  kSnout,
+  kCircularTorus,
+  kSphereCap,
+  kRectangularTorus,
+  kPyramid,
+  kBox,
+  kLine,
+  kMesh,
+};
+inline constexpr int kBatchKindCount = 9;
+
+/// How the items of a batch become fragments.
+enum class Drawn : std::uint8_t {
+  kRayCast,    ///< a point, of which a geometry stage makes a proxy, within which fragments cast rays
+  kLines,      ///< two vertices each
+  kTriangles,  ///< an indexed draw each, out of the mesh pool
+};
+
+struct BatchKindInfo {
+  std::string_view name;  ///< in capitals it is a define of the kind's shaders
+  Drawn drawn;
+  std::uint32_t item_kinds;  ///< a bit 1 << core::Kind of each kind of items
+};
+
+constexpr std::uint32_t item_kind_bits(auto... kinds) {
+  return ((1u << unsigned(kinds)) | ...);
+}
+
+inline constexpr std::array<BatchKindInfo, kBatchKindCount> kBatchKinds = {{
+    {"cylinder", Drawn::kRayCast, item_kind_bits(core::Kind::kCylinder)},
+    {"snout", Drawn::kRayCast, item_kind_bits(core::Kind::kSnout)},
+    {"circular_torus", Drawn::kRayCast, item_kind_bits(core::Kind::kCircularTorus)},
+    {"sphere_cap", Drawn::kRayCast,
+     item_kind_bits(core::Kind::kSphere, core::Kind::kSphericalDish, core::Kind::kEllipticalDish)},
+    {"rectangular_torus", Drawn::kRayCast, item_kind_bits(core::Kind::kRectangularTorus)},
+    {"pyramid", Drawn::kRayCast, item_kind_bits(core::Kind::kPyramid)},
+    {"box", Drawn::kRayCast, item_kind_bits(core::Kind::kBox)},
+    {"line", Drawn::kLines, item_kind_bits(core::Kind::kLine)},
+    {"mesh", Drawn::kTriangles, item_kind_bits(core::Kind::kFacetGroup, core::Kind::kMesh)},
+}};
+
+constexpr const BatchKindInfo& info_of(BatchKind kind) {
+  return kBatchKinds[std::size_t(kind)];
+}
+constexpr std::string_view name_of(BatchKind kind) {
+  return info_of(kind).name;
+}
+constexpr bool is_ray_cast(BatchKind kind) {
+  return info_of(kind).drawn == Drawn::kRayCast;
+}
+/// Texels of each record: all kinds of items that share a batch have as many.
+constexpr int texels_per_record(BatchKind kind) {
+  return gpuprims::texels_per_item(core::Kind(std::countr_zero(info_of(kind).item_kinds)));
+}
+constexpr std::size_t record_bytes(BatchKind kind) {
+  return std::size_t(texels_per_record(kind)) * sizeof(gpuprims::Texel);
+}
+/// The batch that draws items of a kind.
+constexpr BatchKind batch_of(core::Kind kind) {
+  int batch = 0;
+  while ((kBatchKinds[std::size_t(batch)].item_kinds >> unsigned(kind) & 1u) == 0) ++batch;
+  return BatchKind(batch);
+}
+
+/// "CYLINDER" and so on, and "TEXELS_PER_RECORD 4": the defines of shaders of one kind.
+std::vector<std::string> batch_defines(BatchKind kind);
+/// "CYLINDER_KIND 0u" and so on: a BatchKind in shaders of several kinds.
+std::vector<std::string> batch_kind_defines();
+
+}  // namespace sightline::gpuscene

@@ -1,0 +1,43 @@
+// Which records of which batch a visible set names. Internal to gpuscene.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sightline/core/snapshot.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/gpuscene/internal/gpu_scene.h"
+
+namespace sightline::gpuscene {
+
+/// Shorter runs are taken apart: a command costs more than that many ids.
+inline constexpr std::uint32_t kShortestRun = 128;
+/// Vacant slots that may lie between visible ones of a run.
+inline constexpr std::uint32_t kLongestGap = 4;
+
+struct VisibleRecords {
+  struct Run {
+    std::uint32_t first, count;
+  };
+  /// Of a batch without meshes, in slot order.
+  struct OfBatch {
+    std::vector<Run> runs;               ///< kShortestRun and longer
+    std::vector<std::uint32_t> singles;  ///< those of ranges, then the set's single slots
+  };
+  std::array<OfBatch, kBatchKindCount> batches;
+  std::vector<core::Slot> meshes;  ///< those of ranges, then the set's single slots
+
+  /// Sorts the slots of `visible` to their batches, each once. Keeps its memory from call to call. Vacant slots are
+  /// left out but for those within kLongestGap neighbours in ranges of kShortestRun slots or more. Time follows the
+  /// number of single slots, ranges, vacant runs and meshes, and a 64th of the slots in ranges when any slot is vacant.
+  void assign(const core::Snapshot& snapshot, const core::VisibleSet& visible);
+
+ private:
+  void add_range(const core::Snapshot& snapshot, core::Slot first, core::Slot end);
+  void add_meshes(const core::Snapshot& snapshot, core::Slot first, core::Slot end);
+  void add_meshes(const core::Snapshot& snapshot, core::Kind kind, core::Slot first, core::Slot end);
+  void add_slot(const core::Snapshot& snapshot, core::Slot slot);
+};
+
+}  // namespace sightline::gpuscene

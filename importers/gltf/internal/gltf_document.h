@@ -1,0 +1,125 @@
+// Internal to the glTF reader: the file's JSON with checked access, its buffers, and accessors that cannot be read
+// beyond their ends.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "sightline/core/affine.h"
+#include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/internal/json_text.h"
+
+namespace sightline::importers {
+
+/// One object of the file, knowing where it stands: "/nodes/12".
+struct GltfElement {
+  const Json* json = nullptr;
+  std::string_view array;
+  std::size_t index = 0;
+  std::string where() const;
+};
+
+/// Numbers in a buffer. `data` is null when all of them are zero.
+struct GltfAccessor {
+  enum class Type : std::uint16_t {
+    kByte = 5120,
+    kUnsignedByte = 5121,
+    kShort = 5122,
+    kUnsignedShort = 5123,
+    kUnsignedInt = 5125,
+    kFloat = 5126
+  };
+  Type type = Type::kFloat;
+  bool normalized = false;
+  int components = 1;  ///< 1, 2, 3, 4, 9 or 16 numbers for each element
+  std::uint64_t count = 0;
+  const std::byte* data = nullptr;
+  std::uint64_t stride = 0;  ///< bytes from element to element
+  /// Elements that differ from `data`: rising indices into it, and their values back to back.
+  struct Sparse {
+    std::vector<std::uint32_t> indices;
+    const std::byte* values = nullptr;
+  };
+  std::optional<Sparse> sparse;
+
+  /// Elements first … first + n - 1 (within count) to out[0 … n * components - 1], normalised where the file says so.
+  void read(std::uint64_t first, std::uint64_t n, double* out) const;
+};
+
+/// Corners of triangles (a strip of bytes has three a byte) or sparse values for each byte of a file; items are limited
+/// to one a byte. The spare ones let small files repeat a mesh often.
+inline constexpr std::uint64_t kNumbersPerByte = 3, kSpareNumbers = 65536;
+
+class GltfDocument {
+ public:
+  explicit GltfDocument(ImportJob& job, const std::filesystem::path& path) : job_(job), path_(path) {}
+  /// `bytes` must outlive the document. Fails on what cannot be a glTF 2.0 file; other damage goes to the job.
+  core::Expected<void> open(std::span<const std::byte> bytes);
+
+  const Json& root() const { return root_; }
+  /// Elements of a top-level array: 0 when it is missing.
+  std::size_t count(std::string_view array) const;
+  /// Fails when there is no such element. `from` names who asked.
+  core::Expected<GltfElement> element(std::string_view array, std::uint64_t index, std::string_view from) const;
+
+  core::Expected<const GltfAccessor*> accessor(std::uint64_t index, std::string_view from);
+  /// The bytes of a buffer view, of an image say.
+  core::Expected<std::span<const std::byte>> view_bytes(std::uint64_t index, std::string_view from);
+  /// The bytes behind a URI, from the text itself or from a file beside the model, held by the document.
+  core::Expected<std::span<const std::byte>> uri_bytes(std::string_view uri);
+  /// Gives up the bytes of data URIs and files that uri_bytes() brought since `held`, the count of those then.
+  std::size_t held() const { return held_.size(); }
+  void release(std::size_t held);
+
+  std::uint64_t bytes_read() const { return bytes_read_; }  ///< of this file and those that it named
+
+  /// Counts what the file asks to be made; false when that is beyond any proportion to its bytes. A few bytes of JSON
+  /// can name the same numbers again and again: only such limits keep memory proportional.
+  bool take_corners(std::uint64_t corners);
+  bool take_items(std::uint64_t items);
+  bool overdrawn() const { return overdrawn_; }  ///< an answer was false: going on would only take time
+
+ private:
+  struct View {
+    std::span<const std::byte> bytes;
+    std::uint64_t stride = 0;  ///< 0: elements are packed
+  };
+  core::Expected<void> open_binary(std::span<const std::byte> bytes, std::string_view& text);
+  core::Expected<void> check_asset() const;
+  core::Expected<std::span<const std::byte>> buffer(std::uint64_t index, std::string_view from);
+  core::Expected<View> view(std::uint64_t index, std::string_view from);
+  core::Expected<GltfAccessor> make_accessor(const GltfElement& element);
+  core::Expected<GltfAccessor::Sparse> read_sparse(const Json& json, const GltfAccessor& of, const std::string& where);
+
+  ImportJob& job_;
+  const std::filesystem::path& path_;
+  Json root_;
+  std::span<const std::byte> binary_;
+  bool overdrawn_ = false;
+  std::uint64_t bytes_read_ = 0, corners_ = 0, items_ = 0, sparse_ = 0;
+  std::unordered_map<std::uint64_t, GltfAccessor> accessors_;
+  std::unordered_map<std::uint64_t, std::span<const std::byte>> buffers_;
+  std::vector<std::vector<std::byte>> held_;
+  std::map<std::string, std::span<const std::byte>, std::less<>> files_;
+};
+
+// --- checked access to values; `where` is the pointer of `object`, for messages -----------------------------------
+
+const Json* gltf_find(const Json& object, std::string_view key);
+/// A whole number from 0 to 2^53. Missing: the fallback, or an error when there is none.
+core::Expected<std::uint64_t> gltf_index(const Json& object, std::string_view key, const std::string& where,
+                                         std::optional<std::uint64_t> fallback = {});
+/// `n` finite numbers into `to`, left alone when the key is missing.
+core::Expected<void> gltf_numbers(const Json& object, std::string_view key, const std::string& where, double* to,
+                                  std::size_t n);
+std::string gltf_text(const Json& object, std::string_view key);  ///< empty when it is missing or no string
+
+/// What stands between "%" in a URI, and its other characters.
+std::string percent_decoded(std::string_view uri);
+
+}  // namespace sightline::importers

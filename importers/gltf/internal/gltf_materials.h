@@ -1,0 +1,49 @@
+// Internal to the glTF reader: materials and what is left of their textures.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <unordered_map>
+
+#include "sightline/importers/gltf/internal/gltf_document.h"
+
+namespace sightline::importers {
+
+/// sRGB of a linear channel, both 0 … 1 (IEC 61966-2-1).
+double srgb_from_linear(double linear);
+
+/// Mean of an image's pixels in linear light: red, green, blue and alpha, 0 … 1. With `weigh`, each pixel counts as far
+/// as it is opaque.
+struct ImageMean {
+  core::dvec3 colour{1.0};
+  double alpha = 1.0;
+};
+/// A PNG or JPEG file image of at most kMostPixels, decoded by stb_image. Its pixels are taken from `pixels_left`, and
+/// it is refused when those do not suffice. Memory: 4 bytes a pixel for the time of the
+/// call.
+core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh, std::uint64_t& pixels_left);
+inline constexpr std::uint64_t kMostPixels = std::uint64_t{64} << 20;
+/// Of all images together, for each byte of the file: what deflate can pack. Names for one image over and over end
+/// here.
+inline constexpr std::uint64_t kPixelsPerByte = 1024;
+
+/// Makes a scene's material of a file's when it is first asked for.
+class GltfMaterials {
+ public:
+  GltfMaterials(ImportJob& job, GltfDocument& document) : job_(job), document_(document) {}
+  core::Expected<core::MaterialId> material(std::uint64_t index, const std::string& from);
+
+ private:
+  core::Expected<core::MaterialId> make(const GltfElement& element);
+  core::Expected<ImageMean> texture_mean(std::uint64_t texture, const std::string& from, bool weigh);
+
+  ImportJob& job_;
+  GltfDocument& document_;
+  std::unordered_map<std::uint64_t, core::MaterialId> made_;
+  std::map<std::string, core::Expected<ImageMean>> means_;
+  std::uint64_t pixels_taken_ = 0;
+};
+
+}  // namespace sightline::importers

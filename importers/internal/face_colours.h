@@ -1,0 +1,40 @@
+// Internal to the importers: meshes whose faces have colours of their own. A scene's items have one material each.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "sightline/importers/internal/import_job.h"
+
+namespace sightline::importers {
+
+/// sRGB and alpha, a byte each, red highest. Zero (black that nobody sees) stands for no colour.
+using PackedColour = std::uint32_t;
+inline constexpr PackedColour kNoColour = 0;
+
+inline PackedColour pack_colour(std::uint32_t red, std::uint32_t green, std::uint32_t blue, std::uint32_t alpha = 255) {
+  return red << 24 | green << 16 | blue << 8 | alpha;
+}
+
+/// Sum of colours, for their average.
+struct ColourSum {
+  std::uint64_t channels[4] = {0, 0, 0, 0};
+  std::uint64_t count = 0;
+  void add(PackedColour colour);
+  /// kNoColour of nothing. Opaque where all alphas are 0: writers without a use for alpha leave it so.
+  PackedColour average() const;
+};
+
+/// A material named "#rrggbb" (with alpha "#rrggbbaa"); none for kNoColour.
+core::MaterialId add_colour_material(core::Scene& scene, PackedColour colour);
+
+/// More distinct colours than this become their average: a scan's shades are no parts.
+inline constexpr std::size_t kMostFaceColours = 256;
+
+/// Adds one item per distinct colour, in order of first appearance; opaque ones where all alphas are 0. `colours`: one
+/// per face.
+void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& polygons,
+                         const std::vector<PackedColour>& colours, std::string_view name);
+
+}  // namespace sightline::importers

@@ -1,0 +1,88 @@
+// Internal to the importers: one file on its way into a scene, and what every reader must not get wrong: taking
+// everything back on failure, warnings, cancellation, units, and geometry that could not be committed.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "sightline/importers/import.h"
+#include "sightline/importers/internal/mesh_sharing.h"
+#include "sightline/importers/internal/polygon_mesh.h"
+
+namespace sightline::importers {
+
+/// What a format's coordinates mean.
+struct FileFrame {
+  double metres_per_unit = 1.0;
+  UpAxis up = UpAxis::kZ;
+};
+
+class ImportJob {
+ public:
+  core::Scene& scene() { return scene_; }
+  const ImportOptions& options() const { return options_; }
+  const std::string& file() const { return file_; }      ///< its name, for messages
+  core::NodeId file_node() const { return file_node_; }  ///< named after the file; its transform is the file's frame
+  ImportReport& report() { return report_; }
+
+  void warn(std::uint64_t offset, std::string message);
+  /// An error "FILE: message" when strict, a warning when lenient.
+  core::Expected<void> damage(std::uint64_t offset, std::string message);
+  /// Fails when the caller cancels. Cheap enough to be called for every chunk of a file.
+  core::Expected<void> progress(double share);
+
+  /// Adds an item, counts it as a `found`, and shares its mesh where another is the same. `node` is the file's or below
+  /// it. A mesh that the scene refuses is damage: it is left out, which false says, and a strict import fails.
+  bool add_mesh(core::NodeId node, core::Mesh mesh, const core::Affine& placement, core::MaterialId material = {},
+                core::Kind found = core::Kind::kMesh);
+  /// The same for polygons as files hold them: re-centred, cleaned and triangulated (polygon_mesh.h). What was dropped
+  /// becomes a warning at `offset`.
+  bool add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name, const core::Affine& placement,
+                core::MaterialId material, std::uint64_t offset = 0);
+  /// Another item of a mesh that is in the scene already; `first`: one that no item uses yet.
+  void add_instance(core::NodeId node, core::MeshId mesh, const core::Affine& placement, core::MaterialId material = {},
+                    bool first = false);
+  /// Adds and counts.
+  void add_primitive(core::NodeId node, const core::Primitive& primitive, const core::Affine& placement,
+                     core::MaterialId material = {});
+
+  /// Promises that no item, as placed below the file's node, reaches farther than kLargestCoordinate: spares a check of
+  /// each at the end.
+  void promise_reach() { reach_promised_ = true; }
+
+ private:
+  friend core::Expected<ImportReport> run_import(std::string_view, core::Scene&, core::NodeId, const ImportOptions&,
+                                                 const FileFrame&,
+                                                 const std::function<core::Expected<void>(ImportJob&)>&);
+  ImportJob(std::string_view file, core::Scene& scene, core::NodeId parent, const ImportOptions& options,
+            const FileFrame& frame);
+  core::Expected<MeshSharing::Use> use_of(core::Mesh mesh);
+  void drop_what_cannot_be_committed(core::ItemId first);
+  core::Expected<void> finish(core::ItemId first);
+
+  core::Scene& scene_;
+  const ImportOptions& options_;
+  std::string file_;
+  core::NodeId file_node_;
+  MeshSharing sharing_;
+  ImportReport report_;
+  core::Expected<void> refused_;  // what a strict import fails with at its next sign of progress
+  std::uint64_t unlisted_ = 0;
+  double shown_ = -1.0;
+  bool reach_promised_ = false;
+};
+
+/// Runs `read` for a file named `file`. When it fails, or something below throws (no memory, a library), the scene is
+/// as it was.
+core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scene, core::NodeId parent,
+                                        const ImportOptions& options, const FileFrame& frame,
+                                        const std::function<core::Expected<void>(ImportJob&)>& read);
+
+/// The frame of a format that says nothing about its coordinates.
+inline FileFrame frame_of(const ImportOptions& options) {
+  return {options.metres_per_unit, options.up};
+}
+
+}  // namespace sightline::importers

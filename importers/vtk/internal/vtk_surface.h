@@ -1,0 +1,31 @@
+// Internal to the importers: what of a VTK data set can be seen from outside.
+#pragma once
+
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
+#include "sightline/importers/internal/import_job.h"
+
+class vtkDataSetAttributes;
+class vtkUnsignedCharArray;
+
+namespace sightline::importers {
+
+/// The part of an import's progress that a step of it takes.
+struct Share {
+  ImportJob& job;
+  double begin = 0.0, length = 1.0;
+
+  core::Expected<void> progress(double done) const { return job.progress(begin + length * done); }
+  Share part(double from, double to) const { return {job, begin + length * from, length * (to - from)}; }
+};
+
+/// RGB or RGBA of each tuple (vtk_import.h says which array), or none.
+vtkUnsignedCharArray* colours_of(vtkDataSetAttributes& attributes);
+
+/// Faces that belong to one cell alone, counter-clockwise from outside, with normals and colours. `data` may hold
+/// anything: cells are checked before VTK, which trusts them, works on them. Fails on damage when strict, and when the
+/// caller cancels.
+core::Expected<vtkSmartPointer<vtkPolyData>> outer_surface(vtkDataSet& data, const Share& share);
+
+}  // namespace sightline::importers

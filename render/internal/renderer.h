@@ -1,0 +1,67 @@
+// render: view + visible set -> image. Programs only for what a scene holds, one indirect multi-draw per batch, id
+// images, PNG and PFM files, image comparison. Knows nothing of cullers.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "sightline/core/view.h"
+#include "sightline/gl/internal/program.h"
+#include "sightline/gl/internal/program_pipeline.h"
+#include "sightline/gl/internal/vertex_array.h"
+#include "sightline/gpuscene/internal/draw_lists.h"
+#include "sightline/render/internal/render_target.h"
+#include "sightline/render/internal/section_caps.h"
+
+namespace sightline::render {
+
+class Renderer {
+ public:
+  /// Compiles what each batch that `scene` holds needs and nothing else, for targets of one form. Fails with the
+  /// driver's log. What section planes need is compiled with the first view that has some.
+  static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene,
+                                         const TargetForm& form = {});
+
+  /// Clears the target and draws what the lists name. All analytic primitives are ray-cast, exact up to float
+  /// arithmetic. With several samples per pixel they cover the samples whose rays hit them, in the colour and at the
+  /// depth of one of them. Depth is reverse-Z whatever the view's own convention. Sets the GL state it needs, but for
+  /// what gl::reset_pipeline_state names, and leaves it set. Does not wait.
+  core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
+                            const gpuscene::DrawLists& lists, const RenderTarget& target);
+
+  std::array<float, 3> background{0.86f, 0.88f, 0.91f};  ///< sRGB
+
+  std::size_t memory_bytes() const;
+
+ private:
+  /// What draws a batch: a whole program or, of ray-cast ones, the fragment stage alone and the pipeline that joins it
+  /// to the stages they share.
+  struct BatchProgram {
+    gl::Program program;
+    gl::ProgramPipeline pipeline;
+  };
+  using BatchPrograms = std::array<BatchProgram, gpuscene::kBatchKindCount>;
+
+  core::Expected<void> upload_view(const core::View& view, const core::Snapshot& snapshot, const RenderTarget& target);
+  void draw_batch(const gpuscene::Batch& batch, const BatchProgram& program, const gpuscene::GpuScene& scene,
+                  const gpuscene::DrawLists& lists) const;
+  void submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                    int first, int count) const;
+  core::Expected<void> draw_section_caps(const core::Snapshot& snapshot, const gpuscene::Batch& meshes,
+                                         const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                                         const RenderTarget& target);
+
+  core::Expected<BatchPrograms> make_programs(const gpuscene::GpuScene& scene, const TargetForm& form, bool sections);
+
+  const gl::Functions* gl_ = nullptr;
+  gl::Program proxy_program_;  // vertex and geometry stage of all ray-cast batches; empty when there are none
+  BatchPrograms programs_;
+  std::optional<BatchPrograms> section_programs_;  // from the first view with sections on
+  gl::VertexArray record_array_, mesh_array_;
+  gl::Buffer view_block_, chunk_rows_;
+  gl::TextureBuffer chunk_texels_;
+  std::size_t chunk_capacity_ = 0;
+  std::optional<SectionCaps> section_caps_;  // from the first view with sections on, if there are meshes
+};
+
+}  // namespace sightline::render
