@@ -1,6 +1,6 @@
 // Draw lists, by the pictures they give: every record that a set names is drawn, however many commands that takes; and
 // faces that are left out are those that do not show.
-#include "sightline/gpuscene/draw_lists.h"
+#include "sightline/gpuscene/internal/draw_lists.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/gpuprims/primitives.h"
-#include "sightline/render/renderer.h"
+#include "sightline/gpuprims/internal/primitives.h"
+#include "sightline/render/internal/renderer.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline {
@@ -46,16 +46,21 @@ struct Stage {
   render::RenderTarget target;
 };
 
-/// A box in the middle of each pixel.
+/// A box in the middle of each pixel; of every third, a ball, so that two batches have records that are drawn one by
+/// one.
 class BoxPerPixel : public tests::GlTest {
  protected:
   static constexpr int kWidth = 200, kHeight = 100, kItems = kWidth * kHeight;
 
   void SetUp() override {
     tests::GlTest::SetUp();
-    for (int i = 0; i < kItems; ++i)
-      scene.add_primitive(scene.root(), core::Box{0.8f, 0.8f, 0.8f},
-                          core::translation({i % kWidth + 0.5, i / kWidth + 0.5, 0.0}));
+    for (int i = 0; i < kItems; ++i) {
+      const core::Affine place = core::translation({i % kWidth + 0.5, i / kWidth + 0.5, 0.0});
+      if (i % 3 == 0)
+        scene.add_primitive(scene.root(), core::Sphere{0.8f}, place);
+      else
+        scene.add_primitive(scene.root(), core::Box{0.8f, 0.8f, 0.8f}, place);
+    }
     EXPECT_TRUE(scene.commit());
   }
   static View view() {
