@@ -45,13 +45,9 @@ core::NodeCondition parse_condition(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-core::AabbD bounds_of(const core::Scene& scene, core::NodeId top) {
-  core::AabbD bounds;
-  scene.for_each_node(top, [&](core::NodeId node, const core::Affine& world, bool, std::uint32_t, core::MaterialId) {
-    for (core::ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item))
-      bounds.grow(scene.bounds_under(item, world * scene.placement(item)));
-  });
-  return bounds;
+/// On all layers: found is found, hidden by default or not.
+core::AabbD bounds_of(const core::Scene& scene, core::NodeId node) {
+  return scene.bounds(node, ~std::uint32_t{0});
 }
 
 json to_json(const core::AabbD& bounds) {

@@ -87,9 +87,9 @@ core::Expected<core::View> choose_view(const Options& o, const apps::Model& mode
     if (!path) return tl::unexpected(path.error());
     return path->view(path->time_of(o.frame, o.frames), aspect);
   }
-  const core::AabbD bounds = apps::world_bounds(snapshot);
-  const double distance = std::max(1.0, glm::length(bounds.size()));
-  return core::View::perspective(apps::fitting_pose(bounds, apps::kFovy, aspect), apps::kFovy, aspect, 1e-3 * distance);
+  const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
+  apps::warn_of_outliers(fitted);
+  return core::View::fit(fitted.bounds, core::kOverviewDirection, apps::kFovy, aspect);
 }
 
 core::Expected<void> write_id_names(const std::string& file, const image::IdImage& ids, const core::Scene& scene) {

@@ -179,7 +179,9 @@ void tell(const core::Expected<void>& done, const std::string& success) {
 }
 
 Camera Viewer::first_camera() const {
-  const core::AabbD bounds = apps::world_bounds(engine_.snapshot());
+  const core::FittedBounds fitted = engine_.snapshot().bounds().fitted_bounds();
+  const core::AabbD& bounds = fitted.bounds;
+  apps::warn_of_outliers(fitted);
   Camera camera{apps::CameraControl(bounds, apps::kFovy, aspect())};
   camera.near = path_ ? path_->near : kNearShare * std::max(1.0, bounds.empty() ? 0.0 : glm::length(bounds.size()));
   if (path_) camera.far = path_->far;

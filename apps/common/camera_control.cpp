@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sightline/apps/common/model.h"
-
 namespace sightline::apps {
 namespace {
 
@@ -35,7 +33,7 @@ CameraControl::CameraControl(const core::AabbD& bounds, double fovy, double aspe
 }
 
 void CameraControl::fit(double fovy, double aspect) {
-  pose_ = fitting_pose(bounds_, fovy, aspect);
+  pose_ = core::fitting_pose(bounds_, core::kOverviewDirection, fovy, aspect);
 }
 
 void CameraControl::apply(const CameraInput& input) {

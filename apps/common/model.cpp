@@ -1,7 +1,6 @@
 #include "sightline/apps/common/model.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <map>
 
@@ -72,41 +71,10 @@ core::Expected<Model> load_model(const ModelOptions& options) {
   return model;
 }
 
-core::AabbD world_bounds(const core::Snapshot& snapshot) {
-  core::AabbD bounds;
-  for (std::size_t i = 0; i < snapshot.size(); ++i) {
-    const core::Aabb box = snapshot.bounds().box(i);
-    if (!box.empty() && snapshot.bounds().layers(i) != 0) bounds.grow({core::dvec3(box.min), core::dvec3(box.max)});
-  }
-  if (bounds.empty()) return bounds;
-  return {bounds.min + snapshot.bounds().origin, bounds.max + snapshot.bounds().origin};
-}
-
-core::CameraPath tour_of(const core::Snapshot& snapshot) {
-  constexpr std::size_t kPlaces = 4096;
-  std::vector<core::dvec3> places;
-  const std::size_t step = std::max<std::size_t>(1, snapshot.size() / kPlaces);
-  for (std::size_t i = 0; i < snapshot.size(); i += step) {
-    const core::Aabb box = snapshot.bounds().box(i);
-    if (!box.empty()) places.push_back(snapshot.bounds().origin + 0.5 * (core::dvec3(box.min) + core::dvec3(box.max)));
-  }
-  return core::make_tour(world_bounds(snapshot), places);
-}
-
-core::Pose fitting_pose(const core::AabbD& bounds, double fovy, double aspect) {
-  const core::AabbD box = bounds.empty() ? core::AabbD{core::dvec3(-1.0), core::dvec3(1.0)} : bounds;
-  const core::dvec3 centre = box.centre(), half = 0.5 * box.size();
-  const core::dvec3 back = glm::normalize(core::dvec3(-0.55, -0.85, 0.55));
-  const core::dvec3 right = glm::normalize(glm::cross(core::dvec3(0.0, 0.0, 1.0), back)), up = glm::cross(back, right);
-  const double tan_y = std::tan(0.5 * fovy), tan_x = tan_y * aspect;
-  double distance = 1e-3;
-  for (int corner = 0; corner < 8; ++corner) {
-    const core::dvec3 p = half * core::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-    const double needed = std::max(std::abs(glm::dot(p, right)) / tan_x, std::abs(glm::dot(p, up)) / tan_y);
-    distance = std::max(distance, glm::dot(p, back) + needed);
-  }
-  constexpr double kMargin = 1.05;
-  return {centre + back * (kMargin * distance), centre, {0.0, 0.0, 1.0}};
+void warn_of_outliers(const core::FittedBounds& fitted) {
+  if (fitted.outliers == 0) return;
+  std::fprintf(stderr, "warning: %zu item%s too far from all others: fitted views and tours leave %s out\n",
+               fitted.outliers, fitted.outliers == 1 ? " lies" : "s lie", fitted.outliers == 1 ? "it" : "them");
 }
 
 void add_culler_option(CLI::App& app, engine::CullerChoice& choice) {

@@ -41,17 +41,11 @@ void print_warnings(const std::vector<importers::ImportWarning>& warnings);
 /// Imports all files below the root, whose transform is --translate. Warnings go to stderr, and progress.
 core::Expected<Model> load_model(const ModelOptions& options);
 
-/// World bounds of a snapshot's items.
-core::AabbD world_bounds(const core::Snapshot& snapshot);
-
-/// The automatic flight through a model.
-core::CameraPath tour_of(const core::Snapshot& snapshot);
+/// Says on stderr, in one line, that views and tours of the whole leave out items, if they do.
+void warn_of_outliers(const core::FittedBounds& fitted);
 
 /// Field of view of a camera that nobody has given another one, radians.
 inline constexpr double kFovy = std::numbers::pi / 4;
-
-/// The pose from above, south-west, from which the bounds just fill a view of `fovy` radians.
-core::Pose fitting_pose(const core::AabbD& bounds, double fovy, double aspect);
 
 /// --culler, into `choice`.
 void add_culler_option(CLI::App& app, engine::CullerChoice& choice);

@@ -151,12 +151,10 @@ core::Expected<std::vector<NamedView>> views_of(const Options& o, const std::str
     return views;
   }
   const core::Snapshot snapshot(*model.scene);
-  const core::AabbD bounds = apps::world_bounds(snapshot);
-  auto whole = core::View::perspective(apps::fitting_pose(bounds, apps::kFovy, aspect), apps::kFovy, aspect,
-                                       1e-3 * std::max(1.0, glm::length(bounds.size())));
+  auto whole = core::View::fit(snapshot.bounds().fitted_bounds().bounds, core::kOverviewDirection, apps::kFovy, aspect);
   if (!whole) return tl::unexpected(whole.error());
   views.push_back({"whole", *whole});
-  const core::CameraPath tour = apps::tour_of(snapshot);
+  const core::CameraPath tour = core::make_tour(snapshot.bounds());
   for (const int percent : {40, 70}) {
     auto view = tour.view(tour.time_of(percent, 101), aspect);
     if (!view) return tl::unexpected(view.error());

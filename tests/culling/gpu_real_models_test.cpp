@@ -41,7 +41,7 @@ Flight through(const char* name, std::vector<CameraKey> keys, double size, doubl
 }
 
 std::vector<Flight> flights_of(const core::Snapshot& snapshot, Random& random) {
-  const AabbD box = apps::world_bounds(snapshot);
+  const AabbD box = snapshot.bounds().world_bounds();
   const dvec3 centre = box.centre(), half = 0.5 * box.size();
   const double size = glm::length(box.size()), start = uniform(random, 0.0, 2.0 * std::numbers::pi);
   const auto around = [&](int step, double height) {
@@ -66,7 +66,7 @@ std::vector<Flight> flights_of(const core::Snapshot& snapshot, Random& random) {
     look(dive, place + 0.8 * size * around(3 * i, 0.6), place);
     look(dive, place + 0.02 * size * around(3 * i + 1, 0.3), place, 0.05);
   }
-  std::vector<Flight> flights{{"tour", apps::tour_of(snapshot)}};
+  std::vector<Flight> flights{{"tour", core::make_tour(snapshot.bounds())}};
   flights.push_back(through("orbit", std::move(orbit), size, 3.0 * size));
   flights.push_back(through("turn", std::move(turn), size));
   flights.push_back(through("fly-over", std::move(over), size));
