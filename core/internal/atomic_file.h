@@ -30,7 +30,7 @@ class AtomicFile {
   /// Appends. False after any failure, whose reason commit() tells.
   bool write(std::span<const std::byte> bytes);
   bool failed() const { return error_ != 0; }
-  /// Replaces the target. Fails when any write did; then, too, the temporary file is gone. The last call at most.
+  /// Replaces the target. Fails when any write did. The temporary file is gone in both cases, and no call may follow.
   Expected<void> commit();
 
  private:
