@@ -47,8 +47,7 @@ int main(int argc, char** argv) {
     if (auto done = importers::write_rvm(scene, scene.root(), output); !done) return tl::unexpected(done.error());
     if (json_file != "-") std::printf("%s: %zu items\n", output.c_str(), scene.item_count());
     const nlohmann::json facts = {{"file", output}, {"items", scene.item_count()}, {"seed", config.seed}};
-    if (!json_file.empty())
-      if (auto done = apps::write_text(json_file, apps::to_text(facts)); !done) return tl::unexpected(done.error());
+    if (auto done = apps::write_json(json_file, facts); !done) return tl::unexpected(done.error());
     return apps::kExitOk;
   });
 }

@@ -113,8 +113,8 @@ void add_metrics(const Options& o, const image::Image& reference, const image::I
   figures["psnr"] = metrics->psnr;
   figures["ssim"] = metrics->ssim;
   figures["flip"] = {{"mean", metrics->flip_mean}, {"p99", metrics->flip_p99}};
-  std::fprintf(o.json_file == "-" ? stderr : stdout, "PSNR %.2f dB  SSIM %.5f  FLIP mean %.5f, p99 %.4f\n",
-               metrics->psnr, metrics->ssim, metrics->flip_mean, metrics->flip_p99);
+  std::fprintf(apps::table_stream(o.json_file), "PSNR %.2f dB  SSIM %.5f  FLIP mean %.5f, p99 %.4f\n", metrics->psnr,
+               metrics->ssim, metrics->flip_mean, metrics->flip_p99);
 }
 
 core::Expected<bool> compare(const Options& o, const image::Image& image, json& figures) {
@@ -131,7 +131,7 @@ core::Expected<bool> compare(const Options& o, const image::Image& image, json& 
   figures["compare"] = {
       {"max", difference->max}, {"mean", difference->mean}, {"pixels", difference->pixels}, {"ok", same}};
   add_metrics(o, *reference, image, figures["compare"]);
-  std::fprintf(o.json_file == "-" ? stderr : stdout, "max %d  mean %.4f  differing pixels %llu  %s\n", difference->max,
+  std::fprintf(apps::table_stream(o.json_file), "max %d  mean %.4f  differing pixels %llu  %s\n", difference->max,
                difference->mean, (unsigned long long)difference->pixels, same ? "ok" : "DIFFERS");
   return same;
 }
@@ -144,7 +144,7 @@ core::Expected<void> compare_ids(const Options& o, engine::Engine& engine, json&
   const auto wrong = image::wrong_ids(image::ids_of_colours(*reference), *ids);
   if (!wrong) return core::fail(o.reference_ids + ": " + wrong.error().message);
   figures["wrong_ids"] = *wrong;
-  std::fprintf(o.json_file == "-" ? stderr : stdout, "pixels of another item %llu\n", (unsigned long long)*wrong);
+  std::fprintf(apps::table_stream(o.json_file), "pixels of another item %llu\n", (unsigned long long)*wrong);
   return {};
 }
 
@@ -211,8 +211,7 @@ core::Expected<int> render_model(const Options& o) {
     if (!compared) return tl::unexpected(compared.error());
     same = *compared;
   }
-  if (!o.json_file.empty())
-    if (auto done = apps::write_text(o.json_file, apps::to_text(figures)); !done) return tl::unexpected(done.error());
+  if (auto done = apps::write_json(o.json_file, figures); !done) return tl::unexpected(done.error());
   return same ? apps::kExitOk : apps::kExitFailure;
 }
 

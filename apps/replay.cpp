@@ -346,7 +346,7 @@ core::Expected<int> replay_controller(const Options& o) {
                       {"choice", result.choice}};
     if (auto done = apps::write_text(o.json_file, apps::to_text(out)); !done) return tl::unexpected(done.error());
   }
-  std::fprintf(o.json_file == "-" ? stderr : stdout,
+  std::fprintf(apps::table_stream(o.json_file),
                "%zu frames, policy %s, rendering %s: chosen %.4f ms, oracle %.4f, best fixed path %.4f; "
                "%llu switches, %llu probes\n",
                trace->size(), o.policy.c_str(), o.rendering.c_str(), result.chosen_ms, result.oracle_ms,
@@ -382,7 +382,7 @@ core::Expected<int> replay(const Options& o) {
   auto flight = fly(o, *engine, *path, double(config.width) / config.height);
   if (!flight) return tl::unexpected(flight.error());
   if (auto done = write_reports(o, *engine, *flight, *size); !done) return tl::unexpected(done.error());
-  print_table(*engine, *flight, o.json_file == "-" ? stderr : stdout);
+  print_table(*engine, *flight, apps::table_stream(o.json_file));
   return apps::kExitOk;
 }
 

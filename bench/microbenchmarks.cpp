@@ -1,5 +1,6 @@
 #include "sightline/bench/microbenchmarks.h"
 
+#include <array>
 #include <iostream>
 #include <sstream>
 #include <vector>
@@ -54,10 +55,9 @@ void add_microbenchmark_options(CLI::App& app, MicrobenchmarkOptions& options) {
 }
 
 core::Expected<int> run_microbenchmarks(const MicrobenchmarkOptions& options) {
-  std::vector<std::string> arguments{"sightline-bench", "--benchmark_min_time=" + std::to_string(options.min_time),
-                                     "--benchmark_repetitions=" + std::to_string(options.repetitions)};
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
+  std::array<std::string, 3> arguments{"sightline-bench", "--benchmark_min_time=" + std::to_string(options.min_time),
+                                       "--benchmark_repetitions=" + std::to_string(options.repetitions)};
+  std::array argv{arguments[0].data(), arguments[1].data(), arguments[2].data()};
   int argc = int(argv.size());
   benchmark::Initialize(&argc, argv.data());
   Reporter reporter(options.json == "-" ? std::cerr : std::cout);

@@ -158,8 +158,9 @@ class PanelDrawing {
       svg_.text(x + 8, y + 4, "start", "#222", labels_[i]);
     }
     for (std::size_t i = 0; i < plot_.panels.size(); ++i) {
-      left_ = double(i % columns_) * panel_width_ + 50;
-      top_ = head_ + double(i / columns_) * panel_height_ + 22;
+      const std::size_t row = i / columns_, column = i % columns_;
+      left_ = double(column) * panel_width_ + 50;
+      top_ = head_ + double(row) * panel_height_ + 22;
       draw(plot_.panels[i]);
     }
     return std::move(svg_).finish();

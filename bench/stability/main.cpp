@@ -294,9 +294,8 @@ core::Expected<int> run_fuzz(const Options& options) {
     for (const std::string& example : f.examples) std::printf("    %s\n", example.c_str());
     std::fflush(stdout);
   }
-  if (!options.json.empty())
-    if (auto written = apps::write_text(options.json, apps::to_text(Json{{"fuzz", kinds}})); !written)
-      return tl::unexpected(written.error());
+  if (auto written = apps::write_json(options.json, Json{{"fuzz", kinds}}); !written)
+    return tl::unexpected(written.error());
   return ok ? apps::kExitOk : apps::kExitFailure;
 }
 #else
@@ -323,9 +322,7 @@ core::Expected<int> run(const Options& options) {
   }
   const auto failed = std::count_if(results.begin(), results.end(), [](const Result& r) { return !r.figures.ok(); });
   if (options.json != "-") std::printf("%zu cases, %zu past a bound\n", results.size(), std::size_t(failed));
-  if (!options.json.empty())
-    if (auto done = apps::write_text(options.json, apps::to_text(to_json(results))); !done)
-      return tl::unexpected(done.error());
+  if (auto done = apps::write_json(options.json, to_json(results)); !done) return tl::unexpected(done.error());
   if (!options.plot.empty())
     if (auto done = apps::write_text(options.plot, plot(results)); !done) return tl::unexpected(done.error());
   return failed == 0 ? apps::kExitOk : apps::kExitFailure;

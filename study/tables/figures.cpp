@@ -144,6 +144,7 @@ core::Expected<void> write_pareto(const Results& r, const std::filesystem::path&
   plot.y_label = "false positives per frame (boxes that do not meet the frustum)";
   plot.large = true;
   std::vector<PanelSeries> groups;
+  groups.reserve(kGroups.size() + 1);
   for (const char* group : kGroups) groups.push_back({group, {}, Style::kPoints});
   std::vector<std::array<double, 2>> contenders;
   std::string csv =
