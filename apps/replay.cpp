@@ -183,7 +183,7 @@ core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core:
   }
   engine.finish();
   take_late_reports(engine, flight);
-  flight.renderer = engine.renderer();
+  if (std::string renderer = engine.renderer(); !renderer.empty()) flight.renderer = std::move(renderer);
   for (const std::string& error : engine.take_gl_errors()) return core::fail("GL: " + error);
   return flight;
 }

@@ -98,7 +98,10 @@ TEST_F(EmbedderFlags, TheMatrixOfAViewIsTheLibrarys) {
   for (int n = 0; n < 1000; ++n) {
     dmat4 eye, clip;
     for (int c = 0; c < 4; ++c)
-      for (int r = 0; r < 4; ++r) eye[c][r] = value(), clip[c][r] = value();
+      for (int r = 0; r < 4; ++r) {
+        eye[c][r] = r < 3 ? value() : double(c == 3);  // affine
+        clip[c][r] = value();
+      }
     const auto view = View::from_matrices(eye, clip, ClipDepth::kReversedZeroToOne);
     ASSERT_TRUE(view);
     const dmat4 found = view->clip_from_world();
