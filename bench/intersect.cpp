@@ -11,10 +11,10 @@
 #include <benchmark/benchmark.h>
 
 #include "sightline/apps/common/cli.h"
+#include "sightline/bench/cylinder_rays/cylinder_rays.h"
 #include "sightline/bench/microbenchmarks.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/core/internal/instruction_set.h"
-#include "sightline/gpuprims/internal/cylinder_rays.h"
 #include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::bench {
@@ -103,8 +103,8 @@ void measure_beam(benchmark::State& state, const core::Cylinder& cylinder, const
       const std::size_t count = std::min(kPortion, rays.size() - first);
       const auto at = [&](int i) { return values[i].data() + first; };
       const std::span<double> out(t.data() + first, count);
-      gpuprims::first_crossings(cylinder, {{at(0), at(1), at(2)}, {at(3), at(4), at(5)}, count},
-                                std::span(t_min).subspan(first, count), {}, out);
+      first_crossings(cylinder, {{at(0), at(1), at(2)}, {at(3), at(4), at(5)}, count},
+                      std::span(t_min).subspan(first, count), {}, out);
       for (const double value : out) hit += value < std::numeric_limits<double>::infinity();
     }
     return hit;

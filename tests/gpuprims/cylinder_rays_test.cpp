@@ -1,4 +1,4 @@
-#include "sightline/gpuprims/internal/cylinder_rays.h"
+#include "sightline/bench/cylinder_rays/cylinder_rays.h"
 
 #include <limits>
 #include <vector>
@@ -11,6 +11,9 @@
 
 namespace sightline::gpuprims {
 namespace {
+
+using bench::first_crossings;
+using bench::RayArrays;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

@@ -1,18 +1,18 @@
-#include "sightline/gpuprims/internal/cylinder_rays.h"
+#include "sightline/bench/cylinder_rays/cylinder_rays.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "sightline/bench/cylinder_rays/cylinder_rays_impl.h"
 #include "sightline/core/internal/instruction_set.h"
-#include "sightline/gpuprims/internal/cylinder_rays_impl.h"
 #include "sightline/gpuprims/internal/local_ray.h"
 
-namespace sightline::gpuprims {
+namespace sightline::bench {
 
-void first_crossings(const core::Cylinder& cylinder, const RayArrays& rays, std::span<const double> t_min, Caps caps,
-                     std::span<double> t) {
+void first_crossings(const core::Cylinder& cylinder, const RayArrays& rays, std::span<const double> t_min,
+                     gpuprims::Caps caps, std::span<double> t) {
   assert(t_min.size() >= rays.count && t.size() >= rays.count);
   const double radius = std::fabs(cylinder.radius), half = 0.5 * std::fabs(cylinder.height);
   if (!(radius > 0.0 && std::isfinite(radius + half))) {
@@ -26,7 +26,7 @@ void first_crossings(const core::Cylinder& cylinder, const RayArrays& rays, std:
                         rays.count,
                         radius,
                         half,
-                        weight(radius, half),
+                        gpuprims::weight(radius, half),
                         1024 * std::numeric_limits<double>::min(),
                         std::numeric_limits<double>::infinity(),
                         !caps.bottom,
@@ -44,4 +44,4 @@ void first_crossings(const core::Cylinder& cylinder, const RayArrays& rays, std:
   first_crossings(in);
 }
 
-}  // namespace sightline::gpuprims
+}  // namespace sightline::bench

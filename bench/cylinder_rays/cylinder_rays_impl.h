@@ -3,13 +3,13 @@
 // copy made there could be linked into code for every processor.
 #pragma once
 
-#include "sightline/gpuprims/internal/cylinder_rays_kernel.h"
+#include "sightline/bench/cylinder_rays/cylinder_rays_kernel.h"
 
 #ifndef __GNUC__
 #include <cmath>
 #endif
 
-namespace sightline::gpuprims {
+namespace sightline::bench {
 namespace {
 
 #ifdef __GNUC__
@@ -78,4 +78,4 @@ inline void first_crossings(const CylinderRays& in) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::bench

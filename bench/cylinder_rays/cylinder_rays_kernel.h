@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace sightline::gpuprims {
+namespace sightline::bench {
 
 struct CylinderRays {
   const double* origin[3];
@@ -20,4 +20,4 @@ struct CylinderRays {
 void first_crossings_avx2(const CylinderRays& in);
 void first_crossings_avx512(const CylinderRays& in);
 
-}  // namespace sightline::gpuprims
+}  // namespace sightline::bench

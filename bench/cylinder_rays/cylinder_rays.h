@@ -7,7 +7,7 @@
 #include "sightline/core/primitive.h"
 #include "sightline/gpuprims/internal/ray.h"
 
-namespace sightline::gpuprims {
+namespace sightline::bench {
 
 /// Rays as a structure of arrays, `count` values each, borrowed: origin + t * direction in the cylinder's local units.
 /// Lengths of directions between 1e-70 and 1e70 (any, in cylinder.h), origins up to 1e100.
@@ -21,7 +21,7 @@ struct RayArrays {
 /// crossings as intersect() in cylinder.h finds, from the same formulas, to a few roundings; open ends drop theirs.
 /// `t` and `t_min` hold rays.count values. Instructions as core/internal/instruction_set.h says, the answer bit for bit
 /// the same for all of them.
-void first_crossings(const core::Cylinder& cylinder, const RayArrays& rays, std::span<const double> t_min, Caps caps,
-                     std::span<double> t);
+void first_crossings(const core::Cylinder& cylinder, const RayArrays& rays, std::span<const double> t_min,
+                     gpuprims::Caps caps, std::span<double> t);
 
-}  // namespace sightline::gpuprims
+}  // namespace sightline::bench
