@@ -40,20 +40,21 @@ struct EngineConfig {
   bool ids = false;       ///< item-id image beside colour and depth
   int samples = 1;        ///< per pixel; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
-  /// A current context to draw with, owned by the application, see use_context(). When it is destroyed before the
-  /// engine, it is lost. Its state may be any when the engine is called, but for what gl::reset_pipeline_state names,
-  /// and is another afterwards. Null: one is made offscreen; calls that need it make it current on the calling thread
-  /// and leave it so.
+  /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
+  /// as lost once it is destroyed. The engine accepts any GL state in it, but for what gl::reset_pipeline_state names,
+  /// and leaves other state behind. Null: the engine makes an offscreen context. Calls that need that one make it
+  /// current on the calling thread and leave it current.
   gl::Context* context = nullptr;
-  /// Where linked programs are kept from run to run, so that drivers need not compile them again; processes may share
-  /// it. None: the user's cache folder, gl::ProgramCache::default_folder(). An empty path: nowhere.
+  /// Folder that keeps linked programs from run to run, so that drivers need not compile them again. Processes may
+  /// share it. None: the user's cache folder, gl::ProgramCache::default_folder(). An empty path: no cache.
   std::optional<std::filesystem::path> program_cache = {};
-  /// Edits leave slots behind. When this share of them was appended or given up, a new order is made in the background;
-  /// 0: never. Items that move far count twice: 1 % of them cost up to a tenth of culling speed until it lands.
+  /// Edits append slots and leave vacant ones behind. When such slots exceed this share of all, the engine makes a new
+  /// order in the background; 0: never. An item that moves far counts twice. Until the new order lands, 1 % of moved
+  /// items cost up to a tenth of the culling speed.
   double rebuild_share = 0.03;
   culling::GpuCullerConfig gpu_culler = {};  ///< its form is measured once, unless named here
-  /// Of the hybrid. Whether frames or cull times count follows from `draw`; on a software rasteriser 10 % is presumed
-  /// as FrameCostConfig::presumed_gpu_excess, unless another share is named here.
+  /// For CullerChoice::kHybrid. FrameCostConfig::rendering follows `draw`. On a software rasteriser
+  /// FrameCostConfig::presumed_gpu_excess is 10 % unless it is set here.
   culling::ControllerConfig controller = {};
 };
 
@@ -93,50 +94,48 @@ class Engine {
 
   /// Culls and, when drawing is on, draws into drawing()->target() without waiting for it.
   ///
-  /// A context may be lost (gl::Context::lost). Then what was in it is let go, and frames are culled by the CPU, not
-  /// drawn, until all has been made anew from the snapshot: at once or, should that fail, tried again twice a second,
-  /// if the engine made the context itself; with use_context() if it is the application's. visible(), queries and edits
-  /// work all the time.
+  /// When the context is lost (gl::Context::lost), the engine drops everything in it. Until the context is replaced,
+  /// the CPU culls and nothing is drawn. An engine that made the context itself makes another one and tries that twice
+  /// a second; for the application's context call use_context(). visible(), queries and edits work all the time.
   core::Expected<FrameReport> frame(const core::View& view) { return frame(view, view); }
-  /// Draws from `view` what `cull_view` can see: shows from aside what a culler keeps.
+  /// Draws from `view` what `cull_view` can see, which shows from the side what a culler keeps.
   core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view);
-  /// The oldest of the GPU culler's results not yet taken, some frames late; nothing while none has arrived. Never
-  /// waits. When nobody takes them, the oldest are lost.
+  /// The oldest result of the GPU culler that was not yet taken; results arrive some frames late. Nothing while none
+  /// has arrived. Never waits. Keeps the newest 64 results.
   std::optional<LateReport> take_late_report();
 
-  /// Commits the scene's pending edits and takes over all that was published since this engine's last commit(), by
-  /// whichever engine or by the application, in time that follows their number: see Snapshot::apply. Until then frames
-  /// show what this engine knows. With drawing on, edits that GpuScene::append has no room or shape for upload
-  /// everything anew.
+  /// Commits the scene's pending edits, and applies all edits that anybody has committed since this engine's last
+  /// commit(). Takes time in proportion to their number: see Snapshot::apply. Frames show no edit before that. With
+  /// drawing on, everything is uploaded anew when an edit brings kinds or meshes that were not there, or more items
+  /// than an eighth of those at first.
   ///
-  /// After many edits a new order is made in the background (EngineConfig::rebuild_share), from the snapshot and not
-  /// from the scene, which may be edited meanwhile. It lands in the first commit() or frame() after it is ready, as an
-  /// exchange of pointers; with drawing on everything is then uploaded anew. Slots change with it: visible() is of the
-  /// snapshot whose generation it names.
+  /// After many edits the engine makes a new order in the background (EngineConfig::rebuild_share). It works on a copy
+  /// of the snapshot, so the scene may be edited meanwhile. The new order lands in the first commit() or frame() after
+  /// it is ready, as an exchange of pointers; with drawing on, everything is then uploaded anew. Slots change with it:
+  /// visible() names the generation of the snapshot that its slots belong to.
   core::Expected<void> commit();
-  /// The same order as of a new engine, at once. Stops a rebuild in the background.
+  /// Makes a new order at once, the one that a new engine would have. Stops a rebuild in the background.
   core::Expected<void> rebuild();
-  /// True while a new order is made or waits to land.
+  /// True while a new order is being made or waits to land.
   bool rebuilding() const;
 
-  /// Another culler from the next frame on. Makes what is missing for it and keeps all else, until the next new order
-  /// also what the culler before it had, so that changing back costs next to nothing; the hybrid starts from a first
-  /// guess. Stops a rebuild in the background; the next commit() begins it again. Fails where create() would; then
-  /// nothing has changed.
+  /// Uses another culler from the next frame on. Makes what that culler lacks. What the former culler had is kept until
+  /// the next new order, so that changing back costs next to nothing. A hybrid begins to learn anew. Stops a rebuild in
+  /// the background; the next commit() begins it again. Fails where create() would; then nothing has changed.
   core::Expected<void> set_culler(CullerChoice choice);
-  /// Another size of the target, in pixels, from the next frame on; the old picture is gone. Fails on sizes that the
-  /// context does not have; then nothing has changed.
+  /// Draws in another size, in pixels, from the next frame on. The old picture is gone. Fails on sizes that the context
+  /// does not support; then nothing has changed.
   core::Expected<void> resize(int width, int height);
 
-  /// Lets go of all that lies in the application's context, which must be current. Frames are then as after a loss.
-  /// Not needed before the application destroys its gl::Context, but it frees what an adopted context would keep.
+  /// Frees everything that the engine has in the application's context, which must be current. Frames are then as after
+  /// a loss. An application that destroys its gl::Context need not call this; one whose GL context lives on should.
   void drop_context();
-  /// Another context of the application's, current, in place of a lost or dropped one: makes everything there anew.
-  /// Fails with GL's error; then it is as it was before.
+  /// Makes everything anew in another context of the application's, in place of a lost or dropped one. It must be
+  /// current. Fails with GL's error; then nothing has changed.
   core::Expected<void> use_context(gl::Context& context);
 
-  /// Time stood still since the last frame (a pause, a dialog, nothing to draw): it is not taken for that frame's. Of a
-  /// hybrid the next frame is not measured either.
+  /// Tells that the application drew nothing for a while (a pause, a dialog): the next frame_ms does not count that
+  /// time, and a hybrid does not learn from the next frame.
   void paused();
 
   /// Waits until everything submitted is drawn.
