@@ -23,7 +23,7 @@
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/core/error.h"
-#include "sightline/core/internal/bvh_build.h"
+#include "sightline/core/internal/block_order.h"
 #include "sightline/core/internal/instruction_set.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
@@ -39,7 +39,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   Input input;
-  std::string culler = "cpu", output = "ranges", ids_out, json, simd = "best", split = "blocks";
+  std::string culler = "cpu", output = "ranges", ids_out, json, simd = "best";
   int threads = 1;
   bool verify = false, baseline = false;
 };
@@ -54,9 +54,6 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--simd", options.simd, "instruction set of the cullers")
       ->check(CLI::IsMember({"best", "scalar", "avx2", "avx512"}))
-      ->capture_default_str();
-  app.add_option("--split", options.split, "how the hierarchy orders the boxes")
-      ->check(CLI::IsMember({"blocks", "surface"}))
       ->capture_default_str();
   app.add_option("--output", options.output, "time ranges and items, or the full list of ids, or of slots")
       ->check(CLI::IsMember({"ranges", "ids", "slots"}))
@@ -111,14 +108,9 @@ struct Subject {
 Subject::Subject(std::span<const core::Aabb> boxes, const Options& options) {
   const double start = milliseconds();
   if (options.culler == "cpu") {
-    core::BvhConfig config;
-    config.threads = options.threads;
-    config.max_leaf_size = culling::kLeafSize;
-    config.split = options.split == "surface" ? core::BvhSplit::kSurface : core::BvhSplit::kBlocks;
-    core::BvhTree tree = core::build_bvh(boxes, config);
-    fill(bounds, boxes, tree.order);
+    order = core::block_order(boxes, {.smallest_block = culling::kLeafSize, .threads = options.threads});
+    fill(bounds, boxes, order);
     cpu.emplace(bounds);
-    order = std::move(tree.order);
   } else {
     fill(bounds, boxes, {});
   }

@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "sightline/bench/models/plant_boxes.h"
-#include "sightline/core/internal/bvh_build.h"
+#include "sightline/core/internal/block_order.h"
 #include "sightline/culling/hierarchy.h"
 
 static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");
@@ -86,10 +86,8 @@ core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input) {
 }
 
 core::ItemBounds in_production_order(std::span<const core::Aabb> boxes) {
-  core::BvhConfig config;
-  config.max_leaf_size = culling::kLeafSize;
   core::ItemBounds bounds;
-  fill(bounds, boxes, core::build_bvh(boxes, config).order);
+  fill(bounds, boxes, core::block_order(boxes, {.smallest_block = culling::kLeafSize}));
   return bounds;
 }
 

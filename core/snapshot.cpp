@@ -5,6 +5,8 @@
 #include <bit>
 #include <cassert>
 
+#include "sightline/core/internal/block_order.h"
+
 namespace sightline::core {
 namespace {
 
@@ -30,7 +32,7 @@ glm::vec4 look_of(const Scene& scene, std::size_t material) {
 
 // --- construction ----------------------------------------------------------------------------------------------------
 
-Snapshot::Snapshot(const Scene& scene, const BvhConfig& config) : scene_(&scene), generation_(next_generation()) {
+Snapshot::Snapshot(const Scene& scene, int threads) : scene_(&scene), generation_(next_generation()) {
   Items all;
   all.materials = updated({}, scene, {});
   all.records.reserve(scene.item_count());
@@ -51,10 +53,10 @@ Snapshot::Snapshot(const Scene& scene, const BvhConfig& config) : scene_(&scene)
   boxes = {};
   slots_.reserve(with_headroom(scene.item_slots()));
   slots_.assign(scene.item_slots(), kNone);
-  build(std::move(all), config);
+  build(std::move(all), threads);
 }
 
-Snapshot::Snapshot(const Snapshot& like, Items&& items, const BvhConfig& config)
+Snapshot::Snapshot(const Snapshot& like, Items&& items, int threads)
     : scene_(like.scene_), generation_(next_generation()) {
   bounds_.origin = like.bounds_.origin;
   auto& records = items.records;
@@ -79,16 +81,16 @@ Snapshot::Snapshot(const Snapshot& like, Items&& items, const BvhConfig& config)
   }
   records.resize(kept);
   std::fill(slots_.begin(), slots_.end(), kNone);
-  build(std::move(items), config);
+  build(std::move(items), threads);
 }
 
-void Snapshot::build(Items&& items, const BvhConfig& config) {
+void Snapshot::build(Items&& items, int threads) {
   const std::size_t n = items.records.size();
   std::vector<std::uint32_t> order;
   {
     std::vector<Aabb> boxes(n);
     for (std::size_t i = 0; i < n; ++i) boxes[i] = items.records[i].box;
-    order = spatial_order(boxes, config);
+    order = spatial_order(boxes, threads);
   }
   std::vector<dvec3> places(n);
   for (std::size_t s = 0; s < n; ++s) places[s] = items.records[order[s]].origin;
@@ -111,11 +113,11 @@ void Snapshot::build(Items&& items, const BvhConfig& config) {
   count_vacant();
 }
 
-std::vector<std::uint32_t> Snapshot::spatial_order(const std::vector<Aabb>& boxes, BvhConfig config) {
+std::vector<std::uint32_t> Snapshot::spatial_order(const std::vector<Aabb>& boxes, int threads) {
   constexpr std::size_t kWorthThreads = 65536;
-  if (boxes.size() < kWorthThreads) config.threads = 1;
+  if (boxes.size() < kWorthThreads) threads = 1;
   // Only the order is kept: a subtree is a range of slots, and whoever traverses one makes the nodes it needs.
-  return build_bvh(boxes, config).order;
+  return block_order(boxes, {.threads = threads});
 }
 
 /// Width + depth + height.

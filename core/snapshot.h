@@ -12,7 +12,6 @@
 #include <span>
 #include <vector>
 
-#include "sightline/core/internal/bvh_build.h"
 #include "sightline/core/internal/chunk_grid.h"
 #include "sightline/core/internal/joints.h"
 #include "sightline/core/internal/large_array.h"
@@ -45,8 +44,9 @@ using MaterialTable = std::vector<glm::vec4>;
 class Snapshot {
  public:
   /// Builds a generation from the committed scene. Mesh data stays in the scene, which must outlive the snapshot.
-  /// Snapshots of scenes with pending edits show the edits (commit first to have them validated).
-  explicit Snapshot(const Scene& scene, const BvhConfig& config = {});
+  /// Snapshots of scenes with pending edits show the edits (commit first to have them validated). `threads` order the
+  /// items; 0: all that OpenMP offers. The order does not depend on them.
+  explicit Snapshot(const Scene& scene, int threads = 0);
 
   /// Follows a commit. An item stays in its slot while the block of 32 slots keeps about the size it was ordered to;
   /// one that leaves it gives its slot up and is appended with the inserted ones, in spatial order among themselves.
@@ -67,7 +67,7 @@ class Snapshot {
   void copy(std::span<const ItemId> items, Items& out) const;  ///< those that are gone as removed
   /// Orders copies anew. Of an item that was copied twice, since it went to another slot meanwhile, the later one
   /// counts. The origin of the bounds stays that of `like`, of which only what never changes is read.
-  Snapshot(const Snapshot& like, Items&& items, const BvhConfig& config = {});
+  Snapshot(const Snapshot& like, Items&& items, int threads = 0);
   std::vector<Slot> apply(const Items& items);
 
   /// Slots appended or given up since the order was made: what a new order would put right.
@@ -118,8 +118,8 @@ class Snapshot {
   struct Newcomer {
     std::uint32_t record, chunk;
   };
-  void build(Items&& items, const BvhConfig& config);
-  static std::vector<std::uint32_t> spatial_order(const std::vector<Aabb>& boxes, BvhConfig config);
+  void build(Items&& items, int threads);
+  static std::vector<std::uint32_t> spatial_order(const std::vector<Aabb>& boxes, int threads);
   static float size_of(const Aabb& box);
   static std::shared_ptr<const MaterialTable> updated(const MaterialTable& former, const Scene& scene,
                                                       std::span<const std::uint32_t> materials);

@@ -7,7 +7,7 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
-#include "sightline/core/internal/bvh_build.h"
+#include "sightline/core/internal/block_order.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/cpu_culler.h"
 
@@ -54,7 +54,7 @@ core::Expected<BoxCuller> BoxCuller::create(std::span<const core::AabbD> boxes) 
   std::vector<core::Aabb> rounded;
   rounded.reserve(boxes.size());
   for (const core::AabbD& box : boxes) rounded.push_back(impl->rounded(box));
-  impl->index_of = core::build_bvh(rounded).order;
+  impl->index_of = core::block_order(rounded);
   impl->slot_of.resize(boxes.size());
   impl->bounds.resize(boxes.size());
   for (core::Slot slot = 0; slot < boxes.size(); ++slot) {

@@ -101,9 +101,9 @@ bool BackgroundRebuild::copy_missed(const std::stop_token& stop, std::vector<cor
 void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& request) {
   core::Snapshot::Items items;
   if (!copy_all(stop, items)) return;
-  core::BvhConfig config;
-  config.threads = 1;  // the others are the application's
-  Generation generation = make_generation(std::make_unique<core::Snapshot>(*live_, std::move(items), config), request);
+  constexpr int kThreads = 1;  // the others are the application's
+  Generation generation =
+      make_generation(std::make_unique<core::Snapshot>(*live_, std::move(items), kThreads), request);
   for (;;) {
     std::vector<core::ItemId> missed;
     {

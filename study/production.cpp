@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "sightline/core/internal/bvh_build.h"
+#include "sightline/core/internal/block_order.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/linear_culler.h"
@@ -18,10 +18,7 @@ struct Scene {
   std::optional<culling::CpuCuller> culler;
 
   explicit Scene(std::span<const core::Aabb> boxes) {
-    core::BvhConfig config;
-    config.max_leaf_size = culling::kLeafSize;
-    config.threads = 1;
-    order = core::build_bvh(boxes, config).order;
+    order = core::block_order(boxes, {.smallest_block = culling::kLeafSize, .threads = 1});
     bounds.resize(boxes.size());
     for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[order[i]]);
     culler.emplace(bounds);

@@ -4,7 +4,7 @@
 #include <array>
 #include <cassert>
 
-#include "sightline/core/internal/bvh_build.h"
+#include "sightline/study/sah.h"
 
 namespace sightline::study {
 namespace {
@@ -39,11 +39,7 @@ void complete(std::span<const core::Aabb> boxes, Tree& tree) {
 }
 
 Tree from_sah(std::span<const core::Aabb> boxes, std::uint32_t leaf_size) {
-  core::BvhConfig config;
-  config.split = core::BvhSplit::kSurface;
-  config.max_leaf_size = leaf_size;
-  config.threads = 1;
-  core::BvhTree sah = core::build_bvh(boxes, config);
+  SahTree sah = build_sah(boxes, {.max_leaf_size = leaf_size});
   Tree tree;
   tree.order = std::move(sah.order);
   struct Entry {
@@ -54,7 +50,7 @@ Tree from_sah(std::span<const core::Aabb> boxes, std::uint32_t leaf_size) {
   while (!stack.empty()) {
     const Entry e = stack.back();
     stack.pop_back();
-    const core::BvhNode& node = sah.nodes[e.node];
+    const SahNode& node = sah.nodes[e.node];
     tree.nodes.push_back({{}, node.first, node.first + node.count, 0, e.depth});
     if (node.leaf()) continue;
     stack.push_back({node.left + 1, e.depth + 1});

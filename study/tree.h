@@ -9,7 +9,7 @@
 
 namespace sightline::study {
 
-/// Where a node is split along the longest axis of its box, or the binned surface-area heuristic of core::build_bvh.
+/// Where a node is split along the longest axis of its box, or by the binned surface-area heuristic (sah.h).
 enum class Split : std::uint8_t { kMean, kMedian, kSah };
 
 /// Node i spans places first … end - 1 of the order. Its left child is i + 1, its right child the left one's escape.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "sightline/core/internal/bvh_build.h"
+#include "sightline/core/internal/block_order.h"
 #include "sightline/study/gpu/feedback_pass.h"
 #include "sightline/study/gpu/planes.h"
 
@@ -64,9 +64,7 @@ class Flat : public Method {
 
   /// In the order that production has them, which clusters and neighbouring lanes profit from.
   core::Expected<void> make_boxes(std::span<const core::Aabb> boxes) {
-    core::BvhConfig config;
-    config.threads = 1;
-    order_ = core::build_bvh(boxes, config).order;
+    order_ = core::block_order(boxes, {.threads = 1});
     std::vector<core::Aabb> sorted(count_), around(form_.masking ? cluster_count() : 0);
     for (std::uint32_t i = 0; i < count_; ++i) {
       sorted[i] = boxes[order_[i]];

@@ -353,11 +353,7 @@ TEST(Snapshot, AMovedSiteIsTheSameSite) {
 TEST(Snapshot, DoesNotDependOnThreads) {
   RandomPlant plant(8, 30'000, 200.0);
   ASSERT_TRUE(plant.scene.commit());
-  BvhConfig config;
-  config.threads = 1;
-  const Snapshot one(plant.scene, config);
-  config.threads = 3;
-  const Snapshot three(plant.scene, config);
+  const Snapshot one(plant.scene, 1), three(plant.scene, 3);
   for (Slot s = 0; s < one.size(); ++s) ASSERT_EQ(one.item(s), three.item(s));
 }
 

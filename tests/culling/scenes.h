@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/core/internal/bvh_build.h"
+#include "sightline/core/internal/block_order.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/culling/cpu_culler.h"
@@ -146,12 +146,12 @@ struct Scene {
   std::unique_ptr<culling::CpuCuller> culler;
 
   Scene(std::span<const core::Aabb> boxes, const core::dvec3& origin, std::size_t unsorted = 0,
-        const core::BvhConfig& config = {}) {
+        const core::BlockOrderConfig& config = {}) {
     const std::size_t sorted = boxes.size() - unsorted;
     bounds.origin = origin;
     bounds.resize(boxes.size());
-    const core::BvhTree tree = core::build_bvh(boxes.first(sorted), config);
-    for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[i < sorted ? tree.order[i] : i]);
+    const std::vector<std::uint32_t> order = core::block_order(boxes.first(sorted), config);
+    for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[i < sorted ? order[i] : i]);
     culler = std::make_unique<culling::CpuCuller>(bounds);
   }
 

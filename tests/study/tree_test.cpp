@@ -8,7 +8,7 @@
 
 #include "../culling/scenes.h"
 #include "sightline/bench/models/aircraft.h"
-#include "sightline/core/internal/bvh_build.h"
+#include "sightline/study/sah.h"
 
 namespace sightline::study {
 namespace {
@@ -99,14 +99,9 @@ double area_cost(const Tree& tree) {
 
 TEST(StudyTree, SurfaceAreaHeuristicIsWhatItSays) {
   const auto boxes = bench::make_aircraft(20'000);
-  core::BvhConfig config;
-  config.max_leaf_size = 3;
-  config.threads = 1;
-  config.split = core::BvhSplit::kSurface;
   const Tree sah = build_tree(boxes, {}, Split::kSah);
-  EXPECT_EQ(sah.order, core::build_bvh(boxes, config).order);
-  config.split = core::BvhSplit::kBlocks;
-  EXPECT_NE(sah.order, core::build_bvh(boxes, config).order) << "the test must tell the two apart";
+  EXPECT_EQ(sah.order, build_sah(boxes, {.max_leaf_size = 3}).order);
+  EXPECT_NE(sah.order, build_tree(boxes, {}, Split::kMedian).order) << "the test must tell the two apart";
   EXPECT_LT(area_cost(sah), area_cost(build_tree(boxes, {}, Split::kMedian)));
 }
 
