@@ -66,6 +66,7 @@ AtomicFile::~AtomicFile() {
 
 bool AtomicFile::write(std::span<const std::byte> bytes) {
   assert(file_ && "no write after commit()");
+  if (bytes.empty()) return !failed();  // fwrite() takes no null pointer, of no bytes either
   errno = 0;
   if (!failed() && std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) error_ = last_error();
   return !failed();
