@@ -9,8 +9,8 @@ inline float largest_float_within(double x) {
   if (x >= double(Aabb::kFar)) return Aabb::kFar;
   if (x <= -double(Aabb::kFar)) return -std::numeric_limits<float>::max();
   const float f = static_cast<float>(x);
-  // Without a branch, which would be mistaken every other time: the float before f where f > x. A zero has the sign of
-  // x.
+  // Takes the float before f where f > x. Without a branch, which would be mispredicted every other time. A zero has
+  // the sign of x.
   const auto bits = std::bit_cast<std::int32_t>(f);
   return std::bit_cast<float>(bits - (bits >> 31 | 1) * std::int32_t(double(f) > x));
 }

@@ -32,18 +32,20 @@ struct Aabb {
   void grow(const Aabb& b) { min = glm::min(min, b.min), max = glm::max(max, b.max); }
 };
 
-/// The number before x, as std::nextafter gives it, without the call. Minus infinity and NaN stay.
+/// The largest double below x, as std::nextafter gives it, but without the call. Minus infinity and NaN are returned
+/// unchanged.
 inline double next_below(double x) {
   if (!(x > -std::numeric_limits<double>::infinity())) return x;
   if (x == 0.0) return -std::numeric_limits<double>::denorm_min();
   return std::bit_cast<double>(std::bit_cast<std::int64_t>(x) + (x > 0.0 ? -1 : 1));
 }
 
-// Out of line: what the compiler of an application makes of them must not count. It may contract x * y - z, and g++ 12
-// drops the rounding of neighbouring double(float(x)); the library's own flags (cmake/SightlineTargets.cmake) do not.
+// The next functions are out of line, so that an application's compiler cannot change their results. It may contract x
+// * y - z, and g++ 12 drops the rounding of neighbouring double(float(x)). The library's own flags
+// (cmake/SightlineTargets.cmake) prevent that.
 
-/// Largest float <= x. From Aabb::kFar upwards it stays kFar, from -kFar downwards it is the lowest float: both err
-/// outwards or concern coordinates that commit() refuses.
+/// Largest float <= x. Returns kFar for x >= Aabb::kFar, and the lowest float for x <= -kFar: both err outwards or
+/// concern coordinates that commit() refuses.
 float round_down(double x);
 /// Smallest float >= x; see round_down.
 float round_up(double x);

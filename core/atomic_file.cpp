@@ -18,7 +18,7 @@ tl::unexpected<Error> cannot_write(const fs::path& target, const std::error_code
   return fail(target.string() + ": cannot be written: " + reason.message());
 }
 
-/// A name beside `place` that is hardly taken.
+/// A file name beside `place` that is very probably free.
 fs::path beside(const fs::path& place) {
   static std::atomic<std::uint32_t> next{
       static_cast<std::uint32_t>(std::chrono::system_clock::now().time_since_epoch().count())};
@@ -27,7 +27,8 @@ fs::path beside(const fs::path& place) {
   return path;
 }
 
-/// errno where a function sets none is of an earlier call: that something failed must not get lost.
+/// errno, or EIO where that is 0. A function that sets no errno leaves that of an earlier call; its failure must not
+/// get lost.
 int last_error() {
   return errno != 0 ? errno : EIO;
 }

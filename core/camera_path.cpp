@@ -94,7 +94,8 @@ bool coincide(const dvec3& a, const dvec3& b) {
   return magnitude(a - b) <= noise * std::max(magnitude(a), magnitude(b));
 }
 
-/// The target for a moment where it lies on the eye: on the line of sight of the nearest earlier moment that has one.
+/// The target for a moment at which it coincides with the eye. It lies on the line of sight of the nearest earlier
+/// moment that has one.
 dvec3 keep_line_of_sight(const Segment& segment, double u, const dvec3& eye) {
   dvec3 sight = target_of(segment.from) - eye_of(segment.from);
   for (double back = 1e-9; back < u; back *= 2.0) {
@@ -140,7 +141,7 @@ std::string name_of(std::size_t key) {
   return "camera key " + std::to_string(key) + ": ";
 }
 
-/// Empty when the key is fine on its own.
+/// What is wrong with the key on its own; empty when nothing is.
 std::string complaint(const CameraKey& key) {
   if (!std::isfinite(key.time)) return "time must be a finite number";
   if (!is_finite(key.pose.eye)) return "eye must be three finite numbers";
@@ -217,7 +218,7 @@ double CameraPath::time_of(int frame, int frames) const {
 namespace {
 
 constexpr double kFovy = kPi / 3.0;
-constexpr double kFarthest = 1e37;  // what a scene may reach to
+constexpr double kFarthest = 1e37;  // limit of a scene's coordinates
 
 /// The model as the tour sees it: never empty, never flat.
 struct Stage {
@@ -245,7 +246,7 @@ Stage set_stage(AabbD bounds, const std::vector<dvec3>& places) {
   stage.half = 0.5 * bounds.size();
   stage.radius = glm::length(stage.half);
   stage.floor = bounds.min.z;
-  // Smaller than this a model is a point: there is no room around it that double precision could tell apart.
+  // A model smaller than this counts as a point: double precision could not tell places around it apart.
   const double noise = 1e-8 * magnitude(stage.centre);
   if (stage.radius < std::max(1e-6, noise)) stage.radius = std::max(1.0, noise);
   stage.half = glm::max(stage.half, dvec3(0.1 * stage.radius));
@@ -343,7 +344,7 @@ class Tour {
     const double width = along_x() ? stage_.half.y : stage_.half.x;
     const dvec3 side(-forward().y, forward().x, 0.0);
     dvec3 eye = stage_.centre + forward() * (along * reach()) + side * (swing * width);
-    eye.z = stage_.floor + std::min(1.7, 0.3 * stage_.half.z);  // a person's eyes, or 15 % of what is lower than 11 m
+    eye.z = stage_.floor + std::min(1.7, 0.3 * stage_.half.z);  // eye height; 15 % of a model lower than 11 m
     return eye;
   }
 
@@ -351,7 +352,7 @@ class Tour {
   std::vector<CameraKey> keys_;
 };
 
-/// 0.0001 of the diagonal between 1 cm and 10 m, and never so far that a small model would be cut away.
+/// 0.0001 of the diagonal, clamped to 1 cm … 10 m, but never so far that a small model would be cut away.
 double near_for(double diagonal) {
   return std::min(std::clamp(1e-4 * diagonal, 0.01, 10.0), 0.01 * diagonal);
 }

@@ -25,9 +25,9 @@ struct CameraSample {
 };
 
 /// Interpolates key frames so that neither position nor speed nor acceleration jumps at a key: eye, target and log
-/// tan(fovy/2) each follow the natural cubic spline through their keys over time (C2). Up vectors are turned along the
-/// great circle between neighbouring keys with a smooth (C2, quintic) ease, antipodal ones about the line of sight.
-/// Where eye and target come to coincide, the last line of sight before it is kept.
+/// tan(fovy/2) each follow the natural cubic spline through their keys over time (C2). Up vectors turn along the great
+/// circle between neighbouring keys with a smooth (C2, quintic) ease; antipodal ones turn about the line of sight.
+/// Where eye and target coincide, the path keeps the last line of sight before that moment.
 class CameraPath {
  public:
   CameraPath() = default;
@@ -39,7 +39,7 @@ class CameraPath {
   CameraSample sample(double time) const;
   /// The same as a perspective view. Fails as View::perspective does.
   Expected<View> view(double time, double aspect) const;
-  /// When frame `frame` of `frames` evenly spaced ones is, the first at begin() and the last at end().
+  /// Time of frame `frame` of `frames` evenly spaced frames. The first is at begin(), the last at end().
   double time_of(int frame, int frames) const;
   double begin() const { return keys_.front().time; }
   double end() const { return keys_.back().time; }
@@ -59,8 +59,8 @@ class CameraPath {
 /// Deterministic; works for empty and flat bounds. `places` are points worth visiting (item centres, say); it may be
 /// empty.
 CameraPath make_tour(const AabbD& bounds, const std::vector<dvec3>& places, double duration = 60.0);
-/// The same of a snapshot's items, without its outliers (ItemBounds::fitted_bounds()); the places are centres of at
-/// most some 8,000 of them.
+/// The same for a snapshot's items without their outliers (ItemBounds::fitted_bounds()). The places are the centres of
+/// at most about 8,000 items.
 CameraPath make_tour(const ItemBounds& items, double duration = 60.0);
 
 }  // namespace sightline::core

@@ -15,7 +15,7 @@ dvec3 coarse(const dvec3& place, double size) {
   return glm::round(place / step) * step;
 }
 
-/// Origins of runs that fit into chunks of a size.
+/// Cuts the points into runs that fit into chunks of `size`. Returns the runs' origins.
 std::vector<dvec3> cut_into_runs(const std::vector<dvec3>& points, double size, std::vector<std::uint32_t>& chunk_of) {
   const double limit = size * (1.0 - 1.0 / 512.0);
   std::vector<dvec3> origins;
@@ -54,7 +54,7 @@ bool ChunkGrid::reaches(std::uint32_t chunk, const dvec3& place) const {
   return chunk < origins_.size() && glm::distance(origins_[chunk], place) <= size_;
 }
 
-/// Cells are as wide as chunks. Those beyond the millionth from the origin are one with it.
+/// Cells are as wide as chunks. All cells beyond the millionth from the origin are clamped to it.
 std::uint64_t ChunkGrid::cell_of(const dvec3& place, const dvec3& step) const {
   constexpr double kLast = 1 << 20;
   const dvec3 cell = glm::clamp(glm::floor(place / size_) + step, dvec3(-kLast), dvec3(kLast - 1.0)) + kLast;

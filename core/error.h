@@ -1,4 +1,4 @@
-// What can go wrong with files, memory and GL travels as a value; broken contracts assert.
+// Errors of files, memory and GL are returned as values; broken contracts assert.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Nodes by what they are called and what is known of them.
+// Search for nodes by name and attributes.
 #pragma once
 
 #include <span>
@@ -9,10 +9,10 @@
 
 namespace sightline::core {
 
-/// ASCII letters compare without case; all other bytes as they are.
+/// A condition on a node's name or attributes. ASCII letters match regardless of case, all other bytes exactly.
 struct NodeCondition {
   std::string key;   ///< empty: the node's name or the value of any attribute; else the value of that attribute
-  std::string text;  ///< is part of it; empty fits any value
+  std::string text;  ///< must occur in it; empty matches any value
 };
 
 /// The nodes of the subtree that fulfil all conditions, parents first. Looks at every node, name and attribute: some

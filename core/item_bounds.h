@@ -16,13 +16,14 @@ struct FittedBounds {
   std::size_t outliers = 0;  ///< boxes that were left out
 };
 
-/// Slots that stay together: a leaf of the culler's hierarchy, and what an edit keeps or leaves.
+/// Slots per block. A block is a leaf of the culler's hierarchy, and an edited item either stays in its block or leaves
+/// it.
 inline constexpr std::uint32_t kBlockSlots = 32;
 
 /// Structure-of-arrays boxes, relative to `origin` and rounded outwards. The six coordinate arrays are padded with
 /// kPadding empty boxes beyond size(), so that a group of kPadding may be read from any valid index.
 ///
-/// A place with the empty box is vacant: there is nothing to draw, and no plane lets it pass.
+/// A slot with the empty box is vacant: it has nothing to draw and fails every plane test.
 class ItemBounds {
  public:
   static constexpr std::size_t kPadding = 16;
@@ -31,27 +32,28 @@ class ItemBounds {
 
   std::size_t size() const { return size_; }
   void resize(std::size_t count);   ///< new boxes are empty, new layers kLayerModel
-  void reserve(std::size_t count);  ///< memory for so many, for resize() to grow into
-  /// Any box that is surely empty becomes the empty box. One with a NaN is not, so it is drawn.
+  void reserve(std::size_t count);  ///< allocates memory for resize() to grow into
+  /// Stores the empty box for any box that is surely empty. A box with a NaN is not surely empty, so its item is drawn.
   void set(std::size_t i, const Aabb& box);
   Aabb box(std::size_t i) const;
   bool vacant(std::size_t i) const { return coordinates_[0][i] > coordinates_[3][i]; }
   void set_layers(std::size_t i, std::uint32_t layers);  ///< not 0: to hide an item give it the empty box
   std::uint32_t layers(std::size_t i) const { return layers_.empty() ? std::uint32_t(kLayerModel) : layers_[i]; }
-  /// False while no item has ever been off kLayerModel: then nobody needs to look at layers, and none are kept.
+  /// False while every item has always been on kLayerModel alone. Then no layers are stored and none need be tested.
   bool uses_layers() const { return uses_layers_; }
   /// Union of all boxes ever set: a bound for coordinate magnitudes.
   const Aabb& extent() const { return extent_; }
 
-  /// Union of the boxes on any of `layers`, in the world: those that views with this layer mask can show.
+  /// Union of the boxes on any of `layers`, in world coordinates: the boxes that views with this layer mask can show.
   AabbD world_bounds(std::uint32_t layers = kDefaultLayerMask) const;
   /// The same without outliers, for views of the whole model: a few items far away must not make all others small.
   ///
-  /// The rule: let the middle be the medians of the boxes' centres, axis by axis; the reach of a box how far it extends
-  /// from the middle along any axis; and R the reach that 99 % of the boxes (of n boxes, n - floor(n / 100)) do not
+  /// The rule: the middle is the median of the boxes' centres, axis by axis. The reach of a box is how far it extends
+  /// from the middle along any axis. R is the reach that 99 % of the boxes (of n boxes, n - floor(n / 100)) do not
   /// exceed. A box is an outlier when its reach exceeds 4 R: together with the others of its hundredth it would stretch
-  /// the view more than fourfold. So at most 1 % of the boxes are outliers, and none of fewer than a hundred. Where R
-  /// is 0 there are none. Expected time linear in the boxes, with four bytes of memory for each meanwhile.
+  /// the view more than fourfold. So at most 1 % of the boxes are outliers, and no box of fewer than a hundred is one.
+  /// Where R is 0 there are no outliers. Expected time is linear in the number of boxes, with four bytes of temporary
+  /// memory per box.
   FittedBounds fitted_bounds(std::uint32_t layers = kDefaultLayerMask) const;
 
   /// Coordinate arrays in the order min x, min y, min z, max x, max y, max z.

@@ -99,7 +99,7 @@ double larger_half_axis(double uu, double vv, double uv) {
   return std::sqrt(0.5 * (uu + vv + std::sqrt((uu - vv) * (uu - vv) + 4.0 * uv * uv)));
 }
 
-/// What comparing wants to know of a face.
+/// An end face with the values that comparisons need.
 struct Measured {
   explicit Measured(const EndFace& f) : face(f), normal(glm::cross(f.u, f.v)) {
     area = std::sqrt(glm::dot(normal, normal));
@@ -154,9 +154,9 @@ bool covers(const EndFace& other, const EndFace& face) {
 
 // --- finding ---------------------------------------------------------------------------------------------------------
 
-/// Sorts ends by the cell that their centre lies in, those near a border by all cells that it may be meant to lie in.
-/// What meets in a cell is then compared in slot order: slots are in spatial order, so that faces made again from the
-/// snapshot cost less than faces kept.
+/// Sorts ends by the cell of their centre; an end near a cell border goes into all cells within its tolerance. Then
+/// compares the ends that meet in a cell, in slot order. Slots are in spatial order, so that computing faces again from
+/// the snapshot costs less than storing them.
 class JointSearch {
  public:
   JointSearch(const Snapshot& snapshot, Joints& out) : snapshot_(snapshot), out_(out) {}
@@ -168,13 +168,13 @@ class JointSearch {
   }
 
  private:
-  static constexpr std::size_t kMostLooked = 64;  // ends in a cell that one is compared with
-  static constexpr double kCellGaps = 200.0;      // of faces of the usual size: how wide cells are
+  static constexpr std::size_t kMostLooked = 64;  // most ends of a cell that one end is compared with
+  static constexpr double kCellGaps = 200.0;      // cell width, in gaps of a face of the usual size
   static constexpr double kMostGaps = 50.0;
 
   bool may_join(Slot s) const { return has_ends(snapshot_.kind(s)) && !snapshot_.vacant(s) && snapshot_.opaque(s); }
 
-  /// From the median size of a sample.
+  /// Derives the cell width from the median size of a sample.
   void choose_cell() {
     constexpr std::size_t kSample = 1024;
     std::vector<double> sizes;
@@ -216,7 +216,7 @@ class JointSearch {
 
   using Cell = std::array<std::int64_t, 3>;
 
-  /// Not by std::floor, a call where the instruction set has none.
+  /// Without std::floor, which is a function call where the instruction set has no floor.
   Cell cell_of(const dvec3& p) const {
     Cell cell;
     for (int axis = 0; axis < 3; ++axis) {
@@ -226,7 +226,7 @@ class JointSearch {
     }
     return cell;
   }
-  /// 32 bits of it.
+  /// A 32-bit hash.
   static std::uint64_t hash_of(const Cell& cell) {
     std::uint64_t h = 0;
     for (const std::int64_t c : cell) {
@@ -235,14 +235,14 @@ class JointSearch {
     }
     return h >> 32;
   }
-  /// Beyond, doubles are no finer than a cell.
+  /// False where doubles are no finer than a cell.
   bool within_grid(const dvec3& p) const {
     constexpr double kFarthest = 0x1p50;
     const double reach = kFarthest / cells_per_unit_;
     return std::abs(p.x) < reach && std::abs(p.y) < reach && std::abs(p.z) < reach;
   }
 
-  /// Hash of a cell << 32 | slot << 1 | whether it is the top.
+  /// All ends, each as hash of a cell << 32 | slot << 1 | whether it is the top.
   std::vector<std::uint64_t> ends() const {
     std::vector<std::uint64_t> keys;
     std::size_t most = 0;
@@ -267,7 +267,7 @@ class JointSearch {
     return keys;
   }
 
-  /// Two ends that meet in a cell, each as slot << 1 | top, in rising order of the first.
+  /// All pairs of ends that meet in a cell, each end as slot << 1 | top, in rising order of the first.
   static std::vector<std::uint64_t> pairs(std::vector<std::uint64_t> keys) {
     radix_sort<32>(keys);
     std::vector<std::uint64_t> out;
@@ -324,7 +324,7 @@ Joints::Joints(const Snapshot& snapshot) {
   JointSearch(snapshot, *this).run();
 }
 
-/// False when it was so already.
+/// Returns false when nothing changed.
 bool Joints::set(ItemId item, Ends end, bool covered) {
   const std::size_t word = item / kItemsPerWord;
   if (word >= bits_.size()) {

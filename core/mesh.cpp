@@ -16,7 +16,7 @@ std::uint64_t sum(std::span<const std::uint32_t> sizes) {
 }
 
 std::uint64_t hash(const vec3& p) {
-  const vec3 q = p + 0.0f;  // one zero
+  const vec3 q = p + 0.0f;  // -0 becomes +0
   return mixed(mixed(std::uint64_t(std::bit_cast<std::uint32_t>(q.x)) << 32 | std::bit_cast<std::uint32_t>(q.y)) ^
                std::bit_cast<std::uint32_t>(q.z));
 }
@@ -44,7 +44,8 @@ bool is_closed(const Mesh& mesh) {
   return !edges.empty();
 }
 
-/// Six times the volume, of a closed mesh independent of where it lies; from the first vertex, for precision.
+/// Six times the volume, which does not depend on where a closed mesh lies. Measured from the first vertex, for
+/// precision.
 double signed_volume(const Mesh& mesh) {
   const dvec3 origin(mesh.positions[mesh.indices[0]]);
   double sum = 0.0;

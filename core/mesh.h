@@ -29,23 +29,23 @@ struct Mesh {
   bool is_facet_group() const { return !polygon_contours.empty(); }
 };
 
-/// Fails, with what was expected and what was found, unless counts and indices are as Mesh says. Coordinates may be
-/// anything.
+/// Fails unless counts and indices are as described at Mesh; the error says what was expected and what was found.
+/// Coordinates may be anything.
 Expected<void> validate(const Mesh& mesh);
 
-/// For each vertex the first one at its position; one that is not a number is alone.
+/// For each vertex, the first vertex at its position. A vertex with a NaN matches only itself.
 std::vector<std::uint32_t> weld(std::span<const vec3> positions);
 
 /// What a mesh's triangles enclose, if anything.
 enum class Enclosure : std::uint8_t {
-  kNothing,  ///< open: some edge has no neighbour, or one that runs the same way
+  kNothing,  ///< open: some edge has no neighbour, or one of the same direction
   kInside,   ///< a solid, its triangles counter-clockwise from outside
   kOutside,  ///< a solid whose triangles are clockwise from outside
 };
 
-/// Tells solids from sheets, of a mesh that validate() takes: closed is where every edge, as a pair of positions, is
-/// run as often forth as back. Vertices doubled for their normals count as one. Sorts the mesh's edges: at most
-/// 0.2 us for each index.
+/// Tells solids from sheets. `mesh` must pass validate(). A mesh is closed when every edge, as a pair of positions,
+/// occurs equally often in both directions. Vertices duplicated for their normals count as one. Sorts the mesh's edges:
+/// at most 0.2 us per index.
 Enclosure enclosure(const Mesh& mesh);
 
 }  // namespace sightline::core

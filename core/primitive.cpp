@@ -88,7 +88,7 @@ double support_of(const SphericalDish& d, const dvec3& u) {
   const double base = r * xy_length(u);
   if (h == 0.0) return base;
   const double radius = (r * r + h * h) / (2.0 * h), norm = glm::length(u);
-  // |u| - u.z without cancellation: a flat dish has a radius as far above r as r is above h.
+  // u| - u.z without cancellation. For a flat dish, radius / r is about as large as r / h.
   const double fall = u.z > 0.0 ? (u.x * u.x + u.y * u.y) / (norm + u.z) : norm - u.z;
   const bool on_cap = h * norm >= radius * fall;  // the sphere's extreme point lies above the base
   return on_cap ? h * u.z + radius * fall : base;
@@ -221,8 +221,8 @@ double support(const Primitive& primitive, const dvec3& direction) {
 
 AabbD bounds(const Primitive& primitive, const Affine& world_from_item) {
   constexpr double kPad = 16.0 * std::numeric_limits<double>::epsilon();
-  // No point lies farther from the local origin than all parameters together (slanted ends apart). Terms of that size
-  // may cancel in a support value but not in its rounding error; and a parameter that is no number makes no box.
+  // No point lies farther from the local origin than the sum of all parameters (except for slanted ends). Terms of that
+  // size may cancel in a support value but not in its rounding error. A parameter that is NaN makes the box NaN.
   double reach = 0.0;
   for (const float value : parameters(primitive)) reach += length(value);
   const dmat3 rows = glm::transpose(world_from_item.linear);

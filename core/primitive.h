@@ -2,8 +2,8 @@
 //
 // Parameters follow AVEVA's review model (RVM) so that a file can be written back bit for bit: single precision, in the
 // primitive's own local units (an item's placement scales them to metres), angles in radians, centred in z unless
-// noted. Negative lengths count as their absolute value. What has no volume (a cylinder of height 0, a sphere of
-// diameter 0) is degenerate, not an error: it stays an item and shows what such a solid shows.
+// noted. Negative lengths count as their absolute value. A primitive without volume (a cylinder of height 0, a sphere
+// of diameter 0) is degenerate, not an error: it stays an item and shows what such a solid shows.
 #pragma once
 
 #include <array>
@@ -57,8 +57,8 @@ struct RectangularTorus {
 struct CircularTorus {
   float major_radius, tube_radius, angle;
 };
-/// The sweep of a torus in radians, 0 … kFullTurn, from its parameter `angle`. Files write a full turn as a float a
-/// little below 2 pi, too: from there on the sweep is kFullTurn, and the torus closed: it has no ends. NaN stays.
+/// The sweep of a torus in radians, 0 … kFullTurn, from its parameter `angle`. Some files write a full turn as a float
+/// a little below 2 pi. From there on the sweep is kFullTurn and the torus is closed: it has no ends. NaN stays NaN.
 inline constexpr double kFullTurn = 2.0 * std::numbers::pi;
 double sweep_angle(float angle);
 
@@ -116,10 +116,11 @@ double support(const Primitive& primitive, const dvec3& direction);
 /// A relative pad of a few double ulps covers its rounding. Not finite where a parameter is not.
 AabbD bounds(const Primitive& primitive, const Affine& world_from_item);
 
-/// Heights of the cone's surface above (below) an end's centre, min and max over the slanted end contour of a snout:
-/// with the end's radius r, tangents m = (tan shear_x, tan shear_y), axis lean s = offset/height and radius slope k,
-/// extremes of (r m.e) / (1 - m.s - k m.e) over unit e. Where the plane is steeper than the cone or nearly so (no
-/// closed contour) the range is limited to one snout height beyond the end. Height 0: the slant alone, r m.e.
+/// Range of heights of the cone's surface above (below) an end's centre, over the slanted end contour of a snout. With
+/// the end's radius r, tangents m = (tan shear_x, tan shear_y), axis lean s = offset/height and radius slope k, these
+/// are the extremes of (r m.e) / (1 - m.s - k m.e) over unit e. Where the plane is steeper than the cone or nearly so,
+/// there is no closed contour: the range is limited to one snout height beyond the end. At height 0 it is the slant
+/// alone, r m.e.
 struct EndRange {
   double min = 0.0, max = 0.0;
   bool limited = false;

@@ -196,7 +196,7 @@ void Scene::set_name(NodeId node, std::string_view name) {
   compact_names();
 }
 
-/// Drops dead bytes when they outweigh the rest and the walk over all nodes.
+/// Drops dead bytes when there are at least as many as live ones, and enough to be worth the walk over all nodes.
 void Scene::compact_names() {
   constexpr std::size_t kWorthwhile = 4096;
   if (dead_name_bytes_ < nodes_.size() + kWorthwhile || 2 * dead_name_bytes_ < names_.size()) return;
@@ -346,7 +346,7 @@ MaterialId Scene::material_at(std::size_t index) const {
   if (index == kNone || materials_[index].generation == kNone) return {};
   return {std::uint32_t(index), materials_[index].generation};
 }
-/// kNone for the handle that names none.
+/// kNone for an invalid handle.
 std::uint32_t Scene::index_of(MaterialId material) const {
   SIGHTLINE_CONTRACT(!material.valid() || contains(material), "a material handle that is not stale");
   return material.index;
@@ -497,7 +497,7 @@ std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
 
   std::vector<std::uint32_t> tops;
   for (std::uint32_t i = other.nodes_[0].first_child; i != kNone; i = other.nodes_[i].next) tops.push_back(nodes + i);
-  // All memory first: running out of it then changes nothing.
+  // Allocates all memory first, so that running out of memory changes nothing.
   const auto make_room = [](auto& array, const auto& more) {
     const std::size_t size = array.size() + more.size();
     if (size > array.capacity()) array.reserve(std::max(size, 2 * array.capacity()));
@@ -586,8 +586,8 @@ void Scene::touch_item(ItemId id) {
   dirty_items_.push_back(id);
 }
 
-/// In rising order, removed ones among them. Everything below a touched node becomes a touched item. Linear: a node is
-/// entered once however many above it were touched.
+/// Returns the touched items in rising order, removed ones included. Everything below a touched node becomes a touched
+/// item. Linear time: a node is entered once, no matter how many nodes above it were touched.
 std::vector<ItemId> Scene::collect_dirty_items() {
   std::vector<std::uint32_t> below;
   std::vector<bool> entered(dirty_nodes_.empty() ? 0 : nodes_.size());
@@ -596,7 +596,7 @@ std::vector<ItemId> Scene::collect_dirty_items() {
     entered[node] = true;
   };
   for (const std::uint32_t node : dirty_nodes_)
-    if (nodes_[node].dirty) enter(node);  // else removed since, its place perhaps taken by another
+    if (nodes_[node].dirty) enter(node);  // else removed since, and another node may have its index
   for (std::size_t i = 0; i < below.size(); ++i) {
     const Node& node = nodes_[below[i]];
     for (std::uint32_t c = node.first_child; c != kNone; c = nodes_[c].next) enter(c);
@@ -609,7 +609,8 @@ std::vector<ItemId> Scene::collect_dirty_items() {
 
 bool Scene::can_commit(ItemId item, const Affine& world_from_item) const {
   if (!publishable(world_from_item)) return false;
-  // A mesh of many instances is not walked for each: nearly all lie well within the limit with their boxes.
+  // Tests the box first, so as not to walk a mesh once for each of its instances: nearly all boxes lie well within the
+  // limit.
   if (const Item& it = live(item); int(it.kind) >= kPrimitiveKindCount)
     if (surely_publishable(meshes_[it.payload].bounds, world_from_item)) return true;
   return publishable(bounds_under(item, world_from_item));

@@ -1,13 +1,13 @@
 // The retained scene graph: what the model is, never what one camera sees.
 //
-// A tree of nodes, each with a double-precision local transform, a name, attributes, layer bits, a material and a
-// visible flag; items (an analytic primitive or an instance of a shared mesh) hang on nodes. Edits are cheap and take
-// effect at commit(), which validates them and says which items they touched; snapshots are built and updated from
+// A tree of nodes. Each node has a double-precision local transform, a name, attributes, layer bits, a material and a
+// visible flag. Items (an analytic primitive or an instance of a shared mesh) hang on nodes. Edits are cheap and take
+// effect at commit(), which validates them and reports which items they touched. Snapshots are built and updated from
 // that.
 //
 // Node, mesh and material handles are generational: a handle to something removed never comes to mean something else.
-// Using a stale handle breaks the contract: builds with assertions and those with SIGHTLINE_CHECKED abort; contains()
-// asks. Not thread-safe; concurrent reads are fine.
+// Using a stale handle breaks the contract: builds with assertions and builds with SIGHTLINE_CHECKED abort. contains()
+// tells whether a handle is stale. Not thread-safe; concurrent reads are fine.
 #pragma once
 
 #include <cstdint>
@@ -59,13 +59,13 @@ class Scene {
   NodeId add_node(NodeId parent, std::string_view name = {}, const Affine& parent_from_node = {});
   /// Removes a node, its subtree and all their items. Not the root.
   void remove_node(NodeId node);
-  /// Hangs `node`, not the root, under `parent` as its last child, keeping its local transform. Fails, and changes
-  /// nothing, when `parent` lies in its subtree: that is what a user may ask for with a drag in a tree.
+  /// Makes `node`, which must not be the root, the last child of `parent`. Keeps its local transform. Fails and changes
+  /// nothing when `parent` lies in the subtree of `node`: a user may ask for that with a drag in a tree.
   Expected<void> reparent(NodeId node, NodeId parent);
   void set_transform(NodeId node, const Affine& parent_from_node);
   void set_visible(NodeId node, bool visible);          ///< hides or shows the whole subtree
   void set_layers(NodeId node, std::uint32_t layers);   ///< for the node's own items; 0 inherits the parent's
-  void set_material(NodeId node, MaterialId material);  ///< for items below that name none; invalid inherits
+  void set_material(NodeId node, MaterialId material);  ///< for items of the subtree without one; invalid inherits
   void set_name(NodeId node, std::string_view name);
   void set_attribute(NodeId node, std::string_view key, std::string_view value);
 
@@ -86,16 +86,18 @@ class Scene {
   std::size_t node_count() const { return live_nodes_; }
 
   // --- shared resources --------------------------------------------------------------------------------------------
-  // Items hold indices. No index of something removed is given out again, but by take_back().
+  // Items hold mesh and material indices. The index of a removed mesh or material is never given out again, except
+  // after take_back().
 
   /// Fails as validate() does, with nothing added.
   Expected<MeshId> add_mesh(Mesh mesh);
   MaterialId add_material(Material material);
-  /// For all items that have it. Published by the next commit(), like every edit.
+  /// Changes the look of all items with this material. Published by the next commit(), like every edit.
   void update_material(MaterialId material, Material as);
-  /// Nodes and items that name it name none from now on: they inherit, or have the default one. Walks over all of them.
+  /// Nodes and items with this material have none from now on: they inherit one, or have the default one. Walks over
+  /// all nodes and items.
   void remove_material(MaterialId material);
-  /// No item may use it. Snapshots that still hold a removed item see an empty mesh.
+  /// No item may use the mesh. A snapshot that still holds a removed item sees an empty mesh.
   void remove_mesh(MeshId mesh);
   bool contains(MeshId mesh) const;
   bool contains(MaterialId material) const;
@@ -104,7 +106,8 @@ class Scene {
   const Material& material(MaterialId material) const;
   std::size_t mesh_slots() const { return meshes_.size(); }         ///< mesh indices lie below this
   std::size_t material_slots() const { return materials_.size(); }  ///< material indices lie below this
-  /// `index` below mesh_slots() or material_slots(), or kNone; invalid for kNone and where it was removed.
+  /// `index` must be kNone or below mesh_slots() or material_slots(). Returns an invalid handle for kNone and for the
+  /// index of something removed.
   MeshId mesh_at(std::size_t index) const;
   MaterialId material_at(std::size_t index) const;
 
@@ -133,39 +136,39 @@ class Scene {
   ItemId next_item(ItemId item) const { return live(item).next; }
   std::size_t item_count() const { return live_items_; }
   std::size_t item_slots() const { return items_.size(); }  ///< item ids lie below this
-  /// Bounds of the item's geometry under any map of it. Empty for an empty mesh.
+  /// Bounds of the item's geometry under `world_from_item`, which may be any map. Empty for an empty mesh.
   AabbD bounds_under(ItemId item, const Affine& world_from_item) const;
 
   /// World bounds of the visible items of the subtree that lie on any of `layers`; empty when there are none. Walks
   /// over the vertices of meshes.
   AabbD bounds(NodeId node, std::uint32_t layers = kDefaultLayerMask) const;
 
-  /// Whether commit() would take the item with this world placement.
+  /// Whether commit() would accept the item with this world placement.
   bool can_commit(ItemId item, const Affine& world_from_item) const;
 
   // --- joining -----------------------------------------------------------------------------------------------------
-  /// Moves all below `other`'s root to below `parent`, after what is there; items come after this scene's in the order
-  /// of their ids. Returns the children that `parent` gained. `other`'s ids mean nothing any more; it must never have
-  /// been committed, and its root holds no items.
+  /// Moves everything below `other`'s root to below `parent`, after the children already there. The items get ids after
+  /// those of this scene, in the order of their old ids. Returns the children that `parent` gained. `other`'s ids
+  /// become meaningless. `other` must never have been committed, and its root must hold no items.
   std::vector<NodeId> append(NodeId parent, Scene&& other);
 
   // --- taking back -------------------------------------------------------------------------------------------------
-  /// Where the scene's contents end.
+  /// Sizes of the scene's arrays at one moment, for take_back().
   struct Mark {
     std::size_t items = 0, parameters = 0, meshes = 0, materials = 0;
   };
   Mark mark() const { return {items_.size(), parameters_.size(), meshes_.size(), materials_.size()}; }
-  /// Takes back everything added since the mark: `added`, the nodes that hold all items since, with their subtrees, and
-  /// all meshes and materials since. Nothing else may refer to those, and no commit may lie between. The ids are given
-  /// out again.
+  /// Removes everything added since the mark: the nodes `added` with their subtrees, and all meshes and materials.
+  /// `added` must hold all items added since the mark. Nothing else may refer to the meshes and materials, and no
+  /// commit may lie between. The ids are given out again.
   void take_back(const Mark& mark, std::span<const NodeId> added);
 
   // --- publishing --------------------------------------------------------------------------------------------------
-  /// Validates every edit since the last commit and reports what it touched. All or nothing: when an item's parameters,
-  /// world placement or world bounds are not finite or reach beyond 1e37 m, nothing is published, the edits stay
-  /// pending, and the error names the node. All subscriptions get a copy of what is returned.
+  /// Validates every edit since the last commit and reports what the edits touched. All or nothing: when an item's
+  /// parameters, world placement or world bounds are not finite or reach beyond 1e37 m, nothing is published, the edits
+  /// stay pending, and the error names the node. Each subscription gets a copy of the returned delta.
   Expected<SceneDelta> commit();
-  /// For one consumer of several, from now on.
+  /// A subscription of one consumer to all commits from now on.
   SceneSubscription subscribe();
 
   /// Calls visit(node, world_from_node, visible, layers, material) for each node of the subtree, parents first, with
@@ -180,12 +183,12 @@ class Scene {
     std::uint32_t material;  ///< material index, kNone when none is set anywhere above
   };
   ItemState state(ItemId item) const;
-  /// The same under the values that for_each_node gave for its node; cheaper when many items are asked.
+  /// The same, from the values that for_each_node() gave for the item's node. Cheaper for many items.
   ItemState state(ItemId item, const Affine& world_from_node, bool visible, std::uint32_t layers,
                   MaterialId material) const;
 
-  /// Calls visit(item, state) for each of `items` in turn that is alive. Every node above them is resolved once,
-  /// so that many items below one deep chain of nodes cost no more than elsewhere.
+  /// Calls visit(item, state) for each item of `items` that is alive, in their order. Resolves every node above them
+  /// once, so that many items below one deep chain of nodes cost no more than elsewhere.
   template <class Visit>
   void for_each_state(std::span<const ItemId> items, Visit&& visit) const;
 
@@ -217,7 +220,8 @@ class Scene {
     Material material;
     std::uint32_t generation = 0;
   };
-  /// Whoever follows this scene: the object, not its contents, which may be copied or moved.
+  /// The inboxes of this scene's subscribers. They belong to the scene object: copying or moving its contents leaves
+  /// them behind.
   struct Subscribers {
     std::vector<std::weak_ptr<SceneSubscription::Inbox>> inboxes;
     Subscribers() = default;
@@ -229,7 +233,7 @@ class Scene {
     std::uint32_t layers, material;
     bool visible;
   };
-  /// Nodes resolved so far: of node i at values[place[i]].
+  /// Nodes resolved so far. The values of node i are values[place[i]].
   struct ResolvedNodes {
     std::vector<std::uint32_t> place, path;
     std::vector<Resolved> values;
@@ -261,9 +265,9 @@ class Scene {
   LargeArray<float> parameters_;  // of primitives, at Item::payload
   std::vector<MeshEntry> meshes_;
   std::vector<MaterialEntry> materials_;
-  std::uint32_t generation_ = 0;  // of meshes and materials that are added now
+  std::uint32_t generation_ = 0;  // given to meshes and materials added from now on
   std::string names_;
-  std::size_t dead_name_bytes_ = 0;  // of names_, no longer any node's
+  std::size_t dead_name_bytes_ = 0;  // bytes of names_ that no node uses any more
   std::unordered_map<std::uint32_t, Attributes> attributes_;
   std::vector<std::uint32_t> dirty_nodes_;
   std::vector<ItemId> dirty_items_, removed_items_;  // removed_items_: only those that a commit had published
@@ -293,7 +297,7 @@ void Scene::for_each_node(NodeId top, Visit&& visit) const {
   }
 }
 
-/// An item's own data, then its node and parameters.
+/// Prefetches an item's own data, and half as far ahead its node and parameters.
 inline void Scene::prefetch_ahead(std::span<const ItemId> items, std::size_t at) const {
   if (at + kPrefetchAhead < items.size()) prefetch(items_[items[at + kPrefetchAhead]]);
   if (at + kPrefetchAhead / 2 >= items.size()) return;

@@ -17,25 +17,26 @@ struct SceneDelta {
   std::vector<std::uint32_t> materials;  ///< indices of those added, updated or removed
   std::size_t size() const { return inserted.size() + changed.size() + removed.size() + materials.size(); }
   bool empty() const { return size() == 0; }
-  /// Makes this one delta of both. What was inserted here and is removed in `later` never was.
+  /// Merges `later` into this delta. An item that was inserted here and is removed in `later` appears nowhere.
   void append(const SceneDelta& later);
 };
 
-/// What commits publish, for one consumer among others, whoever commits. Move-only; may outlive the scene, and then
-/// nothing more comes.
+/// Receives what all commits of a scene publish, for one of several consumers, no matter who commits. Move-only. May
+/// outlive the scene; then nothing more arrives.
 class SceneSubscription {
  public:
   SceneSubscription() = default;  ///< to nothing
   SceneSubscription(SceneSubscription&&) = default;
   SceneSubscription& operator=(SceneSubscription&&) = default;
 
-  /// All that was published since the last call, as one delta. Read the items before the scene is edited again.
+  /// Everything published since the last call, as one delta. Read the items before the scene is edited again.
   SceneDelta take();
 
  private:
   friend class Scene;
-  /// Deltas not yet taken, oldest first, each more than twice as large as the next: what waits for a consumer that
-  /// never asks stays within a few words for each item, at a cost for each edit that grows with its logarithm.
+  /// Deltas not yet taken, oldest first. Each is more than twice as large as the next. So the backlog of a consumer
+  /// that never calls take() stays within a few words per item, and the cost per edit grows with the logarithm of the
+  /// backlog.
   struct Inbox {
     std::vector<SceneDelta> deltas;
     void merge_last();

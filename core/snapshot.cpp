@@ -17,7 +17,7 @@ std::uint64_t next_generation() {
   return ++counter;
 }
 
-/// Memory beyond what is needed at first: an edit that grows arrays of a million items must not copy them.
+/// Capacity with headroom, so that an edit that grows arrays of a million items does not copy them.
 std::size_t with_headroom(std::size_t count) {
   return count + count * 3 / 8;
 }
@@ -70,7 +70,8 @@ Snapshot::Snapshot(const Snapshot& like, Items&& items, int threads)
     if (slots_[records[i].item] != i) continue;
     Items::Record& r = records[kept++] = records[i];
     if (r.layers != 0) continue;
-    // Where it will come back: exactly for primitives, whose parameters are here; meshes lie in the scene.
+    // Hidden items are ordered by where they will reappear. That is exact for primitives, whose parameters are here; a
+    // mesh lies in the scene, so the origin of its item must do.
     const Affine world{dmat3(r.linear), r.origin};
     AabbD box{r.origin, r.origin};
     if (int(r.kind) < kPrimitiveKindCount)
@@ -116,7 +117,8 @@ void Snapshot::build(Items&& items, int threads) {
 std::vector<std::uint32_t> Snapshot::spatial_order(const std::vector<Aabb>& boxes, int threads) {
   constexpr std::size_t kWorthThreads = 65536;
   if (boxes.size() < kWorthThreads) threads = 1;
-  // Only the order is kept: a subtree is a range of slots, and whoever traverses one makes the nodes it needs.
+  // Only the order is kept. A subtree is a range of slots, and code that traverses the hierarchy builds the nodes it
+  // needs.
   return block_order(boxes, {.threads = threads});
 }
 
@@ -184,7 +186,7 @@ Placement Snapshot::place(const mat3& linear, const dvec3& origin, std::uint32_t
   return {linear, vec3(origin - chunks_.origins()[chunk]), chunk};
 }
 
-/// `former` with the look that some have now, and those that were added.
+/// `former` with the current look of `materials`, and with the materials that were added since.
 std::shared_ptr<const MaterialTable> Snapshot::updated(const MaterialTable& former, const Scene& scene,
                                                        std::span<const std::uint32_t> materials) {
   auto table = std::make_shared<MaterialTable>(former);

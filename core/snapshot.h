@@ -1,9 +1,9 @@
 // The scene flattened for one generation: structure-of-arrays over items in spatial order. Cullers, renderers and
-// tracers are built from it; nobody walks the scene graph per frame.
+// tracers are built from it, so that nothing walks the scene graph per frame.
 //
-// A snapshot follows edits without re-ordering. A slot is vacant when its item is hidden, removed or has moved to
-// another slot, or has no geometry: its box is the empty one, and it has nothing to draw. Cullers may include vacant
-// slots in ranges. Whoever counts or draws leaves them out.
+// A snapshot follows edits without re-ordering. A slot is vacant when its item is hidden, was removed, has moved to
+// another slot, or has no geometry. A vacant slot has the empty box and nothing to draw. Cullers may include vacant
+// slots in ranges. Code that counts or draws must leave them out.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@
 
 namespace sightline::core {
 
-/// Where an item stands: p_chunk = linear * p_item + origin, relative to the origin of its chunk, so that float
-/// precision follows the item and not the site.
+/// Where an item stands: p_chunk = linear * p_item + origin, relative to the origin of its chunk. So float precision
+/// follows the item and not the site.
 struct Placement {
   mat3 linear{1.0f};
   vec3 origin{0.0f};
@@ -38,7 +38,7 @@ struct KindItems {
   std::size_t size() const { return slots.size(); }
 };
 
-/// Colour and alpha of each material by its index; of one that was removed, the default.
+/// Colour and alpha of each material, by material index. A removed material has the default ones.
 using MaterialTable = std::vector<glm::vec4>;
 
 class Snapshot {
@@ -48,29 +48,36 @@ class Snapshot {
   /// items; 0: all that OpenMP offers. The order does not depend on them.
   explicit Snapshot(const Scene& scene, int threads = 0);
 
-  /// Follows a commit. An item stays in its slot while the block of 32 slots keeps about the size it was ordered to;
-  /// one that leaves it gives its slot up and is appended with the inserted ones, in spatial order among themselves.
-  /// Items are read as the scene has them now, so deltas may be applied late as long as all of them are, in order: one
-  /// that a later delta removes is passed over, one that the snapshot already holds is updated. Time follows the size
-  /// of the delta, not of the snapshot, but for an eighth of a byte per slot; with edited materials, for their table,
-  /// and where one of them lets light through from now on, for four bytes per slot.
-  /// Returns the slots below the former size() whose boxes, layers, items or covered ends changed, each once.
+  /// Applies the edits of a commit. Returns the slots below the former size() whose boxes, layers, items or covered
+  /// ends changed, each once.
+  ///
+  /// An item stays in its slot while its block of 32 slots keeps about the size that it was ordered to. An item that
+  /// leaves its block gives up its slot. It is appended together with the inserted items, in spatial order among
+  /// themselves.
+  ///
+  /// Items are read as they are in the scene now. So deltas may be applied late, as long as all of them are applied in
+  /// order: an item that a later delta removes is skipped, an item that the snapshot already holds is updated.
+  ///
+  /// Time is proportional to the size of the delta, not of the snapshot, with three exceptions: reading an eighth of a
+  /// byte per slot always, the material table when materials were edited, and four bytes per slot when a material has
+  /// turned from opaque to transparent.
   std::vector<Slot> apply(const SceneDelta& delta);
 
   // --- a new order in the background -------------------------------------------------------------------------------
-  // The scene is not read, so that it may be edited meanwhile: copy all slots piece by piece, build, then copy() and
-  // apply() what was edited since the first piece.
+  // The scene is not read, so that it may be edited meanwhile. First copy() all slots piece by piece, then build, then
+  // copy() and apply() the items that were edited since the first piece.
 
-  /// Items out of any order.
+  /// Copies of items, in no order.
   struct Items;
   void copy(Slot first, Slot end, Items& out) const;
-  void copy(std::span<const ItemId> items, Items& out) const;  ///< those that are gone as removed
-  /// Orders copies anew. Of an item that was copied twice, since it went to another slot meanwhile, the later one
-  /// counts. The origin of the bounds stays that of `like`, of which only what never changes is read.
+  void copy(std::span<const ItemId> items, Items& out) const;  ///< items that are gone go to Items::removed
+  /// Builds a new order from copies. When an item was copied twice because it changed its slot meanwhile, the later
+  /// copy counts. The scene and the origin of the bounds are those of `like`; nothing else of it is read, since only
+  /// these never change.
   Snapshot(const Snapshot& like, Items&& items, int threads = 0);
   std::vector<Slot> apply(const Items& items);
 
-  /// Slots appended or given up since the order was made: what a new order would put right.
+  /// Slots appended or given up since the order was made. A new order would remove this disorder.
   std::size_t disorder() const { return size() - ordered_size_ + given_up_; }
 
   const Scene& scene() const { return *scene_; }
@@ -80,13 +87,13 @@ class Snapshot {
   const ItemBounds& bounds() const { return bounds_; }
   bool vacant(Slot slot) const { return bounds_.vacant(slot); }
   std::size_t vacant_count() const { return vacant_before_.empty() ? 0 : vacant_before_.back(); }
-  /// The first slot of first … end - 1 that is vacant, or that is not; `end` when there is none. Looks at 64 slots a
-  /// step, and at none while no slot is vacant.
+  /// The first vacant or first occupied slot of first … end - 1; `end` when there is none. Looks at 64 slots a step,
+  /// and at none while no slot is vacant.
   Slot first_vacant(Slot first, Slot end) const { return vacant_count() == 0 ? end : first_where(true, first, end); }
   Slot first_occupied(Slot first, Slot end) const {
     return vacant_count() == 0 ? first : first_where(false, first, end);
   }
-  /// Visible items: slots of the set that are not vacant. Time linear in its ranges alone.
+  /// Number of visible items: slots of the set that are not vacant. Time linear in the set's ranges alone.
   std::uint64_t count(const VisibleSet& visible) const;
   Kind kind(Slot slot) const { return kinds_[slot]; }
   std::uint32_t index_in_kind(Slot slot) const { return index_in_kind_[slot]; }
@@ -95,15 +102,17 @@ class Snapshot {
   std::uint32_t material(Slot slot) const { return materials_[slot]; }                  ///< material index or kNone
   const MaterialTable& materials() const { return *table_; }
   bool opaque(Slot slot) const { return materials_[slot] == kNone || (*table_)[materials_[slot]].a >= 1.0f; }
-  /// Of an item that has one. An empty one where the scene has removed it since, as it may once the item is removed.
+  /// The mesh of an item that has one. Empty when the scene has removed the mesh since, which it may do once the item
+  /// is removed.
   const Mesh& mesh(Slot slot) const;
-  /// Looks for ends that lie on a neighbour's, for whoever draws: until then there are none. Those of items that are
-  /// edited, and of their neighbours there, are dissolved.
+  /// Finds the covered ends, which drawing leaves out; until then there are none. Edits dissolve the joints of edited
+  /// items, on both sides.
   void find_joints() { joints_ = Joints(*this); }
   const Joints& joints() const { return joints_; }
   const KindItems& of_kind(Kind kind) const { return kind_items_[std::size_t(kind)]; }
 
-  /// Items of `kind` in slots below `slot`: so a range of slots becomes a range of of_kind(kind). Constant time.
+  /// Number of items of `kind` in slots below `slot`. Turns a range of slots into a range of of_kind(kind). Constant
+  /// time.
   std::uint32_t rank(Kind kind, Slot slot) const;
 
   /// Origins of the chunks, in world coordinates.
@@ -114,7 +123,7 @@ class Snapshot {
   std::size_t memory_bytes() const;
 
  private:
-  /// A record on its way to a new slot, and its chunk, kNone when it has none yet.
+  /// A record that gets a new slot, and its chunk; kNone when it has no chunk yet.
   struct Newcomer {
     std::uint32_t record, chunk;
   };
@@ -152,12 +161,12 @@ class Snapshot {
   LargeArray<Slot> slots_;
   LargeArray<std::uint32_t> materials_;
   std::array<KindItems, kKindCount> kind_items_;
-  std::vector<std::array<std::uint32_t, kKindCount>> ranks_;  // per 64 slots: items of each kind before
+  std::vector<std::array<std::uint32_t, kKindCount>> ranks_;  // per 64 slots: number of items of each kind before
   LargeArray<float> block_sizes_;                             // per 32 slots: width + depth + height when ordered
-  LargeArray<std::uint64_t> vacant_;                          // bit per slot; empty while none is
+  LargeArray<std::uint64_t> vacant_;                          // a bit per slot; empty while no slot is vacant
   std::vector<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
   ChunkGrid chunks_;
-  std::shared_ptr<const MaterialTable> table_ = std::make_shared<MaterialTable>();  // shared with copies on their way
+  std::shared_ptr<const MaterialTable> table_ = std::make_shared<MaterialTable>();  // shared with Items
   Joints joints_;
 };
 
@@ -175,7 +184,7 @@ struct Snapshot::Items {
   std::vector<Record> records;
   std::vector<float> parameters;
   std::vector<ItemId> removed;
-  std::shared_ptr<const MaterialTable> materials;  // null: as they were
+  std::shared_ptr<const MaterialTable> materials;  // null: unchanged
 
   void append(const Items& other);
 };

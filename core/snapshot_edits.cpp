@@ -7,11 +7,11 @@
 namespace sightline::core {
 namespace {
 
-constexpr float kBlockSlack = 1.1f;  // edits may make a block so much larger than it was ordered to
+constexpr float kBlockSlack = 1.1f;  // how much larger than its ordered size edits may make a block
 
-/// Union of slots first … end - 1, a block at most; vacant ones have no say.
+/// Union of the boxes of slots first … end - 1, at most a block. Vacant slots do not count.
 Aabb union_of(const ItemBounds& bounds, std::size_t first, std::size_t end) {
-  constexpr std::size_t kLanes = 8;  // side by side, for the sake of vector instructions
+  constexpr std::size_t kLanes = 8;  // side by side, for vector instructions
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
     const float *low = bounds.coordinate(axis), *high = bounds.coordinate(axis + 3);
@@ -66,7 +66,7 @@ std::vector<Slot> Snapshot::apply(const Items& items) {
     slots_[item] = kNone;
     touched.push_back(s);
   }
-  std::vector<std::uint64_t> known;  // slot and record, to be met block by block
+  std::vector<std::uint64_t> known;  // slot << 32 | record, to be visited block by block
   std::vector<Newcomer> appended;
   known.reserve(items.records.size());
   for (std::size_t i = 0; i < items.records.size(); ++i) {
@@ -97,10 +97,10 @@ void Snapshot::dissolve_joints(const Items& items, std::size_t former_size, cons
   if (uncovered.empty()) return;
   std::vector<Slot> others;
   for (const ItemId item : uncovered)
-    if (const Slot s = slot(item); s < former_size) others.push_back(s);  // kNone is not
+    if (const Slot s = slot(item); s < former_size) others.push_back(s);  // kNone is above
   std::sort(others.begin(), others.end());
   others.erase(std::unique(others.begin(), others.end()), others.end());
-  // Neighbours that were edited themselves are among the touched.
+  // Neighbours that were edited themselves are in `touched` already.
   std::vector<bool> known(others.size());
   for (const Slot s : touched) {
     const auto at = std::lower_bound(others.begin(), others.end(), s);
@@ -110,7 +110,7 @@ void Snapshot::dissolve_joints(const Items& items, std::size_t former_size, cons
     if (!known[i]) touched.push_back(others[i]);
 }
 
-/// Of items that were opaque and are no more, since their material was edited.
+/// Dissolves the joints of items that are no longer opaque because their material was edited.
 void Snapshot::dissolve_where_clear(const MaterialTable& former_table, std::vector<ItemId>& uncovered) {
   if (&former_table == table_.get()) return;
   std::vector<bool> turned_clear(table_->size());
@@ -124,7 +124,7 @@ void Snapshot::dissolve_where_clear(const MaterialTable& former_table, std::vect
   }
 }
 
-/// A block's boxes and what is kept by slot, then what is kept by kind.
+/// Prefetches a block's boxes and the arrays by slot, and half as far ahead the arrays by kind.
 void Snapshot::prefetch_ahead(std::span<const std::uint64_t> known, std::size_t at) const {
   if (at + kPrefetchAhead < known.size()) {
     const std::size_t s = known[at + kPrefetchAhead] >> 32, block = s / kBlockSlots * kBlockSlots;
@@ -142,15 +142,15 @@ void Snapshot::prefetch_ahead(std::span<const std::uint64_t> known, std::size_t 
     prefetch(list.parameters[index_in_kind_[s] * std::size_t(parameter_count(kinds_[s]))]);
 }
 
-/// Puts items that the snapshot knows into their slots, as long as their blocks keep their sizes. Those that have left
-/// join `appended`, and their slots are vacant.
+/// Updates known items in their slots, as long as their blocks keep about their sizes. Items that leave their block
+/// join `appended`, and their slots become vacant.
 void Snapshot::stay_or_go(const Items& items, std::span<const std::uint64_t> known, std::vector<Slot>& touched,
                           std::vector<Newcomer>& appended) {
   const auto slot_at = [&](std::size_t i) { return Slot(known[i] >> 32); };
-  // Relocation may take a quarter of the slots. Whoever edits more without a new order gets larger blocks instead.
+  // Relocation may take up to a quarter more slots. Without a new order, further edits make blocks larger instead.
   const std::size_t live = size() - given_up_;
   std::size_t allowance = std::max(live + live / 4 + kBlockSlots, size()) - size();
-  std::vector<std::uint32_t> moved_to(chunks_.origins().size(), kNone);  // by chunk: where the last item of it went
+  std::vector<std::uint32_t> moved_to(chunks_.origins().size(), kNone);  // by chunk: where its last item went
   for (std::size_t first = 0, end = 0; first < known.size(); first = end) {
     const std::size_t block = slot_at(first) / kBlockSlots;
     bool all_stay = true;
@@ -171,7 +171,7 @@ void Snapshot::stay_or_go(const Items& items, std::span<const std::uint64_t> kno
       const Slot s = slot_at(i);
       const Items::Record& r = items.records[std::uint32_t(known[i])];
       Placement& p = placement(s);
-      // What moves as a whole keeps its chunks: a new one lies where the old one has moved to.
+      // Items that move together stay in a common chunk: a new chunk lies where the old one would have moved with them.
       const dvec3 offset(p.origin);
       const std::uint32_t own = p.chunk;
       const std::uint32_t chunk = chunks_.find(r.origin, own, moved_to[own],
@@ -200,7 +200,7 @@ void Snapshot::append_sorted(const Items& items, std::span<const Newcomer> newco
   std::vector<Aabb> boxes(newcomers.size());
   for (std::size_t i = 0; i < newcomers.size(); ++i) boxes[i] = items.records[newcomers[i].record].box;
   std::vector<std::uint32_t> order = spatial_order(boxes, {});
-  // Blocks of the order are to become blocks of slots: what completes the last block comes from the end.
+  // Blocks of the order must become blocks of slots. So items from the end of the order complete the last block.
   const std::size_t first = size(), missing = std::min((kBlockSlots - first % kBlockSlots) % kBlockSlots, order.size());
   std::rotate(order.begin(), order.end() - std::ptrdiff_t(missing), order.end());
 

@@ -45,8 +45,8 @@ AabbD visible_box(const AabbD& bounds) {
 /// Corners of a box about the origin, in the eye's axes: right, up, forward.
 using Corners = std::array<dvec3, 8>;
 
-/// The greatest depth, the coordinate along the line of sight, at which an eye at some place along `axis` has all
-/// corners between the slopes -tangent and tangent. A corner c lies below the upper slope where c[axis] - tangent * c.z
+/// The greatest depth at which some eye position along `axis` sees all corners between the slopes -tangent and tangent.
+/// Depth is the coordinate along the line of sight. A corner c lies below the upper slope where c[axis] - tangent * c.z
 /// is at most place - tangent * depth, and above the lower one where c[axis] + tangent * c.z is at least place +
 /// tangent * depth.
 double nearest_depth(const Corners& corners, int axis, double tangent) {
@@ -58,10 +58,10 @@ double nearest_depth(const Corners& corners, int axis, double tangent) {
   return (high - low) / (2.0 * tangent);
 }
 
-/// The eye's place along `axis` at which the largest slope to a corner is minus the smallest one. For one pair of
-/// corners that is a linear equation. The sum of the largest and the smallest slope is a maximum over one corner of the
-/// minimum over the other, of functions that all fall with the eye's place: its root is that maximum of that minimum of
-/// roots.
+/// The eye position along `axis` at which the largest slope to a corner is minus the smallest one. For one pair of
+/// corners that is a linear equation. The sum of the largest and the smallest slope is a maximum over one corner of a
+/// minimum over the other. All these functions fall as the eye moves along the axis. So the root of the sum is the same
+/// maximum of minimum of the pairs' roots.
 double centred(const Corners& corners, int axis, double depth) {
   double place = -std::numeric_limits<double>::infinity();
   for (const dvec3& a : corners) {
@@ -103,8 +103,8 @@ Expected<dmat4> look_at(const Pose& pose) {
 }
 
 Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, double aspect) {
-  constexpr double kNearest = 0.01;    // of the diagonal: between eye and box
-  constexpr double kVertical = 0.999;  // of the direction's length: beyond, z is no up
+  constexpr double kNearest = 0.01;    // least distance between eye and box, in diagonals
+  constexpr double kVertical = 0.999;  // of the direction's length; above it, z cannot be up
   assert(check_lens(fovy, aspect));
   const Expected<dmat4> axes = look_at({dvec3(0.0), direction, {0.0, 0.0, 1.0}});
   assert(axes && "a direction");

@@ -25,12 +25,13 @@ enum class SectionMode : std::uint8_t { kIntersection, kUnion };
 inline constexpr std::size_t kMaxSectionPlanes = 8;
 inline constexpr double kInfiniteFar = std::numeric_limits<double>::infinity();
 
-/// A view holds its projection in double and in parts, so that the large world translation never meets the small clip
-/// range in float. Eye space looks down -z with y up. Sections and layers may be set freely after construction.
+/// A view keeps eye_from_world and clip_from_eye apart and in double precision, so that the large world translation
+/// never meets the small clip range in float. Eye space looks down -z with y up. Sections and layers may be set freely
+/// after construction.
 class View {
  public:
   /// fovy in radians, in (0, pi); aspect = width / height > 0; 0 < near < far; far may be kInfiniteFar. The pose must
-  /// be finite; when `up` is parallel to the line of sight another axis takes its place. Fails on eye == target and on
+  /// be finite. When `up` is parallel to the line of sight, another axis takes its place. Fails on eye == target and on
   /// bad numbers.
   static Expected<View> perspective(const Pose& pose, double fovy, double aspect, double near,
                                     double far = kInfiniteFar);
@@ -39,14 +40,14 @@ class View {
   /// Off-axis perspective: left < right and bottom < top on the near plane.
   static Expected<View> asymmetric(const Pose& pose, double left, double right, double bottom, double top, double near,
                                    double far = kInfiniteFar);
-  /// The perspective view along `direction` whose image the box fills; see fitting_pose(). Near lies at a thousandth of
-  /// the box's diagonal, far is infinite. Fails where fitting_pose() has no answer: a direction that is zero, arguments
-  /// that are not finite or out of range.
+  /// The perspective view along `direction` in which the box fills the image; see fitting_pose(). Near is a thousandth
+  /// of the box's diagonal, far is infinite. Fails where fitting_pose() has no answer: for a zero direction, and for
+  /// arguments that are not finite or out of range.
   static Expected<View> fit(const AabbD& bounds, const dvec3& direction, double fovy, double aspect);
-  /// Any matrices of an application. clip_from_eye * eye_from_world is what culls. A combined projection * view matrix
-  /// is given as clip_from_eye, with the identity as eye_from_world: such a view culls, but cannot be drawn, since
-  /// drawing needs the two parts. Entries must be finite. Fails on an eye_from_world that is not affine (last row 0 0 0
-  /// 1), such as a combined matrix in its place.
+  /// A view from an application's own matrices. Culling uses clip_from_eye * eye_from_world. Pass a combined projection
+  /// * view matrix as clip_from_eye, with the identity as eye_from_world. Such a view can cull but not be drawn, since
+  /// drawing needs the two parts. Entries must be finite. Fails when eye_from_world is not affine (last row 0 0 0 1),
+  /// for example when it is a combined matrix.
   static Expected<View> from_matrices(const dmat4& eye_from_world, const dmat4& clip_from_eye, ClipDepth depth);
 
   const dmat4& eye_from_world() const { return eye_from_world_; }
@@ -80,17 +81,17 @@ std::array<Plane, kFrustumPlaneCount> frustum_planes(const dmat4& clip_from_worl
 /// eye_from_world of a pose: right-handed, looking down -z.
 Expected<dmat4> look_at(const Pose& pose);
 
-/// The pose that looks along `direction` from as near as possible with all eight corners of the box inside a
+/// The pose that looks along `direction` from as near as possible. All eight corners of the box lie inside a
 /// perspective image of `fovy` radians and width / height `aspect`. The corners touch two opposite borders of the
-/// image, left and right or bottom and top, and are centred between the other two; they touch none only where the eye
-/// would come nearer to the box than a hundredth of its diagonal. The target lies at the depth of the box's centre. Up
-/// is z, or the top of the image where the line of sight is nearly vertical.
+/// image, left and right or bottom and top, and are centred between the other two. They touch no border only where the
+/// eye would otherwise come nearer to the box than a hundredth of its diagonal. The target lies at the depth of the
+/// box's centre. Up is z, or the top of the image where the line of sight is nearly vertical.
 ///
-/// An empty box counts as the cube of ±1 m about the origin, a point as that cube about it. Preconditions: bounds
-/// finite or empty, direction finite and not zero, 0 < fovy < pi, aspect positive and finite.
+/// An empty box counts as the cube of ±1 m about the origin. A point counts as that cube about the point.
+/// Preconditions: bounds finite or empty, direction finite and not zero, 0 < fovy < pi, aspect positive and finite.
 Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, double aspect);
 
-/// Of an overview, from above and the south-west, z up.
+/// View direction of an overview: from above and the south-west, z up.
 inline const dvec3 kOverviewDirection{0.55, 0.85, -0.55};
 
 }  // namespace sightline::core

@@ -19,12 +19,12 @@ struct SlotRange {
 struct CullCounters {
   std::uint64_t nodes_tested = 0;  ///< hierarchy boxes tested against at least one plane
   std::uint64_t boxes_tested = 0;  ///< item boxes tested
-  int levels_walked = 0;           ///< of the hierarchy, from the root's down; 0: none has been walked
+  int levels_walked = 0;           ///< hierarchy levels walked, from the root's down; 0: none
 };
 
 /// The visible slots of one view. Ranges and items are each in rising order, disjoint, and share no slot. A slot
-/// outside both is not visible. Ranges may hold vacant slots (see snapshot.h), items never do: nothing is to be drawn
-/// there. Reuse one set from frame to frame: clear() keeps the memory.
+/// outside both is not visible. Ranges may hold vacant slots, which have nothing to draw (see snapshot.h); items never
+/// do. Reuse one set from frame to frame: clear() keeps the memory.
 struct VisibleSet {
   std::uint64_t generation = 0;   ///< of the snapshot that the slots belong to
   std::vector<SlotRange> ranges;  ///< neighbours that are all visible

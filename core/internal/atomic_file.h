@@ -27,7 +27,7 @@ class AtomicFile {
   AtomicFile& operator=(AtomicFile&&) = delete;
   ~AtomicFile();  ///< removes the temporary file, unless commit() was called
 
-  /// Appends. False after any failure, whose reason commit() tells.
+  /// Appends. Returns false after any failure; commit() tells its reason.
   bool write(std::span<const std::byte> bytes);
   bool failed() const { return error_ != 0; }
   /// Replaces the target. Fails when any write did. The temporary file is gone in both cases, and no call may follow.

@@ -1,5 +1,5 @@
-// What is checked of every handle that a caller passes. For core's own sources: no header depends on the option
-// SIGHTLINE_CHECKED, so a checked library and an application that knows nothing of it fit together.
+// Checks of the handles that callers pass. For core's own sources only: no header of an application depends on the
+// option SIGHTLINE_CHECKED, so an application built without it can use a checked library.
 #pragma once
 
 #include <cassert>

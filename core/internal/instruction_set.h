@@ -1,5 +1,5 @@
-// Which instructions the kernels of other folders use (files compiled for one instruction set each). One binary holds
-// all forms; the processor decides at run time.
+// Which instruction set the kernels of other folders use. Each kernel file is compiled for one instruction set. One
+// binary holds all forms; the processor decides at run time which one runs.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@ enum class InstructionSet { kScalar, kAvx2, kAvx512 };
 bool supported(InstructionSet set);
 /// The form in use: the widest supported one unless another is forced.
 InstructionSet instruction_set();
-/// For tests and benchmarks: what follows, on every thread, runs in this form, which must be supported. nullopt: the
-/// widest again. Not to be called while another thread runs kernels.
+/// For tests and benchmarks: all kernels, on every thread, use this form from now on. It must be supported. nullopt:
+/// the widest form again. Not to be called while another thread runs kernels.
 void force_instruction_set(std::optional<InstructionSet> set);
 const char* name_of(InstructionSet set);
 

@@ -1,7 +1,7 @@
-// What C++ has no word for, or only one that kernels must not use: one name for what every compiler has under its own.
+// One name for each compiler intrinsic that C++ lacks, or has only in a form that kernels must not use.
 //
-// Static, not inline: files compiled for wider instruction sets include this, and of an inline function (those of <bit>
-// are some) a copy made there could be linked into code for every processor. All other files use <bit>.
+// Static, not inline: files compiled for wider instruction sets include this header. The linker might choose their copy
+// of an inline function (some of <bit> are inline) for code that runs on every processor. All other files use <bit>.
 #pragma once
 
 #include <cstdint>
@@ -31,10 +31,10 @@ static inline unsigned lowest_bit(std::uint64_t bits) {
 #endif
 }
 
-/// The cache that a line is wanted in, at least.
+/// The cache level that a line is wanted in, or one nearer to the core.
 enum class CacheLevel { kL1, kL2 };
 
-/// Asks for the line of an address, which may be any.
+/// Prefetches the cache line of an address. Any address is allowed.
 template <CacheLevel kLevel>
 static inline void prefetch_line([[maybe_unused]] const void* address) {
 #if defined(__GNUC__)
@@ -44,7 +44,7 @@ static inline void prefetch_line([[maybe_unused]] const void* address) {
 #endif
 }
 
-/// In a loop that waits for another core: leaves the execution units to whom they serve.
+/// For a spin loop that waits for another core: leaves the execution units to the core's other hardware thread.
 static inline void pause() {
 #if defined(__GNUC__) && defined(__x86_64__)
   __builtin_ia32_pause();

@@ -52,9 +52,9 @@ bool covers(const EndFace& other, const EndFace& face);
 class Joints {
  public:
   Joints() = default;  ///< none
-  /// Time linear in the number of ends. Of many ends in one place, more than there are in any sound model, some may be
-  /// overlooked, which only means that they are drawn. Faces more than fifty times the usual size are held to the
-  /// tolerance of that size.
+  /// Time linear in the number of ends. Where more ends meet in one place than in any sound model, some joints may be
+  /// overlooked; their ends are then drawn. Faces more than fifty times the usual size are held to the tolerance of
+  /// fifty times the usual size.
   explicit Joints(const Snapshot& snapshot);
 
   /// Covered ends of an item.
@@ -62,8 +62,8 @@ class Joints {
   /// Covered ends of all items.
   std::size_t count() const { return count_; }
 
-  /// Shows again the ends of an item that has been changed or removed, and those that it covers, whose items are
-  /// appended to `uncovered`. Joints are not looked for again.
+  /// Uncovers the ends of an item that was changed or removed, and the ends that it covers. Appends the items of the
+  /// latter to `uncovered`. Does not search for new joints.
   void dissolve(ItemId item, std::vector<ItemId>& uncovered);
 
   /// Nothing while no end is covered, else two bits per item and eight bytes per covered end.
@@ -74,8 +74,8 @@ class Joints {
   bool set(ItemId item, Ends end, bool covered);
 
   std::vector<std::uint64_t> bits_;    // two per item
-  std::vector<std::uint64_t> covers_;  // rising: covering item << 32 | covered item << 1 | its end is the top
-  std::vector<std::uint32_t> first_;   // per 32 items: first of covers_
+  std::vector<std::uint64_t> covers_;  // sorted: covering item << 32 | covered item << 1 | its end is the top
+  std::vector<std::uint32_t> first_;   // per 32 items: index of the first entry in covers_
   std::size_t count_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Vectors of a value or more per item.
+// Vectors with one value or more per item.
 #pragma once
 
 #include <cstddef>
@@ -6,9 +6,9 @@
 
 namespace sightline::core {
 
-/// Memory that starts at a cache line, so that a group of sixteen floats is one line and not two. From 2 MiB on it asks
-/// for huge pages (Linux): queries and edits touch thousands of places far apart, and small pages cost them a miss more
-/// at each.
+/// Allocates memory that starts at a cache line, so that a group of sixteen floats is one line and not two. From 2 MiB
+/// on it asks for huge pages (Linux): queries and edits touch thousands of places far apart, and with small pages each
+/// of them costs another miss.
 void* allocate_lines(std::size_t bytes);
 void release_lines(void* memory, std::size_t bytes);
 

@@ -1,5 +1,5 @@
-// Asking for memory ahead of its use. An edit touches items all over arrays of hundreds of megabytes: without this its
-// time is that of one cache miss after another.
+// Prefetching. An edit touches items all over arrays of hundreds of megabytes. Without prefetching, its time is that of
+// one cache miss after another.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace sightline::core {
 
-/// Elements between request and use; requests that need the answer of another are made half as far ahead.
+/// Elements between prefetch and use. A prefetch that needs the result of another one is made half as far ahead.
 inline constexpr std::size_t kPrefetchAhead = 16;
 
 inline void prefetch(const void* address, std::size_t bytes) {
@@ -16,7 +16,7 @@ inline void prefetch(const void* address, std::size_t bytes) {
   for (std::size_t line = 0; line < bytes; line += 64) prefetch_line<CacheLevel::kL2>(first + line);
   if (bytes > 1) prefetch_line<CacheLevel::kL2>(first + bytes - 1);
 #if defined(__GNUC__)
-  asm volatile("");  // g++ 12 takes a function that only requests for one without effect, and drops its calls
+  asm volatile("");  // g++ 12 takes a function that only prefetches for one without effect, and drops its calls
 #endif
 }
 template <class T>

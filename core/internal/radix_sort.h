@@ -1,4 +1,4 @@
-// Sorting of slots and ids: least significant digits first, which beats comparing from a few hundred keys on.
+// Radix sort of slots and ids, least significant digit first. Faster than a comparison sort from a few hundred keys on.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,8 @@
 
 namespace sightline::core {
 
-/// Sorts by the 32 bits from kLowest up, which are the key's highest and differ from key to key, in rising order.
+/// Sorts in rising order by the 32 bits from kLowest up, which are the key's highest bits. The order among equal bits
+/// is unspecified.
 template <int kLowest = 0, class Key>
 void radix_sort(std::vector<Key>& keys) {
   constexpr std::size_t kFew = 512;
