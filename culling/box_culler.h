@@ -1,4 +1,4 @@
-// The smallest way in: boxes in, indices of the visible ones out. No scene, no snapshot, no GL.
+// The simplest interface: boxes in, indices of the visible ones out. No scene, no snapshot, no GL.
 //
 //   auto culler = culling::BoxCuller::create(boxes);
 //   std::vector<std::uint32_t> visible;
@@ -17,7 +17,7 @@
 namespace sightline::culling {
 
 /// Owns its boxes: a copy in float, rounded outwards, in an order of its own (64 bytes a box with the hierarchy). Box i
-/// is the i-th of those given to create(). Promise: conservative; see CpuCuller, whose answer this is. Movable.
+/// is the i-th of those given to create(). Promise: conservative, with the same answer as CpuCuller. Movable.
 class BoxCuller {
  public:
   /// Boxes in world coordinates, in any unit. Empty boxes (min > max) are never visible. Fails on a box with a NaN or
@@ -30,17 +30,18 @@ class BoxCuller {
 
   std::size_t size() const;
 
-  /// Replaces the contents of `indices` by those of the visible boxes, in no particular order, the same for the same
-  /// boxes. `clip_from_world` is projection * view, sixteen numbers in columns as glUniformMatrix4dv takes them;
-  /// `depth` is the range of depths that it projects to. Does not allocate once `indices` and this thread's scratch
-  /// memory have grown to their sizes. Fails on entries that are not finite. Several threads may ask at once.
+  /// Replaces the contents of `indices` by the indices of the visible boxes. Their order is unspecified, but the same
+  /// for the same boxes. `clip_from_world` is projection * view, sixteen numbers in columns as glUniformMatrix4dv takes
+  /// them; `depth` is the range of depths that it projects to. Does not allocate once `indices` and this thread's
+  /// scratch memory have grown to their sizes. Fails on entries that are not finite. Several threads may call it at
+  /// once.
   core::Expected<void> visible(const double clip_from_world[16], core::ClipDepth depth,
                                std::vector<std::uint32_t>& indices) const;
   /// The same for a view with its section planes. All boxes are on core::kLayerModel, which views show unless told
   /// otherwise.
   void visible(const core::View& view, std::vector<std::uint32_t>& indices) const;
 
-  /// Another box in place of one. `index` < size(). Fails on a box that create() refuses; then nothing has changed.
+  /// Replaces box `index`, which must be below size(). Fails on a box that create() refuses, and then changes nothing.
   /// Boxes that move far make culling slower, not wrong: after many of them create a new culler.
   core::Expected<void> update(std::uint32_t index, const core::AabbD& box);
 

@@ -33,26 +33,26 @@ class Controller {
   /// The path of the next frame. Frames are numbered 0, 1, … by the calls.
   CullPath next();
 
-  /// What was measured in a frame, as soon as it is known: GPU frames come late, and some never. Samples of frames not
-  /// yet begun, older than the newest one of their path, or older than kOldestSample frames are ignored; so is each
-  /// figure that is not finite and positive.
+  /// Takes what was measured in a frame, as soon as it is known. Samples of GPU frames come late, and some never come.
+  /// Samples of frames not yet begun, older than the newest one of their path, or older than kOldestSample frames are
+  /// ignored; so is each figure that is not finite and positive.
   void feed(const FrameSample& sample);
 
-  /// The scene is another one (a commit, a new generation), of so many items: what was learnt is only a first guess
-  /// from here on. To be called before the first frame as well; 0 where the number is not known.
+  /// The scene has changed (a commit, a new generation) and has so many items now. What was learnt is only a first
+  /// guess from here on. Call it before the first frame, too. 0: the number is not known.
   void scene_changed(double items);
-  /// Time stood still (a pause, a dialog, a breakpoint): frames up to the next one are not measured.
+  /// The application stood still (a pause, a dialog, a breakpoint): frames up to the next one are not measured.
   void paused();
-  /// The GPU path cannot be taken: every frame is the CPU's.
+  /// The GPU path is unavailable: the CPU culls every frame.
   void gpu_lost();
-  /// It can be taken (again), warmed up: shaders compiled, buffers filled.
+  /// The GPU path is available (again) and warmed up: shaders compiled, buffers filled.
   void gpu_ready();
 
   /// Frames so far.
   std::uint64_t frames() const { return frames_; }
-  /// Changes of the path; single frames taken to measure the other one are not among them.
+  /// Changes of the path, without probes.
   std::uint64_t switches() const;
-  /// Frames taken on the other path only to measure it.
+  /// Probes: frames taken on the other path only to measure it.
   std::uint64_t probes() const;
   ControllerState state() const;
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMaxLevels = 8;  // 32 * 16^7 slots exceed 2^32
 
-/// Memory that grows and is never cleared: pages of work queues that no view fills are not touched.
+/// Memory that grows and is never cleared, so that pages of work queues that no view fills are never touched.
 template <class T>
 class Buffer {
  public:
@@ -32,7 +32,7 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
-/// What a traversal needs beside the set. One per thread, shared by all cullers.
+/// Scratch memory of a traversal. One per thread, shared by all cullers.
 struct Scratch {
   Buffer<std::uint32_t> node_queues[2], leaf_queue, leaf_masks, items, edges;
   Buffer<Crossing> crossings[2], leaf_crossings;
@@ -44,7 +44,7 @@ Scratch& scratch_of_thread() {
   return *scratch;  // NOLINT(clang-analyzer-cplusplus.NewDelete): it lives as long as the thread
 }
 
-/// Queues hold one whole level, and sixteen lanes more: kernels write whole groups.
+/// Queues have room for one whole level, and for sixteen lanes more, since kernels write whole groups.
 void provide_memory(Scratch& scratch, TraversalInput& in, std::size_t leaves) {
   const std::size_t nodes = in.levels[0].count;
   in.stride = nodes + kLanes;
@@ -63,7 +63,7 @@ void provide_memory(Scratch& scratch, TraversalInput& in, std::size_t leaves) {
   std::fill_n(in.inside, 2 * padded + padded / kLanes + 1, std::uint16_t(0));
 }
 
-/// Leaves at which ranges begin and end become ranges of slots.
+/// Turns leaves at which ranges begin and end into ranges of slots.
 void append_ranges(std::span<const core::Slot> edges, std::uint32_t slot_count, std::vector<core::SlotRange>& ranges) {
   ranges.resize(edges.size() / 2);
   for (std::size_t i = 0; i < ranges.size(); ++i)
@@ -130,7 +130,7 @@ void CpuCuller::cull(std::span<const core::View> views, std::span<core::VisibleS
   for (std::uint32_t i = 0; i < views.size(); ++i) one(i);
 }
 
-/// A node is looked into because its box crosses the view volume's surface, the root's own apart; so is a leaf.
+/// A node, except the root, is walked into because its box crosses the view volume's surface; so is a leaf.
 void CpuCuller::describe(const core::CullCounters& counters, FrameSample& sample) const {
   const std::uint64_t nodes = counters.nodes_tested / kLanes, leaves = counters.boxes_tested / kLeafSize;
   sample.tested = double(counters.nodes_tested + counters.boxes_tested);

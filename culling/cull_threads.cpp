@@ -8,7 +8,7 @@
 namespace sightline::culling {
 namespace {
 
-// Nanoseconds until a helper has begun, while it spins and once it sleeps: below that it is done sooner alone.
+// Nanoseconds until a helper has begun, when it spins and when it sleeps. Less work is done sooner without it.
 constexpr double kCallNs = 3'000.0, kWakeNs = 60'000.0;
 constexpr auto kSpin = std::chrono::microseconds(60);
 constexpr double kSmoothing = 0.2;
@@ -25,7 +25,7 @@ CullThreads::CullThreads(int count) : count_(count > 0 ? count : int(std::thread
 
 CullThreads::~CullThreads() {
   for (std::jthread& helper : helpers_) helper.request_stop();
-  state_.fetch_add(std::uint64_t(1) << 32);  // a new query without jobs: sleepers look up
+  state_.fetch_add(std::uint64_t(1) << 32);  // a new query without jobs, which wakes sleepers
   state_.notify_all();
 }
 
@@ -46,8 +46,8 @@ void CullThreads::run(std::uint32_t jobs, Call call, const void* context) {
   job_ns_.store(known == 0.0 ? each : known + kSmoothing * (each - known), std::memory_order_relaxed);
 }
 
-/// Helpers that sleep are woken for a short query, too, when queries follow each other so closely that they will find
-/// them awake from now on.
+/// Sleeping helpers are woken even for a short query when queries follow each other closely: later queries then find
+/// them awake.
 bool CullThreads::pays(std::uint32_t jobs, Clock::time_point begin) const {
   const Clock::duration pause = begin.time_since_epoch() - Clock::duration(last_end_.load(std::memory_order_relaxed));
   const double left_to_helpers = job_ns_.load(std::memory_order_relaxed) * (jobs - 1);

@@ -1,4 +1,4 @@
-// Threads that take views off the calling thread when several are culled at once.
+// Helper threads that cull several views of one query in parallel.
 #pragma once
 
 #include <atomic>
@@ -9,14 +9,15 @@
 
 namespace sightline::culling {
 
-/// Helpers for CpuCuller::cull() with several views. They start with the first query that is worth them, spin for some
-/// tens of microseconds after each, and then sleep. One query at a time: a second one meanwhile runs on its own thread.
+/// Helper threads for CpuCuller::cull() with several views. They start with the first query that is worth them, spin
+/// for some tens of microseconds after each query, and then sleep. They serve one query at a time: a second one
+/// meanwhile runs on its own thread.
 ///
-/// Whether helpers are asked is decided by time: what is left of a query, measured on those before, must exceed what it
-/// takes to call a helper that spins, or to wake one that sleeps. Answers never depend on it.
+/// Helpers are called only where that saves time. What is left of a query, as measured on earlier queries, must exceed
+/// the time to call a spinning helper, or to wake a sleeping one. Results never depend on it.
 class CullThreads {
  public:
-  /// Threads in all, the calling one included: 1 or more. 0: one per processor, at most kMost.
+  /// Number of threads, the calling one included: 1 or more. 0: one per processor, at most kMost.
   explicit CullThreads(int count = 0);
   ~CullThreads();
   CullThreads(const CullThreads&) = delete;
@@ -47,8 +48,8 @@ class CullThreads {
   int count_;
   std::vector<std::jthread> helpers_;
   std::atomic_flag busy_;
-  // Jobs not yet claimed in the low half, the number of the query above: one word, so that a helper that comes late
-  // cannot claim a job of a query it has not seen.
+  // Low half: jobs not yet claimed; high half: number of the query. Both are one word, so that a late helper cannot
+  // claim a job of a query that it has not seen.
   std::atomic<std::uint64_t> state_{0};
   std::atomic<std::uint32_t> finished_{0};
   std::atomic<int> sleeping_{0};

@@ -6,31 +6,31 @@
 namespace sightline::culling {
 namespace {
 
-// Between these the measured spread of log(cost) is believed.
+// Limits between which the measured spread of log(cost) is used.
 constexpr double kLeastNoise = 0.02, kMostNoise = 0.4;
 // The cumulative sum's slack and threshold, in standard deviations; half a deviation is the usual slack, and five make
 // false alarms rarer than one in 400 samples of independent noise.
 constexpr double kSlack = 0.5, kThreshold = 5.0;
 // A sample this many deviations off is a jump: a spike, or the first of another regime.
 constexpr double kJump = 3.0;
-// Where a path was not measured for so many frames, its last residuals say nothing of the next.
+// When a path was not measured for so many frames, its last residuals say nothing about the next one.
 constexpr std::uint64_t kAway = 8;
-// How far below its estimate a path that is not taken may lie: for the standard error, and for what was learnt octaves
-// away; then it is taken, and known better.
+// How far the cost of the path not taken may lie below its estimate: for the standard error, and for what was learnt
+// octaves away. Then it is taken, and known better.
 constexpr double kMostOptimism = 0.25, kMostFarOptimism = 1.0, kOptimismPerOctave = 0.2;
-// Jumps that lasted and spikes are counted against each other, up to here.
+// Limit of the count of jumps that lasted minus spikes.
 constexpr int kMostPersistence = 2;
-// A difference of so many standard errors is none of noise.
+// A difference of so many standard errors is no noise.
 constexpr double kClear = 3.0;
-// Samples that the presumption about a path stands for.
+// Number of samples that the presumption about a path counts for.
 constexpr double kPresumed = 8.0;
-// Frames within which a probe's answer comes.
+// Frames within which a probe's sample comes.
 constexpr std::uint64_t kAnswer = 6;
-// A path left because it had become dearer is looked at again after so many frames: it may have been a hiccup.
+// A path that was left because it had become dearer is probed again after so many frames: it may have been a hiccup.
 constexpr std::uint64_t kCheck = 16;
-// A path that has become dearer is compared anew with one that costs up to so much more of it.
+// When the path taken has become dearer, the other one is probed if that costs at most so much more, in its frames.
 constexpr double kClose = 1.5;
-// No probe is worth more frames than that without having saved for it.
+// A probe that was not saved for may cost at most so many frames.
 constexpr double kWorthwhile = 32.0;
 
 double median(const std::array<double, 3>& v) {
@@ -55,7 +55,7 @@ void FrameCost::decide() {
   Side& mine = side(path_);
   Side& theirs = side(other(path_));
   if (path_ == CullPath::kGpu && since_switch_ > config_.silent_frames &&
-      frames_ - mine.measured > config_.silent_frames) {  // its timers are missing
+      frames_ - mine.measured > config_.silent_frames) {  // its samples are missing
     mine = Side();
     switch_to(CullPath::kCpu, 0.0);
     last_probe_ = frames_;
@@ -83,16 +83,16 @@ void FrameCost::decide() {
   ++probes_;
 }
 
-/// Soon after a switch: what noise alone may make of the difference, as far as it is known, so that a path that was
+/// The margin soon after a switch: the difference that noise alone may cause, as far as it is known. So a path that was
 /// tried and is clearly worse is left at once.
 double FrameCost::dwell_margin() const {
   const auto samples = [&](const Side& s) { return std::max(1.0, s.table.samples(x_)); };
-  const double noise = std::min(sides_[0].noise, sides_[1].noise);  // of the path that is known for longer
+  const double noise = std::min(sides_[0].noise, sides_[1].noise);  // of the path known for longer
   const double error = noise * std::sqrt(1.0 / samples(sides_[0]) + 1.0 / samples(sides_[1]));
   return std::clamp(kClear * error, config_.margin, config_.dwell_margin);
 }
 
-/// What the path not taken would cost: what was measured, and what is presumed.
+/// What the path not taken would cost, from what was measured and what is presumed.
 double FrameCost::predict_other() {
   const double measured = predict(other(path_));
   if (config_.presumed_gpu_excess == 0.0) return measured;
@@ -102,8 +102,8 @@ double FrameCost::predict_other() {
   return (samples * measured + kPresumed * presumed) / (samples + kPresumed);
 }
 
-/// How far log(cost) may lie below the estimate: by its standard error, and where the estimate comes from other numbers
-/// of visible items, by what those may change.
+/// How far log(cost) may lie below the estimate: the standard error, and where the estimate was learnt at other numbers
+/// of visible items, what these may change.
 double FrameCost::doubt(CullPath path) {
   const Side& s = side(path);
   const double presumed = config_.presumed_gpu_excess == 0.0 ? 0.0 : kPresumed;
@@ -112,8 +112,8 @@ double FrameCost::doubt(CullPath path) {
   return error + std::min(kMostFarOptimism, kOptimismPerOctave * s.table.distance(x_));
 }
 
-/// The path taken has become dearer, and the other one, left because it had, was then found cheap again: it is taken
-/// for that at once.
+/// Switches at once when the path taken has become dearer, and the other one, left for the same reason, was then found
+/// cheap again.
 bool FrameCost::try_recovered(double own, double theirs) {
   Side& s = side(other(path_));
   if (!risen_ || !s.recovers || theirs - s.rise > own - config_.dwell_margin) return false;
@@ -123,7 +123,7 @@ bool FrameCost::try_recovered(double own, double theirs) {
   return true;
 }
 
-/// `excess`: what the probe is expected to cost beyond the path taken, in frames of that.
+/// `excess`: the probe's expected cost beyond that of the path taken, in frames of that path.
 bool FrameCost::wants_probe(double own, double excess) const {
   const Side& mine = sides_[std::size_t(path_)];
   const Side& theirs = sides_[std::size_t(other(path_))];
@@ -139,7 +139,7 @@ bool FrameCost::wants_probe(double own, double excess) const {
   return taken <= allowed - (free - 1.0) && excess_ + excess <= config_.probe_cost * double(frames_);
 }
 
-/// Switches for small gaps soon after one another are vain: noise.
+/// Switches for small gaps in quick succession are vain: noise.
 void FrameCost::switch_to(CullPath path, double gap) {
   const bool vain = gap < config_.dwell_margin && since_switch_ < 4u * dwell_;
   if (vain)
@@ -154,8 +154,8 @@ void FrameCost::switch_to(CullPath path, double gap) {
   ++switches_;
 }
 
-/// Octaves of visible items; from half of the scene on, onwards by octaves of hidden ones: the CPU's cost rises with
-/// what is visible, and falls again as whole subtrees are inside.
+/// Octaves of visible items; from half of the scene on, continued by octaves of hidden ones. The CPU's cost rises with
+/// the number of visible items, and falls again as whole subtrees are inside.
 double FrameCost::position(double visible) const {
   if (visible <= 0.5 * items_ || items_ <= 0.0) return std::log2(1.0 + visible);
   return 2.0 * std::log2(1.0 + 0.5 * items_) - std::log2(1.0 + std::max(0.0, items_ - visible));
@@ -184,7 +184,7 @@ void FrameCost::learn(CullPath path, double log_cost, double x, std::uint64_t fr
     return;
   }
   const double residual = log_cost - s.table.predict(x);
-  if (s.table.samples(x) < 0.75) {  // new ground
+  if (s.table.samples(x) < 0.75) {  // nothing learnt here yet
     s.table.learn(x, residual);
     s.residuals = {};
     return;
@@ -195,8 +195,8 @@ void FrameCost::learn(CullPath path, double log_cost, double x, std::uint64_t fr
   detect_change(path, filtered, x, frame, away);
 }
 
-/// The median of the last three residuals; where jumps have been spikes, the least; where they have lasted, or there
-/// are no other residuals, the newest.
+/// Normally the median of the last three residuals. Where jumps have been spikes: the least. Where jumps have lasted,
+/// or there are no other residuals: the newest.
 double FrameCost::filter(Side& s, double residual, bool fresh) const {
   const bool jump = std::abs(residual) > std::max(kJump * s.noise, config_.dwell_margin);
   if (fresh || (jump && persistence_ > 0)) {
@@ -220,7 +220,7 @@ void FrameCost::detect_change(CullPath path, double filtered, double x, std::uin
       return;
     }
   }
-  const double jump = s.residuals[1];  // a lone one between its neighbours?
+  const double jump = s.residuals[1];  // a lone jump between its neighbours?
   if (std::abs(jump) > std::max(kJump * s.noise, config_.dwell_margin) &&
       std::abs(s.residuals[2]) < 0.5 * std::abs(jump))
     persistence_ = std::max(-kMostPersistence, persistence_ - 1);

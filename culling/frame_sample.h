@@ -1,4 +1,4 @@
-// What the controller and its policies speak of: paths and samples.
+// Paths and samples: the types that the controller and its policies share.
 #pragma once
 
 #include <cmath>
@@ -28,11 +28,10 @@ constexpr std::string_view name_of(ControllerState state) {
   return kNames[std::size_t(state)];
 }
 
-/// Samples that come later than this are of no use any more, frames.
+/// Samples that come later than this are useless, in frames.
 inline constexpr std::uint64_t kOldestSample = 64;
 
-/// What was measured in one frame; NaN is "not measured", and what a path cannot know (intersections on the GPU) stays
-/// so.
+/// What was measured in one frame. NaN: not measured. What a path cannot know (intersections on the GPU) stays NaN.
 struct FrameSample {
   static constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
@@ -42,12 +41,12 @@ struct FrameSample {
   double frame_ms = kNotMeasured;
   double visible = kNotMeasured;        ///< items
   double tested = kNotMeasured;         ///< boxes, of nodes and of items
-  double nodes = kNotMeasured;          ///< boxes that there are to be tested
+  double nodes = kNotMeasured;          ///< boxes that could be tested
   double intersections = kNotMeasured;  ///< boxes of nodes that were found to cross the view volume's surface
   double height = kNotMeasured;         ///< how far down the hierarchy was walked, in levels of a binary one
 };
 
-/// Whether a time can be one.
+/// Whether a value can be a measured time.
 inline bool is_measured(double value) {
   return std::isfinite(value) && value > 0.0;
 }

@@ -49,12 +49,12 @@ core::dvec3 largest_coordinate(const core::Aabb& extent) {
   return glm::max(glm::abs(core::dvec3(extent.min)), glm::abs(core::dvec3(extent.max)));
 }
 
-/// Two powers of two, to be multiplied by in turn: their product may lie beyond the range.
+/// Two powers of two, to multiply by one after the other: their product may lie beyond the range.
 struct Scale {
   double first, second;
 };
 
-/// Brings `largest` > 0 into [1/32, 1/16). Multiplying by them rounds a number once at most.
+/// The scale that brings `largest` > 0 into [1/32, 1/16). Multiplying by its two factors rounds a number at most once.
 Scale scale_for(double largest) {
   constexpr std::uint64_t kFractionBits = 52, kBias = 1023;
   const std::uint64_t exponent = std::bit_cast<std::uint64_t>(largest) >> kFractionBits;

@@ -36,13 +36,13 @@
 
 namespace sightline::culling {
 
-/// Set of planes still to be tested: one bit per plane, and one for the union of section planes as a whole.
+/// Set of planes still to be tested: one bit per plane, and one bit for the union of section planes as a whole.
 using PlaneMask = std::uint32_t;
 
 inline constexpr int kMaxCullPlanes = core::kFrustumPlaneCount + int(core::kMaxSectionPlanes);
 inline constexpr PlaneMask kUnionPlanes = PlaneMask(1) << kMaxCullPlanes;
 
-/// Float form of a plane: all that a test needs as long as the answer is clear.
+/// Float form of a plane. A test needs no more as long as the answer is clear.
 struct FloatPlane {
   float normal[3];
   float offset;
@@ -61,14 +61,14 @@ class CullPlanes {
  public:
   CullPlanes(const core::View& view, const core::ItemBounds& bounds);
 
-  /// True when no box can be visible, wherever it is: a plane that must be met lies out of reach.
+  /// True when no box can be visible anywhere: a plane that must be met is out of reach.
   bool nothing_visible() const { return nothing_visible_; }
   /// All planes: the mask to start with. 0 when there is nothing to test.
   PlaneMask all() const { return all_; }
 
-  /// Items: whether the box is visible as far as `mask` goes. Inverted (empty) boxes are never visible.
+  /// Items: whether the box passes the planes of `mask`. Inverted (empty) boxes are never visible.
   bool visible(const core::Aabb& box, PlaneMask mask) const;
-  /// Nodes: nothing within this box is visible.
+  /// Nodes: true when nothing within this box is visible.
   bool outside(const core::Aabb& box, PlaneMask mask) const;
   /// Nodes: the planes of `mask` that boxes within it must still be tested against.
   PlaneMask remaining(const core::Aabb& box, PlaneMask mask) const;

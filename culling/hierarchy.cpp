@@ -16,7 +16,7 @@ constexpr std::uint32_t blocks(std::uint32_t count, std::uint32_t size) {
   return count / size + (count % size != 0 ? 1 : 0);
 }
 
-/// Minimum and maximum that a NaN sticks to: a node above one is then neither rejected nor wholly inside.
+/// Minimum and maximum that keep a NaN, so that a node above one is neither rejected nor wholly inside.
 void lower(float& least, float value) {
   if (value < least || value != value) least = value;
 }
@@ -81,7 +81,7 @@ LayerUnion layers_of_lanes(const LayerNode& node) {
   return u;
 }
 
-/// Of lanes that nothing lies below.
+/// A node of empty lanes.
 HierarchyNode empty_node() {
   HierarchyNode node;
   for (int axis = 0; axis < 3; ++axis) {
@@ -102,7 +102,7 @@ std::uint32_t Hierarchy::lane_count(int level) const {
   return level == 0 ? blocks(slot_count_, kLeafSize) : std::uint32_t(nodes_[std::size_t(level) - 1].size());
 }
 
-/// Gives every level as many nodes as the slots need. Those that it had stay as they are.
+/// Gives every level as many nodes as the slots need. Existing nodes stay as they are.
 void Hierarchy::resize(const ItemBounds& bounds) {
   assert(bounds.size() < core::kNone);
   slot_count_ = std::uint32_t(bounds.size());
@@ -144,7 +144,7 @@ void Hierarchy::update(const ItemBounds& bounds, std::span<const core::Slot> cha
   const bool layers_are_new = bounds.uses_layers() && layers_.empty();
   if (bounds.size() < old_slots || layers_are_new) return refit(bounds);
   resize(bounds);
-  // Sixteen lanes to a word, which is a node; a node that is looked at is a lane of the level above.
+  // A word of marks is a node, with sixteen lanes. A refitted node is a marked lane of the level above.
   constexpr std::uint32_t kAll = (1u << kLanes) - 1u;
   if (empty()) return;
   marks_.assign(nodes_[0].size(), 0);
@@ -155,13 +155,13 @@ void Hierarchy::update(const ItemBounds& bounds, std::span<const core::Slot> cha
   for (int level = 0; level < level_count(); ++level) {
     const std::uint32_t count = std::uint32_t(nodes_[std::size_t(level)].size()), used = lane_count(level);
     for (std::uint32_t node = 0; node < count; ++node) {
-      // A level that did not exist has everything to learn from those below.
+      // All lanes of a new level must be refitted.
       std::uint32_t rest = level < old_levels ? marks_[node] : kAll;
       if (used - node * kLanes < std::uint32_t(kLanes)) rest &= (1u << (used - node * kLanes)) - 1u;
       const bool looked_at = rest != 0;
       for (; rest != 0; rest &= rest - 1)
         refit_lane(bounds, level, node * kLanes + std::uint32_t(std::countr_zero(rest)));
-      // In place: the word above lies at or before this one, whose marks have been taken.
+      // In place: the word of the level above lies at or before this one, whose marks have been taken.
       marks_[node] = 0;
       if (looked_at) marks_[node / kLanes] |= 1u << node % kLanes;
     }

@@ -1,7 +1,7 @@
 // The hierarchy that culling walks: blocks of slots. Leaf l spans slots 32 l … 32 l + 31, a node of level 0 sixteen
-// leaves, a node of level j sixteen nodes of level j - 1. Nothing but boxes is stored: the structure follows from the
-// number of slots, and quality from their order (core::build_bvh splits at such blocks). Sixteen boxes lie side by
-// side. (Compare I. Wald, C. Benthin, S. Boulos, "Getting rid of packets", 2008, for wide nodes.)
+// leaves, a node of level j sixteen nodes of level j - 1. Only boxes are stored. The structure follows from the number
+// of slots, and its quality from their order (core::block_order). Sixteen boxes lie side by side. (Compare I. Wald, C.
+// Benthin, S. Boulos, "Getting rid of packets", 2008, for wide nodes.)
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ struct alignas(64) HierarchyNode {
 };
 static_assert(sizeof(HierarchyNode) == 384);
 
-/// Layers below each child of the node of the same index. Vacant slots have no say.
+/// Layers below each child of the node of the same index. Vacant slots do not count.
 struct LayerNode {
   std::uint32_t any[kLanes];  ///< union of the items' layers
   std::uint32_t all[kLanes];  ///< intersection
@@ -35,14 +35,14 @@ struct LayerNode {
 class Hierarchy {
  public:
   Hierarchy() = default;
-  /// Over all slots of `bounds`, in whatever order they are.
+  /// Over all slots of `bounds`, in any order.
   explicit Hierarchy(const core::ItemBounds& bounds) { refit(bounds); }
 
-  /// Follows any change of the bounds. Linear time.
+  /// Refits all boxes, after any change of the bounds. Linear time.
   void refit(const core::ItemBounds& bounds);
-  /// The same after boxes or layers of `changed` slots alone have changed (in any order, repeated or not) and others
-  /// were appended: only their blocks and those above are looked at. Boxes around slots that became vacant keep their
-  /// sizes, which errs on the side of walking further. Linear in the number of changes.
+  /// The same when only boxes or layers of `changed` slots have changed (in any order, repeated or not) and slots were
+  /// appended. Refits only their blocks and the nodes above them. Boxes around slots that became vacant keep their
+  /// sizes, so a walk may go further than needed. Linear in the number of changes.
   void update(const core::ItemBounds& bounds, std::span<const core::Slot> changed);
 
   bool empty() const { return slot_count_ == 0; }
@@ -52,7 +52,7 @@ class Hierarchy {
   std::span<const HierarchyNode> level(int level) const { return nodes_[std::size_t(level)]; }
   /// False when every item is on core::kLayerModel alone: then no LayerNodes are kept.
   bool uses_layers() const { return !layers_.empty(); }
-  /// Of the nodes of that level. Empty without layers.
+  /// Layers of the nodes of that level. Empty without layers.
   std::span<const LayerNode> layers(int level) const {
     return layers_.empty() ? std::span<const LayerNode>() : layers_[std::size_t(level)];
   }
@@ -68,7 +68,7 @@ class Hierarchy {
 
   std::vector<core::LargeArray<HierarchyNode>> nodes_;  // per level
   std::vector<core::LargeArray<LayerNode>> layers_;     // per level; none without layers
-  std::vector<std::uint32_t> marks_;                    // scratch of update(): bit per lane to be looked at
+  std::vector<std::uint32_t> marks_;                    // scratch of update(): bit per lane to be refitted
   std::uint32_t slot_count_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// The plain form of the kernels: the twin of the others, and what runs on other processors.
+// The plain form of the kernels: the reference for the others, and the form for other processors.
 #include "sightline/culling/internal/kernels_impl.h"
 
 namespace sightline::culling {
@@ -40,7 +40,7 @@ struct Scalar {
     for (int i = 0; i < kLanes; ++i) bits |= unsigned(a[i] <= b[i]) << i;
     return bits;
   }
-  /// Of a whole leaf, without NaN.
+  /// Minimum of a whole leaf, none of it NaN.
   static float least(const float* a) {
     float r = a[0];
     for (std::uint32_t i = 1; i < kLeafSize; ++i) r = a[i] < r ? a[i] : r;

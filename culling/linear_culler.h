@@ -1,5 +1,5 @@
-// Frustum culling without a hierarchy: every box, every view. Fastest for small scenes, and the twin that every other
-// culler is measured against.
+// Frustum culling without a hierarchy: tests every box for every view. Fastest for small scenes, and the reference that
+// every other culler is compared with.
 #pragma once
 
 #include <cstddef>
@@ -25,9 +25,9 @@ class LinearCuller {
   const core::ItemBounds* bounds_;
 };
 
-/// Appends the visible ones of slots first … end - 1 to `set`, whose slots all lie before them, and counts them as
-/// tested: groups of kLanes from `first` on that are wholly visible as ranges, others as single slots. `layers`: the
-/// view's.
+/// Appends the visible slots of first … end - 1 to `set` and counts all of these as tested. The set's present slots
+/// must all lie before them. Groups of kLanes, counted from `first`, that are wholly visible become ranges, other
+/// visible slots single slots. `layers`: the view's.
 void cull_slots(const core::ItemBounds& bounds, const CullPlanes& planes, PlaneMask mask, std::uint32_t layers,
                 std::size_t first, std::size_t end, core::VisibleSet& set);
 

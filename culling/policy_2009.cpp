@@ -42,7 +42,7 @@ void Policy2009::feed(const FrameSample& sample) {
         enter(State::kGpu);
       }
       break;
-    case State::kGpu:  // a late sample of the CPU's
+    case State::kGpu:  // a late sample of the CPU path
     case State::kProbe:
       break;
   }

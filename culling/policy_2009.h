@@ -1,7 +1,6 @@
 // The 2009 policy: the hybrid culler's controller of the dissertation that this library implements (section 6.1, figure
-// 6.4). The CPU culls until it has been slow for some frames in a row; then the GPU culls for a fixed number of frames;
-// then the CPU is tried again.
-// "Slow" is an absolute threshold, so what the GPU costs is never asked.
+// 6.4). The CPU culls until it has been slow for some frames in a row. Then the GPU culls for a fixed number of frames.
+// Then the CPU is tried again. "Slow" is an absolute threshold, so the policy never considers what the GPU costs.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +9,10 @@
 
 namespace sightline::culling {
 
-/// What makes a CPU frame slow: the four that the dissertation tried. Time is the one that it settled for.
+/// What makes a CPU frame slow: the four criteria that the dissertation tried. It settled for time.
 enum class Policy2009Trigger : std::uint8_t { kTime, kHeight, kIntersections, kShare };
 
-/// Its numbers (section 6.2). Frame counts are at least 1; thresholds are strict.
+/// The policy's numbers (section 6.2). Frame counts are at least 1; thresholds are strict.
 struct Policy2009Config {
   Policy2009Trigger trigger = Policy2009Trigger::kTime;
   double slow_ms = 0.3;             ///< kTime: cull time
@@ -21,9 +20,9 @@ struct Policy2009Config {
   double slow_intersections = 1e4;  ///< kIntersections: FrameSample::intersections
   double slow_share = 0.1;          ///< kShare: FrameSample::tested / nodes
   std::uint32_t enter_frames = 5;   ///< n: slow CPU frames in a row before the GPU takes over
-  std::uint32_t gpu_frames = 500;   ///< m: that it stays for; doubled each time the CPU is still slow after them
-  std::uint32_t probe_frames = 2;   ///< CPU frames that tell; all of them slow: back to the GPU
-  std::uint32_t most_gpu_frames = 1u << 20;  ///< where doubling ends
+  std::uint32_t gpu_frames = 500;   ///< m: frames of the GPU's turn; doubled each time the CPU is still slow after it
+  std::uint32_t probe_frames = 2;   ///< CPU frames of a trial; when all are slow, the GPU takes over again
+  std::uint32_t most_gpu_frames = 1u << 20;  ///< limit of the doubling
 };
 
 /// See Controller for what the functions promise.

@@ -40,7 +40,7 @@ constexpr double kLargestQuery = 1e150;
 
 using Lanes = std::array<double, kLanes>;
 
-/// Sixteen boxes: children of a node, or items from a slot on. min x, min y, min z, max x, max y, max z.
+/// Sixteen boxes: children of a node, or items from a slot on. Coordinates: min x, min y, min z, max x, max y, max z.
 struct BoxGroup {
   const float* coordinates[6];
 
@@ -210,7 +210,7 @@ struct Search {
     return open;
   }
 
-  /// Of `found` (lane i: slot first + i) those before slot `end` that have a box and one of the layers.
+  /// The lanes of `found` (lane i: slot first + i) before slot `end` that have a box and one of the layers.
   unsigned items_of(std::size_t first, std::size_t end, unsigned found) const {
     found &= first_lanes(end - first);
     for (unsigned m = found; m != 0; m &= m - 1) {

@@ -119,7 +119,7 @@ class ComputePass : public GpuPass {
   std::size_t memory_bytes() const override { return masks_.size() + places_.size() + results_.size(); }
 
  private:
-  /// Which blocks are whose: those in use, without gaps.
+  /// Assigns the blocks in use to batches, without gaps.
   void lay_out(std::span<const CullBatch> batches) {
     first_block_ = {};
     for (const CullBatch& batch : batches)
@@ -181,7 +181,7 @@ class ComputePass : public GpuPass {
 core::Expected<std::unique_ptr<GpuPass>> make_compute_pass(const gl::Context& context,
                                                            std::span<const CullBatch> batches) {
   auto pass = std::make_unique<ComputePass>(context);
-  auto done = pass->fit(batches);  // first, since it may not be able to
+  auto done = pass->fit(batches);  // first, since it may fail
   if (done) done = pass->make_programs(batches);
   if (done) done = pass->make_results();
   if (!done) return tl::unexpected(done.error());

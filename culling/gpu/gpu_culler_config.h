@@ -1,4 +1,4 @@
-// What can be chosen of the GPU culler.
+// Options of the GPU culler.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ constexpr std::string_view name_of(GpuForm form) {
 }
 
 struct GpuCullerConfig {
-  /// None: the one that costs less in this context, measured when the culler is made. Name it to later ones of the
+  /// None: the form that costs less in this context, measured when the culler is made. Pass it to later cullers of the
   /// same context (GpuCuller::form(), if form_settled()), so that it is measured once.
   std::optional<GpuForm> form;
 };

@@ -32,7 +32,7 @@ class EarlierDrawing {
     return made;
   }
 
-  /// Clears again and again; flushed, since a clear makes those before it superfluous.
+  /// Clears again and again. Each clear is flushed, since the next one makes it superfluous.
   void submit() const {
     for (int i = 0; i < kClears; ++i) {
       const GLfloat colour[4] = {float(i) / kClears, 0.0f, 0.0f, 1.0f};
@@ -48,7 +48,7 @@ class EarlierDrawing {
   gl::Framebuffer framebuffer_;
 };
 
-/// From the middle, 90 degrees wide.
+/// A view from the middle of the scene, 90 degrees wide.
 core::Expected<core::View> view_from_within(const core::ItemBounds& bounds) {
   const core::Aabb& extent = bounds.extent();
   if (extent.empty()) return core::fail("no items to measure with");
@@ -106,7 +106,7 @@ core::Expected<void> GpuCuller::choose_form(const gl::Context& context, const co
     }
   }
   if (!done) return done;
-  pending_ = first_probe_ = 0;  // nobody is to see these
+  pending_ = first_probe_ = 0;  // results of the measurement are discarded
   pass_ = std::move(passes[cheaper_form(times)]);
   std::array<char, 96> text;
   std::snprintf(text.data(), text.size(), "measured: geometry %.2f ms, compute %.2f ms", times[0].cost(),

@@ -5,8 +5,9 @@
 
 namespace sightline::culling {
 
-/// A piecewise-linear curve of log(cost) over a coordinate x >= 0 that counts octaves of what the cost depends on:
-/// power laws are exact. Each knot knows how many samples it stands for; where there are none, the nearest knot speaks.
+/// A piecewise-linear curve of log(cost) over a coordinate x >= 0. x counts octaves of what the cost depends on, so
+/// that power laws are exact. Each knot knows how many samples it stands for. Where there are none, the nearest knot
+/// decides.
 class CostTable {
  public:
   /// log(cost) at x. Precondition: !empty().

@@ -1,6 +1,6 @@
 // Internal: the inner loops of the cullers, one form per instruction set, behind plain pointers. The files that define
-// them are compiled for their instruction set, so they call no inline function of other headers: a copy made there
-// could be linked into code for every processor.
+// them are compiled for their instruction set. So they must not call inline functions of other headers: the linker
+// might use their copy in code for every processor.
 #pragma once
 
 #include <cstddef>
@@ -17,12 +17,12 @@ namespace sightline::culling {
 struct ItemTest {
   const float* coordinates[6];
   std::size_t item_count;       // of all items of the bounds
-  const std::uint32_t* layers;  // null: do not look at them
+  const std::uint32_t* layers;  // null: not tested
   std::uint32_t view_layers;
   const FloatPlane* planes;
   int union_first, plane_count;
   const CullPlanes* exact;  // decides what the float form leaves open
-  /// Of `open` (bit i: item first + i) those that are visible.
+  /// Returns the visible items of `open` (bit i: item first + i).
   unsigned (*resolve)(const ItemTest& test, std::size_t first, unsigned open, PlaneMask mask);
 };
 
@@ -49,24 +49,25 @@ struct TraversalInput {
   int level_count;
   std::uint32_t slot_count;
 
-  // Work queues; `stride` or `leaf_stride` entries for each plane. Those of nodes alternate from level to level.
+  // Work queues, with `stride` or `leaf_stride` entries for each plane. Those of nodes alternate from level to level.
   std::uint32_t* node_queues[2];
   Crossing* crossings[2];
   std::uint32_t* leaf_queue;
   Crossing* leaf_crossings;
   std::size_t stride, leaf_stride;
 
-  // Answers. Bit per leaf of each node of level 0, and toggles between nodes of level 0 that are wholly inside and
-  // others: zero at the start. leaf_masks of leaves whose bit in `partial` is set.
+  // Answers. `inside` and `partial` have a bit per leaf for each node of level 0. `toggles` has a bit where nodes of
+  // level 0 change between wholly inside and not. These three are zero at the start. leaf_masks is set for leaves whose
+  // bit in `partial` is set.
   std::uint16_t *inside, *partial, *toggles;
   std::uint32_t* leaf_masks;
   std::uint64_t nodes_tested, boxes_tested;
   int levels_walked;
 };
 
-/// Where to write what was found: single slots, and the leaves or slots at which ranges begin and end in turn (of
-/// leaves, the last end may lie behind the tree). Both have room for everything, and sixteen more; the kernel moves
-/// them to their ends.
+/// Where a kernel writes what it finds: single slots, and edges, at which ranges begin and end in turn. Edges are
+/// leaves or slots; the last end in leaves may lie behind the tree. Both arrays have room for everything, and sixteen
+/// more. The kernel advances the pointers to the ends.
 struct FoundSlots {
   core::Slot *items, *edges;
 };
@@ -77,23 +78,23 @@ inline constexpr std::size_t kItemsAtOnce = 4096;
 struct Kernels {
   /// Fills the answers of `input`.
   void (*traverse)(TraversalInput& input);
-  /// Turns them into slots.
+  /// Turns these answers into slots.
   void (*extract)(const TraversalInput& input, FoundSlots& found);
-  /// The visible ones of items first … end - 1, from 1 to kItemsAtOnce of them: groups of kLanes wholly visible as
-  /// ranges of slots, others as single slots. `edges` has room for one more than there are groups. May read kPadding
-  /// boxes beyond.
+  /// Finds the visible items of first … end - 1, of which there are 1 to kItemsAtOnce. Writes groups of kLanes that are
+  /// wholly visible as ranges of slots, others as single slots. `edges` has room for one more than there are groups.
+  /// May read kPadding boxes beyond.
   void (*cull_items)(const ItemTest& test, PlaneMask mask, std::size_t first, std::size_t end, FoundSlots& found);
   /// out[i] = first + i for i < count.
   void (*count_up)(core::Slot* out, core::Slot first, std::uint32_t count);
-  /// Box of kLeafSize items in the order of the coordinates; vacant ones have no say. False, with anything in `box`,
-  /// when one of them holds a NaN.
+  /// Union of the boxes of kLeafSize items, in the order of the coordinates. Vacant slots do not count. Returns false,
+  /// with anything in `box`, when one of the boxes holds a NaN.
   bool (*leaf_box)(const float* const (&coordinates)[6], std::size_t first, float (&box)[6]);
 };
 
 const Kernels& scalar_kernels();
 const Kernels& avx2_kernels();
 const Kernels& avx512_kernels();
-/// Those of instruction_set().
+/// The kernels of instruction_set().
 const Kernels& kernels();
 
 }  // namespace sightline::culling

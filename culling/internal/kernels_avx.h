@@ -5,7 +5,7 @@
 
 namespace sightline::culling {
 
-/// Of the 32 floats of a leaf, without NaN.
+/// Minimum and maximum of the 32 floats of a leaf, none of them NaN.
 static inline float least_of_leaf(const float* a) {
   const __m256 r = _mm256_min_ps(_mm256_min_ps(_mm256_loadu_ps(a), _mm256_loadu_ps(a + 8)),
                                  _mm256_min_ps(_mm256_loadu_ps(a + 16), _mm256_loadu_ps(a + 24)));

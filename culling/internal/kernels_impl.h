@@ -1,10 +1,10 @@
-// Internal: the kernels over any instruction set. `Simd` tests sixteen boxes at a time and lies in the anonymous
-// namespace of its file, so every instance is local to it.
+// Internal: the kernels over any instruction set. `Simd` tests sixteen boxes at a time. It lies in the anonymous
+// namespace of its file, so that every instance is local to the file.
 //
-// The walk goes down level by level, through work queues: nodes that one plane alone crosses wait in the queue of that
-// plane, all others in a common one with the planes still to be tested. A plane's queue is then a loop without
-// branches, its constants in registers, and knows what it will need well ahead of time.
-// (U. Assarsson, T. Möller 2000: planes a parent is inside of are not tested below.)
+// The walk goes down level by level, through work queues. Nodes that one plane alone crosses wait in the queue of that
+// plane. All others wait in a common queue, with the planes still to be tested. So the loop over a plane's queue has no
+// branches, keeps its constants in registers, and can prefetch well ahead. (U. Assarsson, T. Möller 2000: planes a
+// parent is inside of are not tested below.)
 #pragma once
 
 #include <cstring>
@@ -14,7 +14,7 @@
 
 namespace sightline::culling {
 
-/// Sixteen items against the planes of `mask`: outside any, and inside all.
+/// Tests sixteen items at a time against planes.
 template <class Simd>
 class ItemTester {
  public:
@@ -25,7 +25,7 @@ class ItemTester {
       for (int axis = 0; axis < 3; ++axis) p_vertex_[k][axis] = test.coordinates[test.planes[k].p_axis[axis]];
   }
 
-  /// One plane alone, and nothing else.
+  /// The items that one plane lets pass. Tests nothing else.
   unsigned visible(const typename Simd::Plane& plane, int k, const float* x, const float* y, const float* z,
                    std::size_t first) const {
     const typename Simd::Values s = Simd::evaluate(plane, x + first, y + first, z + first);
@@ -35,7 +35,7 @@ class ItemTester {
     return (kept & ~open) | test_.resolve(test_, first, open, PlaneMask(1) << k);
   }
 
-  /// Any planes, one at least. kPlain: layers do not matter, and no plane lets an empty box pass.
+  /// The visible items, for one plane or more. kPlain: layers do not matter, and no plane lets an empty box pass.
   template <bool kPlain>
   unsigned visible(std::size_t first, PlaneMask mask) const {
     const FloatPlane* planes = test_.planes;
@@ -67,13 +67,13 @@ class ItemTester {
     return kept;
   }
 
-  /// Not empty, and on a layer of the view. A NaN is not empty.
+  /// Items that are not empty and on a layer of the view. A box with a NaN is not empty.
   unsigned items_shown(std::size_t first) const {
     unsigned empty = 0;
     for (int axis = 0; axis < 3; ++axis)
       empty |= Simd::less(test_.coordinates[axis + 3] + first, test_.coordinates[axis] + first);
     unsigned shown = ~empty & kAllLanes;
-    // Layers are not padded: the last few are looked at one by one.
+    // Layers are not padded: the last few are tested one by one.
     if (test_.layers != nullptr) shown &= layers_shared(first);
     return shown;
   }
@@ -101,7 +101,7 @@ class Traversal {
  public:
   explicit Traversal(TraversalInput& in) : in_(in), items_(in.test) {}
 
-  /// Every item is on a layer of the view: then nobody needs to look again.
+  /// Whether every item is on a layer of the view. Then layers need no further test.
   static bool all_shown(const TraversalInput& in) {
     const LevelView& top = in.levels[in.level_count - 1];
     unsigned alive = kAllLanes;
@@ -129,8 +129,8 @@ class Traversal {
 
  private:
   static constexpr unsigned kAllLanes = 0xffff;
-  // Entries between prefetch and use. A core waits for some two dozen lines at a time on behalf of its first cache,
-  // which is four leaves, and for more on behalf of its second: hence two steps.
+  // Entries between prefetch and use. A core can wait for some two dozen lines at a time for its first cache, which is
+  // four leaves, and for more for its second: hence two steps.
   static constexpr std::size_t kAhead = 4, kFarAhead = 28;
   static constexpr core::CacheLevel kToL1 = core::CacheLevel::kL1, kToL2 = core::CacheLevel::kL2;
 
@@ -152,7 +152,8 @@ class Traversal {
 
   unsigned used_lanes(std::uint32_t node) const { return node + 1 == level_.count ? level_.last_lanes : kAllLanes; }
 
-  /// Lanes wholly inside: runs of leaves, or toggles at both ends of runs of nodes.
+  /// Records lanes that are wholly inside: as bits of leaves at the bottom, as toggles at both ends of runs of nodes
+  /// above.
   template <bool kBottom>
   void emit_inside(std::uint32_t node, unsigned lanes) {
     if constexpr (kBottom) {
@@ -173,7 +174,7 @@ class Traversal {
     }
   }
 
-  /// Takes lanes without a common layer from `alive`, and gives those of which every item is shown.
+  /// Removes lanes without a common layer from `alive`. Returns the lanes of which every item is shown.
   static unsigned look_at_layers(const LayerNode& layers, std::uint32_t view_layers, unsigned& alive) {
     alive &= Simd::share(layers.any, view_layers);
     return Simd::share(layers.all, view_layers) | ~Simd::share(layers.any, ~view_layers);
@@ -187,7 +188,7 @@ class Traversal {
       in_.crossings[current_ ^ 1][crossing_count_[1]++] = {index, mask};
   }
 
-  /// The queue of plane k; children that it crosses go to `out`.
+  /// Processes the queue of plane k. Children that the plane crosses go to `out`.
   template <bool kBottom>
   std::uint32_t* plane_nodes(int k, std::uint32_t* out) {
     const std::size_t count = plane_count_[k];
@@ -210,7 +211,8 @@ class Traversal {
       const unsigned inside = alive & free & shown, open = alive & ~inside;
       emit_inside<kBottom>(node, inside);
       if constexpr (kBottom) in_.partial[node] = std::uint16_t(open);
-      // The plane's queue knows nothing of layers: at the bottom, leaves with some items hidden go elsewhere.
+      // A plane's queue ignores layers. So two kinds of children go to the common queue instead: at the bottom, leaves
+      // with some items hidden; above it, nodes that only their layers keep open.
       unsigned elsewhere = 0;
       if constexpr (kLayers) elsewhere = open & (kBottom ? ~shown : free);
       for (unsigned rest = elsewhere; rest != 0; rest &= rest - 1) {
@@ -222,7 +224,7 @@ class Traversal {
     return out;
   }
 
-  /// Nodes that several planes cross, or that only their layers keep open.
+  /// Processes the common queue: nodes that several planes cross, or that only their layers keep open.
   template <bool kBottom>
   void cross_nodes() {
     in_.nodes_tested += crossing_count_[0] * kLanes;
@@ -253,14 +255,14 @@ class Traversal {
     }
   }
 
-  /// Which lanes of a node each plane of a mask crosses (the last entry: the union); lanes that any plane crosses, and
-  /// those that go on as crossed by several.
+  /// by: the lanes of a node that each plane of a mask crosses; the last entry is for the union. any: lanes that any
+  /// plane crosses. several: lanes that go on as crossed by several planes.
   struct Crossed {
     unsigned by[kMaxCullPlanes + 1];
     unsigned any = 0, several = 0;
   };
 
-  /// Lanes outside leave `alive`.
+  /// Removes lanes that are outside from `alive`.
   void find_crossed(const HierarchyNode& node, PlaneMask mask, unsigned& alive, Crossed& crossed) const {
     for (PlaneMask m = mask & (kUnionPlanes - 1); m != 0; m &= m - 1) {
       const int k = int(core::lowest_bit(m));
@@ -316,7 +318,7 @@ class Traversal {
     }
   }
 
-  /// Leaves that turn out to be wholly inside or outside are marked so, without a branch: nobody could foretell it.
+  /// Marks leaves that turn out to be wholly inside or outside. Without a branch, which would be unpredictable.
   void answer_leaf(std::uint32_t leaf, std::uint32_t mask) {
     in_.leaf_masks[leaf] = mask;
     const std::uint32_t node = leaf / kLanes, lane = leaf % kLanes;
@@ -355,7 +357,7 @@ class Traversal {
     }
   }
 
-  /// Any leaf against any planes; slots behind the tree are left out.
+  /// Tests any leaf against any planes. Slots behind the tree are left out.
   std::uint32_t leaf_mask(std::uint32_t leaf, PlaneMask mask) const {
     const std::size_t first = std::size_t(leaf) * kLeafSize, left = in_.slot_count - first;
     std::uint32_t kept = items_.template visible<!kLayers>(first, mask);
@@ -373,7 +375,8 @@ class Traversal {
 };
 
 /// Turns the answers of a traversal into merged ranges and single slots, in rising order: 64 leaves, which are four
-/// nodes, at a time. What is inside is a string of bits; a range begins and ends where neighbours differ.
+/// nodes, at a time. The leaves that are inside form a string of bits. A range begins and ends where neighbouring bits
+/// differ.
 template <class Simd>
 class Extraction {
  public:
@@ -405,7 +408,7 @@ class Extraction {
     std::memcpy(&value, bits, sizeof(value));
     return value;
   }
-  /// A bit becomes sixteen.
+  /// Widens each bit to sixteen.
   static std::uint64_t widen(unsigned bits) {
     const std::uint64_t places =
         (bits & 1u) | (bits & 2u) << 15 | std::uint64_t(bits & 4u) << 30 | std::uint64_t(bits & 8u) << 45;
@@ -432,7 +435,7 @@ class Extraction {
   std::uint64_t last_inside_ = 0;
 };
 
-/// Groups lie in spatial order, so the plane that rejected the last one is asked first.
+/// Groups lie in spatial order, so the plane that rejected the last group is tested first.
 template <class Simd>
 void cull_items(const ItemTest& test, PlaneMask mask, std::size_t first, std::size_t end, FoundSlots& found) {
   constexpr unsigned kAllLanes = 0xffff;
@@ -502,7 +505,7 @@ constexpr Kernels make_kernels() {
   };
   k.leaf_box = [](const float* const(&c)[6], std::size_t first, float(&box)[6]) {
     static_assert(kLeafSize == 2 * kLanes);
-    unsigned numbers = 0xffff;  // a NaN is not even as large as itself
+    unsigned numbers = 0xffff;  // x <= x fails for a NaN
     for (int axis = 0; axis < 3; ++axis) {
       const float *low = c[axis] + first, *high = c[axis + 3] + first;
       numbers &= Simd::at_most(low, low) & Simd::at_most(low + kLanes, low + kLanes);

@@ -1,5 +1,5 @@
-// Visible sets as plain lists, for consumers that want every item by itself. A set of ranges is smaller and quicker to
-// read: where ranges will do, take them.
+// Visible sets as plain lists, for consumers that need every item by itself. A set of ranges is smaller and faster to
+// read: use it where it suffices.
 #pragma once
 
 #include <cstdint>

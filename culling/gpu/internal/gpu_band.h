@@ -1,4 +1,4 @@
-// What GLSL may make of a plane's height.
+// The error of a plane's value when GLSL evaluates it.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 
 namespace sightline::culling {
 
-/// The band of a FloatPlane (frustum_test.h) where the GPU evaluates it, over `bounds`. GLSL says that operations are
-/// correctly rounded, but not which way: an error of up to 2^-23 each where the CPU has 2^-24. And it may flush every
-/// denormal to zero: of the plane (times a coordinate), of a coordinate (times less than 1), of three products and
-/// three sums, at most 2^-126 each.
+/// The band of a FloatPlane (frustum_test.h) when the GPU evaluates it, over `bounds`. GLSL says that operations are
+/// correctly rounded, but not in which direction: an error of up to 2^-23 each, where the CPU has 2^-24. GLSL may also
+/// flush every denormal to zero: of the plane (times a coordinate), of a coordinate (times less than 1), of three
+/// products and three sums, at most 2^-126 each.
 inline double gpu_band(float band, const core::ItemBounds& bounds) {
   double sizes = 8.0;
   if (!bounds.extent().empty())

@@ -15,7 +15,7 @@ using uint = std::uint32_t;  // as GLSL has it
 #include "sightline/culling/gpu/shaders/cull_limits.glsl"
 static_assert(kMaxPlanes == kMaxCullPlanes);
 
-/// What shaders read through a buffer texture, and the CPU may write.
+/// A buffer that shaders read through a buffer texture and the CPU may write.
 struct TexelArray {
   gl::Buffer buffer;
   gl::TextureBuffer texels;
@@ -25,17 +25,17 @@ struct TexelArray {
                                            const char* what);
 };
 
-/// Follows the records of a gpuscene::Batch: place k is record k. Nothing is visible of places without a record and of
-/// vacant slots.
+/// Boxes of the records of a gpuscene::Batch: box k is that of record k. Entries without a record and vacant slots are
+/// never visible.
 class GpuBounds {
  public:
-  /// `slots`: of the batch's records, in order.
+  /// `slots`: the slots of the batch's records, in order.
   static core::Expected<GpuBounds> create(const gl::Functions& gl, const core::Snapshot& snapshot,
                                           const gpuscene::Batch& batch, std::vector<core::Slot> slots);
 
   /// Adds the record of an appended slot; update() must follow with it. The batch has room: see GpuScene::append.
   std::uint32_t append(core::Slot slot);
-  /// Writes the boxes of these records anew, and those of their clusters. `changed` is sorted.
+  /// Rewrites the boxes of these records and of their clusters. `changed` is sorted.
   void update(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed,
               gpuscene::ElementWriter& writer) const;
 
@@ -44,7 +44,7 @@ class GpuBounds {
   }
   std::uint32_t cluster_capacity() const { return cluster_capacity_; }
   const std::vector<core::Slot>& slots() const { return slots_; }  ///< by record
-  /// Two RGB32F texels per box: its least and its greatest corner. Places without an item hold the inverted box.
+  /// Two RGB32F texels per box: its least and its greatest corner. Entries without an item hold the inverted box.
   const TexelArray& cluster_boxes() const { return cluster_boxes_; }
   const TexelArray& item_boxes() const { return item_boxes_; }
   /// R32UI; none when the scene uses no layers.

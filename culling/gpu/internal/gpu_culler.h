@@ -1,10 +1,11 @@
-// culling/gpu: culling on the GPU, in OpenGL 4.5 core, whose answer stays there.
+// culling/gpu: culling on the GPU, in OpenGL 4.5 core. The result stays on the GPU.
 //
-// Records are tested in clusters of 64 consecutive ones: first the cluster's box, then, where it is not outside, the
-// records'. So cost follows what is visible but for 1/64 of the records. There are two forms with the same answer in
-// the same order, one in vertex and geometry stages and one in compute shaders (GpuForm). What is found, record ids or
-// the draw commands of meshes, goes straight into gpuscene::DrawLists, which have draw commands made of it on the GPU:
-// nothing is read back, nothing is waited for, and what the CPU does per frame does not depend on the number of items.
+// Records are tested in clusters of 64 consecutive ones: first the cluster's box, then, unless it is outside, the boxes
+// of its records. So cost follows what is visible, except for 1/64 of the records. There are two forms, one in vertex
+// and geometry stages and one in compute shaders (GpuForm). Both give the same answer in the same order. What is found,
+// record ids or the draw commands of meshes, goes straight into gpuscene::DrawLists, which make draw commands of it on
+// the GPU. Nothing is read back and nothing is waited for. The CPU's work per frame does not depend on the number of
+// items.
 #pragma once
 
 #include <array>
@@ -29,24 +30,25 @@ namespace sightline::culling {
 class GpuPass;
 struct CullBatch;
 
-/// Promise: conservative, and nearly what CpuCuller answers. Items go only when the float form of CullPlanes surely
-/// rejects them, with twice its band and room for flushed denormals, since GLSL leaves rounding mode and denormals to
-/// the driver (The OpenGL Shading Language 4.50, section 4.7.1). So no item of the CPU's set is ever missing, and
-/// what is there beyond it has a corner within that band of a plane: some 10^-6 of the scene's size.
+/// Promise: conservative, and nearly the answer of CpuCuller. An item is culled only when the float form of CullPlanes
+/// surely rejects it, with twice its band and room for flushed denormals. The reason: GLSL leaves rounding mode and
+/// denormals to the driver (The OpenGL Shading Language 4.50, section 4.7.1). So no item of the CPU's set is ever
+/// missing. Each further item has a corner within that band of a plane: some 10^-6 of the scene's size.
 ///
-/// The context must be current in all calls. cull() leaves changed: program, texture units 0 to 4, uniform block 1; the
-/// geometry form also vertex array, framebuffer and transform feedback, the compute form shader storage blocks 0 to 4.
+/// The context must be current in all calls. cull() changes this state and leaves it changed: program, texture units 0
+/// to 4, uniform block 1; the geometry form also vertex array, framebuffer and transform feedback, the compute form
+/// shader storage blocks 0 to 4.
 class GpuCuller {
  public:
-  /// For `scene`, made from `snapshot`. Fails when the GPU has not the memory, or the context cannot do the form asked
-  /// for (compute: a storage block's size limits the records of a batch).
+  /// For `scene`, made from `snapshot`. Fails when the GPU has too little memory, or when the context cannot do the
+  /// form asked for (compute: a storage block's size limits the records of a batch).
   ///
-  /// Without a form in `config` both are made, measured and compared by
+  /// Without a form in `config`, both are made, measured and compared by
   ///     cost = alone + max(0, blocked - submitted)
-  /// in milliseconds of wall clock: of a cull of half of the scene's surroundings, from submission until the GPU is
-  /// through (alone), of which the submission takes `submitted`; and the submission again (blocked) while the GPU is
-  /// still busy with drawing of some milliseconds, for which some drivers wait at a barrier. Each is the least of a few
-  /// interleaved repetitions. That waits for the GPU, some ten culls long.
+  /// in milliseconds of wall clock. The measured cull is one of half of the scene's surroundings. `alone` is its time
+  /// from submission until the GPU is done, `submitted` the submission's part of that. `blocked` is the submission's
+  /// time while the GPU is still busy with drawing of some milliseconds, for which some drivers wait at a barrier. Each
+  /// is the least of a few interleaved repetitions. The measurement waits for the GPU, for about ten culls.
   static core::Expected<GpuCuller> create(const gl::Context& context, const core::Snapshot& snapshot,
                                           const gpuscene::GpuScene& scene, const GpuCullerConfig& config = {});
 
@@ -54,13 +56,13 @@ class GpuCuller {
   GpuCuller& operator=(GpuCuller&&) noexcept;
   ~GpuCuller();
 
-  /// Follows an edit of `touched` slots (Snapshot::apply) after GpuScene::append and update, and changes the same GL
-  /// state. Fails when the GPU has not the memory for layers that came into use; then make it anew.
+  /// Applies an edit of `touched` slots (Snapshot::apply). Call it after GpuScene::append and update; it changes the
+  /// same GL state. Fails when the GPU has too little memory for layers that came into use; then make a new culler.
   core::Expected<void> update(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                               std::span<const core::Slot> touched);
 
-  /// Fills `lists` with what `view` can see. Submits and returns; `frame` comes back with the feedback. Fails when the
-  /// lists have not the memory on the GPU.
+  /// Fills `lists` with what `view` can see. Submits the work and returns; `frame` comes back with the feedback. Fails
+  /// when the GPU has too little memory for the lists.
   core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                             gpuscene::DrawLists& lists, std::uint64_t frame = 0);
 
@@ -68,25 +70,25 @@ class GpuCuller {
   struct Feedback {
     std::uint64_t frame = 0;        ///< as given to cull()
     std::uint64_t visible = 0;      ///< items
-    std::optional<double> time_ms;  ///< on the GPU; none on software rasterisers, whose queries mean nothing
+    std::optional<double> time_ms;  ///< on the GPU; none on software rasterisers, whose timer queries mean nothing
   };
-  /// The oldest not yet taken, in order; nothing while the GPU is not through with it. Never waits. A few wait to be
-  /// taken, and as long as they do, later calls have none.
+  /// The oldest feedback not yet taken, in order; nothing until the GPU is done with it. Never waits. A few results can
+  /// wait to be taken. While these places are full, further calls of cull() give no feedback.
   std::optional<Feedback> take_feedback();
 
-  /// The set that the last cull() put into `lists`, single slots all. Waits for the GPU: for tests and tools.
+  /// The set that the last cull() put into `lists`, as single slots only. Waits for the GPU: for tests and tools.
   core::VisibleSet read_back(const gpuscene::DrawLists& lists) const;
 
   GpuForm form() const;
-  /// False when it could not be measured, such as without items: then let the next culler measure again.
+  /// False when the form could not be measured, for example without items: then let the next culler measure again.
   bool form_settled() const { return form_settled_; }
-  /// "asked for", or what was measured, or why that could not be.
+  /// "asked for", or what was measured, or why it could not be measured.
   const std::string& why_this_form() const { return why_this_form_; }
   std::size_t memory_bytes() const;
   std::size_t bounds_memory_bytes() const;  ///< of these: boxes of items and clusters
 
  private:
-  /// Of one cull().
+  /// The feedback of one cull() under way.
   struct Probe {
     std::uint64_t frame = 0;
     bool timed = false, skipped = false;  // skipped: nothing could be visible
@@ -110,7 +112,7 @@ class GpuCuller {
   bool form_settled_ = true;
   std::string why_this_form_ = "asked for";
   gl::Buffer plane_block_;
-  std::vector<Probe> probes_;  // a ring, and one that nobody reads, for when it is full
+  std::vector<Probe> probes_;  // a ring, and one more that nobody reads, for when it is full
   std::size_t first_probe_ = 0, pending_ = 0;
   std::optional<gl::GpuTimer> timer_;
 };

@@ -9,11 +9,11 @@ namespace sightline::culling {
 
 /// What culling one view costs in one form, in milliseconds; the least of some repetitions.
 struct FormTimes {
-  double alone = std::numeric_limits<double>::max();  ///< from submission until the GPU is done, nothing else under way
-  double submitted = alone;                           ///< of that, until submission returned
+  double alone = std::numeric_limits<double>::max();  ///< from submission until the GPU is done, with no other work
+  double submitted = alone;                           ///< the part of it until submission returned
   double blocked = alone;                             ///< until submission returned while drawing was under way
 
-  /// Time alone, and how much longer submission blocks while drawing is under way.
+  /// Time alone, plus how much longer submission blocks while drawing is under way.
   double cost() const { return alone + std::max(0.0, blocked - submitted); }
 
   void take_least(const FormTimes& other) {

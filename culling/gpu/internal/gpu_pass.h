@@ -1,4 +1,4 @@
-// What the forms of the GPU culler have in common, and the interface behind which they differ. Internal to culling/gpu.
+// What both forms of the GPU culler share, and the interface that hides their differences. Internal to culling/gpu.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace sightline::culling {
 
-/// What is tested of a gpuscene::Batch, and for meshes what is drawn.
+/// What culling reads of a gpuscene::Batch: the boxes to test, and for meshes the draw commands.
 struct CullBatch {
   gpuscene::BatchKind kind;
   GpuBounds bounds;
@@ -28,7 +28,7 @@ struct CullBatch {
   std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.buffer.size(); }
 };
 
-/// Culls whose results may wait to be taken, and one more whose result nobody reads, for when these are full.
+/// Number of culls whose results may wait to be taken, and one more whose result nobody reads, for when these are full.
 inline constexpr std::size_t kTakenProbes = gl::GpuTimer::kSlots, kProbes = kTakenProbes + 1;
 
 /// One form, made for batches of certain kinds and capacities.
@@ -40,7 +40,7 @@ class GpuPass {
   virtual gpuscene::DrawLists::Counting counting() const = 0;
   /// Fills the lists between their begin_gpu_update() and end_gpu_update(). The planes are bound.
   virtual void run(std::span<const CullBatch> batches, const gpuscene::DrawLists& lists, std::size_t probe) = 0;
-  /// Items that the last run with this probe found; nothing while the GPU is not through with it. Never waits.
+  /// Number of items that the last run with this probe found; nothing until the GPU is done with it. Never waits.
   virtual std::optional<std::uint64_t> found(std::size_t probe) = 0;
   virtual std::size_t memory_bytes() const = 0;
 };
@@ -70,7 +70,7 @@ class BatchPrograms {
 /// A program of one stage or more from the files of culling/gpu and gpuscene, with the draw lists' defines.
 gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages);
 
-/// Where shaders find what lies in a batch.
+/// Texture units where shaders find a batch's data.
 enum CullTextureUnit : GLuint {
   kClusterBoxUnit,
   kClusterLayerUnit,

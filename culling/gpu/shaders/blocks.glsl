@@ -1,5 +1,5 @@
-// Blocks of kClustersPerBlock clusters: what a work group does at a time, one invocation for each record of a cluster.
-// C++ side: culling/gpu/compute_pass.cpp.
+// A block is kClustersPerBlock clusters. A work group handles one block at a time, with one invocation for each record
+// of a cluster. C++ side: culling/gpu/compute_pass.cpp.
 #include "cull_limits.glsl"
 
 layout(local_size_x = kItemsPerCluster) in;

@@ -1,5 +1,5 @@
-// Boxes against the planes of a view: the float half of culling/frustum_test.h, evaluated in its order. A box goes only
-// when a plane surely rejects it; what the float form leaves open stays.
+// Tests of boxes against the planes of a view: the float half of culling/frustum_test.h, evaluated in the same order. A
+// box is culled only when a plane surely rejects it. A box that the float form leaves open is kept.
 
 #include "cull_limits.glsl"
 
@@ -16,7 +16,7 @@ layout(std140, binding = 1) uniform CullBlock {
 } cull;
 
 layout(binding = 0) uniform samplerBuffer cluster_boxes;    // two texels each: min, max
-layout(binding = 1) uniform usamplerBuffer cluster_layers;  // of all items together
+layout(binding = 1) uniform usamplerBuffer cluster_layers;  // union over the cluster's items
 
 float plane_at(vec4 plane, vec3 corner) {
   precise float s = ((plane.x * corner.x + plane.y * corner.y) + plane.z * corner.z) + plane.w;
@@ -49,7 +49,7 @@ bool inside(vec3 low, vec3 high) {
   return false;
 }
 
-// The cluster, with kInside where no plane cuts it, or kRejected. Places without anything hold the inverted box.
+// Returns the cluster, with kInside set where no plane cuts it, or kRejected. Empty clusters hold the inverted box.
 uint test_cluster(uint cluster) {
   vec3 low = texelFetch(cluster_boxes, 2 * int(cluster)).xyz, high = texelFetch(cluster_boxes, 2 * int(cluster) + 1).xyz;
   if (any(greaterThan(low, high))) return kRejected;

@@ -1,4 +1,4 @@
-// Writes the names of what the vertex stage kept, through transform feedback.
+// Writes the indices of what the vertex stage kept, through transform feedback.
 layout(points) in;
 layout(points, max_vertices = 1) out;
 

@@ -1,5 +1,5 @@
-// One work group: turns the numbers of visible records into the places where they go, and writes what the draw lists
-// want to know of them.
+// One work group: turns the counts of visible records into the places where they go (prefix sums), and writes the
+// counts that the draw lists need.
 #include "draw_commands.glsl"
 
 layout(local_size_x = SCAN_INVOCATIONS) in;

@@ -1,4 +1,4 @@
-// Finds what is visible of one batch: one work group per block.
+// Finds the visible records of one batch: one work group per block.
 #include "blocks.glsl"
 #include "item_test.glsl"
 
