@@ -28,8 +28,7 @@ struct IdImage {
   std::vector<std::uint32_t> ids;
 };
 
-/// Unit normals in eye space as surfaces are shaded with them, towards the eye, rows top to bottom; zero where nothing
-/// was drawn.
+/// Unit normals in eye space, towards the eye, as used for shading; rows top to bottom; zero where nothing was drawn.
 struct NormalImage {
   int width = 0, height = 0;
   std::vector<std::array<float, 3>> normals;

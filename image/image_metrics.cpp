@@ -59,7 +59,7 @@ void add_scaled(const float* from, double weight, int count, float* to) {
   for (int i = 0; i < count; ++i) to[i] += w * from[i];
 }
 
-/// Along rows, then along columns. Beyond its edges the image goes on with their pixels.
+/// Convolves along rows, then along columns. Edge pixels repeat beyond the image's edges.
 Plane convolve(const Plane& in, const Kernel& along_x, const Kernel& along_y) {
   const int rx = int(along_x.size() / 2), ry = int(along_y.size() / 2);
   Plane rows(in.width, in.height), result(in.width, in.height);
@@ -94,7 +94,7 @@ double psnr(const Image& a, const Image& b) {
 
 constexpr int kSsimRadius = 5;
 
-/// ITU-R BT.601.
+/// Luma after ITU-R BT.601.
 Plane luma(const Image& image) {
   Plane plane(image.width, image.height);
   for (std::size_t i = 0; i < plane.values.size(); ++i) {
@@ -126,14 +126,14 @@ double ssim(const Image& image_a, const Image& image_b) {
       const double ma = mean_a.values[i], mb = mean_b.values[i];
       const double va = aa.values[i] - ma * ma, vb = bb.values[i] - mb * mb, cov = ab.values[i] - ma * mb;
       similarity += (2.0 * ma * mb + kC1) * (2.0 * cov + kC2) /
-                    ((ma * ma + mb * mb + kC1) * (va + vb + kC2));  // rounding below 0 is nothing beside kC2
+                    ((ma * ma + mb * mb + kC1) * (va + vb + kC2));  // rounding below 0 is negligible beside kC2
     }
   return similarity / (double(a.width - 2 * kSsimRadius) * double(a.height - 2 * kSsimRadius));
 }
 
 // --- FLIP: colours ---------------------------------------------------------------------------------------------------
 
-/// Linear sRGB to CIE XYZ; rows in columns, as GLM has it.
+/// Linear sRGB to CIE XYZ. Transposed, since GLM stores columns.
 const dmat3 kXyzFromRgb = glm::transpose(
     dmat3(0.41238656, 0.35759149, 0.18045049, 0.21263682, 0.71518298, 0.07218020, 0.01933062, 0.11919716, 0.95037259));
 const dmat3 kRgbFromXyz = glm::inverse(kXyzFromRgb);
@@ -171,7 +171,8 @@ double hyab(const dvec3& a, const dvec3& b) {
 
 constexpr double kColourExponent = 0.7;
 
-/// Small differences take most of the range: 95 % of it goes to the first 40 % of the largest difference there is.
+/// Spreads differences over the range so that small ones take most of it: 95 % goes to the first 40 % of the largest
+/// difference possible.
 double spread(double difference) {
   static const double kLargest =
       std::pow(hyab(hunt_lab_from_rgb({0, 1, 0}), hunt_lab_from_rgb({0, 0, 1})), kColourExponent);
@@ -202,7 +203,7 @@ struct Sensitivity {
 constexpr std::array<Sensitivity, 3> kSensitivity = {
     {{1.0, 0.0047, 0.0, 1e-5}, {1.0, 0.0053, 0.0, 1e-5}, {34.1, 0.04, 13.5, 0.025}}};
 
-/// What the eye still resolves.
+/// Blurred to what the eye still resolves.
 Plane blurred(const Plane& plane, const Sensitivity& s, double pixels_per_degree) {
   const int radius = int(std::ceil(3.0 * std::sqrt(0.04 / (2.0 * kPi * kPi)) * pixels_per_degree));
   Plane result(plane.width, plane.height);
@@ -244,7 +245,7 @@ struct Features {
 };
 
 Features features(const Plane& lightness, double pixels_per_degree) {
-  constexpr double kWidth = 0.082;  // degrees, of what edge detectors of the eye answer to
+  constexpr double kWidth = 0.082;  // degrees: width of the features that the eye's edge detectors respond to
   const double deviation = 0.5 * kWidth * pixels_per_degree;
   const int radius = int(std::ceil(3.0 * deviation));
   Kernel across = gaussian(radius, deviation, [](int) { return 1.0; });

@@ -1,5 +1,5 @@
-// How different two images are: to a computer (PSNR), in structure (SSIM), and to somebody who flips between them
-// (FLIP).
+// Measures of the difference of two images: PSNR (per pixel), SSIM (structure) and FLIP (what a viewer sees who flips
+// between them).
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct ImageMetrics {
   double psnr = 0.0;       ///< decibels over all channels, peak 255; infinity for equal images
   double ssim = 0.0;       ///< mean over all 11 × 11 windows, of luma; 1 for equal images
   double flip_mean = 0.0;  ///< 0: equal, 1: as different as can be
-  double flip_p99 = 0.0;   ///< 99 % of all pixels have less
+  double flip_p99 = 0.0;   ///< 99 % of all pixels have a smaller error
 };
 
 /// SSIM after Wang, Bovik, Sheikh and Simoncelli, "Image Quality Assessment: From Error Visibility to Structural
@@ -32,7 +32,7 @@ core::Expected<ImageMetrics> image_metrics(const Image& reference, const Image& 
 /// pixels_per_degree > 0.
 std::vector<float> flip(const Image& reference, const Image& image, double pixels_per_degree = kPixelsPerDegree);
 
-/// Pixels that show another item, or none where there is one. Fails when the sizes differ.
+/// Number of pixels that show another item, or none in just one of the images. Fails when the sizes differ.
 core::Expected<std::uint64_t> wrong_ids(const IdImage& reference, const IdImage& image);
 
 }  // namespace sightline::image
