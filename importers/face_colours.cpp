@@ -11,7 +11,7 @@ std::uint32_t channel(PackedColour colour, int i) {
   return colour >> (24 - 8 * i) & 0xff;
 }
 
-/// Numbers colours by first appearance. Nothing once there are too many.
+/// Numbers colours by first appearance, up to the limit.
 class ColourTable {
  public:
   /// kNone when there are too many.
@@ -33,12 +33,12 @@ class ColourTable {
   std::uint32_t last_ = 0;
 };
 
-/// Faces of one colour over their own vertices.
+/// Splits a mesh into one mesh per colour, with vertices of its own.
 class Splitter {
  public:
   Splitter(const PolygonMesh& from, const std::vector<PackedColour>& colours, ColourTable& table)
       : from_(from), place_(from.positions.size(), core::kNone), parts_(table.distinct.size()) {
-    // Faces sorted by colour: the count of each, where each begins, then each face to its place.
+    // Counting sort of faces by colour: the count of each colour, where each begins, then each face to its place.
     faces_of_.assign(table.distinct.size() + 1, 0);
     for (const PackedColour colour : colours) ++faces_of_[table.number_of(colour) + 1];
     for (std::size_t i = 1; i < faces_of_.size(); ++i) faces_of_[i] += faces_of_[i - 1];

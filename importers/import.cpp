@@ -60,7 +60,7 @@ constexpr Format kFormats[] = {
 #endif
 };
 
-/// Formats that a build may lack, and the option that it then lacks.
+/// Formats that a build may lack, and the build option that adds them.
 struct Optional {
   std::string_view extension, option;
 };

@@ -1,9 +1,9 @@
-// importers: bytes to scene and scene to bytes. A folder per format holds its reader (rvm/, obj/, …) and writer; plant/
-// is the generator of synthetic plants; triangulate.h covers polygons with triangles.
+// importers: bytes to scene and scene to bytes. A folder per format holds its reader (rvm/, obj/, …) and writer. plant/
+// is the generator of synthetic plants. triangulate.h covers polygons with triangles.
 //
 // This header reads files of any format that the build knows. Readers never print, throw or exit. A failed or cancelled
-// import leaves the scene exactly as it was; a successful one can be committed (what is not finite, or larger than any
-// site, was dropped and listed).
+// import leaves the scene exactly as it was. The result of a successful one can be committed: items that are not
+// finite, or larger than any site, were dropped and listed.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace sightline::importers {
 
-/// Something a reader noticed and got over.
+/// Something that a reader noticed but that did not stop it.
 struct ImportWarning {
   std::string file;
   std::uint64_t offset = 0;  ///< bytes from the file's begin
@@ -29,33 +29,33 @@ struct ImportWarning {
 /// Which axis of a file points up. Scenes have z up.
 enum class UpAxis : std::uint8_t { kY, kZ };
 
-/// Meshes of a file that are taken for copies of one another.
+/// Which meshes of a file count as copies of one another.
 enum class MeshCopies : std::uint8_t {
   kApart,    ///< none
-  kExact,    ///< equal to the bit: what is written back is what was read
+  kExact,    ///< equal to the bit: writing back gives what was read
   kSimilar,  ///< those that differ by a similarity: moved, turned, scaled by one factor, up to the file's rounding
 };
 
 struct ImportOptions {
-  /// Damaged files: false fails at the first damage, true imports what can be had and lists the damage as warnings.
+  /// For damaged files. False: fails at the first damage. True: imports what it can and lists the damage as warnings.
   bool lenient = false;
-  /// Length of a coordinate's unit, finite and > 0, for formats that name none: OBJ, PLY, STL, VTK. RVM and glTF say
+  /// Length of a coordinate's unit, finite and > 0, for formats that state none: OBJ, PLY, STL, VTK. RVM and glTF state
   /// it.
   double metres_per_unit = 1.0;
-  /// The same for what points up.
+  /// The axis that points up, for the same formats.
   UpAxis up = UpAxis::kZ;
-  /// Which meshes are kept once (mesh_sharing.h). Costs a few nanoseconds a vertex.
+  /// Which meshes are kept only once (mesh_sharing.h). Costs a few nanoseconds per vertex.
   MeshCopies copies = MeshCopies::kSimilar;
   /// Threads for several files; 0: one for each processor.
   int threads = 0;
-  /// Called now and then by the thread that imports with the share that is done, rising from 0 to 1. Answering false
-  /// cancels, unless all is done (1): the import fails with kCancelled as its message.
+  /// Called now and then by the importing thread with the share that is done, rising from 0 to 1. Returning false
+  /// cancels the import, which then fails with kCancelled as its message; at 1, when all is done, it has no effect.
   std::function<bool(double)> progress = {};
 };
 
 inline constexpr std::string_view kCancelled = "cancelled";
 
-/// Warnings kept per import; one more says how many were not.
+/// Most warnings kept per import. One more tells how many were left out.
 inline constexpr std::size_t kMaxWarnings = 1000;
 
 struct ImportReport {
@@ -65,7 +65,7 @@ struct ImportReport {
   /// Items by kind as found in the file (an empty facet group counts as one), degenerate ones included.
   std::array<std::uint64_t, core::kKindCount> items{};
   std::uint64_t degenerate = 0;     ///< items without volume: no length for lines, no area for facets
-  std::uint64_t shared_meshes = 0;  ///< mesh items that use a mesh which another one brought
+  std::uint64_t shared_meshes = 0;  ///< mesh items that use a mesh which another item brought
   std::uint64_t attributed = 0;     ///< groups that an attribute file gave attributes to
   double sharing_error = 0.0;       ///< metres: no vertex of those lies farther from where the file has
                                     ///< it (a scale that glTF instances add is not counted)
@@ -76,14 +76,14 @@ struct ImportReport {
 /// Extensions that import_file() knows in this build, with dots, in lower case.
 std::span<const std::string_view> known_extensions();
 
-/// Imports one file as a new child of `parent`, named after it; its format follows from the extension (any case). An
-/// attribute file (.txt, .att) adds no node: it speaks of RVM groups that are there (rvm/rvm_attributes.h).
-/// Errors name the file: unknown extension, missing, a directory, empty, unreadable, damaged.
+/// Imports one file as a new child of `parent`, named after it. Its format follows from the extension (any case). An
+/// attribute file (.txt, .att) adds no node: it adds attributes to RVM groups that are in the scene already
+/// (rvm/rvm_attributes.h). Errors name the file: unknown extension, missing, a directory, empty, unreadable, damaged.
 core::Expected<ImportReport> import_file(const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
                                          const ImportOptions& options = {});
 
-/// Imports several files, one node each; attribute files last, wherever they stand. All or nothing: when one fails
-/// those before it are taken back (but for attributes of groups that were there before).
+/// Imports several files, one node each. Attribute files are read last, wherever they stand in the list. All or
+/// nothing: when one fails, those before it are taken back (except for attributes of groups that were there before).
 core::Expected<ImportReport> import_files(std::span<const std::filesystem::path> paths, core::Scene& scene,
                                           core::NodeId parent, const ImportOptions& options = {});
 

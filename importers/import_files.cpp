@@ -1,4 +1,4 @@
-// Several files side by side: each becomes a scene of its own, which the calling thread appends in order.
+// Reads several files in parallel. Each becomes a scene of its own; the calling thread appends these in order.
 
 #include <algorithm>
 #include <atomic>
@@ -82,7 +82,7 @@ class SideBySide {
     std::optional<core::Expected<ImportReport>> report;  // there when read
   };
 
-  /// As many threads as the system gives.
+  /// Starts as many threads as the system gives.
   std::vector<std::jthread> start() {
     std::vector<std::jthread> workers;
     try {
@@ -92,7 +92,7 @@ class SideBySide {
     return workers;
   }
 
-  /// Reads one file after the other, no farther ahead of what has been appended than memory allows.
+  /// Reads one file after the other, no farther ahead of the appended ones than memory allows.
   void work() {
     for (;;) {
       std::size_t i;
@@ -103,7 +103,7 @@ class SideBySide {
         i = next_++;
       }
       File& file = files_[i];
-      // As far from the origin as it will be: what could not be committed there is dropped.
+      // At its final distance from the origin, so that what could not be committed there is dropped.
       file.scene.set_transform(file.scene.root(), root_from_parent_);
       ImportOptions options = options_;
       options.progress = [&](double share) {
@@ -117,7 +117,7 @@ class SideBySide {
     }
   }
 
-  /// Until the file has been read, telling how far all are.
+  /// Waits until the file has been read, and reports the progress of all files.
   core::Expected<void> wait_for(std::size_t i) {
     constexpr auto kBetweenReports = std::chrono::milliseconds(20);
     std::unique_lock lock(mutex_);
@@ -145,7 +145,7 @@ class SideBySide {
     return {};
   }
 
-  /// False when the caller cancels. Only when all files have been appended is all done.
+  /// Reports progress; false when the caller cancels. Reports 1 only when all files have been appended.
   bool tell(bool all_done) {
     if (!options_.progress) return true;
     constexpr double kNearlyDone = 0.999;
@@ -178,7 +178,7 @@ class SideBySide {
   std::atomic<bool> stopped_ = false;
 };
 
-/// Options whose progress is a part of the whole.
+/// Options whose progress is a part of the whole import's.
 ImportOptions portion(const ImportOptions& options, double begin, double end) {
   ImportOptions part = options;
   if (options.progress)

@@ -20,7 +20,7 @@ core::Affine scene_from_file(const FileFrame& frame) {
   return map;
 }
 
-/// No stretching worth mentioning: what reaches kLargestCoordinate can still be committed.
+/// Whether the map stretches so little that what reaches kLargestCoordinate can still be committed.
 bool is_tame(const core::Affine& map) {
   constexpr double kLargestEntry = 2.0;
   for (int column = 0; column < 3; ++column)
@@ -29,7 +29,7 @@ bool is_tame(const core::Affine& map) {
   return glm::all(glm::lessThanEqual(glm::abs(map.origin), core::dvec3(kLargestCoordinate)));
 }
 
-/// At least what the map multiplies any length by (the linear part's Frobenius norm).
+/// An upper bound of what the map multiplies any length by (the linear part's Frobenius norm).
 double largest_stretch(const core::Affine& map) {
   double squares = 0.0;
   for (int column = 0; column < 3; ++column) squares += glm::dot(map.linear[column], map.linear[column]);
@@ -122,7 +122,7 @@ void ImportJob::add_primitive(core::NodeId node, const core::Primitive& primitiv
   scene_.add_primitive(node, primitive, placement, material);
 }
 
-/// Readers refuse bad numbers, but transforms of nodes multiply.
+/// Readers refuse bad numbers, but the product of several nodes' transforms may be bad all the same.
 void ImportJob::drop_what_cannot_be_committed(core::ItemId first) {
   if (reach_promised_ && is_tame(scene_.world_from_node(file_node_))) return;
   std::vector<core::ItemId> added;
@@ -132,7 +132,7 @@ void ImportJob::drop_what_cannot_be_committed(core::ItemId first) {
     if (!scene_.can_commit(item, state.world_from_item)) bad.push_back(item);
   });
   for (const core::ItemId item : bad) {
-    if (report_.warnings.size() < kMaxWarnings)  // else the path, as long as the tree is deep, is not needed
+    if (report_.warnings.size() < kMaxWarnings)  // else skip making the node's full name, as long as the tree is deep
       warn(0, fmt::format("{}: item dropped: its place or size is not finite or beyond any site",
                           scene_.path(scene_.node_of(item))));
     else

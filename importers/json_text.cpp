@@ -14,7 +14,8 @@ std::string at_byte(std::string_view text, std::size_t byte) {
   return "line " + std::to_string(line) + ", column " + std::to_string(column);
 }
 
-/// Where the text first nests deeper than max_depth. The parser's own stack is safe, the values it builds are not.
+/// Where the text first nests deeper than max_depth. The parser's own stack is safe at any depth; the values that it
+/// builds are not.
 std::optional<std::size_t> too_deep(std::string_view text, int max_depth) {
   int depth = 0;
   bool in_string = false;
@@ -34,7 +35,7 @@ std::optional<std::size_t> too_deep(std::string_view text, int max_depth) {
   return std::nullopt;
 }
 
-/// What nlohmann says after its own prefix: "[json.exception.parse_error.101] parse error at line 1, column 2: " …
+/// The message without nlohmann's prefix: "[json.exception.parse_error.101] parse error at line 1, column 2: " …
 std::string reason(const std::string& what) {
   const std::size_t column = what.find("column ");
   const std::size_t colon = column == std::string::npos ? what.find("] ") : what.find(": ", column);

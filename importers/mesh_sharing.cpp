@@ -14,11 +14,12 @@ using core::dmat3;
 using core::dvec3;
 using core::Mesh;
 
-/// Copies tried of one hash. More than this many different meshes of one hash are not found but made.
+/// Most meshes of one hash that are compared with a new one. Beyond that, copies are not found and are added as new
+/// meshes.
 constexpr std::size_t kMostTried = 16;
 
-/// Nothing is taken for a copy of something so many times smaller or larger: factors of a placement must stay far from
-/// where a scene refuses them.
+/// Meshes whose sizes differ by more than this factor are not shared: factors of a placement must stay far from where a
+/// scene refuses them.
 constexpr double kLargestScale = 1e6;
 
 std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
@@ -39,8 +40,8 @@ std::uint64_t topology_hash(const Mesh& mesh) {
   return mixed(hash, mesh.polygon_contours);
 }
 
-/// Three numbers near 1 that similarities leave alone: sums of the vertices about their mean, each vertex added or
-/// subtracted by a fixed pattern, measured by one another and by the mesh's size.
+/// Three numbers near 1 that no similarity changes: sums of the vertices about their mean, with each vertex added or
+/// subtracted by a fixed pattern, in proportion to one another and to the mesh's size.
 std::array<double, 3> invariants(const Mesh& mesh) {
   dvec3 sum(0.0), first(0.0), second(0.0);
   double first_signs = 0.0, second_signs = 0.0, squares = 0.0;
@@ -63,7 +64,7 @@ std::array<double, 3> invariants(const Mesh& mesh) {
 }
 
 constexpr double kBinsPerUnit = 1024.0;
-constexpr double kBinMargin = 0.02;  // of a bin: rounding moves the invariants far less
+constexpr double kBinMargin = 0.02;  // of a bin: rounding changes the invariants far less
 
 std::uint64_t bin_hash(std::uint64_t topology, const std::array<double, 3>& shape,
                        const std::array<double, 3>& margins = {}) {
@@ -75,7 +76,7 @@ std::uint64_t bin_hash(std::uint64_t topology, const std::array<double, 3>& shap
   return hash;
 }
 
-/// The bins that hold meshes of about this shape: one, but near an edge two, four or eight.
+/// The bins that may hold meshes of about this shape: one, or near a bin's edge two, four or eight.
 std::vector<std::uint64_t> bins_near(std::uint64_t topology, const std::array<double, 3>& shape) {
   std::vector<std::uint64_t> bins;
   for (int corner = 0; corner < 8; ++corner) {
@@ -108,7 +109,7 @@ MeshAnchors anchors_of(const Mesh& mesh) {
   return anchors;
 }
 
-/// Orthonormal axes along ab and towards c. Nothing when the three lie on one line.
+/// Orthonormal axes along ab and towards c. Nothing when the three points lie on one line.
 std::optional<dmat3> axes(const dvec3& ab, const dvec3& ac) {
   const dvec3 x = ab / glm::length(ab);
   const dvec3 across = ac - glm::dot(ac, x) * x;
@@ -124,7 +125,7 @@ double diagonal(const Mesh& mesh) {
   return box.empty() ? 0.0 : glm::length(box.size());
 }
 
-/// Farthest that the map takes a vertex from where it belongs. Nothing when beyond the tolerance.
+/// Largest distance of a mapped vertex from where it belongs. Nothing when that is beyond the tolerance.
 std::optional<double> misfit(const Mesh& mesh, const Mesh& copy, const Affine& copy_from_mesh, double tolerance) {
   double largest = 0.0;
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -149,7 +150,7 @@ struct Fit {
   double error = 0.0;
 };
 
-/// Tries nothing but a shift first, then the similarity that three anchors give.
+/// Tries a pure shift first, then the similarity that three anchors give.
 std::optional<Fit> fit(const Mesh& mesh, const Mesh& copy, const MeshAnchors& anchors, bool exact) {
   if (mesh.indices != copy.indices || mesh.contour_sizes != copy.contour_sizes ||
       mesh.polygon_contours != copy.polygon_contours || mesh.positions.size() != copy.positions.size() ||
@@ -166,7 +167,7 @@ std::optional<Fit> fit(const Mesh& mesh, const Mesh& copy, const MeshAnchors& an
   const auto copy_at = [&](std::uint32_t i) { return dvec3(copy.positions[i]) - copy_a; };
   const dvec3 mesh_ab = mesh_at(anchors.b), copy_ab = copy_at(anchors.b);
   const double scale = glm::length(copy_ab) / glm::length(mesh_ab);
-  if (!(scale >= 1.0 / kLargestScale && scale <= kLargestScale)) return {};  // false for what has no length
+  if (!(scale >= 1.0 / kLargestScale && scale <= kLargestScale)) return {};  // false when there is no length
   const auto mesh_axes = axes(mesh_ab, mesh_at(anchors.c));
   const auto copy_axes = axes(copy_ab, copy_at(anchors.c));
   if (!mesh_axes || !copy_axes) return {};

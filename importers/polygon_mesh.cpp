@@ -12,7 +12,7 @@ namespace {
 
 bool usable(const core::dvec3& p) {
   return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
-         std::abs(p.z) <= kLargestCoordinate;  // false for what is no number
+         std::abs(p.z) <= kLargestCoordinate;  // false for NaN
 }
 
 /// Calls visit(first corner, corners) for each face.
@@ -48,7 +48,7 @@ class Centring {
     return true;
   }
 
-  /// Marks what good faces use, then numbers it in the file's order: near vertices stay near.
+  /// Marks the vertices that good faces use, then numbers them in the file's order, so that near vertices stay near.
   void number_vertices() {
     place_.assign(from_.positions.size(), core::kNone);
     std::size_t indices = 0;
@@ -99,7 +99,7 @@ class Centring {
 
   const PolygonMesh& from_;
   CentredMesh to_;
-  std::vector<std::uint32_t> place_;  // of a file's vertex in the mesh
+  std::vector<std::uint32_t> place_;  // from a vertex of the file to its index in the mesh
   std::uint32_t used_ = 0;
   std::vector<std::uint32_t> vertices_, triangles_;  // of one face
   std::vector<core::vec3> outline_;

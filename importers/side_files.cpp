@@ -11,7 +11,7 @@ namespace sightline::importers {
 namespace fs = std::filesystem;
 
 core::Expected<fs::path> find_side_file(const fs::path& model, std::string_view name) {
-  // A NUL would end the name early for the system, after it has been judged as a whole.
+  // The system would end the name at a NUL, after the whole name has been checked.
   if (name.empty() || name.find('\0') != std::string_view::npos)
     return core::fail("a side file's name is empty or holds a NUL");
   std::error_code code;

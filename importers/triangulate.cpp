@@ -17,7 +17,7 @@ double cross(const dvec2& a, const dvec2& b, const dvec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// Along the normal's largest axis, oriented so that counter-clockwise stays so.
+/// Projects along the normal's largest axis and keeps counter-clockwise polygons so.
 class Projection {
  public:
   explicit Projection(const dvec3& normal) {
@@ -32,7 +32,7 @@ class Projection {
   int u_, v_;
 };
 
-/// The outline with its holes as one ring of vertices, clipped ear by ear.
+/// Joins the outline and its holes to one ring of vertices, and clips it ear by ear.
 class EarClipper {
  public:
   EarClipper(std::span<const vec3> vertices, const Projection& project, std::uint32_t base, std::int64_t& steps_left,
@@ -117,7 +117,8 @@ class EarClipper {
     return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
   }
 
-  /// A ring vertex that the hole's leftmost vertex sees: the nearest edge to its left, then whatever stands in the way.
+  /// A ring vertex that is visible from the hole's leftmost vertex: an end of the nearest edge to its left, or a vertex
+  /// that stands in the way.
   std::uint32_t find_bridge(std::uint32_t hole) {
     const dvec2 h = point(hole);
     double hit_x = -std::numeric_limits<double>::infinity();
@@ -162,7 +163,7 @@ class EarClipper {
   }
   void link(std::uint32_t a, std::uint32_t b) { nodes_[a].next = b, nodes_[b].previous = a; }
 
-  // Only a vertex that is not strictly convex can lie in another's ear: those are the blockers.
+  // Only a vertex that is not strictly convex can lie in another vertex's ear. These are the blockers.
   void update_blocker(std::uint32_t n) {
     const bool blocks = cross(before(n), point(n), after(n)) <= 0;
     Node& node = nodes_[n];
@@ -209,8 +210,7 @@ class EarClipper {
     update_blocker(next);
   }
 
-  // What to do about vertices when a whole turn found no ear: first nothing, then drop flat ones, then clip any convex
-  // one.
+  // What to do when a whole turn found no ear: first nothing, then drop flat vertices, then clip any convex one.
   enum class Effort { kEars, kFlat, kConvex };
 
   bool clip_vertex(std::uint32_t n, Effort effort) {
@@ -260,7 +260,7 @@ class EarClipper {
   std::uint32_t outline_ = kNoNode;
 };
 
-/// Triangles and convex quads, nearly all of real facet groups. False: not one of them.
+/// Handles triangles and convex quads, which are nearly all polygons of real facet groups. False for any other polygon.
 bool quick(std::span<const vec3> p, const Projection& project, std::uint32_t base,
            std::vector<std::uint32_t>& indices) {
   if (p.size() == 3) {

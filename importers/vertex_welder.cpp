@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kSmallestTable = 64;
 constexpr std::size_t kMostProbes = 256;  // far beyond the longest run of a table half full
 
-/// Multiply and fold: the low bits of doubles that were floats are all zero.
+/// Multiplies and folds, since the low bits of doubles that were floats are all zero.
 std::uint64_t hash(const core::dvec3& p) {
   std::uint64_t h = 0;
   for (int i = 0; i < 3; ++i) {
@@ -25,7 +25,7 @@ std::uint64_t hash(const core::dvec3& p) {
 
 bool same_bits(const core::dvec3& a, const core::dvec3& b) {
   using Bits = std::array<std::uint64_t, 3>;
-  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);  // what is no number equals itself
+  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);  // a NaN equals itself
 }
 
 }  // namespace

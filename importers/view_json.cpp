@@ -123,7 +123,7 @@ core::Pose read_pose(Reader& in, const Json& object, const std::string& pointer,
           in.vector(object, pointer, "up", default_up)};
 }
 
-/// The projection of a view; `in` must still be ok afterwards for the answer to count.
+/// The projection of a view. The result counts only if `in` is still ok afterwards.
 Expected<core::View> read_projection(Reader& in, const Json& root, const core::Pose& pose, double aspect) {
   const double near = in.number(root, "", "near");
   if (!Reader::find(root, "ortho_height")) {

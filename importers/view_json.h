@@ -5,9 +5,10 @@
 //         or "ortho_height":metres instead of "fovy_deg"
 //   path  {"keys":[{"t":seconds,"eye":…,"target":…,"up":…,"fovy_deg":…},…], "near":…, "far":…}
 //
-// Optional: "up" of a view and of the first key (z), "up" and "fovy_deg" of later keys (as the key before), "far"
-// (infinite, but near + max(10 km, 10 times the distance from eye to target) for "ortho_height", whose far plane must
-// be finite), the section keys and "layers" (core::kDefaultLayerMask). Unknown keys are ignored. All else is required.
+// These keys are optional, with the default in parentheses: "up" of a view and of the first key (z); "up" and
+// "fovy_deg" of later keys (as in the key before); "far" (infinite; for "ortho_height", whose far plane must be finite,
+// near + max(10 km, 10 times the distance from eye to target)); the section keys; "layers" (core::kDefaultLayerMask).
+// All other keys above are required. Unknown keys are ignored.
 //
 // Errors read "file: /json/pointer: expected …, found …" or, for malformed JSON, give its line and column. Any bytes
 // are safe to read; objects and arrays may nest 64 deep and a file may hold 256 MiB.
@@ -30,12 +31,12 @@ core::Expected<core::View> read_view(const std::filesystem::path& file, double a
 core::Expected<core::CameraPath> parse_path(std::string_view json, std::string_view source = "path");
 core::Expected<core::CameraPath> read_path(const std::filesystem::path& file);
 
-/// Reading the text back gives the same keys, times and distances to the bit, fields of view to the last few bits.
+/// Reading the text back gives the same keys: times and distances to the bit, fields of view to the last few bits.
 std::string format_path(const core::CameraPath& path);
 /// Replaces `file`. Its folder must exist.
 core::Expected<void> write_path(const std::filesystem::path& file, const core::CameraPath& path);
 
-/// The same view of a model that was moved by `offset`, sections included.
+/// The same view or path for a model that was moved by `offset`, sections included.
 core::Expected<core::View> translated(const core::View& view, const core::dvec3& offset);
 core::Expected<core::CameraPath> translated(const core::CameraPath& path, const core::dvec3& offset);
 

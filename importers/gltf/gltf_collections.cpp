@@ -30,7 +30,7 @@ struct Faces {
   std::vector<dvec3> positions;
   std::vector<std::uint32_t> corners;
 };
-using Shape = std::variant<std::monostate, Solid, Nut, Faces>;  // nothing: no such thing can be drawn
+using Shape = std::variant<std::monostate, Solid, Nut, Faces>;  // monostate: cannot be drawn
 
 /// One instance's numbers, in the order of its kind's columns, after tree index and colour.
 using Row = std::array<const double*, 9>;
@@ -60,7 +60,8 @@ core::Affine scaled_along_z(core::Affine placement, double factor) {
   return placement;
 }
 
-/// The placement of something in z = 0, whose third column says nothing and is often 0: one that can be inverted.
+/// The placement of something flat in z = 0. The matrix's third column says nothing and is often 0; the placement gets
+/// one that makes it invertible.
 core::Affine flat(const double* matrix) {
   core::Affine placement = gltf_affine(matrix);
   const dvec3 normal = glm::cross(placement.linear[0], placement.linear[1]);
@@ -69,7 +70,7 @@ core::Affine flat(const double* matrix) {
   return placement;
 }
 
-/// The part of a wall over an arc: heights give its lower and upper rim at a direction, radii the radius there.
+/// Facets of the part of a wall over an arc. `rim` gives the lower and upper point of the wall in a direction.
 template <class Rim>
 Shape facets(const core::Affine& placement, double angle, double arc, Rim&& rim) {
   const double step = 2.0 * std::acos(1.0 - kFacetError);
@@ -155,7 +156,7 @@ Shape ellipsoid_segment(const Row& row) {
   return Solid{core::SphericalDish{float(base), float(cap)}, stretched * core::translation({0.0, 0.0, across - cap})};
 }
 
-/// Where a slanted end cuts its axis, counted from B, and the slope of its plane along x and y.
+/// Where a slanted end cuts its axis, measured from B, and the slope of its plane along x and y.
 struct SlantedEnd {
   double z;
   dvec2 slope;
@@ -275,7 +276,7 @@ core::Mesh nut_mesh() {
   return mesh;
 }
 
-/// Gathers the faces of neighbours that share part and colour, and gives them to `add` as one mesh.
+/// Gathers the faces of consecutive instances that share part and colour, and passes them to `add` as one mesh.
 class Gathered {
  public:
   template <class Add>
@@ -424,7 +425,7 @@ core::Expected<void> GltfCollections::add(std::string_view kind_name, const Json
 core::Expected<void> GltfCollections::add_triangles(const GltfSources& sources, const Json& attributes,
                                                     core::NodeId node, const core::Affine& file_from_node,
                                                     const std::string& where, const Progress& progress) {
-  // Positions are asked for the length that all must have.
+  // Positions are a column, so that their length is checked against the others.
   constexpr GltfTable::Column kColumns[] = {{"_treeIndex", 1, true}, {"COLOR_0", 4}, {"POSITION", 3, true}};
   GltfTable table;
   if (auto opened = table.open(document_, attributes, kColumns, where + "/attributes"); !opened) return opened;
@@ -437,7 +438,7 @@ core::Expected<void> GltfCollections::add_triangles(const GltfSources& sources, 
     double tree = 0.0, colour[4] = {};
     bool operator==(const Of&) const = default;
   };
-  /// A triangle belongs to the part and has the colour of its first corner.
+  /// A triangle takes part and colour of its first corner.
   const auto of = [&](std::size_t corner) {
     Of found;
     trees.read((*corners)[corner], 1, &found.tree);

@@ -57,7 +57,8 @@ int components_of(std::string_view type) {
   return 0;
 }
 
-/// Factor of a normalised integer (glTF 2.0, 3.6.2.2); the most negative value stands for -1, too.
+/// The value of a number that may be a normalised integer (glTF 2.0, 3.6.2.2). The most negative integer counts as -1,
+/// too.
 template <class T>
 double scaled(T value, bool normalized) {
   if constexpr (!std::is_floating_point_v<T>)

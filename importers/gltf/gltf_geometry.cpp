@@ -58,13 +58,14 @@ core::Expected<const GltfAccessor*> vectors(GltfDocument& document, std::uint64_
   return found;
 }
 
-/// Renumbers corners from 0 and returns the vertices that they named, rising. Empty: all from `first` on.
+/// Renumbers corners from 0 and returns the vertices that they referred to, in rising order. Empty: all vertices from
+/// `first` on.
 std::vector<std::uint32_t> compact(std::vector<std::uint32_t>& corners, std::uint32_t& first, std::uint32_t& count) {
   const auto [low, high] = std::minmax_element(corners.begin(), corners.end());
   first = *low;
   count = *high - *low + 1;
   std::vector<std::uint32_t> used;
-  // Several primitives may share one long list of vertices: what one of them costs follows its own corners.
+  // Several primitives may share one long list of vertices: the cost of each must follow its own corners.
   if (count > corners.size()) {
     used = corners;
     std::sort(used.begin(), used.end());

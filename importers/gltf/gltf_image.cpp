@@ -7,7 +7,7 @@
 
 #include "sightline/importers/gltf/internal/gltf_materials.h"
 
-// Compiled here once, for the two formats that glTF allows, and without its access to files.
+// stb_image is compiled only here, for the two formats that glTF allows, and without access to files.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG

@@ -48,7 +48,7 @@ class Reading {
     std::string where;
   };
   struct SharedMesh {
-    bool drawn = false;    // else it has no triangles, or could not be read and was complained about
+    bool drawn = false;    // else it has no triangles, or was reported as unreadable
     PolygonMesh polygons;  // until the first item
     std::string name;
     core::MeshId mesh;  // from then on
@@ -70,8 +70,8 @@ class Reading {
     return done;
   }
 
-  /// A part that cannot be read: fails when strict, else it is left out. Cancelling and files that ask for more than
-  /// any proportion to their bytes always fail.
+  /// Handles a part that cannot be read: fails when strict, else leaves it out. Always fails when the caller cancels,
+  /// and for files that ask for more than is in proportion to their bytes.
   Expected<void> left_out(core::Error error) {
     if (!job_.options().lenient || error.message == kCancelled || document_.overdrawn())
       return tl::unexpected(std::move(error));
@@ -98,7 +98,7 @@ class Reading {
 
   // --- the tree ----------------------------------------------------------------------------------------------------
 
-  /// Each node's only parent, without those that would make more of the file than a forest.
+  /// Finds each node's only parent. Leaves out links that would make the file more than a forest.
   Expected<void> find_parents() {
     parents_.assign(document_.count("nodes"), core::kNone);
     for (std::size_t i = 0; i < parents_.size(); ++i) {
@@ -134,7 +134,7 @@ class Reading {
     return value.get<std::uint64_t>();
   }
 
-  /// A node whose ancestors lead back to it can be reached from no root: the cycle is cut above it.
+  /// A node whose ancestors lead back to it cannot be reached from a root: cuts the cycle above it.
   Expected<void> cut_cycles() {
     std::vector<std::uint32_t> seen_from(parents_.size(), core::kNone);
     for (std::uint32_t start = 0; start < parents_.size(); ++start) {
@@ -212,7 +212,7 @@ class Reading {
         const std::uint64_t index = child.get<std::uint64_t>();
         if (index >= parents_.size() || parents_[index] != visit.node) continue;
         stack.push_back({index, node->id, node->file_from_node});
-        parents_[index] = core::kNone;  // listed twice, it is still one child
+        parents_[index] = core::kNone;  // a node listed twice is still one child
       }
     }
     return {};
@@ -297,7 +297,7 @@ class Reading {
 
   // --- meshes ------------------------------------------------------------------------------------------------------
 
-  /// Calls visit(primitive, where) for each primitive of a mesh; what it cannot read is left out.
+  /// Calls visit(primitive, where) for each primitive of a mesh. Leaves out what cannot be read.
   template <class VisitPrimitive>
   Expected<void> for_each_primitive(const GltfElement& mesh, VisitPrimitive&& visit) {
     const Json* primitives = gltf_find(*mesh.json, "primitives");
@@ -305,7 +305,7 @@ class Reading {
       return core::fail(mesh.where() + "/primitives: expected an array of mesh primitives");
     for (std::size_t i = 0; i < primitives->size(); ++i) {
       const std::string where = fmt::format("{}/primitives/{}", mesh.where(), i);
-      auto done = take_items(1, where);  // even one that draws nothing takes time under each node
+      auto done = take_items(1, where);  // even a primitive that draws nothing takes time under each node
       if (done) done = visit((*primitives)[i], where);
       if (done) continue;
       if (auto asked = left_out(done.error()); !asked) return tl::unexpected(asked.error());

@@ -1,4 +1,5 @@
-// Internal to the importers: meshes whose faces have colours of their own. A scene's items have one material each.
+// Internal to the importers: meshes whose faces have colours of their own. An item of a scene has one material, so such
+// a mesh becomes several items.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,7 @@
 
 namespace sightline::importers {
 
-/// sRGB and alpha, a byte each, red highest. Zero (black that nobody sees) stands for no colour.
+/// sRGB and alpha, a byte each, red highest. Zero (invisible black) stands for no colour.
 using PackedColour = std::uint32_t;
 inline constexpr PackedColour kNoColour = 0;
 
@@ -22,18 +23,18 @@ struct ColourSum {
   std::uint64_t channels[4] = {0, 0, 0, 0};
   std::uint64_t count = 0;
   void add(PackedColour colour);
-  /// kNoColour of nothing. Opaque where all alphas are 0: writers without a use for alpha leave it so.
+  /// kNoColour when nothing was added. Opaque when all alphas are 0: writers without a use for alpha leave it so.
   PackedColour average() const;
 };
 
 /// A material named "#rrggbb" (with alpha "#rrggbbaa"); none for kNoColour.
 core::MaterialId add_colour_material(core::Scene& scene, PackedColour colour);
 
-/// More distinct colours than this become their average: a scan's shades are no parts.
+/// More distinct colours than this become their average: the shades of a scan are no parts.
 inline constexpr std::size_t kMostFaceColours = 256;
 
-/// Adds one item per distinct colour, in order of first appearance; opaque ones where all alphas are 0. `colours`: one
-/// per face.
+/// Adds one item per distinct colour, in order of first appearance. Colours are opaque when all alphas are 0.
+/// `colours`: one per face.
 void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& polygons,
                          const std::vector<PackedColour>& colours, std::string_view name);
 

@@ -1,4 +1,4 @@
-// Whole files in and out of memory, with errors for people.
+// Whole files in and out of memory, with readable errors.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,11 @@ namespace sightline::importers {
 /// The file's contents. Fails when it cannot be opened or read, or is empty.
 core::Expected<std::vector<std::byte>> read_file_bytes(const std::filesystem::path& path);
 
-/// Where a writer's bytes go.
+/// Destination of a writer's bytes.
 class ByteSink {
  public:
   virtual ~ByteSink() = default;
-  virtual bool write(std::span<const std::byte> bytes) = 0;  ///< false: could not (disk full, say)
+  virtual bool write(std::span<const std::byte> bytes) = 0;  ///< false on failure (disk full, for example)
 };
 
 class VectorSink final : public ByteSink {

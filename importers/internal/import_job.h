@@ -1,5 +1,5 @@
-// Internal to the importers: one file on its way into a scene, and what every reader must not get wrong: taking
-// everything back on failure, warnings, cancellation, units, and geometry that could not be committed.
+// Internal to the importers: the import of one file, with what every reader must get right: undoing everything on
+// failure, warnings, cancellation, units, and geometry that could not be committed.
 #pragma once
 
 #include <cstdint>
@@ -33,23 +33,24 @@ class ImportJob {
   /// Fails when the caller cancels. Cheap enough to be called for every chunk of a file.
   core::Expected<void> progress(double share);
 
-  /// Adds an item, counts it as a `found`, and shares its mesh where another is the same. `node` is the file's or below
-  /// it. A mesh that the scene refuses is damage: it is left out, which false says, and a strict import fails.
+  /// Adds an item, counts it as kind `found`, and shares its mesh where an equal one is known. `node` is the file's
+  /// node or below it. A mesh that the scene refuses is damage: it is left out, the call returns false, and a strict
+  /// import fails.
   bool add_mesh(core::NodeId node, core::Mesh mesh, const core::Affine& placement, core::MaterialId material = {},
                 core::Kind found = core::Kind::kMesh);
-  /// The same for polygons as files hold them: re-centred, cleaned and triangulated (polygon_mesh.h). What was dropped
-  /// becomes a warning at `offset`.
+  /// The same for polygons as files hold them: re-centred, cleaned and triangulated (polygon_mesh.h). Dropped faces
+  /// become a warning at `offset`.
   bool add_mesh(core::NodeId node, const PolygonMesh& polygons, std::string_view name, const core::Affine& placement,
                 core::MaterialId material, std::uint64_t offset = 0);
-  /// Another item of a mesh that is in the scene already; `first`: one that no item uses yet.
+  /// Adds another item of a mesh that is in the scene already. `first`: no item uses the mesh yet.
   void add_instance(core::NodeId node, core::MeshId mesh, const core::Affine& placement, core::MaterialId material = {},
                     bool first = false);
-  /// Adds and counts.
+  /// Adds an item and counts it.
   void add_primitive(core::NodeId node, const core::Primitive& primitive, const core::Affine& placement,
                      core::MaterialId material = {});
 
-  /// Promises that no item, as placed below the file's node, reaches farther than kLargestCoordinate: spares a check of
-  /// each at the end.
+  /// Promises that no item, as placed below the file's node, reaches farther than kLargestCoordinate. This saves a
+  /// check of each item at the end.
   void promise_reach() { reach_promised_ = true; }
 
  private:
@@ -68,19 +69,19 @@ class ImportJob {
   core::NodeId file_node_;
   MeshSharing sharing_;
   ImportReport report_;
-  core::Expected<void> refused_;  // what a strict import fails with at its next sign of progress
+  core::Expected<void> refused_;  // error of a strict import, returned by the next progress() or at the end
   std::uint64_t unlisted_ = 0;
   double shown_ = -1.0;
   bool reach_promised_ = false;
 };
 
-/// Runs `read` for a file named `file`. When it fails, or something below throws (no memory, a library), the scene is
-/// as it was.
+/// Runs `read` for a file named `file`. When it fails, or when something below it throws (out of memory, a library),
+/// the scene is as it was.
 core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scene, core::NodeId parent,
                                         const ImportOptions& options, const FileFrame& frame,
                                         const std::function<core::Expected<void>(ImportJob&)>& read);
 
-/// The frame of a format that says nothing about its coordinates.
+/// The frame of a format that states nothing about its coordinates.
 inline FileFrame frame_of(const ImportOptions& options) {
   return {options.metres_per_unit, options.up};
 }

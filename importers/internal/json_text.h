@@ -1,4 +1,4 @@
-// Internal to the importers: JSON text to a tree of values that is safe to walk, with errors for people.
+// Internal to the importers: parses JSON text to a tree of values that is safe to walk, with readable errors.
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@ namespace sightline::importers {
 
 using Json = nlohmann::json;
 
-/// Parses a whole text. Errors read "source: line 3, column 7: expected …"; arrays and objects nested deeper than
-/// `max_depth` are one, found before a value is built. The values take up to 40 bytes for each byte of the text.
+/// Parses a whole text. Errors read "source: line 3, column 7: expected …". Arrays and objects nested deeper than
+/// `max_depth` are an error, found before a value is built. The values take up to 40 bytes for each byte of the text.
 core::Expected<Json> parse_json(std::string_view text, std::string_view source, int max_depth);
 
 /// What a value is, for messages: "an array of 3", "the number 7", …

@@ -1,5 +1,5 @@
-// Internal to the importers: instancing recovered. Meshes that are the same but for a similarity - moved, turned,
-// scaled by one factor - are kept once; CAD exports write such copies out in full.
+// Internal to the importers: recovers instancing. Meshes that are equal up to a similarity (moved, turned, scaled by
+// one factor) are kept once. CAD exports write such copies out in full.
 #pragma once
 
 #include <cstdint>
@@ -11,22 +11,23 @@
 
 namespace sightline::importers {
 
-/// A copy may differ from what it shares by this much of its own diagonal, vertex by vertex: files round to some six
+/// A copy may differ from the shared mesh by this share of its own diagonal, vertex by vertex: files round to some six
 /// digits, and meshes are kept in float.
 inline constexpr double kSharingTolerance = 4e-6;
 
 /// Normals of a copy may differ by this much of a unit vector.
 inline constexpr float kSharingNormalTolerance = 1e-3f;
 
-/// Vertices that hold a mesh in place: one, the one farthest from it, and the one farthest from the line through both.
+/// Vertices that fix a mesh in space: one, the one farthest from it, and the one farthest from the line through both.
 struct MeshAnchors {
   std::uint32_t a = 0, b = 0, c = 0;
 };
 
-/// Copies have the same triangles over the same number of vertices in the same order, the same polygons, normals both
-/// or neither. Mirrored ones stay apart (their triangles run the other way round); so do facet groups whose bits
-/// differ, which are written back to the bit, and what differs in size by more than a million. Found by hash: of the
-/// triangles, and of three numbers that no similarity changes; compared vertex by vertex. A few nanoseconds a vertex.
+/// Copies have the same triangles over the same number of vertices in the same order, the same polygons, and both or
+/// neither have normals. Not copies are: mirrored meshes (their triangles run the other way round), facet groups whose
+/// bits differ (they are written back to the bit), and meshes that differ in size by more than a factor of a million.
+/// Copies are found by a hash of the triangles and of three numbers that no similarity changes, and are then compared
+/// vertex by vertex. A few nanoseconds per vertex.
 class MeshSharing {
  public:
   /// `copies`: kExact or kSimilar.
@@ -35,11 +36,12 @@ class MeshSharing {
 
   struct Use {
     core::MeshId mesh;
-    core::Affine added_from_mesh;  ///< maps the mesh to where the added one was; the identity for one that is new
-    double error = 0.0;            ///< farthest that a vertex was moved, in the added mesh's unit
+    core::Affine added_from_mesh;  ///< maps the mesh to where the added one was; the identity for a new mesh
+    double error = 0.0;            ///< largest distance that a vertex was moved, in the added mesh's unit
     bool shared = false;
   };
-  /// Adds the mesh to the scene unless one added through here before can stand for it. Fails as Scene::add_mesh does.
+  /// Adds the mesh to the scene, unless one added through this object before can stand for it. Fails as Scene::add_mesh
+  /// does.
   core::Expected<Use> add(core::Mesh mesh);
 
  private:

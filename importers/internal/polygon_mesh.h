@@ -15,7 +15,7 @@ struct PolygonMesh {
   std::vector<std::uint32_t> corners;     ///< counter-clockwise from outside, faces back to back
   std::vector<std::uint32_t> face_sizes;  ///< empty: all faces are triangles
 
-  /// Makes the last `size` corners a face, for those who add faces one by one.
+  /// Makes the last `size` corners a face. For readers that add faces one by one.
   void end_face(std::uint32_t size) {
     if (size == 3 && face_sizes.empty()) return;
     if (face_sizes.empty()) face_sizes.assign((corners.size() - size) / 3, 3);
@@ -24,7 +24,7 @@ struct PolygonMesh {
   std::size_t face_count() const { return face_sizes.empty() ? corners.size() / 3 : face_sizes.size(); }
 };
 
-/// A coordinate beyond this is taken for damage: items that reach 1e37 m cannot be committed.
+/// A coordinate beyond this counts as damage: items that reach 1e37 m cannot be committed.
 inline constexpr double kLargestCoordinate = 1e36;
 
 struct CentredMesh {
@@ -34,9 +34,9 @@ struct CentredMesh {
       0;  ///< faces of fewer than three corners, or with a corner that is not finite or too far away
 };
 
-/// Positions relative to the centre of their box, taken in double, before they become float: precision follows the mesh
-/// and not the site. Vertices that no face uses are left out, the others keep their order. Faces become triangles
-/// (triangulate.h). Normals that are not finite cost the mesh its normals.
+/// Makes positions relative to the centre of their box, in double, before they become float. So precision follows the
+/// mesh and not the site. Leaves out vertices that no face uses; the others keep their order. Faces become triangles
+/// (triangulate.h). When a normal is not finite, the mesh loses all its normals.
 CentredMesh centred(const PolygonMesh& polygons);
 
 }  // namespace sightline::importers

@@ -1,5 +1,5 @@
-// Internal to the importers: files that a model file names (materials, buffers, images). Only what lies in the model's
-// directory or below is opened, whatever the name says: absolute paths, "..", links that lead out are refused.
+// Internal to the importers: files that a model file names (materials, buffers, images). Only files in the model's
+// directory or below it are opened. Absolute paths, "..", and links that lead out are refused.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace sightline::importers {
 
-/// Where the file lies. `model` is the model file's path. Errors: "'NAME' refused: it lies outside the model's
+/// The path of the file. `model` is the model file's path. Errors: "'NAME' refused: it lies outside the model's
 /// directory", "'NAME' not found".
 core::Expected<std::filesystem::path> find_side_file(const std::filesystem::path& model, std::string_view name);
 
-/// Its contents. An empty file is an error, as one larger than `largest` bytes is.
+/// The contents of the file. An empty file is an error, and so is one larger than `largest` bytes.
 core::Expected<std::vector<std::byte>> read_side_file(const std::filesystem::path& model, std::string_view name,
                                                       std::uint64_t largest = std::uint64_t{1} << 32);
 

@@ -21,8 +21,8 @@ class TextScanner {
         end_(begin_ + text.size()),
         counted_to_(begin_) {}
 
-  /// Takes the next word as a number in the C locale: decimal, "inf" or "nan", a leading + allowed. Beyond the range of
-  /// double it is infinite. A word that is none is taken all the same and gives NaN.
+  /// Takes the next word as a number in the C locale: decimal, "inf" or "nan", a leading + allowed. A number beyond the
+  /// range of double is infinite. A word that is not a number is taken, too, and gives NaN.
   Found number(double& value) {
     value = std::numeric_limits<double>::quiet_NaN();
     skip_space();
@@ -47,7 +47,7 @@ class TextScanner {
     return {from, at_};
   }
 
-  /// Takes what is left of the line, without space at either end.
+  /// Takes the rest of the line, without space at either end.
   std::string_view rest_of_line() {
     const auto ends_line = [](char c) { return c == '\n' || c == '\r'; };
     while (at_ != end_ && is_space(*at_) && !ends_line(*at_)) ++at_;
@@ -61,7 +61,7 @@ class TextScanner {
   std::uint64_t offset() const { return std::uint64_t(at_ - begin_); }
   double share() const { return begin_ == end_ ? 1.0 : double(at_ - begin_) / double(end_ - begin_); }
 
-  /// Number of the line that the scanner stands on, from 1. Cheap when asked again further on.
+  /// Number of the scanner's present line, from 1. Counts on from the previous call, so repeated calls are cheap.
   std::uint64_t line() {
     line_ += std::uint64_t(std::count(counted_to_, at_, '\n'));
     counted_to_ = at_;

@@ -1,4 +1,4 @@
-// Internal to the importers: corners that files hold one by one become vertices that triangles share.
+// Internal to the importers: welds corners, which files hold one by one, into vertices that triangles share.
 #pragma once
 
 #include <cstdint>
@@ -9,22 +9,22 @@
 
 namespace sightline::importers {
 
-/// Corners at exactly the same position (-0 is 0) become one vertex; vertices keep the order in which they came.
+/// Corners at exactly the same position (-0 is 0) become one vertex. Vertices keep the order of their first corners.
 ///
-/// A hash table of vertex numbers, linear probing, at most half full. Looking a block of corners up in three sweeps,
-/// each prefetching for the next, hides most of what a table larger than the caches costs. A vertex that finds no place
-/// near its own (crafted files) stays alone: time is linear whatever the file holds.
+/// A hash table of vertex numbers with linear probing, at most half full. A block of corners is looked up in three
+/// sweeps, each prefetching for the next; this hides most of the cost of a table larger than the caches. A vertex that
+/// finds no place near its own (crafted files) is not welded: time is linear whatever the file holds.
 class VertexWelder {
  public:
-  static constexpr std::size_t kBlock = 768;  ///< corners that are best given at once
+  static constexpr std::size_t kBlock = 768;  ///< best number of corners for one call of add()
 
-  /// `vertices`: how many are expected.
+  /// `vertices`: the expected number.
   explicit VertexWelder(std::size_t vertices = 0);
 
-  /// Appends a vertex number per corner. Together fewer than 2^32 - 1 corners.
+  /// Appends a vertex number per corner. All calls together may add fewer than 2^32 - 1 corners.
   void add(std::span<const core::dvec3> corners, std::vector<std::uint32_t>& numbers);
 
-  std::vector<core::dvec3> take_positions();  ///< and starts anew
+  std::vector<core::dvec3> take_positions();  ///< and resets the welder
 
  private:
   void grow(std::size_t vertices);
@@ -32,7 +32,7 @@ class VertexWelder {
 
   std::vector<core::dvec3> positions_;
   std::vector<std::uint32_t> table_;  // vertex numbers, kNone where free; a power of two of them
-  int shift_ = 64;                    // of a hash, to a place in the table
+  int shift_ = 64;                    // from a hash to an index into the table
 };
 
 }  // namespace sightline::importers

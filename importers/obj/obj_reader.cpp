@@ -19,7 +19,7 @@ namespace {
 
 static_assert(sizeof(tinyobj::real_t) == sizeof(double), "the double-precision variant of tinyobjloader is needed");
 
-/// Lets the library read the image in place, and tells how far it has come.
+/// Lets the library read the file image in place, and tells how far it has come.
 class ImageBuffer final : public std::streambuf {
  public:
   explicit ImageBuffer(std::span<const std::byte> bytes) {
@@ -43,7 +43,7 @@ struct Corner {
   std::uint32_t position = 0, normal = core::kNone;
   friend bool operator==(const Corner&, const Corner&) = default;
 };
-/// Faces of one name and one material: corners back to back, and how many each face has.
+/// Faces of one name and one material: corners back to back, and the number of corners of each face.
 struct Part {
   std::vector<Corner> corners;
   std::vector<std::uint32_t> face_sizes;
@@ -62,7 +62,7 @@ struct Loading {
   std::vector<std::string> names;  // in order of appearance
   std::map<std::string, std::size_t, std::less<>> index_of_name;
   std::map<std::pair<std::size_t, int>, Part> parts;  // by name and material
-  Part* part = nullptr;                               // of the current name and material; none after a change of either
+  Part* part = nullptr;                               // of the current name and material; null after a change of either
   std::vector<tinyobj::material_t> materials;
   std::string name;
   int material = -1;
@@ -88,7 +88,7 @@ struct Loading {
   }
 };
 
-/// Index from 1, or from -1 backwards, to an index from 0. Nothing when there is no such element.
+/// Converts an index from 1, or from -1 backwards, to an index from 0. Nothing when there is no such element.
 std::optional<std::uint32_t> resolve(int index, std::size_t count) {
   const std::int64_t at = index > 0 ? std::int64_t(index) - 1 : std::int64_t(count) + index;
   if (index == 0 || at < 0 || at >= std::int64_t(count)) return {};
@@ -110,7 +110,7 @@ std::optional<Corner> resolve_corner(Loading& loading, const tinyobj::index_t& i
                                index.normal_index));
     return {};
   }
-  // A normal that is no direction counts as none: the mesh then goes without.
+  // A normal that is not finite counts as none: the mesh then has no normals.
   if (core::is_finite(core::dvec3(loading.normals[*normal]))) corner.normal = *normal;
   return corner;
 }
@@ -148,7 +148,7 @@ tinyobj::callback_t callbacks() {
     if (material < 0) loading.warn(fmt::format("unknown material '{}'", name));
   };
   on.mtllib_cb = [](void* to, const tinyobj::material_t* materials, int count) {
-    auto& known = static_cast<Loading*>(to)->materials;  // all so far are called again
+    auto& known = static_cast<Loading*>(to)->materials;  // the call passes all materials so far
     known.insert(known.end(), materials + known.size(), materials + count);
   };
   on.group_cb = [](void* to, const char** names, int count) {
@@ -158,8 +158,8 @@ tinyobj::callback_t callbacks() {
   return on;
 }
 
-/// Opens MTL files in the OBJ file's directory and nowhere else, each once however often and by whatever names it is
-/// asked for.
+/// Opens MTL files in the OBJ file's directory and nowhere else. Reads each once, no matter how often and by which
+/// names it is asked for.
 class NearbyMaterials final : public tinyobj::MaterialReader {
  public:
   explicit NearbyMaterials(Loading& loading) : loading_(loading) {}
@@ -185,12 +185,12 @@ class NearbyMaterials final : public tinyobj::MaterialReader {
   std::set<std::filesystem::path> known_;
 };
 
-/// Faces of a part over its own vertices: each pair of position and normal once.
+/// Makes a mesh of a part with vertices of its own: each pair of position and normal once.
 class PartMesh {
  public:
   explicit PartMesh(const Loading& loading) : loading_(loading), first_(loading.positions.size(), core::kNone) {}
 
-  /// Takes the part's corners.
+  /// Consumes the part's corners.
   PolygonMesh make(Part& part) {
     PolygonMesh mesh;
     const bool with_normals =
@@ -225,7 +225,7 @@ class PartMesh {
   }
 
   const Loading& loading_;
-  std::vector<std::uint32_t> first_;  // latest vertex of each position of the file
+  std::vector<std::uint32_t> first_;  // latest vertex made of each position of the file
   std::vector<Vertex> vertices_;
 };
 

@@ -29,7 +29,7 @@ using core::NodeId;
 constexpr std::uint64_t kMostVertices = 0x7fffffffu;  // what readers of OBJ count with
 constexpr std::size_t kFlushBytes = std::size_t{1} << 20;
 
-/// A name on one line. Reading splits material names at spaces, but not object names.
+/// A name on one line. Readers split material names at spaces, but not object names.
 std::string on_one_line(std::string_view name, bool spaces) {
   std::string line(name);
   for (char& c : line)
@@ -37,7 +37,7 @@ std::string on_one_line(std::string_view name, bool spaces) {
   return line;
 }
 
-/// The most that the map stretches anything; exact when its axes stay at right angles, else no less.
+/// The largest stretch of the map: exact when its axes stay at right angles, else an upper bound.
 double largest_scale(const dmat3& linear) {
   const dmat3 gram = glm::transpose(linear) * linear;
   double most = 0.0;
@@ -45,8 +45,8 @@ double largest_scale(const dmat3& linear) {
   return std::sqrt(most);
 }
 
-/// Height of the arc over an edge whose ends have these unit normals. Along their difference lies the part of the edge
-/// that is bent: a cylinder's rulings do not count.
+/// Height of the arc over an edge whose ends have these unit normals. Only the part of the edge along the difference of
+/// the normals is bent: a cylinder's rulings do not count.
 double arc_height(const dvec3& edge, const dvec3& from, const dvec3& to) {
   const dvec3 turn = to - from;
   const double sine = 0.5 * glm::length(turn);  // of half the angle between them
@@ -65,7 +65,7 @@ double chord_error(const core::Mesh& mesh) {
   return most;
 }
 
-/// Text on its way into a file.
+/// Buffers text for a file.
 class TextSink {
  public:
   explicit TextSink(ByteSink& sink) : sink_(sink) {}
@@ -108,7 +108,7 @@ class MaterialLibrary {
  public:
   explicit MaterialLibrary(const core::Scene& scene) : scene_(scene) {}
 
-  /// The material's name in the file. None for an item without, as long as no other item had one.
+  /// The material's name in the file. Null for an item without material, as long as no other item had one.
   const std::string* name_of(std::uint32_t material) {
     if (material == core::kNone && names_.empty()) return nullptr;
     const auto [at, added] = names_.try_emplace(material);
@@ -136,7 +136,7 @@ class MaterialLibrary {
   std::string text_;
 };
 
-/// Path of the node being visited, when all come parents first.
+/// The "/"-joined names down to the node being visited. Nodes must come parents first.
 class NodePath {
  public:
   NodePath(const core::Scene& scene, NodeId top) : scene_(scene), top_(top) {}
@@ -158,7 +158,7 @@ class NodePath {
  private:
   struct Above {
     NodeId node;
-    std::size_t length, children;  // of its path; so far
+    std::size_t length, children;  // of its joined names; so far
   };
   const core::Scene& scene_;
   NodeId top_;
@@ -245,7 +245,7 @@ class ObjWriter {
     use_material(state.material);
     const core::Affine& world = state.world_from_item;
     for (const core::vec3& p : mesh.positions) out_ << 'v', out_.put(core::transform_point(world, dvec3(p)));
-    // Normals go with the cofactors, which are the inverse transpose but for the determinant.
+    // Normals are mapped by the cofactors, which are the inverse transpose except for the determinant.
     const dmat3& m = world.linear;
     const dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
     const bool mirrored = glm::dot(m[0], cofactors[0]) < 0.0;
@@ -291,7 +291,7 @@ class ObjWriter {
   TextSink out_;
   std::string library_;  // the MTL file's name
   MaterialLibrary materials_;
-  const std::string* used_ = nullptr;  // material
+  const std::string* used_ = nullptr;  // name of the present material
   ObjWriteReport report_;
   std::uint64_t normals_ = 0, done_ = 0;
   double progress_step_ = 1.0;

@@ -15,7 +15,7 @@ double lerp(double a, double b, int i, int n) {
   return a + (b - a) * i / n;
 }
 
-/// Pieces of at most `longest` that make up a length.
+/// Number of pieces of at most `longest` that make up a length.
 int pieces(double length, double longest) {
   return std::max(1, int(std::ceil(length / longest - 1e-9)));
 }

@@ -20,7 +20,7 @@ constexpr std::uint64_t kFewest = 1'000, kMost = 10'000'000, kFullArea = 100'000
 constexpr double kRackShare = 0.2;
 constexpr double kWalkway = 0.7;  // metres wide, along the rack's edge
 
-/// The first are pipe services.
+/// Materials. The first are pipe services.
 enum Paint : int {
   kWater,
   kSteam,
@@ -214,7 +214,7 @@ class Generator {
 
   // --- steel ---------------------------------------------------------------------------------------------------------
 
-  /// The finest frame that leaves enough boxes for other things, if any does.
+  /// Builds the finest frame that leaves enough boxes for other things, if any frame does.
   void raise_steel(const AabbD& box, const std::vector<double>& levels, double bay, double share) {
     const double most = share * double(stage_.room(kOthers));
     for (std::size_t used = levels.size(); used > 0; --used) {
@@ -231,7 +231,7 @@ class Generator {
     }
   }
 
-  /// A gangway along the whole rack, in stretches.
+  /// Builds a gangway along the whole rack, in stretches.
   void walkways(const AabbD& box, double z, double width) {
     for (double x = box.min.x; x + 10.0 <= box.max.x; x += 12.0) {
       if (stage_.room(kOthers) < 40) return;
@@ -245,7 +245,8 @@ class Generator {
     stage_.finish();
   }
 
-  /// Platforms, stairs, trays and ducts on the levels of a plot while half of the plot's boxes are left for pipe shoes.
+  /// Adds platforms, stairs, trays and ducts on the levels of a plot, as long as half of the plot's boxes are left for
+  /// pipe shoes.
   void furnish(const AabbD& box, const std::vector<double>& levels, const dvec3& size) {
     const std::int64_t keep = stage_.room(kOthers) / 2;
     const double reach = std::min(size.x, size.y);
@@ -291,7 +292,7 @@ class Generator {
     return {box.min.x + (i + 0.5) / count * box.size().x, box.min.y + depth * box.size().y, 0.0};
   }
 
-  /// Equipment may use most of what the area has left of boxes and dishes, never all.
+  /// Whether boxes and dishes are left for more equipment. It may use most of the area's, never all.
   bool affordable() const { return stage_.room(kOthers) >= 10; }
 
   void keep_clear(const dvec3& foot, const dvec3& half, double height) {

@@ -1,4 +1,4 @@
-// Made-up process plants: input for demos, tests and benchmarks where no real model may be used.
+// Synthetic process plants: input for demos, tests and benchmarks where no real model may be used.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +18,10 @@ struct PlantConfig {
 /// material per group.
 ///
 /// Of the items 65 % are cylinders, 20 % circular torus slices, 5 % snouts and 10 % boxes, dishes and the rest (to the
-/// item, up to rounding); radii run from 2 mm to 4 m, roughly evenly over their logarithm. The plant stands on z = 0,
-/// centred in x and y, Z up, within 400 x 100 x 60 m; below 100 000 items its area shrinks in proportion, above it gets
-/// denser. Parameters are millimetres, placements scale them to metres and stand at single-precision coordinates, as
-/// RVM files have it, so that a plant survives being written and read. Pipe ends meet within 0.1 mm.
+/// item, up to rounding). Radii run from 2 mm to 4 m, roughly evenly over their logarithm. The plant stands on z = 0,
+/// centred in x and y, Z up, within 400 x 100 x 60 m. Below 100 000 items its area shrinks in proportion; above, it
+/// gets denser. As in RVM files, parameters are millimetres, and placements scale them to metres and have
+/// single-precision coordinates, so that a plant survives being written and read. Pipe ends meet within 0.1 mm.
 ///
 /// The scene's content depends on `config` alone, on every platform with IEEE arithmetic. Nothing is committed. Fails
 /// when `items` is out of range; the scene is then unchanged.

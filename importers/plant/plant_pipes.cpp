@@ -24,7 +24,7 @@ double smaller(double radius) {
   return kSizes[std::size_t(std::max(0, index_of(radius) - 1))];
 }
 
-/// Fractions of a tier's pitch at which the passes put their tiers: the van der Corput sequence.
+/// Fractions of a tier's pitch at which the passes place their tiers: the van der Corput sequence.
 double van_der_corput(int n) {
   double value = 0.0, weight = 0.5;
   for (; n > 0; n >>= 1, weight *= 0.5) value += (n & 1) * weight;
@@ -76,7 +76,7 @@ Lane Lanes::next(Random& random) {
   }
   --left_in_bank_;
   Tier& tier = tiers_[tier_];
-  // The mean of two draws favours the middle sizes, as plants do; tubing comes where there is no room for more.
+  // The mean of two draws favours the middle sizes, as in real plants. Tubing comes where there is no room for more.
   const int most = index_of(largest_), least = pass_ == 0 ? most / 3 : 0, choices = most + 1 - least;
   const double radius = kSizes[least + (random.below(choices) + random.below(choices) + 1) / 2];
   const double need = 1.8 * radius + 0.012;
@@ -179,7 +179,7 @@ class PipeBuilder {
   double left() const { return lane_.length - glm::dot(run_.at() - lane_.start, lane_.along); }
   bool has(Share share, std::int64_t count = 1) const { return stage_.room(share) >= count; }
 
-  /// The share that lags most behind what the statistics ask for, with some chance mixed in.
+  /// The share that lags most behind the statistics, with some chance mixed in.
   Share wanted() {
     Share best = kCylinders;
     double most = 0.0;
@@ -238,7 +238,7 @@ class PipeBuilder {
     if (needs > left()) return shoe();
     const dvec3 up = square ? kUp : kHalfSqrt2 * (lane_.along + kUp);
     const dvec3 down = square ? -kUp : kHalfSqrt2 * (lane_.along - kUp);
-    const bool piped = has(kCylinders, 3);  // all or none, or it would not come down again
+    const bool piped = has(kCylinders, 3);  // all or none, so that the loop comes down again
     run_.turn(up);
     if (piped) run_.straight(rise);
     run_.turn(lane_.along);
@@ -303,7 +303,7 @@ class PipeBuilder {
     close();
   }
 
-  /// Into the block, away from its nearer edge: pipes may not leave the site.
+  /// The direction into the block, away from its nearer edge: pipes may not leave the site.
   double side() const { return glm::dot(run_.at(), dvec3(lane_.along.y, lane_.along.x, 0.0)) > 0.0 ? -1.0 : 1.0; }
 
   void close() {

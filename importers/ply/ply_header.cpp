@@ -26,7 +26,7 @@ std::optional<Scalar> scalar_named(std::string_view name) {
   return {};
 }
 
-/// A word of a message: names are the file's, which may hold anything.
+/// Makes a name safe for a message: names come from the file, which may hold anything.
 std::string shown(std::string_view text) {
   std::string out(text.substr(0, 40));
   for (char& c : out)

@@ -20,7 +20,7 @@ using ply::Element;
 using ply::Property;
 using ply::Scalar;
 
-/// What a property means to us. Those before kScalarRoles are numbers of a record.
+/// What a property means to the reader. Roles before kScalarRoles are numbers of a record.
 enum Role : std::uint8_t {
   kX,
   kY,
@@ -68,7 +68,7 @@ struct Field {
   Role role;
 };
 
-/// An element as it is read: each role at most once, what has none is skipped.
+/// How an element is read: each role at most once; properties without a role are skipped.
 struct Layout {
   Layout(const Element& element, std::span<const NamedRole> roles) {
     for (const Property& property : element.properties) {
@@ -91,7 +91,7 @@ struct Layout {
   std::array<double, 4> colour_scale{1.0, 1.0, 1.0, 1.0};
 
  private:
-  /// To 0…255.
+  /// The factor that scales to 0…255.
   static double scale_of(Scalar type) {
     if (type == Scalar::kUint16) return 1.0 / 257.0;
     return type == Scalar::kFloat || type == Scalar::kDouble ? 255.0 : 1.0;
@@ -106,7 +106,7 @@ struct Record {
     std::array<std::uint32_t, 4> channels{0, 0, 0, 255};
     for (std::size_t i = 0; i < (layout.has(kAlpha) ? 4 : 3); ++i) {
       const double value = values[kRed + i] * layout.colour_scale[i];
-      channels[i] = value > 0.0 ? std::uint32_t(std::lround(std::min(value, 255.0))) : 0;  // 0 for what is no number
+      channels[i] = value > 0.0 ? std::uint32_t(std::lround(std::min(value, 255.0))) : 0;  // 0 for NaN
     }
     return pack_colour(channels[0], channels[1], channels[2], channels[3]);
   }
@@ -156,14 +156,14 @@ class BinarySource {
     at_ += count * ply::size_of(type);
     return true;
   }
-  /// All records of an element at once, where they are of one size and there.
+  /// Skips all records of an element at once, if they are of one size and all there.
   bool skip_records(const Element& element) {
     if (element.has_lists() || element.count > most_records(element)) return false;
     at_ += element.count * element.least_bytes();
     return true;
   }
 
-  /// More cannot come. The element has properties.
+  /// Most records that the rest of the file can hold. The element must have properties.
   std::uint64_t most_records(const Element& element) const { return left() / element.least_bytes(); }
   std::uint64_t most_values(Scalar type) const { return left() / ply::size_of(type); }
 
@@ -177,7 +177,7 @@ class BinarySource {
   std::size_t at_;
 };
 
-/// Numbers of a text file. Lines mean nothing: values follow each other.
+/// Numbers of a text file. Line breaks mean nothing: values follow each other.
 class TextSource {
  public:
   TextSource(std::span<const std::byte> file, std::size_t begin)
@@ -197,7 +197,7 @@ class TextSource {
   }
   static bool skip_records(const Element&) { return false; }
 
-  // A number takes two bytes, the last one perhaps one.
+  // A number takes at least two bytes, the last one perhaps one.
   std::uint64_t most_records(const Element& element) const { return left() / (2 * element.properties.size()) + 1; }
   std::uint64_t most_values(Scalar) const { return left() / 2 + 1; }
 
@@ -307,7 +307,7 @@ class PlyBody {
     }
   }
 
-  /// Calls take(record) for each record whose corners exist; these then lie in corners_.
+  /// Calls take(record) for each record whose corners exist; corners_ holds them during the call.
   template <class Take>
   core::Expected<void> for_each_record(const Element& element, const Layout& layout, Take&& take) {
     constexpr std::uint64_t kBetweenProgress = 4096;
@@ -338,7 +338,7 @@ class PlyBody {
     });
   }
 
-  /// False when the data end first, or a list's length is none.
+  /// False when the data end first, or when a list's length is invalid.
   bool read_record(const Layout& layout, Record& record) {
     corners_.clear();
     for (const Field& field : layout.fields) {
@@ -361,7 +361,7 @@ class PlyBody {
     for (std::uint64_t i = 0; i < count; ++i) {
       double value = 0.0;
       if (!source_.read(type, value)) return false;
-      // What is no index becomes one that no vertex has; -1 becomes kNone, the end of a strip.
+      // An invalid index becomes one that no vertex has; -1 becomes kNone, the end of a strip.
       const bool whole = value >= -1.0 && value < double(core::kNone) && value == std::floor(value);
       corners_.push_back(whole ? std::uint32_t(std::int64_t(value)) : core::kNone - 1);
     }
@@ -394,7 +394,7 @@ class PlyBody {
   Source source_;
   std::size_t file_size_;
   const Element* vertices_ = nullptr;
-  bool ended_ = false;  // the data, before the header's counts were met
+  bool ended_ = false;  // the data ended before the header's counts were met
   PolygonMesh mesh_;
   std::vector<std::uint32_t> corners_;  // of the record being read
   std::vector<PackedColour> face_colours_;

@@ -28,7 +28,7 @@ struct Attribute {
   std::string_view key, value;
 };
 
-/// In the file's order, parents first. The views point into the file.
+/// An element of the file. Elements are in the file's order, parents first. The views point into the file.
 struct Element {
   std::string_view name;
   std::uint32_t parent = core::kNone;
@@ -147,7 +147,7 @@ class AttributeText {
 /// Groups by the group above and their name, in order of appearance.
 class GroupIndex {
  public:
-  /// Of everything below the file nodes. `names` must stay as they are meanwhile.
+  /// Indexes everything below the file nodes. Node names must not change meanwhile.
   GroupIndex(const core::Scene& scene, std::span<const core::NodeId> files) {
     for (const core::NodeId file : files)
       scene.for_each_node(file, [&](core::NodeId node, const core::Affine&, bool, std::uint32_t, core::MaterialId) {
@@ -158,12 +158,12 @@ class GroupIndex {
     std::stable_sort(groups_.begin(), groups_.end(), [](const Group& a, const Group& b) { return a.key() < b.key(); });
   }
 
-  /// The next group of that name that has not been taken yet. `above`: invalid for top groups.
+  /// The next group of that name not yet taken. `above`: invalid for top groups.
   core::NodeId take(core::NodeId above, std::string_view name) {
     const std::tuple key(above.index, name);
     auto group = std::lower_bound(groups_.begin(), groups_.end(), key,
                                   [](const Group& g, const auto& k) { return g.key() < k; });
-    // Taken ones of the same name come first: the first remembers how many.
+    // Groups of the same name that were taken come first. The first one counts them.
     if (group == groups_.end() || group->key() != key) return {};
     auto next = group + group->taken;
     if (next == groups_.end() || next->key() != key) return {};
@@ -182,7 +182,7 @@ class GroupIndex {
   std::vector<Group> groups_;
 };
 
-/// The file nodes that an attribute file may speak of.
+/// The file nodes that an attribute file may belong to.
 std::vector<core::NodeId> files_for(const core::Scene& scene, core::NodeId parent, core::NodeId except,
                                     const std::string& stem) {
   std::vector<core::NodeId> all, same_stem;
@@ -194,7 +194,7 @@ std::vector<core::NodeId> files_for(const core::Scene& scene, core::NodeId paren
   return same_stem.empty() ? all : same_stem;
 }
 
-/// Each element's group, invalid for none. An element above all groups hands its place to its children.
+/// Each element's group; invalid for none. Children of an element above all groups are matched with the top groups.
 std::vector<core::NodeId> match(const std::vector<Element>& elements, GroupIndex& groups) {
   std::vector<core::NodeId> group_of(elements.size());
   std::vector<bool> above_all(elements.size(), false);

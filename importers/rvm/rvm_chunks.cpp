@@ -27,7 +27,7 @@ StoredBox read_box(ByteCursor& cursor) {
   return box;
 }
 
-/// Greatest coordinate of a facet group's vertices, its counts, and whether all its numbers are finite.
+/// Box and largest coordinate of a facet group's vertices.
 struct FacetScan {
   core::AabbD box;
   double largest = 0.0;
@@ -60,7 +60,7 @@ FacetScan scan_facets(ByteCursor& cursor, Item& item) {
 }
 
 /// Largest difference between a stored box and the item's own, relative to the latter's size. Files store boxes that do
-/// not fit, but a box read one word off is wrong by much more.
+/// not fit exactly, but a box read one word off is wrong by much more.
 double box_misfit(const StoredBox& stored, const core::AabbD& own) {
   if (own.empty()) return 0.0;
   const core::dvec3 size = own.size();
@@ -82,7 +82,7 @@ bool plausible_extra(std::uint32_t word) {
   return (word & 0x00ffffffu) == 0 && (word >> 24) <= kMaxTransparency;
 }
 
-/// One way to read what stands between kind and parameters of an OBST or INSU.
+/// One reading of the words between kind and parameters of an OBST or INSU.
 struct Layout {
   std::array<float, 12> matrix{};
   std::uint32_t extra = 0;
@@ -106,8 +106,8 @@ Layout read_layout(std::span<const std::byte> file, std::uint64_t at, std::uint6
   return layout;
 }
 
-/// Public readers differ on where the extra word stands. Both layouts have the same length and put the parameters in
-/// the same place, so the stored box decides: the one that fits the parameters was read from the right place.
+/// Public readers differ on where the extra word is. Both layouts have the same length and put the parameters in the
+/// same place, so the stored box decides: the box that fits the parameters was read from the right place.
 void choose_layout(std::span<const std::byte> file, std::uint64_t at, std::uint64_t limit, const core::AabbD& own,
                    Item& item) {
   constexpr double kFits = 0.25;
@@ -279,7 +279,7 @@ core::Mesh read_facets(std::span<const std::byte> file, const Item& item) {
     }
     triangulate_polygon(std::span(mesh.positions).subspan(first), std::span(mesh.contour_sizes).subspan(first_contour),
                         first, mesh.indices);
-    // Outside is where the stored normals point; files do not always run their outlines counter-clockwise about them.
+    // Outside is where the stored normals point: files do not always run their outlines counter-clockwise about them.
     for (std::size_t i = first_index; i + 2 < mesh.indices.size(); i += 3) {
       std::uint32_t* t = &mesh.indices[i];
       const std::array<core::vec3, 3> corners = {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};

@@ -62,8 +62,8 @@ class RvmWalk {
     return header.next >= header.offset + rvm::kHeaderBytes && header.next <= bytes_.size();
   }
 
-  /// Moves on to the next chunk; the body ended at `body_end`. Where that and the header disagree, the place that holds
-  /// a chunk is believed. Never goes back, so every byte is read once.
+  /// Moves on to the next chunk. The body ended at `body_end`. Where that and the header disagree, the offset that
+  /// holds a chunk is trusted. Never goes back, so every byte is read once.
   core::Expected<void> advance(const rvm::ChunkHeader& header, std::uint64_t body_end) {
     at_ = header.next;
     if (header.next == body_end) return {};
@@ -95,13 +95,13 @@ class RvmWalk {
     auto understood = read_body(tag, cursor);
     if (!understood) return tl::unexpected(understood.error());
     if (cursor.ok() && *understood) return advance(*header, cursor.position());
-    // The contents are lost; its header may still say where the next chunk is.
+    // The contents are lost, but the header may still say where the next chunk is.
     ended_ = !next_valid;
     at_ = header->next;
     return cursor.ok() ? core::Expected<void>{} : damage(cursor.error_offset(), tag, cursor.error());
   }
 
-  /// False: nothing is known about such chunks.
+  /// False for an unknown kind of chunk.
   core::Expected<bool> read_body(std::string_view tag, rvm::ByteCursor& cursor) {
     if (tag == "PRIM") return read_item(tag, core::kLayerModel, cursor);
     if (tag == "CNTB") return read_group(cursor);
@@ -178,7 +178,7 @@ class RvmWalk {
 core::Expected<ImportReport> read_rvm(std::span<const std::byte> bytes, std::string_view file_name, core::Scene& scene,
                                       core::NodeId parent, const ImportOptions& options) {
   if (bytes.empty()) return core::fail(fmt::format("{}: the file is empty", file_name));
-  // Matrices of the file map to metres with z up already; its unit is the one of its parameters.
+  // The file's matrices map to metres with z up already; its unit is that of the parameters.
   return run_import(file_name, scene, parent, options, {1.0, UpAxis::kZ},
                     [&](ImportJob& job) { return RvmWalk(bytes, job).run(); });
 }

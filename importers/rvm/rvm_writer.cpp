@@ -30,7 +30,7 @@ std::string_view attribute(const core::Scene& scene, NodeId node, std::string_vi
   return {};
 }
 
-/// "x y z" as the reader prints it; zeros where it is not.
+/// Parses "x y z" as the reader prints it; zeros where the text is not.
 std::array<float, 3> parse_position(std::string_view text) {
   std::array<float, 3> position{};
   for (float& value : position) {
@@ -42,7 +42,7 @@ std::array<float, 3> parse_position(std::string_view text) {
   return position;
 }
 
-/// What a group or item looks like in RVM terms.
+/// Colour and transparency of a group or item in RVM terms.
 struct Look {
   std::uint32_t colour = 1, transparency = 0;
   friend bool operator==(const Look&, const Look&) = default;
@@ -50,7 +50,7 @@ struct Look {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-/// Gives every material a colour index, no two colours the same one.
+/// Gives every material a colour index. No two colours get the same index.
 class Palette {
  public:
   Look look(const core::Scene& scene, MaterialId material) {
@@ -94,7 +94,7 @@ class Palette {
   std::optional<Look> default_;
 };
 
-/// The items of one node that are still to be written, and what they inherit.
+/// The items of one node still to be written, and what they inherit.
 struct ItemSource {
   ItemId next = core::kNone;
   std::uint32_t layers = core::kLayerModel;
@@ -102,7 +102,7 @@ struct ItemSource {
   Look look;
 };
 
-/// A node on the way down.
+/// A node on the way from the top to the present node.
 struct Frame {
   NodeId node, next_child;
   core::Affine world;
@@ -147,7 +147,7 @@ class RvmWriter {
   }
 
   /// Items and child groups may alternate in a file: a child comes before any item inserted after the first item in it
-  /// or in a later sibling. That first item's id, by node index:
+  /// or in a later sibling. This finds that first item's id, by node index.
   void find_first_items(NodeId top) {
     std::vector<NodeId> order;
     scene_.for_each_node(top, [&](NodeId node, const core::Affine&, bool, std::uint32_t, MaterialId) {
@@ -206,7 +206,8 @@ class RvmWriter {
     frame.wrapped.reset();
   }
 
-  /// The reader's form of OBST and INSU: an unnamed node on that layer alone, with nothing but items. It gets no group.
+  /// Whether the node is the reader's form of OBST and INSU: an unnamed node on that layer alone, with nothing but
+  /// items. It gets no group.
   bool is_layer_node(NodeId node, const Frame& above, const Look& look) const {
     const std::uint32_t layers = scene_.layers(node);
     return (layers == core::kLayerObstruction || layers == core::kLayerInsulation) && above.node != top_ &&

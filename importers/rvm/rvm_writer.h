@@ -24,10 +24,10 @@
 
 namespace sightline::importers {
 
-/// Writes beside `path` and renames at the end: on failure what was there stays. Fails on a path that cannot be
-/// written, on more than 4 GiB (offsets are 32 bits), and on an item whose baked matrix is not finite in float.
-/// Streams: memory is a few bytes per node, not per item. `progress` as ImportOptions::progress: answering false
-/// cancels with kCancelled as the message.
+/// Writes a temporary file beside `path` and renames it at the end: on failure the old file stays. Fails on a path that
+/// cannot be written, on more than 4 GiB (offsets are 32 bits), and on an item whose baked matrix is not finite in
+/// float. Streams: memory is a few bytes per node, not per item. `progress` works as ImportOptions::progress: returning
+/// false cancels with kCancelled as the message.
 core::Expected<void> write_rvm(const core::Scene& scene, core::NodeId node, const std::filesystem::path& path,
                                const std::function<bool(double)>& progress = {});
 

@@ -90,7 +90,7 @@ core::Expected<void> read_binary(ImportJob& job, std::span<const std::byte> byte
     return core::fail(fmt::format("{}: expected fewer than {} facets, found {}", job.file(), core::kNone / 3, facets));
 
   const AttributeColours colour_of(bytes);
-  VertexWelder welder(facets / 2);  // as closed surfaces have
+  VertexWelder welder(facets / 2);  // closed surfaces have half as many vertices as facets
   PolygonMesh mesh;
   mesh.corners.reserve(3 * facets);
   std::vector<PackedColour> colours;
@@ -186,7 +186,7 @@ class TextReader {
 
   std::string_view next() { return put_back_.empty() ? scanner_.word() : std::exchange(put_back_, {}); }
 
-  /// Takes a word if it is that keyword, else puts it back.
+  /// Takes the next word if it is that keyword, else puts it back.
   bool take(std::string_view keyword) {
     const std::string_view word = scanner_.word();
     if (is(word, keyword)) return true;
@@ -194,7 +194,7 @@ class TextReader {
     return false;
   }
 
-  /// Damage. When lenient, words up to the next facet or solid say nothing more.
+  /// Reports damage. When lenient, words up to the next facet or solid are ignored from here on.
   core::Expected<void> unexpected(std::string_view expected, std::string_view found) {
     lost_ = true;
     return job_.damage(scanner_.offset(),

@@ -16,7 +16,7 @@
 namespace sightline::importers {
 namespace {
 
-/// Calls use(a value of the number's type).
+/// Calls use() with a value of the number's type.
 template <class Use>
 void with_type(Number number, Use&& use) {
   switch (number) {
@@ -66,7 +66,7 @@ template <class T>
 bool parse(std::string_view word, T& value) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if constexpr (std::is_floating_point_v<T>)  // too small for T, or too large: that is dropped later
+  if constexpr (std::is_floating_point_v<T>)  // too small for T, or too large, which is dropped later
     if (code == std::errc::result_out_of_range)
       value = word.find("e-") != std::string_view::npos ? T(0) : std::numeric_limits<T>::infinity();
   return end == word.data() + word.size() && !word.empty() &&

@@ -36,7 +36,7 @@ std::vector<vtkIdType> points_of_stream(std::span<const vtkIdType> ids) {
   return points;
 }
 
-/// Faces of polyhedra out of the cells' own points, which then are what VTK expects.
+/// Moves the face streams of polyhedra out of the cells' points. The cells then are as VTK expects.
 void take_streams(vtkSmartPointer<vtkCellArray>& cells, vtkUnsignedCharArray& types, vtkIdTypeArray& faces,
                   vtkIdTypeArray& locations) {
   vtkNew<vtkCellArray> plain;

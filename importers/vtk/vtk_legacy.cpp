@@ -28,7 +28,7 @@ std::string lower_case(std::string_view word) {
   return lower;
 }
 
-/// Elements of arrays: numbers, or what is only stepped over or taken as text.
+/// Type of an array's elements: numbers, or bits and strings, which are only skipped or taken as text.
 struct Element {
   Number number = Number::kInt8;
   bool bit = false, string = false;
@@ -106,7 +106,7 @@ class LegacyParser {
   }
 
   // --- arrays -------------------------------------------------------------------------------------------------------
-  /// Whether the rest of the file can hold that many values, then steps to the first.
+  /// Moves to the first value. Fails unless the rest of the file can hold that many values.
   Done begin_array(Element element, std::uint64_t count) {
     if (binary_) rest_of_line();
     const std::uint64_t rest = text_.size() - at_;
@@ -225,7 +225,7 @@ class LegacyParser {
     return {};
   }
 
-  /// Ends with an empty line.
+  /// Skips metadata, which end with an empty line.
   Done metadata() {
     rest_of_line();
     while (at_ < text_.size() && !rest_of_line().empty()) {
@@ -362,7 +362,7 @@ class LegacyParser {
     return take_colours_or_skip(type, components, tuples_, "", *target_);
   }
 
-  /// As fractions of one in ascii files.
+  /// Colours are fractions of one in ascii files.
   Done colour_scalars() {
     word();  // name
     std::uint64_t components = 0;
@@ -383,7 +383,7 @@ class LegacyParser {
     return {};
   }
 
-  /// Active scalars when they have no name.
+  /// Without a name, the colours become the active scalars.
   Done take_colours_or_skip(Element type, std::uint64_t components, std::uint64_t tuples, const std::string& name,
                             vtkFieldData& to) {
     const std::uint64_t values = std::min(tuples, kFar) * std::min(components, kFar);

@@ -1,4 +1,4 @@
-// What the module libsightline_vtk.so shows to vtk_module.cpp.
+// The entry point of the module libsightline_vtk.so, which vtk_module.cpp calls.
 #include "sightline/importers/vtk/internal/vtk_reader.h"
 
 #if defined(_WIN32)

@@ -7,7 +7,7 @@
 namespace sightline::importers {
 namespace {
 
-std::mutex mutex;  // of both
+std::mutex mutex;  // guards both variables below
 int living = 0;
 int shown_before = 1;
 

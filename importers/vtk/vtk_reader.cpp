@@ -35,7 +35,7 @@ bool is_index(const fs::path& path) {
   return extension == ".vtm" || extension == ".vtmb";
 }
 
-/// Reads a file and those that it names, without recursion: files yet to be read wait in a list.
+/// Reads a file and the files that it names, without recursion: files still to be read wait in a list.
 class Reading {
  public:
   Reading(ImportJob& job, const fs::path& model) : job_(job), builder_(job), model_(model) {}
@@ -118,7 +118,7 @@ class Reading {
     return {};
   }
 
-  /// Makes nodes of its blocks at once, so that they stand in order, and leaves their files for later.
+  /// Makes nodes of an index file's blocks at once, so that they stand in order, and leaves their files for later.
   Done read_index(core::NodeId node, std::span<const std::byte> bytes, std::string part, std::size_t index) {
     const VtkFile file{bytes, std::move(part), Share{job_, 0.0, 0.0}};
     const auto tree = parse_xml(file);

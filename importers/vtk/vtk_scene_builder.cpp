@@ -24,7 +24,7 @@
 
 namespace sightline::importers {
 
-/// An object on its way in. Depth guards against composites that hold themselves.
+/// An object still to be added. `depth` guards against composites that hold themselves.
 struct VtkSceneBuilder::Pending {
   core::NodeId node;
   vtkSmartPointer<vtkDataObject> data;
@@ -46,7 +46,7 @@ struct Faces {
   std::vector<PackedColour> colours;
 };
 
-/// Collects polygons, and strips as triangles.
+/// Collects polygons, and converts strips to triangles.
 class FaceCollector {
  public:
   explicit FaceCollector(vtkPolyData& from)
@@ -54,7 +54,7 @@ class FaceCollector {
     if (colours_ && colours_->GetNumberOfTuples() < from.GetNumberOfCells()) colours_ = nullptr;
   }
 
-  /// `first_cell` is the data set's number of the first of `cells`. False when the array is damaged as a whole.
+  /// `first_cell`: the data set's index of the first of `cells`. False when the array is damaged as a whole.
   bool collect(vtkCellArray* cells, vtkIdType first_cell, bool strips) {
     if (!cells || cells->GetNumberOfCells() == 0) return true;
     if (!cells->IsValid()) return false;

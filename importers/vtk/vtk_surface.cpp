@@ -110,13 +110,13 @@ CellSize size_of(int type) {
   }
 }
 
-/// Tells whether VTK may look at a grid's cells.
+/// Checks whether VTK may work on a grid's cells.
 class CellCheck {
  public:
   explicit CellCheck(vtkUnstructuredGrid& grid)
       : points_(grid.GetNumberOfPoints()), faces_(grid.GetFaces()), locations_(grid.GetFaceLocations()) {}
 
-  /// Empty for a good cell, else what is wrong with it.
+  /// What is wrong with the cell; empty for a good one.
   std::string fault(vtkIdType cell, int type, std::span<const vtkIdType> ids) {
     if (type == VTK_EMPTY_CELL && ids.empty()) return {};
     const CellSize size = size_of(type);
@@ -130,7 +130,7 @@ class CellCheck {
     return {};
   }
 
-  /// Of a good polyhedron: number of faces, then each face's size and points.
+  /// The face stream of a good polyhedron: number of faces, then each face's size and points.
   std::span<const vtkIdType> face_stream(vtkIdType cell) const {
     const vtkIdType begin = locations_->GetValue(cell);
     vtkIdType end = begin + 1;
@@ -163,8 +163,9 @@ class CellCheck {
   std::vector<vtkIdType> sorted_;
 };
 
-/// VTK finds the faces that cells share in lists by point: their lengths squared are its time. Meshes have tens of
-/// cells at a point, and here and there a hub; a file made for it has all its cells at a few points, and takes hours.
+/// VTK finds the faces that cells share in lists by point: its time is the sum of the lists' lengths squared. Meshes
+/// have tens of cells at a point, and here and there a hub. A file made for it has all its cells at a few points, and
+/// takes hours.
 bool crowded(vtkCellArray& cells, vtkIdType points) {
   constexpr double kCellsAtPoint = 200.0, kAnyway = 1e8;
   std::vector<std::uint32_t> cells_at(std::size_t(points), 0);
@@ -235,7 +236,8 @@ core::Expected<vtkSmartPointer<vtkDataSet>> checked(vtkUnstructuredGrid& grid, I
   return vtkSmartPointer<vtkDataSet>(good);
 }
 
-/// Leaves what a surface needs, where it is of every point or cell: filters carry all arrays along, unchecked.
+/// Keeps only what a surface needs, where it has a value for every point or cell: filters carry all arrays along,
+/// unchecked.
 void keep_normals_colours_ghosts(vtkDataSetAttributes& attributes, vtkIdType count) {
   vtkNew<vtkCellData> kept;  // as good as any kind of attributes
   const auto whole = [&](vtkDataArray* array) { return array && array->GetNumberOfTuples() == count; };

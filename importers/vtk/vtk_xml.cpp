@@ -144,14 +144,14 @@ constexpr auto kBase64 = [] {
   return values;
 }();
 
-/// Reads bytes from raw data or from base64, which is padded wherever a writer ended one stretch and began the next.
+/// Reads bytes from raw data or from base64. Base64 is padded wherever a writer ended one stretch and began the next.
 class ByteStream {
  public:
   ByteStream(std::string_view text, bool base64) : text_(text), base64_(base64) {
     while (base64_ && at_ < text_.size() && is_space(text_[at_])) ++at_;
   }
 
-  /// How many bytes may follow at most.
+  /// Most bytes that may follow.
   std::size_t rest() const { return base64_ ? (text_.size() - at_) / 4 * 3 + held_ : text_.size() - at_; }
 
   bool read(std::byte* to, std::size_t count) {
@@ -284,7 +284,7 @@ class XmlReader {
   }
 
   // --- an array -----------------------------------------------------------------------------------------------------
-  /// Without `count`: as many values as there are.
+  /// Reads an array. Without `count`: as many values as there are.
   core::Expected<Array> array(const XmlElement& element, Wanted wanted, std::optional<std::uint64_t> count) {
     const auto number = number_named(element.attribute("type"));
     if (!number)
@@ -359,7 +359,7 @@ class XmlReader {
     return array;
   }
 
-  /// Number of bytes, bytes.
+  /// Reads uncompressed data: number of bytes, bytes.
   core::Expected<std::vector<std::byte>> plain(ByteStream& stream, std::size_t at) {
     std::uint64_t size = 0;
     if (!word(stream, size) || size > stream.rest())
@@ -370,7 +370,8 @@ class XmlReader {
     return content;
   }
 
-  /// Number of blocks, size of all but the last, size of the last (0: as the others), sizes once compressed; blocks.
+  /// Reads compressed data: number of blocks, size of all but the last, size of the last (0: as the others), compressed
+  /// sizes; blocks.
   core::Expected<std::vector<std::byte>> inflated(ByteStream& stream, std::size_t at) {
     std::uint64_t blocks = 0, size = 0, last = 0;
     const auto header_damaged = [&] { return file_.fail(at, "expected the sizes of compressed blocks"); };
@@ -416,7 +417,7 @@ class XmlReader {
     return make_points(**values);
   }
 
-  /// None when there is no such element.
+  /// Reads an array of ids; null when there is no such element.
   core::Expected<vtkSmartPointer<vtkTypeInt64Array>> ids(const XmlElement* holder, std::string_view name,
                                                          std::optional<std::uint64_t> count) {
     const XmlElement* element = named(holder, name);
@@ -522,7 +523,7 @@ class XmlReader {
     return {};
   }
 
-  /// Codes of characters, each string ended by a 0.
+  /// Reads strings: codes of characters, each string ended by a 0.
   Done field_data(const XmlElement& fields, vtkDataObject& to) {
     for (std::uint32_t i = fields.first_child; i != core::kNone; i = tree_[i].next) {
       const XmlElement& element = tree_[i];

@@ -1,10 +1,10 @@
 // Internal to the glTF reader: plant models in the convention of web viewers for industry (Cognite Reveal's sector
-// files, as rvmsharp writes them), where nodes hold parameters of primitives instead of triangles.
+// files, as rvmsharp writes them). In these files nodes hold parameters of primitives instead of triangles.
 //
-// A node named after a kind of primitive holds one accessor for each parameter as attributes of
+// A node named after a kind of primitive holds one accessor for each parameter, as attributes of
 // EXT_mesh_gpu_instancing. Coordinates are metres with z up, angles radians. All kinds have `_treeIndex` (the part of
-// the plant; float) and
-// `_color` (sRGB, four bytes; alpha is ignored as the viewers of the convention do: writers leave it 0).
+// the plant; float) and `_color` (sRGB, four bytes; alpha is ignored, as the viewers of the convention do, since
+// writers leave it 0).
 //
 //   BoxCollection               _instanceMatrix of the cube -1/2 … 1/2
 //   QuadCollection              … of its square in z = 0
@@ -25,10 +25,10 @@
 //   InstanceMesh                a mesh with an _instanceMatrix for each copy
 //   TriangleMesh                a mesh with _treeIndex and COLOR_0 for each vertex
 //
-// All but nuts, trapezia and parts of cones become primitives, exactly (up to their float parameters): walls become the
+// All but nuts, trapezia and parts of cones become primitives, exactly (up to their float parameters). Walls become the
 // solids that they bound, since the convention keeps caps as circles and rings beside them. Nuts and trapezia become
-// exact meshes; a part of a cone, or of a cylinder with slanted ends, becomes flat facets within kFacetError of its
-// radius. One node named with the tree index holds all items of that part, over all collections; one material stands
+// exact meshes. A part of a cone, or of a cylinder with slanted ends, becomes flat facets within kFacetError of its
+// radius. One node named with the tree index holds all items of that part, over all collections. One material stands
 // for each colour.
 #pragma once
 
@@ -50,23 +50,23 @@ class GltfCollections {
   static bool follows_convention(const GltfDocument& document);
   static bool is_collection(std::string_view node_name);
 
-  using Progress = std::function<core::Expected<void>(double)>;  ///< of the share of one node that is done
-  /// The primitives of a node. `node` holds those that belong to no part.
+  using Progress = std::function<core::Expected<void>(double)>;  ///< receives the share of one node that is done
+  /// Adds the primitives of a node. `node` holds those that belong to no part.
   core::Expected<void> add(std::string_view kind, const Json& attributes, core::NodeId node,
                            const core::Affine& file_from_node, const std::string& where, const Progress& progress);
-  /// A mesh of many parts: one item for each run of triangles of one part and colour.
+  /// Adds a mesh of many parts: one item for each run of triangles of one part and colour.
   core::Expected<void> add_triangles(const GltfSources& sources, const Json& attributes, core::NodeId node,
                                      const core::Affine& file_from_node, const std::string& where,
                                      const Progress& progress);
 
-  /// Where an item of a part hangs. `tree_index` null: on `fallback`, seen from there.
+  /// The node that an item of a part hangs on, and the item's placement there. `tree_index` null: `fallback`.
   struct Place {
     core::NodeId node;
     core::Affine from_item;
   };
   Place place(const double* tree_index, core::NodeId fallback, const core::Affine& file_from_node,
               const core::Affine& node_from_item);
-  /// `colour` of an accessor's four numbers, of which the last is ignored; null: none.
+  /// `colour`: an accessor's four numbers, of which the last is ignored; null: none.
   core::MaterialId material(const double* colour, const GltfAccessor* accessor);
 
  private:

@@ -16,7 +16,7 @@
 
 namespace sightline::importers {
 
-/// One object of the file, knowing where it stands: "/nodes/12".
+/// One object of the file, with its place: "/nodes/12".
 struct GltfElement {
   const Json* json = nullptr;
   std::string_view array;
@@ -47,12 +47,13 @@ struct GltfAccessor {
   };
   std::optional<Sparse> sparse;
 
-  /// Elements first … first + n - 1 (within count) to out[0 … n * components - 1], normalised where the file says so.
+  /// Reads elements first … first + n - 1 (within count) to out[0 … n * components - 1], normalised where the file says
+  /// so.
   void read(std::uint64_t first, std::uint64_t n, double* out) const;
 };
 
-/// Corners of triangles (a strip of bytes has three a byte) or sparse values for each byte of a file; items are limited
-/// to one a byte. The spare ones let small files repeat a mesh often.
+/// Most numbers per byte of a file: corners of triangles (a strip of bytes has three a byte), or sparse values. Items
+/// are limited to one a byte. The spare ones let small files repeat a mesh often.
 inline constexpr std::uint64_t kNumbersPerByte = 3, kSpareNumbers = 65536;
 
 class GltfDocument {
@@ -72,17 +73,17 @@ class GltfDocument {
   core::Expected<std::span<const std::byte>> view_bytes(std::uint64_t index, std::string_view from);
   /// The bytes behind a URI, from the text itself or from a file beside the model, held by the document.
   core::Expected<std::span<const std::byte>> uri_bytes(std::string_view uri);
-  /// Gives up the bytes of data URIs and files that uri_bytes() brought since `held`, the count of those then.
+  /// Releases the bytes of data URIs and files that uri_bytes() brought since held() was `held`.
   std::size_t held() const { return held_.size(); }
   void release(std::size_t held);
 
-  std::uint64_t bytes_read() const { return bytes_read_; }  ///< of this file and those that it named
+  std::uint64_t bytes_read() const { return bytes_read_; }  ///< of this file and the files that it names
 
-  /// Counts what the file asks to be made; false when that is beyond any proportion to its bytes. A few bytes of JSON
-  /// can name the same numbers again and again: only such limits keep memory proportional.
+  /// Counts what the file asks to be made. Returns false when that is out of proportion to the file's bytes. A few
+  /// bytes of JSON can name the same numbers again and again: only such limits keep memory proportional.
   bool take_corners(std::uint64_t corners);
   bool take_items(std::uint64_t items);
-  bool overdrawn() const { return overdrawn_; }  ///< an answer was false: going on would only take time
+  bool overdrawn() const { return overdrawn_; }  ///< one of these returned false: going on would only take time
 
  private:
   struct View {
@@ -119,7 +120,7 @@ core::Expected<void> gltf_numbers(const Json& object, std::string_view key, cons
                                   std::size_t n);
 std::string gltf_text(const Json& object, std::string_view key);  ///< empty when it is missing or no string
 
-/// What stands between "%" in a URI, and its other characters.
+/// Decodes "%" sequences in a URI; other characters stay.
 std::string percent_decoded(std::string_view uri);
 
 }  // namespace sightline::importers

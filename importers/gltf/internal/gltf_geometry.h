@@ -24,7 +24,7 @@ core::Expected<GltfSources> gltf_sources(const Json& primitive, const std::strin
 core::Expected<std::vector<std::uint32_t>> gltf_triangles(ImportJob& job, GltfDocument& document,
                                                           const GltfSources& sources, const std::string& where);
 
-/// A mesh of the vertices that `corners` name, in order of their indices.
+/// A mesh of the vertices that `corners` refer to, in order of their indices.
 core::Expected<PolygonMesh> gltf_mesh(GltfDocument& document, const GltfSources& sources,
                                       std::vector<std::uint32_t> corners, const std::string& where);
 
@@ -36,7 +36,7 @@ class GltfTable {
     int components;
     bool required = false;
   };
-  /// Finds the columns among `attributes` (name -> accessor). All present ones must be of one length.
+  /// Finds the columns among `attributes` (name -> accessor). All columns present must have the same length.
   core::Expected<void> open(GltfDocument& document, const Json& attributes, std::span<const Column> columns,
                             const std::string& where);
   std::uint64_t count() const { return count_; }
@@ -57,7 +57,7 @@ class GltfTable {
   std::uint64_t count_ = 0;
 };
 
-/// The affine map of 16 numbers by columns; the last row is taken for 0 0 0 1.
+/// The affine map of 16 numbers by columns; the last row is assumed to be 0 0 0 1.
 core::Affine gltf_affine(const double* matrix);
 /// The map of a translation, a rotation (quaternion x y z w of any length but 0) and a scale; null means none.
 core::Affine gltf_affine(const double* translation, const double* rotation, const double* scale);

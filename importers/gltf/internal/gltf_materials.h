@@ -20,16 +20,15 @@ struct ImageMean {
   core::dvec3 colour{1.0};
   double alpha = 1.0;
 };
-/// A PNG or JPEG file image of at most kMostPixels, decoded by stb_image. Its pixels are taken from `pixels_left`, and
-/// it is refused when those do not suffice. Memory: 4 bytes a pixel for the time of the
-/// call.
+/// Decodes a PNG or JPEG file image of at most kMostPixels by stb_image. Its pixels are subtracted from `pixels_left`;
+/// the image is refused when that does not suffice. Memory: 4 bytes per pixel during the call.
 core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh, std::uint64_t& pixels_left);
 inline constexpr std::uint64_t kMostPixels = std::uint64_t{64} << 20;
-/// Of all images together, for each byte of the file: what deflate can pack. Names for one image over and over end
-/// here.
+/// Most pixels of all images together, per byte of the file: what deflate can pack. This stops files that name one
+/// image over and over.
 inline constexpr std::uint64_t kPixelsPerByte = 1024;
 
-/// Makes a scene's material of a file's when it is first asked for.
+/// Makes a material of the scene from one of the file when it is first asked for.
 class GltfMaterials {
  public:
   GltfMaterials(ImportJob& job, GltfDocument& document) : job_(job), document_(document) {}

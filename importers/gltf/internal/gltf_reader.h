@@ -1,22 +1,23 @@
 // Reader of glTF 2.0, as text (.gltf) and binary (.glb).
 //
 // What becomes what. A node named after the file holds the nodes of the default scene (`scene`, else the first, else
-// all nodes without a parent) with their names (a node without one takes its mesh's) and transforms; extras that are
+// all nodes without a parent) with their names and transforms. A node without a name takes its mesh's. Extras that are
 // strings, numbers or booleans become attributes. Each mesh primitive becomes one core::Mesh, however many nodes and
-// instances (EXT_mesh_gpu_instancing) show it; one with the same accessors as another is the same mesh. Triangles,
-// strips and fans are read with any accessor that glTF allows (sparse, normalised, KHR_mesh_quantization); points and
-// lines are left out with a warning. Units are metres, up is y.
+// instances (EXT_mesh_gpu_instancing) show it. A primitive with the same accessors as another is the same mesh.
+// Triangles, strips and fans are read with any accessor that glTF allows (sparse, normalised, KHR_mesh_quantization).
+// Points and lines are left out with a warning. Units are metres, up is y.
 //
-// Materials keep name, base colour and, when blended, alpha. A base colour texture counts as its mean: decoded (PNG,
-// JPEG; one at a time, and only when something uses it), averaged in linear light, multiplied with the factor. One that
-// is missing, damaged or above 64 Mpixel is a warning. Skins, morph targets, animations, cameras, lights and vertex
-// colours are ignored. A required extension that is not known is damage; Draco and meshopt compression are not known.
+// Materials keep name, base colour and, when blended, alpha. A base colour texture counts as its mean. The texture is
+// decoded (PNG, JPEG; one at a time, and only when something uses it), averaged in linear light, and multiplied with
+// the factor. A texture that is missing, damaged or above 64 Mpixel is a warning. Skins, morph targets, animations,
+// cameras, lights and vertex colours are ignored. A required extension that is not known is damage; Draco and meshopt
+// compression are not known.
 //
 // Plant models in the open convention of web viewers for industry (gltf_collections.h) keep their primitives analytic.
 //
 // Errors say where: "file: /nodes/12/mesh: expected …, found …". Damage is anything that contradicts the glTF 2.0
-// specification and matters here; lenient, what holds it is left out. Buffers and images are looked for beside the
-// model and below, or in data URIs; nothing else is opened.
+// specification and matters here. A lenient import leaves out what holds the damage. Buffers and images are looked for
+// beside the model and below, or in data URIs; nothing else is opened.
 //
 // Built on nlohmann-json and stb_image. tinygltf, which is built on the same two, was tried: it spends 2 KiB on a
 // material of two bytes, cannot be cancelled, stops at the first damage and copies every buffer.
@@ -30,14 +31,14 @@
 
 namespace sightline::importers {
 
-/// Memory that read_gltf allocates at its peak, the scene's included, stays below this many times the bytes of the file
-/// and of those that it names, plus kGltfMemoryConstant; a texture adds 4 bytes for each of its pixels while it is
-/// averaged. Files that ask for more (one accessor drawn a million times) are refused, lenient or not.
+/// Peak memory of read_gltf, the scene's included, stays below this many times the bytes of the file and of the files
+/// that it names, plus kGltfMemoryConstant. A texture adds 4 bytes per pixel while it is averaged. Files that ask for
+/// more (one accessor drawn a million times) are refused, lenient or not.
 inline constexpr std::size_t kGltfMemoryFactor = 256;
 inline constexpr std::size_t kGltfMemoryConstant = std::size_t{32} << 20;
 
-/// Reads a whole file image; `path` names the node and says where buffers and images lie. On error the scene is
-/// untouched. Text that is no JSON, or an asset that is not of version 2, is an error, lenient or not.
+/// Reads a whole file image. `path` names the node and says where buffers and images lie. On error the scene is
+/// untouched. Text that is not JSON, and an asset that is not of version 2, are errors, lenient or not.
 core::Expected<ImportReport> read_gltf(std::span<const std::byte> bytes, const std::filesystem::path& path,
                                        core::Scene& scene, core::NodeId parent, const ImportOptions& options = {});
 

@@ -8,7 +8,7 @@
 
 namespace sightline::importers::plant {
 
-/// Room for one pipe: a straight way with free space above it.
+/// Space for one pipe: a straight line with free space above it.
 struct Lane {
   dvec3 start{0.0};
   dvec3 along{1.0, 0.0, 0.0};
@@ -19,14 +19,15 @@ struct Lane {
   bool opens_bank = false;  ///< first pipe of a bank, whose pipes carry one service
 };
 
-/// Hands out the lanes of a block of space in banks, tier by tier: first every three metres with room for large pipes,
-/// then ever finer ones in between for ever smaller pipes, in the end tubing anywhere. It never runs out.
+/// Hands out the lanes of a block of space in banks, tier by tier. The first tiers lie every three metres, with room
+/// for large pipes. Then come ever finer ones in between for ever smaller pipes, and finally tubing anywhere. It never
+/// runs out.
 class Lanes {
  public:
   /// Tiers alternate between x and y unless `x_only`. Lanes avoid the `obstacles`, which may grow later.
   Lanes(const core::AabbD& block, bool x_only, const std::vector<core::AabbD>& obstacles);
 
-  /// May come back empty (length 0) where obstacles leave too little; ask again.
+  /// May return an empty lane (length 0) where obstacles leave too little space; then call it again.
   Lane next(Random& random);
   /// Instrument tubing at a random place.
   Lane tubing(Random& random) const;
@@ -53,7 +54,7 @@ class Lanes {
   double largest_ = 0.0, clearance_ = 0.0;
 };
 
-/// Stages a pipe along the lane, choosing what to build in by what the statistics still need; stays within the stage's
+/// Stages a pipe along the lane. What is built in depends on what the statistics still need. Stays within the stage's
 /// room.
 void lay_pipe(Stage& stage, Random& random, const Lane& lane);
 

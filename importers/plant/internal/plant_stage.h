@@ -38,7 +38,7 @@ class Random {
   std::uint64_t state_;
 };
 
-/// What the statistics distinguish.
+/// The classes of items that the statistics distinguish.
 enum Share : int { kCylinders, kTori, kSnouts, kOthers, kShareCount };
 using Counts = std::array<std::int64_t, kShareCount>;
 inline constexpr std::array<double, kShareCount> kFractions{0.65, 0.20, 0.05, 0.10};
@@ -49,16 +49,16 @@ struct Frame {
   dvec3 origin{0.0};
 };
 
-/// z along the unit vector `direction`; x as near to up as it gets.
+/// z along the unit vector `direction`; x as near to up as possible.
 Frame frame_along(const dvec3& origin, const dvec3& direction);
 
-/// One system (a pipe, a vessel, a structure) at a time is staged, counted against what the statistics still allow, and
-/// then enters the scene as a whole or not at all.
+/// Stages one system (a pipe, a vessel, a structure) at a time and counts its items against what the statistics still
+/// allow. The system then enters the scene as a whole or not at all.
 class Stage {
  public:
   Stage(core::Scene& scene, std::uint64_t items);
 
-  /// How far each share may be used up now, as a fraction of the whole plant.
+  /// Sets how far each share may be used up now, as a fraction of the whole plant.
   void allow(double fraction);
   std::int64_t room(Share share) const { return limit_[share] - used_[share] - staged_[share]; }
   std::int64_t room() const;
@@ -69,7 +69,7 @@ class Stage {
   void branch() { branches_.push_back(items_.size()); }
   void add(const core::Primitive& primitive, const Frame& frame);
   void add_mesh(core::MeshId mesh, const Frame& frame);
-  /// True when the staged system had items and fitted.
+  /// True when the staged system had items and fitted into the shares.
   bool finish();
 
   core::Scene& scene() { return scene_; }
@@ -104,7 +104,7 @@ void add_box(Stage& stage, const Frame& frame, const dvec3& size);
 /// Box with the given corners.
 void add_block(Stage& stage, const dvec3& low, const dvec3& high);
 void add_dish(Stage& stage, const dvec3& base, const dvec3& axis, double radius, double height, bool spherical = false);
-/// From `from` to `to`, both on the axis `direction` but for an eccentric offset along the frame's x.
+/// A snout from `from` along the axis `direction`, except for an eccentric offset along the frame's x.
 void add_snout(Stage& stage, const dvec3& from, const dvec3& direction, double length, double bottom, double top,
                double offset = 0.0);
 /// A full ring about `axis` in two halves.

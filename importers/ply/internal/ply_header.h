@@ -1,4 +1,4 @@
-// Internal to the PLY reader: what a file says about itself before its data begin.
+// Internal to the PLY reader: parses a file's header.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ constexpr std::size_t size_of(Scalar type) {
   return kSizes[std::size_t(type)];
 }
 
-/// Names are views into the file.
+/// A property of an element. Names are views into the file.
 struct Property {
   std::string_view name;
   Scalar type = Scalar::kFloat;

@@ -1,18 +1,19 @@
 // Reader of PLY (G. Turk, "The PLY Polygon File Format", 1994): text, binary little-endian and big-endian.
 //
-// A node named after the file holds one mesh item: the element "vertex" (x, y, z of any scalar type, kept in double
-// relative to the mesh's centre; nx, ny, nz) under the faces of the elements "face" (vertex_indices or vertex_index,
-// any list types) and "tristrips" (-1 ends a strip). Colours (red, green, blue, alpha; whole numbers up to 255, 65535
-// for 16 bits, floats up to 1) become materials: of faces one item per colour, beyond kMostFaceColours their average;
-// of vertices the average over all vertices, where faces have none. An alpha of 0 throughout is ignored: writers leave
-// it so. All else is skipped. A file without faces (a scan's
-// points) gives a node without items and a warning.
+// A node named after the file holds one mesh item. Its vertices are the element "vertex": x, y, z of any scalar type,
+// kept in double relative to the mesh's centre; nx, ny, nz. Its faces are the elements "face" (vertex_indices or
+// vertex_index, any list types) and "tristrips" (-1 ends a strip). Colours (red, green, blue, alpha; whole numbers up
+// to 255, 65535 for 16 bits, floats up to 1) become materials. Face colours give one item per colour; beyond
+// kMostFaceColours colours their average counts. Where faces have no colours, the average of all vertex colours counts.
+// An alpha of 0 throughout is ignored: writers leave it so. All else is skipped. A file without faces (a scan's points)
+// gives a node without items and a warning.
 //
-// Damage: data that end before the header's counts are met, a face whose vertex does not exist, a word that is no
-// number. An error when strict; when lenient a warning: the data end there, the face is left out, the number is NaN.
-// Faces with corners that are not finite or beyond 1e36 are dropped and listed. Names of textures are not followed.
+// Damage is: data that end before the header's counts are met; a face whose vertex does not exist; a word that is not a
+// number. It is an error when strict. When lenient it is a warning: the data end there, the face is left out, the
+// number is NaN. Faces with corners that are not finite or beyond 1e36 are dropped and listed. Names of textures are
+// not followed.
 //
-// An own reader: Debian packages neither tinyply nor RPly; assimp and VTK convert positions to float.
+// Why no library: Debian packages neither tinyply nor RPly; assimp and VTK convert positions to float.
 #pragma once
 
 #include <cstddef>
@@ -23,14 +24,14 @@
 
 namespace sightline::importers {
 
-/// Memory that read_ply allocates at its peak, the scene's included, stays below this many times the file's size plus
-/// kPlyMemoryConstant, whatever counts the file claims.
+/// Peak memory of read_ply, the scene's included, stays below this many times the file's size plus kPlyMemoryConstant,
+/// whatever counts the file claims.
 inline constexpr std::size_t kPlyMemoryFactor = 48;
 inline constexpr std::size_t kPlyMemoryConstant = std::size_t{1} << 20;
 
-/// Reads a whole file image; `path` names the node. On error the scene is untouched. A header that cannot be read, or
-/// without vertices with x, y and z, is an error, lenient or not. Linear in the file's size but for large polygons
-/// (triangulate.h).
+/// Reads a whole file image. `path` names the node. On error the scene is untouched. A header that cannot be read, or
+/// one without vertices with x, y and z, is an error, lenient or not. Time is linear in the file's size, except for
+/// large polygons (triangulate.h).
 core::Expected<ImportReport> read_ply(std::span<const std::byte> bytes, const std::filesystem::path& path,
                                       core::Scene& scene, core::NodeId parent, const ImportOptions& options = {});
 

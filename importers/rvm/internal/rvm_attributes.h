@@ -9,11 +9,11 @@
 //     END
 //   END
 //
-// The words for start, end, name_end and sep are those of the header. Values lose the quotes around them. An element's
-// attributes go to the group of the same path of names, counted from the top groups of the file nodes below `parent`:
-// of those whose file has the attribute file's stem where there are any (plant.rvm, plant.txt), else of all. The k-th
-// of several siblings of one name meets the k-th. Elements above the top groups may lead to them; elements without a
-// group (most have no geometry) are counted and left out.
+// The header defines the words for start, end, name_end and sep. Values lose the quotes around them. An element's
+// attributes go to the group with the same names from the top down, counted from the top groups of the file nodes below
+// `parent`. If the file of any of these nodes has the attribute file's stem (plant.rvm, plant.txt), only such nodes
+// count, else all. The k-th of several siblings of one name gets the attributes of the k-th. Elements above the top
+// groups may lead to them. Elements without a group (most have no geometry) are counted and left out.
 #pragma once
 
 #include <cstddef>
@@ -24,13 +24,14 @@
 
 namespace sightline::importers {
 
-/// Elements may nest so deep, and have so many attributes.
+/// Limits of the nesting of elements, and of their attributes.
 inline constexpr std::size_t kMaxAttributeDepth = 256;
 inline constexpr std::size_t kMaxAttributesPerElement = 1024;
 
-/// Adds no node. Damage (a line that is no attribute, END without NEW or missing, limits exceeded): an error naming
-/// file and line when strict, and the scene is untouched; a warning when lenient. A file without the header's first
-/// word is no attribute file, one of which no element finds its group belongs to another model: errors both.
+/// Adds no node. Damage is a line that is not an attribute, END without NEW or a missing END, and exceeded limits. When
+/// strict it is an error naming file and line, and the scene is untouched; when lenient, a warning. A file without the
+/// header's first word is not an attribute file. A file of which no element finds its group belongs to another model.
+/// Both are errors.
 core::Expected<ImportReport> read_rvm_attributes(std::span<const std::byte> bytes, const std::filesystem::path& path,
                                                  core::Scene& scene, core::NodeId parent,
                                                  const ImportOptions& options = {});

@@ -1,5 +1,4 @@
-// The chunks of an RVM file and how their bodies are read: what reader and writer must agree on. All numbers are
-// big-endian.
+// The chunks of an RVM file and the layout of their bodies, shared by reader and writer. All numbers are big-endian.
 //
 // A chunk begins with 24 bytes: its tag, one ASCII character in the low byte of each of four words; the absolute offset
 // of the next chunk; a word that is 1. Strings are a count of 4-byte words and that many words of NUL-padded text.
@@ -24,14 +23,14 @@ inline constexpr std::uint64_t kFileAlignment = 1760;  ///< files are zero-padde
 inline constexpr std::uint32_t kFacetGroupKind = 11;
 inline constexpr std::uint32_t kMaxTransparency = 100;
 
-/// Keys of the attributes that keep what the scene has no place for. On a file's node: the strings of HEAD and MODL,
-/// where not empty. On a group: its reference point in millimetres, "x y z", where not zero.
+/// Keys of attributes for data that the scene has no place for. On a file's node: the strings of HEAD and MODL, where
+/// not empty. On a group: its reference point in millimetres, "x y z", where not zero.
 inline constexpr std::string_view kInfoKey = "rvm.info", kNoteKey = "rvm.note", kDateKey = "rvm.date",
                                   kUserKey = "rvm.user", kEncodingKey = "rvm.encoding", kProjectKey = "rvm.project",
                                   kModelKey = "rvm.model", kPositionKey = "rvm.position";
 
-/// Reads forward within [position, limit) and never beyond. The first read that does not fit, or value that is refused,
-/// sticks: later reads yield zeros, and error() says where and what.
+/// Reads forward within [position, limit) and never beyond. The first read that does not fit, or the first refused
+/// value, makes the cursor fail for good: later reads yield zeros, and error() says where and what.
 class ByteCursor {
  public:
   ByteCursor(std::span<const std::byte> file, std::uint64_t position, std::uint64_t limit)
@@ -97,7 +96,7 @@ struct Colour {
   std::array<std::uint8_t, 3> rgb{};
 };
 
-/// PRIM, OBST or INSU, all of it but the polygons of a facet group.
+/// PRIM, OBST or INSU, except for the polygons of a facet group.
 struct Item {
   core::Kind kind{};
   std::array<float, 12> matrix{};     ///< three basis columns, translation; metres from local units
@@ -116,9 +115,9 @@ Head read_head(ByteCursor& cursor);
 Model read_model(ByteCursor& cursor);
 Group read_group(ByteCursor& cursor);
 Colour read_colour(ByteCursor& cursor);
-/// `extra_word`: the four more bytes of OBST and INSU.
+/// `extra_word`: whether the chunk has the four extra bytes of OBST and INSU.
 Item read_item(ByteCursor& cursor, std::span<const std::byte> file, bool extra_word);
-/// The polygons of an item that read_item accepted, triangulated. Allocates what the counts say and no more.
+/// The triangulated polygons of an item that read_item accepted. Allocates what the counts say and no more.
 core::Mesh read_facets(std::span<const std::byte> file, const Item& item);
 
 }  // namespace sightline::importers::rvm

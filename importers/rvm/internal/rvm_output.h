@@ -1,4 +1,4 @@
-// RVM chunks going out: bodies are built in one buffer and flushed with their header.
+// Writes RVM chunks: each is built in one buffer and flushed with its header.
 #pragma once
 
 #include <bit>
@@ -39,7 +39,7 @@ class ChunkWriter {
     for (std::size_t i = 0; i < 4; ++i) buffer_[16 + i] = std::byte(std::uint8_t(next >> (24 - 8 * i)));
     flush();
   }
-  /// Zeros up to a whole number of blocks.
+  /// Pads with zeros to a whole number of blocks.
   void pad() {
     buffer_.assign((kFileAlignment - offset_ % kFileAlignment) % kFileAlignment, std::byte{0});
     flush();

@@ -1,4 +1,4 @@
-// Internal to the importers: data sets put together from the arrays of a file.
+// Internal to the importers: assembles data sets from the arrays of a file.
 #pragma once
 
 #include <vector>
@@ -14,17 +14,18 @@ class vtkPoints;
 
 namespace sightline::importers {
 
-/// Cells with their points back to back. `offsets` as VTK has them, one more than cells and rising from 0, or as XML
-/// files do, without the 0. Both integers; no cells when either is missing. Fails when they contradict each other.
+/// Cells with their points back to back. `offsets` are as in VTK, one more than cells and rising from 0, or as in XML
+/// files, without the 0. Both are integers; there are no cells when either is missing. Fails when they contradict each
+/// other.
 core::Expected<vtkSmartPointer<vtkCellArray>> make_cells(const VtkFile& file, std::size_t at,
                                                          vtkTypeInt64Array* offsets, vtkTypeInt64Array* connectivity,
                                                          bool with_zero);
 
-/// Three values each.
+/// Points of three values each.
 vtkSmartPointer<vtkPoints> make_points(vtkDataArray& values);
 
-/// `types`: one per cell. Polyhedra in XML files have their faces apart: `faces` back to back, with a cell's part
-/// ending at face_ends[cell] (-1 for other cells). Without these the points of a polyhedron are its face stream, as in
+/// `types`: one per cell. XML files store the faces of polyhedra apart: `faces` back to back, with a cell's part ending
+/// at face_ends[cell] (-1 for other cells). Without these arrays the points of a polyhedron are its face stream, as in
 /// legacy files: number of faces, then each face's size and points. Cells are not checked here (vtk_surface.h).
 core::Expected<vtkSmartPointer<vtkDataSet>> make_grid(const VtkFile& file, std::size_t at, vtkPoints* points,
                                                       vtkCellArray& cells, vtkTypeInt64Array& types,

@@ -5,8 +5,8 @@
 
 namespace sightline::importers {
 
-/// POLYDATA or UNSTRUCTURED_GRID with point normals, colours and strings of field data; other attributes are stepped
-/// over. When lenient, damage behind the cells costs the attributes behind it and no more.
+/// Parses POLYDATA or UNSTRUCTURED_GRID with point normals, colours and strings of field data. Other attributes are
+/// skipped. When lenient, damage behind the cells loses only the attributes behind it.
 core::Expected<vtkSmartPointer<vtkDataObject>> parse_vtk_legacy(VtkFile& file);
 
 }  // namespace sightline::importers

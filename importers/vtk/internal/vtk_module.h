@@ -1,5 +1,5 @@
 // Internal to the importers: the VTK reader, loaded with the first file that needs it. VTK's shared libraries take 9 ms
-// to load; a tool whose scene has no VTK file does not pay them.
+// to load, which a tool whose scene has no VTK file does not pay.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace sightline::importers {
 
-/// read_vtk() (vtk_reader.h) of libsightline_vtk.so, which is looked for beside the program, in lib/ beside its
+/// Calls read_vtk() (vtk_reader.h) of libsightline_vtk.so. Looks for that file beside the program, in lib/ beside its
 /// directory, and where the system keeps libraries. Fails when it is not there.
 core::Expected<ImportReport> read_vtk_by_module(std::span<const std::byte> bytes, const std::filesystem::path& path,
                                                 core::Scene& scene, core::NodeId parent, const ImportOptions& options);

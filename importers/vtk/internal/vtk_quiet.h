@@ -1,11 +1,11 @@
-// Internal to the importers: VTK prints what it does not like. While an import runs, nothing of that reaches a console.
+// Internal to the importers: keeps VTK's messages off the console while an import runs.
 #pragma once
 
 namespace sightline::importers {
 
-/// While one lives VTK shows no errors and warnings, for the whole process: its logger writes to stderr whatever output
-/// window or observer there is, and only this switch of VTK's comes before both. Nothing is lost by it: on a file's
-/// bytes work VTK's decompressors alone, and what they refuse is told with its place.
+/// While an object of this class lives, VTK shows no errors and warnings, for the whole process. VTK's logger writes to
+/// stderr whatever output window or observer there is, and only this switch comes before both. No information is lost:
+/// of VTK, only its decompressors work on a file's bytes, and what they refuse is reported with its position.
 class VtkQuiet {
  public:
   VtkQuiet();

@@ -24,7 +24,8 @@ class VtkSceneBuilder {
   struct Items {
     core::ItemId begin = 0, end = 0;
   };
-  /// Hangs what `data` holds on `node`. Data sets are kept, to know them again, until the builder goes or forgets.
+  /// Hangs what `data` holds on `node`. Keeps data sets, to recognise them again, until the builder is destroyed or
+  /// forget() is called.
   core::Expected<Items> add(core::NodeId node, vtkDataObject& data, const Share& share);
   /// Hangs instances of the same meshes on another node.
   void add_again(core::NodeId node, Items items);
@@ -40,7 +41,7 @@ class VtkSceneBuilder {
 
   ImportJob& job_;
   std::unordered_map<vtkDataSet*, Items> known_;
-  std::vector<vtkSmartPointer<vtkDataSet>> kept_;  // what known_ names
+  std::vector<vtkSmartPointer<vtkDataSet>> kept_;  // keeps the keys of known_ alive
   std::size_t attributes_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Internal to the importers: what of a VTK data set can be seen from outside.
+// Internal to the importers: the part of a VTK data set that is visible from outside.
 #pragma once
 
 #include <vtkPolyData.h>
@@ -11,7 +11,7 @@ class vtkUnsignedCharArray;
 
 namespace sightline::importers {
 
-/// The part of an import's progress that a step of it takes.
+/// A step's part of an import's progress.
 struct Share {
   ImportJob& job;
   double begin = 0.0, length = 1.0;
@@ -23,7 +23,7 @@ struct Share {
 /// RGB or RGBA of each tuple (vtk_import.h says which array), or none.
 vtkUnsignedCharArray* colours_of(vtkDataSetAttributes& attributes);
 
-/// Faces that belong to one cell alone, counter-clockwise from outside, with normals and colours. `data` may hold
+/// Faces that belong to only one cell, counter-clockwise from outside, with normals and colours. `data` may hold
 /// anything: cells are checked before VTK, which trusts them, works on them. Fails on damage when strict, and when the
 /// caller cancels.
 core::Expected<vtkSmartPointer<vtkPolyData>> outer_surface(vtkDataSet& data, const Share& share);
