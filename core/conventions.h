@@ -1,7 +1,7 @@
 // core: what the model is. Conventions and maths, scene graph, primitive parameters and bounds, snapshot, hierarchy
 // builder, view, visible set, camera path. Depends on GLM and tl-expected alone.
 //
-// This header fixes what everybody must agree on; tests/core/conventions_test.cpp pins each line.
+// This header fixes the conventions of the whole library; tests/core/conventions_test.cpp pins each line.
 //   world        right-handed, metres, Z up for plant models; importers scale and record the file's unit
 //   matrices     column vectors, named by their ends: clip_from_world * world_from_node
 //   planes       dot(n, p) + d >= 0 is inside; order left, right, bottom, top, near, far
@@ -44,7 +44,8 @@ enum class ClipDepth : std::uint8_t {
   kMinusOneToOne,      ///< near at -1, far at +1: classic OpenGL, accepted from applications
 };
 
-/// An item's stable name outside the library: the order of its insertion into the scene, never reused.
+/// An item's stable name outside the library: items are numbered in the order of their insertion into the scene. Never
+/// reused.
 using ItemId = std::uint32_t;
 /// An item's place in a snapshot's spatial order: internal, changes with every rebuild.
 using Slot = std::uint32_t;

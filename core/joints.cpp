@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kItemsPerWord = 32;
 
-/// An end in local units: its contour, and any vector that leaves the solid through it.
+/// An end in local units: its contour, and any vector that leaves the solid through the end.
 struct LocalEnd {
   dvec3 centre, u, v, outwards;
 };
@@ -53,9 +53,10 @@ Found local_end(const SphericalDish& d, bool top) {
   return dish_base(d.base_radius, d.height, top);
 }
 
-/// The cone has radius r + k z and leans by s z, z from the end's centre. Without the lean the plane is z = (m / d) .
-/// q, d = 1 - m . s, and the section is symmetric about the direction of m: one axis of the ellipse runs between its
-/// highest and its lowest point, of which core::bottom_end_range() has the heights, the other one level.
+/// The cone has radius r + k z and leans by s z, where z is measured from the end's centre. Without the lean the plane
+/// is z = (m / d) . q, d = 1 - m . s, and the section is symmetric about the direction of m. So one axis of the ellipse
+/// runs between its highest and its lowest point, whose heights core::bottom_end_range() gives. The other axis is
+/// level.
 Found local_end(const Snout& s, bool top) {
   const double height = length(s.height), r = length(top ? s.top_radius : s.bottom_radius), side = top ? 0.5 : -0.5;
   if (height == 0.0) return std::nullopt;

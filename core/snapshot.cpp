@@ -199,7 +199,7 @@ std::shared_ptr<const MaterialTable> Snapshot::updated(const MaterialTable& form
   return table;
 }
 
-// --- items on their way ----------------------------------------------------------------------------------------------
+// --- copies of items -------------------------------------------------------------------------------------------------
 
 /// Appends a record without a box; returns the box in the world.
 AabbD Snapshot::gather(const Scene& scene, const Scene::ItemState& state, ItemId item, Items& out) {

@@ -28,7 +28,8 @@ constexpr double kPresumed = 8.0;
 constexpr std::uint64_t kAnswer = 6;
 // A path that was left because it had become dearer is probed again after so many frames: it may have been a hiccup.
 constexpr std::uint64_t kCheck = 16;
-// When the path taken has become dearer, the other one is probed if that costs at most so much more, in its frames.
+// When the path taken has become dearer, a probe of the other path may cost at most so many extra frames of the path
+// taken.
 constexpr double kClose = 1.5;
 // A probe that was not saved for may cost at most so many frames.
 constexpr double kWorthwhile = 32.0;

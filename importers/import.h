@@ -67,10 +67,10 @@ struct ImportReport {
   std::uint64_t degenerate = 0;     ///< items without volume: no length for lines, no area for facets
   std::uint64_t shared_meshes = 0;  ///< mesh items that use a mesh which another item brought
   std::uint64_t attributed = 0;     ///< groups that an attribute file gave attributes to
-  double sharing_error = 0.0;       ///< metres: no vertex of those lies farther from where the file has
-                                    ///< it (a scale that glTF instances add is not counted)
-  std::uint64_t bytes = 0;          ///< read from files
-  double metres_per_unit = 1.0;     ///< of the last file's coordinates; the scene is in metres
+  double sharing_error = 0.0;    ///< metres: no vertex of those meshes lies farther from where the file has it (a scale
+                                 ///< of glTF instances is not counted)
+  std::uint64_t bytes = 0;       ///< read from files
+  double metres_per_unit = 1.0;  ///< of the last file's coordinates; the scene is in metres
 };
 
 /// Extensions that import_file() knows in this build, with dots, in lower case.

@@ -19,7 +19,7 @@ class ChunkGrid {
   std::vector<std::uint32_t> cut(const std::vector<dvec3>& points);
 
   /// A chunk within reach of `place`. Tries `own`, then `likely` (either may be kNone), then all others. Then adds a
-  /// chunk about `fresh`, which must lie within reach itself. Once too many chunks were added, returns one that is
+  /// chunk about `fresh`, which must lie within reach of `place`. Once too many chunks were added, returns one that is
   /// farther away.
   std::uint32_t find(const dvec3& place, std::uint32_t own, std::uint32_t likely, const dvec3& fresh);
 

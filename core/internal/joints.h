@@ -3,10 +3,10 @@
 //
 // End faces are the flat ends of cylinders, snouts (slanted ones, too) and slices of circular tori, and the bases of
 // dishes. Each is an ellipse under any affine placement. One face covers another when their outward normals are
-// opposite, their centres coincide, and the covered one nowhere reaches beyond the other. Of a pipe on a wider flange
-// only the pipe's end is covered; of two equal ends both are. Two spherical dishes have no joint: shaders do not extend
-// their bases. Shaders extend all other covered ends a little into the neighbour (search.glsl), so that no ray passes
-// between the two. Both items must be visible, in the same layers, and opaque.
+// opposite, their centres coincide, and the covered face nowhere reaches beyond the other. For example, where a pipe
+// meets a wider flange, only the pipe's end is covered; of two equal ends both are. Two spherical dishes have no joint:
+// shaders do not extend their bases. Shaders extend all other covered ends a little into the neighbour (search.glsl),
+// so that no ray passes between the two. Both items must be visible, in the same layers, and opaque.
 //
 // A culler that keeps one of two neighbours and drops the other would let the viewer look into an open end.
 // Conservative cullers drop only what is outside the view, so this does not happen.
@@ -41,8 +41,8 @@ struct EndFace {
   dvec3 centre{0.0}, u{0.0}, v{0.0};
 };
 
-/// The face at one end. None where the primitive has no such end, or none whose contour is a whole ellipse: closed
-/// tori, solids without volume, tips, slanted ends that cut each other or are steeper than their cone.
+/// The face at one end. None where the primitive has no such end, or where the end's contour is not a whole ellipse:
+/// closed tori, solids without volume, tips, slanted ends that cut each other or are steeper than their cone.
 std::optional<EndFace> end_face(const Primitive& primitive, const Affine& world_from_item, Ends end);
 
 /// True when `face` is covered by `other`, as said above. Constant time.

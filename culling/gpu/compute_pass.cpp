@@ -5,7 +5,7 @@
 // The order is that in which the geometry form draws its instances: first of all clusters, second of all clusters, …
 //
 // The sum goes to the CPU through a small buffer that stays mapped, one word per probe, guarded by a fence that is
-// asked without waiting.
+// polled without waiting.
 #include <algorithm>
 
 #include "sightline/culling/gpu/internal/gpu_pass.h"

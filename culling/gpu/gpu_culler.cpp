@@ -45,7 +45,7 @@ std::array<std::vector<Slot>, gpuscene::kBatchKindCount> slots_by_batch(const Sn
 
 }  // namespace
 
-// --- what lies on the GPU --------------------------------------------------------------------------------------------
+// --- data on the GPU -------------------------------------------------------------------------------------------------
 
 GpuCuller::GpuCuller() = default;
 GpuCuller::GpuCuller(GpuCuller&&) noexcept = default;
@@ -178,7 +178,7 @@ void GpuCuller::upload_planes(const CullPlanes& planes, const core::ItemBounds& 
   plane_block_.write(0, sizeof block, &block);
 }
 
-// --- what becomes known ----------------------------------------------------------------------------------------------
+// --- feedback --------------------------------------------------------------------------------------------------------
 
 std::size_t GpuCuller::next_probe(std::uint64_t frame) {
   std::size_t place = kTakenProbes;

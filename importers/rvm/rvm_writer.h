@@ -1,9 +1,9 @@
 // Writer of AVEVA review models (RVM): the way back of rvm_reader.h.
 //
-// The children of the written node become the file's top groups; the node itself is the file (its "rvm.*" attributes
+// The children of the written node become the file's top groups. The node itself is the file (its "rvm.*" attributes
 // become HEAD and MODL). What was read from an RVM file is written so that reading it again gives the same scene:
 // parameters, matrices, names, materials, groups and facet polygons bit for bit (facets that were read with
-// MeshCopies::kExact or kApart), items in the same order. What RVM cannot say is expressed by what it can:
+// MeshCopies::kExact or kApart), items in the same order. What RVM has no form for is written as follows:
 //   node transforms       baked into item matrices in double, in world coordinates, then rounded to float
 //   meshes                facet groups of one triangle per polygon
 //   item materials        an unnamed group around items whose material is not their node's

@@ -65,7 +65,7 @@ class GltfDocument {
   const Json& root() const { return root_; }
   /// Elements of a top-level array: 0 when it is missing.
   std::size_t count(std::string_view array) const;
-  /// Fails when there is no such element. `from` names who asked.
+  /// Fails when there is no such element. `from` names the place that refers to it, for messages.
   core::Expected<GltfElement> element(std::string_view array, std::uint64_t index, std::string_view from) const;
 
   core::Expected<const GltfAccessor*> accessor(std::uint64_t index, std::string_view from);
