@@ -57,7 +57,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
 }
 
 Drawing::~Drawing() {
-  own_context_.reset();  // takes along what is in it, without disturbing what is current
+  own_context_.reset();  // frees everything in it without changing which context is current
   (void)make_current();
   for (const InFlight& frame : in_flight_) context_.functions().DeleteSync(frame.fence);
 }
@@ -94,7 +94,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_c
   return {};
 }
 
-/// The first of a context measures which form it is to have.
+/// The first culler of a context measures which form to use.
 core::Expected<culling::GpuCuller> Drawing::make_culler(const core::Snapshot& snapshot,
                                                         const gpuscene::GpuScene& scene) {
   auto culler = culling::GpuCuller::create(context_, snapshot, scene, cull_config_);
@@ -145,7 +145,7 @@ void Drawing::wait_for_oldest() {
   gl.DeleteSync(oldest.fence);
   const double now = now_seconds();
   drawn_.push_back({oldest.frame, ready ? 0.0 : 1e3 * (now - std::max(last_drawn_, oldest.submitted))});
-  if (drawn_.size() > kMostDrawn) drawn_.pop_front();  // nobody takes them
+  if (drawn_.size() > kMostDrawn) drawn_.pop_front();  // not taken by anybody
   last_drawn_ = now;
 }
 

@@ -13,8 +13,8 @@
 namespace sightline::engine {
 namespace {
 
-constexpr double kFewSlots = 256.0;  // not worth a thread
-constexpr double kTryAgain = 0.5;    // seconds
+constexpr double kFewSlots = 256.0;  // fewer are not worth a thread
+constexpr double kTryAgain = 0.5;    // seconds between tries to make a context
 // Measured on llvmpipe: 1.15 to 1.2 times the frame of the CPU's path (docs/hybrid-culling.md).
 constexpr double kSoftwareGpuExcess = 0.1;
 
@@ -24,12 +24,12 @@ PlanRequest plan_request(const EngineConfig& config) {
 
 }  // namespace
 
-/// What Engine says of each function holds here, too.
+/// Engine documents each function.
 class Engine::Impl {
  public:
   Impl(core::Scene& scene, const EngineConfig& config);
 
-  /// Builds everything that the plan names. The scene is committed.
+  /// Builds everything that the plan names. The scene must be committed.
   core::Expected<void> build();
   core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view);
   std::optional<LateReport> take_late_report();
@@ -70,15 +70,15 @@ class Engine::Impl {
   Generation live_;
   core::VisibleSet visible_;
   std::unique_ptr<Drawing> drawing_;
-  double next_try_ = -1.0;          // at a new context, in seconds; below 0: none is missing
+  double next_try_ = -1.0;          // when to try to make a context, in seconds; below 0: none is missing
   double last_frame_began_ = -1.0;  // seconds on the steady clock
   std::uint64_t frames_ = 0;
   std::optional<Hybrid> hybrid_;
   std::deque<LateReport> late_;
-  std::unique_ptr<BackgroundRebuild> rebuild_;  // last: it reads live_ until it is gone
+  std::unique_ptr<BackgroundRebuild> rebuild_;  // last: it reads live_ until it is destroyed
 };
 
-// --- the public face -------------------------------------------------------------------------------------------------
+// --- public interface ------------------------------------------------------------------------------------------------
 
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config) {
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
@@ -164,7 +164,7 @@ core::Expected<void> Engine::Impl::build() {
   return follow_generation();
 }
 
-/// Takes a new order over when one is ready.
+/// Lands a new order when one is ready.
 core::Expected<void> Engine::Impl::land() {
   if (!rebuild_) return {};
   if (rebuild_->finished()) {
@@ -175,7 +175,7 @@ core::Expected<void> Engine::Impl::land() {
   return follow_generation();
 }
 
-/// What hangs on the plan and on the order of the items besides the CPU culler.
+/// Updates everything that depends on the plan and on the order of the items, except the CPU culler.
 core::Expected<void> Engine::Impl::follow_generation() {
   auto done = make_drawing(true);
   follow_hybrid();
@@ -201,7 +201,7 @@ culling::ControllerConfig Engine::Impl::controller_config() const {
 }
 
 core::Expected<void> Engine::Impl::set_culler(CullerChoice choice) {
-  rebuild_.reset();  // it would land with the choice before
+  rebuild_.reset();  // it would land with the former choice
   const CullerChoice before = std::exchange(config_.culler, choice);
   live_.follow_plan(plan_request(config_));
   if (auto done = make_drawing(false); !done) {
@@ -222,8 +222,8 @@ core::Expected<void> Engine::Impl::resize(int width, int height) {
   return {};
 }
 
-/// Makes what the plan needs in the context: all of it for a new order of the items or a new context, else what is not
-/// there. While the context is lost there is nothing to do.
+/// Makes what the plan needs in the context: everything for a new order of the items or a new context, otherwise what
+/// is missing. Does nothing while the context is lost.
 core::Expected<void> Engine::Impl::make_drawing(bool new_order) {
   if (!needs_gl()) {
     drawing_.reset();
@@ -245,7 +245,7 @@ core::Expected<void> Engine::Impl::make_drawing(bool new_order) {
   return done;
 }
 
-/// Notices a lost context, and tries to replace one that is the engine's own.
+/// Detects a lost context, and tries to replace it if the engine made it.
 void Engine::Impl::look_after_context() {
   if (drawing_ && drawing_->lost()) drop_context();
   if (next_try_ < 0.0 || config_.context || now_seconds() < next_try_ || !needs_gl()) return;
@@ -257,7 +257,7 @@ void Engine::Impl::look_after_context() {
   }
 }
 
-/// A context that is lost in the middle of something is dealt with in the next frame.
+/// Ignores an error that comes from losing the context: the next frame handles the loss.
 core::Expected<void> Engine::Impl::unless_lost(core::Expected<void> done) const {
   if (!done && drawing_->lost()) return {};
   return done;
@@ -283,7 +283,7 @@ core::Expected<void> Engine::Impl::use_context(gl::Context& context) {
   return {};
 }
 
-/// The plan is made before there is a context to measure in.
+/// Adds the form of the GPU culler to the plan. The plan is made before there is a context to measure in.
 void Engine::Impl::note_gpu_form() {
   if (!drawing_ || !live_.plan.gpu_culls()) return;
   if (const auto form = drawing_->gpu_form()) add_gpu_form(live_.plan, *form, drawing_->why_gpu_form());
@@ -312,7 +312,7 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
   return report;
 }
 
-/// True when the GPU did it: then the answer is there, and visible() empty.
+/// True when the GPU culled: then the result stays there, and visible() is empty.
 core::Expected<bool> Engine::Impl::cull(const core::View& view, FrameReport& report) {
   visible_.clear();
   visible_.generation = live_.snapshot->generation();
@@ -332,7 +332,7 @@ core::Expected<bool> Engine::Impl::cull(const core::View& view, FrameReport& rep
       return true;
     }
     if (hybrid_)
-      hybrid_->gpu_lost();  // the CPU can do without
+      hybrid_->gpu_lost();  // the CPU culls instead
     else if (auto error = unless_lost(done); !error)
       return tl::unexpected(error.error());
   }
@@ -350,7 +350,7 @@ void Engine::Impl::cull_on_cpu(const core::View& view, FrameReport& report) {
   report.tested = std::int64_t(visible_.counters.nodes_tested + visible_.counters.boxes_tested);
 }
 
-/// Only the dissertation's policy asks for it.
+/// Empty unless the policy is that of the dissertation: no other reads it.
 culling::FrameSample Engine::Impl::describe_walk() const {
   culling::FrameSample walk;
   const auto* culler = std::get_if<culling::CpuCuller>(live_.culler.get());
@@ -387,7 +387,7 @@ core::Expected<void> Engine::Impl::commit() {
   const auto apply = [&] { touched = live_.snapshot->apply(delta); };
   rebuild_ ? rebuild_->edit(delta, apply) : apply();
   live_.update(touched);
-  const bool items_edited = delta.size() > delta.materials.size();  // colours change nothing of what frames cost
+  const bool items_edited = delta.size() > delta.materials.size();  // materials do not change what frames cost
   if (hybrid_ && items_edited) hybrid_->scene_changed(live_.snapshot->size());
   const double disorder = double(live_.snapshot->disorder());
   if (!rebuild_ && config_.rebuild_share > 0.0 && disorder > kFewSlots &&

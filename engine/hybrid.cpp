@@ -30,9 +30,9 @@ CullPath Hybrid::next(double since_last_ms) {
   return p.sample.path;
 }
 
-/// What waits for more to be known of a frame.
+/// Finds a frame that still waits for measurements; null if there is none.
 Hybrid::Pending* Hybrid::find(std::uint64_t report_frame) {
-  const std::uint64_t frame = report_frame - first_frame_;  // of earlier ones beyond any that is pending
+  const std::uint64_t frame = report_frame - first_frame_;  // earlier frames wrap beyond all pending ones
   Pending& p = pending(frame);
   return p.sample.frame == frame && !p.fed ? &p : nullptr;
 }
@@ -40,8 +40,8 @@ Hybrid::Pending* Hybrid::find(std::uint64_t report_frame) {
 void Hybrid::measured(const FrameReport& report, const culling::FrameSample& walk) {
   Pending& p = pending(controller_.frames() - 1);
   p.wait_ms = report.wait_ms;
-  p.drawn = !report.drawn && p.sample.path == CullPath::kCpu;  // then there is nothing to wait for
-  if (p.sample.path == CullPath::kGpu) return;                 // its CPU time is that of submitting
+  p.drawn = !report.drawn && p.sample.path == CullPath::kCpu;  // then there is no drawing to wait for
+  if (p.sample.path == CullPath::kGpu) return;                 // its CPU time is that of the submission
   p.sample.cull_ms = report.cull_ms;
   p.sample.visible = double(report.visible);
   p.sample.tested = double(report.tested);
@@ -68,9 +68,9 @@ void Hybrid::drawn(std::uint64_t frame, double gpu_ms) {
   feed_when_complete(*p);
 }
 
-/// The interval between two frames holds what the first of them cost the CPU, and the wait for one two frames before:
-/// taken as it is, a path would pay for what the other one did. So each frame is charged with the CPU's time without
-/// the wait, or with the GPU's if that is more.
+/// The interval between two frames includes the CPU's time for the first of them, and its wait for the frame two frames
+/// before. If the whole interval counted, one path would pay for a frame of the other. So each frame is charged with
+/// the interval without the wait, or with the GPU's time if that is longer.
 void Hybrid::feed_when_complete(Pending& p) {
   if (p.fed || !p.interval_known || !p.late_known || !p.drawn) return;
   p.fed = true;

@@ -1,4 +1,4 @@
-// What Engine tells of the picture that it has drawn.
+// Functions of Engine that read the drawn picture.
 #include "sightline/engine/internal/drawing.h"
 
 namespace sightline::engine {
@@ -11,7 +11,7 @@ core::Expected<const render::RenderTarget*> target_of(Engine& engine) {
   return &drawing->target();
 }
 
-/// What `read` makes of the target.
+/// Result of `read` for the target.
 template <class Read>
 auto read_from(Engine& engine, Read read) -> core::Expected<decltype(read(engine.drawing()->target()))> {
   const auto target = target_of(engine);

@@ -1,5 +1,5 @@
-// Decides, from what a scene holds, what it needs: everything else costs no memory, no shader compile and no frame
-// time.
+// Decides from the content of a scene which features it needs. All others cost no memory, no shader compile and no
+// frame time.
 #pragma once
 
 #include <string>
@@ -16,8 +16,8 @@ enum class CullerChoice : std::uint8_t {
   kAutomatic,  ///< linear for small scenes, the hierarchy for all others
   kLinear,     ///< test every box
   kCpu,        ///< CPU hierarchy
-  kGpu,        ///< on the GPU, whose answer stays there; needs GL
-  kHybrid,     ///< the one of these two that costs the frame less, decided from measured times; needs GL
+  kGpu,        ///< culls on the GPU, and the result stays there; needs GL
+  kHybrid,     ///< kCpu or kGpu, whichever costs the frame less by measured times; needs GL
 };
 
 constexpr std::string_view name_of(CullerChoice choice) {
@@ -44,12 +44,12 @@ struct Plan {
   bool gpu_culls() const { return culler == CullerChoice::kGpu || culler == CullerChoice::kHybrid; }
 };
 
-/// Below this many items testing all boxes costs less than walking nodes.
+/// Below this many items, testing all boxes costs less than traversing the hierarchy.
 inline constexpr std::size_t kSmallScene = 128;
-/// Below this many items the CPU culls in a microsecond or two, and no GPU culler can gain anything: none is made.
+/// Below this many items, the CPU culls in a microsecond or two and a GPU culler can gain nothing: none is made.
 inline constexpr std::size_t kSmallHybridScene = 10'000;
 
-/// Notes what is known only once there is a GPU culler: its form.
+/// Adds the form of the GPU culler, which is known only once there is one.
 void add_gpu_form(Plan& plan, culling::GpuForm form, const std::string& why);
 
 Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids);

@@ -5,7 +5,7 @@
 namespace sightline::engine {
 namespace {
 
-constexpr std::size_t kPiece = 2048;  // slots copied while edits wait
+constexpr std::size_t kPiece = 2048;  // slots copied at a time, while edits wait
 
 }  // namespace
 
@@ -34,7 +34,7 @@ BackgroundRebuild::BackgroundRebuild(const core::Snapshot& live, const PlanReque
     : live_(&live), thread_([this, request](const std::stop_token& stop) { run(stop, request); }) {}
 
 void BackgroundRebuild::edit(const core::SceneDelta& delta, const std::function<void()>& apply) {
-  editing_ = true;  // the other thread lets us pass before its next piece
+  editing_ = true;  // makes the other thread wait before its next piece
   {
     const std::lock_guard held(mutex_);
     apply();
@@ -63,8 +63,8 @@ bool BackgroundRebuild::lock(std::unique_lock<std::mutex>& held, const std::stop
   return changed_.wait(held, stop, [&] { return !editing_; }) && !stop.stop_requested();
 }
 
-/// Every item is met at least once, since items go to later slots only. What takes long, memory that grows, is done
-/// while nobody has to wait.
+/// Meets every item at least once, since items only move to later slots. Growing the memory takes long, so it happens
+/// while nobody waits.
 bool BackgroundRebuild::copy_all(const std::stop_token& stop, core::Snapshot::Items& items) {
   core::Snapshot::Items piece;
   for (std::size_t next = 0, end = 1; next < end;) {
@@ -88,7 +88,7 @@ bool BackgroundRebuild::copy_missed(const std::stop_token& stop, std::vector<cor
   std::sort(missed.begin(), missed.end());
   missed.erase(std::unique(missed.begin(), missed.end()), missed.end());
   std::size_t next = 0;
-  do {  // once even without items: the materials come along
+  do {  // once even without items: it also copies the materials
     std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
     if (!lock(held, stop)) return false;
     const std::size_t count = std::min(kPiece, missed.size() - next);

@@ -11,40 +11,41 @@
 
 namespace sightline::engine {
 
-/// Whatever needs the context makes it current on the calling thread, unless it was adopted, and leaves it so.
+/// Functions that need the context make it current on the calling thread, unless it was adopted, and leave it current.
 class Drawing {
  public:
   static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot& snapshot, const EngineConfig& config,
                                                          bool gpu_culls);
   ~Drawing();
-  /// Adds a row for each program there is.
+  /// Adds a plan entry for the program of each batch kind.
   static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
 
-  /// Submits one frame of a visible set. Before that it waits until at most one earlier frame is still being drawn.
-  /// `frame` comes back in take_drawn(). Where there is nothing to render it does nothing.
+  /// Submits one frame that shows a visible set. Waits first until at most one earlier frame is still being drawn.
+  /// take_drawn() returns `frame`. Does nothing when there is nothing to render.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible,
                             std::uint64_t frame);
-  /// Culls on the GPU, if the configuration asks for it, and submits a frame of what is found there with draw_culled().
-  /// `frame` comes back in take_gpu_feedback(), too.
+  /// cull() culls on the GPU, and draw_culled() submits a frame of the result. Both need the GPU culler.
+  /// take_gpu_feedback() returns `frame`, too.
   core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
   core::Expected<void> draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
-  /// What the last of these has waited, milliseconds.
+  /// How long the last call of these functions has waited, milliseconds.
   double waited_ms() const { return waited_ms_; }
-  /// A frame that is drawn, and how long the GPU was at it alone: from the end of the frame before, or its submission,
-  /// until its end, as somebody sees who waits for that; 0: nobody had to wait. The oldest not yet taken.
+  /// A frame that is drawn, with the time that the GPU spent on it alone. That time runs from the end of the frame
+  /// before, or from the submission of this one if that is later, until its end. It is measured by waiting for the end;
+  /// 0: there was no wait. take_drawn() returns the oldest frame not yet taken.
   struct Drawn {
     std::uint64_t frame = 0;
     double gpu_ms = 0.0;
   };
   std::optional<Drawn> take_drawn();
   std::optional<culling::GpuCuller::Feedback> take_gpu_feedback();
-  /// Follows an edit of `touched` slots (Snapshot::apply) and of materials (SceneDelta::materials): rewrites their
-  /// records and adds those of appended slots, or makes everything anew where GpuScene::append has no room.
+  /// Follows an edit of `touched` slots (Snapshot::apply) and of materials (SceneDelta::materials). Rewrites their
+  /// records and adds the records of appended slots. Makes everything anew when GpuScene::append returns false.
   core::Expected<void> update(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
                               std::span<const std::uint32_t> materials);
-  /// Makes everything of another snapshot, with or without a GPU culler.
+  /// Makes everything anew from another snapshot, with or without a GPU culler.
   core::Expected<void> rebuild(const core::Snapshot& snapshot, bool gpu_culls);
-  /// Makes the GPU culler, for the snapshot of the last update() or rebuild(), unless it is there.
+  /// Makes the GPU culler unless there is one. `snapshot` must be that of the last update() or rebuild().
   core::Expected<void> add_culler(const core::Snapshot& snapshot);
   /// See Engine::resize.
   core::Expected<void> resize(int width, int height);
@@ -52,12 +53,12 @@ class Drawing {
 
   const gl::Context& context() const { return context_; }
   core::Expected<void> make_current() const { return context_.make_current(); }
-  /// Whether the context is, see gl::Context::lost.
+  /// Whether the context is lost, see gl::Context::lost.
   bool lost() const;
   const std::string& renderer() const { return context_.renderer(); }
   bool software() const { return context_.capabilities().software; }
   const culling::GpuCuller* gpu_culler() const { return culler_ ? &*culler_ : nullptr; }
-  /// Of the GPU culler; none without one.
+  /// Form of the GPU culler; none without one.
   std::optional<culling::GpuForm> gpu_form() const { return culler_ ? std::optional(culler_->form()) : std::nullopt; }
   const std::string& why_gpu_form() const { return why_gpu_form_; }
   const gpuscene::DrawLists& lists() const { return *lists_; }
@@ -79,19 +80,19 @@ class Drawing {
     double submitted;  // seconds on the steady clock
   };
 
-  gl::Context context_;                     // a share: everything below is made with it and must go before it
-  std::optional<gl::Context> own_context_;  // none when it is the application's
+  gl::Context context_;                     // shared: everything below is made with it and must be destroyed before it
+  std::optional<gl::Context> own_context_;  // none when the context is the application's
   bool renders_ = true;
   culling::GpuCullerConfig cull_config_;  // names the form once it is known
   std::string why_gpu_form_;
   std::optional<gpuscene::GpuScene> scene_;
   std::optional<gpuscene::DrawLists> lists_;
   std::optional<culling::GpuCuller> culler_;
-  std::optional<render::Renderer> renderer_;  // none when only culling
+  std::optional<render::Renderer> renderer_;  // none when the engine only culls
   render::RenderTarget target_;
   std::deque<InFlight> in_flight_;
   std::deque<Drawn> drawn_;
-  double last_drawn_ = 0.0, waited_ms_ = 0.0;  // seconds: when the newest of drawn_ was known to be
+  double last_drawn_ = 0.0, waited_ms_ = 0.0;  // seconds: when the newest of drawn_ was known to be drawn
 };
 
 }  // namespace sightline::engine

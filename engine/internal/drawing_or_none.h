@@ -1,4 +1,4 @@
-// The one place in engine that knows whether this build has GL: class Drawing, or what stands in for it.
+// Includes class Drawing or its stand-in. The only place in engine that knows whether this build has GL.
 #pragma once
 
 #if SIGHTLINE_HAS_GL

@@ -1,5 +1,5 @@
-// The hybrid culler: asks the controller which path is to cull the next frame, and tells it what frames have cost, as
-// far as and as soon as that is known. Internal to engine.
+// The hybrid culler. Asks the controller which path culls the next frame, and tells it what frames cost as soon as that
+// is known. Internal to engine.
 #pragma once
 
 #include <array>
@@ -14,27 +14,28 @@ struct LateReport;
 
 class Hybrid {
  public:
-  /// For so many items, from frame `first_frame` (FrameReport::frame) on. The GPU culler exists: the controller may
-  /// choose it.
+  /// `items`: number of items. `first_frame`: FrameReport::frame of the first frame. The GPU culler must exist: the
+  /// controller may choose it.
   Hybrid(const culling::ControllerConfig& config, std::size_t items, std::uint64_t first_frame);
 
-  /// Begins a frame. `since_last_ms`: since the last one began; 0 for the first.
+  /// Begins a frame and returns its path. `since_last_ms`: time since the last frame began; 0 for the first.
   culling::CullPath next(double since_last_ms);
-  /// What the frame that has begun has cost the CPU. `walk`: of its hierarchy, as CpuCuller::describe tells it.
+  /// Reports the CPU cost of the frame that has begun. `walk`: description of the hierarchy's traversal, by
+  /// CpuCuller::describe.
   void measured(const FrameReport& report, const culling::FrameSample& walk = {});
-  /// An earlier frame is drawn, and kept the GPU busy so long; 0: not longer than it kept the CPU.
+  /// Reports that an earlier frame is drawn. `gpu_ms`: how long it kept the GPU busy; 0: not longer than the CPU.
   void drawn(std::uint64_t frame, double gpu_ms);
-  /// What the GPU found in an earlier frame.
+  /// Reports the GPU's result of an earlier frame.
   void measured(const LateReport& report);
 
-  /// Time stood still since the last frame began.
+  /// The application drew nothing for a while since the last frame began.
   void paused() { controller_.paused(); }
-  /// Another scene, of so many items, or other slots.
+  /// The scene has changed and holds `items` items now, or the slots have changed.
   void scene_changed(std::size_t items) { controller_.scene_changed(double(items)); }
-  /// The GPU culler has failed or gone: the CPU's path until there is one again.
+  /// The GPU culler has failed or is gone: the CPU's path culls until there is one again.
   void gpu_lost() { controller_.gpu_lost(); }
   void gpu_ready() {
-    controller_.paused();  // what making it anew took is nobody's cost
+    controller_.paused();  // the time to make the culler anew is charged to no path
     controller_.gpu_ready();
   }
 
@@ -52,7 +53,7 @@ class Hybrid {
 
   culling::Controller controller_;
   std::uint64_t first_frame_;
-  std::array<Pending, culling::kOldestSample> pending_;  // by the controller's frame
+  std::array<Pending, culling::kOldestSample> pending_;  // frame f of the controller at f modulo the size
 };
 
 }  // namespace sightline::engine

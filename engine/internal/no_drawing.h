@@ -1,4 +1,4 @@
-// Stands in for drawing.h in builds without GL: nothing can be created. Internal to engine.
+// Stand-in for drawing.h in builds without GL: create() always fails. Internal to engine.
 #pragma once
 
 #include <memory>
