@@ -12,7 +12,7 @@ namespace {
 using core::Slot;
 using core::Snapshot;
 
-/// What a view shows of meshes, by their boxes.
+/// Decides by their boxes what a view shows of meshes.
 class ShownMeshes {
  public:
   ShownMeshes(const Snapshot& snapshot, const DrawnView* drawn) : snapshot_(snapshot) {
@@ -28,29 +28,29 @@ class ShownMeshes {
     can_face_ = norm > 0.0 && view.sections.empty() && !mirrors(view);
   }
 
-  /// True when an item covers no pixel's centre, whatever it looks like: of what is far away that is a good part.
+  /// True when an item covers no pixel centre, whatever its shape. That is true of many distant items.
   bool between_pixels(Slot slot) const {
     if (pixels_.x == 0) return false;
     const Span w = span(clip_[3], slot);
     return w.low > 0.0 &&
            (misses_centres(span(clip_[0], slot), w, pixels_.x) || misses_centres(span(clip_[1], slot), w, pixels_.y));
   }
-  /// True when an item turns only front faces of its solid shells (solid_shells.h) to the eye: it is wholly beyond the
-  /// near plane, so that the eye is outside and the plane opens no shell, and not mirrored. Never with sections.
+  /// True when an item shows the eye only front faces of its solid shells (solid_shells.h). Then it is not mirrored and
+  /// wholly beyond the near plane, so the eye is outside and the plane cuts no shell open. Never true with sections.
   bool shows_fronts_alone(Slot slot) const { return can_face_ && beyond_near_plane(slot) && !mirrored(slot); }
 
  private:
   struct Span {
     double low, high;
   };
-  /// Pixels by which a rasteriser may move a vertex: it need not have more than four bits for parts of them.
+  /// Pixels by which a rasteriser may move a vertex: GL requires only four bits of sub-pixel precision.
   static constexpr double kSnap = 0.08;
 
   core::Plane relative(core::Plane plane) const {
     plane.offset += glm::dot(plane.normal, snapshot_.bounds().origin);
     return plane;
   }
-  /// Of a linear form over an item's box.
+  /// Range of a linear form over an item's box.
   Span span(const core::Plane& form, Slot slot) const {
     const core::Aabb box = snapshot_.bounds().box(slot);
     const core::dvec3 low(box.min), high(box.max);
@@ -60,10 +60,10 @@ class ShownMeshes {
   }
   static bool misses_centres(const Span& x, const Span& w, int pixels) {
     const double low = x.low / (x.low < 0.0 ? w.low : w.high), high = x.high / (x.high < 0.0 ? w.high : w.low);
-    const auto place = [&](double clip) { return (0.5 + 0.5 * clip) * pixels - 0.5; };  // centres at whole numbers
+    const auto place = [&](double clip) { return (0.5 + 0.5 * clip) * pixels - 0.5; };  // centres at integers
     return std::floor(place(high) + kSnap) < std::ceil(place(low) - kSnap);
   }
-  /// Of clockwise and counter-clockwise triangles.
+  /// True when the view exchanges clockwise and counter-clockwise triangles.
   static bool mirrors(const core::View& view) {
     const core::dmat4& clip = view.clip_from_eye();
     return !(glm::determinant(core::dmat3(view.eye_from_world())) * clip[0][0] * clip[1][1] > 0.0);
@@ -72,7 +72,7 @@ class ShownMeshes {
     const core::KindItems& items = snapshot_.of_kind(snapshot_.kind(slot));
     return !(glm::determinant(items.placements[snapshot_.index_in_kind(slot)].linear) > 0.0f);
   }
-  /// By more than vertices are rounded on the GPU.
+  /// True when an item lies beyond the near plane by more than the GPU rounds vertices.
   bool beyond_near_plane(Slot slot) const {
     const core::Aabb box = snapshot_.bounds().box(slot);
     const Span depth = span(near_, slot);
@@ -132,7 +132,7 @@ void DrawLists::list_records(const Batch& batch) {
   sections_[std::size_t(batch.kind)] = {begin, int(command_list_.size() - begin)};
 }
 
-/// Commands that show front faces alone come first.
+/// Commands that show only front faces come first.
 void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const DrawnView* drawn) {
   const std::size_t begin = command_list_.size();
   const ShownMeshes shown(snapshot, drawn);
@@ -163,7 +163,7 @@ core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene&
   visible_.assign(snapshot, visible);
   std::size_t singles = 0;
   for (const VisibleRecords::OfBatch& found : visible_.batches) singles += found.singles.size();
-  // There must be room before the lists are made: they say where in the buffer a single record lies.
+  // The lists hold the places of single records in the buffer, so it must be large enough before.
   if (singles > single_capacity_ || singles_.size() == 0)
     if (auto done = grow_singles(singles); !done) return done;
   command_list_.clear();

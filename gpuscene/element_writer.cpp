@@ -12,7 +12,7 @@ constexpr GLuint kInvocations = 256, kMostGroups = 4096;
 enum StorageBinding : GLuint { kSource, kTarget, kPlaces };
 enum Uniform : GLint { kElementsUniform, kWordsUniform };
 
-/// One past the last of the neighbours from `first` on.
+/// One past the end of the run of neighbours that begins at `first`.
 std::size_t run_end(std::span<const std::uint32_t> places, std::size_t first) {
   std::size_t end = first + 1;
   while (end < places.size() && places[end] == places[end - 1] + 1) ++end;

@@ -1,9 +1,9 @@
 // Draw lists that a culler on the GPU fills.
 //
-// How many records it has written, unless it counts itself, is found by looking for the first unused place, by halving,
-// in vertex stages whose answers go through transform feedback. Others say the same, but on Mesa's llvmpipe a query
-// written into a buffer waits until the frame before is drawn, and so does the memory barrier after a compute shader
-// (of a frame of 73 ms, 12 ms).
+// Unless the culler counts, a binary search for the first unused place finds how many records it has written. It runs
+// in vertex stages and writes its result through transform feedback. Two other ways give the same number but are slow
+// on Mesa's llvmpipe: a query written into a buffer waits until the frame before is drawn, and so does the memory
+// barrier after a compute shader (12 ms of a frame of 73 ms).
 #include <algorithm>
 #include <cassert>
 
@@ -17,7 +17,7 @@ namespace {
 enum TextureUnit : GLuint { kRecordUnit, kCommandUnit };
 constexpr GLint kSectionsUniform = 0;
 
-/// Members of DrawLists::GpuSections.
+/// Words of DrawLists::GpuSections.
 enum SectionWord { kFirstCommand, kFirstSingle, kPlaces, kIndicesPerRecord };
 
 std::size_t commands_for(const Batch& batch) {
@@ -107,7 +107,7 @@ core::Expected<void> DrawLists::make_search() {
   return {};
 }
 
-/// All that the GPU does not change of record batches' commands.
+/// Writes the parts of record batches' commands that the GPU does not change.
 void DrawLists::write_gpu_templates(const GpuScene& scene) {
   std::vector<ElementsCommand> commands(gpu_.record_commands);
   for (const Batch& batch : scene.batches()) {
@@ -162,7 +162,7 @@ void DrawLists::search() {
   gpu_.count_feedback.begin_points();
   gl.DrawArrays(GL_POINTS, 0, kBatchKindCount);
   gpu_.count_feedback.end();
-  gl.BindTextureUnit(kCommandUnit, 0);  // nobody may read what is being written, here or by the culler
+  gl.BindTextureUnit(kCommandUnit, 0);  // no program, here or in the culler, may read a buffer that is being written
   if (gpu_.record_commands > 0) {
     gpu_.write_commands.use();
     gpu_.command_feedback.begin_points();

@@ -13,15 +13,15 @@ using core::Slot;
 using core::Snapshot;
 using gpuprims::Texel;
 
-constexpr std::uint32_t kHeadroom = 64;  // records, beside an eighth of what there is
+constexpr std::uint32_t kHeadroom = 64;  // spare records, besides an eighth of the present ones
 
-/// Row of the material table: materials come in scene order, after the row for items that name none.
+/// Row in the material table. Row 0 is for items that name no material; the materials follow in scene order.
 std::uint32_t material_row(const Snapshot& snapshot, Slot slot) {
   const std::uint32_t material = snapshot.material(slot);
   return material == core::kNone ? 0u : (material + 1) & gpuprims::kMaterialMask;
 }
 
-/// Records of `slots`, and memory for `capacity` of them.
+/// Packs the records of `slots`. The result has room for `capacity` records.
 std::vector<Texel> pack_slots(const Snapshot& snapshot, BatchKind kind, std::span<const Slot> slots,
                               std::size_t capacity) {
   const std::size_t stride = std::size_t(texels_per_record(kind));
@@ -31,7 +31,7 @@ std::vector<Texel> pack_slots(const Snapshot& snapshot, BatchKind kind, std::spa
   return texels;
 }
 
-/// Of an item of the mesh batch.
+/// Index of the mesh of an item in the mesh batch.
 std::uint32_t mesh_index(const Snapshot& snapshot, Slot slot) {
   return snapshot.of_kind(snapshot.kind(slot)).meshes[snapshot.index_in_kind(slot)];
 }
@@ -84,7 +84,7 @@ void GpuScene::pack(const Snapshot& snapshot, Slot slot, std::span<Texel> out) {
   if ((covered & core::kBottomEnd) != 0) flags |= gpuprims::kBottomOpen;
   if ((covered & core::kTopEnd) != 0) flags |= gpuprims::kTopOpen;
   core::Placement placement = items.placements[i];
-  if (snapshot.vacant(slot)) placement.linear = core::mat3(0.0f);  // a point, of which nothing is rasterised
+  if (snapshot.vacant(slot)) placement.linear = core::mat3(0.0f);  // shrinks it to a point, which is not rasterised
   gpuprims::pack(kind, parameters, {placement, snapshot.item(slot), material_row(snapshot, slot) | flags}, out);
 }
 
@@ -114,7 +114,7 @@ core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snap
   return scene;
 }
 
-/// One row for items that name none, then the snapshot's table.
+/// Row 0 is for items that name no material; the snapshot's table follows.
 core::Expected<void> GpuScene::make_materials(const gl::Functions& gl, const Snapshot& snapshot) {
   const core::Material unnamed;
   std::vector<glm::vec4> rows{{unnamed.colour, unnamed.alpha}};

@@ -28,7 +28,7 @@ std::uint32_t snorm16(float v) {
   return std::uint16_t(std::lround(std::clamp(v, -1.0f, 1.0f) * 32767.0f));
 }
 
-/// Gathers triangles; items of one mesh share them.
+/// Gathers triangles. Items with the same mesh share them.
 class PoolBuilder {
  public:
   explicit PoolBuilder(const Snapshot& snapshot) : snapshot_(snapshot) {}
@@ -86,7 +86,7 @@ core::Expected<MeshPool> build_mesh_pool(const gl::Functions& gl, const Snapshot
                              std::uint32_t(pool.commands.size())});
     pool.solid_indices.push_back(shape.solid_indices);
   }
-  if (builder.indices().empty()) return pool;  // every mesh is empty: commands of zero indices
+  if (builder.indices().empty()) return pool;  // every mesh is empty: all commands draw zero indices
   auto vertices = gl::Buffer::create(gl, std::span(builder.vertices()), 0, "mesh vertices");
   if (!vertices) return tl::unexpected(vertices.error());
   auto indices = gl::Buffer::create(gl, std::span(builder.indices()), 0, "mesh indices");

@@ -15,11 +15,11 @@ using core::mixed;
 using core::vec3;
 using Indices = std::span<const std::uint32_t>;
 
-constexpr int kRounds = 8;          // of the search for a point that sees all
-constexpr double kStep = 1.2;       // of the way to a plane
-constexpr double kFlatness = 1e-9;  // radii that count as in the plane: what rounding leaves of a triangle seen edge-on
+constexpr int kRounds = 8;          // of the search for a centre that sees the whole shell
+constexpr double kStep = 1.2;       // step length, relative to the distance to the plane
+constexpr double kFlatness = 1e-9;  // smaller heights over a plane, relative to a corner's distance, are rounding
 
-/// What hangs together.
+/// Union-find over positions.
 class Sets {
  public:
   explicit Sets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
@@ -34,16 +34,16 @@ class Sets {
 };
 
 struct Shell {
-  std::uint64_t balance = 0;  // of its edges; 0: closed
-  dvec3 sum{0.0};             // of its corners
+  std::uint64_t balance = 0;  // sum over its edges; 0: closed
+  dvec3 sum{0.0};             // of all corners
   std::uint32_t corners = 0;
   dvec3 centre{0.0};
-  bool seen = true;  // all of it, from the centre
+  bool seen = true;  // the centre sees the whole shell
   bool undecided = true;
   bool solid() const { return !undecided && balance == 0; }
 };
 
-/// For each triangle its shell.
+/// Returns the shell of each triangle.
 std::vector<std::uint32_t> find_shells(Indices corners, std::size_t positions, std::vector<Shell>& shells) {
   Sets sets(positions);
   for (std::size_t i = 0; i < corners.size(); i += 3) {
@@ -75,8 +75,8 @@ void gather(Indices corners, std::span<const vec3> positions, Indices shell_of, 
   for (Shell& shell : shells) shell.centre = shell.sum / double(shell.corners);
 }
 
-/// Moves the centres of shells behind each triangle that they are in front of. A centre that had not to be moved sees
-/// all of its shell.
+/// For each triangle that has a shell's centre in front of it, moves the centre behind it. A centre that did not have
+/// to move sees its whole shell.
 void relax(Indices corners, std::span<const vec3> positions, Indices shell_of, std::vector<Shell>& shells) {
   for (std::size_t t = 0; t < shell_of.size(); ++t) {
     Shell& shell = shells[shell_of[t]];

@@ -11,7 +11,7 @@ using core::Slot;
 using core::SlotRange;
 using core::Snapshot;
 
-/// Calls `part(first, end)` for what remains of a range without its vacant runs of more than kLongestGap slots.
+/// Calls `part(first, end)` for each part of a range between its vacant runs of more than kLongestGap slots.
 template <class Part>
 void without_vacant_runs(const Snapshot& snapshot, const SlotRange& range, const Part& part) {
   const Slot end = range.first + range.count;

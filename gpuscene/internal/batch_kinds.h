@@ -1,5 +1,5 @@
-// The kinds of batches: what one program draws. One row per kind says all that differs between them; renderer, GPU
-// culler, plan and shaders read it from here.
+// The kinds of batches; each has one program. kBatchKinds has one row per kind with all that differs between them. The
+// renderer, the GPU culler, the plan and the shaders read it.
 #pragma once
 
 #include <array>
@@ -30,15 +30,15 @@ inline constexpr int kBatchKindCount = 9;
 
 /// How the items of a batch become fragments.
 enum class Drawn : std::uint8_t {
-  kRayCast,    ///< a point, of which a geometry stage makes a proxy, within which fragments cast rays
+  kRayCast,    ///< a point each; a geometry stage makes it a proxy, whose fragments cast rays
   kLines,      ///< two vertices each
-  kTriangles,  ///< an indexed draw each, out of the mesh pool
+  kTriangles,  ///< an indexed draw each, from the mesh pool
 };
 
 struct BatchKindInfo {
-  std::string_view name;  ///< in capitals it is a define of the kind's shaders
+  std::string_view name;  ///< in capitals, a define of the kind's shaders
   Drawn drawn;
-  std::uint32_t item_kinds;  ///< a bit 1 << core::Kind of each kind of items
+  std::uint32_t item_kinds;  ///< one bit 1 << core::Kind for each kind of items
 };
 
 constexpr std::uint32_t item_kind_bits(auto... kinds) {
@@ -67,7 +67,7 @@ constexpr std::string_view name_of(BatchKind kind) {
 constexpr bool is_ray_cast(BatchKind kind) {
   return info_of(kind).drawn == Drawn::kRayCast;
 }
-/// Texels of each record: all kinds of items that share a batch have as many.
+/// Texels of each record, the same for all kinds of items that share a batch.
 constexpr int texels_per_record(BatchKind kind) {
   return gpuprims::texels_per_item(core::Kind(std::countr_zero(info_of(kind).item_kinds)));
 }
@@ -81,9 +81,9 @@ constexpr BatchKind batch_of(core::Kind kind) {
   return BatchKind(batch);
 }
 
-/// "CYLINDER" and so on, and "TEXELS_PER_RECORD 4": the defines of shaders of one kind.
+/// Defines for the shaders of one kind: "CYLINDER" and so on, and "TEXELS_PER_RECORD 4".
 std::vector<std::string> batch_defines(BatchKind kind);
-/// "CYLINDER_KIND 0u" and so on: a BatchKind in shaders of several kinds.
+/// Defines for shaders of several kinds: "CYLINDER_KIND 0u" and so on, with the value of each BatchKind.
 std::vector<std::string> batch_kind_defines();
 
 }  // namespace sightline::gpuscene

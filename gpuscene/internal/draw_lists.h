@@ -1,15 +1,15 @@
-// The GPU form of a visible set: which records each batch draws, as indirect commands and record ids.
+// The GPU form of a visible set: indirect commands and record ids that say which records each batch draws.
 //
-// Ray-cast batches draw points without attributes: gl_VertexID names the record, and a range of records is a command
-// whose base vertex is the range's first. Vertex ids beyond the batch's records name places in the list of single
-// records, read through a buffer texture. Lines do the same with two vertices a record. Meshes bring their record as an
-// attribute with divisor 1, offset by the command's base instance.
+// Ray-cast batches draw points without attributes. gl_VertexID names the record, and one command draws a range of
+// records: its base vertex is the first of them. Vertex ids beyond the batch's records name places in the list of
+// single records, which shaders read through a buffer texture. Lines do the same with two vertices per record. Meshes
+// get their record as an attribute with divisor 1, offset by the command's base instance.
 //
-// Either of two fills the lists: update() from a visible set of the CPU, or a culler on the GPU, which writes record
-// ids (of meshes whole commands) to target() between begin_gpu_update() and end_gpu_update(); nothing of that comes
-// back to the CPU. The renderer draws both alike: commands and record ids have one form. How many commands of a section
-// are in use is then known on the GPU alone: where the context has ARB_indirect_parameters the number is read from
-// counts(), and elsewhere the unused ones draw nothing.
+// Two sources can fill the lists: update() from a visible set of the CPU, or a culler on the GPU. The GPU culler writes
+// record ids (whole commands for meshes) to target() between begin_gpu_update() and end_gpu_update(), and nothing of
+// that returns to the CPU. The renderer draws both in the same way, since commands and record ids have the same form.
+// Only the GPU then knows how many commands of a section are in use. With ARB_indirect_parameters the draw reads the
+// number from counts(); without it the unused commands draw nothing.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@
 
 namespace sightline::gpuscene {
 
-/// What lists will be drawn with.
+/// The view and target that will draw the lists.
 struct DrawnView {
   const core::View& view;
   int width, height;  ///< of the target, pixels
@@ -37,64 +37,66 @@ struct DrawnView {
 
 class DrawLists {
  public:
-  /// Where a batch's commands lie in commands(), ElementsCommand each. Lines draw with indices too, 0, 1, 2, …
+  /// Where the commands (ElementsCommand) of a batch lie in commands(). Lines also draw with indices 0, 1, 2, …
   struct Section {
     std::size_t offset = 0;  ///< bytes
     int count = 0;           ///< commands, used or not; 0: nothing to draw
-    bool counted = false;    ///< the number in use lies in counts(), at command_count_offset()
-    int front_only = 0;      ///< of meshes: so many of the first commands show front faces alone, see update()
+    bool counted = false;    ///< counts() holds the number in use, at command_count_offset()
+    int front_only = 0;      ///< meshes: number of first commands that show front faces only, see update()
   };
-  /// Where a culler on the GPU writes what it finds of a batch, without gaps from the start.
+  /// Where a culler on the GPU writes its result for a batch, from the start and without gaps.
   struct Target {
     GLuint buffer = 0;
-    std::size_t offset = 0, size = 0;  ///< bytes; room for all records: ids, uint32, or of meshes commands
+    std::size_t offset = 0, size = 0;  ///< bytes; room for all records: uint32 ids, or commands for meshes
   };
 
   /// Who counts what a culler on the GPU writes.
   enum class Counting : std::uint8_t {
-    kSearch,  ///< end_gpu_update() looks where each list ends
-    kCuller,  ///< the culler itself, which also writes counts() and the index counts of commands(), see gpu_sections()
+    kSearch,  ///< end_gpu_update() searches for the end of each list
+    kCuller,  ///< the culler, which also writes counts() and the index counts of commands(), see gpu_sections()
   };
 
   static core::Expected<DrawLists> create(const gl::Context& context, const GpuScene& scene);
 
-  /// Translates and uploads a visible set of `snapshot`, from which `scene` was made. With `drawn`, what will be drawn
-  /// with the lists, meshes are left out that cover no pixel's centre, and Section::front_only is known. Fails when the
-  /// GPU has not the memory; then the lists are empty.
+  /// Translates and uploads a visible set of `snapshot`, the one that `scene` was made from. With `drawn`, the view
+  /// that will draw the lists, it leaves out meshes that cover no pixel centre, and sets Section::front_only. Fails
+  /// when the GPU has not enough memory; then the lists are empty.
   core::Expected<void> update(const core::Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
                               const DrawnView* drawn = nullptr);
 
-  /// Marks all places of the targets unused; of a culler that counts only where draws would meet them (commands of
-  /// meshes without ARB_indirect_parameters). The first call makes room for all of `scene`, and the first to search
-  /// compiles programs. Fails when the GPU has not the memory, then the lists are empty.
+  /// Marks all places of the targets as unused. With Counting::kCuller it marks only those that draws would read:
+  /// commands of meshes without ARB_indirect_parameters. The first call allocates room for all of `scene`, and the
+  /// first with Counting::kSearch compiles programs. Fails when the GPU has not enough memory; then the lists are
+  /// empty.
   core::Expected<void> begin_gpu_update(const GpuScene& scene, Counting counting = Counting::kSearch);
   Target target(BatchKind kind) const;  ///< of a batch that `scene` has
-  /// Makes draw commands of what was written, on the GPU. When it has to search, a complete framebuffer must be bound,
-  /// and it leaves changed: program, vertex array, transform feedback, texture units 0 and 1.
+  /// Makes draw commands from what was written, on the GPU. With Counting::kSearch a complete framebuffer must be
+  /// bound, and the call changes: program, vertex array, transform feedback, texture units 0 and 1.
   void end_gpu_update(const GpuScene& scene);
 
-  /// Per batch kind: first command (in commands(), whose members of meshes come last), first place of single records,
-  /// places (0: no such batch), indices per record (0 of meshes). With Counting::kCuller, the culler writes between
-  /// begin and end: for every kind both numbers of counts(); for every command of record batches the index count,
-  /// its first word, which is 0 of those not in use. shaders/draw_commands.glsl says how they follow.
+  /// Per batch kind: first command (in commands(), where those of meshes come last), first place of single records,
+  /// number of places (0: no such batch), indices per record (0 for meshes). With Counting::kCuller the culler must
+  /// write, between begin and end: both numbers in counts() for every kind, and the index count of every command of
+  /// record batches. The index count is the command's first word, 0 for commands not in use. shaders/draw_commands.glsl
+  /// computes these.
   using GpuSections = std::array<std::array<std::uint32_t, 4>, kBatchKindCount>;
   const GpuSections& gpu_sections() const { return gpu_.sections; }
-  /// Commands of all record batches.
+  /// Number of commands of all record batches.
   std::size_t record_command_count() const { return gpu_.record_commands; }
-  /// The files of gpuscene/shaders, with the defines that these of draw lists need.
+  /// The files of gpuscene/shaders, with the defines that the shaders of draw lists need.
   static gl::ShaderContext shader_context();
-  /// Nothing to draw.
+  /// Makes the lists empty.
   void clear() { sections_ = {}; }
 
   const Section& section(BatchKind kind) const { return sections_[std::size_t(kind)]; }
   const gl::Buffer& commands() const { return from_gpu_ ? gpu_.commands : commands_; }
-  /// Single records, R32UI; place i is named by record number batch.count + i.
+  /// Single records, R32UI. Record number batch.count + i names place i.
   const gl::TextureBuffer& singles() const { return from_gpu_ ? gpu_.single_texels : single_texels_; }
-  /// Pairs of uint32 per batch kind, written by the GPU: commands in use and records found.
+  /// Pairs of uint32 per batch kind, written by the GPU: commands in use, records found.
   const gl::Buffer& counts() const { return gpu_.counts; }
   static std::size_t command_count_offset(BatchKind kind) { return 2 * std::size_t(kind) * sizeof(std::uint32_t); }
   static std::size_t record_count_offset(BatchKind kind) { return command_count_offset(kind) + sizeof(std::uint32_t); }
-  /// 0, 1, 2, … in 16 bits: the indices of all batches but meshes; empty when there are none.
+  /// 0, 1, 2, … in 16 bits: the indices of all batches except meshes. Empty when there are none.
   const gl::Buffer& record_indices() const { return record_indices_; }
   /// 0, 1, 2, … up to the mesh batch's capacity: the instance attribute of meshes.
   const gl::Buffer& mesh_instances() const { return mesh_instances_; }
@@ -112,7 +114,7 @@ class DrawLists {
   void search();
   void write_gpu_templates(const GpuScene& scene);
 
-  static constexpr int kFramesInFlight = 3;  // so that no upload waits for the GPU to finish reading
+  static constexpr int kFramesInFlight = 3;  // then no upload waits until the GPU has finished reading
 
   const gl::Functions* gl_ = nullptr;
   gl::Buffer commands_, singles_, record_indices_, mesh_instances_;
@@ -124,18 +126,18 @@ class DrawLists {
   std::vector<ElementsCommand> command_list_, both_faces_;
   std::vector<std::uint32_t> single_list_;
 
-  /// What the GPU fills. One copy: the GPU does its work in order.
+  /// Buffers that the GPU fills. One copy is enough: the GPU works in order.
   struct GpuLists {
     gl::Buffer commands, singles, counts;  // commands of all record batches, then those of meshes
     gl::TextureBuffer single_texels;
-    // To search:
+    // For Counting::kSearch:
     gl::TextureBuffer command_texels;
     gl::Program write_commands, count_records;
     gl::TransformFeedback command_feedback, count_feedback;
     gl::VertexArray array;  // without attributes
     GpuSections sections{};
     std::array<std::size_t, kBatchKindCount> command_count{};
-    std::array<std::uint32_t, kBatchKindCount> records{};  // Batch::count that the templates were written for
+    std::array<std::uint32_t, kBatchKindCount> records{};  // Batch::count at the time the templates were written
     std::size_t record_commands = 0;
   };
   GpuLists gpu_;  // empty until begin_gpu_update()

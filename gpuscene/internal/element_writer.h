@@ -16,22 +16,22 @@ class ElementWriter {
   explicit ElementWriter(const gl::Context& context)
       : gl_(&context.functions()), largest_block_(std::size_t(context.capabilities().max_storage_block_bytes)) {}
 
-  /// Element i of `data`, `bytes` long, goes to place `places[i]` of `buffer`, which holds such elements from its
-  /// begin. Places rise; `bytes` is a multiple of 4. Up to kMostRuns runs of neighbours are written one by one. More
-  /// are uploaded together, and a compute shader, compiled for the first such call, puts them in their places; that
-  /// leaves changed: program, shader storage blocks 0 to 2. Where that cannot be had (storage blocks too small, no
-  /// memory) they are written one by one, too.
+  /// Writes element i of `data`, `bytes` long, to place `places[i]` of `buffer`, an array of such elements. Places must
+  /// rise; `bytes` must be a multiple of 4. Writes up to kMostRuns runs of neighbours with one GL call each. More runs
+  /// are uploaded together, and a compute shader puts them in their places; the first such call compiles it. That
+  /// changes: program, shader storage blocks 0 to 2. If this is not possible (storage blocks too small, no memory), the
+  /// runs are written one by one.
   void write(const gl::Buffer& buffer, std::size_t bytes, std::span<const std::uint32_t> places, const void* data);
 
   static constexpr std::size_t kMostRuns = 32;
 
  private:
   bool scatter(const gl::Buffer& buffer, std::size_t bytes, std::span<const std::uint32_t> places, const void* data);
-  const gl::Program* prepare(bool wide);  ///< null where it cannot be had
+  const gl::Program* prepare(bool wide);  ///< null when it cannot be compiled
 
   const gl::Functions* gl_ = nullptr;
   std::size_t largest_block_ = 0;
-  gl::Program programs_[2];  // words of 4 bytes, of 16
+  gl::Program programs_[2];  // for words of 4 bytes, of 16 bytes
 };
 
 }  // namespace sightline::gpuscene

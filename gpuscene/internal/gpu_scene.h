@@ -1,6 +1,6 @@
-// gpuscene: what of a snapshot lies in GPU memory. This header: batches with their records, the mesh pool, materials.
-// Beside it: the kinds of batches (batch_kinds.h) and the GPU form of a visible set (draw_lists.h). Draws nothing and
-// culls nothing.
+// gpuscene: the part of a snapshot in GPU memory. This header: batches with their records, the mesh pool, materials.
+// Other headers: the kinds of batches (batch_kinds.h) and the GPU form of a visible set (draw_lists.h). The module
+// neither draws nor culls.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,17 @@
 
 namespace sightline::gpuscene {
 
-/// One record per item, in slot order: place k of a ray-cast or line batch is place k of the snapshot's of_kind()
-/// arrays.
+/// One record per item, in slot order: record k of a ray-cast or line batch belongs to element k of the snapshot's
+/// of_kind() arrays.
 struct Batch {
   BatchKind kind = BatchKind::kMesh;
   std::uint32_t count = 0;
-  std::uint32_t capacity = 0;  ///< records that there is memory for
+  std::uint32_t capacity = 0;  ///< records that the memory has room for
   gl::Buffer records;
   gl::TextureBuffer texels;
 };
 
-/// glMultiDrawElementsIndirect's record.
+/// Command of glMultiDrawElementsIndirect.
 struct ElementsCommand {
   std::uint32_t count, instance_count, first_index;
   std::int32_t base_vertex;
@@ -40,26 +40,26 @@ struct MeshPool {
   gl::Buffer vertices;                    ///< four words each: position x y z as float bits, normal, see mesh_pool.h
   gl::Buffer indices;                     ///< uint32
   std::vector<ElementsCommand> commands;  ///< one per item of the mesh batch, in slot order
-  /// How many of a command's first indices are of solid shells, whose back faces cannot be seen from outside.
+  /// Number of a command's first indices that belong to solid shells, whose back faces cannot be seen from outside.
   std::vector<std::uint32_t> solid_indices;
   static constexpr int kVertexBytes = 16;
 };
 
 class GpuScene {
  public:
-  /// Uploads everything the snapshot holds. Fails when the GPU has not the memory. The context must be current, here
+  /// Uploads everything in the snapshot. Fails when the GPU has not enough memory. The context must be current, here
   /// and in all other calls.
   static core::Expected<GpuScene> create(const gl::Context& context, const core::Snapshot& snapshot);
 
-  /// Writes the records of changed slots anew: placement, material, and nothing to draw for vacant ones, which ranges
-  /// may hold. Slots that were appended come first, see append(). GL calls follow the number of runs of neighbours at
-  /// most, and not of many (ElementWriter, which says what GL state that changes).
+  /// Rewrites the records of changed slots: placement and material, and for vacant slots, which ranges may contain,
+  /// nothing to draw. Call append() for appended slots first. Needs at most one GL call per run of neighbours, and
+  /// far fewer for many runs (ElementWriter, which lists the GL state that it changes).
   void update(const core::Snapshot& snapshot, std::span<const core::Slot> changed);
-  /// Adds records of slots appended since the last call. False, with nothing done, when it takes a new GpuScene: memory
-  /// for an eighth more than at first is used up, or there are kinds or meshes that were not there.
+  /// Adds records of the slots appended since the last call. False, with nothing done, when a new GpuScene is needed:
+  /// memory for an eighth more than at first is used up, or there are new kinds or meshes.
   bool append(const core::Snapshot& snapshot);
-  /// Writes the looks of edited or added materials, by their indices in rising order, in one go. Makes a larger table
-  /// where there is no room for what was added. Fails when the GPU has not the memory; then nothing has changed.
+  /// Writes all edited or added materials at once; `edited` holds their indices in rising order. Makes a larger table
+  /// when added ones do not fit. Fails when the GPU has not enough memory; then nothing has changed.
   core::Expected<void> update_materials(const gl::Context& context, const core::Snapshot& snapshot,
                                         std::span<const std::uint32_t> edited);
 
@@ -69,11 +69,11 @@ class GpuScene {
   const gl::TextureBuffer& materials() const { return material_texels_; }
   std::size_t memory_bytes() const;
 
-  /// What a slot's record holds. `out`: texels_per_record() of its batch.
+  /// Writes a slot's record to `out`, texels_per_record() of its batch.
   static void pack(const core::Snapshot& snapshot, core::Slot slot, std::span<gpuprims::Texel> out);
-  /// Items of a batch in slots below `slot`. Constant time.
+  /// Number of items of a batch in slots below `slot`. Constant time.
   static std::uint32_t rank(const core::Snapshot& snapshot, BatchKind kind, core::Slot slot);
-  /// Place of an item's record in its batch: rank() of its own slot, found faster.
+  /// Place of an item's record in its batch. Equals rank() of its own slot, but is faster.
   static std::uint32_t record_of(const core::Snapshot& snapshot, core::Slot slot);
 
  private:
@@ -85,7 +85,7 @@ class GpuScene {
   gl::TextureBuffer material_texels_;
   ElementWriter writer_;
   core::Slot slot_count_ = 0;
-  std::unordered_map<std::uint32_t, std::uint32_t> record_of_mesh_;  // of some item with that mesh
+  std::unordered_map<std::uint32_t, std::uint32_t> record_of_mesh_;  // by mesh: the record of some item with that mesh
 };
 
 }  // namespace sightline::gpuscene

@@ -5,15 +5,16 @@
 
 namespace sightline::gpuscene {
 
-/// A direction on the octahedron, unfolded to two snorm16 (Z. Cigolle et al., "A Survey of Efficient Representations
-/// for Independent Unit Vectors", 2014): within 7e-5 rad. kNoNormal for one of no length. mesh.vert unpacks it.
+/// Packs a direction with the octahedral mapping into two snorm16 (Z. Cigolle et al., "A Survey of Efficient
+/// Representations for Independent Unit Vectors", 2014), within 7e-5 rad. A vector of no length gives kNoNormal.
+/// mesh.vert unpacks it.
 std::uint32_t pack_normal(const core::vec3& normal);
 inline constexpr std::uint32_t kNoNormal = 0x80008000u;
 
-/// True when an item's mesh brings no normals and is shaded flat.
+/// True when an item's mesh has no normals and is shaded flat.
 bool flat_shaded(const core::Snapshot& snapshot, core::Slot slot);
 
-/// Gathers and uploads the meshes of all items of the mesh batch, `slots` in rising order.
+/// Gathers and uploads the meshes of all items of the mesh batch. `slots` must rise.
 core::Expected<MeshPool> build_mesh_pool(const gl::Functions& gl, const core::Snapshot& snapshot,
                                          std::span<const core::Slot> slots);
 

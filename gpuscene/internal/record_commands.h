@@ -1,5 +1,5 @@
-// How records are drawn without attributes: one vertex or two each, indexed 0, 1, 2, …, many records to a command.
-// Internal to gpuscene.
+// How records are drawn without attributes: one or two vertices each, with indices 0, 1, 2, …, and many records per
+// command. Internal to gpuscene.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace sightline::gpuscene {
 
-/// Records per command: their vertices must stay within 16-bit indices.
+/// Records per command: their vertices must fit 16-bit indices.
 inline constexpr std::uint32_t kRecordsPerCommand = 8192;
 
-/// Vertices that draw a record of a batch that has no attributes. Lines have two ends; what is ray-cast is a point,
-/// which a geometry stage makes a proxy of.
+/// Vertices per record of a batch without attributes. Lines have two ends; a ray-cast item is a point, which a geometry
+/// stage makes a proxy.
 constexpr std::uint32_t vertices_per_record(BatchKind kind) {
   return kind == BatchKind::kLine ? 2 : 1;
 }

@@ -1,4 +1,4 @@
-// Which triangles of a mesh never show their back to an eye outside. Internal to gpuscene.
+// Finds the triangles of a mesh that never show their back to an eye outside. Internal to gpuscene.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,18 @@
 
 namespace sightline::gpuscene {
 
-/// Moves the triangles of solid shells to the front, all others behind them, both in their order; returns how many
-/// indices the solid ones have. All indices must be below positions.size().
+/// Moves the triangles of solid shells to the front and all others behind them, keeping the order of both. Returns the
+/// number of indices of the solid ones. All indices must be below positions.size().
 ///
-/// A shell is what hangs together by common positions. It counts as solid when it is closed, every edge (as a pair of
-/// positions) being run as often forth as back, and star-shaped: seen from some point c none of its triangles is
-/// clockwise. A ray from c then only ever leaves the shell, so the winding number of a point, which is the number of
-/// crossings behind it on that ray, is nowhere negative; and a ray from where it is 0 first crosses the shell inwards,
-/// through a front face. That proves nothing for bent shells, which no point sees all of: they are never solid.
+/// A shell is a component connected by common positions. It counts as solid when it is closed and star-shaped. Closed:
+/// every edge, a pair of positions, is used equally often in both directions. Star-shaped: from some point c no
+/// triangle looks clockwise. Then a ray from c only ever leaves the shell. The winding number of a point is the number
+/// of crossings behind it on that ray, so it is nowhere negative. So a ray from a point of winding number 0 first
+/// crosses the shell inwards, through a front face. Bent shells, which no point sees all of, never count as solid: for
+/// them this proves nothing.
 ///
-/// Closedness compares sums of hashes and errs once in 2^64. c is looked for by relaxation: S. Agmon, "The relaxation
-/// method for linear inequalities", 1954. Costs about 0.1 us for each triangle.
+/// The test of closedness compares sums of hashes and errs once in 2^64. Relaxation finds c: S. Agmon, "The relaxation
+/// method for linear inequalities", 1954. Costs about 0.1 us per triangle.
 std::uint32_t solid_shells_first(std::span<const core::vec3> positions, std::span<std::uint32_t> indices);
 
 }  // namespace sightline::gpuscene

@@ -1,4 +1,4 @@
-// Which records of which batch a visible set names. Internal to gpuscene.
+// The records of each batch that a visible set names. Internal to gpuscene.
 #pragma once
 
 #include <array>
@@ -11,16 +11,16 @@
 
 namespace sightline::gpuscene {
 
-/// Shorter runs are taken apart: a command costs more than that many ids.
+/// Shorter runs are split into single records: a command costs more than that many ids.
 inline constexpr std::uint32_t kShortestRun = 128;
-/// Vacant slots that may lie between visible ones of a run.
+/// Most vacant slots in a row between visible slots of a run.
 inline constexpr std::uint32_t kLongestGap = 4;
 
 struct VisibleRecords {
   struct Run {
     std::uint32_t first, count;
   };
-  /// Of a batch without meshes, in slot order.
+  /// Records of a batch other than meshes, in slot order.
   struct OfBatch {
     std::vector<Run> runs;               ///< kShortestRun and longer
     std::vector<std::uint32_t> singles;  ///< those of ranges, then the set's single slots
@@ -28,9 +28,10 @@ struct VisibleRecords {
   std::array<OfBatch, kBatchKindCount> batches;
   std::vector<core::Slot> meshes;  ///< those of ranges, then the set's single slots
 
-  /// Sorts the slots of `visible` to their batches, each once. Keeps its memory from call to call. Vacant slots are
-  /// left out but for those within kLongestGap neighbours in ranges of kShortestRun slots or more. Time follows the
-  /// number of single slots, ranges, vacant runs and meshes, and a 64th of the slots in ranges when any slot is vacant.
+  /// Sorts the slots of `visible` into their batches, each once. Keeps its memory between calls. Leaves out vacant
+  /// slots, except gaps of up to kLongestGap in ranges of kShortestRun slots or more. Takes time in proportion to the
+  /// number of single slots, ranges, vacant runs and meshes; if any slot is vacant, also to a 64th of the slots in
+  /// ranges.
   void assign(const core::Snapshot& snapshot, const core::VisibleSet& visible);
 
  private:

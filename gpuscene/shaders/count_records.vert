@@ -1,4 +1,4 @@
-// One vertex per batch kind: how many commands are in use, and how many records the culler has found.
+// One vertex per batch kind: outputs the number of commands in use and of records that the culler has found.
 #include "search.glsl"
 
 flat out uint command_count;

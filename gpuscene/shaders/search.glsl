@@ -1,4 +1,4 @@
-// Where a list that a culler has written ends. C++ side and defines: gpuscene/gpu_draw_lists.cpp.
+// Finds the end of a list that a culler has written. C++ side and defines: gpuscene/gpu_draw_lists.cpp.
 #include "draw_commands.glsl"
 
 layout(binding = 0) uniform usamplerBuffer records;   // ids, by place in DrawLists' list of single records
@@ -11,7 +11,7 @@ bool used(uint kind, uint place) {
   return texelFetch(records, int(sections[kind].y + place)).x != kUnused;
 }
 
-// The first unused place of begin … end, or end.
+// First unused place from `begin` on, or `end`.
 uint search(uint kind, uint begin, uint end) {
   while (begin < end) {
     uint middle = (begin + end) / 2u;

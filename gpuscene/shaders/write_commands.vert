@@ -1,4 +1,4 @@
-// One vertex per command of a record batch: the number of indices it draws, all else of it being there already.
+// One vertex per command of a record batch: outputs its number of indices. The rest of the command is already written.
 #include "search.glsl"
 
 flat out uint index_count;

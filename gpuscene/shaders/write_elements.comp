@@ -1,6 +1,6 @@
-// Puts elements of some words each in their places: gpuscene/internal/element_writer.h.
+// Writes elements of several words to scattered places: gpuscene/internal/element_writer.h.
 
-// WORD is what one invocation moves: uint, or uvec4 where elements are made of these.
+// WORD is what one invocation moves: uint, or uvec4 when an element consists of uvec4.
 
 layout(local_size_x = INVOCATIONS) in;
 
@@ -14,7 +14,7 @@ layout(std430, binding = 2) readonly restrict buffer Places {
   uint places[];
 };
 layout(location = 0) uniform uint elements;
-layout(location = 1) uniform uint words;  // of an element
+layout(location = 1) uniform uint words;  // per element
 
 void main() {
   uint step = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
