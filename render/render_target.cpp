@@ -9,7 +9,7 @@
 namespace sightline::render {
 namespace {
 
-/// GL rows run bottom to top, ours top to bottom.
+/// GL stores rows bottom to top; images store them top to bottom.
 template <class T>
 std::vector<T> read_flipped(const gl::Texture2D& texture, GLenum format, GLenum type, std::size_t channels) {
   const std::size_t row = std::size_t(texture.width()) * channels, rows = std::size_t(texture.height());
@@ -72,7 +72,7 @@ core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, in
 
 const RenderTarget::Attachments& RenderTarget::resolved_attachments() const {
   if (form_.samples == 1) return drawn_;
-  gl_->Disable(GL_SCISSOR_TEST);  // blits obey it
+  gl_->Disable(GL_SCISSOR_TEST);  // it also clips blits
   const auto blit = [&](GLenum attachment, GLbitfield mask) {
     gl_->NamedFramebufferReadBuffer(drawn_.framebuffer.id(), attachment);
     gl_->NamedFramebufferDrawBuffer(single_.framebuffer.id(), attachment);

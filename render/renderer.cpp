@@ -14,11 +14,11 @@ using gpuscene::BatchKind;
 
 enum TextureUnit : GLuint { kPayloadUnit, kChunkUnit, kMaterialUnit, kSinglesUnit };
 enum VertexUniform : GLint { kRecordCountUniform, kBatchKindUniform, kTexelsPerRecordUniform };
-constexpr GLint kSampleOffsetsUniform = 1;  // of the fragment stage
+constexpr GLint kSampleOffsetsUniform = 1;  // in the fragment stage
 enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
 enum VertexAttribute : GLuint { kInstanceAttribute, kVertexAttribute };
 
-/// What all programs for targets of a form share; `sections`: for views with section planes.
+/// Context of all shaders for targets of a form. `sections`: for views with section planes.
 gl::ShaderContext shader_context(const TargetForm& form, bool sections) {
   gl::ShaderContext context;
   context.tables = {shaders(), gpuprims::shaders()};
@@ -43,7 +43,7 @@ gl::ProgramDescription describe_batch(BatchKind kind, const TargetForm& form, bo
   return description;
 }
 
-/// The stages before the fragments of all ray-cast batches.
+/// Describes the vertex and geometry stage that all ray-cast batches share.
 gl::ProgramDescription describe_proxies(const TargetForm& form) {
   gl::ProgramDescription description;
   description.name = "proxies";
@@ -60,7 +60,7 @@ void describe_mesh(const gl::Functions& gl, GLuint array) {
   gl.VertexArrayAttribBinding(array, kInstanceAttribute, kInstanceBinding);
   gl.VertexArrayBindingDivisor(array, kInstanceBinding, 1);
   gl.EnableVertexArrayAttrib(array, kVertexAttribute);
-  gl.VertexArrayAttribIFormat(array, kVertexAttribute, 4, GL_UNSIGNED_INT, 0);  // one fetch for all
+  gl.VertexArrayAttribIFormat(array, kVertexAttribute, 4, GL_UNSIGNED_INT, 0);  // one fetch for the whole vertex
   gl.VertexArrayAttribBinding(array, kVertexAttribute, kMeshBinding);
 }
 
@@ -83,7 +83,7 @@ core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpus
   return renderer;
 }
 
-/// Of all batches, and the first time the one that they share.
+/// Makes the programs of all batches, and on the first call the program that ray-cast batches share.
 core::Expected<Renderer::BatchPrograms> Renderer::make_programs(const gpuscene::GpuScene& scene, const TargetForm& form,
                                                                 bool sections) {
   const std::vector<gpuscene::Batch>& batches = scene.batches();
@@ -172,7 +172,7 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
                            &target.sample_offsets()[0].x);
     draw_batch(batch, program, scene, lists);
   }
-  // In this order: Mesa never frees a pipeline that gave way to a program and is unbound while that is in use.
+  // The order matters: Mesa never frees a pipeline that is unbound while the program that replaced it is in use.
   gl.UseProgram(0);
   gl.BindProgramPipeline(0);
   const gpuscene::Batch* meshes = scene.batch(BatchKind::kMesh);
@@ -208,8 +208,8 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const BatchProgram& prog
     program.program.use();
   }
   gl.BindTextureUnit(kPayloadUnit, batch.texels.id());
-  // Proxies show their front faces, and must survive in front of the near plane: the surface behind them may be beyond
-  // it.
+  // Only the front faces of proxies are drawn. Depth clamping keeps them in front of the near plane: the surface behind
+  // them may be beyond it.
   const auto toggle = ray_cast ? gl.Enable : gl.Disable;
   toggle(GL_DEPTH_CLAMP);
   toggle(GL_CULL_FACE);
@@ -225,14 +225,14 @@ void Renderer::draw_batch(const gpuscene::Batch& batch, const BatchProgram& prog
     submit_batch(batch, scene, lists, section.front_only, section.count - section.front_only);
 }
 
-/// Some commands of a batch, with the program that is in use.
+/// Draws `count` commands of a batch from `first` on, with the program in use.
 void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuScene& scene,
                             const gpuscene::DrawLists& lists, int first, int count) const {
   const gl::Functions& gl = *gl_;
   constexpr GLsizei kStride = sizeof(gpuscene::ElementsCommand);
   const gpuscene::DrawLists::Section& section = lists.section(batch.kind);
   const std::size_t begin = section.offset + std::size_t(first) * kStride;
-  const auto* offset = reinterpret_cast<const void*>(begin);  // NOLINT(performance-no-int-to-ptr): so is GL
+  const auto* offset = reinterpret_cast<const void*>(begin);  // GL's interface does so
   GLenum mode = GL_TRIANGLES, index_type = GL_UNSIGNED_SHORT;
   if (batch.kind == BatchKind::kMesh) {
     if (scene.meshes().indices.id() == 0) return;
@@ -251,7 +251,7 @@ void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuSce
     gl.BindBuffer(GL_PARAMETER_BUFFER_ARB, lists.counts().id());
     gl.MultiDrawElementsIndirectCountARB(mode, index_type, offset, GLintptr(lists.command_count_offset(batch.kind)),
                                          count, kStride);
-    gl.BindBuffer(GL_PARAMETER_BUFFER_ARB, 0);  // Mesa lets plain multi-draws obey it, too
+    gl.BindBuffer(GL_PARAMETER_BUFFER_ARB, 0);  // on Mesa it also affects plain multi-draws
   } else {
     gl.MultiDrawElementsIndirect(mode, index_type, offset, count, kStride);
   }

@@ -21,7 +21,7 @@ gl::ProgramDescription describe(const gl::ShaderContext& shaders, const char* na
   return description;
 }
 
-/// For each record of the mesh batch, which come in slot order, what its mesh encloses.
+/// Finds what the mesh of each record of the mesh batch encloses, in slot order.
 std::vector<std::uint8_t> enclosures(const core::Snapshot& snapshot) {
   std::unordered_map<std::uint32_t, core::Enclosure> of_mesh;
   std::vector<std::uint8_t> of_record;
@@ -89,9 +89,9 @@ void SectionCaps::begin_counting() const {
   gl.BindTextureUnit(kEnclosureUnit, enclosure_texels_.id());
   for (const gl::Program* program : {&count_, &list_, &caps_})
     gl.ProgramUniform1i(program->id(), kWidthUniform, width_);
-  // Every crossing counts, whatever hides it and however far behind the far plane it is.
+  // Every crossing counts, even if it is hidden or lies behind the far plane.
   gl.Disable(GL_DEPTH_TEST);
-  gl.Disable(GL_MULTISAMPLE);  // or neighbouring triangles would count one crossing twice
+  gl.Disable(GL_MULTISAMPLE);  // otherwise neighbouring triangles count one crossing twice
   gl.Enable(GL_DEPTH_CLAMP);
   gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   count_.use();

@@ -1,4 +1,4 @@
-// Where a renderer draws: colour, reverse-Z float depth, and item ids and normals on request.
+// The target of a renderer: colour, reverse-Z float depth, and item ids and normals on request.
 #pragma once
 
 #include "sightline/core/view.h"
@@ -9,16 +9,17 @@
 
 namespace sightline::render {
 
-/// What a target has besides colour and depth; what is not asked for costs nothing. A Renderer is made for one form.
+/// What a target has besides colour and depth. Parts that are not requested cost nothing. A Renderer is made for one
+/// form.
 struct TargetForm {
   bool ids = false;
   bool normals = false;
-  int samples = 1;  ///< per pixel: edges are smooth from 2 on
+  int samples = 1;  ///< per pixel; from 2 on edges are smooth
 };
 
 class RenderTarget {
  public:
-  /// Fails on sizes and samples the context does not have.
+  /// Fails on sizes and sample counts that the context does not support.
   static core::Expected<RenderTarget> create(const gl::Context& context, int width, int height,
                                              const TargetForm& form = {});
 
@@ -27,21 +28,22 @@ class RenderTarget {
   bool has_ids() const { return form_.ids; }
   bool has_normals() const { return form_.normals; }
   const TargetForm& form() const { return form_; }
-  /// Where samples lie in a pixel, from its centre; one at the centre without multisampling.
+  /// Offsets of the samples from the pixel centre; without multisampling one, at the centre.
   const std::vector<glm::vec2>& sample_offsets() const { return sample_offsets_; }
-  /// What is drawn to.
+  /// The framebuffer that draws write to.
   const gl::Framebuffer& framebuffer() const { return drawn_.framebuffer; }
-  /// The picture with one value per pixel: colours averaged, of all else one sample's value.
+  /// The picture with one value per pixel: the average of the colours, and one sample's value of everything else.
   const gl::Framebuffer& resolved() const;
   std::size_t memory_bytes() const;
 
-  /// Read-backs resolve, and wait for the GPU: for pictures and tests, never on the way from cull to draw.
+  /// Read-backs resolve the picture and wait for the GPU. They are for pictures and tests, not for use between cull and
+  /// draw.
   image::Image read_colour() const;
-  image::IdImage read_ids() const;          ///< only of a target with ids
-  image::NormalImage read_normals() const;  ///< only of a target with normals
-  /// Whether any pixel shows anything but the background, by the depth of one sample each.
+  image::IdImage read_ids() const;          ///< only for a target with ids
+  image::NormalImage read_normals() const;  ///< only for a target with normals
+  /// Whether any pixel shows anything but the background. Tests the depth of one sample per pixel.
   bool covered() const;
-  /// Depth as distances along the axis of the view that was drawn.
+  /// Depth as distance along the axis of `view`, which must be the view that was drawn.
   image::DepthImage read_depth(const core::View& view) const;
 
  private:
@@ -51,12 +53,12 @@ class RenderTarget {
   };
   static core::Expected<Attachments> make_attachments(const gl::Functions& gl, int width, int height,
                                                       const TargetForm& form);
-  /// What read-backs read.
+  /// The attachments that read-backs read.
   const Attachments& resolved_attachments() const;
 
   const gl::Functions* gl_ = nullptr;
   TargetForm form_;
-  Attachments drawn_, single_;  // single_: only of a multisampled target
+  Attachments drawn_, single_;  // single_: only for a multisampled target
   std::vector<glm::vec2> sample_offsets_;
 };
 

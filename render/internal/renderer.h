@@ -17,15 +17,15 @@ namespace sightline::render {
 
 class Renderer {
  public:
-  /// Compiles what each batch that `scene` holds needs and nothing else, for targets of one form. Fails with the
-  /// driver's log. What section planes need is compiled with the first view that has some.
+  /// Compiles the programs of the batches that `scene` has and no others, for targets of one form. Fails with the
+  /// driver's log. Programs for section planes are compiled with the first view that has some.
   static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene,
                                          const TargetForm& form = {});
 
-  /// Clears the target and draws what the lists name. All analytic primitives are ray-cast, exact up to float
-  /// arithmetic. With several samples per pixel they cover the samples whose rays hit them, in the colour and at the
-  /// depth of one of them. Depth is reverse-Z whatever the view's own convention. Sets the GL state it needs, but for
-  /// what gl::reset_pipeline_state names, and leaves it set. Does not wait.
+  /// Clears the target and draws the records in the lists. All analytic primitives are ray-cast and exact up to float
+  /// arithmetic. With several samples per pixel, a primitive covers the samples whose rays hit it, with the colour and
+  /// depth of one of them. Depth is reverse-Z whatever the view's own convention. Sets the GL state that it needs,
+  /// except for what gl::reset_pipeline_state names, and leaves it set. Does not wait for the GPU.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                             const gpuscene::DrawLists& lists, const RenderTarget& target);
 
@@ -34,8 +34,8 @@ class Renderer {
   std::size_t memory_bytes() const;
 
  private:
-  /// What draws a batch: a whole program or, of ray-cast ones, the fragment stage alone and the pipeline that joins it
-  /// to the stages they share.
+  /// Program of a batch. A ray-cast batch has only the fragment stage, and a pipeline that joins it to the stages that
+  /// all ray-cast batches share.
   struct BatchProgram {
     gl::Program program;
     gl::ProgramPipeline pipeline;
@@ -54,14 +54,14 @@ class Renderer {
   core::Expected<BatchPrograms> make_programs(const gpuscene::GpuScene& scene, const TargetForm& form, bool sections);
 
   const gl::Functions* gl_ = nullptr;
-  gl::Program proxy_program_;  // vertex and geometry stage of all ray-cast batches; empty when there are none
+  gl::Program proxy_program_;  // vertex and geometry stage of all ray-cast batches; empty without such batches
   BatchPrograms programs_;
-  std::optional<BatchPrograms> section_programs_;  // from the first view with sections on
+  std::optional<BatchPrograms> section_programs_;  // made with the first view that has sections
   gl::VertexArray record_array_, mesh_array_;
   gl::Buffer view_block_, chunk_rows_;
   gl::TextureBuffer chunk_texels_;
   std::size_t chunk_capacity_ = 0;
-  std::optional<SectionCaps> section_caps_;  // from the first view with sections on, if there are meshes
+  std::optional<SectionCaps> section_caps_;  // made with the first view that has sections, if there are meshes
 };
 
 }  // namespace sightline::render

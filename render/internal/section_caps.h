@@ -1,4 +1,4 @@
-// Filled caps where section planes cut meshes. (Ray-cast solids fill their own, see gpuprims/shaders/search.glsl.)
+// Filled caps where section planes cut meshes. (Ray-cast solids fill their own caps, see gpuprims/shaders/search.glsl.)
 #pragma once
 
 #include "sightline/core/snapshot.h"
@@ -9,30 +9,33 @@
 
 namespace sightline::render {
 
-/// Along a pixel's ray what the sections keep begins behind one plane at most: section planes keep a convex part, and
-/// when they unite leave out one. So a pixel shows one point of a cut face, or none. That point is inside a closed mesh
-/// when behind it the ray leaves the mesh once more than it enters it: counted over all meshes at once, with atomic
-/// adds, however deep they are stacked. The sum of the records counted, forth and back, is then the record of the one
-/// mesh the point is in. Only where it is in several, a second pass lists the crossings of the pixel, and the first
-/// mesh of those it is in is shown: lists have room for kListed crossings a pixel on average; beyond that some such
-/// pixel shows the item of another mesh of its list. Exact up to rasterisation otherwise. Multisampled targets get
-/// whole pixels of it: the outlines of cut faces of meshes stay jagged.
+/// Section planes keep a convex part of space, or leave out one when they unite. So along a pixel's ray the kept part
+/// begins behind at most one plane, and a pixel shows at most one point of a cut face. That cut point is inside a
+/// closed mesh when the ray leaves the mesh once more behind it than it enters the mesh.
 ///
-/// Meshes that are not closed (core::enclosure) have no inside and stay open where they are cut.
+/// A first pass counts the crossings of all meshes at once with atomic adds, however many meshes lie behind each other.
+/// It also sums up the records, added where the ray leaves and subtracted where it enters. If the cut point is in one
+/// mesh, the sum is the record of that mesh. If it is in several, a second pass lists the crossings of the pixel, and
+/// the pixel shows the first of the meshes that the point is in. The lists have room for kListed crossings per pixel on
+/// average. With more crossings, some pixels with several such meshes show the item of another mesh of their list.
+/// Otherwise the result is exact up to rasterisation. In multisampled targets caps cover whole pixels: the outlines of
+/// cut faces of meshes stay jagged.
 ///
-/// Costs nothing before a view has sections: then three programs, 12 bytes a pixel and 8 kListed for the lists, a byte
-/// for each mesh item, and once for each mesh the time to see whether it is closed.
+/// Meshes that are not closed (core::enclosure) have no inside and get no caps.
+///
+/// Costs nothing before the first view with sections. From then on it costs three programs, 12 + 8 * kListed bytes per
+/// pixel, a byte per mesh item, and once per mesh the time to find whether it is closed.
 class SectionCaps {
  public:
   static constexpr int kListed = 4;
 
   static core::Expected<SectionCaps> create(const gl::Functions& gl, const gl::ShaderContext& shaders);
 
-  /// Makes room for a target of that size and learns which meshes are closed.
+  /// Makes room for a target of that size and finds which meshes are closed.
   core::Expected<void> prepare(const core::Snapshot& snapshot, const gpuscene::Batch& meshes, int width, int height);
 
-  /// Counts crossings: `draw_meshes` must draw the batch of meshes with the program that is in use, to a target whose
-  /// depth and colour are not written. Then draws the caps into the bound framebuffer, with depth test.
+  /// Counts crossings, then draws the caps into the bound framebuffer with depth test. `draw_meshes` must draw the
+  /// batch of meshes with the program in use, without writing depth or colour.
   template <class DrawMeshes>
   void draw(const DrawMeshes& draw_meshes) const {
     begin_counting();

@@ -8,13 +8,13 @@ out vec3 p_eye;
 #if defined(COUNT_CROSSINGS) || defined(LIST_CROSSINGS)
 #define CROSSINGS
 layout(binding = 4) uniform usamplerBuffer enclosures;  // core::Enclosure
-flat out uvec2 crossing_words;  // record, and whether front faces are those that a ray leaves through
+flat out uvec2 crossing_words;  // record, and whether a ray leaves the mesh through front faces
 #else
 centroid out vec3 n_eye;
 flat out uvec2 item_words;
 #endif
 
-// gpuscene::pack_normal
+// Inverse of gpuscene::pack_normal.
 vec3 unpack_normal(uint word) {
   vec2 p = unpackSnorm2x16(word);
   float z = 1.0 - abs(p.x) - abs(p.y), fold = max(-z, 0.0);
@@ -31,8 +31,8 @@ void main() {
   if (enclosure == 0u) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // open meshes have no inside
   crossing_words = uvec2(instance, uint((enclosure == 2u) != (determinant(eye_from_local) < 0.0)));
 #else
-  // Cofactors instead of the inverse transpose: defined for singular placements too. Mirrored ones turn the sign, which shading does
-  // not ask for: both sides are lit.
+  // Uses cofactors, since the inverse transpose is not defined for singular placements. Mirrored placements flip the
+  // normal, which does not matter: shading lights both sides.
   mat3 m = eye_from_local;
   n_eye = mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])) * unpack_normal(vertex.w);
   item_words = uvec2(item.id, item.material);

@@ -14,7 +14,7 @@ layout(depth_less) out float gl_FragDepth;
 layout(location = 1) uniform vec2 sample_offsets[SAMPLES];
 #endif
 
-// What a ray found: local position, depth, and all that shading asks for.
+// Result of a ray: local position, depth, and everything that shading needs.
 struct Sight {
   vec3 p;
   float depth;
@@ -29,7 +29,7 @@ bool cast_ray(vec2 pixel, mat3 rows, uint hidden, out Sight sight) {
   vec3 direction = eye_direction(pixel);
   vec3 d = direction * rows;
   vec3 o = vec3(local_from_eye[0].w, local_from_eye[1].w, local_from_eye[2].w) + eye_step(from_anchor, anchor_depth) * rows;
-  // From the ray's closest approach on, coordinates are of the primitive's own size.
+  // Moves the origin to the ray's closest approach: there coordinates are about as small as the primitive.
   float start = -dot(o, d) / dot(d, d);
   o += start * d;
   start += anchor_depth;
@@ -50,8 +50,8 @@ void main() {
   uint hidden = hidden_faces(words.z);
   Sight sight;
 #ifdef SAMPLES
-  // Every sample has its ray, of which one is shaded: edges are as smooth as samples are many, and neighbours that share a pixel share
-  // its samples without gaps.
+  // Each sample casts its own ray, and one of them is shaded. More samples give smoother edges, and neighbours that
+  // share a pixel share its samples without gaps.
   int covered = 0;
   for (int i = 0; i < SAMPLES; ++i) {
     Sight found;
@@ -64,7 +64,7 @@ void main() {
 #else
   if (!cast_ray(gl_FragCoord.xy, rows, hidden, sight)) discard;
 #endif
-  gl_FragDepth = min(depth_at(sight.depth), gl_FragCoord.z);  // keeps the promise of depth_less where rounding would break it
+  gl_FragDepth = min(depth_at(sight.depth), gl_FragCoord.z);  // depth_less must hold despite rounding
   vec3 normal = sight.face == kCut ? sight.cut_normal : rows * face_normal(sight.p, sight.face);
   write_surface(normal, eye_direction(gl_FragCoord.xy), words.z, words.y);
 }

@@ -1,4 +1,4 @@
-// Emits the proxy of one ray-cast primitive, as primitive.vert has set it up.
+// Emits the proxy of one ray-cast primitive. primitive.vert has set it up.
 #include "proxy.glsl"
 
 layout(points) in;
@@ -9,11 +9,12 @@ in Setup setup[];
 out gl_PerVertex {
   vec4 gl_Position;
 };
-// Four slots, no more: a software rasteriser copies them for every triangle. The rest is fetched again per pixel.
-layout(location = 0) flat out vec4 local_from_eye[3];  // rows of the linear map; w: local origin of the ray through the anchor's pixel, from the shift
+// Only four slots: a software rasteriser copies them for every triangle. Fragments fetch the rest again.
+layout(location = 0) flat out vec4 local_from_eye[3];  // rows of the linear map; w: local origin of the ray through the
+                                                       // anchor's pixel, relative to the shift
 layout(location = 3) flat out uvec4 anchor;  // eye depth and shift in z (float bits), record, pixel x | y << 16
 
-// Proxies lie this part nearer: the depth of what is hit is no farther than theirs, which rounding could turn.
+// Moves proxies nearer by this factor: rounding must not put a hit in front of its proxy (depth_less).
 const float kNearer = 1.0 + 1e-6;
 
 void main() {

@@ -1,5 +1,5 @@
-// Sets up one ray-cast primitive of any kind for the frame: the ray from which its fragments step to theirs, and its proxy, which
-// primitive.geom emits. Doubles serve the anchor alone.
+// Sets up one ray-cast primitive of any kind for the frame: the anchor, from which fragments compute their rays, and
+// the proxy, which primitive.geom emits. Only the anchor needs doubles.
 #include "item.glsl"
 #include "make_proxy.glsl"
 #include "hidden_faces.glsl"
@@ -9,9 +9,9 @@ out gl_PerVertex {
 };
 out Setup setup;
 
-// Rays are told from an anchor, a point of the primitive near what is seen of it: the ray through its pixel is taken to its depth in
-// double here, and each fragment takes the small step to its own pixel in float. So neither the distance of the eye nor, of long thin
-// primitives, that of the local origin costs precision.
+// Rays start from an anchor, a point of the primitive near its visible part. This stage takes the ray through the
+// anchor's pixel to the anchor's depth in double. Each fragment takes the small step to its own pixel in float. So
+// precision does not suffer from a distant eye or, with long thin primitives, from a distant local origin.
 struct Anchor {
   vec3 local;
   dvec3 eye;
@@ -19,13 +19,13 @@ struct Anchor {
   vec2 pixel;
 };
 
-// eye_point() in double, but for z.
+// x and y of eye_point() in double.
 dvec2 exact_ray_at(vec2 pixel, float depth) {
   dvec4 x = view.pixel_ray[0], y = view.pixel_ray[1];
   return dvec2(x.x + x.y * pixel.x + depth * (x.z + x.w * pixel.x), y.x + y.y * pixel.y + depth * (y.z + y.w * pixel.y));
 }
 
-// The box's point nearest to the middle of the view at the depth of the point nearest to the eye.
+// Chooses the box's point nearest to the middle of the view, at the depth of the box's point nearest to the eye.
 Anchor choose_anchor(Item item, LocalBox box, mat3 eye_from_local, mat3 rows, vec3 origin, vec3 local_eye) {
   vec3 nearest = perspective_view() ? clamp(local_eye, box.low, box.high) : 0.5 * (box.low + box.high);
   float depth = max(0.0, -(eye_from_local * nearest + origin).z);
@@ -35,7 +35,7 @@ Anchor choose_anchor(Item item, LocalBox box, mat3 eye_from_local, mat3 rows, ve
   a.eye = eye_position(item, a.local);
   a.depth = max(0.0, float(-a.eye.z));
   vec2 first = eye_point(vec2(0.0), a.depth).xy, step_size = eye_step(vec2(1.0), a.depth).xy;
-  bool seen = step_size.x != 0.0 && step_size.y != 0.0;  // not when the depth is 0
+  bool seen = step_size.x != 0.0 && step_size.y != 0.0;  // false when the depth is 0
   a.pixel = seen ? floor(clamp((vec2(a.eye.xy) - first) / step_size, vec2(0.0), vec2(65535.0))) : vec2(0.0);
   return a;
 }
@@ -62,8 +62,8 @@ void main() {
   for (int i = 0; i < 3; ++i) setup.local_from_eye[i] = vec4(rows[i], start[i]);
   setup.anchor = uvec4(floatBitsToUint(a.depth), floatBitsToUint(axis.z), record, uint(a.pixel.x) | uint(a.pixel.y) << 16);
 
-  // A part of a pixel more on each side, at the depth of the farthest corner: rasterisers round corners to such parts, and neighbours
-  // that meet in a plane must not both miss a pixel there.
+  // Widens the box on each side by a fraction of a pixel, at the depth of the farthest corner. Rasterisers round
+  // corners to such fractions, and neighbours that meet in a plane must not both miss a pixel there.
   vec3 reach = 0.5 * (box.high - box.low);
   vec3 towards_eye = vec3(eye_from_local[0].z, eye_from_local[1].z, eye_from_local[2].z);
   float farthest = dot(abs(towards_eye), reach) - dot(towards_eye, box.low + reach) - origin.z;

@@ -6,7 +6,7 @@
 
 const int kLongestList = 256;
 
-// Of the meshes that the cut point is in, the one with the first record; of one alone, the sum says which.
+// Record of the mesh that the cut point is in: the sum of records if it is in one mesh, otherwise the lowest record.
 uint record_at(Cell cell) {
   if (cell.winding == 1) return cell.records - 1u;
   uint found = 0xffffffffu;

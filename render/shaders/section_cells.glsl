@@ -1,9 +1,9 @@
-// What section passes note of a pixel: render/internal/section_caps.h.
+// What section passes store per pixel: render/internal/section_caps.h.
 
 struct Cell {
-  int winding;   // how many meshes the point of the cut face is in
-  uint records;  // sum of record + 1 over the crossings that leave a mesh, less those that enter one
-  uint head;     // of the list of crossings: place + 1, 0 when empty
+  int winding;   // number of meshes that the point of the cut face is in
+  uint records;  // sum of record + 1 over the crossings that leave a mesh, minus those that enter one
+  uint head;     // first node of the list of crossings: place + 1; 0 when empty
 };
 
 struct Node {

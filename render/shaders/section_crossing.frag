@@ -1,9 +1,9 @@
-// A crossing of a pixel's ray with a closed mesh, behind the point where what the sections keep begins.
+// Counts or lists a crossing of a pixel's ray with a closed mesh, behind the point where the kept part begins.
 #include "kept_ray.glsl"
 #include "section_cells.glsl"
 
 in vec3 p_eye;
-flat in uvec2 crossing_words;  // record, and whether front faces are those that a ray leaves through
+flat in uvec2 crossing_words;  // record, and whether a ray leaves the mesh through front faces
 
 void main() {
   vec3 normal;

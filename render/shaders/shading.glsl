@@ -1,4 +1,4 @@
-// Colour and id of a surface point: head-light plus hemisphere, which reads well on CAD models from every side.
+// Colour and id of a surface point. Light: a head-light plus a hemisphere, which suits CAD models from every side.
 
 layout(binding = 2) uniform samplerBuffer materials;  // rgb: sRGB colour, a: alpha
 
@@ -10,14 +10,14 @@ layout(location = 2) out vec4 out_normal;  // in eye space, towards the eye
 
 vec4 material_of(uint word) { return texelFetch(materials, int(word & kMaterialMask)); }
 
-// Screen-door transparency: order-free, and every pixel shows exactly one item. The 4x4 pattern shifts from item to item, so that two
-// transparent surfaces behind each other both show.
+// Screen-door transparency: needs no sorting, and every pixel shows exactly one item. The 4x4 pattern shifts from item
+// to item, so that transparent surfaces behind each other all show.
 bool dithered_away(uint word, uint id) {
   float alpha = material_of(word).a;
   if (alpha >= 1.0) return false;
   uvec2 pixel = uvec2(gl_FragCoord.xy) + uvec2(id * 7u, id * 3u);
   uint across = pixel.x ^ pixel.y;
-  // Bayer's matrix of order 4: the bits of x ^ y and of y in turns, the lowest first.
+  // Bayer's matrix of order 4: the bits of x ^ y and of y alternate, the lowest first.
   uint rank = (across & 1u) << 3 | (pixel.y & 1u) << 2 | (across & 2u) | (pixel.y & 2u) >> 1;
   return alpha < (float(rank) + 0.5) / 16.0;
 }
