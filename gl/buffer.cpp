@@ -88,9 +88,9 @@ void Buffer::write(std::size_t offset, std::size_t bytes, const void* data) cons
 void Buffer::fill(std::size_t offset, std::size_t bytes, std::uint8_t value) const {
   assert(offset <= bytes_ && bytes <= bytes_ - offset);
   if (bytes == 0) return;
-  // Mesa looks for the value where an application's unpack parameters point.
+  // Mesa applies an application's unpack parameters when it reads the value.
   for (const GLenum parameter : {GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS}) handle_.gl().PixelStorei(parameter, 0);
-  // Byte by byte: what Mesa does with one memset.
+  // For a format of one byte Mesa calls memset once.
   handle_.gl().ClearNamedBufferSubData(id(), GL_R8UI, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes),
                                        GL_RED_INTEGER, GL_UNSIGNED_BYTE, &value);
 }

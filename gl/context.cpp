@@ -106,7 +106,7 @@ void APIENTRY on_message(GLenum, GLenum type, GLuint, GLenum severity, GLsizei l
   message.is_error = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR;
   message.text = length >= 0 ? std::string(text, static_cast<std::size_t>(length)) : std::string(text);
   while (!message.text.empty() && message.text.back() == '\n') message.text.pop_back();
-  // GL hands the pointer back const; it was given as a mutable log.
+  // GL returns the pointer as const; it was passed as a mutable log.
   static_cast<DebugLog*>(const_cast<void*>(log))->add(std::move(message));
 }
 
@@ -115,7 +115,7 @@ void collect_debug_output(const Functions& gl, DebugLog& log) {
   gl.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
   gl.DebugMessageCallback(&on_message, &log);
   gl.DebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DONT_CARE, 0, nullptr, GL_TRUE);
-  // "This buffer will live in video memory" and the like: thousands of them on some drivers.
+  // Such as "This buffer will live in video memory": thousands of messages on some drivers.
   gl.DebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DEBUG_SEVERITY_NOTIFICATION, 0, nullptr, GL_FALSE);
 }
 
@@ -209,7 +209,7 @@ void Context::cache_programs(const std::filesystem::path& folder) {
 }
 
 bool Context::lost() const {
-  // A driver tells of a reset only until it is through with it.
+  // A driver reports a reset only while it lasts.
   if (!state_->lost && state_->capabilities.reset_notification)
     state_->lost = state_->gl.GetGraphicsResetStatus() != GL_NO_ERROR;
   return state_->lost;

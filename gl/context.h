@@ -1,4 +1,4 @@
-// A GL context: made offscreen through EGL, or a foreign one adopted.
+// A GL context: made offscreen through EGL, or adopted from the application.
 #pragma once
 
 #include <cstdint>
@@ -31,14 +31,14 @@ struct Capabilities {
   bool indirect_count = false;          ///< MultiDraw*IndirectCountARB are loaded
   bool shader_draw_parameters = false;  ///< GL_ARB_shader_draw_parameters
   bool robust_access = false;           ///< out-of-range reads are defined
-  bool reset_notification = false;      ///< GetGraphicsResetStatus tells of a lost context
+  bool reset_notification = false;      ///< GetGraphicsResetStatus reports a lost context
   bool software = false;  ///< a software rasteriser: GPU work is CPU work, and its timer queries mean nothing
   std::int64_t max_texture_buffer_texels = 0;
   std::int64_t max_storage_block_bytes = 0;
   std::int64_t max_uniform_block_bytes = 0;
-  int max_vertex_storage_blocks = 0;  ///< may be 0: read texture buffers in vertex stages
+  int max_vertex_storage_blocks = 0;  ///< may be 0: vertex stages then need texture buffers
   int max_geometry_output_vertices = 0;
-  int max_geometry_output_components = 0;  ///< of all vertices together
+  int max_geometry_output_components = 0;  ///< for all vertices together
   int max_clip_distances = 0;
   int max_texture_size = 0;  ///< pixels, either side of a 2D texture
   int max_viewport_width = 0;
@@ -49,26 +49,25 @@ struct Capabilities {
   int storage_offset_alignment = 0;  ///< bytes
 };
 
-/// Owns (or borrows) one GL context with its function table. Move-only; functions() keeps its address when the Context
-/// moves. Objects made with the table must be destroyed before the Context and while it is current, unless somebody
-/// holds a share(). A thread may use a context only while it is current there; several contexts in one process are
-/// independent.
+/// Owns or borrows one GL context with its function table. Move-only; functions() keeps its address when the Context
+/// moves. Objects made with the table must be destroyed before the Context and while it is current, unless a share()
+/// exists. A thread may use a context only while it is current there. Several contexts in one process are independent.
 ///
-/// An offscreen context has no surface at all: with framebuffer 0 bound even a draw with rasterizer discard fails with
-/// GL_INVALID_FRAMEBUFFER_OPERATION, so bind a gl::Framebuffer first (an attachmentless one will do).
+/// An offscreen context has no surface. With framebuffer 0 bound, even a draw with rasterizer discard fails with
+/// GL_INVALID_FRAMEBUFFER_OPERATION. So bind a gl::Framebuffer first; one without attachments is enough.
 class Context {
  public:
-  /// Makes an OpenGL 4.5 core context without a window and makes it current. Fails with what was tried and what to
-  /// install when EGL or a driver is absent.
+  /// Makes an OpenGL 4.5 core context without a window and makes it current. Fails when EGL or a driver is absent; the
+  /// error lists what was tried and what to install.
   static core::Expected<Context> create_offscreen(const ContextOptions& options = {});
 
-  /// Uses the context that is current on this thread (GLFW, Qt, another EGL, OSMesa). It is neither destroyed nor made
-  /// current by this class, its debug callback stays the application's, and it must outlive the Context.
+  /// Uses the context that is current on this thread (GLFW, Qt, another EGL, OSMesa). This class neither destroys it
+  /// nor makes it current, and leaves the application's debug callback in place. The context must outlive the Context.
   static core::Expected<Context> adopt(GetProc get_proc, void* user);
 
-  /// Another handle of this context, for whoever may outlive it. Does not keep the context, only what is known of it:
-  /// when this Context is destroyed, the share says lost(), and objects made with functions() may be destroyed later,
-  /// whichever context is current then. They free nothing: the context took it along.
+  /// Another handle of this context, for objects that may outlive it. It keeps the function table and capabilities, but
+  /// not the context. Once this Context is destroyed, the share is lost(). Objects made with functions() may then be
+  /// destroyed later, whichever context is current. They free nothing: the context freed them.
   Context share() const;
 
   Context(Context&& other) noexcept;
@@ -80,23 +79,23 @@ class Context {
   const std::string& vendor() const;
   const std::string& renderer() const;
   const std::string& version() const;
-  /// How it was made: "EGL surfaceless", "EGL device 1", "adopted".
+  /// How the context was made: "EGL surfaceless", "EGL device 1", "adopted".
   const std::string& platform() const;
 
-  /// Makes the context current on this thread, next to free of cost when it is so already. Does nothing for an adopted
-  /// one. Fails when the context is destroyed or current elsewhere.
+  /// Makes the context current on this thread; nearly free when it already is. Does nothing for an adopted one. Fails
+  /// when the context is destroyed or current elsewhere.
   core::Expected<void> make_current() const;
   /// Leaves no context current, so that another thread may take this one. Does nothing for an adopted one.
   void release_current() const;
 
-  /// Programs made from now on are looked for in that folder, and kept there: see ProgramCache. Empty: they are not, as
-  /// at first. The context must be current.
+  /// From now on Program looks for linked programs in that folder and stores them there: see ProgramCache. Empty: no
+  /// cache, which is the initial state. The context must be current.
   void cache_programs(const std::filesystem::path& folder);
 
-  /// True once the driver has reset the context, after a hang of the GPU for example: what was in it is gone, calls do
-  /// nothing, and only a new context helps; and of a share() whose context is destroyed. Stays true. Asks the driver
-  /// without waiting for the GPU; the context must be current. Resets are not seen without
-  /// Capabilities::reset_notification.
+  /// True once the driver has reset the context, for example after a hang of the GPU. Its contents are gone, calls do
+  /// nothing, and only a new context helps. Also true for a share() whose context is destroyed. Stays true. Asks the
+  /// driver without waiting for the GPU; the context must be current. Without Capabilities::reset_notification resets
+  /// go unnoticed.
   bool lost() const;
 
   /// Messages since the last take_errors(), of every severity; empty unless made with ContextOptions::debug.

@@ -160,7 +160,7 @@ core::Expected<EGLContext> create_context(const Egl& egl, EGLDisplay display, bo
   }
   auto config = choose_config(egl, display, extensions);
   if (!config) return tl::unexpected(config.error());
-  // The last pair asks to be told of a reset, which not every driver offers.
+  // The last pair requests reset notification, which not every driver offers.
   std::array attributes = {EGL_CONTEXT_MAJOR_VERSION_KHR,
                            kRequiredMajor,
                            EGL_CONTEXT_MINOR_VERSION_KHR,
@@ -198,7 +198,7 @@ core::Expected<EglContext> try_candidate(const Egl& egl, const Candidate& candid
   return core::fail("eglMakeCurrent: " + reason);
 }
 
-/// The same for a library that made a context before, so it cannot fail.
+/// The same for a library that has already made a context, so it cannot fail.
 Egl reload(void* library) {
   auto egl = load_egl(library);
   assert(egl);
@@ -208,7 +208,7 @@ Egl reload(void* library) {
 }  // namespace
 
 core::Expected<EglContext> create_egl_context(const ContextOptions& options) {
-  // RTLD_NODELETE and no dlclose: leak checkers and drivers' exit handlers need the code where it was.
+  // RTLD_NODELETE and no dlclose: leak checkers and drivers' exit handlers need the code to stay in place.
   void* library = dlopen(options.egl_library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (!library) {
     const char* reason = dlerror();

@@ -10,7 +10,7 @@
 namespace sightline::gl {
 namespace {
 
-constexpr std::size_t kMaxColors = 8;  // GL 4.5 guarantees as many
+constexpr std::size_t kMaxColors = 8;  // GL 4.5 guarantees this many
 
 std::string status_name(GLenum status) {
   switch (status) {

@@ -8,7 +8,7 @@
 namespace sightline::gl {
 namespace {
 
-// A lost context may report errors for ever.
+// A lost context may report errors forever.
 constexpr int kMaxPendingErrors = 32;
 
 template <class Function>

@@ -1,6 +1,6 @@
-// gl: the thin OpenGL leaf. A loader and its table of entry points, a context (EGL offscreen, or a foreign one
-// adopted), move-only objects (buffers, textures, framebuffers, programs, timers) and debug output as values. Knows
-// nothing of scenes. OpenGL 4.5 core with direct state access is the floor. Depends on core's error type alone.
+// gl: a thin layer over OpenGL. It has a loader with its table of entry points, a context (EGL offscreen, or adopted),
+// move-only objects (buffers, textures, framebuffers, programs, timers) and debug output as values. It knows nothing of
+// scenes. It needs OpenGL 4.5 core with direct state access. It depends only on core's error type.
 //
 // This header is the table. There is no global state: a Functions value belongs to a Context and is passed on by const
 // reference. Members are plain function pointers, so a test may copy the table and replace some to count calls.
@@ -15,15 +15,15 @@
 
 namespace sightline::gl {
 
-/// Oldest context that will do.
+/// Oldest version that is accepted.
 inline constexpr int kRequiredMajor = 4;
 inline constexpr int kRequiredMinor = 5;
 
 class ProgramCache;
 
 using Proc = void (*)();
-/// Finds an entry point by its full name ("glEnable"); null when unknown. `user` is what was given beside the callback.
-/// Suits eglGetProcAddress, OSMesaGetProcAddress and glfwGetProcAddress, each behind a one-line wrapper.
+/// Finds an entry point by its full name ("glEnable"); null when unknown. `user` is the pointer given with the
+/// callback. eglGetProcAddress, OSMesaGetProcAddress and glfwGetProcAddress each fit with a one-line wrapper.
 using GetProc = Proc (*)(const char* name, void* user);
 
 /// OpenGL entry points without their gl prefix. Core ones are never null after load_functions(); those of extensions
@@ -33,7 +33,7 @@ struct Functions {
 #define SIGHTLINE_GL_EXTENSION(name, type, extension) PFNGL##type##PROC name = nullptr;
 #include "sightline/gl/internal/function_table.inc"
 
-  /// Beside the entry points: where Program looks before it compiles, see Context::cache_programs(). Null: nowhere.
+  /// Not an entry point: the cache that Program searches before it compiles, see Context::cache_programs(). Null: none.
   const ProgramCache* program_cache = nullptr;
 };
 
@@ -47,15 +47,15 @@ std::vector<std::string> list_extensions(const Functions& gl);
 /// "GL_INVALID_OPERATION" and so on; the number in hexadecimal for others.
 std::string error_name(GLenum error);
 
-/// Makes what frees objects do nothing, for a table whose context is gone and took them along: what still owns some may
-/// then be destroyed at any time, whichever context is current.
+/// Replaces all entry points that free objects by ones that do nothing, for a table whose context is gone with its
+/// objects. Owners of such objects may then be destroyed at any time, whichever context is current.
 void stop_freeing(Functions& gl);
 
-/// Reads and forgets pending errors, so that the next check_error() speaks of what happened in between only. In a debug
-/// context the debug log has them already.
+/// Drops pending errors, so that the next check_error() reports only later ones. In a debug context the debug log
+/// already has them.
 void discard_errors(const Functions& gl);
 
-/// The oldest pending error, GL_NO_ERROR when there is none; forgets all others.
+/// The oldest pending error, or GL_NO_ERROR; drops all others.
 GLenum check_error(const Functions& gl);
 
 }  // namespace sightline::gl

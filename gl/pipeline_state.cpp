@@ -3,9 +3,9 @@
 namespace sightline::gl {
 namespace {
 
-/// Of all viewports, draw buffers and samples. Not here, since they change no pixel of ours: the stencil test (there is
-/// no stencil buffer), sRGB conversion (of none of the formats), point parameters, samplers (buffer textures have
-/// none).
+/// Off for all viewports, draw buffers and samples. The list leaves out state that does not affect this library's
+/// pixels: the stencil test (there is no stencil buffer), sRGB conversion (no format uses it), point parameters,
+/// samplers (buffer textures have none).
 constexpr GLenum kOff[] = {
     GL_RASTERIZER_DISCARD,
     GL_PRIMITIVE_RESTART,
@@ -49,7 +49,7 @@ void reset_pipeline_state(const Functions& gl) {
   gl.LineWidth(1.0f);
   gl.ProvokingVertex(GL_LAST_VERTEX_CONVENTION);  // flat values are equal, but interpolation may begin at this vertex
   gl.Hint(GL_FRAGMENT_SHADER_DERIVATIVE_HINT, GL_DONT_CARE);
-  // Mesa lets plain multi-draws obey it, too.
+  // On Mesa it also affects plain multi-draws.
   if (gl.MultiDrawElementsIndirectCountARB) gl.BindBuffer(GL_PARAMETER_BUFFER_ARB, 0);
 }
 

@@ -51,7 +51,7 @@ std::string stage_name(GLenum stage) {
   }
 }
 
-/// Where an error of a stage is: program, stage and the file that it begins with.
+/// Describes the place of a stage's error: program, stage and first file.
 std::string place_of(const ProgramDescription& program, const StageDescription& stage) {
   return fmt::format("GL program '{}', {} stage {}", program.name, stage_name(stage.stage),
                      stage.files.empty() ? "without files" : stage.files.front());
@@ -67,7 +67,7 @@ core::Expected<std::vector<StageSource>> assemble(const ProgramDescription& desc
   return sources;
 }
 
-/// All that decides what comes of linking.
+/// Everything that the result of linking depends on.
 std::string cache_key(const ProgramDescription& description, const std::vector<StageSource>& sources) {
   std::string key;
   for (std::size_t i = 0; i < sources.size(); ++i)
@@ -94,7 +94,7 @@ struct Program::Pending {
   bool cached = false;
 };
 
-/// Asks the driver for nothing that it would have to be through with compiling for.
+/// Makes no query for which the driver would have to finish compiling.
 core::Expected<Program::Pending> Program::begin(const Functions& gl, const ProgramDescription& description) {
   auto sources = assemble(description);
   if (!sources) return tl::unexpected(sources.error());

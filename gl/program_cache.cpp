@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kExtension = ".program";
 
-/// An entry is this, then the key, then the binary.
+/// Start of an entry; the key and the binary follow.
 struct Header {
   std::array<char, 8> magic;
   std::uint64_t key_bytes, binary_bytes;
@@ -29,7 +29,7 @@ struct Header {
 };
 constexpr std::array<char, 8> kMagic = {'S', 'L', 'P', 'R', 'O', 'G', '0', '1'};
 
-/// FNV-1a: tells accidents, not attacks.
+/// FNV-1a: detects accidents, not attacks.
 std::uint64_t checksum(std::string_view bytes, std::uint64_t sum = 0xcbf29ce484222325u) {
   for (const char byte : bytes) sum = (sum ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
   return sum;
@@ -80,7 +80,7 @@ std::optional<Entry> parse(std::string_view bytes, std::string_view key) {
   return Entry{static_cast<GLenum>(header.format), bytes};
 }
 
-/// For the user alone, as the XDG base directory specification asks.
+/// Only the user may access it, as the XDG base directory specification asks.
 void make_folder(const fs::path& folder) {
   std::error_code ignored;
   if (fs::create_directories(folder, ignored)) fs::permissions(folder, fs::perms::owner_all, ignored);
@@ -132,7 +132,7 @@ void ProgramCache::store(const Functions& gl, GLuint program, std::string_view k
   const std::string whole_key = driver_ + std::string(key);
   const Header header{kMagic, whole_key.size(), binary.size(), checksum(binary), format};
   make_folder(folder_);
-  // Not kept when it cannot be written; the next run compiles again.
+  // A failed write keeps nothing; the next run compiles again.
   (void)core::write_file(place_of(key), {std::as_bytes(std::span(&header, 1)), std::as_bytes(std::span(whole_key)),
                                          std::as_bytes(std::span(binary))});
   drop_oldest();

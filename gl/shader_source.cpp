@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::string_view kBlank = " \t\r";
 
-// Mesa forgets the source number of a #line directive in most of its messages, but never the line. So the line carries
-// the file too: line 12 of file 3 is 300012.
+// Mesa omits the source number of a #line directive in most of its messages, but never the line. So the line number
+// also holds the file: line 12 of file 3 is 300012.
 constexpr std::size_t kLinesPerFile = 100000;
 
 /// Cuts the first line off `rest`, without its newline.
@@ -23,7 +23,7 @@ std::string_view take_line(std::string_view& rest) {
   return line;
 }
 
-/// What follows "#word" in a line that is that directive.
+/// The text after "#word" if the line is that directive.
 std::optional<std::string_view> directive(std::string_view line, std::string_view word) {
   const auto skip_blank = [&] {
     const std::size_t start = line.find_first_not_of(kBlank);
@@ -90,8 +90,8 @@ class Assembler {
   struct Open {
     std::string_view name;
     std::string_view rest;
-    std::size_t index = 0;  // in source_.files
-    std::size_t line = 0;   // of the line last taken
+    std::size_t index = 0;  // into source_.files
+    std::size_t line = 0;   // number of the line last taken
   };
 
   core::Expected<void> open(std::string_view name, const std::string& from) {
@@ -108,7 +108,8 @@ class Assembler {
     if (!stack_.empty()) add_line_directive();
   }
 
-  /// Says where the next line comes from. Since GLSL 3.30 the number is that of the line after the directive.
+  /// Tells the compiler where the next line comes from. Since GLSL 3.30 the number is that of the line after the
+  /// directive.
   void add_line_directive() {
     const Open& top = stack_.back();
     source_.text += fmt::format("#line {} {}\n", top.index * kLinesPerFile + top.line + 1, top.index);
@@ -153,7 +154,7 @@ class Assembler {
   std::vector<Open> stack_;
 };
 
-/// Reads digits off the front.
+/// Removes a number from the front.
 std::optional<std::size_t> take_number(std::string_view& text) {
   std::size_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -162,7 +163,7 @@ std::optional<std::size_t> take_number(std::string_view& text) {
   return value;
 }
 
-/// "1:100012(3): error" or "1(100012) : error" with the file's name and line; any other line as it is.
+/// Replaces "1:100012(3): error" or "1(100012) : error" by the file's name and line; returns any other line unchanged.
 std::string name_file_in_line(std::string_view line, std::span<const std::string> files) {
   std::string_view rest = line;
   std::string_view prefix;

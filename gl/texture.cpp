@@ -25,7 +25,8 @@ core::Expected<void> check_size(const Functions& gl, int width, int height, std:
   return {};
 }
 
-/// What GL is told of pixels in memory. Parameters of images in a stack stay out of it: two dimensions ignore them.
+/// GL's state for pixel transfers in one direction. Leaves out parameters of image stacks, which two-dimensional
+/// transfers ignore.
 struct Transfer {
   GLenum buffer, buffer_binding;
   std::array<GLenum, 5> parameters;  // the first one is the alignment
@@ -39,8 +40,8 @@ constexpr Transfer kUnpack = {
     GL_PIXEL_UNPACK_BUFFER_BINDING,
     {GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SWAP_BYTES}};
 
-/// For its life pixels lie in the caller's memory, without gaps; then GL has its values from before again, which may be
-/// an application's.
+/// While it lives, pixels lie in the caller's memory without gaps. Its destructor restores GL's former values, which
+/// may be an application's.
 class TightPixels {
  public:
   TightPixels(const Functions& gl, const Transfer& transfer) : gl_(gl), transfer_(transfer) {

@@ -46,9 +46,9 @@ std::optional<double> GpuTimer::poll() {
   if (count_ == 0) return std::nullopt;
   const GLuint begin = queries_[2 * first_];
   const GLuint end = queries_[2 * first_ + 1];
-  // Queries finish in order: the end's availability is the span's.
+  // Queries finish in order: when the end is available, so is the begin.
   GLuint available = GL_FALSE;
-  gl_->BindBuffer(GL_QUERY_BUFFER, 0);  // an application's would take the answer
+  gl_->BindBuffer(GL_QUERY_BUFFER, 0);  // an application's buffer would take the result
   gl_->GetQueryObjectuiv(end, GL_QUERY_RESULT_AVAILABLE, &available);
   if (!available) return std::nullopt;
   GLuint64 begin_ns = 0;

@@ -1,4 +1,4 @@
-// Buffer objects with immutable storage, and the texture view through which every shader stage can read one.
+// Buffer objects with immutable storage, and texture buffers, through which every shader stage can read them.
 #pragma once
 
 #include <cstddef>
@@ -18,9 +18,9 @@ class Buffer {
  public:
   Buffer() = default;
 
-  /// Allocates `bytes` > 0 with glNamedBufferStorage. `data` is copied, or null for undefined contents. `flags` as
+  /// Allocates `bytes` > 0 with glNamedBufferStorage. `data` is copied; null leaves the contents undefined. `flags` are
   /// GL's: GL_DYNAMIC_STORAGE_BIT for write(), GL_MAP_…_BIT for map(). `what` names the contents in errors and debug
-  /// output. Fails when the driver has not the memory, or for 0 bytes.
+  /// output. Fails for 0 bytes, and when the driver has not enough memory.
   static core::Expected<Buffer> create(const Functions& gl, std::size_t bytes, const void* data, GLbitfield flags,
                                        std::string_view what);
   /// The same from values.
@@ -50,8 +50,8 @@ class Buffer {
   std::size_t bytes_ = 0;
 };
 
-/// A buffer seen as a one-dimensional array of texels (samplerBuffer and its kin). Borrows the buffer: it must live
-/// while the view is used. Move-only.
+/// A buffer as a one-dimensional array of texels (samplerBuffer and similar). Borrows the buffer, which must outlive
+/// it. Move-only.
 class TextureBuffer {
  public:
   TextureBuffer() = default;

@@ -1,4 +1,4 @@
-// What the driver says through KHR_debug, kept as values.
+// Messages of the driver from KHR_debug, kept as values.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ struct DebugMessage {
   std::string text;
 };
 
-/// The first messages since the last take(); further ones are counted only, so that a mistake in a loop cannot fill
-/// memory. Not synchronised: the context reports on the thread it is current on.
+/// Keeps the first messages since the last take() and only counts further ones, so that a mistake in a loop cannot fill
+/// memory. Not synchronised: the context reports on the thread where it is current.
 class DebugLog {
  public:
   static constexpr std::size_t kCapacity = 256;
@@ -31,7 +31,7 @@ class DebugLog {
     }
   }
   const std::vector<DebugMessage>& messages() const { return messages_; }
-  std::size_t errors() const { return errors_; }    ///< errors and messages of high severity, those dropped included
+  std::size_t errors() const { return errors_; }    ///< errors and messages of high severity, including dropped ones
   std::size_t dropped() const { return dropped_; }  ///< messages that came after the log was full
   void clear() { *this = DebugLog(); }
 

@@ -9,12 +9,12 @@
 
 namespace sightline::gl {
 
-/// One EGL context. Plain handles, typed void* so that no EGL header travels further.
+/// One EGL context. Handles are void* so that users need no EGL header.
 struct EglContext {
   void* library = nullptr;  ///< from dlopen, never closed: drivers do not survive being unloaded
   void* display = nullptr;
   void* context = nullptr;
-  void* (*current)() = nullptr;  ///< eglGetCurrentContext: making current what is current already costs this call
+  void* (*current)() = nullptr;  ///< eglGetCurrentContext; the only call needed when the context is already current
   std::string platform;          ///< "EGL surfaceless", "EGL device 0 (software)"
 };
 
@@ -22,7 +22,7 @@ struct EglContext {
 core::Expected<EglContext> create_egl_context(const ContextOptions& options);
 /// Destroys the context. The display stays initialised: EGL shares it among all contexts of the process.
 void destroy_egl_context(const EglContext& egl);
-/// Cheap when it is current already.
+/// Cheap when the context is already current.
 core::Expected<void> make_egl_current(const EglContext& egl);
 /// Leaves no context current on this thread, if this one is.
 void release_egl_current(const EglContext& egl);

@@ -11,31 +11,31 @@
 
 namespace sightline::gl {
 
-/// What is attached where: GL_COLOR_ATTACHMENTi, GL_DEPTH_ATTACHMENT, GL_DEPTH_STENCIL_ATTACHMENT.
+/// A texture and its point: GL_COLOR_ATTACHMENTi, GL_DEPTH_ATTACHMENT, GL_DEPTH_STENCIL_ATTACHMENT.
 struct Attachment {
   GLenum point = GL_NONE;
   const Texture2D* texture = nullptr;
   int level = 0;
 };
 
-/// A complete framebuffer. Borrows its textures: they must live as long. Move-only.
+/// A complete framebuffer. Borrows its textures, which must outlive it. Move-only.
 class Framebuffer {
  public:
   Framebuffer() = default;
 
-  /// Attaches and switches on fragment output i for each GL_COLOR_ATTACHMENTi given; reading is from the lowest of
+  /// Attaches the textures and enables fragment output i for each GL_COLOR_ATTACHMENTi. Reads come from the lowest of
   /// them. Fails with GL's reason when the combination is not complete.
   static core::Expected<Framebuffer> create(const Functions& gl, std::span<const Attachment> attachments,
                                             std::string_view what);
 
-  /// Nothing to write to, but complete: what draws that only feed back, store or count need bound in a context without
-  /// a surface.
+  /// Complete, but with nothing to write to. In a context without a surface, draws that only feed back, store or count
+  /// need it bound.
   static core::Expected<Framebuffer> create_attachmentless(const Functions& gl, int width, int height,
                                                            std::string_view what);
 
   GLuint id() const { return handle_.name(); }
 
-  /// Binds for drawing and reading. The viewport is the caller's.
+  /// Binds for drawing and reading. The caller sets the viewport.
   void bind() const;
 
  private:

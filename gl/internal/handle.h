@@ -1,4 +1,4 @@
-// Sole ownership of one GL object name: what the classes of this folder are made of.
+// Sole ownership of one GL object name. The classes of this folder are built on it.
 #pragma once
 
 #include <type_traits>
@@ -31,7 +31,7 @@ class Handle {
     }
   }
 
-  const Functions& gl() const { return *gl_; }  ///< only of a handle that was given a table
+  const Functions& gl() const { return *gl_; }  ///< only for a handle that was given a table
   GLuint name() const { return name_; }
 
  private:
@@ -39,7 +39,7 @@ class Handle {
   GLuint name_ = 0;
 };
 
-/// One name from an entry point such as &Functions::CreateVertexArrays; `target` is of those that want one.
+/// Makes one name with an entry point such as &Functions::CreateVertexArrays. `target`: for entry points that take one.
 template <auto Create, class... Target>
 GLuint create_name(const Functions& gl, Target... target) {
   GLuint name = 0;

@@ -1,16 +1,16 @@
-// State that an application may have left in a context, and that comes between a draw and its picture.
+// Resets state that an application may have left in a context and that affects the picture.
 #pragma once
 
 #include "sightline/gl/functions.h"
 
 namespace sightline::gl {
 
-/// Gives state of OpenGL 4.5 core its initial value, as far as it decides which pixels of a framebuffer object draws
-/// and clears reach and what they leave there, and turns dithering off. A draw then sets what it wants otherwise, its
-/// viewport, and what it binds. Asks nothing, and so waits for nothing.
+/// Resets state of OpenGL 4.5 core to its initial value where it decides which pixels of a framebuffer object draws and
+/// clears reach, or what they write there. Also turns dithering off. A draw then sets only what it needs otherwise, its
+/// viewport, and its bindings. Queries no state, so it never waits.
 ///
-/// What GL neither tells nor resets must not be active: conditional rendering, transform feedback that is not paused,
-/// a query of GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN. Nor does it know state of extensions.
+/// GL offers no way to query or reset some state, which must not be active: conditional rendering, transform feedback
+/// that is not paused, a query of GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN. State of extensions is not reset.
 void reset_pipeline_state(const Functions& gl);
 
 }  // namespace sightline::gl

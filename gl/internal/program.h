@@ -13,7 +13,7 @@
 
 namespace sightline::gl {
 
-/// One stage: GL_VERTEX_SHADER, … and the files that make it, in order (see assemble_stage()).
+/// One stage: GL_VERTEX_SHADER, … and its files in order (see assemble_stage()).
 struct StageDescription {
   GLenum stage = GL_NONE;
   std::vector<std::string> files;
@@ -36,16 +36,16 @@ class Program {
   /// Compiles and links. Fails with the program's name, the stage's first file and the driver's log, in which source
   /// numbers are replaced by file names.
   static core::Expected<Program> create(const Functions& gl, const ProgramDescription& description);
-  /// The same of several. All are begun before any is waited for: drivers that compile on threads of their own, which
-  /// GL_KHR_parallel_shader_compile lets them do unasked, work at all of them at once. Fails with the first error.
+  /// The same for several programs. Begins all before it waits for any, so that drivers with compiler threads compile
+  /// all at once. GL_KHR_parallel_shader_compile allows drivers that without a request. Fails with the first error.
   static core::Expected<std::vector<Program>> create_all(const Functions& gl,
                                                          std::span<const ProgramDescription> descriptions);
 
   GLuint id() const { return handle_.name(); }
   void use() const { handle_.gl().UseProgram(id()); }
 
-  /// Location of an active uniform, -1 when there is none of that name (a ProgramUniform… call then does nothing). Ask
-  /// once and keep it.
+  /// Location of an active uniform; -1 when there is none of that name (a ProgramUniform… call then does nothing). Call
+  /// it once and keep the result.
   GLint uniform(const char* name) const { return handle_.gl().GetUniformLocation(id(), name); }
 
  private:

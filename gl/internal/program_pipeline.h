@@ -19,8 +19,8 @@ class ProgramPipeline {
   void set_stages(GLbitfield stages, const Program& program) const {
     handle_.gl().UseProgramStages(id(), stages, program.id());
   }
-  /// Binds it in place of a program. In this order: Mesa's glUseProgram(0) binds the pipeline before it again, and
-  /// calls it an error when that one was deleted meanwhile.
+  /// Binds it in place of a program. The order matters: Mesa's glUseProgram(0) binds the former pipeline again, and
+  /// reports an error if that was deleted meanwhile.
   void use() const {
     handle_.gl().BindProgramPipeline(id());
     handle_.gl().UseProgram(0);

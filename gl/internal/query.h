@@ -1,4 +1,4 @@
-// Query objects: what a draw counted or how long it took.
+// Query objects: what a draw has counted or how long it took.
 #pragma once
 
 #include <optional>
@@ -17,21 +17,21 @@ class Query {
 
   void begin() const { handle_.gl().BeginQuery(target_, handle_.name()); }
   void end() const { handle_.gl().EndQuery(target_); }
-  /// Of the last begin() and end(). Waits for the GPU.
+  /// Result of the last begin() and end(). Waits for the GPU.
   GLuint result() const { return read(GL_QUERY_RESULT, 0); }
-  /// The same, or nothing while the GPU is not through with it. Never waits.
+  /// The same, or nothing while the GPU has not finished. Never waits.
   std::optional<GLuint> result_if_known() const {
     constexpr GLuint kUnknown = ~0u;
     const GLuint value = read(GL_QUERY_RESULT_NO_WAIT, kUnknown);
     return value == kUnknown ? std::nullopt : std::optional(value);
   }
-  /// Default-made.
+  /// True when default-made.
   bool empty() const { return handle_.name() == 0; }
 
  private:
-  /// `value` stays what it is while there is no answer.
+  /// Returns `value` unchanged while there is no result.
   GLuint read(GLenum what, GLuint value) const {
-    handle_.gl().BindBuffer(GL_QUERY_BUFFER, 0);  // an application's would take the answer
+    handle_.gl().BindBuffer(GL_QUERY_BUFFER, 0);  // an application's buffer would take the result
     handle_.gl().GetQueryObjectuiv(handle_.name(), what, &value);
     return value;
   }

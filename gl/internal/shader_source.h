@@ -1,4 +1,4 @@
-// Text of a shader stage from its files: prolog, includes, and which file a driver's message means. No GL calls here.
+// Assembles the text of a shader stage from its files, and names the files in a driver's messages. No GL calls here.
 #pragma once
 
 #include <span>
@@ -11,8 +11,8 @@
 
 namespace sightline::gl {
 
-/// A shader file's name (without folder) and text, as sightline_embed_shaders() puts them into a program. A plain pair,
-/// so that folders which know no GL can hold shaders.
+/// A shader file's name (without folder) and text, as sightline_embed_shaders() embeds them. A plain pair, so that
+/// folders that do not use GL can hold shaders.
 using ShaderFile = std::pair<std::string_view, std::string_view>;
 using ShaderTable = std::span<const ShaderFile>;
 
@@ -26,7 +26,7 @@ struct ShaderContext {
 /// Text ready for glShaderSource.
 struct StageSource {
   std::string text;
-  std::vector<std::string> files;  ///< by the number that #line directives give them; 0 is the prolog
+  std::vector<std::string> files;  ///< indexed by the numbers in #line directives; 0 is the prolog
 };
 
 /// Concatenates `files` after "#version 450 core", the extensions and the defines, and replaces each line
@@ -36,8 +36,8 @@ struct StageSource {
 /// file with a #version of its own; each names file and line. Comments are not parsed: an #include inside one counts.
 core::Expected<StageSource> assemble_stage(const ShaderContext& context, std::span<const std::string> files);
 
-/// A driver's log of such a stage with the "1:100012(3)" (Mesa) and "1(100012)" (NVIDIA) at the start of its lines,
-/// also after "ERROR: ", as "file.glsl:12".
+/// In a driver's log of such a stage, replaces "1:100012(3)" (Mesa) and "1(100012)" (NVIDIA) at the start of lines,
+/// also after "ERROR: ", by "file.glsl:12".
 std::string name_files_in_log(std::string_view log, std::span<const std::string> files);
 
 }  // namespace sightline::gl

@@ -1,4 +1,4 @@
-// Two-dimensional textures with immutable storage: render targets mostly.
+// Two-dimensional textures with immutable storage, mostly render targets.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,8 @@ class Texture2D {
   Texture2D() = default;
 
   /// Allocates `width` x `height` pixels of a sized format with `levels` mip levels (1 when multisampled). Fails for
-  /// sizes, samples or memory that the context does not have; `what` names the texture in errors and debug output.
+  /// sizes or samples that the context does not support, and without enough memory. `what` names the texture in errors
+  /// and debug output.
   static core::Expected<Texture2D> create(const Functions& gl, int width, int height, GLenum format,
                                           std::string_view what, int samples = 1, int levels = 1);
 

@@ -1,4 +1,4 @@
-// How long the GPU took, asked without ever waiting for it.
+// Measures GPU time without waiting for the GPU.
 #pragma once
 
 #include <array>
@@ -20,11 +20,12 @@ class GpuTimer {
   GpuTimer& operator=(GpuTimer&& other) noexcept;
   ~GpuTimer();
 
-  /// Starts a span. With all slots still unread this span is not measured, and false is returned; end() is due anyway.
+  /// Starts a span. False when all slots are still unread: then the span is not measured, but end() must be called.
   bool begin();
   void end();
 
-  /// The oldest finished span in milliseconds, in order of begin(); nothing while the GPU is not through with it.
+  /// Takes the oldest finished span, in milliseconds and in order of begin(); nothing while the GPU has not finished
+  /// it.
   std::optional<double> poll();
 
   std::size_t pending() const { return count_; }  ///< spans ended and not yet polled
