@@ -41,7 +41,7 @@ core::Mesh tessellate(const core::Box& box, const Tessellation& /*config*/, Caps
       const auto corner = [&](double x, double y) {
         dvec3 p;
         p[axis] = side * half[axis];
-        p[right] = side * x * half[right];  // mirrored for the negative side, which turns the winding
+        p[right] = side * x * half[right];  // mirrored for the negative side, which reverses the winding
         p[up] = y * half[up];
         return p;
       };

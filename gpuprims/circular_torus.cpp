@@ -13,15 +13,15 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The whole torus in its bounding radius' neighbourhood, and a ray o + s u about its point closest to the centre (o.u
-/// = 0, |u| = 1).
+/// The whole torus and a ray o + s u, in the units of the local ray. o is the point closest to the centre (o.u = 0, |u|
+/// = 1).
 template <class Real>
 struct Tube {
   Vec3<Real> o, u;
   Real major, tube_radius;
   Real inner, outer;  // major - tube_radius and their sum
 
-  /// G as in the header, times rho and its derivative along the ray times rho: one division less, and the same root.
+  /// g is G of the header; slope is its derivative along the ray times rho, which saves a division.
   struct Value {
     Real g, slope, rho;
   };
@@ -32,16 +32,16 @@ struct Tube {
   }
 };
 
-/// Newton's step on t^3 + p t + q.
+/// Newton step on t^3 + p t + q.
 template <class Real>
 Real polish_cubic(Real t, Real p, Real q) {
   const Real derivative = 3 * t * t + p;
   return derivative != 0 ? t - ((t * t + p) * t + q) / derivative : t;
 }
 
-/// Real roots of t^3 + p t + q in rising order; returns their number, 1 or 3. Press et al., "Numerical Recipes",
-/// section 5.6, where cos(acos(x) / 3) for 0 <= x <= 1 is the root c of 4 c^3 - 3 c = x, by Newton from a parabola that
-/// is within 4e-4 of it; the other two follow from the largest.
+/// Finds the real roots of t^3 + p t + q in rising order; returns their number, 1 or 3. Press et al., "Numerical
+/// Recipes", section 5.6. cos(acos(x) / 3) for 0 <= x <= 1 is the root c of 4 c^3 - 3 c = x. Newton finds it from a
+/// parabola within 4e-4 of it. The other two roots follow from the largest.
 template <class Real>
 int depressed_cubic(Real p, Real q, Real roots[3]) {
   const Real third = -p / 3, discriminant = q * q / 4 - third * third * third;
@@ -62,8 +62,8 @@ int depressed_cubic(Real p, Real q, Real roots[3]) {
   return 3;
 }
 
-/// Where F crosses 0 between its extreme at e, where it is `depth` < 0, and `bound`: Newton on F's expansion about e,
-/// depth + 2 (3 e^2 + p) h^2 + 4 e h^3 + h^4, in which nothing cancels. Close, not exact.
+/// Estimates where F crosses 0 between its extreme at e, where it is `depth` < 0, and `bound`. Newton on F's expansion
+/// about e, depth + 2 (3 e^2 + p) h^2 + 4 e h^3 + h^4, in which nothing cancels. Close, not exact.
 template <class Real>
 Real guess_root(Real depth, Real e, Real p, Real bound) {
   const Real curvature = 2 * (3 * e * e + p), reach = bound - e;
@@ -77,11 +77,11 @@ Real guess_root(Real depth, Real e, Real p, Real bound) {
   return e + h;
 }
 
-/// The crossing between `low` and `high`, at which G has different signs: safeguarded Newton from a guess.
+/// Finds the crossing between `low` and `high`, where G has different signs, by safeguarded Newton from a guess.
 template <class Real>
 Real bracketed_root(const Tube<Real>& tube, Real low, Real high, bool outside_at_low, Real guess) {
-  // Newton squares the error, relative to the chord or, where the axis is nearer and bends G, to its distance: the step
-  // after one whose square is this small changes nothing.
+  // Newton squares the error, relative to the chord, or to the distance from the axis where that is less, since the
+  // axis bends G. Once the square of a step is this small, another step changes nothing.
   const Real least = std::numeric_limits<Real>::epsilon(), chord = high - low, near = least * Real(0.01) * chord;
   Real s = guess > low && guess < high ? guess : (low + high) / 2;
   for (int i = 0; i < 100; ++i) {
@@ -97,7 +97,7 @@ Real bracketed_root(const Tube<Real>& tube, Real low, Real high, bool outside_at
   return s;
 }
 
-/// Where F has its extremes, between both ends of the line in the bounding sphere: 3 to 5 values.
+/// The extremes of F, and the ends of the line in the bounding sphere on both sides: 3 to 5 values.
 template <class Real>
 struct Pieces {
   Real breaks[5];
@@ -147,12 +147,13 @@ int tube_crossings(const Tube<Real>& tube, Real crossings[4]) {
   return count;
 }
 
-/// One (rho, z) point of the swept outline and its outward normal.
+/// A point (rho, z) of the swept outline and its outward normal.
 struct ProfilePoint {
   dvec2 position, normal;
 };
 
-/// The outline counter-clockwise: the whole circle, first point repeated, or for a spindle the part away from the axis.
+/// The outline, counter-clockwise: the whole circle with its first point repeated, or the part away from the axis for a
+/// spindle.
 std::vector<ProfilePoint> make_profile(const Tessellation& config, double major, double tube_radius) {
   const bool spindle = major < tube_radius;
   const double half_arc = spindle ? std::acos(-major / tube_radius) : kPi;
@@ -228,8 +229,8 @@ core::Mesh tessellate(const core::CircularTorus& torus, const Tessellation& conf
   outline.reserve(profile.size());
   for (const ProfilePoint& p : profile) outline.emplace_back(p.position.x * sweep.front(), p.position.y);
   if (outline.front() == outline.back()) outline.pop_back();
-  // Looking along the sweep onto the start, rho points right and z up: counter-clockwise as it is. The end is seen from
-  // behind.
+  // Seen along the sweep, rho points right and z up at the start: the outline is counter-clockwise as it is. The end is
+  // seen from behind, so its outline is reversed.
   if (caps.bottom) builder.add_flat_polygon(outline, {0.0, -1.0, 0.0});
   outline.clear();
   for (std::size_t i = profile.size(); i-- > 0;)

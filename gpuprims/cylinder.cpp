@@ -19,7 +19,7 @@ Hits intersect(const core::Cylinder& cylinder, const Ray& ray, Caps caps) {
   auto span = cylinder_span(local.origin, local.direction, Real(radius * per_unit), kLateral);
   span.clip_slab(local.origin.z, local.direction.z, Real(half * per_unit), kBottom, kTop);
   add_hits(hits, local, span, hidden_faces(caps), [](int face, const Vec3<Real>& p) {
-    constexpr Real kAcross[] = {1, 0, 0}, kAlong[] = {0, -1, 1};  // by face
+    constexpr Real kAcross[] = {1, 0, 0}, kAlong[] = {0, -1, 1};  // indexed by face
     return Vec3<Real>(kAcross[face] * p.x, kAcross[face] * p.y, kAlong[face]);
   });
   return hits;

@@ -27,7 +27,7 @@ core::Mesh tessellate(const core::EllipticalDish& dish, const Tessellation& conf
   const double radius = std::fabs(dish.base_radius), height = std::fabs(dish.height);
   if (!(radius > 0.0 && std::isfinite(radius + height))) return {};
   const int columns = segment_count(config, radius, 2.0 * kPi);
-  // An ellipse is a circle of its larger axis, squeezed: chord errors only shrink.
+  // An ellipse is a squeezed circle of its larger axis, and squeezing only shrinks chord errors.
   const int rows = segment_count(config, std::max(radius, height), 0.5 * kPi);
   const std::vector<dvec2> around = arc_points(columns, 2.0 * kPi);
   std::vector<dvec2> meridian = arc_points(rows, 0.5 * kPi);

@@ -25,7 +25,7 @@ double length(float v) {
   return std::abs(double(v));
 }
 
-/// The local frame that a record is written in, in terms of the primitive's own: axes and origin.
+/// The local frame of a record: its axes and origin in the primitive's own frame.
 struct Frame {
   core::dmat3 axes{1.0};
   dvec3 origin{0.0};
@@ -38,7 +38,7 @@ Frame scaled(const dvec3& size, const dvec3& origin = dvec3(0.0)) {
   return frame;
 }
 
-/// Turned by `angle` about z.
+/// Rotated by `angle` about z.
 Frame turned(double size, double angle) {
   const double c = size * std::cos(angle), s = size * std::sin(angle);
   return {core::dmat3(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, size), dvec3(0.0)};
@@ -54,18 +54,18 @@ void pack_head(const PackedItem& item, const Frame& frame, double extra, std::sp
   out[3] = {item.placement.chunk, item.id, item.material, word(extra)};
 }
 
-/// Numbers of shapes beyond this are not drawn: their squares are no floats.
+/// Shapes with numbers beyond this are not drawn: float cannot hold the squares.
 constexpr double kFarBeyond = 1e18;
-/// A snout of less height than this part of its other lengths counts as one without height.
+/// A snout whose height is less than this part of its other lengths counts as one without height.
 constexpr double kFlattest = 1e-12;
 
-/// A record that shows nothing.
+/// Writes a record that shows nothing.
 void pack_nothing(const PackedItem& item, std::span<Texel> out) {
   std::fill(out.begin(), out.end(), Texel{});
   pack_head(item, scaled(dvec3(0.0)), 0.0, out);
 }
 
-/// What is thinner than this part of its greatest length is drawn that thick: a volume is needed to cast rays at, and
+/// A shape thinner than this part of its greatest length is drawn with this thickness. Ray casting needs a volume, and
 /// float still tells its two sides apart.
 constexpr double kThinnest = 1e-7;
 
@@ -75,14 +75,14 @@ void pack_shape(const core::Cylinder& c, const PackedItem& item, std::span<Texel
   pack_head(item, scaled(dvec3(radius)), length(c.height) / radius, out);
 }
 
-/// Half the sweep of a torus slice as its shader wants it: (first, 1 when closed, cos, sin).
+/// Half the sweep of a torus slice in the form of its shader: (first, 1 when closed, cos, sin).
 Texel sweep_texel(double first, double angle) {
   return texel(first, angle == core::kFullTurn ? 1.0 : 0.0, std::cos(0.5 * angle), std::sin(0.5 * angle));
 }
 
 void pack_shape(const core::CircularTorus& t, const PackedItem& item, std::span<Texel> out) {
   const double major = length(t.major_radius), tube_radius = length(t.tube_radius), angle = core::sweep_angle(t.angle);
-  if (tube_radius == 0.0) return pack_nothing(item, out);  // not even a hoop
+  if (tube_radius == 0.0) return pack_nothing(item, out);  // without thickness nothing shows
   const double unit = std::max(major, tube_radius);
   pack_head(item, turned(unit, 0.5 * angle), tube_radius / unit, out);
   out[4] = sweep_texel(major / unit, angle);
@@ -131,7 +131,7 @@ void pack_shape(const core::Snout& s, const PackedItem& item, std::span<Texel> o
                  above.limited ? (0.5 * height + above.max) / unit : kFarBeyond);
 }
 
-/// A cap as high as its ball's radius, stretched.
+/// Half a ball, stretched along z: a cap whose height is the ball's radius.
 void pack_shape(const core::EllipticalDish& d, const PackedItem& item, std::span<Texel> out) {
   const double radius = length(d.base_radius), height = length(d.height);
   if (radius == 0.0) return pack_nothing(item, out);
@@ -163,7 +163,7 @@ void pack_shape(const core::Line& l, const PackedItem& item, std::span<Texel> ou
   pack_head(item, scaled(dvec3(double(l.to) - l.from, 1.0, 1.0), dvec3(l.from, 0.0, 0.0)), 0.0, out);
 }
 
-/// Whether the numbers of a record's shape, behind its placement, are ones to compute with.
+/// Whether all numbers of a record's shape, which follow its placement, are small enough to compute with.
 bool sane(std::span<const Texel> record) {
   const auto within = [](std::uint32_t w) { return std::abs(double(std::bit_cast<float>(w))) <= kFarBeyond; };
   if (!within(record[3][3])) return false;

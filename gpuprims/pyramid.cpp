@@ -10,7 +10,7 @@ namespace {
 
 enum SideFace : int { kSides = kTop + 1 };  ///< -x, +x, -y, +y
 
-/// x and y alike: |position - lean z| <= width + widening z.
+/// The same in x and y: |position - lean z| <= width + widening z.
 template <class Real>
 struct Frustum {
   Vec2<Real> lean, width, widening;
@@ -26,7 +26,7 @@ struct Frustum {
       span.clip(reach - value, growth - slope, kSides + 2 * axis + 1);
     }
   }
-  /// Whether any point above or below p is in the frustum.
+  /// Whether any point straight above or below p is in the frustum.
   bool casts_shadow_on(const Vec3<Real>& p) const {
     Span<Real> column{-half_height, half_height};
     clip_sides({p.x, p.y, 0}, {0, 0, 1}, column);
@@ -42,7 +42,7 @@ struct Frustum {
   }
 };
 
-/// As if of that height, lengths multiplied by `scale`.
+/// The frustum as if it had that height, with lengths multiplied by `scale`.
 template <class Real>
 Frustum<Real> make_frustum(const core::Pyramid& p, double height, double scale) {
   const dvec2 bottom = glm::abs(dvec2(p.bottom_x, p.bottom_y)), top = glm::abs(dvec2(p.top_x, p.top_y));

@@ -15,7 +15,7 @@ namespace {
 
 enum LevelFace : int { kBottomLevel = kTop + 1, kTopLevel };
 
-/// z = height + dot(tangent, xy - centre).
+/// The plane z = height + dot(tangent, xy - centre).
 template <class Real>
 struct EndPlane {
   Vec2<Real> centre, tangent;
@@ -37,8 +37,8 @@ struct Solid {
   Real radius;      ///< at z = 0
   Real widening;    ///< of the radius, per z
   EndPlane<Real> bottom, top;
-  Real lowest, highest;              ///< heights that the contours reach at most
-  bool bottom_limited, top_limited;  ///< an end is cut level there
+  Real lowest, highest;              ///< bounds of the heights that the contours reach
+  bool bottom_limited, top_limited;  ///< that end has a level cut
   bool slanted;                      ///< false: both end planes are level
 
   Real radius_at(Real z) const { return radius + widening * z; }
@@ -48,7 +48,7 @@ struct Solid {
     if (glm::dot(w, w) <= Real(1e-24) * radius * radius) return {0, 0, -widening};  // the apex
     return {w.x, w.y, -glm::dot(lean, w) - widening * glm::length(w)};
   }
-  /// Without a branch on the face: see choose() in local_ray.h.
+  /// Has no branch on the face: see choose() in local_ray.h.
   Vec3<Real> normal(int face, const Vec3<Real>& p) const {
     constexpr Real kLateralShare[] = {1, 0, 0, 0, 0}, kUp[] = {0, -1, 1, -1, 1};
     Vec3<Real> n = kLateralShare[face] * lateral_normal(p);
@@ -72,9 +72,9 @@ struct Solid {
   }
 };
 
-/// Whether an end plane meets the cone further out than `reach` from the end's centre, on the side of `sign`, or
-/// nowhere: then the level at `reach` is a face of the solid. Otherwise it only touches, and must not cut by a rounding
-/// error.
+/// Whether an end needs its level cut at `reach` from the end's centre: its plane meets the cone farther out than that
+/// on the side of `sign`, or has no closed contour. Otherwise the level only touches the contour, and must not cut it
+/// by a rounding error.
 bool is_limited(const Solid<>& solid, const EndPlane<double>& plane, double radius, double sign, double reach) {
   const double steep = glm::length(plane.tangent), upright = 1.0 - glm::dot(plane.tangent, solid.lean);
   const bool closed = upright > std::fabs(solid.widening) * steep;
@@ -85,8 +85,8 @@ bool is_slanted(const core::Snout& s) {
   return s.bottom_shear_x != 0.0f || s.bottom_shear_y != 0.0f || s.top_shear_x != 0.0f || s.top_shear_y != 0.0f;
 }
 
-/// Both end planes level; height > 0; lengths multiplied by `scale`. Apart from make_solid because its tangents are
-/// slow.
+/// Both end planes are level; height > 0; lengths are multiplied by `scale`. Separate from make_solid because its
+/// tangents are slow.
 template <class Real>
 Solid<Real> make_level_solid(const core::Snout& s, double scale) {
   const double per_height = 1.0 / std::fabs(s.height), half = 0.5 * scale * std::fabs(s.height);
@@ -104,7 +104,7 @@ Solid<Real> make_level_solid(const core::Snout& s, double scale) {
   return solid;
 }
 
-/// For height > 0.
+/// Needs height > 0.
 Solid<> make_solid(const core::Snout& s) {
   Solid<> solid = make_level_solid<double>(s, 1.0);
   solid.slanted = is_slanted(s);
@@ -127,14 +127,14 @@ bool finite(const core::Snout& s) {
   return lengths + others == 0.0;  // NaN where any is not finite
 }
 
-/// Lengths multiplied by `scale`; height > 0.
+/// Lengths are multiplied by `scale`; height > 0.
 template <class Real>
 Solid<Real> make_local_solid(const core::Snout& s, double scale) {
   if (is_slanted(s)) return make_solid(s).scaled<Real>(scale);
   return make_level_solid<Real>(s, scale);
 }
 
-/// What a snout of height 0 shows: the larger end.
+/// The larger end: all that a snout of height 0 shows.
 struct Disc {
   core::Cylinder cylinder;
   dvec3 centre;
@@ -145,7 +145,7 @@ Disc flat_disc(const core::Snout& s) {
   return {{std::max(rb, rt), 0.0f}, {side * s.offset_x, side * s.offset_y, 0.0}};
 }
 
-/// Where the ray comes closest to the (leaning) axis, by the measure of local_ray.h; `reach` along z.
+/// Moves the ray to its point closest to the (leaning) axis, by the measure of local_ray.h. `reach`: extent along z.
 template <class Real>
 LocalRay<Real> approach_axis(const core::Snout& s, const Ray& ray, double widest, double reach) {
   const ScaledRay scaled = scale_direction(ray);
@@ -157,7 +157,7 @@ LocalRay<Real> approach_axis(const core::Snout& s, const Ray& ray, double widest
   return move_to<Real>(scaled, closest_approach(upright_o, upright_d, {1.0, 1.0, weight(widest, reach)}), widest);
 }
 
-/// The part of the line within the nappe of radius >= 0.
+/// The part of the line within the nappe with radius >= 0.
 template <class Real>
 Span<Real> nappe_span(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<Real>& u) {
   const Vec2<Real> w0 = solid.from_axis(o), w1 = solid.from_axis(u);
@@ -189,7 +189,7 @@ Span<Real> nappe_span(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<
     if (!(r0 * a - b * r1 >= 0)) return nothing;  // both crossings on the other nappe
     return {low, high, kLateral, kLateral};
   }
-  const bool grows = r1 > 0;  // one crossing on either nappe: inside from or up to the one on ours
+  const bool grows = r1 > 0;  // one crossing on each nappe: inside from or up to the one on this nappe
   span.from = grows ? high : -Span<Real>::kInfinity;
   span.to = grows ? Span<Real>::kInfinity : low;
   span.from_face = choose(grows, kLateral, Span<Real>::kNoFace);
@@ -197,7 +197,7 @@ Span<Real> nappe_span(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<
   return span;
 }
 
-/// Between the ends.
+/// Clips a span between the ends.
 template <class Real>
 void clip_ends(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<Real>& u, Span<Real>& span) {
   if (!solid.slanted) return span.clip_slab(o.z, u.z, solid.highest, kBottom, kTop);
@@ -207,7 +207,7 @@ void clip_ends(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<Real>& 
   if (solid.top_limited) span.clip(solid.highest - o.z, -u.z, kTopLevel);
 }
 
-/// For height > 0. Apart, so that no path has hits to copy.
+/// Needs height > 0. A separate function, so that no path has hits to copy.
 template <class Real>
 Hits intersect_solid(const core::Snout& snout, const Ray& ray, Caps caps) {
   Hits hits;
@@ -225,9 +225,9 @@ Hits intersect_solid(const core::Snout& snout, const Ray& ray, Caps caps) {
   return hits;
 }
 
-/// Heights at which the generator at angle direction e lies between the ends; empty where the end planes have crossed,
-/// `from` still being on the bottom contour. Along a generator an end plane's equation is linear: z' (1 - m.s - k m.e)
-/// = r m.e, with z' from the end's centre.
+/// Range of heights where the generator in the angular direction e lies between the ends. Empty where the end planes
+/// have crossed; `from` is then still on the bottom contour. Along a generator an end plane's equation is linear: z' (1
+/// - m.s - k m.e) = r m.e, with z' relative to the end's centre.
 Span<double> generator_span(const Solid<>& solid, const dvec2& e) {
   Span<double> span;
   span.enter(solid.lowest, kBottomLevel);
@@ -254,15 +254,14 @@ struct Rung {
   dvec3 low, high, normal;
 };
 
-/// Where the edge between two neighbouring contour points passes through the other end plane.
+/// Point where the edge between two neighbouring contour points passes through the other end plane.
 dvec3 planes_meet(const Solid<>& solid, const dvec3& a, const dvec3& b) {
   const double fa = solid.top.above(a), fb = solid.top.above(b);
   const double part = fa != fb ? std::clamp(fa / (fa - fb), 0.0, 1.0) : 0.5;
   return a + part * (b - a);
 }
 
-/// The generators between the ends once around, and at the line where the end planes meet, should they meet in the
-/// cone.
+/// The generators between the ends once around, and the points where the end planes meet, if they meet within the cone.
 std::vector<Rung> make_rungs(const Solid<>& solid, int segments) {
   const std::vector<dvec2> circle = arc_points(segments, 2.0 * std::numbers::pi);
   std::vector<Rung> rungs;

@@ -10,7 +10,7 @@ namespace sightline::gpuprims {
 namespace {
 
 using core::kFullTurn;
-/// Angles come as floats: 2 pi in float is a little more than 2 pi, and must not buy a segment more.
+/// Angles come as floats. 2 pi in float is a little more than 2 pi, and must not add a segment.
 constexpr double kRounding = 1e-6;
 
 double share_of_circle(int per_circle, double arc) {

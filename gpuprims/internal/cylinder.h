@@ -5,12 +5,13 @@
 
 namespace sightline::gpuprims {
 
-/// Crossings of the ray's full line with the surface, in rising t. A closed cylinder has 0 or 2: it is convex. Height 0
-/// is a disc of two sides at one t (the side facing the ray first), radius 0 is nothing. An open end drops its
-/// crossing.
+/// Crossings of the ray's full line with the surface, in rising t. A closed cylinder has 0 or 2, since it is convex.
+/// Height 0 is a two-sided disc with both crossings at one t (the side facing the ray first); radius 0 is nothing. An
+/// open end drops its crossing.
 ///
-/// Half-chord form of the quadratic about a point close to the cylinder (see local_ray.h): with o and u the parts of
-/// origin and direction across the axis, the line cuts sqrt(r^2 u.u - (o x u)^2) / u.u to both sides of s = -o.u / u.u.
+/// Half-chord form of the quadratic about a point close to the cylinder (see local_ray.h). With o and u the parts of
+/// origin and direction across the axis, the crossings lie sqrt(r^2 u.u - (o x u)^2) / u.u to both sides of s = -o.u /
+/// u.u.
 template <class Real = double>
 Hits intersect(const core::Cylinder& cylinder, const Ray& ray, Caps caps = {});
 

@@ -1,4 +1,4 @@
-// Internal to gpuprims: what sphere and both dishes are, a quadric of revolution cut at its base.
+// Common form of the sphere and both dishes: a quadric of revolution, cut at its base. Internal to gpuprims.
 #pragma once
 
 #include "sightline/gpuprims/internal/local_ray.h"
@@ -31,10 +31,10 @@ struct Dome {
   }
 };
 
-/// What is flatter than this times its radius is a disc of two sides.
+/// A dome flatter than this times its radius is a two-sided disc.
 inline constexpr double kFlatDome = 1e-18;
 
-/// radius >= 0, bulge > 0 and height > kFlatDome * radius, all finite. `whole`: not cut at the base.
+/// Needs radius >= 0, bulge > 0 and height > kFlatDome * radius, all finite. `whole`: not cut at the base.
 template <class Real>
 Hits intersect_dome(const Ray& ray, double radius, double bulge, double height, bool whole, Caps caps) {
   Hits hits;

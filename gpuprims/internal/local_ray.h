@@ -1,11 +1,11 @@
-// Internal to gpuprims: what all reference intersections share: how a ray is brought into the primitive's
-// neighbourhood, the intervals of it that are clipped there, and how these become hits.
+// Shared by all reference intersections: moves a ray into the primitive's neighbourhood, clips intervals of the ray
+// there, and turns them into hits. Internal to gpuprims.
 //
-// The ray is moved in double to a point close to the primitive, so that what follows works with numbers of the
-// primitive's size, however far the eye and however long the direction; only then does Real = float begin. Haines et
-// al., "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems (2019), chapter 7, show why. Close is
-// meant by each axis' own measure (`weights`): the middle of a pipe a million radii long may be as far from the
-// crossing as the eye.
+// The ray is moved in double to a point close to the primitive. From then on all numbers are of the primitive's size,
+// however far the eye is and however long the direction. Only then does Real = float begin. Haines et al., "Precision
+// Improvements for Ray/Sphere Intersection", Ray Tracing Gems (2019), chapter 7, show why. Each axis has its own
+// measure of closeness (`weights`): the middle of a pipe a million radii long may be as far from the crossing as the
+// eye.
 #pragma once
 
 #include <algorithm>
@@ -24,14 +24,14 @@ using Vec2 = glm::vec<2, Real>;
 template <class Real>
 using Vec3 = glm::vec<3, Real>;
 
-/// The faces of what has two ends, numbered as in the shaders.
+/// Faces of primitives with two ends, numbered as in the shaders.
 enum Face : int { kLateral, kBottom, kTop };
-/// A bit per face that is not drawn.
+/// One bit per face that is not drawn.
 inline unsigned hidden_faces(Caps caps) {
   return (caps.bottom ? 0u : 1u << kBottom) | (caps.top ? 0u : 1u << kTop);
 }
 
-/// The power of two in (x/2, x] and its inverse, for 0 < x < 2^1023: what is scaled by them is not rounded.
+/// The power of two in (x/2, x] and its inverse, for 0 < x < 2^1023. Scaling by them does not round.
 inline double power_of_two(double x) {
   return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & 0x7ff0000000000000u);
 }
@@ -39,8 +39,8 @@ inline double inverse_power_of_two(double x) {
   return std::bit_cast<double>(0x7fe0000000000000u - (std::bit_cast<std::uint64_t>(x) & 0x7ff0000000000000u));
 }
 
-/// origin + s * direction in units of the primitive; the original parameter is start + s * scale. The largest part of
-/// the direction lies in [1, 2).
+/// The ray origin + s * direction, in units of the primitive. The parameter of the original ray is start + s * scale.
+/// The largest component of the direction lies in [1, 2).
 template <class Real>
 struct LocalRay {
   Vec3<Real> origin, direction;
@@ -51,10 +51,10 @@ struct LocalRay {
   Vec3<Real> at(Real s) const { return origin + s * direction; }
 };
 
-/// The ray with a direction of ordinary length: any shorter than 2^1023 becomes one without rounding.
+/// A ray with a direction of ordinary length. Directions shorter than 2^1023 are scaled without rounding.
 struct ScaledRay {
   dvec3 origin, direction;
-  double factor;  ///< original t = factor * ours
+  double factor;  ///< original t = factor * t of this ray
 };
 inline ScaledRay scale_direction(const Ray& ray) {
   const dvec3& d = ray.direction;
@@ -62,8 +62,8 @@ inline ScaledRay scale_direction(const Ray& ray) {
   return {ray.origin, factor * d, factor};
 }
 
-/// The ray seen from its point at `start`, in units of power_of_two(size). The new origin lies on the given ray exactly
-/// there, up to one rounding of what remains (fused multiply-add), so nothing of the eye's distance is lost.
+/// Moves the ray's origin to its point at `start`, in units of power_of_two(size). The new origin lies exactly on the
+/// given ray, up to one rounding of the remainder (fused multiply-add), so a far eye costs no precision.
 template <class Real>
 LocalRay<Real> move_to(const ScaledRay& ray, double start, double size) {
   const dvec3 &o = ray.origin, &d = ray.direction;
@@ -77,21 +77,22 @@ LocalRay<Real> move_to(const ScaledRay& ray, double start, double size) {
           valid};
 }
 
-/// (a / b)^2 as a weight for closest_approach: of an axis along which the primitive reaches b, against one with a. What
-/// is flatter than 1e-12 is measured as 1e-12.
+/// Weight (a / b)^2 for closest_approach: of an axis along which the primitive reaches b, relative to an axis along
+/// which it reaches a. A reach below 1e-12 a counts as 1e-12 a.
 inline double weight(double a, double b) {
   const double ratio = a / std::max(b, 1e-12 * a);
   return ratio * ratio;
 }
 
-/// The weights of a box of these half extents, one of which is positive.
+/// The weights of a box with these half extents, at least one of them positive.
 inline dvec3 weights(const dvec3& half) {
   const double most = std::max(half.x, std::max(half.y, half.z));
   return {weight(most, half.x), weight(most, half.y), weight(most, half.z)};
 }
 
-/// Where the weighted distance to the local origin is least. With weights 1 / extent^2, up to a common factor, this
-/// lies within sqrt(3) extents along each axis if the ray meets the box -extent … extent at all. Origins up to 1e150.
+/// Parameter where the weighted distance to the local origin is least. With weights 1 / extent^2, up to a common
+/// factor, the point lies within sqrt(3) extents along each axis if the ray meets the box -extent … extent. Origins may
+/// be up to 1e150.
 inline double closest_approach(const dvec3& o, const dvec3& d, const dvec3& weights) {
   const dvec3 wd = weights * d;
   return -glm::dot(wd, o) / glm::dot(wd, d);
@@ -102,8 +103,8 @@ LocalRay<Real> closest_approach(const Ray& ray, const dvec3& weights, double siz
   return move_to<Real>(scaled, closest_approach(scaled.origin, scaled.direction, weights), size);
 }
 
-/// About the point closest to the local origin (from a far eye the first move is off by a rounding of the distance),
-/// with a direction of unit length.
+/// Moves the origin to the ray's point closest to the local origin, and gives the direction unit length. With a far eye
+/// the first move is off by a rounding of the distance.
 template <class Real>
 void recentre(LocalRay<Real>& ray) {
   const Real square = glm::dot(ray.direction, ray.direction), length = std::sqrt(square);
@@ -120,7 +121,8 @@ Real cross(const Vec2<Real>& a, const Vec2<Real>& b) {
   return a.x * b.y - a.y * b.x;
 }
 
-/// condition ? a : b, for conditions that no processor can guess: a branch that is mistaken costs more than all around.
+/// condition ? a : b without a branch, for unpredictable conditions: a mispredicted branch costs more than all the code
+/// around it.
 inline int choose(bool condition, int a, int b) {
   return b ^ ((a ^ b) & -int(condition));
 }
@@ -145,12 +147,12 @@ struct Span {
     to_face = choose(s < to, face, to_face);
     to = std::min(to, s);
   }
-  /// The common part of both.
+  /// Keeps the part that both have in common.
   void clip(const Span& other) {
     enter(other.from, other.from_face);
     leave(other.to, other.to_face);
   }
-  /// Keeps value + s * slope >= 0.
+  /// Keeps the part with value + s * slope >= 0.
   void clip(Real value, Real slope, int face) {
     if (slope > 0) {
       enter(-value / slope, face);
@@ -160,8 +162,8 @@ struct Span {
       *this = nothing();
     }
   }
-  /// Keeps -half <= value + s * slope <= half. Of a slab without thickness one point is left, with both faces in the
-  /// order the ray meets them; nothing of a ray within it.
+  /// Keeps the part with -half <= value + s * slope <= half. For a slab without thickness that is one point, with both
+  /// faces in the order in which the ray meets them, and nothing if the ray lies within the slab.
   void clip_slab(Real value, Real slope, Real half, int low_face, int high_face) {
     if (slope == 0) {
       if (half == 0 || !(std::fabs(value) <= half)) *this = nothing();
@@ -173,8 +175,8 @@ struct Span {
   }
 };
 
-/// What is left of `span` beside the open `gap`, in rising order; returns the number of pieces, 0 to 2. A gap between
-/// equal ends is none.
+/// The parts of `span` outside the open `gap`, in rising order; returns their number, 0 to 2. A gap with equal ends is
+/// empty.
 template <class Real>
 int subtract(const Span<Real>& span, const Span<Real>& gap, Span<Real> pieces[2]) {
   Span<Real> before = span, after = span;
@@ -188,13 +190,13 @@ int subtract(const Span<Real>& span, const Span<Real>& gap, Span<Real> pieces[2]
   return count;
 }
 
-/// The part of a line within the infinite cylinder about z. Half-chord form of the quadratic; all terms are of the
-/// cylinder's size where the origin is.
+/// The part of a line inside the infinite cylinder about z. Half-chord form of the quadratic: if the origin is close,
+/// all terms are of the cylinder's size.
 template <class Real>
 Span<Real> cylinder_span(const Vec3<Real>& origin, const Vec3<Real>& direction, Real radius, int face) {
   const Vec2<Real> o(origin), u(direction);
   const Real a = glm::dot(u, u), b = glm::dot(o, u), moment = cross(o, u);
-  // So nearly along the axis that it takes 1e15 radii to leave: the squares would underflow.
+  // So nearly along the axis that the line needs 1e15 radii to leave: the squares would underflow.
   if (!(a > 1024 * std::numeric_limits<Real>::min()))
     return glm::dot(o, o) <= radius * radius ? Span<Real>() : Span<Real>::nothing();
   const Real discriminant = radius * radius * a - moment * moment;
@@ -204,8 +206,8 @@ Span<Real> cylinder_span(const Vec3<Real>& origin, const Vec3<Real>& direction, 
   return {(-b - half) * inverse, (-b + half) * inverse, face, face};
 }
 
-/// Adds both ends of a span that bound the solid, but for hidden faces. normal(face, p) is the gradient of a face at p.
-/// Spans come in rising order.
+/// Adds both ends of a span that bounds the solid, except on hidden faces. normal(face, p) is the gradient of a face at
+/// p. Spans must come in rising order.
 template <class Real, class Normal>
 void add_hits(Hits& hits, const LocalRay<Real>& ray, const Span<Real>& span, unsigned hidden, const Normal& normal) {
   if (!span.bounded()) return;

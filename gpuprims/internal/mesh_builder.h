@@ -1,4 +1,4 @@
-// Internal to gpuprims: collects the triangles of one primitive and keeps the promises of tessellation.h.
+// Collects the triangles of one primitive and keeps the promises of tessellation.h. Internal to gpuprims.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@ namespace sightline::gpuprims {
 
 using core::dvec2;
 
-/// (cos, sin) at the segments + 1 ends of equal segments of an arc from 0. From 2 pi on the last equals the first
-/// exactly.
+/// (cos, sin) at the segments + 1 ends of equal segments of an arc that starts at angle 0. From 2 pi on, the last
+/// equals the first exactly.
 std::vector<dvec2> arc_points(int segments, double arc);
 
-/// True when all values are finite: what has other parameters is drawn as nothing.
+/// True when all values are finite. Primitives with other parameters are drawn as nothing.
 bool all_finite(std::span<const float> values);
 
 struct Vertex {
@@ -28,14 +28,15 @@ class MeshBuilder {
  public:
   std::uint32_t add(const Vertex& vertex);
 
-  /// Drops the triangle when two of its corners share a position: its remaining edges cancel, so the surface stays
+  /// Drops the triangle when two of its corners share a position. Its remaining edges cancel, so the surface stays
   /// closed.
   void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
 
   /// A planar quad with its own flat normal, corners counter-clockwise.
   void add_flat_quad(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& d);
 
-  /// A planar convex polygon, corners counter-clockwise, cut as a strip: fewer slivers than a fan, no inner vertex.
+  /// A planar convex polygon, corners counter-clockwise, cut as a strip: that gives fewer slivers than a fan and no
+  /// inner vertex.
   void add_flat_polygon(std::span<const dvec3> points, const dvec3& normal);
 
   /// (rows + 1) x (columns + 1) vertices at(row, column); column direction x row direction points outwards.
@@ -53,7 +54,7 @@ class MeshBuilder {
       }
   }
 
-  /// The mesh without vertices that no triangle uses. The builder is empty afterwards.
+  /// Returns the mesh without unused vertices. The builder is empty afterwards.
   core::Mesh finish();
 
  private:

@@ -11,10 +11,10 @@
 //   pyramid             head + 2:   96 bytes, in units of its largest side or height; first parameter: height
 //   snout               head + 3:  112 bytes, in units of its larger radius; first parameter: height
 //
-// What the further texels hold is said in each kind's shader. Scaling by the largest radius keeps the shader's numbers
-// near 1 whatever the file's unit. Slices of tori are turned so that their sweep is symmetric about x. An affine
-// placement makes every kind exact under any node transform, mirrored, sheared and non-uniform ones included. What a
-// parameter that is not finite belongs to is drawn as nothing.
+// Each kind's shader describes the further texels. Scaling by the largest radius keeps the shader's numbers near 1
+// whatever the file's unit. Slices of tori are rotated so that their sweep is symmetric about x. An affine placement
+// makes every kind exact under any node transform, including mirrored, sheared and non-uniform ones. A primitive with a
+// parameter that is not finite is drawn as nothing.
 #pragma once
 
 #include <array>
@@ -29,14 +29,14 @@ namespace sightline::gpuprims {
 
 using Texel = std::array<std::uint32_t, 4>;
 
-using uint = std::uint32_t;  // as GLSL has it
+using uint = std::uint32_t;  // GLSL's name for it
 #include "sightline/gpuprims/shaders/limits.glsl"
 
-/// What a record says of an item besides its shape.
+/// Everything in a record besides the shape.
 struct PackedItem {
   core::Placement placement;
   std::uint32_t id = 0;
-  std::uint32_t material = 0;  ///< row of the material table | kBottomOpen and so on
+  std::uint32_t material = 0;  ///< row of the material table | flags such as kBottomOpen
 };
 
 /// Texels per record of a ray-cast or instanced kind.
@@ -55,8 +55,8 @@ constexpr int texels_per_item(core::Kind kind) {
 }
 
 /// Writes the record of one item to `out`, which holds texels_per_item(kind) texels. `parameters` are those of the
-/// kind, empty for tessellated kinds (their shape is in the mesh). What has no extent at all gets a zero scale, which
-/// shaders skip.
+/// kind, empty for tessellated kinds (their shape is in the mesh). A primitive without any extent gets a zero scale,
+/// which shaders skip.
 void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& item, std::span<Texel> out);
 
 }  // namespace sightline::gpuprims

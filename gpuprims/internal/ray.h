@@ -1,5 +1,5 @@
-// gpuprims: analytic primitives. For each kind one stem: reference intersection in double and float, tessellation by
-// chord tolerance, its GLSL twin below shaders/, and the packing of its parameters for the GPU.
+// gpuprims: analytic primitives. The files of a kind share one stem: reference intersection in double and float,
+// tessellation by chord tolerance, its GLSL twin in shaders/, and the packing of its parameters for the GPU.
 //
 // This header holds what the reference intersections share.
 #pragma once
@@ -26,14 +26,14 @@ struct Hit {
   dvec3 normal;
 };
 
-/// All crossings of a ray with one primitive over -inf < t < inf, in rising t. The caller picks the first that its
-/// interval and its section planes keep: so the eye may be inside, and a section opens the view into the solid.
+/// All crossings of a ray with one primitive over -inf < t < inf, in rising t. The caller picks the first one that its
+/// interval and its section planes keep. So the eye may be inside, and a section opens the view into the solid.
 struct Hits {
   static constexpr int kCapacity = 8;
   std::array<Hit, kCapacity> hit;  ///< undefined from `count` on
   int count = 0;
 
-  /// Inserts in order of t; drops the hit when the capacity is reached (no primitive of ours can).
+  /// Inserts in order of t. Drops the hit when the capacity is reached, which no primitive here can do.
   void insert(const Hit& h) {
     if (count == kCapacity) return;
     int i = count++;

@@ -1,4 +1,4 @@
-// The primitives' GLSL, embedded. Whoever draws them puts this table into its programs.
+// The primitives' GLSL, embedded. Programs that draw primitives include this table.
 #pragma once
 
 #include <span>

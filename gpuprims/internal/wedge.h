@@ -1,5 +1,5 @@
-// Internal to gpuprims: the sweep of both tori, 0 <= phi <= angle about z, as a cut of spans. `angle` is
-// core::sweep_angle() of their parameter.
+// Cuts spans by the sweep of both tori, 0 <= phi <= angle about z. `angle` is core::sweep_angle() of their parameter.
+// Internal to gpuprims.
 #pragma once
 
 #include <numbers>
@@ -13,7 +13,7 @@ namespace sightline::gpuprims {
 template <class Real>
 class Wedge {
  public:
-  /// Of core::kFullTurn there are no ends.
+  /// A wedge of core::kFullTurn has no ends.
   explicit Wedge(double angle) : whole_(angle == core::kFullTurn) {
     if (whole_) return;
     const double c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
@@ -27,7 +27,7 @@ class Wedge {
   Vec3<Real> normal(int face) const { return face == kBottom ? Vec3<Real>(0, -1, 0) : Vec3<Real>(-end_.y, end_.x, 0); }
 
   /// The parts of `span` within the wedge, in rising order; returns their number, 0 to 2. A wedge of angle 0 leaves one
-  /// point with both faces; a ray within it nothing.
+  /// point with both faces, and nothing of a ray within it.
   int cut(const Vec3<Real>& o, const Vec3<Real>& u, const Span<Real>& span, Span<Real> pieces[2]) const {
     if (whole_) {
       pieces[0] = span;
@@ -36,7 +36,7 @@ class Wedge {
     // Distances to the two half-planes, positive on the wedge's side.
     const Real start = o.y, start_slope = u.y;
     const Real end = end_.y * o.x - end_.x * o.y, end_slope = end_.y * u.x - end_.x * u.y;
-    if (!convex_) {  // what is left out is convex, and open: a ray along the axis is in the wedge
+    if (!convex_) {  // the gap is convex and open: a ray along the axis is in the wedge
       if ((start_slope == 0 && start >= 0) || (end_slope == 0 && end >= 0)) return pieces[0] = span, 1;
       Span<Real> gap;
       gap.clip(-start, -start_slope, kBottom);
@@ -49,7 +49,7 @@ class Wedge {
     piece.clip(end, end_slope, kTop);
     if (piece.empty()) return 0;
     const Real s = Real(0.5) * (piece.from + piece.to);
-    // Rounding errors may let a thin wedge have an opposite.
+    // Rounding errors may leave a part opposite a thin wedge.
     return (o.x + s * u.x) * middle_.x + (o.y + s * u.y) * middle_.y >= 0 ? 1 : 0;
   }
 

@@ -1,7 +1,8 @@
-// What cancels. A discriminant is the difference of two terms that are nearly equal where a ray grazes a solid. There it is computed
-// again in double, in which products of two floats are exact: at silhouettes, a few pixels of many.
+// Handles cancellation. A discriminant is the difference of two terms, which are nearly equal where a ray grazes a
+// solid. There it is computed again in double, where products of two floats are exact. That affects silhouettes, a few
+// pixels of many.
 
-// Where the difference is smaller than this part of its terms.
+// Terms cancel when their difference is smaller than this part of them.
 const float kCancels = 0.02;
 
 float cross_product(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }

@@ -1,9 +1,9 @@
-// Box: the unit cube about the origin, its sizes in the placement.
+// Box: the unit cube about the origin. The placement holds its sizes.
 #include "search.glsl"
 
 void load_shape(uint record, float unused, float shift) {}
 
-// Faces: 4 + axis below, 7 + axis above.
+// Faces: 4 + axis on the low side, 7 + axis on the high side.
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
   for (int axis = 0; axis < 3; ++axis) {

@@ -39,7 +39,7 @@ float bracketed_root(vec3 o, vec3 d, float low, float high, bool low_outside) {
   return t;
 }
 
-// Real roots of t^3 + P t + Q, rising; returns how many.
+// Real roots of t^3 + P t + Q in rising order; returns their number.
 int critical_points(float P, float Q, out vec3 t) {
   float third = P / 3.0, half_q = 0.5 * Q;
   float disc = half_q * half_q + third * third * third;

@@ -2,7 +2,7 @@
 #include "cylinder_span.glsl"
 
 struct Shape {
-  float low, high;  // the ends' z from where the ray's origin was put
+  float low, high;  // z of the ends, relative to the ray's shifted origin
 } shape;
 
 void load_shape(uint record, float height, float shift) { shape = Shape(-0.5 * height - shift, 0.5 * height - shift); }

@@ -2,7 +2,7 @@
 #include "arithmetic.glsl"
 #include "search.glsl"
 
-// Narrows `span` to it; false: nothing is left.
+// Narrows `span` to that part. False: nothing is left.
 bool cylinder_span(vec3 o, vec3 d, float radius, int face, inout Span span) {
   float a = dot(d.xy, d.xy), r2 = radius * radius;
   if (!(a > 0.0)) return dot(o.xy, o.xy) <= r2;

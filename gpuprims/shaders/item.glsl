@@ -1,10 +1,11 @@
-// What every item carries: its placement, its chunk, its id and its material; and where that lies as the eye sees it.
+// What every item has: its placement, its chunk, its id and its material. Also computes its position in eye space.
 #include "view.glsl"
 #include "payload.glsl"
 
 layout(binding = 1) uniform usamplerBuffer chunk_origins;  // doubles, two texels each: relative to the eye, in eye space
 
-// Records drawn one by one, where the vertex id does not name the record itself (see gpuscene/internal/draw_lists.h).
+// Ids of records drawn one by one, for vertex ids that do not name the record itself (see
+// gpuscene/internal/draw_lists.h).
 layout(binding = 3) uniform usamplerBuffer single_records;
 layout(location = 0) uniform uint record_count;
 
@@ -41,7 +42,7 @@ Item fetch_item(uint record, int texels_per_record) {
 // The local frame's origin in eye space.
 vec3 eye_origin(Item item) { return vec3(view.eye_from_world * dvec3(item.offset) + item.chunk); }
 
-// A local point in eye space, in double: a far eye then loses nothing of where it lies among its neighbours.
+// A local point in eye space, in double: even with a far eye it keeps its exact place among its neighbours.
 dvec3 eye_position(Item item, vec3 local) {
   dvec3 from_chunk = dvec3(item.offset) + dmat3(item.chunk_from_local) * dvec3(local);
   return view.eye_from_world * from_chunk + item.chunk;

@@ -1,4 +1,5 @@
-// A pixel's ray in eye space, t its eye depth, and the parts of it that near and far plane and the section planes keep.
+// A pixel's ray in eye space, with eye depth as its parameter t, and the parts of it that the near plane, the far plane
+// and the section planes keep.
 #include "view.glsl"
 #include "search.glsl"
 
@@ -13,13 +14,13 @@ vec3 eye_point(vec2 pixel, float t) {
   return vec3(start, 0.0) + t * eye_direction(pixel);
 }
 
-// From one pixel's ray to another's, at the same depth.
+// The step from one pixel's ray to another's, at the same depth.
 vec3 eye_step(vec2 pixels, float t) {
   return vec3((view.pixel_ray_float[0].y + t * view.pixel_ray_float[0].w) * pixels.x,
               (view.pixel_ray_float[1].y + t * view.pixel_ray_float[1].w) * pixels.y, 0.0);
 }
 
-// Pixel coordinate that shows a point of eye space.
+// Pixel coordinate of a point in eye space.
 vec2 pixel_at(vec2 point, float depth) {
   vec4 x = view.pixel_ray_float[0], y = view.pixel_ray_float[1];
   return (point - vec2(x.x, y.x) - depth * vec2(x.z, y.z)) / (vec2(x.y, y.y) + depth * vec2(x.w, y.w));
@@ -30,9 +31,10 @@ float depth_at(float t) {
   return (view.clip_from_eye[3].z - view.clip_from_eye[2].z * t) / (view.clip_from_eye[3].w - view.clip_from_eye[2].w * t);
 }
 
-// Sections are half-spaces; kept is what lies in all of them, or in any when they unite. Along a ray what is in all is one span; what is
-// in none, left out when they unite, is one span, too. `cut_normal`: outward normal of the face that cut solids show, in eye space.
-// Compiled without SECTIONS for views that have none.
+// Sections are half-spaces. The kept part lies in all of them or, when they unite, in any of them. Along a ray, the
+// part that lies in all is one span. When they unite, the part that lies in none is left out, which is also one span.
+// `cut_normal`: outward normal of the face that cut solids show, in eye space. Compiled without SECTIONS for views that
+// have none.
 Search search_kept(vec3 start, vec3 direction, uint hidden, out vec3 cut_normal) {
   vec2 range = view.depth_range.xy + start.z;  // start.z is minus the depth of t = 0
   Search search = search_within(range, hidden);
@@ -40,7 +42,7 @@ Search search_kept(vec3 start, vec3 direction, uint hidden, out vec3 cut_normal)
 #ifdef SECTIONS
   int count = view.flags.y;
   bool unite = view.flags.z == 1;
-  Span span = whole_line();  // faces: which section
+  Span span = whole_line();  // faces: index of the section
   for (int i = 0; i < count; ++i) {
     vec4 section = unite ? -view.sections[i] : view.sections[i];
     clip(span, dot(section.xyz, start) + section.w, dot(section.xyz, direction), i);
@@ -60,7 +62,7 @@ Search search_kept(vec3 start, vec3 direction, uint hidden, out vec3 cut_normal)
 }
 
 #ifdef SECTIONS
-// Eye depth at which what the sections keep begins on a pixel's ray, between near and far plane; kNoHit where it does not.
+// Eye depth, between the near and far plane, where the kept part begins on a pixel's ray; kNoHit where it does not.
 float section_entry(vec2 pixel, out vec3 cut_normal) {
   Search search = search_kept(eye_point(pixel, 0.0), eye_direction(pixel), 0u, cut_normal);
   if (search.cut_second && search.second.x <= search.second.y) return search.second.x;

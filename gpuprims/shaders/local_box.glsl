@@ -1,21 +1,21 @@
-// The bounding box of a ray-cast primitive in its record's frame, and the axis along which its rays may be shifted: of every kind, so
-// that one program sets up all of them. What a record holds is said in each kind's own file.
+// The bounding box of a ray-cast primitive in its record's frame, and the axis along which its rays may be shifted. It
+// handles all kinds, so that one program sets up all of them. Each kind's own file describes its record.
 #include "payload.glsl"
 #include "wedge.glsl"
 
-layout(location = 1) uniform uint batch_kind;  // gpuscene::BatchKind, whose numbers come as defines
+layout(location = 1) uniform uint batch_kind;  // gpuscene::BatchKind; its values come as defines
 layout(location = 2) uniform int texels_per_record;
 
 struct LocalBox {
   vec3 low, high;
-  vec3 axis;  // per z; 0 of kinds that are not shifted
+  vec3 axis;  // shift per z; 0 for kinds that are not shifted
 };
 
 vec4 shape_texel(uint record, int texel) { return payload_floats(record, texels_per_record, min(texel, texels_per_record - 1)); }
 
 vec3 leaning_axis(vec2 offset, float height) { return vec3(height > 0.0 ? offset / height : vec2(0.0), 1.0); }
 
-// The circles of the cone at the lowest and highest z bound everything between.
+// The cone's circles at the lowest and highest z bound everything between.
 LocalBox snout_box(vec4 ends, vec2 range, float height) {
   vec2 part = height > 0.0 ? range / height : vec2(0.0);
   vec2 c0 = ends.zw * part.x, c1 = ends.zw * part.y;
@@ -24,13 +24,13 @@ LocalBox snout_box(vec4 ends, vec2 range, float height) {
   return LocalBox(vec3(min(c0 - r0, c1 - r1), range.x), vec3(max(c0 + r0, c1 + r1), range.y), leaning_axis(ends.zw, height));
 }
 
-// A sweep of what lies between two distances from the axis, and so far above and below.
+// Box of a sweep between two distances from the axis, `reach` above and below.
 LocalBox swept_box(vec4 sweep, float inner, float outer, float reach, vec3 axis) {
   vec4 box = sweep.y > 0.0 ? vec4(-outer, -outer, outer, outer) : sweep_box(sweep.zw, inner, outer);
   return LocalBox(vec3(box.xy, -reach), vec3(box.zw, reach), axis);
 }
 
-// `extra`: the shape's first parameter, which the record's head holds.
+// `extra`: the shape's first parameter, from the record's head.
 LocalBox local_box(uint record, float extra) {
   const vec3 along_z = vec3(0.0, 0.0, 1.0);
   vec4 first = shape_texel(record, 4);

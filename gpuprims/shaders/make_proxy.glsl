@@ -3,15 +3,15 @@
 #include "local_box.glsl"
 #include "proxy.glsl"
 
-// Wider than the rounding of the eye's local position, in box sizes: an eye on a face counts as inside.
+// Margin in box sizes, wider than the rounding of the eye's local position. An eye on a face counts as inside.
 const float kInsideMargin = 1e-4;
 
-// Up to so many pixels along each side a rectangle costs less than a box.
+// Up to this many pixels along each side, a rectangle costs less than a box.
 const float kWidestRectangle = 8.0;
 
 const Proxy kNothing = Proxy(vec4(0.0), vec4[3](vec4(0.0), vec4(0.0), vec4(0.0)), vec3(0.0), vec3(0.0), 0);
 
-// From one corner to the other, in -1 to 1.
+// Rectangle between two corners, in -1 to 1.
 Proxy rectangle_proxy(vec2 low, vec2 high, float depth) {
   vec2 size = high - low;
   return Proxy(vec4(low, depth, 1.0), vec4[3](vec4(0.0), vec4(size.x, 0.0, 0.0, 0.0), vec4(0.0, size.y, 0.0, 0.0)), vec3(1.0), vec3(0.0),
@@ -27,7 +27,8 @@ Proxy box_proxy(vec3 low, vec3 high, vec3 viewer, mat3 eye_from_local, bool mirr
   bvec3 positive = greaterThanEqual(viewer, vec3(0.0));
   proxy.near_steps = mix(low, high, positive) - local;
   proxy.far_steps = mix(high, low, positive) - local;
-  // Each side taken at its low coordinate, and a mirrored placement, turns the winding: two axes change places to turn it back.
+  // Taking a side at its low coordinate reverses the winding, and so does a mirrored placement. Swapping two axes
+  // reverses it back.
   if ((positive.x ^^ positive.y ^^ positive.z) == mirrored) {
     vec4 side = proxy.sides[0];
     proxy.sides[0] = proxy.sides[1];
@@ -38,11 +39,11 @@ Proxy box_proxy(vec3 low, vec3 high, vec3 viewer, mat3 eye_from_local, bool mirr
   return proxy;
 }
 
-// The proxy of a box that holds its margin already. `viewer` is the eye's local position, or in orthographic views the direction towards
-// the viewer; `inside` tells that the eye is inside; `mirrored` a left-handed placement.
+// The proxy of a box that already includes its margin. `viewer` is the eye's local position, or in orthographic views
+// the direction towards the viewer. `inside`: the eye is inside the box. `mirrored`: the placement is left-handed.
 Proxy make_proxy(vec3 low, vec3 high, vec3 viewer, bool inside, mat3 eye_from_local, bool mirrored, vec3 local, vec3 eye) {
   if (inside) return rectangle_proxy(vec2(-1.0), vec2(1.0), 1.0);
-  // The pixels of the box around it in eye space, which is the tighter the smaller it is.
+  // Pixels of the box's bounding box in eye space. The smaller the box, the tighter they fit.
   vec3 reach = 0.5 * (high - low), centre = eye + eye_from_local * (low + reach - local);
   vec3 extent = abs(eye_from_local[0]) * reach.x + abs(eye_from_local[1]) * reach.y + abs(eye_from_local[2]) * reach.z;
   float nearest = -centre.z - extent.z, farthest = extent.z - centre.z;

@@ -1,5 +1,5 @@
-// The primitive that a program is for: one of these defines. What several share comes first: a file is included once, where it is first
-// named, be that in a branch that is not taken.
+// Includes the code of one primitive, which one of these defines selects. Shared files come first: each file is
+// included once, where it is first named, even if that is in a branch that is not taken.
 #include "hidden_faces.glsl"
 #include "payload.glsl"
 #include "arithmetic.glsl"

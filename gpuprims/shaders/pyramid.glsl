@@ -4,8 +4,8 @@
 
 struct Shape {
   vec2 lean;            // of the axis, per z
-  vec2 sides, widening; // half sides at the ray's origin, and per z
-  float low, high;      // ends in z from the ray's origin
+  vec2 sides, widening; // half sides at the ray's origin, and their growth per z
+  float low, high;      // ends in z, relative to the ray's origin
 } shape;
 
 void load_shape(uint record, float height, float shift) {
@@ -19,7 +19,7 @@ void load_shape(uint record, float height, float shift) {
   shape.high = 0.5 * height - shift;
 }
 
-// Faces: 4 + axis below, 6 + axis above.
+// Faces: 4 + axis on the low side, 6 + axis on the high side.
 void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
   vec2 slant = max(abs(shape.lean), abs(shape.widening));

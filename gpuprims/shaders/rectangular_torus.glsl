@@ -6,7 +6,7 @@
 const int kInner = 4, kLow = 5, kHigh = 6;
 
 struct Shape {
-  float inner, low, high;  // ends in z from the ray's origin
+  float inner, low, high;  // ends in z, relative to the ray's origin
   bool closed;
   vec2 half_angle;
 } shape;

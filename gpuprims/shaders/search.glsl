@@ -1,17 +1,17 @@
-// The search for the first crossing of a ray with a solid that the view shows. Knows nothing of views: whoever casts the ray says
-// which parts of it are kept. A solid comes as the spans of the ray inside it; where a kept part begins within such a span at a
-// section plane, the solid is cut, and the cut face is what is seen.
+// Searches the first crossing of a ray with a solid that the view shows. It does not know the view: the caller says
+// which parts of the ray are kept. A solid is given as the spans of the ray inside it. Where a kept part begins within
+// such a span at a section plane, the solid is cut, and the cut face is visible.
 
 const float kNoHit = 3.0e38;
 
 // Faces of a solid. Some kinds have more, above these.
 const int kLateral = 0, kBottom = 1, kTop = 2, kCut = 3;
-const int kBottomLevel = 8, kTopLevel = 9;  // what stands in for an end plane that does not close the solid
+const int kBottomLevel = 8, kTopLevel = 9;  // replace an end plane that does not close the solid
 
 struct Search {
   vec2 first, second;          // the kept parts of the ray; `second` begins behind the end of `first`, or is empty
   bool cut_first, cut_second;  // whether they begin at a section plane
-  uint hidden;                 // bit of each face that is not drawn. The solid is as closed as with it
+  uint hidden;                 // one bit per face that is not drawn; the solid is closed there all the same
   float t;                     // kNoHit while nothing was found
   int face;
 };
@@ -31,8 +31,9 @@ void offer(inout Search s, float t, int face) {
 
 bool shown(Search s, int face) { return (s.hidden >> uint(face) & 1u) == 0u; }
 
-// How far ends that are hidden reach beyond their plane, in radii: into the neighbour that covers them, which may be as far away
-// (kJointGap in core/internal/joints.h). No ray passes between the two then, and a section that lies in the joint cuts one of them at least.
+// How far hidden ends reach beyond their plane, in radii: into the neighbour that covers them, which may be that far
+// away (kJointGap in core/internal/joints.h). So no ray passes between the two, and a section that lies in the joint
+// cuts at least one of them.
 const float kHiddenReach = 2e-4;
 
 float hidden_reach(Search s, int face) { return shown(s, face) ? 0.0 : kHiddenReach; }
@@ -48,7 +49,7 @@ void offer_part(inout Search s, float t0, int face0, float t1, int face1, vec2 k
     offer(s, kept.x, kCut);
     return;
   }
-  if (t1 <= kept.y && shown(s, face1)) offer(s, t1, face1);  // the inside, seen from within
+  if (t1 <= kept.y && shown(s, face1)) offer(s, t1, face1);  // the surface seen from inside
 }
 
 // The ray is inside the solid from t0 to t1, where it crosses the named faces.
@@ -81,7 +82,7 @@ void leave(inout Span s, float t, int face) {
   }
 }
 
-// Keeps value + t slope >= 0.
+// Keeps the part with value + t slope >= 0.
 void clip(inout Span s, float value, float slope, int face) {
   if (slope > 0.0) enter(s, -value / slope, face);
   else if (slope < 0.0) leave(s, -value / slope, face);
@@ -94,8 +95,8 @@ Span common_part(Span a, Span b) {
   return a;
 }
 
-// Moves a ray's origin to where it is level with z = 0, if that is within a distance of the axis, and returns how far that is in t.
-// Flat solids are intersected from there, where a rounded z does not become a wrong radius.
+// Moves a ray's origin to z = 0, if that point is within `distance` of the axis, and returns the move in t. Flat solids
+// are intersected from there, where a rounded z does not become a wrong radius.
 float move_to_level(inout vec3 o, vec3 d, float distance) {
   float t = -o.z / d.z;
   vec2 level = o.xy + t * d.xy;
@@ -104,9 +105,10 @@ float move_to_level(inout vec3 o, vec3 d, float distance) {
   return t;
 }
 
-// `start`: t of where the span is counted from.
+// `start`: value of t where the span counts from.
 void offer_span(inout Search search, Span s, float start) {
-  // Ends at infinity, or nearly there, come from shapes that the ray never leaves: rounding errors of bad data, nothing to see.
+  // Ends at or near infinity come from shapes that the ray never leaves: rounding errors of bad data, which show
+  // nothing.
   const float kBeyond = 1.0e18;
   if (is_empty(s) || s.from <= -kBeyond || s.to >= kBeyond) return;
   offer_span(search, start + s.from, s.from_face, start + s.to, s.to_face);

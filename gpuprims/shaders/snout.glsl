@@ -8,9 +8,9 @@ struct Shape {
   vec2 lean;                       // of the axis, per z
   double radius;                   // at the ray's origin
   float widening;                  // of the radius, per z
-  float to_bottom, to_top;         // the ends' distances along z from the ray's origin, bottom upwards and top downwards
+  float to_bottom, to_top;         // height of the ray's origin above the bottom, and below the top
   vec2 bottom_slant, top_slant;
-  float lowest, highest;           // level cuts, from the ray's origin
+  float lowest, highest;           // level cuts, relative to the ray's origin
 } shape;
 
 void load_shape(uint record, float height, float shift) {
@@ -29,7 +29,7 @@ void load_shape(uint record, float height, float shift) {
   shape.highest = range.w - shift;
 }
 
-// |r0 u1 - r1 u0|^2 - (u0 x u1)^2 in double, the line about the axis included.
+// |r0 u1 - r1 u0|^2 - (u0 x u1)^2 in double, including the line's position relative to the axis.
 float exact_discriminant(vec3 origin, vec3 direction) {
   dvec3 o = dvec3(origin), d = dvec3(direction);
   dvec2 u0 = o.xy - dvec2(shape.lean) * o.z, u1 = d.xy - dvec2(shape.lean) * d.z;
@@ -38,7 +38,8 @@ float exact_discriminant(vec3 origin, vec3 direction) {
   return float(dot(v, v) - m * m);
 }
 
-// The part of the line within the nappe of radius >= 0, where u = xy - centre(z) and r(z) are linear in t; false when there is none.
+// The part of the line within the nappe with radius >= 0, where u = xy - centre(z) and r(z) are linear in t. False when
+// there is none.
 bool nappe(vec3 o, vec3 d, inout Span span) {
   vec2 u0 = o.xy - shape.lean * o.z, u1 = d.xy - shape.lean * d.z;
   float r0 = float(shape.radius) + shape.widening * o.z, r1 = shape.widening * d.z;
@@ -94,5 +95,5 @@ vec3 face_normal(vec3 p, int face) {
   if (face == kTop) return vec3(-shape.top_slant, 1.0);
   if (face == kBottomLevel || face == kTopLevel) return vec3(0.0, 0.0, face == kTopLevel ? 1.0 : -1.0);
   vec2 u = p.xy - shape.lean * p.z;
-  return vec3(u, -dot(u, shape.lean) - shape.widening * length(u));  // |u| for r, which cancels at an apex
+  return vec3(u, -dot(u, shape.lean) - shape.widening * length(u));  // uses |u| instead of r, which cancels at an apex
 }

@@ -45,9 +45,9 @@ void intersect_primitive(inout Search search, vec3 o, vec3 d) {
   Span span = whole_line();
   float start = 0.0;
   if (shape.c < 1.0) {
-    start = move_to_level(o, d, 2.0);  // the base plane, whose disc tells exactly who enters there
+    start = move_to_level(o, d, 2.0);  // to the base plane, whose disc decides exactly which rays enter
     if (!flat_ball(o, d, span)) return;
-    clip(span, o.z, d.z, kBottom);  // hidden or not: farther down the ball is wider than what covers the base
+    clip(span, o.z, d.z, kBottom);  // even if hidden: below it the ball is wider than the neighbour that covers it
   } else {
     if (!ball(o, d, span)) return;
     if (shape.c < 2.0) clip(span, o.z - (1.0 - shape.c) + hidden_reach(search, kBottom), d.z, kBottom);

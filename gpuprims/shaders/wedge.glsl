@@ -1,8 +1,8 @@
 // The sweep of a torus slice: the wedge about z within half an angle of the x axis. It cuts a ray into one span or two.
 #include "search.glsl"
 
-// `half_angle`: its cosine and sine. `closed`: from a full turn on there are no ends. `reach`: how far start and end of the sweep lie
-// outside their planes. Returns how many spans.
+// `half_angle`: its cosine and sine. `closed`: a full turn, which has no ends. `reach`: how far the start and the end
+// of the sweep lie outside their planes. Returns the number of spans.
 int wedge_spans(vec3 o, vec3 d, vec2 half_angle, bool closed, vec2 reach, out Span spans[2]) {
   spans[0] = whole_line();
   spans[1] = whole_line();
@@ -16,11 +16,11 @@ int wedge_spans(vec3 o, vec3 d, vec2 half_angle, bool closed, vec2 reach, out Sp
     clip(spans[0], start, start_slope, kBottom);
     clip(spans[0], end, end_slope, kTop);
     if (is_empty(spans[0])) return 0;
-    // Opposite a thin wedge rounding errors may leave a little.
+    // Rounding errors may leave a part opposite a thin wedge.
     float middle = 0.5 * (max(spans[0].from, -1e30) + min(spans[0].to, 1e30));
     return o.x + middle * d.x >= 0.0 ? 1 : 0;
   }
-  // What is left out is convex, and open: a ray along the axis is in the wedge.
+  // The gap is convex and open: a ray along the axis is in the wedge.
   if ((start_slope == 0.0 && start >= 0.0) || (end_slope == 0.0 && end >= 0.0)) return 1;
   Span gap = whole_line();
   clip(gap, -start, -start_slope, kBottom);
@@ -32,7 +32,7 @@ int wedge_spans(vec3 o, vec3 d, vec2 half_angle, bool closed, vec2 reach, out Sp
   return count;
 }
 
-// Of a span of the swept solid, what lies within the wedge.
+// Offers the parts of a span of the swept solid that lie within the wedge.
 void offer_swept(inout Search search, Span span, Span wedges[2], int wedge_count) {
   for (int i = 0; i < wedge_count; ++i) offer_span(search, common_part(span, wedges[i]));
 }
