@@ -20,7 +20,7 @@ using namespace sightline;
 using nlohmann::json;
 using ItemCounts = std::array<std::uint64_t, core::kKindCount>;
 
-/// What was written, in either format.
+/// Report of a written file, in either format.
 struct Written {
   ItemCounts items{};
   std::uint64_t left_out = 0, bytes = 0;
@@ -33,7 +33,7 @@ std::string extension_of(const std::string& file) {
   return extension;
 }
 
-/// The last of the files is the one to write. CLI11 cannot tell it apart: a list of files takes all that come.
+/// The last file is the one to write. CLI11 cannot separate it: a list of files takes all of them.
 std::string take_output(std::vector<std::string>& files) {
   std::string output = std::move(files.back());
   files.pop_back();
@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
   apps::ModelOptions options;
   std::string output, json_file;
   double tolerance = importers::ObjWriteOptions{}.tolerance;
-  options.import.copies = importers::MeshCopies::kExact;  // meshes go out as they came
+  options.import.copies = importers::MeshCopies::kExact;  // meshes are written as they came
   apps::add_model_options(app, options);
   app.get_option("MODEL")
       ->expected(2, CLI::detail::expected_max_vector_size)
@@ -132,7 +132,7 @@ int main(int argc, char** argv) {
     core::Scene& scene = *model->scene;
     if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
     if (options.explain) apps::explain(scene);
-    // One file's node is the file; several become the groups of one.
+    // One input file is written as itself; several become the groups of one file.
     const core::NodeId top = model->report.nodes.size() == 1 ? model->report.nodes[0] : scene.root();
     const auto written =
         extension_of(output) == ".rvm" ? write_as_rvm(scene, top, output) : write_as_obj(scene, top, output, tolerance);

@@ -1,4 +1,4 @@
-// sightline-generate: a made-up process plant as an RVM file.
+// sightline-generate: a synthetic process plant as an RVM file.
 
 #include <charconv>
 #include <cstdio>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace sightline;
 
-/// CLI11 alone would wrap negative numbers and clamp large ones: another plant than the one asked for.
+/// CLI11 alone would wrap negative numbers and clamp large ones, which makes another plant than requested.
 core::Expected<std::uint64_t> parse_seed(const std::string& text) {
   std::uint64_t seed = 0;
   const char* end = text.data() + text.size();

@@ -1,4 +1,4 @@
-// sightline-info: what a model holds, and what is wrong with it.
+// sightline-info: the content of a model, and its errors.
 
 #include <cstdio>
 
@@ -45,7 +45,7 @@ core::NodeCondition parse_condition(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-/// On all layers: found is found, hidden by default or not.
+/// Bounds on all layers: items count whether they are hidden by default or not.
 core::AabbD bounds_of(const core::Scene& scene, core::NodeId node) {
   return scene.bounds(node, ~std::uint32_t{0});
 }
@@ -67,7 +67,7 @@ json to_json(const core::Scene& scene, std::span<const core::NodeId> found) {
   return out;
 }
 
-/// Lines that people can read and scripts can cut: path, centre, attributes.
+/// Prints lines for people to read and scripts to cut: path, centre, attributes.
 void print(const core::Scene& scene, std::span<const core::NodeId> found) {
   for (const core::NodeId node : found) {
     const core::AabbD bounds = bounds_of(scene, node);

@@ -1,4 +1,4 @@
-// sightline-render: one image of a model, and the comparison that makes it a regression test.
+// sightline-render: one image of a model, and a comparison that makes it a regression test.
 
 #include <cstdio>
 #include <fstream>
@@ -106,7 +106,7 @@ core::Expected<void> write_id_names(const std::string& file, const image::IdImag
   return apps::write_text(file, apps::to_text(out));
 }
 
-/// What the difference means to who looks at it; images too small for it have no such figures.
+/// Adds measures of how visible the difference is. Images that are too small have none.
 void add_metrics(const Options& o, const image::Image& reference, const image::Image& image, json& figures) {
   const auto metrics = image::image_metrics(reference, image, o.pixels_per_degree);
   if (!metrics) return;

@@ -88,7 +88,7 @@ struct Flight {
   std::vector<Frame> frames;
   std::string renderer = "none";
 
-  /// What was not measured is negative, and left out.
+  /// Collects a figure of all frames. Leaves out negative values, which were not measured.
   std::vector<double> collect(double (*pick)(const engine::FrameReport&), std::size_t from = 0) const {
     std::vector<double> values;
     for (std::size_t i = from; i < frames.size(); ++i)
@@ -108,7 +108,7 @@ struct Flight {
     return std::size_t(std::count_if(frames.begin(), frames.end(),
                                      [](const Frame& f) { return f.report.culler == engine::CullerChoice::kGpu; }));
   }
-  /// Frames culled by another path than the frame before.
+  /// Number of frames culled by another path than the frame before.
   std::size_t switches() const {
     std::size_t count = 0;
     for (std::size_t i = 1; i < frames.size(); ++i) count += frames[i].report.culler != frames[i - 1].report.culler;
@@ -123,7 +123,7 @@ struct Flight {
       if (f.gpu_cull_ms >= 0.0) values.push_back(f.gpu_cull_ms);
     return values;
   }
-  /// The first frame has no predecessor to be measured from.
+  /// From the second frame on: the first has no predecessor to measure from.
   std::vector<double> frame() const {
     return collect([](const engine::FrameReport& r) { return r.frame_ms; }, 1);
   }
@@ -148,7 +148,7 @@ void take_late_reports(engine::Engine& engine, Flight& flight) {
   }
 }
 
-/// Of the last frame of the flight.
+/// Saves the last frame of the flight.
 core::Expected<void> save_image(engine::Engine& engine, const std::string& folder, Flight& flight) {
 #if SIGHTLINE_HAS_GL
   char name[32];
@@ -263,7 +263,7 @@ void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* 
                double(m.snapshot) / kMiB, double(m.bvh) / kMiB, double(m.gpu) / kMiB);
 }
 
-/// Where the hybrid had settled on the GPU, and the frames it spent on measuring the other path.
+/// Marks where the hybrid had settled on the GPU, and the frames in which it measured the other path.
 apps::Marks marks_of(const Flight& flight) {
   apps::Marks marks{"culled on the GPU", {}, "probe of the other path", {}};
   bool on_gpu = false;
@@ -304,7 +304,8 @@ culling::Policy policy_of(const Options& o) {
   return o.policy == "2009" ? culling::Policy::k2009 : culling::Policy::kFrameCost;
 }
 
-/// Flies twice, with either path fixed. A frame's interval is known when the next one begins, so the last has none.
+/// Flies twice, with each path fixed once. A frame's interval is known when the next frame begins, so the last frame
+/// has none.
 core::Expected<int> record_both(const Options& o, const apps::Model& model, engine::EngineConfig config) {
   std::vector<apps::TraceFrame> trace;
   const double not_measured = culling::FrameSample::kNotMeasured;
@@ -332,7 +333,7 @@ core::Expected<int> record_both(const Options& o, const apps::Model& model, engi
   return apps::kExitOk;
 }
 
-/// What the hybrid's controller would have chosen on a recorded trace.
+/// Runs the hybrid's controller over a recorded trace.
 core::Expected<int> replay_controller(const Options& o) {
   const auto trace = apps::read_controller_trace(o.controller_trace);
   if (!trace) return tl::unexpected(trace.error());

@@ -27,7 +27,7 @@ using engine::CullerChoice;
 using nlohmann::json;
 
 constexpr double kTitleInterval = 0.25;  // seconds
-constexpr double kNearShare = 1e-4;      // of the model's size; a reverse-Z float depth loses nothing by a small one
+constexpr double kNearShare = 1e-4;      // of the model's size; reverse-Z float depth stays precise with a small share
 
 struct Options {
   apps::ModelOptions model;
@@ -55,10 +55,10 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout, at the end");
 }
 
-/// What a frame costs, over the frames since the title was last written.
+/// Cost of the frames since the title was last written.
 struct TitleFigures {
   double since = 0.0, cull_ms = 0.0, frame_ms = 0.0;
-  int frames = 0, timed = 0;  // timed: all but those after a pause
+  int frames = 0, timed = 0;  // timed: all except those after a pause
 };
 
 struct Camera {
@@ -114,7 +114,7 @@ class Viewer {
   const std::optional<core::CameraPath>& path_;
   std::array<int, 2> size_ = window_.size();
   Camera camera_;
-  std::optional<core::View> drawn_, frozen_;  // the last view; the one that culls
+  std::optional<core::View> drawn_, frozen_;  // the last view; the view that culls
   bool playing_ = false;
   double play_began_ = -1.0;  // GLFW's time
   std::optional<apps::PathRecorder> recorder_;
@@ -125,7 +125,7 @@ class Viewer {
   int frames_ = 0;
 };
 
-constexpr int kNone = 0;  // no such key; rows without any are held or dragged, see Window::poll
+constexpr int kNone = 0;  // no key; actions without a key are held or dragged, see Window::poll
 
 struct Binding {
   int key, also;  // GLFW's numbers
@@ -163,13 +163,13 @@ std::string key_list() {
   return text;
 }
 
-/// "screenshot-1.png", or the first number after that which no file has.
+/// "screenshot-1.png", or the next number that no file has.
 std::string free_name() {
   for (int i = 1;; ++i)
     if (std::string name = "screenshot-" + std::to_string(i) + ".png"; !std::filesystem::exists(name)) return name;
 }
 
-/// What goes wrong at a key press is told, and the walk goes on.
+/// Prints the result of a key press. The walk goes on after an error.
 void tell(const core::Expected<void>& done, const std::string& success) {
   if (done)
     std::printf("%s\n", success.c_str());
@@ -195,7 +195,7 @@ core::Expected<int> Viewer::run() {
     if (auto done = follow_size(); !done) return tl::unexpected(done.error());
     for (const int key : input.pressed) press(key);
     if (input.orbit_begins) centre_on_picture();
-    // Files that were written, cullers made and pictures read are not what a frame costs.
+    // Writing files, making cullers and reading pictures are no cost of a frame.
     if (input.waited || input.orbit_begins || !input.pressed.empty()) engine_.paused();
     if (!input.camera.idle()) playing_ = false;  // the user has taken over
     play();
@@ -209,7 +209,7 @@ core::Expected<int> Viewer::run() {
 core::Expected<void> Viewer::follow_size() {
   if (window_.size() == size_) return {};
   size_ = window_.size();
-  drawn_.reset();  // its picture goes
+  drawn_.reset();  // its picture is lost
   return engine_.resize(size_[0], size_[1]);
 }
 
@@ -281,7 +281,7 @@ void Viewer::print_keys() {
   std::fflush(stdout);
 }
 
-/// Makes what lies in the middle of the picture, if anything does, the centre of orbits.
+/// Makes the point in the middle of the picture, if there is any, the centre of orbits.
 void Viewer::centre_on_picture() {
   if (!drawn_) return;
   const auto read = engine_.read_depth(*drawn_);
@@ -363,7 +363,7 @@ core::Expected<int> view_model(const Options& o) {
   if (!size) return tl::unexpected(size.error());
   auto model = apps::load_model(o.model);
   if (!model) return tl::unexpected(model.error());
-  if (auto good = model->scene->commit(); !good) return tl::unexpected(good.error());  // told before a window opens
+  if (auto good = model->scene->commit(); !good) return tl::unexpected(good.error());  // before a window opens
   std::optional<core::CameraPath> path;
   if (!o.path.empty()) {
     auto read = importers::read_path(o.path);

@@ -11,7 +11,7 @@ namespace sightline::apps {
 namespace {
 
 constexpr double kRadiansPerHeight = std::numbers::pi;  // dragging from the bottom of the window to its top
-constexpr double kLongestStep = 0.25;                   // seconds: a hitch must not throw the camera away
+constexpr double kLongestStep = 0.25;                   // seconds: a hitch must not make the camera jump
 
 core::Error glfw_error(const std::string& what) {
   const char* reason = nullptr;
@@ -117,7 +117,7 @@ WindowInput Window::poll() {
 void Window::present(std::uint32_t framebuffer, const std::array<int, 2>& size) {
   constexpr GLuint kWindow = 0;
   const gl::Functions& gl = context().functions();
-  // Software rasterisers of Mesa learn that the window has another size when its viewport is set.
+  // Mesa's software rasterisers notice a new size of the window only when its viewport is set.
   gl.BindFramebuffer(GL_FRAMEBUFFER, kWindow);
   gl.Viewport(0, 0, size[0], size[1]);
   gl.BlitNamedFramebuffer(framebuffer, kWindow, 0, 0, size[0], size[1], 0, 0, size[0], size[1], GL_COLOR_BUFFER_BIT,

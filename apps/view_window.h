@@ -1,4 +1,4 @@
-// The window of sightline-view: GLFW, an OpenGL context, and what the user does, in the camera's terms.
+// The window of sightline-view: GLFW, an OpenGL context, and user input in the camera's terms.
 #pragma once
 
 #include <array>
@@ -25,22 +25,22 @@ struct WindowInput {
 
 class Window {
  public:
-  /// Opens a window of so many screen units with an OpenGL 4.5 core context, robust where the platform offers that,
-  /// which is current on this thread from then on. With `vsync`, present() waits for the screen. Fails without a
-  /// display or such a context, with GLFW's reason. One at a time.
+  /// Opens a window with an OpenGL 4.5 core context and makes it current on this thread. The context is robust where
+  /// the platform offers that. `size`: in screen units. With `vsync`, present() waits for the screen. Without a display
+  /// or such a context it fails with GLFW's reason. Only one window may be open at a time.
   static core::Expected<Window> open(const std::string& title, const std::array<int, 2>& size, bool vsync);
 
   const gl::Context& context() const { return state_->context.value(); }
   gl::Context& context() { return state_->context.value(); }
-  /// Of its framebuffer, in pixels; 0 while minimised.
+  /// Size of its framebuffer, in pixels; 0 while minimised.
   std::array<int, 2> size() const;
   void set_title(const std::string& title);
 
   bool closing() const;
   void close();
-  /// Never waits, but for the window to come back while it is minimised.
+  /// Never waits, except while the window is minimised.
   WindowInput poll();
-  /// Shows a framebuffer object of the size given.
+  /// Shows a framebuffer object of the given size.
   void present(std::uint32_t framebuffer, const std::array<int, 2>& size);
 
  private:
@@ -59,7 +59,7 @@ class Window {
   };
   explicit Window(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
-  std::unique_ptr<State> state_;  // at a fixed address: GLFW's callbacks know it
+  std::unique_ptr<State> state_;  // at a fixed address: GLFW's callbacks point to it
 };
 
 }  // namespace sightline::apps

@@ -1,4 +1,4 @@
-// Pictures that show nothing although there is something to see.
+// Warns of pictures that show nothing although items are visible.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace sightline::apps {
 
-/// Says so, in one line on stderr, when `visible` items were found for the last frame and no pixel of the picture shows
-/// any. `picture` names it. Reads the picture back.
+/// Prints a one-line warning on stderr if `visible` items were found for the last frame but no pixel of the picture
+/// shows any. `picture` names the picture. Reads the picture back.
 inline void warn_if_blank(engine::Engine& engine, std::int64_t visible, const std::string& picture) {
   if (visible > 0 && !engine.covered().value_or(true))
     std::fprintf(stderr, "warning: %s: no pixel shows any of the %lld visible items\n", picture.c_str(),

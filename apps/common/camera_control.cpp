@@ -7,11 +7,11 @@
 namespace sightline::apps {
 namespace {
 
-constexpr double kSteepest = 0.995 * std::numbers::pi / 2;  // straight up and down have no right and left
-constexpr double kSizesPerSecond = 0.125;                   // speed at first, in sizes of the model
+constexpr double kSteepest = 0.995 * std::numbers::pi / 2;  // looking straight up or down, right and left are undefined
+constexpr double kSizesPerSecond = 0.125;                   // initial speed, in sizes of the model
 constexpr double kSlowest = 1e-6, kFastest = 10.0;          // in sizes per second
 constexpr double kSpeedPerNotch = 1.25, kZoomPerNotch = 0.8;
-constexpr double kNearest = 1e-6, kFarthest = 1e3;  // centre, in sizes
+constexpr double kNearest = 1e-6, kFarthest = 1e3;  // distance of the centre, in sizes
 constexpr double kKeyInterval = 0.25;               // seconds between recorded keys
 
 double size_of(const core::AabbD& bounds) {

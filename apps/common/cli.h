@@ -1,4 +1,4 @@
-// What all tools share on the command line: parsing, exit codes, one clear line on failure.
+// Command-line parsing, exit codes and one-line errors, shared by all tools.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 #include "sightline/core/error.h"
 
 namespace CLI {
-class App;  // <CLI/CLI.hpp> costs four seconds a file: for those that define options
+class App;  // <CLI/CLI.hpp> costs four seconds a file: only files that define options include it
 }
 
 namespace sightline::apps {
@@ -26,8 +26,8 @@ void describe(CLI::App& app, const std::string& examples);
 /// --json FILE, into `file`.
 void add_json_option(CLI::App& app, std::string& file);
 
-/// Parses and runs a tool. Its error becomes one line on stderr and exit 1; bad usage exit 2; what a library below us
-/// throws (no memory) exit 1.
+/// Parses the command line and runs a tool. Its error becomes one line on stderr and exit 1. Bad usage gives exit 2. An
+/// exception of a library (no memory) gives exit 1.
 int run(CLI::App& app, int argc, char** argv, const std::function<core::Expected<int>()>& body);
 
 /// "640x360", both 1 … 16384.
@@ -38,7 +38,7 @@ core::Expected<core::dvec3> parse_vector(const std::string& text);
 /// A finite number. CLI11's ranges let NaN through.
 core::Expected<double> parse_finite(const std::string& text);
 
-/// Makes a parser an option's check: text that it refuses is bad usage.
+/// Makes a parser an option's check. Text that it refuses is bad usage.
 template <class T>
 std::function<std::string(const std::string&)> accepted_by(core::Expected<T> (*parse)(const std::string&)) {
   return [parse](const std::string& text) {
@@ -47,25 +47,25 @@ std::function<std::string(const std::string&)> accepted_by(core::Expected<T> (*p
   };
 }
 
-/// JSON text, indented, and a line end. File and node names may hold any bytes: what is not UTF-8 is replaced.
+/// Indented JSON text with a line end. File and node names may hold any bytes: invalid UTF-8 is replaced.
 template <class Json>
 std::string to_text(const Json& json) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-/// With those above it, unless it is there.
+/// Makes a directory and its parents where they are missing.
 core::Expected<void> make_directory(const std::string& path);
 
 /// Writes text to a file, or to stdout for "-".
 core::Expected<void> write_text(const std::string& file, const std::string& text);
 
-/// Writes to a file as write_text() does; nothing where `file` is empty.
+/// Writes like write_text(); does nothing if `file` is empty.
 template <class Json>
 core::Expected<void> write_json(const std::string& file, const Json& json) {
   return file.empty() ? core::Expected<void>() : write_text(file, to_text(json));
 }
 
-/// For people to read: stdout, or stderr where `file` is "-" and other output goes to stdout.
+/// Stream for output that people read: stdout, or stderr if `file` is "-" and other output goes to stdout.
 std::FILE* table_stream(const std::string& file);
 
 }  // namespace sightline::apps

@@ -32,7 +32,7 @@ constexpr std::array<Column, 10> kColumns = {{{"frame", nullptr, true, false},
                                               {"intersections", &TraceFrame::intersections, false, false},
                                               {"height", &TraceFrame::height, false, false}}};
 
-/// Of times, counts and frame numbers. What is beyond cannot be summed, nor written and read again.
+/// Limit of times, counts and frame numbers. Larger numbers cannot be summed, nor written and read again.
 constexpr double kLargest = 1e15;
 
 std::string_view trimmed(std::string_view text) {
@@ -58,7 +58,7 @@ std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
-/// Of each of a trace's columns, what it is; null where it is skipped.
+/// The meaning of each column of a trace; null where it is skipped.
 using Layout = std::vector<const Column*>;
 
 core::Expected<Layout> parse_header(std::string_view line) {

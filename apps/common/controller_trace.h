@@ -1,4 +1,4 @@
-// Recorded traces of what either path would have cost, frame by frame, and the hybrid's controller run over them.
+// Recorded traces of the cost of both culling paths, frame by frame, and runs of the hybrid's controller over them.
 #pragma once
 
 #include <string>
@@ -11,17 +11,17 @@
 
 namespace sightline::apps {
 
-/// What the hybrid's controller was doing in a frame; "fixed" without a hybrid.
+/// The state of the hybrid's controller in a frame; "fixed" without a hybrid.
 inline std::string_view state_name(const engine::FrameReport& report) {
   return report.state ? name_of(*report.state) : "fixed";
 }
 
-/// One frame of a trace: what both paths cost in it, milliseconds. NaN: not measured.
+/// One frame of a trace: the cost of both paths, milliseconds. NaN: not measured.
 struct TraceFrame {
   double cpu_cull_ms, cpu_frame_ms, gpu_cull_ms, gpu_frame_ms;
   double visible = culling::FrameSample::kNotMeasured;
   double tested = culling::FrameSample::kNotMeasured;         ///< by the CPU
-  double nodes = culling::FrameSample::kNotMeasured;          ///< that the CPU could have tested
+  double nodes = culling::FrameSample::kNotMeasured;          ///< number that the CPU could have tested
   double intersections = culling::FrameSample::kNotMeasured;  ///< by the CPU
   double height = culling::FrameSample::kNotMeasured;         ///< by the CPU
 
@@ -31,13 +31,13 @@ struct TraceFrame {
   }
 };
 
-/// CSV with a header that names the columns, in any order: frame, visible, cpu_cull_ms, cpu_frame_ms, gpu_cull_ms,
-/// gpu_frame_ms and optionally tested, nodes, intersections, height; others are skipped. Times are > 0 or "nan", counts
-/// >= 0, nothing exceeds 1e15, frames rise by one. At least one frame. An error names the line. `name` is what errors
-/// call the text.
+/// Parses CSV. A header names the columns, in any order: frame, visible, cpu_cull_ms, cpu_frame_ms, gpu_cull_ms,
+/// gpu_frame_ms and optionally tested, nodes, intersections, height. Other columns are skipped. Times are > 0 or "nan",
+/// counts >= 0, nothing exceeds 1e15, frames rise by one. There must be at least one frame. Errors name the line, and
+/// call the text `name`.
 core::Expected<std::vector<TraceFrame>> parse_controller_trace(std::string_view text, const std::string& name);
 core::Expected<std::vector<TraceFrame>> read_controller_trace(const std::string& file);
-/// With all columns; what parse_controller_trace reads.
+/// Writes all columns, in the form that parse_controller_trace reads.
 std::string controller_trace_csv(const std::vector<TraceFrame>& trace);
 
 struct TraceResult {
@@ -48,12 +48,12 @@ struct TraceResult {
   std::string choice;  ///< per frame 'c' or 'g'
 };
 
-/// GPU samples arrive so many frames late.
+/// GPU samples arrive this many frames late.
 inline constexpr std::size_t kGpuLatency = 2;
 
-/// Runs a controller over a trace: it is shown what the path it chose cost, nothing of the other. The CPU's sample of a
-/// frame is there before the next frame, the GPU's kGpuLatency frames later. The scene is taken to have as many items
-/// as are visible at most. A cost that was not measured counts as 0.
+/// Runs a controller over a trace. The controller sees only the cost of the path that it chose. The CPU's sample of a
+/// frame arrives before the next frame, the GPU's kGpuLatency frames later. The number of items is taken to be the
+/// largest number visible. A cost that was not measured counts as 0.
 TraceResult run_controller(const std::vector<TraceFrame>& trace, const culling::ControllerConfig& config,
                            bool rendering);
 

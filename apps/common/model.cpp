@@ -61,7 +61,8 @@ core::Expected<Model> load_model(const ModelOptions& options) {
     model.report = std::move(*report);
   }
   print_warnings(model.report.warnings);
-  // Not before: what an absurd offset takes out of all range is an error of the offset's, and nothing to be dropped.
+  // Only after the import: if an absurd offset moves items out of range, that is an error of the offset, and no item is
+  // dropped.
   if (!options.translate.empty()) {
     const auto offset = parse_vector(options.translate);
     if (!offset) return tl::unexpected(offset.error());

@@ -1,4 +1,4 @@
-// Loading models the way every tool offers it.
+// Loads models, in the same way for every tool.
 #pragma once
 
 #include <memory>
@@ -35,16 +35,16 @@ struct Model {
   core::dvec3 offset{0.0};  ///< --translate
 };
 
-/// The first few in full, to stderr.
+/// Prints the first few in full to stderr.
 void print_warnings(const std::vector<importers::ImportWarning>& warnings);
 
-/// Imports all files below the root, whose transform is --translate. Warnings go to stderr, and progress.
+/// Imports all files below the root, whose transform is --translate. Prints warnings and progress to stderr.
 core::Expected<Model> load_model(const ModelOptions& options);
 
-/// Says on stderr, in one line, that views and tours of the whole leave out items, if they do.
+/// Prints one line to stderr if views and tours of the whole leave out items.
 void warn_of_outliers(const core::FittedBounds& fitted);
 
-/// Field of view of a camera that nobody has given another one, radians.
+/// Default field of view of a camera, radians.
 inline constexpr double kFovy = std::numbers::pi / 4;
 
 /// --culler, into `choice`.
@@ -56,10 +56,10 @@ void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config);
 /// --samples
 void add_samples_option(CLI::App& app, int& samples);
 
-/// Prints what was made and what was left out, to stderr.
+/// Prints to stderr which features are used and which are left out.
 void explain(const engine::Plan& plan);
 
-/// The same for tools that draw nothing: what drawing the committed scene would take.
+/// The same for tools that draw nothing: prints the plan for drawing the committed scene.
 void explain(const core::Scene& scene);
 
 }  // namespace sightline::apps

@@ -1,4 +1,4 @@
-// A progress bar on stderr; silent when that is no terminal.
+// A progress bar on stderr; silent when stderr is no terminal.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   void advance(std::size_t done);
-  /// For work that tells its share, 0 to 1, and asks whether to go on: it does. The bar must outlive it.
+  /// Callback for work that reports its share, 0 to 1, and asks whether to go on; the answer is always yes. The bar
+  /// must outlive it.
   std::function<bool(double)> callback();
 
  private:
@@ -23,7 +24,7 @@ class Progress {
   bool terminal_;
 };
 
-/// Names what is being done, in a line on stderr that the next one replaces; empty: clears it. Silent when that is no
+/// Shows the current step in a line on stderr, which the next call replaces; empty: clears it. Silent when stderr is no
 /// terminal.
 void show_step(const std::string& what);
 

@@ -1,4 +1,4 @@
-// What an import found, as JSON: the same words in every tool (names as in sightline-info --json).
+// The result of an import as JSON, with the same names in every tool (those of sightline-info --json).
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -5,10 +5,10 @@
 
 namespace sightline::apps {
 
-/// The mean of the two in the middle where the number of samples is even. 0 for none.
+/// For an even number of samples, the mean of the middle two. 0 for none.
 double median(std::vector<double> samples);
 
-/// The least sample that at least `share` (0 … 1) of all are not above (nearest rank). 0 for none.
+/// Nearest-rank percentile: the least sample such that at least `share` (0 … 1) of all are not above it. 0 for none.
 double percentile(std::vector<double> samples, double share);
 
 struct Summary {

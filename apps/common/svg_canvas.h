@@ -1,4 +1,4 @@
-// What the plots of svg_plot.h are drawn with.
+// Draws the plots of svg_plot.h.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ class SvgCanvas {
   /// Colours that tell series apart; they repeat after nine.
   static const char* colour(std::size_t series);
 
-  /// `anchor`: "start", "middle" or "end". `size`: of the font; 0: the canvas's.
+  /// `anchor`: "start", "middle" or "end". `size`: font size; 0: that of the canvas.
   void text(double x, double y, const char* anchor, const char* fill, std::string_view content, int size = 0);
   void line(double x1, double y1, double x2, double y2, const char* stroke = "#ddd", double width = 1.0);
   void rectangle(double x, double y, double width, double height, const char* fill);

@@ -10,7 +10,7 @@
 namespace sightline::apps {
 namespace {
 
-/// The least 1, 2 or 5 times a power of ten that is not below `v`, so that axes end and step on round numbers.
+/// The least 1, 2 or 5 times a power of ten that is not below `v`: axes then end and step on round numbers.
 double round_up(double v) {
   if (!(v > 0.0)) return 1.0;
   const double unit = std::pow(10.0, std::floor(std::log10(v)));
@@ -58,7 +58,7 @@ class FramePlot {
     std::vector<double> known = series.values;
     std::erase_if(known, [](double value) { return value < 0.0; });
     const Summary summary = summarise(known);
-    // One interrupted frame must not flatten all others: far above the 99th percentile the line is cut, and the label
+    // One interrupted frame must not flatten all others. Far above the 99th percentile the line is cut, and the label
     // says so.
     constexpr double kOutlier = 3.0;
     const bool cut = summary.max > kOutlier * summary.p99;
@@ -95,7 +95,7 @@ class FramePlot {
 
 // --- panels ----------------------------------------------------------------------------------------------------------
 
-/// Whole decades around values > 0, at least one; or linear, around all values.
+/// Logarithmic: whole decades around values > 0, at least one. Linear: the range of all values.
 class Axis {
  public:
   explicit Axis(bool logarithmic) : logarithmic_(logarithmic) {}
@@ -103,12 +103,12 @@ class Axis {
   void add(double v) {
     if (!logarithmic_ || v > 0.0) least_ = std::min(least_, v), most_ = std::max(most_, v);
   }
-  /// 0 … 1.
+  /// Place of `v` on the axis, 0 … 1.
   double share(double v) const {
     if (logarithmic_) return (std::log10(v) - first_decade()) / (last_decade() - first_decade());
     return least_ < most_ ? (v - least_) / (most_ - least_) : 0.0;
   }
-  /// Six or so.
+  /// About six values.
   std::vector<double> ticks() const {
     std::vector<double> values;
     if (logarithmic_) {
@@ -169,7 +169,7 @@ class PanelDrawing {
  private:
   static constexpr double kZeroRow = 14;
 
-  /// From left to right, in as many rows as it takes.
+  /// Places the legend from left to right, in as many rows as it needs.
   void place_legend() {
     constexpr double kLeft = 20, kRow = 16, kCharacter = 6, kGap = 30;
     double x = kLeft, y = 54;
@@ -227,7 +227,7 @@ class PanelDrawing {
 
   void name(const PanelSeries::Point& p, const char* colour) {
     const int size = plot_.large ? 11 : 8;
-    const bool right = plot_.large && x_.share(p.x) > 0.8;  // no room there: inwards, one above the other
+    const bool right = plot_.large && x_.share(p.x) > 0.8;  // no room: names go inwards, one above the other
     if (right)
       svg_.text(x_of(p.x) + 6, y_of(p.y) - 12 - 14 * crowded_++, "end", colour, p.name, size);
     else
@@ -245,9 +245,9 @@ class PanelDrawing {
   double panel_width_, panel_height_, width_, head_ = 0.0;
   Axis x_, y_{true};
   std::vector<std::string> labels_;
-  std::vector<std::array<double, 2>> legend_;  // places of the labels
-  double left_ = 0.0, top_ = 0.0;              // of the panel that is drawn
-  int crowded_ = 0;                            // names so far at its right edge
+  std::vector<std::array<double, 2>> legend_;  // places of the labels in the legend
+  double left_ = 0.0, top_ = 0.0;              // place of the panel that is drawn
+  int crowded_ = 0;                            // number of names at its right edge so far
   SvgCanvas svg_{0, 0};
 };
 

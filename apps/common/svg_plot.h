@@ -11,15 +11,15 @@ namespace sightline::apps {
 
 struct Series {
   std::string label, unit;
-  std::vector<double> values;  ///< one per frame; below 0: not known, the line passes over it
+  std::vector<double> values;  ///< one per frame; below 0: not known, and the line skips it
 };
 
-/// Behind the lines; the legend names only what there is.
+/// Marks behind the lines. The legend names only marks that occur.
 struct Marks {
   std::string band_label;
   std::vector<std::array<std::size_t, 2>> bands;  ///< shaded: first and last frame
   std::string tick_label;
-  std::vector<std::size_t> ticks;  ///< a tick at the upper edge: frames
+  std::vector<std::size_t> ticks;  ///< ticks at the upper edge: frames
 };
 
 /// A plot with `left` against the left axis and `right` against the right one.
@@ -27,10 +27,10 @@ std::string svg_plot(const std::string& title, const Series& left, const Series&
 
 // --- panels ----------------------------------------------------------------------------------------------------------
 
-/// In one colour wherever the label is the same.
+/// Series with the same label have the same colour.
 struct PanelSeries {
   struct Point {
-    double x = 1.0, y = 0.0;  ///< x > 0 on a logarithmic axis; y >= 0, where 0 lies on a line of its own below
+    double x = 1.0, y = 0.0;  ///< x > 0 on a logarithmic axis; y >= 0, where 0 lies on a separate line below
     std::string name;         ///< beside the point
     std::string hover = {};   ///< shown under the pointer; empty: the label and the name
   };
@@ -64,7 +64,7 @@ struct BarPair {
   double first = 1.0, second = 1.0;
 };
 
-/// Horizontal bars from 1 to `most`; longer ones are cut there, and all carry their value.
+/// Horizontal bars from 1 to `most`. Longer bars are cut there. Each bar shows its value.
 std::string svg_bars(const std::string& title, const std::array<std::string, 2>& subjects,
                      const std::vector<BarPair>& bars, double most = 4.0);
 
