@@ -13,7 +13,7 @@ struct Planes {
   const float* corner[6][3];  // arrays of the p-vertex
 };
 
-/// Both read up to 15 boxes beyond `count`; ItemBounds pads.
+/// Both read up to 15 boxes beyond `count`; ItemBounds has padding for them.
 void plain(const Planes& planes, std::size_t count, std::uint8_t* bits) {
   for (std::size_t i = 0; i < count; i += 8) {
     unsigned group = 0;
@@ -40,7 +40,7 @@ __attribute__((target("avx2,fma"))) void wide(const Planes& planes, std::size_t 
       __m256 s = _mm256_fmadd_ps(_mm256_set1_ps(n[0]), _mm256_loadu_ps(c[0] + i), _mm256_set1_ps(planes.offset[k]));
       s = _mm256_fmadd_ps(_mm256_set1_ps(n[1]), _mm256_loadu_ps(c[1] + i), s);
       s = _mm256_fmadd_ps(_mm256_set1_ps(n[2]), _mm256_loadu_ps(c[2] + i), s);
-      outside |= _mm256_movemask_ps(s);  // the sign
+      outside |= _mm256_movemask_ps(s);  // sign bits
     }
     bits[i / 8] = std::uint8_t(~outside);
   }

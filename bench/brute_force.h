@@ -1,4 +1,4 @@
-// The yardstick for times of culling.
+// Brute-force culling, the baseline for times of culling.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@
 
 namespace sightline::bench {
 
-/// Every box against six plain float planes: structure of arrays, AVX2 where the machine has it, one bit per box. No
-/// padding of the planes, so no promise about boxes within rounding of them.
+/// Tests every box against six plain float planes: structure of arrays, AVX2 where the machine has it, one bit per box.
+/// The planes are not padded, so nothing is promised for boxes within rounding of them.
 class BruteForce {
  public:
   explicit BruteForce(std::span<const core::Aabb> boxes);
-  /// The answer stands until the next call.
+  /// The result is valid until the next call.
   void cull(const core::View& view);
   std::size_t size() const { return bounds_.size(); }
-  /// Of visible boxes.
+  /// Number of visible boxes.
   std::uint64_t count() const;
   /// Indices of the visible boxes, sorted.
   std::vector<std::uint32_t> ids() const;

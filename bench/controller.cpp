@@ -1,5 +1,5 @@
-// sightline-bench controller: the hybrid culler's controller against the oracle that knows every frame's costs, and
-// against the better fixed path. Both policies, over recorded and made-up traces. Needs no GL.
+// sightline-bench controller: compares the hybrid culler's controller with an oracle that knows every frame's costs,
+// and with the better fixed path. Runs both policies over recorded and generated traces. Needs no GL.
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -49,14 +49,14 @@ void add_options(CLI::App& app, Options& options) {
 
 // --- a trace of the real CPU culler ----------------------------------------------------------------------------------
 
-/// Stands in for a GPU: no more than plausible. Milliseconds.
+/// Substitute for a GPU, plausible and no more. Milliseconds.
 struct GpuModel {
-  double pass = 0.010;           ///< launches, and clusters that are rejected or accepted whole
-  double per_item = 5e-9;        ///< of the scene: its clusters
+  double pass = 0.010;           ///< launches, and clusters that are rejected or accepted as a whole
+  double per_item = 5e-9;        ///< per item of the scene, for its clusters
   double per_visible = 1e-8;     ///< writing an id
-  double draw = 0.2;             ///< rendering on: what drawing costs anyhow,
-  double draw_visible = 2e-6;    ///< and per visible item
-  double upload_visible = 4e-7;  ///< the CPU path's: ids to the GPU
+  double draw = 0.2;             ///< rendering on: fixed cost of drawing
+  double draw_visible = 2e-6;    ///< cost of drawing a visible item
+  double upload_visible = 4e-7;  ///< CPU path: upload of an id
   double noise = 0.05;
 };
 
@@ -120,7 +120,7 @@ void add(Row& row, const std::vector<apps::TraceFrame>& trace, bool rendering, d
   row.seed.add(apps::run_controller(trace, config_of(culling::Policy::k2009), rendering), weight);
 }
 
-/// Whether either path's cost is there at all: without a GPU clock there are no cull times.
+/// Whether a path has any costs in the trace. Without a GPU clock there are no cull times.
 bool has_costs(const std::vector<apps::TraceFrame>& trace, bool rendering) {
   const auto has = [&](culling::CullPath path) {
     return std::any_of(trace.begin(), trace.end(),

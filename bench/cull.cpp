@@ -1,4 +1,4 @@
-// sightline-bench cull: culling alone, on boxes and views from files.
+// sightline-bench cull: culling only, on boxes and views from files.
 //
 // --boxes: little-endian float32, (min x y z, max x y z) per item, no header. --views: little-endian float64, 16 per
 // frame, column-major clip_from_world, clip space -1 ... 1. Ids are the items' places in the boxes file.
@@ -70,7 +70,7 @@ void add_options(CLI::App& app, Options& options) {
 
 // --- what is measured ------------------------------------------------------------------------------------------------
 
-/// Either culler with what it needs, and the way from slots back to the file's order.
+/// One of the cullers with its data, and the mapping from slots back to the file's order.
 struct Subject {
   Subject(std::span<const core::Aabb> boxes, const Options& options);
   Subject(const Subject&) = delete;  // the culler points into the bounds
@@ -157,7 +157,7 @@ core::Expected<void> choose_instructions(const std::string& name) {
   return {};
 }
 
-/// Untimed: counts, id files, and the comparison with the linear culler.
+/// Not timed: counts, id files, and the comparison with the linear culler.
 core::Expected<Frames> inspect(const Subject& subject, std::span<const core::Aabb> boxes,
                                const std::vector<core::View>& views, const Options& options) {
   core::ItemBounds plain;

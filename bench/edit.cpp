@@ -1,8 +1,8 @@
-// sightline-bench edit: what edits cost, and what they leave of culling speed until a new order lands.
+// sightline-bench edit: the cost of edits, and their effect on culling speed until a new order lands.
 //
-// A plant of cylinders and boxes. Of each kind of edit, a share of all items is edited per commit: times of the commit
-// in its parts (validation by the scene, snapshot, culler), and of culling along a path before, after, and in the new
-// order that the engine would land. Then an engine, edited and culled frame by frame while its rebuild runs.
+// Uses a plant of cylinders and boxes. For each kind of edit, every commit edits a share of all items. Measures the
+// parts of the commit (validation by the scene, snapshot, culler), and culling along a path before, after, and in the
+// new order that the engine would land. Then edits and culls frame by frame with an engine while its rebuild runs.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -32,7 +32,7 @@ using core::ItemId;
 using core::Snapshot;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kItemsPerNode = 25;  // a pipe run or so
+constexpr std::size_t kItemsPerNode = 25;  // about a pipe run
 constexpr int kPathPasses = 7;
 
 struct Options {
@@ -58,7 +58,7 @@ struct Plant {
     }
   }
 
-  /// A box, or the cylinder within it.
+  /// Adds a box, or the cylinder that fits it.
   void add(core::NodeId node, const core::Aabb& box, const core::dvec3& offset) {
     const core::dvec3 low(box.min), high(box.max), size = high - low;
     const core::Affine at = core::translation(0.5 * (low + high) + offset);
@@ -73,7 +73,7 @@ struct Plant {
   std::vector<core::Aabb> boxes;
 };
 
-/// Edits `count` items, picked at random, each once per commit.
+/// Edits `count` random items, each once per commit.
 class Editor {
  public:
   Editor(Plant& plant, std::uint64_t seed) : plant_(plant), random_(seed) {}
@@ -126,7 +126,7 @@ class Editor {
   std::mt19937_64 random_;
 };
 
-/// Once around and through the plant, as near as a walk.
+/// One turn around and through the plant, at walking distance.
 std::vector<core::View> orbit() {
   std::vector<core::View> views;
   constexpr int kFrames = 500;
@@ -153,7 +153,8 @@ struct Path {
   double mean_ms = 0.0, mean_visible = 0.0;
 };
 
-/// In turns, so that what else the machine does meets all alike. Medians over the passes of the means along the path.
+/// Times the paths in turns, so that other load of the machine affects all equally. Returns medians over the passes of
+/// the means along the path.
 std::vector<Path> time_paths(const std::vector<const Subject*>& subjects, const std::vector<core::View>& views) {
   std::vector<std::vector<double>> times(subjects.size());
   std::vector<Path> paths(subjects.size());
@@ -253,7 +254,7 @@ core::Expected<Json> measure_rebuild(const Options& options, const std::vector<c
   for (int round = 0; duration == 0.0 && round < 100'000; ++round) {
     const bool was = engine->rebuilding();
     Longest& longest = was ? busy : quiet;
-    // A tenth of a share a frame goes on while the rebuild runs: what an application that plays a motion would do.
+    // While the rebuild runs, a tenth of a share is edited per frame, as an application that plays a motion would do.
     editor.edit(Edit::kMoveFar, std::max<std::size_t>(1, was ? count / 10 : count));
     const std::uint64_t generation = engine->snapshot().generation();
     const double start = milliseconds();
@@ -268,7 +269,7 @@ core::Expected<Json> measure_rebuild(const Options& options, const std::vector<c
     }
     if (!was && engine->rebuilding()) started = end;
     if (engine->snapshot().generation() != generation) duration = end - started;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the rest of an application's frame
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // stands for the rest of an application's frame
   }
   return Json{{"rebuild_ms", duration},
               {"frames_meanwhile", busy.frames},

@@ -1,4 +1,4 @@
-// How many GL calls a program makes: a measure of the CPU's work that is the same on every machine.
+// Counts the GL calls of a program: a measure of the CPU's work that is the same on every machine.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace sightline::bench {
 
-/// Counts every call through a context's table while it lives. One at a time.
+/// Counts every call through a context's table while it lives. Only one may exist at a time.
 class GlCallCount {
  public:
   explicit GlCallCount(const gl::Context& context) : table_(const_cast<gl::Functions&>(context.functions())) {

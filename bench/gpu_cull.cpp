@@ -1,9 +1,8 @@
-// sightline-bench gpu-cull: the forms of the GPU culler and of its boxes against each other, alone: no picture is
-// drawn.
+// sightline-bench gpu-cull: compares the forms of the GPU culler and of its boxes with each other. Draws no picture.
 //
-// Made-up plants, culled along an orbit. Every form culls each view in turn, and the best of some passes counts: from
-// submission until the GPU is through, and the part of it that the submission took. Memory as table 5.1 of E. T.
-// Carlos, "Frustum Culling Híbrido Utilizando CPU e GPU" (PUC-Rio, 2009) has it: all boxes, for plants of its sizes.
+// Culls generated plants along an orbit. Every form culls each view in turn, and the best of some passes counts: the
+// time from submission until the GPU has finished, and the part of it for the submission. Memory as in table 5.1 of E.
+// T. Carlos, "Frustum Culling Híbrido Utilizando CPU e GPU" (PUC-Rio, 2009): all boxes, for plants of its sizes.
 #include <cstdio>
 #include <numbers>
 #include <span>
@@ -32,15 +31,15 @@ using culling::GpuForm;
 constexpr GpuForm kForms[] = {GpuForm::kGeometry, GpuForm::kCompute};
 
 struct Options {
-  std::vector<std::uint64_t> items;  // of each plant; none: those of kPlatforms
+  std::vector<std::uint64_t> items;  // per plant; none: those of kPlatforms
   int views = 24, passes = 5;
   std::string json;
 };
 
 struct Subject {
   GpuCuller culler;
-  std::vector<double> total, submit;  // by view: the best so far, milliseconds
-  std::uint64_t visible = 0;          // of all views
+  std::vector<double> total, submit;  // per view: the best so far, milliseconds
+  std::uint64_t visible = 0;          // sum over all views
 };
 
 std::vector<core::View> orbit(const core::Snapshot& snapshot, int count) {
@@ -104,7 +103,7 @@ core::Expected<Json> measure(const gl::Context& context, std::uint64_t items, co
   std::fprintf(out, "%zu items\n", snapshot.size());
   for (const Subject& subject : subjects) {
     const double total = mean(subject.total), submit = mean(subject.submit);
-    const double ratio = total / mean(subjects[0].total);  // to the geometry form
+    const double ratio = total / mean(subjects[0].total);  // relative to the geometry form
     const double visible = double(subject.visible) / double(views.size());
     const std::string form(name_of(subject.culler.form()));
     const std::size_t bytes = subject.culler.bounds_memory_bytes();

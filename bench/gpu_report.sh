@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Everything that a real GPU is needed to answer, in one command: builds, measures, and writes one Markdown report.
+# Answers every question that needs a real GPU, in one command: builds, measures, and writes one Markdown report.
 #   bench/gpu_report.sh [REPORT.md]      default: out/gpu_report/report.md; its folder also gets JSON, CSV and plots
-# SCALE (1: 713,000 and 5 million items), FRAMES (200), PASSES (5), SIZE (1280x720) and BIN (a folder of built programs:
-# nothing is built then), MODELS and VIEWS (real models and a folder of views of them) may be set. SCALE=0.01 FRAMES=40 PASSES=2
-# SIZE=320x180 runs in some ten minutes on a software rasteriser.
+# Environment variables: SCALE (1: 713,000 and 5 million items), FRAMES (200), PASSES (5), SIZE (1280x720), BIN (a
+# folder of built programs: nothing is built then), MODELS and VIEWS (real models and a folder of views of them).
+# SCALE=0.01 FRAMES=40 PASSES=2 SIZE=320x180 takes some ten minutes on a software rasteriser.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=${1:-out/gpu_report/report.md}
@@ -17,7 +17,7 @@ whole() { awk -v a="$1" -v b="$2" 'BEGIN { n = int(a * b); print n < 1000 ? 1000
 
 section() { printf '\n## %s\n\n' "$1" >>"$report"; echo "gpu_report: $1" >&2; }
 # shellcheck disable=SC2016  # the backquotes are Markdown's
-# Runs a program and puts its command line and what it prints into the report; a failure is reported and survived.
+# Runs a program and puts its command line and output into the report. A failure is reported, and the script goes on.
 show() {
   printf '`%s`\n\n```\n' "$(basename "$1") ${*:2}" >>"$report"
   "$@" >>"$report" 2>&1 || echo "FAILED, exit $?" >>"$report"

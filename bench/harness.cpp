@@ -17,7 +17,7 @@ static_assert(std::endian::native == std::endian::little, "the file formats are 
 namespace sightline::bench {
 namespace {
 
-/// The whole file as numbers, `group` of them per record.
+/// Reads the whole file as numbers, `group` of them per record.
 template <class T>
 core::Expected<std::vector<T>> read_numbers(const std::string& path, std::size_t group, const char* what) {
   std::error_code error;

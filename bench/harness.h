@@ -1,4 +1,4 @@
-// What the benchmarks share: boxes and views from files or made up, the clock, and times of a camera path.
+// Shared by the benchmarks: boxes and views from files or generated, the clock, and times of a camera path.
 #pragma once
 
 #include <chrono>
@@ -29,30 +29,30 @@ CLI::Option* add_generate_option(CLI::App& app, std::size_t& count);
 /// --views, into `file`.
 CLI::Option* add_views_option(CLI::App& app, std::string& file);
 
-/// Where boxes and views come from.
+/// Source of boxes and views.
 struct Input {
   std::string boxes, views;
-  std::size_t generate = 0;  ///< boxes to make up; 0: read them
+  std::size_t generate = 0;  ///< number of boxes to generate; 0: read them
 };
 /// --boxes or --generate, and --views.
 void add_input_options(CLI::App& app, Input& input);
 core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input);
 
-/// Boxes in the given order (empty: as they come).
+/// Boxes in the given order (empty: in their own order).
 void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order);
 
-/// Since some moment.
+/// Time since an arbitrary moment.
 inline double milliseconds() {
   using Clock = std::chrono::steady_clock;
   return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
 }
 
-/// Boxes in the order that production culls them in.
+/// Boxes in the order in which production culls them.
 core::ItemBounds in_production_order(std::span<const core::Aabb> boxes);
 
 inline constexpr std::size_t kPasses = 3;  ///< of time_path()
 
-/// call(0) … call(count - 1) on each pass; one time per call, the median over the passes.
+/// Runs call(0) … call(count - 1) on each pass. Returns one time per call, the median over the passes.
 template <class Call>
 std::vector<double> time_path(std::size_t count, const Call& call) {
   std::vector<std::vector<double>> passes(count, std::vector<double>(kPasses));

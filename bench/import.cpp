@@ -1,7 +1,7 @@
-// sightline-bench import: how fast model files become scenes, on one thread.
+// sightline-bench import: the speed of importing model files into scenes, on one thread.
 //
-// Held equal: the file's bytes lie in memory (read once before, from the page cache), a new scene for every pass, the
-// commit is timed apart. A figure is the median over the passes.
+// Equal conditions: the file's bytes are in memory (read once before, from the page cache), every pass makes a new
+// scene, and the commit is timed separately. A figure is the median over the passes.
 
 #include "sightline/importers/import.h"
 

@@ -1,5 +1,5 @@
-// sightline-bench intersect: what a ray against one analytic primitive costs on the CPU, for each kind, in double,
-// float and (cylinders) vectors. Accuracy is the matter of sightline-stability.
+// sightline-bench intersect: CPU cost of a ray against one analytic primitive, for each kind, in double, float and
+// (cylinders) vectors. sightline-stability measures accuracy.
 #include <algorithm>
 #include <limits>
 #include <random>
@@ -33,7 +33,7 @@ constexpr float kFullTurn = 6.2831855f;
 struct Case {
   const char* name;
   core::Primitive primitive;
-  dvec3 half;  ///< of a box about the local origin that holds it
+  dvec3 half;  ///< half extents of a box about the local origin that contains it
 };
 const Case kCases[] = {
     {"cylinder", core::Cylinder{1, 2}, {1, 1, 1}},
@@ -50,7 +50,7 @@ const Case kCases[] = {
     {"pyramid", core::Pyramid{2, 2, 1, 1, 0.3f, 0, 2}, {1.2, 1, 1}},
 };
 
-/// Rays from 5 to 15 units away in any direction through points of the box.
+/// Rays through points of the box, in any direction, from 5 to 15 units away.
 std::vector<Ray> generic_rays(std::size_t count, const dvec3& half) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> side(-1.0, 1.0);
@@ -68,7 +68,7 @@ std::vector<Ray> generic_rays(std::size_t count, const dvec3& half) {
   return rays;
 }
 
-/// Times shoot(), which returns the number of rays that hit: counters of the time per ray and of the share that hits.
+/// Times shoot(), which returns the number of rays that hit. Counters: time per ray, and share of rays that hit.
 template <class Shoot>
 void measure(benchmark::State& state, std::size_t rays, const Shoot& shoot) {
   std::size_t hit = 0;
@@ -95,7 +95,7 @@ void measure_beam(benchmark::State& state, const core::Cylinder& cylinder, const
       values[3 + axis].push_back(ray.direction[axis]);
     }
   }
-  // In portions that stay in the processor's first cache, as a renderer's tiles do.
+  // Works in portions that fit the processor's first-level cache, as a renderer's tiles do.
   constexpr std::size_t kPortion = 256;
   measure(state, rays.size(), [&] {
     std::size_t hit = 0;

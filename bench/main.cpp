@@ -1,4 +1,4 @@
-// sightline-bench: what Sightline's parts cost, and how well they do. One subcommand each.
+// sightline-bench: speed and quality of Sightline's parts. One subcommand each.
 #include <utility>
 #include <vector>
 

@@ -13,7 +13,7 @@
 namespace sightline::bench {
 namespace {
 
-/// The library's table and its JSON at once. Its own way to write a file ends the process when that fails.
+/// Writes the library's table and its JSON at once. The library's own way to write a file ends the process on failure.
 class Reporter : public benchmark::BenchmarkReporter {
  public:
   explicit Reporter(std::ostream& table) {

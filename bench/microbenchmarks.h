@@ -1,4 +1,4 @@
-// A function's time over many inputs, by Google Benchmark.
+// Times of a function over many inputs, by Google Benchmark.
 #pragma once
 
 #include <string>
@@ -20,8 +20,8 @@ struct MicrobenchmarkOptions {
 /// --filter, --min-time, --repetitions, --json.
 void add_microbenchmark_options(CLI::App& app, MicrobenchmarkOptions& options);
 
-/// Runs what was registered with benchmark::RegisterBenchmark(), and forgets it: a table, and the library's JSON where
-/// the options ask for it. Fails when the filter matches nothing.
+/// Runs everything registered with benchmark::RegisterBenchmark(), and unregisters it. Prints a table, and writes the
+/// library's JSON if the options request it. Fails when the filter matches nothing.
 core::Expected<int> run_microbenchmarks(const MicrobenchmarkOptions& options);
 
 }  // namespace sightline::bench

@@ -1,9 +1,10 @@
-// sightline-bench proxies: how tight the proxies of ray-cast primitives are. Pixels that the fragment stage was run
-// for, over pixels that show the item: each item by itself, filling about half of the view, from random directions.
-// Items are made up, of proportions as plants have them, or come from models, of which places are ignored.
+// sightline-bench proxies: tightness of the proxies of ray-cast primitives. It is the number of pixels that the
+// fragment stage ran for, divided by the number of pixels that show the item. Each item is drawn alone, fills about
+// half of the view, and is seen from random directions. Items are generated with proportions as in plants, or come from
+// models, whose placements are ignored.
 //
-// Fragments are counted by ARB_pipeline_statistics_query, for whole blocks of pixels on most implementations (4 x 4 on
-// llvmpipe), so that slim items seem worse than they are.
+// ARB_pipeline_statistics_query counts the fragments. Most implementations count whole blocks of pixels (4 x 4 on
+// llvmpipe), so slim items seem worse than they are.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -54,7 +55,7 @@ class Random {
   explicit Random(std::uint32_t seed) : engine_(seed) {}
   double uniform(double low, double high) { return low + (high - low) * double(engine_()) / 4294967296.0; }
   float number(double low, double high) { return float(uniform(low, high)); }
-  /// Evenly over octaves.
+  /// Uniform over octaves.
   float length(double low, double high) { return float(std::exp(uniform(std::log(low), std::log(high)))); }
   dvec3 direction() {
     const double z = uniform(-1.0, 1.0), turn = uniform(0.0, 2.0 * std::numbers::pi), r = std::sqrt(1.0 - z * z);
@@ -117,13 +118,13 @@ core::Expected<std::vector<Item>> items_of(const std::string& model, Kind kind, 
 }
 
 struct Tightness {
-  std::uint64_t proxy = 0, shown = 0;  // pixels of all items
-  std::vector<double> ratios;          // of each item that shows something
+  std::uint64_t proxy = 0, shown = 0;  // pixels over all items
+  std::vector<double> ratios;          // of each visible item
 
   double ratio() const { return double(proxy) / double(shown); }
 };
 
-/// Items stand in a row, far enough apart for each to be alone in its view.
+/// Items stand in a row, far enough apart that each is alone in its view.
 core::Expected<Tightness> measure(gl::Context& context, const std::vector<Item>& items, int size, Random& random) {
   core::Scene scene;
   std::vector<core::AabbD> boxes;

@@ -1,6 +1,6 @@
-// sightline-bench queries: spatial queries through the hierarchy against a loop over all boxes.
+// sightline-bench queries: compares spatial queries through the hierarchy with a loop over all boxes.
 //
-// A time is the mean over random queries of a kind. Before it is taken, the answers are compared.
+// A time is the mean over random queries of a kind. The answers are compared first.
 #include <cstdint>
 #include <random>
 #include <string>
@@ -58,8 +58,8 @@ class Suite {
   explicit Suite(const core::ItemBounds& bounds)
       : hierarchy_(bounds), queries_(bounds, hierarchy_), linear_(bounds, none_) {}
 
-  /// `place(places)` makes a query's argument, ask(queries, argument, answer) asks it. Fails where the answer of the
-  /// hierarchy differs from that of the loop over all boxes.
+  /// `place(places)` makes a query's argument, and ask(queries, argument, answer) runs the query. Fails when the
+  /// hierarchy's answer differs from that of the loop over all boxes.
   template <class Answer, class Place, class Ask>
   void add(const std::string& name, const Place& place, const Ask& ask) {
     constexpr std::size_t kQueries = 400, kComparedEvery = 10;
@@ -90,7 +90,7 @@ class Suite {
     }
   }
 
-  /// The query whose answers differ, or empty.
+  /// Name of the query whose answers differ, or empty.
   const std::string& different() const { return different_; }
 
  private:

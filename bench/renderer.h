@@ -1,4 +1,4 @@
-// What the benchmarks that draw say about their machine.
+// Describes the machine in benchmarks that draw.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The subcommands of sightline-bench. Each function gives `app` the subcommand's options and examples.
+// The subcommands of sightline-bench. Each function adds the subcommand's options and examples to `app`.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace sightline::bench {
 
-/// Runs once the options are parsed; the program's exit code.
+/// Runs after the options are parsed; returns the program's exit code.
 using Run = std::function<core::Expected<int>()>;
 
 Run add_controller(CLI::App& app);
@@ -19,17 +19,17 @@ Run add_edit(CLI::App& app);
 Run add_import(CLI::App& app);
 Run add_views(CLI::App& app);
 
-// Built where Google Benchmark is.
+// Built if Google Benchmark is found.
 Run add_intersect(CLI::App& app);
 Run add_queries(CLI::App& app);
 
-// Built where GL is.
+// Built if GL is.
 Run add_error_time(CLI::App& app);
 Run add_gpu_cull(CLI::App& app);
 Run add_hybrid(CLI::App& app);
 Run add_proxies(CLI::App& app);
 
-/// What such a function is made of: options that live as long as the parser and the run.
+/// Implements such a function: the options live as long as the parser and the run.
 template <class Options>
 Run add_subcommand(CLI::App& app, void (*add_options)(CLI::App&, Options&),
                    core::Expected<int> (*run)(const Options&)) {
@@ -38,7 +38,7 @@ Run add_subcommand(CLI::App& app, void (*add_options)(CLI::App&, Options&),
   return [options, run] { return run(*options); };
 }
 
-/// How a run ends: writes its figures where --json wants them.
+/// End of a run: writes its figures to the file of --json.
 template <class Json>
 core::Expected<int> finish(const std::string& json_file, const Json& json) {
   if (auto written = apps::write_json(json_file, json); !written) return tl::unexpected(written.error());

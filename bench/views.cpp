@@ -1,4 +1,4 @@
-// sightline-bench views: what several views at once, section planes and layers cost, as ratios to one plain view.
+// sightline-bench views: the cost of several views at once, section planes and layers, as ratios to one plain view.
 #include <array>
 #include <cstdio>
 
@@ -48,7 +48,7 @@ core::View second_eye(const core::View& view) {
   return view_of(glm::translate(m, -kEyeDistance * right));
 }
 
-/// Light views around slices of the camera's frustum, each four times as deep as the one before.
+/// Light views around slices of the camera's frustum; each slice is four times as deep as the one before.
 std::vector<core::View> cascades(const core::View& view) {
   const core::dmat4 world_from_clip = glm::inverse(view.clip_from_world());
   const auto corner = [&](double x, double y, double depth) {
@@ -78,7 +78,7 @@ class Measurement {
  public:
   Measurement(const culling::CpuCuller& culler, Json& rows) : culler_(&culler), rows_(&rows) {}
 
-  /// Several views per frame: in one query, or in a query each.
+  /// Culls several views per frame: in one query, or in a query each.
   double run(const char* name, const std::vector<std::vector<core::View>>& frames, bool together,
              culling::CullThreads* threads, double reference) {
     std::array<core::VisibleSet, 2 + kCascades> sets;
@@ -131,7 +131,7 @@ void measure_views(const core::ItemBounds& bounds, const std::vector<core::View>
   measure.run("eyes and cascades, one query, threads", six, true, &threads, separate);
 }
 
-/// Section planes that cut nothing away, so that the same is visible.
+/// Uses section planes that cut nothing away, so that the same items are visible.
 void measure_sections(const core::ItemBounds& bounds, const std::vector<core::View>& views, Json& rows) {
   const culling::CpuCuller culler(bounds);
   Measurement measure(culler, rows);
@@ -155,7 +155,7 @@ void measure_sections(const core::ItemBounds& bounds, const std::vector<core::Vi
   measure.run("eight section planes, or", any, false, nullptr, single);
 }
 
-/// Layers of which the view shows all, or all but those of every tenth run of items.
+/// The view shows all layers, or all except the layer of every tenth run of items.
 void measure_layers(core::ItemBounds bounds, const std::vector<core::View>& views, Json& rows) {
   Frames shown, some;
   for (const core::View& view : views) {
@@ -166,7 +166,7 @@ void measure_layers(core::ItemBounds bounds, const std::vector<core::View>& view
   }
   const culling::CpuCuller plain(bounds);
   const double single = Measurement(plain, rows).run("no layers", shown, false, nullptr, 0.0);
-  constexpr std::size_t kRun = 5000;  // items of a system lie together
+  constexpr std::size_t kRun = 5000;  // the items of a system lie together
   for (std::size_t i = 0; i < bounds.size(); ++i)
     if (i / kRun % 10 == 9) bounds.set_layers(i, 0x10u);
   const culling::CpuCuller layered(bounds);

@@ -1,6 +1,6 @@
-// Internal: the loop of cylinder_rays.h, which the compiler turns into vectors. Each file that includes this is
-// compiled for its own instruction set: all here is local to it, and nothing of other headers is called, of which a
-// copy made there could be linked into code for every processor.
+// The loop of cylinder_rays.h, which the compiler vectorises. Each file that includes this header is compiled for its
+// own instruction set. So everything here is local to that file and calls nothing from other headers: a copy made there
+// could be linked into code for every processor. Internal.
 #pragma once
 
 #include "sightline/bench/cylinder_rays/cylinder_rays_kernel.h"
@@ -40,14 +40,14 @@ inline double smaller(double a, double b) {
   return b < a ? b : a;
 }
 
-/// cylinder.cpp, cylinder_span() and Span::clip_slab() in one, without branches.
+/// cylinder.cpp, cylinder_span() and Span::clip_slab() in one function without branches.
 inline void first_crossings(const CylinderRays& in) {
   const double *const ox = in.origin[0], *const oy = in.origin[1], *const oz = in.origin[2];
   const double *const dx = in.direction[0], *const dy = in.direction[1], *const dz = in.direction[2];
   const double *const t_min = in.t_min, infinity = in.infinity;
   double* const t = in.t;
   const double radius2 = in.radius * in.radius, weight = in.weight, slab = in.half, nearly_parallel = in.least;
-  const double level_reach = slab == 0.0 ? -1.0 : slab;  // a disc edge on is nothing
+  const double level_reach = slab == 0.0 ? -1.0 : slab;  // a disc seen edge on shows nothing
   // An open end moves its crossing to infinity.
   const double bottom = in.bottom_open ? infinity : 0.0, top = in.top_open ? infinity : 0.0;
   for (std::size_t i = 0; i < in.count; ++i) {

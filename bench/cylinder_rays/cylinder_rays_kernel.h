@@ -1,4 +1,4 @@
-// Internal: cylinder_rays.h for one instruction set each.
+// The kernels of cylinder_rays.h, one for each instruction set. Internal.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@ struct CylinderRays {
   const double* t_min;
   double* t;
   std::size_t count;
-  double radius, half, weight;  ///< of z in closest_approach()
-  double least;                 ///< squared part of a direction across the axis below which it counts as parallel
+  double radius, half, weight;  ///< weight: of z in closest_approach()
+  double least;                 ///< squared part of a direction across the axis; if less, the direction is parallel
   double infinity;
   bool bottom_open, top_open;
 };

@@ -1,8 +1,8 @@
-// sightline-bench error-time: what the forms of a primitive cost and how wrong they are.
+// sightline-bench error-time: the cost and the errors of the forms of a primitive.
 //
-// Without a model: each kind on its own, random items 1/16 and 6/10 of the picture's height across; depth, normal and
-// silhouette errors against the C++ intersections in double. With models: whole pictures against those of triangles
-// so small that no pixel shows them. Whatever is compared is timed in turns.
+// Without a model: measures each kind separately, with random items 1/16 and 6/10 as large as the picture's height.
+// Depth, normal and silhouette errors are against the C++ intersections in double. With models: compares whole pictures
+// with those of triangles so small that no pixel shows them. Everything compared is timed in turns.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -130,12 +130,12 @@ core::Expected<int> measure_kinds(const Options& o, gl::Context& context, std::F
   return apps::kExitOk;
 }
 
-/// Of --views; or the whole model, and two places of the tour through it.
+/// The views of --views; without it the whole model, and two places of the tour through it.
 core::Expected<std::vector<NamedView>> views_of(const Options& o, const std::string& name, const apps::Model& model,
                                                 double aspect) {
   std::vector<NamedView> views;
   if (!o.views.empty()) {
-    std::map<std::string, fs::path> files;  // in the order of their names
+    std::map<std::string, fs::path> files;  // sorted by name
     for (const fs::directory_entry& entry : fs::directory_iterator(o.views)) {
       const std::string stem = entry.path().stem().string();
       if (entry.path().extension() == ".json" && stem.rfind(name + "_", 0) == 0)

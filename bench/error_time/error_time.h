@@ -1,5 +1,5 @@
-// Error against run time of the forms that a primitive can have: triangles with a number of segments, the engine's
-// ray-cast GLSL, and the C++ intersections in float and double. One kind at a time (measure_kind), and whole models
+// Error against run time of the forms of a primitive: triangles with a number of segments, the engine's ray-cast GLSL,
+// and the C++ intersections in float and double. Measures one kind at a time (measure_kind), and whole models
 // (measure_model).
 #pragma once
 
@@ -20,7 +20,7 @@ namespace sightline::bench {
 struct Form {
   enum class Method { kTriangles, kGlsl, kFloat, kDouble };
   Method method = Method::kTriangles;
-  int segments = 0;  ///< of triangles, per full circle; 0 where they make no difference
+  int segments = 0;  ///< of triangles, per full circle; 0 where the number does not matter
 
   bool on_cpu() const { return method == Method::kFloat || method == Method::kDouble; }
 };
@@ -28,30 +28,30 @@ struct Form {
 /// "24 segments", "triangles", "GLSL", "C++ float", "C++ double".
 std::string name_of(const Form& form);
 
-/// Called with the share of the work that is done, 0 … 1.
+/// Called with the share of the work done, 0 … 1.
 using Report = std::function<void(double)>;
 
 // --- one kind --------------------------------------------------------------------------------------------------------
 
 struct KindConfig {
-  int width = 640, height = 480;  ///< of the frames that are timed, pixels
-  int samples = 3;                ///< errors are taken at so many samples per pixel and axis
-  int passes = 7;                 ///< of which the median time counts
+  int width = 640, height = 480;  ///< of the timed frames, pixels
+  int samples = 3;                ///< samples per pixel and axis for errors
+  int passes = 7;                 ///< number of timed passes; their median counts
   std::uint32_t seed = 1;
   std::vector<int> segments;
 };
 
-/// Items of one size: `columns` x `rows` of them in each of `pictures` pictures, none before another.
+/// Items of one size: `columns` x `rows` of them in each of `pictures` pictures, none in front of another.
 struct FieldSize {
-  double pixels;  ///< across an item's bounding ball
+  double pixels;  ///< diameter of an item's bounding ball
   int columns, rows, pictures;
 };
 
 struct KindFigures {
   Form form;
-  SampleErrors errors;          ///< against C++ double; of all pictures together
-  double ms = 0.0;              ///< per frame; on the CPU what its rays take on one thread
-  double ns_per_ray = 0.0;      ///< on the CPU alone
+  SampleErrors errors;          ///< against C++ double, over all pictures
+  double ms = 0.0;              ///< per frame; on the CPU, time of its rays on one thread
+  double ns_per_ray = 0.0;      ///< on the CPU only
   double bytes_per_item = 0.0;  ///< on the GPU: records, or records and triangles; 0 on the CPU
 };
 
@@ -66,7 +66,7 @@ struct KindResult {
 /// Nine kinds: all but lines, facet groups and meshes.
 std::span<const core::Kind> measured_kinds();
 
-/// Random items of a kind (shape and orientation by the seed), seen in perspective. The context must be current.
+/// Measures random items of a kind (the seed gives shape and orientation) in perspective. The context must be current.
 core::Expected<KindResult> measure_kind(const gl::Context& context, core::Kind kind, const FieldSize& size,
                                         const KindConfig& config, const Report& report = {});
 
@@ -91,7 +91,7 @@ struct ModelFigures {
   /// Against the triangles of the reference, and against the ray-cast picture.
   image::ImageMetrics to_triangles, to_ray_cast;
   std::uint64_t wrong_ids = 0, wrong_ids_to_ray_cast = 0;  ///< pixels
-  std::uint64_t ties = 0;  ///< of wrong_ids, where both show the same depth: faces of several items in one place
+  std::uint64_t ties = 0;  ///< of wrong_ids, those where both show the same depth: faces of several items in one place
 };
 
 struct ModelResult {

@@ -35,7 +35,7 @@ class Random {
   std::mt19937 engine_;
 };
 
-/// As plants have them: neither needles nor sheets, which are the business of the stability report.
+/// Proportions as in plants: neither needles nor sheets, which the stability report covers.
 core::Primitive random_primitive(Kind kind, Random& random) {
   const auto length = [&](double low, double high) { return random.length(low, high); };
   switch (kind) {
@@ -62,7 +62,7 @@ core::Primitive random_primitive(Kind kind, Random& random) {
   }
 }
 
-/// Scaled and moved so that its ball is that of the item.
+/// Scales and moves the primitive so that its ball is that of the item.
 FieldItem place(const core::Primitive& primitive, const dmat3& rotation, const dvec3& centre) {
   const core::AabbD box = core::bounds(primitive, {});
   double radius = 0.0;
@@ -83,7 +83,7 @@ Directions directions(const core::View& view) {
 }
 
 ItemRays item_rays(const Field& field, const Directions& to, std::size_t item, int width, int height) {
-  constexpr double kMargin = 1.005;  // balls are measured on triangles, which lie within
+  constexpr double kMargin = 1.005;  // balls are measured on triangles, which lie inside the surface
   const FieldItem& here = field.items[item];
   const int column = int(item) % field.columns, row = int(item) / field.columns;
   const dmat3 item_from_world = glm::inverse(here.world_from_item.linear);
@@ -111,7 +111,7 @@ core::Scene Field::scene() const {
 }
 
 Field make_field(Kind kind, const FieldSize& size, int width, int height, std::uint32_t seed) {
-  const double across = width / size.pixels, high = height / size.pixels;  // of the picture, in items
+  const double across = width / size.pixels, high = height / size.pixels;  // size of the picture, in items
   const dvec3 eye(0.0, -0.5 * high / std::tan(0.5 * kFovy), 0.0);
   Field field{*core::View::perspective({eye, dvec3(0.0), {0, 0, 1}}, kFovy, double(width) / height, kNear),
               {},
@@ -140,7 +140,7 @@ void cast(const Field& field, const std::vector<ItemRays>& rays, int first_row, 
   const dmat3 eye_from_world(field.view.eye_from_world());
   const std::size_t first = std::size_t(first_row) * std::size_t(image.width);
   for (std::size_t item = 0; item < field.items.size(); ++item) {
-    // Normals are gradients: they go by the inverse transpose.
+    // Normals are gradients, so the inverse transpose transforms them.
     const dmat3 eye_from_gradient =
         eye_from_world * glm::transpose(glm::inverse(field.items[item].world_from_item.linear));
     for (std::size_t i = 0; i < rays[item].rays.size(); ++i) {

@@ -1,4 +1,4 @@
-// Random items of one kind side by side before a camera, and the rays that its samples cast at them.
+// Random items of one kind side by side in front of a camera, and the rays of the camera's samples at them.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +20,11 @@ struct Field {
   std::vector<FieldItem> items;
   int columns = 1, rows = 1;
 
-  /// Not committed.
+  /// The scene is not committed.
   core::Scene scene() const;
 };
 
-/// One picture of `size`, of the given width and height in pixels. The same for the same seed.
+/// One picture of `size`, with the given width and height in pixels. The same seed gives the same picture.
 Field make_field(core::Kind kind, const FieldSize& size, int width, int height, std::uint32_t seed);
 
 /// Rays through the centres of samples, in an item's own coordinates; t is the distance along the view axis.
@@ -33,10 +33,10 @@ struct ItemRays {
   std::vector<std::uint32_t> samples;  ///< of each ray: y * width + x
 };
 
-/// For each item the rays that may meet its ball, in a picture of width x height samples.
+/// For each item, the rays that may meet its ball in a picture of width x height samples.
 std::vector<ItemRays> field_rays(const Field& field, int width, int height);
 
-/// Casts rays in double or float. `first_row`: where the field's picture begins in `image`.
+/// Casts rays in double or float. `first_row`: row of `image` where the field's picture begins.
 template <class Real>
 void cast(const Field& field, const std::vector<ItemRays>& rays, int first_row, SampleImage& image);
 

@@ -20,7 +20,7 @@ constexpr std::array kKinds = {Kind::kCylinder,         Kind::kSnout,  Kind::kCi
                                Kind::kRectangularTorus, Kind::kSphere, Kind::kSphericalDish,
                                Kind::kEllipticalDish,   Kind::kBox,    Kind::kPyramid};
 
-/// Of the frames that errors are taken from.
+/// Form of the frames that errors are measured on.
 constexpr render::TargetForm kSampledForm{.ids = false, .normals = true};
 
 bool curved(Kind kind) {
@@ -38,7 +38,7 @@ std::vector<Form> forms_of(Kind kind, const KindConfig& config) {
   return forms;
 }
 
-/// A scene on the GPU with all of it visible, whatever the view: culling is not what is measured.
+/// A scene on the GPU with everything visible in any view: culling is not measured.
 class Stage {
  public:
   static core::Expected<Stage> create(const gl::Context& context, const core::Scene& scene,
@@ -61,7 +61,7 @@ class Stage {
     return renderer_.draw(view, snapshot_, gpu_, lists_, target);
   }
 
-  /// Records in use and triangles.
+  /// Bytes of the records in use and of the triangles.
   std::size_t bytes() const {
     std::size_t bytes = gpu_.meshes().vertices.size() + gpu_.meshes().indices.size();
     for (const gpuscene::Batch& batch : gpu_.batches()) bytes += batch.count * gpuscene::record_bytes(batch.kind);
@@ -81,7 +81,7 @@ class Stage {
   render::Renderer renderer_;
 };
 
-/// All pictures of a kind at one size, in every form.
+/// Measures all pictures of a kind at one size, in every form.
 class KindMeasurement {
  public:
   KindMeasurement(const gl::Context& context, Kind kind, const FieldSize& size, const KindConfig& config,
@@ -162,7 +162,7 @@ class KindMeasurement {
     return {};
   }
 
-  /// All forms in turns, so that what else the machine does meets them alike.
+  /// Times all forms in turns, so that other load of the machine affects all equally.
   core::Expected<void> measure_frames() {
     for (const Field& field : fields_) {
       std::vector<core::Scene> scenes(1);  // the empty one
@@ -195,7 +195,7 @@ class KindMeasurement {
   core::Expected<std::vector<double>> time_in_turns(std::vector<Stage>& stages, const core::View& view) {
     const gl::Functions& gl = context_.functions();
     std::vector<std::vector<double>> times(stages.size());
-    for (int pass = -1; pass < config_.passes; ++pass) {  // the first compiles
+    for (int pass = -1; pass < config_.passes; ++pass) {  // the first pass compiles
       for (std::size_t i = 0; i < stages.size(); ++i) {
         gl.Finish();
         const double begin = milliseconds();
@@ -251,7 +251,7 @@ class KindMeasurement {
   KindResult result_;
   std::vector<Field> fields_;
   render::RenderTarget timed_, sampled_;
-  std::size_t crossings_ = 0;  // keeps the timed work alive
+  std::size_t crossings_ = 0;  // keeps the compiler from removing the timed work
   int steps_ = 0;
 };
 

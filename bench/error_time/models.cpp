@@ -18,7 +18,7 @@ struct Picture {
   image::DepthImage depth;
 };
 
-/// Where several items show the same surface, any of them may be drawn.
+/// Counts pixels where several items show the same surface, so that any of them may be drawn.
 std::uint64_t count_ties(const Picture& a, const Picture& b) {
   constexpr double kSameDepth = 1e-5;  // relative; float depths of touching faces differ by some 1e-7
   std::uint64_t ties = 0;
@@ -50,7 +50,7 @@ class Subject {
     return subject;
   }
 
-  /// Milliseconds until the picture is there.
+  /// Milliseconds until the picture is complete.
   core::Expected<double> draw(const core::View& view) {
     engine_->finish();
     const double begin = milliseconds();
@@ -69,7 +69,7 @@ class Subject {
 
  private:
   Form form_;
-  std::unique_ptr<core::Scene> scene_;  // outlives the engine
+  std::unique_ptr<core::Scene> scene_;  // must outlive the engine
   std::unique_ptr<engine::Engine> engine_;
 };
 
@@ -108,10 +108,10 @@ core::Expected<void> compare(const Picture& triangles, const Picture& ray_cast, 
   return {};
 }
 
-/// All forms in turns, so that what else the machine does meets them alike.
+/// Times all forms in turns, so that other load of the machine affects all equally.
 core::Expected<std::vector<double>> time_in_turns(std::vector<Subject>& subjects, const core::View& view, int passes) {
   std::vector<std::vector<double>> times(subjects.size());
-  for (int pass = -1; pass < passes; ++pass)  // the first compiles
+  for (int pass = -1; pass < passes; ++pass)  // the first pass compiles
     for (std::size_t i = 0; i < subjects.size(); ++i) {
       auto ms = subjects[i].draw(view);
       if (!ms) return tl::unexpected(ms.error());

@@ -16,7 +16,7 @@ std::string kind_of(const KindResult& result) {
   return std::string(core::name_of(result.kind));
 }
 
-/// Three significant digits, short.
+/// Short text with three significant digits.
 std::string short_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, value >= 100.0 ? "%.0f" : "%.3g", value);
@@ -44,7 +44,7 @@ double normal_of(const SampleErrors& e) {
   return e.normal.mean;
 }
 
-/// The first triangles with so many segments, or else the last; and the GLSL.
+/// The first triangles with that many segments, or else the last ones; and the GLSL.
 template <class Figures>
 std::pair<const Figures*, const Figures*> compared(const std::vector<Figures>& forms) {
   constexpr int kSegments = 24;
@@ -61,7 +61,7 @@ std::string size_name(const KindResult& result) {
   return short_text(result.size.pixels) + " px";
 }
 
-/// Triangles are one line, all others a point each.
+/// Triangles are one line; each other form is a point.
 std::vector<apps::PanelSeries> series_of(const KindResult& result, double (*error)(const SampleErrors&)) {
   std::vector<apps::PanelSeries> all{{"triangles, " + size_name(result), {}}};
   for (const KindFigures& f : result.forms) {

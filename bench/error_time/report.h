@@ -1,4 +1,4 @@
-// Internal to sightline-bench error-time: what is printed and written of its figures.
+// Prints and writes the figures of sightline-bench error-time. Internal to it.
 #pragma once
 
 #include <cstdio>
@@ -17,24 +17,24 @@ struct NamedModel {
   std::vector<ModelResult> views;
 };
 
-/// Tables that are Markdown, too.
+/// Prints tables that are also Markdown.
 void print(const KindResult& result, std::FILE* out);
 void print(const NamedModel& model, std::FILE* out);
 
-/// GLSL against triangles with 24 segments (or the finest that there are), a line for each kind or view.
+/// Compares GLSL with triangles of 24 segments (or the finest available), one line for each kind or view.
 void print_summary(const std::vector<KindResult>& results, std::FILE* out);
 void print_summary(const std::vector<NamedModel>& models, std::FILE* out);
 
 nlohmann::ordered_json to_json(const KindResult& result);
 nlohmann::ordered_json to_json(const NamedModel& model);
 
-/// A line for each form, with a header.
+/// One line for each form, with a header.
 std::string to_csv(const std::vector<KindResult>& results);
 std::string to_csv(const std::vector<NamedModel>& models);
 
-/// PREFIX-silhouette.svg, -depth.svg and -normal.svg: mean error against milliseconds, a panel for each kind.
+/// Writes PREFIX-silhouette.svg, -depth.svg and -normal.svg: mean error against milliseconds, a panel for each kind.
 core::Expected<void> write_plots(const std::vector<KindResult>& results, const std::string& prefix);
-/// PREFIX-time.svg and -bytes.svg: mean FLIP against milliseconds and GPU memory, a panel for each view.
+/// Writes PREFIX-time.svg and -bytes.svg: mean FLIP against milliseconds and GPU memory, a panel for each view.
 core::Expected<void> write_plots(const std::vector<NamedModel>& models, const std::string& prefix);
 
 }  // namespace sightline::bench

@@ -8,7 +8,7 @@
 namespace sightline::bench {
 namespace {
 
-/// From the chord between both: precise for small angles, where the cosine is not.
+/// Computed from the chord: precise for small angles, unlike the cosine.
 double degrees_between(const core::vec3& a, const core::vec3& b) {
   const double half = 0.5 * glm::length(core::dvec3(a) - core::dvec3(b));
   return glm::degrees(2.0 * std::asin(std::min(1.0, half)));
@@ -29,7 +29,7 @@ class Silhouette {
       }
   }
 
-  /// Adds the distances from here to the other's nearest points, in samples and at most `farthest`.
+  /// Adds the distances of these points to the other's nearest points, in samples and at most `farthest`.
   void distances_to(const Silhouette& other, int farthest, double& sum, double& most) const {
     for (const auto& [x, y] : points_) {
       const double distance = other.distance(x, y, farthest);
@@ -43,7 +43,7 @@ class Silhouette {
   std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
   bool on(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_ && on_[index(x, y)]; }
 
-  /// Square by square outwards, until no square can hold a nearer point.
+  /// Searches square by square outwards, until no square can hold a nearer point.
   double distance(int x, int y, int farthest) const {
     if (on(x, y)) return 0.0;
     int best = farthest * farthest;

@@ -1,4 +1,4 @@
-// What a form of some primitives shows at every sample of a picture, and how wrong that is.
+// What a form shows at every sample of a picture, and the errors of that.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace sightline::bench {
 
-/// Rows top to bottom.
+/// Rows run top to bottom.
 struct SampleImage {
   int width = 0, height = 0;
   std::vector<double> depth;        ///< metres along the view axis, infinity where nothing is hit
@@ -29,14 +29,15 @@ struct SampleErrors {
   std::uint64_t wrong() const { return false_hits + false_misses; }
 };
 
-/// Distances of silhouettes are taken no further than this, pixels.
+/// Upper limit of distances between silhouettes, pixels.
 inline constexpr int kFarthestSilhouette = 40;
 
-/// Errors of `image` against `reference`, of equal size with `samples_per_pixel` >= 1 along each axis.
+/// Errors of `image` against `reference`. Both have the same size, with `samples_per_pixel` >= 1 along each axis.
 ///
-/// The silhouette of a picture is its hit samples with a neighbour (of four) that is none. Between two silhouettes the
-/// mean is that of the distances of all samples of either to the nearest one of the other, the maximum the Hausdorff
-/// distance. What moves by less than a sample changes only some samples, so the mean resolves far less than one.
+/// The silhouette of a picture is the set of hit samples that have a miss among their four neighbours. The mean error
+/// of two silhouettes averages, over all samples of both, the distance to the nearest sample of the other. The maximum
+/// is the Hausdorff distance. A shift by less than a sample changes only some samples, so the mean resolves far less
+/// than a sample.
 SampleErrors compare_samples(const SampleImage& reference, const SampleImage& image, int samples_per_pixel);
 
 }  // namespace sightline::bench

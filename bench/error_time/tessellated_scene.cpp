@@ -29,13 +29,13 @@ class Converter {
   }
 
  private:
-  using ShapeKey = std::pair<Kind, std::array<std::uint32_t, 9>>;  // the bits of the parameters
+  using ShapeKey = std::pair<Kind, std::array<std::uint32_t, 9>>;  // bits of the parameters
 
   core::MaterialId material(core::MaterialId old) const {
     return old.valid() ? materials_[old.index] : core::MaterialId{};
   }
 
-  /// Siblings are appended in their order; the stack holds a node and, by its sibling, those after it.
+  /// Appends siblings in their order. The stack holds nodes; each also stands for its later siblings.
   void copy_nodes() {
     copy_node_state(from_.root(), to_.root());
     std::vector<std::pair<NodeId, NodeId>> open{{from_.first_child(from_.root()), to_.root()}};

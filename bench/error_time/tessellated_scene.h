@@ -1,13 +1,13 @@
-// A scene whose analytic primitives have become triangles: what a viewer without ray-casting would draw.
+// A scene whose analytic primitives are replaced by triangles, as a viewer without ray-casting would draw it.
 #pragma once
 
 #include "sightline/core/scene.h"
 
 namespace sightline::bench {
 
-/// The same nodes, materials, meshes and items under the same item ids, but each primitive is an instance of a mesh
-/// with `segments` (>= 3) per full circle. Equal parameters share one mesh. Lines stay lines. Names and attributes are
-/// kept; node and mesh handles of the given scene mean nothing in the result.
+/// The same nodes, materials, meshes and items with the same item ids, but each primitive is an instance of a mesh with
+/// `segments` (>= 3) per full circle. Equal parameters share one mesh. Lines stay lines. Names and attributes are kept.
+/// Node and mesh handles of the given scene are not valid in the result.
 core::Scene tessellated(const core::Scene& scene, int segments);
 
 }  // namespace sightline::bench

@@ -1,4 +1,4 @@
-// Flights of one camera path with each way to cull that engine offers, and what their frames cost.
+// Flies one camera path with each culler of the engine, and records the cost of frames.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct HybridMode {
   engine::CullerChoice culler;
   culling::Policy policy = culling::Policy::kFrameCost;
 };
-/// The first two are the single paths.
+/// The first two are the fixed paths.
 inline constexpr HybridMode kHybridModes[] = {{"cpu", engine::CullerChoice::kCpu},
                                               {"gpu", engine::CullerChoice::kGpu},
                                               {"hybrid frame-cost", engine::CullerChoice::kHybrid},
@@ -27,14 +27,15 @@ inline constexpr HybridMode kHybridModes[] = {{"cpu", engine::CullerChoice::kCpu
 inline constexpr std::size_t kModes = std::size(kHybridModes);
 
 struct HybridFrame {
-  double cull_ms = 0.0;       ///< of the CPU; on the GPU's path what submitting takes
+  double cull_ms = 0.0;       ///< CPU time of culling; on the GPU's path the time to submit
   double gpu_cull_ms = -1.0;  ///< on the GPU's clock; -1: not on its path, or no clock
-  double frame_ms = 0.0;      ///< from its beginning to that of the next one
-  double thread_ms = 0.0;     ///< processor time of the calling thread within Engine::frame
+  double frame_ms = 0.0;      ///< from its beginning to the beginning of the next one
+  double thread_ms = 0.0;     ///< processor time of the calling thread in Engine::frame
   std::int64_t visible = -1;
   bool on_gpu = false;
 
-  /// Rendering on: the frame. Off: what culling takes; of a GPU without a clock the frame, since nothing else is in it.
+  /// Cost of the frame with rendering on, otherwise of culling. Without a GPU clock the GPU's culling costs the whole
+  /// frame, since the frame then contains nothing else.
   double cost(bool rendering) const {
     if (rendering || (on_gpu && gpu_cull_ms < 0.0)) return frame_ms;
     return on_gpu ? gpu_cull_ms : cull_ms;
@@ -45,26 +46,26 @@ struct HybridFlight {
   std::vector<HybridFrame> frames;
   std::uint64_t switches = 0, probes = 0;
   std::string gpu_form;  ///< of the GPU culler, where there is one
-  std::string culler;    ///< that the plan took: a hybrid of a small scene is "cpu"
+  std::string culler;    ///< the culler in the plan: a hybrid of a small scene is "cpu"
 };
 
 struct FlightConfig {
   bool rendering = true;
   int width = 1280, height = 720;
-  int warm_up = 10;  ///< frames of the first view before the first one that counts
-  int block = 10;    ///< frames that one engine flies before the next one's turn
+  int warm_up = 10;  ///< frames of the first view before the first counted one
+  int block = 10;    ///< frames that one engine flies in a row
   culling::GpuCullerConfig gpu = {};
 };
 
-/// An engine that flies a path block by block, with pauses in between.
+/// An engine that flies a path block by block, with pauses between blocks.
 class Pilot {
  public:
-  /// Several may use one context, which must be current and outlive them.
+  /// Several pilots may use one context, which must be current and outlive them.
   static core::Expected<Pilot> create(core::Scene& scene, const HybridMode& mode, const FlightConfig& config,
                                       gl::Context& context);
 
-  /// Frames of `views`, which count, between some that do not: `lead_in` of the first view, so that as many frames are
-  /// in flight as later, and one that ends the last. Waits until all is drawn.
+  /// Flies the frames of `views`, which count. `lead_in` frames of the first view come before, so that as many frames
+  /// are in flight as later, and one frame after ends the last. Neither counts. Waits until all is drawn.
   core::Expected<void> fly(std::span<const core::View> views, int lead_in);
   HybridFlight land() &&;
 
@@ -75,28 +76,28 @@ class Pilot {
 
   engine::Engine engine_;
   std::vector<HybridFrame> frames_;
-  std::vector<std::size_t> place_;  // in frames_, of each frame of the engine; core::kNone: does not count
+  std::vector<std::size_t> place_;  // place in frames_ of each frame of the engine; core::kNone: does not count
 };
 
 /// All flights of one model with rendering on, or off: flights[mode][pass].
 struct HybridRun {
   std::string model;
   std::size_t items = 0;
-  double seconds = 60.0;  ///< that the path is meant to take
+  double seconds = 60.0;  ///< intended duration of the path
   bool rendering = true;
   std::vector<std::vector<HybridFlight>> flights;
 
   std::size_t frames() const { return flights[0][0].frames.size(); }
-  /// Of each frame the median over the passes.
+  /// For each frame the median over the passes.
   std::vector<double> costs(std::size_t mode) const;
-  /// The cheaper one of the single paths by the sum of costs().
+  /// The fixed path with the lower sum of costs().
   std::size_t better_path() const;
-  /// Median over the passes of the flight's cost over that of the other mode's flight in the same pass.
+  /// Median over the passes of this flight's cost divided by the cost of the other mode's flight in the same pass.
   double ratio(std::size_t mode, std::size_t other) const;
 };
 
-/// All modes in turns, block by block, and in another order each pass, so that what else the machine does meets them
-/// alike. Each pass has new engines: a hybrid knows nothing.
+/// Flies all modes in turns, block by block and in another order each pass, so that other load of the machine affects
+/// all equally. Each pass uses new engines: a hybrid has learnt nothing.
 core::Expected<HybridRun> fly_in_turns(core::Scene& scene, const FlightConfig& config, gl::Context& context,
                                        std::span<const core::View> views, int passes,
                                        const std::function<void(int)>& progress);

@@ -1,6 +1,6 @@
-// sightline-bench hybrid: whole frames culled by the CPU, by the GPU and by the hybrid, in turns, on made-up platforms
-// and an aircraft or on real models. Prints table 6.1 of E. T. Carlos, "Frustum Culling Híbrido Utilizando CPU e GPU"
-// (2009), with rendering off and on, and writes the data of its figures 6.1, 6.2 and 6.5 to 6.7.
+// sightline-bench hybrid: whole frames culled by the CPU, by the GPU and by the hybrid, in turns, on generated
+// platforms and an aircraft or on real models. Prints table 6.1 of E. T. Carlos, "Frustum Culling Híbrido Utilizando
+// CPU e GPU" (2009), with rendering off and on, and writes the data of its figures 6.1, 6.2 and 6.5 to 6.7.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -173,12 +173,12 @@ core::Expected<void> run_generated(const Options& o, Bench& bench) {
   return bench.run("aircraft", scene, kAircraftSeconds);
 }
 
-// --- what the GPU's path costs the CPU -------------------------------------------------------------------------------
+// --- CPU cost of the GPU's path --------------------------------------------------------------------------------------
 
 struct Submission {
   std::uint64_t items = 0;
   double visible = 0.0, cull_ms = 0.0, thread_ms = 0.0, frame_ms = 0.0;  // medians over the frames
-  double calls = 0.0;                                                    // GL calls a frame
+  double calls = 0.0;                                                    // GL calls per frame
 };
 
 core::Expected<Submission> measure_submission(const Options& o, gl::Context& context, std::uint64_t items) {
@@ -190,7 +190,7 @@ core::Expected<Submission> measure_submission(const Options& o, gl::Context& con
   if (!pilot) return tl::unexpected(pilot.error());
   auto done = pilot->fly(*views, o.warm_up);
   double calls = 0.0;
-  if (done) {  // counting takes time: frames of their own
+  if (done) {  // counting takes time, so it has separate frames
     const std::span<const core::View> few(views->data(), std::min<std::size_t>(10, views->size()));
     const GlCallCount count(context);
     done = pilot->fly(few, 0);

@@ -25,7 +25,7 @@ double share_on_gpu(const HybridFlight& flight) {
   return double(on) / double(flight.frames.size());
 }
 
-/// Of the frames whose count arrived.
+/// Mean over the frames whose count arrived.
 double mean_visible(const HybridFlight& flight) {
   double sum = 0.0, known = 0.0;
   for (const HybridFrame& f : flight.frames)
@@ -66,8 +66,8 @@ std::string frames_csv(const HybridRun& run) {
   return csv;
 }
 
-/// What either path cost in each frame of a pass. With rendering off there are no frames, but cull times even without
-/// a GPU clock.
+/// The cost of both paths in each frame of a pass. With rendering off there are no frame times, but there are cull
+/// times even without a GPU clock.
 std::string controller_trace(const HybridRun& run, std::size_t pass) {
   const auto measured = [](double ms) { return ms > 0.0 ? ms : culling::FrameSample::kNotMeasured; };
   std::vector<apps::TraceFrame> trace;

@@ -21,7 +21,7 @@ struct Place {
   Affine box_from_item;
 };
 
-/// A primitive along the longest side of `box`, as thick as the other two in the mean.
+/// A primitive along the longest side of `box`, as thick as the mean of the other two sides.
 Place fitting(Mix mix, const core::AabbD& box) {
   const dvec3 size = box.size();
   const int along = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
@@ -36,7 +36,7 @@ Place fitting(Mix mix, const core::AabbD& box) {
     constexpr double kAngle = 0.5;
     const double major = length / kAngle;
     axes(last, along, next);
-    Affine middle = core::translation({-major, 0.0, 0.0});  // of the arc, to the centre
+    Affine middle = core::translation({-major, 0.0, 0.0});  // from the middle of the arc to the centre
     const double c = std::cos(0.5 * kAngle), s = std::sin(0.5 * kAngle);
     middle.linear[0] = {c, -s, 0.0};
     middle.linear[1] = {s, c, 0.0};
@@ -50,7 +50,7 @@ Place fitting(Mix mix, const core::AabbD& box) {
 
 // --- the aircraft ----------------------------------------------------------------------------------------------------
 
-/// Fills the unit cube around the origin: a flat-shaded prism of `sides` sides along z.
+/// A flat-shaded prism with `sides` sides along z that fills the unit cube around the origin.
 core::Mesh prism(int sides) {
   core::Mesh mesh;
   mesh.name = "prism of " + std::to_string(sides);

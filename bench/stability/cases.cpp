@@ -21,23 +21,23 @@ constexpr Kind kSolids[] = {Kind::kCylinder,         Kind::kSnout,  Kind::kCircu
                             Kind::kEllipticalDish,   Kind::kBox,    Kind::kPyramid};
 
 // --- limits ----------------------------------------------------------------------------------------------------------
-// The project's targets where there are any, and in their spirit everywhere else: an error may grow with the size, in
-// radii, of the numbers that a computation near the primitive cannot avoid (the solid's extent, the eye's distance in
-// t), and with nothing else.
+// These are the project's targets where there are any, and similar limits everywhere else. An error may grow with the
+// size, in radii, of numbers that a computation near the primitive cannot avoid (the solid's extent, the eye's distance
+// in t), and with nothing else.
 
 constexpr double kDoubleStep = 0x1p-53, kFloatStep = 0x1p-24;  // half an ulp of 1
 
-/// Target: 1e-12 r, 1e-9 r for an eye 1e5 r away, 1e-8 r at r/L = 1e-6, nothing wrong outside 1e-12 r. `magnitude`: of
-/// the largest length that enters, in radii. A position off by half an ulp of it moves a tie as much; four such
-/// roundings (origin, direction, an end's height, a product) make the band.
+/// Target: 1e-12 r, 1e-9 r for an eye 1e5 r away, 1e-8 r at r/L = 1e-6, no wrong result outside 1e-12 r. `magnitude`:
+/// of the largest length involved, in radii. If a position is off by half an ulp of it, a tie moves as much. The band
+/// is four such roundings (origin, direction, an end's height, a product).
 Limits wide_limits(double magnitude) {
   const double t = std::max(1e-12, 1e-14 * magnitude);
   return {t, 10.0 * t, std::max(1e-12, 8.0 * kDoubleStep * magnitude), 0.0};
 }
 
 /// Target: 5e-5 r for all but the circular torus, which has 1e-4 r, 0.02 % wrong, and at R/r = 1e3 1e-2 r and 0.1 %.
-/// `magnitude`: of the solid's length in radii, where moving along its axis keeps the ray's numbers small but an end is
-/// only known to half an ulp of where it lies. The eye's distance is no excuse: t is added up in double.
+/// `magnitude`: of the solid's length in radii. Moving along the solid's axis keeps the ray's numbers small, but the
+/// position of an end is only known to half an ulp. The eye's distance does not matter: t is added up in double.
 Limits single_limits(Kind kind, double magnitude) {
   const double band = 8.0 * kFloatStep * magnitude;
   const bool torus = kind == Kind::kCircularTorus;
@@ -45,9 +45,9 @@ Limits single_limits(Kind kind, double magnitude) {
   return {t, 10.0 * t, band, torus ? 2e-4 : 0.0};
 }
 
-/// A solid that no shift brings near, such as a hoop: coordinates of its own size round off, four times, and one ray in
-/// 1e5 meets the surface so flatly that this costs 200 times as much: 900 half ulps, which is the float target of
-/// ordinary solids, too.
+/// For a solid that no shift brings near, such as a hoop. Coordinates of its own size are rounded four times. One ray
+/// in 1e5 meets the surface so flatly that this costs 200 times as much: 900 half ulps, which is also the float target
+/// of ordinary solids.
 void allow_reach(Limits& wide, Limits& single, double reach) {
   wide = wide_limits(10.0 * reach);
   single.band = 8.0 * kFloatStep * std::max(1.0, reach);
@@ -58,7 +58,7 @@ void allow_reach(Limits& wide, Limits& single, double reach) {
 
 // --- rays ------------------------------------------------------------------------------------------------------------
 
-/// A ray through `target` from `distance` away, its direction of any common length.
+/// A ray through `target` from `distance` away, with a direction of any common length.
 gpuprims::Ray ray_through(const dvec3& target, const dvec3& direction, double distance, Random& random) {
   return {target - distance * direction, random.log_uniform(-1.0, 1.0) * direction};
 }
@@ -69,7 +69,7 @@ dvec3 half_extent(const Primitive& primitive) {
   return 0.5 * (box.max - box.min);
 }
 
-/// A point a little below or above the surface.
+/// A point slightly below or above the surface.
 dvec3 target_near(const Primitive& primitive, double radius, Random& random) {
   const SurfacePoint p = surface_point(primitive, random);
   const dvec3 half = half_extent(primitive);
@@ -77,7 +77,7 @@ dvec3 target_near(const Primitive& primitive, double radius, Random& random) {
   return p.point + thickness * random.uniform(-1.0, 0.1) * p.normal;
 }
 
-/// Any direction; every fourth as long a way through the solid as its shape allows.
+/// Any direction; one in four takes as long a way through the solid as its shape allows.
 dvec3 direction_through(const Primitive& primitive, Random& random) {
   const dvec3 direction = random.direction();
   return random.below(4) ? direction : glm::normalize(half_extent(primitive) * direction);
@@ -89,7 +89,7 @@ Sample aimed(const Primitive& primitive, double distance, Random& random) {
   return {primitive, {}, ray_through(target, direction_through(primitive, random), distance * radius, random), radius};
 }
 
-/// The same in the world: the frame's linear part rounded to float first.
+/// The same sample in the world. The frame's linear part is rounded to float first.
 Sample placed(Sample sample, const Affine& world_from_item) {
   Affine frame = world_from_item;
   frame.linear = dmat3(core::mat3(frame.linear));
@@ -100,7 +100,7 @@ Sample placed(Sample sample, const Affine& world_from_item) {
 
 // --- shapes at extremes ----------------------------------------------------------------------------------------------
 
-/// Length or thickness `ratio` times the radius.
+/// Length or thickness is `ratio` times the radius.
 Primitive slender(Kind kind, double ratio, Random& random) {
   const float r = float(random.uniform(0.5, 2.0)), length = float(ratio * r);
   switch (kind) {
@@ -121,7 +121,7 @@ Primitive slender(Kind kind, double ratio, Random& random) {
   }
 }
 
-/// Two lengths whose ratio is 1 + `excess`.
+/// Two lengths with ratio 1 + `excess`.
 Primitive nearly_equal(Kind kind, double excess, Random& random) {
   const float r = float(random.uniform(0.5, 2.0)), other = float(r * (1.0 + excess)), h = float(random.uniform(1, 3));
   switch (kind) {
@@ -138,7 +138,7 @@ Primitive nearly_equal(Kind kind, double excess, Random& random) {
   }
 }
 
-/// A cone or pyramid of base over height `lean`, with its apex or cut in half.
+/// A cone or pyramid with base over height `lean`, with its apex or cut in half.
 Primitive pointed(Kind kind, double lean, Random& random) {
   const double height = lean < 1.0 ? random.uniform(1.0, 3.0) : 1.0 / lean;
   const double base = height * lean, part = random.below(2) ? 0.5 : 0.0;
@@ -153,7 +153,7 @@ Primitive pointed(Kind kind, double lean, Random& random) {
                        float((1.0 - part) * height)};
 }
 
-/// Major radius `ratio` times the tube's; of a rectangular torus, the middle radius over half the width.
+/// Major radius is `ratio` times the tube's; for a rectangular torus, the middle radius over half the width.
 Primitive ring(Kind kind, double ratio, float angle, Random& random) {
   const double r = random.uniform(0.5, 2.0), major = ratio * r;
   if (kind == Kind::kCircularTorus) return core::CircularTorus{float(major), float(r), angle};
@@ -204,8 +204,8 @@ void add_offset(Cases& cases) {
     for (double offset : decades(0, 7)) {
       Case c = make_case(kind, "offset", offset, 10.0, 1.0);
       c.sample = [=](Random& random) {
-        // The eye near the item, both far from the world's origin. What the world's coordinates round is part of the
-        // ray, and so exact.
+        // The eye is near the item, both far from the world's origin. The rounding of world coordinates is part of the
+        // ray, so the ray is exact.
         return placed(aimed(plain_shape(kind, random), random.uniform(1.0, 10.0), random),
                       {dmat3(1.0), offset * random.direction()});
       };
@@ -228,7 +228,7 @@ void add_radii_ratio(Cases& cases) {
   }
 }
 
-/// By the tangent of the half-angle: 1e-6 is a needle, 1e6 lies pi/2 - 1e-6 from its axis.
+/// Sweeps the tangent of the half-angle: 1e-6 is a needle, 1e6 is a surface pi/2 - 1e-6 from its axis.
 void add_half_angle(Cases& cases) {
   for (const Kind kind : {Kind::kSnout, Kind::kPyramid}) {
     for (const double lean : decades(-6, 6)) {
@@ -262,7 +262,7 @@ void add_slice_angle(Cases& cases) {
   std::vector<double> angles = decades(-4, 0);
   for (const double angle : {0.5 * kPi, kPi - 1e-4, kPi, kPi + 1e-4, 1.5 * kPi, 2.0 * kPi - 1e-2, 2.0 * kPi - 1e-4})
     angles.push_back(angle);
-  angles.push_back(6.283185);  // as a float below 2 pi, and closed
+  angles.push_back(6.283185);  // slightly below 2 pi as a float, and closed
   angles.push_back(kWhole);
   for (const Kind kind : {Kind::kCircularTorus, Kind::kRectangularTorus}) {
     for (const double angle : angles) {
@@ -275,19 +275,20 @@ void add_slice_angle(Cases& cases) {
   }
 }
 
-/// Rays tangent to the curved face within `within` radii. Not nearly along a generator, where a tangent touches all of
-/// a cylinder.
+/// Rays tangent to the curved face within `within` radii. They are not nearly parallel to a generator, where a tangent
+/// touches all of a cylinder.
 void add_tangent(Cases& cases) {
   for (const Kind kind : kSolids) {
     if (kind == Kind::kBox || kind == Kind::kPyramid) continue;
     for (const double within : decades(-7, -2)) {
       Case c = make_case(kind, "tangent", within, 1.0, 1.0);
-      // Target: 1e-10 r within 1e-6 r. There t changes as the square root of the offset, so it loses that much.
+      // Target: 1e-10 r within 1e-6 r. There t changes as the square root of the offset, so it loses that much
+      // precision.
       c.wide.t = std::max(1e-12, 1e-10 * std::sqrt(1e-6 / within));
       c.wide.normal = 10.0 * c.wide.t;
-      // A ray's origin and direction as floats already move it by about an ulp of a radius, so t by up to sqrt(2 ulp);
-      // factor 4 for solids of a few radii. Target: at most 1 % of cylinders and cones wrong within 1e-6 r, without a
-      // band. Tori of the shapes tried here reach four times as far in radii.
+      // Rounding a ray's origin and direction to float already moves it by about an ulp of a radius, so t by up to
+      // sqrt(2 ulp); factor 4 for solids of a few radii. Target: at most 1 % of cylinders and cones wrong within 1e-6
+      // r, without a band. The tori tried here reach four times as far in radii.
       const double reach = kind == Kind::kCircularTorus || kind == Kind::kRectangularTorus ? 4.0 : 1.0;
       const double lost = 4.0 * std::sqrt(2.0 * 2.0 * kFloatStep * reach);
       c.single = {lost, 2.0 * lost, 0.0, std::min(0.5, 0.01 * reach * 1e-6 / within)};
@@ -296,7 +297,7 @@ void add_tangent(Cases& cases) {
         const double radius = radius_of(primitive);
         const SurfacePoint p = lateral_point(primitive, random);
         const dvec3 target = p.point + radius * random.uniform(-within, within) * p.normal;
-        const double turn = random.uniform(-1.0, 1.0);  // radians from the rounder way
+        const double turn = random.uniform(-1.0, 1.0);  // radians from the direction of stronger curvature
         const dvec3 direction = std::cos(turn) * p.along + std::sin(turn) * glm::cross(p.normal, p.along);
         return Sample{primitive, {}, ray_through(target, direction, random.uniform(1, 10) * radius, random), radius};
       };
@@ -305,13 +306,13 @@ void add_tangent(Cases& cases) {
   }
 }
 
-/// Tilted against the axis by `tilt`; 0 is exactly parallel.
+/// Rays tilted against the axis by `tilt`; 0 is exactly parallel.
 void add_parallel(Cases& cases) {
   std::vector<double> tilts = {0.0};
   for (const double tilt : decades(-15, -1)) tilts.push_back(tilt);
   for (const Kind kind : kSolids) {
     for (const double tilt : tilts) {
-      // A wall met at that slant amplifies what is lost before it. Below 1e-4 hardly a ray meets a wall.
+      // A wall met at that slant amplifies earlier losses. Below 1e-4 hardly any ray meets a wall.
       const double slant = tilt >= 1e-4 ? 1.0 / tilt : 1.0;
       Case c = make_case(kind, "parallel", tilt, 10.0, 1.0);
       c.wide.t = std::max(c.wide.t, 64.0 * kDoubleStep * slant);
@@ -331,7 +332,7 @@ void add_parallel(Cases& cases) {
   }
 }
 
-/// Primitives that come to a point, and where it is.
+/// A primitive that comes to a point, and the place of that point.
 struct Pointed {
   Primitive primitive;
   dvec3 apex;
@@ -354,7 +355,7 @@ Pointed with_apex(Kind kind, Random& random) {
   }
 }
 
-/// Past an apex, a pole or a pinch by up to `within` radii.
+/// Rays that pass an apex, a pole or a pinch within `within` radii.
 void add_apex(Cases& cases) {
   std::vector<double> offsets = {0.0};
   for (const double offset : decades(-12, -1)) offsets.push_back(offset);
@@ -374,7 +375,7 @@ void add_apex(Cases& cases) {
   }
 }
 
-/// Past a rim, a seam or an edge by up to `within` radii, at any angle.
+/// Rays that pass a rim, a seam or an edge within `within` radii, at any angle.
 void add_rim(Cases& cases) {
   for (const Kind kind : kSolids) {
     if (kind == Kind::kSphere) continue;
@@ -396,7 +397,7 @@ dmat3 turn_about(const dvec3& axis, double angle) {
   return dmat3(glm::rotate(core::dmat4(1.0), angle, glm::normalize(axis)));
 }
 
-/// Sheared and mirrored frames by the ratio of their largest to their smallest stretch.
+/// Sweeps sheared and mirrored frames by the ratio of their largest to their smallest stretch.
 void add_frame(Cases& cases) {
   for (const Kind kind : kSolids) {
     for (const double stretch : decades(0, 6)) {
@@ -414,7 +415,7 @@ void add_frame(Cases& cases) {
   }
 }
 
-/// Frames that flatten everything into a plane (2), a line (1) or a point (0): nothing has volume, nothing is hit.
+/// Frames that flatten everything into a plane (2), a line (1) or a point (0). Nothing has volume, so nothing is hit.
 void add_singular(Cases& cases) {
   for (const Kind kind : kSolids) {
     for (const int rank : {0, 1, 2}) {

@@ -1,5 +1,4 @@
-// What the stability suite tries: families of cases, each swept over many orders of magnitude, and what is allowed in
-// each.
+// The cases of the stability suite: families, each swept over many orders of magnitude, with the limits of each case.
 #pragma once
 
 #include <functional>
@@ -17,28 +16,28 @@ struct Sample {
   core::Primitive primitive;
   core::Affine world_from_item;  ///< linear part representable in float, as records hold it
   gpuprims::Ray ray;             ///< in the world
-  double radius = 1.0;           ///< that errors are counted in, item units
+  double radius = 1.0;           ///< unit of errors, in the item's units
 };
 
-/// What a path may do, lengths in radii.
+/// Limits of a path, lengths in radii.
 struct Limits {
   double t = 0.0;       ///< largest error of a crossing
   double normal = 0.0;  ///< of its normal, radians
   double band = 0.0;    ///< rays nearer to a tie than this are not judged
-  double wrong = 0.0;   ///< share of rays that may hit or miss wrongly outside the band, on average
+  double wrong = 0.0;   ///< average share of rays that may hit or miss wrongly outside the band
 };
 
 struct Case {
   core::Kind kind = core::Kind::kCylinder;
   std::string family;      ///< "eye-distance"
-  double magnitude = 1.0;  ///< of what the family sweeps; may be 0
-  Limits wide, single;     ///< of computations in double, and in float (C++ and GLSL)
+  double magnitude = 1.0;  ///< of the quantity that the family sweeps; may be 0
+  Limits wide, single;     ///< for computations in double, and in float (C++ and GLSL)
   std::function<Sample(Random&)> sample;
 
   std::string name() const;  ///< "eye-distance 1e+05"
 };
 
-/// Every kind's cases, families together and by rising magnitude.
+/// The cases of every kind, grouped by families and by rising magnitude.
 std::vector<Case> stability_cases();
 
 /// Names of all families, in the order of stability_cases().

@@ -14,7 +14,7 @@ using core::Primitive;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// What files hold that should not.
+/// Values that files should not contain, but do.
 float hostile(Random& random) {
   switch (random.below(10)) {
     case 0:
@@ -34,7 +34,7 @@ float hostile(Random& random) {
   }
 }
 
-/// Which parameters are angles: of sweeps, and of a snout's slants.
+/// Whether a parameter is an angle: of a sweep, or of a snout's slant.
 bool is_angle(Kind kind, int parameter) {
   if (kind == Kind::kCircularTorus) return parameter == 2;
   if (kind == Kind::kRectangularTorus) return parameter == 3;
@@ -70,7 +70,7 @@ bool all(const Primitive& primitive, bool (*holds)(float)) {
 bool is_finite(float v) {
   return std::isfinite(v);
 }
-/// Where agreement is asked for.
+/// Whether agreement is required for this value.
 bool is_sane(float v) {
   return v == 0.0f || (std::fabs(v) >= 1e-6f && std::fabs(v) <= 1e6f);
 }
@@ -78,7 +78,7 @@ bool is_sane(float v) {
 bool is_thin(const Primitive& primitive) {
   const auto values = core::parameters(primitive);
   const Kind kind = core::kind_of(primitive);
-  // Offsets are no thickness, and cones and pyramids may have a point.
+  // Offsets are no thickness, and cones and pyramids may come to a point.
   const auto length = [&](int i) {
     const bool offset = (kind == Kind::kSnout && i >= 3) || (kind == Kind::kPyramid && (i == 4 || i == 5));
     return is_angle(kind, i) || offset ? -1.0f : std::fabs(values[std::size_t(i)]);
@@ -91,14 +91,14 @@ bool is_thin(const Primitive& primitive) {
   return least < kFuzzThin * largest;
 }
 
-/// Largest distance of the bounds from the local origin, 1 where there are none.
+/// Largest distance of the bounds from the local origin; 1 without bounds.
 double size_of(const core::AabbD& box) {
   const dvec3 far = glm::max(glm::abs(box.min), glm::abs(box.max));
   const double size = std::max({far.x, far.y, far.z});
   return size > 0.0 && size < 1e30 ? size : 1.0;
 }
 
-/// A ray at a point of the surface or of the bounds.
+/// A ray aimed at a point of the surface or of the bounds.
 Sample random_sample(Kind kind, Random& random) {
   Sample sample{random_primitive(kind, random), {}, {}, 1.0};
   const core::AabbD box = core::bounds(sample.primitive, {});
@@ -169,7 +169,7 @@ class Fuzz {
     return hits;
   }
 
-  /// Up to what t loses on its way from the eye.
+  /// Allows for what t loses on its way from the eye.
   static bool within_bounds(const Sample& sample, const gpuprims::Hits& hits) {
     const core::AabbD box = core::bounds(sample.primitive, {});
     const double slack = 1e-12 * (sample.radius + glm::length(sample.ray.origin));
@@ -181,7 +181,7 @@ class Fuzz {
 
   void disagree(const Sample& sample, const Answer& shader) {
     const Truth truth = find_truth(sample);
-    if (truth.crossings.empty() == (shader.hits.count == 0)) return;  // it was double that was wrong
+    if (truth.crossings.empty() == (shader.hits.count == 0)) return;  // then double was wrong
     if (is_thin(sample.primitive)) {
       ++figures_.thin;
       return;

@@ -22,7 +22,7 @@ using gpuprims::Texel;
 constexpr GLint kCountUniform = 0;
 constexpr float kNoHit = 3.0e38f;
 
-/// The frame that a record holds, read back as the shader reads it.
+/// The frame that a record holds, read back in the shader's way.
 core::Affine chunk_from_local(std::span<const Texel> record) {
   double v[12];
   for (std::size_t i = 0; i < 12; ++i) v[i] = double(std::bit_cast<float>(record[i / 4][i % 4]));
@@ -37,7 +37,7 @@ struct ShaderCrossing {
   float t;
 };
 
-/// What the shader gets for a sample, and what its answer needs.
+/// The shader's input for a sample, and data to interpret its answer.
 struct Prepared {
   bool shown = false;  ///< see primitive.vert
   LocalRay ray;
@@ -45,7 +45,7 @@ struct Prepared {
   dmat3 item_normal_from_local{0.0};
 };
 
-/// What needles are shifted along: the axis of kinds whose shaders expect that, in the record's units.
+/// The axis along which needles are shifted, in the record's units. Only for kinds whose shaders expect that.
 struct Axis {
   bool shifts = false;
   double half_height = 0.0;
@@ -71,7 +71,7 @@ Axis axis_of(const core::Primitive& primitive) {
   return {};
 }
 
-/// z of the axis's point nearest to the line.
+/// z of the point on the axis nearest to the line.
 double nearest_on_axis(const Axis& axis, const dvec3& o, const dvec3& d) {
   const dvec3 along = axis.at(1.0), normal = glm::cross(along, d), side = glm::cross(d, normal);
   const double speed = glm::dot(along, side);
@@ -80,7 +80,7 @@ double nearest_on_axis(const Axis& axis, const dvec3& o, const dvec3& d) {
 }
 
 Prepared prepare(const Sample& sample, std::span<const Texel> record) {
-  // The item's frame is its chunk: only its own size and its ray are left to round.
+  // The item's frame is its chunk, so only its size and its ray are rounded.
   const core::Affine local_frame = chunk_from_local(record);
   const dmat3 local_from_world = glm::inverse(local_frame.linear);
   const dvec3 d = local_from_world * sample.ray.direction;
@@ -111,7 +111,7 @@ Answer answer_of(const Prepared& prepared, const ShaderCrossing& found) {
   if (found.t == kNoHit || !prepared.shown) return answer;
   const dvec3 normal(found.normal);
   const dvec3 turned = prepared.item_normal_from_local * normal;
-  // A singular frame has no normals; whether the shader's own is a number is what is asked.
+  // A singular frame has no normals; the test is then only whether the shader's own normal is finite.
   answer.hits.insert({prepared.start + double(found.t), core::is_finite(turned) ? turned : normal});
   return answer;
 }

@@ -1,4 +1,4 @@
-// The primitives' own GLSL on single rays: a compute shader that includes it, in a context without a window.
+// Runs the primitives' own GLSL on single rays: a compute shader includes it, in a context without a window.
 #pragma once
 
 #include <map>
@@ -14,14 +14,14 @@ namespace sightline::bench {
 
 class GlslRays {
  public:
-  /// Fails where there is no GL. Programs are compiled at their first use.
+  /// Fails without GL. Programs are compiled at their first use.
   static core::Expected<GlslRays> create();
 
-  /// The nearest crossing over the whole line of each sample. A record is packed for each; what the shader gets is what
-  /// a renderer can give it (render/shaders/primitive.vert): the ray in the record's local frame, moved in double to
-  /// its closest approach to the centre, or of kinds that may be needles to the nearest point of their axis, and then
-  /// rounded to float. Its t, counted from there, is added up in double. What it says of placements that
-  /// a renderer does not show, because float cannot hold their volume, is left out. All samples must be of one kind.
+  /// Finds the nearest crossing of each sample over the whole line. A record is packed for each sample. The shader gets
+  /// what a renderer can give it (render/shaders/primitive.vert): the ray in the record's local frame, moved in double
+  /// to its closest approach to the centre, or to the nearest point of the axis for kinds that may be needles, and then
+  /// rounded to float. The shader's t counts from there and is added up in double. Answers for placements whose volume
+  /// does not fit a float, which a renderer does not show, are dropped. All samples must be of one kind.
   core::Expected<std::vector<Answer>> trace(core::Kind kind, std::span<const Sample> samples);
 
   const gl::Context& context() const { return context_; }
@@ -30,7 +30,7 @@ class GlslRays {
   explicit GlslRays(gl::Context context) : context_(std::move(context)) {}
   core::Expected<const gl::Program*> program(core::Kind kind);
 
-  gl::Context context_;  // first: programs go before it
+  gl::Context context_;  // first: programs are destroyed before it
   std::map<std::string, gl::Program> programs_;
 };
 

@@ -1,5 +1,5 @@
-// sightline-stability: stiff and extreme cases of all analytic primitives, computed in double, in float and by the
-// shaders, against a reference of 113 bits.
+// sightline-stability: computes stiff and extreme cases of all analytic primitives in double, in float and in the
+// shaders, and compares them with a reference of 113 bits.
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -60,7 +60,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--plot", options.plot, "error against magnitude, SVG");
 }
 
-/// Calls work(0 ... count - 1) from all processors, and tells how far it is.
+/// Calls work(0 ... count - 1) on all processors, and shows the progress.
 template <class Work>
 void for_all(const char* label, std::size_t count, const Work& work) {
   apps::Progress progress(label, count);
@@ -78,7 +78,7 @@ void for_all(const char* label, std::size_t count, const Work& work) {
   for (std::thread& thread : others) thread.join();
 }
 
-/// What one case needs on every path.
+/// Data of one case, for every path.
 struct Prepared {
   std::vector<bench::Sample> samples;
   std::vector<bench::Truth> truths;
@@ -89,7 +89,7 @@ Result result_of(const Case& c, Path path, const Prepared& p, const std::vector<
   return {c.kind, c.family, c.name(), c.magnitude, path, judge(p.samples, p.truths, answers, limits)};
 }
 
-/// Without GL there is nothing to measure, which is an error only where it was asked for.
+/// Without GL nothing is measured; that is an error only if the shaders were requested.
 core::Expected<void> measure_shaders([[maybe_unused]] const std::vector<Case>& cases,
                                      [[maybe_unused]] const std::vector<Prepared>& prepared, const Options& options,
                                      [[maybe_unused]] std::vector<std::vector<Result>>& by_case) {
@@ -113,7 +113,7 @@ core::Expected<void> measure_shaders([[maybe_unused]] const std::vector<Case>& c
   return {};
 }
 
-/// The cases that need a whole picture, after those of single rays.
+/// Measures the cases that need a whole picture, after those of single rays.
 core::Expected<void> measure_views([[maybe_unused]] const Options& options,
                                    [[maybe_unused]] std::vector<Result>& results) {
 #if SIGHTLINE_HAS_GL
@@ -123,7 +123,7 @@ core::Expected<void> measure_views([[maybe_unused]] const Options& options,
   });
   if (cases.empty() || !wanted(options.paths, "glsl")) return {};
   auto views = bench::ViewRays::create();
-  if (!views && options.paths.empty()) return {};  // said before
+  if (!views && options.paths.empty()) return {};  // already reported
   if (!views) return tl::unexpected(views.error());
   apps::Progress progress("views", cases.size());
   for (const bench::ViewCase& c : cases) {
@@ -175,14 +175,14 @@ void print(const Result& r) {
                                  : "FAILS");
 }
 
-/// Larger is worse: failing cases above all others.
+/// Larger is worse. Failing cases come before all others.
 double badness(const Result& r) {
   const bench::Figures& f = r.figures;
   const double t = f.max_t / f.limits.t;
   return f.ok() ? t : 1e6 + t + f.false_hits + f.false_misses;
 }
 
-/// Of each family the magnitude that did worst.
+/// The magnitude with the worst result for each family.
 std::vector<Result> worst_of_families(const std::vector<Result>& results) {
   std::vector<Result> worst;
   std::map<std::tuple<core::Kind, std::string, Path>, std::size_t> known;
@@ -223,14 +223,14 @@ Json to_json(const std::vector<Result>& results) {
   return {{"cases", cases}};
 }
 
-/// Error against magnitude, a panel for each family, a line for each path: the worst of all kinds. Magnitudes of 0 lie
-/// a decade before the others.
+/// Error against magnitude: a panel for each family, and a line for each path with the worst of all kinds. Magnitude 0
+/// lies a decade before the others.
 std::string plot(const std::vector<Result>& results) {
   std::vector<apps::Panel> panels;
   std::map<std::tuple<std::string, std::string, double>, double> worst;  // family, line, magnitude
   std::map<std::string, double> least;
   for (const Result& r : results) {
-    if (r.family == "singular") continue;  // nothing to measure but whether numbers stay finite
+    if (r.family == "singular") continue;  // there only finiteness is tested
     const double magnitude = std::fabs(r.magnitude);
     const bool wide = r.path == Path::kDouble;
     const auto note = [&](const std::string& line, double value) {

@@ -10,7 +10,7 @@ namespace {
 
 using core::dvec3;
 
-/// Judges one ray after the other.
+/// Judges one ray after another.
 class Judge {
  public:
   explicit Judge(const Limits& limits) { figures_.limits = limits; }
@@ -30,7 +30,7 @@ class Judge {
     const int expected = answer.first_only ? std::min(1, int(truth.crossings.size())) : int(truth.crossings.size());
     const int found = answer.hits.count;
     if (found != expected) {
-      // Looking for ties takes long. Where very much is wrong it changes nothing.
+      // The search for ties takes long. With many errors it does not change the verdict.
       constexpr int kHopeless = 50;
       const bool hopeless = figures_.false_hits + figures_.false_misses >= kHopeless;
       const bool tie = !hopeless && (near_tie(truth.crossings, near(figures_.limits.band)) ||
@@ -53,7 +53,7 @@ class Judge {
       normal_error = std::max(normal_error, angle_between(hit.normal, crossing.normal));
     }
     if (t_error > figures_.limits.t || normal_error > figures_.limits.normal) {
-      // Where no band excuses wrong answers, a rim still has two normals.
+      // Without a band that excuses wrong results, a rim still has two normals.
       constexpr double kRim = 0x1p-21;
       const bool rim = figures_.limits.band == 0.0 && t_error <= figures_.limits.t;
       const Neighbours beside = near(rim ? kRim : figures_.limits.band);
@@ -85,16 +85,16 @@ class Judge {
   static double radii(const Sample& sample, const Truth& truth, Quad t) {
     return double(fabsq(t) * sqrtq(dot(truth.ray.direction, truth.ray.direction))) / sample.radius;
   }
-  /// Whether the nearest crossing was passed over, or something found before it.
+  /// Whether the answer skipped the nearest crossing, or found something in front of it.
   bool took_another(const Sample& sample, const Truth& truth, const gpuprims::Hit& hit) const {
     const auto off = [&](const Crossing& c) { return radii(sample, truth, Quad(hit.t) - c.t); };
-    constexpr double kApart = 0.1;  // radii: nearer it is the same crossing, with an error
+    constexpr double kApart = 0.1;  // radii; nearer than this it is the same crossing with an error
     if (off(truth.crossings[0]) <= std::max(kApart, figures_.limits.t)) return false;
     return Quad(hit.t) < truth.crossings[0].t ||
            std::any_of(truth.crossings.begin() + 1, truth.crossings.end(),
                        [&](const Crossing& c) { return off(c) <= figures_.limits.t; });
   }
-  /// Whether the answers are equal but for pairs of crossings that lie closer together than the band.
+  /// Whether the answers are equal except for pairs of crossings that lie closer together than the band.
   bool differ_by_slivers(const Sample& sample, const Truth& truth, const Answer& answer) const {
     if (answer.first_only) return false;
     const auto count = [&](std::size_t crossings, const auto& t_of) {
@@ -119,7 +119,7 @@ std::string_view path_name(Path path) {
 }
 
 bool Figures::ok() const {
-  // A share is told from a sample: three standard deviations of the count.
+  // The share is estimated from a sample: allow three standard deviations of the count.
   const double expected = limits.wrong * rays, allowed = expected + 3.0 * std::sqrt(expected);
   return not_finite == 0 && max_t <= limits.t && max_normal <= limits.normal && false_hits + false_misses <= allowed;
 }

@@ -1,4 +1,4 @@
-// Figures of one case on one path: what a way of computing crossings answers, judged by the reference.
+// Figures of one case on one path: the crossings that the path computes, judged by the reference.
 #pragma once
 
 #include <span>
@@ -10,27 +10,27 @@
 
 namespace sightline::bench {
 
-/// Ways of computing. The first two are gpuprims::intersect, the third the shaders.
+/// Ways of computing crossings. The first two are gpuprims::intersect, the third the shaders.
 enum class Path { kDouble, kFloat, kGlsl };
 inline constexpr int kPathCount = 3;
 std::string_view path_name(Path path);
 
-/// What a path found on one ray.
+/// The result of a path for one ray.
 struct Answer {
   gpuprims::Hits hits;      ///< t of the world's ray, normals in the item's frame
-  bool first_only = false;  ///< a shader tells the nearest crossing alone
+  bool first_only = false;  ///< a shader returns only the nearest crossing
 };
 
 struct Figures {
-  int rays = 0, hits = 0;                ///< hits: rays that the reference has crossings on
-  int false_hits = 0, false_misses = 0;  ///< crossings too many, too few, on rays outside the band
-  int ties = 0;                          ///< rays within the band whose answer was not taken amiss
-  int not_finite = 0;                    ///< answers with a t or a normal that is no number
+  int rays = 0, hits = 0;                ///< hits: rays on which the reference has crossings
+  int false_hits = 0, false_misses = 0;  ///< too many or too few crossings, on rays outside the band
+  int ties = 0;                          ///< rays within the band whose result is not counted as an error
+  int not_finite = 0;                    ///< results with a t or a normal that is not finite
   double max_t = 0.0, p999_t = 0.0;      ///< error of t in radii: largest, 99.9th percentile
   double max_normal = 0.0;               ///< radians
   Limits limits;
 
-  /// Within the limits.
+  /// True within the limits.
   bool ok() const;
 };
 
@@ -42,17 +42,17 @@ struct Result {
   Figures figures;
 };
 
-/// The samples of a case, the same for the same seed.
+/// The samples of a case. The same seed gives the same samples.
 std::vector<Sample> make_samples(const Case& c, int rays, std::uint64_t seed);
 
-/// What the reference says of a sample.
+/// The reference's result for a sample.
 struct Truth {
   QuadRay ray;  ///< in the item's frame
   std::vector<Crossing> crossings;
 };
 Truth find_truth(const Sample& sample);
 
-/// gpuprims::intersect on the ray moved into the item's frame in double; Path::kDouble or kFloat.
+/// Runs gpuprims::intersect on the ray, moved into the item's frame in double. Path::kDouble or kFloat.
 Answer intersect_on_cpu(const Sample& sample, Path path);
 
 /// Compares answers with the truth, one of each per sample.

@@ -1,5 +1,5 @@
-// Arithmetic of 113 bits for the stability suite's reference: a number, a vector, and polynomials of degree 4 at most
-// with their real roots. Slow (a hundred times double) and plain.
+// Arithmetic of 113 bits for the reference of the stability suite: a number, a vector, and polynomials up to degree 4
+// with their real roots. Slow (a hundred times double) and simple.
 #pragma once
 
 #include <algorithm>
@@ -36,8 +36,8 @@ inline core::dvec3 to_double(const QuadVec& a) {
   return {double(a.x), double(a.y), double(a.z)};
 }
 
-/// Polynomial in one variable, coefficients by rising power. Made from a number it is a constant, so that an implicit
-/// form written once serves a point and a line alike.
+/// Polynomial in one variable, with coefficients by rising power. A number converts to a constant polynomial, so that
+/// one implicit form serves a point and a line.
 class Polynomial {
  public:
   static constexpr int kMaxDegree = 4;
@@ -90,8 +90,8 @@ struct Roots {
   int count = 0;
 };
 
-/// The root between `low` and `high`, where a polynomial without extremes between them has different signs: Newton's
-/// method, and bisection where that would leave the bracket.
+/// The root between `low` and `high`, where a polynomial without extremes between them has different signs. Uses
+/// Newton's method, and bisection where Newton would leave the bracket.
 inline Quad bracketed_root(const Polynomial& p, const Polynomial& slope, Quad low, Quad high) {
   const bool rising = p(high) > 0;
   const Quad exact = 0x1p-111;  // two ulps of 1
@@ -108,7 +108,7 @@ inline Quad bracketed_root(const Polynomial& p, const Polynomial& slope, Quad lo
   return s;
 }
 
-/// Roots in [low, high]. Between neighbouring extremes, which are the roots of the derivative, there is one at most.
+/// Roots in [low, high]. Between neighbouring extremes, which are the roots of the derivative, lies at most one.
 inline Roots roots(const Polynomial& p, Quad low, Quad high) {
   Roots found;
   if (p.degree() == 0) return found;

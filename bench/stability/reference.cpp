@@ -9,19 +9,19 @@ namespace {
 
 using core::dvec3;
 
-/// A point, or a line by its parameter.
+/// A point, or a line as a function of its parameter.
 struct Coordinates {
   Polynomial x, y, z;
 };
 using Implicit = std::function<Polynomial(const Coordinates&)>;
 
 struct Surface {
-  Implicit f;  ///< <= 0 inside, where it bounds alone
+  Implicit f;  ///< <= 0 inside, if it is the only boundary
   int face;
 };
 
-/// `inside` asks about points that lie on no surface. A sheet is the part of its first surface where `inside` holds: it
-/// has two sides and no volume.
+/// `inside` is called only for points that lie on no surface. A sheet is the part of its first surface where `inside`
+/// holds: it has two sides and no volume.
 struct Solid {
   std::vector<Surface> surfaces;
   std::function<bool(const QuadVec&)> inside;
@@ -42,7 +42,7 @@ Quad length(float v) {
 }
 const Quad kPi = 4 * atanq(1);
 
-/// Inside all of the surfaces.
+/// The solid inside all of the surfaces.
 Solid convex(std::vector<Surface> surfaces) {
   Solid solid{std::move(surfaces), {}};
   solid.inside = [surfaces = solid.surfaces](const QuadVec& p) {
@@ -76,7 +76,7 @@ Solid solid_of(const core::Cylinder& c) {
   return convex({within_circle(radius), above_z(-half), below_z(half)});
 }
 
-/// z = height + tangent . (xy - centre), as a half-space: the end `sign` looks to.
+/// The half-space below or above z = height + tangent . (xy - centre), for the end on the side of `sign`.
 Surface slanted_end(Quad centre_x, Quad centre_y, Quad height, float shear_x, float shear_y, int sign) {
   const Quad mx = tanq(shear_x), my = tanq(shear_y);
   return {[=](const Coordinates& p) {
@@ -85,7 +85,7 @@ Surface slanted_end(Quad centre_x, Quad centre_y, Quad height, float shear_x, fl
           sign < 0 ? kBottom : kTop};
 }
 
-/// core::EndRange: whether an end plane cuts the cone so flatly that the end is cut level one height beyond it.
+/// Whether an end has no closed contour and is cut level one height beyond it (core::EndRange).
 bool cut_level(const core::Snout& s, float shear_x, float shear_y) {
   const Quad h = length(s.height), mx = tanq(shear_x), my = tanq(shear_y), steep = hypotq(mx, my);
   const Quad lean = (mx * s.offset_x + my * s.offset_y) / h;
@@ -114,7 +114,7 @@ Solid solid_of(const core::Snout& s) {
          return x * x + y * y - r * r;
        },
        kLateral},
-      {[=](const Coordinates& p) { return Polynomial(-1) * radius(p); }, kLateral},  // one nappe only
+      {[=](const Coordinates& p) { return Polynomial(-1) * radius(p); }, kLateral},  // only one nappe
       slanted_end(-half_x, -half_y, -h / 2, s.bottom_shear_x, s.bottom_shear_y, -1),
       slanted_end(half_x, half_y, h / 2, s.top_shear_x, s.top_shear_y, 1)};
   if (cut_level(s, s.bottom_shear_x, s.bottom_shear_y)) surfaces.push_back(above_z(-h / 2 - h));
@@ -157,13 +157,13 @@ Surface side(Quad sign, bool x_axis, Quad bottom, Quad top, Quad offset, Quad he
           kLateral};
 }
 
-/// Of height 0: the hull of both ends. A point lies in it when it does in one of the rectangles between them.
+/// A pyramid of height 0: the hull of both ends. A point lies in it if it lies in one of the rectangles between them.
 Solid flat_pyramid(const core::Pyramid& p) {
   Solid solid;
   solid.surfaces = {below_z(0)};
   solid.sheet = true;
   solid.inside = [p](const QuadVec& at) {
-    Quad from = 0, to = 1;  // the parts of the way up that are left
+    Quad from = 0, to = 1;  // the remaining part of the way up
     const auto keep = [&](Quad distance, float bottom, float top, float offset, int sign) {
       // length(bottom) / 2 + part (length(top) - length(bottom)) / 2 - sign (distance - offset (part - 1/2)) >= 0
       const Quad value = length(bottom) / 2 - sign * (distance + Quad(offset) / 2);
@@ -196,7 +196,7 @@ Solid solid_of(const core::Pyramid& p) {
   return convex(limits);
 }
 
-/// sign * axis <= half.
+/// The half-space sign * axis <= half.
 Surface slab(int axis, int sign, Quad half) {
   return {[=](const Coordinates& p) {
             return Polynomial(sign) * (axis == 0 ? p.x : axis == 1 ? p.y : p.z) - half;
@@ -223,7 +223,7 @@ Solid solid_of(const core::Box& b) {
   return flats == 1 ? sheet(slab(flat, 1, 0), slabs) : convex(slabs);
 }
 
-/// The sweep 0 ... angle about z: its two half-planes, and whether it holds a point.
+/// The sweep 0 ... angle about z: its two half-planes, and a test whether it contains a point.
 struct Sweep {
   Quad angle, end_x, end_y;
 
@@ -309,7 +309,7 @@ bool all_finite(const core::Primitive& primitive) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
-/// Radius of a sphere about the local origin that holds the primitive with room to spare.
+/// Radius of a sphere about the local origin that contains the primitive with room to spare.
 Quad reach_of(const core::Primitive& primitive) {
   const core::AabbD box = core::bounds(primitive, {});
   return 2 * hypotq(hypotq(std::max(fabs(box.min.x), fabs(box.max.x)), std::max(fabs(box.min.y), fabs(box.max.y))),
@@ -321,7 +321,7 @@ QuadVec gradient(const Implicit& f, const QuadVec& p) {
   return {f(along({p, {1, 0, 0}}))[1], f(along({p, {0, 1, 0}}))[1], f(along({p, {0, 0, 1}}))[1]};
 }
 
-/// Unit gradient against (entering) or with the ray, zero where there is none.
+/// Unit gradient against the ray (entering) or with it (leaving); zero where there is none.
 dvec3 outward_normal(const Implicit& f, const QuadVec& p, const QuadVec& direction, bool entering) {
   const QuadVec g = gradient(f, p);
   const Quad size = sqrtq(dot(g, g));
@@ -367,7 +367,7 @@ std::vector<Crossing> reference_crossings(const core::Primitive& primitive, cons
   const Solid solid = std::visit([](const auto& p) { return solid_of(p); }, primitive);
   if (solid.surfaces.empty()) return crossings;
 
-  // About the point closest to the centre, so that a far origin costs no digits.
+  // Moves the origin to the point closest to the centre, so that a far origin costs no digits.
   const Quad start = -dot(ray.origin, ray.direction) / square;
   const QuadRay local{ray.origin + start * ray.direction, ray.direction};
   const Quad reach = reach_of(primitive), room = (reach - sqrtq(dot(local.origin, local.origin))) * reach / square;

@@ -26,7 +26,7 @@ dvec3 in_disc(double radius, Random& random) {
   return radius * std::sqrt(random.unit()) * radial(random.uniform(0.0, 2.0 * kPi));
 }
 
-/// The circle of an end: flat inside, a rim at its edge.
+/// A point on the circle of an end: flat inside, a rim at its edge.
 SurfacePoint end_point(double radius, double z, double sign, Where where, const dvec3& outward, Random& random) {
   const dvec3 up(0.0, 0.0, sign);
   if (where == Where::kEnd) return {in_disc(radius, random) + dvec3(0.0, 0.0, z), up, {1.0, 0.0, 0.0}};
@@ -46,7 +46,7 @@ SurfacePoint point_on(const core::Snout& s, Where where, Random& random) {
                slope = (double(s.top_radius) - s.bottom_radius) / h;
   const dvec3 lean(s.offset_x / h, s.offset_y / h, 1.0), e = radial(angle);
   const dvec3 normal = unit({e.x, e.y, -slope - e.x * lean.x - e.y * lean.y});
-  // The ends are where the generator meets their (slanted) planes.
+  // The ends are where the generator meets the (slanted) end planes.
   const auto end = [&](double sign) {
     const dvec2 m(std::tan(sign < 0 ? double(s.bottom_shear_x) : s.top_shear_x),
                   std::tan(sign < 0 ? double(s.bottom_shear_y) : s.top_shear_y));
@@ -73,7 +73,7 @@ SurfacePoint point_on(const core::CircularTorus& t, Where where, Random& random)
   const bool end = where != Where::kLateral && !whole;
   const double sign = random.sign();
   const double phi = end ? (sign < 0 ? 0.0 : sweep) : random.uniform(0.0, sweep);
-  // Of a spindle only the part away from the axis.
+  // A spindle has only the part away from the axis.
   const double open = t.major_radius < t.tube_radius ? std::acos(-double(t.major_radius) / t.tube_radius) : kPi;
   const double theta = random.uniform(-open, open), part = end && where == Where::kEnd ? std::sqrt(random.unit()) : 1.0;
   const dvec3 tube_normal = std::cos(theta) * radial(phi) + dvec3(0.0, 0.0, std::sin(theta));
@@ -128,7 +128,7 @@ SurfacePoint point_on(const core::SphericalDish& d, Where where, Random& random)
           around(angle)};
 }
 
-/// A frustum with four sides; a box is one.
+/// A point on a frustum with four sides, which includes boxes.
 SurfacePoint point_on(const core::Pyramid& p, Where where, Random& random) {
   const double h = p.height;
   const auto corner = [&](double x, double y, double up) {
@@ -170,7 +170,7 @@ SurfacePoint point_on(const core::Primitive& primitive, Where where, Random& ran
 
 core::Primitive plain_shape(core::Kind kind, Random& random) {
   const auto f = [&](double low, double high) { return float(random.uniform(low, high)); };
-  const auto sweep = [&] {  // the floats on both sides of 2 pi are full turns
+  const auto sweep = [&] {  // the floats just below and above 2 pi are full turns
     if (random.below(4) != 0) return f(0.5, 6.2);
     return random.below(2) == 0 ? 6.2831855f : 6.283185f;
   };

@@ -1,5 +1,5 @@
-// Primitives of every kind at random, and points on them to aim rays at. Points are as exact as double, no more: they
-// only choose the rays.
+// Random primitives of every kind, and points on them to aim rays at. Points have only the precision of double, since
+// they only choose the rays.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace sightline::bench {
 
-/// The same numbers everywhere: the standard's distributions are not.
+/// The same numbers on every platform, unlike the standard's distributions.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -33,22 +33,22 @@ class Random {
 /// A primitive whose lengths are all within a factor of ten.
 core::Primitive plain_shape(core::Kind kind, Random& random);
 
-/// The length that errors are counted in: radius of a cylinder, sphere or dish's base, the larger of a snout, tube
-/// radius of a circular torus; half the larger side of a box's or pyramid's base; half the larger side of a rectangular
-/// torus's profile.
+/// The length that is the unit of errors: radius of a cylinder, sphere or dish's base, the larger radius of a snout,
+/// tube radius of a circular torus; half the larger side of a box's or pyramid's base; half the larger side of a
+/// rectangular torus's profile.
 double radius_of(const core::Primitive& primitive);
 
 struct SurfacePoint {
   core::dvec3 point{0.0};
   core::dvec3 normal{0.0};  ///< outward, unit length
-  core::dvec3 along{0.0};   ///< a unit tangent; of an edge its direction
+  core::dvec3 along{0.0};   ///< a unit tangent; on an edge its direction
 };
 
-/// On any face.
+/// A point on any face.
 SurfacePoint surface_point(const core::Primitive& primitive, Random& random);
-/// On the curved face; on a plane side of boxes and pyramids.
+/// A point on the curved face; on a plane side for boxes and pyramids.
 SurfacePoint lateral_point(const core::Primitive& primitive, Random& random);
-/// On a rim, seam or edge; the normal is that between its two faces. On a sphere a point of it.
+/// A point on a rim, seam or edge, with the normal between its two faces. On a sphere any point.
 SurfacePoint edge_point(const core::Primitive& primitive, Random& random);
 
 }  // namespace sightline::bench

@@ -16,12 +16,12 @@ using core::Kind;
 constexpr int kWidth = 40, kHeight = 30;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// Largest distance of the bounds' corners from their middle.
+/// Largest distance of the bounds' corners from their centre.
 double half_size(const core::AabbD& box) {
   return 0.5 * glm::length(box.max - box.min);
 }
 
-/// A plain shape at `site`, looked at from `distance` radii through a field of view that it fills, or that is given.
+/// A plain shape at `site`, seen from `distance` radii through a given field of view or one that it fills.
 ViewCase make_case(Kind kind, const char* family, double magnitude, const dvec3& site, double distance, double fovy,
                    Random& random) {
   ViewCase c{kind, family, magnitude, {}, {}};
@@ -68,7 +68,7 @@ std::vector<ViewCase> view_cases(std::uint64_t seed) {
       const double ratio = std::pow(10.0, e);
       cases.push_back(make_case(kind, "near-far", ratio, dvec3(0.0), 8.0, 0.0, random));
       Picture& p = cases.back().picture;
-      // Near and far plane as far apart as said, the item between them.
+      // The near and far plane are as far apart as requested, with the item between them.
       const core::AabbD box = core::bounds(p.primitive, p.world_from_item);
       const double size = half_size(box), away = glm::length(p.pose.eye - p.pose.target);
       p.near =
@@ -117,17 +117,17 @@ core::Expected<Figures> ViewRays::judge_picture(const ViewCase& c, int rays) {
   std::vector<Sample> samples;
   std::vector<Truth> truths;
   std::vector<Answer> answers;
-  const bool wide = p.fovy > 100.0 * kDegree;  // the item fills a few pixels only, and none may be left out
+  const bool wide = p.fovy > 100.0 * kDegree;  // the item fills only a few pixels, so test all of them
   const int step = wide ? 1 : std::max(1, kWidth * kHeight / rays);
   for (int pixel = 0; pixel < kWidth * kHeight; pixel += step) {
     samples.push_back(
         {p.primitive, p.world_from_item, pixel_ray(p, world_from_eye, pixel % kWidth, pixel / kWidth), p.radius});
     truths.push_back(find_truth(samples.back()));
-    const std::vector<Crossing>& crossings = truths.back().crossings;  // all between near and far plane
+    const std::vector<Crossing>& crossings = truths.back().crossings;  // all lie between near and far plane
     Answer answer;
     answer.first_only = true;
     const double t = double(depth.metres[std::size_t(pixel)]);
-    // The id says whether the pixel shows the item; where it does, depth must be a number.
+    // The id says whether the pixel shows the item. If it does, depth must be a number.
     if (ids.ids[std::size_t(pixel)] != 0)
       answer.hits.insert({t, crossings.empty() ? dvec3(0.0, 0.0, 1.0) : crossings.front().normal});
     answers.push_back(answer);

@@ -1,4 +1,5 @@
-// The whole renderer as a path of the stability suite: one item drawn into a small image, each pixel's depth a t.
+// Tests the whole renderer as a path of the stability suite: draws one item into a small image, where each pixel's
+// depth is a t.
 #pragma once
 
 #include <span>
@@ -11,17 +12,17 @@
 
 namespace sightline::bench {
 
-/// One item and who looks at it.
+/// One item and the camera that sees it.
 struct Picture {
   core::Primitive primitive;
   core::Affine world_from_item;
   core::Pose pose;
   double fovy = 1.0, near = 0.1, far = core::kInfiniteFar;  ///< radians, metres
-  double radius = 1.0;                                      ///< that errors are counted in
+  double radius = 1.0;                                      ///< unit of errors
 };
 
-/// As Case, for pictures. Depth is a float, so t may be off by two ulps of it besides what rays near the item may be;
-/// the band is an 128th of a pixel wider, which is less than rasterisers resolve.
+/// Like Case, for pictures. Depth is a float, so t may be off by two ulps of it in addition to the limits for rays near
+/// the item. The band is wider by a 128th of a pixel, which is less than rasterisers resolve.
 struct ViewCase {
   core::Kind kind = core::Kind::kCylinder;
   std::string family;
@@ -32,16 +33,16 @@ struct ViewCase {
   std::string name() const;
 };
 
-/// near-far, field-of-view (degrees), view-offset (metres) and view-distance (radii), of every kind.
+/// Families near-far, field-of-view (degrees), view-offset (metres) and view-distance (radii), of every kind.
 std::vector<ViewCase> view_cases(std::uint64_t seed);
 
 class ViewRays {
  public:
-  /// Fails where there is no GL.
+  /// Fails without GL.
   static core::Expected<ViewRays> create();
 
-  /// Draws the picture and judges about `rays` of its pixels, of very wide fields of view all. Normals are not read
-  /// back.
+  /// Draws the picture and judges about `rays` of its pixels, or all of them for very wide fields of view. Does not
+  /// read back normals.
   core::Expected<Figures> judge_picture(const ViewCase& c, int rays);
 
  private:

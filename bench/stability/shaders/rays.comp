@@ -1,4 +1,4 @@
-// The nearest crossing of every ray with a primitive of its own, ray i with record i.
+// Finds the nearest crossing of every ray with its own primitive: ray i with record i.
 #include "payload.glsl"
 #include "primitive.glsl"
 
