@@ -1,7 +1,8 @@
-# Finds what the chosen options need. An optional dependency that is absent switches its option off, says so once, and
-# the rest builds without it; core and culling need GLM and tl-expected alone. With SIGHTLINE_REQUIRE_ALL it is an error.
+# Finds the dependencies of the chosen options. If an optional dependency is absent, its option is switched off with one
+# message, and the rest builds without it. core and culling need only GLM and tl-expected. With SIGHTLINE_REQUIRE_ALL an
+# absent dependency is an error.
 
-# sightline_lack(WHAT): says what this build is without.
+# sightline_lack(WHAT): reports what this build lacks.
 function(sightline_lack what)
   if(SIGHTLINE_REQUIRE_ALL)
     message(FATAL_ERROR "sightline: ${what} (SIGHTLINE_REQUIRE_ALL is on)")
@@ -9,7 +10,7 @@ function(sightline_lack what)
   message(STATUS "sightline: ${what}")
 endfunction()
 
-# sightline_need(OPTION CONDITION LACK): switches OPTION off for this build when CONDITION is false, and says LACK.
+# sightline_need(OPTION CONDITION LACK): switches OPTION off for this build when CONDITION is false, and reports LACK.
 macro(sightline_need option condition lack)
   if(${option} AND NOT ${condition})
     sightline_lack("${option} is off: ${lack}")
@@ -44,7 +45,7 @@ if(SIGHTLINE_GLTF AND SIGHTLINE_IMPORTERS)
 endif()
 
 if(SIGHTLINE_VTK AND SIGHTLINE_IMPORTERS)
-  # By component: the whole of a packaged VTK asks for Qt, Java and more. Its writers are the tests' own need.
+  # By component, since all of a packaged VTK requires Qt, Java and more. Only the tests need its writers.
   find_package(VTK 9 QUIET COMPONENTS CommonCore CommonDataModel CommonExecutionModel FiltersGeometry IOCore
                OPTIONAL_COMPONENTS IOLegacy IOXML)
   sightline_need(SIGHTLINE_VTK VTK_FOUND "VTK 9 not found (libvtk9-dev)")

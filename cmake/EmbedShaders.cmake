@@ -1,10 +1,10 @@
-# Puts shader files into a target as strings, at build time, with CMake alone.
+# Embeds shader files into a target as strings, at build time, with CMake only.
 #
 # sightline_embed_shaders(TARGET NAMESPACE HEADER HEADER_PATH FILES shaders/a.glsl …)
 #   adds to TARGET a generated source that defines, in NAMESPACE (such as sightline::gpuprims),
 #     std::span<const std::pair<std::string_view, std::string_view>> shaders();
 #   the name (without folder) and text of each file, in the order given. HEADER_PATH ("sightline/gpuprims/internal/shaders.h") is
-#   the hand-written header that declares it. A changed file is embedded anew by the next build.
+#   the hand-written header that declares it. The next build embeds a changed file again.
 
 # ---- The build step: cmake -DOUTPUT= -DNAMESPACE= -DHEADER= -DFILES=a|b -P EmbedShaders.cmake
 if(CMAKE_SCRIPT_MODE_FILE STREQUAL CMAKE_CURRENT_LIST_FILE)

@@ -1,10 +1,10 @@
-# cmake --install: the libraries, their public headers, and packages for find_package() and pkg-config. Comes after all
-# sightline_library() calls, and reads from their targets what there is.
+# cmake --install: the libraries, their public headers, and packages for find_package() and pkg-config. Include this
+# after all sightline_library() calls: it reads their targets.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# What a linked target of others is to find_dependency() (_PACKAGE), and in a pkg-config file to Requires (_REQUIRES) or
-# Libs (_LIBS).
+# How the packages name an external target that a library links: in find_dependency() (_PACKAGE), and in a pkg-config
+# file under Requires (_REQUIRES) or Libs (_LIBS).
 set(external_glm::glm_PACKAGE "glm")
 set(external_tl::expected_PACKAGE "tl-expected")
 set(external_Threads::Threads_PACKAGE "Threads")

@@ -1,4 +1,4 @@
-# How a folder becomes a target, with the same flags everywhere.
+# Makes a folder a target, with the same flags everywhere.
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -8,8 +8,8 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_VERIFY_INTERFACE_HEADER_SETS ON)  # target all_verify_interface_header_sets: every public header compiles alone
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 
-# Includes read "sightline/core/scene.h" in the tree as after installation. For that the build tree has an include root
-# per folder, with a link to the sources of that folder alone: what a target does not link it cannot include.
+# Includes read "sightline/core/scene.h" in the tree as after installation. For that the build tree has one include root
+# per folder, with a link to the sources of that folder only. So a target cannot include a folder that it does not link.
 function(sightline_include_root result name folder)
   set(root ${PROJECT_BINARY_DIR}/include/${name})
   get_filename_component(parent ${root}/sightline/${folder} DIRECTORY)
@@ -18,7 +18,7 @@ function(sightline_include_root result name folder)
   set(${result} ${root} PARENT_SCOPE)
 endfunction()
 
-# Folders of programs: sightline_apps_headers and so on.
+# Include roots of the folders of programs: sightline_apps_headers and so on.
 foreach(folder apps bench tests)
   sightline_include_root(root ${folder} ${folder})
   add_library(sightline_${folder}_headers INTERFACE)
@@ -29,17 +29,17 @@ add_library(sightline_flags INTERFACE)
 # -ffp-contract=off: the cullers promise one answer for every instruction set, and a fused multiply-add rounds differently.
 target_compile_options(sightline_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU,Clang>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off>
-  # g++ 12 drops the rounding of neighbouring double(float(x)) when it vectorises straight-line code; outward rounding and
-  # chunk-relative placements depend on it. tests/core/conventions_test.cpp holds the case.
+  # When g++ 12 vectorises straight-line code, it drops the rounding of neighbouring double(float(x)). Outward rounding
+  # and chunk-relative placements depend on that rounding. tests/core/conventions_test.cpp holds the case.
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-fno-tree-slp-vectorize>
-  # g++ 12 sees overlapping copies in std::string's own code (GCC bug 105651).
+  # g++ 12 warns of overlapping copies in std::string's own code (GCC bug 105651).
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
   $<$<AND:$<BOOL:${SIGHTLINE_WARNINGS_AS_ERRORS}>,$<CXX_COMPILER_ID:GNU,Clang>>:-Werror>)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   set(SIGHTLINE_X86_KERNELS TRUE)
   target_compile_definitions(sightline_flags INTERFACE SIGHTLINE_X86_KERNELS)
-  # What the wider forms of kernels may use, by the compiler's names. core/instruction_set.cpp asks the processor for
-  # all of it.
+  # Instruction sets that the wider kernels may use, by the compiler's names. core/instruction_set.cpp checks that the
+  # processor has all of them.
   set(SIGHTLINE_AVX2_FEATURES avx2 fma bmi popcnt)
   set(SIGHTLINE_AVX512_FEATURES avx512f avx512bw avx512dq avx512vl fma bmi popcnt)
   foreach(form AVX2 AVX512)
@@ -57,9 +57,9 @@ if(SIGHTLINE_FUZZ)
   target_compile_options(sightline_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# sightline_library(NAME [NO_INSTALL] [FOLDER folder] SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …]): the library of a folder, by
-# default of the same name. LINKS are the arrows. HEADERS are installed: those for applications, and below internal/
-# what these include; all other headers are the library's own.
+# sightline_library(NAME [NO_INSTALL] [FOLDER folder] SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …]): the library of
+# a folder, by default of the same name. LINKS are the dependencies between folders. HEADERS are installed: those for
+# applications, and in internal/ those that these include. All other headers are private to the library.
 function(sightline_library name)
   cmake_parse_arguments(arg "NO_INSTALL" "FOLDER" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
   if(NOT arg_FOLDER)
@@ -82,8 +82,8 @@ function(sightline_library name)
   endif()
 endfunction()
 
-# sightline_kernels(NAME AVX2 file AVX512 file): one binary for all processors. These files alone may use wider
-# instructions; core/instruction_set.h says which the processor has.
+# sightline_kernels(NAME AVX2 file AVX512 file): kernels of one binary for all processors. Only these files may use
+# wider instructions; core/instruction_set.h says which ones the processor has.
 function(sightline_kernels name)
   cmake_parse_arguments(arg "" "AVX2;AVX512" "" ${ARGN})
   if(SIGHTLINE_X86_KERNELS)
