@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# Instructions per frame of the culling alone, per method of the study and model: repeatable where times are not.
+# Counts instructions per frame of culling alone, per method of the study and model. Counts are repeatable, times are
+# not.
 #   scripts/callgrind-study.sh [BENCH arguments …]     default: --only P-38 aircraft
-# BENCH (build/release/bin/sightline-study, built with -DSIGHTLINE_STUDY=ON where valgrind/callgrind.h is found),
-# FRAMES (12), VARIANTS (names, comma-separated; empty: all) may be set. Valgrind knows no AVX-512: production runs
-# with AVX2 there. Threads other than the caller's are not counted, so variants with threads are left out.
+# Environment variables: BENCH (build/release/bin/sightline-study, built with -DSIGHTLINE_STUDY=ON where
+# valgrind/callgrind.h is found), FRAMES (12), VARIANTS (names, comma-separated; empty: all). Valgrind does not support
+# AVX-512: production runs with AVX2 there. Only the caller's thread is counted, so variants with threads are left out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bench=${BENCH:-build/release/bin/sightline-study}
 frames=${FRAMES:-12}
 default="no tree corners,no tree radar-two-answers,no tree vertices,no tree split simd-per-test,no tree vertices simd-over-boxes"
-# Only the better of mean and median is run with flags.
+# Only the compact walk is run with flags.
 for tree in mean median; do
   for walk in stack stackless compact; do default+=",$tree $walk vertices whole-leaves"; done
   for flags in +masking "+coherency +octant"; do default+=",$tree compact vertices $flags whole-leaves"; done
@@ -30,7 +31,7 @@ valgrind -q --tool=callgrind --instr-atstart=no --collect-atstart=no --callgrind
   "$bench" --tour-only --frames "$frames" --passes 1 --samples 1 --tables ${variants:+--variants "$variants"} \
   "${arguments[@]}" >"$dir/tables" 2>"$dir/log" || { cat "$dir/log" >&2; exit 1; }
 
-# Dumps are numbered in the order of the runs, and so are the models: each ends with brute force.
+# Dumps are numbered in the order of the runs. The models come in the same order, and each ends with brute force.
 printf '%-60s %16s\n' method 'instructions/frame'
 find "$dir" -name 'out.*' | sort -V | while read -r dump; do
   name=$(sed -n 's/^desc: Trigger: Client Request: //p' "$dump")

@@ -26,7 +26,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 COPY = ROOT / "build" / "mutants"
 
-# clang-format puts spaces around binary operators, so "a < b" is a relation and "vector<int>" is none.
+# clang-format puts spaces around binary operators, so "a < b" is a relation and "vector<int>" is not.
 SWAPS = {" < ": [" <= ", " >= "], " <= ": [" < "], " > ": [" >= ", " <= "], " >= ": [" > "], " == ": [" != "],
          " != ": [" == "], " + ": [" - "], " - ": [" + "], " * ": [" / "], " / ": [" * "], " && ": [" || "],
          " || ": [" && "], " += ": [" -= "], " -= ": [" += "], "++": ["--"], " % ": [" / "]}
@@ -89,7 +89,7 @@ def mutants_of(lines, chosen):
 
 
 def synchronise():
-    """Makes the copy what the tree is; files that are alike keep their times, so that little is built."""
+    """Makes the copy equal to the tree. Unchanged files keep their times, so that little is built."""
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, capture_output=True, text=True,
                             check=True).stdout.split("\n")
     names = {name for name in listed if name and (ROOT / name).is_file()}

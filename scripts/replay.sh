@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# All set-up, build, and a culled, rendered camera flight with figures.
+# Set-up, build, and a culled, rendered camera flight with figures, in one command.
 #   scripts/replay.sh                  generates a plant of 100,000 items and flies through it
 #   scripts/replay.sh MODEL…           flies through your own models (.rvm, .obj)
 # FRAMES (300), SIZE (640x360), EVERY (25) and OUT (out) may be set in the environment.

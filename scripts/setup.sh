@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Installs what a build needs on Debian 12 (skipping what is there), then configures and builds one preset.
+# Installs what a build needs on Debian 12 (skips what is installed), then configures and builds one preset.
 #   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan or fuzz; everything, or these targets
-# Packages that only tests and the window need are installed for everything, and for targets with tests (…_tests). Extra
-# CMake arguments come from SIGHTLINE_CMAKE_ARGS; SIGHTLINE_SETUP_VTK=1 installs VTK too.
+# Packages that only tests and the window need are installed when everything or a target with tests (…_tests) is built.
+# SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK too.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=${1:-release}
@@ -11,7 +11,7 @@ preset=${1:-release}
 packages=(g++ cmake ninja-build libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtinyobjloader-dev
   libstb-dev libpng-dev libbenchmark-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri)
 if [ $# -eq 0 ] || [[ $* == *_tests* ]]; then packages+=(ccache libglfw3-dev libgtest-dev libgmp-dev pkg-config xvfb xdotool); fi
-# VTK brings 246 packages: on request. With it the build has importers/vtk.
+# VTK brings 246 packages, so it is installed only on request. With it the build has importers/vtk.
 if [ -n "${SIGHTLINE_SETUP_VTK:-}" ]; then packages+=(libvtk9-dev); fi
 # The fuzz targets need clang and its runtime (see tests/CMakeLists.txt).
 if [ "$preset" = fuzz ] || [[ ${SIGHTLINE_CMAKE_ARGS:-} == *SIGHTLINE_FUZZ_TESTS=ON* ]]; then
@@ -33,7 +33,7 @@ if [ ${#missing[@]} -gt 0 ]; then
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 fi
 
-# The launcher is chosen once: another one would compile everything anew.
+# The launcher is chosen once: a change would recompile everything.
 launcher=()
 if [ ! -e "build/$preset/CMakeCache.txt" ] && command -v ccache >/dev/null; then
   launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
