@@ -58,7 +58,7 @@ if(SIGHTLINE_FUZZ)
 endif()
 
 # sightline_library(NAME [NO_INSTALL] [FOLDER folder] SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …]): the library of
-# a folder, by default of the same name. LINKS are the dependencies between folders. HEADERS are installed: those for
+# a folder, by default of the same name. LINKS are the public dependencies. HEADERS are installed: those for
 # applications, and in internal/ those that these include. All other headers are private to the library.
 function(sightline_library name)
   cmake_parse_arguments(arg "NO_INSTALL" "FOLDER" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
