@@ -35,8 +35,8 @@ class ShownMeshes {
     return w.low > 0.0 &&
            (misses_centres(span(clip_[0], slot), w, pixels_.x) || misses_centres(span(clip_[1], slot), w, pixels_.y));
   }
-  /// True when an item shows the eye only front faces of its solid shells (solid_shells.h). Then it is not mirrored and
-  /// wholly beyond the near plane, so the eye is outside and the plane cuts no shell open. Never true with sections.
+  /// True when an item shows the eye only front faces of its solid shells (solid_shells.h): it is not mirrored, and it
+  /// lies wholly beyond the near plane, so the eye is outside and the plane cuts no shell open. Never with sections.
   bool shows_fronts_alone(Slot slot) const { return can_face_ && beyond_near_plane(slot) && !mirrored(slot); }
 
  private:

@@ -23,10 +23,10 @@ struct VisibleRecords {
   /// Records of a batch other than meshes, in slot order.
   struct OfBatch {
     std::vector<Run> runs;               ///< kShortestRun and longer
-    std::vector<std::uint32_t> singles;  ///< those of ranges, then the set's single slots
+    std::vector<std::uint32_t> singles;  ///< records from ranges, then from the set's single slots
   };
   std::array<OfBatch, kBatchKindCount> batches;
-  std::vector<core::Slot> meshes;  ///< those of ranges, then the set's single slots
+  std::vector<core::Slot> meshes;  ///< slots from ranges, then the set's single slots
 
   /// Sorts the slots of `visible` into their batches, each once. Keeps its memory between calls. Leaves out vacant
   /// slots, except gaps of up to kLongestGap in ranges of kShortestRun slots or more. Takes time in proportion to the
