@@ -11,7 +11,7 @@
 
 namespace sightline::engine {
 
-/// What an application asks for.
+/// The culler that an application requests.
 enum class CullerChoice : std::uint8_t {
   kAutomatic,  ///< linear for small scenes, the hierarchy for all others
   kLinear,     ///< test every box
