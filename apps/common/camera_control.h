@@ -11,7 +11,7 @@
 
 namespace sightline::apps {
 
-/// What the user did since the last time.
+/// What the user has done since the last apply().
 struct CameraInput {
   double seconds = 0.0;    ///< how long the keys were held
   core::dvec3 move{0.0};   ///< right, forward, up: -1 … 1 each
