@@ -1,5 +1,6 @@
-// Slice of a circular torus in units of its larger radius, the sweep's bisector along x. Derivation: gpuprims/internal/circular_torus.h.
-// extra = tube radius; texel 4: (major radius, 1 when closed, cosine and sine of half the angle).
+// Slice of a circular torus in units of its larger radius, with the sweep's bisector along x. Derivation:
+// gpuprims/internal/circular_torus.h. extra = tube radius; texel 4: (major radius, 1 when closed, cosine and sine of
+// half the angle).
 #include "arithmetic.glsl"
 #include "wedge.glsl"
 

@@ -1,8 +1,8 @@
 // What is rasterised for a ray-cast primitive, one of:
 //   - The three sides of its box that face the viewer. They are front faces only, so the written depth never lies in
 //     front of the proxy's (depth_less in reverse-Z), and early depth tests stay on.
-//   - A rectangle at one depth. If the eye is inside the box, no side faces it: the rectangle is the whole screen at the
-//     near plane. If the box covers few pixels, it is those pixels at the depth of the box's nearest corner.
+//   - A rectangle at one depth. If the eye is inside the box, no side faces it: the rectangle is the whole screen at
+//     the near plane. If the box covers few pixels, it is those pixels at the depth of the box's nearest corner.
 //   - Nothing, if the box covers no pixel centre: no ray is cast beside one.
 
 // Bit i of corner c is set when the corner lies on the viewer's side along axis i. Its position in clip space is the

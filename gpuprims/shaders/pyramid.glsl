@@ -1,5 +1,5 @@
-// Frustum of a rectangular pyramid, in units of its largest side or height. extra = height; texels 4 and 5: (half the bottom's sides,
-// half the top's), (offset x, y, -, -).
+// Frustum of a rectangular pyramid, in units of its largest side or height. extra = height; texels 4 and 5: (half the
+// bottom's sides, half the top's), (offset x, y, -, -).
 #include "search.glsl"
 
 struct Shape {

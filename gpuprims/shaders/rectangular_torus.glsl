@@ -1,5 +1,6 @@
-// Slice of a rectangular torus in units of its outer radius, the sweep's bisector along x. extra = height; texel 4: (inner radius, 1
-// when closed, cosine and sine of half the angle). Derivation: gpuprims/internal/rectangular_torus.h.
+// Slice of a rectangular torus in units of its outer radius, with the sweep's bisector along x. extra = height; texel
+// 4: (inner radius, 1 when closed, cosine and sine of half the angle). Derivation:
+// gpuprims/internal/rectangular_torus.h.
 #include "cylinder_span.glsl"
 #include "wedge.glsl"
 

@@ -1,6 +1,6 @@
-// Snout (truncated cone, eccentric, slanted ends) in units of its larger radius. Derivation: gpuprims/internal/snout.h. extra = height; texels
-// 4 to 6: (bottom radius, top radius, offset x, y), (bottom slant x, y, top slant x, y), (lowest and highest z of the solid, level cuts
-// below and above or far beyond).
+// Snout (truncated cone, eccentric, slanted ends) in units of its larger radius. Derivation: gpuprims/internal/snout.h.
+// extra = height; texels 4 to 6: (bottom radius, top radius, offset x, y), (bottom slant x, y, top slant x, y), (lowest
+// and highest z of the solid, level cuts below and above or far beyond).
 #include "arithmetic.glsl"
 #include "search.glsl"
 
