@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/blank.h"
-#include "sightline/apps/common/controller_trace.h"
+#include "sightline/apps/common/frame_words.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/view_window.h"

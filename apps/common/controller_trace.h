@@ -7,14 +7,8 @@
 
 #include "sightline/core/error.h"
 #include "sightline/culling/controller.h"
-#include "sightline/engine/engine.h"
 
 namespace sightline::apps {
-
-/// The state of the hybrid's controller in a frame; "fixed" without a hybrid.
-inline std::string_view state_name(const engine::FrameReport& report) {
-  return report.state ? name_of(*report.state) : "fixed";
-}
 
 /// One frame of a trace: the cost of both paths, milliseconds. NaN: not measured.
 struct TraceFrame {
