@@ -8,13 +8,17 @@ namespace sightline::culling {
 
 core::Expected<void> BatchPrograms::make(const gl::Functions& gl, std::span<const CullBatch> batches,
                                          const std::function<gl::ProgramDescription(bool meshes)>& describe) {
+  std::vector<gl::ProgramDescription> descriptions;
+  std::vector<bool> of_meshes;
   for (const bool meshes : {false, true}) {
     if (std::none_of(batches.begin(), batches.end(), [&](const CullBatch& b) { return b.meshes() == meshes; }))
       continue;
-    auto program = gl::Program::create(gl, describe(meshes));
-    if (!program) return tl::unexpected(program.error());
-    programs_[meshes] = std::move(*program);
+    descriptions.push_back(describe(meshes));
+    of_meshes.push_back(meshes);
   }
+  auto programs = gl::Program::create_all(gl, descriptions);
+  if (!programs) return tl::unexpected(programs.error());
+  for (std::size_t i = 0; i < programs->size(); ++i) programs_[of_meshes[i]] = std::move((*programs)[i]);
   return {};
 }
 
