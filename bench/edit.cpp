@@ -314,8 +314,7 @@ core::Expected<int> run(const Options& options) {
   auto rebuild = measure_rebuild(options, *views);
   if (!rebuild) return tl::unexpected(rebuild.error());
   json["rebuild"] = std::move(*rebuild);
-  print_table(json, apps::table_stream(options.json));
-  return finish(options.json, json);
+  return finish(options.json, json, print_table);
 }
 
 void add_options(CLI::App& app, Options& options) {

@@ -45,4 +45,11 @@ core::Expected<int> finish(const std::string& json_file, const Json& json) {
   return apps::kExitOk;
 }
 
+/// The same after print_table(json, stream), where the table does not get into the JSON.
+template <class Json, class Print>
+core::Expected<int> finish(const std::string& json_file, const Json& json, const Print& print_table) {
+  print_table(json, apps::table_stream(json_file));
+  return finish(json_file, json);
+}
+
 }  // namespace sightline::bench

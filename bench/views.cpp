@@ -201,8 +201,7 @@ void print_table(const Json& json, std::FILE* out) {
 core::Expected<int> run(const Options& options) {
   const auto json = measure(options);
   if (!json) return tl::unexpected(json.error());
-  print_table(*json, apps::table_stream(options.json));
-  return finish(options.json, *json);
+  return finish(options.json, *json, print_table);
 }
 
 }  // namespace

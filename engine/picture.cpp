@@ -1,4 +1,6 @@
 // Functions of Engine that read the drawn picture.
+#include <type_traits>
+
 #include "sightline/engine/internal/drawing.h"
 
 namespace sightline::engine {
@@ -6,14 +8,14 @@ namespace {
 
 core::Expected<const render::RenderTarget*> target_of(Engine& engine) {
   const Drawing* drawing = engine.drawing();
-  if (!drawing) return core::fail("picture: nothing is drawn without EngineConfig::draw, or while the context is lost");
-  if (drawing->target().width() == 0) return core::fail("picture: nothing is drawn without EngineConfig::draw");
+  if (!drawing || drawing->target().width() == 0)
+    return core::fail("picture: nothing is drawn without EngineConfig::draw, or while the context is lost");
   return &drawing->target();
 }
 
 /// Result of `read` for the target.
 template <class Read>
-auto read_from(Engine& engine, Read read) -> core::Expected<decltype(read(engine.drawing()->target()))> {
+auto read_from(Engine& engine, Read read) -> core::Expected<std::invoke_result_t<Read, const render::RenderTarget&>> {
   const auto target = target_of(engine);
   if (!target) return tl::unexpected(target.error());
   return read(**target);
