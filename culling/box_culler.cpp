@@ -43,7 +43,7 @@ BoxCuller& BoxCuller::operator=(BoxCuller&&) noexcept = default;
 BoxCuller::~BoxCuller() = default;
 
 core::Expected<BoxCuller> BoxCuller::create(std::span<const core::AabbD> boxes) {
-  if (boxes.size() >= core::kNone) return core::fail("box culler: expected fewer than 2^32 boxes");
+  if (boxes.size() >= core::kNone / 2) return core::fail("box culler: expected fewer than 2^31 - 1 boxes");
   core::AabbD around;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (auto fine = check(boxes[i], i); !fine) return tl::unexpected(fine.error());

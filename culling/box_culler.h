@@ -16,12 +16,12 @@
 
 namespace sightline::culling {
 
-/// Owns its boxes: a copy in float, rounded outwards, in an order of its own (64 bytes a box with the hierarchy). Box i
+/// Owns its boxes: a copy in float, rounded outwards, in an order of its own (33 bytes a box with the hierarchy). Box i
 /// is the i-th of those given to create(). Promise: conservative, with the same answer as CpuCuller. Movable.
 class BoxCuller {
  public:
   /// Boxes in world coordinates, in any unit. Empty boxes (min > max) are never visible. Fails on a box with a NaN or
-  /// an infinite corner, which the message names, and on 2^32 boxes or more.
+  /// an infinite corner, which the message names, and on 2^31 - 1 boxes or more.
   static core::Expected<BoxCuller> create(std::span<const core::AabbD> boxes);
 
   BoxCuller(BoxCuller&&) noexcept;
