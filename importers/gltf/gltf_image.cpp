@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 
@@ -7,7 +9,21 @@
 
 #include "sightline/importers/gltf/internal/gltf_materials.h"
 
+// Compressed pixels may swell to a thousand times their size, whatever size the header states. So each allocation of
+// stb_image is limited by what an image of the stated size can need. An image that asks for more is damaged.
+namespace {
+thread_local std::size_t largest_allocation = 0;  // bytes
+
+void* allocate(std::size_t bytes) { return bytes <= largest_allocation ? std::malloc(bytes) : nullptr; }
+void* reallocate(void* former, std::size_t bytes) {
+  return bytes <= largest_allocation ? std::realloc(former, bytes) : nullptr;
+}
+}  // namespace
+
 // stb_image is compiled only here, for the two formats that glTF allows, and without access to files.
+#define STBI_MALLOC(bytes) allocate(bytes)
+#define STBI_REALLOC(former, bytes) reallocate(former, bytes)
+#define STBI_FREE(former) std::free(former)
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
@@ -45,6 +61,28 @@ bool starts_with(std::span<const std::byte> file, std::initializer_list<int> sig
   return true;
 }
 
+bool is_png(std::span<const std::byte> file) { return starts_with(file, {0x89, 'P', 'N', 'G'}); }
+
+/// Whether every chunk of a PNG file ends within it. stb_image reserves memory by the length of a chunk before it reads
+/// one, and doubles 32-bit sizes until they overflow.
+bool chunks_fit(std::span<const std::byte> png) {
+  constexpr std::size_t kSignature = 8, kAround = 12;  // length, name and checksum of a chunk
+  for (std::size_t at = kSignature; png.size() >= at + kAround;) {
+    std::size_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | std::size_t(png[at + i]);
+    if (length > png.size() - at - kAround) return false;
+    at += kAround + length;
+  }
+  return true;
+}
+
+/// The most bytes that decoding takes in one piece: 16 bits for each of four channels, of an image whose sides a JPEG
+/// rounds up to its blocks, or the compressed bytes. stb_image doubles a buffer that is too small.
+std::size_t most_allocated(std::size_t file_bytes, std::uint64_t width, std::uint64_t height) {
+  constexpr std::size_t kTables = std::size_t{64} << 10;
+  return kTables + 2 * std::max<std::size_t>(file_bytes, 8 * (width + 64) * (height + 64));
+}
+
 }  // namespace
 
 double srgb_from_linear(double linear) {
@@ -52,11 +90,13 @@ double srgb_from_linear(double linear) {
 }
 
 core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh, std::uint64_t& pixels_left) {
-  if (!starts_with(file, {0x89, 'P', 'N', 'G'}) && !starts_with(file, {0xff, 0xd8}))
+  if (!is_png(file) && !starts_with(file, {0xff, 0xd8}))
     return core::fail("expected a PNG or JPEG image");
   if (file.size() > std::size_t(std::numeric_limits<int>::max())) return core::fail("expected an image below 2 GiB");
+  if (is_png(file) && !chunks_fit(file)) return core::fail("expected a whole image, found a chunk beyond its end");
   const auto* data = reinterpret_cast<const stbi_uc*>(file.data());
   int width = 0, height = 0, channels = 0;
+  largest_allocation = most_allocated(file.size(), 0, 0);
   if (!stbi_info_from_memory(data, int(file.size()), &width, &height, &channels) || width <= 0 || height <= 0)
     return core::fail("expected a readable image header");
   const std::uint64_t count = std::uint64_t(width) * std::uint64_t(height);
@@ -64,6 +104,7 @@ core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh
     return core::fail(fmt::format("expected at most {} pixels, found {} x {}", kMostPixels, width, height));
   if (count > pixels_left) return core::fail("more pixels in all images than the file's size allows");
   pixels_left -= count;
+  largest_allocation = most_allocated(file.size(), std::uint64_t(width), std::uint64_t(height));
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(data, int(file.size()), &width, &height, &channels, 4), stbi_image_free);
   if (!pixels) return core::fail("expected a whole image, found damage");

@@ -588,16 +588,61 @@ TEST_F(GltfReader, RealFile) {
   EXPECT_GT(paint.colour.y, paint.colour.z);  // green
 }
 
-/// A PNG of one pixel, its bytes stored without compression.
-std::string one_pixel(std::uint8_t red, std::uint8_t green, std::uint8_t blue, std::uint8_t alpha) {
+/// A PNG of one pixel. `zlib` are its compressed bytes in chunks, each with the length that it claims.
+std::string png_of_one_pixel(std::initializer_list<std::pair<std::uint32_t, std::vector<std::uint8_t>>> zlib) {
   std::vector<std::byte> png;
   const auto put = [&](std::initializer_list<int> bytes) {
     for (const int b : bytes) png.push_back(std::byte(b));
   };
   put({0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0, 0, 0, 1, 0, 0, 0, 1, 8, 6, 0, 0, 0});
-  put({0, 0, 0, 0, 0, 0, 0, 16, 'I', 'D', 'A', 'T', 0x78, 1, 1, 5, 0, 250, 255, 0, red, green, blue, alpha});
-  put({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 'I', 'E', 'N', 'D', 0, 0, 0, 0});
+  put({0, 0, 0, 0});
+  for (const auto& [length, bytes] : zlib) {
+    put({int(length >> 24), int(length >> 16), int(length >> 8), int(length), 'I', 'D', 'A', 'T'});
+    for (const std::uint8_t b : bytes) put({b});
+    put({0, 0, 0, 0});
+  }
+  put({0, 0, 0, 0, 'I', 'E', 'N', 'D', 0, 0, 0, 0});
   return "data:image/png;base64," + tests::base64(png);
+}
+
+std::string one_pixel(std::uint8_t red, std::uint8_t green, std::uint8_t blue, std::uint8_t alpha) {
+  // Stored without compression.
+  return png_of_one_pixel({{16, {0x78, 1, 1, 5, 0, 250, 255, 0, red, green, blue, alpha, 0, 0, 0, 0}}});
+}
+
+/// zlib data of 2 MB of zeros in 13 KB: a literal and copies of 258 bytes, by the fixed codes of RFC 1951.
+std::vector<std::uint8_t> swelling_zeros() {
+  std::vector<std::uint8_t> zlib = {0x78, 1};
+  int used = 8;
+  const auto put = [&](std::string_view bits) {
+    for (const char bit : bits) {
+      if (used == 8) zlib.push_back(0), used = 0;
+      zlib.back() |= std::uint8_t((bit - '0') << used++);
+    }
+  };
+  put("110");  // the last block, of fixed codes
+  put("00110000");
+  for (int i = 0; i < 8000; ++i) put("1100010100000");
+  put("0000000");
+  zlib.resize(zlib.size() + 4);
+  return zlib;
+}
+
+TEST_F(GltfReader, ImagesThatClaimMoreThanTheyHold) {
+  const std::vector<std::uint8_t> pixel = {0x78, 1, 1, 5, 0, 250, 255, 0, 1, 2, 3, 4, 0, 0, 0, 0};
+  const std::vector<std::uint8_t> zeros = swelling_zeros();
+  // stb_image alone reads the first one, takes 2 GiB for the second one, and does not return from the third one.
+  for (const std::string& image : {png_of_one_pixel({{std::uint32_t(zeros.size()), zeros}}),
+                                   png_of_one_pixel({{0x7abfe010u, pixel}}),
+                                   png_of_one_pixel({{16, pixel}, {0xc0000000u, pixel}})}) {
+    GltfBytes g = tests::small_gltf();
+    g.json["images"][0] = {{"uri", image}};
+    const auto report = read(g);
+    ASSERT_TRUE(report) << report.error().message;
+    ASSERT_EQ(report->warnings.size(), 1u);
+    EXPECT_NE(report->warnings[0].message.find("expected a whole image"), std::string::npos)
+        << report->warnings[0].message;
+  }
 }
 
 TEST_F(GltfReader, DarkAndInvisibleTextures) {
