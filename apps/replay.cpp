@@ -133,8 +133,9 @@ struct Flight {
 core::Expected<core::CameraPath> choose_path(const Options& o, const apps::Model& model,
                                              const core::Snapshot& snapshot) {
   if (o.path.empty()) {
-    apps::warn_of_outliers(snapshot.bounds().fitted_bounds());
-    return core::make_tour(snapshot.bounds());  // of the model where --translate put it
+    const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
+    apps::warn_of_outliers(fitted);
+    return core::make_tour(snapshot.bounds(), fitted);  // of the model where --translate put it
   }
   auto path = importers::read_path(o.path);
   return path ? importers::translated(*path, model.offset) : path;

@@ -106,7 +106,7 @@ struct Figures {
 
 struct Row {
   std::string trace;
-  Figures frame_cost, seed;
+  Figures frame_cost, policy_2009;
 };
 
 culling::ControllerConfig config_of(culling::Policy policy) {
@@ -117,7 +117,7 @@ culling::ControllerConfig config_of(culling::Policy policy) {
 
 void add(Row& row, const std::vector<apps::TraceFrame>& trace, bool rendering, double weight) {
   row.frame_cost.add(apps::run_controller(trace, config_of(culling::Policy::kFrameCost), rendering), weight);
-  row.seed.add(apps::run_controller(trace, config_of(culling::Policy::k2009), rendering), weight);
+  row.policy_2009.add(apps::run_controller(trace, config_of(culling::Policy::k2009), rendering), weight);
 }
 
 /// Whether a path has any costs in the trace. Without a GPU clock there are no cull times.
@@ -153,12 +153,12 @@ core::Expected<std::vector<Row>> measure(const Options& options) {
 }
 
 void print(const std::vector<Row>& rows, std::FILE* out) {
-  std::fprintf(out, "%-50s | %-37s | %s\n", "", "frame-cost", "seed");
+  std::fprintf(out, "%-50s | %-37s | %s\n", "", "frame-cost", "2009");
   std::fprintf(out, "%-50s | %7s %7s %7s %6s %6s | %7s %7s %7s %6s %6s\n", "trace", "/oracle", "worst", "/fixed",
                "switch", "probes", "/oracle", "worst", "/fixed", "switch", "probes");
   for (const Row& row : rows) {
     std::fprintf(out, "%-50s", row.trace.c_str());
-    for (const Figures* f : {&row.frame_cost, &row.seed})
+    for (const Figures* f : {&row.frame_cost, &row.policy_2009})
       std::fprintf(out, " | %7.3f %7.3f %7.3f %6.1f %6.1f", f->oracle, f->worst_oracle, f->best_fixed, f->switches,
                    f->probes);
     std::fprintf(out, "\n");
@@ -178,14 +178,14 @@ Json to_json(const std::vector<Row>& rows) {
     out.push_back({{"trace", row.trace},
                    {"frames", row.frame_cost.frames},
                    {"frame-cost", figures(row.frame_cost)},
-                   {"seed", figures(row.seed)}});
+                   {"2009", figures(row.policy_2009)}});
   return Json{{"traces", out}};
 }
 
 std::string plot(const std::vector<Row>& rows) {
   std::vector<apps::BarPair> bars;
-  for (const Row& row : rows) bars.push_back({row.trace, row.frame_cost.oracle, row.seed.oracle});
-  return apps::svg_bars("Cost of the chosen paths / cost of the per-frame oracle", {"frame-cost", "seed"}, bars);
+  for (const Row& row : rows) bars.push_back({row.trace, row.frame_cost.oracle, row.policy_2009.oracle});
+  return apps::svg_bars("Cost of the chosen paths / cost of the per-frame oracle", {"frame-cost", "2009"}, bars);
 }
 
 core::Expected<int> run(const Options& options) {

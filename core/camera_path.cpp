@@ -381,7 +381,7 @@ CameraPath make_tour(const AabbD& bounds, const std::vector<dvec3>& places, doub
   return path;
 }
 
-CameraPath make_tour(const ItemBounds& items, double duration) {
+CameraPath make_tour(const ItemBounds& items, const FittedBounds& fitted, double duration) {
   constexpr std::size_t kPlaces = 4096;
   std::vector<dvec3> places;
   const std::size_t step = std::max<std::size_t>(1, items.size() / kPlaces);
@@ -389,7 +389,7 @@ CameraPath make_tour(const ItemBounds& items, double duration) {
     const Aabb box = items.box(i);
     if (!box.empty()) places.push_back(items.origin + 0.5 * (dvec3(box.min) + dvec3(box.max)));
   }
-  return make_tour(items.fitted_bounds().bounds, places, duration);
+  return make_tour(fitted.bounds, places, duration);
 }
 
 }  // namespace sightline::core

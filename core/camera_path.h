@@ -11,6 +11,7 @@
 namespace sightline::core {
 
 class ItemBounds;
+struct FittedBounds;
 
 struct CameraKey {
   double time = 0.0;  ///< seconds, rising from key to key
@@ -59,8 +60,8 @@ class CameraPath {
 /// Deterministic; works for empty and flat bounds. `places` are points worth visiting (item centres, say); it may be
 /// empty.
 CameraPath make_tour(const AabbD& bounds, const std::vector<dvec3>& places, double duration = 60.0);
-/// The same for a snapshot's items without their outliers (ItemBounds::fitted_bounds()). The places are the centres of
-/// at most about 8,000 items.
-CameraPath make_tour(const ItemBounds& items, double duration = 60.0);
+/// The same for a snapshot's items without their outliers. `fitted` is what items.fitted_bounds() returned. The places
+/// are the centres of at most about 8,000 items.
+CameraPath make_tour(const ItemBounds& items, const FittedBounds& fitted, double duration = 60.0);
 
 }  // namespace sightline::core

@@ -91,7 +91,9 @@ void Snapshot::build(Items&& items, int threads) {
   {
     std::vector<Aabb> boxes(n);
     for (std::size_t i = 0; i < n; ++i) boxes[i] = items.records[i].box;
-    order = spatial_order(boxes, threads);
+    // Only the order is kept. A subtree is a range of slots, and code that traverses the hierarchy builds the nodes it
+    // needs.
+    order = block_order(boxes, {.threads = threads});
   }
   std::vector<dvec3> places(n);
   for (std::size_t s = 0; s < n; ++s) places[s] = items.records[order[s]].origin;
@@ -112,14 +114,6 @@ void Snapshot::build(Items&& items, int threads) {
   ordered_size_ = n;
   extend_ranks();
   count_vacant();
-}
-
-std::vector<std::uint32_t> Snapshot::spatial_order(const std::vector<Aabb>& boxes, int threads) {
-  constexpr std::size_t kWorthThreads = 65536;
-  if (boxes.size() < kWorthThreads) threads = 1;
-  // Only the order is kept. A subtree is a range of slots, and code that traverses the hierarchy builds the nodes it
-  // needs.
-  return block_order(boxes, {.threads = threads});
 }
 
 /// Width + depth + height.

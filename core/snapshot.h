@@ -128,7 +128,6 @@ class Snapshot {
     std::uint32_t record, chunk;
   };
   void build(Items&& items, int threads);
-  static std::vector<std::uint32_t> spatial_order(const std::vector<Aabb>& boxes, int threads);
   static float size_of(const Aabb& box);
   static std::shared_ptr<const MaterialTable> updated(const MaterialTable& former, const Scene& scene,
                                                       std::span<const std::uint32_t> materials);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "sightline/core/internal/block_order.h"
 #include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/radix_sort.h"
 #include "sightline/core/snapshot.h"
@@ -199,7 +200,7 @@ void Snapshot::append_sorted(const Items& items, std::span<const Newcomer> newco
   if (newcomers.empty()) return;
   std::vector<Aabb> boxes(newcomers.size());
   for (std::size_t i = 0; i < newcomers.size(); ++i) boxes[i] = items.records[newcomers[i].record].box;
-  std::vector<std::uint32_t> order = spatial_order(boxes, {});
+  std::vector<std::uint32_t> order = block_order(boxes);
   // Blocks of the order must become blocks of slots. So items from the end of the order complete the last block.
   const std::size_t first = size(), missing = std::min((kBlockSlots - first % kBlockSlots) % kBlockSlots, order.size());
   std::rotate(order.begin(), order.end() - std::ptrdiff_t(missing), order.end());

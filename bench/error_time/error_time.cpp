@@ -151,10 +151,11 @@ core::Expected<std::vector<NamedView>> views_of(const Options& o, const std::str
     return views;
   }
   const core::Snapshot snapshot(*model.scene);
-  auto whole = core::View::fit(snapshot.bounds().fitted_bounds().bounds, core::kOverviewDirection, apps::kFovy, aspect);
+  const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
+  auto whole = core::View::fit(fitted.bounds, core::kOverviewDirection, apps::kFovy, aspect);
   if (!whole) return tl::unexpected(whole.error());
   views.push_back({"whole", *whole});
-  const core::CameraPath tour = core::make_tour(snapshot.bounds());
+  const core::CameraPath tour = core::make_tour(snapshot.bounds(), fitted);
   for (const int percent : {40, 70}) {
     auto view = tour.view(tour.time_of(percent, 101), aspect);
     if (!view) return tl::unexpected(view.error());

@@ -23,7 +23,7 @@ struct HybridMode {
 inline constexpr HybridMode kHybridModes[] = {{"cpu", engine::CullerChoice::kCpu},
                                               {"gpu", engine::CullerChoice::kGpu},
                                               {"hybrid frame-cost", engine::CullerChoice::kHybrid},
-                                              {"hybrid seed", engine::CullerChoice::kHybrid, culling::Policy::k2009}};
+                                              {"hybrid 2009", engine::CullerChoice::kHybrid, culling::Policy::k2009}};
 inline constexpr std::size_t kModes = std::size(kHybridModes);
 
 struct HybridFrame {

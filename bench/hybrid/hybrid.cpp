@@ -84,7 +84,8 @@ FlightConfig config_of(const Options& o, bool rendering) {
 /// The automatic tour, as sightline-replay flies it.
 core::Expected<std::vector<core::View>> tour(core::Scene& scene, const Options& o) {
   if (auto done = scene.commit(); !done) return tl::unexpected(done.error());
-  const core::CameraPath path = core::make_tour(core::Snapshot(scene).bounds());
+  const core::Snapshot snapshot(scene);
+  const core::CameraPath path = core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
   const std::array<int, 2> size = *apps::parse_size(o.size);
   std::vector<core::View> views;
   for (int i = 0; i < o.frames; ++i) {

@@ -12,7 +12,7 @@ namespace sightline::core {
 
 struct BlockOrderConfig {
   std::uint32_t smallest_block = 8;  ///< boxes of a block of this size or smaller are in no particular order; > 0
-  int threads = 0;                   ///< 0: all that OpenMP offers. The order does not depend on it
+  int threads = 0;                   ///< 0: all that OpenMP offers, of few boxes one. The order does not depend on it
 };
 
 /// result[place] = index into `boxes`. The whole range is split across the longest axis of the boxes' centroids, into

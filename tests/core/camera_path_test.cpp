@@ -295,7 +295,7 @@ TEST(MakeTour, WorksForDegenerateBounds) {
 }
 
 TEST(MakeTour, BadDurationFallsBackToAMinute) {
-  for (const double duration : {0.0, -1.0, kNaN, kInf}) EXPECT_NEAR(make_tour({}, {}, duration).end(), 60.0, 1e-9);
+  for (const double duration : {0.0, -1.0, kNaN, kInf}) EXPECT_NEAR(make_tour(AabbD(), {}, duration).end(), 60.0, 1e-9);
 }
 
 TEST(MakeTour, IsDeterministicAndVisitsDensePlaces) {
@@ -335,7 +335,7 @@ TEST(MakeTour, OfItemsStaysWithThemWhateverLiesFarOff) {
     const vec3 p(float(i % 100), float(i / 100), 0.0f);
     items.set(i, {p, p + 1.0f});
   }
-  const CameraPath near = make_tour(items, 30.0);
+  const CameraPath near = make_tour(items, items.fitted_bounds(), 30.0);
   EXPECT_NEAR(near.end(), 30.0, 1e-9);
   std::vector<dvec3> places;
   for (std::size_t i = 0; i < 4990; ++i)
@@ -348,9 +348,9 @@ TEST(MakeTour, OfItemsStaysWithThemWhateverLiesFarOff) {
   }
 
   items.set(4999, {vec3(1e6f), vec3(1e6f)});
-  const CameraPath far = make_tour(items, 30.0);
+  const CameraPath far = make_tour(items, items.fitted_bounds(), 30.0);
   for (const CameraKey& key : far.keys()) EXPECT_LT(glm::length(key.pose.eye - items.origin), 1000.0);
-  EXPECT_TRUE(make_tour(ItemBounds()).keys().size() > 10u);
+  EXPECT_TRUE(make_tour(ItemBounds(), ItemBounds().fitted_bounds()).keys().size() > 10u);
 }
 
 }  // namespace
