@@ -1,7 +1,11 @@
 # cmake --install: the libraries, their public headers, and packages for find_package() and pkg-config. Include this
-# after all sightline_library() calls: it reads their targets.
+# after SharedLibrary.cmake.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
+
+if(BUILD_SHARED_LIBS)
+  install(TARGETS sightline EXPORT SightlineTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
 
 # How the packages name an external target that a library links: in find_dependency() (_PACKAGE), and in a pkg-config
 # file under Requires (_REQUIRES) or Libs (_LIBS).
@@ -24,18 +28,28 @@ endforeach()
 set(external_${CMAKE_DL_LIBS}_LIBS "-l${CMAKE_DL_LIBS}")
 
 get_property(libraries GLOBAL PROPERTY SIGHTLINE_LIBRARIES)
+if(BUILD_SHARED_LIBS)
+  list(REMOVE_ITEM libraries importers_vtk)
+endif()
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Sightline)
 file(RELATIVE_PATH PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 set(SIGHTLINE_DEPENDENCIES "")  # lines of SightlineConfig.cmake
 foreach(name IN LISTS libraries)
-  install(TARGETS sightline_${name} EXPORT SightlineTargets
-          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  if(BUILD_SHARED_LIBS)
+    set(component sightline_${name}_component)
+    set(PC_LIBRARY sightline)
+    sightline_public_links(targets ${name})
+  else()
+    set(component sightline_${name})
+    set(PC_LIBRARY sightline_${name})
+    get_target_property(targets sightline_${name} LINK_LIBRARIES)
+  endif()
+  install(TARGETS ${component} EXPORT SightlineTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
           FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   set(links "")
   foreach(kind PACKAGE REQUIRES LIBS)
     set(${kind} "")
   endforeach()
-  get_target_property(targets sightline_${name} LINK_LIBRARIES)
   foreach(target IN LISTS targets)
     if(target MATCHES "^sightline::(.+)$")
       list(APPEND links ${CMAKE_MATCH_1})

@@ -59,7 +59,8 @@ endif()
 
 # sightline_library(NAME [NO_INSTALL] [FOLDER folder] SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …]): the library of
 # a folder, by default of the same name. LINKS are the public dependencies. HEADERS are installed: those for
-# applications, and in internal/ those that these include. All other headers are private to the library.
+# applications, and in internal/ those that these include. All other headers are private to the library. The library is
+# an archive always; with BUILD_SHARED_LIBS all archives together become libsightline (SharedLibrary.cmake).
 function(sightline_library name)
   cmake_parse_arguments(arg "NO_INSTALL" "FOLDER" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
   if(NOT arg_FOLDER)
@@ -67,9 +68,9 @@ function(sightline_library name)
   endif()
   sightline_include_root(root ${name} ${arg_FOLDER})
   set(target sightline_${name})
-  add_library(${target} ${arg_SOURCES})
+  add_library(${target} STATIC ${arg_SOURCES})
   add_library(sightline::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PUBLIC ${arg_LINKS} PRIVATE $<BUILD_INTERFACE:sightline_flags> ${arg_PRIVATE_LINKS})
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${root}>)

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "sightline/core/api.h"
 #include "sightline/core/conventions.h"
 
 namespace sightline::core {
@@ -46,10 +47,10 @@ inline double next_below(double x) {
 
 /// Largest float <= x. Returns kFar for x >= Aabb::kFar, and the lowest float for x <= -kFar: both err outwards or
 /// concern coordinates that commit() refuses.
-float round_down(double x);
+SIGHTLINE_API float round_down(double x);
 /// Smallest float >= x; see round_down.
-float round_up(double x);
+SIGHTLINE_API float round_up(double x);
 /// The smallest float box around `box - origin`, rounded outwards including the subtraction's own rounding error.
-Aabb round_outwards(const AabbD& box, const dvec3& origin);
+SIGHTLINE_API Aabb round_outwards(const AabbD& box, const dvec3& origin);
 
 }  // namespace sightline::core

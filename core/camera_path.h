@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sightline/core/aabb.h"
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/view.h"
 
@@ -29,7 +30,7 @@ struct CameraSample {
 /// tan(fovy/2) each follow the natural cubic spline through their keys over time (C2). Up vectors turn along the great
 /// circle between neighbouring keys with a smooth (C2, quintic) ease; antipodal ones turn about the line of sight.
 /// Where eye and target coincide, the path keeps the last line of sight before that moment.
-class CameraPath {
+class SIGHTLINE_API CameraPath {
  public:
   CameraPath() = default;
   /// Needs at least one key, finite numbers, eye != target, 0 < fovy < pi and rising times. Keys of equal time and
@@ -59,9 +60,9 @@ class CameraPath {
 /// places, a walkthrough along the longest horizontal axis at eye height, fast turns, and back to the overview.
 /// Deterministic; works for empty and flat bounds. `places` are points worth visiting (item centres, say); it may be
 /// empty.
-CameraPath make_tour(const AabbD& bounds, const std::vector<dvec3>& places, double duration = 60.0);
+SIGHTLINE_API CameraPath make_tour(const AabbD& bounds, const std::vector<dvec3>& places, double duration = 60.0);
 /// The same for a snapshot's items without their outliers. `fitted` is what items.fitted_bounds() returned. The places
 /// are the centres of at most about 8,000 items.
-CameraPath make_tour(const ItemBounds& items, const FittedBounds& fitted, double duration = 60.0);
+SIGHTLINE_API CameraPath make_tour(const ItemBounds& items, const FittedBounds& fitted, double duration = 60.0);
 
 }  // namespace sightline::core

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/scene.h"
 
 namespace sightline::core {
@@ -17,6 +18,6 @@ struct NodeCondition {
 
 /// The nodes of the subtree that fulfil all conditions, parents first. Looks at every node, name and attribute: some
 /// 50 ns each.
-std::vector<NodeId> find_nodes(const Scene& scene, NodeId top, std::span<const NodeCondition> conditions);
+SIGHTLINE_API std::vector<NodeId> find_nodes(const Scene& scene, NodeId top, std::span<const NodeCondition> conditions);
 
 }  // namespace sightline::core

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "sightline/core/aabb.h"
+#include "sightline/core/api.h"
 #include "sightline/core/internal/large_array.h"
 
 namespace sightline::core {
@@ -24,7 +25,7 @@ inline constexpr std::uint32_t kBlockSlots = 32;
 /// kPadding empty boxes beyond size(), so that a group of kPadding may be read from any valid index.
 ///
 /// A slot with the empty box is vacant: it has nothing to draw and fails every plane test.
-class ItemBounds {
+class SIGHTLINE_API ItemBounds {
  public:
   static constexpr std::size_t kPadding = 16;
 

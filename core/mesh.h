@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sightline/core/aabb.h"
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 
 namespace sightline::core {
@@ -31,10 +32,10 @@ struct Mesh {
 
 /// Fails unless counts and indices are as described at Mesh; the error says what was expected and what was found.
 /// Coordinates may be anything.
-Expected<void> validate(const Mesh& mesh);
+SIGHTLINE_API Expected<void> validate(const Mesh& mesh);
 
 /// For each vertex, the first vertex at its position. A vertex with a NaN matches only itself.
-std::vector<std::uint32_t> weld(std::span<const vec3> positions);
+SIGHTLINE_API std::vector<std::uint32_t> weld(std::span<const vec3> positions);
 
 /// What a mesh's triangles enclose, if anything.
 enum class Enclosure : std::uint8_t {
@@ -46,6 +47,6 @@ enum class Enclosure : std::uint8_t {
 /// Tells solids from sheets. `mesh` must pass validate(). A mesh is closed when every edge, as a pair of positions,
 /// occurs equally often in both directions. Vertices duplicated for their normals count as one. Sorts the mesh's edges:
 /// at most 0.2 us per index.
-Enclosure enclosure(const Mesh& mesh);
+SIGHTLINE_API Enclosure enclosure(const Mesh& mesh);
 
 }  // namespace sightline::core

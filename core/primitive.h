@@ -15,6 +15,7 @@
 
 #include "sightline/core/aabb.h"
 #include "sightline/core/affine.h"
+#include "sightline/core/api.h"
 
 namespace sightline::core {
 
@@ -38,7 +39,7 @@ inline constexpr int kPrimitiveKindCount = 10;
 inline constexpr int kKindCount = 12;
 
 /// "cylinder", "circular_torus", …: the names used in every file and message.
-std::string_view name_of(Kind kind);
+SIGHTLINE_API std::string_view name_of(Kind kind);
 
 /// Frustum of a rectangular pyramid. The bottom lies at z = -height/2 around -offset/2, the top at +height/2 around
 /// +offset/2.
@@ -60,7 +61,7 @@ struct CircularTorus {
 /// The sweep of a torus in radians, 0 … kFullTurn, from its parameter `angle`. Some files write a full turn as a float
 /// a little below 2 pi. From there on the sweep is kFullTurn and the torus is closed: it has no ends. NaN stays NaN.
 inline constexpr double kFullTurn = 2.0 * std::numbers::pi;
-double sweep_angle(float angle);
+SIGHTLINE_API double sweep_angle(float angle);
 
 /// Half an ellipsoid of revolution: base circle at z = 0, pole at z = height.
 struct EllipticalDish {
@@ -97,24 +98,24 @@ inline Kind kind_of(const Primitive& primitive) {
 }
 
 /// Number of float parameters of a primitive kind (1 to 9).
-int parameter_count(Kind kind);
+SIGHTLINE_API int parameter_count(Kind kind);
 
 /// The parameters as floats in declaration order: a view into `primitive`.
-std::span<const float> parameters(const Primitive& primitive);
+SIGHTLINE_API std::span<const float> parameters(const Primitive& primitive);
 
 /// The inverse: `kind` must be a primitive kind and `values` hold parameter_count(kind) floats.
-Primitive make_primitive(Kind kind, std::span<const float> values);
+SIGHTLINE_API Primitive make_primitive(Kind kind, std::span<const float> values);
 
 /// True when the primitive has no volume (or, for a line, no length).
-bool is_degenerate(const Primitive& primitive);
+SIGHTLINE_API bool is_degenerate(const Primitive& primitive);
 
 /// Support function: the largest dot(direction, p) over all points p of the primitive, in local units. Exact up to
 /// double rounding for all kinds but the snout with slanted ends, where it is an upper bound.
-double support(const Primitive& primitive, const dvec3& direction);
+SIGHTLINE_API double support(const Primitive& primitive, const dvec3& direction);
 
 /// Bounds of the primitive under an affine map, from the support function along the three axes: tight, not box-of-box.
 /// A relative pad of a few double ulps covers its rounding. Not finite where a parameter is not.
-AabbD bounds(const Primitive& primitive, const Affine& world_from_item);
+SIGHTLINE_API AabbD bounds(const Primitive& primitive, const Affine& world_from_item);
 
 /// Range of heights of the cone's surface above (below) an end's centre, over the slanted end contour of a snout. With
 /// the end's radius r, tangents m = (tan shear_x, tan shear_y), axis lean s = offset/height and radius slope k, these
@@ -125,7 +126,7 @@ struct EndRange {
   double min = 0.0, max = 0.0;
   bool limited = false;
 };
-EndRange bottom_end_range(const Snout& snout);
-EndRange top_end_range(const Snout& snout);
+SIGHTLINE_API EndRange bottom_end_range(const Snout& snout);
+SIGHTLINE_API EndRange top_end_range(const Snout& snout);
 
 }  // namespace sightline::core

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "sightline/core/affine.h"
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/internal/large_array.h"
 #include "sightline/core/internal/prefetch.h"
@@ -48,7 +49,7 @@ struct Material {
   std::uint32_t code = 0;         ///< the source file's own number (RVM colour index), for writing back
 };
 
-class Scene {
+class SIGHTLINE_API Scene {
  public:
   Scene();
 

@@ -6,13 +6,14 @@
 #include <memory>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/conventions.h"
 
 namespace sightline::core {
 
 /// What a commit touched, each item and material at most once and in rising order: `changed` items were moved, hidden,
 /// shown, re-layered or given another material; removed ids are gone for good.
-struct SceneDelta {
+struct SIGHTLINE_API SceneDelta {
   std::vector<ItemId> inserted, changed, removed;
   std::vector<std::uint32_t> materials;  ///< indices of those added, updated or removed
   std::size_t size() const { return inserted.size() + changed.size() + removed.size() + materials.size(); }
@@ -23,7 +24,7 @@ struct SceneDelta {
 
 /// Receives what all commits of a scene publish, for one of several consumers, no matter who commits. Move-only. May
 /// outlive the scene; then nothing more arrives.
-class SceneSubscription {
+class SIGHTLINE_API SceneSubscription {
  public:
   SceneSubscription() = default;  ///< to nothing
   SceneSubscription(SceneSubscription&&) = default;

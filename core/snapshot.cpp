@@ -338,7 +338,7 @@ const Mesh& Snapshot::mesh(Slot s) const {
 }
 
 std::size_t Snapshot::memory_bytes() const {
-  std::size_t bytes = bounds_.memory_bytes() + joints_.memory_bytes() + table_->capacity() * sizeof(glm::vec4) +
+  std::size_t bytes = bounds_.memory_bytes() + table_->capacity() * sizeof(glm::vec4) +
                       kinds_.capacity() * sizeof(Kind) +
                       (index_in_kind_.capacity() + items_.capacity() + slots_.capacity() + materials_.capacity()) * 4 +
                       ranks_.capacity() * sizeof(ranks_[0]) + chunks_.memory_bytes() +

@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/internal/chunk_grid.h"
-#include "sightline/core/internal/joints.h"
 #include "sightline/core/internal/large_array.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/scene.h"
@@ -41,15 +41,15 @@ struct KindItems {
 /// Colour and alpha of each material, by material index. A removed material has the default ones.
 using MaterialTable = std::vector<glm::vec4>;
 
-class Snapshot {
+class SIGHTLINE_API Snapshot {
  public:
   /// Builds a generation from the committed scene. Mesh data stays in the scene, which must outlive the snapshot.
   /// Snapshots of scenes with pending edits show the edits (commit first to have them validated). `threads` order the
   /// items; 0: all that OpenMP offers. The order does not depend on them.
   explicit Snapshot(const Scene& scene, int threads = 0);
 
-  /// Applies the edits of a commit. Returns the slots below the former size() whose boxes, layers, items or covered
-  /// ends changed, each once.
+  /// Applies the edits of a commit. Returns the slots below the former size() whose boxes, layers or items changed,
+  /// each once.
   ///
   /// An item stays in its slot while its block of 32 slots keeps about the size that it was ordered to. An item that
   /// leaves its block gives up its slot. It is appended together with the inserted items, in spatial order among
@@ -58,9 +58,8 @@ class Snapshot {
   /// Items are read as they are in the scene now. So deltas may be applied late, as long as all of them are applied in
   /// order: an item that a later delta removes is skipped, an item that the snapshot already holds is updated.
   ///
-  /// Time is proportional to the size of the delta, not of the snapshot, with three exceptions: reading an eighth of a
-  /// byte per slot always, the material table when materials were edited, and four bytes per slot when a material has
-  /// turned from opaque to transparent.
+  /// Time is proportional to the size of the delta, not of the snapshot, with two exceptions: reading an eighth of a
+  /// byte per slot always, and the material table when materials were edited.
   std::vector<Slot> apply(const SceneDelta& delta);
 
   // --- a new order in the background -------------------------------------------------------------------------------
@@ -105,10 +104,6 @@ class Snapshot {
   /// The mesh of an item that has one. Empty when the scene has removed the mesh since, which it may do once the item
   /// is removed.
   const Mesh& mesh(Slot slot) const;
-  /// Finds the covered ends, which drawing leaves out; until then there are none. Edits dissolve the joints of edited
-  /// items, on both sides.
-  void find_joints() { joints_ = Joints(*this); }
-  const Joints& joints() const { return joints_; }
   const KindItems& of_kind(Kind kind) const { return kind_items_[std::size_t(kind)]; }
 
   /// Number of items of `kind` in slots below `slot`. Turns a range of slots into a range of of_kind(kind). Constant
@@ -142,9 +137,6 @@ class Snapshot {
   void show(Slot slot, const Aabb& box, std::uint32_t layers);
   Placement& placement(Slot slot) { return kind_items_[std::size_t(kinds_[slot])].placements[index_in_kind_[slot]]; }
   Placement place(const mat3& linear, const dvec3& origin, std::uint32_t chunk) const;
-  void dissolve_joints(const Items& items, std::size_t former_size, const MaterialTable& former_table,
-                       std::vector<Slot>& touched);
-  void dissolve_where_clear(const MaterialTable& former_table, std::vector<ItemId>& uncovered);
   void extend_ranks();
   void count_vacant();
   std::uint32_t vacant_below(Slot slot) const;
@@ -166,7 +158,6 @@ class Snapshot {
   std::vector<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
   ChunkGrid chunks_;
   std::shared_ptr<const MaterialTable> table_ = std::make_shared<MaterialTable>();  // shared with Items
-  Joints joints_;
 };
 
 struct Snapshot::Items {

@@ -55,8 +55,6 @@ std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
 }
 
 std::vector<Slot> Snapshot::apply(const Items& items) {
-  const std::size_t former_size = size();
-  const std::shared_ptr<const MaterialTable> former_table = table_;
   if (items.materials) table_ = items.materials;
   std::vector<Slot> touched;
   touched.reserve(items.removed.size() + items.records.size());
@@ -82,47 +80,9 @@ std::vector<Slot> Snapshot::apply(const Items& items) {
   radix_sort<32>(known);
   stay_or_go(items, known, touched, appended);
   append_sorted(items, appended);
-  dissolve_joints(items, former_size, *former_table, touched);
   extend_ranks();
   count_vacant();
   return touched;
-}
-
-void Snapshot::dissolve_joints(const Items& items, std::size_t former_size, const MaterialTable& former_table,
-                               std::vector<Slot>& touched) {
-  if (joints_.count() == 0) return;
-  std::vector<ItemId> uncovered;
-  for (const ItemId item : items.removed) joints_.dissolve(item, uncovered);
-  for (const Items::Record& r : items.records) joints_.dissolve(r.item, uncovered);
-  dissolve_where_clear(former_table, uncovered);
-  if (uncovered.empty()) return;
-  std::vector<Slot> others;
-  for (const ItemId item : uncovered)
-    if (const Slot s = slot(item); s < former_size) others.push_back(s);  // kNone is above
-  std::sort(others.begin(), others.end());
-  others.erase(std::unique(others.begin(), others.end()), others.end());
-  // Neighbours that were edited themselves are in `touched` already.
-  std::vector<bool> known(others.size());
-  for (const Slot s : touched) {
-    const auto at = std::lower_bound(others.begin(), others.end(), s);
-    if (at != others.end() && *at == s) known[std::size_t(at - others.begin())] = true;
-  }
-  for (std::size_t i = 0; i < others.size(); ++i)
-    if (!known[i]) touched.push_back(others[i]);
-}
-
-/// Dissolves the joints of items that are no longer opaque because their material was edited.
-void Snapshot::dissolve_where_clear(const MaterialTable& former_table, std::vector<ItemId>& uncovered) {
-  if (&former_table == table_.get()) return;
-  std::vector<bool> turned_clear(table_->size());
-  bool any = false;
-  for (std::size_t m = 0; m < std::min(former_table.size(), table_->size()); ++m)
-    any |= turned_clear[m] = former_table[m].a >= 1.0f && (*table_)[m].a < 1.0f;
-  for (Slot s = 0; any && s < size(); ++s) {
-    if (items_[s] == kNone || materials_[s] == kNone || !turned_clear[materials_[s]]) continue;
-    if (joints_.covered(items_[s]) != kNoEnd) uncovered.push_back(items_[s]);
-    joints_.dissolve(items_[s], uncovered);
-  }
 }
 
 /// Prefetches a block's boxes and the arrays by slot, and half as far ahead the arrays by kind.

@@ -8,6 +8,7 @@
 
 #include "sightline/core/aabb.h"
 #include "sightline/core/affine.h"
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 
 namespace sightline::core {
@@ -28,7 +29,7 @@ inline constexpr double kInfiniteFar = std::numeric_limits<double>::infinity();
 /// A view keeps eye_from_world and clip_from_eye apart and in double precision, so that the large world translation
 /// never meets the small clip range in float. Eye space looks down -z with y up. Sections and layers may be set freely
 /// after construction.
-class View {
+class SIGHTLINE_API View {
  public:
   /// fovy in radians, in (0, pi); aspect = width / height > 0; 0 < near < far; far may be kInfiniteFar. The pose must
   /// be finite. When `up` is parallel to the line of sight, another axis takes its place. Fails on eye == target and on
@@ -76,10 +77,10 @@ class View {
 /// The six planes of a clip_from_world matrix in the order of FrustumPlane, not normalised (G. Gribb, K. Hartmann,
 /// "Fast extraction of viewing frustum planes", 2001). An infinite far plane comes out with a zero normal and a
 /// positive offset.
-std::array<Plane, kFrustumPlaneCount> frustum_planes(const dmat4& clip_from_world, ClipDepth depth);
+SIGHTLINE_API std::array<Plane, kFrustumPlaneCount> frustum_planes(const dmat4& clip_from_world, ClipDepth depth);
 
 /// eye_from_world of a pose: right-handed, looking down -z.
-Expected<dmat4> look_at(const Pose& pose);
+SIGHTLINE_API Expected<dmat4> look_at(const Pose& pose);
 
 /// The pose that looks along `direction` from as near as possible. All eight corners of the box lie inside a
 /// perspective image of `fovy` radians and width / height `aspect`. The corners touch two opposite borders of the
@@ -89,7 +90,7 @@ Expected<dmat4> look_at(const Pose& pose);
 ///
 /// An empty box counts as the cube of ±1 m about the origin. A point counts as that cube about the point.
 /// Preconditions: bounds finite or empty, direction finite and not zero, 0 < fovy < pi, aspect positive and finite.
-Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, double aspect);
+SIGHTLINE_API Pose fitting_pose(const AabbD& bounds, const dvec3& direction, double fovy, double aspect);
 
 /// View direction of an overview: from above and the south-west, z up.
 inline const dvec3 kOverviewDirection{0.55, 0.85, -0.55};

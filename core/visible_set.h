@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/conventions.h"
 
 namespace sightline::core {
@@ -25,7 +26,7 @@ struct CullCounters {
 /// The visible slots of one view. Ranges and items are each in rising order, disjoint, and share no slot. A slot
 /// outside both is not visible. Ranges may hold vacant slots, which have nothing to draw (see snapshot.h); items never
 /// do. Reuse one set from frame to frame: clear() keeps the memory.
-struct VisibleSet {
+struct SIGHTLINE_API VisibleSet {
   std::uint64_t generation = 0;   ///< of the snapshot that the slots belong to
   std::vector<SlotRange> ranges;  ///< neighbours that are all visible
   std::vector<Slot> items;        ///< single slots

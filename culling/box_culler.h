@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sightline/core/aabb.h"
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/view.h"
 
@@ -18,7 +19,7 @@ namespace sightline::culling {
 
 /// Owns its boxes: a copy in float, rounded outwards, in an order of its own (33 bytes a box with the hierarchy). Box i
 /// is the i-th of those given to create(). Promise: conservative, with the same answer as CpuCuller. Movable.
-class BoxCuller {
+class SIGHTLINE_API BoxCuller {
  public:
   /// Boxes in world coordinates, in any unit. Empty boxes (min > max) are never visible. Fails on a box with a NaN or
   /// an infinite corner, which the message names, and on 2^31 - 1 boxes or more.

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <variant>
 
+#include "sightline/core/api.h"
 #include "sightline/culling/frame_cost.h"
 #include "sightline/culling/frame_sample.h"
 #include "sightline/culling/policy_2009.h"
@@ -26,7 +27,7 @@ struct ControllerConfig {
 
 /// Deterministic: the same calls give the same paths. Allocates nothing; copies are independent. Starts on the CPU, and
 /// stays there until gpu_ready().
-class Controller {
+class SIGHTLINE_API Controller {
  public:
   explicit Controller(const ControllerConfig& config = {});
 

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <span>
 
+#include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
@@ -20,7 +21,7 @@ namespace sightline::culling {
 /// Frustum culling through the hierarchy, on the calling thread. A plane is not tested below a subtree that lies wholly
 /// inside it. A subtree inside all planes is one range. The slots are exactly those of LinearCuller, plus vacant ones
 /// within ranges: hidden and removed items neither cut a range in two nor cost a test.
-class CpuCuller {
+class SIGHTLINE_API CpuCuller {
  public:
   /// Any order of slots is right; that of core::block_order is fast. Borrows the bounds, which must outlive the culler.
   explicit CpuCuller(const core::ItemBounds& bounds);

@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "sightline/core/api.h"
+
 namespace sightline::culling {
 
 /// Helper threads for CpuCuller::cull() with several views. They start with the first query that is worth them, spin
@@ -15,7 +17,7 @@ namespace sightline::culling {
 ///
 /// Helpers are called only where that saves time. What is left of a query, as measured on earlier queries, must exceed
 /// the time to call a spinning helper, or to wake a sleeping one. Results never depend on it.
-class CullThreads {
+class SIGHTLINE_API CullThreads {
  public:
   /// Number of threads, the calling one included: 1 or more. 0: one per processor, at most kMost.
   explicit CullThreads(int count = 0);

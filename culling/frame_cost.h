@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "sightline/core/api.h"
 #include "sightline/culling/frame_sample.h"
 #include "sightline/culling/internal/cost_table.h"
 
@@ -33,7 +34,7 @@ struct FrameCostConfig {
 /// See Controller for what the functions promise. Each path has a table of log(cost) against visible items
 /// (position()). A median of three filters the samples. A cumulative sum (Page 1954) of the residuals tells a change of
 /// regime from noise within a few frames; the table then restarts from the new level.
-class FrameCost {
+class SIGHTLINE_API FrameCost {
  public:
   explicit FrameCost(const FrameCostConfig& config) : config_(config), dwell_(config.dwell_frames) {}
 

@@ -31,6 +31,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 
@@ -57,7 +58,7 @@ struct FloatPlane {
 /// enter it (matrices whose entries lie hundreds of orders of magnitude apart under- or overflow, and keep more).
 /// Planes that are not finite are dropped (more is drawn, never less); section planes without a normal are ignored; a
 /// frustum plane without one is met everywhere or nowhere.
-class CullPlanes {
+class SIGHTLINE_API CullPlanes {
  public:
   CullPlanes(const core::View& view, const core::ItemBounds& bounds);
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/frustum_test.h"
 
@@ -32,7 +33,7 @@ struct LayerNode {
   std::uint32_t all[kLanes];  ///< intersection
 };
 
-class Hierarchy {
+class SIGHTLINE_API Hierarchy {
  public:
   Hierarchy() = default;
   /// Over all slots of `bounds`, in any order.

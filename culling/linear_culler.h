@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
@@ -13,7 +14,7 @@ namespace sightline::culling {
 
 /// Promise: conservative (see CullPlanes). An item is visible when its box is not empty, passes the planes, and shares
 /// a layer with the view.
-class LinearCuller {
+class SIGHTLINE_API LinearCuller {
  public:
   /// Borrows the bounds, which must outlive the culler. They may change between calls.
   explicit LinearCuller(const core::ItemBounds& bounds) : bounds_(&bounds) {}
@@ -28,7 +29,7 @@ class LinearCuller {
 /// Appends the visible slots of first … end - 1 to `set` and counts all of these as tested. The set's present slots
 /// must all lie before them. Groups of kLanes, counted from `first`, that are wholly visible become ranges, other
 /// visible slots single slots. `layers`: the view's.
-void cull_slots(const core::ItemBounds& bounds, const CullPlanes& planes, PlaneMask mask, std::uint32_t layers,
-                std::size_t first, std::size_t end, core::VisibleSet& set);
+SIGHTLINE_API void cull_slots(const core::ItemBounds& bounds, const CullPlanes& planes, PlaneMask mask,
+                              std::uint32_t layers, std::size_t first, std::size_t end, core::VisibleSet& set);
 
 }  // namespace sightline::culling

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "sightline/core/api.h"
 #include "sightline/culling/frame_sample.h"
 
 namespace sightline::culling {
@@ -26,7 +27,7 @@ struct Policy2009Config {
 };
 
 /// See Controller for what the functions promise.
-class Policy2009 {
+class SIGHTLINE_API Policy2009 {
  public:
   explicit Policy2009(const Policy2009Config& config) : config_(config), stay_(config.gpu_frames) {}
 

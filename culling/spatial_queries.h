@@ -15,6 +15,7 @@
 #include <limits>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/hierarchy.h"
 
@@ -42,7 +43,7 @@ struct SlotDistance {
 ///
 /// Points and directions must be finite with components below 1e150; a range may be infinite. Any other query (NaN, an
 /// empty range, a negative radius, t_min > t_max) finds nothing.
-class SpatialQueries {
+class SIGHTLINE_API SpatialQueries {
  public:
   SpatialQueries(const core::ItemBounds& bounds, const Hierarchy& hierarchy)
       : bounds_(&bounds), hierarchy_(&hierarchy) {}

@@ -30,8 +30,8 @@ void Drawing::plan_programs(Plan& plan, const core::Snapshot& snapshot, bool dra
   }
 }
 
-core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& snapshot, const EngineConfig& config,
-                                                         bool gpu_culls) {
+core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                                         const EngineConfig& config, bool gpu_culls) {
   std::optional<gl::Context> own;
   if (!config.context) {
     gl::ContextOptions options;
@@ -52,7 +52,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
     if (!target) return tl::unexpected(target.error());
     drawing->target_ = std::move(*target);
   }
-  if (auto done = drawing->rebuild(snapshot, gpu_culls); !done) return tl::unexpected(done.error());
+  if (auto done = drawing->rebuild(snapshot, joints, gpu_culls); !done) return tl::unexpected(done.error());
   return drawing;
 }
 
@@ -71,9 +71,9 @@ std::vector<std::string> Drawing::take_gl_errors() {
   return make_current() ? context_.take_errors() : std::vector<std::string>();
 }
 
-core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, bool gpu_culls) {
+core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls) {
   if (auto current = make_current(); !current) return current;
-  auto scene = gpuscene::GpuScene::create(context_, snapshot);
+  auto scene = gpuscene::GpuScene::create(context_, snapshot, joints);
   if (!scene) return tl::unexpected(scene.error());
   auto lists = gpuscene::DrawLists::create(context_, *scene);
   if (!lists) return tl::unexpected(lists.error());
@@ -121,12 +121,12 @@ core::Expected<void> Drawing::resize(int width, int height) {
   return {};
 }
 
-core::Expected<void> Drawing::update(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
-                                     std::span<const std::uint32_t> materials) {
+core::Expected<void> Drawing::update(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                     std::span<const core::Slot> touched, std::span<const std::uint32_t> materials) {
   if (auto current = make_current(); !current) return current;
-  if (!scene_->append(snapshot)) return rebuild(snapshot, culler_.has_value());
+  if (!scene_->append(snapshot, joints)) return rebuild(snapshot, joints, culler_.has_value());
   if (auto done = scene_->update_materials(context_, snapshot, materials); !done) return done;
-  scene_->update(snapshot, touched);
+  scene_->update(snapshot, touched, joints);
   return culler_ ? culler_->update(snapshot, *scene_, touched) : core::Expected<void>();
 }
 

@@ -44,6 +44,7 @@ class Engine::Impl {
   void finish();
   const Plan& plan() const { return live_.plan; }
   const core::Snapshot& snapshot() const { return *live_.snapshot; }
+  const gpuprims::Joints& joints() const { return live_.joints; }
   const core::VisibleSet& visible() const { return visible_; }
   const culling::Controller* controller() const { return hybrid_ ? &hybrid_->controller() : nullptr; }
   Drawing* drawing();
@@ -130,6 +131,9 @@ const Plan& Engine::plan() const {
 }
 const core::Snapshot& Engine::snapshot() const {
   return impl_->snapshot();
+}
+const gpuprims::Joints& Engine::joints() const {
+  return impl_->joints();
 }
 const core::VisibleSet& Engine::visible() const {
   return impl_->visible();
@@ -233,11 +237,11 @@ core::Expected<void> Engine::Impl::make_drawing(bool new_order) {
   const bool gpu_culls = live_.plan.gpu_culls();
   if (drawing_) {
     if (new_order)
-      done = unless_lost(drawing_->rebuild(*live_.snapshot, gpu_culls));
+      done = unless_lost(drawing_->rebuild(*live_.snapshot, live_.joints, gpu_culls));
     else if (gpu_culls)
       done = unless_lost(drawing_->add_culler(*live_.snapshot));
   } else if (next_try_ < 0.0) {
-    auto drawing = Drawing::create(*live_.snapshot, config_, gpu_culls);
+    auto drawing = Drawing::create(*live_.snapshot, live_.joints, config_, gpu_culls);
     if (!drawing) return tl::unexpected(drawing.error());
     drawing_ = std::move(*drawing);
   }
@@ -383,17 +387,18 @@ core::Expected<void> Engine::Impl::commit() {
   if (auto published = scene_->commit(); !published) return tl::unexpected(published.error());
   const core::SceneDelta delta = edits_.take();
   if (delta.empty()) return {};
+  const std::size_t former_size = live_.snapshot->size();
   std::vector<core::Slot> touched;
   const auto apply = [&] { touched = live_.snapshot->apply(delta); };
   rebuild_ ? rebuild_->edit(delta, apply) : apply();
-  live_.update(touched);
+  live_.follow({delta.removed, delta.changed, delta.inserted}, !delta.materials.empty(), former_size, touched);
   const bool items_edited = delta.size() > delta.materials.size();  // materials do not change what frames cost
   if (hybrid_ && items_edited) hybrid_->scene_changed(live_.snapshot->size());
   const double disorder = double(live_.snapshot->disorder());
   if (!rebuild_ && config_.rebuild_share > 0.0 && disorder > kFewSlots &&
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
     rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_));
-  if (drawing_) return unless_lost(drawing_->update(*live_.snapshot, touched, delta.materials));
+  if (drawing_) return unless_lost(drawing_->update(*live_.snapshot, live_.joints, touched, delta.materials));
   return {};
 }
 
@@ -421,7 +426,7 @@ Drawing* Engine::Impl::drawing() {
 MemoryReport Engine::Impl::memory() const {
   MemoryReport report;
   report.scene = scene_->memory_bytes();
-  report.snapshot = live_.snapshot->memory_bytes();
+  report.snapshot = live_.snapshot->memory_bytes() + live_.joints.memory_bytes();
   if (const auto* culler = std::get_if<culling::CpuCuller>(live_.culler.get())) report.bvh = culler->memory_bytes();
   if (drawing_) report.gpu = drawing_->memory_bytes();
   return report;

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
@@ -22,6 +23,9 @@
 
 namespace sightline::gl {
 class Context;
+}
+namespace sightline::gpuprims {
+class Joints;
 }
 namespace sightline::image {
 struct DepthImage;
@@ -82,7 +86,7 @@ struct MemoryReport {
   std::size_t scene = 0, snapshot = 0, bvh = 0, gpu = 0;  ///< bytes
 };
 
-class Engine {
+class SIGHTLINE_API Engine {
  public:
   /// Commits the scene's pending edits and builds everything the plan names. The scene must outlive the engine. Fails
   /// with the scene's error, or GL's when drawing was asked for (also when this build has no GL).
@@ -163,6 +167,8 @@ class Engine {
   /// The half that needs GL, for tests and benchmarks of this library (engine/internal/drawing.h). Null when nothing
   /// needs GL, and while the context is lost. An engine's own context is then current.
   Drawing* drawing();
+  /// The covered ends that are not drawn, for tests of this library (gpuprims/internal/joints.h).
+  const gpuprims::Joints& joints() const;
   MemoryReport memory() const;
   const culling::Controller* controller() const;  ///< of the hybrid; null without one
 

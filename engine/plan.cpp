@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sightline/engine/internal/drawing_or_none.h"
+#include "sightline/engine/internal/rebuild.h"
 
 namespace sightline::engine {
 namespace {
@@ -46,12 +47,16 @@ void add_gpu_form(Plan& plan, culling::GpuForm form, const std::string& why) {
 }
 
 Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids) {
+  return make_plan(snapshot, draw ? gpuprims::Joints(snapshot) : gpuprims::Joints(), {choice, draw, ids});
+}
+
+Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, const PlanRequest& request) {
   Plan plan;
-  plan_culling(plan, snapshot, choice);
-  Drawing::plan_programs(plan, snapshot, draw);
-  const std::size_t hidden = snapshot.joints().count();
+  plan_culling(plan, snapshot, request.culler);
+  Drawing::plan_programs(plan, snapshot, request.draw);
+  const std::size_t hidden = joints.count();
   plan.entries.push_back({"hidden ends at joints", hidden > 0, std::to_string(hidden) + " ends lie on a neighbour's"});
-  plan.entries.push_back({"item-id target", draw && ids, ids ? "asked for" : "not asked for"});
+  plan.entries.push_back({"item-id target", request.draw && request.ids, request.ids ? "asked for" : "not asked for"});
   return plan;
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/gpu/gpu_culler_config.h"
 
@@ -50,8 +51,8 @@ inline constexpr std::size_t kSmallScene = 128;
 inline constexpr std::size_t kSmallHybridScene = 10'000;
 
 /// Adds the form of the GPU culler, which is known only once there is one.
-void add_gpu_form(Plan& plan, culling::GpuForm form, const std::string& why);
+SIGHTLINE_API void add_gpu_form(Plan& plan, culling::GpuForm form, const std::string& why);
 
-Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids);
+SIGHTLINE_API Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids);
 
 }  // namespace sightline::engine

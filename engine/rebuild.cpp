@@ -9,12 +9,15 @@ constexpr std::size_t kPiece = 2048;  // slots copied at a time, while edits wai
 
 }  // namespace
 
-void Generation::update(std::span<const core::Slot> touched) {
+void Generation::follow(std::initializer_list<std::span<const core::ItemId>> edited, bool materials,
+                        std::size_t former_size, std::vector<core::Slot>& touched) {
+  joints.dissolve(*snapshot, edited, former_size, touched);
+  if (materials) joints.dissolve_transparent(*snapshot, former_size, touched);
   if (auto* cpu = std::get_if<culling::CpuCuller>(culler.get())) cpu->update(touched);
 }
 
 void Generation::follow_plan(const PlanRequest& request) {
-  plan = make_plan(*snapshot, request.culler, request.draw, request.ids);
+  plan = make_plan(*snapshot, joints, request);
   const bool has_tree = culler && std::holds_alternative<culling::CpuCuller>(*culler);
   if (plan.has_tree() && !has_tree)
     culler = std::make_unique<Culler>(std::in_place_type<culling::CpuCuller>, snapshot->bounds());
@@ -25,7 +28,7 @@ void Generation::follow_plan(const PlanRequest& request) {
 Generation make_generation(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request) {
   Generation generation;
   generation.snapshot = std::move(snapshot);
-  if (request.draw) generation.snapshot->find_joints();
+  if (request.draw) generation.joints = gpuprims::Joints(*generation.snapshot);
   generation.follow_plan(request);
   return generation;
 }
@@ -83,16 +86,14 @@ bool BackgroundRebuild::copy_all(const std::stop_token& stop, core::Snapshot::It
   return true;
 }
 
-bool BackgroundRebuild::copy_missed(const std::stop_token& stop, std::vector<core::ItemId> missed,
+bool BackgroundRebuild::copy_missed(const std::stop_token& stop, std::span<const core::ItemId> missed,
                                     core::Snapshot::Items& items) {
-  std::sort(missed.begin(), missed.end());
-  missed.erase(std::unique(missed.begin(), missed.end()), missed.end());
   std::size_t next = 0;
   do {  // once even without items: it also copies the materials
     std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
     if (!lock(held, stop)) return false;
     const std::size_t count = std::min(kPiece, missed.size() - next);
-    live_->copy(std::span(missed).subspan(next, count), items);
+    live_->copy(missed.subspan(next, count), items);
     next += count;
   } while (next < missed.size());
   return true;
@@ -121,9 +122,13 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
       std::swap(missed, missed_);
       behind_ = false;
     }
+    std::sort(missed.begin(), missed.end());
+    missed.erase(std::unique(missed.begin(), missed.end()), missed.end());
     core::Snapshot::Items late;
-    if (!copy_missed(stop, std::move(missed), late)) return;
-    generation.update(generation.snapshot->apply(late));
+    if (!copy_missed(stop, missed, late)) return;
+    const std::size_t former_size = generation.snapshot->size();
+    std::vector<core::Slot> touched = generation.snapshot->apply(late);
+    generation.follow({missed}, true, former_size, touched);
   }
   generation = {};
   finished_ = true;

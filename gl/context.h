@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/gl/functions.h"
 #include "sightline/gl/internal/debug_log.h"
@@ -55,7 +56,7 @@ struct Capabilities {
 ///
 /// An offscreen context has no surface. With framebuffer 0 bound, even a draw with rasterizer discard fails with
 /// GL_INVALID_FRAMEBUFFER_OPERATION. So bind a gl::Framebuffer first; one without attachments is enough.
-class Context {
+class SIGHTLINE_API Context {
  public:
   /// Makes an OpenGL 4.5 core context without a window and makes it current. Fails when EGL or a driver is absent; the
   /// error lists what was tried and what to install.

@@ -11,6 +11,7 @@
 
 #include <GL/glcorearb.h>
 
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 
 namespace sightline::gl {
@@ -39,23 +40,23 @@ struct Functions {
 
 /// Loads the table for the context that is current on this thread. Fails when none is, when it is older than 4.5 (with
 /// the version found) or when entry points are missing (with all their names).
-core::Expected<Functions> load_functions(GetProc get_proc, void* user);
+SIGHTLINE_API core::Expected<Functions> load_functions(GetProc get_proc, void* user);
 
 /// The extensions that the current context lists.
-std::vector<std::string> list_extensions(const Functions& gl);
+SIGHTLINE_API std::vector<std::string> list_extensions(const Functions& gl);
 
 /// "GL_INVALID_OPERATION" and so on; the number in hexadecimal for others.
-std::string error_name(GLenum error);
+SIGHTLINE_API std::string error_name(GLenum error);
 
 /// Replaces all entry points that free objects by ones that do nothing, for a table whose context is gone with its
 /// objects. Owners of such objects may then be destroyed at any time, whichever context is current.
-void stop_freeing(Functions& gl);
+SIGHTLINE_API void stop_freeing(Functions& gl);
 
 /// Drops pending errors, so that the next check_error() reports only later ones. In a debug context the debug log
 /// already has them.
-void discard_errors(const Functions& gl);
+SIGHTLINE_API void discard_errors(const Functions& gl);
 
 /// The oldest pending error, or GL_NO_ERROR; drops all others.
-GLenum check_error(const Functions& gl);
+SIGHTLINE_API GLenum check_error(const Functions& gl);
 
 }  // namespace sightline::gl

@@ -22,12 +22,12 @@ std::uint32_t material_row(const Snapshot& snapshot, Slot slot) {
 }
 
 /// Packs the records of `slots`. The result has room for `capacity` records.
-std::vector<Texel> pack_slots(const Snapshot& snapshot, BatchKind kind, std::span<const Slot> slots,
-                              std::size_t capacity) {
+std::vector<Texel> pack_slots(const Snapshot& snapshot, const gpuprims::Joints& joints, BatchKind kind,
+                              std::span<const Slot> slots, std::size_t capacity) {
   const std::size_t stride = std::size_t(texels_per_record(kind));
   std::vector<Texel> texels(capacity * stride);
   for (std::size_t i = 0; i < slots.size(); ++i)
-    GpuScene::pack(snapshot, slots[i], std::span(texels).subspan(i * stride, stride));
+    GpuScene::pack(snapshot, joints, slots[i], std::span(texels).subspan(i * stride, stride));
   return texels;
 }
 
@@ -37,12 +37,12 @@ std::uint32_t mesh_index(const Snapshot& snapshot, Slot slot) {
 }
 
 core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, const Snapshot& snapshot,
-                                 std::span<const Slot> slots) {
+                                 const gpuprims::Joints& joints, std::span<const Slot> slots) {
   Batch batch;
   batch.kind = kind;
   batch.count = std::uint32_t(slots.size());
   batch.capacity = batch.count + batch.count / 8 + kHeadroom;
-  const std::vector<Texel> texels = pack_slots(snapshot, kind, slots, batch.capacity);
+  const std::vector<Texel> texels = pack_slots(snapshot, joints, kind, slots, batch.capacity);
   const std::string what = "records of the " + std::string(name_of(kind)) + " batch";
   auto buffer = gl::Buffer::create(gl, std::span(texels), GL_DYNAMIC_STORAGE_BIT, what);
   if (!buffer) return tl::unexpected(buffer.error());
@@ -70,7 +70,7 @@ std::uint32_t GpuScene::record_of(const Snapshot& snapshot, Slot slot) {
   return record;
 }
 
-void GpuScene::pack(const Snapshot& snapshot, Slot slot, std::span<Texel> out) {
+void GpuScene::pack(const Snapshot& snapshot, const gpuprims::Joints& joints, Slot slot, std::span<Texel> out) {
   const Kind kind = snapshot.kind(slot);
   const core::KindItems& items = snapshot.of_kind(kind);
   const std::uint32_t i = snapshot.index_in_kind(slot);
@@ -79,16 +79,17 @@ void GpuScene::pack(const Snapshot& snapshot, Slot slot, std::span<Texel> out) {
     const std::size_t n = std::size_t(core::parameter_count(kind));
     parameters = std::span(items.parameters).subspan(i * n, n);
   }
-  const core::Ends covered = snapshot.joints().covered(snapshot.item(slot));
+  const gpuprims::Ends covered = joints.covered(snapshot.item(slot));
   std::uint32_t flags = flat_shaded(snapshot, slot) ? std::uint32_t(gpuprims::kFlatShaded) : 0u;
-  if ((covered & core::kBottomEnd) != 0) flags |= gpuprims::kBottomOpen;
-  if ((covered & core::kTopEnd) != 0) flags |= gpuprims::kTopOpen;
+  if ((covered & gpuprims::kBottomEnd) != 0) flags |= gpuprims::kBottomOpen;
+  if ((covered & gpuprims::kTopEnd) != 0) flags |= gpuprims::kTopOpen;
   core::Placement placement = items.placements[i];
   if (snapshot.vacant(slot)) placement.linear = core::mat3(0.0f);  // shrinks it to a point, which is not rasterised
   gpuprims::pack(kind, parameters, {placement, snapshot.item(slot), material_row(snapshot, slot) | flags}, out);
 }
 
-core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snapshot& snapshot) {
+core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snapshot& snapshot,
+                                          const gpuprims::Joints& joints) {
   const gl::Functions& gl = context.functions();
   GpuScene scene;
   scene.writer_ = ElementWriter(context);
@@ -96,7 +97,7 @@ core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snap
   for (Slot slot = 0; slot < snapshot.size(); ++slot) slots[std::size_t(batch_of(snapshot.kind(slot)))].push_back(slot);
   for (std::size_t i = 0; i < slots.size(); ++i) {
     if (slots[i].empty()) continue;
-    auto batch = make_batch(gl, BatchKind(i), snapshot, slots[i]);
+    auto batch = make_batch(gl, BatchKind(i), snapshot, joints, slots[i]);
     if (!batch) return tl::unexpected(batch.error());
     scene.batches_.push_back(std::move(*batch));
   }
@@ -140,7 +141,7 @@ core::Expected<void> GpuScene::update_materials(const gl::Context& context, cons
   return {};
 }
 
-bool GpuScene::append(const Snapshot& snapshot) {
+bool GpuScene::append(const Snapshot& snapshot, const gpuprims::Joints& joints) {
   std::array<std::vector<Slot>, kBatchKindCount> slots;
   for (Slot slot = slot_count_; slot < snapshot.size(); ++slot)
     slots[std::size_t(batch_of(snapshot.kind(slot)))].push_back(slot);
@@ -162,7 +163,7 @@ bool GpuScene::append(const Snapshot& snapshot) {
   for (Batch& b : batches_) {
     const auto& fresh = slots[std::size_t(b.kind)];
     if (fresh.empty()) continue;
-    const std::vector<Texel> texels = pack_slots(snapshot, b.kind, fresh, fresh.size());
+    const std::vector<Texel> texels = pack_slots(snapshot, joints, b.kind, fresh, fresh.size());
     b.records.write(b.count * record_bytes(b.kind), texels.size() * sizeof(Texel), texels.data());
     b.count += std::uint32_t(fresh.size());
   }
@@ -170,7 +171,7 @@ bool GpuScene::append(const Snapshot& snapshot) {
   return true;
 }
 
-void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed) {
+void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed, const gpuprims::Joints& joints) {
   std::array<std::vector<std::pair<std::uint32_t, Slot>>, kBatchKindCount> records;
   for (const Slot slot : changed)
     records[std::size_t(batch_of(snapshot.kind(slot)))].emplace_back(record_of(snapshot, slot), slot);
@@ -188,7 +189,7 @@ void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed) {
       slots.push_back(slot);
       if (target->kind == BatchKind::kMesh) meshes_.commands[record].instance_count = snapshot.vacant(slot) ? 0 : 1;
     }
-    const std::vector<Texel> texels = pack_slots(snapshot, target->kind, slots, slots.size());
+    const std::vector<Texel> texels = pack_slots(snapshot, joints, target->kind, slots, slots.size());
     writer_.write(target->records, record_bytes(target->kind), places, texels.data());
   }
 }

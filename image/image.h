@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 
 namespace sightline::image {
@@ -35,13 +36,13 @@ struct NormalImage {
 };
 
 /// Writers replace `path` only when complete (core/internal/atomic_file.h). Errors name the file and the reason.
-core::Expected<void> write_png(const Image& image, const std::filesystem::path& path);
-core::Expected<Image> read_png(const std::filesystem::path& path);
+SIGHTLINE_API core::Expected<void> write_png(const Image& image, const std::filesystem::path& path);
+SIGHTLINE_API core::Expected<Image> read_png(const std::filesystem::path& path);
 /// Grey PFM, little-endian, rows bottom to top as the format wants.
-core::Expected<void> write_pfm(const DepthImage& image, const std::filesystem::path& path);
+SIGHTLINE_API core::Expected<void> write_pfm(const DepthImage& image, const std::filesystem::path& path);
 /// Ids as 24-bit colour, R the low byte; an id above 0xffffff is an error.
-core::Expected<Image> id_colours(const IdImage& ids);
-IdImage ids_of_colours(const Image& image);
+SIGHTLINE_API core::Expected<Image> id_colours(const IdImage& ids);
+SIGHTLINE_API IdImage ids_of_colours(const Image& image);
 
 /// Differences over all channels of all pixels, in 0 … 255.
 struct ImageDifference {
@@ -50,8 +51,8 @@ struct ImageDifference {
   std::uint64_t pixels = 0;  ///< pixels that differ at all
 };
 /// Fails when the sizes differ.
-core::Expected<ImageDifference> compare(const Image& a, const Image& b);
+SIGHTLINE_API core::Expected<ImageDifference> compare(const Image& a, const Image& b);
 /// Absolute differences, amplified four times, as a picture. Sizes must be equal.
-Image difference_image(const Image& a, const Image& b);
+SIGHTLINE_API Image difference_image(const Image& a, const Image& b);
 
 }  // namespace sightline::image

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/image/image.h"
 
@@ -23,16 +24,17 @@ struct ImageMetrics {
 /// SSIM after Wang, Bovik, Sheikh and Simoncelli, "Image Quality Assessment: From Error Visibility to Structural
 /// Similarity" (IEEE Transactions on Image Processing 13(4), 2004): Gaussian windows of deviation 1.5, K1 = 0.01, K2 =
 /// 0.03. FLIP: see flip(). Fails when the sizes differ or are below 11 pixels. Some 0.3 seconds per megapixel.
-core::Expected<ImageMetrics> image_metrics(const Image& reference, const Image& image,
-                                           double pixels_per_degree = kPixelsPerDegree);
+SIGHTLINE_API core::Expected<ImageMetrics> image_metrics(const Image& reference, const Image& image,
+                                                         double pixels_per_degree = kPixelsPerDegree);
 
 /// The error map of FLIP for images of low dynamic range: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and
 /// Fairchild, "FLIP: A Difference Evaluator for Alternating Images" (Proceedings of the ACM on Computer Graphics and
 /// Interactive Techniques 3(2), 2020). Images are sRGB. Rows top to bottom, 0 … 1. Preconditions: equal sizes,
 /// pixels_per_degree > 0.
-std::vector<float> flip(const Image& reference, const Image& image, double pixels_per_degree = kPixelsPerDegree);
+SIGHTLINE_API std::vector<float> flip(const Image& reference, const Image& image,
+                                      double pixels_per_degree = kPixelsPerDegree);
 
 /// Number of pixels that show another item, or none in just one of the images. Fails when the sizes differ.
-core::Expected<std::uint64_t> wrong_ids(const IdImage& reference, const IdImage& image);
+SIGHTLINE_API core::Expected<std::uint64_t> wrong_ids(const IdImage& reference, const IdImage& image);
 
 }  // namespace sightline::image

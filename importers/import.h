@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/scene.h"
 
@@ -74,17 +75,18 @@ struct ImportReport {
 };
 
 /// Extensions that import_file() knows in this build, with dots, in lower case.
-std::span<const std::string_view> known_extensions();
+SIGHTLINE_API std::span<const std::string_view> known_extensions();
 
 /// Imports one file as a new child of `parent`, named after it. Its format follows from the extension (any case). An
 /// attribute file (.txt, .att) adds no node: it adds attributes to RVM groups that are in the scene already
 /// (rvm/rvm_attributes.h). Errors name the file: unknown extension, missing, a directory, empty, unreadable, damaged.
-core::Expected<ImportReport> import_file(const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
-                                         const ImportOptions& options = {});
+SIGHTLINE_API core::Expected<ImportReport> import_file(const std::filesystem::path& path, core::Scene& scene,
+                                                       core::NodeId parent, const ImportOptions& options = {});
 
 /// Imports several files, one node each. Attribute files are read last, wherever they stand in the list. All or
 /// nothing: when one fails, those before it are taken back (except for attributes of groups that were there before).
-core::Expected<ImportReport> import_files(std::span<const std::filesystem::path> paths, core::Scene& scene,
-                                          core::NodeId parent, const ImportOptions& options = {});
+SIGHTLINE_API core::Expected<ImportReport> import_files(std::span<const std::filesystem::path> paths,
+                                                        core::Scene& scene, core::NodeId parent,
+                                                        const ImportOptions& options = {});
 
 }  // namespace sightline::importers

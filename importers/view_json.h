@@ -18,6 +18,7 @@
 #include <string>
 #include <string_view>
 
+#include "sightline/core/api.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/core/error.h"
 #include "sightline/core/view.h"
@@ -25,19 +26,20 @@
 namespace sightline::importers {
 
 /// `aspect` = width / height of the image, > 0. `source` names the text in errors.
-core::Expected<core::View> parse_view(std::string_view json, double aspect, std::string_view source = "view");
-core::Expected<core::View> read_view(const std::filesystem::path& file, double aspect);
+SIGHTLINE_API core::Expected<core::View> parse_view(std::string_view json, double aspect,
+                                                    std::string_view source = "view");
+SIGHTLINE_API core::Expected<core::View> read_view(const std::filesystem::path& file, double aspect);
 
-core::Expected<core::CameraPath> parse_path(std::string_view json, std::string_view source = "path");
-core::Expected<core::CameraPath> read_path(const std::filesystem::path& file);
+SIGHTLINE_API core::Expected<core::CameraPath> parse_path(std::string_view json, std::string_view source = "path");
+SIGHTLINE_API core::Expected<core::CameraPath> read_path(const std::filesystem::path& file);
 
 /// Reading the text back gives the same keys: times and distances to the bit, fields of view to the last few bits.
-std::string format_path(const core::CameraPath& path);
+SIGHTLINE_API std::string format_path(const core::CameraPath& path);
 /// Replaces `file`. Its folder must exist.
-core::Expected<void> write_path(const std::filesystem::path& file, const core::CameraPath& path);
+SIGHTLINE_API core::Expected<void> write_path(const std::filesystem::path& file, const core::CameraPath& path);
 
 /// The same view or path for a model that was moved by `offset`, sections included.
-core::Expected<core::View> translated(const core::View& view, const core::dvec3& offset);
-core::Expected<core::CameraPath> translated(const core::CameraPath& path, const core::dvec3& offset);
+SIGHTLINE_API core::Expected<core::View> translated(const core::View& view, const core::dvec3& offset);
+SIGHTLINE_API core::Expected<core::CameraPath> translated(const core::CameraPath& path, const core::dvec3& offset);
 
 }  // namespace sightline::importers

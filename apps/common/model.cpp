@@ -113,9 +113,7 @@ void explain(const engine::Plan& plan) {
 }
 
 void explain(const core::Scene& scene) {
-  core::Snapshot snapshot(scene);
-  snapshot.find_joints();
-  explain(engine::make_plan(snapshot, engine::CullerChoice::kAutomatic, true, false));
+  explain(engine::make_plan(core::Snapshot(scene), engine::CullerChoice::kAutomatic, true, false));
 }
 
 }  // namespace sightline::apps

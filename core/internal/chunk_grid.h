@@ -7,11 +7,12 @@
 #include <unordered_map>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/conventions.h"
 
 namespace sightline::core {
 
-class ChunkGrid {
+class SIGHTLINE_API ChunkGrid {
  public:
   /// Starts anew. Cuts a sequence of points, in which neighbours should lie near each other, into runs that fit into a
   /// chunk. Returns the chunk of each point. Chunks are 16 m wide, which resolves a micrometre; the width doubles until

@@ -4,13 +4,15 @@
 #include <cstddef>
 #include <vector>
 
+#include "sightline/core/api.h"
+
 namespace sightline::core {
 
 /// Allocates memory that starts at a cache line, so that a group of sixteen floats is one line and not two. From 2 MiB
 /// on it asks for huge pages (Linux): queries and edits touch thousands of places far apart, and with small pages each
 /// of them costs another miss.
-void* allocate_lines(std::size_t bytes);
-void release_lines(void* memory, std::size_t bytes);
+SIGHTLINE_API void* allocate_lines(std::size_t bytes);
+SIGHTLINE_API void release_lines(void* memory, std::size_t bytes);
 
 template <class T>
 struct LineAllocator {

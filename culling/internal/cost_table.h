@@ -3,12 +3,14 @@
 
 #include <array>
 
+#include "sightline/core/api.h"
+
 namespace sightline::culling {
 
 /// A piecewise-linear curve of log(cost) over a coordinate x >= 0. x counts octaves of what the cost depends on, so
 /// that power laws are exact. Each knot knows how many samples it stands for. Where there are none, the nearest knot
 /// decides.
-class CostTable {
+class SIGHTLINE_API CostTable {
  public:
   /// log(cost) at x. Precondition: !empty().
   double predict(double x) const;

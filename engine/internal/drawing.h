@@ -14,8 +14,8 @@ namespace sightline::engine {
 /// Functions that need the context make it current on the calling thread, unless it was adopted, and leave it current.
 class Drawing {
  public:
-  static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot& snapshot, const EngineConfig& config,
-                                                         bool gpu_culls);
+  static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                                         const EngineConfig& config, bool gpu_culls);
   ~Drawing();
   /// Adds a plan entry for the program of each batch kind.
   static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
@@ -41,10 +41,10 @@ class Drawing {
   std::optional<culling::GpuCuller::Feedback> take_gpu_feedback();
   /// Follows an edit of `touched` slots (Snapshot::apply) and of materials (SceneDelta::materials). Rewrites their
   /// records and adds the records of appended slots. Makes everything anew when GpuScene::append returns false.
-  core::Expected<void> update(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
-                              std::span<const std::uint32_t> materials);
+  core::Expected<void> update(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                              std::span<const core::Slot> touched, std::span<const std::uint32_t> materials);
   /// Makes everything anew from another snapshot, with or without a GPU culler.
-  core::Expected<void> rebuild(const core::Snapshot& snapshot, bool gpu_culls);
+  core::Expected<void> rebuild(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls);
   /// Makes the GPU culler unless there is one. `snapshot` must be that of the last update() or rebuild().
   core::Expected<void> add_culler(const core::Snapshot& snapshot);
   /// See Engine::resize.

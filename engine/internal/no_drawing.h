@@ -12,7 +12,8 @@ namespace sightline::engine {
 
 class Drawing {
  public:
-  static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot&, const EngineConfig&, bool) {
+  static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot&, const gpuprims::Joints&,
+                                                         const EngineConfig&, bool) {
     return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
   }
   static void plan_programs(Plan&, const core::Snapshot&, bool) {}
@@ -28,10 +29,11 @@ class Drawing {
   }
   core::Expected<void> cull(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
   core::Expected<void> draw_culled(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
-  core::Expected<void> update(const core::Snapshot&, std::span<const core::Slot>, std::span<const std::uint32_t>) {
+  core::Expected<void> update(const core::Snapshot&, const gpuprims::Joints&, std::span<const core::Slot>,
+                              std::span<const std::uint32_t>) {
     return {};
   }
-  core::Expected<void> rebuild(const core::Snapshot&, bool) { return {}; }
+  core::Expected<void> rebuild(const core::Snapshot&, const gpuprims::Joints&, bool) { return {}; }
   core::Expected<void> add_culler(const core::Snapshot&) { return {}; }
   core::Expected<void> resize(int, int) { return {}; }
   core::Expected<void> make_current() const { return {}; }

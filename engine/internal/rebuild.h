@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -15,12 +16,13 @@
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/linear_culler.h"
 #include "sightline/engine/plan.h"
+#include "sightline/gpuprims/internal/joints.h"
 
 namespace sightline::engine {
 
 using Culler = std::variant<culling::LinearCuller, culling::CpuCuller>;
 
-/// Arguments of make_plan besides the snapshot.
+/// Arguments of make_plan besides the snapshot and its joints.
 struct PlanRequest {
   CullerChoice culler = CullerChoice::kAutomatic;
   bool draw = false, ids = false;
@@ -29,15 +31,20 @@ struct PlanRequest {
 /// Everything that depends on one order of the items.
 struct Generation {
   std::unique_ptr<core::Snapshot> snapshot;  // at a fixed address: the culler borrows its bounds
+  gpuprims::Joints joints;                   // none unless the request draws
   std::unique_ptr<Culler> culler;
   Plan plan;
 
-  /// Updates the culler for the slots that Snapshot::apply has touched.
-  void update(std::span<const core::Slot> touched);
+  /// Follows an edit of the snapshot, whose apply() has touched these slots: updates the joints, which adds to
+  /// `touched`, and the culler. `edited`: items that were changed, removed or added. `materials`: whether any were
+  /// edited. `former_size`: that of the snapshot.
+  void follow(std::initializer_list<std::span<const core::ItemId>> edited, bool materials, std::size_t former_size,
+              std::vector<core::Slot>& touched);
   /// Makes a new plan, and the culler that it names unless there is one.
   void follow_plan(const PlanRequest& request);
 };
 
+Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, const PlanRequest& request);
 Generation make_generation(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request);
 
 /// One rebuild. Its thread copies the live snapshot in pieces, builds from the copy, catches up with the edits made
@@ -67,7 +74,7 @@ class BackgroundRebuild {
 
   void run(const std::stop_token& stop, const PlanRequest& request);
   bool copy_all(const std::stop_token& stop, core::Snapshot::Items& items);
-  bool copy_missed(const std::stop_token& stop, std::vector<core::ItemId> missed, core::Snapshot::Items& items);
+  bool copy_missed(const std::stop_token& stop, std::span<const core::ItemId> missed, core::Snapshot::Items& items);
   /// Locks the mutex as soon as no edit is under way. False: the thread must stop.
   bool lock(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
 

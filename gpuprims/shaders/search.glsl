@@ -32,7 +32,7 @@ void offer(inout Search s, float t, int face) {
 bool shown(Search s, int face) { return (s.hidden >> uint(face) & 1u) == 0u; }
 
 // How far hidden ends reach beyond their plane, in radii: into the neighbour that covers them, which may be that far
-// away (kJointGap in core/internal/joints.h). So no ray passes between the two, and a section that lies in the joint
+// away (kJointGap in gpuprims/internal/joints.h). So no ray passes between the two, and a section that lies in the joint
 // cuts at least one of them.
 const float kHiddenReach = 2e-4;
 

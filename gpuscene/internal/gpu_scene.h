@@ -12,6 +12,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/gl/context.h"
 #include "sightline/gl/internal/buffer.h"
+#include "sightline/gpuprims/internal/joints.h"
 #include "sightline/gpuscene/internal/batch_kinds.h"
 #include "sightline/gpuscene/internal/element_writer.h"
 
@@ -47,17 +48,18 @@ struct MeshPool {
 
 class GpuScene {
  public:
-  /// Uploads everything in the snapshot. Fails when the GPU has not enough memory. The context must be current, here
-  /// and in all other calls.
-  static core::Expected<GpuScene> create(const gl::Context& context, const core::Snapshot& snapshot);
+  /// Uploads everything in the snapshot. Records say which ends `joints` cover; all calls take the joints of the same
+  /// snapshot. Fails when the GPU has not enough memory. The context must be current, here and in all other calls.
+  static core::Expected<GpuScene> create(const gl::Context& context, const core::Snapshot& snapshot,
+                                         const gpuprims::Joints& joints = {});
 
   /// Rewrites the records of changed slots: placement and material, and for vacant slots, which ranges may contain,
   /// nothing to draw. Call append() for appended slots first. Needs at most one GL call per run of neighbours, and
   /// far fewer for many runs (ElementWriter, which lists the GL state that it changes).
-  void update(const core::Snapshot& snapshot, std::span<const core::Slot> changed);
+  void update(const core::Snapshot& snapshot, std::span<const core::Slot> changed, const gpuprims::Joints& joints = {});
   /// Adds records of the slots appended since the last call. False, with nothing done, when a new GpuScene is needed:
   /// memory for an eighth more than at first is used up, or there are new kinds or meshes.
-  bool append(const core::Snapshot& snapshot);
+  bool append(const core::Snapshot& snapshot, const gpuprims::Joints& joints = {});
   /// Writes all edited or added materials at once; `edited` holds their indices in rising order. Makes a larger table
   /// when added ones do not fit. Fails when the GPU has not enough memory; then nothing has changed.
   core::Expected<void> update_materials(const gl::Context& context, const core::Snapshot& snapshot,
@@ -70,7 +72,8 @@ class GpuScene {
   std::size_t memory_bytes() const;
 
   /// Writes a slot's record to `out`, texels_per_record() of its batch.
-  static void pack(const core::Snapshot& snapshot, core::Slot slot, std::span<gpuprims::Texel> out);
+  static void pack(const core::Snapshot& snapshot, const gpuprims::Joints& joints, core::Slot slot,
+                   std::span<gpuprims::Texel> out);
   /// Number of items of a batch in slots below `slot`. Constant time.
   static std::uint32_t rank(const core::Snapshot& snapshot, BatchKind kind, core::Slot slot);
   /// Place of an item's record in its batch. Equals rank() of its own slot, but is faster.

@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/scene.h"
 
@@ -47,7 +48,8 @@ struct ObjWriteReport {
 /// and renames both at the end: on failure or cancellation the old files stay. Fails on a path that cannot be written
 /// or ends in ".mtl", on a tolerance that is not > 0, and on more than 2^31 - 1 vertices. Streams: memory is a few
 /// bytes per node and material, plus one primitive's triangles.
-core::Expected<ObjWriteReport> write_obj(const core::Scene& scene, core::NodeId node, const std::filesystem::path& path,
-                                         const ObjWriteOptions& options = {});
+SIGHTLINE_API core::Expected<ObjWriteReport> write_obj(const core::Scene& scene, core::NodeId node,
+                                                       const std::filesystem::path& path,
+                                                       const ObjWriteOptions& options = {});
 
 }  // namespace sightline::importers

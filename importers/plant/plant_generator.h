@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/scene.h"
 
@@ -25,6 +26,6 @@ struct PlantConfig {
 ///
 /// The scene's content depends on `config` alone, on every platform with IEEE arithmetic. Nothing is committed. Fails
 /// when `items` is out of range; the scene is then unchanged.
-core::Expected<void> generate_plant(const PlantConfig& config, core::Scene& scene);
+SIGHTLINE_API core::Expected<void> generate_plant(const PlantConfig& config, core::Scene& scene);
 
 }  // namespace sightline::importers

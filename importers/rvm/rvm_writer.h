@@ -19,6 +19,7 @@
 #include <functional>
 #include <vector>
 
+#include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/scene.h"
 
@@ -28,10 +29,11 @@ namespace sightline::importers {
 /// cannot be written, on more than 4 GiB (offsets are 32 bits), and on an item whose baked matrix is not finite in
 /// float. Streams: memory is a few bytes per node, not per item. `progress` works as ImportOptions::progress: returning
 /// false cancels with kCancelled as the message.
-core::Expected<void> write_rvm(const core::Scene& scene, core::NodeId node, const std::filesystem::path& path,
-                               const std::function<bool(double)>& progress = {});
+SIGHTLINE_API core::Expected<void> write_rvm(const core::Scene& scene, core::NodeId node,
+                                             const std::filesystem::path& path,
+                                             const std::function<bool(double)>& progress = {});
 
 /// The same into memory.
-core::Expected<std::vector<std::byte>> write_rvm(const core::Scene& scene, core::NodeId node);
+SIGHTLINE_API core::Expected<std::vector<std::byte>> write_rvm(const core::Scene& scene, core::NodeId node);
 
 }  // namespace sightline::importers

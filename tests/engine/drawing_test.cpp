@@ -219,7 +219,7 @@ TEST_F(DrawingTest, EndsShowWhereAMaterialTurnsClear) {
                         i % 2 == 1 ? pane : core::MaterialId{});
   auto engine = Engine::create(scene, config(CullerChoice::kCpu));
   ASSERT_TRUE(engine);
-  EXPECT_EQ(engine->snapshot().joints().count(), 8u);
+  EXPECT_EQ(engine->joints().count(), 8u);
   scene.update_material(pane, {.name = "glass", .alpha = 0.0f});
   ASSERT_TRUE(engine->commit());
   auto fresh = Engine::create(scene, config(CullerChoice::kCpu));

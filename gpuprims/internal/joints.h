@@ -14,16 +14,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sightline/core/affine.h"
 #include "sightline/core/conventions.h"
 #include "sightline/core/primitive.h"
+#include "sightline/core/snapshot.h"
 
-namespace sightline::core {
-
-class Snapshot;
+namespace sightline::gpuprims {
 
 // Tolerances, in units of the covered face's smaller half-axis. They hold between the placements that are drawn, those
 // of the snapshot. Real files store coordinates in float: their neighbours differ by up to 1e-3 radii.
@@ -38,12 +39,12 @@ enum Ends : std::uint8_t { kNoEnd = 0, kBottomEnd = 1, kTopEnd = 2 };
 
 /// A flat end in the world: the ellipse centre + u cos a + v sin a. u x v points out of the solid.
 struct EndFace {
-  dvec3 centre{0.0}, u{0.0}, v{0.0};
+  core::dvec3 centre{0.0}, u{0.0}, v{0.0};
 };
 
 /// The face at one end. None where the primitive has no such end, or where the end's contour is not a whole ellipse:
 /// closed tori, solids without volume, tips, slanted ends that cut each other or are steeper than their cone.
-std::optional<EndFace> end_face(const Primitive& primitive, const Affine& world_from_item, Ends end);
+std::optional<EndFace> end_face(const core::Primitive& primitive, const core::Affine& world_from_item, Ends end);
 
 /// True when `face` is covered by `other`, as said above. Constant time.
 bool covers(const EndFace& other, const EndFace& face);
@@ -55,28 +56,36 @@ class Joints {
   /// Time linear in the number of ends. Where more ends meet in one place than in any sound model, some joints may be
   /// overlooked; their ends are then drawn. Faces more than fifty times the usual size are held to the tolerance of
   /// fifty times the usual size.
-  explicit Joints(const Snapshot& snapshot);
+  explicit Joints(const core::Snapshot& snapshot);
 
   /// Covered ends of an item.
-  Ends covered(ItemId item) const;
+  Ends covered(core::ItemId item) const;
   /// Covered ends of all items.
   std::size_t count() const { return count_; }
 
-  /// Uncovers the ends of an item that was changed or removed, and the ends that it covers. Appends the items of the
-  /// latter to `uncovered`. Does not search for new joints.
-  void dissolve(ItemId item, std::vector<ItemId>& uncovered);
+  // Both functions below follow an edit of the snapshot, after Snapshot::apply. They append the slots of neighbours
+  // whose ends no longer are covered to `touched`, which apply() returned: those of its former_size slots, each once.
+  // They do not search for new joints.
+  /// Uncovers the ends of items that were changed or removed, and the ends that these cover.
+  void dissolve(const core::Snapshot& snapshot, std::initializer_list<std::span<const core::ItemId>> edited,
+                std::size_t former_size, std::vector<core::Slot>& touched);
+  /// The same for all items that are no longer opaque, because their material was edited. Time linear in the number of
+  /// materials, and in that of slots when one has turned from opaque to transparent.
+  void dissolve_transparent(const core::Snapshot& snapshot, std::size_t former_size, std::vector<core::Slot>& touched);
 
   /// Nothing while no end is covered, else two bits per item and eight bytes per covered end.
   std::size_t memory_bytes() const;
 
  private:
   friend class JointSearch;
-  bool set(ItemId item, Ends end, bool covered);
+  bool set(core::ItemId item, Ends end, bool covered);
+  void dissolve(core::ItemId item, std::vector<core::ItemId>& uncovered);
 
   std::vector<std::uint64_t> bits_;    // two per item
   std::vector<std::uint64_t> covers_;  // sorted: covering item << 32 | covered item << 1 | its end is the top
   std::vector<std::uint32_t> first_;   // per 32 items: index of the first entry in covers_
+  std::vector<bool> opaque_;           // by material, as last looked at; empty while no end is covered
   std::size_t count_ = 0;
 };
 
-}  // namespace sightline::core
+}  // namespace sightline::gpuprims

@@ -1,4 +1,4 @@
-#include "sightline/core/internal/joints.h"
+#include "sightline/gpuprims/internal/joints.h"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,17 @@
 #include <cstring>
 
 #include "sightline/core/internal/radix_sort.h"
-#include "sightline/core/snapshot.h"
 
-namespace sightline::core {
+namespace sightline::gpuprims {
+
+using core::Affine;
+using core::dvec3;
+using core::ItemId;
+using core::Kind;
+using core::Primitive;
+using core::Slot;
+using core::Snapshot;
+
 namespace {
 
 constexpr std::uint32_t kItemsPerWord = 32;
@@ -27,15 +35,15 @@ Found disc(const dvec3& centre, const dvec3& u, const dvec3& v, const dvec3& out
   return LocalEnd{centre, u, v, outwards};
 }
 
-Found local_end(const Cylinder& c, bool top) {
+Found local_end(const core::Cylinder& c, bool top) {
   const double r = length(c.radius), side = top ? 1.0 : -1.0;
   if (c.height == 0.0f) return std::nullopt;
   return disc({0.0, 0.0, 0.5 * side * length(c.height)}, {r, 0.0, 0.0}, {0.0, r, 0.0}, {0.0, 0.0, side});
 }
 
-Found local_end(const CircularTorus& t, bool top) {
-  const double r = length(t.tube_radius), major = length(t.major_radius), angle = sweep_angle(t.angle);
-  if (angle == kFullTurn || angle == 0.0 || r > major) return std::nullopt;
+Found local_end(const core::CircularTorus& t, bool top) {
+  const double r = length(t.tube_radius), major = length(t.major_radius), angle = core::sweep_angle(t.angle);
+  if (angle == core::kFullTurn || angle == 0.0 || r > major) return std::nullopt;
   const dvec3 out = top ? dvec3(std::cos(angle), std::sin(angle), 0.0) : dvec3(1.0, 0.0, 0.0);
   const dvec3 along(-out.y, out.x, 0.0);
   return disc(major * out, r * out, {0.0, 0.0, r}, top ? along : -along);
@@ -46,10 +54,10 @@ Found dish_base(float base_radius, float height, bool top) {
   if (top || height == 0.0f) return std::nullopt;
   return disc(dvec3(0.0), {r, 0.0, 0.0}, {0.0, r, 0.0}, {0.0, 0.0, -1.0});
 }
-Found local_end(const EllipticalDish& d, bool top) {
+Found local_end(const core::EllipticalDish& d, bool top) {
   return dish_base(d.base_radius, d.height, top);
 }
-Found local_end(const SphericalDish& d, bool top) {
+Found local_end(const core::SphericalDish& d, bool top) {
   return dish_base(d.base_radius, d.height, top);
 }
 
@@ -57,14 +65,14 @@ Found local_end(const SphericalDish& d, bool top) {
 /// is z = (m / d) . q, d = 1 - m . s, and the section is symmetric about the direction of m. So one axis of the ellipse
 /// runs between its highest and its lowest point, whose heights core::bottom_end_range() gives. The other axis is
 /// level.
-Found local_end(const Snout& s, bool top) {
+Found local_end(const core::Snout& s, bool top) {
   const double height = length(s.height), r = length(top ? s.top_radius : s.bottom_radius), side = top ? 0.5 : -0.5;
   if (height == 0.0) return std::nullopt;
   const dvec3 axis(s.offset_x, s.offset_y, height);
   Found end = disc(side * axis, {r, 0.0, 0.0}, {0.0, r, 0.0}, side * axis);
   if (s.bottom_shear_x == 0.0f && s.bottom_shear_y == 0.0f && s.top_shear_x == 0.0f && s.top_shear_y == 0.0f)
     return end;
-  const EndRange below = bottom_end_range(s), above = top_end_range(s), range = top ? above : below;
+  const core::EndRange below = core::bottom_end_range(s), above = core::top_end_range(s), range = top ? above : below;
   if (below.limited || above.limited || below.max - above.min >= height) return std::nullopt;
   const glm::dvec2 slant(std::tan(double(top ? s.top_shear_x : s.bottom_shear_x)),
                          std::tan(double(top ? s.top_shear_y : s.bottom_shear_y)));
@@ -130,7 +138,7 @@ bool covers(const Measured& other, const Measured& face) {
 
 std::optional<EndFace> in_world(const Found& local, const Affine& world_from_item) {
   if (!local) return std::nullopt;
-  EndFace face{transform_point(world_from_item, local->centre), world_from_item.linear * local->u,
+  EndFace face{core::transform_point(world_from_item, local->centre), world_from_item.linear * local->u,
                world_from_item.linear * local->v};
   const double volume = glm::dot(glm::cross(face.u, face.v), world_from_item.linear * local->outwards);
   if (!(std::abs(volume) > 0.0)) return std::nullopt;
@@ -152,6 +160,36 @@ std::optional<EndFace> end_face(const Primitive& primitive, const Affine& world_
 bool covers(const EndFace& other, const EndFace& face) {
   return covers(Measured(other), Measured(face));
 }
+
+namespace {
+
+/// By material: whether it is opaque.
+std::vector<bool> opaque_materials(const Snapshot& snapshot) {
+  std::vector<bool> opaque;
+  for (const glm::vec4& material : snapshot.materials()) opaque.push_back(material.a >= 1.0f);
+  return opaque;
+}
+
+/// Appends those slots of `items` that are below `former_size` and not among the `touched` yet, each once.
+void add_slots(const Snapshot& snapshot, std::span<const ItemId> items, std::size_t former_size,
+               std::vector<Slot>& touched) {
+  if (items.empty()) return;
+  std::vector<Slot> others;
+  for (const ItemId item : items)
+    if (const Slot s = snapshot.slot(item); s < former_size) others.push_back(s);  // kNone is above
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  // Neighbours that were edited themselves are in `touched` already.
+  std::vector<bool> known(others.size());
+  for (const Slot s : touched) {
+    const auto at = std::lower_bound(others.begin(), others.end(), s);
+    if (at != others.end() && *at == s) known[std::size_t(at - others.begin())] = true;
+  }
+  for (std::size_t i = 0; i < others.size(); ++i)
+    if (!known[i]) touched.push_back(others[i]);
+}
+
+}  // namespace
 
 // --- finding ---------------------------------------------------------------------------------------------------------
 
@@ -195,7 +233,7 @@ class JointSearch {
 
   template <class P>
   std::optional<EndFace> face_as(Slot s, Ends end) const {
-    const Kind kind = kind_of(Primitive(P{}));
+    const Kind kind = core::kind_of(Primitive(P{}));
     P primitive;
     std::memcpy(&primitive,
                 snapshot_.of_kind(kind).parameters.data() + snapshot_.index_in_kind(s) * (sizeof(P) / sizeof(float)),
@@ -205,11 +243,11 @@ class JointSearch {
   std::optional<EndFace> face_at(Slot s, Ends end) const {
     switch (snapshot_.kind(s)) {
       case Kind::kCylinder:
-        return face_as<Cylinder>(s, end);
+        return face_as<core::Cylinder>(s, end);
       case Kind::kCircularTorus:
-        return face_as<CircularTorus>(s, end);
+        return face_as<core::CircularTorus>(s, end);
       case Kind::kSnout:
-        return face_as<Snout>(s, end);
+        return face_as<core::Snout>(s, end);
       default:
         return end_face(snapshot_.primitive(s), snapshot_.world_from_item(s), end);
     }
@@ -270,7 +308,7 @@ class JointSearch {
 
   /// All pairs of ends that meet in a cell, each end as slot << 1 | top, in rising order of the first.
   static std::vector<std::uint64_t> pairs(std::vector<std::uint64_t> keys) {
-    radix_sort<32>(keys);
+    core::radix_sort<32>(keys);
     std::vector<std::uint64_t> out;
     for (std::size_t i = 0; i < keys.size(); ++i) {
       const std::size_t end = std::min(keys.size(), i + kMostLooked);
@@ -279,7 +317,7 @@ class JointSearch {
         if (a >> 1 != b >> 1) out.push_back(std::uint64_t(std::max(a, b)) << 32 | std::min(a, b));
       }
     }
-    radix_sort<32>(out);
+    core::radix_sort<32>(out);
     return out;
   }
 
@@ -303,7 +341,7 @@ class JointSearch {
   void finish() {
     auto& covers = out_.covers_;
     if (covers.empty()) return;
-    radix_sort<32>(covers);
+    core::radix_sort<32>(covers);
     covers.shrink_to_fit();
     out_.bits_.shrink_to_fit();
     const std::size_t groups = (covers.back() >> 32) / kItemsPerWord + 1;
@@ -323,6 +361,7 @@ class JointSearch {
 
 Joints::Joints(const Snapshot& snapshot) {
   JointSearch(snapshot, *this).run();
+  if (count_ > 0) opaque_ = opaque_materials(snapshot);
 }
 
 /// Returns false when nothing changed.
@@ -344,6 +383,32 @@ Ends Joints::covered(ItemId item) const {
   return word < bits_.size() ? Ends(bits_[word] >> 2 * (item % kItemsPerWord) & 3u) : kNoEnd;
 }
 
+void Joints::dissolve(const Snapshot& snapshot, std::initializer_list<std::span<const ItemId>> edited,
+                      std::size_t former_size, std::vector<Slot>& touched) {
+  if (count_ == 0) return;
+  std::vector<ItemId> uncovered;
+  for (const std::span<const ItemId> items : edited)
+    for (const ItemId item : items) dissolve(item, uncovered);
+  add_slots(snapshot, uncovered, former_size, touched);
+}
+
+void Joints::dissolve_transparent(const Snapshot& snapshot, std::size_t former_size, std::vector<Slot>& touched) {
+  if (count_ == 0) return;
+  std::vector<bool> opaque = opaque_materials(snapshot);
+  std::swap(opaque, opaque_);
+  const auto turned = [&](std::uint32_t m) { return m < opaque.size() && opaque[m] && !opaque_[m]; };
+  bool any = false;
+  for (std::uint32_t m = 0; m < opaque_.size(); ++m) any = any || turned(m);
+  std::vector<ItemId> uncovered;
+  for (Slot s = 0; any && s < snapshot.size(); ++s) {
+    const ItemId item = snapshot.item(s);
+    if (item == core::kNone || !turned(snapshot.material(s))) continue;
+    if (covered(item) != kNoEnd) uncovered.push_back(item);
+    dissolve(item, uncovered);
+  }
+  add_slots(snapshot, uncovered, former_size, touched);
+}
+
 void Joints::dissolve(ItemId item, std::vector<ItemId>& uncovered) {
   set(item, kBottomEnd, false);
   set(item, kTopEnd, false);
@@ -358,7 +423,7 @@ void Joints::dissolve(ItemId item, std::vector<ItemId>& uncovered) {
 }
 
 std::size_t Joints::memory_bytes() const {
-  return (bits_.capacity() + covers_.capacity()) * 8 + first_.capacity() * 4;
+  return (bits_.capacity() + covers_.capacity()) * 8 + first_.capacity() * 4 + opaque_.capacity() / 8;
 }
 
-}  // namespace sightline::core
+}  // namespace sightline::gpuprims

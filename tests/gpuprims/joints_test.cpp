@@ -1,5 +1,5 @@
 // Which ends are found to lie on a neighbour's, against all pairs compared, and what edits leave of that.
-#include "sightline/core/internal/joints.h"
+#include "sightline/gpuprims/internal/joints.h"
 
 #include <cmath>
 #include <numbers>
@@ -8,11 +8,12 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
-#include "sightline/core/snapshot.h"
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::core {
+namespace sightline::gpuprims {
 namespace {
+
+using namespace core;
 
 using tests::Random;
 using tests::uniform;
@@ -23,6 +24,23 @@ dmat3 turned(double angle, const dvec3& axis) {
   return dmat3(glm::rotate(core::dmat4(1.0), angle, glm::normalize(axis)));
 }
 
+/// A snapshot with its joints, which follow edits as in the engine.
+struct Joined {
+  Snapshot snapshot;
+  Joints joints{snapshot};
+
+  /// The slots that the scene's edits touch.
+  std::vector<Slot> commit(Scene& scene) {
+    const auto delta = scene.commit();
+    EXPECT_TRUE(delta);
+    const std::size_t former_size = snapshot.size();
+    std::vector<Slot> touched = snapshot.apply(*delta);
+    joints.dissolve(snapshot, {delta->removed, delta->changed, delta->inserted}, former_size, touched);
+    if (!delta->materials.empty()) joints.dissolve_transparent(snapshot, former_size, touched);
+    return touched;
+  }
+};
+
 /// A scene to which solids are added one by one, item 0 first.
 class Solids {
  public:
@@ -31,19 +49,15 @@ class Solids {
   ItemId add(const Primitive& primitive, const Affine& world_from_item = {}, MaterialId material = {}) {
     return scene.add_primitive(scene.root(), primitive, world_from_item, material);
   }
-  Snapshot snapshot() {
+  Joined joined() {
     EXPECT_TRUE(scene.commit());
-    Snapshot made(scene);
-    made.find_joints();
-    return made;
+    return Joined{Snapshot(scene)};
   }
-  int covered(ItemId item) { return snapshot().joints().covered(item); }
+  int covered(ItemId item) { return joined().joints.covered(item); }
 };
 
 std::size_t count_of(const Scene& scene) {
-  Snapshot made(scene);
-  made.find_joints();
-  return made.joints().count();
+  return Joints(Snapshot(scene)).count();
 }
 
 /// Ends that a unit cylinder on [0, 1] of the z axis and another solid cover of each other: own << 2 | the other's.
@@ -51,9 +65,9 @@ int ends_with(const Primitive& other, const Affine& placed) {
   Solids solids;
   const ItemId own = solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, 0.5}));
   const ItemId item = solids.add(other, placed);
-  const Snapshot snapshot = solids.snapshot();
-  const int a = snapshot.joints().covered(own), b = snapshot.joints().covered(item);
-  EXPECT_EQ(snapshot.joints().count(), std::size_t((a & 1) + (a >> 1) + (b & 1) + (b >> 1)));
+  const Joints joints = solids.joined().joints;
+  const int a = joints.covered(own), b = joints.covered(item);
+  EXPECT_EQ(joints.count(), std::size_t((a & 1) + (a >> 1) + (b & 1) + (b >> 1)));
   return a << 2 | b;
 }
 constexpr int kOwnTop = kTopEnd << 2;
@@ -244,7 +258,8 @@ TEST(Joints, AsAllPairsCompared) {
     Random random{std::uint64_t(seed)};
     Solids solids;
     add_runs(solids.scene, random, 15, seed % 3 == 0 ? 1000.0 : 5.0);
-    const Snapshot snapshot = solids.snapshot();
+    const Joined joined = solids.joined();
+    const Snapshot& snapshot = joined.snapshot;
     for (Slot a = 0; a < snapshot.size(); ++a) {
       int expected = 0;
       for (const Ends end : {kBottomEnd, kTopEnd}) {
@@ -254,7 +269,7 @@ TEST(Joints, AsAllPairsCompared) {
             if (const auto other = end_face(snapshot.primitive(b), snapshot.world_from_item(b), other_end))
               if (a != b && covers(*other, *face)) expected |= end;
       }
-      ASSERT_EQ(int(snapshot.joints().covered(snapshot.item(a))), expected);
+      ASSERT_EQ(int(joined.joints.covered(snapshot.item(a))), expected);
       found += std::size_t((expected & 1) + (expected >> 1));
     }
   }
@@ -264,27 +279,22 @@ TEST(Joints, AsAllPairsCompared) {
 TEST(Joints, HeapsInOnePlaceTakeNoTime) {
   Solids solids;
   for (int i = 0; i < 20000; ++i) solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, double(i % 2)}));
-  EXPECT_GT(solids.snapshot().joints().count(), 0u);
+  EXPECT_GT(solids.joined().joints.count(), 0u);
 }
 
-TEST(Joints, AreNotLookedForUnlessAskedAndCostNothingThen) {
+TEST(Joints, CostNothingWhereThereAreNone) {
   Solids solids;
   solids.add(Cylinder{1.0f, 1.0f});
   solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, 1}));
-  ASSERT_TRUE(solids.scene.commit());
-  Snapshot snapshot(solids.scene);
-  EXPECT_EQ(snapshot.joints().count(), 0u);
-  EXPECT_EQ(snapshot.joints().memory_bytes(), 0u);
-  snapshot.find_joints();
-  EXPECT_EQ(snapshot.joints().count(), 2u);
+  EXPECT_EQ(solids.joined().joints.count(), 2u);
+  EXPECT_GT(solids.joined().joints.memory_bytes(), 0u);
   Solids apart;
   apart.add(Cylinder{1.0f, 1.0f});
   apart.add(Cylinder{1.0f, 1.0f}, translation({0, 0, 2}));
-  EXPECT_EQ(apart.snapshot().joints().memory_bytes(), 0u);
+  EXPECT_EQ(apart.joined().joints.memory_bytes(), 0u);
 }
 
-// --- edits
-// ------------------------------------------------------------------------------------------------------------
+// --- edits -----------------------------------------------------------------------------------------------------------
 
 TEST(Joints, EditsDissolveThoseOfTheItemAndItsNeighbours) {
   const auto check = [](const char* what, auto&& edit) {
@@ -293,13 +303,12 @@ TEST(Joints, EditsDissolveThoseOfTheItemAndItsNeighbours) {
     Scene& scene = solids.scene;
     const MaterialId paint = scene.add_material({});
     for (int i = 0; i < 5; ++i) solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, double(i)}));
-    Snapshot snapshot = solids.snapshot();
-    ASSERT_EQ(snapshot.joints().count(), 8u);
+    Joined joined = solids.joined();
+    const Snapshot& snapshot = joined.snapshot;
+    const Joints& joints = joined.joints;
+    ASSERT_EQ(joints.count(), 8u);
     edit(scene, paint);
-    const auto delta = scene.commit();
-    ASSERT_TRUE(delta);
-    const std::vector<Slot> touched = snapshot.apply(*delta);
-    const Joints& joints = snapshot.joints();
+    const std::vector<Slot> touched = joined.commit(scene);
     EXPECT_EQ(joints.covered(2), kNoEnd);
     EXPECT_EQ(joints.covered(1), kBottomEnd);
     EXPECT_EQ(joints.covered(3), kTopEnd);
@@ -313,9 +322,7 @@ TEST(Joints, EditsDissolveThoseOfTheItemAndItsNeighbours) {
     // A new order finds what there is now.
     Snapshot::Items items;
     snapshot.copy(0, Slot(snapshot.size()), items);
-    Snapshot anew(snapshot, std::move(items));
-    anew.find_joints();
-    EXPECT_EQ(anew.joints().count(), count_of(scene));
+    EXPECT_EQ(Joints(Snapshot(snapshot, std::move(items))).count(), count_of(scene));
   };
   check("moved", [](Scene& s, MaterialId) { s.set_placement(2, translation({0.2, 0, 2})); });
   check("moved far", [](Scene& s, MaterialId) { s.set_placement(2, translation({900, 0, 2})); });
@@ -331,26 +338,28 @@ TEST(Joints, DissolveWhereAMaterialTurnsClear) {
   const MaterialId steel = solids.scene.add_material({}), pane = solids.scene.add_material({});
   for (int i = 0; i < 6; ++i)
     solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, double(i)}), i == 2 ? pane : i < 2 ? steel : MaterialId{});
-  Snapshot snapshot = solids.snapshot();
-  ASSERT_EQ(snapshot.joints().count(), 10u);
+  Joined joined = solids.joined();
+  const Snapshot& snapshot = joined.snapshot;
+  const Joints& joints = joined.joints;
+  ASSERT_EQ(joints.count(), 10u);
   solids.scene.update_material(pane, {.name = "red", .colour = {1, 0, 0}});
-  EXPECT_TRUE(snapshot.apply(*solids.scene.commit()).empty());
-  EXPECT_EQ(snapshot.joints().count(), 10u);
+  EXPECT_TRUE(joined.commit(solids.scene).empty());
+  EXPECT_EQ(joints.count(), 10u);
   solids.scene.update_material(pane, {.name = "glass", .alpha = 0.5f});
-  std::vector<Slot> touched = snapshot.apply(*solids.scene.commit());
+  std::vector<Slot> touched = joined.commit(solids.scene);
   std::sort(touched.begin(), touched.end());
   std::vector<Slot> expected{snapshot.slot(1), snapshot.slot(2), snapshot.slot(3)};
   std::sort(expected.begin(), expected.end());
   EXPECT_EQ(touched, expected);
-  EXPECT_EQ(snapshot.joints().count(), 6u);
-  EXPECT_EQ(snapshot.joints().covered(2), kNoEnd);
-  EXPECT_EQ(snapshot.joints().covered(1), kBottomEnd);
-  EXPECT_EQ(snapshot.joints().covered(3), kTopEnd);
+  EXPECT_EQ(joints.count(), 6u);
+  EXPECT_EQ(joints.covered(2), kNoEnd);
+  EXPECT_EQ(joints.covered(1), kBottomEnd);
+  EXPECT_EQ(joints.covered(3), kTopEnd);
   solids.scene.update_material(pane, {.name = "glass", .alpha = 0.4f});
-  EXPECT_TRUE(snapshot.apply(*solids.scene.commit()).empty()) << "it was clear before";
+  EXPECT_TRUE(joined.commit(solids.scene).empty()) << "it was clear before";
   solids.scene.update_material(pane, {});
-  EXPECT_TRUE(snapshot.apply(*solids.scene.commit()).empty()) << "joints are not looked for again";
-  EXPECT_EQ(snapshot.joints().count(), 6u);
+  EXPECT_TRUE(joined.commit(solids.scene).empty()) << "joints are not looked for again";
+  EXPECT_EQ(joints.count(), 6u);
 }
 
 /// Of the slots there were before, however the others end: gone, or appended.
@@ -359,12 +368,13 @@ TEST(Joints, NeighboursEditedTogetherTouchFormerSlotsOnly) {
     SCOPED_TRACE(what);
     Solids solids;
     for (int i = 0; i < 6; ++i) solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, double(i)}));
-    Snapshot snapshot = solids.snapshot();
+    Joined joined = solids.joined();
+    const Snapshot& snapshot = joined.snapshot;
     const std::size_t size = snapshot.size();
     std::vector<Slot> expected;
     for (ItemId item = 1; item < 5; ++item) expected.push_back(snapshot.slot(item));
     edit(solids.scene);
-    std::vector<Slot> touched = snapshot.apply(*solids.scene.commit());
+    std::vector<Slot> touched = joined.commit(solids.scene);
     for (const Slot slot : touched) EXPECT_LT(slot, size);
     std::sort(touched.begin(), touched.end());
     std::sort(expected.begin(), expected.end());
@@ -407,34 +417,32 @@ TEST(Joints, EndsOfTori) {
 TEST(Joints, EditedNeighboursAreTouchedOnce) {
   Solids solids;
   for (int i = 0; i < 6; ++i) solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, double(i)}));
-  Snapshot snapshot = solids.snapshot();
+  Joined joined = solids.joined();
   for (ItemId i = 1; i < 4; ++i) solids.scene.set_placement(i, translation({0, 0, double(i)}));
-  const std::vector<Slot> touched = snapshot.apply(*solids.scene.commit());
+  const std::vector<Slot> touched = joined.commit(solids.scene);
   EXPECT_EQ(std::set<Slot>(touched.begin(), touched.end()).size(), touched.size());
   EXPECT_EQ(touched.size(), 5u);
-  EXPECT_EQ(snapshot.joints().count(), 2u);  // between 4 and 5
+  EXPECT_EQ(joined.joints.count(), 2u);  // between 4 and 5
 }
 
 TEST(Joints, AMaterialOfLaterIsKnownToANewOrder) {
   Solids solids;
   solids.add(Cylinder{1.0f, 1.0f});
   solids.add(Cylinder{1.0f, 1.0f}, translation({0, 0, 1}));
-  Snapshot snapshot = solids.snapshot();
+  Joined joined = solids.joined();
   Material glass;
   glass.alpha = 0.3f;
   const MaterialId paint = solids.scene.add_material({}), see_through = solids.scene.add_material(glass);
   const auto joints_with = [&](MaterialId material) {
     solids.scene.set_material(ItemId(1), material);
-    snapshot.apply(*solids.scene.commit());
+    joined.commit(solids.scene);
     Snapshot::Items items;
-    snapshot.copy(0, Slot(snapshot.size()), items);
-    Snapshot anew(snapshot, std::move(items));
-    anew.find_joints();
-    return anew.joints().count();
+    joined.snapshot.copy(0, Slot(joined.snapshot.size()), items);
+    return Joints(Snapshot(joined.snapshot, std::move(items))).count();
   };
   EXPECT_EQ(joints_with(see_through), 0u);
   EXPECT_EQ(joints_with(paint), 2u);
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::gpuprims
