@@ -1,22 +1,7 @@
 # Finds the dependencies of the chosen options. If an optional dependency is absent, its option is switched off with one
-# message, and the rest builds without it. core and culling need only GLM and tl-expected. With SIGHTLINE_REQUIRE_ALL an
-# absent dependency is an error.
+# message, and the rest builds without it. core and culling need only GLM and tl-expected.
 
-# sightline_lack(WHAT): reports what this build lacks.
-function(sightline_lack what)
-  if(SIGHTLINE_REQUIRE_ALL)
-    message(FATAL_ERROR "sightline: ${what} (SIGHTLINE_REQUIRE_ALL is on)")
-  endif()
-  message(STATUS "sightline: ${what}")
-endfunction()
-
-# sightline_need(OPTION CONDITION LACK): switches OPTION off for this build when CONDITION is false, and reports LACK.
-macro(sightline_need option condition lack)
-  if(${option} AND NOT ${condition})
-    sightline_lack("${option} is off: ${lack}")
-    set(${option} OFF)
-  endif()
-endmacro()
+include(${CMAKE_CURRENT_LIST_DIR}/Need.cmake)
 
 find_package(glm REQUIRED)
 find_package(tl-expected REQUIRED)

@@ -1,5 +1,6 @@
-# Makes a folder a target, with the same flags everywhere.
+# Makes a folder a target, with the same flags everywhere: for the library's project, and those within its checkout.
 
+get_filename_component(SIGHTLINE_CHECKOUT ${CMAKE_CURRENT_LIST_DIR} DIRECTORY)
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
@@ -14,7 +15,7 @@ function(sightline_include_root result name folder)
   set(root ${PROJECT_BINARY_DIR}/include/${name})
   get_filename_component(parent ${root}/sightline/${folder} DIRECTORY)
   file(MAKE_DIRECTORY ${parent})
-  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${root}/sightline/${folder} SYMBOLIC)
+  file(CREATE_LINK ${SIGHTLINE_CHECKOUT}/${folder} ${root}/sightline/${folder} SYMBOLIC)
   set(${result} ${root} PARENT_SCOPE)
 endfunction()
 
