@@ -58,11 +58,11 @@ if(SIGHTLINE_FUZZ)
   target_compile_options(sightline_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# sightline_library(NAME [NO_INSTALL] [FOLDER folder] SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …]): the library of
-# a folder, by default of the same name. LINKS are the public dependencies. HEADERS are installed: those for
-# applications, and in internal/ those that these include. All other headers are private to the library.
+# sightline_library(NAME [FOLDER folder] SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …]): the library of a folder, by
+# default of the same name. LINKS are the public dependencies. HEADERS are installed: those for applications, and in
+# internal/ those that these include. All other headers are private to the library.
 function(sightline_library name)
-  cmake_parse_arguments(arg "NO_INSTALL" "FOLDER" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(arg "" "FOLDER" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
   if(NOT arg_FOLDER)
     set(arg_FOLDER ${name})
   endif()
@@ -78,9 +78,7 @@ function(sightline_library name)
     list(TRANSFORM arg_HEADERS PREPEND ${root}/sightline/${arg_FOLDER}/)
     target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${root} FILES ${arg_HEADERS})
   endif()
-  if(NOT arg_NO_INSTALL)
-    set_property(GLOBAL APPEND PROPERTY SIGHTLINE_LIBRARIES ${name})
-  endif()
+  set_property(GLOBAL APPEND PROPERTY SIGHTLINE_LIBRARIES ${name})
 endfunction()
 
 # sightline_kernels(NAME AVX2 file AVX512 file): kernels of one binary for all processors. Only these files may use
