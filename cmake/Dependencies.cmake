@@ -1,22 +1,7 @@
 # Finds the dependencies of the chosen options. If an optional dependency is absent, its option is switched off with one
-# message, and the rest builds without it. core and culling need only GLM and tl-expected. With SIGHTLINE_REQUIRE_ALL an
-# absent dependency is an error.
+# message, and the rest builds without it. core and culling need only GLM and tl-expected.
 
-# sightline_lack(WHAT): reports what this build lacks.
-function(sightline_lack what)
-  if(SIGHTLINE_REQUIRE_ALL)
-    message(FATAL_ERROR "sightline: ${what} (SIGHTLINE_REQUIRE_ALL is on)")
-  endif()
-  message(STATUS "sightline: ${what}")
-endfunction()
-
-# sightline_need(OPTION CONDITION LACK): switches OPTION off for this build when CONDITION is false, and reports LACK.
-macro(sightline_need option condition lack)
-  if(${option} AND NOT ${condition})
-    sightline_lack("${option} is off: ${lack}")
-    set(${option} OFF)
-  endif()
-endmacro()
+include(${CMAKE_CURRENT_LIST_DIR}/Need.cmake)
 
 find_package(glm REQUIRED)
 find_package(tl-expected REQUIRED)
@@ -89,18 +74,4 @@ if(SIGHTLINE_BENCH AND SIGHTLINE_APPS)
   if(NOT benchmark_FOUND)
     sightline_lack("sightline-bench is without queries and intersect: Google Benchmark not found (libbenchmark-dev)")
   endif()
-endif()
-sightline_need(SIGHTLINE_STUDY SIGHTLINE_APPS "the tools are off")
-sightline_need(SIGHTLINE_STUDY SIGHTLINE_BENCH "the benchmarks, whose models it takes, are off")
-if(SIGHTLINE_STUDY AND SIGHTLINE_STUDY_OSG)
-  find_package(OpenSceneGraph COMPONENTS osgUtil QUIET)
-  sightline_need(SIGHTLINE_STUDY_OSG OPENSCENEGRAPH_FOUND "OpenSceneGraph not found (libopenscenegraph-dev)")
-endif()
-if(SIGHTLINE_STUDY AND SIGHTLINE_STUDY_OCCT)
-  find_package(OpenCASCADE QUIET)
-  sightline_need(SIGHTLINE_STUDY_OCCT OpenCASCADE_FOUND "Open CASCADE not found (libocct-visualization-dev)")
-endif()
-if(SIGHTLINE_STUDY AND SIGHTLINE_STUDY_VTK)
-  find_package(VTK COMPONENTS RenderingCore QUIET)
-  sightline_need(SIGHTLINE_STUDY_VTK VTK_FOUND "VTK not found (libvtk9-dev)")
 endif()

@@ -72,9 +72,31 @@ foreach(name IN LISTS libraries)
 endforeach()
 
 set(SIGHTLINE_COMPONENTS ${libraries})
+
+# For projects that measure the library's parts: all private headers, and the shaders that some of them include. They
+# promise nothing and change without notice. An install component of its own; find_package() has it as a component, too.
+if(SIGHTLINE_INSTALL_INTERNALS)
+  if(BUILD_SHARED_LIBS)
+    message(FATAL_ERROR "sightline: SIGHTLINE_INSTALL_INTERNALS needs static libraries, BUILD_SHARED_LIBS is on: "
+                        "a shared library exports only what its public headers declare")
+  endif()
+  foreach(name IN LISTS libraries)
+    get_target_property(source_dir sightline_${name} SOURCE_DIR)
+    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${source_dir})
+    set(destination ${CMAKE_INSTALL_INCLUDEDIR}/sightline/${folder})
+    file(GLOB internals RELATIVE ${source_dir} ${source_dir}/internal ${source_dir}/*/internal)
+    foreach(path IN LISTS internals)
+      install(DIRECTORY ${source_dir}/${path}/ DESTINATION ${destination}/${path} COMPONENT internals)
+    endforeach()
+    file(GLOB limits ${source_dir}/shaders/*limits.glsl)
+    install(FILES ${limits} DESTINATION ${destination}/shaders COMPONENT internals)
+  endforeach()
+endif()
+
 install(EXPORT SightlineTargets NAMESPACE sightline:: DESTINATION ${package_dir})
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/SightlineConfig.cmake.in
-                              ${PROJECT_BINARY_DIR}/SightlineConfig.cmake INSTALL_DESTINATION ${package_dir})
+                              ${PROJECT_BINARY_DIR}/SightlineConfig.cmake INSTALL_DESTINATION ${package_dir}
+                              PATH_VARS CMAKE_INSTALL_INCLUDEDIR)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/SightlineConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/SightlineConfig.cmake ${PROJECT_BINARY_DIR}/SightlineConfigVersion.cmake
         DESTINATION ${package_dir})

@@ -1,5 +1,6 @@
-# Makes a folder a target, with the same flags everywhere.
+# Makes a folder a target, with the same flags everywhere: for the library's project, and those within its checkout.
 
+get_filename_component(SIGHTLINE_CHECKOUT ${CMAKE_CURRENT_LIST_DIR} DIRECTORY)
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
@@ -14,7 +15,7 @@ function(sightline_include_root result name folder)
   set(root ${PROJECT_BINARY_DIR}/include/${name})
   get_filename_component(parent ${root}/sightline/${folder} DIRECTORY)
   file(MAKE_DIRECTORY ${parent})
-  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${root}/sightline/${folder} SYMBOLIC)
+  file(CREATE_LINK ${SIGHTLINE_CHECKOUT}/${folder} ${root}/sightline/${folder} SYMBOLIC)
   set(${result} ${root} PARENT_SCOPE)
 endfunction()
 
@@ -57,12 +58,12 @@ if(SIGHTLINE_FUZZ)
   target_compile_options(sightline_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# sightline_library(NAME [NO_INSTALL] [FOLDER folder] SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …]): the library of
-# a folder, by default of the same name. LINKS are the public dependencies. HEADERS are installed: those for
-# applications, and in internal/ those that these include. All other headers are private to the library. The library is
-# an archive always; with BUILD_SHARED_LIBS all archives together become libsightline (SharedLibrary.cmake).
+# sightline_library(NAME [FOLDER folder] SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …]): the library of a folder, by
+# default of the same name. LINKS are the public dependencies. HEADERS are installed: those for applications, and in
+# internal/ those that these include. All other headers are private to the library. The library is an archive always;
+# with BUILD_SHARED_LIBS all archives together become libsightline (SharedLibrary.cmake).
 function(sightline_library name)
-  cmake_parse_arguments(arg "NO_INSTALL" "FOLDER" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(arg "" "FOLDER" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
   if(NOT arg_FOLDER)
     set(arg_FOLDER ${name})
   endif()
@@ -78,9 +79,7 @@ function(sightline_library name)
     list(TRANSFORM arg_HEADERS PREPEND ${root}/sightline/${arg_FOLDER}/)
     target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${root} FILES ${arg_HEADERS})
   endif()
-  if(NOT arg_NO_INSTALL)
-    set_property(GLOBAL APPEND PROPERTY SIGHTLINE_LIBRARIES ${name})
-  endif()
+  set_property(GLOBAL APPEND PROPERTY SIGHTLINE_LIBRARIES ${name})
 endfunction()
 
 # sightline_kernels(NAME AVX2 file AVX512 file): kernels of one binary for all processors. Only these files may use

@@ -2,12 +2,12 @@
 # Counts instructions per frame of culling alone, per method of the study and model. Counts are repeatable, times are
 # not.
 #   scripts/callgrind-study.sh [BENCH arguments …]     default: --only P-38 aircraft
-# Environment variables: BENCH (build/release/bin/sightline-study, built with -DSIGHTLINE_STUDY=ON where
+# Environment variables: BENCH (build/study/program/bin/sightline-study, as scripts/study.sh builds it where
 # valgrind/callgrind.h is found), FRAMES (12), VARIANTS (names, comma-separated; empty: all). Valgrind does not support
 # AVX-512: production runs with AVX2 there. Only the caller's thread is counted, so variants with threads are left out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-bench=${BENCH:-build/release/bin/sightline-study}
+bench=${BENCH:-build/study/program/bin/sightline-study}
 frames=${FRAMES:-12}
 default="no tree corners,no tree radar-two-answers,no tree vertices,no tree split simd-per-test,no tree vertices simd-over-boxes"
 # Only the compact walk is run with flags.

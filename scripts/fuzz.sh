@@ -16,7 +16,7 @@ elif [[ ${1:-} == -* ]]; then
   exit 0
 fi
 
-SIGHTLINE_CMAKE_ARGS="${SIGHTLINE_CMAKE_ARGS:-} -DSIGHTLINE_STUDY=OFF" scripts/setup.sh fuzz
+scripts/setup.sh fuzz
 build=build/fuzz
 if [ $# -gt 0 ]; then
   targets=("$@")

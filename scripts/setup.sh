@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what a build needs on Debian 12 (skips what is installed), then configures and builds one preset.
-#   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan or fuzz; everything, or these targets
+#   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan, fuzz or study; everything, or these targets
 # Packages that only tests and the window need are installed when everything or a target with tests (…_tests) is built.
 # SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK too.
 set -euo pipefail

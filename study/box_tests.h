@@ -1,7 +1,6 @@
 // study: the CPU culling techniques that others have used, as they were, to be compared with production (culling/) in
-// error and in time. Not part of the library's public face; built with SIGHTLINE_STUDY. What can be chosen is in
-// variant.h, the culler in culler.h, the yardstick for errors in exact.h, its hierarchies in tree.h. Uses core,
-// culling.
+// error and in time. A project of its own, which finds the installed library. What can be chosen is in variant.h, the
+// culler in culler.h, the yardstick for errors in exact.h, its hierarchies in tree.h. Uses core, culling.
 //
 // This header: one box against one camera. Outside, intersecting or inside. Arithmetic is a template parameter so that
 // operations can be counted. Plane tests agree bit for bit with each other, as all of them evaluate

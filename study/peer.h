@@ -1,4 +1,4 @@
-// Cullers of other libraries, those that this build has (SIGHTLINE_STUDY_OSG, _OCCT, _VTK): the same boxes as items of
+// Cullers of other libraries, those that this build has (STUDY_OSG, _OCCT, _VTK): the same boxes as items of
 // theirs, with nothing drawn and everything off that culls by size or distance.
 #pragma once
 

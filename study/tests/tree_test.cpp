@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "../culling/scenes.h"
 #include "sightline/bench/models/aircraft.h"
 #include "sightline/study/sah.h"
+#include "sightline/tests/culling/scenes.h"
 
 namespace sightline::study {
 namespace {

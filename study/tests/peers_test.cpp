@@ -1,7 +1,6 @@
 // Other libraries' cullers and production's forms against sets computed in double.
 #include <gtest/gtest.h>
 
-#include "../culling/scenes.h"
 #include "sightline/bench/models/aircraft.h"
 #include "sightline/bench/models/platforms.h"
 #include "sightline/study/brute_force.h"
@@ -9,6 +8,7 @@
 #include "sightline/study/exact.h"
 #include "sightline/study/peer.h"
 #include "sightline/study/production.h"
+#include "sightline/tests/culling/scenes.h"
 
 namespace sightline::study {
 namespace {

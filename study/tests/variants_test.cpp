@@ -2,11 +2,11 @@
 // coherent ones have something to remember.
 #include <gtest/gtest.h>
 
-#include "../culling/scenes.h"
 #include "sightline/bench/models/aircraft.h"
 #include "sightline/study/culler.h"
 #include "sightline/study/exact.h"
 #include "sightline/study/motion.h"
+#include "sightline/tests/culling/scenes.h"
 
 namespace sightline::study {
 namespace {

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <numeric>
 
-#include "../culling/scenes.h"
 #include "sightline/culling/linear_culler.h"
 #include "sightline/gl/internal/query.h"
 #include "sightline/study/gpu/flat.h"
 #include "sightline/study/gpu/frontier.h"
 #include "sightline/study/gpu/in_draw.h"
+#include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::study {

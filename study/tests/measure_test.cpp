@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include "../culling/scenes.h"
 #include "sightline/study/brute_force.h"
 #include "sightline/study/operations.h"
 #include "sightline/study/pareto.h"
 #include "sightline/study/session.h"
+#include "sightline/tests/culling/scenes.h"
 
 namespace sightline::study {
 namespace {
