@@ -1,6 +1,6 @@
-// sightline-bench gpu-cull: compares the forms of the GPU culler and of its boxes with each other. Draws no picture.
+// sightline-bench gpu-cull: compares the variants of the GPU culler and of its boxes with each other. Draws no picture.
 //
-// Culls generated plants along an orbit. Every form culls each view in turn, and the best of some passes counts: the
+// Culls generated plants along an orbit. Every variant culls each view in turn, and the best of some passes counts: the
 // time from submission until the GPU has finished, and the part of it for the submission. Memory as in table 5.1 of E.
 // T. Carlos, "Frustum Culling Híbrido Utilizando CPU e GPU" (PUC-Rio, 2009): all boxes, for plants of its sizes.
 #include <cstdio>
@@ -26,9 +26,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using culling::GpuCuller;
-using culling::GpuForm;
+using culling::GpuVariant;
 
-constexpr GpuForm kForms[] = {GpuForm::kGeometry, GpuForm::kCompute};
+constexpr GpuVariant kVariants[] = {GpuVariant::kGeometry, GpuVariant::kCompute};
 
 struct Options {
   std::vector<std::uint64_t> items;  // per plant; none: those of kPlatforms
@@ -76,8 +76,8 @@ core::Expected<Json> measure(const gl::Context& context, std::uint64_t items, co
 
   const std::vector<core::View> views = orbit(snapshot, o.views);
   std::vector<Subject> subjects;
-  for (const GpuForm form : kForms) {
-    auto culler = GpuCuller::create(context, snapshot, *gpu, {form});
+  for (const GpuVariant variant : kVariants) {
+    auto culler = GpuCuller::create(context, snapshot, *gpu, {variant});
     if (!culler) return tl::unexpected(culler.error());
     const std::vector<double> unknown(views.size(), 1e9);
     subjects.push_back({std::move(*culler), unknown, unknown});
@@ -103,13 +103,13 @@ core::Expected<Json> measure(const gl::Context& context, std::uint64_t items, co
   std::fprintf(out, "%zu items\n", snapshot.size());
   for (const Subject& subject : subjects) {
     const double total = mean(subject.total), submit = mean(subject.submit);
-    const double ratio = total / mean(subjects[0].total);  // relative to the geometry form
+    const double ratio = total / mean(subjects[0].total);  // relative to the geometry variant
     const double visible = double(subject.visible) / double(views.size());
-    const std::string form(name_of(subject.culler.form()));
+    const std::string variant(name_of(subject.culler.variant()));
     const std::size_t bytes = subject.culler.bounds_memory_bytes();
-    std::fprintf(out, "  %-8s %8.3f ms (%.2f), submission %8.3f ms, boxes %11zu bytes, %9.0f visible\n", form.c_str(),
-                 total, ratio, submit, bytes, visible);
-    rows.push_back({{"form", form},
+    std::fprintf(out, "  %-8s %8.3f ms (%.2f), submission %8.3f ms, boxes %11zu bytes, %9.0f visible\n",
+                 variant.c_str(), total, ratio, submit, bytes, visible);
+    rows.push_back({{"variant", variant},
                     {"total_ms", total},
                     {"submit_ms", submit},
                     {"ratio", ratio},

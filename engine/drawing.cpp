@@ -84,7 +84,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
     culler = std::move(*made);
   }
   if (renders_) {
-    auto renderer = render::Renderer::create(context_, *scene, target_.form());
+    auto renderer = render::Renderer::create(context_, *scene, target_.format());
     if (!renderer) return tl::unexpected(renderer.error());
     renderer_ = std::move(*renderer);
   }
@@ -94,13 +94,13 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
   return {};
 }
 
-/// The first culler of a context measures which form to use.
+/// The first culler of a context measures which variant to use.
 core::Expected<culling::GpuCuller> Drawing::make_culler(const core::Snapshot& snapshot,
                                                         const gpuscene::GpuScene& scene) {
   auto culler = culling::GpuCuller::create(context_, snapshot, scene, cull_config_);
   if (!culler) return culler;
-  if (why_gpu_form_.empty() || !cull_config_.form) why_gpu_form_ = culler->why_this_form();
-  if (culler->form_settled()) cull_config_.form = culler->form();
+  if (why_gpu_variant_.empty() || !cull_config_.variant) why_gpu_variant_ = culler->why_this_variant();
+  if (culler->variant_settled()) cull_config_.variant = culler->variant();
   return culler;
 }
 
@@ -115,7 +115,7 @@ core::Expected<void> Drawing::add_culler(const core::Snapshot& snapshot) {
 
 core::Expected<void> Drawing::resize(int width, int height) {
   if (auto current = make_current(); !current) return current;
-  auto target = render::RenderTarget::create(context_, width, height, target_.form());
+  auto target = render::RenderTarget::create(context_, width, height, target_.format());
   if (!target) return tl::unexpected(target.error());
   target_ = std::move(*target);
   return {};
@@ -155,7 +155,7 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
   if (!renderer_) return {};
   if (auto current = make_current(); !current) return current;
   wait_for_room();
-  const gpuscene::DrawnView drawn{view, target_.width(), target_.height(), target_.form().samples};
+  const gpuscene::DrawnView drawn{view, target_.width(), target_.height(), target_.format().samples};
   if (auto done = lists_->update(snapshot, *scene_, visible, &drawn); !done) return done;
   return submit(view, snapshot, frame);
 }

@@ -58,8 +58,8 @@ class Engine::Impl {
   void look_after_context();
   core::Expected<void> unless_lost(core::Expected<void> done) const;
   core::Expected<void> land();
-  core::Expected<void> follow_generation();
-  void note_gpu_form();
+  core::Expected<void> follow_order();
+  void note_gpu_variant();
   core::Expected<bool> cull(const core::View& view, FrameReport& report);
   void cull_on_cpu(const core::View& view, FrameReport& report);
   culling::FrameSample describe_walk() const;
@@ -68,7 +68,7 @@ class Engine::Impl {
   core::Scene* scene_;
   core::SceneSubscription edits_;
   EngineConfig config_;
-  Generation live_;
+  Order live_;
   core::VisibleSet visible_;
   std::unique_ptr<Drawing> drawing_;
   double next_try_ = -1.0;          // when to try to make a context, in seconds; below 0: none is missing
@@ -164,8 +164,8 @@ Engine::Impl::Impl(core::Scene& scene, const EngineConfig& config)
 }
 
 core::Expected<void> Engine::Impl::build() {
-  live_ = make_generation(std::make_unique<core::Snapshot>(*scene_), plan_request(config_));
-  return follow_generation();
+  live_ = make_order(std::make_unique<core::Snapshot>(*scene_), plan_request(config_));
+  return follow_order();
 }
 
 /// Lands a new order when one is ready.
@@ -176,11 +176,11 @@ core::Expected<void> Engine::Impl::land() {
     return {};
   }
   if (!rebuild_->exchange(live_)) return {};
-  return follow_generation();
+  return follow_order();
 }
 
 /// Updates everything that depends on the plan and on the order of the items, except the CPU culler.
-core::Expected<void> Engine::Impl::follow_generation() {
+core::Expected<void> Engine::Impl::follow_order() {
   auto done = make_drawing(true);
   follow_hybrid();
   return done;
@@ -211,7 +211,7 @@ core::Expected<void> Engine::Impl::set_culler(CullerChoice choice) {
   if (auto done = make_drawing(false); !done) {
     config_.culler = before;
     live_.follow_plan(plan_request(config_));
-    note_gpu_form();
+    note_gpu_variant();
     return done;
   }
   follow_hybrid();
@@ -245,7 +245,7 @@ core::Expected<void> Engine::Impl::make_drawing(bool new_order) {
     if (!drawing) return tl::unexpected(drawing.error());
     drawing_ = std::move(*drawing);
   }
-  note_gpu_form();
+  note_gpu_variant();
   return done;
 }
 
@@ -287,10 +287,10 @@ core::Expected<void> Engine::Impl::use_context(gl::Context& context) {
   return {};
 }
 
-/// Adds the form of the GPU culler to the plan. The plan is made before there is a context to measure in.
-void Engine::Impl::note_gpu_form() {
+/// Adds the variant of the GPU culler to the plan. The plan is made before there is a context to measure in.
+void Engine::Impl::note_gpu_variant() {
   if (!drawing_ || !live_.plan.gpu_culls()) return;
-  if (const auto form = drawing_->gpu_form()) add_gpu_form(live_.plan, *form, drawing_->why_gpu_form());
+  if (const auto variant = drawing_->gpu_variant()) add_gpu_variant(live_.plan, *variant, drawing_->why_gpu_variant());
 }
 
 core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const core::View& cull_view) {

@@ -56,7 +56,7 @@ struct EngineConfig {
   /// order in the background; 0: never. An item that moves far counts twice. Until the new order lands, 1 % of moved
   /// items cost up to a tenth of the culling speed.
   double rebuild_share = 0.03;
-  culling::GpuCullerConfig gpu_culler = {};  ///< its form is measured once, unless named here
+  culling::GpuCullerConfig gpu_culler = {};  ///< its variant is measured once, unless named here
   /// For CullerChoice::kHybrid. FrameCostConfig::rendering follows `draw`. On a software rasteriser
   /// FrameCostConfig::presumed_gpu_excess is 10 % unless it is set here.
   culling::ControllerConfig controller = {};

@@ -37,13 +37,13 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, CullerChoice choic
 
 }  // namespace
 
-void add_gpu_form(Plan& plan, culling::GpuForm form, const std::string& why) {
-  const auto note = [&](const char* feature, culling::GpuForm named) {
+void add_gpu_variant(Plan& plan, culling::GpuVariant variant, const std::string& why) {
+  const auto note = [&](const char* feature, culling::GpuVariant named) {
     std::erase_if(plan.entries, [&](const PlanEntry& entry) { return entry.feature == feature; });
-    plan.entries.push_back({feature, form == named, why});
+    plan.entries.push_back({feature, variant == named, why});
   };
-  note("GPU culling in geometry shaders", culling::GpuForm::kGeometry);
-  note("GPU culling in compute shaders", culling::GpuForm::kCompute);
+  note("GPU culling in geometry shaders", culling::GpuVariant::kGeometry);
+  note("GPU culling in compute shaders", culling::GpuVariant::kCompute);
 }
 
 Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids) {

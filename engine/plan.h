@@ -50,8 +50,8 @@ inline constexpr std::size_t kSmallScene = 128;
 /// Below this many items, the CPU culls in a microsecond or two and a GPU culler can gain nothing: none is made.
 inline constexpr std::size_t kSmallHybridScene = 10'000;
 
-/// Adds the form of the GPU culler, which is known only once there is one.
-SIGHTLINE_API void add_gpu_form(Plan& plan, culling::GpuForm form, const std::string& why);
+/// Adds the variant of the GPU culler, which is known only once there is one.
+SIGHTLINE_API void add_gpu_variant(Plan& plan, culling::GpuVariant variant, const std::string& why);
 
 SIGHTLINE_API Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids);
 

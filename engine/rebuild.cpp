@@ -9,14 +9,14 @@ constexpr std::size_t kPiece = 2048;  // slots copied at a time, while edits wai
 
 }  // namespace
 
-void Generation::follow(std::initializer_list<std::span<const core::ItemId>> edited, bool materials,
-                        std::size_t former_size, std::vector<core::Slot>& touched) {
+void Order::follow(std::initializer_list<std::span<const core::ItemId>> edited, bool materials, std::size_t former_size,
+                   std::vector<core::Slot>& touched) {
   joints.dissolve(*snapshot, edited, former_size, touched);
   if (materials) joints.dissolve_transparent(*snapshot, former_size, touched);
   if (auto* cpu = std::get_if<culling::CpuCuller>(culler.get())) cpu->update(touched);
 }
 
-void Generation::follow_plan(const PlanRequest& request) {
+void Order::follow_plan(const PlanRequest& request) {
   plan = make_plan(*snapshot, joints, request);
   const bool has_tree = culler && std::holds_alternative<culling::CpuCuller>(*culler);
   if (plan.has_tree() && !has_tree)
@@ -25,12 +25,12 @@ void Generation::follow_plan(const PlanRequest& request) {
     culler = std::make_unique<Culler>(std::in_place_type<culling::LinearCuller>, snapshot->bounds());
 }
 
-Generation make_generation(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request) {
-  Generation generation;
-  generation.snapshot = std::move(snapshot);
-  if (request.draw) generation.joints = gpuprims::Joints(*generation.snapshot);
-  generation.follow_plan(request);
-  return generation;
+Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request) {
+  Order order;
+  order.snapshot = std::move(snapshot);
+  if (request.draw) order.joints = gpuprims::Joints(*order.snapshot);
+  order.follow_plan(request);
+  return order;
 }
 
 BackgroundRebuild::BackgroundRebuild(const core::Snapshot& live, const PlanRequest& request)
@@ -51,10 +51,10 @@ void BackgroundRebuild::edit(const core::SceneDelta& delta, const std::function<
   changed_.notify_one();
 }
 
-bool BackgroundRebuild::exchange(Generation& live) {
+bool BackgroundRebuild::exchange(Order& live) {
   std::unique_lock<std::mutex> held(mutex_, std::try_to_lock);
   if (!held || state_ != State::kReady || behind_) return false;
-  std::swap(live, generation_);
+  std::swap(live, order_);
   state_ = State::kExchanged;
   held.unlock();
   changed_.notify_one();
@@ -103,19 +103,18 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
   core::Snapshot::Items items;
   if (!copy_all(stop, items)) return;
   constexpr int kThreads = 1;  // the others are the application's
-  Generation generation =
-      make_generation(std::make_unique<core::Snapshot>(*live_, std::move(items), kThreads), request);
+  Order order = make_order(std::make_unique<core::Snapshot>(*live_, std::move(items), kThreads), request);
   for (;;) {
     std::vector<core::ItemId> missed;
     {
       std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
       if (!lock(held, stop)) return;
       if (!behind_) {
-        std::swap(generation, generation_);
+        std::swap(order, order_);
         state_ = State::kReady;
         const bool go_on =
             changed_.wait(held, stop, [&] { return state_ == State::kExchanged || (behind_ && !editing_); });
-        std::swap(generation, generation_);
+        std::swap(order, order_);
         if (!go_on || state_ == State::kExchanged) break;
         state_ = State::kWorking;
       }
@@ -126,11 +125,11 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
     missed.erase(std::unique(missed.begin(), missed.end()), missed.end());
     core::Snapshot::Items late;
     if (!copy_missed(stop, missed, late)) return;
-    const std::size_t former_size = generation.snapshot->size();
-    std::vector<core::Slot> touched = generation.snapshot->apply(late);
-    generation.follow({missed}, true, former_size, touched);
+    const std::size_t former_size = order.snapshot->size();
+    std::vector<core::Slot> touched = order.snapshot->apply(late);
+    order.follow({missed}, true, former_size, touched);
   }
-  generation = {};
+  order = {};
   finished_ = true;
 }
 

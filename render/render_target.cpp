@@ -24,20 +24,20 @@ std::vector<T> read_flipped(const gl::Texture2D& texture, GLenum format, GLenum 
 }  // namespace
 
 core::Expected<RenderTarget::Attachments> RenderTarget::make_attachments(const gl::Functions& gl, int width, int height,
-                                                                         const TargetForm& form) {
+                                                                         const TargetFormat& format) {
   Attachments made;
   std::vector<gl::Attachment> list;
-  const auto attach = [&](gl::Texture2D& texture, GLenum point, GLenum format,
+  const auto attach = [&](gl::Texture2D& texture, GLenum point, GLenum texels,
                           const char* what) -> core::Expected<void> {
-    auto created = gl::Texture2D::create(gl, width, height, format, what, form.samples);
+    auto created = gl::Texture2D::create(gl, width, height, texels, what, format.samples);
     if (!created) return tl::unexpected(created.error());
     texture = std::move(*created);
     list.push_back({point, &texture});
     return {};
   };
   auto done = attach(made.colour, GL_COLOR_ATTACHMENT0, GL_RGBA8, "colour target");
-  if (done && form.ids) done = attach(made.ids, GL_COLOR_ATTACHMENT1, GL_R32UI, "id target");
-  if (done && form.normals) done = attach(made.normals, GL_COLOR_ATTACHMENT2, GL_RGBA32F, "normal target");
+  if (done && format.ids) done = attach(made.ids, GL_COLOR_ATTACHMENT1, GL_R32UI, "id target");
+  if (done && format.normals) done = attach(made.normals, GL_COLOR_ATTACHMENT2, GL_RGBA32F, "normal target");
   if (done) done = attach(made.depth, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, "depth target");
   if (!done) return tl::unexpected(done.error());
   auto framebuffer = gl::Framebuffer::create(gl, list, "render target");
@@ -47,31 +47,31 @@ core::Expected<RenderTarget::Attachments> RenderTarget::make_attachments(const g
 }
 
 core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, int width, int height,
-                                                  const TargetForm& form) {
+                                                  const TargetFormat& format) {
   const gl::Functions& gl = context.functions();
   RenderTarget target;
   target.gl_ = &gl;
-  target.form_ = form;
-  auto drawn = make_attachments(gl, width, height, form);
+  target.format_ = format;
+  auto drawn = make_attachments(gl, width, height, format);
   if (!drawn) return tl::unexpected(drawn.error());
   target.drawn_ = std::move(*drawn);
-  target.sample_offsets_.assign(std::size_t(form.samples), glm::vec2(0.0f));
-  if (form.samples == 1) return target;
+  target.sample_offsets_.assign(std::size_t(format.samples), glm::vec2(0.0f));
+  if (format.samples == 1) return target;
 
   target.drawn_.framebuffer.bind();
-  for (int i = 0; i < form.samples; ++i) {
+  for (int i = 0; i < format.samples; ++i) {
     GLfloat place[2];
     gl.GetMultisamplefv(GL_SAMPLE_POSITION, GLuint(i), place);
     target.sample_offsets_[std::size_t(i)] = {place[0] - 0.5f, place[1] - 0.5f};
   }
-  auto single = make_attachments(gl, width, height, {form.ids, form.normals, 1});
+  auto single = make_attachments(gl, width, height, {format.ids, format.normals, 1});
   if (!single) return tl::unexpected(single.error());
   target.single_ = std::move(*single);
   return target;
 }
 
 const RenderTarget::Attachments& RenderTarget::resolved_attachments() const {
-  if (form_.samples == 1) return drawn_;
+  if (format_.samples == 1) return drawn_;
   gl_->Disable(GL_SCISSOR_TEST);  // it also clips blits
   const auto blit = [&](GLenum attachment, GLbitfield mask) {
     gl_->NamedFramebufferReadBuffer(drawn_.framebuffer.id(), attachment);
@@ -79,8 +79,8 @@ const RenderTarget::Attachments& RenderTarget::resolved_attachments() const {
     gl_->BlitNamedFramebuffer(drawn_.framebuffer.id(), single_.framebuffer.id(), 0, 0, width(), height(), 0, 0, width(),
                               height(), mask, GL_NEAREST);
   };
-  if (form_.ids) blit(GL_COLOR_ATTACHMENT1, GL_COLOR_BUFFER_BIT);
-  if (form_.normals) blit(GL_COLOR_ATTACHMENT2, GL_COLOR_BUFFER_BIT);
+  if (format_.ids) blit(GL_COLOR_ATTACHMENT1, GL_COLOR_BUFFER_BIT);
+  if (format_.normals) blit(GL_COLOR_ATTACHMENT2, GL_COLOR_BUFFER_BIT);
   blit(GL_COLOR_ATTACHMENT0, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   return single_;
 }
@@ -91,7 +91,7 @@ const gl::Framebuffer& RenderTarget::resolved() const {
 
 std::size_t RenderTarget::memory_bytes() const {
   const std::size_t sample = 8u + (has_ids() ? 4u : 0u) + (has_normals() ? 16u : 0u);
-  const std::size_t per_pixel = form_.samples == 1 ? 1u : std::size_t(form_.samples) + 1u;
+  const std::size_t per_pixel = format_.samples == 1 ? 1u : std::size_t(format_.samples) + 1u;
   return std::size_t(width()) * std::size_t(height()) * sample * per_pixel;
 }
 

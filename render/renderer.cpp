@@ -18,20 +18,20 @@ constexpr GLint kSampleOffsetsUniform = 1;  // in the fragment stage
 enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
 enum VertexAttribute : GLuint { kInstanceAttribute, kVertexAttribute };
 
-/// Context of all shaders for targets of a form. `sections`: for views with section planes.
-gl::ShaderContext shader_context(const TargetForm& form, bool sections) {
+/// Context of all shaders for targets of a format. `sections`: for views with section planes.
+gl::ShaderContext shader_context(const TargetFormat& format, bool sections) {
   gl::ShaderContext context;
   context.tables = {shaders(), gpuprims::shaders()};
-  if (form.normals) context.defines.emplace_back("NORMALS");
-  if (form.samples > 1) context.defines.push_back("SAMPLES " + std::to_string(form.samples));
+  if (format.normals) context.defines.emplace_back("NORMALS");
+  if (format.samples > 1) context.defines.push_back("SAMPLES " + std::to_string(format.samples));
   if (sections) context.defines.emplace_back("SECTIONS");
   return context;
 }
 
-gl::ProgramDescription describe_batch(BatchKind kind, const TargetForm& form, bool sections) {
+gl::ProgramDescription describe_batch(BatchKind kind, const TargetFormat& format, bool sections) {
   gl::ProgramDescription description;
   description.name = gpuscene::name_of(kind);
-  description.shaders = shader_context(form, sections);
+  description.shaders = shader_context(format, sections);
   for (std::string& define : gpuscene::batch_defines(kind)) description.shaders.defines.push_back(std::move(define));
   if (gpuscene::is_ray_cast(kind)) {
     description.stages = {{GL_FRAGMENT_SHADER, {"primitive.frag"}}};
@@ -44,12 +44,12 @@ gl::ProgramDescription describe_batch(BatchKind kind, const TargetForm& form, bo
 }
 
 /// Describes the vertex and geometry stage that all ray-cast batches share.
-gl::ProgramDescription describe_proxies(const TargetForm& form) {
+gl::ProgramDescription describe_proxies(const TargetFormat& format) {
   gl::ProgramDescription description;
   description.name = "proxies";
   description.stages = {{GL_VERTEX_SHADER, {"primitive.vert"}}, {GL_GEOMETRY_SHADER, {"primitive.geom"}}};
   description.separable = true;
-  description.shaders = shader_context(form, false);
+  description.shaders = shader_context(format, false);
   for (std::string& define : gpuscene::batch_kind_defines()) description.shaders.defines.push_back(std::move(define));
   return description;
 }
@@ -67,11 +67,11 @@ void describe_mesh(const gl::Functions& gl, GLuint array) {
 }  // namespace
 
 core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpuscene::GpuScene& scene,
-                                          const TargetForm& form) {
+                                          const TargetFormat& format) {
   const gl::Functions& gl = context.functions();
   Renderer renderer;
   renderer.gl_ = &gl;
-  auto programs = renderer.make_programs(scene, form, false);
+  auto programs = renderer.make_programs(scene, format, false);
   if (!programs) return tl::unexpected(programs.error());
   renderer.programs_ = std::move(*programs);
   renderer.record_array_ = gl::VertexArray(gl);
@@ -84,15 +84,15 @@ core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpus
 }
 
 /// Makes the programs of all batches, and on the first call the program that ray-cast batches share.
-core::Expected<Renderer::BatchPrograms> Renderer::make_programs(const gpuscene::GpuScene& scene, const TargetForm& form,
-                                                                bool sections) {
+core::Expected<Renderer::BatchPrograms> Renderer::make_programs(const gpuscene::GpuScene& scene,
+                                                                const TargetFormat& format, bool sections) {
   const std::vector<gpuscene::Batch>& batches = scene.batches();
   std::vector<gl::ProgramDescription> descriptions;
-  for (const gpuscene::Batch& batch : batches) descriptions.push_back(describe_batch(batch.kind, form, sections));
+  for (const gpuscene::Batch& batch : batches) descriptions.push_back(describe_batch(batch.kind, format, sections));
   const bool proxies = proxy_program_.id() == 0 && std::any_of(batches.begin(), batches.end(), [](const auto& batch) {
                          return gpuscene::is_ray_cast(batch.kind);
                        });
-  if (proxies) descriptions.push_back(describe_proxies(form));
+  if (proxies) descriptions.push_back(describe_proxies(format));
   auto programs = gl::Program::create_all(*gl_, descriptions);
   if (!programs) return tl::unexpected(programs.error());
   if (proxies) proxy_program_ = std::move(programs->back());
@@ -139,7 +139,7 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
   const gl::Functions& gl = *gl_;
   const bool sections = !view.sections.empty();
   if (sections && !section_programs_) {
-    auto made = make_programs(scene, target.form(), true);
+    auto made = make_programs(scene, target.format(), true);
     if (!made) return tl::unexpected(made.error());
     section_programs_ = std::move(*made);
   }
@@ -167,8 +167,8 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
   for (const gpuscene::Batch& batch : scene.batches()) {
     if (lists.section(batch.kind).count == 0) continue;
     const BatchProgram& program = (sections ? *section_programs_ : programs_)[std::size_t(batch.kind)];
-    if (target.form().samples > 1 && gpuscene::is_ray_cast(batch.kind))
-      gl.ProgramUniform2fv(program.program.id(), kSampleOffsetsUniform, target.form().samples,
+    if (target.format().samples > 1 && gpuscene::is_ray_cast(batch.kind))
+      gl.ProgramUniform2fv(program.program.id(), kSampleOffsetsUniform, target.format().samples,
                            &target.sample_offsets()[0].x);
     draw_batch(batch, program, scene, lists);
   }
@@ -185,7 +185,7 @@ core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot,
                                                  const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                                  const RenderTarget& target) {
   if (!section_caps_) {
-    auto caps = SectionCaps::create(*gl_, shader_context(target.form(), true));
+    auto caps = SectionCaps::create(*gl_, shader_context(target.format(), true));
     if (!caps) return tl::unexpected(caps.error());
     section_caps_ = std::move(*caps);
   }

@@ -93,10 +93,10 @@ void add_culler_option(CLI::App& app, engine::CullerChoice& choice) {
 }
 
 void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config) {
-  static const std::map<std::string, culling::GpuForm> names = {{"geometry", culling::GpuForm::kGeometry},
-                                                                {"compute", culling::GpuForm::kCompute}};
+  static const std::map<std::string, culling::GpuVariant> names = {{"geometry", culling::GpuVariant::kGeometry},
+                                                                   {"compute", culling::GpuVariant::kCompute}};
   app.add_option_function<std::string>(
-         "--gpu-pass", [&config](const std::string& name) { config.form = names.at(name); },
+         "--gpu-pass", [&config](const std::string& name) { config.variant = names.at(name); },
          "Shaders of the GPU culler: geometry or compute; without it the faster one, measured")
       ->check(CLI::IsMember(names));
 }

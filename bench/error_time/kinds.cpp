@@ -21,7 +21,7 @@ constexpr std::array kKinds = {Kind::kCylinder,         Kind::kSnout,  Kind::kCi
                                Kind::kEllipticalDish,   Kind::kBox,    Kind::kPyramid};
 
 /// Form of the frames that errors are measured on.
-constexpr render::TargetForm kSampledForm{.ids = false, .normals = true};
+constexpr render::TargetFormat kSampledForm{.ids = false, .normals = true};
 
 bool curved(Kind kind) {
   return kind != Kind::kBox && kind != Kind::kPyramid;
@@ -42,7 +42,7 @@ std::vector<Form> forms_of(Kind kind, const KindConfig& config) {
 class Stage {
  public:
   static core::Expected<Stage> create(const gl::Context& context, const core::Scene& scene,
-                                      const render::TargetForm& form) {
+                                      const render::TargetFormat& form) {
     core::Snapshot snapshot(scene);
     auto gpu = gpuscene::GpuScene::create(context, snapshot);
     if (!gpu) return tl::unexpected(gpu.error());

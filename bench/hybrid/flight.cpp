@@ -76,7 +76,7 @@ core::Expected<void> Pilot::fly(std::span<const core::View> views, int lead_in) 
 HybridFlight Pilot::land() && {
   HybridFlight flight{std::move(frames_), 0, 0, {}, std::string(name_of(engine_.plan().culler))};
   if (engine_.drawing() && engine_.drawing()->gpu_culler())
-    flight.gpu_form = culling::name_of(engine_.drawing()->gpu_culler()->form());
+    flight.gpu_variant = culling::name_of(engine_.drawing()->gpu_culler()->variant());
   if (const culling::Controller* controller = engine_.controller()) {
     flight.switches = controller->switches();
     flight.probes = controller->probes();

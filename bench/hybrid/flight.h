@@ -45,8 +45,8 @@ struct HybridFrame {
 struct HybridFlight {
   std::vector<HybridFrame> frames;
   std::uint64_t switches = 0, probes = 0;
-  std::string gpu_form;  ///< of the GPU culler, where there is one
-  std::string culler;    ///< the culler in the plan: a hybrid of a small scene is "cpu"
+  std::string gpu_variant;  ///< of the GPU culler, where there is one
+  std::string culler;       ///< the culler in the plan: a hybrid of a small scene is "cpu"
 };
 
 struct FlightConfig {

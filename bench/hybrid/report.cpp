@@ -129,7 +129,7 @@ HybridRow row_of(const HybridRun& run, std::size_t mode) {
 void print(const HybridRun& run, std::FILE* out) {
   std::fprintf(out, "\n%s: %zu items, rendering %s, %zu frames, median of %zu passes", run.model.c_str(), run.items,
                run.rendering ? "on" : "off", run.frames(), run.flights[0].size());
-  std::fprintf(out, "; GPU pass %s", run.flights[1].front().gpu_form.c_str());
+  std::fprintf(out, "; GPU pass %s", run.flights[1].front().gpu_variant.c_str());
   if (!run.rendering) std::fprintf(out, "; GPU culling timed by %s", how_off_is_timed(run));
   std::fprintf(out, "\n%-18s %10s %9s %9s %9s %9s %9s %9s %7s %7s %6s %7s %7s\n", "", "frames", "min fps", "max fps",
                "mean fps", "mean ms", "median", "visible", "/cpu", "/better", "% GPU", "switch", "probes");
@@ -148,7 +148,7 @@ nlohmann::ordered_json to_json(const HybridRun& run) {
   nlohmann::ordered_json out = {{"model", run.model},
                                 {"items", run.items},
                                 {"rendering", run.rendering ? "on" : "off"},
-                                {"gpu_pass", run.flights[1].front().gpu_form},
+                                {"gpu_pass", run.flights[1].front().gpu_variant},
                                 {"frames", run.frames()},
                                 {"passes", run.flights[0].size()},
                                 {"better_path", kHybridModes[run.better_path()].name}};

@@ -1,8 +1,8 @@
-// The form in compute shaders: three steps with barriers between them.
+// The variant in compute shaders: three steps with barriers between them.
 //   test    per batch, one work group per block of 32 clusters: a mask of visible records for each place in a cluster
 //   sum     one work group: where the visible records of each mask go, and how many there are of each batch
 //   write   per batch, one work group per block: the records
-// The order is that in which the geometry form draws its instances: first of all clusters, second of all clusters, …
+// The order is that in which the geometry variant draws its instances: first of all clusters, second of all clusters, …
 //
 // The sum goes to the CPU through a small buffer that stays mapped, one word per probe, guarded by a fence that is
 // polled without waiting.
@@ -80,7 +80,7 @@ class ComputePass : public GpuPass {
     if (most + alignment_ > largest_block_)
       return core::fail("culling in compute shaders wants storage blocks of " + std::to_string(most + alignment_) +
                         " bytes, and the context's limit is " + std::to_string(largest_block_) +
-                        "; the geometry form does without");
+                        "; the geometry variant does without");
     const auto make = [&](gl::Buffer& out, std::size_t count, const char* what) -> core::Expected<void> {
       auto buffer = gl::Buffer::create(*gl_, count * sizeof(std::uint32_t), nullptr, 0, what);
       if (!buffer) return tl::unexpected(buffer.error());
@@ -92,7 +92,7 @@ class ComputePass : public GpuPass {
     return done;
   }
 
-  GpuForm form() const override { return GpuForm::kCompute; }
+  GpuVariant variant() const override { return GpuVariant::kCompute; }
   DrawLists::Counting counting() const override { return DrawLists::Counting::kCuller; }
 
   void run(std::span<const CullBatch> batches, const DrawLists& lists, std::size_t probe) override {

@@ -1,5 +1,5 @@
-// The form in vertex and geometry stages, with the rasteriser off: two passes over each batch. The first has a vertex
-// for each cluster of 64 consecutive records, the second one for each record of the clusters that were kept, 64
+// The variant in vertex and geometry stages, with the rasteriser off: two passes over each batch. The first has a
+// vertex for each cluster of 64 consecutive records, the second one for each record of the clusters that were kept, 64
 // instances of each; vertex stages test boxes, geometry stages write what is kept through transform feedback.
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 #include "sightline/gl/internal/framebuffer.h"
@@ -60,7 +60,7 @@ class GeometryPass : public GpuPass {
     return {};
   }
 
-  GpuForm form() const override { return GpuForm::kGeometry; }
+  GpuVariant variant() const override { return GpuVariant::kGeometry; }
   DrawLists::Counting counting() const override { return DrawLists::Counting::kSearch; }
 
   void run(std::span<const CullBatch> batches, const DrawLists& lists, std::size_t probe) override {

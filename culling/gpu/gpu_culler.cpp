@@ -63,19 +63,19 @@ core::Expected<GpuCuller> GpuCuller::create(const gl::Context& context, const Sn
   culler.plane_block_ = std::move(*block);
   culler.probes_.resize(kProbes);
   if (auto done = culler.make_batches(snapshot, scene); !done) return tl::unexpected(done.error());
-  if (config.form) {
-    auto pass = make_pass(*config.form, context, culler.batches_);
+  if (config.variant) {
+    auto pass = make_pass(*config.variant, context, culler.batches_);
     if (!pass) return tl::unexpected(pass.error());
     culler.pass_ = std::move(*pass);
-  } else if (auto done = culler.choose_form(context, snapshot, scene); !done) {
+  } else if (auto done = culler.choose_variant(context, snapshot, scene); !done) {
     return tl::unexpected(done.error());
   }
   if (!context.capabilities().software) culler.timer_.emplace(gl);
   return culler;
 }
 
-GpuForm GpuCuller::form() const {
-  return pass_->form();
+GpuVariant GpuCuller::variant() const {
+  return pass_->variant();
 }
 
 core::Expected<void> GpuCuller::make_batches(const Snapshot& snapshot, const gpuscene::GpuScene& scene) {

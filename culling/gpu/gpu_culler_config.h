@@ -8,18 +8,18 @@
 namespace sightline::culling {
 
 /// How the GPU culls. Both give the same answer in the same order, so that pictures are equal to the bit.
-enum class GpuForm : std::uint8_t {
+enum class GpuVariant : std::uint8_t {
   kGeometry,  ///< vertex and geometry stages with transform feedback
   kCompute,   ///< compute shaders
 };
-constexpr std::string_view name_of(GpuForm form) {
-  return form == GpuForm::kGeometry ? "geometry" : "compute";
+constexpr std::string_view name_of(GpuVariant variant) {
+  return variant == GpuVariant::kGeometry ? "geometry" : "compute";
 }
 
 struct GpuCullerConfig {
-  /// None: the form that costs less in this context, measured when the culler is made. Pass it to later cullers of the
-  /// same context (GpuCuller::form(), if form_settled()), so that it is measured once.
-  std::optional<GpuForm> form;
+  /// None: the variant that costs less in this context, measured when the culler is made. Pass it to later cullers of
+  /// the same context (GpuCuller::variant(), if variant_settled()), so that it is measured once.
+  std::optional<GpuVariant> variant;
 };
 
 }  // namespace sightline::culling

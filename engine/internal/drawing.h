@@ -58,9 +58,11 @@ class Drawing {
   const std::string& renderer() const { return context_.renderer(); }
   bool software() const { return context_.capabilities().software; }
   const culling::GpuCuller* gpu_culler() const { return culler_ ? &*culler_ : nullptr; }
-  /// Form of the GPU culler; none without one.
-  std::optional<culling::GpuForm> gpu_form() const { return culler_ ? std::optional(culler_->form()) : std::nullopt; }
-  const std::string& why_gpu_form() const { return why_gpu_form_; }
+  /// Variant of the GPU culler; none without one.
+  std::optional<culling::GpuVariant> gpu_variant() const {
+    return culler_ ? std::optional(culler_->variant()) : std::nullopt;
+  }
+  const std::string& why_gpu_variant() const { return why_gpu_variant_; }
   const gpuscene::DrawLists& lists() const { return *lists_; }
   std::vector<std::string> take_gl_errors();
   const render::RenderTarget& target() const { return target_; }
@@ -83,8 +85,8 @@ class Drawing {
   gl::Context context_;                     // shared: everything below is made with it and must be destroyed before it
   std::optional<gl::Context> own_context_;  // none when the context is the application's
   bool renders_ = true;
-  culling::GpuCullerConfig cull_config_;  // names the form once it is known
-  std::string why_gpu_form_;
+  culling::GpuCullerConfig cull_config_;  // names the variant once it is known
+  std::string why_gpu_variant_;
   std::optional<gpuscene::GpuScene> scene_;
   std::optional<gpuscene::DrawLists> lists_;
   std::optional<culling::GpuCuller> culler_;

@@ -39,8 +39,8 @@ class Drawing {
   core::Expected<void> make_current() const { return {}; }
   std::optional<Feedback> take_drawn() { return {}; }
   std::optional<Feedback> take_gpu_feedback() { return {}; }
-  std::optional<culling::GpuForm> gpu_form() const { return {}; }
-  std::string why_gpu_form() const { return {}; }
+  std::optional<culling::GpuVariant> gpu_variant() const { return {}; }
+  std::string why_gpu_variant() const { return {}; }
   std::string renderer() const { return {}; }
   std::vector<std::string> take_gl_errors() { return {}; }
   double waited_ms() const { return 0.0; }

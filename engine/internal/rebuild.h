@@ -29,7 +29,7 @@ struct PlanRequest {
 };
 
 /// Everything that depends on one order of the items.
-struct Generation {
+struct Order {
   std::unique_ptr<core::Snapshot> snapshot;  // at a fixed address: the culler borrows its bounds
   gpuprims::Joints joints;                   // none unless the request draws
   std::unique_ptr<Culler> culler;
@@ -45,7 +45,7 @@ struct Generation {
 };
 
 Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, const PlanRequest& request);
-Generation make_generation(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request);
+Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request);
 
 /// One rebuild. Its thread copies the live snapshot in pieces, builds from the copy, catches up with the edits made
 /// meanwhile, and waits for exchange(). It never reads the scene. All calls must come from the thread that edits the
@@ -63,9 +63,9 @@ class BackgroundRebuild {
   /// millisecond.
   void edit(const core::SceneDelta& delta, const std::function<void()>& apply);
 
-  /// Swaps the new generation with the live one if it is ready and shows all edits. The background thread frees the old
+  /// Swaps the new order with the live one if it is ready and shows all edits. The background thread frees the old
   /// one. Never waits for the build.
-  bool exchange(Generation& live);
+  bool exchange(Order& live);
   /// True after the exchange, when nothing is left to do: destroying the object then takes no time.
   bool finished() const { return finished_; }
 
@@ -83,8 +83,8 @@ class BackgroundRebuild {
   std::condition_variable_any changed_;
   std::atomic<bool> editing_{false}, finished_{false};
   State state_ = State::kWorking;
-  Generation generation_;  // the ready one, or the old one, to be freed
-  bool behind_ = false;    // an edit is not yet in generation_: of items in missed_, or of materials
+  Order order_;          // the ready one, or the old one, to be freed
+  bool behind_ = false;  // an edit is not yet in order_: of items in missed_, or of materials
   std::vector<core::ItemId> missed_;
   std::jthread thread_;  // last: stops before the other members are destroyed
 };

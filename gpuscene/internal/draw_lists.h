@@ -1,4 +1,4 @@
-// The GPU form of a visible set: indirect commands and record ids that say which records each batch draws.
+// The visible set on the GPU: indirect commands and record ids that say which records each batch draws.
 //
 // Ray-cast batches draw points without attributes. gl_VertexID names the record, and one command draws a range of
 // records: its base vertex is the first of them. Vertex ids beyond the batch's records name places in the list of

@@ -1,5 +1,5 @@
 // gpuscene: the part of a snapshot in GPU memory. This header: batches with their records, the mesh pool, materials.
-// Other headers: the kinds of batches (batch_kinds.h) and the GPU form of a visible set (draw_lists.h). The module
+// Other headers: the kinds of batches (batch_kinds.h) and the visible set on the GPU (draw_lists.h). The module
 // neither draws nor culls.
 #pragma once
 

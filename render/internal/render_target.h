@@ -10,8 +10,8 @@
 namespace sightline::render {
 
 /// What a target has besides colour and depth. Parts that are not requested cost nothing. A Renderer is made for one
-/// form.
-struct TargetForm {
+/// format.
+struct TargetFormat {
   bool ids = false;
   bool normals = false;
   int samples = 1;  ///< per pixel; from 2 on edges are smooth
@@ -21,13 +21,13 @@ class RenderTarget {
  public:
   /// Fails on sizes and sample counts that the context does not support.
   static core::Expected<RenderTarget> create(const gl::Context& context, int width, int height,
-                                             const TargetForm& form = {});
+                                             const TargetFormat& format = {});
 
   int width() const { return drawn_.colour.width(); }
   int height() const { return drawn_.colour.height(); }
-  bool has_ids() const { return form_.ids; }
-  bool has_normals() const { return form_.normals; }
-  const TargetForm& form() const { return form_; }
+  bool has_ids() const { return format_.ids; }
+  bool has_normals() const { return format_.normals; }
+  const TargetFormat& format() const { return format_; }
   /// Offsets of the samples from the pixel centre; without multisampling one, at the centre.
   const std::vector<glm::vec2>& sample_offsets() const { return sample_offsets_; }
   /// The framebuffer that draws write to.
@@ -52,12 +52,12 @@ class RenderTarget {
     gl::Framebuffer framebuffer;
   };
   static core::Expected<Attachments> make_attachments(const gl::Functions& gl, int width, int height,
-                                                      const TargetForm& form);
+                                                      const TargetFormat& format);
   /// The attachments that read-backs read.
   const Attachments& resolved_attachments() const;
 
   const gl::Functions* gl_ = nullptr;
-  TargetForm form_;
+  TargetFormat format_;
   Attachments drawn_, single_;  // single_: only for a multisampled target
   std::vector<glm::vec2> sample_offsets_;
 };

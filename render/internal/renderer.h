@@ -17,10 +17,10 @@ namespace sightline::render {
 
 class Renderer {
  public:
-  /// Compiles the programs of the batches that `scene` has and no others, for targets of one form. Fails with the
+  /// Compiles the programs of the batches that `scene` has and no others, for targets of one format. Fails with the
   /// driver's log. Programs for section planes are compiled with the first view that has some.
   static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene,
-                                         const TargetForm& form = {});
+                                         const TargetFormat& format = {});
 
   /// Clears the target and draws the records in the lists. All analytic primitives are ray-cast and exact up to float
   /// arithmetic. With several samples per pixel, a primitive covers the samples whose rays hit it, with the colour and
@@ -51,7 +51,8 @@ class Renderer {
                                          const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                          const RenderTarget& target);
 
-  core::Expected<BatchPrograms> make_programs(const gpuscene::GpuScene& scene, const TargetForm& form, bool sections);
+  core::Expected<BatchPrograms> make_programs(const gpuscene::GpuScene& scene, const TargetFormat& format,
+                                              bool sections);
 
   const gl::Functions* gl_ = nullptr;
   gl::Program proxy_program_;  // vertex and geometry stage of all ray-cast batches; empty without such batches

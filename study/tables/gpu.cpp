@@ -221,8 +221,8 @@ core::Expected<Results> run_drawing(const gl::Context& context, const Model& mod
   bench.add("GPU in the draw", Origin::kStudy, [&] {
     return drawing_with<DrawCullingItself>(stage, InDraw::create(context, stage.snapshot, stage.scene));
   });
-  for (const auto& [name, form] : {std::pair("GPU separate pass (geometry)", culling::GpuForm::kGeometry),
-                                   std::pair("GPU separate pass (compute)", culling::GpuForm::kCompute)})
+  for (const auto& [name, form] : {std::pair("GPU separate pass (geometry)", culling::GpuVariant::kGeometry),
+                                   std::pair("GPU separate pass (compute)", culling::GpuVariant::kCompute)})
     bench.add(name, Origin::kProduction, [&, form = form] {
       return drawing_with<DrawCulledByGpu>(stage,
                                            culling::GpuCuller::create(context, stage.snapshot, stage.scene, {form}));

@@ -17,7 +17,7 @@ using core::Slot;
 using core::View;
 using culling::GpuCuller;
 using culling::GpuCullerConfig;
-using culling::GpuForm;
+using culling::GpuVariant;
 using tests::all_gpu_configs;
 using tests::chance;
 using tests::expect_same;
@@ -57,7 +57,7 @@ core::MeshId add_point_mesh(core::Scene& scene, const core::vec3& size) {
 /// Every test is for all ways to cull.
 class GpuCullerTest : public tests::GlTest, public testing::WithParamInterface<GpuCullerConfig> {};
 
-constexpr GpuForm kForms[] = {GpuForm::kGeometry, GpuForm::kCompute};
+constexpr GpuVariant kVariants[] = {GpuVariant::kGeometry, GpuVariant::kCompute};
 INSTANTIATE_TEST_SUITE_P(All, GpuCullerTest, testing::ValuesIn(all_gpu_configs()), gpu_config_name);
 
 TEST_P(GpuCullerTest, FindsWhatTheCpuFinds) {
@@ -242,10 +242,11 @@ struct Written {
   bool operator==(const Written&) const = default;
 };
 
-class GpuForms : public tests::GlTest {};
+class GpuVariants : public tests::GlTest {};
 
-/// Not only the same set: the same bytes, so that no pixel depends on the form. Batches of many blocks of 2048 records.
-TEST_F(GpuForms, WriteTheSameLists) {
+/// Not only the same set: the same bytes, so that no pixel depends on the variant. Batches of many blocks of 2048
+/// records.
+TEST_F(GpuVariants, WriteTheSameLists) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
@@ -256,9 +257,9 @@ TEST_F(GpuForms, WriteTheSameLists) {
     const core::MeshId mesh = add_point_mesh(scene, {1, 1, 1});
     for (int i = 0; i < 5000; ++i) scene.add_mesh_instance(scene.root(), mesh, core::translation(point(random, 100.0)));
     ASSERT_TRUE(scene.commit());
-    Rig geometry(*context, scene, {GpuForm::kGeometry}), compute(*context, scene, {GpuForm::kCompute});
-    EXPECT_EQ(geometry.culler.form(), GpuForm::kGeometry);
-    EXPECT_EQ(compute.culler.form(), GpuForm::kCompute);
+    Rig geometry(*context, scene, {GpuVariant::kGeometry}), compute(*context, scene, {GpuVariant::kCompute});
+    EXPECT_EQ(geometry.culler.variant(), GpuVariant::kGeometry);
+    EXPECT_EQ(compute.culler.variant(), GpuVariant::kCompute);
     for (int i = 0; i < 8; ++i) {
       SCOPED_TRACE("view " + std::to_string(i));
       View view = tests::random_view(random, dvec3(0.0), 100.0);
@@ -271,30 +272,31 @@ TEST_F(GpuForms, WriteTheSameLists) {
   }
 }
 
-TEST_F(GpuForms, AreChosenByMeasuring) {
+TEST_F(GpuVariants, AreChosenByMeasuring) {
   Random random(9);
   core::Scene scene;
   for (int i = 0; i < 3000; ++i) add_any(random, scene, scene.root(), point(random, 50.0), 1.0);
   ASSERT_TRUE(scene.commit());
   Rig measured(*context, scene, {});
-  EXPECT_TRUE(measured.culler.why_this_form().starts_with("measured: geometry ")) << measured.culler.why_this_form();
+  EXPECT_TRUE(measured.culler.why_this_variant().starts_with("measured: geometry "))
+      << measured.culler.why_this_variant();
   EXPECT_FALSE(measured.culler.take_feedback()) << "of the measuring";
   const View view = *View::perspective({{0, -40, 0}, {0, 0, 0}, {0, 0, 1}}, 0.7, 1.0, 0.1);
   expect_same(gl(), measured, view);
-  for (const GpuForm form : kForms) {
-    Rig named(*context, scene, {form});
-    EXPECT_EQ(named.culler.form(), form);
-    EXPECT_EQ(named.culler.why_this_form(), "asked for");
+  for (const GpuVariant variant : kVariants) {
+    Rig named(*context, scene, {variant});
+    EXPECT_EQ(named.culler.variant(), variant);
+    EXPECT_EQ(named.culler.why_this_variant(), "asked for");
   }
   const core::Scene nothing;
   Rig empty(*context, nothing, {});
-  EXPECT_TRUE(empty.culler.why_this_form().starts_with("not measured: "));
-  EXPECT_TRUE(measured.culler.form_settled() && !empty.culler.form_settled());
+  EXPECT_TRUE(empty.culler.why_this_variant().starts_with("not measured: "));
+  EXPECT_TRUE(measured.culler.variant_settled() && !empty.culler.variant_settled());
   EXPECT_TRUE(empty.cull(view).empty());
 }
 
-/// Where a context's storage blocks are too small for a batch, the other form does.
-TEST_F(GpuForms, ComputeNeedsItsStorageBlocks) {
+/// Where a context's storage blocks are too small for a batch, the other variant does.
+TEST_F(GpuVariants, ComputeNeedsItsStorageBlocks) {
   core::Scene scene;
   for (int i = 0; i < 3000; ++i)
     scene.add_primitive(scene.root(), core::Cylinder{0.5f, 1}, core::translation({double(i), 0, 0}));
@@ -303,13 +305,13 @@ TEST_F(GpuForms, ComputeNeedsItsStorageBlocks) {
   const auto limit = std::exchange(capabilities.max_storage_block_bytes, 8192);
   core::Snapshot snapshot(scene);
   auto gpu = gpuscene::GpuScene::create(*context, snapshot);
-  const auto asked = GpuCuller::create(*context, snapshot, *gpu, {GpuForm::kCompute});
+  const auto asked = GpuCuller::create(*context, snapshot, *gpu, {GpuVariant::kCompute});
   ASSERT_FALSE(asked);
   EXPECT_NE(asked.error().message.find("8192"), std::string::npos) << asked.error().message;
   const auto any = GpuCuller::create(*context, snapshot, *gpu, {});
   ASSERT_TRUE(any);
-  EXPECT_EQ(any->form(), GpuForm::kGeometry);
-  EXPECT_NE(any->why_this_form().find("8192"), std::string::npos) << any->why_this_form();
+  EXPECT_EQ(any->variant(), GpuVariant::kGeometry);
+  EXPECT_NE(any->why_this_variant().find("8192"), std::string::npos) << any->why_this_variant();
   capabilities.max_storage_block_bytes = limit;
 }
 

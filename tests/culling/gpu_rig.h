@@ -18,10 +18,10 @@ namespace sightline::tests {
 
 /// All ways to cull.
 inline std::vector<culling::GpuCullerConfig> all_gpu_configs() {
-  return {{culling::GpuForm::kGeometry}, {culling::GpuForm::kCompute}};
+  return {{culling::GpuVariant::kGeometry}, {culling::GpuVariant::kCompute}};
 }
 inline std::string name_of(const culling::GpuCullerConfig& config) {
-  return std::string(culling::name_of(*config.form));
+  return std::string(culling::name_of(*config.variant));
 }
 inline std::string gpu_config_name(const testing::TestParamInfo<culling::GpuCullerConfig>& info) {
   return name_of(info.param);

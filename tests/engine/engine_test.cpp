@@ -290,7 +290,7 @@ TEST(EngineRebuild, WhatLandsShowsTheLastEdit) {
     add_grid(scene, 7);
     ASSERT_TRUE(scene.commit());
     const PlanRequest request{CullerChoice::kCpu};
-    Generation live = make_generation(std::make_unique<core::Snapshot>(scene), request);
+    Order live = make_order(std::make_unique<core::Snapshot>(scene), request);
     const std::uint64_t first = live.snapshot->generation();
     BackgroundRebuild rebuild(*live.snapshot, request);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));  // mostly enough for the build

@@ -15,7 +15,7 @@ using engine::Engine;
 struct Way {
   const char* name;
   CullerChoice culler;
-  culling::GpuForm form;
+  culling::GpuVariant variant;
   int samples;
 };
 
@@ -43,7 +43,7 @@ class ForeignState : public DrawnGrid, public testing::WithParamInterface<Way> {
     engine::EngineConfig c = DrawnGrid::config(GetParam().culler, 97, 61);
     c.ids = true;
     c.samples = GetParam().samples;
-    c.gpu_culler.form = GetParam().form;
+    c.gpu_culler.variant = GetParam().variant;
     return c;
   }
   /// Part of the scene, cut open.
@@ -150,9 +150,9 @@ TEST_P(ForeignState, MayBeAllThereIsFromTheFirstCallOn) {
 INSTANTIATE_TEST_SUITE_P(
     Ways, ForeignState,
     testing::Values(Way{"Cpu", CullerChoice::kCpu, {}, 1}, Way{"CpuMultisampled", CullerChoice::kCpu, {}, 4},
-                    Way{"GpuGeometry", CullerChoice::kGpu, culling::GpuForm::kGeometry, 1},
-                    Way{"GpuCompute", CullerChoice::kGpu, culling::GpuForm::kCompute, 1},
-                    Way{"GpuComputeMultisampled", CullerChoice::kGpu, culling::GpuForm::kCompute, 4}),
+                    Way{"GpuGeometry", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 1},
+                    Way{"GpuCompute", CullerChoice::kGpu, culling::GpuVariant::kCompute, 1},
+                    Way{"GpuComputeMultisampled", CullerChoice::kGpu, culling::GpuVariant::kCompute, 4}),
     [](const testing::TestParamInfo<Way>& way) { return std::string(way.param.name); });
 
 }  // namespace

@@ -232,42 +232,42 @@ TEST(Hybrid, CountsFromItsFirstFrame) {
     EXPECT_EQ(path_after(other), culling::CullPath::kCpu) << other;
 }
 
-/// The form of the GPU culler is measured once, or is the one asked for; the plan tells, also after a rebuild.
+/// The variant of the GPU culler is measured once, or is the one asked for; the plan tells, also after a rebuild.
 TEST_F(HybridTest, TheFormOfTheGpuCullerIsKept) {
   core::Scene scene;
   fill(scene, 22);
   EngineConfig any = config(CullerChoice::kGpu), named = any;
-  named.gpu_culler.form = culling::GpuForm::kCompute;
+  named.gpu_culler.variant = culling::GpuVariant::kCompute;
   for (const EngineConfig& c : {any, named}) {
     auto engine = Engine::create(scene, c);
     ASSERT_TRUE(engine) << engine.error().message;
-    const culling::GpuForm form = engine->drawing()->gpu_culler()->form();
+    const culling::GpuVariant variant = engine->drawing()->gpu_culler()->variant();
     const auto told = [&](std::string_view feature) -> engine::PlanEntry {
       for (const auto& entry : engine->plan().entries)
         if (entry.feature == feature) return entry;
       return {};
     };
     const engine::PlanEntry before = told("GPU culling in compute shaders");
-    EXPECT_EQ(before.used, form == culling::GpuForm::kCompute);
+    EXPECT_EQ(before.used, variant == culling::GpuVariant::kCompute);
     EXPECT_EQ(before.used, !told("GPU culling in geometry shaders").used);
-    EXPECT_TRUE(before.why.starts_with(c.gpu_culler.form ? "asked for" : "measured: ")) << before.why;
-    if (!c.gpu_culler.form) {
+    EXPECT_TRUE(before.why.starts_with(c.gpu_culler.variant ? "asked for" : "measured: ")) << before.why;
+    if (!c.gpu_culler.variant) {
       double geometry = 0.0, compute = 0.0;
       ASSERT_EQ(std::sscanf(before.why.c_str(), "measured: geometry %lf ms, compute %lf ms", &geometry, &compute), 2);
       EXPECT_TRUE(geometry == compute || before.used == (compute < geometry)) << "the slower one: " << before.why;
     }
     ASSERT_TRUE(engine->rebuild());
-    EXPECT_EQ(engine->drawing()->gpu_culler()->form(), form);
+    EXPECT_EQ(engine->drawing()->gpu_culler()->variant(), variant);
     EXPECT_EQ(told("GPU culling in compute shaders").why, before.why);
   }
   // Nothing can be measured without items, so that waits until there are some.
   core::Scene growing;
   auto engine = Engine::create(growing, any);
   ASSERT_TRUE(engine) << engine.error().message;
-  EXPECT_TRUE(engine->drawing()->why_gpu_form().starts_with("not measured: "));
+  EXPECT_TRUE(engine->drawing()->why_gpu_variant().starts_with("not measured: "));
   fill(growing, 5);
   ASSERT_TRUE(engine->commit());
-  EXPECT_TRUE(engine->drawing()->why_gpu_form().starts_with("measured: ")) << engine->drawing()->why_gpu_form();
+  EXPECT_TRUE(engine->drawing()->why_gpu_variant().starts_with("measured: ")) << engine->drawing()->why_gpu_variant();
 }
 
 /// Whatever makes a frame slow for the dissertation's policy, the engine measures it.

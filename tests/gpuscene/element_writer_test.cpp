@@ -94,7 +94,7 @@ class ManyEdits : public tests::GlTest {
 };
 
 TEST_F(ManyEdits, TakeFewCallsAndLeaveWhatANewSceneHas) {
-  for (const auto form : {culling::GpuForm::kGeometry, culling::GpuForm::kCompute}) {
+  for (const auto form : {culling::GpuVariant::kGeometry, culling::GpuVariant::kCompute}) {
     core::Snapshot snapshot(scene);
     auto gpu = GpuScene::create(*context, snapshot);
     ASSERT_TRUE(gpu);

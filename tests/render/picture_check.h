@@ -43,7 +43,7 @@ class Camera {
     snapshot_.emplace(scene);
     gpu_ = std::move(*gpuscene::GpuScene::create(context, *snapshot_));
     lists_ = std::move(*gpuscene::DrawLists::create(context, *gpu_));
-    const render::TargetForm form{true, true, samples};
+    const render::TargetFormat form{true, true, samples};
     auto renderer = render::Renderer::create(context, *gpu_, form);
     EXPECT_TRUE(renderer) << renderer.error().message;
     renderer_ = std::move(*renderer);

@@ -1,11 +1,11 @@
 // culling/gpu: culling on the GPU, in OpenGL 4.5 core. The result stays on the GPU.
 //
 // Records are tested in clusters of 64 consecutive ones: first the cluster's box, then, unless it is outside, the boxes
-// of its records. So cost follows what is visible, except for 1/64 of the records. There are two forms, one in vertex
-// and geometry stages and one in compute shaders (GpuForm). Both give the same answer in the same order. What is found,
-// record ids or the draw commands of meshes, goes straight into gpuscene::DrawLists, which make draw commands of it on
-// the GPU. Nothing is read back and nothing is waited for. The CPU's work per frame does not depend on the number of
-// items.
+// of its records. So cost follows what is visible, except for 1/64 of the records. There are two variants, one in
+// vertex and geometry stages and one in compute shaders (GpuVariant). Both give the same answer in the same order. What
+// is found, record ids or the draw commands of meshes, goes straight into gpuscene::DrawLists, which make draw commands
+// of it on the GPU. Nothing is read back and nothing is waited for. The CPU's work per frame does not depend on the
+// number of items.
 #pragma once
 
 #include <array>
@@ -36,14 +36,14 @@ struct CullBatch;
 /// missing. Each further item has a corner within that band of a plane: some 10^-6 of the scene's size.
 ///
 /// The context must be current in all calls. cull() changes this state and leaves it changed: program, texture units 0
-/// to 4, uniform block 1; the geometry form also vertex array, framebuffer and transform feedback, the compute form
-/// shader storage blocks 0 to 4.
+/// to 4, uniform block 1; the geometry variant also vertex array, framebuffer and transform feedback, the compute
+/// variant shader storage blocks 0 to 4.
 class GpuCuller {
  public:
   /// For `scene`, made from `snapshot`. Fails when the GPU has too little memory, or when the context cannot do the
-  /// form asked for (compute: a storage block's size limits the records of a batch).
+  /// variant asked for (compute: a storage block's size limits the records of a batch).
   ///
-  /// Without a form in `config`, both are made, measured and compared by
+  /// Without a variant in `config`, both are made, measured and compared by
   ///     cost = alone + max(0, blocked - submitted)
   /// in milliseconds of wall clock. The measured cull is one of half of the scene's surroundings. `alone` is its time
   /// from submission until the GPU is done, `submitted` the submission's part of that. `blocked` is the submission's
@@ -79,11 +79,11 @@ class GpuCuller {
   /// The set that the last cull() put into `lists`, as single slots only. Waits for the GPU: for tests and tools.
   core::VisibleSet read_back(const gpuscene::DrawLists& lists) const;
 
-  GpuForm form() const;
-  /// False when the form could not be measured, for example without items: then let the next culler measure again.
-  bool form_settled() const { return form_settled_; }
+  GpuVariant variant() const;
+  /// False when the variant could not be measured, for example without items: then let the next culler measure again.
+  bool variant_settled() const { return variant_settled_; }
   /// "asked for", or what was measured, or why it could not be measured.
-  const std::string& why_this_form() const { return why_this_form_; }
+  const std::string& why_this_variant() const { return why_this_variant_; }
   std::size_t memory_bytes() const;
   std::size_t bounds_memory_bytes() const;  ///< of these: boxes of items and clusters
 
@@ -98,8 +98,8 @@ class GpuCuller {
   core::Expected<void> make_batches(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   core::Expected<void> add_batch(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                                  const gpuscene::Batch& batch, std::vector<core::Slot> slots);
-  core::Expected<void> choose_form(const gl::Context& context, const core::Snapshot& snapshot,
-                                   const gpuscene::GpuScene& scene);
+  core::Expected<void> choose_variant(const gl::Context& context, const core::Snapshot& snapshot,
+                                      const gpuscene::GpuScene& scene);
   void upload_planes(const CullPlanes& planes, const core::ItemBounds& bounds, std::uint32_t layers) const;
   std::size_t next_probe(std::uint64_t frame);
 
@@ -109,8 +109,8 @@ class GpuCuller {
   core::Slot slot_count_ = 0;
   bool uses_layers_ = false;
   std::unique_ptr<GpuPass> pass_;
-  bool form_settled_ = true;
-  std::string why_this_form_ = "asked for";
+  bool variant_settled_ = true;
+  std::string why_this_variant_ = "asked for";
   gl::Buffer plane_block_;
   std::vector<Probe> probes_;  // a ring, and one more that nobody reads, for when it is full
   std::size_t first_probe_ = 0, pending_ = 0;

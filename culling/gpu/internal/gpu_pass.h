@@ -1,4 +1,4 @@
-// What both forms of the GPU culler share, and the interface that hides their differences. Internal to culling/gpu.
+// What both variants of the GPU culler share, and the interface that hides their differences. Internal to culling/gpu.
 #pragma once
 
 #include <array>
@@ -31,12 +31,12 @@ struct CullBatch {
 /// Number of culls whose results may wait to be taken, and one more whose result nobody reads, for when these are full.
 inline constexpr std::size_t kTakenProbes = gl::GpuTimer::kSlots, kProbes = kTakenProbes + 1;
 
-/// One form, made for batches of certain kinds and capacities.
+/// One variant, made for batches of certain kinds and capacities.
 class GpuPass {
  public:
   virtual ~GpuPass() = default;
 
-  virtual GpuForm form() const = 0;
+  virtual GpuVariant variant() const = 0;
   virtual gpuscene::DrawLists::Counting counting() const = 0;
   /// Fills the lists between their begin_gpu_update() and end_gpu_update(). The planes are bound.
   virtual void run(std::span<const CullBatch> batches, const gpuscene::DrawLists& lists, std::size_t probe) = 0;
@@ -51,9 +51,9 @@ core::Expected<std::unique_ptr<GpuPass>> make_geometry_pass(const gl::Context& c
 core::Expected<std::unique_ptr<GpuPass>> make_compute_pass(const gl::Context& context,
                                                            std::span<const CullBatch> batches);
 
-inline core::Expected<std::unique_ptr<GpuPass>> make_pass(GpuForm form, const gl::Context& context,
+inline core::Expected<std::unique_ptr<GpuPass>> make_pass(GpuVariant variant, const gl::Context& context,
                                                           std::span<const CullBatch> batches) {
-  return form == GpuForm::kCompute ? make_compute_pass(context, batches) : make_geometry_pass(context, batches);
+  return variant == GpuVariant::kCompute ? make_compute_pass(context, batches) : make_geometry_pass(context, batches);
 }
 
 /// The program of meshes, and the one of all other batches. Each is made only where there are such batches.

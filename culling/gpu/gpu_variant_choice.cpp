@@ -1,4 +1,4 @@
-#include "sightline/culling/gpu/internal/gpu_form_choice.h"
+#include "sightline/culling/gpu/internal/gpu_variant_choice.h"
 
 #include <chrono>
 #include <cstdio>
@@ -65,8 +65,8 @@ std::string message_of(const core::Expected<T>& result) {
 
 }  // namespace
 
-core::Expected<void> GpuCuller::choose_form(const gl::Context& context, const core::Snapshot& snapshot,
-                                            const gpuscene::GpuScene& scene) {
+core::Expected<void> GpuCuller::choose_variant(const gl::Context& context, const core::Snapshot& snapshot,
+                                               const gpuscene::GpuScene& scene) {
   auto geometry = make_geometry_pass(context, batches_);
   if (!geometry) return tl::unexpected(geometry.error());
   pass_ = std::move(*geometry);
@@ -78,8 +78,8 @@ core::Expected<void> GpuCuller::choose_form(const gl::Context& context, const co
   for (const auto& message : {message_of(view), message_of(compute), message_of(lists), message_of(earlier)})
     if (missing.empty()) missing = message;
   if (!missing.empty()) {
-    form_settled_ = false;
-    why_this_form_ = "not measured: " + missing;
+    variant_settled_ = false;
+    why_this_variant_ = "not measured: " + missing;
     return {};
   }
 
@@ -107,11 +107,11 @@ core::Expected<void> GpuCuller::choose_form(const gl::Context& context, const co
   }
   if (!done) return done;
   pending_ = first_probe_ = 0;  // results of the measurement are discarded
-  pass_ = std::move(passes[cheaper_form(times)]);
+  pass_ = std::move(passes[cheaper_variant(times)]);
   std::array<char, 96> text;
   std::snprintf(text.data(), text.size(), "measured: geometry %.2f ms, compute %.2f ms", times[0].cost(),
                 times[1].cost());
-  why_this_form_ = text.data();
+  why_this_variant_ = text.data();
   return {};
 }
 

@@ -1,4 +1,4 @@
-// Which form of the GPU culler costs less here. Internal to culling/gpu.
+// Which variant of the GPU culler costs less here. Internal to culling/gpu.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace sightline::culling {
 
-/// What culling one view costs in one form, in milliseconds; the least of some repetitions.
+/// What culling one view costs in one variant, in milliseconds; the least of some repetitions.
 struct FormTimes {
   double alone = std::numeric_limits<double>::max();  ///< from submission until the GPU is done, with no other work
   double submitted = alone;                           ///< the part of it until submission returned
@@ -23,8 +23,8 @@ struct FormTimes {
   }
 };
 
-/// The index of the cheaper form; of equal ones the first, which needs no compute shaders.
-inline std::size_t cheaper_form(const std::array<FormTimes, 2>& times) {
+/// The index of the cheaper variant; of equal ones the first, which needs no compute shaders.
+inline std::size_t cheaper_variant(const std::array<FormTimes, 2>& times) {
   return times[1].cost() < times[0].cost() ? 1 : 0;
 }
 

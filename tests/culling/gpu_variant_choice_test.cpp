@@ -1,27 +1,27 @@
-// Which form of the GPU culler is taken for given times.
-#include "sightline/culling/gpu/internal/gpu_form_choice.h"
+// Which variant of the GPU culler is taken for given times.
+#include "sightline/culling/gpu/internal/gpu_variant_choice.h"
 
 #include <gtest/gtest.h>
 
 namespace sightline::culling {
 namespace {
 
-TEST(GpuFormChoice, TakesTheCheaperForm) {
+TEST(GpuVariantChoice, TakesTheCheaperVariant) {
   const FormTimes quick{1.0, 0.25, 0.25}, slow{2.0, 0.25, 0.25};
-  EXPECT_EQ(cheaper_form({quick, slow}), 0u);
-  EXPECT_EQ(cheaper_form({slow, quick}), 1u);
-  EXPECT_EQ(cheaper_form({quick, quick}), 0u);
+  EXPECT_EQ(cheaper_variant({quick, slow}), 0u);
+  EXPECT_EQ(cheaper_variant({slow, quick}), 1u);
+  EXPECT_EQ(cheaper_variant({quick, quick}), 0u);
 }
 
-TEST(GpuFormChoice, CountsHowLongSubmissionBlocks) {
+TEST(GpuVariantChoice, CountsHowLongSubmissionBlocks) {
   const FormTimes free{2.0, 0.25, 0.25}, blocking{1.0, 0.25, 2.75};
   EXPECT_EQ(blocking.cost(), 3.5);
-  EXPECT_EQ(cheaper_form({blocking, free}), 1u);
+  EXPECT_EQ(cheaper_variant({blocking, free}), 1u);
   const FormTimes blocked_less{2.0, 0.5, 0.25};  // by chance: no gain
   EXPECT_EQ(blocked_less.cost(), 2.0);
 }
 
-TEST(GpuFormChoice, TakesTheLeastOfEachTime) {
+TEST(GpuVariantChoice, TakesTheLeastOfEachTime) {
   FormTimes times;
   times.take_least({3.0, 1.0, 4.0});
   times.take_least({2.0, 2.0, 5.0});
