@@ -30,6 +30,7 @@ struct Options {
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
   int samples = 1;
+  bool sample_test = true;
   int frames = 300, every = 30;
   bool no_render = false;
   std::string record_both, controller_trace, policy = "frame-cost", rendering = "on";
@@ -60,6 +61,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(1, 1000000));
   apps::add_culler_option(app, o.culler);
   apps::add_gpu_pass_option(app, o.gpu_culler);
+  apps::add_sample_test_option(app, o.sample_test);
   apps::add_samples_option(app, o.samples);
   auto* no_render = app.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
   app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
@@ -104,6 +106,12 @@ struct Flight {
   }
   std::vector<double> visible() const {
     return collect([](const engine::FrameReport& r) { return double(r.visible); });
+  }
+  /// Empty where nothing was drawn, or the GPU alone knows.
+  std::vector<double> shown() const {
+    std::vector<double> counts = collect([](const engine::FrameReport& r) { return double(r.shown); });
+    std::erase_if(counts, [](double n) { return n < 0.0; });
+    return counts;
   }
   std::size_t on_gpu() const {
     return std::size_t(std::count_if(frames.begin(), frames.end(),
@@ -212,10 +220,15 @@ json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
                              {"draw_ms", f.report.draw_ms},
                              {"frame_ms", f.report.frame_ms},
                              {"visible", f.report.visible},
+                             {"shown", f.report.shown},
                              {"tested", f.report.tested}});
-  out["summary"] = {{"cull_ms", summary_json(flight.cull())},   {"draw_ms", summary_json(flight.draw())},
-                    {"frame_ms", summary_json(flight.frame())}, {"visible", summary_json(flight.visible())},
-                    {"tested", summary_json(flight.tested())},  {"switches", flight.switches()}};
+  out["summary"] = {{"cull_ms", summary_json(flight.cull())},
+                    {"draw_ms", summary_json(flight.draw())},
+                    {"frame_ms", summary_json(flight.frame())},
+                    {"visible", summary_json(flight.visible())},
+                    {"shown", summary_json(flight.shown())},
+                    {"tested", summary_json(flight.tested())},
+                    {"switches", flight.switches()}};
   const engine::MemoryReport memory = engine.memory();
   out["memory"] = {{"scene", memory.scene}, {"snapshot", memory.snapshot}, {"bvh", memory.bvh}, {"gpu", memory.gpu}};
   return out;
@@ -249,6 +262,7 @@ void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* 
   if (flight.renderer != "none") row("draw ms", flight.draw(), 3);
   row("frame ms", flight.frame(), 3);
   row("visible items", flight.visible(), 0);
+  row("drawn items", flight.shown(), 0);
   row("boxes tested", flight.tested(), 0);
   if (const culling::Controller* controller = engine.controller())
     std::fprintf(out, "%-16s %12llu  (%llu probes; %zu of %zu frames on the GPU)\n", "switches",
@@ -372,6 +386,7 @@ core::Expected<int> replay(const Options& o) {
   config.culler = o.culler;
   config.gpu_culler = o.gpu_culler;
   config.samples = o.samples;
+  config.sample_test = o.sample_test;
   config.controller.policy = policy_of(o);
   if (!o.record_both.empty()) return record_both(o, *model, config);
   auto engine = engine::Engine::create(*model->scene, config);

@@ -54,6 +54,46 @@ struct Avx2 {
     return join(_mm256_cmp_ps(_mm256_loadu_ps(a), _mm256_loadu_ps(b), _CMP_LE_OQ),
                 _mm256_cmp_ps(_mm256_loadu_ps(a + 8), _mm256_loadu_ps(b + 8), _CMP_LE_OQ));
   }
+  // Sixteen floats, for screen_boxes.h.
+  struct Lanes {
+    __m256 low, high;
+  };
+  static Lanes load(const float* a) { return {_mm256_loadu_ps(a), _mm256_loadu_ps(a + 8)}; }
+  static void store(float* out, const Lanes& a) {
+    _mm256_storeu_ps(out, a.low);
+    _mm256_storeu_ps(out + 8, a.high);
+  }
+  static Lanes spread(float a) { return {_mm256_set1_ps(a), _mm256_set1_ps(a)}; }
+  static Lanes add(const Lanes& a, const Lanes& b) {
+    return {_mm256_add_ps(a.low, b.low), _mm256_add_ps(a.high, b.high)};
+  }
+  static Lanes subtract(const Lanes& a, const Lanes& b) {
+    return {_mm256_sub_ps(a.low, b.low), _mm256_sub_ps(a.high, b.high)};
+  }
+  static Lanes multiply(const Lanes& a, const Lanes& b) {
+    return {_mm256_mul_ps(a.low, b.low), _mm256_mul_ps(a.high, b.high)};
+  }
+  static Lanes divide(const Lanes& a, const Lanes& b) {
+    return {_mm256_div_ps(a.low, b.low), _mm256_div_ps(a.high, b.high)};
+  }
+  static Lanes least(const Lanes& a, const Lanes& b) {
+    return {_mm256_min_ps(a.low, b.low), _mm256_min_ps(a.high, b.high)};
+  }
+  static Lanes most(const Lanes& a, const Lanes& b) {
+    return {_mm256_max_ps(b.low, a.low), _mm256_max_ps(b.high, a.high)};
+  }
+  static Lanes magnitude(const Lanes& a) {
+    const __m256 sign = _mm256_set1_ps(-0.0f);
+    return {_mm256_andnot_ps(sign, a.low), _mm256_andnot_ps(sign, a.high)};
+  }
+  static Lanes whole(const Lanes& a) { return {_mm256_floor_ps(a.low), _mm256_floor_ps(a.high)}; }
+  static unsigned less(const Lanes& a, const Lanes& b) {
+    return join(_mm256_cmp_ps(a.low, b.low, _CMP_LT_OQ), _mm256_cmp_ps(a.high, b.high, _CMP_LT_OQ));
+  }
+  static unsigned at_most(const Lanes& a, const Lanes& b) {
+    return join(_mm256_cmp_ps(a.low, b.low, _CMP_LE_OQ), _mm256_cmp_ps(a.high, b.high, _CMP_LE_OQ));
+  }
+
   static float least(const float* a) { return least_of_leaf(a); }
   static float most(const float* a) { return most_of_leaf(a); }
   static unsigned share_half(const std::uint32_t* layers, std::uint32_t mask) {

@@ -34,6 +34,25 @@ struct Avx512 {
   static unsigned share(const std::uint32_t* layers, std::uint32_t mask) {
     return _mm512_test_epi32_mask(_mm512_loadu_si512(layers), _mm512_set1_epi32(int(mask)));
   }
+  // Sixteen floats, for screen_boxes.h. With a mask where g++ 12 warns of its own header's unmasked form (bug 105593).
+  using Lanes = __m512;
+  static constexpr __mmask16 kAll = 0xffff;
+  static Lanes load(const float* a) { return _mm512_loadu_ps(a); }
+  static void store(float* out, const Lanes& a) { _mm512_storeu_ps(out, a); }
+  static Lanes spread(float a) { return _mm512_set1_ps(a); }
+  static Lanes add(const Lanes& a, const Lanes& b) { return _mm512_add_ps(a, b); }
+  static Lanes subtract(const Lanes& a, const Lanes& b) { return _mm512_sub_ps(a, b); }
+  static Lanes multiply(const Lanes& a, const Lanes& b) { return _mm512_mul_ps(a, b); }
+  static Lanes divide(const Lanes& a, const Lanes& b) { return _mm512_div_ps(a, b); }
+  static Lanes least(const Lanes& a, const Lanes& b) { return _mm512_maskz_min_ps(kAll, a, b); }
+  static Lanes most(const Lanes& a, const Lanes& b) { return _mm512_maskz_max_ps(kAll, b, a); }
+  static Lanes magnitude(const Lanes& a) { return _mm512_maskz_andnot_ps(kAll, _mm512_set1_ps(-0.0f), a); }
+  static Lanes whole(const Lanes& a) {
+    return _mm512_maskz_roundscale_ps(kAll, a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+  }
+  static unsigned less(const Lanes& a, const Lanes& b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
+  static unsigned at_most(const Lanes& a, const Lanes& b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
+
   static __m512i places(std::uint32_t base) {
     const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     return _mm512_add_epi32(lanes, _mm512_set1_epi32(int(base)));

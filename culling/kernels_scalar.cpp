@@ -51,6 +51,63 @@ struct Scalar {
     for (std::uint32_t i = 1; i < kLeafSize; ++i) r = a[i] > r ? a[i] : r;
     return r;
   }
+  // Sixteen floats, for screen_boxes.h.
+  struct Lanes {
+    float v[kLanes];
+  };
+  template <class Of>
+  static Lanes each(const Of& of) {
+    Lanes r;
+    for (int i = 0; i < kLanes; ++i) r.v[i] = of(i);
+    return r;
+  }
+  template <class Of>
+  static unsigned bits(const Of& of) {
+    unsigned r = 0;
+    for (int i = 0; i < kLanes; ++i) r |= unsigned(of(i)) << i;
+    return r;
+  }
+  static Lanes load(const float* a) {
+    return each([&](int i) { return a[i]; });
+  }
+  static void store(float* out, const Lanes& a) {
+    for (int i = 0; i < kLanes; ++i) out[i] = a.v[i];
+  }
+  static Lanes spread(float a) {
+    return each([&](int) { return a; });
+  }
+  static Lanes add(const Lanes& a, const Lanes& b) {
+    return each([&](int i) { return a.v[i] + b.v[i]; });
+  }
+  static Lanes subtract(const Lanes& a, const Lanes& b) {
+    return each([&](int i) { return a.v[i] - b.v[i]; });
+  }
+  static Lanes multiply(const Lanes& a, const Lanes& b) {
+    return each([&](int i) { return a.v[i] * b.v[i]; });
+  }
+  static Lanes divide(const Lanes& a, const Lanes& b) {
+    return each([&](int i) { return a.v[i] / b.v[i]; });
+  }
+  static Lanes least(const Lanes& a, const Lanes& b) {
+    return each([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
+  }
+  static Lanes most(const Lanes& a, const Lanes& b) {
+    return each([&](int i) { return a.v[i] < b.v[i] ? b.v[i] : a.v[i]; });
+  }
+  static Lanes magnitude(const Lanes& a) {
+    return each([&](int i) { return a.v[i] < 0.0f ? -a.v[i] : a.v[i]; });
+  }
+  /// The next whole number below; for a >= 0. Where a lies between -1 and 0, some whole number.
+  static Lanes whole(const Lanes& a) {
+    return each([&](int i) { return float(int(a.v[i])); });
+  }
+  static unsigned less(const Lanes& a, const Lanes& b) {
+    return bits([&](int i) { return a.v[i] < b.v[i]; });
+  }
+  static unsigned at_most(const Lanes& a, const Lanes& b) {
+    return bits([&](int i) { return a.v[i] <= b.v[i]; });
+  }
+
   static unsigned share(const std::uint32_t* layers, std::uint32_t mask) {
     unsigned bits = 0;
     for (int i = 0; i < kLanes; ++i) bits |= unsigned((layers[i] & mask) != 0) << i;

@@ -9,6 +9,12 @@
 namespace sightline::engine {
 namespace {
 
+culling::PictureSamples picture_samples(const render::RenderTarget& target) {
+  culling::PictureSamples samples{target.width(), target.height(), {}};
+  for (const glm::vec2& offset : target.sample_offsets()) samples.offsets.push_back({offset.x, offset.y});
+  return samples;
+}
+
 constexpr std::size_t kFramesInFlight = 2;
 constexpr GLuint64 kLongestWait = 10'000'000'000;  // ns; a lost context must not hang the application
 constexpr std::size_t kMostDrawn = 8;
@@ -45,6 +51,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   if (auto current = drawing->make_current(); !current) return tl::unexpected(current.error());
   drawing->context_.cache_programs(config.program_cache.value_or(gl::ProgramCache::default_folder()));
   drawing->renders_ = config.draw;
+  drawing->sample_test_ = config.sample_test;
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
     auto target = render::RenderTarget::create(drawing->context_, config.width, config.height,
@@ -150,13 +157,17 @@ void Drawing::wait_for_oldest() {
 }
 
 core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot& snapshot,
-                                   const core::VisibleSet& visible, std::uint64_t frame) {
+                                   const core::VisibleSet& visible, culling::SlotBits lines, std::uint64_t frame) {
   waited_ms_ = 0.0;
   if (!renderer_) return {};
   if (auto current = make_current(); !current) return current;
   wait_for_room();
-  const gpuscene::DrawnView drawn{view, target_.width(), target_.height(), target_.format().samples};
-  if (auto done = lists_->update(snapshot, *scene_, visible, &drawn); !done) return done;
+  if (sample_test_)
+    culling::SampleTest(view, snapshot.bounds().origin, picture_samples(target_))
+        .filter(snapshot.bounds(), visible, shown_, lines);
+  else
+    shown_ = visible;
+  if (auto done = lists_->update(snapshot, *scene_, shown_, &view); !done) return done;
   return submit(view, snapshot, frame);
 }
 

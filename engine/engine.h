@@ -41,7 +41,10 @@ struct EngineConfig {
   CullerChoice culler = CullerChoice::kAutomatic;
   bool draw = false;  ///< false: no GL at all, unless the culler needs it
   int width = 1280, height = 720;
-  bool ids = false;       ///< item-id image beside colour and depth
+  bool ids = false;  ///< item-id image beside colour and depth
+  /// Leave out of drawing what covers no sample of the picture (culling/sample_test.h): nothing is lost. Not with the
+  /// GPU culler, whose draws reject each such item alone.
+  bool sample_test = true;
   int samples = 1;        ///< per pixel; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
@@ -72,7 +75,9 @@ struct FrameReport {
   double wait_ms = 0.0;   ///< of draw_ms: until the frame before the last was drawn
   double frame_ms = 0.0;  ///< since the last frame began, at most two frames being in flight; 0 for the first frame
   bool drawn = false;     ///< false without drawing, and while the context is lost
-  std::int64_t visible = 0, tested = 0;  ///< items; hierarchy and item boxes. -1: known to the GPU alone
+  std::int64_t visible = 0,
+               tested = 0;  ///< items in the view volume; hierarchy and item boxes. -1: known to the GPU alone
+  std::int64_t shown = -1;  ///< items drawn; -1 without drawing, and where the GPU alone knows
 };
 
 /// What the GPU culler found in an earlier frame.

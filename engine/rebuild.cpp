@@ -7,12 +7,23 @@ namespace {
 
 constexpr std::size_t kPiece = 2048;  // slots copied at a time, while edits wait
 
+/// Lines have a rule of their own for what they colour.
+std::vector<std::uint64_t> slots_of_lines(const core::Snapshot& snapshot) {
+  std::vector<std::uint64_t> bits;
+  const core::KindItems& lines = snapshot.of_kind(core::Kind::kLine);
+  if (lines.size() > 0) bits.resize(snapshot.size() / 64 + 1);
+  for (const core::Slot slot : lines.slots)
+    if (!snapshot.vacant(slot)) bits[slot / 64] |= std::uint64_t(1) << slot % 64;
+  return bits;
+}
+
 }  // namespace
 
 void Order::follow(std::initializer_list<std::span<const core::ItemId>> edited, bool materials, std::size_t former_size,
                    std::vector<core::Slot>& touched) {
   joints.dissolve(*snapshot, edited, former_size, touched);
   if (materials) joints.dissolve_transparent(*snapshot, former_size, touched);
+  lines = slots_of_lines(*snapshot);
   if (auto* cpu = std::get_if<culling::CpuCuller>(culler.get())) cpu->update(touched);
 }
 
@@ -29,6 +40,7 @@ Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& re
   Order order;
   order.snapshot = std::move(snapshot);
   if (request.draw) order.joints = gpuprims::Joints(*order.snapshot);
+  order.lines = slots_of_lines(*order.snapshot);
   order.follow_plan(request);
   return order;
 }

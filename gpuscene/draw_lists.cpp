@@ -12,15 +12,12 @@ namespace {
 using core::Slot;
 using core::Snapshot;
 
-/// Decides by their boxes what a view shows of meshes.
+/// Decides by their boxes which faces of meshes a view shows.
 class ShownMeshes {
  public:
-  ShownMeshes(const Snapshot& snapshot, const DrawnView* drawn) : snapshot_(snapshot) {
+  ShownMeshes(const Snapshot& snapshot, const core::View* drawn) : snapshot_(snapshot) {
     if (!drawn) return;
-    const core::View& view = drawn->view;
-    if (drawn->samples == 1) pixels_ = {drawn->width, drawn->height};
-    const core::dmat4 rows = glm::transpose(view.clip_from_world());
-    for (const int axis : {0, 1, 3}) clip_[axis] = relative({core::dvec3(rows[axis]), rows[axis].w});
+    const core::View& view = *drawn;
     near_ = relative(core::frustum_planes(view.clip_from_world(), view.clip_depth())[core::kNear]);
     const double norm = glm::length(near_.normal);
     near_.normal /= norm;
@@ -28,13 +25,6 @@ class ShownMeshes {
     can_face_ = norm > 0.0 && view.sections.empty() && !mirrors(view);
   }
 
-  /// True when an item covers no pixel centre, whatever its shape. That is true of many distant items.
-  bool between_pixels(Slot slot) const {
-    if (pixels_.x == 0) return false;
-    const Span w = span(clip_[3], slot);
-    return w.low > 0.0 &&
-           (misses_centres(span(clip_[0], slot), w, pixels_.x) || misses_centres(span(clip_[1], slot), w, pixels_.y));
-  }
   /// True when an item shows the eye only front faces of its solid shells (solid_shells.h): it is not mirrored, and it
   /// lies wholly beyond the near plane, so the eye is outside and the plane cuts no shell open. Never with sections.
   bool shows_fronts_alone(Slot slot) const { return can_face_ && beyond_near_plane(slot) && !mirrored(slot); }
@@ -43,9 +33,6 @@ class ShownMeshes {
   struct Span {
     double low, high;
   };
-  /// Pixels by which a rasteriser may move a vertex: GL requires only four bits of sub-pixel precision.
-  static constexpr double kSnap = 0.08;
-
   core::Plane relative(core::Plane plane) const {
     plane.offset += glm::dot(plane.normal, snapshot_.bounds().origin);
     return plane;
@@ -57,11 +44,6 @@ class ShownMeshes {
     const double middle = core::evaluate(form, 0.5 * (low + high));
     const double reach = glm::dot(glm::abs(form.normal), 0.5 * (high - low));
     return {middle - reach, middle + reach};
-  }
-  static bool misses_centres(const Span& x, const Span& w, int pixels) {
-    const double low = x.low / (x.low < 0.0 ? w.low : w.high), high = x.high / (x.high < 0.0 ? w.high : w.low);
-    const auto place = [&](double clip) { return (0.5 + 0.5 * clip) * pixels - 0.5; };  // centres at integers
-    return std::floor(place(high) + kSnap) < std::ceil(place(low) - kSnap);
   }
   /// True when the view exchanges clockwise and counter-clockwise triangles.
   static bool mirrors(const core::View& view) {
@@ -80,8 +62,7 @@ class ShownMeshes {
   }
 
   const Snapshot& snapshot_;
-  core::Plane near_, clip_[4];  // relative to the origin of the bounds
-  glm::ivec2 pixels_{0};
+  core::Plane near_;  // relative to the origin of the bounds
   bool can_face_ = false;
 };
 
@@ -133,12 +114,11 @@ void DrawLists::list_records(const Batch& batch) {
 }
 
 /// Commands that show only front faces come first.
-void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const DrawnView* drawn) {
+void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, const core::View* drawn) {
   const std::size_t begin = command_list_.size();
   const ShownMeshes shown(snapshot, drawn);
   both_faces_.clear();
   for (const Slot slot : visible_.meshes) {
-    if (shown.between_pixels(slot)) continue;
     const std::uint32_t record = GpuScene::record_of(snapshot, slot);
     ElementsCommand command = pool.commands[record];
     const std::uint32_t solid = pool.solid_indices[record];
@@ -156,7 +136,7 @@ void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, cons
 }
 
 core::Expected<void> DrawLists::update(const Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
-                                       const DrawnView* drawn) {
+                                       const core::View* drawn) {
   sections_ = {};
   from_gpu_ = false;
   frame_ = (frame_ + 1) % kFramesInFlight;

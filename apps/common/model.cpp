@@ -107,6 +107,15 @@ void add_samples_option(CLI::App& app, int& samples) {
       ->check(CLI::Range(1, 64));
 }
 
+void add_sample_test_option(CLI::App& app, bool& sample_test) {
+  static const std::map<std::string, bool> names = {{"on", true}, {"off", false}};
+  app.add_option_function<std::string>(
+         "--sample-test", [&sample_test](const std::string& name) { sample_test = names.at(name); },
+         "Leave out of drawing what covers no sample of the picture; the picture is the same")
+      ->default_str("on")
+      ->check(CLI::IsMember(names));
+}
+
 void explain(const engine::Plan& plan) {
   for (const engine::PlanEntry& e : plan.entries)
     std::fprintf(stderr, "%-9s %-36s %s\n", e.used ? "used" : "left out", e.feature.c_str(), e.why.c_str());

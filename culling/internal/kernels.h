@@ -10,6 +10,7 @@
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/frustum_test.h"
 #include "sightline/culling/hierarchy.h"
+#include "sightline/culling/internal/screen_view.h"
 
 namespace sightline::culling {
 
@@ -72,6 +73,8 @@ struct FoundSlots {
   core::Slot *items, *edges;
 };
 
+ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, int width, int height);
+
 /// Items whose answers fit on the stack.
 inline constexpr std::size_t kItemsAtOnce = 4096;
 
@@ -89,6 +92,8 @@ struct Kernels {
   /// Union of the boxes of kLeafSize items, in the order of the coordinates. Vacant slots do not count. Returns false,
   /// with anything in `box`, when one of the boxes holds a NaN.
   bool (*leaf_box)(const float* const (&coordinates)[6], std::size_t first, float (&box)[6]);
+  /// Bit i: box i of sixteen may cover a sample of the picture.
+  unsigned (*covering)(const ScreenView& view, const float* const (&coordinates)[6]);
 };
 
 const Kernels& scalar_kernels();

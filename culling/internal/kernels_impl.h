@@ -11,6 +11,7 @@
 
 #include "sightline/core/internal/intrinsics.h"
 #include "sightline/culling/internal/kernels.h"
+#include "sightline/culling/internal/screen_boxes.h"
 
 namespace sightline::culling {
 
@@ -514,6 +515,9 @@ constexpr Kernels make_kernels() {
       box[axis + 3] = Simd::most(high);
     }
     return numbers == 0xffff;
+  };
+  k.covering = [](const ScreenView& view, const float* const(&c)[6]) {
+    return ScreenBoxes<Simd>(view, c).covering(view);
   };
   return k;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "sightline/culling/gpu/internal/gpu_culler.h"
+#include "sightline/culling/sample_test.h"
 #include "sightline/engine/engine.h"
 #include "sightline/render/internal/renderer.h"
 
@@ -20,10 +21,14 @@ class Drawing {
   /// Adds a plan entry for the program of each batch kind.
   static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
 
-  /// Submits one frame that shows a visible set. Waits first until at most one earlier frame is still being drawn.
-  /// take_drawn() returns `frame`. Does nothing when there is nothing to render.
+  /// Submits one frame that shows a visible set, without items that cover no sample of the picture (SampleTest).
+  /// `lines`: slots to which that rule does not apply. Waits first until at most one earlier frame is still being
+  /// drawn. take_drawn() returns `frame`. Does nothing when there is nothing to render.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible,
-                            std::uint64_t frame);
+                            culling::SlotBits lines, std::uint64_t frame);
+  /// What the last draw() has drawn.
+  const core::VisibleSet& shown() const { return shown_; }
+
   /// cull() culls on the GPU, and draw_culled() submits a frame of the result. Both need the GPU culler.
   /// take_gpu_feedback() returns `frame`, too.
   core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
@@ -89,6 +94,8 @@ class Drawing {
   std::string why_gpu_variant_;
   std::optional<gpuscene::GpuScene> scene_;
   std::optional<gpuscene::DrawLists> lists_;
+  bool sample_test_ = true;
+  core::VisibleSet shown_;
   std::optional<culling::GpuCuller> culler_;
   std::optional<render::Renderer> renderer_;  // none when the engine only culls
   render::RenderTarget target_;

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "sightline/culling/sample_test.h"
 #include "sightline/engine/engine.h"
 
 namespace sightline::engine {
@@ -24,7 +25,8 @@ class Drawing {
     std::optional<double> time_ms;
     double gpu_ms = 0.0;
   };
-  core::Expected<void> draw(const core::View&, const core::Snapshot&, const core::VisibleSet&, std::uint64_t) {
+  core::Expected<void> draw(const core::View&, const core::Snapshot&, const core::VisibleSet&, culling::SlotBits,
+                            std::uint64_t) {
     return {};
   }
   core::Expected<void> cull(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
@@ -46,6 +48,7 @@ class Drawing {
   double waited_ms() const { return 0.0; }
   bool lost() const { return false; }
   bool software() const { return false; }
+  core::VisibleSet shown() const { return {}; }
   void finish() {}
   std::size_t memory_bytes() const { return 0; }
 };

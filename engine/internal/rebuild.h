@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <memory>
@@ -32,6 +33,7 @@ struct PlanRequest {
 struct Order {
   std::unique_ptr<core::Snapshot> snapshot;  // at a fixed address: the culler borrows its bounds
   gpuprims::Joints joints;                   // none unless the request draws
+  std::vector<std::uint64_t> lines;          // a bit per slot that holds a line; empty where none does
   std::unique_ptr<Culler> culler;
   Plan plan;
 

@@ -28,13 +28,6 @@
 
 namespace sightline::gpuscene {
 
-/// The view and target that will draw the lists.
-struct DrawnView {
-  const core::View& view;
-  int width, height;  ///< of the target, pixels
-  int samples = 1;    ///< per pixel
-};
-
 class DrawLists {
  public:
   /// Where the commands (ElementsCommand) of a batch lie in commands(). Lines also draw with indices 0, 1, 2, …
@@ -59,10 +52,10 @@ class DrawLists {
   static core::Expected<DrawLists> create(const gl::Context& context, const GpuScene& scene);
 
   /// Translates and uploads a visible set of `snapshot`, the one that `scene` was made from. With `drawn`, the view
-  /// that will draw the lists, it leaves out meshes that cover no pixel centre, and sets Section::front_only. Fails
-  /// when the GPU has not enough memory; then the lists are empty.
+  /// that will draw the lists, it sets Section::front_only. Fails when the GPU has not enough memory; then the lists
+  /// are empty.
   core::Expected<void> update(const core::Snapshot& snapshot, const GpuScene& scene, const core::VisibleSet& visible,
-                              const DrawnView* drawn = nullptr);
+                              const core::View* drawn = nullptr);
 
   /// Marks all places of the targets as unused. With Counting::kCuller it marks only those that draws would read:
   /// commands of meshes without ARB_indirect_parameters. The first call allocates room for all of `scene`, and the
@@ -104,7 +97,7 @@ class DrawLists {
 
  private:
   void list_records(const Batch& batch);
-  void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const DrawnView* drawn);
+  void list_meshes(const core::Snapshot& snapshot, const MeshPool& pool, const core::View* drawn);
   void append_records(BatchKind kind, std::uint32_t first, std::uint32_t count);
   void append(const ElementsCommand* commands, std::size_t count);
   core::Expected<void> upload();

@@ -151,8 +151,7 @@ class FrontFaces : public tests::GlTest {
     const std::vector<std::uint32_t> all = stage.ids(view);
     const auto all_colours = stage.target.read_colour().pixels;
     EXPECT_GT(std::count_if(all.begin(), all.end(), [](std::uint32_t id) { return id != 0; }), 500);
-    const gpuscene::DrawnView drawn{view, kWidth, kHeight};
-    EXPECT_TRUE(stage.lists.update(stage.snapshot, stage.gpu, stage.all(), &drawn));
+    EXPECT_TRUE(stage.lists.update(stage.snapshot, stage.gpu, stage.all(), &view));
     EXPECT_EQ(stage.ids(view), all);
     EXPECT_EQ(stage.target.read_colour().pixels, all_colours);
     return stage.lists.section(gpuscene::BatchKind::kMesh).front_only;
@@ -215,71 +214,6 @@ TEST_F(FrontFaces, OfAMeshThatIsSolidInPart) {
   const View view = *View::perspective({{0.5, -3, 1.5}, {0.5, 0, 0}, {0, 0, 1}}, 0.8, 4.0 / 3.0, 0.1);
   EXPECT_EQ(expect_same(stage, view), 1);
   EXPECT_EQ(stage.lists.section(gpuscene::BatchKind::kMesh).count, 2);
-}
-
-/// Small meshes all over the place, most of them between the centres of pixels.
-class BetweenPixels : public tests::GlTest {
- protected:
-  static constexpr int kWidth = 160, kHeight = 120;
-
-  void SetUp() override {
-    tests::GlTest::SetUp();
-    const core::MeshId box = scene.add_mesh(gpuprims::tessellate(core::Primitive(core::Box{1.0f, 1.0f, 1.0f}))).value();
-    std::mt19937_64 random(11);
-    std::uniform_real_distribution<double> part(0.0, 1.0);
-    for (int i = 0; i < 6000; ++i) {
-      core::Affine place = core::translation({40.0 * part(random), 30.0 * part(random), 10.0 * part(random)});
-      place.linear = core::dmat3(std::exp(-6.0 + 5.0 * part(random)));
-      scene.add_mesh_instance(scene.root(), box, place);
-    }
-    EXPECT_TRUE(scene.commit());
-  }
-
-  core::Scene scene;
-};
-
-TEST_F(BetweenPixels, NothingShows) {
-  Stage stage(*context, scene, kWidth, kHeight);
-  const auto& section = stage.lists.section(gpuscene::BatchKind::kMesh);
-  std::mt19937_64 random(12);
-  std::uniform_real_distribution<double> part(-1.0, 1.0);
-  for (int i = 0; i < 20; ++i) {
-    const dvec3 target(20.0, 15.0, 5.0), eye = target + dvec3(40.0 * part(random), 40.0 * part(random), 30.0);
-    auto view = i % 2 == 0 ? View::perspective({eye, target, {0, 1, 0}}, 0.9, 4.0 / 3.0, 0.1)
-                           : View::orthographic({eye, target, {0, 1, 0}}, 35.0, 4.0 / 3.0, -50.0, 150.0);
-    if (i % 5 == 4) view->sections = {{{0, 0, 1}, -5.0}};
-    ASSERT_TRUE(stage.lists.update(stage.snapshot, stage.gpu, stage.all()));
-    const std::vector<std::uint32_t> all = stage.ids(*view);
-    const gpuscene::DrawnView drawn{*view, kWidth, kHeight};
-    ASSERT_TRUE(stage.lists.update(stage.snapshot, stage.gpu, stage.all(), &drawn));
-    EXPECT_EQ(stage.ids(*view), all) << "view " << i;
-    std::set<std::uint32_t> shown(all.begin(), all.end());
-    EXPECT_GE(section.count + 1, int(shown.size()));
-    EXPECT_LT(section.count, 4000) << "of 6000, far fewer of which show: " << shown.size();
-  }
-}
-
-/// Each box just around the centre of its pixel, or just beside it.
-TEST_F(BetweenPixels, CentresCountWithTheirSurroundings) {
-  for (const double offset : {0.0, 0.2}) {
-    core::Scene grid;
-    const core::MeshId box =
-        grid.add_mesh(gpuprims::tessellate(core::Primitive(core::Box{0.02f, 0.02f, 0.02f}))).value();
-    for (int i = 0; i < 100; ++i)
-      grid.add_mesh_instance(grid.root(), box, core::translation({i % 10 + 0.5 + offset, i / 10 + 0.5, 0.0}));
-    ASSERT_TRUE(grid.commit());
-    Stage stage(*context, grid, 10, 10);
-    const View view = *View::orthographic({{5, 5, 10}, {5, 5, 0}, {0, 1, 0}}, 10.0, 1.0, 0.0, 20.0);
-    for (const int samples : {1, 4}) {
-      const gpuscene::DrawnView drawn{view, 10, 10, samples};
-      ASSERT_TRUE(stage.lists.update(stage.snapshot, stage.gpu, stage.all(), &drawn));
-      EXPECT_EQ(stage.lists.section(gpuscene::BatchKind::kMesh).count, offset == 0.0 || samples == 4 ? 100 : 0);
-    }
-    if (offset == 0.0) {
-      const auto ids = stage.ids(view);
-      EXPECT_EQ(std::set(ids.begin(), ids.end()).size(), 100u);
-    }
-  }
 }
 
 }  // namespace

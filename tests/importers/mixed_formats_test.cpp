@@ -1,5 +1,7 @@
 // One scene of every format: a cube of 2 m and a mast of 10 m, written once in each, stand side by side, equally large
 // and upright, whatever the units and the up axis of their files.
+#include <unistd.h>
+
 #include <array>
 #include <cstring>
 #include <filesystem>
@@ -118,7 +120,7 @@ std::string gltf(const Corners& corners, const std::filesystem::path& numbers) {
 class MixedFormats : public testing::TestWithParam<ImportOptions> {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) / "sightline_mixed_formats";
+    folder_ = std::filesystem::path(testing::TempDir()) / ("sightline_mixed_formats_" + std::to_string(getpid()));
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }

@@ -1,0 +1,93 @@
+// Internal: leaves slots out of a visible set, sixteen boxes at a time.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "sightline/core/item_bounds.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/culling/internal/kernels.h"
+
+namespace sightline::culling {
+
+/// Sixteen slots and their boxes.
+struct SlotGroup {
+  const float* coordinates[6];  // of the first slot, those of the others behind it
+  core::Slot slots[kLanes];
+  int count;  // of slots in use; the boxes behind them are any
+};
+
+/// Calls visit(group, bits of the slots in use, whether they are of a range) for all slots of `in`: first those of
+/// ranges, then single slots, each in rising order. Single slots have their boxes copied side by side.
+template <class Visit>
+void for_each_group(const core::ItemBounds& bounds, const core::VisibleSet& in, Visit&& visit) {
+  SlotGroup group;
+  const auto visit_group = [&](std::size_t count, bool of_range) {
+    group.count = int(count);
+    visit(std::as_const(group), (1u << count) - 1u, of_range);
+  };
+  for (const core::SlotRange& range : in.ranges) {
+    const std::size_t end = range.first + range.count;
+    for (std::size_t first = range.first; first < end; first += kLanes) {
+      for (int axis = 0; axis < 6; ++axis) group.coordinates[axis] = bounds.coordinate(axis) + first;
+      for (int i = 0; i < kLanes; ++i) group.slots[i] = core::Slot(first) + core::Slot(i);
+      visit_group(std::min<std::size_t>(kLanes, end - first), true);
+    }
+  }
+  alignas(64) float boxes[6][kLanes] = {};
+  for (int axis = 0; axis < 6; ++axis) group.coordinates[axis] = boxes[axis];
+  for (std::size_t first = 0; first < in.items.size(); first += kLanes) {
+    const std::size_t count = std::min<std::size_t>(kLanes, in.items.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      group.slots[i] = in.items[first + i];
+      for (int axis = 0; axis < 6; ++axis) boxes[axis][i] = bounds.coordinate(axis)[group.slots[i]];
+    }
+    visit_group(count, false);
+  }
+}
+
+/// The bits of a group's slots.
+inline unsigned bits_of(std::span<const std::uint64_t> bits, const SlotGroup& group) {
+  unsigned found = 0;
+  for (int i = 0; i < group.count; ++i) {
+    const core::Slot slot = group.slots[i];
+    if (slot / 64 < bits.size()) found |= unsigned(bits[slot / 64] >> slot % 64 & 1u) << i;
+  }
+  return found;
+}
+
+/// Collects slots in the order of for_each_group() into a visible set.
+class SlotCollector {
+ public:
+  /// Adds the slots of a group whose bits are set. Ranges stay ranges where all slots of a group are added.
+  void add(const SlotGroup& group, unsigned bits, bool of_range) {
+    if (of_range && bits != 0 && group.count == std::popcount(bits)) {
+      const core::Slot first = group.slots[0];
+      if (!ranges_.empty() && ranges_.back().first + ranges_.back().count == first)
+        ranges_.back().count += std::uint32_t(group.count);
+      else
+        ranges_.push_back({first, std::uint32_t(group.count)});
+      return;
+    }
+    std::vector<core::Slot>& slots = of_range ? of_ranges_ : singles_;
+    for (; bits != 0; bits &= bits - 1) slots.push_back(group.slots[std::countr_zero(bits)]);
+  }
+  /// Replaces the slots of `out` and begins anew.
+  void finish(core::VisibleSet& out) {
+    std::swap(out.ranges, ranges_);
+    out.items.resize(of_ranges_.size() + singles_.size());
+    std::merge(of_ranges_.begin(), of_ranges_.end(), singles_.begin(), singles_.end(), out.items.begin());
+    ranges_.clear();
+    of_ranges_.clear();
+    singles_.clear();
+  }
+
+ private:
+  std::vector<core::SlotRange> ranges_;
+  std::vector<core::Slot> of_ranges_, singles_;
+};
+
+}  // namespace sightline::culling

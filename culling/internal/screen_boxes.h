@@ -1,0 +1,123 @@
+// Internal: which samples of a picture a box may cover, and how near it may be. See sample_test.h for what follows.
+//
+// Let X, Y and W be linear forms such that X / W and Y / W are the place of a point in the picture, in pixels, with
+// pixel centres at integers. Where W > 0 all over a box, X / W and Y / W take their least and greatest values in the
+// box's corners. The rectangle of the eight corners contains the whole projection, after three errors are added:
+//   - A form's value is a sum of four products. Coefficients, products and sums are rounded, so its error is at most
+//     B = 8 u (|a x| + |b y| + |c z| + |d|), u = 2^-24, and what d has lost before.
+//   - The quotient q is off by at most (Bx + |q| Bw) / (W - Bw) from the forms, and by 3 u |q| from its own rounding.
+//   - A rasteriser may move vertices: kSnap.
+// Where W may be 0 or less in a box, the rectangle is the whole picture.
+//
+// Simd::Lanes holds sixteen floats. least() and most() are a < b ? a : b and a < b ? b : a, so every instruction set
+// gives the same answer.
+#pragma once
+
+#include "sightline/culling/internal/kernels.h"
+
+namespace sightline::culling {
+
+/// Projects sixteen boxes.
+template <class Simd>
+class ScreenBoxes {
+ public:
+  using Lanes = typename Simd::Lanes;
+
+  ScreenBoxes(const ScreenView& view, const float* const (&c)[6]) {
+    Lanes low[3], high[3], sizes[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = Simd::load(c[axis]);
+      high[axis] = Simd::load(c[axis + 3]);
+      sizes[axis] = Simd::most(Simd::magnitude(low[axis]), Simd::magnitude(high[axis]));
+    }
+    const unsigned ordered =
+        Simd::at_most(low[0], high[0]) & Simd::at_most(low[1], high[1]) & Simd::at_most(low[2], high[2]);
+    empty_ = Simd::less(high[0], low[0]) | Simd::less(high[1], low[1]) | Simd::less(high[2], low[2]);
+    const Form x(view.x, low, high), y(view.y, low, high), w(view.w, low, high), t(view.t, low, high);
+    Lanes least_w;
+    for (int corner = 0; corner < 8; ++corner) {
+      const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
+      const Lanes own_w = w.at(i, j, k), inverse = Simd::divide(Simd::spread(1.0f), own_w);
+      const Lanes px = Simd::multiply(x.at(i, j, k), inverse), py = Simd::multiply(y.at(i, j, k), inverse);
+      const Lanes distance = t.at(i, j, k);
+      left_ = corner == 0 ? px : Simd::least(left_, px);
+      right_ = corner == 0 ? px : Simd::most(right_, px);
+      bottom_ = corner == 0 ? py : Simd::least(bottom_, py);
+      top_ = corner == 0 ? py : Simd::most(top_, py);
+      least_w = corner == 0 ? own_w : Simd::least(least_w, own_w);
+      nearest_ = corner == 0 ? distance : Simd::least(nearest_, distance);
+    }
+    const Lanes band_w = band(view.w, sizes);
+    projects_ = ordered & Simd::less(Simd::multiply(Simd::spread(4.0f), band_w), least_w);
+    const Lanes per_w = Simd::divide(Simd::spread(1.01f), Simd::subtract(least_w, band_w));
+    widen(left_, right_, band(view.x, sizes), band_w, per_w);
+    widen(bottom_, top_, band(view.y, sizes), band_w, per_w);
+    nearest_ = Simd::subtract(nearest_, band(view.t, sizes));
+  }
+
+  /// Bit i: box i may cover a sample of the picture. A box with a NaN neither is empty nor projects: it covers all.
+  unsigned covering(const ScreenView& view) const {
+    unsigned found = 0;
+    for (int s = 0; s < view.sample_count; ++s)
+      found |= ~(between_samples(left_, right_, view.samples[s][0], view.last_x) |
+                 between_samples(bottom_, top_, view.samples[s][1], view.last_y));
+    return ((found & projects_) | (~projects_ & ~empty_)) & 0xffffu;
+  }
+
+  /// Bit i: the rectangle and the distance of box i hold.
+  unsigned projects() const { return projects_; }
+  const Lanes& left() const { return left_; }
+  const Lanes& right() const { return right_; }
+  const Lanes& bottom() const { return bottom_; }
+  const Lanes& top() const { return top_; }
+  const Lanes& nearest() const { return nearest_; }
+
+ private:
+  /// A linear form's parts at the low and high coordinates of the boxes.
+  struct Form {
+    Form(const LinearForm& f, const Lanes (&low)[3], const Lanes (&high)[3]) {
+      const Lanes d = Simd::spread(f.d);
+      x[0] = Simd::multiply(Simd::spread(f.x), low[0]);
+      x[1] = Simd::multiply(Simd::spread(f.x), high[0]);
+      y[0] = Simd::multiply(Simd::spread(f.y), low[1]);
+      y[1] = Simd::multiply(Simd::spread(f.y), high[1]);
+      z[0] = Simd::add(Simd::multiply(Simd::spread(f.z), low[2]), d);
+      z[1] = Simd::add(Simd::multiply(Simd::spread(f.z), high[2]), d);
+    }
+    Lanes at(int i, int j, int k) const { return Simd::add(Simd::add(x[i], y[j]), z[k]); }
+    Lanes x[2], y[2], z[2];
+  };
+
+  /// B of the comment above, for coordinates of these sizes.
+  static Lanes band(const LinearForm& f, const Lanes (&sizes)[3]) {
+    constexpr float kUnits = 8.0f * 0x1p-24f, kTiny = 1e-36f;  // kTiny: more than what underflow loses
+    const auto part = [](float factor, const Lanes& size) {
+      return Simd::multiply(Simd::spread(kUnits * (factor < 0.0f ? -factor : factor)), size);
+    };
+    const float constant = f.error + kTiny + kUnits * (f.d < 0.0f ? -f.d : f.d);
+    return Simd::add(Simd::add(part(f.x, sizes[0]), part(f.y, sizes[1])),
+                     Simd::add(part(f.z, sizes[2]), Simd::spread(constant)));
+  }
+
+  static void widen(Lanes& low, Lanes& high, const Lanes& band, const Lanes& band_w, const Lanes& per_w) {
+    const Lanes farthest = Simd::most(Simd::magnitude(low), Simd::magnitude(high));
+    const Lanes of_forms = Simd::multiply(Simd::add(band, Simd::multiply(farthest, band_w)), per_w);
+    const Lanes reach =
+        Simd::add(Simd::add(of_forms, Simd::multiply(Simd::spread(4e-7f), farthest)), Simd::spread(ScreenView::kSnap));
+    low = Simd::subtract(low, reach);
+    high = Simd::add(high, reach);
+  }
+
+  /// Bit i: no sample place lies within the interval i: neither 0 + offset nor 1 + offset nor … last + offset.
+  static unsigned between_samples(const Lanes& low, const Lanes& high, float offset, float last) {
+    const Lanes o = Simd::spread(offset);
+    const Lanes from = Simd::most(Simd::subtract(low, o), Simd::spread(0.0f));
+    const Lanes to = Simd::most(Simd::least(Simd::subtract(high, o), Simd::spread(last)), Simd::spread(-1.0f));
+    return Simd::less(to, from) | Simd::less(Simd::whole(to), from);
+  }
+
+  Lanes left_, right_, bottom_, top_, nearest_;
+  unsigned projects_, empty_;
+};
+
+}  // namespace sightline::culling

@@ -1,0 +1,233 @@
+// The sample test against exact arithmetic: the line of sight of every sample, in rationals, meets a box or not.
+#include "sightline/culling/sample_test.h"
+
+#include <gmpxx.h>
+#include <gtest/gtest.h>
+
+#include "scenes.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/culling/linear_culler.h"
+
+namespace sightline::tests {
+namespace {
+
+using core::Aabb;
+using core::View;
+using culling::PictureSamples;
+using culling::SampleTest;
+
+using Form = std::array<mpq_class, 4>;  // of a world point: three coefficients and the constant term
+
+/// a - factor * b.
+Form minus(const Form& a, const mpq_class& factor, const Form& b) {
+  Form out;
+  for (std::size_t i = 0; i < 4; ++i) out[i] = a[i] - factor * b[i];
+  return out;
+}
+
+/// Of the first three; the fourth is 0.
+Form cross(const Form& p, const Form& q) {
+  return {mpq_class(p[1] * q[2] - p[2] * q[1]), mpq_class(p[2] * q[0] - p[0] * q[2]),
+          mpq_class(p[0] * q[1] - p[1] * q[0]), mpq_class(0)};
+}
+
+/// The samples of a picture, in rationals.
+class ExactSamples {
+ public:
+  ExactSamples(const View& view, const core::dvec3& origin, const PictureSamples& samples) : samples_(samples) {
+    const core::dmat4 clip = view.clip_from_world();
+    for (int row = 0; row < 4; ++row) {
+      Form& form = rows_[std::size_t(row)];
+      for (int i = 0; i < 4; ++i) form[std::size_t(i)] = clip[i][row];
+      for (int i = 0; i < 3; ++i) form[3] += form[std::size_t(i)] * mpq_class(origin[i]);
+    }
+  }
+
+  /// Whether any sample's line of sight meets the box in front of the eye.
+  bool covered_by(const Aabb& box) const {
+    for (int y = 0; y < samples_.height; ++y)
+      for (int x = 0; x < samples_.width; ++x)
+        for (const auto& [ox, oy] : samples_.offsets)
+          if (meets(box, place(x, ox, samples_.width), place(y, oy, samples_.height))) return true;
+    return false;
+  }
+
+ private:
+  static mpq_class place(int pixel, float offset, int size) {
+    return (2 * mpq_class(pixel) + 1 + 2 * mpq_class(double(offset))) / size - 1;
+  }
+
+  /// The line is where clip.x = u clip.w and clip.y = v clip.w.
+  bool meets(const Aabb& box, const mpq_class& u, const mpq_class& v) const {
+    const Form a = minus(rows_[0], u, rows_[3]), b = minus(rows_[1], v, rows_[3]);
+    const Form d = cross(a, b);
+    const mpq_class square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    if (square == 0) return false;
+    const Form bd = cross(b, d), da = cross(d, a);
+    // Clipped by the slabs, then by clip.w > 0.
+    bool bounded = false;
+    mpq_class low, high;
+    for (int i = 0; i < 3; ++i) {
+      const std::size_t k = std::size_t(i);
+      const mpq_class at = -(a[3] * bd[k] + b[3] * da[k]) / square;
+      const mpq_class from(double(box.min[i])), to(double(box.max[i]));
+      if (d[k] == 0) {
+        if (at < from || at > to) return false;
+        continue;
+      }
+      mpq_class first = (from - at) / d[k], last = (to - at) / d[k];
+      if (first > last) std::swap(first, last);
+      if (!bounded || first > low) low = first;
+      if (!bounded || last < high) high = last;
+      bounded = true;
+    }
+    if (low > high) return false;
+    const auto w = [&](const mpq_class& s) {
+      mpq_class value = rows_[3][3];
+      for (std::size_t k = 0; k < 3; ++k) value += rows_[3][k] * (s * d[k] - (a[3] * bd[k] + b[3] * da[k]) / square);
+      return value;
+    };
+    return w(low) > 0 || w(high) > 0;
+  }
+
+  PictureSamples samples_;
+  std::array<Form, 4> rows_;
+};
+
+PictureSamples random_samples(Random& random) {
+  PictureSamples samples{whole(random, 1, 9), whole(random, 1, 7), {}};
+  const int count = chance(random, 0.7) ? 1 : whole(random, 2, 8);
+  for (int i = 0; i < count; ++i)
+    samples.offsets.push_back(
+        count == 1 ? std::array<float, 2>{0.0f, 0.0f}
+                   : std::array<float, 2>{float(whole(random, -8, 7)) / 16.0f, float(whole(random, -8, 7)) / 16.0f});
+  return samples;
+}
+
+/// A box that barely touches the line of sight of a sample, with a corner, an edge or a face, or barely misses it.
+Aabb box_at_a_sample(Random& random, const View& view, const core::dvec3& origin, const PictureSamples& samples) {
+  const auto& offset = samples.offsets[std::size_t(whole(random, 0, int(samples.offsets.size()) - 1))];
+  const double u = (2.0 * (whole(random, 0, samples.width - 1) + double(offset[0])) + 1.0) / samples.width - 1.0;
+  const double v = (2.0 * (whole(random, 0, samples.height - 1) + double(offset[1])) + 1.0) / samples.height - 1.0;
+  const core::dmat4 world_from_clip = glm::inverse(view.clip_from_world());
+  const auto at = [&](double depth) { return world_from_clip * core::dvec4(u, v, depth, 1.0); };
+  const core::dvec4 point = at(uniform(random, 0.01, 0.99));
+  const core::dvec3 touched = core::dvec3(point) / point.w - origin;
+  const double size = glm::length(touched) * magnitude(random, 1e-6, 1.0);
+  core::dvec3 low, high;
+  for (int i = 0; i < 3; ++i) {
+    const double shift = chance(random, 0.5) ? 0.0 : uniform(random, 0.0, size);
+    low[i] = touched[i] - shift;
+    high[i] = low[i] + (chance(random, 0.1) ? 0.0 : size);
+  }
+  return {core::vec3(low), core::vec3(high)};
+}
+
+TEST(SampleTest, NeverRejectsABoxThatASampleSees) {
+  std::size_t seen = 0, unseen = 0, kept = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const double half = magnitude(random, 1e-3, 1e4);
+    const core::dvec3 origin = chance(random, 0.5) ? core::dvec3(0.0) : point(random, 1e3 * half);
+    const View view = random_view(random, origin, half);
+    const PictureSamples samples = random_samples(random);
+    const SampleTest test(view, origin, samples);
+    const ExactSamples exact(view, origin, samples);
+    for (int i = 0; i < 12; ++i) {
+      const Aabb box = chance(random, 0.3) ? random_box(random, half) : box_at_a_sample(random, view, origin, samples);
+      const bool sampled = exact.covered_by(box), covers = test.covers(box);
+      ASSERT_TRUE(covers || !sampled) << i;
+      ++(sampled ? seen : unseen);
+      kept += covers && !sampled;
+    }
+  }
+  EXPECT_GT(seen, 300u);
+  EXPECT_GT(unseen, 500u);
+  EXPECT_LT(kept, 3 * unseen / 4) << "boxes at samples included";
+}
+
+/// Boxes of a tenth of a pixel: those between samples are left out, however the samples lie.
+TEST(SampleTest, LeavesOutSmallBoxesBetweenSamples) {
+  const View view = *View::perspective({{0, -10, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 2.0, 0.1);
+  const double pixel = 20.0 * std::tan(0.5) / 100.0;  // at a distance of 10
+  const auto box_at = [&](double x, double y) {
+    return box_around({x * pixel, 0.0, y * pixel}, core::dvec3(0.05 * pixel, 0.0, 0.05 * pixel));
+  };
+  const SampleTest one(view, core::dvec3(0.0), {200, 100, {{0, 0}}});
+  EXPECT_TRUE(one.covers(box_at(0.5, 0.5)));
+  EXPECT_TRUE(one.covers(box_at(-99.5, 49.5)));
+  for (const core::dvec2 p : {core::dvec2(0.0, 0.5), {0.5, 0.0}, {0.7, 0.5}, {0.5, 0.3}, {-99.8, 49.5}, {100.5, 0.5}})
+    EXPECT_FALSE(one.covers(box_at(p.x, p.y))) << p.x << ' ' << p.y;
+  const SampleTest two(view, core::dvec3(0.0), {200, 100, {{-0.25f, -0.25f}, {0.25f, 0.25f}}});
+  EXPECT_TRUE(two.covers(box_at(0.25, 0.25)));
+  EXPECT_TRUE(two.covers(box_at(7.75, 3.75)));
+  EXPECT_FALSE(two.covers(box_at(0.25, 0.75)));
+  EXPECT_FALSE(two.covers(box_at(0.5, 0.5)));
+}
+
+TEST(SampleTest, KeepsWhatItCannotJudge) {
+  const View view = *View::perspective({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
+  const SampleTest test(view, core::dvec3(0.0), {8, 8, {{0, 0}}});
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_TRUE(test.covers({{-1, -1, -1}, {1, 1, 1}})) << "around the eye";
+  EXPECT_TRUE(test.covers({{5, -1, 0}, {6, 1, 1}})) << "beside the eye";
+  EXPECT_TRUE(test.covers({{nan, 5, 0}, {1, 6, 1}}));
+  EXPECT_TRUE(test.covers({{0, 5, 0}, {1, 6, nan}}));
+  EXPECT_TRUE(test.covers({core::vec3(-core::Aabb::kFar), core::vec3(core::Aabb::kFar)}));
+  EXPECT_FALSE(test.covers({}));
+  EXPECT_FALSE(test.covers({{0, 5, 0}, {1, 4, 1}})) << "inverted";
+}
+
+/// Vacant slots go, exempt ones stay, and the answer is that of single boxes whatever the instruction set.
+TEST(SampleTest, FiltersSets) {
+  std::size_t ranges = 0, items = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const double half = 10.0;
+    core::ItemBounds bounds;
+    const std::size_t count = std::size_t(whole(random, 0, 700));
+    bounds.resize(count);
+    auto boxes = random_boxes(random, count, half);
+    spoil(random, boxes);
+    for (std::size_t i = 0; i < count; ++i)
+      if (!chance(random, 0.05)) bounds.set(i, boxes[i]);
+    const View view = random_view(random, core::dvec3(0.0), half);
+    const SampleTest test(view, core::dvec3(0.0), {whole(random, 1, 400), whole(random, 1, 400), {{0, 0}}});
+    core::VisibleSet in;
+    in.generation = seed;
+    for (std::uint32_t s = 0; s < count; ++s) {
+      const std::uint32_t run = std::uint32_t(whole(random, 1, 90));
+      if (chance(random, 0.4) && s + run <= count) {
+        in.ranges.push_back({s, run});
+        s += run;
+      } else if (!bounds.vacant(s) && chance(random, 0.7)) {
+        in.items.push_back(s);
+      }
+    }
+    std::vector<std::uint64_t> exempt(chance(random, 0.5) ? (count + 63) / 64 : 0);
+    std::vector<core::Slot> expected;
+    for (const core::Slot slot : in.sorted_slots()) {
+      const bool spared = !exempt.empty() && !bounds.vacant(slot) && chance(random, 0.1);
+      if (spared) exempt[slot / 64] |= std::uint64_t(1) << slot % 64;
+      if (spared || test.covers(bounds.box(slot))) expected.push_back(slot);
+    }
+    for_each_instruction_set([&] {
+      core::VisibleSet out;
+      test.filter(bounds, in, out, exempt);
+      ASSERT_EQ(out.sorted_slots(), expected);
+      ASSERT_EQ(out.generation, seed);
+      ASSERT_TRUE(std::is_sorted(out.items.begin(), out.items.end()));
+      for (std::size_t i = 1; i < out.ranges.size(); ++i)
+        ASSERT_LT(out.ranges[i - 1].first + out.ranges[i - 1].count, out.ranges[i].first);
+      ranges += out.ranges.size();
+      items += out.items.size();
+    });
+  }
+  EXPECT_GT(ranges, 50u);
+  EXPECT_GT(items, 500u);
+}
+
+}  // namespace
+}  // namespace sightline::tests

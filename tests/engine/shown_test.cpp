@@ -1,0 +1,118 @@
+// What the engine leaves out of drawing, and that no picture shows it.
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "sightline/engine/internal/drawing.h"
+#include "sightline/tests/culling/scenes.h"
+#include "sightline/tests/support/gl_test.h"
+
+namespace sightline::engine {
+namespace {
+
+using core::dvec3;
+using core::View;
+using tests::chance;
+using tests::magnitude;
+using tests::point;
+using tests::Random;
+using tests::uniform;
+using tests::whole;
+
+/// Items of all kinds, from far below a pixel to larger than the picture, some of them transparent.
+void fill(Random& random, core::Scene& scene, const dvec3& middle) {
+  const core::MaterialId glass = scene.add_material({.name = "glass", .alpha = 0.5f});
+  core::Mesh tetrahedron;
+  tetrahedron.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  tetrahedron.indices = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+  const core::MeshId mesh = scene.add_mesh(tetrahedron).value();
+  for (int i = 0; i < 1500; ++i) {
+    const double size = magnitude(random, 2e-3, 0.6);
+    core::Affine place = core::translation(middle + point(random, 10.0));
+    place.linear = core::dmat3(size);
+    const core::MaterialId material = chance(random, 0.1) ? glass : core::MaterialId{};
+    const auto add = [&](const core::Primitive& p) { scene.add_primitive(scene.root(), p, place, material); };
+    switch (whole(random, 0, 7)) {
+      case 0:
+        add(core::Box{1, 2, 3});
+        break;
+      case 1:
+        add(core::Sphere{2});
+        break;
+      case 2:
+        add(core::CircularTorus{2, 0.5f, 2});
+        break;
+      case 3:
+        add(core::Snout{1, 0.5f, 2, 0.3f, 0, 0, 0, 0, 0});
+        break;
+      case 4:
+        scene.add_mesh_instance(scene.root(), mesh, place, material);
+        break;
+      case 5:
+        add(core::Line{-1, 1});
+        break;
+      default:  // a long pipe, much thinner than a pixel more often than not
+        add(core::Cylinder{float(magnitude(random, 1e-3, 0.3)), 12.0f});
+    }
+  }
+}
+
+View view_of(Random& random, const dvec3& middle, double aspect) {
+  core::Pose pose{middle + point(random, 18.0), middle + point(random, 6.0), {0, 0, 1}};
+  View view = chance(random, 0.3)
+                  ? *View::orthographic(pose, uniform(random, 2.0, 30.0), aspect, -40.0, 60.0)
+                  : *View::perspective(pose, uniform(random, 0.2, 1.6), aspect, magnitude(random, 1e-3, 0.5),
+                                       chance(random, 0.5) ? core::kInfiniteFar : 200.0);
+  if (chance(random, 0.2)) {
+    const dvec3 normal = glm::normalize(point(random, 1.0));
+    view.sections = {{normal, -glm::dot(normal, middle)}};
+  }
+  return view;
+}
+
+class Shown : public tests::GlTest {
+ protected:
+  EngineConfig config(int width, int height) {
+    EngineConfig made;
+    made.draw = made.ids = true;
+    made.culler = CullerChoice::kCpu;
+    made.width = width, made.height = height;
+    made.context = &*context;
+    return made;
+  }
+};
+
+TEST_F(Shown, TheSampleTestLosesNoPixel) {
+  std::int64_t visible = 0, shown = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const dvec3 middle = chance(random, 0.5) ? dvec3(0.0) : dvec3(4e5, 6e6, 100.0);
+    core::Scene scene;
+    fill(random, scene, middle);
+    const int width = whole(random, 1, 90), height = whole(random, 1, 70);
+    EngineConfig with = config(width, height);
+    if (seed % 4 == 0) with.samples = 4;
+    EngineConfig without = with;
+    without.sample_test = false;
+    auto tested = Engine::create(scene, with), all = Engine::create(scene, without);
+    ASSERT_TRUE(tested && all);
+    for (int i = 0; i < 40; ++i) {
+      SCOPED_TRACE(testing::Message() << "view " << i);
+      const View view = view_of(random, middle, double(width) / height);
+      const auto few = tested->frame(view), many = all->frame(view);
+      ASSERT_TRUE(few && many);
+      ASSERT_EQ(many->shown, many->visible);
+      ASSERT_LE(few->shown, few->visible);
+      ASSERT_EQ(tested->read_ids()->ids, all->read_ids()->ids);
+      ASSERT_EQ(tested->read_colour()->pixels, all->read_colour()->pixels);
+      visible += few->visible;
+      shown += few->shown;
+    }
+  }
+  EXPECT_LT(shown, visible * 8 / 10);
+}
+
+}  // namespace
+}  // namespace sightline::engine
