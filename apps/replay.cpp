@@ -31,6 +31,7 @@ struct Options {
   culling::GpuCullerConfig gpu_culler;
   int samples = 1;
   bool sample_test = true;
+  engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
   int frames = 300, every = 30;
   bool no_render = false;
   std::string record_both, controller_trace, policy = "frame-cost", rendering = "on";
@@ -61,7 +62,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(1, 1000000));
   apps::add_culler_option(app, o.culler);
   apps::add_gpu_pass_option(app, o.gpu_culler);
-  apps::add_sample_test_option(app, o.sample_test);
+  apps::add_shown_options(app, o.sample_test, o.occlusion);
   apps::add_samples_option(app, o.samples);
   auto* no_render = app.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
   app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
@@ -107,11 +108,11 @@ struct Flight {
   std::vector<double> visible() const {
     return collect([](const engine::FrameReport& r) { return double(r.visible); });
   }
-  /// Empty where nothing was drawn, or the GPU alone knows.
+  std::vector<double> sampled() const {
+    return collect([](const engine::FrameReport& r) { return double(r.sampled); });
+  }
   std::vector<double> shown() const {
-    std::vector<double> counts = collect([](const engine::FrameReport& r) { return double(r.shown); });
-    std::erase_if(counts, [](double n) { return n < 0.0; });
-    return counts;
+    return collect([](const engine::FrameReport& r) { return double(r.shown); });
   }
   std::size_t on_gpu() const {
     return std::size_t(std::count_if(frames.begin(), frames.end(),
@@ -220,15 +221,13 @@ json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
                              {"draw_ms", f.report.draw_ms},
                              {"frame_ms", f.report.frame_ms},
                              {"visible", f.report.visible},
+                             {"sampled", f.report.sampled},
                              {"shown", f.report.shown},
                              {"tested", f.report.tested}});
-  out["summary"] = {{"cull_ms", summary_json(flight.cull())},
-                    {"draw_ms", summary_json(flight.draw())},
-                    {"frame_ms", summary_json(flight.frame())},
-                    {"visible", summary_json(flight.visible())},
-                    {"shown", summary_json(flight.shown())},
-                    {"tested", summary_json(flight.tested())},
-                    {"switches", flight.switches()}};
+  out["summary"] = {{"cull_ms", summary_json(flight.cull())},    {"draw_ms", summary_json(flight.draw())},
+                    {"frame_ms", summary_json(flight.frame())},  {"visible", summary_json(flight.visible())},
+                    {"sampled", summary_json(flight.sampled())}, {"shown", summary_json(flight.shown())},
+                    {"tested", summary_json(flight.tested())},   {"switches", flight.switches()}};
   const engine::MemoryReport memory = engine.memory();
   out["memory"] = {{"scene", memory.scene}, {"snapshot", memory.snapshot}, {"bvh", memory.bvh}, {"gpu", memory.gpu}};
   return out;
@@ -262,6 +261,7 @@ void print_table(const engine::Engine& engine, const Flight& flight, std::FILE* 
   if (flight.renderer != "none") row("draw ms", flight.draw(), 3);
   row("frame ms", flight.frame(), 3);
   row("visible items", flight.visible(), 0);
+  row("sampled items", flight.sampled(), 0);
   row("drawn items", flight.shown(), 0);
   row("boxes tested", flight.tested(), 0);
   if (const culling::Controller* controller = engine.controller())
@@ -387,6 +387,7 @@ core::Expected<int> replay(const Options& o) {
   config.gpu_culler = o.gpu_culler;
   config.samples = o.samples;
   config.sample_test = o.sample_test;
+  config.occlusion = o.occlusion;
   config.controller.policy = policy_of(o);
   if (!o.record_both.empty()) return record_both(o, *model, config);
   auto engine = engine::Engine::create(*model->scene, config);

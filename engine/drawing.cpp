@@ -52,6 +52,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   drawing->context_.cache_programs(config.program_cache.value_or(gl::ProgramCache::default_folder()));
   drawing->renders_ = config.draw;
   drawing->sample_test_ = config.sample_test;
+  drawing->occlusion_ = config.occlusion;
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
     auto target = render::RenderTarget::create(drawing->context_, config.width, config.height,
@@ -95,6 +96,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
     if (!renderer) return tl::unexpected(renderer.error());
     renderer_ = std::move(*renderer);
   }
+  passes_.reset();
   culler_ = std::move(culler);
   scene_ = std::move(*scene);
   lists_ = std::move(*lists);
@@ -164,11 +166,51 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
   wait_for_room();
   if (sample_test_)
     culling::SampleTest(view, snapshot.bounds().origin, picture_samples(target_))
-        .filter(snapshot.bounds(), visible, shown_, lines);
+        .filter(snapshot.bounds(), visible, sampled_, lines);
   else
-    shown_ = visible;
-  if (auto done = lists_->update(snapshot, *scene_, shown_, &view); !done) return done;
-  return submit(view, snapshot, frame);
+    sampled_ = visible;
+  counts_.sampled = counts_.shown = std::int64_t(snapshot.count(sampled_));
+  if (tests_occlusion()) {
+    if (auto done = draw_in_passes(view, snapshot, lines); !done) return done;
+  } else {
+    passes_.reset();
+    if (auto done = lists_->update(snapshot, *scene_, sampled_, &view); !done) return done;
+    if (auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_); !done) return done;
+  }
+  return submit(frame);
+}
+
+/// Between passes the depth is read back, which stalls a GPU, but is a copy in memory on a software rasteriser. Few
+/// items are not worth it.
+bool Drawing::tests_occlusion() {
+  switched_ = false;
+  if (occlusion_ == OcclusionChoice::kOff || target_.format().samples > 1) return false;
+  if (occlusion_ == OcclusionChoice::kOn) return true;
+  switched_ = software() && counts_.sampled >= std::int64_t(kSmallOcclusionScene);
+  return switched_ && occlusion_switch_.use();
+}
+
+void Drawing::frame_took(double ms) {
+  if (switched_) occlusion_switch_.took(ms, double(counts_.sampled));
+  switched_ = false;
+}
+
+core::Expected<void> Drawing::draw_in_passes(const core::View& view, const core::Snapshot& snapshot,
+                                             culling::SlotBits lines) {
+  const core::ItemBounds& bounds = snapshot.bounds();
+  const culling::OcclusionTest test(view, bounds.origin, target_.width(), target_.height(), pyramid_,
+                                    render::RenderTarget::orthographic_error(view));
+  passes_.begin(sampled_, lines);
+  for (bool first = true; passes_.next(test, bounds); first = false) {
+    if (auto done = lists_->update(snapshot, *scene_, passes_.pass(), &view); !done) return done;
+    auto done = first ? renderer_->draw(view, snapshot, *scene_, *lists_, target_)
+                      : renderer_->draw_more(view, snapshot, *scene_, *lists_, target_);
+    if (!done) return done;
+    target_.read_distances(view, distances_);
+    pyramid_.build(distances_, target_.width(), target_.height());
+  }
+  counts_.shown = std::int64_t(passes_.drawn());
+  return {};
 }
 
 core::Expected<void> Drawing::cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
@@ -179,7 +221,9 @@ core::Expected<void> Drawing::cull(const core::View& view, const core::Snapshot&
 core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
   if (auto current = make_current(); !current) return current;
   wait_for_room();
-  return submit(view, snapshot, frame);
+  if (renderer_)
+    if (auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_); !done) return done;
+  return submit(frame);
 }
 
 std::optional<Drawing::Drawn> Drawing::take_drawn() {
@@ -193,9 +237,7 @@ std::optional<culling::GpuCuller::Feedback> Drawing::take_gpu_feedback() {
   return culler_ && make_current() ? culler_->take_feedback() : std::nullopt;
 }
 
-core::Expected<void> Drawing::submit(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
-  if (renderer_)
-    if (auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_); !done) return done;
+core::Expected<void> Drawing::submit(std::uint64_t frame) {
   const gl::Functions& gl = context_.functions();
   in_flight_.push_back({gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), frame, now_seconds()});
   gl.Flush();

@@ -19,7 +19,7 @@ constexpr double kTryAgain = 0.5;    // seconds between tries to make a context
 constexpr double kSoftwareGpuExcess = 0.1;
 
 PlanRequest plan_request(const EngineConfig& config) {
-  return {config.culler, config.draw, config.ids};
+  return {config.culler, config.draw, config.ids, config.occlusion};
 }
 
 }  // namespace
@@ -301,6 +301,7 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
   if (last_frame_began_ >= 0.0) report.frame_ms = 1e3 * (begin - last_frame_began_);
   last_frame_began_ = begin;
   look_after_context();
+  if (drawing_) drawing_->frame_took(report.frame_ms);
   const auto on_gpu = cull(cull_view, report);
   if (!on_gpu) return tl::unexpected(on_gpu.error());
   if (drawing_) {
@@ -311,7 +312,10 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
     if (done = unless_lost(std::move(done)); !done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);
     report.wait_ms = drawing_->waited_ms();
-    if (report.drawn && !*on_gpu) report.shown = std::int64_t(live_.snapshot->count(drawing_->shown()));
+    if (report.drawn && !*on_gpu) {
+      report.sampled = drawing_->counts().sampled;
+      report.shown = drawing_->counts().shown;
+    }
   }
   if (hybrid_) hybrid_->measured(report, describe_walk());
   return report;

@@ -45,6 +45,9 @@ struct EngineConfig {
   /// Leave out of drawing what covers no sample of the picture (culling/sample_test.h): nothing is lost. Not with the
   /// GPU culler, whose draws reject each such item alone.
   bool sample_test = true;
+  /// Leave out of drawing what other items hide (culling/occlusion.h): nothing is lost. With one sample per pixel, and
+  /// where the CPU culls.
+  OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
   int samples = 1;        ///< per pixel; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
@@ -77,7 +80,9 @@ struct FrameReport {
   bool drawn = false;     ///< false without drawing, and while the context is lost
   std::int64_t visible = 0,
                tested = 0;  ///< items in the view volume; hierarchy and item boxes. -1: known to the GPU alone
-  std::int64_t shown = -1;  ///< items drawn; -1 without drawing, and where the GPU alone knows
+  /// Of these, items that may cover a sample of the picture; of those, items drawn. -1 without drawing, and where the
+  /// GPU alone knows.
+  std::int64_t sampled = -1, shown = -1;
 };
 
 /// What the GPU culler found in an earlier frame.

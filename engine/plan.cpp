@@ -35,6 +35,16 @@ void plan_culling(Plan& plan, const core::Snapshot& snapshot, CullerChoice choic
       {"layers in the culler", layers, layers ? "items on several layers" : "all items on the model layer"});
 }
 
+void plan_occlusion(Plan& plan, std::size_t items, const PlanRequest& request) {
+  const bool few = request.occlusion == OcclusionChoice::kAutomatic && items < kSmallOcclusionScene;
+  plan.entries.push_back(
+      {"occlusion test", request.draw && request.occlusion != OcclusionChoice::kOff && !few,
+       request.occlusion == OcclusionChoice::kOff  ? "switched off"
+       : request.occlusion == OcclusionChoice::kOn ? "asked for"
+       : few ? count_text(items) + ", fewer than " + std::to_string(kSmallOcclusionScene) + ": too few to profit"
+             : "while it pays, on software rasterisers"});
+}
+
 }  // namespace
 
 void add_gpu_variant(Plan& plan, culling::GpuVariant variant, const std::string& why) {
@@ -56,6 +66,7 @@ Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, c
   Drawing::plan_programs(plan, snapshot, request.draw);
   const std::size_t hidden = joints.count();
   plan.entries.push_back({"hidden ends at joints", hidden > 0, std::to_string(hidden) + " ends lie on a neighbour's"});
+  plan_occlusion(plan, snapshot.size(), request);
   plan.entries.push_back({"item-id target", request.draw && request.ids, request.ids ? "asked for" : "not asked for"});
   return plan;
 }

@@ -31,6 +31,15 @@ inline std::string count_text(std::size_t items) {
   return std::to_string(items) + (items == 1 ? " item" : " items");
 }
 
+enum class OcclusionChoice : std::uint8_t {
+  kOff,
+  kOn,
+  kAutomatic,  ///< on while it pays
+};
+constexpr std::string_view name_of(OcclusionChoice choice) {
+  return choice == OcclusionChoice::kOff ? "off" : choice == OcclusionChoice::kOn ? "on" : "auto";
+}
+
 struct PlanEntry {
   std::string feature;
   bool used = false;
@@ -49,6 +58,8 @@ struct Plan {
 inline constexpr std::size_t kSmallScene = 128;
 /// Below this many items, the CPU culls in a microsecond or two and a GPU culler can gain nothing: none is made.
 inline constexpr std::size_t kSmallHybridScene = 10'000;
+/// Below this many items that may cover a sample, occlusion is not tested unless asked for.
+inline constexpr std::size_t kSmallOcclusionScene = 4096;
 
 /// Adds the variant of the GPU culler, which is known only once there is one.
 SIGHTLINE_API void add_gpu_variant(Plan& plan, culling::GpuVariant variant, const std::string& why);

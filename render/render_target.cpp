@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
 
 #include "sightline/gpuprims/internal/view_block.h"
@@ -126,6 +127,27 @@ image::DepthImage RenderTarget::read_depth(const core::View& view) const {
   for (float& depth : image.metres)
     depth = depth == 0.0f ? std::numeric_limits<float>::infinity() : float(gpuprims::eye_depth(clip, depth));
   return image;
+}
+
+void RenderTarget::read_distances(const core::View& view, std::vector<float>& metres) const {
+  assert(format_.samples == 1);
+  metres.resize(std::size_t(width()) * std::size_t(height()));
+  drawn_.depth.read(0, GL_DEPTH_COMPONENT, GL_FLOAT, std::as_writable_bytes(std::span(metres)));
+  // As gpuprims::eye_depth().
+  const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
+  const double a = clip[3][2], b = clip[3][3], c = clip[2][2], d = clip[2][3];
+  constexpr float kNothing = std::numeric_limits<float>::infinity();
+  for (float& value : metres) {
+    const float distance = float((a - b * double(value)) / (c - d * double(value)));
+    value = value == 0.0f ? kNothing : distance;
+  }
+}
+
+double RenderTarget::orthographic_error(const core::View& view) {
+  if (!view.orthographic()) return 0.0;
+  const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
+  constexpr double kDepthUnits = 0x1p-21;  // of shaders, rasteriser and the depth buffer
+  return kDepthUnits * std::abs(gpuprims::eye_depth(clip, 0.0) - gpuprims::eye_depth(clip, 1.0));
 }
 
 }  // namespace sightline::render

@@ -132,9 +132,29 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
   return {};
 }
 
+void Renderer::clear(const RenderTarget& target) const {
+  const gl::Functions& gl = *gl_;
+  const GLuint framebuffer = target.framebuffer().id();
+  const float colour[4] = {background[0], background[1], background[2], 1.0f}, far_depth = 0.0f;
+  const GLuint no_item[4] = {0, 0, 0, 0};
+  const float no_normal[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+  gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, colour);
+  if (target.has_ids()) gl.ClearNamedFramebufferuiv(framebuffer, GL_COLOR, 1, no_item);
+  if (target.has_normals()) gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 2, no_normal);
+  gl.ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
+}
+
 core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot& snapshot,
                                     const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                     const RenderTarget& target) {
+  gl::reset_pipeline_state(*gl_);  // masks and the scissor limit what is cleared, too
+  clear(target);
+  return draw_more(view, snapshot, scene, lists, target);
+}
+
+core::Expected<void> Renderer::draw_more(const core::View& view, const core::Snapshot& snapshot,
+                                         const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                                         const RenderTarget& target) {
   if (auto done = upload_view(view, snapshot, target); !done) return done;
   const gl::Functions& gl = *gl_;
   const bool sections = !view.sections.empty();
@@ -149,15 +169,6 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
   gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_GREATER);
-
-  const GLuint framebuffer = target.framebuffer().id();
-  const float colour[4] = {background[0], background[1], background[2], 1.0f}, far_depth = 0.0f;
-  const GLuint no_item[4] = {0, 0, 0, 0};
-  const float no_normal[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-  gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, colour);
-  if (target.has_ids()) gl.ClearNamedFramebufferuiv(framebuffer, GL_COLOR, 1, no_item);
-  if (target.has_normals()) gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 2, no_normal);
-  gl.ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
 
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, view_block_.id());
   gl.BindTextureUnit(kChunkUnit, chunk_texels_.id());

@@ -107,13 +107,21 @@ void add_samples_option(CLI::App& app, int& samples) {
       ->check(CLI::Range(1, 64));
 }
 
-void add_sample_test_option(CLI::App& app, bool& sample_test) {
+void add_shown_options(CLI::App& app, bool& sample_test, engine::OcclusionChoice& occlusion) {
   static const std::map<std::string, bool> names = {{"on", true}, {"off", false}};
   app.add_option_function<std::string>(
          "--sample-test", [&sample_test](const std::string& name) { sample_test = names.at(name); },
          "Leave out of drawing what covers no sample of the picture; the picture is the same")
       ->default_str("on")
       ->check(CLI::IsMember(names));
+  using engine::OcclusionChoice;
+  static const std::map<std::string, OcclusionChoice> choices = {
+      {"on", OcclusionChoice::kOn}, {"off", OcclusionChoice::kOff}, {"auto", OcclusionChoice::kAutomatic}};
+  app.add_option_function<std::string>(
+         "--occlusion", [&occlusion](const std::string& name) { occlusion = choices.at(name); },
+         "Leave out of drawing what other items hide; the picture is the same. auto: while it pays")
+      ->default_str("auto")
+      ->check(CLI::IsMember(choices));
 }
 
 void explain(const engine::Plan& plan) {

@@ -56,8 +56,8 @@ void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config);
 /// --samples
 void add_samples_option(CLI::App& app, int& samples);
 
-/// --sample-test on|off
-void add_sample_test_option(CLI::App& app, bool& sample_test);
+/// --sample-test on|off, --occlusion on|off|auto
+void add_shown_options(CLI::App& app, bool& sample_test, engine::OcclusionChoice& occlusion);
 
 /// Prints to stderr which features are used and which are left out.
 void explain(const engine::Plan& plan);

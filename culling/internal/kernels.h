@@ -73,6 +73,13 @@ struct FoundSlots {
   core::Slot *items, *edges;
 };
 
+/// Of sixteen boxes: rectangles in the picture, pixel centres at integers, and the least distance from the eye. Errors
+/// make rectangles larger and distances smaller, never the other way. They hold for boxes with their bit in `projects`.
+struct BoxRectangles {
+  alignas(64) float left[kLanes], right[kLanes], bottom[kLanes], top[kLanes], nearest[kLanes];
+  unsigned projects, empty;
+};
+
 ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, int width, int height);
 
 /// Items whose answers fit on the stack.
@@ -94,6 +101,7 @@ struct Kernels {
   bool (*leaf_box)(const float* const (&coordinates)[6], std::size_t first, float (&box)[6]);
   /// Bit i: box i of sixteen may cover a sample of the picture.
   unsigned (*covering)(const ScreenView& view, const float* const (&coordinates)[6]);
+  void (*rectangles)(const ScreenView& view, const float* const (&coordinates)[6], BoxRectangles& out);
 };
 
 const Kernels& scalar_kernels();

@@ -519,6 +519,9 @@ constexpr Kernels make_kernels() {
   k.covering = [](const ScreenView& view, const float* const(&c)[6]) {
     return ScreenBoxes<Simd>(view, c).covering(view);
   };
+  k.rectangles = [](const ScreenView& view, const float* const(&c)[6], BoxRectangles& out) {
+    ScreenBoxes<Simd>(view, c).store(out);
+  };
   return k;
 }
 

@@ -64,13 +64,15 @@ class ScreenBoxes {
     return ((found & projects_) | (~projects_ & ~empty_)) & 0xffffu;
   }
 
-  /// Bit i: the rectangle and the distance of box i hold.
-  unsigned projects() const { return projects_; }
-  const Lanes& left() const { return left_; }
-  const Lanes& right() const { return right_; }
-  const Lanes& bottom() const { return bottom_; }
-  const Lanes& top() const { return top_; }
-  const Lanes& nearest() const { return nearest_; }
+  void store(BoxRectangles& out) const {
+    Simd::store(out.left, left_);
+    Simd::store(out.right, right_);
+    Simd::store(out.bottom, bottom_);
+    Simd::store(out.top, top_);
+    Simd::store(out.nearest, nearest_);
+    out.projects = projects_;
+    out.empty = empty_;
+  }
 
  private:
   /// A linear form's parts at the low and high coordinates of the boxes.

@@ -8,6 +8,8 @@
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/culling/sample_test.h"
 #include "sightline/engine/engine.h"
+#include "sightline/engine/internal/occlusion_passes.h"
+#include "sightline/engine/internal/occlusion_switch.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {
@@ -26,8 +28,13 @@ class Drawing {
   /// drawn. take_drawn() returns `frame`. Does nothing when there is nothing to render.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible,
                             culling::SlotBits lines, std::uint64_t frame);
-  /// What the last draw() has drawn.
-  const core::VisibleSet& shown() const { return shown_; }
+  /// Of the last draw().
+  struct Counts {
+    std::int64_t sampled = 0, shown = 0;  // items that may cover a sample; items drawn
+  };
+  const Counts& counts() const { return counts_; }
+  /// The time from the last draw() to the one that follows, or 0 where it says nothing of their cost.
+  void frame_took(double ms);
 
   /// cull() culls on the GPU, and draw_culled() submits a frame of the result. Both need the GPU culler.
   /// take_gpu_feedback() returns `frame`, too.
@@ -79,7 +86,9 @@ class Drawing {
   core::Expected<culling::GpuCuller> make_culler(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   void wait_for_room();
   void wait_for_oldest();
-  core::Expected<void> submit(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
+  bool tests_occlusion();
+  core::Expected<void> draw_in_passes(const core::View& view, const core::Snapshot& snapshot, culling::SlotBits lines);
+  core::Expected<void> submit(std::uint64_t frame);
 
   struct InFlight {
     GLsync fence;
@@ -95,7 +104,14 @@ class Drawing {
   std::optional<gpuscene::GpuScene> scene_;
   std::optional<gpuscene::DrawLists> lists_;
   bool sample_test_ = true;
-  core::VisibleSet shown_;
+  OcclusionChoice occlusion_ = OcclusionChoice::kAutomatic;
+  core::VisibleSet sampled_;
+  OcclusionPasses passes_;
+  OcclusionSwitch occlusion_switch_;
+  bool switched_ = false;  // the last draw() was as the switch says
+  culling::DepthPyramid pyramid_;
+  std::vector<float> distances_;
+  Counts counts_;
   std::optional<culling::GpuCuller> culler_;
   std::optional<render::Renderer> renderer_;  // none when the engine only culls
   render::RenderTarget target_;

@@ -48,7 +48,11 @@ class Drawing {
   double waited_ms() const { return 0.0; }
   bool lost() const { return false; }
   bool software() const { return false; }
-  core::VisibleSet shown() const { return {}; }
+  struct Counts {
+    std::int64_t sampled = 0, shown = 0;
+  };
+  Counts counts() const { return {}; }
+  void frame_took(double) {}
   void finish() {}
   std::size_t memory_bytes() const { return 0; }
 };

@@ -27,6 +27,7 @@ using Culler = std::variant<culling::LinearCuller, culling::CpuCuller>;
 struct PlanRequest {
   CullerChoice culler = CullerChoice::kAutomatic;
   bool draw = false, ids = false;
+  OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
 };
 
 /// Everything that depends on one order of the items.

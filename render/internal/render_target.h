@@ -45,6 +45,12 @@ class RenderTarget {
   bool covered() const;
   /// Depth as distance along the axis of `view`, which must be the view that was drawn.
   image::DepthImage read_depth(const core::View& view) const;
+  /// The same for occlusion tests between two passes of a frame: row by row from the bottom up. Only for a target with
+  /// one sample per pixel. In orthographic views distances are off by orthographic_error() at most, in perspective ones
+  /// by a few units in the last place.
+  void read_distances(const core::View& view, std::vector<float>& metres) const;
+  /// What a float depth loses of a distance, metres; 0 in perspective views.
+  static double orthographic_error(const core::View& view);
 
  private:
   struct Attachments {

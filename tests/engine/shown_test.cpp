@@ -114,5 +114,83 @@ TEST_F(Shown, TheSampleTestLosesNoPixel) {
   EXPECT_LT(shown, visible * 8 / 10);
 }
 
+/// A wall with a gap of a pixel or less, doors, boxes inside one another: much is hidden, little of it wholly.
+void add_walls(Random& random, core::Scene& scene, const dvec3& middle) {
+  for (int i = 0; i < 12; ++i) {
+    core::Affine place = core::translation(middle + point(random, 9.0));
+    const float thin = float(magnitude(random, 1e-3, 0.3)), wide = float(uniform(random, 2.0, 12.0));
+    const int axis = whole(random, 0, 2);
+    const core::Box wall{axis == 0 ? thin : wide, axis == 1 ? thin : wide, axis == 2 ? thin : wide};
+    scene.add_primitive(scene.root(), wall, place);
+    place.origin[(axis + 1) % 3] += wide + magnitude(random, 1e-3, 0.1);  // beside it, a gap apart
+    scene.add_primitive(scene.root(), wall, place);
+  }
+}
+
+/// Pixels whose item differs though the depths do not: two surfaces at one distance, of which either may win.
+struct Difference {
+  int pixels = 0, ties = 0;
+};
+Difference compare(Engine& a, Engine& b, const View& view) {
+  const image::IdImage ids = *a.read_ids(), other_ids = *b.read_ids();
+  Difference found;
+  if (ids.ids == other_ids.ids) return found;
+  const image::DepthImage depth = *a.read_depth(view), other_depth = *b.read_depth(view);
+  for (std::size_t i = 0; i < ids.ids.size(); ++i)
+    if (ids.ids[i] != other_ids.ids[i]) ++(depth.metres[i] == other_depth.metres[i] ? found.ties : found.pixels);
+  return found;
+}
+
+/// By seed: 250 views of each of ten scenes.
+class OcclusionShown : public Shown, public testing::WithParamInterface<int> {};
+
+/// Teleports, small steps, edits between frames, orthographic views, sections, transparency, any picture size.
+TEST_P(OcclusionShown, LosesNoPixel) {
+  std::int64_t sampled = 0, shown = 0, pixels = 0;
+  int ties = 0;
+  for (int scene_number = 0; scene_number < 10; ++scene_number) {
+    const std::uint64_t seed = std::uint64_t(10 * GetParam() + scene_number);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const dvec3 middle = chance(random, 0.5) ? dvec3(0.0) : dvec3(4e5, 6e6, 100.0);
+    core::Scene scene;
+    fill(random, scene, middle);
+    add_walls(random, scene, middle);
+    const int width = whole(random, 1, 90), height = whole(random, 1, 70);
+    EngineConfig with = config(width, height), without = with;
+    with.occlusion = OcclusionChoice::kOn;
+    without.occlusion = OcclusionChoice::kOff;
+    without.sample_test = false;
+    auto tested = Engine::create(scene, with), all = Engine::create(scene, without);
+    ASSERT_TRUE(tested && all);
+    View view = view_of(random, middle, double(width) / height);
+    for (int i = 0; i < 250; ++i) {
+      SCOPED_TRACE(testing::Message() << "view " << i);
+      if (chance(random, 0.3)) view = view_of(random, middle, double(width) / height);
+      if (chance(random, 0.3)) {  // a door opens, or anything else
+        const core::ItemId item = core::ItemId(whole(random, 0, 1500 + 23));
+        core::Affine place = scene.placement(item);
+        place.origin += point(random, 3.0);
+        chance(random, 0.5) ? scene.set_placement(item, place) : scene.set_visible(item, chance(random, 0.5));
+        ASSERT_TRUE(tested->commit() && all->commit());
+      }
+      const auto few = tested->frame(view), many = all->frame(view);
+      ASSERT_TRUE(few && many);
+      ASSERT_LE(few->shown, few->sampled);
+      const Difference difference = compare(*tested, *all, view);
+      ASSERT_EQ(difference.pixels, 0);
+      ties += difference.ties;
+      pixels += width * height;
+      sampled += few->sampled;
+      shown += few->shown;
+    }
+  }
+  EXPECT_LT(shown, sampled * 9 / 10);
+  EXPECT_LT(ties, pixels / 1000);
+  RecordProperty("ties", ties);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, OcclusionShown, testing::Range(1, 5));
+
 }  // namespace
 }  // namespace sightline::engine

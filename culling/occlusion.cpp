@@ -1,0 +1,138 @@
+#include "sightline/culling/occlusion.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "sightline/culling/internal/filter_slots.h"
+#include "sightline/culling/internal/kernels.h"
+
+namespace sightline::culling {
+namespace {
+
+constexpr int kCoarsest = 3;  // blocks along each axis of the last level
+
+/// The greater of two; NaN counts as infinity.
+float farther(float a, float b) {
+  return a >= b ? a : a < b ? b : std::numeric_limits<float>::infinity();
+}
+
+}  // namespace
+
+void DepthPyramid::build(std::span<const float> distances, int width, int height) {
+  assert(width > 0 && height > 0 && distances.size() == std::size_t(width) * std::size_t(height));
+  levels_.clear();
+  std::size_t size = 0;
+  for (int w = width, h = height;; w = (w + 1) / 2, h = (h + 1) / 2) {
+    levels_.push_back({w, h, size});
+    size += std::size_t(w) * std::size_t(h);
+    if (w <= kCoarsest && h <= kCoarsest) break;
+  }
+  texels_.resize(size);
+  for (std::size_t i = 0; i < distances.size(); ++i) texels_[i] = farther(distances[i], distances[i]);
+  for (std::size_t l = 1; l < levels_.size(); ++l) {
+    const Level &fine = levels_[l - 1], &coarse = levels_[l];
+    for (int y = 0; y < coarse.height; ++y) {
+      const float* low = texels_.data() + fine.first + std::size_t(2 * y) * std::size_t(fine.width);
+      const float* high = 2 * y + 1 < fine.height ? low + fine.width : low;
+      float* out = texels_.data() + coarse.first + std::size_t(y) * std::size_t(coarse.width);
+      for (int x = 0; x < fine.width / 2; ++x)
+        out[x] = std::max(std::max(low[2 * x], low[2 * x + 1]), std::max(high[2 * x], high[2 * x + 1]));
+      if (fine.width % 2 == 1) out[coarse.width - 1] = std::max(low[fine.width - 1], high[fine.width - 1]);
+    }
+  }
+}
+
+bool DepthPyramid::all_nearer(int x0, int y0, int x1, int y1, float distance) const {
+  assert(0 <= x0 && x0 <= x1 && x1 < width() && 0 <= y0 && y0 <= y1 && y1 < height());
+  // The finest level at which the pixels lie in 9 x 9 blocks at most.
+  const unsigned span = unsigned(std::max(x1 - x0, y1 - y0));
+  const std::size_t level = std::min(levels_.size() - 1, std::size_t(std::max(3, int(std::bit_width(span))) - 3));
+  const Level& blocks = levels_[level];
+  for (int y = y0 >> level; y <= y1 >> level; ++y) {
+    const float* row = texels_.data() + blocks.first + std::size_t(y) * std::size_t(blocks.width);
+    for (int x = x0 >> level; x <= x1 >> level; ++x)
+      if (!(row[x] < distance)) return false;
+  }
+  return true;
+}
+
+OcclusionTest::OcclusionTest(const core::View& view, const core::dvec3& origin, int width, int height,
+                             const DepthPyramid& pyramid, double error)
+    : view_(make_screen_view(view, origin, width, height)), pyramid_(&pyramid), error_(float(error)) {}
+
+/// The rectangle of a box in pixels, centres at integers, and its least distance. Without std::floor, which is a
+/// function call where the instruction set has no floor.
+bool OcclusionTest::hides(float left, float right, float bottom, float top, float nearest) const {
+  left = std::max(left, 0.0f), right = std::min(right, view_.last_x);
+  bottom = std::max(bottom, 0.0f), top = std::min(top, view_.last_y);
+  if (!(left <= right && bottom <= top)) return true;  // beside the picture
+  const int x0 = int(left) + (float(int(left)) < left), x1 = int(right);
+  const int y0 = int(bottom) + (float(int(bottom)) < bottom), y1 = int(top);
+  if (x0 > x1 || y0 > y1) return true;  // no pixel centre
+  return pyramid_->all_nearer(x0, y0, x1, y1, nearest - (kDistanceMargin * std::abs(nearest) + error_));
+}
+
+bool OcclusionTest::hidden(const core::Aabb& box) const {
+  float coordinates[6][kLanes] = {};
+  const float* arrays[6];
+  for (int axis = 0; axis < 6; ++axis) {
+    coordinates[axis][0] = axis < 3 ? box.min[axis] : box.max[axis - 3];
+    arrays[axis] = coordinates[axis];
+  }
+  BoxRectangles r;
+  kernels().rectangles(view_, arrays, r);
+  return (r.projects & 1u) != 0 ? hides(r.left[0], r.right[0], r.bottom[0], r.top[0], r.nearest[0])
+                                : (r.empty & 1u) != 0;
+}
+
+void OcclusionTest::split(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+                          core::VisibleSet& hidden, SlotBits exempt) const {
+  const Kernels& kernel = kernels();
+  thread_local SlotCollector opens, hiddens;
+  BoxRectangles r;
+  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {
+    kernel.rectangles(view_, group.coordinates, r);
+    unsigned behind = 0;
+    for (unsigned bits = r.projects & used; bits != 0; bits &= bits - 1) {
+      const int i = std::countr_zero(bits);
+      if (hides(r.left[i], r.right[i], r.bottom[i], r.top[i], r.nearest[i])) behind |= 1u << i;
+    }
+    const unsigned spared = exempt.empty() ? 0u : bits_of(exempt, group);
+    const unsigned live = used & ~(r.empty & ~r.projects);
+    opens.add(group, live & (~behind | spared), of_range);
+    hiddens.add(group, live & behind & ~spared, of_range);
+  });
+  opens.finish(open);
+  hiddens.finish(hidden);
+  open.generation = hidden.generation = in.generation;
+}
+
+void OcclusionTest::split_by_distance(const core::ItemBounds& bounds, const core::VisibleSet& in, std::size_t count,
+                                      core::VisibleSet& near, core::VisibleSet& far) const {
+  struct Placed {
+    float distance;
+    core::Slot slot;
+  };
+  thread_local std::vector<Placed> placed;
+  placed.clear();
+  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned, bool) {
+    for (int i = 0; i < group.count; ++i) {
+      const auto middle = [&](int axis) { return group.coordinates[axis][i] + group.coordinates[axis + 3][i]; };
+      placed.push_back({view_.t.x * middle(0) + view_.t.y * middle(1) + view_.t.z * middle(2), group.slots[i]});
+    }
+  });
+  count = std::min(count, placed.size());
+  std::nth_element(placed.begin(), placed.begin() + std::ptrdiff_t(count), placed.end(),
+                   [](const Placed& a, const Placed& b) { return a.distance < b.distance; });
+  near.clear();
+  far.clear();
+  near.generation = far.generation = in.generation;
+  for (std::size_t i = 0; i < placed.size(); ++i) (i < count ? near : far).items.push_back(placed[i].slot);
+  std::sort(near.items.begin(), near.items.end());
+  std::sort(far.items.begin(), far.items.end());
+}
+
+}  // namespace sightline::culling

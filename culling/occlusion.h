@@ -1,0 +1,85 @@
+// Occlusion: which boxes are hidden behind what is already drawn.
+//
+// Promise: conservative at the sample positions of one depth image. A box is hidden only when, at every pixel centre
+// that its projection may contain (the rectangle of sample_test.h), the image holds a distance that is less than any
+// point's of the box. Whatever lies in the box then fails the depth test at each of these pixels. Boxes that reach
+// behind the eye are never hidden.
+//
+// Where the distances come from does not matter: a picture's own depth after a first pass, a raster of chosen
+// occluders, or the application. They must be those of surfaces that are drawn, or larger. Section planes and
+// transparency need no rule then: what is cut away or left out by a dither has left no distance. Distances may be
+// rounded; kDistanceMargin is more than a float depth buffer and a shader's ray lose.
+//
+// The pyramid: after N. Greene, M. Kass, G. Miller, "Hierarchical Z-buffer visibility", 1993.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sightline/core/api.h"
+#include "sightline/core/item_bounds.h"
+#include "sightline/core/view.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/culling/internal/screen_view.h"
+#include "sightline/culling/sample_test.h"
+
+namespace sightline::culling {
+
+/// Farthest distances of blocks of 1, 2 x 2, 4 x 4, … pixels, of any picture size. Blocks at the right and upper edge
+/// hold fewer pixels.
+class SIGHTLINE_API DepthPyramid {
+ public:
+  /// `distances`: along the viewing direction from the eye, in metres, row by row from the bottom up; infinity where
+  /// nothing is. A NaN counts as infinity. width * height of them, both positive. Keeps its memory.
+  void build(std::span<const float> distances, int width, int height);
+
+  int width() const { return levels_.empty() ? 0 : levels_[0].width; }
+  int height() const { return levels_.empty() ? 0 : levels_[0].height; }
+  /// True only if the pixels x0 … x1, y0 … y1, at least one and all within the picture, hold less than `distance`. It
+  /// may be false because of a pixel beside them: at most 9 x 9 blocks that contain them are looked at,
+  /// single pixels where they are no more.
+  bool all_nearer(int x0, int y0, int x1, int y1, float distance) const;
+  std::size_t memory_bytes() const { return texels_.capacity() * sizeof(float); }
+
+ private:
+  struct Level {
+    int width, height;
+    std::size_t first;  // in texels_
+  };
+  std::vector<Level> levels_;
+  std::vector<float> texels_;
+};
+
+class SIGHTLINE_API OcclusionTest {
+ public:
+  /// A box is hidden when it is farther than the occluder by this share of the distance.
+  static constexpr float kDistanceMargin = 0x1p-16f;
+
+  /// `origin`: of the bounds whose boxes will be tested. Borrows the pyramid, which may be built anew between tests: of
+  /// the distances of `view` in a picture of width x height pixels. They may also be off by `error` metres, as in
+  /// orthographic views, whose depth is linear.
+  OcclusionTest(const core::View& view, const core::dvec3& origin, int width, int height, const DepthPyramid& pyramid,
+                double error = 0.0);
+
+  /// Also true of boxes that cover no pixel centre.
+  bool hidden(const core::Aabb& box) const;
+
+  /// Distributes the slots of `in` among `open` and `hidden`. Slots whose bit is set in `exempt` are open. Vacant slots
+  /// are left out.
+  void split(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+             core::VisibleSet& hidden, SlotBits exempt = {}) const;
+
+  /// Distributes the slots of `in`: the `count` ones whose boxes' middles are nearest, and the others.
+  void split_by_distance(const core::ItemBounds& bounds, const core::VisibleSet& in, std::size_t count,
+                         core::VisibleSet& near, core::VisibleSet& far) const;
+
+ private:
+  bool hides(float left, float right, float bottom, float top, float nearest) const;
+
+  ScreenView view_;
+  const DepthPyramid* pyramid_;
+  float error_;
+};
+
+}  // namespace sightline::culling

@@ -1,0 +1,43 @@
+// Which items a frame draws first, and which after them. Internal to engine.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sightline/core/item_bounds.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/culling/occlusion.h"
+
+namespace sightline::engine {
+
+/// Several passes a frame, so that nothing pops: first what the frame before has found open, then, of all others, what
+/// the depth of the passes before does not hide. When that is much, its nearest part comes next, and the rest is tested
+/// once more. So every frame shows everything that its own view sees. What is drawn first converges to what the test
+/// leaves open in the whole picture.
+class OcclusionPasses {
+ public:
+  /// Begins a frame with its candidates. Slots of `lines` are not tested.
+  void begin(const core::VisibleSet& candidates, culling::SlotBits lines);
+  /// Finds the next pass. `test`: against the depth of all passes so far; of the first pass only its view counts. False
+  /// when all that may be seen is drawn; then the frame is remembered.
+  bool next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
+  /// What to draw now; may be empty.
+  const core::VisibleSet& pass() const { return pass_; }
+  /// Slots that were drawn in this frame.
+  std::size_t drawn() const { return drawn_count_; }
+
+  /// Forgets the frame before. For a new order of the items.
+  void reset() { open_.clear(); }
+
+ private:
+  void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
+
+  std::vector<std::uint64_t> open_;  // a bit per slot, of the last frame
+  std::vector<core::VisibleSet> passes_;
+  culling::SlotBits lines_;
+  core::VisibleSet pass_, pending_, open_now_, hidden_;
+  int count_ = 0;  // of passes
+  std::size_t drawn_count_ = 0;
+};
+
+}  // namespace sightline::engine

@@ -1,0 +1,59 @@
+// Whether the next frame tests occlusion, learnt from what frames cost with it and without. Internal to engine.
+#pragma once
+
+#include <array>
+
+namespace sightline::engine {
+
+/// Keeps the cheaper of two ways, and now and then tries the other one for a few frames: less and less often while it
+/// stays dearer. Pure logic, without a clock. Costs are compared per candidate, since views differ in how much they
+/// show. A trial of a way that costs twice as much takes 2 % of the time in the long run.
+class OcclusionSwitch {
+ public:
+  /// The way of the next frame.
+  bool use() const { return trial_ > 0 ? !used_ : used_; }
+  /// A frame with `candidates` items has taken `ms` in the way of use(). Both must be positive, or the frame tells
+  /// nothing.
+  void took(double ms, double candidates);
+
+ private:
+  static constexpr int kTrial = 6;      // frames
+  static constexpr int kUnsteady = 2;   // first frames of a trial, which remember nothing, or finish what was before
+  static constexpr int kShortest = 32;  // frames between two trials
+  static constexpr int kLongest = 512;
+  static constexpr double kBetter = 0.97;  // hysteresis: a way must be so much cheaper to be taken
+  static constexpr double kWeight = 0.2;   // of a frame in the mean of the way in use
+
+  bool used_ = true;
+  int trial_ = 0, wait_ = kUnsteady + kTrial, interval_ = kShortest, settling_ = kUnsteady;
+  double usual_ = 0.0;  // cost of the way in use, ms per candidate; 0: not known
+  double tried_ = 0.0;  // sum over the frames of the trial
+};
+
+inline void OcclusionSwitch::took(double ms, double candidates) {
+  if (!(ms > 0.0) || !(candidates > 0.0)) return;
+  const double cost = ms / candidates;
+  if (trial_ == 0) {
+    if (settling_ > 0)
+      --settling_;
+    else
+      usual_ = usual_ == 0.0 ? cost : usual_ + kWeight * (cost - usual_);
+    if (--wait_ > 0) return;
+    trial_ = kTrial;
+    tried_ = 0.0;
+    return;
+  }
+  if (trial_ <= kTrial - kUnsteady) tried_ += cost;
+  if (--trial_ > 0) return;
+  const double tried = tried_ / (kTrial - kUnsteady);
+  const bool better = tried < kBetter * usual_;
+  if (better) {
+    used_ = !used_;
+    usual_ = tried;
+  }
+  interval_ = better ? kShortest : interval_ < kLongest ? 2 * interval_ : kLongest;
+  wait_ = interval_;
+  settling_ = kUnsteady;
+}
+
+}  // namespace sightline::engine

@@ -1,0 +1,98 @@
+#include "sightline/engine/internal/occlusion_passes.h"
+
+#include <algorithm>
+
+namespace sightline::engine {
+namespace {
+
+constexpr std::uint32_t kShortestRange = 16;  // slots; fewer neighbours are single slots
+constexpr std::size_t kFew = 4096;            // slots that are not worth another pass
+constexpr int kMostPasses = 6;
+
+bool has(culling::SlotBits bits, core::Slot slot) {
+  return slot / 64 < bits.size() && (bits[slot / 64] >> slot % 64 & 1u) != 0;
+}
+
+/// Appends slots first … end - 1, which lie behind all that `set` has in ranges.
+void append(core::VisibleSet& set, std::vector<core::Slot>& singles, core::Slot first, core::Slot end) {
+  if (end - first >= kShortestRange)
+    set.ranges.push_back({first, end - first});
+  else
+    for (core::Slot s = first; s < end; ++s) singles.push_back(s);
+}
+
+void merge_singles(core::VisibleSet& set, std::vector<core::Slot>& of_ranges) {
+  const std::size_t middle = set.items.size();
+  set.items.insert(set.items.end(), of_ranges.begin(), of_ranges.end());
+  std::inplace_merge(set.items.begin(), set.items.begin() + std::ptrdiff_t(middle), set.items.end());
+  of_ranges.clear();
+}
+
+}  // namespace
+
+void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBits lines) {
+  lines_ = lines;
+  count_ = 0;
+  drawn_count_ = 0;
+  pass_.clear();
+  pending_.clear();
+  pass_.generation = pending_.generation = candidates.generation;
+  const auto is_first = [&](core::Slot s) { return has(open_, s) || has(lines, s); };
+  for (const core::Slot s : candidates.items) (is_first(s) ? pass_ : pending_).items.push_back(s);
+  thread_local std::vector<core::Slot> firsts, others;
+  for (const core::SlotRange& range : candidates.ranges) {
+    const core::Slot end = range.first + range.count;
+    for (core::Slot s = range.first, run = s; run < end; run = s) {
+      const bool first = is_first(run);
+      while (s < end && is_first(s) == first) ++s;
+      append(first ? pass_ : pending_, first ? firsts : others, run, s);
+    }
+  }
+  merge_singles(pass_, firsts);
+  merge_singles(pending_, others);
+}
+
+bool OcclusionPasses::next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
+  if (count_ == 0 && pass_.count() < kFew && pending_.count() > kFew) {
+    // Too little is known of this view: the nearest items hide most.
+    test.split_by_distance(bounds, pending_, kFew, open_now_, hidden_);
+    for (const core::Slot s : open_now_.items) pass_.items.push_back(s);
+    std::sort(pass_.items.begin(), pass_.items.end());
+    std::swap(pending_, hidden_);
+  } else if (count_ > 0) {
+    if (count_ > 0 && pending_.count() == 0) {
+      remember(test, bounds);
+      return false;
+    }
+    test.split(bounds, pending_, open_now_, hidden_, lines_);
+    const std::size_t open = open_now_.count();
+    if (open > kFew && count_ < kMostPasses - 1) {
+      test.split_by_distance(bounds, open_now_, std::max(kFew, open / 4), pass_, pending_);
+    } else {
+      std::swap(pass_, open_now_);
+      pending_.clear();
+    }
+  }
+  if (count_ > 0 && pass_.count() == 0) {
+    remember(test, bounds);
+    return false;
+  }
+  if (passes_.size() <= std::size_t(count_)) passes_.emplace_back();
+  passes_[std::size_t(count_++)] = pass_;
+  drawn_count_ += pass_.count();
+  return true;
+}
+
+/// Of what was drawn, what the whole picture does not hide.
+void OcclusionPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
+  open_.assign(bounds.size() / 64 + 1, 0);
+  const auto set = [&](core::Slot s) { open_[s / 64] |= std::uint64_t(1) << s % 64; };
+  for (int i = 0; i < count_; ++i) {
+    test.split(bounds, passes_[std::size_t(i)], open_now_, hidden_, lines_);
+    for (const core::Slot s : open_now_.items) set(s);
+    for (const core::SlotRange& range : open_now_.ranges)
+      for (core::Slot s = range.first; s < range.first + range.count; ++s) set(s);
+  }
+}
+
+}  // namespace sightline::engine

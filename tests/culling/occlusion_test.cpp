@@ -1,0 +1,168 @@
+// The pyramid against its pixels, and the occlusion test against exact arithmetic.
+#include "sightline/culling/occlusion.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "exact_samples.h"
+
+namespace sightline::tests {
+namespace {
+
+using culling::DepthPyramid;
+using culling::OcclusionTest;
+
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+
+/// Large areas of few distances, some of them empty.
+std::vector<float> random_distances(Random& random, int width, int height, double half) {
+  std::vector<float> distances(std::size_t(width) * std::size_t(height), kNothing);
+  for (int i = whole(random, 0, 6); i > 0; --i) {
+    const float distance = float(half * magnitude(random, 1e-2, 10.0));
+    const int x0 = whole(random, 0, width - 1), x1 = whole(random, x0, width - 1);
+    const int y0 = whole(random, 0, height - 1), y1 = whole(random, y0, height - 1);
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x) distances[std::size_t(y * width + x)] = distance;
+  }
+  return distances;
+}
+
+/// Never nearer than the pixels themselves; the same wherever the rectangle is that of whole blocks.
+TEST(DepthPyramid, AnswersForItsPixels) {
+  std::size_t nearer = 0, lost = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const int width = whole(random, 1, 70), height = whole(random, 1, 70);
+    auto distances = random_distances(random, width, height, 1.0);
+    if (chance(random, 0.2)) distances[0] = std::numeric_limits<float>::quiet_NaN();
+    DepthPyramid pyramid;
+    pyramid.build(distances, width, height);
+    ASSERT_EQ(pyramid.width(), width);
+    ASSERT_EQ(pyramid.height(), height);
+    for (int i = 0; i < 200; ++i) {
+      const int x0 = whole(random, 0, width - 1),
+                x1 = whole(random, x0, std::min(width - 1, x0 + whole(random, 0, 69)));
+      const int y0 = whole(random, 0, height - 1),
+                y1 = whole(random, y0, std::min(height - 1, y0 + whole(random, 0, 69)));
+      float farthest = 0.0f;
+      for (int y = y0; y <= y1; ++y)
+        for (int x = x0; x <= x1; ++x) {
+          const float d = distances[std::size_t(y * width + x)];
+          farthest = std::isnan(d) ? kNothing : std::max(farthest, d);
+        }
+      const float distance =
+          chance(random, 0.5) ? std::nextafter(farthest, kNothing) : float(magnitude(random, 1e-2, 20.0));
+      const bool expected = farthest < distance, found = pyramid.all_nearer(x0, y0, x1, y1, distance);
+      ASSERT_TRUE(expected || !found);
+      if (x1 - x0 < 8 && y1 - y0 < 8) {
+        ASSERT_EQ(found, expected) << "single pixels";
+      }
+      nearer += expected;
+      lost += expected && !found;
+    }
+  }
+  EXPECT_GT(nearer, 3000u);
+  EXPECT_LT(lost, nearer / 4);
+}
+
+/// Of a hidden box, no line of sight through a pixel centre meets a point in front of what the pixel holds.
+TEST(OcclusionTest, HidesOnlyWhatEveryPixelHides) {
+  std::size_t hidden = 0, open = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const double half = magnitude(random, 1e-3, 1e4);
+    const core::dvec3 origin = chance(random, 0.5) ? core::dvec3(0.0) : point(random, 1e3 * half);
+    const View view = random_view(random, origin, half);
+    const PictureSamples samples{whole(random, 1, 9), whole(random, 1, 7), {{0, 0}}};
+    const ExactSamples exact(view, origin, samples);
+    for (int i = 0; i < 12; ++i) {
+      const Aabb box = chance(random, 0.3) ? random_box(random, half) : box_at_a_sample(random, view, origin, samples);
+      auto distances = random_distances(random, samples.width, samples.height, half);
+      // Just in front of the box, or just behind its front.
+      std::vector<std::optional<mpq_class>> nearest;
+      for (int y = 0; y < samples.height; ++y)
+        for (int x = 0; x < samples.width; ++x) nearest.push_back(exact.nearest(box, x, y));
+      if (chance(random, 0.7))
+        for (std::size_t k = 0; k < nearest.size(); ++k)
+          if (nearest[k]) distances[k] = float(nearest[k]->get_d() * (1.0 + uniform(random, -4e-5, 1e-6)));
+      DepthPyramid pyramid;
+      pyramid.build(distances, samples.width, samples.height);
+      const bool hides = OcclusionTest(view, origin, samples.width, samples.height, pyramid).hidden(box);
+      ++(hides ? hidden : open);
+      if (!hides) continue;
+      for (std::size_t k = 0; k < nearest.size(); ++k) {
+        if (!nearest[k]) continue;
+        ASSERT_LT(distances[k], kNothing);
+        ASSERT_TRUE(*nearest[k] > mpq_class(double(distances[k]))) << "box " << i << ", pixel " << k;
+      }
+    }
+  }
+  EXPECT_GT(hidden, 500u);
+  EXPECT_GT(open, 500u);
+}
+
+TEST(OcclusionTest, AWallHidesWhatIsBehindItAlone) {
+  const View view = *View::perspective({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, 4.0 / 3.0, 0.1);
+  std::vector<float> wall(640 * 480, 10.0f);
+  DepthPyramid pyramid;
+  pyramid.build(wall, 640, 480);
+  const OcclusionTest test(view, core::dvec3(0.0), 640, 480, pyramid);
+  EXPECT_TRUE(test.hidden({{-1, 10.01f, -1}, {1, 11, 1}}));
+  EXPECT_FALSE(test.hidden({{-1, 9.99f, -1}, {1, 11, 1}}));
+  EXPECT_FALSE(test.hidden({{-1, -1, -1}, {1, 30, 1}})) << "around the eye";
+  EXPECT_TRUE(test.hidden({{900, 10.01f, 900}, {901, 11, 901}})) << "beside the picture";
+  EXPECT_TRUE(test.hidden({}));
+  wall[240 * 640 + 320] = kNothing;  // a hole of one pixel
+  pyramid.build(wall, 640, 480);
+  EXPECT_FALSE(test.hidden({{-1, 20, -1}, {1, 21, 1}}));
+  EXPECT_TRUE(test.hidden({{1, 20, -1}, {2, 21, 1}}));
+}
+
+/// The set's slots in two parts, as single boxes are; lines and what is exempt stay open.
+TEST(OcclusionTest, SplitsSets) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const double half = 10.0;
+    const std::size_t count = std::size_t(whole(random, 1, 900));
+    core::ItemBounds bounds;
+    bounds.resize(count);
+    auto boxes = random_boxes(random, count, half);
+    spoil(random, boxes);
+    for (std::size_t i = 0; i < count; ++i) bounds.set(i, boxes[i]);
+    const View view = random_view(random, core::dvec3(0.0), half);
+    const int width = whole(random, 1, 90), height = whole(random, 1, 90);
+    DepthPyramid pyramid;
+    pyramid.build(random_distances(random, width, height, half), width, height);
+    const OcclusionTest test(view, core::dvec3(0.0), width, height, pyramid);
+    core::VisibleSet in;
+    in.ranges = {{0, std::uint32_t(count / 2)}};
+    for (std::uint32_t s = std::uint32_t(count / 2); s < count; ++s)
+      if (!bounds.vacant(s) && chance(random, 0.7)) in.items.push_back(s);
+    std::vector<std::uint64_t> exempt(count / 64 + 1);
+    std::vector<core::Slot> open, hidden;
+    for (const core::Slot s : in.sorted_slots()) {
+      if (bounds.vacant(s)) continue;
+      const bool spared = chance(random, 0.1);
+      if (spared) exempt[s / 64] |= std::uint64_t(1) << s % 64;
+      (spared || !test.hidden(bounds.box(s)) ? open : hidden).push_back(s);
+    }
+    for_each_instruction_set([&] {
+      core::VisibleSet opens, hiddens;
+      test.split(bounds, in, opens, hiddens, exempt);
+      ASSERT_EQ(opens.sorted_slots(), open);
+      ASSERT_EQ(hiddens.sorted_slots(), hidden);
+      core::VisibleSet near, far;
+      test.split_by_distance(bounds, opens, open.size() / 3, near, far);
+      ASSERT_EQ(near.count(), open.size() / 3);
+      ASSERT_EQ(near.count() + far.count(), open.size());
+    });
+  }
+}
+
+}  // namespace
+}  // namespace sightline::tests

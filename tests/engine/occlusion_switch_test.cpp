@@ -1,0 +1,79 @@
+// When the engine tests occlusion, from made-up costs.
+#include "sightline/engine/internal/occlusion_switch.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace sightline::engine {
+namespace {
+
+/// Frames of both ways with noise; what they cost together.
+struct Flown {
+  double chosen = 0.0, best = 0.0;
+  int frames_on = 0;
+};
+template <class Cost>
+Flown fly(OcclusionSwitch& choice, int frames, const Cost& cost) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> noise(0.95, 1.05), items(2e4, 2e5);
+  Flown flown;
+  for (int i = 0; i < frames; ++i) {
+    const bool on = choice.use();
+    const double n = items(random), ms = cost(i, on) * n * noise(random);
+    flown.chosen += ms;
+    flown.best += std::min(cost(i, true), cost(i, false)) * n;
+    flown.frames_on += on;
+    choice.took(ms, n);
+  }
+  return flown;
+}
+
+TEST(OcclusionSwitch, KeepsWhatPays) {
+  OcclusionSwitch choice;
+  const Flown flown = fly(choice, 2000, [](int, bool on) { return on ? 1e-4 : 3e-4; });
+  EXPECT_GT(flown.frames_on, 1950);
+  EXPECT_LT(flown.chosen, 1.05 * flown.best);
+}
+
+TEST(OcclusionSwitch, LeavesWhatDoesNotPay) {
+  for (const double dearer : {1.1, 1.5, 2.0}) {
+    OcclusionSwitch choice;
+    const Flown first = fly(choice, 60, [&](int, bool on) { return on ? dearer * 1e-4 : 1e-4; });
+    EXPECT_LT(first.frames_on, 30) << dearer;
+    const Flown later = fly(choice, 2000, [&](int, bool on) { return on ? dearer * 1e-4 : 1e-4; });
+    EXPECT_LT(later.chosen, 1.05 * later.best) << dearer;
+  }
+}
+
+TEST(OcclusionSwitch, FollowsTheScene) {
+  OcclusionSwitch choice;
+  const auto cost = [](int i, bool on) { return (i / 3000 % 2 == 0) == on ? 1e-4 : 2.5e-4; };
+  const Flown flown = fly(choice, 12000, cost);
+  EXPECT_LT(flown.chosen, 1.15 * flown.best);
+}
+
+TEST(OcclusionSwitch, EqualCostsDoNotToggle) {
+  OcclusionSwitch choice;
+  int switches = 0;
+  bool before = choice.use();
+  for (int i = 0; i < 5000; ++i) {
+    choice.took(16.6, 1e5);
+    switches += choice.use() != before;
+    before = choice.use();
+  }
+  EXPECT_LT(switches, 2 * (6 + 5000 / 512)) << "trials alone";
+}
+
+TEST(OcclusionSwitch, FramesWithoutACostTellNothing) {
+  OcclusionSwitch choice;
+  for (int i = 0; i < 100; ++i) {
+    choice.took(0.0, 1e5);
+    choice.took(-1.0, 1e5);
+    choice.took(5.0, 0.0);
+    EXPECT_TRUE(choice.use());
+  }
+}
+
+}  // namespace
+}  // namespace sightline::engine
