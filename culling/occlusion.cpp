@@ -12,7 +12,8 @@
 namespace sightline::culling {
 namespace {
 
-constexpr int kCoarsest = 3;  // blocks along each axis of the last level
+constexpr float kCentre[1][2] = {{0.0f, 0.0f}};  // the one sample of a pixel
+constexpr int kCoarsest = 3;                     // blocks along each axis of the last level
 
 /// The greater of two; NaN counts as infinity.
 float farther(float a, float b) {
@@ -21,8 +22,8 @@ float farther(float a, float b) {
 
 }  // namespace
 
-void DepthPyramid::build(std::span<const float> distances, int width, int height) {
-  assert(width > 0 && height > 0 && distances.size() == std::size_t(width) * std::size_t(height));
+void DepthPyramid::resize(int width, int height) {
+  assert(width > 0 && height > 0);
   levels_.clear();
   std::size_t size = 0;
   for (int w = width, h = height;; w = (w + 1) / 2, h = (h + 1) / 2) {
@@ -31,6 +32,16 @@ void DepthPyramid::build(std::span<const float> distances, int width, int height
     if (w <= kCoarsest && h <= kCoarsest) break;
   }
   texels_.resize(size);
+}
+
+void DepthPyramid::clear(int width, int height) {
+  resize(width, height);
+  std::fill(texels_.begin(), texels_.end(), std::numeric_limits<float>::infinity());
+}
+
+void DepthPyramid::build(std::span<const float> distances, int width, int height) {
+  assert(distances.size() == std::size_t(width) * std::size_t(height));
+  resize(width, height);
   for (std::size_t i = 0; i < distances.size(); ++i) texels_[i] = farther(distances[i], distances[i]);
   for (std::size_t l = 1; l < levels_.size(); ++l) {
     const Level &fine = levels_[l - 1], &coarse = levels_[l];
@@ -61,7 +72,10 @@ bool DepthPyramid::all_nearer(int x0, int y0, int x1, int y1, float distance) co
 
 OcclusionTest::OcclusionTest(const core::View& view, const core::dvec3& origin, int width, int height,
                              const DepthPyramid& pyramid, double error)
-    : view_(make_screen_view(view, origin, width, height)), pyramid_(&pyramid), error_(float(error)) {}
+    : view_(make_screen_view(view, origin, width, height)), pyramid_(&pyramid), error_(float(error)) {
+  view_.samples = kCentre;
+  view_.sample_count = 1;
+}
 
 /// The rectangle of a box in pixels, centres at integers, and its least distance. Without std::floor, which is a
 /// function call where the instruction set has no floor.
@@ -82,32 +96,68 @@ bool OcclusionTest::hidden(const core::Aabb& box) const {
     coordinates[axis][0] = axis < 3 ? box.min[axis] : box.max[axis - 3];
     arrays[axis] = coordinates[axis];
   }
-  BoxRectangles r;
-  kernels().rectangles(view_, arrays, r);
-  return (r.projects & 1u) != 0 ? hides(r.left[0], r.right[0], r.bottom[0], r.top[0], r.nearest[0])
-                                : (r.empty & 1u) != 0;
+  return (hidden_of(arrays) & 1u) != 0;
 }
 
-void OcclusionTest::split(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
-                          core::VisibleSet& hidden, SlotBits exempt) const {
-  const Kernels& kernel = kernels();
-  thread_local SlotCollector opens, hiddens;
+/// Bit i: box i of sixteen is hidden, or covers no pixel centre.
+unsigned OcclusionTest::hidden_of(const float* const (&coordinates)[6]) const {
   BoxRectangles r;
+  kernels().rectangles(view_, coordinates, r);
+  unsigned found = ~r.covering;
+  for (unsigned bits = r.covering & r.projects; bits != 0; bits &= bits - 1) {
+    const int i = std::countr_zero(bits);
+    if (hides(r.left[i], r.right[i], r.bottom[i], r.top[i], r.nearest[i])) found |= 1u << i;
+  }
+  return found;
+}
+
+void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+                           SlotBits exempt) const {
+  thread_local SlotCollector opens;
   for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {
-    kernel.rectangles(view_, group.coordinates, r);
-    unsigned behind = 0;
-    for (unsigned bits = r.projects & used; bits != 0; bits &= bits - 1) {
-      const int i = std::countr_zero(bits);
-      if (hides(r.left[i], r.right[i], r.bottom[i], r.top[i], r.nearest[i])) behind |= 1u << i;
-    }
-    const unsigned spared = exempt.empty() ? 0u : bits_of(exempt, group);
-    const unsigned live = used & ~(r.empty & ~r.projects);
-    opens.add(group, live & (~behind | spared), of_range);
-    hiddens.add(group, live & behind & ~spared, of_range);
+    unsigned bits = ~hidden_of(group.coordinates);
+    if (!exempt.empty()) bits |= bits_of(exempt, group);
+    opens.add(group, bits & used, of_range);
   });
   opens.finish(open);
-  hiddens.finish(hidden);
-  open.generation = hidden.generation = in.generation;
+  open.generation = in.generation;
+}
+
+void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
+                                  SlotBits exempt) const {
+  static_assert(64 % kLeafSize == 0);
+  open.clear();
+  open.generation = in.generation;
+  open.items = in.items;
+  const auto append = [&](core::Slot first, core::Slot end) {
+    if (first == end) return;
+    if (!open.ranges.empty() && open.ranges.back().first + open.ranges.back().count == first)
+      open.ranges.back().count += end - first;
+    else
+      open.ranges.push_back({first, end - first});
+  };
+  const auto spared = [&](std::uint32_t leaf) {
+    const std::size_t slot = std::size_t(leaf) * kLeafSize, word = slot / 64;
+    return word < exempt.size() && (exempt[word] >> slot % 64 & ((std::uint64_t(1) << kLeafSize) - 1)) != 0;
+  };
+  const std::span<const HierarchyNode> nodes = hierarchy.level(0);
+  std::uint32_t known = core::kNone;  // node whose leaves `hidden` is of
+  unsigned hidden = 0;
+  for (const core::SlotRange& range : in.ranges) {
+    const core::Slot end = range.first + range.count;
+    const core::Slot begin = std::min(end, (range.first + kLeafSize - 1) / kLeafSize * kLeafSize);
+    append(range.first, begin);
+    for (core::Slot first = begin; first < end; first += kLeafSize) {
+      const std::uint32_t leaf = first / kLeafSize, node = leaf / kLanes;
+      if (node != known) {
+        const float* coordinates[6];
+        for (int axis = 0; axis < 6; ++axis) coordinates[axis] = nodes[node].bounds[axis];
+        hidden = hidden_of(coordinates);
+        known = node;
+      }
+      if ((hidden >> leaf % kLanes & 1u) == 0 || spared(leaf)) append(first, std::min(end, first + kLeafSize));
+    }
+  }
 }
 
 void OcclusionTest::split_by_distance(const core::ItemBounds& bounds, const core::VisibleSet& in, std::size_t count,

@@ -21,6 +21,7 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
+#include "sightline/culling/hierarchy.h"
 #include "sightline/culling/internal/screen_view.h"
 #include "sightline/culling/sample_test.h"
 
@@ -34,6 +35,9 @@ class SIGHTLINE_API DepthPyramid {
   /// nothing is. A NaN counts as infinity. width * height of them, both positive. Keeps its memory.
   void build(std::span<const float> distances, int width, int height);
 
+  /// As build() from distances that all are infinity: nothing is drawn yet.
+  void clear(int width, int height);
+
   int width() const { return levels_.empty() ? 0 : levels_[0].width; }
   int height() const { return levels_.empty() ? 0 : levels_[0].height; }
   /// True only if the pixels x0 … x1, y0 … y1, at least one and all within the picture, hold less than `distance`. It
@@ -43,6 +47,8 @@ class SIGHTLINE_API DepthPyramid {
   std::size_t memory_bytes() const { return texels_.capacity() * sizeof(float); }
 
  private:
+  void resize(int width, int height);
+
   struct Level {
     int width, height;
     std::size_t first;  // in texels_
@@ -65,16 +71,21 @@ class SIGHTLINE_API OcclusionTest {
   /// Also true of boxes that cover no pixel centre.
   bool hidden(const core::Aabb& box) const;
 
-  /// Distributes the slots of `in` among `open` and `hidden`. Slots whose bit is set in `exempt` are open. Vacant slots
-  /// are left out.
-  void split(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
-             core::VisibleSet& hidden, SlotBits exempt = {}) const;
+  /// Replaces `open` by the slots of `in` whose boxes are not hidden, or whose bit is set in `exempt`. Vacant slots are
+  /// left out.
+  void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+              SlotBits exempt = {}) const;
+  /// A first, coarse step for large sets: leaves out those leaves of the hierarchy that lie within ranges of `in` and
+  /// whose boxes are hidden. `hierarchy`: over the bounds that `in` belongs to.
+  void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
+                     SlotBits exempt = {}) const;
 
   /// Distributes the slots of `in`: the `count` ones whose boxes' middles are nearest, and the others.
   void split_by_distance(const core::ItemBounds& bounds, const core::VisibleSet& in, std::size_t count,
                          core::VisibleSet& near, core::VisibleSet& far) const;
 
  private:
+  unsigned hidden_of(const float* const (&coordinates)[6]) const;
   bool hides(float left, float right, float bottom, float top, float nearest) const;
 
   ScreenView view_;

@@ -1,7 +1,9 @@
 #include "sightline/culling/sample_test.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include "sightline/culling/internal/filter_slots.h"
@@ -18,6 +20,17 @@ LinearForm form_of(const core::dvec4& row, const core::dvec3& origin) {
   return {float(row.x), float(row.y), float(row.z), float(d), float(lost)};
 }
 
+/// -1, which no coordinate's size is below, where the forms are not finite.
+float largest_coordinate(std::initializer_list<LinearForm> forms) {
+  constexpr float kMost = 1e36f;
+  float greatest = 1.0f;
+  for (const LinearForm& f : forms) {
+    for (const float c : {f.x, f.y, f.z}) greatest = std::max(greatest, std::abs(c));
+    if (!(std::abs(f.x) + std::abs(f.y) + std::abs(f.z) + std::abs(f.d) + f.error < kMost)) return -1.0f;
+  }
+  return kMost / greatest;
+}
+
 }  // namespace
 
 ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, int width, int height) {
@@ -31,6 +44,7 @@ ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, i
   screen.t = form_of(-eye[2], origin);
   screen.last_x = float(width - 1);
   screen.last_y = float(height - 1);
+  screen.largest = largest_coordinate({screen.x, screen.y, screen.w, screen.t});
   return screen;
 }
 

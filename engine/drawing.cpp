@@ -159,48 +159,58 @@ void Drawing::wait_for_oldest() {
 }
 
 core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot& snapshot,
-                                   const core::VisibleSet& visible, culling::SlotBits lines, std::uint64_t frame) {
+                                   const core::VisibleSet& visible, culling::SlotBits lines,
+                                   const culling::Hierarchy* hierarchy, std::uint64_t frame) {
   waited_ms_ = 0.0;
   if (!renderer_) return {};
   if (auto current = make_current(); !current) return current;
   wait_for_room();
-  if (sample_test_)
-    culling::SampleTest(view, snapshot.bounds().origin, picture_samples(target_))
-        .filter(snapshot.bounds(), visible, sampled_, lines);
-  else
-    sampled_ = visible;
-  counts_.sampled = counts_.shown = std::int64_t(snapshot.count(sampled_));
-  if (tests_occlusion()) {
-    if (auto done = draw_in_passes(view, snapshot, lines); !done) return done;
+  const std::int64_t count = std::int64_t(snapshot.count(visible));
+  if (tests_occlusion(count)) {
+    if (auto done = draw_in_passes(view, snapshot, visible, lines, hierarchy); !done) return done;
   } else {
     passes_.reset();
-    if (auto done = lists_->update(snapshot, *scene_, sampled_, &view); !done) return done;
-    if (auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_); !done) return done;
+    if (auto done = draw_at_once(view, snapshot, visible, lines); !done) return done;
   }
   return submit(frame);
 }
 
 /// Between passes the depth is read back, which stalls a GPU, but is a copy in memory on a software rasteriser. Few
 /// items are not worth it.
-bool Drawing::tests_occlusion() {
+bool Drawing::tests_occlusion(std::int64_t candidates) {
+  candidates_ = candidates;
   switched_ = false;
   if (occlusion_ == OcclusionChoice::kOff || target_.format().samples > 1) return false;
   if (occlusion_ == OcclusionChoice::kOn) return true;
-  switched_ = software() && counts_.sampled >= std::int64_t(kSmallOcclusionScene);
+  switched_ = software() && candidates >= std::int64_t(kSmallOcclusionScene);
   return switched_ && occlusion_switch_.use();
 }
 
 void Drawing::frame_took(double ms) {
-  if (switched_) occlusion_switch_.took(ms, double(counts_.sampled));
+  if (switched_) occlusion_switch_.took(ms, double(candidates_));
   switched_ = false;
 }
 
+core::Expected<void> Drawing::draw_at_once(const core::View& view, const core::Snapshot& snapshot,
+                                           const core::VisibleSet& visible, culling::SlotBits lines) {
+  if (sample_test_)
+    culling::SampleTest(view, snapshot.bounds().origin, picture_samples(target_))
+        .filter(snapshot.bounds(), visible, sampled_, lines);
+  const core::VisibleSet& shown = sample_test_ ? sampled_ : visible;
+  counts_.sampled = counts_.shown = std::int64_t(snapshot.count(shown));
+  if (auto done = lists_->update(snapshot, *scene_, shown, &view); !done) return done;
+  return renderer_->draw(view, snapshot, *scene_, *lists_, target_);
+}
+
+/// The occlusion test rejects what covers no pixel centre, too.
 core::Expected<void> Drawing::draw_in_passes(const core::View& view, const core::Snapshot& snapshot,
-                                             culling::SlotBits lines) {
+                                             const core::VisibleSet& visible, culling::SlotBits lines,
+                                             const culling::Hierarchy* hierarchy) {
   const core::ItemBounds& bounds = snapshot.bounds();
   const culling::OcclusionTest test(view, bounds.origin, target_.width(), target_.height(), pyramid_,
                                     render::RenderTarget::orthographic_error(view));
-  passes_.begin(sampled_, lines);
+  pyramid_.clear(target_.width(), target_.height());
+  passes_.begin(visible, lines, hierarchy);
   for (bool first = true; passes_.next(test, bounds); first = false) {
     if (auto done = lists_->update(snapshot, *scene_, passes_.pass(), &view); !done) return done;
     auto done = first ? renderer_->draw(view, snapshot, *scene_, *lists_, target_)
@@ -209,7 +219,7 @@ core::Expected<void> Drawing::draw_in_passes(const core::View& view, const core:
     target_.read_distances(view, distances_);
     pyramid_.build(distances_, target_.width(), target_.height());
   }
-  counts_.shown = std::int64_t(passes_.drawn());
+  counts_ = {-1, std::int64_t(passes_.drawn())};
   return {};
 }
 

@@ -307,7 +307,7 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
   if (drawing_) {
     const double culled = now_seconds();
     auto done = *on_gpu ? drawing_->draw_culled(view, *live_.snapshot, report.frame)
-                        : drawing_->draw(view, *live_.snapshot, visible_, live_.lines, report.frame);
+                        : drawing_->draw(view, *live_.snapshot, visible_, live_.lines, live_.hierarchy(), report.frame);
     report.drawn = config_.draw && done;
     if (done = unless_lost(std::move(done)); !done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);

@@ -80,8 +80,8 @@ struct FrameReport {
   bool drawn = false;     ///< false without drawing, and while the context is lost
   std::int64_t visible = 0,
                tested = 0;  ///< items in the view volume; hierarchy and item boxes. -1: known to the GPU alone
-  /// Of these, items that may cover a sample of the picture; of those, items drawn. -1 without drawing, and where the
-  /// GPU alone knows.
+  /// Of these, items that may cover a sample of the picture (-1 where occlusion was tested, which includes that); items
+  /// drawn. Both -1 without drawing, and where the GPU alone knows.
   std::int64_t sampled = -1, shown = -1;
 };
 

@@ -30,8 +30,10 @@ void merge_singles(core::VisibleSet& set, std::vector<core::Slot>& of_ranges) {
 
 }  // namespace
 
-void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBits lines) {
+void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBits lines,
+                            const culling::Hierarchy* hierarchy) {
   lines_ = lines;
+  hierarchy_ = hierarchy;
   count_ = 0;
   drawn_count_ = 0;
   pass_.clear();
@@ -53,26 +55,7 @@ void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBit
 }
 
 bool OcclusionPasses::next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
-  if (count_ == 0 && pass_.count() < kFew && pending_.count() > kFew) {
-    // Too little is known of this view: the nearest items hide most.
-    test.split_by_distance(bounds, pending_, kFew, open_now_, hidden_);
-    for (const core::Slot s : open_now_.items) pass_.items.push_back(s);
-    std::sort(pass_.items.begin(), pass_.items.end());
-    std::swap(pending_, hidden_);
-  } else if (count_ > 0) {
-    if (count_ > 0 && pending_.count() == 0) {
-      remember(test, bounds);
-      return false;
-    }
-    test.split(bounds, pending_, open_now_, hidden_, lines_);
-    const std::size_t open = open_now_.count();
-    if (open > kFew && count_ < kMostPasses - 1) {
-      test.split_by_distance(bounds, open_now_, std::max(kFew, open / 4), pass_, pending_);
-    } else {
-      std::swap(pass_, open_now_);
-      pending_.clear();
-    }
-  }
+  count_ == 0 ? find_first(test, bounds) : find_next(test, bounds);
   if (count_ > 0 && pass_.count() == 0) {
     remember(test, bounds);
     return false;
@@ -83,12 +66,39 @@ bool OcclusionPasses::next(const culling::OcclusionTest& test, const core::ItemB
   return true;
 }
 
+/// What was open in the frame before and covers a pixel centre in this one. Where too little is known of this view,
+/// also the nearest items, which hide most.
+void OcclusionPasses::find_first(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
+  test.filter(bounds, pass_, open_now_, lines_);
+  std::swap(pass_, open_now_);
+  if (pass_.count() >= kFew || pending_.count() <= kFew) return;
+  test.split_by_distance(bounds, pending_, kFew, open_now_, others_);
+  pass_.items.insert(pass_.items.end(), open_now_.items.begin(), open_now_.items.end());
+  std::sort(pass_.items.begin(), pass_.items.end());
+  std::swap(pending_, others_);
+}
+
+void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
+  if (hierarchy_) {
+    test.filter_leaves(*hierarchy_, pending_, others_, lines_);
+    std::swap(pending_, others_);
+  }
+  test.filter(bounds, pending_, open_now_, lines_);
+  const std::size_t open = open_now_.count();
+  if (open > kFew && count_ < kMostPasses - 1) {
+    test.split_by_distance(bounds, open_now_, std::max(kFew, open / 4), pass_, pending_);
+  } else {
+    std::swap(pass_, open_now_);
+    pending_.clear();
+  }
+}
+
 /// Of what was drawn, what the whole picture does not hide.
 void OcclusionPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
   open_.assign(bounds.size() / 64 + 1, 0);
   const auto set = [&](core::Slot s) { open_[s / 64] |= std::uint64_t(1) << s % 64; };
   for (int i = 0; i < count_; ++i) {
-    test.split(bounds, passes_[std::size_t(i)], open_now_, hidden_, lines_);
+    test.filter(bounds, passes_[std::size_t(i)], open_now_, lines_);
     for (const core::Slot s : open_now_.items) set(s);
     for (const core::SlotRange& range : open_now_.ranges)
       for (core::Slot s = range.first; s < range.first + range.count; ++s) set(s);

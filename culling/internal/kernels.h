@@ -77,7 +77,8 @@ struct FoundSlots {
 /// make rectangles larger and distances smaller, never the other way. They hold for boxes with their bit in `projects`.
 struct BoxRectangles {
   alignas(64) float left[kLanes], right[kLanes], bottom[kLanes], top[kLanes], nearest[kLanes];
-  unsigned projects, empty;
+  unsigned projects;
+  unsigned covering;  // bit i: box i may cover a sample of the picture
 };
 
 ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, int width, int height);

@@ -520,7 +520,7 @@ constexpr Kernels make_kernels() {
     return ScreenBoxes<Simd>(view, c).covering(view);
   };
   k.rectangles = [](const ScreenView& view, const float* const(&c)[6], BoxRectangles& out) {
-    ScreenBoxes<Simd>(view, c).store(out);
+    ScreenBoxes<Simd>(view, c).store(view, out);
   };
   return k;
 }

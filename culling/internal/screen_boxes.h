@@ -7,7 +7,7 @@
 //     B = 8 u (|a x| + |b y| + |c z| + |d|), u = 2^-24, and what d has lost before.
 //   - The quotient q is off by at most (Bx + |q| Bw) / (W - Bw) from the forms, and by 3 u |q| from its own rounding.
 //   - A rasteriser may move vertices: kSnap.
-// Where W may be 0 or less in a box, the rectangle is the whole picture.
+// Where W may be 0 or less in a box, or a product may overflow, the rectangle is the whole picture.
 //
 // Simd::Lanes holds sixteen floats. least() and most() are a < b ? a : b and a < b ? b : a, so every instruction set
 // gives the same answer.
@@ -48,7 +48,10 @@ class ScreenBoxes {
       nearest_ = corner == 0 ? distance : Simd::least(nearest_, distance);
     }
     const Lanes band_w = band(view.w, sizes);
-    projects_ = ordered & Simd::less(Simd::multiply(Simd::spread(4.0f), band_w), least_w);
+    const Lanes largest = Simd::spread(view.largest);
+    const unsigned finite =
+        Simd::less(sizes[0], largest) & Simd::less(sizes[1], largest) & Simd::less(sizes[2], largest);
+    projects_ = ordered & finite & Simd::less(Simd::multiply(Simd::spread(4.0f), band_w), least_w);
     const Lanes per_w = Simd::divide(Simd::spread(1.01f), Simd::subtract(least_w, band_w));
     widen(left_, right_, band(view.x, sizes), band_w, per_w);
     widen(bottom_, top_, band(view.y, sizes), band_w, per_w);
@@ -64,14 +67,14 @@ class ScreenBoxes {
     return ((found & projects_) | (~projects_ & ~empty_)) & 0xffffu;
   }
 
-  void store(BoxRectangles& out) const {
+  void store(const ScreenView& view, BoxRectangles& out) const {
+    out.covering = covering(view);
     Simd::store(out.left, left_);
     Simd::store(out.right, right_);
     Simd::store(out.bottom, bottom_);
     Simd::store(out.top, top_);
     Simd::store(out.nearest, nearest_);
     out.projects = projects_;
-    out.empty = empty_;
   }
 
  private:

@@ -18,6 +18,7 @@ struct ScreenView {
   float last_x, last_y;       // the last pixel's centre
   const float (*samples)[2];  // offsets from the pixel centre
   int sample_count;
+  float largest;  // coordinates of boxes that are projected: their products with coefficients are finite
 };
 
 }  // namespace sightline::culling

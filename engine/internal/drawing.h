@@ -23,14 +23,15 @@ class Drawing {
   /// Adds a plan entry for the program of each batch kind.
   static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
 
-  /// Submits one frame that shows a visible set, without items that cover no sample of the picture (SampleTest).
-  /// `lines`: slots to which that rule does not apply. Waits first until at most one earlier frame is still being
+  /// Submits one frame that shows a visible set, without items that cover no sample of the picture (SampleTest) or that
+  /// others hide (OcclusionTest). `lines`: slots to which these rules do not apply. `hierarchy`: that of the snapshot's
+  /// bounds, if there is one. Waits first until at most one earlier frame is still being
   /// drawn. take_drawn() returns `frame`. Does nothing when there is nothing to render.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible,
-                            culling::SlotBits lines, std::uint64_t frame);
+                            culling::SlotBits lines, const culling::Hierarchy* hierarchy, std::uint64_t frame);
   /// Of the last draw().
   struct Counts {
-    std::int64_t sampled = 0, shown = 0;  // items that may cover a sample; items drawn
+    std::int64_t sampled = 0, shown = 0;  // items that may cover a sample, -1 with the occlusion test; items drawn
   };
   const Counts& counts() const { return counts_; }
   /// The time from the last draw() to the one that follows, or 0 where it says nothing of their cost.
@@ -86,8 +87,12 @@ class Drawing {
   core::Expected<culling::GpuCuller> make_culler(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   void wait_for_room();
   void wait_for_oldest();
-  bool tests_occlusion();
-  core::Expected<void> draw_in_passes(const core::View& view, const core::Snapshot& snapshot, culling::SlotBits lines);
+  bool tests_occlusion(std::int64_t candidates);
+  core::Expected<void> draw_at_once(const core::View& view, const core::Snapshot& snapshot,
+                                    const core::VisibleSet& visible, culling::SlotBits lines);
+  core::Expected<void> draw_in_passes(const core::View& view, const core::Snapshot& snapshot,
+                                      const core::VisibleSet& visible, culling::SlotBits lines,
+                                      const culling::Hierarchy* hierarchy);
   core::Expected<void> submit(std::uint64_t frame);
 
   struct InFlight {
@@ -112,6 +117,7 @@ class Drawing {
   culling::DepthPyramid pyramid_;
   std::vector<float> distances_;
   Counts counts_;
+  std::int64_t candidates_ = 0;  // of the last draw()
   std::optional<culling::GpuCuller> culler_;
   std::optional<render::Renderer> renderer_;  // none when the engine only culls
   render::RenderTarget target_;

@@ -16,10 +16,11 @@ namespace sightline::engine {
 /// leaves open in the whole picture.
 class OcclusionPasses {
  public:
-  /// Begins a frame with its candidates. Slots of `lines` are not tested.
-  void begin(const core::VisibleSet& candidates, culling::SlotBits lines);
-  /// Finds the next pass. `test`: against the depth of all passes so far; of the first pass only its view counts. False
-  /// when all that may be seen is drawn; then the frame is remembered.
+  /// Begins a frame with its candidates. Slots of `lines` are not tested. `hierarchy`: that of the candidates, or null;
+  /// it makes large sets fast.
+  void begin(const core::VisibleSet& candidates, culling::SlotBits lines, const culling::Hierarchy* hierarchy);
+  /// Finds the next pass. `test`: against the depth of all passes so far, at first of none. False when all that may be
+  /// seen is drawn; then the frame is remembered.
   bool next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   /// What to draw now; may be empty.
   const core::VisibleSet& pass() const { return pass_; }
@@ -30,12 +31,15 @@ class OcclusionPasses {
   void reset() { open_.clear(); }
 
  private:
+  void find_first(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
+  void find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
 
   std::vector<std::uint64_t> open_;  // a bit per slot, of the last frame
   std::vector<core::VisibleSet> passes_;
   culling::SlotBits lines_;
-  core::VisibleSet pass_, pending_, open_now_, hidden_;
+  const culling::Hierarchy* hierarchy_ = nullptr;
+  core::VisibleSet pass_, pending_, open_now_, others_;
   int count_ = 0;  // of passes
   std::size_t drawn_count_ = 0;
 };

@@ -43,6 +43,11 @@ struct Order {
   /// edited. `former_size`: that of the snapshot.
   void follow(std::initializer_list<std::span<const core::ItemId>> edited, bool materials, std::size_t former_size,
               std::vector<core::Slot>& touched);
+  /// Null unless the culler has one.
+  const culling::Hierarchy* hierarchy() const {
+    const auto* cpu = std::get_if<culling::CpuCuller>(culler.get());
+    return cpu ? &cpu->hierarchy() : nullptr;
+  }
   /// Makes a new plan, and the culler that it names unless there is one.
   void follow_plan(const PlanRequest& request);
 };

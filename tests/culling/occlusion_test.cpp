@@ -122,8 +122,9 @@ TEST(OcclusionTest, AWallHidesWhatIsBehindItAlone) {
   EXPECT_TRUE(test.hidden({{1, 20, -1}, {2, 21, 1}}));
 }
 
-/// The set's slots in two parts, as single boxes are; lines and what is exempt stay open.
-TEST(OcclusionTest, SplitsSets) {
+/// As single boxes are; what is exempt stays open. Leaves that are left out hold hidden slots alone.
+TEST(OcclusionTest, FiltersSets) {
+  std::uint64_t leaves_out = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
@@ -131,37 +132,45 @@ TEST(OcclusionTest, SplitsSets) {
     const std::size_t count = std::size_t(whole(random, 1, 900));
     core::ItemBounds bounds;
     bounds.resize(count);
-    auto boxes = random_boxes(random, count, half);
-    spoil(random, boxes);
-    for (std::size_t i = 0; i < count; ++i) bounds.set(i, boxes[i]);
+    auto boxes = random_boxes(random, count, seed % 2 == 0 ? half : 0.2 * half);
+    if (seed % 2 == 0) spoil(random, boxes);
+    const auto order = core::block_order(boxes);
+    for (std::size_t i = 0; i < count; ++i) bounds.set(i, boxes[order[i]]);
     const View view = random_view(random, core::dvec3(0.0), half);
     const int width = whole(random, 1, 90), height = whole(random, 1, 90);
     DepthPyramid pyramid;
     pyramid.build(random_distances(random, width, height, half), width, height);
     const OcclusionTest test(view, core::dvec3(0.0), width, height, pyramid);
+    const culling::Hierarchy hierarchy(bounds);
     core::VisibleSet in;
-    in.ranges = {{0, std::uint32_t(count / 2)}};
-    for (std::uint32_t s = std::uint32_t(count / 2); s < count; ++s)
+    const std::uint32_t begin = std::uint32_t(whole(random, 0, 40)) % std::uint32_t(count);
+    const std::uint32_t middle = begin + std::uint32_t(4 * (count - begin) / 5);
+    if (middle > begin) in.ranges = {{begin, middle - begin}};
+    for (std::uint32_t s = middle; s < count; ++s)
       if (!bounds.vacant(s) && chance(random, 0.7)) in.items.push_back(s);
     std::vector<std::uint64_t> exempt(count / 64 + 1);
-    std::vector<core::Slot> open, hidden;
+    std::vector<core::Slot> open;
     for (const core::Slot s : in.sorted_slots()) {
       if (bounds.vacant(s)) continue;
-      const bool spared = chance(random, 0.1);
+      const bool spared = chance(random, 0.02);
       if (spared) exempt[s / 64] |= std::uint64_t(1) << s % 64;
-      (spared || !test.hidden(bounds.box(s)) ? open : hidden).push_back(s);
+      if (spared || !test.hidden(bounds.box(s))) open.push_back(s);
     }
     for_each_instruction_set([&] {
-      core::VisibleSet opens, hiddens;
-      test.split(bounds, in, opens, hiddens, exempt);
+      core::VisibleSet opens, leaves, both;
+      test.filter(bounds, in, opens, exempt);
       ASSERT_EQ(opens.sorted_slots(), open);
-      ASSERT_EQ(hiddens.sorted_slots(), hidden);
+      test.filter_leaves(hierarchy, in, leaves, exempt);
+      leaves_out += in.count() - leaves.count();
+      test.filter(bounds, leaves, both, exempt);
+      ASSERT_EQ(both.sorted_slots(), open);
       core::VisibleSet near, far;
       test.split_by_distance(bounds, opens, open.size() / 3, near, far);
       ASSERT_EQ(near.count(), open.size() / 3);
       ASSERT_EQ(near.count() + far.count(), open.size());
     });
   }
+  EXPECT_GT(leaves_out, 1000u);
 }
 
 }  // namespace
