@@ -35,6 +35,15 @@ struct BoxCuller::Impl {
   core::Aabb rounded(const core::AabbD& box) const {
     return box.empty() ? core::Aabb() : core::round_outwards(box, bounds.origin);
   }
+  void list(const core::VisibleSet& set, std::vector<std::uint32_t>& indices) const {
+    indices.clear();
+    const auto take = [&](core::Slot slot) {
+      if (!bounds.vacant(slot)) indices.push_back(index_of[slot]);
+    };
+    for (const core::SlotRange& range : set.ranges)
+      for (core::Slot slot = range.first; slot < range.first + range.count; ++slot) take(slot);
+    for (const core::Slot slot : set.items) take(slot);
+  }
 };
 
 BoxCuller::BoxCuller(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -80,13 +89,18 @@ core::Expected<void> BoxCuller::visible(const double clip_from_world[16], core::
 void BoxCuller::visible(const core::View& view, std::vector<std::uint32_t>& indices) const {
   thread_local core::VisibleSet set;
   impl_->culler->cull(view, set);
-  indices.clear();
-  const auto take = [&](core::Slot slot) {
-    if (!impl_->bounds.vacant(slot)) indices.push_back(impl_->index_of[slot]);
-  };
-  for (const core::SlotRange& range : set.ranges)
-    for (core::Slot slot = range.first; slot < range.first + range.count; ++slot) take(slot);
-  for (const core::Slot slot : set.items) take(slot);
+  impl_->list(set, indices);
+}
+
+void BoxCuller::visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const {
+  thread_local core::VisibleSet set, coarse;
+  impl_->culler->cull(view, set);
+  const OcclusionTest test(view, impl_->bounds.origin, depth.width(), depth.height(), depth);
+  if (!impl_->culler->hierarchy().empty()) {
+    test.filter_leaves(impl_->culler->hierarchy(), set, coarse);
+    test.filter(impl_->bounds, coarse, set);
+  }
+  impl_->list(set, indices);
 }
 
 core::Expected<void> BoxCuller::update(std::uint32_t index, const core::AabbD& box) {

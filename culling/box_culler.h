@@ -14,6 +14,7 @@
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/view.h"
+#include "sightline/culling/occlusion.h"
 
 namespace sightline::culling {
 
@@ -41,6 +42,10 @@ class SIGHTLINE_API BoxCuller {
   /// The same for a view with its section planes. All boxes are on core::kLayerModel, which views show unless told
   /// otherwise.
   void visible(const core::View& view, std::vector<std::uint32_t>& indices) const;
+
+  /// The same without boxes that are hidden in a depth image of this view (OcclusionTest says when) or that cover none
+  /// of its pixel centres. The view must know its eye: one made from a combined matrix does not.
+  void visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const;
 
   /// Replaces box `index`, which must be below size(). Fails on a box that create() refuses, and then changes nothing.
   /// Boxes that move far make culling slower, not wrong: after many of them create a new culler.

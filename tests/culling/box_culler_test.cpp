@@ -98,6 +98,40 @@ TEST(BoxCuller, FindsWhatALoopOverAllBoxesFinds) {
   EXPECT_GT(found, 10'000u);
 }
 
+/// Of the visible boxes, those that the occlusion test leaves open one by one.
+TEST(BoxCuller, LeavesOutWhatADepthImageHides) {
+  std::size_t hidden = 0, open = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const double half = 20.0;
+    std::vector<AabbD> boxes = boxes_around(random, std::size_t(whole(random, 0, 3000)), dvec3(0.0), half);
+    boxes.push_back({dvec3(-100.0), dvec3(-99.0)});  // the middle of all is the origin, so boxes round as they do here
+    boxes.push_back({dvec3(99.0), dvec3(100.0)});
+    const auto culler = BoxCuller::create(boxes);
+    ASSERT_TRUE(culler);
+    const core::View view = random_view(random, dvec3(0.0), half);
+    const int width = whole(random, 1, 300), height = whole(random, 1, 200);
+    std::vector<float> wall(std::size_t(width) * std::size_t(height), float(half * uniform(random, 0.1, 1.0)));
+    for (std::size_t i = 0; i < wall.size() / 8; ++i) wall[i] = std::numeric_limits<float>::infinity();
+    culling::DepthPyramid depth;
+    depth.build(wall, width, height);
+    const culling::OcclusionTest test(view, dvec3(0.0), width, height, depth);
+    Indices all, found, expected;
+    culler->visible(view, all);
+    culler->visible(view, depth, found);
+    for (const std::uint32_t i : all)
+      if (!test.hidden(core::round_outwards(boxes[i], dvec3(0.0)))) expected.push_back(i);
+    std::sort(found.begin(), found.end());
+    std::sort(expected.begin(), expected.end());
+    ASSERT_EQ(found, expected);
+    open += expected.size();
+    hidden += all.size() - expected.size();
+  }
+  EXPECT_GT(open, 500u);
+  EXPECT_GT(hidden, 500u);
+}
+
 TEST(BoxCuller, RefusesWhatItCannotCull) {
   const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
   const AabbD good{dvec3(0.0), dvec3(1.0)};
