@@ -227,6 +227,7 @@ Item read_item(ByteCursor& cursor, std::span<const std::byte> file, bool extra_w
   if (cursor.ok() && (kind < 1 || kind > kFacetGroupKind))
     cursor.refuse(kind_at, fmt::format("expected a primitive kind 1 to {}, found {}", kFacetGroupKind, kind));
   if (!cursor.ok()) return item;
+  static_assert(int(core::Kind::kPyramid) == 0 && int(core::Kind::kFacetGroup) == 10, "RVM numbers kinds from 1 to 11");
   item.kind = core::Kind(kind - 1);
   const std::uint64_t placement_at = cursor.position();
   read_matrix(cursor, item);
