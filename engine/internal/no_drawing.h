@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "sightline/culling/hierarchy.h"
 #include "sightline/culling/sample_test.h"
 #include "sightline/engine/engine.h"
 
@@ -26,7 +27,7 @@ class Drawing {
     double gpu_ms = 0.0;
   };
   core::Expected<void> draw(const core::View&, const core::Snapshot&, const core::VisibleSet&, culling::SlotBits,
-                            std::uint64_t) {
+                            const culling::Hierarchy*, std::uint64_t) {
     return {};
   }
   core::Expected<void> cull(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
