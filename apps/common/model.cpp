@@ -111,7 +111,7 @@ void add_shown_options(CLI::App& app, bool& sample_test, engine::OcclusionChoice
   static const std::map<std::string, bool> names = {{"on", true}, {"off", false}};
   app.add_option_function<std::string>(
          "--sample-test", [&sample_test](const std::string& name) { sample_test = names.at(name); },
-         "Leave out of drawing what covers no sample of the picture; the picture is the same")
+         "Leave out of drawing what covers no sample of the picture; no pixel is lost")
       ->default_str("on")
       ->check(CLI::IsMember(names));
   using engine::OcclusionChoice;
@@ -119,7 +119,7 @@ void add_shown_options(CLI::App& app, bool& sample_test, engine::OcclusionChoice
       {"on", OcclusionChoice::kOn}, {"off", OcclusionChoice::kOff}, {"auto", OcclusionChoice::kAutomatic}};
   app.add_option_function<std::string>(
          "--occlusion", [&occlusion](const std::string& name) { occlusion = choices.at(name); },
-         "Leave out of drawing what other items hide; the picture is the same. auto: while it pays")
+         "Leave out of drawing what other items hide; no pixel is lost. auto: while it pays")
       ->default_str("auto")
       ->check(CLI::IsMember(choices));
 }
