@@ -170,6 +170,7 @@ void OcclusionTest::split_by_distance(const core::ItemBounds& bounds, const core
   placed.clear();
   for_each_group(bounds, in, [&](const SlotGroup& group, unsigned, bool) {
     for (int i = 0; i < group.count; ++i) {
+      if (bounds.vacant(group.slots[i])) continue;
       const auto middle = [&](int axis) { return group.coordinates[axis][i] + group.coordinates[axis + 3][i]; };
       placed.push_back({view_.t.x * middle(0) + view_.t.y * middle(1) + view_.t.z * middle(2), group.slots[i]});
     }

@@ -81,6 +81,7 @@ class SIGHTLINE_API OcclusionTest {
                      SlotBits exempt = {}) const;
 
   /// Distributes the slots of `in`: the `count` ones whose boxes' middles are nearest, and the others.
+  /// Vacant slots are left out.
   void split_by_distance(const core::ItemBounds& bounds, const core::VisibleSet& in, std::size_t count,
                          core::VisibleSet& near, core::VisibleSet& far) const;
 

@@ -168,6 +168,9 @@ TEST(OcclusionTest, FiltersSets) {
       test.split_by_distance(bounds, opens, open.size() / 3, near, far);
       ASSERT_EQ(near.count(), open.size() / 3);
       ASSERT_EQ(near.count() + far.count(), open.size());
+      test.split_by_distance(bounds, in, in.count() / 3, near, far);  // vacant slots included
+      for (const core::VisibleSet* part : {&near, &far})
+        for (const core::Slot s : part->items) ASSERT_FALSE(bounds.vacant(s));
     });
   }
   EXPECT_GT(leaves_out, 1000u);
