@@ -5,19 +5,10 @@
 #include <cassert>
 #include <vector>
 
+#include "sightline/culling/internal/filter_slots.h"
 #include "sightline/culling/internal/kernels.h"
 
 namespace sightline::culling {
-namespace {
-
-void append_range(core::Slot first, core::Slot end, std::vector<core::SlotRange>& ranges) {
-  if (!ranges.empty() && ranges.back().first + ranges.back().count == first)
-    ranges.back().count += end - first;
-  else
-    ranges.push_back({first, end - first});
-}
-
-}  // namespace
 
 void cull_slots(const core::ItemBounds& bounds, const CullPlanes& planes, PlaneMask mask, std::uint32_t layers,
                 std::size_t first, std::size_t end, core::VisibleSet& set) {

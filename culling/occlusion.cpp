@@ -77,26 +77,17 @@ OcclusionTest::OcclusionTest(const core::View& view, const core::dvec3& origin, 
   view_.sample_count = 1;
 }
 
-/// The rectangle of a box in pixels, centres at integers, and its least distance. Without std::floor, which is a
-/// function call where the instruction set has no floor.
+/// The rectangle of a box in pixels, centres at integers, and its least distance. It must contain a pixel centre of the
+/// picture. Without std::floor, which is a function call where the instruction set has no floor.
 bool OcclusionTest::hides(float left, float right, float bottom, float top, float nearest) const {
   left = std::max(left, 0.0f), right = std::min(right, view_.last_x);
   bottom = std::max(bottom, 0.0f), top = std::min(top, view_.last_y);
-  if (!(left <= right && bottom <= top)) return true;  // beside the picture
-  const int x0 = int(left) + (float(int(left)) < left), x1 = int(right);
-  const int y0 = int(bottom) + (float(int(bottom)) < bottom), y1 = int(top);
-  if (x0 > x1 || y0 > y1) return true;  // no pixel centre
-  return pyramid_->all_nearer(x0, y0, x1, y1, nearest - (kDistanceMargin * std::abs(nearest) + error_));
+  const int x0 = int(left) + (float(int(left)) < left), y0 = int(bottom) + (float(int(bottom)) < bottom);
+  return pyramid_->all_nearer(x0, y0, int(right), int(top), nearest - (kDistanceMargin * std::abs(nearest) + error_));
 }
 
 bool OcclusionTest::hidden(const core::Aabb& box) const {
-  float coordinates[6][kLanes] = {};
-  const float* arrays[6];
-  for (int axis = 0; axis < 6; ++axis) {
-    coordinates[axis][0] = axis < 3 ? box.min[axis] : box.max[axis - 3];
-    arrays[axis] = coordinates[axis];
-  }
-  return (hidden_of(arrays) & 1u) != 0;
+  return of_one_box(box, [&](const auto& boxes) { return hidden_of(boxes); });
 }
 
 /// Bit i: box i of sixteen is hidden, or covers no pixel centre.
@@ -113,14 +104,7 @@ unsigned OcclusionTest::hidden_of(const float* const (&coordinates)[6]) const {
 
 void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
                            SlotBits exempt) const {
-  thread_local SlotCollector opens;
-  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {
-    unsigned bits = ~hidden_of(group.coordinates);
-    if (!exempt.empty()) bits |= bits_of(exempt, group);
-    opens.add(group, bits & used, of_range);
-  });
-  opens.finish(open);
-  open.generation = in.generation;
+  filter_slots(bounds, in, open, exempt, [&](const auto& boxes) { return ~hidden_of(boxes); });
 }
 
 void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
@@ -130,11 +114,7 @@ void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::Visibl
   open.generation = in.generation;
   open.items = in.items;
   const auto append = [&](core::Slot first, core::Slot end) {
-    if (first == end) return;
-    if (!open.ranges.empty() && open.ranges.back().first + open.ranges.back().count == first)
-      open.ranges.back().count += end - first;
-    else
-      open.ranges.push_back({first, end - first});
+    if (first < end) append_range(first, end, open.ranges);
   };
   const auto spared = [&](std::uint32_t leaf) {
     const std::size_t slot = std::size_t(leaf) * kLeafSize, word = slot / 64;

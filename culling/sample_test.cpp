@@ -22,28 +22,14 @@ ScreenView SampleTest::view() const {
 }
 
 bool SampleTest::covers(const core::Aabb& box) const {
-  float coordinates[6][kLanes] = {};
-  const float* arrays[6];
-  for (int axis = 0; axis < 6; ++axis) {
-    coordinates[axis][0] = axis < 3 ? box.min[axis] : box.max[axis - 3];
-    arrays[axis] = coordinates[axis];
-  }
-  return (kernels().covering(view(), arrays) & 1u) != 0;
+  return of_one_box(box, [&](const auto& boxes) { return kernels().covering(view(), boxes); });
 }
 
 void SampleTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& out,
                         SlotBits exempt) const {
-  const Kernels& kernel = kernels();
+  const auto covering = kernels().covering;
   const ScreenView screen = view();
-  thread_local SlotCollector kept;
-  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {
-    unsigned bits = kernel.covering(screen, group.coordinates);
-    if (!exempt.empty()) bits |= bits_of(exempt, group);
-    kept.add(group, bits & used, of_range);
-  });
-  kept.finish(out);
-  out.generation = in.generation;
-  out.counters = in.counters;
+  filter_slots(bounds, in, out, exempt, [&](const auto& boxes) { return covering(screen, boxes); });
 }
 
 }  // namespace sightline::culling

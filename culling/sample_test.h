@@ -31,6 +31,9 @@ struct PictureSamples {
 
 /// A bit per slot, from the lowest bit of the first word on. Slots beyond the last word have none.
 using SlotBits = std::span<const std::uint64_t>;
+inline bool contains(SlotBits bits, core::Slot slot) {
+  return slot / 64 < bits.size() && (bits[slot / 64] >> slot % 64 & 1u) != 0;
+}
 
 class SIGHTLINE_API SampleTest {
  public:

@@ -9,10 +9,6 @@ constexpr std::uint32_t kShortestRange = 16;  // slots; fewer neighbours are sin
 constexpr std::size_t kFew = 4096;            // slots that are not worth another pass
 constexpr int kMostPasses = 6;
 
-bool has(culling::SlotBits bits, core::Slot slot) {
-  return slot / 64 < bits.size() && (bits[slot / 64] >> slot % 64 & 1u) != 0;
-}
-
 /// Appends slots first … end - 1, which lie behind all that `set` has in ranges.
 void append(core::VisibleSet& set, std::vector<core::Slot>& singles, core::Slot first, core::Slot end) {
   if (end - first >= kShortestRange)
@@ -39,7 +35,7 @@ void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBit
   pass_.clear();
   pending_.clear();
   pass_.generation = pending_.generation = candidates.generation;
-  const auto is_first = [&](core::Slot s) { return has(open_, s) || has(lines, s); };
+  const auto is_first = [&](core::Slot s) { return culling::contains(open_, s) || culling::contains(lines, s); };
   for (const core::Slot s : candidates.items) (is_first(s) ? pass_ : pending_).items.push_back(s);
   thread_local std::vector<core::Slot> firsts, others;
   for (const core::SlotRange& range : candidates.ranges) {

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <span>
 #include <utility>
 #include <vector>
 
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/internal/kernels.h"
+#include "sightline/culling/sample_test.h"
 
 namespace sightline::culling {
 
@@ -49,14 +49,12 @@ void for_each_group(const core::ItemBounds& bounds, const core::VisibleSet& in, 
   }
 }
 
-/// The bits of a group's slots.
-inline unsigned bits_of(std::span<const std::uint64_t> bits, const SlotGroup& group) {
-  unsigned found = 0;
-  for (int i = 0; i < group.count; ++i) {
-    const core::Slot slot = group.slots[i];
-    if (slot / 64 < bits.size()) found |= unsigned(bits[slot / 64] >> slot % 64 & 1u) << i;
-  }
-  return found;
+/// Appends slots first … end - 1, which lie behind all ranges, to the last range or as one more.
+inline void append_range(core::Slot first, core::Slot end, std::vector<core::SlotRange>& ranges) {
+  if (!ranges.empty() && ranges.back().first + ranges.back().count == first)
+    ranges.back().count += end - first;
+  else
+    ranges.push_back({first, end - first});
 }
 
 /// Collects slots in the order of for_each_group() into a visible set.
@@ -65,11 +63,7 @@ class SlotCollector {
   /// Adds the slots of a group whose bits are set. Ranges stay ranges where all slots of a group are added.
   void add(const SlotGroup& group, unsigned bits, bool of_range) {
     if (of_range && bits != 0 && group.count == std::popcount(bits)) {
-      const core::Slot first = group.slots[0];
-      if (!ranges_.empty() && ranges_.back().first + ranges_.back().count == first)
-        ranges_.back().count += std::uint32_t(group.count);
-      else
-        ranges_.push_back({first, std::uint32_t(group.count)});
+      append_range(group.slots[0], group.slots[0] + core::Slot(group.count), ranges_);
       return;
     }
     std::vector<core::Slot>& slots = of_range ? of_ranges_ : singles_;
@@ -89,5 +83,32 @@ class SlotCollector {
   std::vector<core::SlotRange> ranges_;
   std::vector<core::Slot> of_ranges_, singles_;
 };
+
+/// Replaces `out` by the slots of `in` that kept(coordinates of sixteen boxes) has a bit for, or `exempt`.
+template <class Kept>
+void filter_slots(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& out, SlotBits exempt,
+                  const Kept& kept) {
+  thread_local SlotCollector collector;
+  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {
+    unsigned bits = kept(group.coordinates);
+    for (int i = 0; i < group.count && !exempt.empty(); ++i) bits |= unsigned(contains(exempt, group.slots[i])) << i;
+    collector.add(group, bits & used, of_range);
+  });
+  collector.finish(out);
+  out.generation = in.generation;
+  out.counters = in.counters;
+}
+
+/// What a kernel finds for one box: bit 0 of found(coordinates of sixteen boxes, the first of which is `box`).
+template <class Found>
+bool of_one_box(const core::Aabb& box, const Found& found) {
+  float coordinates[6][kLanes] = {};
+  const float* arrays[6];
+  for (int axis = 0; axis < 6; ++axis) {
+    coordinates[axis][0] = axis < 3 ? box.min[axis] : box.max[axis - 3];
+    arrays[axis] = coordinates[axis];
+  }
+  return (found(arrays) & 1u) != 0;
+}
 
 }  // namespace sightline::culling

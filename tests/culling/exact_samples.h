@@ -126,4 +126,16 @@ inline Aabb box_at_a_sample(Random& random, const View& view, const core::dvec3&
   return {core::vec3(low), core::vec3(high)};
 }
 
+/// A view of boxes about an origin, both of any size.
+struct RandomSite {
+  explicit RandomSite(Random& random)
+      : half(magnitude(random, 1e-3, 1e4)),
+        origin(chance(random, 0.5) ? core::dvec3(0.0) : point(random, 1e3 * half)),
+        view(random_view(random, origin, half)) {}
+
+  double half;
+  core::dvec3 origin;
+  View view;
+};
+
 }  // namespace sightline::tests

@@ -31,9 +31,7 @@ TEST(SampleTest, NeverRejectsABoxThatASampleSees) {
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const double half = magnitude(random, 1e-3, 1e4);
-    const core::dvec3 origin = chance(random, 0.5) ? core::dvec3(0.0) : point(random, 1e3 * half);
-    const View view = random_view(random, origin, half);
+    const auto [half, origin, view] = RandomSite(random);
     const PictureSamples samples = random_samples(random);
     const SampleTest test(view, origin, samples);
     const ExactSamples exact(view, origin, samples);
