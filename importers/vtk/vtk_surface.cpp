@@ -1,6 +1,7 @@
 #include "sightline/importers/vtk/internal/vtk_surface.h"
 
 #include <algorithm>
+#include <numeric>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,8 @@
 
 namespace sightline::importers {
 namespace {
+
+constexpr const char* kOriginalCells = "original cells";
 
 bool same_in_any_case(std::string_view a, std::string_view b) {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
@@ -247,6 +250,44 @@ void keep_normals_colours_ghosts(vtkDataSetAttributes& attributes, vtkIdType cou
   attributes.ShallowCopy(kept);
 }
 
+/// `cells`, stably sorted by the cell that each was a face of. `begin`: the surface's index of the first of them; data
+/// of cells are moved along.
+vtkSmartPointer<vtkCellArray> in_order_of_cells(vtkCellArray& cells, vtkIdType begin, const vtkIdType* face_of,
+                                                vtkCellData& from, vtkCellData& to) {
+  std::vector<vtkIdType> order(std::size_t(cells.GetNumberOfCells()));
+  std::iota(order.begin(), order.end(), vtkIdType(0));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](vtkIdType a, vtkIdType b) { return face_of[begin + a] < face_of[begin + b]; });
+  auto sorted = vtkSmartPointer<vtkCellArray>::New();
+  sorted->AllocateExact(cells.GetNumberOfCells(), cells.GetNumberOfConnectivityIds());
+  vtkIdType size = 0;
+  const vtkIdType* ids = nullptr;
+  const auto cell = vtk::TakeSmartPointer(cells.NewIterator());
+  for (const vtkIdType id : order) {
+    cell->GetCellAtId(id, size, ids);
+    to.CopyData(&from, begin + id, begin + sorted->InsertNextCell(size, ids));
+  }
+  return sorted;
+}
+
+/// VTK's filter appends the faces that each of its threads found, in the order in which the threads began: another one
+/// each time. Puts them into the order of the cells they belong to.
+void restore_order(vtkPolyData& surface) {
+  auto* face_of = vtkIdTypeArray::SafeDownCast(surface.GetCellData()->GetArray(kOriginalCells));
+  if (!face_of || std::is_sorted(face_of->Begin(), face_of->End())) return;
+  const vtkIdType polygons = surface.GetNumberOfVerts() + surface.GetNumberOfLines();
+  const vtkIdType strips = polygons + surface.GetNumberOfPolys();
+  vtkNew<vtkCellData> sorted;
+  sorted->CopyAllocate(surface.GetCellData(), surface.GetNumberOfCells());
+  for (vtkIdType i = 0; i < polygons; ++i) sorted->CopyData(surface.GetCellData(), i, i);
+  const auto sort = [&](vtkCellArray& cells, vtkIdType begin) {
+    return in_order_of_cells(cells, begin, face_of->GetPointer(0), *surface.GetCellData(), *sorted);
+  };
+  surface.SetPolys(sort(*surface.GetPolys(), polygons));
+  surface.SetStrips(sort(*surface.GetStrips(), strips));
+  surface.GetCellData()->ShallowCopy(sorted);
+}
+
 struct Watch {
   const Share& share;
   core::Expected<void> asked;
@@ -290,8 +331,11 @@ core::Expected<vtkSmartPointer<vtkPolyData>> outer_surface(vtkDataSet& data, con
   command->SetClientData(&watch);
   filter->AddObserver(vtkCommand::ProgressEvent, command);
   filter->SetInputData(input);
+  filter->PassThroughCellIdsOn();
+  filter->SetOriginalCellIdsName(kOriginalCells);
   filter->Update();
   if (!watch.asked) return tl::unexpected(watch.asked.error());
+  restore_order(*filter->GetOutput());
   return vtkSmartPointer<vtkPolyData>(filter->GetOutput());
 }
 

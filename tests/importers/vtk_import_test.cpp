@@ -96,6 +96,40 @@ TEST_F(VtkImport, SurfaceOfGridsFacesOutward) {
   EXPECT_TRUE(scene_.commit());
 }
 
+TEST_F(VtkImport, FacesStandInTheOrderOfTheirCellsHoweverManyThreadsFindThem) {
+  // a comb of hexahedra that do not touch: every one of its 6 faces is outside, of the cell's colour
+  constexpr int kCells = 5000;
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkUnstructuredGrid> grid;
+  vtkNew<vtkUnsignedCharArray> colours;
+  colours->SetName("Colors");
+  colours->SetNumberOfComponents(3);
+  for (int i = 0; i < kCells; ++i) {
+    std::array<vtkIdType, 8> ids{};
+    std::size_t k = 0;
+    for (int z = 0; z < 2; ++z)
+      for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}})
+        ids[k++] = points->InsertNextPoint(2 * i + x, y, z);
+    grid->InsertNextCell(VTK_HEXAHEDRON, 8, ids.data());
+    colours->InsertNextTuple3(i < kCells / 2 ? 255 : 0, 0, 0);
+  }
+  grid->SetPoints(points);
+  grid->GetCellData()->SetScalars(colours);
+  for (int run = 0; run < 50; ++run) {
+    ASSERT_TRUE(import(*grid));
+    ASSERT_EQ(scene_.item_count(), 2u);
+    for (const core::ItemId item : {0u, 1u}) {
+      const bool red = scene_.material(scene_.item_material(item)).colour.x > 0.5f;
+      const core::Mesh& faces = mesh(item);
+      ASSERT_EQ(faces.indices.size(), std::size_t(kCells / 2 * 6 * 2 * 3));
+      for (std::size_t i = 0; i < faces.indices.size(); ++i) {
+        const int cell = (red ? 0 : kCells / 2) + int(i) / 36;
+        ASSERT_EQ(int(corner(item, faces.indices[i]).x) / 2, cell) << "run " << run << ", corner " << i;
+      }
+    }
+  }
+}
+
 TEST_F(VtkImport, ImagesShowTheirHull) {
   vtkNew<vtkImageData> image;
   image->SetDimensions(3, 3, 3);

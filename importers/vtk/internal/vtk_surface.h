@@ -23,8 +23,8 @@ struct Share {
 /// RGB or RGBA of each tuple (vtk_import.h says which array), or none.
 vtkUnsignedCharArray* colours_of(vtkDataSetAttributes& attributes);
 
-/// Faces that belong to only one cell, counter-clockwise from outside, with normals and colours. `data` may hold
-/// anything: cells are checked before VTK, which trusts them, works on them. Fails on damage when strict, and when the
+/// Faces that belong to only one cell, counter-clockwise from outside, in the order of the cells, with normals and
+/// colours. `data` may hold anything: cells are checked before VTK, which trusts them, works on them. Fails on damage when strict, and when the
 /// caller cancels.
 core::Expected<vtkSmartPointer<vtkPolyData>> outer_surface(vtkDataSet& data, const Share& share);
 
