@@ -56,9 +56,9 @@ bool OcclusionPasses::next(const culling::OcclusionTest& test, const core::ItemB
     remember(test, bounds);
     return false;
   }
-  if (passes_.size() <= std::size_t(count_)) passes_.emplace_back();
-  passes_[std::size_t(count_++)] = pass_;
   drawn_count_ += pass_.count();
+  if (passes_.size() <= std::size_t(count_)) passes_.emplace_back();
+  std::swap(passes_[std::size_t(count_++)], pass_);
   return true;
 }
 
@@ -75,7 +75,7 @@ void OcclusionPasses::find_first(const culling::OcclusionTest& test, const core:
 }
 
 void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
-  if (hierarchy_) {
+  if (hierarchy_ && !pending_.ranges.empty()) {
     test.filter_leaves(*hierarchy_, pending_, others_, lines_);
     std::swap(pending_, others_);
   }

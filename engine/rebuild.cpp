@@ -23,7 +23,10 @@ void Order::follow(std::initializer_list<std::span<const core::ItemId>> edited, 
                    std::vector<core::Slot>& touched) {
   joints.dissolve(*snapshot, edited, former_size, touched);
   if (materials) joints.dissolve_transparent(*snapshot, former_size, touched);
-  lines = slots_of_lines(*snapshot);
+  const auto is_line = [&](core::Slot slot) { return snapshot->kind(slot) == core::Kind::kLine; };
+  bool lines_edited = std::any_of(touched.begin(), touched.end(), is_line);
+  for (core::Slot slot = core::Slot(former_size); slot < snapshot->size(); ++slot) lines_edited |= is_line(slot);
+  if (lines_edited) lines = slots_of_lines(*snapshot);
   if (auto* cpu = std::get_if<culling::CpuCuller>(culler.get())) cpu->update(touched);
 }
 

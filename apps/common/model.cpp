@@ -115,8 +115,9 @@ void add_shown_options(CLI::App& app, bool& sample_test, engine::OcclusionChoice
       ->default_str("on")
       ->check(CLI::IsMember(names));
   using engine::OcclusionChoice;
+  const auto named = [](OcclusionChoice choice) { return std::pair(std::string(name_of(choice)), choice); };
   static const std::map<std::string, OcclusionChoice> choices = {
-      {"on", OcclusionChoice::kOn}, {"off", OcclusionChoice::kOff}, {"auto", OcclusionChoice::kAutomatic}};
+      named(OcclusionChoice::kOn), named(OcclusionChoice::kOff), named(OcclusionChoice::kAutomatic)};
   app.add_option_function<std::string>(
          "--occlusion", [&occlusion](const std::string& name) { occlusion = choices.at(name); },
          "Leave out of drawing what other items hide; no pixel is lost. auto: while it pays")

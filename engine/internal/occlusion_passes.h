@@ -23,7 +23,7 @@ class OcclusionPasses {
   /// seen is drawn; then the frame is remembered.
   bool next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   /// What to draw now; may be empty.
-  const core::VisibleSet& pass() const { return pass_; }
+  const core::VisibleSet& pass() const { return passes_[std::size_t(count_ - 1)]; }
   /// Slots that were drawn in this frame.
   std::size_t drawn() const { return drawn_count_; }
 
@@ -35,12 +35,12 @@ class OcclusionPasses {
   void find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
 
-  std::vector<std::uint64_t> open_;  // a bit per slot, of the last frame
-  std::vector<core::VisibleSet> passes_;
+  std::vector<std::uint64_t> open_;       // a bit per slot, of the last frame
+  std::vector<core::VisibleSet> passes_;  // the first count_ of them; the others keep memory
   culling::SlotBits lines_;
   const culling::Hierarchy* hierarchy_ = nullptr;
-  core::VisibleSet pass_, pending_, open_now_, others_;
-  int count_ = 0;  // of passes
+  core::VisibleSet pass_, pending_, open_now_, others_;  // pass_: the one to come
+  int count_ = 0;
   std::size_t drawn_count_ = 0;
 };
 

@@ -1,8 +1,6 @@
 // Whether the next frame tests occlusion, learnt from what frames cost with it and without. Internal to engine.
 #pragma once
 
-#include <array>
-
 namespace sightline::engine {
 
 /// Keeps the cheaper of two ways, and now and then tries the other one for a few frames: less and less often while it
