@@ -23,7 +23,7 @@
 namespace sightline::importers {
 namespace {
 
-constexpr const char* kOriginalCells = "original cells";
+constexpr const char* kOriginalCells = "vtkOriginalCellIds";  // the filter leaks any other name
 
 bool same_in_any_case(std::string_view a, std::string_view b) {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
@@ -332,7 +332,6 @@ core::Expected<vtkSmartPointer<vtkPolyData>> outer_surface(vtkDataSet& data, con
   filter->AddObserver(vtkCommand::ProgressEvent, command);
   filter->SetInputData(input);
   filter->PassThroughCellIdsOn();
-  filter->SetOriginalCellIdsName(kOriginalCells);
   filter->Update();
   if (!watch.asked) return tl::unexpected(watch.asked.error());
   restore_order(*filter->GetOutput());
