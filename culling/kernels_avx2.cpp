@@ -64,6 +64,9 @@ struct Avx2 {
     _mm256_storeu_ps(out + 8, a.high);
   }
   static Lanes spread(float a) { return {_mm256_set1_ps(a), _mm256_set1_ps(a)}; }
+  static Lanes count() {
+    return {_mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7), _mm256_setr_ps(8, 9, 10, 11, 12, 13, 14, 15)};
+  }
   static Lanes add(const Lanes& a, const Lanes& b) {
     return {_mm256_add_ps(a.low, b.low), _mm256_add_ps(a.high, b.high)};
   }

@@ -76,6 +76,10 @@ struct Scalar {
   static Lanes spread(float a) {
     return each([&](int) { return a; });
   }
+  /// 0, 1, 2, …
+  static Lanes count() {
+    return each([](int i) { return float(i); });
+  }
   static Lanes add(const Lanes& a, const Lanes& b) {
     return each([&](int i) { return a.v[i] + b.v[i]; });
   }

@@ -14,6 +14,8 @@ namespace {
 
 constexpr float kCentre[1][2] = {{0.0f, 0.0f}};  // the one sample of a pixel
 constexpr int kCoarsest = 3;                     // blocks along each axis of the last level
+constexpr int kLevels = 4;     // of which the coarse one's blocks hold kLanes x kLanes of the fine one's
+constexpr int kMostRows = 64;  // of blocks to look at; boxes that need more are open
 
 /// The greater of two; NaN counts as infinity.
 float farther(float a, float b) {
@@ -31,7 +33,7 @@ void DepthPyramid::resize(int width, int height) {
     size += std::size_t(w) * std::size_t(h);
     if (w <= kCoarsest && h <= kCoarsest) break;
   }
-  texels_.resize(size);
+  texels_.resize(size + kLanes);
 }
 
 void DepthPyramid::clear(int width, int height) {
@@ -71,19 +73,59 @@ bool DepthPyramid::all_nearer(int x0, int y0, int x1, int y1, float distance) co
 }
 
 OcclusionTest::OcclusionTest(const core::View& view, const core::dvec3& origin, int width, int height,
-                             const DepthPyramid& pyramid, double error)
-    : view_(make_screen_view(view, origin, width, height)), pyramid_(&pyramid), error_(float(error)) {
+                             const DepthPyramid& pyramid, double error, float snap)
+    : view_(make_screen_view(view, origin, width, height, snap)),
+      rays_(view, origin, width, height),
+      pyramid_(&pyramid),
+      error_(float(error)) {
   view_.samples = kCentre;
   view_.sample_count = 1;
 }
 
-/// The rectangle of a box in pixels, centres at integers, and its least distance. It must contain a pixel centre of the
-/// picture. Without std::floor, which is a function call where the instruction set has no floor.
-bool OcclusionTest::hides(float left, float right, float bottom, float top, float nearest) const {
-  left = std::max(left, 0.0f), right = std::min(right, view_.last_x);
-  bottom = std::max(bottom, 0.0f), top = std::min(top, view_.last_y);
-  const int x0 = int(left) + (float(int(left)) < left), y0 = int(bottom) + (float(int(bottom)) < bottom);
-  return pyramid_->all_nearer(x0, y0, int(right), int(top), nearest - (kDistanceMargin * std::abs(nearest) + error_));
+/// Whether all these pixels hide a box. `nearest`: its least distance.
+bool OcclusionTest::hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const {
+  if (pyramid_->all_nearer(pixels.x0, pixels.y0, pixels.x1, pixels.y1,
+                           nearest - (kDistanceMargin * std::abs(nearest) + error_)))
+    return true;
+  BoxSpan span;
+  if (!rays_.span(box, span)) return false;
+  const unsigned size = unsigned(std::max(pixels.x1 - pixels.x0, pixels.y1 - pixels.y0));
+  int level = 0;
+  while (size >> level >= unsigned(kLanes) - 1) level += kLevels;
+  int rows = 0;
+  return all_hidden(span, pixels, std::min(level, pyramid_->level_count() - 1), rows);
+}
+
+/// Whether no ray of these pixels meets the box in front of what the pixel holds. Looks at blocks of a level, and into
+/// those that do not answer for all of their pixels.
+bool OcclusionTest::all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const {
+  const float step = float(1 << level);
+  const int x0 = pixels.x0 >> level, x1 = pixels.x1 >> level;
+  BlockRow row{(float(x0) + 0.5f) * step - 0.5f,
+               0.0f,
+               step,
+               0.5f * (step - 1.0f) + view_.snap,
+               nullptr,
+               kDistanceMargin,
+               error_,
+               rays_.parallel()};
+  alignas(64) float entries[kLanes];
+  const unsigned lanes = (1u << std::min(x1 - x0 + 1, kLanes)) - 1u;
+  for (int y = pixels.y0 >> level; y <= pixels.y1 >> level; ++y) {
+    if (++rows > kMostRows) return false;
+    row.y = (float(y) + 0.5f) * step - 0.5f;
+    row.farthest = pyramid_->row(level, y) + x0;
+    unsigned open = kernels().open_blocks(box, row, entries) & lanes;
+    if (open != 0 && level == 0) return false;
+    for (; open != 0; open &= open - 1) {
+      const int x = x0 + std::countr_zero(open);
+      const PixelRectangle inside{std::max(pixels.x0, x << level), std::max(pixels.y0, y << level),
+                                  std::min(pixels.x1, ((x + 1) << level) - 1),
+                                  std::min(pixels.y1, ((y + 1) << level) - 1)};
+      if (!all_hidden(box, inside, std::max(0, level - kLevels), rows)) return false;
+    }
+  }
+  return true;
 }
 
 bool OcclusionTest::hidden(const core::Aabb& box) const {
@@ -97,7 +139,7 @@ unsigned OcclusionTest::hidden_of(const float* const (&coordinates)[6]) const {
   unsigned found = ~r.covering;
   for (unsigned bits = r.covering & r.projects; bits != 0; bits &= bits - 1) {
     const int i = std::countr_zero(bits);
-    if (hides(r.left[i], r.right[i], r.bottom[i], r.top[i], r.nearest[i])) found |= 1u << i;
+    if (hides(box_of(coordinates, i), pixels_of(view_, r, i), r.nearest[i])) found |= 1u << i;
   }
   return found;
 }
@@ -140,30 +182,71 @@ void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::Visibl
   }
 }
 
-void OcclusionTest::split_by_distance(const core::ItemBounds& bounds, const core::VisibleSet& in, std::size_t count,
-                                      core::VisibleSet& near, core::VisibleSet& far) const {
-  struct Placed {
-    float distance;
-    core::Slot slot;
-  };
-  thread_local std::vector<Placed> placed;
-  placed.clear();
-  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned, bool) {
-    for (int i = 0; i < group.count; ++i) {
+/// Of each pixel, the box that its ray enters first.
+struct OcclusionTest::FrontLayer {
+  void clear(std::size_t pixels) {
+    nearest.assign(pixels, std::numeric_limits<float>::infinity());
+    owner.assign(pixels, core::kNone);
+    slots.clear();
+    in_front.clear();
+  }
+  std::vector<float> nearest;
+  std::vector<std::uint32_t> owner;     // index in slots
+  std::vector<core::Slot> slots;        // of the set
+  std::vector<unsigned char> in_front;  // of each of these: whether it belongs to the layer
+};
+
+/// Enters the last slot of `layer`, whose box this is. False when the box is too large or not judged.
+bool OcclusionTest::enter(const BoxCoordinates& box, const PixelRectangle& pixels, FrontLayer& layer) const {
+  BoxSpan span;
+  const int columns = (pixels.x1 - pixels.x0) / kLanes + 1;
+  if (columns * (pixels.y1 - pixels.y0 + 1) > kMostRows || !rays_.span(box, span)) return false;
+  BlockRow row{0.0f, 0.0f, 1.0f, view_.snap, nullptr, kDistanceMargin, error_, rays_.parallel()};
+  alignas(64) float entries[kLanes];
+  for (int y = pixels.y0; y <= pixels.y1; ++y)
+    for (int x = pixels.x0; x <= pixels.x1; x += kLanes) {
+      row.x = float(x), row.y = float(y);
+      row.farthest = pyramid_->row(0, y) + x;
+      const unsigned lanes = (1u << std::min(pixels.x1 - x + 1, kLanes)) - 1u;
+      for (unsigned open = kernels().open_blocks(span, row, entries) & lanes; open != 0; open &= open - 1) {
+        const int i = std::countr_zero(open);
+        const std::size_t pixel = std::size_t(y) * std::size_t(pyramid_->width()) + std::size_t(x + i);
+        if (!(entries[i] < layer.nearest[pixel])) continue;
+        layer.nearest[pixel] = entries[i];
+        layer.owner[pixel] = std::uint32_t(layer.slots.size() - 1);
+      }
+    }
+  return true;
+}
+
+void OcclusionTest::split_front(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& front,
+                                core::VisibleSet& behind) const {
+  thread_local FrontLayer layer;
+  layer.clear(std::size_t(pyramid_->width()) * std::size_t(pyramid_->height()));
+  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool) {
+    BoxRectangles r;
+    kernels().rectangles(view_, group.coordinates, r);
+    for (unsigned bits = used; bits != 0; bits &= bits - 1) {
+      const int i = std::countr_zero(bits);
       if (bounds.vacant(group.slots[i])) continue;
-      const auto middle = [&](int axis) { return group.coordinates[axis][i] + group.coordinates[axis + 3][i]; };
-      placed.push_back({view_.t.x * middle(0) + view_.t.y * middle(1) + view_.t.z * middle(2), group.slots[i]});
+      layer.slots.push_back(group.slots[i]);
+      const bool judged = (r.covering & r.projects) >> i & 1u;
+      layer.in_front.push_back(!judged || !enter(box_of(group.coordinates, i), pixels_of(view_, r, i), layer));
     }
   });
-  count = std::min(count, placed.size());
-  std::nth_element(placed.begin(), placed.begin() + std::ptrdiff_t(count), placed.end(),
-                   [](const Placed& a, const Placed& b) { return a.distance < b.distance; });
-  near.clear();
-  far.clear();
-  near.generation = far.generation = in.generation;
-  for (std::size_t i = 0; i < placed.size(); ++i) (i < count ? near : far).items.push_back(placed[i].slot);
-  std::sort(near.items.begin(), near.items.end());
-  std::sort(far.items.begin(), far.items.end());
+  for (const std::uint32_t owner : layer.owner)
+    if (owner != core::kNone) layer.in_front[owner] = 1;
+  front.clear();
+  behind.clear();
+  front.generation = behind.generation = in.generation;
+  // Slots of ranges come first, then single ones, both in rising order.
+  const auto merge = [](std::vector<core::Slot>& slots) {
+    std::inplace_merge(slots.begin(), std::is_sorted_until(slots.begin(), slots.end()), slots.end());
+  };
+  for (std::size_t i = 0; i < layer.slots.size(); ++i)
+    (layer.in_front[i] ? front : behind).items.push_back(layer.slots[i]);
+  merge(front.items);
+  merge(behind.items);
 }
 
 }  // namespace sightline::culling

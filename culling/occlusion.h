@@ -1,9 +1,13 @@
 // Occlusion: which boxes are hidden behind what is already drawn.
 //
 // Promise: conservative at the sample positions of one depth image. A box is hidden only when, at every pixel centre
-// that its projection may contain (the rectangle of sample_test.h), the image holds a distance that is less than any
-// point's of the box. Whatever lies in the box then fails the depth test at each of these pixels. Boxes that reach
-// behind the eye are never hidden.
+// that its projection may contain, the image holds a distance that is less than that of any point of the box there.
+// Whatever lies in the box then fails the depth test at each of these pixels. Boxes that reach behind the eye are never
+// hidden.
+//
+// Two steps: first all pixels of the rectangle around the projection against the box's least distance, in the pyramid;
+// then, for boxes that this leaves open, the ray of each pixel against the box itself (internal/pixel_rays.h), sixteen
+// pixels at a time and whole blocks of large boxes first.
 //
 // Where the distances come from does not matter: a picture's own depth after a first pass, a raster of chosen
 // occluders, or the application. They must be those of surfaces that are drawn, or larger. Section planes and
@@ -22,6 +26,7 @@
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/hierarchy.h"
+#include "sightline/culling/internal/pixel_rays.h"
 #include "sightline/culling/internal/screen_view.h"
 #include "sightline/culling/sample_test.h"
 
@@ -44,6 +49,13 @@ class SIGHTLINE_API DepthPyramid {
   /// may be false because of a pixel beside them: at most 9 x 9 blocks that contain them are looked at,
   /// single pixels where they are no more.
   bool all_nearer(int x0, int y0, int x1, int y1, float distance) const;
+
+  int level_count() const { return int(levels_.size()); }
+  /// Farthest distances of a row of blocks of 2^level x 2^level pixels. Sixteen floats from any of them on may be read.
+  const float* row(int level, int y) const {
+    const Level& l = levels_[std::size_t(level)];
+    return texels_.data() + l.first + std::size_t(y) * std::size_t(l.width);
+  }
   std::size_t memory_bytes() const { return texels_.capacity() * sizeof(float); }
 
  private:
@@ -63,10 +75,10 @@ class SIGHTLINE_API OcclusionTest {
   static constexpr float kDistanceMargin = 0x1p-16f;
 
   /// `origin`: of the bounds whose boxes will be tested. Borrows the pyramid, which may be built anew between tests: of
-  /// the distances of `view` in a picture of width x height pixels. They may also be off by `error` metres, as in
-  /// orthographic views, whose depth is linear.
+  /// the distances of `view` in a picture of width x height pixels, drawn by a rasteriser of that `snap`
+  /// (rasteriser_snap). They may also be off by `error` metres, as in orthographic views, whose depth is linear.
   OcclusionTest(const core::View& view, const core::dvec3& origin, int width, int height, const DepthPyramid& pyramid,
-                double error = 0.0);
+                double error = 0.0, float snap = kCoarsestSnap);
 
   /// Also true of boxes that cover no pixel centre.
   bool hidden(const core::Aabb& box) const;
@@ -80,16 +92,20 @@ class SIGHTLINE_API OcclusionTest {
   void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
                      SlotBits exempt = {}) const;
 
-  /// Distributes the slots of `in`: the `count` ones whose boxes' middles are nearest, and the others.
-  /// Vacant slots are left out.
-  void split_by_distance(const core::ItemBounds& bounds, const core::VisibleSet& in, std::size_t count,
-                         core::VisibleSet& near, core::VisibleSet& far) const;
+  /// Distributes the slots of `in`, which are not hidden: `front` gets the box that the ray of each pixel enters first,
+  /// and boxes too large to look at each of their pixels, or not judged. What is drawn next hides most if it is that.
+  void split_front(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& front,
+                   core::VisibleSet& behind) const;
 
  private:
+  struct FrontLayer;
+  bool enter(const BoxCoordinates& box, const PixelRectangle& pixels, FrontLayer& layer) const;
   unsigned hidden_of(const float* const (&coordinates)[6]) const;
-  bool hides(float left, float right, float bottom, float top, float nearest) const;
+  bool hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const;
+  bool all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const;
 
   ScreenView view_;
+  PixelRays rays_;
   const DepthPyramid* pyramid_;
   float error_;
 };

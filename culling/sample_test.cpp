@@ -1,15 +1,28 @@
 #include "sightline/culling/sample_test.h"
 
+#include <bit>
 #include <cassert>
+#include <limits>
 #include <utility>
 
 #include "sightline/culling/internal/filter_slots.h"
 #include "sightline/culling/internal/kernels.h"
 
 namespace sightline::culling {
+namespace {
+
+constexpr std::array<float, kLanes> kNothingDrawn = [] {
+  std::array<float, kLanes> distances{};
+  distances.fill(std::numeric_limits<float>::infinity());
+  return distances;
+}();
+
+}  // namespace
 
 SampleTest::SampleTest(const core::View& view, const core::dvec3& origin, PictureSamples samples)
-    : samples_(std::move(samples)), view_(make_screen_view(view, origin, samples_.width, samples_.height)) {
+    : samples_(std::move(samples)),
+      view_(make_screen_view(view, origin, samples_.width, samples_.height, samples_.snap)),
+      rays_(view, origin, samples_.width, samples_.height) {
   assert(samples_.width > 0 && samples_.height > 0 && !samples_.offsets.empty());
 }
 
@@ -21,13 +34,43 @@ ScreenView SampleTest::view() const {
   return view;
 }
 
+/// Whether a ray through a sample in the rectangle of box i meets the box, as far as that can be said.
+bool SampleTest::rays_meet(const BoxCoordinates& box, const BoxRectangles& rectangles, int i) const {
+  BoxSpan span;
+  if (rectangles.right[i] - rectangles.left[i] > float(kLanes - 1) ||
+      rectangles.top[i] - rectangles.bottom[i] > float(kLanes - 1) || !rays_.span(box, span))
+    return true;
+  alignas(64) float entries[kLanes];
+  BlockRow row{0.0f, 0.0f, 1.0f, view_.snap, kNothingDrawn.data(), 0.0f, 0.0f, rays_.parallel()};
+  for (const auto& [x, y] : samples_.offsets) {
+    const PixelRectangle pixels = pixels_of(view_, rectangles, i, x, y);
+    const unsigned lanes = (1u << std::max(pixels.x1 - pixels.x0 + 1, 0)) - 1u;
+    for (int at = pixels.y0; at <= pixels.y1; ++at) {
+      row.x = float(pixels.x0) + x, row.y = float(at) + y;
+      if ((kernels().open_blocks(span, row, entries) & lanes) != 0) return true;
+    }
+  }
+  return false;
+}
+
+/// Bit i: box i of sixteen may cover a sample.
+unsigned SampleTest::covering(const ScreenView& view, const float* const (&coordinates)[6]) const {
+  BoxRectangles r;
+  kernels().rectangles(view, coordinates, r);
+  unsigned found = r.covering;
+  for (unsigned bits = r.covering & r.projects; bits != 0; bits &= bits - 1) {
+    const int i = std::countr_zero(bits);
+    if (!rays_meet(box_of(coordinates, i), r, i)) found &= ~(1u << i);
+  }
+  return found;
+}
+
 bool SampleTest::covers(const core::Aabb& box) const {
-  return of_one_box(box, [&](const auto& boxes) { return kernels().covering(view(), boxes); });
+  return of_one_box(box, [&](const auto& boxes) { return covering(view(), boxes); });
 }
 
 void SampleTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& out,
                         SlotBits exempt) const {
-  const auto covering = kernels().covering;
   const ScreenView screen = view();
   filter_slots(bounds, in, out, exempt, [&](const auto& boxes) { return covering(screen, boxes); });
 }

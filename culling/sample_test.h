@@ -1,16 +1,19 @@
 // The sample test: which boxes can colour a picture at all. A picture is a finite set of samples, and an item whose
 // projection contains none of them colours nothing, wherever it lies in depth. Distant items mostly are of that kind.
 //
-// Promise: conservative, so a picture loses nothing. A box is rejected only when the rectangle around its projection,
-// computed in float and grown by every error of that and by what a rasteriser may move a vertex (internal/
-// screen_boxes.h), contains no sample. Boxes that reach behind the eye are kept. All instruction sets give the same
-// answer. The rectangle is larger than the projection, so some boxes without a sample are kept.
+// Promise: conservative, so a picture loses nothing. A box is rejected only when the rectangle around its projection
+// contains no sample (internal/screen_boxes.h), or when no ray through one of these samples meets the box (internal/
+// pixel_rays.h). Both are computed in float and grown by every error of that and by what a rasteriser may move a
+// vertex. Boxes that reach behind the eye, and of those with a larger rectangle than 16 x 16 pixels all, are kept. All
+// instruction sets give the same answer.
 //
 // Lines are drawn one pixel wide, by a rule of their own: they colour pixels whose centres they miss. Callers exempt
 // them.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,14 +22,23 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
+#include "sightline/culling/internal/pixel_rays.h"
 #include "sightline/culling/internal/screen_view.h"
 
 namespace sightline::culling {
+
+/// Pixels by which any GL's rasteriser may move a vertex: it has four bits of sub-pixel precision or more.
+inline constexpr float kCoarsestSnap = 0.08f;
+/// The same for a picture and a rasteriser with so many bits (GL_SUBPIXEL_BITS), with what float loses of a place.
+inline float rasteriser_snap(int subpixel_bits, int width, int height) {
+  return std::ldexp(1.0f, -subpixel_bits) + 0x1p-20f * float(std::max(width, height));
+}
 
 /// Where a picture takes its samples.
 struct PictureSamples {
   int width = 0, height = 0;                          ///< pixels, positive
   std::vector<std::array<float, 2>> offsets{{0, 0}};  ///< of a pixel's samples from its centre, pixels; not empty
+  float snap = kCoarsestSnap;                         ///< rasteriser_snap()
 };
 
 /// A bit per slot, from the lowest bit of the first word on. Slots beyond the last word have none.
@@ -34,6 +46,8 @@ using SlotBits = std::span<const std::uint64_t>;
 inline bool contains(SlotBits bits, core::Slot slot) {
   return slot / 64 < bits.size() && (bits[slot / 64] >> slot % 64 & 1u) != 0;
 }
+
+struct BoxRectangles;
 
 class SIGHTLINE_API SampleTest {
  public:
@@ -50,9 +64,12 @@ class SIGHTLINE_API SampleTest {
 
  private:
   ScreenView view() const;
+  unsigned covering(const ScreenView& view, const float* const (&coordinates)[6]) const;
+  bool rays_meet(const BoxCoordinates& box, const BoxRectangles& rectangles, int i) const;
 
   PictureSamples samples_;
   ScreenView view_;
+  PixelRays rays_;
 };
 
 }  // namespace sightline::culling

@@ -30,7 +30,7 @@ float largest_coordinate(std::initializer_list<LinearForm> forms) {
 
 }  // namespace
 
-ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, int width, int height) {
+ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, int width, int height, float snap) {
   const core::dmat4 clip = glm::transpose(view.clip_from_world()), eye = glm::transpose(view.eye_from_world());
   // Pixel centres at integers: 0.5 size (ndc + 1) - 0.5.
   const auto place = [&](int axis, int size) { return 0.5 * size * clip[axis] + (0.5 * size - 0.5) * clip[3]; };
@@ -39,6 +39,7 @@ ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, i
   screen.y = form_of(place(1, height), origin);
   screen.w = form_of(clip[3], origin);
   screen.t = form_of(-eye[2], origin);
+  screen.snap = snap;
   screen.last_x = float(width - 1);
   screen.last_y = float(height - 1);
   screen.largest = largest_coordinate({screen.x, screen.y, screen.w, screen.t});

@@ -9,8 +9,8 @@
 namespace sightline::engine {
 namespace {
 
-culling::PictureSamples picture_samples(const render::RenderTarget& target) {
-  culling::PictureSamples samples{target.width(), target.height(), {}};
+culling::PictureSamples picture_samples(const render::RenderTarget& target, float snap) {
+  culling::PictureSamples samples{target.width(), target.height(), {}, snap};
   for (const glm::vec2& offset : target.sample_offsets()) samples.offsets.push_back({offset.x, offset.y});
   return samples;
 }
@@ -191,10 +191,14 @@ void Drawing::frame_took(double ms) {
   switched_ = false;
 }
 
+float Drawing::snap() const {
+  return culling::rasteriser_snap(context_.capabilities().subpixel_bits, target_.width(), target_.height());
+}
+
 core::Expected<void> Drawing::draw_at_once(const core::View& view, const core::Snapshot& snapshot,
                                            const core::VisibleSet& visible, culling::SlotBits lines) {
   if (sample_test_)
-    culling::SampleTest(view, snapshot.bounds().origin, picture_samples(target_))
+    culling::SampleTest(view, snapshot.bounds().origin, picture_samples(target_, snap()))
         .filter(snapshot.bounds(), visible, sampled_, lines);
   const core::VisibleSet& shown = sample_test_ ? sampled_ : visible;
   counts_.sampled = counts_.shown = std::int64_t(snapshot.count(shown));
@@ -208,7 +212,7 @@ core::Expected<void> Drawing::draw_in_passes(const core::View& view, const core:
                                              const culling::Hierarchy* hierarchy) {
   const core::ItemBounds& bounds = snapshot.bounds();
   const culling::OcclusionTest test(view, bounds.origin, target_.width(), target_.height(), pyramid_,
-                                    render::RenderTarget::orthographic_error(view));
+                                    render::RenderTarget::orthographic_error(view), snap());
   pyramid_.clear(target_.width(), target_.height());
   passes_.begin(visible, lines, hierarchy);
   for (bool first = true; passes_.next(test, bounds); first = false) {

@@ -6,7 +6,7 @@ namespace sightline::engine {
 namespace {
 
 constexpr std::uint32_t kShortestRange = 16;  // slots; fewer neighbours are single slots
-constexpr std::size_t kFew = 4096;            // slots that are not worth another pass
+constexpr std::size_t kFew = 2048;            // slots that are not worth another pass
 constexpr int kMostPasses = 6;
 
 /// Appends slots first … end - 1, which lie behind all that `set` has in ranges.
@@ -62,27 +62,21 @@ bool OcclusionPasses::next(const culling::OcclusionTest& test, const core::ItemB
   return true;
 }
 
-/// What was open in the frame before and covers a pixel centre in this one. Where too little is known of this view,
-/// also the nearest items, which hide most.
+/// What was open in the frame before and covers a pixel centre in this one.
 void OcclusionPasses::find_first(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
   test.filter(bounds, pass_, open_now_, lines_);
   std::swap(pass_, open_now_);
-  if (pass_.count() >= kFew || pending_.count() <= kFew) return;
-  test.split_by_distance(bounds, pending_, kFew, open_now_, others_);
-  pass_.items.insert(pass_.items.end(), open_now_.items.begin(), open_now_.items.end());
-  std::sort(pass_.items.begin(), pass_.items.end());
-  std::swap(pending_, others_);
 }
 
+/// Where much is open, only what is in front of the rest.
 void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
   if (hierarchy_ && !pending_.ranges.empty()) {
     test.filter_leaves(*hierarchy_, pending_, others_, lines_);
     std::swap(pending_, others_);
   }
   test.filter(bounds, pending_, open_now_, lines_);
-  const std::size_t open = open_now_.count();
-  if (open > kFew && count_ < kMostPasses - 1) {
-    test.split_by_distance(bounds, open_now_, std::max(kFew, open / 4), pass_, pending_);
+  if (open_now_.count() > kFew && count_ < kMostPasses - 1) {
+    test.split_front(bounds, open_now_, pass_, pending_);
   } else {
     std::swap(pass_, open_now_);
     pending_.clear();

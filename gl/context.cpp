@@ -79,6 +79,7 @@ Capabilities query_capabilities(const Functions& gl) {
   gl.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
   caps.max_viewport_width = viewport[0];
   caps.max_viewport_height = viewport[1];
+  caps.subpixel_bits = std::max(caps.subpixel_bits, get_int(gl, GL_SUBPIXEL_BITS));
   caps.max_samples = get_int(gl, GL_MAX_SAMPLES);
   caps.max_integer_samples = get_int(gl, GL_MAX_INTEGER_SAMPLES);
   caps.uniform_offset_alignment = get_int(gl, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);

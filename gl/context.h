@@ -45,6 +45,7 @@ struct Capabilities {
   int max_viewport_width = 0;
   int max_viewport_height = 0;
   int max_samples = 0;
+  int subpixel_bits = 4;  ///< to which a rasteriser rounds vertices, at least
   int max_integer_samples = 0;
   int uniform_offset_alignment = 0;  ///< bytes
   int storage_offset_alignment = 0;  ///< bytes

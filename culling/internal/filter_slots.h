@@ -13,6 +13,23 @@
 
 namespace sightline::culling {
 
+/// Box i of sixteen.
+inline BoxCoordinates box_of(const float* const (&coordinates)[6], int i) {
+  const auto& c = coordinates;
+  return {c[0][i], c[1][i], c[2][i], c[3][i], c[4][i], c[5][i]};
+}
+
+/// Pixels of the picture with a sample in the rectangle of box i; offsets of the samples from the pixel centre. None
+/// where x1 < x0 or y1 < y0. Without std::floor, which is a function call where the instruction set has no floor.
+inline PixelRectangle pixels_of(const ScreenView& view, const BoxRectangles& r, int i, float offset_x = 0.0f,
+                                float offset_y = 0.0f) {
+  const float left = std::max(r.left[i] - offset_x, 0.0f), right = std::min(r.right[i] - offset_x, view.last_x);
+  const float bottom = std::max(r.bottom[i] - offset_y, 0.0f), top = std::min(r.top[i] - offset_y, view.last_y);
+  const auto next = [](float a) { return int(a) + (float(int(a)) < a); };
+  const auto last = [](float a) { return a < 0.0f ? -1 : int(a); };
+  return {next(left), next(bottom), last(right), last(top)};
+}
+
 /// Sixteen slots and their boxes.
 struct SlotGroup {
   const float* coordinates[6];  // of the first slot, those of the others behind it

@@ -81,7 +81,16 @@ struct BoxRectangles {
   unsigned covering;  // bit i: box i may cover a sample of the picture
 };
 
-ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, int width, int height);
+/// Sixteen blocks of pixels beside each other, and how what they hold is compared.
+struct BlockRow {
+  float x, y, step;       // middle of the first block, and the way to the next one's
+  float reach;            // from a block's middle to the last place that belongs to it, along both axes
+  const float* farthest;  // distances that the blocks hold
+  float margin, error;    // a box is behind a distance by more than this share of its own, and by metres
+  bool parallel;          // keys are -t, not 1 / t
+};
+
+ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, int width, int height, float snap);
 
 /// Items whose answers fit on the stack.
 inline constexpr std::size_t kItemsAtOnce = 4096;
@@ -100,9 +109,10 @@ struct Kernels {
   /// Union of the boxes of kLeafSize items, in the order of the coordinates. Vacant slots do not count. Returns false,
   /// with anything in `box`, when one of the boxes holds a NaN.
   bool (*leaf_box)(const float* const (&coordinates)[6], std::size_t first, float (&box)[6]);
-  /// Bit i: box i of sixteen may cover a sample of the picture.
-  unsigned (*covering)(const ScreenView& view, const float* const (&coordinates)[6]);
   void (*rectangles)(const ScreenView& view, const float* const (&coordinates)[6], BoxRectangles& out);
+  /// Bit i: at some place of block i a ray may meet the box, no farther than the block's distance. Writes at what
+  /// distance it enters the box, at least: sixteen floats, which mean something where the bit is set.
+  unsigned (*open_blocks)(const BoxSpan& box, const BlockRow& row, float* entries);
 };
 
 const Kernels& scalar_kernels();

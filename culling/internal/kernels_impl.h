@@ -488,6 +488,32 @@ void cull_items(const ItemTest& test, PlaneMask mask, std::size_t first, std::si
   found = {items, edges};
 }
 
+/// The keys of a face in sixteen blocks of a row, at the place of a block where they are greatest (sign 1) or least.
+template <class Simd>
+typename Simd::Lanes keys_of_face(const PictureFunction& f, const BlockRow& row, const typename Simd::Lanes& x,
+                                  float sign) {
+  const float slope = (f.x < 0.0f ? -f.x : f.x) + (f.y < 0.0f ? -f.y : f.y);
+  const float constant = (f.constant + f.y * row.y) + sign * row.reach * slope;
+  return Simd::add(Simd::spread(constant), Simd::multiply(Simd::spread(f.x), x));
+}
+
+template <class Simd>
+unsigned open_blocks(const BoxSpan& box, const BlockRow& row, float* entries) {
+  using Lanes = typename Simd::Lanes;
+  const Lanes x = Simd::add(Simd::spread(row.x), Simd::multiply(Simd::spread(row.step), Simd::count()));
+  Lanes entry = keys_of_face<Simd>(box.near[0], row, x, 1.0f);
+  for (int i = 1; i < box.near_count; ++i) entry = Simd::least(entry, keys_of_face<Simd>(box.near[i], row, x, 1.0f));
+  Lanes exit = keys_of_face<Simd>(box.far[0], row, x, -1.0f);
+  for (int i = 1; i < box.far_count; ++i) exit = Simd::most(exit, keys_of_face<Simd>(box.far[i], row, x, -1.0f));
+  const Lanes distance =
+      row.parallel ? Simd::subtract(Simd::spread(0.0f), entry) : Simd::divide(Simd::spread(1.0f), entry);
+  const Lanes least = Simd::subtract(
+      distance,
+      Simd::add(Simd::multiply(Simd::spread(row.margin), Simd::magnitude(distance)), Simd::spread(row.error)));
+  Simd::store(entries, distance);
+  return Simd::at_most(exit, entry) & ~Simd::less(Simd::load(row.farthest), least) & 0xffffu;
+}
+
 template <class Simd>
 constexpr Kernels make_kernels() {
   Kernels k{};
@@ -516,12 +542,10 @@ constexpr Kernels make_kernels() {
     }
     return numbers == 0xffff;
   };
-  k.covering = [](const ScreenView& view, const float* const(&c)[6]) {
-    return ScreenBoxes<Simd>(view, c).covering(view);
-  };
   k.rectangles = [](const ScreenView& view, const float* const(&c)[6], BoxRectangles& out) {
     ScreenBoxes<Simd>(view, c).store(view, out);
   };
+  k.open_blocks = open_blocks<Simd>;
   return k;
 }
 

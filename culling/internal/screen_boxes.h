@@ -6,7 +6,7 @@
 //   - A form's value is a sum of four products. Coefficients, products and sums are rounded, so its error is at most
 //     B = 8 u (|a x| + |b y| + |c z| + |d|), u = 2^-24, and what d has lost before.
 //   - The quotient q is off by at most (Bx + |q| Bw) / (W - Bw) from the forms, and by 3 u |q| from its own rounding.
-//   - A rasteriser may move vertices: kSnap.
+//   - A rasteriser may move vertices: ScreenView::snap.
 // Where W may be 0 or less in a box, or a product may overflow, the rectangle is the whole picture.
 //
 // Simd::Lanes holds sixteen floats. least() and most() are a < b ? a : b and a < b ? b : a, so every instruction set
@@ -53,8 +53,8 @@ class ScreenBoxes {
         Simd::less(sizes[0], largest) & Simd::less(sizes[1], largest) & Simd::less(sizes[2], largest);
     projects_ = ordered & finite & Simd::less(Simd::multiply(Simd::spread(4.0f), band_w), least_w);
     const Lanes per_w = Simd::divide(Simd::spread(1.01f), Simd::subtract(least_w, band_w));
-    widen(left_, right_, band(view.x, sizes), band_w, per_w);
-    widen(bottom_, top_, band(view.y, sizes), band_w, per_w);
+    widen(left_, right_, band(view.x, sizes), band_w, per_w, view.snap);
+    widen(bottom_, top_, band(view.y, sizes), band_w, per_w, view.snap);
     nearest_ = Simd::subtract(nearest_, band(view.t, sizes));
   }
 
@@ -104,11 +104,11 @@ class ScreenBoxes {
                      Simd::add(part(f.z, sizes[2]), Simd::spread(constant)));
   }
 
-  static void widen(Lanes& low, Lanes& high, const Lanes& band, const Lanes& band_w, const Lanes& per_w) {
+  static void widen(Lanes& low, Lanes& high, const Lanes& band, const Lanes& band_w, const Lanes& per_w, float snap) {
     const Lanes farthest = Simd::most(Simd::magnitude(low), Simd::magnitude(high));
     const Lanes of_forms = Simd::multiply(Simd::add(band, Simd::multiply(farthest, band_w)), per_w);
     const Lanes reach =
-        Simd::add(Simd::add(of_forms, Simd::multiply(Simd::spread(4e-7f), farthest)), Simd::spread(ScreenView::kSnap));
+        Simd::add(Simd::add(of_forms, Simd::multiply(Simd::spread(4e-7f), farthest)), Simd::spread(snap));
     low = Simd::subtract(low, reach);
     high = Simd::add(high, reach);
   }

@@ -1,6 +1,8 @@
 // Internal: a view as sample and occlusion tests see it.
 #pragma once
 
+#include <array>
+
 namespace sightline::culling {
 
 /// x, y, z: coefficients of a point's coordinates, relative to the origin of the bounds; d: the constant term; error:
@@ -10,15 +12,33 @@ struct LinearForm {
 };
 
 struct ScreenView {
-  /// Pixels by which a rasteriser may move a vertex: GL requires only four bits of sub-pixel precision.
-  static constexpr float kSnap = 0.08f;
-
   LinearForm x, y, w;         // x / w, y / w: place in the picture, in pixels, with the first pixel's centre at 0
   LinearForm t;               // distance from the eye along the viewing direction
   float last_x, last_y;       // the last pixel's centre
   const float (*samples)[2];  // offsets from the pixel centre
   int sample_count;
+  float snap;     // pixels by which a rasteriser may move a vertex
   float largest;  // coordinates of boxes that are projected: their products with coefficients are finite
+};
+
+/// A box's minimum, then its maximum.
+using BoxCoordinates = std::array<float, 6>;
+
+/// Pixels x0 … x1, y0 … y1.
+struct PixelRectangle {
+  int x0, y0, x1, y1;
+};
+
+/// constant + x * (place in the picture).x + y * (place in the picture).y.
+struct PictureFunction {
+  float constant, x, y;
+};
+
+/// The ray of a pixel meets a box where all `far` are at most all `near`, and enters it at the least of `near`: see
+/// internal/pixel_rays.h.
+struct BoxSpan {
+  PictureFunction near[3], far[6];
+  int near_count, far_count;
 };
 
 }  // namespace sightline::culling

@@ -87,6 +87,7 @@ class Drawing {
   core::Expected<culling::GpuCuller> make_culler(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   void wait_for_room();
   void wait_for_oldest();
+  float snap() const;
   bool tests_occlusion(std::int64_t candidates);
   core::Expected<void> draw_at_once(const core::View& view, const core::Snapshot& snapshot,
                                     const core::VisibleSet& visible, culling::SlotBits lines);

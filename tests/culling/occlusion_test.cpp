@@ -1,6 +1,7 @@
 // The pyramid against its pixels, and the occlusion test against exact arithmetic.
 #include "sightline/culling/occlusion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -120,6 +121,59 @@ TEST(OcclusionTest, AWallHidesWhatIsBehindItAlone) {
   EXPECT_TRUE(test.hidden({{1, 20, -1}, {2, 21, 1}}));
 }
 
+std::vector<core::Slot> merged(const std::vector<core::Slot>& a, const std::vector<core::Slot>& b) {
+  std::vector<core::Slot> both(a.size() + b.size());
+  std::merge(a.begin(), a.end(), b.begin(), b.end(), both.begin());
+  return both;
+}
+
+/// Where a ray meets a box that is left behind, it meets one of the front before that.
+TEST(OcclusionTest, TheFrontIsWhatRaysMeetFirst) {
+  std::size_t in_front = 0, left_behind = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const auto [half, origin, view] = RandomSite(random);
+    const PictureSamples samples{whole(random, 1, 20), whole(random, 1, 4), {{0, 0}}};
+    const ExactSamples exact(view, origin, samples);
+    core::ItemBounds bounds;
+    bounds.resize(24);
+    for (std::size_t i = 0; i < bounds.size(); ++i)
+      bounds.set(i, chance(random, 0.3) ? random_box(random, half) : box_at_a_sample(random, view, origin, samples));
+    DepthPyramid pyramid;
+    const auto distances = random_distances(random, samples.width, samples.height, half);
+    pyramid.build(distances, samples.width, samples.height);
+    const OcclusionTest test(view, origin, samples.width, samples.height, pyramid, 0.0, 0.0f);
+    core::VisibleSet all, opens, front, behind;
+    all.ranges = {{0, 24}};
+    test.filter(bounds, all, opens);
+    test.split_front(bounds, opens, front, behind);
+    ASSERT_EQ(merged(front.items, behind.items), opens.sorted_slots());
+    in_front += front.items.size();
+    left_behind += behind.items.size();
+    for (int y = 0; y < samples.height; ++y)
+      for (int x = 0; x < samples.width; ++x) {
+        double first = std::numeric_limits<double>::infinity();
+        const double kept = distances[std::size_t(y * samples.width + x)], off = 1e-4 * half + 4e-6;
+        const auto entry = [&](core::Slot s, float grown = 0.0f) {
+          Aabb box = bounds.box(s);
+          box.min -= grown, box.max += grown;
+          const auto nearest = exact.nearest(box, x, y);
+          return nearest ? nearest->get_d() : std::numeric_limits<double>::infinity();
+        };
+        for (const core::Slot s : front.items) first = std::min(first, entry(s, float(off)));
+        for (const core::Slot s : behind.items) {
+          const double own = entry(s);
+          if (own < kept - off && own < 1e30) {
+            ASSERT_LE(first, own + off + 1e-4 * std::abs(own)) << "slot " << s << ", pixel " << x << ' ' << y;
+          }
+        }
+      }
+  }
+  EXPECT_GT(in_front, 100u);
+  EXPECT_GT(left_behind, 100u);
+}
+
 /// As single boxes are; what is exempt stays open. Leaves that are left out hold hidden slots alone.
 TEST(OcclusionTest, FiltersSets) {
   std::uint64_t leaves_out = 0;
@@ -154,6 +208,7 @@ TEST(OcclusionTest, FiltersSets) {
       if (spared) exempt[s / 64] |= std::uint64_t(1) << s % 64;
       if (spared || !test.hidden(bounds.box(s))) open.push_back(s);
     }
+    std::vector<core::Slot> first_front;
     for_each_instruction_set([&] {
       core::VisibleSet opens, leaves, both;
       test.filter(bounds, in, opens, exempt);
@@ -162,12 +217,13 @@ TEST(OcclusionTest, FiltersSets) {
       leaves_out += in.count() - leaves.count();
       test.filter(bounds, leaves, both, exempt);
       ASSERT_EQ(both.sorted_slots(), open);
-      core::VisibleSet near, far;
-      test.split_by_distance(bounds, opens, open.size() / 3, near, far);
-      ASSERT_EQ(near.count(), open.size() / 3);
-      ASSERT_EQ(near.count() + far.count(), open.size());
-      test.split_by_distance(bounds, in, in.count() / 3, near, far);  // vacant slots included
-      for (const core::VisibleSet* part : {&near, &far})
+      core::VisibleSet front, behind;
+      test.split_front(bounds, opens, front, behind);
+      ASSERT_EQ(merged(front.items, behind.items), open);
+      if (first_front.empty()) first_front = front.items;
+      ASSERT_EQ(front.items, first_front);
+      test.split_front(bounds, in, front, behind);  // vacant slots included
+      for (const core::VisibleSet* part : {&front, &behind})
         for (const core::Slot s : part->items) ASSERT_FALSE(bounds.vacant(s));
     });
   }

@@ -1,5 +1,7 @@
 // What the engine leaves out of drawing, and that no picture shows it.
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -191,7 +193,12 @@ TEST_P(OcclusionShown, LosesNoPixel) {
   RecordProperty("ties", ties);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, OcclusionShown, testing::Range(1, 5));
+/// 10,000 views, unless SIGHTLINE_SHOWN_VIEWS names another number.
+int seeds() {
+  const char* views = std::getenv("SIGHTLINE_SHOWN_VIEWS");
+  return views ? std::max(1, std::atoi(views) / 2500) : 4;
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, OcclusionShown, testing::Range(1, 1 + seeds()));
 
 }  // namespace
 }  // namespace sightline::engine
