@@ -23,8 +23,7 @@ struct Options {
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
   int frame = 0, frames = 300, samples = 1;
-  bool sample_test = true;
-  engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
+  apps::ShownOptions shown;
   bool fit = false, gl_debug = false;
   double max = -1.0, mean = -1.0, pixels_per_degree = image::kPixelsPerDegree;
 };
@@ -70,7 +69,7 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--diff", o.diff, "Difference image, PNG, four times amplified")->needs(compare);
   apps::add_culler_option(app, o.culler);
   apps::add_gpu_pass_option(app, o.gpu_culler);
-  apps::add_shown_options(app, o.sample_test, o.occlusion);
+  apps::add_shown_options(app, o.shown);
   app.add_option("--samples", o.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
@@ -182,8 +181,7 @@ core::Expected<int> render_model(const Options& o) {
   config.width = (*size)[0];
   config.height = (*size)[1];
   config.samples = o.samples;
-  config.sample_test = o.sample_test;
-  config.occlusion = o.occlusion;
+  o.shown.apply(config);
   config.ids = !o.ids.empty() || !o.ids_json.empty() || !o.reference_ids.empty();
   config.gl_debug = o.gl_debug;
   config.culler = o.culler;
@@ -205,10 +203,15 @@ core::Expected<int> render_model(const Options& o) {
   const auto image = engine->read_colour();
   if (!image) return tl::unexpected(image.error());
   if (auto done = write_outputs(o, *engine, *view, *model->scene, *image); !done) return tl::unexpected(done.error());
-  json figures = {{"renderer", engine->renderer()},     {"size", {config.width, config.height}},
-                  {"items", engine->snapshot().size()}, {"visible", report->visible},
-                  {"sampled", report->sampled},         {"shown", report->shown},
-                  {"tested", report->tested},           {"culler", name_of(engine->plan().culler)}};
+  json figures = {{"renderer", engine->renderer()},
+                  {"size", {config.width, config.height}},
+                  {"items", engine->snapshot().size()},
+                  {"visible", report->visible},
+                  {"sampled", report->sampled},
+                  {"shown", report->shown},
+                  {"small", report->small},
+                  {"tested", report->tested},
+                  {"culler", name_of(engine->plan().culler)}};
   if (!o.reference_ids.empty())
     if (auto done = compare_ids(o, *engine, figures); !done) return tl::unexpected(done.error());
   bool same = true;

@@ -30,8 +30,7 @@ struct Options {
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
   int samples = 1;
-  bool sample_test = true;
-  engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
+  apps::ShownOptions shown;
   int frames = 300, every = 30;
   bool no_render = false;
   std::string record_both, controller_trace, policy = "frame-cost", rendering = "on";
@@ -62,7 +61,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(1, 1000000));
   apps::add_culler_option(app, o.culler);
   apps::add_gpu_pass_option(app, o.gpu_culler);
-  apps::add_shown_options(app, o.sample_test, o.occlusion);
+  apps::add_shown_options(app, o.shown);
   apps::add_samples_option(app, o.samples);
   auto* no_render = app.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
   app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
@@ -223,6 +222,7 @@ json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
                              {"visible", f.report.visible},
                              {"sampled", f.report.sampled},
                              {"shown", f.report.shown},
+                             {"small", f.report.small},
                              {"tested", f.report.tested}});
   out["summary"] = {{"cull_ms", summary_json(flight.cull())},    {"draw_ms", summary_json(flight.draw())},
                     {"frame_ms", summary_json(flight.frame())},  {"visible", summary_json(flight.visible())},
@@ -386,8 +386,7 @@ core::Expected<int> replay(const Options& o) {
   config.culler = o.culler;
   config.gpu_culler = o.gpu_culler;
   config.samples = o.samples;
-  config.sample_test = o.sample_test;
-  config.occlusion = o.occlusion;
+  o.shown.apply(config);
   config.controller.policy = policy_of(o);
   if (!o.record_both.empty()) return record_both(o, *model, config);
   auto engine = engine::Engine::create(*model->scene, config);

@@ -35,8 +35,7 @@ struct Options {
   CullerChoice culler = CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
   int samples = 1;
-  bool sample_test = true;
-  engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
+  apps::ShownOptions shown;
   int frames = 0;
 };
 
@@ -47,7 +46,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(apps::accepted_by(apps::parse_size));
   apps::add_culler_option(app, o.culler);
   apps::add_gpu_pass_option(app, o.gpu_culler);
-  apps::add_shown_options(app, o.sample_test, o.occlusion);
+  apps::add_shown_options(app, o.shown);
   apps::add_samples_option(app, o.samples);
   app.add_option("--path", o.path,
                  "Play this camera path first; with --frames as so many evenly spaced frames, else in its own time");
@@ -383,8 +382,7 @@ core::Expected<int> view_model(const Options& o) {
   config.culler = o.culler;
   config.gpu_culler = o.gpu_culler;
   config.samples = o.samples;
-  config.sample_test = o.sample_test;
-  config.occlusion = o.occlusion;
+  o.shown.apply(config);
   config.context = &window->context();
   auto engine = engine::Engine::create(*model->scene, config);
   if (!engine) return tl::unexpected(engine.error());

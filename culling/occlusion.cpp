@@ -151,35 +151,7 @@ void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSe
 
 void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
                                   SlotBits exempt) const {
-  static_assert(64 % kLeafSize == 0);
-  open.clear();
-  open.generation = in.generation;
-  open.items = in.items;
-  const auto append = [&](core::Slot first, core::Slot end) {
-    if (first < end) append_range(first, end, open.ranges);
-  };
-  const auto spared = [&](std::uint32_t leaf) {
-    const std::size_t slot = std::size_t(leaf) * kLeafSize, word = slot / 64;
-    return word < exempt.size() && (exempt[word] >> slot % 64 & ((std::uint64_t(1) << kLeafSize) - 1)) != 0;
-  };
-  const std::span<const HierarchyNode> nodes = hierarchy.level(0);
-  std::uint32_t known = core::kNone;  // node whose leaves `hidden` is of
-  unsigned hidden = 0;
-  for (const core::SlotRange& range : in.ranges) {
-    const core::Slot end = range.first + range.count;
-    const core::Slot begin = std::min(end, (range.first + kLeafSize - 1) / kLeafSize * kLeafSize);
-    append(range.first, begin);
-    for (core::Slot first = begin; first < end; first += kLeafSize) {
-      const std::uint32_t leaf = first / kLeafSize, node = leaf / kLanes;
-      if (node != known) {
-        const float* coordinates[6];
-        for (int axis = 0; axis < 6; ++axis) coordinates[axis] = nodes[node].bounds[axis];
-        hidden = hidden_of(coordinates);
-        known = node;
-      }
-      if ((hidden >> leaf % kLanes & 1u) == 0 || spared(leaf)) append(first, std::min(end, first + kLeafSize));
-    }
-  }
+  culling::filter_leaves(hierarchy, in, open, exempt, [&](const auto& boxes) { return ~hidden_of(boxes); });
 }
 
 /// Of each pixel, the box that its ray enters first.

@@ -19,6 +19,14 @@ constexpr std::array<float, kLanes> kNothingDrawn = [] {
 
 }  // namespace
 
+void set_bits(const core::VisibleSet& set, std::size_t slots, std::vector<std::uint64_t>& bits) {
+  bits.assign(slots / 64 + 1, 0);
+  const auto add = [&](core::Slot s) { bits[s / 64] |= std::uint64_t(1) << s % 64; };
+  for (const core::Slot s : set.items) add(s);
+  for (const core::SlotRange& range : set.ranges)
+    for (core::Slot s = range.first; s < range.first + range.count; ++s) add(s);
+}
+
 SampleTest::SampleTest(const core::View& view, const core::dvec3& origin, PictureSamples samples)
     : samples_(std::move(samples)),
       view_(make_screen_view(view, origin, samples_.width, samples_.height, samples_.snap)),

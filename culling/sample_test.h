@@ -49,6 +49,9 @@ inline bool contains(SlotBits bits, core::Slot slot) {
 
 struct BoxRectangles;
 
+/// Replaces `bits` by those of the slots of `set`, of `slots` slots.
+SIGHTLINE_API void set_bits(const core::VisibleSet& set, std::size_t slots, std::vector<std::uint64_t>& bits);
+
 class SIGHTLINE_API SampleTest {
  public:
   /// `origin`: of the bounds whose boxes will be tested.

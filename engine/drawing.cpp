@@ -53,6 +53,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   drawing->renders_ = config.draw;
   drawing->sample_test_ = config.sample_test;
   drawing->occlusion_ = config.occlusion;
+  drawing->contribution_ = config.contribution;
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
     auto target = render::RenderTarget::create(drawing->context_, config.width, config.height,
@@ -97,6 +98,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
     renderer_ = std::move(*renderer);
   }
   passes_.reset();
+  was_large_.clear();
   culler_ = std::move(culler);
   scene_ = std::move(*scene);
   lists_ = std::move(*lists);
@@ -165,14 +167,33 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
   if (!renderer_) return {};
   if (auto current = make_current(); !current) return current;
   wait_for_room();
-  const std::int64_t count = std::int64_t(snapshot.count(visible));
+  const core::VisibleSet& large = leave_out_small(view, snapshot, visible, lines, hierarchy);
+  const std::int64_t count = std::int64_t(snapshot.count(large));
   if (tests_occlusion(count)) {
-    if (auto done = draw_in_passes(view, snapshot, visible, lines, hierarchy); !done) return done;
+    if (auto done = draw_in_passes(view, snapshot, large, lines, hierarchy); !done) return done;
   } else {
     passes_.reset();
-    if (auto done = draw_at_once(view, snapshot, visible, lines); !done) return done;
+    if (auto done = draw_at_once(view, snapshot, large, lines); !done) return done;
   }
+  counts_.small = &large == &visible ? 0 : std::int64_t(snapshot.count(visible)) - count;
   return submit(frame);
+}
+
+/// The part of the visible set that contributes enough to the picture.
+const core::VisibleSet& Drawing::leave_out_small(const core::View& view, const core::Snapshot& snapshot,
+                                                 const core::VisibleSet& visible, culling::SlotBits lines,
+                                                 const culling::Hierarchy* hierarchy) {
+  if (contribution_ <= 0.0f) return visible;
+  const core::ItemBounds& bounds = snapshot.bounds();
+  const culling::ContributionTest test(view, bounds.origin, target_.width(), target_.height());
+  const core::VisibleSet* candidates = &visible;
+  if (hierarchy) {
+    test.filter_leaves(*hierarchy, visible, contribution_, large_leaves_, lines);
+    candidates = &large_leaves_;
+  }
+  test.filter(bounds, *candidates, contribution_, large_, was_large_, lines);
+  culling::set_bits(large_, bounds.size(), was_large_);
+  return large_;
 }
 
 /// Between passes the depth is read back, which stalls a GPU, but is a copy in memory on a software rasteriser. Few
@@ -223,7 +244,7 @@ core::Expected<void> Drawing::draw_in_passes(const core::View& view, const core:
     target_.read_distances(view, distances_);
     pyramid_.build(distances_, target_.width(), target_.height());
   }
-  counts_ = {-1, std::int64_t(passes_.drawn())};
+  counts_ = {-1, std::int64_t(passes_.drawn()), 0};
   return {};
 }
 

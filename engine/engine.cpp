@@ -82,6 +82,7 @@ class Engine::Impl {
 // --- public interface ------------------------------------------------------------------------------------------------
 
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config) {
+  if (!(config.contribution >= 0.0f)) return core::fail("engine: contribution must be 0 or more pixels");
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
   auto impl = std::make_unique<Impl>(scene, config);
   if (auto done = impl->build(); !done) return tl::unexpected(done.error());
@@ -315,6 +316,7 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
     if (report.drawn && !*on_gpu) {
       report.sampled = drawing_->counts().sampled;
       report.shown = drawing_->counts().shown;
+      report.small = drawing_->counts().small;
     }
   }
   if (hybrid_) hybrid_->measured(report, describe_walk());

@@ -48,6 +48,9 @@ struct EngineConfig {
   /// Leave out of drawing what other items hide (culling/occlusion.h): nothing is lost. With one sample per pixel, and
   /// where the CPU culls.
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
+  /// Leave out of drawing items whose bounding box covers fewer pixels than this (culling/contribution.h: projected
+  /// area, hysteresis; lines are exempt). 0: nothing is lost. Where the CPU culls.
+  float contribution = 0.0f;
   int samples = 1;        ///< per pixel; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
@@ -83,6 +86,8 @@ struct FrameReport {
   /// Of these, items that may cover a sample of the picture (-1 where occlusion was tested, which includes that); items
   /// drawn. Both -1 without drawing, and where the GPU alone knows.
   std::int64_t sampled = -1, shown = -1;
+  /// Items in the view volume that are below EngineConfig::contribution; 0 without it.
+  std::int64_t small = 0;
 };
 
 /// What the GPU culler found in an earlier frame.

@@ -107,10 +107,16 @@ void add_samples_option(CLI::App& app, int& samples) {
       ->check(CLI::Range(1, 64));
 }
 
-void add_shown_options(CLI::App& app, bool& sample_test, engine::OcclusionChoice& occlusion) {
+void ShownOptions::apply(engine::EngineConfig& config) const {
+  config.sample_test = sample_test;
+  config.occlusion = occlusion;
+  config.contribution = contribution;
+}
+
+void add_shown_options(CLI::App& app, ShownOptions& options) {
   static const std::map<std::string, bool> names = {{"on", true}, {"off", false}};
   app.add_option_function<std::string>(
-         "--sample-test", [&sample_test](const std::string& name) { sample_test = names.at(name); },
+         "--sample-test", [&options](const std::string& name) { options.sample_test = names.at(name); },
          "Leave out of drawing what covers no sample of the picture; no pixel is lost")
       ->default_str("on")
       ->check(CLI::IsMember(names));
@@ -119,10 +125,14 @@ void add_shown_options(CLI::App& app, bool& sample_test, engine::OcclusionChoice
   static const std::map<std::string, OcclusionChoice> choices = {
       named(OcclusionChoice::kOn), named(OcclusionChoice::kOff), named(OcclusionChoice::kAutomatic)};
   app.add_option_function<std::string>(
-         "--occlusion", [&occlusion](const std::string& name) { occlusion = choices.at(name); },
+         "--occlusion", [&options](const std::string& name) { options.occlusion = choices.at(name); },
          "Leave out of drawing what other items hide; no pixel is lost. auto: while it pays")
       ->default_str("auto")
       ->check(CLI::IsMember(choices));
+  app.add_option("--contribution", options.contribution,
+                 "Leave out items whose bounding box covers fewer pixels of the picture than this; 0: none")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
 }
 
 void explain(const engine::Plan& plan) {

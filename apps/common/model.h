@@ -11,7 +11,7 @@
 #include "sightline/core/camera_path.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/snapshot.h"
-#include "sightline/engine/plan.h"
+#include "sightline/engine/engine.h"
 #include "sightline/importers/import.h"
 
 namespace sightline::apps {
@@ -56,8 +56,17 @@ void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config);
 /// --samples
 void add_samples_option(CLI::App& app, int& samples);
 
-/// --sample-test on|off, --occlusion on|off|auto
-void add_shown_options(CLI::App& app, bool& sample_test, engine::OcclusionChoice& occlusion);
+/// What of the view volume is drawn.
+struct ShownOptions {
+  bool sample_test = true;
+  engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
+  float contribution = 0.0f;
+
+  void apply(engine::EngineConfig& config) const;
+};
+
+/// --sample-test on|off, --occlusion on|off|auto, --contribution PX
+void add_shown_options(CLI::App& app, ShownOptions& options);
 
 /// Prints to stderr which features are used and which are left out.
 void explain(const engine::Plan& plan);

@@ -116,6 +116,42 @@ void filter_slots(const core::ItemBounds& bounds, const core::VisibleSet& in, co
   out.counters = in.counters;
 }
 
+/// Replaces `out` by `in` without those leaves within its ranges that kept(coordinates of sixteen leaves) has no bit
+/// for, and that hold no slot of `exempt`.
+template <class Kept>
+void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& out, SlotBits exempt,
+                   const Kept& kept) {
+  static_assert(64 % kLeafSize == 0);
+  out.clear();
+  out.generation = in.generation;
+  out.items = in.items;
+  const auto append = [&](core::Slot first, core::Slot end) {
+    if (first < end) append_range(first, end, out.ranges);
+  };
+  const auto spared = [&](std::uint32_t leaf) {
+    const std::size_t slot = std::size_t(leaf) * kLeafSize, word = slot / 64;
+    return word < exempt.size() && (exempt[word] >> slot % 64 & ((std::uint64_t(1) << kLeafSize) - 1)) != 0;
+  };
+  const std::span<const HierarchyNode> nodes = hierarchy.level(0);
+  std::uint32_t known = core::kNone;  // node whose leaves `bits` is of
+  unsigned bits = 0;
+  for (const core::SlotRange& range : in.ranges) {
+    const core::Slot end = range.first + range.count;
+    const core::Slot begin = std::min(end, (range.first + kLeafSize - 1) / kLeafSize * kLeafSize);
+    append(range.first, begin);
+    for (core::Slot first = begin; first < end; first += kLeafSize) {
+      const std::uint32_t leaf = first / kLeafSize, node = leaf / kLanes;
+      if (node != known) {
+        const float* coordinates[6];
+        for (int axis = 0; axis < 6; ++axis) coordinates[axis] = nodes[node].bounds[axis];
+        bits = kept(coordinates);
+        known = node;
+      }
+      if ((bits >> leaf % kLanes & 1u) != 0 || spared(leaf)) append(first, std::min(end, first + kLeafSize));
+    }
+  }
+}
+
 /// What a kernel finds for one box: bit 0 of found(coordinates of sixteen boxes, the first of which is `box`).
 template <class Found>
 bool of_one_box(const core::Aabb& box, const Found& found) {

@@ -110,6 +110,9 @@ struct Kernels {
   /// with anything in `box`, when one of the boxes holds a NaN.
   bool (*leaf_box)(const float* const (&coordinates)[6], std::size_t first, float (&box)[6]);
   void (*rectangles)(const ScreenView& view, const float* const (&coordinates)[6], BoxRectangles& out);
+  /// Areas of the boxes' outlines in the picture, sixteen floats: infinite for boxes that do not project, 0 for empty
+  /// ones.
+  void (*areas)(const ScreenView& view, const float* const (&coordinates)[6], float* out);
   /// Bit i: at some place of block i a ray may meet the box, no farther than the block's distance. Writes at what
   /// distance it enters the box, at least: sixteen floats, which mean something where the bit is set.
   unsigned (*open_blocks)(const BoxSpan& box, const BlockRow& row, float* entries);

@@ -545,6 +545,7 @@ constexpr Kernels make_kernels() {
   k.rectangles = [](const ScreenView& view, const float* const(&c)[6], BoxRectangles& out) {
     ScreenBoxes<Simd>(view, c).store(view, out);
   };
+  k.areas = ScreenBoxes<Simd>::store_areas;
   k.open_blocks = open_blocks<Simd>;
   return k;
 }

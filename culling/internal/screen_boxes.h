@@ -13,15 +13,35 @@
 // gives the same answer.
 #pragma once
 
+#include <limits>
+
 #include "sightline/culling/internal/kernels.h"
 
 namespace sightline::culling {
+
+/// A linear form's parts at the low and high coordinates of the boxes.
+template <class Simd>
+struct BoxForm {
+  using Lanes = typename Simd::Lanes;
+  BoxForm(const LinearForm& f, const Lanes (&low)[3], const Lanes (&high)[3]) {
+    const Lanes d = Simd::spread(f.d);
+    x[0] = Simd::multiply(Simd::spread(f.x), low[0]);
+    x[1] = Simd::multiply(Simd::spread(f.x), high[0]);
+    y[0] = Simd::multiply(Simd::spread(f.y), low[1]);
+    y[1] = Simd::multiply(Simd::spread(f.y), high[1]);
+    z[0] = Simd::add(Simd::multiply(Simd::spread(f.z), low[2]), d);
+    z[1] = Simd::add(Simd::multiply(Simd::spread(f.z), high[2]), d);
+  }
+  Lanes at(int i, int j, int k) const { return Simd::add(Simd::add(x[i], y[j]), z[k]); }
+  Lanes x[2], y[2], z[2];
+};
 
 /// Projects sixteen boxes.
 template <class Simd>
 class ScreenBoxes {
  public:
   using Lanes = typename Simd::Lanes;
+  using Form = BoxForm<Simd>;
 
   ScreenBoxes(const ScreenView& view, const float* const (&c)[6]) {
     Lanes low[3], high[3], sizes[3];
@@ -67,6 +87,33 @@ class ScreenBoxes {
     return ((found & projects_) | (~projects_ & ~empty_)) & 0xffffu;
   }
 
+  /// Areas of the outlines; infinite for boxes that do not project.
+  static void store_areas(const ScreenView& view, const float* const (&c)[6], float* areas) {
+    const ScreenBoxes boxes(view, c);
+    Lanes low[3], high[3], px[8], py[8];
+    for (int axis = 0; axis < 3; ++axis) low[axis] = Simd::load(c[axis]), high[axis] = Simd::load(c[axis + 3]);
+    const Form x(view.x, low, high), y(view.y, low, high), w(view.w, low, high);
+    for (int corner = 0; corner < 8; ++corner) {
+      const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
+      const Lanes inverse = Simd::divide(Simd::spread(1.0f), w.at(i, j, k));
+      px[corner] = Simd::multiply(x.at(i, j, k), inverse);
+      py[corner] = Simd::multiply(y.at(i, j, k), inverse);
+    }
+    constexpr float kInfinite = std::numeric_limits<float>::infinity();
+    // Half the cross product of a face's diagonals is its area.
+    constexpr int kFaces[6][4] = {{0, 2, 6, 4}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 5, 7, 6}};
+    Lanes sum = Simd::spread(0.0f);
+    for (const auto& f : kFaces) {
+      const Lanes ax = Simd::subtract(px[f[2]], px[f[0]]), ay = Simd::subtract(py[f[2]], py[f[0]]);
+      const Lanes bx = Simd::subtract(px[f[3]], px[f[1]]), by = Simd::subtract(py[f[3]], py[f[1]]);
+      sum = Simd::add(sum, Simd::magnitude(Simd::subtract(Simd::multiply(ax, by), Simd::multiply(ay, bx))));
+    }
+    Simd::store(areas, Simd::multiply(Simd::spread(0.25f), sum));
+    for (int i = 0; i < kLanes; ++i)
+      if ((boxes.projects_ >> i & 1u) == 0)
+        areas[i] = (boxes.empty_ >> i & 1u) != 0 ? 0.0f : kInfinite;
+  }
+
   void store(const ScreenView& view, BoxRectangles& out) const {
     out.covering = covering(view);
     Simd::store(out.left, left_);
@@ -78,21 +125,6 @@ class ScreenBoxes {
   }
 
  private:
-  /// A linear form's parts at the low and high coordinates of the boxes.
-  struct Form {
-    Form(const LinearForm& f, const Lanes (&low)[3], const Lanes (&high)[3]) {
-      const Lanes d = Simd::spread(f.d);
-      x[0] = Simd::multiply(Simd::spread(f.x), low[0]);
-      x[1] = Simd::multiply(Simd::spread(f.x), high[0]);
-      y[0] = Simd::multiply(Simd::spread(f.y), low[1]);
-      y[1] = Simd::multiply(Simd::spread(f.y), high[1]);
-      z[0] = Simd::add(Simd::multiply(Simd::spread(f.z), low[2]), d);
-      z[1] = Simd::add(Simd::multiply(Simd::spread(f.z), high[2]), d);
-    }
-    Lanes at(int i, int j, int k) const { return Simd::add(Simd::add(x[i], y[j]), z[k]); }
-    Lanes x[2], y[2], z[2];
-  };
-
   /// B of the comment above, for coordinates of these sizes.
   static Lanes band(const LinearForm& f, const Lanes (&sizes)[3]) {
     constexpr float kUnits = 8.0f * 0x1p-24f, kTiny = 1e-36f;  // kTiny: more than what underflow loses

@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 
+#include "sightline/culling/contribution.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/culling/sample_test.h"
 #include "sightline/engine/engine.h"
@@ -32,6 +33,7 @@ class Drawing {
   /// Of the last draw().
   struct Counts {
     std::int64_t sampled = 0, shown = 0;  // items that may cover a sample, -1 with the occlusion test; items drawn
+    std::int64_t small = 0;               // items below the contribution that is asked for
   };
   const Counts& counts() const { return counts_; }
   /// The time from the last draw() to the one that follows, or 0 where it says nothing of their cost.
@@ -94,6 +96,9 @@ class Drawing {
   core::Expected<void> draw_in_passes(const core::View& view, const core::Snapshot& snapshot,
                                       const core::VisibleSet& visible, culling::SlotBits lines,
                                       const culling::Hierarchy* hierarchy);
+  const core::VisibleSet& leave_out_small(const core::View& view, const core::Snapshot& snapshot,
+                                          const core::VisibleSet& visible, culling::SlotBits lines,
+                                          const culling::Hierarchy* hierarchy);
   core::Expected<void> submit(std::uint64_t frame);
 
   struct InFlight {
@@ -111,7 +116,9 @@ class Drawing {
   std::optional<gpuscene::DrawLists> lists_;
   bool sample_test_ = true;
   OcclusionChoice occlusion_ = OcclusionChoice::kAutomatic;
-  core::VisibleSet sampled_;
+  float contribution_ = 0.0f;
+  core::VisibleSet sampled_, large_, large_leaves_;
+  std::vector<std::uint64_t> was_large_;  // a bit per slot, of the last frame
   OcclusionPasses passes_;
   OcclusionSwitch occlusion_switch_;
   bool switched_ = false;  // the last draw() was as the switch says

@@ -116,6 +116,50 @@ TEST_F(Shown, TheSampleTestLosesNoPixel) {
   EXPECT_LT(shown, visible * 8 / 10);
 }
 
+/// Items below the threshold are absent, and no others; what is kept leaves later than it comes.
+TEST_F(Shown, ContributionLeavesOutWhatIsSmall) {
+  core::Scene scene;
+  std::vector<core::ItemId> cubes;
+  for (int i = 0; i < 40; ++i)  // edges of 1, 2, … cm, seen from the front as squares
+    cubes.push_back(scene.add_primitive(scene.root(), core::Box{0.01f * float(i + 1), 1e-4f, 0.01f * float(i + 1)},
+                                        core::translation({0.6 * (i % 8) - 2.0, 0.0, 0.5 * int(i / 8) - 1.0})));
+  const core::ItemId line = scene.add_primitive(scene.root(), core::Line{-1, 1}, core::translation({0, 1, 0}));
+  EngineConfig with = config(400, 300);
+  with.contribution = 100.0f;
+  auto engine = Engine::create(scene, with);
+  ASSERT_TRUE(engine);
+  const auto from = [](double distance) {
+    return *View::perspective({{0, -distance, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 4.0 / 3.0, 0.1);
+  };
+  const auto drawn = [&](double distance) {
+    const auto report = engine->frame(from(distance));
+    std::vector<bool> found(scene.item_slots());
+    const image::IdImage ids = *engine->read_ids();
+    for (const auto id : ids.ids)
+      if (id != 0) found[id - 1] = true;
+    EXPECT_EQ(report->visible - report->small, report->shown);
+    return found;
+  };
+  const double per_metre = 150.0 / std::tan(0.5) / 4.0;
+  const auto near = drawn(4.0);
+  EXPECT_TRUE(near[line]);
+  for (std::size_t i = 0; i < cubes.size(); ++i) {
+    const double edge = 0.01 * double(i + 1) * per_metre;
+    if (std::abs(edge - 10.0) > 0.1) {
+      EXPECT_EQ(bool(near[cubes[i]]), edge > 10.0) << i;
+    }
+  }
+  const auto stayed = drawn(4.0 * 1.1);  // areas are 0.83 of what they were
+  EXPECT_EQ(stayed, near);
+  const auto gone = drawn(4.0 * 1.2);
+  EXPECT_LT(std::count(gone.begin(), gone.end(), true), std::count(near.begin(), near.end(), true));
+  EXPECT_EQ(drawn(4.0 * 1.1), gone) << "comes back at the threshold only";
+  with.contribution = -1.0f;
+  EXPECT_FALSE(Engine::create(scene, with));
+  with.contribution = std::nanf("");
+  EXPECT_FALSE(Engine::create(scene, with));
+}
+
 /// A wall with a gap of a pixel or less, doors, boxes inside one another: much is hidden, little of it wholly.
 void add_walls(Random& random, core::Scene& scene, const dvec3& middle) {
   for (int i = 0; i < 12; ++i) {
