@@ -210,6 +210,7 @@ core::Expected<int> render_model(const Options& o) {
                   {"sampled", report->sampled},
                   {"shown", report->shown},
                   {"small", report->small},
+                  {"pending", report->pending},
                   {"tested", report->tested},
                   {"culler", name_of(engine->plan().culler)}};
   if (!o.reference_ids.empty())

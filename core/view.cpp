@@ -198,6 +198,13 @@ dvec3 View::eye() const {
   return dvec3(glm::inverse(eye_from_world_)[3]);
 }
 
+bool same_picture(const View& a, const View& b) {
+  const auto same_plane = [](const Plane& p, const Plane& q) { return p.normal == q.normal && p.offset == q.offset; };
+  return a.eye_from_world() == b.eye_from_world() && a.clip_from_eye() == b.clip_from_eye() &&
+         a.clip_depth() == b.clip_depth() && a.section_mode == b.section_mode && a.layers == b.layers &&
+         std::equal(a.sections.begin(), a.sections.end(), b.sections.begin(), b.sections.end(), same_plane);
+}
+
 std::array<Plane, kFrustumPlaneCount> frustum_planes(const dmat4& clip_from_world, ClipDepth depth) {
   const dvec4 x = row(clip_from_world, 0), y = row(clip_from_world, 1), z = row(clip_from_world, 2),
               w = row(clip_from_world, 3);

@@ -74,6 +74,9 @@ class SIGHTLINE_API View {
   ClipDepth clip_depth_;
 };
 
+/// Whether both show the same of a scene: equal in every number.
+SIGHTLINE_API bool same_picture(const View& a, const View& b);
+
 /// The six planes of a clip_from_world matrix in the order of FrustumPlane, not normalised (G. Gribb, K. Hartmann,
 /// "Fast extraction of viewing frustum planes", 2001). An infinite far plane comes out with a zero normal and a
 /// positive offset.

@@ -18,6 +18,10 @@ culling::PictureSamples picture_samples(const render::RenderTarget& target, floa
 constexpr std::size_t kFramesInFlight = 2;
 constexpr GLuint64 kLongestWait = 10'000'000'000;  // ns; a lost context must not hang the application
 constexpr std::size_t kMostDrawn = 8;
+constexpr double kBudgetShare = 0.97;  // of a frame's budget, to draw in
+constexpr double kPassShare = 0.6;     // of the time left, for the next pass: it may take longer than expected
+constexpr double kLeastPasses = 2.0;   // that the time left must suffice for
+constexpr float kOverlooked = 0.125f;  // of the area that the last frame came to
 
 }  // namespace
 
@@ -54,6 +58,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   drawing->sample_test_ = config.sample_test;
   drawing->occlusion_ = config.occlusion;
   drawing->contribution_ = config.contribution;
+  drawing->budget_ms_ = config.budget_ms;
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
     auto target = render::RenderTarget::create(drawing->context_, config.width, config.height,
@@ -99,6 +104,8 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
   }
   passes_.reset();
   was_large_.clear();
+  budget_.reset();
+  picture_changed();
   culler_ = std::move(culler);
   scene_ = std::move(*scene);
   lists_ = std::move(*lists);
@@ -129,12 +136,14 @@ core::Expected<void> Drawing::resize(int width, int height) {
   auto target = render::RenderTarget::create(context_, width, height, target_.format());
   if (!target) return tl::unexpected(target.error());
   target_ = std::move(*target);
+  picture_changed();
   return {};
 }
 
 core::Expected<void> Drawing::update(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                                      std::span<const core::Slot> touched, std::span<const std::uint32_t> materials) {
   if (auto current = make_current(); !current) return current;
+  picture_changed();
   if (!scene_->append(snapshot, joints)) return rebuild(snapshot, joints, culler_.has_value());
   if (auto done = scene_->update_materials(context_, snapshot, materials); !done) return done;
   scene_->update(snapshot, touched, joints);
@@ -162,12 +171,17 @@ void Drawing::wait_for_oldest() {
 
 core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot& snapshot,
                                    const core::VisibleSet& visible, culling::SlotBits lines,
-                                   const culling::Hierarchy* hierarchy, std::uint64_t frame) {
+                                   const culling::Hierarchy* hierarchy, std::uint64_t frame, double began) {
   waited_ms_ = 0.0;
   if (!renderer_) return {};
   if (auto current = make_current(); !current) return current;
   wait_for_room();
-  const core::VisibleSet& large = leave_out_small(view, snapshot, visible, lines, hierarchy);
+  if (budget_ms_ > 0.0) {
+    const double deadline = began + kBudgetShare * 1e-3 * budget_ms_;
+    if (auto done = draw_in_budget(view, snapshot, visible, lines, hierarchy, deadline); !done) return done;
+    return submit(frame);
+  }
+  const core::VisibleSet& large = leave_out_small(view, snapshot, visible, lines, hierarchy, contribution_);
   const std::int64_t count = std::int64_t(snapshot.count(large));
   if (tests_occlusion(count)) {
     if (auto done = draw_in_passes(view, snapshot, large, lines, hierarchy); !done) return done;
@@ -182,16 +196,16 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
 /// The part of the visible set that contributes enough to the picture.
 const core::VisibleSet& Drawing::leave_out_small(const core::View& view, const core::Snapshot& snapshot,
                                                  const core::VisibleSet& visible, culling::SlotBits lines,
-                                                 const culling::Hierarchy* hierarchy) {
-  if (contribution_ <= 0.0f) return visible;
+                                                 const culling::Hierarchy* hierarchy, float threshold) {
+  if (threshold <= 0.0f) return visible;
   const core::ItemBounds& bounds = snapshot.bounds();
   const culling::ContributionTest test(view, bounds.origin, target_.width(), target_.height());
   const core::VisibleSet* candidates = &visible;
   if (hierarchy) {
-    test.filter_leaves(*hierarchy, visible, contribution_, large_leaves_, lines);
+    test.filter_leaves(*hierarchy, visible, threshold, large_leaves_, lines);
     candidates = &large_leaves_;
   }
-  test.filter(bounds, *candidates, contribution_, large_, was_large_, lines);
+  test.filter(bounds, *candidates, threshold, large_, was_large_, lines);
   culling::set_bits(large_, bounds.size(), was_large_);
   return large_;
 }
@@ -236,15 +250,57 @@ core::Expected<void> Drawing::draw_in_passes(const core::View& view, const core:
                                     render::RenderTarget::orthographic_error(view), snap());
   pyramid_.clear(target_.width(), target_.height());
   passes_.begin(visible, lines, hierarchy);
-  for (bool first = true; passes_.next(test, bounds); first = false) {
-    if (auto done = lists_->update(snapshot, *scene_, passes_.pass(), &view); !done) return done;
-    auto done = first ? renderer_->draw(view, snapshot, *scene_, *lists_, target_)
-                      : renderer_->draw_more(view, snapshot, *scene_, *lists_, target_);
-    if (!done) return done;
+  renderer_->clear(target_);
+  while (passes_.next(test, bounds)) {
+    if (auto done = draw_pass(view, snapshot, passes_.pass()); !done) return done;
     target_.read_distances(view, distances_);
     pyramid_.build(distances_, target_.width(), target_.height());
   }
-  counts_ = {-1, std::int64_t(passes_.drawn()), 0};
+  counts_ = {-1, std::int64_t(passes_.drawn())};
+  return {};
+}
+
+core::Expected<void> Drawing::draw_pass(const core::View& view, const core::Snapshot& snapshot,
+                                        const core::VisibleSet& pass) {
+  if (auto done = lists_->update(snapshot, *scene_, pass, &view); !done) return done;
+  return renderer_->draw_more(view, snapshot, *scene_, *lists_, target_);
+}
+
+/// Candidates far smaller than what the last frame came to are not even measured while the view moves. The first frame
+/// of a view that stays begins anew with all of them, the next ones go on.
+core::Expected<void> Drawing::draw_in_budget(const core::View& view, const core::Snapshot& snapshot,
+                                             const core::VisibleSet& visible, culling::SlotBits lines,
+                                             const culling::Hierarchy* hierarchy, double deadline) {
+  const core::ItemBounds& bounds = snapshot.bounds();
+  const bool stays = budget_view_ && core::same_picture(*budget_view_, view), goes_on = stays && refines_;
+  const bool tests = target_.format().samples == 1 && occlusion_ != OcclusionChoice::kOff;
+  const culling::OcclusionTest test(view, bounds.origin, target_.width(), target_.height(), pyramid_,
+                                    render::RenderTarget::orthographic_error(view), snap());
+  if (!goes_on) {
+    const float threshold = stays ? contribution_ : std::max(contribution_, kOverlooked * budget_.largest_pending());
+    pyramid_.clear(target_.width(), target_.height());
+    budget_.begin(culling::ContributionTest(view, bounds.origin, target_.width(), target_.height()), bounds,
+                  leave_out_small(view, snapshot, visible, lines, hierarchy, threshold), lines);
+    refines_ = stays;
+    budget_view_ = view;
+    renderer_->clear(target_);
+  }
+  for (int passes = 0; !budget_.complete(); ++passes) {
+    const double left = 1e3 * (deadline - now_seconds());
+    if (passes > 0 && left < kLeastPasses * budget_.least_ms()) break;
+    if (!budget_.next(tests ? &test : nullptr, bounds, kPassShare * left)) break;
+    const double begin = now_seconds();
+    if (auto done = draw_pass(view, snapshot, budget_.pass()); !done) return done;
+    if (tests) {
+      target_.read_distances(view, distances_);
+      pyramid_.build(distances_, target_.width(), target_.height());
+    } else {
+      context_.functions().Finish();
+    }
+    budget_.took(1e3 * (now_seconds() - begin));
+  }
+  if (tests && !goes_on) budget_.remember(test, bounds);
+  counts_ = {-1, std::int64_t(budget_.drawn()), 0, std::int64_t(budget_.pending())};
   return {};
 }
 
@@ -255,6 +311,7 @@ core::Expected<void> Drawing::cull(const core::View& view, const core::Snapshot&
 
 core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
   if (auto current = make_current(); !current) return current;
+  picture_changed();
   wait_for_room();
   if (renderer_)
     if (auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_); !done) return done;

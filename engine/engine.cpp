@@ -83,6 +83,7 @@ class Engine::Impl {
 
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config) {
   if (!(config.contribution >= 0.0f)) return core::fail("engine: contribution must be 0 or more pixels");
+  if (!(config.budget_ms >= 0.0)) return core::fail("engine: budget_ms must be 0 or more milliseconds");
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
   auto impl = std::make_unique<Impl>(scene, config);
   if (auto done = impl->build(); !done) return tl::unexpected(done.error());
@@ -307,8 +308,10 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
   if (!on_gpu) return tl::unexpected(on_gpu.error());
   if (drawing_) {
     const double culled = now_seconds();
-    auto done = *on_gpu ? drawing_->draw_culled(view, *live_.snapshot, report.frame)
-                        : drawing_->draw(view, *live_.snapshot, visible_, live_.lines, live_.hierarchy(), report.frame);
+    if (&view != &cull_view) drawing_->picture_changed();
+    auto done =
+        *on_gpu ? drawing_->draw_culled(view, *live_.snapshot, report.frame)
+                : drawing_->draw(view, *live_.snapshot, visible_, live_.lines, live_.hierarchy(), report.frame, begin);
     report.drawn = config_.draw && done;
     if (done = unless_lost(std::move(done)); !done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);
@@ -317,6 +320,7 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
       report.sampled = drawing_->counts().sampled;
       report.shown = drawing_->counts().shown;
       report.small = drawing_->counts().small;
+      report.pending = drawing_->counts().pending;
     }
   }
   if (hybrid_) hybrid_->measured(report, describe_walk());

@@ -51,6 +51,11 @@ struct EngineConfig {
   /// Leave out of drawing items whose bounding box covers fewer pixels than this (culling/contribution.h: projected
   /// area, hysteresis; lines are exempt). 0: nothing is lost. Where the CPU culls.
   float contribution = 0.0f;
+  /// Milliseconds that a call of frame() may take; 0: any. While the view moves, the largest items are drawn first, and
+  /// what the time does not suffice for is not drawn (FrameReport::pending). While view and scene stay the same, each
+  /// frame draws more of it, until the picture is complete; then frames draw nothing. Where the CPU culls. Every frame
+  /// is waited for.
+  double budget_ms = 0.0;
   int samples = 1;        ///< per pixel; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
@@ -88,6 +93,9 @@ struct FrameReport {
   std::int64_t sampled = -1, shown = -1;
   /// Items in the view volume that are below EngineConfig::contribution; 0 without it.
   std::int64_t small = 0;
+  /// Items in the view volume for which EngineConfig::budget_ms did not suffice: some of them may be hidden. 0: the
+  /// picture is complete.
+  std::int64_t pending = 0;
 };
 
 /// What the GPU culler found in an earlier frame.

@@ -134,6 +134,7 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
 
 void Renderer::clear(const RenderTarget& target) const {
   const gl::Functions& gl = *gl_;
+  gl::reset_pipeline_state(gl);  // masks and the scissor limit what is cleared, too
   const GLuint framebuffer = target.framebuffer().id();
   const float colour[4] = {background[0], background[1], background[2], 1.0f}, far_depth = 0.0f;
   const GLuint no_item[4] = {0, 0, 0, 0};
@@ -147,7 +148,6 @@ void Renderer::clear(const RenderTarget& target) const {
 core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot& snapshot,
                                     const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                     const RenderTarget& target) {
-  gl::reset_pipeline_state(*gl_);  // masks and the scissor limit what is cleared, too
   clear(target);
   return draw_more(view, snapshot, scene, lists, target);
 }

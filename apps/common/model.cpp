@@ -111,6 +111,7 @@ void ShownOptions::apply(engine::EngineConfig& config) const {
   config.sample_test = sample_test;
   config.occlusion = occlusion;
   config.contribution = contribution;
+  config.budget_ms = budget_ms;
 }
 
 void add_shown_options(CLI::App& app, ShownOptions& options) {
@@ -131,6 +132,10 @@ void add_shown_options(CLI::App& app, ShownOptions& options) {
       ->check(CLI::IsMember(choices));
   app.add_option("--contribution", options.contribution,
                  "Leave out items whose bounding box covers fewer pixels of the picture than this; 0: none")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--budget", options.budget_ms,
+                 "Milliseconds for a frame: the largest items first, and the rest while the camera rests; 0: any time")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
 }

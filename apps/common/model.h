@@ -61,11 +61,12 @@ struct ShownOptions {
   bool sample_test = true;
   engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
   float contribution = 0.0f;
+  double budget_ms = 0.0;
 
   void apply(engine::EngineConfig& config) const;
 };
 
-/// --sample-test on|off, --occlusion on|off|auto, --contribution PX
+/// --sample-test on|off, --occlusion on|off|auto, --contribution PX, --budget MS
 void add_shown_options(CLI::App& app, ShownOptions& options);
 
 /// Prints to stderr which features are used and which are left out.

@@ -9,6 +9,7 @@
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/culling/sample_test.h"
 #include "sightline/engine/engine.h"
+#include "sightline/engine/internal/budget_passes.h"
 #include "sightline/engine/internal/occlusion_passes.h"
 #include "sightline/engine/internal/occlusion_switch.h"
 #include "sightline/render/internal/renderer.h"
@@ -27,15 +28,20 @@ class Drawing {
   /// Submits one frame that shows a visible set, without items that cover no sample of the picture (SampleTest) or that
   /// others hide (OcclusionTest). `lines`: slots to which these rules do not apply. `hierarchy`: that of the snapshot's
   /// bounds, if there is one. Waits first until at most one earlier frame is still being
-  /// drawn. take_drawn() returns `frame`. Does nothing when there is nothing to render.
+  /// drawn. take_drawn() returns `frame`. `began`: when the frame's budget began to run, seconds on the steady clock.
+  /// Does nothing when there is nothing to render.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible,
-                            culling::SlotBits lines, const culling::Hierarchy* hierarchy, std::uint64_t frame);
+                            culling::SlotBits lines, const culling::Hierarchy* hierarchy, std::uint64_t frame,
+                            double began);
   /// Of the last draw().
   struct Counts {
     std::int64_t sampled = 0, shown = 0;  // items that may cover a sample, -1 with the occlusion test; items drawn
     std::int64_t small = 0;               // items below the contribution that is asked for
+    std::int64_t pending = 0;             // items that the budget did not suffice for
   };
   const Counts& counts() const { return counts_; }
+  /// The next draw() shows something else, though its view may be that of the last one: a budget begins anew.
+  void picture_changed() { budget_view_.reset(); }
   /// The time from the last draw() to the one that follows, or 0 where it says nothing of their cost.
   void frame_took(double ms);
 
@@ -98,7 +104,11 @@ class Drawing {
                                       const culling::Hierarchy* hierarchy);
   const core::VisibleSet& leave_out_small(const core::View& view, const core::Snapshot& snapshot,
                                           const core::VisibleSet& visible, culling::SlotBits lines,
-                                          const culling::Hierarchy* hierarchy);
+                                          const culling::Hierarchy* hierarchy, float threshold);
+  core::Expected<void> draw_in_budget(const core::View& view, const core::Snapshot& snapshot,
+                                      const core::VisibleSet& visible, culling::SlotBits lines,
+                                      const culling::Hierarchy* hierarchy, double deadline);
+  core::Expected<void> draw_pass(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& pass);
   core::Expected<void> submit(std::uint64_t frame);
 
   struct InFlight {
@@ -117,6 +127,10 @@ class Drawing {
   bool sample_test_ = true;
   OcclusionChoice occlusion_ = OcclusionChoice::kAutomatic;
   float contribution_ = 0.0f;
+  double budget_ms_ = 0.0;
+  BudgetPasses budget_;
+  std::optional<core::View> budget_view_;  // whose picture the target holds, complete or not
+  bool refines_ = false;                   // the view has stayed, and the picture was begun anew with all candidates
   core::VisibleSet sampled_, large_, large_leaves_;
   std::vector<std::uint64_t> was_large_;  // a bit per slot, of the last frame
   OcclusionPasses passes_;

@@ -29,6 +29,9 @@ class Renderer {
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                             const gpuscene::DrawLists& lists, const RenderTarget& target);
 
+  /// Makes the target show nothing but the background.
+  void clear(const RenderTarget& target) const;
+
   /// Draws the records in the lists beside what the target holds of the same view. Where two items have the same depth,
   /// the pixel keeps what it has.
   core::Expected<void> draw_more(const core::View& view, const core::Snapshot& snapshot,
@@ -48,7 +51,6 @@ class Renderer {
   };
   using BatchPrograms = std::array<BatchProgram, gpuscene::kBatchKindCount>;
 
-  void clear(const RenderTarget& target) const;
   core::Expected<void> upload_view(const core::View& view, const core::Snapshot& snapshot, const RenderTarget& target);
   void draw_batch(const gpuscene::Batch& batch, const BatchProgram& program, const gpuscene::GpuScene& scene,
                   const gpuscene::DrawLists& lists) const;

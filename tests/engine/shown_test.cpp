@@ -116,6 +116,20 @@ TEST_F(Shown, TheSampleTestLosesNoPixel) {
   EXPECT_LT(shown, visible * 8 / 10);
 }
 
+/// Pixels whose item differs though the depths do not: two surfaces at one distance, of which either may win.
+struct Difference {
+  int pixels = 0, ties = 0;
+};
+Difference compare(Engine& a, Engine& b, const View& view) {
+  const image::IdImage ids = *a.read_ids(), other_ids = *b.read_ids();
+  Difference found;
+  if (ids.ids == other_ids.ids) return found;
+  const image::DepthImage depth = *a.read_depth(view), other_depth = *b.read_depth(view);
+  for (std::size_t i = 0; i < ids.ids.size(); ++i)
+    if (ids.ids[i] != other_ids.ids[i]) ++(depth.metres[i] == other_depth.metres[i] ? found.ties : found.pixels);
+  return found;
+}
+
 /// Items below the threshold are absent, and no others; what is kept leaves later than it comes.
 TEST_F(Shown, ContributionLeavesOutWhatIsSmall) {
   core::Scene scene;
@@ -160,6 +174,60 @@ TEST_F(Shown, ContributionLeavesOutWhatIsSmall) {
   EXPECT_FALSE(Engine::create(scene, with));
 }
 
+/// A budget too small for the picture: the frames of a view that stays complete it, and then nothing is drawn; an edit,
+/// another view or size begins anew.
+TEST_F(Shown, ABudgetIsMadeUpForAtRest) {
+  Random random(5);
+  core::Scene scene;
+  fill(random, scene, dvec3(0.0));
+  EngineConfig with = config(80, 60), without = with;
+  with.budget_ms = 1e-3;
+  auto hurried = Engine::create(scene, with), all = Engine::create(scene, without);
+  ASSERT_TRUE(hurried && all);
+  for (int i = 0; i < 12; ++i) {
+    SCOPED_TRACE(testing::Message() << "view " << i);
+    if (i == 4) {
+      scene.set_visible(3, false);
+      ASSERT_TRUE(hurried->commit() && all->commit());
+    }
+    if (i == 8) {
+      ASSERT_TRUE(hurried->resize(61, 47) && all->resize(61, 47));
+    }
+    const View view = view_of(random, dvec3(0.0), 4.0 / 3.0);
+    ASSERT_TRUE(all->frame(view));
+    int frames = 1;
+    auto report = hurried->frame(view);
+    ASSERT_TRUE(report);
+    if (report->visible > 500) {
+      EXPECT_GT(report->pending, 0);
+    }
+    for (std::int64_t before = report->pending; report->pending > 0; before = report->pending, ++frames) {
+      ASSERT_LT(frames, 1000);
+      report = hurried->frame(view);
+      ASSERT_TRUE(report);
+      if (frames > 1) {
+        ASSERT_LT(report->pending, before);
+      }
+    }
+    EXPECT_EQ(compare(*hurried, *all, view).pixels, 0);
+    const std::int64_t shown = report->shown;
+    report = hurried->frame(view);
+    EXPECT_EQ(report->shown, shown) << "nothing is drawn again";
+    EXPECT_EQ(report->pending, 0);
+    if (i % 3 == 0) {  // an edit of what is seen, the view staying
+      scene.set_visible(core::ItemId(i), false);
+      ASSERT_TRUE(hurried->commit() && all->commit());
+      ASSERT_TRUE(all->frame(view));
+      do {
+        report = hurried->frame(view);
+      } while (report->pending > 0);
+      EXPECT_EQ(compare(*hurried, *all, view).pixels, 0);
+    }
+  }
+  with.budget_ms = -1.0;
+  EXPECT_FALSE(Engine::create(scene, with));
+}
+
 /// A wall with a gap of a pixel or less, doors, boxes inside one another: much is hidden, little of it wholly.
 void add_walls(Random& random, core::Scene& scene, const dvec3& middle) {
   for (int i = 0; i < 12; ++i) {
@@ -171,20 +239,6 @@ void add_walls(Random& random, core::Scene& scene, const dvec3& middle) {
     place.origin[(axis + 1) % 3] += wide + magnitude(random, 1e-3, 0.1);  // beside it, a gap apart
     scene.add_primitive(scene.root(), wall, place);
   }
-}
-
-/// Pixels whose item differs though the depths do not: two surfaces at one distance, of which either may win.
-struct Difference {
-  int pixels = 0, ties = 0;
-};
-Difference compare(Engine& a, Engine& b, const View& view) {
-  const image::IdImage ids = *a.read_ids(), other_ids = *b.read_ids();
-  Difference found;
-  if (ids.ids == other_ids.ids) return found;
-  const image::DepthImage depth = *a.read_depth(view), other_depth = *b.read_depth(view);
-  for (std::size_t i = 0; i < ids.ids.size(); ++i)
-    if (ids.ids[i] != other_ids.ids[i]) ++(depth.metres[i] == other_depth.metres[i] ? found.ties : found.pixels);
-  return found;
 }
 
 /// By seed: 250 views of each of ten scenes.

@@ -1,0 +1,121 @@
+#include "sightline/engine/internal/budget_passes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sightline::engine {
+namespace {
+
+constexpr int kLeastExponent = -8;       // of the area of the smallest class
+constexpr int kOpenFirst = 4;            // classes by which items that were open come earlier
+constexpr std::size_t kPiece = 2048;     // slots tested at a time
+constexpr std::size_t kFewest = 64;      // of a pass, hidden ones included
+constexpr double kSteady = 0.25;         // of a pass's own cost, which hardly changes; else estimates oscillate
+constexpr double kLeastMs = 1e-5;        // of an item
+constexpr double kGreatestChange = 4.0;  // of an estimate, by one pass
+
+}  // namespace
+
+int DrawCosts::class_of(float area) {
+  if (!(area > 0.0f)) return 0;
+  if (std::isinf(area)) return kClasses - 1;
+  return std::clamp(std::ilogb(area) - kLeastExponent, 0, kClasses - 1);
+}
+
+/// At first 2 µs an item and 5 ns a pixel, of 640 x 360 pixels at most.
+DrawCosts::DrawCosts() {
+  for (int c = 0; c < kClasses; ++c)
+    ms_[std::size_t(c)] = 2e-3 + 5e-6 * std::min(std::ldexp(1.0, c + kLeastExponent), 230'400.0);
+}
+
+/// Each class takes the blame for the error in proportion to its share of the time that was expected.
+void DrawCosts::took(const std::array<std::uint32_t, kClasses>& counts, double ms) {
+  double expected = pass_ms_;
+  for (int c = 0; c < kClasses; ++c) expected += counts[std::size_t(c)] * ms_[std::size_t(c)];
+  const double ratio = std::clamp(ms / expected, 1.0 / kGreatestChange, kGreatestChange);
+  const auto follow = [&](double& estimate, double share) { estimate *= std::pow(ratio, share); };
+  for (std::size_t c = 0; c < std::size_t(kClasses); ++c) {
+    const double share = counts[c] * ms_[c] / expected;
+    follow(ms_[c], share);
+    ms_[c] = std::max(ms_[c], kLeastMs);
+  }
+  follow(pass_ms_, kSteady * pass_ms_ / expected);
+}
+
+void BudgetPasses::begin(const culling::ContributionTest& measure, const core::ItemBounds& bounds,
+                         const core::VisibleSet& candidates, culling::SlotBits lines) {
+  lines_ = lines;
+  drawn_.clear();
+  drawn_.generation = pass_.generation = piece_.generation = candidates.generation;
+  at_ = 0;
+  measure.areas(bounds, candidates, areas_);
+  constexpr int kRanks = DrawCosts::kClasses + kOpenFirst;
+  const auto rank_of = [&](const SlotArea& a) {  // 0 comes first
+    if (culling::contains(lines, a.slot)) return 0;
+    return kRanks - 1 - (DrawCosts::class_of(a.area) + (culling::contains(open_, a.slot) ? kOpenFirst : 0));
+  };
+  std::array<std::size_t, kRanks + 1> begins{};
+  for (const SlotArea& a : areas_) ++begins[std::size_t(rank_of(a)) + 1];
+  for (std::size_t i = 1; i < begins.size(); ++i) begins[i] += begins[i - 1];
+  order_.resize(areas_.size());
+  for (const SlotArea& a : areas_) order_[begins[std::size_t(rank_of(a))]++] = a;
+}
+
+bool BudgetPasses::next(const culling::OcclusionTest* test, const core::ItemBounds& bounds, double ms) {
+  pass_.items.clear();
+  counts_.fill(0);
+  double left = ms - costs_.pass_ms();
+  while (at_ < order_.size()) {
+    const std::size_t end = affordable(left);
+    if (end == at_) break;
+    left -= take(end, test, bounds);
+  }
+  while (pass_.items.empty() && at_ < order_.size())  // a frame must come on, however short the time
+    take(std::min(order_.size(), at_ + kFewest), test, bounds);
+  std::sort(pass_.items.begin(), pass_.items.end());
+  drawn_.items.insert(drawn_.items.end(), pass_.items.begin(), pass_.items.end());
+  return !pass_.items.empty();
+}
+
+/// The end of the next piece that costs no more than that if none of it is hidden.
+std::size_t BudgetPasses::affordable(double ms) const {
+  const std::size_t most = std::min(order_.size(), at_ + kPiece);
+  std::size_t end = at_;
+  while (end < most && (ms -= costs_.ms(DrawCosts::class_of(order_[end].area))) >= 0.0) ++end;
+  return end;
+}
+
+/// Adds what is open of the candidates up to `end` to the pass; returns what drawing it costs.
+double BudgetPasses::take(std::size_t end, const culling::OcclusionTest* test, const core::ItemBounds& bounds) {
+  piece_.items.clear();
+  for (std::size_t i = at_; i < end; ++i) piece_.items.push_back(order_[i].slot);
+  if (test)
+    test->filter(bounds, piece_, open_piece_, lines_);  // keeps their order
+  else
+    std::swap(piece_, open_piece_);
+  double ms = 0.0;
+  std::size_t i = at_;
+  for (const core::Slot slot : open_piece_.items) {
+    while (order_[i].slot != slot) ++i;
+    const int size_class = DrawCosts::class_of(order_[i].area);
+    ++counts_[std::size_t(size_class)];
+    ms += costs_.ms(size_class);
+  }
+  pass_.items.insert(pass_.items.end(), open_piece_.items.begin(), open_piece_.items.end());
+  at_ = end;
+  return ms;
+}
+
+void BudgetPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
+  test.filter(bounds, drawn_, open_piece_, lines_);
+  culling::set_bits(open_piece_, bounds.size(), open_);
+}
+
+void BudgetPasses::reset() {
+  open_.clear();
+  order_.clear();
+  drawn_.clear();
+  at_ = 0;
+}
+
+}  // namespace sightline::engine

@@ -1,0 +1,75 @@
+// Which items a frame draws within a given time, and which when the camera rests. Internal to engine.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sightline/core/item_bounds.h"
+#include "sightline/core/visible_set.h"
+#include "sightline/culling/contribution.h"
+#include "sightline/culling/occlusion.h"
+
+namespace sightline::engine {
+
+/// What drawing an item costs, by the size of its area: learnt from passes.
+class DrawCosts {
+ public:
+  DrawCosts();
+  /// Items by the exponent of their area in pixels, each class with twice the area of the one before.
+  static constexpr int kClasses = 28;
+  static int class_of(float area);
+
+  double ms(int size_class) const { return ms_[std::size_t(size_class)]; }
+  double pass_ms() const { return pass_ms_; }
+  /// A pass of counts[c] items of each class has taken that long.
+  void took(const std::array<std::uint32_t, kClasses>& counts, double ms);
+
+ private:
+  std::array<double, kClasses> ms_;
+  double pass_ms_ = 1.0;  // beside the items
+};
+
+/// A frame's items in passes, the largest first. Items that the last frame found open come before others of up to
+/// sixteen times their area. Each pass is as large as the time that it is given; hidden items take none. So the
+/// threshold of contribution follows the time. What the time does not suffice for stays pending, and next() goes on
+/// with it for as long as the view stays.
+class BudgetPasses {
+ public:
+  /// Begins a frame with its candidates. Slots of `lines` are neither measured nor tested: they come first.
+  void begin(const culling::ContributionTest& measure, const core::ItemBounds& bounds,
+             const core::VisibleSet& candidates, culling::SlotBits lines);
+  /// Finds the next pass, worth `ms` of drawing or less. `test`: against the depth of all passes so far; null: nothing
+  /// is tested. False when nothing is pending.
+  bool next(const culling::OcclusionTest* test, const core::ItemBounds& bounds, double ms);
+  /// The pass has taken that long, beside finding it.
+  void took(double ms) { costs_.took(counts_, ms); }
+  /// Remembers what of the drawn items is open.
+  void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
+
+  const core::VisibleSet& pass() const { return pass_; }  ///< slots in rising order
+  std::size_t drawn() const { return drawn_.items.size(); }
+  bool complete() const { return at_ == order_.size(); }
+  /// Candidates that were not looked at, and the area of the largest of them.
+  std::size_t pending() const { return order_.size() - at_; }
+  float largest_pending() const { return complete() ? 0.0f : order_[at_].area; }
+  /// What a pass costs at least.
+  double least_ms() const { return costs_.pass_ms(); }
+
+  /// Forgets the frame before. For a new order of the items.
+  void reset();
+
+ private:
+  using SlotArea = culling::ContributionTest::SlotArea;
+  std::size_t affordable(double ms) const;
+  double take(std::size_t end, const culling::OcclusionTest* test, const core::ItemBounds& bounds);
+
+  DrawCosts costs_;
+  std::vector<SlotArea> areas_, order_;                      // order_: the largest first, in classes
+  std::size_t at_ = 0;                                       // in order_: what is before has been drawn, or is hidden
+  std::vector<std::uint64_t> open_;                          // a bit per slot, of the last frame
+  std::array<std::uint32_t, DrawCosts::kClasses> counts_{};  // of the pass
+  core::VisibleSet pass_, piece_, open_piece_, drawn_;
+  culling::SlotBits lines_;
+};
+
+}  // namespace sightline::engine

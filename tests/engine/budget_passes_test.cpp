@@ -1,0 +1,100 @@
+// What items are drawn in which order within a time, without drawing.
+#include "sightline/engine/internal/budget_passes.h"
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace sightline::engine {
+namespace {
+
+using core::View;
+
+struct Site {
+  Site() {
+    bounds.resize(3000);
+    for (std::size_t i = 0; i < bounds.size(); ++i) {  // squares on a wall, of 1 to 1,000 areas
+      const float size = 0.01f * std::sqrt(float(i % 1000 + 1));
+      const float x = float(i % 60) - 30.0f, z = float(i / 60) - 25.0f;
+      bounds.set(i, {{x, 100.0f, z}, {x + size, 100.0f, z + size}});
+    }
+    all.ranges = {{0, 3000}};
+  }
+  core::ItemBounds bounds;
+  core::VisibleSet all;
+  View view = *View::perspective({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
+  culling::ContributionTest measure{view, core::dvec3(0.0), 1000, 1000};
+};
+
+TEST(BudgetPasses, DrawsTheLargestFirstAndEachOnce) {
+  Site site;
+  BudgetPasses passes;
+  passes.begin(site.measure, site.bounds, site.all, {});
+  std::set<core::Slot> drawn;
+  float least = std::numeric_limits<float>::infinity();
+  int count = 0;
+  while (passes.next(nullptr, site.bounds, 2.0)) {
+    float largest = 0.0f, smallest = std::numeric_limits<float>::infinity();
+    ASSERT_TRUE(std::is_sorted(passes.pass().items.begin(), passes.pass().items.end()));
+    for (const core::Slot s : passes.pass().items) {
+      ASSERT_TRUE(drawn.insert(s).second);
+      const float area = site.measure.area(site.bounds.box(s));
+      largest = std::max(largest, area), smallest = std::min(smallest, area);
+    }
+    ASSERT_LE(largest, 2.0f * least) << "classes of twice the area";
+    least = smallest;
+    ASSERT_EQ(passes.drawn(), drawn.size());
+    ASSERT_EQ(passes.pending(), 3000 - drawn.size());
+    passes.took(2.0);
+    ++count;
+  }
+  EXPECT_EQ(drawn.size(), 3000u);
+  EXPECT_TRUE(passes.complete());
+  EXPECT_GT(count, 2);
+}
+
+/// Passes come to fit the time that they are given, whatever items cost.
+TEST(BudgetPasses, LearnsWhatItemsCost) {
+  Site site;
+  for (const double per_item : {2e-4, 5e-3, 0.1}) {
+    BudgetPasses passes;
+    double took = 0.0;
+    for (int frame = 0; frame < 40; ++frame) {
+      passes.begin(site.measure, site.bounds, site.all, {});
+      ASSERT_TRUE(passes.next(nullptr, site.bounds, 10.0));
+      took = 0.3 + per_item * double(passes.pass().items.size());
+      passes.took(took);
+    }
+    if (per_item * 3000 > 10.0)
+      EXPECT_NEAR(took, 10.0, 1.5) << per_item;
+    else
+      EXPECT_TRUE(passes.complete());
+  }
+}
+
+TEST(BudgetPasses, HiddenItemsCostNothingAndOpenOnesComeFirst) {
+  Site site;
+  culling::DepthPyramid pyramid;
+  std::vector<float> distances(1000 * 1000, 50.0f);  // in front of everything, but for the left half
+  for (std::size_t y = 0; y < 1000; ++y)
+    for (std::size_t x = 0; x < 500; ++x) distances[1000 * y + x] = std::numeric_limits<float>::infinity();
+  pyramid.build(distances, 1000, 1000);
+  const culling::OcclusionTest test(site.view, core::dvec3(0.0), 1000, 1000, pyramid);
+  core::VisibleSet open;
+  test.filter(site.bounds, site.all, open);
+  BudgetPasses passes;
+  passes.begin(site.measure, site.bounds, site.all, {});
+  while (passes.next(&test, site.bounds, 1.0)) passes.took(1.0);
+  EXPECT_EQ(passes.drawn(), open.count());
+  passes.remember(test, site.bounds);
+  passes.begin(site.measure, site.bounds, site.all, {});
+  pyramid.clear(1000, 1000);
+  ASSERT_TRUE(passes.next(&test, site.bounds, 0.5 * passes.least_ms()));  // the least pass there is
+  const auto slots = open.sorted_slots();
+  const std::set<core::Slot> were_open(slots.begin(), slots.end());
+  for (const core::Slot s : passes.pass().items) EXPECT_TRUE(were_open.count(s));
+}
+
+}  // namespace
+}  // namespace sightline::engine
