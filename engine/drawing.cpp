@@ -110,6 +110,7 @@ core::Expected<culling::GpuCuller> Drawing::make_culler(const core::Snapshot& sn
   if (!culler) return culler;
   if (why_gpu_variant_.empty() || !cull_config_.variant) why_gpu_variant_ = culler->why_this_variant();
   if (culler->variant_settled()) cull_config_.variant = culler->variant();
+  if (auto done = culler->prepare(renders_ && sample_test_); !done) return tl::unexpected(done.error());
   return culler;
 }
 
@@ -223,9 +224,12 @@ core::Expected<void> Drawing::draw_in_passes(const core::View& view, const core:
   return {};
 }
 
-core::Expected<void> Drawing::cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
+core::Expected<void> Drawing::cull(const core::View& cull_view, const core::View& view, const core::Snapshot& snapshot,
+                                   std::uint64_t frame) {
   if (auto current = make_current(); !current) return current;
-  return culler_->cull(view, snapshot, *scene_, *lists_, frame);
+  if (!renderer_ || !sample_test_) return culler_->cull(cull_view, snapshot, *scene_, *lists_, frame);
+  const culling::GpuCuller::Picture picture{view, picture_samples(target_)};
+  return culler_->cull(cull_view, snapshot, *scene_, *lists_, frame, &picture);
 }
 
 core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {

@@ -6,6 +6,7 @@
 
 #include "sightline/culling/gpu/internal/gpu_band.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
+#include "sightline/culling/gpu/internal/gpu_screen.h"
 
 namespace sightline::culling {
 namespace {
@@ -15,7 +16,7 @@ using core::Snapshot;
 using gpuscene::Batch;
 using gpuscene::BatchKind;
 
-constexpr GLuint kPlaneBinding = 1;
+constexpr GLuint kPlaneBinding = 1, kScreenBinding = 2;
 
 /// CullBlock of cull_test.glsl (std140).
 struct PlaneBlock {
@@ -128,7 +129,7 @@ core::Expected<void> GpuCuller::update(const Snapshot& snapshot, const gpuscene:
 }
 
 std::size_t GpuCuller::memory_bytes() const {
-  std::size_t bytes = plane_block_.size() + pass_->memory_bytes();
+  std::size_t bytes = plane_block_.size() + screen_block_.size() + pass_->memory_bytes();
   for (const CullBatch& batch : batches_) bytes += batch.memory_bytes();
   return bytes;
 }
@@ -141,8 +142,17 @@ std::size_t GpuCuller::bounds_memory_bytes() const {
 
 // --- culling ---------------------------------------------------------------------------------------------------------
 
+core::Expected<void> GpuCuller::prepare(bool for_picture) {
+  return pass_->prepare(batches_, for_picture ? Selection::kSampled : Selection::kAll);
+}
+
 core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                                     gpuscene::DrawLists& lists, std::uint64_t frame) {
+                                     gpuscene::DrawLists& lists, std::uint64_t frame, const Picture* picture) {
+  const bool sampled = picture && picture->samples.offsets.size() <= std::size_t(kMaxSamples);
+  const Selection selection = sampled ? Selection::kSampled : Selection::kAll;
+  if (auto done = pass_->prepare(batches_, selection); !done) return done;
+  if (sampled)
+    if (auto done = upload_picture(*picture, snapshot.bounds()); !done) return done;
   if (auto done = lists.begin_gpu_update(scene, pass_->counting()); !done) return done;
   const std::size_t place = next_probe(frame);
   Probe& probe = probes_[place];
@@ -156,7 +166,7 @@ core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& sna
   probe.timed = timer_ && place != kTakenProbes && timer_->begin();
   upload_planes(planes, snapshot.bounds(), view.layers);
   gl_->BindBufferBase(GL_UNIFORM_BUFFER, kPlaneBinding, plane_block_.id());
-  pass_->run(batches_, lists, place);
+  pass_->run(batches_, lists, selection, place);
   lists.end_gpu_update(scene);
   if (probe.timed) timer_->end();
   return {};
@@ -178,6 +188,18 @@ void GpuCuller::upload_planes(const CullPlanes& planes, const core::ItemBounds& 
   plane_block_.write(0, sizeof block, &block);
 }
 
+core::Expected<void> GpuCuller::upload_picture(const Picture& picture, const core::ItemBounds& bounds) {
+  if (screen_block_.id() == 0) {
+    auto made = gl::Buffer::create(*gl_, sizeof(ScreenBlock), nullptr, GL_DYNAMIC_STORAGE_BIT, "culled picture");
+    if (!made) return tl::unexpected(made.error());
+    screen_block_ = std::move(*made);
+  }
+  const ScreenBlock block = make_screen_block(picture.view, bounds, picture.samples);
+  screen_block_.write(0, sizeof block, &block);
+  gl_->BindBufferBase(GL_UNIFORM_BUFFER, kScreenBinding, screen_block_.id());
+  return {};
+}
+
 // --- feedback --------------------------------------------------------------------------------------------------------
 
 std::size_t GpuCuller::next_probe(std::uint64_t frame) {
@@ -190,11 +212,12 @@ std::size_t GpuCuller::next_probe(std::uint64_t frame) {
 std::optional<GpuCuller::Feedback> GpuCuller::take_feedback() {
   if (pending_ == 0) return std::nullopt;
   const Probe& probe = probes_[first_probe_];
-  Feedback feedback{probe.frame, 0, std::nullopt};
+  Feedback feedback{probe.frame, 0, 0, std::nullopt};
   if (!probe.skipped) {
     const auto found = pass_->found(first_probe_);
     if (!found) return std::nullopt;
-    feedback.visible = *found;
+    feedback.visible = found->in_view;
+    feedback.shown = found->written;
     if (probe.timed && !(feedback.time_ms = timer_->poll())) return std::nullopt;
   }
   first_probe_ = (first_probe_ + 1) % kTakenProbes;

@@ -22,13 +22,22 @@ core::Expected<void> BatchPrograms::make(const gl::Functions& gl, std::span<cons
   return {};
 }
 
-gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages) {
+gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages, Selection selection) {
   gl::ProgramDescription description;
   description.name = std::move(name);
   description.stages = std::move(stages);
   description.shaders = gpuscene::DrawLists::shader_context();
   description.shaders.tables.push_back(shaders());
+  if (selection == Selection::kSampled)
+    for (const char* define : {"SAMPLED", "COUNTS_IN_VIEW"}) description.shaders.defines.emplace_back(define);
   return description;
+}
+
+void set_all_selected(const gl::Functions& gl, const gl::Program& program, const CullBatch& batch,
+                      Selection selection) {
+  constexpr GLint kAllSelectedUniform = 1;
+  if (selection != Selection::kAll)
+    gl.ProgramUniform1i(program.id(), kAllSelectedUniform, batch.kind == gpuscene::BatchKind::kLine);
 }
 
 void bind_batch(const gl::Functions& gl, const CullBatch& batch) {

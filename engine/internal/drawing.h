@@ -37,9 +37,10 @@ class Drawing {
   /// The time from the last draw() to the one that follows, or 0 where it says nothing of their cost.
   void frame_took(double ms);
 
-  /// cull() culls on the GPU, and draw_culled() submits a frame of the result. Both need the GPU culler.
-  /// take_gpu_feedback() returns `frame`, too.
-  core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
+  /// cull() culls by `cull_view` on the GPU for a picture of `view`, and draw_culled() submits a frame of the result.
+  /// Both need the GPU culler. take_gpu_feedback() returns `frame`, too.
+  core::Expected<void> cull(const core::View& cull_view, const core::View& view, const core::Snapshot& snapshot,
+                            std::uint64_t frame);
   core::Expected<void> draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
   /// How long the last call of these functions has waited, milliseconds.
   double waited_ms() const { return waited_ms_; }

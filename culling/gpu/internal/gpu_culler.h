@@ -21,6 +21,7 @@
 #include "sightline/culling/frustum_test.h"
 #include "sightline/culling/gpu/gpu_culler_config.h"
 #include "sightline/culling/gpu/internal/gpu_bounds.h"
+#include "sightline/culling/sample_test.h"
 #include "sightline/gl/internal/timer.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
@@ -35,9 +36,12 @@ struct CullBatch;
 /// denormals to the driver (The OpenGL Shading Language 4.50, section 4.7.1). So no item of the CPU's set is ever
 /// missing. Each further item has a corner within that band of a plane: some 10^-6 of the scene's size.
 ///
+/// The same holds of the sample test, which GLSL evaluates with bands of its own (screen_box.glsl): what SampleTest
+/// would leave out is left out, but for boxes within a ten-thousandth of a pixel or so of a sample.
+///
 /// The context must be current in all calls. cull() changes this state and leaves it changed: program, texture units 0
-/// to 4, uniform block 1; the geometry variant also vertex array, framebuffer and transform feedback, the compute
-/// variant shader storage blocks 0 to 4.
+/// to 4, uniform blocks 1 and 2; the geometry variant also vertex array, framebuffer and transform feedback, the
+/// compute variant shader storage blocks 0 to 4.
 class GpuCuller {
  public:
   /// For `scene`, made from `snapshot`. Fails when the GPU has too little memory, or when the context cannot do the
@@ -61,15 +65,26 @@ class GpuCuller {
   core::Expected<void> update(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                               std::span<const core::Slot> touched);
 
-  /// Fills `lists` with what `view` can see. Submits the work and returns; `frame` comes back with the feedback. Fails
-  /// when the GPU has too little memory for the lists.
+  /// The picture that shows what is culled.
+  struct Picture {
+    core::View view;
+    PictureSamples samples;
+  };
+
+  /// Compiles the programs of cull() with a picture, or without one, which its first call does otherwise.
+  core::Expected<void> prepare(bool for_picture);
+
+  /// Fills `lists` with what `view` can see. With `picture` it leaves out items that cover none of its samples, except
+  /// lines. Submits the work and returns; `frame` comes back with the feedback.
+  /// Fails when the GPU has too little memory for the lists.
   core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                            gpuscene::DrawLists& lists, std::uint64_t frame = 0);
+                            gpuscene::DrawLists& lists, std::uint64_t frame = 0, const Picture* picture = nullptr);
 
   /// What became known of an earlier cull().
   struct Feedback {
     std::uint64_t frame = 0;        ///< as given to cull()
-    std::uint64_t visible = 0;      ///< items
+    std::uint64_t visible = 0;      ///< items in the view volume
+    std::uint64_t shown = 0;        ///< of these, items in the lists
     std::optional<double> time_ms;  ///< on the GPU; none on software rasterisers, whose timer queries mean nothing
   };
   /// The oldest feedback not yet taken, in order; nothing until the GPU is done with it. Never waits. A few results can
@@ -101,6 +116,7 @@ class GpuCuller {
   core::Expected<void> choose_variant(const gl::Context& context, const core::Snapshot& snapshot,
                                       const gpuscene::GpuScene& scene);
   void upload_planes(const CullPlanes& planes, const core::ItemBounds& bounds, std::uint32_t layers) const;
+  core::Expected<void> upload_picture(const Picture& picture, const core::ItemBounds& bounds);
   std::size_t next_probe(std::uint64_t frame);
 
   const gl::Functions* gl_ = nullptr;
@@ -111,8 +127,8 @@ class GpuCuller {
   std::unique_ptr<GpuPass> pass_;
   bool variant_settled_ = true;
   std::string why_this_variant_ = "asked for";
-  gl::Buffer plane_block_;
-  std::vector<Probe> probes_;  // a ring, and one more that nobody reads, for when it is full
+  gl::Buffer plane_block_, screen_block_;  // screen_block_: made when first used
+  std::vector<Probe> probes_;              // a ring, and one more that nobody reads, for when it is full
   std::size_t first_probe_ = 0, pending_ = 0;
   std::optional<gl::GpuTimer> timer_;
 };

@@ -28,6 +28,19 @@ struct CullBatch {
   std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.buffer.size(); }
 };
 
+/// Which items of the view volume a pass writes.
+enum class Selection : std::uint8_t {
+  kAll,
+  kSampled,  ///< those that may cover a sample of the picture, and lines
+};
+inline constexpr std::size_t kSelectionCount = 2;
+
+/// Numbers of items.
+struct Found {
+  std::uint64_t in_view = 0;  ///< in the view volume
+  std::uint64_t written = 0;  ///< of these, selected
+};
+
 /// Number of culls whose results may wait to be taken, and one more whose result nobody reads, for when these are full.
 inline constexpr std::size_t kTakenProbes = gl::GpuTimer::kSlots, kProbes = kTakenProbes + 1;
 
@@ -38,10 +51,14 @@ class GpuPass {
 
   virtual GpuVariant variant() const = 0;
   virtual gpuscene::DrawLists::Counting counting() const = 0;
-  /// Fills the lists between their begin_gpu_update() and end_gpu_update(). The planes are bound.
-  virtual void run(std::span<const CullBatch> batches, const gpuscene::DrawLists& lists, std::size_t probe) = 0;
-  /// Number of items that the last run with this probe found; nothing until the GPU is done with it. Never waits.
-  virtual std::optional<std::uint64_t> found(std::size_t probe) = 0;
+  /// Makes the programs of a selection, unless they are made.
+  virtual core::Expected<void> prepare(std::span<const CullBatch> batches, Selection selection) = 0;
+  /// Fills the lists between their begin_gpu_update() and end_gpu_update(). The selection is prepared; the blocks with
+  /// planes and picture are bound.
+  virtual void run(std::span<const CullBatch> batches, const gpuscene::DrawLists& lists, Selection selection,
+                   std::size_t probe) = 0;
+  /// What the last run with this probe found; nothing until the GPU is done with it. Never waits.
+  virtual std::optional<Found> found(std::size_t probe) = 0;
   virtual std::size_t memory_bytes() const = 0;
 };
 
@@ -67,8 +84,12 @@ class BatchPrograms {
   std::array<gl::Program, 2> programs_;
 };
 
-/// A program of one stage or more from the files of culling/gpu and gpuscene, with the draw lists' defines.
-gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages);
+/// A program of one stage or more from the files of culling/gpu and gpuscene, with the defines of the draw lists and of
+/// a selection.
+gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages,
+                                     Selection selection = Selection::kAll);
+/// Tells a program that tests items of a batch (selection.glsl) whether all of them are selected.
+void set_all_selected(const gl::Functions& gl, const gl::Program& program, const CullBatch& batch, Selection selection);
 
 /// Texture units where shaders find a batch's data.
 enum CullTextureUnit : GLuint {
