@@ -326,8 +326,8 @@ core::Expected<bool> Engine::Impl::cull(const core::View& cull_view, const core:
   visible_.clear();
   visible_.generation = live_.snapshot->generation();
   bool on_gpu = drawing_ && live_.plan.culler == CullerChoice::kGpu;
+  gather_late_reports();
   if (hybrid_) {
-    gather_late_reports();
     on_gpu = hybrid_->next(report.frame_ms) == culling::CullPath::kGpu;
     report.state = hybrid_->controller().state();
   }

@@ -44,8 +44,7 @@ struct EngineConfig {
   bool ids = false;  ///< item-id image beside colour and depth
   /// Leave out of drawing what covers no sample of the picture (culling/sample_test.h): nothing is lost.
   bool sample_test = true;
-  /// Leave out of drawing what other items hide (culling/occlusion.h): nothing is lost. With one sample per pixel, and
-  /// where the CPU culls.
+  /// Leave out of drawing what other items hide (culling/occlusion.h): nothing is lost. With one sample per pixel only.
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
   int samples = 1;        ///< per pixel; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower

@@ -109,15 +109,17 @@ class ComputePass : public GpuPass {
   void run(std::span<const CullBatch> batches, const DrawLists& lists, Selection selection,
            std::size_t probe) override {
     lay_out(batches);
-    counts_in_view_[probe] = selection != Selection::kAll;
-    results_.fill(probe * kProbeBytes, kProbeBytes, 0);
+    if (selection != Selection::kOpenNow) {
+      counts_in_view_[probe] = counts_in_view(selection);
+      results_.fill(probe * kProbeBytes, kProbeBytes, 0);
+    }
     bind(kMasks, masks_);
     bind(kPlaces, places_);
     bind(kResults, results_);
     const gl::Program& test = test_[std::size_t(selection)];
-    if (selection != Selection::kAll) gl_->ProgramUniform1ui(test.id(), kTestResultUniform, GLuint(probe));
+    if (counts_in_view(selection)) gl_->ProgramUniform1ui(test.id(), kTestResultUniform, GLuint(probe));
     for (const CullBatch& batch : batches) {
-      set_all_selected(*gl_, test, batch, selection);
+      bind_selection(*gl_, test, batch, selection);
       dispatch(test, batch);
     }
     gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);

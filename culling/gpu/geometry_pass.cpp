@@ -29,8 +29,8 @@ class GeometryPass : public GpuPass {
   core::Expected<void> prepare(std::span<const CullBatch> batches, Selection selection) override {
     ItemPrograms& items = item_pass_[std::size_t(selection)];
     if (items.made) return {};
-    if (cluster_pass_.id() == 0)
-      if (auto done = make_cluster_pass(); !done) return done;
+    if (cluster_pass(selection).id() == 0)
+      if (auto done = make_cluster_pass(selection); !done) return done;
     auto done = items.programs.make(*gl_, batches, [&](bool meshes) {
       const char* keep = meshes ? "keep_commands.geom" : "keep.geom";
       auto pass =
@@ -53,13 +53,14 @@ class GeometryPass : public GpuPass {
     return {};
   }
 
-  core::Expected<void> make_cluster_pass() {
+  core::Expected<void> make_cluster_pass(Selection selection) {
     auto clusters =
-        describe_pass("cull clusters", {{GL_VERTEX_SHADER, {"clusters.vert"}}, {GL_GEOMETRY_SHADER, {"keep.geom"}}});
+        describe_pass("cull clusters", {{GL_VERTEX_SHADER, {"clusters.vert"}}, {GL_GEOMETRY_SHADER, {"keep.geom"}}},
+                      selection == Selection::kOpenNow ? selection : Selection::kAll);
     clusters.feedback_varyings = {"found"};
     auto program = gl::Program::create(*gl_, clusters);
     if (!program) return tl::unexpected(program.error());
-    cluster_pass_ = std::move(*program);
+    cluster_pass(selection) = std::move(*program);
     return {};
   }
 
@@ -70,8 +71,6 @@ class GeometryPass : public GpuPass {
       if (!clusters) return tl::unexpected(clusters.error());
       Kept& kept = kept_.emplace_back(Kept{std::move(*clusters), gl::TransformFeedback(*gl_)});
       kept.feedback.set_buffer(kept.clusters.id(), 0, kept.clusters.size());
-      for (auto& probe : probes_)
-        probe.written[std::size_t(batch.kind)] = gl::Query(*gl_, GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
     }
     return {};
   }
@@ -81,21 +80,24 @@ class GeometryPass : public GpuPass {
 
   void run(std::span<const CullBatch> batches, const DrawLists& lists, Selection selection,
            std::size_t probe) override {
-    probes_[probe].counts_in_view = selection != Selection::kAll;
+    if (selection != Selection::kOpenNow) probes_[probe].counts_in_view = counts_in_view(selection);
+    probes_[probe].goes_on = selection == Selection::kOpenNow;
     gl_->Enable(GL_RASTERIZER_DISCARD);
     framebuffer_.bind();
     cluster_array_.bind();
-    for (std::size_t i = 0; i < batches.size(); ++i) find_clusters(batches[i], kept_[i]);
+    for (std::size_t i = 0; i < batches.size(); ++i) find_clusters(batches[i], kept_[i], selection);
     item_array_.bind();
     for (std::size_t i = 0; i < batches.size(); ++i) find_items(batches[i], kept_[i], lists, selection, probes_[probe]);
     gl_->Disable(GL_RASTERIZER_DISCARD);
+    if (selection == Selection::kOpenNow) gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);  // of open_frames
   }
 
-  std::optional<Found> found(std::size_t probe) override {
-    const auto written = sum(probes_[probe].written);
-    if (!probes_[probe].counts_in_view) return written ? std::optional(Found{*written, *written}) : std::nullopt;
-    const auto in_view = sum(probes_[probe].in_view);
-    return written && in_view ? std::optional(Found{*in_view, *written}) : std::nullopt;
+  std::optional<Found> found(std::size_t place) override {
+    const Probe& probe = probes_[place];
+    const auto written = sum(probe.written);
+    const auto in_view = probe.counts_in_view ? sum(probe.in_view) : written;
+    const auto more = probe.goes_on ? sum(probe.written_more) : 0;
+    return written && more && in_view ? std::optional(Found{*in_view, *written + *more}) : std::nullopt;
   }
 
   std::size_t memory_bytes() const override {
@@ -111,17 +113,21 @@ class GeometryPass : public GpuPass {
   };
   using Queries = std::array<gl::Query, gpuscene::kBatchKindCount>;
   struct Probe {
-    Queries written, in_view;  // in_view: made when first used
-    bool counts_in_view = false;
+    Queries written, written_more, in_view;  // by batch kind; made when first used
+    bool counts_in_view = false, goes_on = false;
   };
   struct ItemPrograms {
     BatchPrograms programs;
     bool made = false;
   };
 
-  void find_clusters(const CullBatch& batch, const Kept& kept) const {
-    cluster_pass_.use();
+  gl::Program& cluster_pass(Selection selection) { return cluster_pass_[selection == Selection::kOpenNow]; }
+
+  void find_clusters(const CullBatch& batch, const Kept& kept, Selection selection) {
+    const gl::Program& program = cluster_pass(selection);
+    program.use();
     bind_batch(*gl_, batch);
+    if (selection == Selection::kOpenNow) bind_selection(*gl_, program, batch, selection);
     kept.feedback.begin_points();
     gl_->DrawArrays(GL_POINTS, 0, GLsizei(batch.bounds.cluster_count()));
     kept.feedback.end();
@@ -143,25 +149,27 @@ class GeometryPass : public GpuPass {
                   Probe& probe) const {
     const gl::Program& program = item_pass_[std::size_t(selection)].programs.of(batch);
     program.use();
-    set_all_selected(*gl_, program, batch, selection);
+    bind_selection(*gl_, program, batch, selection);
     bind_batch(*gl_, batch);
     gl_->VertexArrayVertexBuffer(item_array_.id(), kClusterBufferBinding, kept.clusters.id(), 0, sizeof(std::uint32_t));
     const DrawLists::Target target = lists.target(batch.kind);
     item_feedback_.set_buffer(target.buffer, target.offset, target.size);
-    const gl::Query& written = probe.written[std::size_t(batch.kind)];
+    const bool counts = counts_in_view(selection);
+    gl::Query& written = (probe.goes_on ? probe.written_more : probe.written)[std::size_t(batch.kind)];
     gl::Query& in_view = probe.in_view[std::size_t(batch.kind)];
-    if (probe.counts_in_view && in_view.empty()) in_view = gl::Query(*gl_, GL_PRIMITIVES_GENERATED);
+    if (written.empty()) written = gl::Query(*gl_, GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
+    if (counts && in_view.empty()) in_view = gl::Query(*gl_, GL_PRIMITIVES_GENERATED);
     written.begin();
-    if (probe.counts_in_view) in_view.begin(kCountedStream);
+    if (counts) in_view.begin(kCountedStream);
     item_feedback_.begin_points();
     gl_->DrawTransformFeedbackInstanced(GL_POINTS, kept.feedback.id(), GLsizei(kItemsPerCluster));
     item_feedback_.end();
-    if (probe.counts_in_view) in_view.end(kCountedStream);
+    if (counts) in_view.end(kCountedStream);
     written.end();
   }
 
   const gl::Functions* gl_;
-  gl::Program cluster_pass_;
+  std::array<gl::Program, 2> cluster_pass_;  // of kOpenNow, and of all other selections the first
   std::array<ItemPrograms, kSelectionCount> item_pass_;
   gl::VertexArray cluster_array_, item_array_;
   gl::Framebuffer framebuffer_;

@@ -28,16 +28,23 @@ gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDesc
   description.stages = std::move(stages);
   description.shaders = gpuscene::DrawLists::shader_context();
   description.shaders.tables.push_back(shaders());
-  if (selection == Selection::kSampled)
-    for (const char* define : {"SAMPLED", "COUNTS_IN_VIEW"}) description.shaders.defines.emplace_back(define);
+  std::vector<std::string>& defines = description.shaders.defines;
+  if (selection != Selection::kAll) {
+    constexpr const char* kDefines[] = {"", "SAMPLED", "OPEN_BEFORE", "OPEN_NOW"};
+    defines.emplace_back("FOR_PICTURE");
+    defines.emplace_back(kDefines[std::size_t(selection)]);
+    if (counts_in_view(selection)) defines.emplace_back("COUNTS_IN_VIEW");
+  }
   return description;
 }
 
-void set_all_selected(const gl::Functions& gl, const gl::Program& program, const CullBatch& batch,
-                      Selection selection) {
-  constexpr GLint kAllSelectedUniform = 1;
+void bind_selection(const gl::Functions& gl, const gl::Program& program, const CullBatch& batch, Selection selection) {
+  constexpr GLint kExemptUniform = 1;
+  constexpr GLuint kOpenFramesBinding = 5;
   if (selection != Selection::kAll)
-    gl.ProgramUniform1i(program.id(), kAllSelectedUniform, batch.kind == gpuscene::BatchKind::kLine);
+    gl.ProgramUniform1i(program.id(), kExemptUniform, batch.kind == gpuscene::BatchKind::kLine);
+  if (tests_occlusion(selection))
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kOpenFramesBinding, batch.open_frames.id());
 }
 
 void bind_batch(const gl::Functions& gl, const CullBatch& batch) {

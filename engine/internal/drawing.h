@@ -89,6 +89,9 @@ class Drawing {
   void wait_for_room();
   void wait_for_oldest();
   bool tests_occlusion(std::int64_t candidates);
+  bool may_test_occlusion(const culling::GpuCuller& culler) const;
+  bool tests_occlusion_on_gpu(std::size_t items);
+  core::Expected<void> draw_others(const core::Snapshot& snapshot);
   core::Expected<void> draw_at_once(const core::View& view, const core::Snapshot& snapshot,
                                     const core::VisibleSet& visible, culling::SlotBits lines);
   core::Expected<void> draw_in_passes(const core::View& view, const core::Snapshot& snapshot,
@@ -118,8 +121,11 @@ class Drawing {
   culling::DepthPyramid pyramid_;
   std::vector<float> distances_;
   Counts counts_;
-  std::int64_t candidates_ = 0;  // of the last draw()
+  std::int64_t candidates_ = 0;      // of the last draw()
+  std::int64_t visible_on_gpu_ = 0;  // as the newest feedback says
   std::optional<culling::GpuCuller> culler_;
+  std::optional<culling::GpuCuller::Picture>
+      culled_picture_;                        // of the last cull(); none where all of the view is drawn
   std::optional<render::Renderer> renderer_;  // none when the engine only culls
   render::RenderTarget target_;
   std::deque<InFlight> in_flight_;

@@ -170,23 +170,25 @@ Difference compare(Engine& a, Engine& b, const View& view) {
   return found;
 }
 
-/// By seed: 250 views of each of ten scenes.
-class OcclusionShown : public Shown, public testing::WithParamInterface<int> {};
+/// By path and seed: 250 views of each of ten scenes.
+class OcclusionShown : public Shown, public testing::WithParamInterface<std::tuple<Path, int>> {};
 
-/// Teleports, small steps, edits between frames, orthographic views, sections, transparency, any picture size.
+/// Teleports, small steps, edits between frames, orthographic views, sections, transparency, any picture size, which
+/// changes; new orders of the items, and another context.
 TEST_P(OcclusionShown, LosesNoPixel) {
   std::int64_t visible = 0, shown = 0, pixels = 0;
   int ties = 0;
   for (int scene_number = 0; scene_number < 10; ++scene_number) {
-    const std::uint64_t seed = std::uint64_t(10 * GetParam() + scene_number);
+    const auto& [path, first_seed] = GetParam();
+    const std::uint64_t seed = std::uint64_t(10 * first_seed + scene_number);
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const dvec3 middle = chance(random, 0.5) ? dvec3(0.0) : dvec3(4e5, 6e6, 100.0);
     core::Scene scene;
     fill(random, scene, middle);
     add_walls(random, scene, middle);
-    const int width = whole(random, 1, 90), height = whole(random, 1, 70);
-    EngineConfig with = config({}, width, height), without = with;
+    int width = whole(random, 1, 90), height = whole(random, 1, 70);
+    EngineConfig with = config(path, width, height), without = with;
     with.occlusion = OcclusionChoice::kOn;
     without.occlusion = OcclusionChoice::kOff;
     without.sample_test = false;
@@ -203,8 +205,21 @@ TEST_P(OcclusionShown, LosesNoPixel) {
         chance(random, 0.5) ? scene.set_placement(item, place) : scene.set_visible(item, chance(random, 0.5));
         ASSERT_TRUE(tested->commit() && all->commit());
       }
-      const auto few = tested->frame(view), many = all->frame(view);
+      if (chance(random, 0.02)) {
+        width = whole(random, 1, 90), height = whole(random, 1, 70);
+        ASSERT_TRUE(tested->resize(width, height) && all->resize(width, height));
+        view = view_of(random, middle, double(width) / height);
+      }
+      if (chance(random, 0.004)) {
+        ASSERT_TRUE(tested->rebuild() && all->rebuild());
+      }
+      if (chance(random, 0.002)) {
+        tested->drop_context();
+        ASSERT_TRUE(tested->use_context(*context));
+      }
+      const auto few = drawn(*tested, view), many = drawn(*all, view);
       ASSERT_TRUE(few && many);
+      ASSERT_EQ(few->visible, many->visible);
       ASSERT_LE(few->shown, few->visible);
       ASSERT_EQ(many->shown, many->visible);
       const Difference difference = compare(*tested, *all, view);
@@ -220,7 +235,13 @@ TEST_P(OcclusionShown, LosesNoPixel) {
   RecordProperty("ties", ties);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, OcclusionShown, testing::Range(1, 5));
+std::string path_and_seed(const testing::TestParamInfo<std::tuple<Path, int>>& test) {
+  return path_name({std::get<0>(test.param), 0}) + "_" + std::to_string(std::get<1>(test.param));
+}
+INSTANTIATE_TEST_SUITE_P(Cpu, OcclusionShown, testing::Combine(testing::Values(kPaths[0]), testing::Range(1, 5)),
+                         path_and_seed);
+INSTANTIATE_TEST_SUITE_P(Gpu, OcclusionShown,
+                         testing::Combine(testing::Values(kPaths[1], kPaths[2]), testing::Range(1, 3)), path_and_seed);
 
 }  // namespace
 }  // namespace sightline::engine

@@ -1,6 +1,5 @@
 // Tests the items of a cluster that test_cluster() has kept.
 #include "cull_test.glsl"
-#include "selection.glsl"
 
 layout(binding = 2) uniform samplerBuffer item_boxes;  // two texels each: least and greatest corner
 layout(binding = 3) uniform usamplerBuffer item_layers;
@@ -15,5 +14,5 @@ uint test_item(uint tested, uint i, out bool in_view) {
   if (cull.use_layers && (texelFetch(item_layers, int(record)).x & cull.view_layers) == 0u) return kRejected;
   if ((tested & kInside) == 0u && outside(low, high)) return kRejected;
   in_view = true;
-  return selected(low, high) ? record : kRejected;
+  return selected(record, low, high) ? record : kRejected;
 }
