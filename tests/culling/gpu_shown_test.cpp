@@ -259,12 +259,14 @@ TEST_P(GpuShown, HidesOnlyWhatEveryPixelHides) {
   for (std::uint64_t seed = 1; seed <= 250; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const auto [half, origin, view] = RandomSite(random);
+    const RandomSite site(random);
+    const View& view = site.view;
     const PictureSamples samples{whole(random, 1, 11), whole(random, 1, 9), {{0, 0}}};
     core::Scene scene;
     for (int i = 0; i < 8; ++i)
-      add_box(scene, chance(random, 0.3) ? random_box(random, half) : box_at_a_sample(random, view, origin, samples),
-              origin);
+      add_box(scene,
+              chance(random, 0.3) ? random_box(random, site.half) : box_at_a_sample(random, view, site.origin, samples),
+              site.origin);
     ASSERT_TRUE(scene.commit());
     Rig rig(*context, scene, GetParam());
     const core::ItemBounds& bounds = rig.snapshot.bounds();
