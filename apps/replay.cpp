@@ -154,6 +154,7 @@ void take_late_reports(engine::Engine& engine, Flight& flight) {
   while (const auto late = engine.take_late_report()) {
     Frame& frame = flight.frames[std::size_t(late->frame)];
     frame.report.visible = late->visible;
+    if (frame.report.drawn) frame.report.shown = late->shown;
     frame.gpu_cull_ms = late->gpu_cull_ms;
   }
 }

@@ -119,6 +119,9 @@ core::Expected<culling::GpuCuller> Drawing::make_culler(const core::Snapshot& sn
   if (!culler) return culler;
   if (why_gpu_variant_.empty() || !cull_config_.variant) why_gpu_variant_ = culler->why_this_variant();
   if (culler->variant_settled()) cull_config_.variant = culler->variant();
+  const bool occlusion = occlusion_ == OcclusionChoice::kOn && may_test_occlusion(*culler);
+  if (auto done = culler->prepare(renders_ && (sample_test_ || occlusion), occlusion); !done)
+    return tl::unexpected(done.error());
   return culler;
 }
 
@@ -304,18 +307,48 @@ core::Expected<void> Drawing::draw_in_budget(const core::View& view, const core:
   return {};
 }
 
-core::Expected<void> Drawing::cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
+core::Expected<void> Drawing::cull(const core::View& cull_view, const core::View& view, const core::Snapshot& snapshot,
+                                   std::uint64_t frame) {
   if (auto current = make_current(); !current) return current;
-  return culler_->cull(view, snapshot, *scene_, *lists_, frame);
+  culled_picture_.reset();
+  const bool occlusion = tests_occlusion_on_gpu(snapshot.size());
+  if (renderer_ && (sample_test_ || occlusion)) culled_picture_ = {view, picture_samples(target_, snap()), occlusion};
+  return culler_->cull(cull_view, snapshot, *scene_, *lists_, frame, culled_picture_ ? &*culled_picture_ : nullptr);
+}
+
+bool Drawing::may_test_occlusion(const culling::GpuCuller& culler) const {
+  return renders_ && target_.format().samples == 1 && culler.can_test_occlusion();
+}
+
+/// How many items are in the view volume is known of an earlier frame.
+bool Drawing::tests_occlusion_on_gpu(std::size_t items) {
+  candidates_ = visible_on_gpu_;
+  switched_ = false;
+  if (occlusion_ == OcclusionChoice::kOff || !may_test_occlusion(*culler_)) return false;
+  if (occlusion_ == OcclusionChoice::kOn) return true;
+  if (!software()) return items >= kGpuOcclusionScene;
+  switched_ = candidates_ >= std::int64_t(kSmallOcclusionScene);
+  return switched_ && occlusion_switch_.use();
 }
 
 core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
   if (auto current = make_current(); !current) return current;
   picture_changed();
   wait_for_room();
-  if (renderer_)
-    if (auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_); !done) return done;
+  if (renderer_) {
+    auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_);
+    if (done && culled_picture_ && culled_picture_->occlusion) done = draw_others(snapshot);
+    if (!done) return done;
+  }
   return submit(frame);
+}
+
+/// The second pass of a frame that the GPU culls: what the first has not drawn and does not hide.
+core::Expected<void> Drawing::draw_others(const core::Snapshot& snapshot) {
+  const core::View& view = culled_picture_->view;
+  const double error = render::RenderTarget::orthographic_error(view);
+  if (auto done = culler_->cull_others(*culled_picture_, *scene_, *lists_, target_.depth(), error); !done) return done;
+  return renderer_->draw_more(view, snapshot, *scene_, *lists_, target_);
 }
 
 std::optional<Drawing::Drawn> Drawing::take_drawn() {
@@ -326,7 +359,10 @@ std::optional<Drawing::Drawn> Drawing::take_drawn() {
 }
 
 std::optional<culling::GpuCuller::Feedback> Drawing::take_gpu_feedback() {
-  return culler_ && make_current() ? culler_->take_feedback() : std::nullopt;
+  if (!culler_ || !make_current()) return std::nullopt;
+  auto feedback = culler_->take_feedback();
+  if (feedback) visible_on_gpu_ = std::int64_t(feedback->visible);
+  return feedback;
 }
 
 core::Expected<void> Drawing::submit(std::uint64_t frame) {

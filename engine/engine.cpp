@@ -60,7 +60,7 @@ class Engine::Impl {
   core::Expected<void> land();
   core::Expected<void> follow_order();
   void note_gpu_variant();
-  core::Expected<bool> cull(const core::View& view, FrameReport& report);
+  core::Expected<bool> cull(const core::View& cull_view, const core::View& view, FrameReport& report);
   void cull_on_cpu(const core::View& view, FrameReport& report);
   culling::FrameSample describe_walk() const;
   void gather_late_reports();
@@ -304,7 +304,7 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
   last_frame_began_ = begin;
   look_after_context();
   if (drawing_) drawing_->frame_took(report.frame_ms);
-  const auto on_gpu = cull(cull_view, report);
+  const auto on_gpu = cull(cull_view, view, report);
   if (!on_gpu) return tl::unexpected(on_gpu.error());
   if (drawing_) {
     const double culled = now_seconds();
@@ -328,18 +328,18 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
 }
 
 /// True when the GPU culled: then the result stays there, and visible() is empty.
-core::Expected<bool> Engine::Impl::cull(const core::View& view, FrameReport& report) {
+core::Expected<bool> Engine::Impl::cull(const core::View& cull_view, const core::View& view, FrameReport& report) {
   visible_.clear();
   visible_.generation = live_.snapshot->generation();
   bool on_gpu = drawing_ && live_.plan.culler == CullerChoice::kGpu;
+  gather_late_reports();
   if (hybrid_) {
-    gather_late_reports();
     on_gpu = hybrid_->next(report.frame_ms) == culling::CullPath::kGpu;
     report.state = hybrid_->controller().state();
   }
   if (on_gpu) {
     const double begin = now_seconds();
-    const auto done = drawing_->cull(view, *live_.snapshot, report.frame);
+    const auto done = drawing_->cull(cull_view, view, *live_.snapshot, report.frame);
     if (done) {
       report.culler = CullerChoice::kGpu;
       report.cull_ms = 1e3 * (now_seconds() - begin);
@@ -351,7 +351,7 @@ core::Expected<bool> Engine::Impl::cull(const core::View& view, FrameReport& rep
     else if (auto error = unless_lost(done); !error)
       return tl::unexpected(error.error());
   }
-  cull_on_cpu(view, report);
+  cull_on_cpu(cull_view, report);
   return false;
 }
 
@@ -379,7 +379,8 @@ void Engine::Impl::gather_late_reports() {
   if (hybrid_)
     while (const auto drawn = drawing_->take_drawn()) hybrid_->drawn(drawn->frame, drawn->gpu_ms);
   while (const auto feedback = drawing_->take_gpu_feedback()) {
-    late_.push_back({feedback->frame, std::int64_t(feedback->visible), feedback->time_ms.value_or(-1.0)});
+    late_.push_back({feedback->frame, std::int64_t(feedback->visible), feedback->time_ms.value_or(-1.0),
+                     config_.draw ? std::int64_t(feedback->shown) : -1});
     if (hybrid_) hybrid_->measured(late_.back());
     if (late_.size() > kMost) late_.pop_front();
   }

@@ -42,11 +42,9 @@ struct EngineConfig {
   bool draw = false;  ///< false: no GL at all, unless the culler needs it
   int width = 1280, height = 720;
   bool ids = false;  ///< item-id image beside colour and depth
-  /// Leave out of drawing what covers no sample of the picture (culling/sample_test.h): nothing is lost. Not with the
-  /// GPU culler, whose draws reject each such item alone.
+  /// Leave out of drawing what covers no sample of the picture (culling/sample_test.h): nothing is lost.
   bool sample_test = true;
-  /// Leave out of drawing what other items hide (culling/occlusion.h): nothing is lost. With one sample per pixel, and
-  /// where the CPU culls.
+  /// Leave out of drawing what other items hide (culling/occlusion.h): nothing is lost. With one sample per pixel only.
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
   /// Leave out of drawing items whose bounding box covers fewer pixels than this (culling/contribution.h: projected
   /// area, hysteresis; lines are exempt). 0: nothing is lost. Where the CPU culls.
@@ -100,9 +98,10 @@ struct FrameReport {
 
 /// What the GPU culler found in an earlier frame.
 struct LateReport {
-  std::uint64_t frame = 0;  ///< FrameReport::frame
-  std::int64_t visible = 0;
+  std::uint64_t frame = 0;    ///< FrameReport::frame
+  std::int64_t visible = 0;   ///< items in the view volume
   double gpu_cull_ms = -1.0;  ///< on the GPU's clock; -1 where that means nothing
+  std::int64_t shown = -1;    ///< items drawn; -1 without drawing
 };
 
 struct MemoryReport {

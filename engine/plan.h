@@ -60,6 +60,8 @@ inline constexpr std::size_t kSmallScene = 128;
 inline constexpr std::size_t kSmallHybridScene = 10'000;
 /// Below this many items that may cover a sample, occlusion is not tested unless asked for.
 inline constexpr std::size_t kSmallOcclusionScene = 4096;
+/// The same where a GPU culls and draws; below so many items in the scene. Not measured.
+inline constexpr std::size_t kGpuOcclusionScene = 100'000;
 
 /// Adds the variant of the GPU culler, which is known only once there is one.
 SIGHTLINE_API void add_gpu_variant(Plan& plan, culling::GpuVariant variant, const std::string& why);

@@ -4,8 +4,8 @@
 //   write   per batch, one work group per block: the records
 // The order is that in which the geometry variant draws its instances: first of all clusters, second of all clusters, …
 //
-// The sum goes to the CPU through a small buffer that stays mapped, one word per probe, guarded by a fence that is
-// polled without waiting.
+// The numbers of items go to the CPU through a small buffer that stays mapped, two words per probe, guarded by a fence
+// that is polled without waiting.
 #include <algorithm>
 
 #include "sightline/culling/gpu/internal/gpu_pass.h"
@@ -22,7 +22,8 @@ constexpr int kScanInvocations = 256;
 enum StorageBinding : GLuint { kMasks, kPlaces, kCounts, kCommands, kResults, kFound = kCounts };
 constexpr GLint kSectionsUniform = 0, kFirstPlaceUniform = kBatchKindCount,
                 kRecordCommandsUniform = 2 * kBatchKindCount + 1, kResultUniform = 2 * kBatchKindCount + 2;
-constexpr GLint kBatchUniform = 0, kFirstWordUniform = 1;
+constexpr GLint kBatchUniform = 0, kFirstWordUniform = 1, kTestResultUniform = 2;
+constexpr std::size_t kProbeBytes = 2 * sizeof(std::uint32_t);
 
 std::uint32_t blocks_of(std::uint32_t clusters) {
   return (clusters + kClustersPerBlock - 1) / kClustersPerBlock;
@@ -41,10 +42,20 @@ class ComputePass : public GpuPass {
         largest_block_(std::size_t(context.capabilities().max_storage_block_bytes)),
         alignment_(std::size_t(context.capabilities().storage_offset_alignment)) {}
 
+  core::Expected<void> prepare(std::span<const CullBatch> batches, Selection selection) override {
+    gl::Program& test = test_[std::size_t(selection)];
+    if (test.id() != 0) return {};
+    if (sum_.id() == 0)
+      if (auto done = make_programs(batches); !done) return done;
+    auto program =
+        gl::Program::create(*gl_, describe_pass("cull: test", {{GL_COMPUTE_SHADER, {"test_blocks.comp"}}}, selection));
+    if (!program) return tl::unexpected(program.error());
+    test = std::move(*program);
+    return {};
+  }
+
+  /// Those that do not depend on the selection.
   core::Expected<void> make_programs(std::span<const CullBatch> batches) {
-    auto test = gl::Program::create(*gl_, describe_pass("cull: test", {{GL_COMPUTE_SHADER, {"test_blocks.comp"}}}));
-    if (!test) return tl::unexpected(test.error());
-    test_ = std::move(*test);
     auto done = write_.make(*gl_, batches, [](bool meshes) {
       auto pass = describe_pass("cull: write", {{GL_COMPUTE_SHADER, {"write_blocks.comp"}}});
       if (meshes) pass.shaders.defines.emplace_back("MESHES");
@@ -61,7 +72,7 @@ class ComputePass : public GpuPass {
 
   core::Expected<void> make_results() {
     constexpr GLbitfield kAccess = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
-    auto buffer = gl::Buffer::create(*gl_, kProbes * sizeof(std::uint32_t), nullptr, kAccess, "visible sums");
+    auto buffer = gl::Buffer::create(*gl_, kProbes * kProbeBytes, nullptr, kAccess, "visible sums");
     if (!buffer) return tl::unexpected(buffer.error());
     results_ = std::move(*buffer);
     mapped_ = static_cast<const volatile std::uint32_t*>(results_.map(0, results_.size(), kAccess));
@@ -95,11 +106,22 @@ class ComputePass : public GpuPass {
   GpuVariant variant() const override { return GpuVariant::kCompute; }
   DrawLists::Counting counting() const override { return DrawLists::Counting::kCuller; }
 
-  void run(std::span<const CullBatch> batches, const DrawLists& lists, std::size_t probe) override {
+  void run(std::span<const CullBatch> batches, const DrawLists& lists, Selection selection,
+           std::size_t probe) override {
     lay_out(batches);
+    if (selection != Selection::kOpenNow) {
+      counts_in_view_[probe] = counts_in_view(selection);
+      results_.fill(probe * kProbeBytes, kProbeBytes, 0);
+    }
     bind(kMasks, masks_);
     bind(kPlaces, places_);
-    for (const CullBatch& batch : batches) dispatch(test_, batch);
+    bind(kResults, results_);
+    const gl::Program& test = test_[std::size_t(selection)];
+    if (counts_in_view(selection)) gl_->ProgramUniform1ui(test.id(), kTestResultUniform, GLuint(probe));
+    for (const CullBatch& batch : batches) {
+      bind_selection(*gl_, test, batch, selection);
+      dispatch(test, batch);
+    }
     gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     sum(lists, probe);
     gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
@@ -109,11 +131,12 @@ class ComputePass : public GpuPass {
     fences_[probe] = Fence(gl_->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), DeleteFence{gl_});
   }
 
-  std::optional<std::uint64_t> found(std::size_t probe) override {
+  std::optional<Found> found(std::size_t probe) override {
     if (!fences_[probe]) return std::nullopt;
     const GLenum state = gl_->ClientWaitSync(fences_[probe].get(), GL_SYNC_FLUSH_COMMANDS_BIT, 0);
     if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED) return std::nullopt;
-    return mapped_[probe];
+    const std::uint32_t in_view = mapped_[2 * probe], written = mapped_[2 * probe + 1];
+    return Found{counts_in_view_[probe] ? in_view : written, written};
   }
 
   std::size_t memory_bytes() const override { return masks_.size() + places_.size() + results_.size(); }
@@ -150,7 +173,6 @@ class ComputePass : public GpuPass {
     gl_->ProgramUniform1ui(id, kRecordCommandsUniform, GLuint(lists.record_command_count()));
     gl_->ProgramUniform1ui(id, kResultUniform, GLuint(probe));
     bind(kCounts, lists.counts());
-    bind(kResults, results_);
     gl_->BindBufferRange(GL_SHADER_STORAGE_BUFFER, kCommands, lists.commands().id(), 0,
                          GLsizeiptr(std::max<std::size_t>(1, lists.record_command_count()) * sizeof(ElementsCommand)));
     gl_->DispatchCompute(1, 1, 1);
@@ -167,13 +189,14 @@ class ComputePass : public GpuPass {
 
   const gl::Functions* gl_;
   std::size_t largest_block_, alignment_;  // bytes
-  gl::Program test_;
+  std::array<gl::Program, kSelectionCount> test_;
   BatchPrograms write_;
   gl::Program sum_;
   gl::Buffer masks_, places_, results_;
   const volatile std::uint32_t* mapped_ = nullptr;
   std::array<std::uint32_t, kBatchKindCount + 1> first_block_{};  // by batch kind
   std::array<Fence, kProbes> fences_;
+  std::array<bool, kProbes> counts_in_view_{};
 };
 
 }  // namespace
@@ -182,7 +205,6 @@ core::Expected<std::unique_ptr<GpuPass>> make_compute_pass(const gl::Context& co
                                                            std::span<const CullBatch> batches) {
   auto pass = std::make_unique<ComputePass>(context);
   auto done = pass->fit(batches);  // first, since it may fail
-  if (done) done = pass->make_programs(batches);
   if (done) done = pass->make_results();
   if (!done) return tl::unexpected(done.error());
   return pass;

@@ -14,30 +14,27 @@ using gpuscene::BatchKind;
 using gpuscene::DrawLists;
 
 constexpr GLuint kClusterAttribute = 0, kClusterBufferBinding = 0;
+constexpr GLuint kCountedStream = 1;  // of count_in_view.glsl
 
 class GeometryPass : public GpuPass {
  public:
   explicit GeometryPass(const gl::Functions& gl)
-      : gl_(&gl), cluster_array_(gl), item_array_(gl), item_feedback_(gl), queries_(kProbes) {
+      : gl_(&gl), cluster_array_(gl), item_array_(gl), item_feedback_(gl), probes_(kProbes) {
     const GLuint array = item_array_.id();
     gl.EnableVertexArrayAttrib(array, kClusterAttribute);
     gl.VertexArrayAttribIFormat(array, kClusterAttribute, 1, GL_UNSIGNED_INT, 0);
     gl.VertexArrayAttribBinding(array, kClusterAttribute, kClusterBufferBinding);
   }
 
-  core::Expected<void> make_programs(std::span<const CullBatch> batches) {
-    auto framebuffer = gl::Framebuffer::create_attachmentless(*gl_, 1, 1, "cull");
-    if (!framebuffer) return tl::unexpected(framebuffer.error());
-    framebuffer_ = std::move(*framebuffer);
-    auto clusters =
-        describe_pass("cull clusters", {{GL_VERTEX_SHADER, {"clusters.vert"}}, {GL_GEOMETRY_SHADER, {"keep.geom"}}});
-    clusters.feedback_varyings = {"found"};
-    auto program = gl::Program::create(*gl_, clusters);
-    if (!program) return tl::unexpected(program.error());
-    cluster_pass_ = std::move(*program);
-    return item_pass_.make(*gl_, batches, [](bool meshes) {
+  core::Expected<void> prepare(std::span<const CullBatch> batches, Selection selection) override {
+    ItemPrograms& items = item_pass_[std::size_t(selection)];
+    if (items.made) return {};
+    if (cluster_pass(selection).id() == 0)
+      if (auto done = make_cluster_pass(selection); !done) return done;
+    auto done = items.programs.make(*gl_, batches, [&](bool meshes) {
       const char* keep = meshes ? "keep_commands.geom" : "keep.geom";
-      auto pass = describe_pass("cull items", {{GL_VERTEX_SHADER, {"items.vert"}}, {GL_GEOMETRY_SHADER, {keep}}});
+      auto pass =
+          describe_pass("cull items", {{GL_VERTEX_SHADER, {"items.vert"}}, {GL_GEOMETRY_SHADER, {keep}}}, selection);
       if (meshes) {
         pass.feedback_varyings = {"command", "base_instance"};
       } else {
@@ -45,6 +42,26 @@ class GeometryPass : public GpuPass {
       }
       return pass;
     });
+    items.made = bool(done);
+    return done;
+  }
+
+  core::Expected<void> make_framebuffer() {
+    auto framebuffer = gl::Framebuffer::create_attachmentless(*gl_, 1, 1, "cull");
+    if (!framebuffer) return tl::unexpected(framebuffer.error());
+    framebuffer_ = std::move(*framebuffer);
+    return {};
+  }
+
+  core::Expected<void> make_cluster_pass(Selection selection) {
+    auto clusters =
+        describe_pass("cull clusters", {{GL_VERTEX_SHADER, {"clusters.vert"}}, {GL_GEOMETRY_SHADER, {"keep.geom"}}},
+                      selection == Selection::kOpenNow ? selection : Selection::kAll);
+    clusters.feedback_varyings = {"found"};
+    auto program = gl::Program::create(*gl_, clusters);
+    if (!program) return tl::unexpected(program.error());
+    cluster_pass(selection) = std::move(*program);
+    return {};
   }
 
   core::Expected<void> fit(std::span<const CullBatch> batches) {
@@ -54,8 +71,6 @@ class GeometryPass : public GpuPass {
       if (!clusters) return tl::unexpected(clusters.error());
       Kept& kept = kept_.emplace_back(Kept{std::move(*clusters), gl::TransformFeedback(*gl_)});
       kept.feedback.set_buffer(kept.clusters.id(), 0, kept.clusters.size());
-      for (auto& of_probe : queries_)
-        of_probe[std::size_t(batch.kind)] = gl::Query(*gl_, GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
     }
     return {};
   }
@@ -63,26 +78,26 @@ class GeometryPass : public GpuPass {
   GpuVariant variant() const override { return GpuVariant::kGeometry; }
   DrawLists::Counting counting() const override { return DrawLists::Counting::kSearch; }
 
-  void run(std::span<const CullBatch> batches, const DrawLists& lists, std::size_t probe) override {
+  void run(std::span<const CullBatch> batches, const DrawLists& lists, Selection selection,
+           std::size_t probe) override {
+    if (selection != Selection::kOpenNow) probes_[probe].counts_in_view = counts_in_view(selection);
+    probes_[probe].goes_on = selection == Selection::kOpenNow;
     gl_->Enable(GL_RASTERIZER_DISCARD);
     framebuffer_.bind();
     cluster_array_.bind();
-    for (std::size_t i = 0; i < batches.size(); ++i) find_clusters(batches[i], kept_[i]);
+    for (std::size_t i = 0; i < batches.size(); ++i) find_clusters(batches[i], kept_[i], selection);
     item_array_.bind();
-    for (std::size_t i = 0; i < batches.size(); ++i)
-      find_items(batches[i], kept_[i], lists, queries_[probe][std::size_t(batches[i].kind)]);
+    for (std::size_t i = 0; i < batches.size(); ++i) find_items(batches[i], kept_[i], lists, selection, probes_[probe]);
     gl_->Disable(GL_RASTERIZER_DISCARD);
+    if (selection == Selection::kOpenNow) gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);  // of open_frames
   }
 
-  std::optional<std::uint64_t> found(std::size_t probe) override {
-    std::uint64_t sum = 0;
-    for (const gl::Query& query : queries_[probe]) {
-      if (query.empty()) continue;
-      const auto found = query.result_if_known();
-      if (!found) return std::nullopt;
-      sum += *found;
-    }
-    return sum;
+  std::optional<Found> found(std::size_t place) override {
+    const Probe& probe = probes_[place];
+    const auto written = sum(probe.written);
+    const auto in_view = probe.counts_in_view ? sum(probe.in_view) : written;
+    const auto more = probe.goes_on ? sum(probe.written_more) : 0;
+    return written && more && in_view ? std::optional(Found{*in_view, *written + *more}) : std::nullopt;
   }
 
   std::size_t memory_bytes() const override {
@@ -96,36 +111,71 @@ class GeometryPass : public GpuPass {
     gl::Buffer clusters;
     gl::TransformFeedback feedback;
   };
+  using Queries = std::array<gl::Query, gpuscene::kBatchKindCount>;
+  struct Probe {
+    Queries written, written_more, in_view;  // by batch kind; made when first used
+    bool counts_in_view = false, goes_on = false;
+  };
+  struct ItemPrograms {
+    BatchPrograms programs;
+    bool made = false;
+  };
 
-  void find_clusters(const CullBatch& batch, const Kept& kept) const {
-    cluster_pass_.use();
+  gl::Program& cluster_pass(Selection selection) { return cluster_pass_[selection == Selection::kOpenNow]; }
+
+  void find_clusters(const CullBatch& batch, const Kept& kept, Selection selection) {
+    const gl::Program& program = cluster_pass(selection);
+    program.use();
     bind_batch(*gl_, batch);
+    if (selection == Selection::kOpenNow) bind_selection(*gl_, program, batch, selection);
     kept.feedback.begin_points();
     gl_->DrawArrays(GL_POINTS, 0, GLsizei(batch.bounds.cluster_count()));
     kept.feedback.end();
   }
 
-  void find_items(const CullBatch& batch, const Kept& kept, const DrawLists& lists, const gl::Query& query) const {
-    item_pass_.of(batch).use();
+  /// The sum of results; nothing while one is not known.
+  static std::optional<std::uint64_t> sum(const Queries& queries) {
+    std::uint64_t sum = 0;
+    for (const gl::Query& query : queries) {
+      if (query.empty()) continue;
+      const auto found = query.result_if_known();
+      if (!found) return std::nullopt;
+      sum += *found;
+    }
+    return sum;
+  }
+
+  void find_items(const CullBatch& batch, const Kept& kept, const DrawLists& lists, Selection selection,
+                  Probe& probe) const {
+    const gl::Program& program = item_pass_[std::size_t(selection)].programs.of(batch);
+    program.use();
+    bind_selection(*gl_, program, batch, selection);
     bind_batch(*gl_, batch);
     gl_->VertexArrayVertexBuffer(item_array_.id(), kClusterBufferBinding, kept.clusters.id(), 0, sizeof(std::uint32_t));
     const DrawLists::Target target = lists.target(batch.kind);
     item_feedback_.set_buffer(target.buffer, target.offset, target.size);
-    query.begin();
+    const bool counts = counts_in_view(selection);
+    gl::Query& written = (probe.goes_on ? probe.written_more : probe.written)[std::size_t(batch.kind)];
+    gl::Query& in_view = probe.in_view[std::size_t(batch.kind)];
+    if (written.empty()) written = gl::Query(*gl_, GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
+    if (counts && in_view.empty()) in_view = gl::Query(*gl_, GL_PRIMITIVES_GENERATED);
+    written.begin();
+    if (counts) in_view.begin(kCountedStream);
     item_feedback_.begin_points();
     gl_->DrawTransformFeedbackInstanced(GL_POINTS, kept.feedback.id(), GLsizei(kItemsPerCluster));
     item_feedback_.end();
-    query.end();
+    if (counts) in_view.end(kCountedStream);
+    written.end();
   }
 
   const gl::Functions* gl_;
-  gl::Program cluster_pass_;
-  BatchPrograms item_pass_;
+  std::array<gl::Program, 2> cluster_pass_;  // of kOpenNow, and of all other selections the first
+  std::array<ItemPrograms, kSelectionCount> item_pass_;
   gl::VertexArray cluster_array_, item_array_;
   gl::Framebuffer framebuffer_;
   gl::TransformFeedback item_feedback_;
-  std::vector<Kept> kept_;                                                 // by batch
-  std::vector<std::array<gl::Query, gpuscene::kBatchKindCount>> queries_;  // by probe
+  std::vector<Kept> kept_;  // by batch
+  std::vector<Probe> probes_;
 };
 
 }  // namespace
@@ -133,7 +183,7 @@ class GeometryPass : public GpuPass {
 core::Expected<std::unique_ptr<GpuPass>> make_geometry_pass(const gl::Context& context,
                                                             std::span<const CullBatch> batches) {
   auto pass = std::make_unique<GeometryPass>(context.functions());
-  auto done = pass->make_programs(batches);
+  auto done = pass->make_framebuffer();
   if (done) done = pass->fit(batches);
   if (!done) return tl::unexpected(done.error());
   return pass;

@@ -1,11 +1,13 @@
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
 #include "sightline/culling/gpu/internal/gpu_band.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
+#include "sightline/culling/gpu/internal/gpu_screen.h"
 
 namespace sightline::culling {
 namespace {
@@ -15,7 +17,7 @@ using core::Snapshot;
 using gpuscene::Batch;
 using gpuscene::BatchKind;
 
-constexpr GLuint kPlaneBinding = 1;
+constexpr GLuint kPlaneBinding = 1, kScreenBinding = 2, kOcclusionBinding = 3;
 
 /// CullBlock of cull_test.glsl (std140).
 struct PlaneBlock {
@@ -62,6 +64,7 @@ core::Expected<GpuCuller> GpuCuller::create(const gl::Context& context, const Sn
   if (!block) return tl::unexpected(block.error());
   culler.plane_block_ = std::move(*block);
   culler.probes_.resize(kProbes);
+  culler.vertex_storage_ = context.capabilities().max_vertex_storage_blocks > 0;
   if (auto done = culler.make_batches(snapshot, scene); !done) return tl::unexpected(done.error());
   if (config.variant) {
     auto pass = make_pass(*config.variant, context, culler.batches_);
@@ -92,7 +95,7 @@ core::Expected<void> GpuCuller::add_batch(const Snapshot& snapshot, const gpusce
                                           std::vector<Slot> slots) {
   auto made = GpuBounds::create(*gl_, snapshot, batch, std::move(slots));
   if (!made) return tl::unexpected(made.error());
-  CullBatch added{batch.kind, std::move(*made), {}};
+  CullBatch added{batch.kind, std::move(*made), {}, {}};
   if (added.meshes()) {
     std::vector<gpuscene::ElementsCommand> commands = scene.meshes().commands;
     commands.resize(batch.capacity);
@@ -128,7 +131,8 @@ core::Expected<void> GpuCuller::update(const Snapshot& snapshot, const gpuscene:
 }
 
 std::size_t GpuCuller::memory_bytes() const {
-  std::size_t bytes = plane_block_.size() + pass_->memory_bytes();
+  std::size_t bytes = plane_block_.size() + screen_block_.size() + occlusion_block_.size() + pass_->memory_bytes();
+  if (pyramid_) bytes += pyramid_->memory_bytes();
   for (const CullBatch& batch : batches_) bytes += batch.memory_bytes();
   return bytes;
 }
@@ -141,11 +145,48 @@ std::size_t GpuCuller::bounds_memory_bytes() const {
 
 // --- culling ---------------------------------------------------------------------------------------------------------
 
+core::Expected<void> GpuCuller::prepare(bool for_picture, bool occlusion) {
+  if (!for_picture) return pass_->prepare(batches_, Selection::kAll);
+  if (!occlusion) return pass_->prepare(batches_, Selection::kSampled);
+  return prepare_occlusion();
+}
+
+/// Makes what the test of occlusion lacks: after batches_ were made anew, only a part.
+core::Expected<void> GpuCuller::prepare_occlusion() {
+  for (const Selection selection : {Selection::kOpenBefore, Selection::kOpenNow})
+    if (auto done = pass_->prepare(batches_, selection); !done) return done;
+  if (!pyramid_) {
+    auto made = GpuDepthPyramid::create(*gl_);
+    if (!made) return tl::unexpected(made.error());
+    pyramid_ = std::move(*made);
+    if (timer_) others_timer_.emplace(*gl_);
+  }
+  for (CullBatch& batch : batches_) {
+    if (batch.open_frames.id() != 0) continue;
+    const std::size_t records = std::size_t(batch.bounds.cluster_capacity()) * kItemsPerCluster;
+    auto made = gl::Buffer::create(*gl_, records * sizeof(std::uint32_t), nullptr, 0, "last frames of open items");
+    if (!made) return tl::unexpected(made.error());
+    batch.open_frames = std::move(*made);
+    batch.open_frames.fill(0, batch.open_frames.size(), 0);
+  }
+  return {};
+}
+
+bool GpuCuller::can_test_occlusion() const {
+  return vertex_storage_ || variant() == GpuVariant::kCompute;
+}
+
 core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                                     gpuscene::DrawLists& lists, std::uint64_t frame) {
-  if (auto done = lists.begin_gpu_update(scene, pass_->counting()); !done) return done;
-  const std::size_t place = next_probe(frame);
-  Probe& probe = probes_[place];
+                                     gpuscene::DrawLists& lists, std::uint64_t frame, const Picture* picture) {
+  const bool sampled = picture && picture->samples.offsets.size() <= std::size_t(kMaxSamples);
+  const bool occlusion = sampled && picture->occlusion;
+  auto done = prepare(sampled, occlusion);
+  if (done && sampled) done = upload_picture(*picture, snapshot.bounds());
+  if (done && occlusion) done = begin_occlusion();
+  if (done) done = lists.begin_gpu_update(scene, pass_->counting());
+  if (!done) return done;
+  last_probe_ = next_probe(frame);
+  Probe& probe = probes_[last_probe_];
   const CullPlanes planes(view, snapshot.bounds());
   // Without layers every item is on the model layer alone.
   probe.skipped = planes.nothing_visible() || (!uses_layers_ && (view.layers & core::kLayerModel) == 0);
@@ -153,13 +194,57 @@ core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& sna
     lists.clear();
     return {};
   }
-  probe.timed = timer_ && place != kTakenProbes && timer_->begin();
+  probe.timed = timer_ && last_probe_ != kTakenProbes && timer_->begin();
   upload_planes(planes, snapshot.bounds(), view.layers);
   gl_->BindBufferBase(GL_UNIFORM_BUFFER, kPlaneBinding, plane_block_.id());
-  pass_->run(batches_, lists, place);
+  pass_->run(batches_, lists,
+             occlusion ? Selection::kOpenBefore
+             : sampled ? Selection::kSampled
+                       : Selection::kAll,
+             last_probe_);
   lists.end_gpu_update(scene);
   if (probe.timed) timer_->end();
   return {};
+}
+
+core::Expected<void> GpuCuller::cull_others(const Picture& picture, const gpuscene::GpuScene& scene,
+                                            gpuscene::DrawLists& lists, const gl::Texture2D& depth, double error) {
+  Probe& probe = probes_[last_probe_];
+  if (probe.skipped) return {};  // the lists are still empty
+  probe.others_timed = probe.timed && others_timer_->begin();
+  auto done = lists.begin_gpu_update(scene, pass_->counting());
+  if (done) done = upload_pyramid(picture, depth, error);
+  if (done) {
+    gl_->BindBufferBase(GL_UNIFORM_BUFFER, kPlaneBinding, plane_block_.id());
+    gl_->BindBufferBase(GL_UNIFORM_BUFFER, kScreenBinding, screen_block_.id());
+    gl_->BindTextureUnit(kPyramidUnit, pyramid_->texels().id());
+    pass_->run(batches_, lists, Selection::kOpenNow, last_probe_);
+    lists.end_gpu_update(scene);
+  }
+  if (probe.others_timed) others_timer_->end();
+  if (!done) lists.clear();
+  return done;
+}
+
+core::Expected<void> GpuCuller::begin_occlusion() {
+  OcclusionBlock block{};
+  block.this_frame = ++occlusion_frame_;
+  return write_block(occlusion_block_, sizeof block, &block, kOcclusionBinding);
+}
+
+core::Expected<void> GpuCuller::upload_pyramid(const Picture& picture, const gl::Texture2D& depth, double error) {
+  assert(depth.width() == picture.samples.width && depth.height() == picture.samples.height);
+  if (auto done = pyramid_->build(depth, picture.view); !done) return done;
+  OcclusionBlock block{};
+  const auto levels = pyramid_->levels();
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    block.levels[i][0] = levels[i].first;
+    block.levels[i][1] = levels[i].width;
+  }
+  block.level_count = std::int32_t(levels.size());
+  block.error = core::round_up(error);
+  block.this_frame = occlusion_frame_;
+  return write_block(occlusion_block_, sizeof block, &block, kOcclusionBinding);
 }
 
 void GpuCuller::upload_planes(const CullPlanes& planes, const core::ItemBounds& bounds, std::uint32_t layers) const {
@@ -178,24 +263,49 @@ void GpuCuller::upload_planes(const CullPlanes& planes, const core::ItemBounds& 
   plane_block_.write(0, sizeof block, &block);
 }
 
+core::Expected<void> GpuCuller::upload_picture(const Picture& picture, const core::ItemBounds& bounds) {
+  const ScreenBlock block = make_screen_block(picture.view, bounds, picture.samples);
+  return write_block(screen_block_, sizeof block, &block, kScreenBinding);
+}
+
+/// Makes the buffer of a uniform block unless it is made, fills and binds it.
+core::Expected<void> GpuCuller::write_block(gl::Buffer& block, std::size_t bytes, const void* data,
+                                            GLuint binding) const {
+  if (block.id() == 0) {
+    auto made = gl::Buffer::create(*gl_, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, "culled picture");
+    if (!made) return tl::unexpected(made.error());
+    block = std::move(*made);
+  }
+  block.write(0, bytes, data);
+  gl_->BindBufferBase(GL_UNIFORM_BUFFER, binding, block.id());
+  return {};
+}
+
 // --- feedback --------------------------------------------------------------------------------------------------------
 
 std::size_t GpuCuller::next_probe(std::uint64_t frame) {
   std::size_t place = kTakenProbes;
   if (pending_ < kTakenProbes) place = (first_probe_ + pending_++) % kTakenProbes;
-  probes_[place] = {frame, false, false};
+  probes_[place] = {};
+  probes_[place].frame = frame;
   return place;
 }
 
 std::optional<GpuCuller::Feedback> GpuCuller::take_feedback() {
   if (pending_ == 0) return std::nullopt;
-  const Probe& probe = probes_[first_probe_];
-  Feedback feedback{probe.frame, 0, std::nullopt};
+  Probe& probe = probes_[first_probe_];
+  Feedback feedback{probe.frame, 0, 0, std::nullopt};
   if (!probe.skipped) {
     const auto found = pass_->found(first_probe_);
     if (!found) return std::nullopt;
-    feedback.visible = *found;
-    if (probe.timed && !(feedback.time_ms = timer_->poll())) return std::nullopt;
+    feedback.visible = found->in_view;
+    feedback.shown = found->written;
+    const auto unknown = [](bool timed, std::optional<double>& time_ms, std::optional<gl::GpuTimer>& timer) {
+      return timed && !time_ms && !(time_ms = timer->poll());
+    };
+    if (unknown(probe.timed, probe.time_ms, timer_)) return std::nullopt;
+    if (unknown(probe.others_timed, probe.others_time_ms, others_timer_)) return std::nullopt;
+    if (probe.timed) feedback.time_ms = *probe.time_ms + probe.others_time_ms.value_or(0.0);
   }
   first_probe_ = (first_probe_ + 1) % kTakenProbes;
   --pending_;

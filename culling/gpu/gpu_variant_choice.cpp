@@ -69,13 +69,16 @@ core::Expected<void> GpuCuller::choose_variant(const gl::Context& context, const
                                                const gpuscene::GpuScene& scene) {
   auto geometry = make_geometry_pass(context, batches_);
   if (!geometry) return tl::unexpected(geometry.error());
+  if (auto done = (*geometry)->prepare(batches_, Selection::kAll); !done) return done;
   pass_ = std::move(*geometry);
   const auto view = view_from_within(snapshot.bounds());
   auto compute = make_compute_pass(context, batches_);
+  const auto prepared = compute ? (*compute)->prepare(batches_, Selection::kAll) : core::Expected<void>();
   auto lists = gpuscene::DrawLists::create(context, scene);
   auto earlier = EarlierDrawing::create(*gl_);
   std::string missing;
-  for (const auto& message : {message_of(view), message_of(compute), message_of(lists), message_of(earlier)})
+  for (const auto& message :
+       {message_of(view), message_of(compute), message_of(prepared), message_of(lists), message_of(earlier)})
     if (missing.empty()) missing = message;
   if (!missing.empty()) {
     variant_settled_ = false;

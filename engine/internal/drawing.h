@@ -45,9 +45,10 @@ class Drawing {
   /// The time from the last draw() to the one that follows, or 0 where it says nothing of their cost.
   void frame_took(double ms);
 
-  /// cull() culls on the GPU, and draw_culled() submits a frame of the result. Both need the GPU culler.
-  /// take_gpu_feedback() returns `frame`, too.
-  core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
+  /// cull() culls by `cull_view` on the GPU for a picture of `view`, and draw_culled() submits a frame of the result.
+  /// Both need the GPU culler. take_gpu_feedback() returns `frame`, too.
+  core::Expected<void> cull(const core::View& cull_view, const core::View& view, const core::Snapshot& snapshot,
+                            std::uint64_t frame);
   core::Expected<void> draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
   /// How long the last call of these functions has waited, milliseconds.
   double waited_ms() const { return waited_ms_; }
@@ -97,6 +98,9 @@ class Drawing {
   void wait_for_oldest();
   float snap() const;
   bool tests_occlusion(std::int64_t candidates);
+  bool may_test_occlusion(const culling::GpuCuller& culler) const;
+  bool tests_occlusion_on_gpu(std::size_t items);
+  core::Expected<void> draw_others(const core::Snapshot& snapshot);
   core::Expected<void> draw_at_once(const core::View& view, const core::Snapshot& snapshot,
                                     const core::VisibleSet& visible, culling::SlotBits lines);
   core::Expected<void> draw_in_passes(const core::View& view, const core::Snapshot& snapshot,
@@ -139,8 +143,11 @@ class Drawing {
   culling::DepthPyramid pyramid_;
   std::vector<float> distances_;
   Counts counts_;
-  std::int64_t candidates_ = 0;  // of the last draw()
+  std::int64_t candidates_ = 0;      // of the last draw()
+  std::int64_t visible_on_gpu_ = 0;  // as the newest feedback says
   std::optional<culling::GpuCuller> culler_;
+  std::optional<culling::GpuCuller::Picture>
+      culled_picture_;                        // of the last cull(); none where all of the view is drawn
   std::optional<render::Renderer> renderer_;  // none when the engine only culls
   render::RenderTarget target_;
   std::deque<InFlight> in_flight_;

@@ -22,7 +22,7 @@ class Drawing {
 
   // None of these is ever called.
   struct Feedback {
-    std::uint64_t frame = 0, visible = 0;
+    std::uint64_t frame = 0, visible = 0, shown = 0;
     std::optional<double> time_ms;
     double gpu_ms = 0.0;
   };
@@ -30,7 +30,7 @@ class Drawing {
                             const culling::Hierarchy*, std::uint64_t) {
     return {};
   }
-  core::Expected<void> cull(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
+  core::Expected<void> cull(const core::View&, const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
   core::Expected<void> draw_culled(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
   core::Expected<void> update(const core::Snapshot&, const gpuprims::Joints&, std::span<const core::Slot>,
                               std::span<const std::uint32_t>) {

@@ -10,7 +10,8 @@ namespace sightline::gl {
 /// viewport, and its bindings. Queries no state, so it never waits.
 ///
 /// GL offers no way to query or reset some state, which must not be active: conditional rendering, transform feedback
-/// that is not paused, a query of GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN. State of extensions is not reset.
+/// that is not paused, a query of GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN or, for stream 1, GL_PRIMITIVES_GENERATED.
+/// State of extensions is not reset.
 void reset_pipeline_state(const Functions& gl);
 
 }  // namespace sightline::gl

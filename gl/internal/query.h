@@ -15,8 +15,9 @@ class Query {
   Query(const Functions& gl, GLenum target)
       : handle_(gl, create_name<&Functions::CreateQueries>(gl, target)), target_(target) {}
 
-  void begin() const { handle_.gl().BeginQuery(target_, handle_.name()); }
-  void end() const { handle_.gl().EndQuery(target_); }
+  /// `stream`: of a geometry stage, for targets that have one result per stream; the same in end().
+  void begin(GLuint stream = 0) const { handle_.gl().BeginQueryIndexed(target_, stream, handle_.name()); }
+  void end(GLuint stream = 0) const { handle_.gl().EndQueryIndexed(target_, stream); }
   /// Result of the last begin() and end(). Waits for the GPU.
   GLuint result() const { return read(GL_QUERY_RESULT, 0); }
   /// The same, or nothing while the GPU has not finished. Never waits.

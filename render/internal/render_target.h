@@ -32,6 +32,8 @@ class RenderTarget {
   const std::vector<glm::vec2>& sample_offsets() const { return sample_offsets_; }
   /// The framebuffer that draws write to.
   const gl::Framebuffer& framebuffer() const { return drawn_.framebuffer; }
+  /// Its depth: reverse-Z, multisampled if the format is.
+  const gl::Texture2D& depth() const { return drawn_.depth; }
   /// The picture with one value per pixel: the average of the colours, and one sample's value of everything else.
   const gl::Framebuffer& resolved() const;
   std::size_t memory_bytes() const;

@@ -430,6 +430,11 @@ TEST_P(GpuCullerPictures, NothingIsReadBackFromCullToDraw) {
     for (const View& view : plant_views()) {
       ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists));
       ASSERT_TRUE(renderer->draw(view, rig.snapshot, rig.gpu, rig.lists, *target));
+      const GpuCuller::Picture picture{view, {target->width(), target->height(), {{0, 0}}}, true};
+      ASSERT_TRUE(rig.culler.cull(view, rig.snapshot, rig.gpu, rig.lists, 0, &picture));
+      ASSERT_TRUE(renderer->draw(view, rig.snapshot, rig.gpu, rig.lists, *target));
+      ASSERT_TRUE(rig.culler.cull_others(picture, rig.gpu, rig.lists, target->depth(), 0.0));
+      ASSERT_TRUE(renderer->draw_more(view, rig.snapshot, rig.gpu, rig.lists, *target));
       while (rig.culler.take_feedback()) {
       }
     }

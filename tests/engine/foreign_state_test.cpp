@@ -17,6 +17,7 @@ struct Way {
   CullerChoice culler;
   culling::GpuVariant variant;
   int samples;
+  engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
 };
 
 std::ostream& operator<<(std::ostream& to, const Way& way) {
@@ -44,6 +45,7 @@ class ForeignState : public DrawnGrid, public testing::WithParamInterface<Way> {
     c.ids = true;
     c.samples = GetParam().samples;
     c.gpu_culler.variant = GetParam().variant;
+    c.occlusion = GetParam().occlusion;
     return c;
   }
   /// Part of the scene, cut open.
@@ -152,7 +154,11 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Way{"Cpu", CullerChoice::kCpu, {}, 1}, Way{"CpuMultisampled", CullerChoice::kCpu, {}, 4},
                     Way{"GpuGeometry", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 1},
                     Way{"GpuCompute", CullerChoice::kGpu, culling::GpuVariant::kCompute, 1},
-                    Way{"GpuComputeMultisampled", CullerChoice::kGpu, culling::GpuVariant::kCompute, 4}),
+                    Way{"GpuComputeMultisampled", CullerChoice::kGpu, culling::GpuVariant::kCompute, 4},
+                    Way{"GpuGeometryOcclusion", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 1,
+                        engine::OcclusionChoice::kOn},
+                    Way{"GpuComputeOcclusion", CullerChoice::kGpu, culling::GpuVariant::kCompute, 1,
+                        engine::OcclusionChoice::kOn}),
     [](const testing::TestParamInfo<Way>& way) { return std::string(way.param.name); });
 
 }  // namespace

@@ -73,19 +73,45 @@ View view_of(Random& random, const dvec3& middle, double aspect) {
   return view;
 }
 
+/// On the CPU, or on the GPU in one of its variants.
+struct Path {
+  CullerChoice culler = CullerChoice::kCpu;
+  culling::GpuCullerConfig gpu = {};
+};
+constexpr Path kPaths[] = {
+    {}, {CullerChoice::kGpu, {culling::GpuVariant::kGeometry}}, {CullerChoice::kGpu, {culling::GpuVariant::kCompute}}};
+std::string path_name(const testing::TestParamInfo<Path>& path) {
+  return path.param.gpu.variant ? std::string(name_of(*path.param.gpu.variant)) : "cpu";
+}
+
 class Shown : public tests::GlTest {
  protected:
-  EngineConfig config(int width, int height) {
+  EngineConfig config(const Path& path, int width, int height) {
     EngineConfig made;
     made.draw = made.ids = true;
-    made.culler = CullerChoice::kCpu;
+    made.culler = path.culler;
+    made.gpu_culler = path.gpu;
     made.width = width, made.height = height;
     made.context = &*context;
     return made;
   }
 };
 
-TEST_F(Shown, TheSampleTestLosesNoPixel) {
+/// Draws a view. The GPU's counts come late.
+core::Expected<FrameReport> drawn(Engine& engine, const View& view) {
+  auto report = engine.frame(view);
+  if (!report || report->culler != CullerChoice::kGpu) return report;
+  engine.finish();
+  const auto late = engine.take_late_report();
+  if (!late || late->frame != report->frame) return core::fail("no late report");
+  report->visible = late->visible;
+  report->shown = late->shown;
+  return report;
+}
+
+class SampleTestShown : public Shown, public testing::WithParamInterface<Path> {};
+
+TEST_P(SampleTestShown, LosesNoPixel) {
   std::int64_t visible = 0, shown = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -94,7 +120,7 @@ TEST_F(Shown, TheSampleTestLosesNoPixel) {
     core::Scene scene;
     fill(random, scene, middle);
     const int width = whole(random, 1, 90), height = whole(random, 1, 70);
-    EngineConfig with = config(width, height);
+    EngineConfig with = config(GetParam(), width, height);
     if (seed % 4 == 0) with.samples = 4;
     EngineConfig without = with;
     without.sample_test = false;
@@ -103,8 +129,9 @@ TEST_F(Shown, TheSampleTestLosesNoPixel) {
     for (int i = 0; i < 40; ++i) {
       SCOPED_TRACE(testing::Message() << "view " << i);
       const View view = view_of(random, middle, double(width) / height);
-      const auto few = tested->frame(view), many = all->frame(view);
+      const auto few = drawn(*tested, view), many = drawn(*all, view);
       ASSERT_TRUE(few && many);
+      ASSERT_EQ(many->visible, few->visible);
       ASSERT_EQ(many->shown, many->visible);
       ASSERT_LE(few->shown, few->visible);
       ASSERT_EQ(tested->read_ids()->ids, all->read_ids()->ids);
@@ -114,6 +141,21 @@ TEST_F(Shown, TheSampleTestLosesNoPixel) {
     }
   }
   EXPECT_LT(shown, visible * 8 / 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Paths, SampleTestShown, testing::ValuesIn(kPaths), path_name);
+
+/// A wall with a gap of a pixel or less, doors, boxes inside one another: much is hidden, little of it wholly.
+void add_walls(Random& random, core::Scene& scene, const dvec3& middle) {
+  for (int i = 0; i < 12; ++i) {
+    core::Affine place = core::translation(middle + point(random, 9.0));
+    const float thin = float(magnitude(random, 1e-3, 0.3)), wide = float(uniform(random, 2.0, 12.0));
+    const int axis = whole(random, 0, 2);
+    const core::Box wall{axis == 0 ? thin : wide, axis == 1 ? thin : wide, axis == 2 ? thin : wide};
+    scene.add_primitive(scene.root(), wall, place);
+    place.origin[(axis + 1) % 3] += wide + magnitude(random, 1e-3, 0.1);  // beside it, a gap apart
+    scene.add_primitive(scene.root(), wall, place);
+  }
 }
 
 /// Pixels whose item differs though the depths do not: two surfaces at one distance, of which either may win.
@@ -228,36 +270,25 @@ TEST_F(Shown, ABudgetIsMadeUpForAtRest) {
   EXPECT_FALSE(Engine::create(scene, with));
 }
 
-/// A wall with a gap of a pixel or less, doors, boxes inside one another: much is hidden, little of it wholly.
-void add_walls(Random& random, core::Scene& scene, const dvec3& middle) {
-  for (int i = 0; i < 12; ++i) {
-    core::Affine place = core::translation(middle + point(random, 9.0));
-    const float thin = float(magnitude(random, 1e-3, 0.3)), wide = float(uniform(random, 2.0, 12.0));
-    const int axis = whole(random, 0, 2);
-    const core::Box wall{axis == 0 ? thin : wide, axis == 1 ? thin : wide, axis == 2 ? thin : wide};
-    scene.add_primitive(scene.root(), wall, place);
-    place.origin[(axis + 1) % 3] += wide + magnitude(random, 1e-3, 0.1);  // beside it, a gap apart
-    scene.add_primitive(scene.root(), wall, place);
-  }
-}
+/// By path and seed: 250 views of each of ten scenes.
+class OcclusionShown : public Shown, public testing::WithParamInterface<std::tuple<Path, int>> {};
 
-/// By seed: 250 views of each of ten scenes.
-class OcclusionShown : public Shown, public testing::WithParamInterface<int> {};
-
-/// Teleports, small steps, edits between frames, orthographic views, sections, transparency, any picture size.
+/// Teleports, small steps, edits between frames, orthographic views, sections, transparency, any picture size, which
+/// changes; new orders of the items, and another context.
 TEST_P(OcclusionShown, LosesNoPixel) {
   std::int64_t visible = 0, shown = 0, pixels = 0;
   int ties = 0;
   for (int scene_number = 0; scene_number < 10; ++scene_number) {
-    const std::uint64_t seed = std::uint64_t(10 * GetParam() + scene_number);
+    const auto& [path, first_seed] = GetParam();
+    const std::uint64_t seed = std::uint64_t(10 * first_seed + scene_number);
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const dvec3 middle = chance(random, 0.5) ? dvec3(0.0) : dvec3(4e5, 6e6, 100.0);
     core::Scene scene;
     fill(random, scene, middle);
     add_walls(random, scene, middle);
-    const int width = whole(random, 1, 90), height = whole(random, 1, 70);
-    EngineConfig with = config(width, height), without = with;
+    int width = whole(random, 1, 90), height = whole(random, 1, 70);
+    EngineConfig with = config(path, width, height), without = with;
     with.occlusion = OcclusionChoice::kOn;
     without.occlusion = OcclusionChoice::kOff;
     without.sample_test = false;
@@ -274,8 +305,21 @@ TEST_P(OcclusionShown, LosesNoPixel) {
         chance(random, 0.5) ? scene.set_placement(item, place) : scene.set_visible(item, chance(random, 0.5));
         ASSERT_TRUE(tested->commit() && all->commit());
       }
-      const auto few = tested->frame(view), many = all->frame(view);
+      if (chance(random, 0.02)) {
+        width = whole(random, 1, 90), height = whole(random, 1, 70);
+        ASSERT_TRUE(tested->resize(width, height) && all->resize(width, height));
+        view = view_of(random, middle, double(width) / height);
+      }
+      if (chance(random, 0.004)) {
+        ASSERT_TRUE(tested->rebuild() && all->rebuild());
+      }
+      if (chance(random, 0.002)) {
+        tested->drop_context();
+        ASSERT_TRUE(tested->use_context(*context));
+      }
+      const auto few = drawn(*tested, view), many = drawn(*all, view);
       ASSERT_TRUE(few && many);
+      ASSERT_EQ(few->visible, many->visible);
       ASSERT_LE(few->shown, few->visible);
       ASSERT_EQ(many->shown, many->visible);
       const Difference difference = compare(*tested, *all, view);
@@ -296,7 +340,14 @@ int seeds() {
   const char* views = std::getenv("SIGHTLINE_SHOWN_VIEWS");
   return views ? std::max(1, std::atoi(views) / 2500) : 4;
 }
-INSTANTIATE_TEST_SUITE_P(Seeds, OcclusionShown, testing::Range(1, 1 + seeds()));
+
+std::string path_and_seed(const testing::TestParamInfo<std::tuple<Path, int>>& test) {
+  return path_name({std::get<0>(test.param), 0}) + "_" + std::to_string(std::get<1>(test.param));
+}
+INSTANTIATE_TEST_SUITE_P(Cpu, OcclusionShown,
+                         testing::Combine(testing::Values(kPaths[0]), testing::Range(1, 1 + seeds())), path_and_seed);
+INSTANTIATE_TEST_SUITE_P(Gpu, OcclusionShown,
+                         testing::Combine(testing::Values(kPaths[1], kPaths[2]), testing::Range(1, 3)), path_and_seed);
 
 }  // namespace
 }  // namespace sightline::engine

@@ -21,6 +21,8 @@
 #include "sightline/culling/frustum_test.h"
 #include "sightline/culling/gpu/gpu_culler_config.h"
 #include "sightline/culling/gpu/internal/gpu_bounds.h"
+#include "sightline/culling/gpu/internal/gpu_occlusion.h"
+#include "sightline/culling/sample_test.h"
 #include "sightline/gl/internal/timer.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
@@ -35,9 +37,18 @@ struct CullBatch;
 /// denormals to the driver (The OpenGL Shading Language 4.50, section 4.7.1). So no item of the CPU's set is ever
 /// missing. Each further item has a corner within that band of a plane: some 10^-6 of the scene's size.
 ///
+/// The same holds of the sample test, which GLSL evaluates with bands of its own (screen_box.glsl): what SampleTest
+/// would leave out is left out, but for boxes within a ten-thousandth of a pixel or so of a sample.
+///
+/// Occlusion is tested in two passes a frame, and nothing pops: cull() finds what the frame before has found open, and
+/// once that is drawn, cull_others() tests everything in the view volume against its depth, and finds what is open
+/// besides. What was drawn first is tested again, so that the set drawn first follows what is open. The rule is that of
+/// OcclusionTest, with the bands of the sample test. What the culler remembers decides only which pass draws an item,
+/// so edits, other sizes of the picture and frames without the test cannot lose any.
+///
 /// The context must be current in all calls. cull() changes this state and leaves it changed: program, texture units 0
-/// to 4, uniform block 1; the geometry variant also vertex array, framebuffer and transform feedback, the compute
-/// variant shader storage blocks 0 to 4.
+/// to 5, uniform blocks 1 to 3; the geometry variant also vertex array, framebuffer, transform feedback and, with
+/// occlusion, shader storage blocks 0 and 5, the compute variant shader storage blocks 0 to 5.
 class GpuCuller {
  public:
   /// For `scene`, made from `snapshot`. Fails when the GPU has too little memory, or when the context cannot do the
@@ -61,15 +72,37 @@ class GpuCuller {
   core::Expected<void> update(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                               std::span<const core::Slot> touched);
 
-  /// Fills `lists` with what `view` can see. Submits the work and returns; `frame` comes back with the feedback. Fails
-  /// when the GPU has too little memory for the lists.
-  core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                            gpuscene::DrawLists& lists, std::uint64_t frame = 0);
+  /// The picture that shows what is culled.
+  struct Picture {
+    core::View view;
+    PictureSamples samples;
+    bool occlusion = false;  ///< only with one sample per pixel, at its centre, and if can_test_occlusion()
+  };
 
-  /// What became known of an earlier cull().
+  /// Compiles the programs of cull() with a picture, or without one, which its first call does otherwise.
+  core::Expected<void> prepare(bool for_picture, bool occlusion = false);
+  /// False where the variant would need storage blocks in vertex stages and the context has none.
+  bool can_test_occlusion() const;
+
+  /// Fills `lists` with what `view` can see. With `picture` it leaves out items that cover none of its samples, except
+  /// lines. With Picture::occlusion it leaves out what was not found open in the frame before, and cull_others() must
+  /// follow. Submits the work and returns; `frame` comes back with the feedback.
+  /// Fails when the GPU has too little memory for the lists.
+  core::Expected<void> cull(const core::View& view, const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
+                            gpuscene::DrawLists& lists, std::uint64_t frame = 0, const Picture* picture = nullptr);
+
+  /// Goes on with the frame of the last cull(), which had the same `picture`, once its lists are drawn. Fills `lists`
+  /// with the items that are not in them and that `depth` does not hide. `depth`: reverse-Z, of the picture's size.
+  /// `error`: metres by which its distances may be off, as in orthographic views. Submits the work and returns. Fails
+  /// as cull() does.
+  core::Expected<void> cull_others(const Picture& picture, const gpuscene::GpuScene& scene, gpuscene::DrawLists& lists,
+                                   const gl::Texture2D& depth, double error);
+
+  /// What became known of an earlier cull(), and of cull_others() after it.
   struct Feedback {
     std::uint64_t frame = 0;        ///< as given to cull()
-    std::uint64_t visible = 0;      ///< items
+    std::uint64_t visible = 0;      ///< items in the view volume
+    std::uint64_t shown = 0;        ///< of these, items in the lists
     std::optional<double> time_ms;  ///< on the GPU; none on software rasterisers, whose timer queries mean nothing
   };
   /// The oldest feedback not yet taken, in order; nothing until the GPU is done with it. Never waits. A few results can
@@ -91,7 +124,8 @@ class GpuCuller {
   /// The feedback of one cull() under way.
   struct Probe {
     std::uint64_t frame = 0;
-    bool timed = false, skipped = false;  // skipped: nothing could be visible
+    bool timed = false, others_timed = false, skipped = false;  // skipped: nothing could be visible
+    std::optional<double> time_ms, others_time_ms;
   };
 
   GpuCuller();
@@ -101,6 +135,11 @@ class GpuCuller {
   core::Expected<void> choose_variant(const gl::Context& context, const core::Snapshot& snapshot,
                                       const gpuscene::GpuScene& scene);
   void upload_planes(const CullPlanes& planes, const core::ItemBounds& bounds, std::uint32_t layers) const;
+  core::Expected<void> prepare_occlusion();
+  core::Expected<void> begin_occlusion();
+  core::Expected<void> upload_pyramid(const Picture& picture, const gl::Texture2D& depth, double error);
+  core::Expected<void> write_block(gl::Buffer& block, std::size_t bytes, const void* data, GLuint binding) const;
+  core::Expected<void> upload_picture(const Picture& picture, const core::ItemBounds& bounds);
   std::size_t next_probe(std::uint64_t frame);
 
   const gl::Functions* gl_ = nullptr;
@@ -111,10 +150,15 @@ class GpuCuller {
   std::unique_ptr<GpuPass> pass_;
   bool variant_settled_ = true;
   std::string why_this_variant_ = "asked for";
-  gl::Buffer plane_block_;
-  std::vector<Probe> probes_;  // a ring, and one more that nobody reads, for when it is full
-  std::size_t first_probe_ = 0, pending_ = 0;
-  std::optional<gl::GpuTimer> timer_;
+  gl::Buffer plane_block_, screen_block_;  // screen_block_: made when first used
+  std::vector<Probe> probes_;              // a ring, and one more that nobody reads, for when it is full
+  std::size_t first_probe_ = 0, pending_ = 0, last_probe_ = 0;
+  std::optional<gl::GpuTimer> timer_, others_timer_;
+  bool vertex_storage_ = false;  // vertex stages may have storage blocks
+  // Of the test of occlusion, made when it is first used:
+  std::optional<GpuDepthPyramid> pyramid_;
+  gl::Buffer occlusion_block_;
+  std::uint32_t occlusion_frame_ = 1;
 };
 
 }  // namespace sightline::culling

@@ -18,14 +18,38 @@
 
 namespace sightline::culling {
 
-/// What culling reads of a gpuscene::Batch: the boxes to test, and for meshes the draw commands.
+/// What culling needs of a gpuscene::Batch: the boxes to test, for meshes the draw commands, and what was found open.
 struct CullBatch {
   gpuscene::BatchKind kind;
   GpuBounds bounds;
-  TexelArray commands;  ///< of all meshes; none of other batches
+  TexelArray commands;     ///< of all meshes; none of other batches
+  gl::Buffer open_frames;  ///< see occlusion_test.glsl; made with the first test of occlusion
 
   bool meshes() const { return kind == gpuscene::BatchKind::kMesh; }
-  std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.buffer.size(); }
+  std::size_t memory_bytes() const { return bounds.memory_bytes() + commands.buffer.size() + open_frames.size(); }
+};
+
+/// Which items of the view volume a pass writes.
+enum class Selection : std::uint8_t {
+  kAll,
+  kSampled,     ///< those that may cover a sample of the picture, and lines
+  kOpenBefore,  ///< of these, those that kOpenNow has found open in the frame before, and lines
+  kOpenNow,     ///< finds all that the pyramid does not hide, and writes those that kOpenBefore has not written
+};
+inline constexpr std::size_t kSelectionCount = 4;
+constexpr bool tests_occlusion(Selection selection) {
+  return selection == Selection::kOpenBefore || selection == Selection::kOpenNow;
+}
+
+/// Whether a pass counts the items of the view volume apart from those that it writes.
+constexpr bool counts_in_view(Selection selection) {
+  return selection == Selection::kSampled || selection == Selection::kOpenBefore;
+}
+
+/// Numbers of items.
+struct Found {
+  std::uint64_t in_view = 0;  ///< in the view volume
+  std::uint64_t written = 0;  ///< of these, selected
 };
 
 /// Number of culls whose results may wait to be taken, and one more whose result nobody reads, for when these are full.
@@ -38,10 +62,14 @@ class GpuPass {
 
   virtual GpuVariant variant() const = 0;
   virtual gpuscene::DrawLists::Counting counting() const = 0;
-  /// Fills the lists between their begin_gpu_update() and end_gpu_update(). The planes are bound.
-  virtual void run(std::span<const CullBatch> batches, const gpuscene::DrawLists& lists, std::size_t probe) = 0;
-  /// Number of items that the last run with this probe found; nothing until the GPU is done with it. Never waits.
-  virtual std::optional<std::uint64_t> found(std::size_t probe) = 0;
+  /// Makes the programs of a selection, unless they are made.
+  virtual core::Expected<void> prepare(std::span<const CullBatch> batches, Selection selection) = 0;
+  /// Fills the lists between their begin_gpu_update() and end_gpu_update(). The selection is prepared; the blocks with
+  /// planes and picture are bound, and the pyramid. kOpenNow goes on with the probe of kOpenBefore.
+  virtual void run(std::span<const CullBatch> batches, const gpuscene::DrawLists& lists, Selection selection,
+                   std::size_t probe) = 0;
+  /// What the last run with this probe found, or the last two; nothing until the GPU is done with it. Never waits.
+  virtual std::optional<Found> found(std::size_t probe) = 0;
   virtual std::size_t memory_bytes() const = 0;
 };
 
@@ -67,8 +95,12 @@ class BatchPrograms {
   std::array<gl::Program, 2> programs_;
 };
 
-/// A program of one stage or more from the files of culling/gpu and gpuscene, with the draw lists' defines.
-gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages);
+/// A program of one stage or more from the files of culling/gpu and gpuscene, with the defines of the draw lists and of
+/// a selection.
+gl::ProgramDescription describe_pass(std::string name, std::vector<gl::StageDescription> stages,
+                                     Selection selection = Selection::kAll);
+/// Binds what a program that tests items of a batch needs for a selection (selection.glsl).
+void bind_selection(const gl::Functions& gl, const gl::Program& program, const CullBatch& batch, Selection selection);
 
 /// Texture units where shaders find a batch's data.
 enum CullTextureUnit : GLuint {
@@ -77,6 +109,7 @@ enum CullTextureUnit : GLuint {
   kItemBoxUnit,
   kItemLayerUnit,
   kCommandUnit,
+  kPyramidUnit,
 };
 void bind_batch(const gl::Functions& gl, const CullBatch& batch);
 

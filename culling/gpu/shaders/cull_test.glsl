@@ -2,6 +2,7 @@
 // box is culled only when a plane surely rejects it. A box that the float form leaves open is kept.
 
 #include "cull_limits.glsl"
+#include "selection.glsl"
 
 struct CullPlane {
   vec4 equation;  // normal, offset
@@ -54,6 +55,6 @@ uint test_cluster(uint cluster) {
   vec3 low = texelFetch(cluster_boxes, 2 * int(cluster)).xyz, high = texelFetch(cluster_boxes, 2 * int(cluster) + 1).xyz;
   if (any(greaterThan(low, high))) return kRejected;
   if (cull.use_layers && (texelFetch(cluster_layers, int(cluster)).x & cull.view_layers) == 0u) return kRejected;
-  if (outside(low, high)) return kRejected;
+  if (outside(low, high) || !cluster_selected(low, high)) return kRejected;
   return inside(low, high) ? cluster | kInside : cluster;
 }

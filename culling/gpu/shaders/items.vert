@@ -4,7 +4,14 @@
 layout(location = 0) in uint cluster;
 
 flat out uint name;
+#ifdef COUNTS_IN_VIEW
+flat out uint counted;
+#endif
 
 void main() {
-  name = test_item(cluster, uint(gl_InstanceID));
+  bool in_view;
+  name = test_item(cluster, uint(gl_InstanceID), in_view);
+#ifdef COUNTS_IN_VIEW
+  counted = in_view ? 1u : 0u;
+#endif
 }

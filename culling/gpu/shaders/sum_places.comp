@@ -13,8 +13,8 @@ layout(std430, binding = 2) writeonly restrict buffer Counts {
 layout(std430, binding = 3) writeonly restrict buffer Commands {
   uint commands[];  // gpuscene::ElementsCommand, of record batches
 };
-layout(std430, binding = 4) writeonly restrict buffer Results {
-  uint results[];  // records found, for the CPU
+layout(std430, binding = 4) restrict buffer Results {
+  uint results[];  // for the CPU, per probe: items in the view volume, where they were counted, and items written
 };
 layout(location = BATCH_KINDS) uniform uint first_place[BATCH_KINDS + 1];  // of each batch, and the end of the last
 layout(location = 2 * BATCH_KINDS + 1) uniform uint record_commands;
@@ -50,7 +50,7 @@ void main() {
   memoryBarrierBuffer();
   barrier();
   if (i < BATCH_KINDS) counts[i] = uvec2(commands_in_use(i, records_found(i)), records_found(i));
-  if (i == 0u) results[result] = places[count];
+  if (i == 0u) results[2u * result + 1u] += places[count];
   for (uint command = i; command < record_commands; command += gl_WorkGroupSize.x) {
     uint kind = kind_of_command(command);
     uint records = records_of_command(command - sections[kind].x, records_found(kind));

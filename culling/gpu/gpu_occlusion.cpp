@@ -1,0 +1,81 @@
+#include "sightline/culling/gpu/internal/gpu_occlusion.h"
+
+#include "sightline/culling/gpu/internal/gpu_pass.h"
+#include "sightline/gpuprims/internal/view_block.h"
+
+namespace sightline::culling {
+namespace {
+
+constexpr std::uint32_t kCoarsest = 3;  // blocks along each axis of the last level, as in DepthPyramid
+constexpr GLuint kDepthUnit = 0, kFarthestBinding = 0;
+constexpr GLint kLevelUniform = 0, kFinerUniform = 1, kEyeFromDepthUniform = 1;
+
+GLuint groups(std::uint32_t blocks) {
+  return (blocks + kPyramidGroup - 1) / kPyramidGroup;
+}
+
+}  // namespace
+
+core::Expected<GpuDepthPyramid> GpuDepthPyramid::create(const gl::Functions& gl) {
+  const auto describe = [](bool pixels) {
+    auto pass = describe_pass("depth pyramid", {{GL_COMPUTE_SHADER, {"build_pyramid.comp"}}});
+    if (pixels) pass.shaders.defines.emplace_back("PIXELS");
+    return pass;
+  };
+  auto programs = gl::Program::create_all(gl, std::array{describe(true), describe(false)});
+  if (!programs) return tl::unexpected(programs.error());
+  GpuDepthPyramid made;
+  made.gl_ = &gl;
+  made.pixels_ = std::move((*programs)[0]);
+  made.blocks_ = std::move((*programs)[1]);
+  return made;
+}
+
+core::Expected<void> GpuDepthPyramid::resize(int width, int height) {
+  const auto w = std::uint32_t(width), h = std::uint32_t(height);
+  if (!levels_.empty() && levels_[0].width == w && levels_[0].height == h) return {};
+  levels_.clear();
+  std::uint32_t size = 0;
+  for (Level level{0, w, h};; level = {size, (level.width + 1) / 2, (level.height + 1) / 2}) {
+    levels_.push_back(level);
+    size += level.width * level.height;
+    if (level.width <= kCoarsest && level.height <= kCoarsest) break;
+  }
+  if (levels_.size() > std::size_t(kMaxLevels)) return core::fail("depth pyramid: the picture is too large");
+  auto buffer = gl::Buffer::create(*gl_, size * sizeof(float), nullptr, 0, "depth pyramid");
+  if (!buffer) return tl::unexpected(buffer.error());
+  auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_R32F, "depth pyramid");
+  if (!texels) return tl::unexpected(texels.error());
+  buffer_ = std::move(*buffer);
+  texels_ = std::move(*texels);
+  return {};
+}
+
+core::Expected<void> GpuDepthPyramid::build(const gl::Texture2D& depth, const core::View& view) {
+  if (auto done = resize(depth.width(), depth.height()); !done) {
+    levels_.clear();
+    return done;
+  }
+  const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
+  const GLdouble eye_from_depth[] = {clip[3][2], clip[3][3], clip[2][2], clip[2][3]};  // gpuprims::eye_depth()
+  gl_->ProgramUniform4dv(pixels_.id(), kEyeFromDepthUniform, 1, eye_from_depth);
+  gl_->BindTextureUnit(kDepthUnit, depth.id());
+  gl_->BindSampler(kDepthUnit, 0);  // an application's sampler may compare depths
+  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kFarthestBinding, buffer_.id());
+  for (std::size_t i = 0; i < levels_.size(); ++i) {
+    const Level& level = levels_[i];
+    const gl::Program& program = i == 0 ? pixels_ : blocks_;
+    gl_->ProgramUniform3ui(program.id(), kLevelUniform, level.first, level.width, level.height);
+    if (i > 0) {
+      const Level& finer = levels_[i - 1];
+      gl_->ProgramUniform3ui(program.id(), kFinerUniform, finer.first, finer.width, finer.height);
+    }
+    program.use();
+    gl_->DispatchCompute(groups(level.width), groups(level.height), 1);
+    gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+  }
+  gl_->BindTextureUnit(kDepthUnit, 0);  // it will be drawn to
+  return {};
+}
+
+}  // namespace sightline::culling
