@@ -1,5 +1,5 @@
-// One level of a pyramid of farthest distances: culling::DepthPyramid. The first level is of single pixels. A block of a
-// level holds 2 x 2 blocks of the one before, at the right and upper edge fewer.
+// One level of a pyramid of farthest distances: culling::DepthPyramid. The first level is of single pixels. A block of
+// another level holds 2 x 2 blocks of the one before, at the right and upper edge fewer.
 #include "cull_limits.glsl"
 
 layout(local_size_x = kPyramidGroup, local_size_y = kPyramidGroup) in;

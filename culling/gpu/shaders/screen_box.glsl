@@ -1,17 +1,17 @@
 // Which samples of a picture a box may cover, and how near it may be: culling/internal/screen_boxes.h, which argues why
 // the rectangle contains the projection. GLSL leaves more open than C++: sums and products may be off by 2^-23 of their
 // size, twice as much, quotients by 2.5 units in the last place, and denormals may be zero. The bands, which the C++
-// side computes (culling/gpu/gpu_screen.cpp), and kQuotientError hold all that. `precise` keeps the order of operations.
+// side computes (culling/gpu/gpu_screen.cpp), and kQuotientError hold all that. `precise` keeps operations in order.
 
 #include "cull_limits.glsl"
 
 layout(std140, binding = 2) uniform ScreenBlock {
   // Four linear forms of a point p: X, Y, W with X / W and Y / W its place in the picture in pixels, the first pixel's
-  // centre at 0; and its distance from the eye. Their values are (along_x p.x + along_y p.y) + (along_z p.z + constant).
+  // centre at 0; and its distance from the eye. A value is (along_x p.x + along_y p.y) + (along_z p.z + constant).
   vec4 along_x, along_y, along_z, constant;
   // Their errors are less than band_x |p.x| + band_y |p.y| + band_z |p.z| + band_constant.
   vec4 band_x, band_y, band_z, band_constant;
-  vec2 last;  // the last pixel's centre
+  vec2 last;      // the last pixel's centre
   float largest;  // coordinates of boxes that are projected
   int sample_count;
   float snap;  // what a rasteriser may move a vertex by, pixels
@@ -41,7 +41,8 @@ ScreenBox project_box(vec3 low, vec3 high) {
     least_wt = corner == 0 ? value.zw : min(least_wt, value.zw);
   }
   vec3 size = max(abs(low), abs(high));
-  precise vec4 band = (screen.band_x * size.x + screen.band_y * size.y) + (screen.band_z * size.z + screen.band_constant);
+  precise vec4 band =
+      (screen.band_x * size.x + screen.band_y * size.y) + (screen.band_z * size.z + screen.band_constant);
   precise vec2 farthest = max(abs(least), abs(most));
   precise vec2 of_forms = (band.xy + farthest * band.z) * (1.01 / (least_wt.x - band.z));
   precise vec2 reach = (of_forms + kQuotientError * farthest) + screen.snap;
