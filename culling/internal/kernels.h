@@ -10,6 +10,7 @@
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/frustum_test.h"
 #include "sightline/culling/hierarchy.h"
+#include "sightline/culling/internal/occluder_area.h"
 #include "sightline/culling/internal/screen_view.h"
 
 namespace sightline::culling {
@@ -103,6 +104,8 @@ struct Kernels {
   /// Bit i: box i of sixteen may cover a sample of the picture.
   unsigned (*covering)(const ScreenView& view, const float* const (&coordinates)[6]);
   void (*rectangles)(const ScreenView& view, const float* const (&coordinates)[6], BoxRectangles& out);
+  /// Raises the nearness that the pixels of an area hold to that of the area. `stride`: a multiple of kLanes.
+  void (*fill_area)(const OccluderArea& area, float* image, int stride);
 };
 
 const Kernels& scalar_kernels();

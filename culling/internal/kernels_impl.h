@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "sightline/core/internal/intrinsics.h"
+#include "sightline/culling/internal/fill_area.h"
 #include "sightline/culling/internal/kernels.h"
 #include "sightline/culling/internal/screen_boxes.h"
 
@@ -522,6 +523,7 @@ constexpr Kernels make_kernels() {
   k.rectangles = [](const ScreenView& view, const float* const(&c)[6], BoxRectangles& out) {
     ScreenBoxes<Simd>(view, c).store(view, out);
   };
+  k.fill_area = fill_area<Simd>;
   return k;
 }
 
