@@ -1,6 +1,7 @@
 #include "sightline/culling/occlusion.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -14,6 +15,41 @@ namespace {
 
 constexpr float kCentre[1][2] = {{0.0f, 0.0f}};  // the one sample of a pixel
 constexpr int kCoarsest = 3;                     // blocks along each axis of the last level
+
+/// Which children of nodes are hidden. What lies below a hidden one is, and is not tested. Remembers the last node of
+/// each level, so nodes should be asked for in rising order.
+template <class HiddenOf>
+class HiddenNodes {
+ public:
+  HiddenNodes(const Hierarchy& hierarchy, const HiddenOf& hidden_of) : hierarchy_(hierarchy), hidden_of_(hidden_of) {}
+
+  /// Bit per child.
+  unsigned children(int level, std::uint32_t node) {
+    Known& known = known_[std::size_t(level)];
+    if (known.node != node) known = {node, in_hidden(level, node) ? ~0u : test(level, node)};
+    return known.hidden;
+  }
+
+ private:
+  static constexpr std::size_t kMostLevels = 8;
+  struct Known {
+    std::uint32_t node = core::kNone;
+    unsigned hidden = 0;
+  };
+
+  bool in_hidden(int level, std::uint32_t node) {
+    return level + 1 < hierarchy_.level_count() && (children(level + 1, node / kLanes) >> node % kLanes & 1u) != 0;
+  }
+  unsigned test(int level, std::uint32_t node) const {
+    const float* coordinates[6];
+    for (int axis = 0; axis < 6; ++axis) coordinates[axis] = hierarchy_.level(level)[node].bounds[axis];
+    return hidden_of_(coordinates);
+  }
+
+  const Hierarchy& hierarchy_;
+  const HiddenOf& hidden_of_;
+  std::array<Known, kMostLevels> known_;
+};
 
 /// The greater of two; NaN counts as infinity.
 float farther(float a, float b) {
@@ -120,21 +156,15 @@ void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::Visibl
     const std::size_t slot = std::size_t(leaf) * kLeafSize, word = slot / 64;
     return word < exempt.size() && (exempt[word] >> slot % 64 & ((std::uint64_t(1) << kLeafSize) - 1)) != 0;
   };
-  const std::span<const HierarchyNode> nodes = hierarchy.level(0);
-  std::uint32_t known = core::kNone;  // node whose leaves `hidden` is of
-  unsigned hidden = 0;
+  const auto of_boxes = [&](const auto& boxes) { return hidden_of(boxes); };
+  HiddenNodes nodes(hierarchy, of_boxes);
   for (const core::SlotRange& range : in.ranges) {
     const core::Slot end = range.first + range.count;
     const core::Slot begin = std::min(end, (range.first + kLeafSize - 1) / kLeafSize * kLeafSize);
     append(range.first, begin);
     for (core::Slot first = begin; first < end; first += kLeafSize) {
-      const std::uint32_t leaf = first / kLeafSize, node = leaf / kLanes;
-      if (node != known) {
-        const float* coordinates[6];
-        for (int axis = 0; axis < 6; ++axis) coordinates[axis] = nodes[node].bounds[axis];
-        hidden = hidden_of(coordinates);
-        known = node;
-      }
+      const std::uint32_t leaf = first / kLeafSize;
+      const unsigned hidden = nodes.children(0, leaf / kLanes);
       if ((hidden >> leaf % kLanes & 1u) == 0 || spared(leaf)) append(first, std::min(end, first + kLeafSize));
     }
   }
