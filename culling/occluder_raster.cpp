@@ -135,12 +135,14 @@ class Placement {
 /// that turns left as seen from outside.
 struct Solid {
   static constexpr int kMostSides = 16;
+  static constexpr double kMostBulge = 2.01;  // coordinates; that of three sides
   struct Edge {
     std::uint8_t from, to;     // as the face on its left has it
     std::uint8_t left, right;  // faces
   };
 
-  explicit Solid(std::span<const core::dvec2> base) {
+  /// `bulge`: where the tangents at two neighbouring corners meet, as a multiple of the point in their middle; 0: none.
+  Solid(std::span<const core::dvec2> base, double bulge) {
     const auto n = std::uint8_t(base.size());
     for (const double z : {-1.0, 1.0})
       for (const core::dvec2& p : base) corners.push_back({p, z});
@@ -153,12 +155,18 @@ struct Solid {
       edges.push_back({i, next, i, n});
       edges.push_back({above_next, above, i, std::uint8_t(n + 1)});
       edges.push_back({next, above_next, i, next});
+      if (bulge == 0.0) continue;
+      const core::dvec2 outside = 0.5 * bulge * (base[i] + base[next]);
+      bulges.push_back({outside, -1.0});
+      bulges.push_back({outside, 1.0});
     }
   }
 
   std::vector<dvec3> corners;
   std::vector<std::vector<std::uint8_t>> faces;
   std::vector<Edge> edges;
+  /// Two for each side, or none: what is drawn lies within the hull of the side and these, not in the side itself.
+  std::vector<dvec3> bulges;
 };
 
 /// The prism of so many sides within the cylinder of radius 1.
@@ -171,7 +179,8 @@ const Solid& prism(int sides) {
         const double angle = 2.0 * std::numbers::pi * i / n;
         base.push_back((1.0 - 0x1p-48) * core::dvec2(std::cos(angle), std::sin(angle)));
       }
-      prisms.emplace_back(base);
+      const double middle = std::cos(std::numbers::pi / n);
+      prisms.emplace_back(base, (1.0 + 0x1p-40) / (middle * middle));
     }
     return prisms;
   }();
@@ -179,7 +188,8 @@ const Solid& prism(int sides) {
 }
 
 const Solid& cube() {
-  static const Solid kCube{std::array{core::dvec2(-1, -1), core::dvec2(1, -1), core::dvec2(1, 1), core::dvec2(-1, 1)}};
+  static const Solid kCube{std::array{core::dvec2(-1, -1), core::dvec2(1, -1), core::dvec2(1, 1), core::dvec2(-1, 1)},
+                           0.0};
   return kCube;
 }
 
@@ -399,15 +409,22 @@ void clip(const Placement& placement, std::vector<Point>& polygon, std::vector<C
   for (const Point& p : polygon) corners.push_back(placement.project(p));
 }
 
-/// The front faces of a solid that the near plane cuts, each by itself.
+/// The front faces of a solid that the near plane cuts, each by itself. `points`: of the corners and the bulges. A side
+/// whose bulge is cut hides nothing: what is drawn is open there.
 bool cover_cut(OccluderImage& image, const Solid& solid, const Placement& placement, std::span<const Point> points,
                int turn) {
   thread_local std::vector<Point> polygon;
   thread_local std::vector<Corner> corners;
   bool covers = false;
-  for (const auto& face : solid.faces) {
+  for (std::size_t i = 0; i < solid.faces.size(); ++i) {
     polygon.clear();
-    for (const std::uint8_t i : face) polygon.push_back(points[i]);
+    for (const std::uint8_t k : solid.faces[i]) polygon.push_back(points[k]);
+    if (2 * i < solid.bulges.size()) {
+      const auto in_front = [&](const Point& p) { return placement.in_front(p); };
+      const std::span<const Point> bulge = points.subspan(solid.corners.size() + 2 * i, 2);
+      if (!std::all_of(bulge.begin(), bulge.end(), in_front) || !std::all_of(polygon.begin(), polygon.end(), in_front))
+        continue;
+    }
     clip(placement, polygon, corners);
     if (corners.size() < 3) continue;
     if (turn_of(corners, all_of(corners)) == turn) covers |= cover_polygon(image, corners, turn, ScreenView::kSnap);
@@ -417,19 +434,20 @@ bool cover_cut(OccluderImage& image, const Solid& solid, const Placement& placem
 
 bool add_solid(OccluderImage& image, const Solid& solid, const Affine& eye_from_solid) {
   if (!image.usable) return false;
-  const Placement placement(image, eye_from_solid, dvec3(1.0));
-  std::array<Point, 2 * Solid::kMostSides> points;
-  const std::size_t count = solid.corners.size();
+  const Placement placement(image, eye_from_solid, dvec3(solid.bulges.empty() ? 1.0 : Solid::kMostBulge));
+  std::array<Point, 4 * Solid::kMostSides> points;
+  const std::size_t count = solid.corners.size(), all = count + solid.bulges.size();
   std::size_t in_front = 0;
   unsigned kept = ~0u;
-  for (std::size_t i = 0; i < count; ++i) {
-    points[i] = placement(solid.corners[i]);
+  for (std::size_t i = 0; i < all; ++i) {
+    const dvec3& p = i < count ? solid.corners[i] : solid.bulges[i - count];
+    points[i] = placement(p);
     in_front += placement.in_front(points[i]);
-    kept &= placement.kept(solid.corners[i]);
+    kept &= placement.kept(p);
   }
   if (!placement.whole(kept)) return false;
   const int turn = placement.handedness() > 0.0 ? -1 : 1;
-  if (in_front < count) return cover_cut(image, solid, placement, std::span(points).first(count), turn);
+  if (in_front < all) return cover_cut(image, solid, placement, std::span(points).first(all), turn);
   std::array<Corner, 2 * Solid::kMostSides> corners;
   for (std::size_t i = 0; i < count; ++i) corners[i] = placement.project(points[i]);
   return cover_whole(image, solid, std::span(corners).first(count), turn);

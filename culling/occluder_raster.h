@@ -71,7 +71,7 @@ class SIGHTLINE_API OccluderRaster {
   /// The cube -1 … 1 in a placement: a box that lies anyhow.
   bool add_box(const core::Affine& world_from_cube);
   /// The cylinder of radius 1 about z, from -1 to 1, as its inscribed prism of 3 … 16 sides. More sides hide more and
-  /// cost more.
+  /// cost more. Sides that the near plane cuts hide nothing: it opens the cylinder before it meets the prism.
   bool add_cylinder(const core::Affine& world_from_cylinder, int sides = 8);
 
   /// Triangles of any winding, seen from both sides; three indices each, all below positions.size().
