@@ -86,7 +86,8 @@ class Placement {
     const unsigned all = (1u << section_count_) - 1u;
     return section_mode_ == core::SectionMode::kUnion && all != 0 ? (kept & all) != 0 : (kept & all) == all;
   }
-  static constexpr int kPlanes = 2;
+
+  static constexpr int kClipPlanes = 2;
   /// Greater than 0 where clip plane k leaves a point: the near plane, or one so far in front of the eye that places in
   /// the picture still are exact.
   double inside(int k, const Point& p) const { return (k == 0 ? p.near : p.z) - least_[k]; }
@@ -123,7 +124,7 @@ class Placement {
   bool perspective_;
   core::SectionMode section_mode_;
   Form x_, y_, z_, near_;
-  double least_[kPlanes];
+  double least_[kClipPlanes];
   unsigned section_count_ = 0;
   std::array<Form, core::kMaxSectionPlanes> sections_;
 };
@@ -393,7 +394,7 @@ bool cover_whole(OccluderImage& image, const Solid& solid, std::span<const Corne
 /// What lies in front of a polygon, in the picture. Changes the polygon.
 void clip(const Placement& placement, std::vector<Point>& polygon, std::vector<Corner>& corners) {
   thread_local std::vector<Point> clipped;
-  for (int k = 0; k < Placement::kPlanes; ++k) {
+  for (int k = 0; k < Placement::kClipPlanes; ++k) {
     clipped.clear();
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       const Point &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];

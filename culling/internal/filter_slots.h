@@ -30,16 +30,15 @@ void for_each_group(const core::ItemBounds& bounds, const core::VisibleSet& in, 
     group.count = int(count);
     visit(std::as_const(group), (1u << count) - 1u, of_range);
   };
-  constexpr std::size_t kAhead =
-      2;  // ranges between prefetch and use; a short one is not found by the processor itself
+  // Ranges between prefetch and use: the processor by itself does not foresee short ones.
+  constexpr std::size_t kAhead = 2;
   for (std::size_t r = 0; r < in.ranges.size(); ++r) {
     const core::SlotRange& range = in.ranges[r];
-    if (r + kAhead < in.ranges.size())
-      for (int axis = 0; axis < 6; ++axis) {
-        const float* const next = bounds.coordinate(axis) + in.ranges[r + kAhead].first;
-        core::prefetch_line<core::CacheLevel::kL1>(next);
-        core::prefetch_line<core::CacheLevel::kL1>(next + kLanes);
-      }
+    for (int axis = 0; axis < 6 && r + kAhead < in.ranges.size(); ++axis) {
+      const float* const next = bounds.coordinate(axis) + in.ranges[r + kAhead].first;
+      core::prefetch_line<core::CacheLevel::kL1>(next);
+      core::prefetch_line<core::CacheLevel::kL1>(next + kLanes);
+    }
     const std::size_t end = range.first + range.count;
     for (std::size_t first = range.first; first < end; first += kLanes) {
       for (int axis = 0; axis < 6; ++axis) group.coordinates[axis] = bounds.coordinate(axis) + first;

@@ -304,9 +304,10 @@ TEST(OccluderRaster, LosesLittle) {
                         {{3e6, -2e6, 40}, {3e6 + 1, -2e6 + 3, 40}, {{3e6 - 1, -2e6 + 5, 38}, {3e6 + 2, -2e6 + 7, 41}}},
                         {{0, 0, 1.7}, {0, 10, 1}, {{-200, -50, -1}, {200, 50, 0}}},  // stands on it
                         {{0, 0, 1}, {0, 10, 1}, {{-1, 3, 0}, {1, 4, 1}}}};           // the eye is level with its top
-  for (const auto& [eye, target, box] : cases) {
-    SCOPED_TRACE(testing::Message() << "eye at " << eye.x << " " << eye.y << " " << eye.z);
-    const View view = view_from(eye, target);
+  for (const Case& c : cases) {
+    const AabbD& box = c.box;
+    SCOPED_TRACE(testing::Message() << "eye at " << c.eye.x << " " << c.eye.y << " " << c.eye.z);
+    const View view = view_from(c.eye, c.target);
     const dvec3 half = 0.5 * box.size();
     const Affine placement{{{half.x, 0, 0}, {0, half.y, 0}, {0, 0, half.z}}, box.centre()};
     Affine mirrored = placement;
