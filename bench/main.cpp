@@ -22,6 +22,7 @@ constexpr Subcommand kSubcommands[] = {
     {"edit", "what edits cost, and what they leave of culling speed", bench::add_edit},
     {"controller", "how close the hybrid culler's controller comes to the best choice of every frame",
      bench::add_controller},
+    {"occlusion", "occlusion culling without a renderer: occluder raster and test", bench::add_occlusion},
     {"import", "how fast model files are imported", bench::add_import},
 #if SIGHTLINE_HAS_GOOGLE_BENCHMARK
     {"queries", "spatial queries through the hierarchy against a loop over all boxes", bench::add_queries},

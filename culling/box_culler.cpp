@@ -1,5 +1,6 @@
 #include "sightline/culling/box_culler.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <optional>
@@ -10,6 +11,8 @@
 #include "sightline/core/internal/block_order.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/cpu_culler.h"
+#include "sightline/culling/cull_threads.h"
+#include "sightline/culling/internal/slot_list.h"
 
 namespace sightline::culling {
 namespace {
@@ -24,6 +27,32 @@ core::Expected<void> check(const core::AabbD& box, std::size_t index) {
   return {};
 }
 
+/// Cuts a set into parts of up to `size` slots. `parts` keeps its memory, and may hold more than those returned.
+std::span<core::VisibleSet> split(const core::VisibleSet& set, std::uint32_t size,
+                                  std::vector<core::VisibleSet>& parts) {
+  std::size_t count = 0;
+  const auto begin_part = [&] {
+    if (count == parts.size()) parts.emplace_back();
+    parts[count++].clear();
+  };
+  std::uint32_t left = 0;  // in the last part
+  for (core::SlotRange rest : set.ranges) {
+    while (rest.count > 0) {
+      if (left == 0) begin_part(), left = size;
+      const std::uint32_t taken = std::min(rest.count, left);
+      parts[count - 1].ranges.push_back({rest.first, taken});
+      rest = {rest.first + taken, rest.count - taken};
+      left -= taken;
+    }
+  }
+  for (std::size_t first = 0; first < set.items.size(); first += size) {
+    begin_part();
+    const auto begin = set.items.begin() + std::ptrdiff_t(first);
+    parts[count - 1].items.assign(begin, begin + std::ptrdiff_t(std::min<std::size_t>(size, set.items.size() - first)));
+  }
+  return std::span(parts).first(count);
+}
+
 }  // namespace
 
 struct BoxCuller::Impl {
@@ -31,6 +60,7 @@ struct BoxCuller::Impl {
   std::vector<std::uint32_t> index_of;  // slot to index
   std::vector<core::Slot> slot_of;      // index to slot
   std::optional<CpuCuller> culler;      // borrows bounds
+  mutable CullThreads threads;          // for the occlusion test
 
   core::Aabb rounded(const core::AabbD& box) const {
     return box.empty() ? core::Aabb() : core::round_outwards(box, bounds.origin);
@@ -93,14 +123,25 @@ void BoxCuller::visible(const core::View& view, std::vector<std::uint32_t>& indi
 }
 
 void BoxCuller::visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const {
-  thread_local core::VisibleSet set, coarse;
+  constexpr std::uint32_t kPart = 8192;  // slots that a thread tests at a time
+  thread_local core::VisibleSet set;
+  thread_local std::vector<core::VisibleSet> memory;
+  thread_local std::vector<std::size_t> places;  // of each part's first index
   impl_->culler->cull(view, set);
   const OcclusionTest test(view, impl_->bounds.origin, depth.width(), depth.height(), depth);
-  if (!impl_->culler->hierarchy().empty()) {
-    test.filter_leaves(impl_->culler->hierarchy(), set, coarse);
-    test.filter(impl_->bounds, coarse, set);
-  }
-  impl_->list(set, indices);
+  const std::span<core::VisibleSet> parts = split(set, kPart, memory);
+  impl_->threads.run(std::uint32_t(parts.size()), [&](std::uint32_t i) {
+    thread_local core::VisibleSet coarse;
+    test.filter_leaves(impl_->culler->hierarchy(), parts[i], coarse);
+    test.filter(impl_->bounds, coarse, parts[i]);
+  });
+  places.assign(1, 0);
+  for (const core::VisibleSet& part : parts) places.push_back(places.back() + part.count());
+  indices.resize(places.back());
+  const std::span<const std::size_t> to = places;
+  impl_->threads.run(std::uint32_t(parts.size()), [&](std::uint32_t i) {
+    list_ids(parts[i], impl_->index_of, std::span(indices).subspan(to[i], to[i + 1] - to[i]));
+  });
 }
 
 core::Expected<void> BoxCuller::update(std::uint32_t index, const core::AabbD& box) {

@@ -63,10 +63,17 @@ struct Avx2 {
     _mm256_storeu_ps(out, a.low);
     _mm256_storeu_ps(out + 8, a.high);
   }
-  static Lanes spread(float a) { return {_mm256_set1_ps(a), _mm256_set1_ps(a)}; }
-  static Lanes count() {
-    return {_mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7), _mm256_setr_ps(8, 9, 10, 11, 12, 13, 14, 15)};
+  static void raise_half(float* at, __m256 a, unsigned bits) {
+    const __m256i places = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    const __m256i chosen = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(int(bits)), places), places);
+    _mm256_maskstore_ps(at, chosen, _mm256_max_ps(a, _mm256_loadu_ps(at)));
   }
+  static void raise(float* at, const Lanes& a, unsigned bits) {
+    raise_half(at, a.low, bits & 0xffu);
+    raise_half(at + 8, a.high, bits >> 8);
+  }
+  static Lanes spread(float a) { return {_mm256_set1_ps(a), _mm256_set1_ps(a)}; }
+  static Lanes ramp() { return {_mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7), _mm256_setr_ps(8, 9, 10, 11, 12, 13, 14, 15)}; }
   static Lanes add(const Lanes& a, const Lanes& b) {
     return {_mm256_add_ps(a.low, b.low), _mm256_add_ps(a.high, b.high)};
   }

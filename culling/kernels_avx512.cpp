@@ -39,8 +39,12 @@ struct Avx512 {
   static constexpr __mmask16 kAll = 0xffff;
   static Lanes load(const float* a) { return _mm512_loadu_ps(a); }
   static void store(float* out, const Lanes& a) { _mm512_storeu_ps(out, a); }
+  static void raise(float* at, const Lanes& a, unsigned bits) {
+    const __m512 old = _mm512_loadu_ps(at);
+    _mm512_storeu_ps(at, _mm512_mask_max_ps(old, __mmask16(bits), a, old));
+  }
   static Lanes spread(float a) { return _mm512_set1_ps(a); }
-  static Lanes count() { return _mm512_setr_ps(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
+  static Lanes ramp() { return _mm512_setr_ps(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
   static Lanes add(const Lanes& a, const Lanes& b) { return _mm512_add_ps(a, b); }
   static Lanes subtract(const Lanes& a, const Lanes& b) { return _mm512_sub_ps(a, b); }
   static Lanes multiply(const Lanes& a, const Lanes& b) { return _mm512_mul_ps(a, b); }

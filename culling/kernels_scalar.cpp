@@ -73,12 +73,17 @@ struct Scalar {
   static void store(float* out, const Lanes& a) {
     for (int i = 0; i < kLanes; ++i) out[i] = a.v[i];
   }
+  /// at[i] = the greater of at[i] and a[i], for the lanes of `bits`.
+  static void raise(float* at, const Lanes& a, unsigned bits) {
+    for (int i = 0; i < kLanes; ++i)
+      if ((bits >> i & 1u) != 0 && at[i] < a.v[i]) at[i] = a.v[i];
+  }
   static Lanes spread(float a) {
     return each([&](int) { return a; });
   }
-  /// 0, 1, 2, …
-  static Lanes count() {
-    return each([](int i) { return float(i); });
+  /// 0, 1, 2 …
+  static Lanes ramp() {
+    return each([&](int i) { return float(i); });
   }
   static Lanes add(const Lanes& a, const Lanes& b) {
     return each([&](int i) { return a.v[i] + b.v[i]; });

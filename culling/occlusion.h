@@ -88,7 +88,7 @@ class SIGHTLINE_API OcclusionTest {
   void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
               SlotBits exempt = {}) const;
   /// A first, coarse step for large sets: leaves out those leaves of the hierarchy that lie within ranges of `in` and
-  /// whose boxes are hidden. `hierarchy`: over the bounds that `in` belongs to.
+  /// whose boxes, or those of nodes above, are hidden. `hierarchy`: over the bounds that `in` belongs to.
   void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
                      SlotBits exempt = {}) const;
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <utility>
 #include <vector>
 
+#include "sightline/core/internal/intrinsics.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/internal/kernels.h"
@@ -46,7 +48,15 @@ void for_each_group(const core::ItemBounds& bounds, const core::VisibleSet& in, 
     group.count = int(count);
     visit(std::as_const(group), (1u << count) - 1u, of_range);
   };
-  for (const core::SlotRange& range : in.ranges) {
+  // Ranges between prefetch and use: the processor by itself does not foresee short ones.
+  constexpr std::size_t kAhead = 2;
+  for (std::size_t r = 0; r < in.ranges.size(); ++r) {
+    const core::SlotRange& range = in.ranges[r];
+    for (int axis = 0; axis < 6 && r + kAhead < in.ranges.size(); ++axis) {
+      const float* const next = bounds.coordinate(axis) + in.ranges[r + kAhead].first;
+      core::prefetch_line<core::CacheLevel::kL1>(next);
+      core::prefetch_line<core::CacheLevel::kL1>(next + kLanes);
+    }
     const std::size_t end = range.first + range.count;
     for (std::size_t first = range.first; first < end; first += kLanes) {
       for (int axis = 0; axis < 6; ++axis) group.coordinates[axis] = bounds.coordinate(axis) + first;
@@ -116,6 +126,41 @@ void filter_slots(const core::ItemBounds& bounds, const core::VisibleSet& in, co
   out.counters = in.counters;
 }
 
+/// Which children of nodes are kept. What lies below one that is not is not kept either, and not tested. Remembers the
+/// last node of each level, so nodes should be asked for in rising order.
+template <class Kept>
+class KeptNodes {
+ public:
+  KeptNodes(const Hierarchy& hierarchy, const Kept& kept_of) : hierarchy_(hierarchy), kept_of_(kept_of) {}
+
+  /// Bit per child.
+  unsigned children(int level, std::uint32_t node) {
+    Known& known = known_[std::size_t(level)];
+    if (known.node != node) known = {node, left_out(level, node) ? 0u : test(level, node)};
+    return known.kept;
+  }
+
+ private:
+  static constexpr std::size_t kMostLevels = 8;
+  struct Known {
+    std::uint32_t node = core::kNone;
+    unsigned kept = 0;
+  };
+
+  bool left_out(int level, std::uint32_t node) {
+    return level + 1 < hierarchy_.level_count() && (children(level + 1, node / kLanes) >> node % kLanes & 1u) == 0;
+  }
+  unsigned test(int level, std::uint32_t node) const {
+    const float* coordinates[6];
+    for (int axis = 0; axis < 6; ++axis) coordinates[axis] = hierarchy_.level(level)[node].bounds[axis];
+    return kept_of_(coordinates);
+  }
+
+  const Hierarchy& hierarchy_;
+  const Kept& kept_of_;
+  std::array<Known, kMostLevels> known_;
+};
+
 /// Replaces `out` by `in` without those leaves within its ranges that kept(coordinates of sixteen leaves) has no bit
 /// for, and that hold no slot of `exempt`.
 template <class Kept>
@@ -132,21 +177,14 @@ void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core:
     const std::size_t slot = std::size_t(leaf) * kLeafSize, word = slot / 64;
     return word < exempt.size() && (exempt[word] >> slot % 64 & ((std::uint64_t(1) << kLeafSize) - 1)) != 0;
   };
-  const std::span<const HierarchyNode> nodes = hierarchy.level(0);
-  std::uint32_t known = core::kNone;  // node whose leaves `bits` is of
-  unsigned bits = 0;
+  KeptNodes nodes(hierarchy, kept);
   for (const core::SlotRange& range : in.ranges) {
     const core::Slot end = range.first + range.count;
     const core::Slot begin = std::min(end, (range.first + kLeafSize - 1) / kLeafSize * kLeafSize);
     append(range.first, begin);
     for (core::Slot first = begin; first < end; first += kLeafSize) {
-      const std::uint32_t leaf = first / kLeafSize, node = leaf / kLanes;
-      if (node != known) {
-        const float* coordinates[6];
-        for (int axis = 0; axis < 6; ++axis) coordinates[axis] = nodes[node].bounds[axis];
-        bits = kept(coordinates);
-        known = node;
-      }
+      const std::uint32_t leaf = first / kLeafSize;
+      const unsigned bits = nodes.children(0, leaf / kLanes);
       if ((bits >> leaf % kLanes & 1u) != 0 || spared(leaf)) append(first, std::min(end, first + kLeafSize));
     }
   }

@@ -10,6 +10,7 @@
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/frustum_test.h"
 #include "sightline/culling/hierarchy.h"
+#include "sightline/culling/internal/occluder_area.h"
 #include "sightline/culling/internal/screen_view.h"
 
 namespace sightline::culling {
@@ -116,6 +117,8 @@ struct Kernels {
   /// Bit i: at some place of block i a ray may meet the box, no farther than the block's distance. Writes at what
   /// distance it enters the box, at least: sixteen floats, which mean something where the bit is set.
   unsigned (*open_blocks)(const BoxSpan& box, const BlockRow& row, float* entries);
+  /// Raises the nearness that the pixels of an area hold to that of the area. `stride`: a multiple of kLanes.
+  void (*fill_area)(const OccluderArea& area, float* image, int stride);
 };
 
 const Kernels& scalar_kernels();

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "sightline/core/internal/intrinsics.h"
+#include "sightline/culling/internal/fill_area.h"
 #include "sightline/culling/internal/kernels.h"
 #include "sightline/culling/internal/screen_boxes.h"
 
@@ -500,7 +501,7 @@ typename Simd::Lanes keys_of_face(const PictureFunction& f, const BlockRow& row,
 template <class Simd>
 unsigned open_blocks(const BoxSpan& box, const BlockRow& row, float* entries) {
   using Lanes = typename Simd::Lanes;
-  const Lanes x = Simd::add(Simd::spread(row.x), Simd::multiply(Simd::spread(row.step), Simd::count()));
+  const Lanes x = Simd::add(Simd::spread(row.x), Simd::multiply(Simd::spread(row.step), Simd::ramp()));
   Lanes entry = keys_of_face<Simd>(box.near[0], row, x, 1.0f);
   for (int i = 1; i < box.near_count; ++i) entry = Simd::least(entry, keys_of_face<Simd>(box.near[i], row, x, 1.0f));
   Lanes exit = keys_of_face<Simd>(box.far[0], row, x, -1.0f);
@@ -547,6 +548,7 @@ constexpr Kernels make_kernels() {
   };
   k.areas = ScreenBoxes<Simd>::store_areas;
   k.open_blocks = open_blocks<Simd>;
+  k.fill_area = fill_area<Simd>;
   return k;
 }
 

@@ -110,8 +110,7 @@ class ScreenBoxes {
     }
     Simd::store(areas, Simd::multiply(Simd::spread(0.25f), sum));
     for (int i = 0; i < kLanes; ++i)
-      if ((boxes.projects_ >> i & 1u) == 0)
-        areas[i] = (boxes.empty_ >> i & 1u) != 0 ? 0.0f : kInfinite;
+      if ((boxes.projects_ >> i & 1u) == 0) areas[i] = (boxes.empty_ >> i & 1u) != 0 ? 0.0f : kInfinite;
   }
 
   void store(const ScreenView& view, BoxRectangles& out) const {

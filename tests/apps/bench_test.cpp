@@ -28,7 +28,7 @@ class Bench : public ToolTest {
 
 TEST_F(Bench, ListsItsSubcommands) {
   const std::vector<std::string> names = subcommands();
-  for (const char* name : {"cull", "views", "edit", "controller", "import"})
+  for (const char* name : {"cull", "views", "edit", "controller", "occlusion", "import"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
   const auto with_gl = std::count(names.begin(), names.end(), "hybrid");
   for (const char* name : {"gpu-cull", "error-time", "proxies"})
@@ -83,6 +83,21 @@ TEST_F(Bench, MeasuresTheController) {
   const std::string views = view_file(), recorded = path("recorded.csv");
   EXPECT_EQ(run("bench", {"controller", "--record", recorded, "--items", "2000", "--views", views}).code, 0);
   EXPECT_EQ(run("bench", {"controller", recorded, "--seeds", "1"}).code, 0);
+}
+
+TEST_F(Bench, MeasuresOcclusion) {
+  const Json json = run_json("bench", {"occlusion", "--generate", "20000", "--walls", "500", "--occluders", "200",
+                                       "--views", "6", "--passes", "1", "--size", "97x55"});
+  EXPECT_EQ(json["box_ns"].size(), 3u);
+  EXPECT_EQ(json["triangle_ns"].size(), 3u);
+  ASSERT_EQ(json["scenes"].size(), 2u);
+  for (const Json& scene : json["scenes"]) {
+    EXPECT_EQ(scene["owning_but_culled"], 0) << scene;
+    EXPECT_GT(scene["owning_a_pixel"], 10.0) << scene;
+    EXPECT_GE(scene["left"], scene["left_with_exact_depth"]) << scene;
+    EXPECT_GT(scene["culled_of_hidden"], 0.5) << scene;
+  }
+  expect_usage_error("bench", {"occlusion", "--size", "97"}, "--size");
 }
 
 /// The names of the benchmarks that Google Benchmark ran.

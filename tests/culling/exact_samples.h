@@ -33,6 +33,19 @@ inline Form cross(const Form& p, const Form& q) {
           mpq_class(p[0] * q[1] - p[1] * q[0]), mpq_class(0)};
 }
 
+inline mpq_class value(const Form& form, const std::array<mpq_class, 3>& p) {
+  return form[0] * p[0] + form[1] * p[1] + form[2] * p[2] + form[3];
+}
+
+/// Points at + s * along.
+struct ExactLine {
+  std::array<mpq_class, 3> at, along;
+
+  std::array<mpq_class, 3> point(const mpq_class& s) const {
+    return {mpq_class(at[0] + s * along[0]), mpq_class(at[1] + s * along[1]), mpq_class(at[2] + s * along[2])};
+  }
+};
+
 /// The samples of a picture, in rationals.
 class ExactSamples {
  public:
@@ -62,43 +75,58 @@ class ExactSamples {
     return nearest(box, place(x, ox, samples_.width), place(y, oy, samples_.height));
   }
 
+  /// Of world points relative to the origin: clip coordinates and the distance along the viewing direction.
+  const Form& clip(int row) const { return rows_[std::size_t(row)]; }
+  const Form& distance() const { return distance_; }
+  /// The line of sight, also behind the eye. None where the projection has none.
+  std::optional<ExactLine> line(int x, int y, float ox = 0.0f, float oy = 0.0f) const {
+    return line(place(x, ox, samples_.width), place(y, oy, samples_.height));
+  }
+
  private:
   static mpq_class place(int pixel, float offset, int size) {
     return (2 * mpq_class(pixel) + 1 + 2 * mpq_class(double(offset))) / size - 1;
   }
 
   /// The line is where clip.x = u clip.w and clip.y = v clip.w.
-  std::optional<mpq_class> nearest(const Aabb& box, const mpq_class& u, const mpq_class& v) const {
+  std::optional<ExactLine> line(const mpq_class& u, const mpq_class& v) const {
     const Form a = minus(rows_[0], u, rows_[3]), b = minus(rows_[1], v, rows_[3]);
     const Form d = cross(a, b);
     const mpq_class square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     if (square == 0) return std::nullopt;
     const Form bd = cross(b, d), da = cross(d, a);
+    ExactLine line;
+    for (std::size_t k = 0; k < 3; ++k) {
+      line.at[k] = -(a[3] * bd[k] + b[3] * da[k]) / square;
+      line.along[k] = d[k];
+    }
+    return line;
+  }
+
+  std::optional<mpq_class> nearest(const Aabb& box, const mpq_class& u, const mpq_class& v) const {
+    const auto sight = line(u, v);
+    if (!sight) return std::nullopt;
     // Clipped by the slabs, then by clip.w > 0.
     bool bounded = false;
     mpq_class low, high;
     for (int i = 0; i < 3; ++i) {
       const std::size_t k = std::size_t(i);
-      const mpq_class at = -(a[3] * bd[k] + b[3] * da[k]) / square;
+      const mpq_class& at = sight->at[k];
       const mpq_class from(double(box.min[i])), to(double(box.max[i]));
-      if (d[k] == 0) {
+      if (sight->along[k] == 0) {
         if (at < from || at > to) return std::nullopt;
         continue;
       }
-      mpq_class first = (from - at) / d[k], last = (to - at) / d[k];
+      mpq_class first = (from - at) / sight->along[k], last = (to - at) / sight->along[k];
       if (first > last) std::swap(first, last);
       if (!bounded || first > low) low = first;
       if (!bounded || last < high) high = last;
       bounded = true;
     }
     if (low > high) return std::nullopt;
-    const auto value = [&](const Form& form, const mpq_class& s) {
-      mpq_class sum = form[3];
-      for (std::size_t k = 0; k < 3; ++k) sum += form[k] * (s * d[k] - (a[3] * bd[k] + b[3] * da[k]) / square);
-      return sum;
-    };
-    if (value(rows_[3], low) <= 0 && value(rows_[3], high) <= 0) return std::nullopt;
-    return std::min(value(distance_, low), value(distance_, high));
+    const auto first = sight->point(low), last = sight->point(high);
+    if (value(rows_[3], first) <= 0 && value(rows_[3], last) <= 0) return std::nullopt;
+    return std::min(value(distance_, first), value(distance_, last));
   }
 
   PictureSamples samples_;

@@ -1,0 +1,632 @@
+#include "sightline/culling/occluder_raster.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include "sightline/culling/internal/kernels.h"
+#include "sightline/culling/internal/occluder_area.h"
+#include "sightline/culling/internal/screen_view.h"
+
+namespace sightline::culling {
+namespace {
+
+using core::Affine;
+using core::dvec3;
+using core::dvec4;
+
+// Bound for the rounding of a form's value, by the sum of its terms' sizes; more than twice what it can be.
+constexpr double kLost = 0x1p-48;
+// The same for what is computed of places in the picture.
+constexpr double kPlaceLost = 0x1p-44;
+// The raster leaves out occluders whose corners may be off by more, in pixels.
+constexpr double kMostReach = 0x1p-7;
+// Numbers beyond are left out, so that no float over- or underflows.
+constexpr double kLarge = 1e30;
+
+// --- corners ---------------------------------------------------------------------------------------------------------
+
+/// A linear form of an occluder's own coordinates.
+struct Form {
+  dvec4 row;
+  double size, lost;  // bounds for its values, and for what they are off by
+
+  Form() = default;
+  /// `eye_from_own`: to the eye as origin, axes as in the world. No coordinate exceeds `reach`.
+  Form(const EyeForm& form, const Affine& eye_from_own, const dvec3& reach) {
+    const core::dmat3& m = eye_from_own.linear;
+    row = dvec4(form.normal * m, glm::dot(form.normal, eye_from_own.origin) + form.at_eye);
+    const dvec3 coordinates =
+        glm::abs(eye_from_own.origin) + glm::abs(m[0]) * reach.x + glm::abs(m[1]) * reach.y + glm::abs(m[2]) * reach.z;
+    size = glm::dot(form.sizes, coordinates) + std::abs(form.at_eye);
+    lost = kLost * size + form.lost;
+  }
+  double operator()(const dvec3& p) const { return row.x * p.x + row.y * p.y + row.z * p.z + row.w; }
+};
+
+struct Point {
+  double x, y, z, near;
+};
+
+/// Place in the picture, and nearness: 1 / z, or -z in orthographic views. x and y are off by less than `reach`;
+/// nearness is not greater than the exact one. A corner that cannot be used has a NaN reach.
+struct Corner {
+  double x, y, nearness, reach;
+};
+
+/// An occluder's own coordinates in a view.
+class Placement {
+ public:
+  Placement(const OccluderImage& view, const Affine& eye_from_own, const dvec3& reach)
+      : perspective_(view.perspective),
+        section_mode_(view.section_mode),
+        x_(view.x, eye_from_own, reach),
+        y_(view.y, eye_from_own, reach),
+        z_(view.z, eye_from_own, reach),
+        near_(view.near, eye_from_own, reach),
+        least_{2.0 * near_.lost, least_z()} {
+    for (const EyeForm& section : view.sections) sections_[section_count_++] = Form(section, eye_from_own, reach);
+  }
+
+  Point operator()(const dvec3& p) const { return {x_(p), y_(p), z_(p), near_(p)}; }
+
+  /// A bit for each section plane that surely keeps p.
+  unsigned kept(const dvec3& p) const {
+    unsigned bits = 0;
+    for (unsigned i = 0; i < section_count_; ++i) bits |= unsigned(sections_[i](p) > sections_[i].lost) << i;
+    return bits;
+  }
+  /// Whether the section planes leave a convex solid whole; of its points' bits those that all have.
+  bool whole(unsigned kept) const {
+    const unsigned all = (1u << section_count_) - 1u;
+    return section_mode_ == core::SectionMode::kUnion && all != 0 ? (kept & all) != 0 : (kept & all) == all;
+  }
+
+  static constexpr int kClipPlanes = 2;
+  /// Greater than 0 where clip plane k leaves a point: the near plane, or one so far in front of the eye that places in
+  /// the picture still are exact.
+  double inside(int k, const Point& p) const { return (k == 0 ? p.near : p.z) - least_[k]; }
+  bool in_front(const Point& p) const { return inside(0, p) > 0.0 && inside(1, p) > 0.0; }
+
+  /// Of a point in front.
+  Corner project(const Point& p) const {
+    const double lost = std::max(x_.lost, y_.lost);
+    if (!perspective_) {
+      const double place = std::max(std::abs(p.x), std::abs(p.y));
+      return usable({p.x, p.y, -p.z - z_.lost - kLost * std::abs(p.z), lost + kPlaceLost * place});
+    }
+    const double nearness = 1.0 / p.z, off = z_.lost * nearness;
+    if (!(off >= 0.0 && off < 0x1p-6 && p.z < kLarge)) return unusable();
+    const double x = p.x * nearness, y = p.y * nearness, place = std::max(std::abs(x), std::abs(y));
+    return usable(
+        {x, y, nearness * (1.0 - 1.1 * off - kLost), 1.1 * (lost * nearness + place * off) + kPlaceLost * place});
+  }
+  /// Greater than 0 where the placement mirrors: faces then wind the other way.
+  double handedness() const { return glm::dot(dvec3(x_.row), glm::cross(dvec3(y_.row), dvec3(z_.row))); }
+
+ private:
+  /// At this distance x / z is off by some 2^-8 pixels because of z.
+  double least_z() const {
+    return perspective_ ? 16.0 * std::sqrt(kLost) * std::sqrt(std::max(x_.size, y_.size) * z_.size)
+                        : -std::numeric_limits<double>::infinity();
+  }
+  static Corner unusable() { return {0.0, 0.0, 0.0, std::numeric_limits<double>::quiet_NaN()}; }
+  static Corner usable(const Corner& c) {
+    const double most = std::max({std::abs(c.x), std::abs(c.y), std::abs(c.nearness)});
+    return c.reach < kMostReach && most < kLarge ? c : unusable();
+  }
+
+  bool perspective_;
+  core::SectionMode section_mode_;
+  Form x_, y_, z_, near_;
+  double least_[kClipPlanes];
+  unsigned section_count_ = 0;
+  std::array<Form, core::kMaxSectionPlanes> sections_;
+};
+
+// --- solids ----------------------------------------------------------------------------------------------------------
+
+/// A prism along z between -1 and 1 over a convex polygon: first the corners below, then those above. Faces: the sides,
+/// side i over the edge from corner i to the next, then the ends below and above, each with its corners in the order
+/// that turns left as seen from outside.
+struct Solid {
+  static constexpr int kMostSides = 16;
+  static constexpr double kMostBulge = 2.01;  // coordinates; that of three sides
+  struct Edge {
+    std::uint8_t from, to;     // as the face on its left has it
+    std::uint8_t left, right;  // faces
+  };
+
+  /// `bulge`: where the tangents at two neighbouring corners meet, as a multiple of the point in their middle; 0: none.
+  Solid(std::span<const core::dvec2> base, double bulge) {
+    const auto n = std::uint8_t(base.size());
+    for (const double z : {-1.0, 1.0})
+      for (const core::dvec2& p : base) corners.push_back({p, z});
+    faces.resize(std::size_t(n) + 2);
+    for (std::uint8_t i = 0; i < n; ++i) {
+      const auto next = std::uint8_t((i + 1) % n), above = std::uint8_t(n + i), above_next = std::uint8_t(n + next);
+      faces[i] = {i, next, above_next, above};
+      faces[n].push_back(std::uint8_t(n - 1 - i));
+      faces[n + 1u].push_back(above);
+      edges.push_back({i, next, i, n});
+      edges.push_back({above_next, above, i, std::uint8_t(n + 1)});
+      edges.push_back({next, above_next, i, next});
+      if (bulge == 0.0) continue;
+      const core::dvec2 outside = 0.5 * bulge * (base[i] + base[next]);
+      bulges.push_back({outside, -1.0});
+      bulges.push_back({outside, 1.0});
+    }
+  }
+
+  std::vector<dvec3> corners;
+  std::vector<std::vector<std::uint8_t>> faces;
+  std::vector<Edge> edges;
+  /// Two for each side, or none: what is drawn lies within the hull of the side and these, not in the side itself.
+  std::vector<dvec3> bulges;
+};
+
+/// The prism of so many sides within the cylinder of radius 1.
+const Solid& prism(int sides) {
+  static const std::vector<Solid> kPrisms = [] {
+    std::vector<Solid> prisms;
+    for (int n = 3; n <= Solid::kMostSides; ++n) {
+      std::vector<core::dvec2> base;
+      for (int i = 0; i < n; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / n;
+        base.push_back((1.0 - 0x1p-48) * core::dvec2(std::cos(angle), std::sin(angle)));
+      }
+      const double middle = std::cos(std::numbers::pi / n);
+      prisms.emplace_back(base, (1.0 + 0x1p-40) / (middle * middle));
+    }
+    return prisms;
+  }();
+  return kPrisms[std::size_t(sides - 3)];
+}
+
+const Solid& cube() {
+  static const Solid kCube{std::array{core::dvec2(-1, -1), core::dvec2(1, -1), core::dvec2(1, 1), core::dvec2(-1, 1)},
+                           0.0};
+  return kCube;
+}
+
+// --- areas -----------------------------------------------------------------------------------------------------------
+
+/// A convex polygon, or the outline of a convex solid, with the faces that are seen in it. The sides turn left around
+/// it.
+struct Polygon {
+  struct Side {
+    std::uint8_t from, to;
+  };
+  struct Face {
+    const std::uint8_t* corners;
+    int count;
+  };
+  explicit Polygon(std::span<const Corner> all) : corners(all) {}
+
+  std::span<const Corner> corners;
+  std::array<Side, OccluderArea::kMostSides> sides;
+  std::array<Face, OccluderArea::kMostPlanes> faces;
+  int side_count = 0, face_count = 0;  // no faces: the farthest corner counts
+
+  void add_side(std::uint8_t from, std::uint8_t to) { sides[std::size_t(side_count++)] = {from, to}; }
+  void add_face(const Face& face) { faces[std::size_t(face_count++)] = face; }
+};
+
+/// The diagonals of a face of four corners, two sides of a triangle, and something alike of any other: their cross
+/// product has the sign of the area.
+struct Diagonals {
+  template <class Face>
+  Diagonals(std::span<const Corner> corners, const Face& face) {
+    const auto at = [&](int i) -> const Corner& { return corners[face.corners[i]]; };
+    const int n = face.count;
+    const Corner &a = at(0), &b = at(n / 2), &c = at(n / 4), &d = at(3 * n / 4);
+    x1 = b.x - a.x, y1 = b.y - a.y, n1 = b.nearness - a.nearness;
+    x2 = d.x - c.x, y2 = d.y - c.y, n2 = d.nearness - c.nearness;
+    area = x1 * y2 - x2 * y1;
+    reach = std::max({a.reach, b.reach, c.reach, d.reach});
+  }
+  /// 1, -1; 0 where rounding leaves the sign of the area open.
+  int turn() const {
+    const double first = std::abs(x1) + std::abs(y1), second = std::abs(x2) + std::abs(y2);
+    const double open = 8.0 * reach * (first + second) + kLost * first * second;
+    return area > open ? 1 : area < -open ? -1 : 0;
+  }
+  double x1, y1, n1, x2, y2, n2, area, reach;
+};
+
+/// The first whole number not below `from` and the last not above `to`, of 0 … size - 1. Empty: first > last.
+std::pair<int, int> whole_between(double from, double to, int size) {
+  from = std::max(std::ceil(from), 0.0), to = std::min(std::floor(to), double(size - 1));
+  return from <= to ? std::pair(int(from), int(to)) : std::pair(0, -1);
+}
+
+/// Fills a polygon, made smaller by `shift` pixels along both axes: what a rasteriser may move a corner.
+bool cover(OccluderImage& image, const Polygon& polygon, double shift) {
+  constexpr double kSteepest = 0x1p20;  // slopes of the kernels' sides
+  double reach = 0.0, left = kLarge, right = -kLarge, bottom = kLarge, top = -kLarge, farthest = kLarge;
+  for (const Corner& c : polygon.corners) {
+    if (!(c.reach < kMostReach)) return false;
+    reach = std::max(reach, c.reach);
+    farthest = std::min(farthest, c.nearness);
+    left = std::min(left, c.x), right = std::max(right, c.x);
+    bottom = std::min(bottom, c.y), top = std::max(top, c.y);
+  }
+  auto [first_column, last_column] = whole_between(left, right, image.width);
+  auto [first_row, last_row] = whole_between(bottom, top, image.height);
+  if (first_column > last_column || first_row > last_row || polygon.side_count == 0) return false;
+
+  OccluderArea area;
+  area.column = first_column / kLanes * kLanes;
+  area.columns = last_column - area.column + 1;
+  const double float_lost = 0x1p-21 * (std::max(area.columns, last_row - first_row) + 2);
+  const double inset = reach + shift + float_lost;
+  // Sides that are nearly level limit the rows. They must be known first, since other sides count from the first row.
+  double low = first_row, high = last_row;
+  const auto level = [](double dx, double dy) { return std::abs(dx) > kSteepest * std::abs(dy); };
+  const auto side_of = [&](int i) {
+    const Polygon::Side& side = polygon.sides[std::size_t(i)];
+    return std::pair<const Corner&, const Corner&>(polygon.corners[side.from], polygon.corners[side.to]);
+  };
+  for (int i = 0; i < polygon.side_count; ++i) {
+    const auto [p, q] = side_of(i);
+    const double dx = q.x - p.x, dy = q.y - p.y;
+    if (!level(dx, dy)) continue;
+    const double slope = dy / dx, margin = inset * (1.0 + std::abs(slope));
+    const double a = p.y + slope * (area.column - p.x), b = p.y + slope * (last_column - p.x);
+    if (dx > 0.0)
+      low = std::max(low, std::max(a, b) + margin);
+    else
+      high = std::min(high, std::min(a, b) - margin);
+  }
+  std::tie(first_row, last_row) = whole_between(low, high, image.height);
+  if (first_row > last_row) return false;
+  area.row = first_row;
+  area.rows = last_row - first_row + 1;
+
+  area.left_count = area.right_count = 0;
+  for (int i = 0; i < polygon.side_count; ++i) {
+    const auto [p, q] = side_of(i);
+    const double dx = q.x - p.x, dy = q.y - p.y;
+    if (level(dx, dy) || dy == 0.0) continue;
+    const double slope = dx / dy, margin = inset * (1.0 + std::abs(slope));
+    const double x = p.x + (first_row - p.y) * slope - (area.column - 1);
+    if (dy < 0.0)
+      area.left[area.left_count++] = {float(x + margin), float(slope)};
+    else
+      area.right[area.right_count++] = {float(x - margin), float(slope)};
+  }
+
+  area.plane_count = 0;
+  const double columns = area.columns, rows = area.rows;
+  area.least = float(farthest - 0x1p-22 * std::abs(farthest) - 1e-36);
+  for (int i = 0; i < polygon.face_count; ++i) {
+    const Polygon::Face& face = polygon.faces[std::size_t(i)];
+    const Diagonals d(polygon.corners, face);
+    const double x = (d.n1 * d.y2 - d.n2 * d.y1) / d.area, y = (d.x1 * d.n2 - d.x2 * d.n1) / d.area;
+    double constant = kLarge;
+    for (int k = 0; k < face.count; ++k) {
+      const Corner& c = polygon.corners[face.corners[k]];
+      constant = std::min(constant, c.nearness - x * (c.x - area.column) - y * (c.y - area.row));
+    }
+    // By the corners' own error, and by that of the line above.
+    const double off =
+        reach + shift + kPlaceLost * (std::abs(left) + std::abs(right) + std::abs(bottom) + std::abs(top));
+    constant -= (std::abs(x) + std::abs(y)) * off;
+    constant -= 0x1p-21 * (std::abs(x) * columns + std::abs(y) * rows + std::abs(constant)) + 1e-36;
+    if (!(std::abs(x) < kLarge && std::abs(y) < kLarge && std::abs(constant) < kLarge)) {
+      area.plane_count = 0;
+      break;
+    }
+    area.planes[area.plane_count++] = {float(x), float(y), float(constant)};
+  }
+  if (area.plane_count == 0) area.planes[area.plane_count++] = {0.0f, 0.0f, area.least};
+  kernels().fill_area(area, image.nearness.data(), image.stride);
+  return true;
+}
+
+constexpr std::uint8_t kInOrder[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19};
+static_assert(std::size(kInOrder) == OccluderArea::kMostSides);
+
+/// Of a polygon of these corners and no others, three at least.
+Polygon::Face all_of(std::span<const Corner> corners) {
+  return {kInOrder, int(corners.size())};
+}
+
+int turn_of(std::span<const Corner> corners, const Polygon::Face& face) {
+  return Diagonals(corners, face).turn();
+}
+
+/// A convex polygon by itself. `turn`: its own.
+bool cover_polygon(OccluderImage& image, std::span<const Corner> corners, int turn, double shift) {
+  const int count = int(corners.size());
+  Polygon polygon(corners);
+  for (int i = 0; i < count; ++i) {
+    const auto from = std::uint8_t(i), to = std::uint8_t((i + 1) % count);
+    turn > 0 ? polygon.add_side(from, to) : polygon.add_side(to, from);
+  }
+  polygon.add_face(all_of(corners));
+  return cover(image, polygon, shift);
+}
+
+// --- occluders -------------------------------------------------------------------------------------------------------
+
+/// Whether a face lies so near to a side of the outline, or outside, that no pixel which the polygon covers can see it.
+bool at_outline(const Polygon& polygon, const Polygon::Face& face) {
+  const auto beyond = [&](const Polygon::Side& side) {
+    const Corner &p = polygon.corners[side.from], &q = polygon.corners[side.to];
+    const double dx = q.x - p.x, dy = q.y - p.y, most = 0.5 * ScreenView::kSnap * (std::abs(dx) + std::abs(dy));
+    for (int i = 0; i < face.count; ++i) {
+      const Corner& c = polygon.corners[face.corners[i]];
+      if (!(dx * (c.y - p.y) - dy * (c.x - p.x) <= most)) return false;
+    }
+    return true;
+  };
+  return std::any_of(polygon.sides.begin(), polygon.sides.begin() + polygon.side_count, beyond);
+}
+
+/// A solid beyond the near plane. `turn`: of its front faces.
+bool cover_whole(OccluderImage& image, const Solid& solid, std::span<const Corner> corners, int turn) {
+  Polygon polygon(corners);
+  std::array<int, Solid::kMostSides + 2> turns{};
+  const auto face_of = [&](std::size_t i) { return Polygon::Face{solid.faces[i].data(), int(solid.faces[i].size())}; };
+  for (std::size_t i = 0; i < solid.faces.size(); ++i) {
+    turns[i] = turn_of(corners, face_of(i));
+    if (turns[i] != turn) continue;
+    if (polygon.face_count == OccluderArea::kMostPlanes) return false;
+    polygon.add_face(face_of(i));
+  }
+  for (const Solid::Edge& edge : solid.edges) {
+    const bool left = turns[edge.left] == turn, right = turns[edge.right] == turn;
+    if (left == right) continue;
+    if (polygon.side_count == OccluderArea::kMostSides) return false;
+    left == (turn > 0) ? polygon.add_side(edge.from, edge.to) : polygon.add_side(edge.to, edge.from);
+  }
+  for (std::size_t i = 0; i < solid.faces.size(); ++i)
+    if (turns[i] == 0 && !at_outline(polygon, face_of(i))) polygon.face_count = 0;
+  return cover(image, polygon, ScreenView::kSnap);
+}
+
+/// What lies in front of a polygon, in the picture. Changes the polygon.
+void clip(const Placement& placement, std::vector<Point>& polygon, std::vector<Corner>& corners) {
+  thread_local std::vector<Point> clipped;
+  for (int k = 0; k < Placement::kClipPlanes; ++k) {
+    clipped.clear();
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Point &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+      const double from = placement.inside(k, a), to = placement.inside(k, b), s = from / (from - to);
+      const auto between = [s](double low, double high) { return low + s * (high - low); };
+      if (from > 0.0) clipped.push_back(a);
+      if ((from > 0.0) != (to > 0.0))
+        clipped.push_back({between(a.x, b.x), between(a.y, b.y), between(a.z, b.z), between(a.near, b.near)});
+    }
+    polygon.swap(clipped);
+  }
+  corners.clear();
+  for (const Point& p : polygon) corners.push_back(placement.project(p));
+}
+
+/// The front faces of a solid that the near plane cuts, each by itself. `points`: of the corners and the bulges. A side
+/// whose bulge is cut hides nothing: what is drawn is open there.
+bool cover_cut(OccluderImage& image, const Solid& solid, const Placement& placement, std::span<const Point> points,
+               int turn) {
+  thread_local std::vector<Point> polygon;
+  thread_local std::vector<Corner> corners;
+  bool covers = false;
+  for (std::size_t i = 0; i < solid.faces.size(); ++i) {
+    polygon.clear();
+    for (const std::uint8_t k : solid.faces[i]) polygon.push_back(points[k]);
+    if (2 * i < solid.bulges.size()) {
+      const auto in_front = [&](const Point& p) { return placement.in_front(p); };
+      const std::span<const Point> bulge = points.subspan(solid.corners.size() + 2 * i, 2);
+      if (!std::all_of(bulge.begin(), bulge.end(), in_front) || !std::all_of(polygon.begin(), polygon.end(), in_front))
+        continue;
+    }
+    clip(placement, polygon, corners);
+    if (corners.size() < 3) continue;
+    if (turn_of(corners, all_of(corners)) == turn) covers |= cover_polygon(image, corners, turn, ScreenView::kSnap);
+  }
+  return covers;
+}
+
+bool add_solid(OccluderImage& image, const Solid& solid, const Affine& eye_from_solid) {
+  if (!image.usable) return false;
+  const Placement placement(image, eye_from_solid, dvec3(solid.bulges.empty() ? 1.0 : Solid::kMostBulge));
+  std::array<Point, 4 * Solid::kMostSides> points;
+  const std::size_t count = solid.corners.size(), all = count + solid.bulges.size();
+  std::size_t in_front = 0;
+  unsigned kept = ~0u;
+  for (std::size_t i = 0; i < all; ++i) {
+    const dvec3& p = i < count ? solid.corners[i] : solid.bulges[i - count];
+    points[i] = placement(p);
+    in_front += placement.in_front(points[i]);
+    kept &= placement.kept(p);
+  }
+  if (!placement.whole(kept)) return false;
+  const int turn = placement.handedness() > 0.0 ? -1 : 1;
+  if (in_front < all) return cover_cut(image, solid, placement, std::span(points).first(all), turn);
+  std::array<Corner, 2 * Solid::kMostSides> corners;
+  for (std::size_t i = 0; i < count; ++i) corners[i] = placement.project(points[i]);
+  return cover_whole(image, solid, std::span(corners).first(count), turn);
+}
+
+/// How large a box looks: the solid angle of the faces towards the eye, or their projected area; roughly. 0: not at
+/// all.
+double apparent_size(const OccluderImage& image, const core::AabbD& box) {
+  if (box.empty()) return 0.0;
+  for (const core::Plane& plane : image.frustum) {
+    double most = plane.offset;
+    for (int i = 0; i < 3; ++i) most += std::max(plane.normal[i] * box.min[i], plane.normal[i] * box.max[i]);
+    if (most < 0.0) return 0.0;
+  }
+  const dvec3 size = box.size();
+  if (!image.perspective)
+    return std::abs(image.forward.x) * size.y * size.z + std::abs(image.forward.y) * size.z * size.x +
+           std::abs(image.forward.z) * size.x * size.y;
+  const dvec3 to = glm::clamp(image.eye, box.min, box.max) - image.eye;
+  const double distance = glm::length(to);
+  if (distance == 0.0) return 0.0;  // the eye is in it
+  // Of a large face only what lies about the nearest point counts.
+  const dvec3 near = glm::min(size, dvec3(4.0 * distance));
+  return (std::abs(to.x) * near.y * near.z + std::abs(to.y) * near.z * near.x + std::abs(to.z) * near.x * near.y) /
+         (distance * distance * distance);
+}
+
+/// a + b, and what rounding takes from it. (D. Knuth)
+std::pair<double, double> two_sum(double a, double b) {
+  const double sum = a + b, of_b = sum - a;
+  return {sum, (a - (sum - of_b)) + (b - of_b)};
+}
+
+/// A form at the eye, in twice the digits of double: its terms are large and mostly cancel.
+EyeForm form_at(const dvec3& eye, const dvec3& normal, double constant) {
+  double sum = constant, rest = 0.0, sizes = std::abs(constant);
+  for (int i = 0; i < 3; ++i) {
+    const double product = normal[i] * eye[i];
+    const auto [next, lost] = two_sum(sum, product);
+    sum = next;
+    rest += lost + std::fma(normal[i], eye[i], -product);
+    sizes += std::abs(product);
+  }
+  const double value = sum + rest;
+  return {normal, glm::abs(normal), value, 0x1p-52 * std::abs(value) + 0x1p-98 * sizes};
+}
+
+EyeForm sum(double f, const EyeForm& a, double g, const EyeForm& b) {
+  const double at_a = f * a.at_eye, at_b = g * b.at_eye;
+  return {f * a.normal + g * b.normal, std::abs(f) * a.sizes + std::abs(g) * b.sizes, at_a + at_b,
+          std::abs(f) * a.lost + std::abs(g) * b.lost + 0x1p-50 * (std::abs(at_a) + std::abs(at_b))};
+}
+
+Affine from(const dvec3& eye, const Affine& world_from_own) {
+  return {world_from_own.linear, world_from_own.origin - eye};
+}
+
+}  // namespace
+
+void OccluderRaster::begin(const core::View& view, int width, int height) {
+  assert(width > 0 && width <= kMostPixels && height > 0 && height <= kMostPixels);
+  OccluderImage& image = image_;
+  image.width = width, image.height = height;
+  image.stride = (width + kLanes - 1) / kLanes * kLanes;
+  image.perspective = !view.orthographic();
+  image.nearness.assign(std::size_t(image.stride) * std::size_t(height),
+                        image.perspective ? 0.0f : -std::numeric_limits<float>::infinity());
+  image.eye = view.eye();
+  const core::dmat4 clip = glm::transpose(view.clip_from_world()), eye = glm::transpose(view.eye_from_world());
+  const auto of_row = [&](const dvec4& row) { return form_at(image.eye, dvec3(row), row.w); };
+  const EyeForm w = of_row(clip[3]);
+  image.z = of_row(-eye[2]);
+  image.forward = image.z.normal;
+  // w = scale z, or w = scale.
+  const double scale =
+      image.perspective ? glm::dot(w.normal, image.forward) / glm::dot(image.forward, image.forward) : clip[3].w;
+  image.usable = scale > 0.0 && std::isfinite(scale);
+  if (image.perspective)
+    for (int i = 0; i < 4; ++i)
+      image.usable = image.usable && std::abs(clip[3][i] + scale * eye[2][i]) <= 0x1p-51 * std::abs(clip[3][i]);
+  const auto place = [&](int axis, int size) {
+    return sum(0.5 * size / scale, of_row(clip[axis]), (0.5 * size - 0.5) / scale, w);  // pixel centres at integers
+  };
+  image.x = place(0, width);
+  image.y = place(1, height);
+  const bool reversed = view.clip_depth() == core::ClipDepth::kReversedZeroToOne;
+  image.near = sum(1.0, w, reversed ? -1.0 : 1.0, of_row(clip[2]));
+  image.frustum = core::frustum_planes(view.clip_from_world(), view.clip_depth());
+  image.sections.clear();
+  for (const core::Plane& plane : view.sections)
+    if (plane.normal != dvec3(0.0)) image.sections.push_back(form_at(image.eye, plane.normal, plane.offset));
+  assert(image.sections.size() <= core::kMaxSectionPlanes);
+  image.section_mode = view.section_mode;
+}
+
+bool OccluderRaster::add_box(const core::AabbD& box) {
+  if (box.empty()) return false;
+  const dvec3 low = box.min - image_.eye, high = box.max - image_.eye, half = 0.5 * (high - low);
+  return add_solid(image_, cube(), {{{half.x, 0, 0}, {0, half.y, 0}, {0, 0, half.z}}, 0.5 * (low + high)});
+}
+
+bool OccluderRaster::add_box(const Affine& world_from_cube) {
+  return add_solid(image_, cube(), from(image_.eye, world_from_cube));
+}
+
+bool OccluderRaster::add_cylinder(const Affine& world_from_cylinder, int sides) {
+  assert(sides >= 3 && sides <= Solid::kMostSides);
+  return add_solid(image_, prism(sides), from(image_.eye, world_from_cylinder));
+}
+
+void OccluderRaster::add_mesh(std::span<const core::vec3> positions, std::span<const std::uint32_t> indices,
+                              const Affine& world_from_mesh) {
+  assert(indices.size() % 3 == 0);
+  if (!image_.usable) return;
+  struct Vertex {
+    Point point;
+    Corner corner;  // if the point lies in front
+    unsigned kept;
+  };
+  thread_local std::vector<Vertex> vertices;
+  thread_local std::vector<Corner> clipped;
+  thread_local std::vector<Point> polygon;
+  dvec3 reach(0.0);
+  for (const core::vec3& p : positions) reach = glm::max(reach, glm::abs(dvec3(p)));
+  const Placement placement(image_, from(image_.eye, world_from_mesh), reach);
+  vertices.clear();
+  for (const core::vec3& p : positions) {
+    const Point point = placement(dvec3(p));
+    vertices.push_back(
+        {point, placement.in_front(point) ? placement.project(point) : Corner{}, placement.kept(dvec3(p))});
+  }
+  for (std::size_t i = 0; i < indices.size(); i += 3) {
+    const Vertex &a = vertices[indices[i]], &b = vertices[indices[i + 1]], &c = vertices[indices[i + 2]];
+    if (!placement.whole(a.kept & b.kept & c.kept)) continue;
+    const int in_front = placement.in_front(a.point) + placement.in_front(b.point) + placement.in_front(c.point);
+    const Corner corners[] = {a.corner, b.corner, c.corner};
+    std::span<const Corner> triangle = corners;
+    if (in_front < 3) {
+      polygon = {a.point, b.point, c.point};
+      clip(placement, polygon, clipped);
+      if (clipped.size() < 3) continue;
+      triangle = clipped;
+    }
+    if (const int turn = turn_of(triangle, all_of(triangle)); turn != 0) cover_polygon(image_, triangle, turn, 0.0);
+  }
+}
+
+std::size_t OccluderRaster::add_largest(std::span<const core::AabbD> solids, std::size_t count) {
+  struct Candidate {
+    double size;
+    std::size_t index;
+  };
+  thread_local std::vector<Candidate> candidates;
+  candidates.clear();
+  for (std::size_t i = 0; i < solids.size(); ++i)
+    if (const double size = apparent_size(image_, solids[i]); size > 0.0) candidates.push_back({size, i});
+  count = std::min(count, candidates.size());
+  std::nth_element(candidates.begin(), candidates.begin() + std::ptrdiff_t(count), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.size > b.size; });
+  std::size_t added = 0;
+  for (std::size_t i = 0; i < count; ++i) added += add_box(solids[candidates[i].index]);
+  return added;
+}
+
+void OccluderRaster::distances(std::vector<float>& out) const {
+  const OccluderImage& image = image_;
+  out.resize(std::size_t(image.width) * std::size_t(image.height));
+  float* to = out.data();
+  for (int y = 0; y < image.height; ++y) {
+    const float* row = image.nearness.data() + std::size_t(y) * std::size_t(image.stride);
+    for (int x = 0; x < image.width; ++x) *to++ = image.perspective ? (1.0f + 0x1p-22f) / row[x] : -row[x];
+  }
+}
+
+void OccluderRaster::build(DepthPyramid& pyramid) const {
+  thread_local std::vector<float> image;
+  distances(image);
+  pyramid.build(image, image_.width, image_.height);
+}
+
+}  // namespace sightline::culling
