@@ -1,8 +1,8 @@
 #include <cmath>
 #include <memory>
 
+#include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/bench/error_time/error_time.h"
-#include "sightline/bench/error_time/tessellated_scene.h"
 #include "sightline/bench/harness.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/drawing.h"
@@ -36,8 +36,8 @@ class Subject {
                                         const ModelConfig& config) {
     Subject subject;
     subject.form_ = form;
-    subject.scene_ =
-        std::make_unique<core::Scene>(form.method == Method::kTriangles ? tessellated(scene, form.segments) : scene);
+    subject.scene_ = std::make_unique<core::Scene>(
+        form.method == Method::kTriangles ? apps::tessellated(scene, form.segments) : scene);
     engine::EngineConfig engine_config;
     engine_config.draw = true;
     engine_config.ids = true;

@@ -8,12 +8,13 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/bench/error_time/field.h"
-#include "sightline/bench/error_time/tessellated_scene.h"
 
 namespace sightline::bench {
 namespace {
 
+using apps::tessellated;
 using core::dvec3;
 using core::Kind;
 using core::vec3;

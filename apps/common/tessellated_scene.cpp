@@ -1,4 +1,4 @@
-#include "sightline/bench/error_time/tessellated_scene.h"
+#include "sightline/apps/common/tessellated_scene.h"
 
 #include <array>
 #include <cstring>
@@ -6,7 +6,7 @@
 
 #include "sightline/gpuprims/internal/primitives.h"
 
-namespace sightline::bench {
+namespace sightline::apps {
 namespace {
 
 using core::ItemId;
@@ -108,4 +108,4 @@ Scene tessellated(const Scene& scene, int segments) {
   return Converter(scene, segments).run();
 }
 
-}  // namespace sightline::bench
+}  // namespace sightline::apps
