@@ -141,7 +141,7 @@ class PanelDrawing {
     for (const Panel& panel : plot.panels)
       for (const PanelSeries& series : panel.series) {
         const bool known = std::find(labels_.begin(), labels_.end(), series.label) != labels_.end();
-        if (!known && !series.label.empty()) labels_.push_back(series.label);
+        if (!known && !series.label.empty()) labels_.push_back(series.label), styles_.push_back(series.style);
         for (const PanelSeries::Point& point : series.points) x_.add(point.x), y_.add(point.y);
       }
     place_legend();
@@ -154,7 +154,7 @@ class PanelDrawing {
     svg_.text(width_ / 2, 38, "middle", "#444", "across: " + plot_.x_label + "; up: " + plot_.y_label);
     for (std::size_t i = 0; i < labels_.size(); ++i) {
       const auto [x, y] = legend_[i];
-      svg_.circle(x, y, 4, SvgCanvas::colour(i));
+      mark(x, y, styles_[i], SvgCanvas::colour(i));
       svg_.text(x + 8, y + 4, "start", "#222", labels_[i]);
     }
     for (std::size_t i = 0; i < plot_.panels.size(); ++i) {
@@ -180,6 +180,20 @@ class PanelDrawing {
       x += needed;
     }
     head_ = y + 12;
+  }
+
+  /// The mark of a series in the legend. Lines differ by more than their colours.
+  void mark(double x, double y, PanelSeries::Style style, const char* colour) {
+    using Style = PanelSeries::Style;
+    if (style == Style::kPoints || style == Style::kPointsAndLine)
+      svg_.circle(x, y, 4, colour);
+    else
+      stroke({{x - 13, y}, {x + 5, y}}, style, colour);
+  }
+
+  void stroke(const std::vector<std::array<double, 2>>& points, PanelSeries::Style style, const char* colour) {
+    using Style = PanelSeries::Style;
+    svg_.polyline(points, colour, style == Style::kHeavyLine ? 2.5 : 1.0, style == Style::kDashes);
   }
 
   double inner_width() const { return panel_width_ - 75; }
@@ -215,7 +229,7 @@ class PanelDrawing {
     if (series.style != Style::kPoints) {
       std::vector<std::array<double, 2>> points;
       for (const PanelSeries::Point& p : series.points) points.push_back({x_of(p.x), y_of(p.y)});
-      svg_.polyline(points, colour, series.style == Style::kHeavyLine ? 2.5 : 1.0, series.style == Style::kDashes);
+      stroke(points, series.style, colour);
     }
     if (series.style != Style::kPoints && series.style != Style::kPointsAndLine) return;
     for (const PanelSeries::Point& p : series.points) {
@@ -245,6 +259,7 @@ class PanelDrawing {
   double panel_width_, panel_height_, width_, head_ = 0.0;
   Axis x_, y_{true};
   std::vector<std::string> labels_;
+  std::vector<PanelSeries::Style> styles_;     // of the first series with the label
   std::vector<std::array<double, 2>> legend_;  // places of the labels in the legend
   double left_ = 0.0, top_ = 0.0;              // place of the panel that is drawn
   int crowded_ = 0;                            // number of names at its right edge so far

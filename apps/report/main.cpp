@@ -19,6 +19,9 @@ constexpr SectionMaker kMakers[] = {
     {"model", "What is in the model", model_section},
     {"plan", "The plan", plan_section},
     {"pictures", "Pictures", pictures_section},
+    {"culling", "Culling", culling_section},
+    {"trace", "CPU, GPU and hybrid culling along the tour", trace_section},
+    {"options", "Leaving out what cannot be seen", options_section},
 };
 
 void add_options(CLI::App& app, ReportOptions& o) {

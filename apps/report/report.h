@@ -112,6 +112,9 @@ struct SectionMaker {
 core::Expected<Section> model_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> plan_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> pictures_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> culling_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> trace_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> options_section(const Report& report, const SectionProgress& progress);
 
 // --- how figures are written -----------------------------------------------------------------------------------------
 

@@ -1,0 +1,353 @@
+// Culling and frame times along the tour: what the culler keeps and what of it is seen, the cullers against each other,
+// and what the tests for items that cannot be seen cost and save.
+#include <algorithm>
+
+#include "sightline/apps/common/drawn_variant.h"
+#include "sightline/apps/common/flight.h"
+#include "sightline/apps/common/statistics.h"
+#include "sightline/apps/common/svg_plot.h"
+#include "sightline/apps/report/report.h"
+#include "sightline/culling/cpu_culler.h"
+
+namespace sightline::apps {
+namespace {
+
+using engine::CullerChoice;
+using engine::OcclusionChoice;
+using Rows = std::vector<std::vector<std::string>>;
+
+constexpr const char* kNothing = "the scene has nothing to draw";
+
+std::string frames_option(const Report& report) {
+  return "--frames " + std::to_string(report.options().frames);
+}
+
+Json summary_json(const std::vector<double>& values) {
+  return {{"median", median(values)}, {"p95", percentile(values, 0.95)}, {"max", percentile(values, 1.0)}};
+}
+
+/// name, median, 95th percentile, maximum
+std::vector<std::string> summary_row(std::string name, const std::vector<double>& values) {
+  return {std::move(name), number(median(values)), number(percentile(values, 0.95)), number(percentile(values, 1.0))};
+}
+
+PanelSeries line_over_frames(std::string label, const std::vector<double>& values, PanelSeries::Style style) {
+  PanelSeries series{std::move(label), {}, style};
+  for (std::size_t i = 0; i < values.size(); ++i) series.points.push_back({double(i), values[i], ""});
+  return series;
+}
+
+std::string plot_over_frames(std::string title, std::string quantity, std::vector<PanelSeries> series) {
+  PanelPlot plot{std::move(title), "frame of the tour", std::move(quantity), {{"", std::move(series)}}};
+  plot.log_x = false;
+  plot.large = true;
+  return svg_panels(plot);
+}
+
+core::Expected<Flight> fly_tour(const Report& report, const engine::EngineConfig& config,
+                                const std::function<core::Expected<void>(engine::Engine&)>& after_frame = {}) {
+  auto engine = engine::Engine::create(report.scene(), config);
+  if (!engine) return tl::unexpected(engine.error());
+  std::function<core::Expected<void>(Flight&)> after;
+  if (after_frame) after = [&](Flight&) { return after_frame(*engine); };
+  return fly(*engine, report.tour(), {report.options().frames, report.aspect(), true}, after);
+}
+
+// --- what the culler keeps -------------------------------------------------------------------------------------------
+
+/// Milliseconds of each view of the tour, on one thread: the median of some passes.
+core::Expected<std::vector<double>> time_culler(const Report& report) {
+  constexpr int kPasses = 7;
+  const auto views = report.tour_views(report.options().frames);
+  if (!views) return tl::unexpected(views.error());
+  const culling::CpuCuller culler(report.snapshot().bounds());
+  core::VisibleSet set;
+  std::vector<double> times;
+  for (const core::View& view : *views) {
+    std::vector<double> passes;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      const double begin = now_ms();
+      culler.cull(view, set);
+      passes.push_back(now_ms() - begin);
+    }
+    times.push_back(median(std::move(passes)));
+  }
+  return times;
+}
+
+/// By frame: items in the view volume, items that may cover a sample, items drawn with the occlusion test, and items
+/// that own a pixel.
+struct Shares {
+  std::vector<double> visible, sampled, shown, owners;
+};
+
+core::Expected<Shares> measure_shares(const Report& report, const SectionProgress& progress) {
+  Shares shares;
+  engine::EngineConfig config = report.engine_config();
+  config.culler = CullerChoice::kCpu;
+  config.ids = true;
+  for (const OcclusionChoice occlusion : {OcclusionChoice::kOff, OcclusionChoice::kOn}) {
+    config.occlusion = occlusion;
+    const bool first = occlusion == OcclusionChoice::kOff;
+    std::vector<std::uint8_t> seen;
+    const auto count_owners = [&](engine::Engine& engine) -> core::Expected<void> {
+      const auto ids = engine.read_ids();
+      if (!ids) return tl::unexpected(ids.error());
+      seen.assign(report.scene().item_slots() + 1, 0);
+      for (const std::uint32_t id : ids->ids) seen[id] = id != 0;
+      shares.owners.push_back(double(std::count(seen.begin(), seen.end(), 1)));
+      progress(0.5 * double(shares.owners.size()) / report.options().frames);
+      return {};
+    };
+    const auto flight = first ? fly_tour(report, config, count_owners) : fly_tour(report, config);
+    if (!flight) return tl::unexpected(flight.error());
+    if (first)
+      shares.visible = flight->visible(), shares.sampled = flight->sampled();
+    else
+      shares.shown = flight->shown();
+  }
+  return shares;
+}
+
+double sum(const std::vector<double>& values) {
+  double total = 0.0;
+  for (const double value : values) total += value;
+  return total;
+}
+
+// --- options ---------------------------------------------------------------------------------------------------------
+
+struct Tests {
+  const char* label;
+  bool sample_test;
+  OcclusionChoice occlusion;
+  const char* options;
+};
+/// The first is the reference: everything in the view volume is drawn.
+constexpr Tests kTests[] = {
+    {"neither test", false, OcclusionChoice::kOff, "--sample-test off --occlusion off"},
+    {"sample test", true, OcclusionChoice::kOff, "--sample-test on --occlusion off"},
+    {"sample and occlusion test", true, OcclusionChoice::kOn, "--sample-test on --occlusion on"},
+    {"occlusion test while it pays", true, OcclusionChoice::kAutomatic, "--sample-test on --occlusion auto"},
+};
+
+/// Pixels of all compared frames, and the frame in which most differ.
+struct Differences {
+  std::uint64_t pixels = 0, wrong = 0, ties = 0;
+  std::uint64_t worst = 0;
+  std::vector<LabelledPicture> worst_pictures;
+};
+
+core::Expected<void> compare(const DrawnPicture& reference, const DrawnPicture& picture, const std::string& label,
+                             Differences& differences) {
+  constexpr double kSameDepth = 1e-5;  // relative; see docs/occlusion.md
+  std::uint64_t wrong = 0;
+  for (std::size_t i = 0; i < reference.ids.ids.size(); ++i) {
+    if (reference.ids.ids[i] == picture.ids.ids[i]) continue;
+    const double a = reference.depth.metres[i], b = picture.depth.metres[i];
+    ++wrong;
+    differences.ties += std::abs(a - b) <= kSameDepth * a;
+  }
+  differences.pixels += reference.ids.ids.size();
+  differences.wrong += wrong;
+  if (wrong < differences.worst || (wrong == differences.worst && !differences.worst_pictures.empty())) return {};
+  differences.worst = wrong;
+  differences.worst_pictures = {
+      {"neither test", reference.colour},
+      {"difference, four times amplified; black: none", image::difference_image(reference.colour, picture.colour)}};
+  differences.worst_pictures[0].label += ", " + label;
+  return {};
+}
+
+/// Draws some frames of the tour with each choice of tests, and compares the pictures with those of the first.
+core::Expected<std::vector<Differences>> compare_tests(const Report& report, const SectionProgress& progress) {
+  constexpr int kFrames = 12;
+  const auto views = report.tour_views(std::min(kFrames, report.options().frames));
+  if (!views) return tl::unexpected(views.error());
+  const std::shared_ptr<core::Scene> scene(&report.scene(), [](core::Scene*) {});  // the report owns it
+  std::vector<DrawnVariant> variants;
+  for (const Tests& tests : kTests) {
+    engine::EngineConfig config = report.engine_config();
+    config.culler = CullerChoice::kCpu;
+    config.sample_test = tests.sample_test;
+    config.occlusion = tests.occlusion;
+    auto variant = DrawnVariant::create(scene, config);
+    if (!variant) return tl::unexpected(variant.error());
+    variants.push_back(std::move(*variant));
+  }
+  std::vector<Differences> differences(variants.size());
+  for (std::size_t v = 0; v < views->size(); ++v) {
+    DrawnPicture reference;
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+      if (auto ms = variants[i].draw((*views)[v]); !ms) return tl::unexpected(ms.error());
+      auto picture = variants[i].picture((*views)[v]);
+      if (!picture) return tl::unexpected(picture.error());
+      if (i == 0)
+        reference = std::move(*picture);
+      else if (auto done = compare(reference, *picture, "frame " + std::to_string(v), differences[i]); !done)
+        return tl::unexpected(done.error());
+    }
+    progress(0.5 + 0.5 * double(v + 1) / double(views->size()));
+  }
+  return differences;
+}
+
+}  // namespace
+
+core::Expected<Section> culling_section(const Report& report, const SectionProgress& progress) {
+  Section section;
+  if (report.empty()) {
+    section.left_out = kNothing;
+    return section;
+  }
+  const auto times = time_culler(report);
+  if (!times) return tl::unexpected(times.error());
+  const std::string along = "along " + std::to_string(report.options().frames) + " frames of the tour";
+  const std::string command = report.command("replay", "--culler cpu --no-render " + frames_option(report));
+  section.html.table({"", "median", "95th percentile", "maximum"}, {summary_row("time to cull, ms", *times)},
+                     {"The CPU culler " + along + ", one thread; median of seven culls a view.", command});
+  section.figures["cull_ms"] = summary_json(*times);
+
+  const auto shares = measure_shares(report, progress);
+  if (!shares) return tl::unexpected(shares.error());
+  const double all = double(report.scene().item_count()), frames = double(report.options().frames);
+  const double visible = sum(shares->visible), owners = sum(shares->owners);
+  Rows rows;
+  const auto row = [&](const char* name, const char* key, const std::vector<double>& counts) {
+    const double total = sum(counts);
+    rows.push_back({name, number(total / frames), percent(total / frames / all),
+                    visible > 0.0 ? percent(total / visible) : "-", total > 0.0 ? percent(1.0 - owners / total) : "-"});
+    section.figures[key] = {{"mean", total / frames}, {"false_positives", total > 0.0 ? 1.0 - owners / total : 0.0}};
+  };
+  row("in the view volume (frustum culling)", "visible", shares->visible);
+  row("and may cover a sample (sample test)", "sampled", shares->sampled);
+  row("and not found hidden (occlusion test): drawn", "shown", shares->shown);
+  row("own a pixel", "owners", shares->owners);
+  section.html.table(
+      {"items", "mean of a frame", "of all items", "of those in the view volume", "of these, own no pixel"}, rows,
+      {"What each step keeps, and its false positives: items that own no pixel of the picture at " +
+           report.options().size + ". No step leaves out an item that would own one.",
+       report.command("replay", "--culler cpu --occlusion on " + frames_option(report) + " " + report.size_option() +
+                                    " --json -") +
+           "\n" + report.section_command("culling")});
+  section.html.plot(
+      plot_over_frames("Items kept by each step", "items",
+                       {line_over_frames("in the view volume", shares->visible, PanelSeries::Style::kHeavyLine),
+                        line_over_frames("may cover a sample", shares->sampled, PanelSeries::Style::kDashes),
+                        line_over_frames("drawn with the occlusion test", shares->shown, PanelSeries::Style::kLine),
+                        line_over_frames("own a pixel", shares->owners, PanelSeries::Style::kPointsAndLine)}),
+      {"The same frame by frame.", report.section_command("culling")});
+  section.headline = number(median(*times)) + " ms a view; " +
+                     (visible > 0.0 ? percent(owners / visible) : std::string("none")) +
+                     " of the items in the view volume own a pixel.";
+  return section;
+}
+
+core::Expected<Section> trace_section(const Report& report, const SectionProgress& progress) {
+  Section section;
+  if (report.empty()) {
+    section.left_out = kNothing;
+    return section;
+  }
+  struct Mode {
+    CullerChoice culler;
+    PanelSeries::Style style;
+  };
+  constexpr Mode kModes[] = {{CullerChoice::kCpu, PanelSeries::Style::kHeavyLine},
+                             {CullerChoice::kGpu, PanelSeries::Style::kDashes},
+                             {CullerChoice::kHybrid, PanelSeries::Style::kLine}};
+  Rows rows;
+  std::vector<PanelSeries> series;
+  std::string commands, headline;
+  for (const Mode& mode : kModes) {
+    engine::EngineConfig config = report.engine_config();
+    config.culler = mode.culler;
+    auto flight = fly_tour(report, config);
+    if (!flight) return tl::unexpected(flight.error());
+    const std::string name(name_of(mode.culler));
+    const std::vector<double> frame = flight->frame();
+    std::vector<std::string> row = summary_row(name, frame);
+    row.push_back(number(median(flight->cull())));
+    row.push_back(std::to_string(flight->on_gpu()) + " of " + std::to_string(flight->frames.size()));
+    rows.push_back(std::move(row));
+    series.push_back(line_over_frames(name, frame, mode.style));
+    section.figures[name] = {{"frame_ms", summary_json(frame)},
+                             {"cull_ms", summary_json(flight->cull())},
+                             {"frames_on_gpu", flight->on_gpu()},
+                             {"trace_ms", frame}};
+    commands += (commands.empty() ? "" : "\n") +
+                report.command("replay", "--culler " + name + " " + frames_option(report) + " " + report.size_option());
+    headline += (headline.empty() ? "" : ", ") + name + " " + number(median(frame));
+    progress(double(rows.size()) / double(std::size(kModes)));
+  }
+  section.html.table(
+      {"culler", "frame, median, ms", "95th percentile", "maximum", "cull call, median, ms", "culled on the GPU"}, rows,
+      {"Whole frames along the tour, culling and drawing, two in flight. A cull call of the GPU's path "
+       "only submits. A hybrid of a small scene has no GPU path.",
+       commands});
+  section.html.plot(plot_over_frames("Frame time along the tour", "ms a frame", std::move(series)),
+                    {"The same frame by frame.", commands});
+  section.headline = "median frame, ms: " + headline + ".";
+  return section;
+}
+
+core::Expected<Section> options_section(const Report& report, const SectionProgress& progress) {
+  Section section;
+  if (report.empty()) {
+    section.left_out = kNothing;
+    return section;
+  }
+  std::vector<Flight> flights;
+  for (const Tests& tests : kTests) {
+    engine::EngineConfig config = report.engine_config();
+    config.culler = CullerChoice::kCpu;
+    config.sample_test = tests.sample_test;
+    config.occlusion = tests.occlusion;
+    auto flight = fly_tour(report, config);
+    if (!flight) return tl::unexpected(flight.error());
+    flights.push_back(std::move(*flight));
+    progress(0.5 * double(flights.size()) / double(std::size(kTests)));
+  }
+  const auto differences = compare_tests(report, progress);
+  if (!differences) return tl::unexpected(differences.error());
+  Rows rows;
+  std::string commands;
+  std::size_t worst = 1;
+  for (std::size_t i = 0; i < std::size(kTests); ++i) {
+    const std::vector<double> frame = flights[i].frame();
+    const Differences& d = (*differences)[i];
+    std::vector<std::string> row = summary_row(kTests[i].label, frame);
+    row.push_back(number(sum(flights[i].shown()) / double(flights[i].frames.size())));
+    row.push_back(i == 0 ? "reference" : count_words(d.wrong - d.ties));
+    row.push_back(i == 0 ? "" : count_words(d.ties));
+    rows.push_back(std::move(row));
+    section.figures["variants"].push_back({{"label", kTests[i].label},
+                                           {"frame_ms", summary_json(frame)},
+                                           {"wrong_ids", d.wrong - d.ties},
+                                           {"ties", d.ties}});
+    commands += (commands.empty() ? "" : "\n") +
+                report.command("replay", std::string("--culler cpu ") + kTests[i].options + " " +
+                                             frames_option(report) + " " + report.size_option());
+    if (i > 1 && d.worst > (*differences)[worst].worst) worst = i;
+  }
+  const Differences& shown = (*differences)[worst];
+  section.figures["pixels"] = shown.pixels;
+  section.html.table(
+      {"drawn with", "frame, median, ms", "95th percentile", "maximum", "items drawn, mean", "pixels with another item",
+       "ties"},
+      rows,
+      {"Frames along the tour with what cannot be seen left out of drawing, and " + count_words(shown.pixels) +
+           " pixels of some of its frames against drawing everything. A tie: two items at one depth, "
+           "either of which may be drawn.",
+       commands});
+  auto done = section.html.pictures(
+      shown.worst_pictures, {"The frame with most differences, with the " + std::string(kTests[worst].label) + ": " +
+                                 count_words(shown.worst) + " pixels show another item.",
+                             report.section_command("options")});
+  if (!done) return tl::unexpected(done.error());
+  section.headline = "median frame " + number(median(flights.front().frame())) + " ms when all is drawn, " +
+                     number(median(flights[3].frame())) + " ms as by default.";
+  return section;
+}
+
+}  // namespace sightline::apps
