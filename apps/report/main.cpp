@@ -22,6 +22,8 @@ constexpr SectionMaker kMakers[] = {
     {"culling", "Culling", culling_section},
     {"trace", "CPU, GPU and hybrid culling along the tour", trace_section},
     {"options", "Leaving out what cannot be seen", options_section},
+    {"error", "Error against run time", error_section},
+    {"stability", "Stability of the primitives", stability_section},
 };
 
 void add_options(CLI::App& app, ReportOptions& o) {

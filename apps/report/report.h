@@ -115,6 +115,8 @@ core::Expected<Section> pictures_section(const Report& report, const SectionProg
 core::Expected<Section> culling_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> trace_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> options_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> error_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> stability_section(const Report& report, const SectionProgress& progress);
 
 // --- how figures are written -----------------------------------------------------------------------------------------
 

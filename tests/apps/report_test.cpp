@@ -93,7 +93,8 @@ class ReportPage : public RenderTest {
   /// Makes a small page, which must be well-formed and load nothing.
   Page report(Args args) const {
     const std::string out = path("report.html"), json = path("report.json");
-    args.insert(args.end(), {"--out", out, "--json", json, "--size", "96x64", "--frames", "8"});
+    args.insert(args.end(), {"--out", out, "--json", json, "--frames", "8"});
+    if (std::find(args.begin(), args.end(), "--size") == args.end()) args.insert(args.end(), {"--size", "96x64"});
     const Outcome outcome = run("report", args);
     EXPECT_EQ(outcome.code, 0) << outcome;
     EXPECT_EQ(outcome.out, "");
@@ -128,7 +129,15 @@ class ReportPage : public RenderTest {
   }
 };
 
-const std::vector<std::string> kAll = {"model", "pictures", "plan"};
+/// In the order of JSON.
+const std::vector<std::string> kAll = {"culling",  "error", "model",     "options",
+                                       "pictures", "plan",  "stability", "trace"};
+
+std::vector<std::string> all_but(const std::string& name) {
+  std::vector<std::string> names = kAll;
+  std::erase(names, name);
+  return names;
+}
 
 TEST_F(ReportPage, OfPrimitives) {
   const Page page = report({data_path("small_plant.rvm")});
@@ -140,20 +149,68 @@ TEST_F(ReportPage, OfPrimitives) {
   EXPECT_EQ(page.figures["sections"]["model"]["items"], info["items"]);
 }
 
+/// Each step keeps what the step after it keeps, down to the items that own a pixel.
+TEST_F(ReportPage, CountsWhatEachStepKeeps) {
+  const Json culling = report({plant(2000), "--sections", "culling"}).figures["sections"]["culling"];
+  const auto mean = [&](const char* step) { return culling[step]["mean"].get<double>(); };
+  EXPECT_GT(mean("owners"), 0.0);
+  EXPECT_GE(mean("shown"), mean("owners"));
+  EXPECT_GE(mean("sampled"), mean("shown"));
+  EXPECT_GE(mean("visible"), mean("sampled"));
+  EXPECT_EQ(culling["owners"]["false_positives"], 0.0);
+}
+
+TEST_F(ReportPage, NothingIsLostByLeavingOut) {
+  const Json options = report({plant(2000), "--sections", "options"}).figures["sections"]["options"];
+  ASSERT_EQ(options["variants"].size(), 4u);
+  for (const Json& variant : options["variants"]) EXPECT_EQ(variant["wrong_ids"], 0) << variant;
+  EXPECT_EQ(options["pixels"], 8 * 96 * 64);
+}
+
+/// Finer triangles are less wrong; more samples come closer to 64 of them than half the resolution does.
+TEST_F(ReportPage, ErrorsFallWithEffort) {
+  const Json error = report({plant(1000), "--sections", "error", "--size", "320x180"}).figures["sections"]["error"];
+  const auto flip = [](const Json& variant) { return variant["flip"]["mean"].get<double>(); };
+  const Json& triangles = error["tessellation"];
+  ASSERT_GE(triangles.size(), 4u);
+  EXPECT_EQ(triangles[0]["label"], "ray-cast");
+  EXPECT_EQ(flip(triangles[0]), 0.0);
+  for (std::size_t i = 2; i < triangles.size(); ++i) EXPECT_LT(flip(triangles[i]), flip(triangles[i - 1])) << triangles;
+  const Json& samples = error["samples"];
+  ASSERT_GE(samples.size(), 2u);
+  EXPECT_LT(flip(samples[1]), flip(samples[0])) << samples;
+  EXPECT_LT(samples[1]["wrong_ids"], samples[0]["wrong_ids"]) << samples;
+  EXPECT_LT(samples[1]["wrong_ids"], 1e-4) << "the reference has seen the pixels' centres, too";
+  for (const char* key : {"tessellation", "samples"})
+    EXPECT_TRUE(std::any_of(error[key].begin(), error[key].end(), [](const Json& v) { return v["on_front"] == true; }));
+}
+
+TEST_F(ReportPage, DepthsAreThoseOfDoublePrecision) {
+  const Json stability = report({plant(2000), "--sections", "stability"}).figures["sections"]["stability"];
+  const Json& all = stability["depth"]["all"];
+  EXPECT_GT(all["pixels"], 1000);
+  EXPECT_LT(all["median"], 1e-6);
+  EXPECT_LT(all["p99"], 1e-5);
+  EXPECT_LT(all["misses"].get<double>(), 0.001 * all["pixels"].get<double>());
+  for (const auto& [name, range] : stability["ranges"].items()) EXPECT_EQ(range["within"], true) << name;
+}
+
 TEST_F(ReportPage, OfMeshesAlone) {
   const std::string model = write("tetra.stl", stl_text({{{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}},
                                                          {{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}},
                                                          {{{0, 0, 0}, {0, 0, 1}, {0, 1, 0}}},
                                                          {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}}));
   const Page page = report({model});
-  EXPECT_EQ(sections(page, false), kAll);
+  EXPECT_EQ(sections(page, false), all_but("stability"));
+  EXPECT_EQ(sections(page, true), std::vector<std::string>{"stability"});
   EXPECT_EQ(page.figures["sections"]["model"]["triangles"]["items"], 4);
 }
 
 TEST_F(ReportPage, OfNothing) {
   const Page page = report({write("nothing.obj", "v 0 0 0\n")});
   EXPECT_EQ(sections(page, false), (std::vector<std::string>{"model", "plan"}));
-  EXPECT_EQ(sections(page, true), (std::vector<std::string>{"pictures"}));
+  EXPECT_EQ(sections(page, true),
+            (std::vector<std::string>{"culling", "error", "options", "pictures", "stability", "trace"}));
   EXPECT_NE(page.text.find("left out: "), std::string::npos);
   EXPECT_EQ(page.text.find("<img"), std::string::npos);
 }
