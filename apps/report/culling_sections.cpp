@@ -53,6 +53,54 @@ core::Expected<Flight> fly_tour(const Report& report, const engine::EngineConfig
   return fly(*engine, report.tour(), {report.options().frames, report.aspect(), true}, after);
 }
 
+/// Flies views[first] … views[end - 1]. Frames of the first view come before, so that as many frames are in flight as
+/// later, and one after ends the last; neither counts. A frame's time is known when the next one begins.
+core::Expected<void> fly_block(engine::Engine& engine, std::span<const core::View> views, std::size_t first,
+                               std::size_t end, Flight& flight) {
+  constexpr std::size_t kInFlight = 2;
+  engine.paused();
+  for (std::size_t k = 0; k < kInFlight + end - first + 1; ++k) {
+    const std::size_t i = std::clamp(first + k, first + kInFlight, end + kInFlight - 1) - kInFlight;
+    const auto frame = engine.frame(views[i]);
+    if (!frame) return tl::unexpected(frame.error());
+    if (!frame->drawn) return core::fail("frame " + std::to_string(i) + ": the GL context was lost");
+    if (k > kInFlight) flight.frames.back().report.frame_ms = frame->frame_ms;
+    if (k >= kInFlight && k < kInFlight + end - first) flight.frames.push_back({0.0, *frame});
+  }
+  engine.finish();
+  return {};
+}
+
+/// Flies the tour with an engine for each configuration, block by block in turns, so that other load of the machine
+/// affects all equally.
+core::Expected<std::vector<Flight>> fly_in_turns(const Report& report, const std::vector<engine::EngineConfig>& configs,
+                                                 const SectionProgress& progress) {
+  constexpr std::size_t kBlock = 10;
+  const auto views = report.tour_views(report.options().frames);
+  if (!views) return tl::unexpected(views.error());
+  std::vector<engine::Engine> engines;
+  for (const engine::EngineConfig& config : configs) {
+    auto engine = engine::Engine::create(report.scene(), config);
+    if (!engine) return tl::unexpected(engine.error());
+    engines.push_back(std::move(*engine));
+  }
+  std::vector<Flight> flights(engines.size());
+  for (std::size_t first = 0; first < views->size(); first += kBlock) {
+    const std::size_t end = std::min(first + kBlock, views->size());
+    for (std::size_t k = 0; k < engines.size(); ++k) {
+      const std::size_t turn = (k + first / kBlock) % engines.size();
+      if (auto done = fly_block(engines[turn], *views, first, end, flights[turn]); !done)
+        return tl::unexpected(done.error());
+    }
+    progress(double(end) / double(views->size()));
+  }
+  return flights;
+}
+
+std::vector<double> frame_times(const Flight& flight) {
+  return flight.collect([](const engine::FrameReport& r) { return r.frame_ms; });
+}
+
 // --- what the culler keeps -------------------------------------------------------------------------------------------
 
 /// Milliseconds of each view of the tour, on one thread: the median of some passes.
@@ -259,30 +307,35 @@ core::Expected<Section> trace_section(const Report& report, const SectionProgres
   Rows rows;
   std::vector<PanelSeries> series;
   std::string commands, headline;
+  std::vector<engine::EngineConfig> configs;
   for (const Mode& mode : kModes) {
-    engine::EngineConfig config = report.engine_config();
-    config.culler = mode.culler;
-    auto flight = fly_tour(report, config);
-    if (!flight) return tl::unexpected(flight.error());
+    configs.push_back(report.engine_config());
+    configs.back().culler = mode.culler;
+  }
+  const auto flights = fly_in_turns(report, configs, progress);
+  if (!flights) return tl::unexpected(flights.error());
+  for (std::size_t i = 0; i < std::size(kModes); ++i) {
+    const Mode& mode = kModes[i];
+    const Flight& flight = (*flights)[i];
     const std::string name(name_of(mode.culler));
-    const std::vector<double> frame = flight->frame();
+    const std::vector<double> frame = frame_times(flight);
     std::vector<std::string> row = summary_row(name, frame);
-    row.push_back(number(median(flight->cull())));
-    row.push_back(std::to_string(flight->on_gpu()) + " of " + std::to_string(flight->frames.size()));
+    row.push_back(number(median(flight.cull())));
+    row.push_back(std::to_string(flight.on_gpu()) + " of " + std::to_string(flight.frames.size()));
     rows.push_back(std::move(row));
     series.push_back(line_over_frames(name, frame, mode.style));
     section.figures[name] = {{"frame_ms", summary_json(frame)},
-                             {"cull_ms", summary_json(flight->cull())},
-                             {"frames_on_gpu", flight->on_gpu()},
+                             {"cull_ms", summary_json(flight.cull())},
+                             {"frames_on_gpu", flight.on_gpu()},
                              {"trace_ms", frame}};
     commands += (commands.empty() ? "" : "\n") +
                 report.command("replay", "--culler " + name + " " + frames_option(report) + " " + report.size_option());
     headline += (headline.empty() ? "" : ", ") + name + " " + number(median(frame));
-    progress(double(rows.size()) / double(std::size(kModes)));
   }
   section.html.table(
       {"culler", "frame, median, ms", "95th percentile", "maximum", "cull call, median, ms", "culled on the GPU"}, rows,
-      {"Whole frames along the tour, culling and drawing, two in flight. A cull call of the GPU's path "
+      {"Whole frames along the tour, culling and drawing, two in flight; ten frames of each culler in turns. A cull "
+       "call of the GPU's path "
        "only submits. A hybrid of a small scene has no GPU path.",
        commands});
   section.html.plot(plot_over_frames("Frame time along the tour", "ms a frame", std::move(series)),
@@ -297,27 +350,25 @@ core::Expected<Section> options_section(const Report& report, const SectionProgr
     section.left_out = kNothing;
     return section;
   }
-  std::vector<Flight> flights;
+  std::vector<engine::EngineConfig> configs;
   for (const Tests& tests : kTests) {
-    engine::EngineConfig config = report.engine_config();
-    config.culler = CullerChoice::kCpu;
-    config.sample_test = tests.sample_test;
-    config.occlusion = tests.occlusion;
-    auto flight = fly_tour(report, config);
-    if (!flight) return tl::unexpected(flight.error());
-    flights.push_back(std::move(*flight));
-    progress(0.5 * double(flights.size()) / double(std::size(kTests)));
+    configs.push_back(report.engine_config());
+    configs.back().culler = CullerChoice::kCpu;
+    configs.back().sample_test = tests.sample_test;
+    configs.back().occlusion = tests.occlusion;
   }
+  const auto flights = fly_in_turns(report, configs, [&](double share) { progress(0.5 * share); });
+  if (!flights) return tl::unexpected(flights.error());
   const auto differences = compare_tests(report, progress);
   if (!differences) return tl::unexpected(differences.error());
   Rows rows;
   std::string commands;
   std::size_t worst = 1;
   for (std::size_t i = 0; i < std::size(kTests); ++i) {
-    const std::vector<double> frame = flights[i].frame();
+    const std::vector<double> frame = frame_times((*flights)[i]);
     const Differences& d = (*differences)[i];
     std::vector<std::string> row = summary_row(kTests[i].label, frame);
-    row.push_back(number(sum(flights[i].shown()) / double(flights[i].frames.size())));
+    row.push_back(number(sum((*flights)[i].shown()) / double((*flights)[i].frames.size())));
     row.push_back(i == 0 ? "reference" : count_words(d.wrong - d.ties));
     row.push_back(i == 0 ? "" : count_words(d.ties));
     rows.push_back(std::move(row));
@@ -336,7 +387,8 @@ core::Expected<Section> options_section(const Report& report, const SectionProgr
       {"drawn with", "frame, median, ms", "95th percentile", "maximum", "items drawn, mean", "pixels with another item",
        "ties"},
       rows,
-      {"Frames along the tour with what cannot be seen left out of drawing, and " + count_words(shown.pixels) +
+      {"Frames along the tour, ten of each variant in turns, with what cannot be seen left out of drawing, and " +
+           count_words(shown.pixels) +
            " pixels of some of its frames against drawing everything. A tie: two items at one depth, "
            "either of which may be drawn.",
        commands});
@@ -345,8 +397,8 @@ core::Expected<Section> options_section(const Report& report, const SectionProgr
                                  count_words(shown.worst) + " pixels show another item.",
                              report.section_command("options")});
   if (!done) return tl::unexpected(done.error());
-  section.headline = "median frame " + number(median(flights.front().frame())) + " ms when all is drawn, " +
-                     number(median(flights[3].frame())) + " ms as by default.";
+  section.headline = "median frame " + number(median(frame_times(flights->front()))) + " ms when all is drawn, " +
+                     number(median(frame_times((*flights)[3]))) + " ms as by default.";
   return section;
 }
 

@@ -283,9 +283,22 @@ std::uint64_t triangles_of(const core::Scene& scene) {
   return triangles;
 }
 
+/// About as many as tessellated_within() makes: from a sample of the items.
+double expected_triangles(const core::Scene& scene, double metres) {
+  constexpr std::size_t kSample = 1000;
+  std::vector<core::ItemId> items;
+  for (core::ItemId item = 0; item < scene.item_slots(); ++item)
+    if (scene.contains_item(item) && int(scene.kind(item)) < core::kPrimitiveKindCount) items.push_back(item);
+  const std::size_t step = std::max<std::size_t>(1, items.size() / kSample);
+  core::Scene sample;
+  for (std::size_t i = 0; i < items.size(); i += step)
+    sample.add_primitive(sample.root(), scene.primitive(items[i]), scene.state(items[i]).world_from_item);
+  return double(step) * double(triangles_of(tessellated_within(sample, metres)));
+}
+
 core::Expected<void> compare_tessellations(const Report& report, const std::shared_ptr<core::Scene>& scene,
                                            const SectionProgress& progress, Section& section) {
-  constexpr std::uint64_t kMostTriangles = 4'000'000;
+  constexpr double kMostTriangles = 1e7;
   const double radius = usual_radius(report.snapshot());
   if (radius <= 0.0) {
     section.html.paragraph("left out: ray-casting against triangles, since the model has no primitives.");
@@ -293,20 +306,20 @@ core::Expected<void> compare_tessellations(const Report& report, const std::shar
   }
   std::vector<Variant> variants{{"ray-cast", scene, report.engine_config()}};
   std::string too_many;
-  std::uint64_t triangles = 0, before = 0;
   for (const double share : {0.3, 0.1, 0.03, 0.01, 0.003}) {
-    const double tolerance = one_digit(share * radius);
-    // The next finer one has at most the square of the last step's growth; it is not made only to be thrown away.
-    const double growth = before > 0 ? double(triangles) / double(before) : 2.0;
-    if (double(triangles) * growth > double(kMostTriangles)) {
-      too_many = " Finer triangles are left out: they would be more than " + count_words(kMostTriangles) + ".";
+    const double tolerance = one_digit(share * radius), expected = expected_triangles(*scene, tolerance);
+    if (expected > kMostTriangles) {
+      too_many = " Triangles within " + length_words(tolerance) + " are left out: about " + number(expected) + ".";
       break;
     }
     auto made = std::make_shared<core::Scene>(tessellated_within(*scene, tolerance));
     if (auto done = made->commit(); !done) return tl::unexpected(done.error());
-    before = std::exchange(triangles, triangles_of(*made));
-    variants.push_back({"triangles, " + length_words(tolerance) + " (" + count_words(triangles) + ")", std::move(made),
-                        report.engine_config()});
+    const std::string label = "triangles, " + length_words(tolerance) + " (" + count_words(triangles_of(*made)) + ")";
+    variants.push_back({label, std::move(made), report.engine_config()});
+  }
+  if (variants.size() == 1) {
+    section.html.paragraph("left out: ray-casting against triangles." + too_many);
+    return {};
   }
   const auto comparison = error_against_time(
       report, variants, [&](const core::View& view) { return plain(report, view); }, progress);

@@ -71,7 +71,7 @@ core::Expected<void> Report::find_views() {
   const auto overview = core::View::fit(fitted_.bounds, core::kOverviewDirection, kFovy, aspect());
   if (!overview) return tl::unexpected(overview.error());
   views_.push_back({"overview", *overview, "--fit"});
-  for (const int frame : {25, 40, 70}) {
+  for (const int frame : {40, 70}) {
     auto view = tour_.view(tour_.time_of(frame, kTourFrames), aspect());
     if (!view) return tl::unexpected(view.error());
     views_.push_back({"tour at " + std::to_string(frame) + " %", *view,
