@@ -129,6 +129,11 @@ class Axis {
   double least_ = std::numeric_limits<double>::infinity(), most_ = -std::numeric_limits<double>::infinity();
 };
 
+/// Without an exponent where digits are as short.
+std::string tick_text(double value) {
+  return value >= 1000.0 && value < 1e6 ? std::to_string(std::lround(value)) : short_number(value);
+}
+
 class PanelDrawing {
  public:
   explicit PanelDrawing(const PanelPlot& plot)
@@ -214,7 +219,7 @@ class PanelDrawing {
     for (const double value : x_.ticks()) {
       const double x = x_of(value);
       svg_.line(x, top_, x, top_ + inner_height());
-      svg_.text(x, top_ + inner_height() + 14, "middle", "#444", short_number(value));
+      svg_.text(x, top_ + inner_height() + 14, "middle", "#444", tick_text(value));
     }
     for (const double value : y_.ticks()) tick_y(value);
     tick_y(0.0);
@@ -251,7 +256,7 @@ class PanelDrawing {
   void tick_y(double value) {
     const double y = y_of(value);
     svg_.line(left_, y, left_ + inner_width(), y);
-    svg_.text(left_ - 5, y + 4, "end", "#444", short_number(value));
+    svg_.text(left_ - 5, y + 4, "end", "#444", tick_text(value));
   }
 
   const PanelPlot& plot_;

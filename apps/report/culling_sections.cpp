@@ -137,13 +137,10 @@ core::Expected<Shares> measure_shares(const Report& report, const SectionProgres
   for (const OcclusionChoice occlusion : {OcclusionChoice::kOff, OcclusionChoice::kOn}) {
     config.occlusion = occlusion;
     const bool first = occlusion == OcclusionChoice::kOff;
-    std::vector<std::uint8_t> seen;
     const auto count_owners = [&](engine::Engine& engine) -> core::Expected<void> {
       const auto ids = engine.read_ids();
       if (!ids) return tl::unexpected(ids.error());
-      seen.assign(report.scene().item_slots() + 1, 0);
-      for (const std::uint32_t id : ids->ids) seen[id] = id != 0;
-      shares.owners.push_back(double(std::count(seen.begin(), seen.end(), 1)));
+      shares.owners.push_back(double(owners(*ids)));
       progress(0.5 * double(shares.owners.size()) / report.options().frames);
       return {};
     };
@@ -179,10 +176,10 @@ constexpr Tests kTests[] = {
     {"occlusion test while it pays", true, OcclusionChoice::kAutomatic, "--sample-test on --occlusion auto"},
 };
 
-/// Pixels of all compared frames, and the frame in which most differ.
+/// Pixels of all compared frames, and the frame in which most have another colour.
 struct Differences {
   std::uint64_t pixels = 0, wrong = 0, ties = 0;
-  std::uint64_t worst = 0;
+  std::uint64_t worst = 0;  ///< pixels of another colour; 0: there is no such frame
   std::vector<LabelledPicture> worst_pictures;
 };
 
@@ -198,19 +195,22 @@ core::Expected<void> compare(const DrawnPicture& reference, const DrawnPicture& 
   }
   differences.pixels += reference.ids.ids.size();
   differences.wrong += wrong;
-  if (wrong < differences.worst || (wrong == differences.worst && !differences.worst_pictures.empty())) return {};
-  differences.worst = wrong;
-  differences.worst_pictures = {
-      {"neither test", reference.colour},
-      {"difference, four times amplified; black: none", image::difference_image(reference.colour, picture.colour)}};
-  differences.worst_pictures[0].label += ", " + label;
+  const auto colours = image::compare(reference.colour, picture.colour);
+  if (!colours) return tl::unexpected(colours.error());
+  if (colours->pixels <= differences.worst) return {};
+  differences.worst = colours->pixels;
+  differences.worst_pictures = {{"neither test, " + label, reference.colour},
+                                {kDifferenceLabel, differences_on_white(reference.colour, picture.colour)}};
   return {};
+}
+
+int compared_frames(const Report& report) {
+  return std::min(12, report.options().frames);
 }
 
 /// Draws some frames of the tour with each choice of tests, and compares the pictures with those of the first.
 core::Expected<std::vector<Differences>> compare_tests(const Report& report, const SectionProgress& progress) {
-  constexpr int kFrames = 12;
-  const auto views = report.tour_views(std::min(kFrames, report.options().frames));
+  const auto views = report.tour_views(compared_frames(report));
   if (!views) return tl::unexpected(views.error());
   const std::shared_ptr<core::Scene> scene(&report.scene(), [](core::Scene*) {});  // the report owns it
   std::vector<DrawnVariant> variants;
@@ -388,15 +388,19 @@ core::Expected<Section> options_section(const Report& report, const SectionProgr
        "ties"},
       rows,
       {"Frames along the tour, ten of each variant in turns, with what cannot be seen left out of drawing, and " +
-           count_words(shown.pixels) +
-           " pixels of some of its frames against drawing everything. A tie: two items at one depth, "
+           count_words(shown.pixels) + " pixels of " + std::to_string(compared_frames(report)) +
+           " frames against drawing everything. A tie: two items at one depth, "
            "either of which may be drawn.",
        commands});
-  auto done = section.html.pictures(
-      shown.worst_pictures, {"The frame with most differences, with the " + std::string(kTests[worst].label) + ": " +
-                                 count_words(shown.worst) + " pixels show another item.",
-                             report.section_command("options")});
-  if (!done) return tl::unexpected(done.error());
+  if (shown.worst == 0) {
+    section.html.paragraph("All pixels of these frames have equal colours.");
+  } else {
+    auto done = section.html.pictures(
+        shown.worst_pictures, {"The frame with most differences, with the " + std::string(kTests[worst].label) + ": " +
+                                   count_words(shown.worst) + " pixels have another colour.",
+                               report.section_command("options")});
+    if (!done) return tl::unexpected(done.error());
+  }
   section.headline = "median frame " + number(median(frame_times(flights->front()))) + " ms when all is drawn, " +
                      number(median(frame_times((*flights)[3]))) + " ms as by default.";
   return section;

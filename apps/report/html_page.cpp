@@ -23,8 +23,8 @@ img { width: 100%; border: 1px solid #999; box-sizing: border-box; }
 .pictures { display: grid; grid-template-columns: 1fr 1fr; gap: 0.8rem; }
 .pictures > div { font-size: 0.85rem; }
 table { border-collapse: collapse; width: 100%; font-size: 0.9rem; }
-th, td { padding: 0.15rem 0.5rem; border-bottom: 1px solid #ccc; text-align: left; vertical-align: top;
-         overflow-wrap: anywhere; }
+th, td { padding: 0.15rem 0.5rem; border-bottom: 1px solid #ccc; text-align: left; vertical-align: top; }
+.texts td { overflow-wrap: anywhere; }
 thead th { border-bottom: 1px solid #000; vertical-align: bottom; }
 tbody th { font-weight: normal; }
 .numbers td, .numbers thead th + th { text-align: right; font-variant-numeric: tabular-nums; }

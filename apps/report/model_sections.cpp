@@ -159,12 +159,6 @@ image::Image item_colours(const image::IdImage& ids) {
   return out;
 }
 
-std::uint64_t owners(const image::IdImage& ids) {
-  std::set<std::uint32_t> seen(ids.ids.begin(), ids.ids.end());
-  seen.erase(0);
-  return seen.size();
-}
-
 }  // namespace
 
 core::Expected<Section> model_section(const Report& report, const SectionProgress&) {
@@ -197,7 +191,7 @@ core::Expected<Section> plan_section(const Report& report, const SectionProgress
   section.html.text_table({"feature", "", "why"}, rows,
                           {"What the engine uses for this model, and what it leaves out. What is left out costs no "
                            "memory, no shader and no time.",
-                           report.command("replay", "--frames 2 --explain " + report.size_option())});
+                           report.command("render", "--explain --ids items.png " + report.size_option())});
   section.headline = "culler " + std::string(name_of(plan.culler)) + "; " + std::to_string(used) + " of " +
                      std::to_string(rows.size()) + " features used.";
   return section;
@@ -220,7 +214,7 @@ core::Expected<Section> pictures_section(const Report& report, const SectionProg
     if (!colour) return tl::unexpected(colour.error());
     const auto ids = report.engine().read_ids();
     if (!ids) return tl::unexpected(ids.error());
-    const std::uint64_t seen = owners(*ids);
+    const std::size_t seen = owners(*ids);
     const std::array pictures{LabelledPicture{place.name, std::move(*colour)},
                               LabelledPicture{"items, " + place.name, item_colours(*ids)}};
     auto done = section.html.pictures(pictures, {count_words(seen) + " items own a pixel.",

@@ -1,5 +1,6 @@
 #include "sightline/apps/report/report.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -71,12 +72,32 @@ core::Expected<void> Report::find_views() {
   const auto overview = core::View::fit(fitted_.bounds, core::kOverviewDirection, kFovy, aspect());
   if (!overview) return tl::unexpected(overview.error());
   views_.push_back({"overview", *overview, "--fit"});
-  for (const int frame : {40, 70}) {
+  if (empty()) return {};
+  struct Candidate {
+    int frame;
+    core::View view;
+    std::size_t items, pixels;
+  };
+  constexpr int kStep = 5;
+  std::vector<Candidate> candidates;
+  for (int frame = kStep; frame < kTourFrames - 1; frame += kStep) {
     auto view = tour_.view(tour_.time_of(frame, kTourFrames), aspect());
     if (!view) return tl::unexpected(view.error());
-    views_.push_back({"tour at " + std::to_string(frame) + " %", *view,
+    if (auto drawn = engine_->frame(*view); !drawn) return tl::unexpected(drawn.error());
+    const auto ids = engine_->read_ids();
+    if (!ids) return tl::unexpected(ids.error());
+    const auto background = std::size_t(std::count(ids->ids.begin(), ids->ids.end(), 0u));
+    candidates.push_back({frame, *view, owners(*ids), ids->ids.size() - background});
+  }
+  // One place that shows many items, and one where they fill the picture.
+  for (std::size_t Candidate::*figure : {&Candidate::items, &Candidate::pixels}) {
+    const auto best = std::max_element(candidates.begin(), candidates.end(),
+                                       [&](const auto& a, const auto& b) { return a.*figure < b.*figure; });
+    const int frame = best->frame;
+    views_.push_back({"tour at " + std::to_string(frame) + " %", best->view,
                       std::string("--path ") + kTourFile + " --frames " + std::to_string(kTourFrames) + " --frame " +
                           std::to_string(frame)});
+    std::erase_if(candidates, [&](const Candidate& c) { return std::abs(c.frame - frame) < 3 * kStep; });
   }
   return {};
 }
@@ -113,6 +134,13 @@ std::string Report::section_command(const std::string& section) const {
                                " --out report.html");
 }
 
+std::size_t owners(const image::IdImage& ids) {
+  std::vector<std::uint32_t> seen = ids.ids;
+  std::sort(seen.begin(), seen.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  return seen.size() - std::size_t(!seen.empty() && seen.front() == 0);
+}
+
 core::Expected<std::array<int, 2>> parse_report_size(const std::string& text) {
   auto size = parse_size(text);
   if (size && ((*size)[0] < 64 || (*size)[1] < 36))
@@ -140,13 +168,26 @@ std::string count_words(std::uint64_t count) {
 }
 
 std::string number(double value) {
-  if (std::abs(value) >= 1000.0 && std::abs(value) < 1e15)
+  if (std::abs(value) >= 1000.0 && std::abs(value) < 1e7)
     return (value < 0.0 ? "-" : "") + count_words(std::uint64_t(std::llround(std::abs(value))));
-  return short_number(value);
+  const std::string text = short_number(value);
+  const std::size_t exponent = text.find('e');
+  if (exponent == std::string::npos) return text;
+  const int power = std::stoi(text.substr(exponent + 1));
+  constexpr const char* kSuperscripts[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string out = text.substr(0, exponent) + "·10" + (power < 0 ? "⁻" : "");
+  for (const char digit : std::to_string(std::abs(power))) out += kSuperscripts[digit - '0'];
+  return out;
 }
 
 std::string percent(double share) {
   return short_number(100.0 * share) + " %";
+}
+
+image::Image differences_on_white(const image::Image& a, const image::Image& b) {
+  image::Image out = image::difference_image(a, b);
+  for (std::uint8_t& value : out.pixels) value = std::uint8_t(255 - value);
+  return out;
 }
 
 std::string bytes_words(std::size_t bytes) {

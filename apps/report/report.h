@@ -41,7 +41,8 @@ struct ReportView {
   std::string options;  ///< that make sightline-render show it
 };
 
-/// Frames that the tour is divided into for single pictures, and the file with the tour in commands.
+/// Frames that the tour is divided into for single pictures, so that a frame's number is per cent; and the file with
+/// the tour in commands.
 inline constexpr int kTourFrames = 101;
 inline constexpr const char* kTourFile = "tour.json";
 
@@ -120,6 +121,8 @@ core::Expected<Section> stability_section(const Report& report, const SectionPro
 
 // --- how figures are written -----------------------------------------------------------------------------------------
 
+/// Number of items that own a pixel.
+std::size_t owners(const image::IdImage& ids);
 /// WIDTHxHEIGHT, large enough for the measures of errors.
 core::Expected<std::array<int, 2>> parse_report_size(const std::string& text);
 /// A word of a shell command, quoted where necessary.
@@ -128,11 +131,15 @@ std::string shell_word(const std::string& word);
 double now_ms();
 /// "12,345,678"
 std::string count_words(std::uint64_t count);
-/// Three significant digits: "0.0123", "4.56", "789", "12,345".
+/// Three significant digits or a whole number: "0.0123", "4.56", "12,345", "2.1·10⁻⁷".
 std::string number(double value);
 /// "12.3 %" of a share.
 std::string percent(double share);
 /// "1.2 MiB"
 std::string bytes_words(std::size_t bytes);
+
+/// Absolute differences, four times amplified; white where there are none. Sizes must be equal.
+image::Image differences_on_white(const image::Image& a, const image::Image& b);
+inline constexpr const char* kDifferenceLabel = "their difference, four times amplified; white: none";
 
 }  // namespace sightline::apps
