@@ -304,7 +304,7 @@ core::Expected<void> compare_tessellations(const Report& report, const std::shar
   constexpr double kMostTriangles = 1e7;
   const double radius = usual_radius(report.snapshot());
   if (radius <= 0.0) {
-    section.html.paragraph("left out: ray-casting against triangles, since the model has no primitives.");
+    section.html.paragraph("left out: ray-casting against triangles, since the model has no solid primitives.");
     return {};
   }
   std::vector<Variant> variants{{"ray-cast", scene, report.engine_config()}};
@@ -354,6 +354,10 @@ core::Expected<void> compare_samples(const Report& report, const std::shared_ptr
   const auto comparison = error_against_time(
       report, variants, [&](const core::View& view) { return supersampled(report, view); }, progress);
   if (!comparison) return tl::unexpected(comparison.error());
+  const VariantFigures &one = comparison->variants[1], &most = comparison->variants.back();
+  section.headline += (section.headline.empty() ? "" : " ") + one.label + " " + number(one.ms) + " ms, FLIP " +
+                      number(one.flip_mean) + "; " + most.label + " " + number(most.ms) + " ms, " +
+                      number(most.flip_mean) + ".";
   return show(report, *comparison,
               {"Samples per pixel",
                "The reference averages 64 samples per pixel, a grid of 8 x 8 made by moving the picture by parts of a "

@@ -170,7 +170,7 @@ std::string count_words(std::uint64_t count) {
 std::string number(double value) {
   if (std::abs(value) >= 1000.0 && std::abs(value) < 1e7)
     return (value < 0.0 ? "-" : "") + count_words(std::uint64_t(std::llround(std::abs(value))));
-  const std::string text = short_number(value);
+  std::string text = short_number(value);
   const std::size_t exponent = text.find('e');
   if (exponent == std::string::npos) return text;
   const int power = std::stoi(text.substr(exponent + 1));
@@ -181,7 +181,7 @@ std::string number(double value) {
 }
 
 std::string percent(double share) {
-  return short_number(100.0 * share) + " %";
+  return number(100.0 * share) + " %";
 }
 
 image::Image differences_on_white(const image::Image& a, const image::Image& b) {
@@ -191,7 +191,11 @@ image::Image differences_on_white(const image::Image& a, const image::Image& b) 
 }
 
 std::string bytes_words(std::size_t bytes) {
-  return short_number(double(bytes) / (1024.0 * 1024.0)) + " MiB";
+  constexpr const char* kUnits[] = {" bytes", " KiB", " MiB", " GiB"};
+  double value = double(bytes);
+  std::size_t unit = 0;
+  for (; value >= 1024.0 && unit + 1 < std::size(kUnits); ++unit) value /= 1024.0;
+  return number(value) + kUnits[unit];
 }
 
 }  // namespace sightline::apps

@@ -135,7 +135,7 @@ std::string count_words(std::uint64_t count);
 std::string number(double value);
 /// "12.3 %" of a share.
 std::string percent(double share);
-/// "1.2 MiB"
+/// "1.2 MiB", with the unit that fits.
 std::string bytes_words(std::size_t bytes);
 
 /// Absolute differences, four times amplified; white where there are none. Sizes must be equal.

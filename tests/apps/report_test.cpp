@@ -112,7 +112,7 @@ class ReportPage : public RenderTest {
     for (const auto& [name, value] : markup.attributes()) {
       EXPECT_NE(name.rfind("on", 0), 0u) << "a handler: " << name;
       EXPECT_TRUE(name != "src" || value.rfind("data:image/png;base64,", 0) == 0) << value.substr(0, 100);
-      EXPECT_TRUE(name != "href" || value.rfind("#", 0) == 0) << value;
+      EXPECT_TRUE(name != "href" || value.rfind('#', 0) == 0) << value;
       EXPECT_EQ(value.find("url("), std::string::npos) << value;
     }
     EXPECT_EQ(text.find("@import"), std::string::npos);
