@@ -1,6 +1,7 @@
 #include "sightline/apps/common/drawn_variant.h"
 
 #include <chrono>
+#include <cmath>
 
 #include "sightline/apps/common/statistics.h"
 #include "sightline/engine/internal/drawing.h"
@@ -14,6 +15,16 @@ double milliseconds() {
 }
 
 }  // namespace
+
+std::uint64_t count_ties(const DrawnPicture& a, const DrawnPicture& b) {
+  constexpr double kSameDepth = 1e-5;  // relative; float depths of touching faces differ by some 1e-7
+  std::uint64_t ties = 0;
+  for (std::size_t i = 0; i < a.ids.ids.size(); ++i) {
+    const double za = a.depth.metres[i], zb = b.depth.metres[i];
+    ties += a.ids.ids[i] != b.ids.ids[i] && std::abs(za - zb) <= kSameDepth * za;
+  }
+  return ties;
+}
 
 core::Expected<DrawnVariant> DrawnVariant::create(std::shared_ptr<core::Scene> scene, engine::EngineConfig config) {
   config.draw = true;

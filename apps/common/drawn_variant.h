@@ -17,6 +17,10 @@ struct DrawnPicture {
   image::DepthImage depth;
 };
 
+/// Pixels where the pictures show different items at the same depth: several items have one surface there, and any of
+/// them may be drawn. Sizes must be equal.
+std::uint64_t count_ties(const DrawnPicture& a, const DrawnPicture& b);
+
 /// A scene and an engine that draws it.
 class DrawnVariant {
  public:

@@ -8,6 +8,7 @@
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/apps/report/report.h"
 #include "sightline/culling/cpu_culler.h"
+#include "sightline/image/image_metrics.h"
 
 namespace sightline::apps {
 namespace {
@@ -185,16 +186,11 @@ struct Differences {
 
 core::Expected<void> compare(const DrawnPicture& reference, const DrawnPicture& picture, const std::string& label,
                              Differences& differences) {
-  constexpr double kSameDepth = 1e-5;  // relative; see docs/occlusion.md
-  std::uint64_t wrong = 0;
-  for (std::size_t i = 0; i < reference.ids.ids.size(); ++i) {
-    if (reference.ids.ids[i] == picture.ids.ids[i]) continue;
-    const double a = reference.depth.metres[i], b = picture.depth.metres[i];
-    ++wrong;
-    differences.ties += std::abs(a - b) <= kSameDepth * a;
-  }
+  const auto wrong = image::wrong_ids(reference.ids, picture.ids);
+  if (!wrong) return tl::unexpected(wrong.error());
   differences.pixels += reference.ids.ids.size();
-  differences.wrong += wrong;
+  differences.wrong += *wrong;
+  differences.ties += count_ties(reference, picture);
   const auto colours = image::compare(reference.colour, picture.colour);
   if (!colours) return tl::unexpected(colours.error());
   if (colours->pixels <= differences.worst) return {};

@@ -113,11 +113,11 @@ void add_ranges(const Report& report, Section& section) {
     const bool within = t.range.least >= t.least && t.range.most <= t.most;
     rows.push_back({t.name, number(t.range.least), number(t.range.most),
                     (t.least > kNone ? number(t.least) : std::string("0")) + " to " + number(t.most),
-                    within ? "yes" : "NO"});
+                    number(t.range.most / t.most), within ? "yes" : "NO"});
     section.figures["ranges"][t.key] = {{"least", t.range.least}, {"most", t.range.most}, {"within", within}};
   }
   section.html.table(
-      {"quantity", "least", "greatest", "tested range", "within"}, rows,
+      {"quantity", "least", "greatest", "tested range", "greatest / limit", "within"}, rows,
       {"Numbers of the model's primitives beside the ranges in which their intersections are tested "
        "(docs/stability.md); values of 0 left out. " +
            count_words(ranges.flat) +

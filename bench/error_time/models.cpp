@@ -1,4 +1,3 @@
-#include <cmath>
 #include <memory>
 
 #include "sightline/apps/common/drawn_variant.h"
@@ -12,17 +11,6 @@ using Method = Form::Method;
 
 using apps::DrawnPicture;
 using apps::DrawnVariant;
-
-/// Counts pixels where several items show the same surface, so that any of them may be drawn.
-std::uint64_t count_ties(const DrawnPicture& a, const DrawnPicture& b) {
-  constexpr double kSameDepth = 1e-5;  // relative; float depths of touching faces differ by some 1e-7
-  std::uint64_t ties = 0;
-  for (std::size_t i = 0; i < a.ids.ids.size(); ++i) {
-    const double za = a.depth.metres[i], zb = b.depth.metres[i];
-    ties += a.ids.ids[i] != b.ids.ids[i] && std::abs(za - zb) <= kSameDepth * za;
-  }
-  return ties;
-}
 
 core::Expected<DrawnVariant> make_variant(gl::Context& context, const core::Scene& scene, const Form& form,
                                           const ModelConfig& config) {
@@ -67,7 +55,7 @@ core::Expected<void> compare(const DrawnPicture& triangles, const DrawnPicture& 
   if (!metrics) return tl::unexpected(metrics.error());
   figures.to_ray_cast = *metrics;
   figures.wrong_ids = *image::wrong_ids(triangles.ids, picture.ids);
-  figures.ties = count_ties(triangles, picture);
+  figures.ties = apps::count_ties(triangles, picture);
   figures.wrong_ids_to_ray_cast = *image::wrong_ids(ray_cast.ids, picture.ids);
   return {};
 }
