@@ -281,6 +281,11 @@ core::Expected<Section> culling_section(const Report& report, const SectionProgr
                         line_over_frames("drawn with the occlusion test", shares->shown, PanelSeries::Style::kLine),
                         line_over_frames("own a pixel", shares->owners, PanelSeries::Style::kPointsAndLine)}),
       {"The same frame by frame.", report.section_command("culling")});
+  const double unseen = sum(shares->sampled) - owners, found = sum(shares->sampled) - sum(shares->shown);
+  if (unseen > 0.0)
+    section.html.paragraph("Of the items that may cover a sample but own no pixel, the occlusion test leaves out " +
+                           percent(found / unseen) + ".");
+  section.figures["hidden_found"] = unseen > 0.0 ? found / unseen : 1.0;
   section.headline = number(median(*times)) + " ms a view; " +
                      (visible > 0.0 ? percent(owners / visible) : std::string("none")) +
                      " of the items in the view volume own a pixel.";

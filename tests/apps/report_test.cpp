@@ -158,6 +158,8 @@ TEST_F(ReportPage, CountsWhatEachStepKeeps) {
   EXPECT_GE(mean("sampled"), mean("shown"));
   EXPECT_GE(mean("visible"), mean("sampled"));
   EXPECT_EQ(culling["owners"]["false_positives"], 0.0);
+  EXPECT_GE(culling["hidden_found"], 0.0);
+  EXPECT_LE(culling["hidden_found"], 1.0);
 }
 
 TEST_F(ReportPage, NothingIsLostByLeavingOut) {
