@@ -30,7 +30,7 @@ struct Reference {
     return std::binary_search(seen.begin(), seen.end(), std::uint64_t(pixel) << 32 | id);
   }
 };
-using MakeReference = std::function<core::Expected<Reference>(const core::View&)>;
+using MakeReference = core::Expected<Reference> (*)(const Report&, const core::View&);
 
 /// Means over all views.
 struct VariantFigures {
@@ -40,11 +40,6 @@ struct VariantFigures {
   std::vector<image::Image> pictures;  ///< by view
   std::vector<double> flips;           ///< mean FLIP by view
   bool on_front = false;               ///< no other variant is faster without being more wrong
-};
-
-struct Comparison {
-  std::vector<image::Image> references;  ///< by view
-  std::vector<VariantFigures> variants;
 };
 
 /// Bilinear between the centres of the small picture's pixels.
@@ -160,11 +155,24 @@ void mark_front(std::vector<VariantFigures>& variants) {
     });
 }
 
+/// One for each of the report's views.
+core::Expected<std::vector<Reference>> make_references(const Report& report, MakeReference make) {
+  std::vector<Reference> references;
+  for (const ReportView& place : report.views()) {
+    auto reference = make(report, place.view);
+    if (!reference) return tl::unexpected(reference.error());
+    references.push_back(std::move(*reference));
+  }
+  return references;
+}
+
 /// Draws all variants from the report's views, and compares each picture with the view's reference.
-core::Expected<Comparison> error_against_time(const Report& report, const std::vector<Variant>& variants,
-                                              const MakeReference& make_reference, const SectionProgress& progress) {
+core::Expected<std::vector<VariantFigures>> error_against_time(const Report& report,
+                                                               const std::vector<Variant>& variants,
+                                                               const std::vector<Reference>& references,
+                                                               const SectionProgress& progress) {
   constexpr int kPasses = 3;
-  Comparison comparison;
+  std::vector<VariantFigures> figures;
   std::vector<DrawnVariant> drawn;
   for (const Variant& variant : variants) {
     engine::EngineConfig config = variant.config;
@@ -173,28 +181,26 @@ core::Expected<Comparison> error_against_time(const Report& report, const std::v
     auto made = DrawnVariant::create(variant.scene, config);
     if (!made) return tl::unexpected(made.error());
     drawn.push_back(std::move(*made));
-    comparison.variants.push_back({});
-    comparison.variants.back().label = variant.label;
+    figures.push_back({});
+    figures.back().label = variant.label;
   }
   const double share = 1.0 / double(report.views().size());
-  for (const ReportView& place : report.views()) {
-    auto reference = make_reference(place.view);
-    if (!reference) return tl::unexpected(reference.error());
-    const auto times = time_in_turns(drawn, place.view, kPasses);
+  for (std::size_t v = 0; v < references.size(); ++v) {
+    const core::View& view = report.views()[v].view;
+    const auto times = time_in_turns(drawn, view, kPasses);
     if (!times) return tl::unexpected(times.error());
     for (std::size_t i = 0; i < variants.size(); ++i) {
-      comparison.variants[i].ms += share * (*times)[i];
-      if (auto ms = drawn[i].draw(place.view); !ms) return tl::unexpected(ms.error());
-      auto picture = drawn[i].picture(place.view);
+      figures[i].ms += share * (*times)[i];
+      if (auto ms = drawn[i].draw(view); !ms) return tl::unexpected(ms.error());
+      auto picture = drawn[i].picture(view);
       if (!picture) return tl::unexpected(picture.error());
-      auto done = add_errors(*reference, variants[i], std::move(*picture), share, comparison.variants[i]);
+      auto done = add_errors(references[v], variants[i], std::move(*picture), share, figures[i]);
       if (!done) return tl::unexpected(done.error());
     }
-    comparison.references.push_back(std::move(reference->colour));
-    progress(double(comparison.references.size()) * share);
+    progress(double(v + 1) * share);
   }
-  mark_front(comparison.variants);
-  return comparison;
+  mark_front(figures);
+  return figures;
 }
 
 // --- how a comparison is shown ---------------------------------------------------------------------------------------
@@ -219,10 +225,11 @@ std::string pareto_plot(const std::string& title, const std::vector<VariantFigur
   return svg_panels(plot);
 }
 
-core::Expected<void> show(const Report& report, const Comparison& comparison, const Explanation& words,
-                          const std::string& key, Section& section) {
+core::Expected<void> show(const Report& report, const std::vector<VariantFigures>& variants,
+                          const std::vector<Reference>& references, const Explanation& words, const std::string& key,
+                          Section& section) {
   std::vector<std::vector<std::string>> rows;
-  for (const VariantFigures& v : comparison.variants) {
+  for (const VariantFigures& v : variants) {
     rows.push_back({v.label, number(v.ms), number(v.flip_mean), number(v.flip_p99), percent(v.wrong_ids),
                     v.on_front ? "yes" : "no"});
     section.figures[key].push_back({{"label", v.label},
@@ -240,15 +247,15 @@ core::Expected<void> show(const Report& report, const Comparison& comparison, co
            " views. Times: median of three frames of a view at rest, each waited for, all in turns. On "
            "the front: no other is faster without being more wrong.",
        words.command});
-  section.html.plot(pareto_plot(words.title, comparison.variants),
+  section.html.plot(pareto_plot(words.title, variants),
                     {"Error against time. The dashed line joins the front; a point at 0 has no error.", words.command});
-  const VariantFigures& pictured = comparison.variants[words.pictured];
+  const VariantFigures& pictured = variants[words.pictured];
   const auto view =
       std::size_t(std::max_element(pictured.flips.begin(), pictured.flips.end()) - pictured.flips.begin());
   const std::array pictures{
-      LabelledPicture{"reference, " + report.views()[view].name, comparison.references[view]},
+      LabelledPicture{"reference, " + report.views()[view].name, references[view].colour},
       LabelledPicture{pictured.label, pictured.pictures[view]},
-      LabelledPicture{kDifferenceLabel, differences_on_white(comparison.references[view], pictured.pictures[view])}};
+      LabelledPicture{kDifferenceLabel, differences_on_white(references[view].colour, pictured.pictures[view])}};
   return section.html.pictures(
       pictures, {"The reference and one of the variants, in the view where they differ most.", words.command});
 }
@@ -326,14 +333,14 @@ core::Expected<void> compare_tessellations(const Report& report, const std::shar
     section.html.paragraph("left out: ray-casting against triangles." + too_many);
     return {};
   }
-  const auto comparison = error_against_time(
-      report, variants, [&](const core::View& view) { return plain(report, view); }, progress);
-  if (!comparison) return tl::unexpected(comparison.error());
-  section.headline = "ray-cast " + number(comparison->variants.front().ms) + " ms a frame, triangles " +
-                     number(comparison->variants.back().ms) + " ms with a mean FLIP of " +
-                     number(comparison->variants.back().flip_mean) + ".";
+  const auto references = make_references(report, plain);
+  if (!references) return tl::unexpected(references.error());
+  const auto figures = error_against_time(report, variants, *references, progress);
+  if (!figures) return tl::unexpected(figures.error());
+  section.headline = "ray-cast " + number(figures->front().ms) + " ms a frame, triangles " +
+                     number(figures->back().ms) + " ms with a mean FLIP of " + number(figures->back().flip_mean) + ".";
   return show(
-      report, *comparison,
+      report, *figures, *references,
       {"Primitives: ray-cast, and as triangles within a tolerance",
        "The model's primitives as triangles that lie within a tolerance of the true surface (number of "
        "triangles in brackets), drawn by the same engine. The reference is the ray-cast picture, so ray-casting "
@@ -345,7 +352,8 @@ core::Expected<void> compare_tessellations(const Report& report, const std::shar
 }
 
 core::Expected<void> compare_samples(const Report& report, const std::shared_ptr<core::Scene>& scene,
-                                     const SectionProgress& progress, Section& section) {
+                                     const std::vector<Reference>& references, const SectionProgress& progress,
+                                     Section& section) {
   std::vector<Variant> variants{{"half the resolution, enlarged", scene, report.engine_config(), 2},
                                 {"1 sample", scene, report.engine_config()}};
   for (const int samples : {2, 4, 8}) {
@@ -353,20 +361,44 @@ core::Expected<void> compare_samples(const Report& report, const std::shared_ptr
     variants.push_back({std::to_string(samples) + " samples", scene, report.engine_config()});
     variants.back().config.samples = samples;
   }
-  const auto comparison = error_against_time(
-      report, variants, [&](const core::View& view) { return supersampled(report, view); }, progress);
-  if (!comparison) return tl::unexpected(comparison.error());
-  const VariantFigures &one = comparison->variants[1], &most = comparison->variants.back();
+  const auto figures = error_against_time(report, variants, references, progress);
+  if (!figures) return tl::unexpected(figures.error());
+  const VariantFigures &one = (*figures)[1], &most = figures->back();
   section.headline += (section.headline.empty() ? "" : " ") + one.label + " " + number(one.ms) + " ms, FLIP " +
                       number(one.flip_mean) + "; " + most.label + " " + number(most.ms) + " ms, " +
                       number(most.flip_mean) + ".";
-  return show(report, *comparison,
+  return show(report, *figures, references,
               {"Samples per pixel",
                "The reference averages 64 samples per pixel, a grid of 8 x 8 made by moving the picture by parts of a "
                "pixel. Its colours are averaged as they are stored, as the engine's own samples are. A pixel's item is "
                "wrong when none of the 64 samples shows it, nor the pixel's centre.",
                report.section_command("error"), 1},
               "samples", section);
+}
+
+core::Expected<void> compare_contributions(const Report& report, const std::shared_ptr<core::Scene>& scene,
+                                           const std::vector<Reference>& references, const SectionProgress& progress,
+                                           Section& section) {
+  std::vector<Variant> variants;
+  for (const float pixels : {0.0f, 0.25f, 1.0f, 4.0f, 16.0f}) {
+    const std::string label = pixels > 0.0f ? "without items below " + number(pixels) + " px" : "all items";
+    variants.push_back({label, scene, report.engine_config()});
+    variants.back().config.culler = engine::CullerChoice::kCpu;
+    variants.back().config.contribution = pixels;
+  }
+  const auto figures = error_against_time(report, variants, references, progress);
+  if (!figures) return tl::unexpected(figures.error());
+  std::string commands;
+  for (const char* pixels : {"0", "0.25", "1", "4", "16"})
+    commands +=
+        report.command("replay", std::string("--culler cpu --contribution ") + pixels + " " + report.size_option()) +
+        "\n";
+  return show(report, *figures, references,
+              {"Contribution: items that are small in the picture left out",
+               "Items whose bounding box covers fewer pixels of the picture are not drawn. The reference is the one "
+               "above, 64 samples per pixel of everything: one sample per pixel is itself wrong where items are small.",
+               commands + report.section_command("error"), 3},
+              "contribution", section);
 }
 
 }  // namespace
@@ -381,11 +413,12 @@ core::Expected<Section> error_section(const Report& report, const SectionProgres
   section.html.paragraph(
       "FLIP is a measure of the difference that a viewer sees who flips between two pictures: 0 for equal ones, 1 at "
       "most (image/image_metrics.h).");
-  auto done = compare_tessellations(
-      report, scene, [&](double share) { progress(0.5 * share); }, section);
-  if (done)
-    done = compare_samples(
-        report, scene, [&](double share) { progress(0.5 + 0.5 * share); }, section);
+  const auto third = [&](int step) { return [&progress, step](double share) { progress((step + share) / 3.0); }; };
+  if (auto done = compare_tessellations(report, scene, third(0), section); !done) return tl::unexpected(done.error());
+  const auto references = make_references(report, supersampled);
+  if (!references) return tl::unexpected(references.error());
+  auto done = compare_samples(report, scene, *references, third(1), section);
+  if (done) done = compare_contributions(report, scene, *references, third(2), section);
   if (!done) return tl::unexpected(done.error());
   return section;
 }

@@ -184,7 +184,12 @@ TEST_F(ReportPage, ErrorsFallWithEffort) {
   EXPECT_LT(flip(samples[1]), flip(samples[0])) << samples;
   EXPECT_LT(samples[1]["wrong_ids"], samples[0]["wrong_ids"]) << samples;
   EXPECT_LT(samples[1]["wrong_ids"], 1e-4) << "the reference has seen the pixels' centres, too";
-  for (const char* key : {"tessellation", "samples"})
+  const Json& contribution = error["contribution"];
+  ASSERT_EQ(contribution.size(), 5u);
+  EXPECT_LT(contribution[0]["wrong_ids"], 1e-4) << "all items";
+  EXPECT_GT(contribution[4]["wrong_ids"], contribution[0]["wrong_ids"]) << contribution;
+  EXPECT_GT(flip(contribution[4]), flip(contribution[0])) << contribution;
+  for (const char* key : {"tessellation", "samples", "contribution"})
     EXPECT_TRUE(std::any_of(error[key].begin(), error[key].end(), [](const Json& v) { return v["on_front"] == true; }));
 }
 
