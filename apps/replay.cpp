@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/controller_trace.h"
+#include "sightline/apps/common/flight.h"
 #include "sightline/apps/common/frame_words.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/progress.h"
@@ -81,62 +82,7 @@ void add_options(CLI::App& app, Options& o) {
   add_controller_options(app, o);
 }
 
-struct Frame {
-  double time;
-  engine::FrameReport report;
-  double gpu_cull_ms = -1.0;
-};
-
-struct Flight {
-  std::vector<Frame> frames;
-  std::string renderer = "none";
-
-  /// Collects a figure of all frames. Leaves out negative values, which were not measured.
-  std::vector<double> collect(double (*pick)(const engine::FrameReport&), std::size_t from = 0) const {
-    std::vector<double> values;
-    for (std::size_t i = from; i < frames.size(); ++i)
-      if (const double value = pick(frames[i].report); value >= 0.0) values.push_back(value);
-    return values;
-  }
-  std::vector<double> cull() const {
-    return collect([](const engine::FrameReport& r) { return r.cull_ms; });
-  }
-  std::vector<double> draw() const {
-    return collect([](const engine::FrameReport& r) { return r.draw_ms; });
-  }
-  std::vector<double> visible() const {
-    return collect([](const engine::FrameReport& r) { return double(r.visible); });
-  }
-  std::vector<double> sampled() const {
-    return collect([](const engine::FrameReport& r) { return double(r.sampled); });
-  }
-  std::vector<double> shown() const {
-    return collect([](const engine::FrameReport& r) { return double(r.shown); });
-  }
-  std::size_t on_gpu() const {
-    return std::size_t(std::count_if(frames.begin(), frames.end(),
-                                     [](const Frame& f) { return f.report.culler == engine::CullerChoice::kGpu; }));
-  }
-  /// Number of frames culled by another path than the frame before.
-  std::size_t switches() const {
-    std::size_t count = 0;
-    for (std::size_t i = 1; i < frames.size(); ++i) count += frames[i].report.culler != frames[i - 1].report.culler;
-    return count;
-  }
-  std::vector<double> tested() const {
-    return collect([](const engine::FrameReport& r) { return double(r.tested); });
-  }
-  std::vector<double> gpu_cull() const {
-    std::vector<double> values;
-    for (const Frame& f : frames)
-      if (f.gpu_cull_ms >= 0.0) values.push_back(f.gpu_cull_ms);
-    return values;
-  }
-  /// From the second frame on: the first has no predecessor to measure from.
-  std::vector<double> frame() const {
-    return collect([](const engine::FrameReport& r) { return r.frame_ms; }, 1);
-  }
-};
+using apps::Flight, apps::FlownFrame;
 
 core::Expected<core::CameraPath> choose_path(const Options& o, const apps::Model& model,
                                              const core::Snapshot& snapshot) {
@@ -149,16 +95,6 @@ core::Expected<core::CameraPath> choose_path(const Options& o, const apps::Model
   return path ? importers::translated(*path, model.offset) : path;
 }
 
-/// The GPU's figures arrive some frames late.
-void take_late_reports(engine::Engine& engine, Flight& flight) {
-  while (const auto late = engine.take_late_report()) {
-    Frame& frame = flight.frames[std::size_t(late->frame)];
-    frame.report.visible = late->visible;
-    if (frame.report.drawn) frame.report.shown = late->shown;
-    frame.gpu_cull_ms = late->gpu_cull_ms;
-  }
-}
-
 /// Saves the last frame of the flight.
 core::Expected<void> save_image(engine::Engine& engine, const std::string& folder, Flight& flight) {
 #if SIGHTLINE_HAS_GL
@@ -167,7 +103,7 @@ core::Expected<void> save_image(engine::Engine& engine, const std::string& folde
   const auto picture = engine.read_colour();
   if (!picture) return tl::unexpected(picture.error());
   auto done = image::write_png(*picture, std::filesystem::path(folder) / name);
-  take_late_reports(engine, flight);
+  apps::take_late_reports(engine, flight);
   apps::warn_if_blank(engine, flight.frames.back().report.visible, name);
   return done;
 #else
@@ -177,26 +113,13 @@ core::Expected<void> save_image(engine::Engine& engine, const std::string& folde
 }
 
 core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core::CameraPath& path, double aspect) {
-  Flight flight;
   apps::Progress progress("flying", std::size_t(o.frames));
-  for (int i = 0; i < o.frames; ++i) {
-    const double time = path.time_of(i, o.frames);
-    auto view = path.view(time, aspect);
-    if (!view) return tl::unexpected(view.error());
-    auto report = engine.frame(*view);
-    if (!report) return tl::unexpected(report.error());
-    if (!o.no_render && !report->drawn) return core::fail("frame " + std::to_string(i) + ": the GL context was lost");
-    flight.frames.push_back({time, *report});
-    take_late_reports(engine, flight);
-    if (!o.images.empty() && i % o.every == 0)
-      if (auto done = save_image(engine, o.images, flight); !done) return tl::unexpected(done.error());
-    progress.advance(std::size_t(i) + 1);
-  }
-  engine.finish();
-  take_late_reports(engine, flight);
-  if (std::string renderer = engine.renderer(); !renderer.empty()) flight.renderer = std::move(renderer);
-  for (const std::string& error : engine.take_gl_errors()) return core::fail("GL: " + error);
-  return flight;
+  const auto after_frame = [&](Flight& flight) -> core::Expected<void> {
+    progress.advance(flight.frames.size());
+    const bool save = !o.images.empty() && (int(flight.frames.size()) - 1) % o.every == 0;
+    return save ? save_image(engine, o.images, flight) : core::Expected<void>();
+  };
+  return apps::fly(engine, path, {o.frames, aspect, !o.no_render}, after_frame);
 }
 
 json summary_json(const std::vector<double>& samples) {
@@ -212,7 +135,7 @@ json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
   for (const engine::PlanEntry& e : engine.plan().entries)
     out["plan"].push_back({{"feature", e.feature}, {"used", e.used}, {"why", e.why}});
   out["frames"] = json::array();
-  for (const Frame& f : flight.frames)
+  for (const FlownFrame& f : flight.frames)
     out["frames"].push_back({{"t", f.time},
                              {"path", name_of(f.report.culler)},
                              {"state", apps::state_name(f.report)},
@@ -239,7 +162,7 @@ std::string to_csv(const Flight& flight) {
   std::string csv = "frame,t,path,state,cull_ms,gpu_cull_ms,draw_ms,frame_ms,visible,tested\n";
   char line[200];
   for (std::size_t i = 0; i < flight.frames.size(); ++i) {
-    const Frame& f = flight.frames[i];
+    const FlownFrame& f = flight.frames[i];
     std::snprintf(line, sizeof line, "%zu,%.6f,%s,%s,%.6f,%.6f,%.6f,%.6f,%lld,%lld\n", i, f.time,
                   name_of(f.report.culler).data(), apps::state_name(f.report).data(), f.report.cull_ms, f.gpu_cull_ms,
                   f.report.draw_ms, f.report.frame_ms, (long long)f.report.visible, (long long)f.report.tested);
@@ -300,7 +223,7 @@ apps::Marks marks_of(const Flight& flight) {
 
 std::string to_svg(const Options& o, const engine::Engine& engine, const Flight& flight) {
   apps::Series cull{"cull time", "ms", {}}, visible{"visible", "items", {}};
-  for (const Frame& f : flight.frames) {
+  for (const FlownFrame& f : flight.frames) {
     cull.values.push_back(f.report.cull_ms);
     visible.values.push_back(double(f.report.visible));
   }
@@ -338,7 +261,7 @@ core::Expected<int> record_both(const Options& o, const apps::Model& model, engi
     if (!flight) return tl::unexpected(flight.error());
     trace.resize(flight->frames.size(), {not_measured, not_measured, not_measured, not_measured});
     for (std::size_t i = 0; i < trace.size(); ++i) {
-      const Frame& frame = flight->frames[i];
+      const FlownFrame& frame = flight->frames[i];
       const double interval = i + 1 < trace.size() ? flight->frames[i + 1].report.frame_ms : not_measured;
       const double cull = gpu ? frame.gpu_cull_ms : frame.report.cull_ms;
       (gpu ? trace[i].gpu_cull_ms : trace[i].cpu_cull_ms) = cull > 0.0 ? cull : not_measured;

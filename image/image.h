@@ -35,6 +35,13 @@ struct NormalImage {
   std::vector<std::array<float, 3>> normals;
 };
 
+enum class PngSize : std::uint8_t {
+  kFast,   ///< four times faster to write, a little larger
+  kSmall,  ///< for pictures that are kept
+};
+/// The bytes of a PNG file.
+SIGHTLINE_API core::Expected<std::vector<std::uint8_t>> encode_png(const Image& image, PngSize size = PngSize::kFast);
+
 /// Writers replace `path` only when complete (core/internal/atomic_file.h). Errors name the file and the reason.
 SIGHTLINE_API core::Expected<void> write_png(const Image& image, const std::filesystem::path& path);
 SIGHTLINE_API core::Expected<Image> read_png(const std::filesystem::path& path);

@@ -10,14 +10,22 @@
 
 namespace sightline::apps {
 
+namespace {
+
+const std::map<std::string, double>& lengths() {
+  static const std::map<std::string, double> metres = {{"mm", 1e-3}, {"cm", 1e-2},   {"m", 1.0},
+                                                       {"km", 1e3},  {"in", 0.0254}, {"ft", 0.3048}};
+  return metres;
+}
+
+}  // namespace
+
 void add_import_options(CLI::App& app, importers::ImportOptions& options) {
-  static const std::map<std::string, double> lengths = {{"mm", 1e-3}, {"cm", 1e-2},   {"m", 1.0},
-                                                        {"km", 1e3},  {"in", 0.0254}, {"ft", 0.3048}};
   app.add_flag("--lenient", options.lenient, "Keep what can be read of damaged files and list the damage");
   app.add_option_function<std::string>(
-         "--units", [&options](const std::string& name) { options.metres_per_unit = lengths.at(name); },
+         "--units", [&options](const std::string& name) { options.metres_per_unit = lengths().at(name); },
          "Unit of files that name none (OBJ, PLY, STL, VTK): mm, cm, m, km, in or ft")
-      ->check(CLI::IsMember(lengths))
+      ->check(CLI::IsMember(lengths()))
       ->default_str("m");
   app.add_option_function<std::string>(
          "--up",
@@ -27,6 +35,13 @@ void add_import_options(CLI::App& app, importers::ImportOptions& options) {
          "Axis that points up in files that do not say: y or z")
       ->check(CLI::IsMember({"y", "z"}))
       ->default_str("z");
+}
+
+std::string import_arguments(const importers::ImportOptions& options) {
+  std::string arguments = options.lenient ? " --lenient" : "";
+  for (const auto& [name, metres] : lengths())
+    if (metres == options.metres_per_unit && metres != 1.0) arguments += " --units " + name;
+  return arguments + (options.up == importers::UpAxis::kY ? " --up y" : "");
 }
 
 void add_model_options(CLI::App& app, ModelOptions& options) {
@@ -54,13 +69,13 @@ core::Expected<Model> load_model(const ModelOptions& options) {
   const std::vector<std::filesystem::path> paths(options.files.begin(), options.files.end());
   importers::ImportOptions reading = options.import;
   {
-    Progress progress("reading");
-    reading.progress = progress.callback();
+    std::optional<Progress> progress;
+    if (!options.quiet) reading.progress = progress.emplace("reading").callback();
     auto report = importers::import_files(paths, *model.scene, model.scene->root(), reading);
     if (!report) return tl::unexpected(report.error());
     model.report = std::move(*report);
   }
-  print_warnings(model.report.warnings);
+  if (!options.quiet) print_warnings(model.report.warnings);
   // Only after the import: if an absurd offset moves items out of range, that is an error of the offset, and no item is
   // dropped.
   if (!options.translate.empty()) {

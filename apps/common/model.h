@@ -21,10 +21,13 @@ struct ModelOptions {
   std::string translate;  ///< "X,Y,Z" metres, empty for none
   importers::ImportOptions import;
   bool explain = false;
+  bool quiet = false;  ///< load_model() prints nothing
 };
 
 /// --lenient, --units, --up: how files are read.
 void add_import_options(CLI::App& app, importers::ImportOptions& options);
+/// The arguments that give these options, each after a space.
+std::string import_arguments(const importers::ImportOptions& options);
 
 /// MODEL…, --translate, --explain and the import options.
 void add_model_options(CLI::App& app, ModelOptions& options);
@@ -38,7 +41,8 @@ struct Model {
 /// Prints the first few in full to stderr.
 void print_warnings(const std::vector<importers::ImportWarning>& warnings);
 
-/// Imports all files below the root, whose transform is --translate. Prints warnings and progress to stderr.
+/// Imports all files below the root, whose transform is --translate. Prints warnings and progress to stderr
+/// unless ModelOptions::quiet.
 core::Expected<Model> load_model(const ModelOptions& options);
 
 /// Prints one line to stderr if views and tours of the whole leave out items.

@@ -1,19 +1,12 @@
 #include "sightline/apps/common/svg_canvas.h"
 
+#include "sightline/apps/common/markup.h"
+
 namespace sightline::apps {
-namespace {
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-  return out;
-}
-
-}  // namespace
 
 SvgCanvas::SvgCanvas(double width, double height, int font_size) {
   svg_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\"" << height
-       << "\" font-family=\"sans-serif\" font-size=\"" << font_size
+       << "\" viewBox=\"0 0 " << width << ' ' << height << "\" font-family=\"sans-serif\" font-size=\"" << font_size
        << "\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
 }
 

@@ -129,6 +129,11 @@ class Axis {
   double least_ = std::numeric_limits<double>::infinity(), most_ = -std::numeric_limits<double>::infinity();
 };
 
+/// Without an exponent where digits are as short.
+std::string tick_text(double value) {
+  return value >= 1000.0 && value < 1e6 ? std::to_string(std::lround(value)) : short_number(value);
+}
+
 class PanelDrawing {
  public:
   explicit PanelDrawing(const PanelPlot& plot)
@@ -141,7 +146,7 @@ class PanelDrawing {
     for (const Panel& panel : plot.panels)
       for (const PanelSeries& series : panel.series) {
         const bool known = std::find(labels_.begin(), labels_.end(), series.label) != labels_.end();
-        if (!known && !series.label.empty()) labels_.push_back(series.label);
+        if (!known && !series.label.empty()) labels_.push_back(series.label), styles_.push_back(series.style);
         for (const PanelSeries::Point& point : series.points) x_.add(point.x), y_.add(point.y);
       }
     place_legend();
@@ -154,7 +159,7 @@ class PanelDrawing {
     svg_.text(width_ / 2, 38, "middle", "#444", "across: " + plot_.x_label + "; up: " + plot_.y_label);
     for (std::size_t i = 0; i < labels_.size(); ++i) {
       const auto [x, y] = legend_[i];
-      svg_.circle(x, y, 4, SvgCanvas::colour(i));
+      mark(x, y, styles_[i], SvgCanvas::colour(i));
       svg_.text(x + 8, y + 4, "start", "#222", labels_[i]);
     }
     for (std::size_t i = 0; i < plot_.panels.size(); ++i) {
@@ -182,6 +187,20 @@ class PanelDrawing {
     head_ = y + 12;
   }
 
+  /// The mark of a series in the legend. Lines differ by more than their colours.
+  void mark(double x, double y, PanelSeries::Style style, const char* colour) {
+    using Style = PanelSeries::Style;
+    if (style == Style::kPoints || style == Style::kPointsAndLine)
+      svg_.circle(x, y, 4, colour);
+    else
+      stroke({{x - 13, y}, {x + 5, y}}, style, colour);
+  }
+
+  void stroke(const std::vector<std::array<double, 2>>& points, PanelSeries::Style style, const char* colour) {
+    using Style = PanelSeries::Style;
+    svg_.polyline(points, colour, style == Style::kHeavyLine ? 2.5 : 1.0, style == Style::kDashes);
+  }
+
   double inner_width() const { return panel_width_ - 75; }
   double inner_height() const { return panel_height_ - 48; }
   double x_of(double v) const { return left_ + x_.share(v) * inner_width(); }
@@ -200,7 +219,7 @@ class PanelDrawing {
     for (const double value : x_.ticks()) {
       const double x = x_of(value);
       svg_.line(x, top_, x, top_ + inner_height());
-      svg_.text(x, top_ + inner_height() + 14, "middle", "#444", short_number(value));
+      svg_.text(x, top_ + inner_height() + 14, "middle", "#444", tick_text(value));
     }
     for (const double value : y_.ticks()) tick_y(value);
     tick_y(0.0);
@@ -215,7 +234,7 @@ class PanelDrawing {
     if (series.style != Style::kPoints) {
       std::vector<std::array<double, 2>> points;
       for (const PanelSeries::Point& p : series.points) points.push_back({x_of(p.x), y_of(p.y)});
-      svg_.polyline(points, colour, series.style == Style::kHeavyLine ? 2.5 : 1.0, series.style == Style::kDashes);
+      stroke(points, series.style, colour);
     }
     if (series.style != Style::kPoints && series.style != Style::kPointsAndLine) return;
     for (const PanelSeries::Point& p : series.points) {
@@ -237,7 +256,7 @@ class PanelDrawing {
   void tick_y(double value) {
     const double y = y_of(value);
     svg_.line(left_, y, left_ + inner_width(), y);
-    svg_.text(left_ - 5, y + 4, "end", "#444", short_number(value));
+    svg_.text(left_ - 5, y + 4, "end", "#444", tick_text(value));
   }
 
   const PanelPlot& plot_;
@@ -245,6 +264,7 @@ class PanelDrawing {
   double panel_width_, panel_height_, width_, head_ = 0.0;
   Axis x_, y_{true};
   std::vector<std::string> labels_;
+  std::vector<PanelSeries::Style> styles_;     // of the first series with the label
   std::vector<std::array<double, 2>> legend_;  // places of the labels in the legend
   double left_ = 0.0, top_ = 0.0;              // place of the panel that is drawn
   int crowded_ = 0;                            // number of names at its right edge so far

@@ -2,9 +2,9 @@
 #include <array>
 #include <cassert>
 
+#include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/bench/error_time/error_time.h"
 #include "sightline/bench/error_time/field.h"
-#include "sightline/bench/error_time/tessellated_scene.h"
 #include "sightline/bench/harness.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/core/visible_set.h"
@@ -115,7 +115,7 @@ class KindMeasurement {
   core::Scene scene_of(const Field& field, const Form& form) const {
     core::Scene scene = field.scene();
     constexpr int kAny = 8;
-    if (form.method == Method::kTriangles) scene = tessellated(scene, form.segments > 0 ? form.segments : kAny);
+    if (form.method == Method::kTriangles) scene = apps::tessellated(scene, form.segments > 0 ? form.segments : kAny);
     [[maybe_unused]] const auto done = scene.commit();
     assert(done);
     return scene;

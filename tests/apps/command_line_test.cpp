@@ -9,6 +9,7 @@ class EveryTool : public ToolTest, public ::testing::WithParamInterface<std::str
   /// Arguments without which the tool refuses to start, naming files that need not exist.
   Args required() const {
     if (GetParam() == "convert") return {path("model.rvm"), path("out.rvm")};
+    if (GetParam() == "report") return {path("model.rvm"), "--out", path("report.html")};
     return {path("model.rvm")};
   }
   Args required_and(const Args& more) const {
@@ -58,6 +59,14 @@ class ModelTool : public ToolTest, public ::testing::WithParamInterface<std::str
     ToolTest::SetUp();
     if (!is_built(GetParam())) GTEST_SKIP() << "sightline-" << GetParam() << " is not part of this build";
   }
+
+  /// Arguments after those that the tool cannot do without.
+  Args with(const Args& args) const {
+    Args all;
+    if (GetParam() == "report") all = {"--out", path("report.html")};
+    all.insert(all.end(), args.begin(), args.end());
+    return all;
+  }
 };
 
 TEST_P(ModelTool, RefusesWhatIsNoModel) {
@@ -75,22 +84,22 @@ TEST_P(ModelTool, RefusesWhatIsNoModel) {
                           unwritable("below-a-file.rvm")};
   for (const std::string& file : bad_files) {
     const std::string name = fs::path(file).filename();
-    expect_failure(GetParam(), {file}, name);
-    expect_failure(GetParam(), {good, file}, name);
+    expect_failure(GetParam(), with({file}), name);
+    expect_failure(GetParam(), with({good, file}), name);
   }
 }
 
 TEST_P(ModelTool, RefusesBadTranslations) {
   for (const char* bad : {"1,2", "1,2,3,4", "1;2;3", "x", "", "nan,0,0", "0,inf,0", "1,2,3m"})
-    expect_usage_error(GetParam(), {"model.rvm", "--translate", bad}, "--translate");
-  expect_usage_error(GetParam(), {"model.rvm", "--translate"}, "--translate");
+    expect_usage_error(GetParam(), with({"model.rvm", "--translate", bad}), "--translate");
+  expect_usage_error(GetParam(), with({"model.rvm", "--translate"}), "--translate");
 }
 
 TEST_P(ModelTool, RefusesTranslationsBeyondAllRange) {
-  expect_failure(GetParam(), {plant(1000), "--translate", "1e300,0,0"}, "beyond");
+  expect_failure(GetParam(), with({plant(1000), "--translate", "1e300,0,0"}), "beyond");
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ModelTool, ::testing::Values("info", "replay", "render", "view"));
+INSTANTIATE_TEST_SUITE_P(All, ModelTool, ::testing::Values("info", "replay", "render", "report", "view"));
 
 using CommandLine = ToolTest;
 

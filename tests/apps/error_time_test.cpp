@@ -8,12 +8,13 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/bench/error_time/field.h"
-#include "sightline/bench/error_time/tessellated_scene.h"
 
 namespace sightline::bench {
 namespace {
 
+using apps::tessellated;
 using core::dvec3;
 using core::Kind;
 using core::vec3;
@@ -222,6 +223,32 @@ TEST_F(TessellatedScene, EqualShapesShareAMesh) {
   EXPECT_EQ(made.mesh_of(5), made.mesh_of(6)) << "instances of one mesh";
   EXPECT_EQ(made.mesh_slots(), 3u);
   EXPECT_EQ(made.mesh(made.mesh_of(0)).indices.size() / 3, 8u * 2 + 2 * (8 - 2));
+}
+
+/// Millimetres and metres give the same triangles for the same tolerance in the world, and one mesh.
+TEST_F(TessellatedScene, KeepsATolerance) {
+  core::Scene spheres;
+  core::Affine metres, millimetres;
+  millimetres.linear = core::dmat3(1e-3);
+  const core::NodeId node = spheres.add_node(spheres.root());
+  spheres.add_primitive(node, core::Sphere{2.0f}, metres);
+  spheres.add_primitive(node, core::Sphere{2000.0f}, millimetres);
+  spheres.add_primitive(node, core::Sphere{2000.0f}, millimetres);
+  ASSERT_TRUE(spheres.commit());
+  std::size_t coarser = 0;
+  for (const double tolerance : {0.1, 0.01, 0.001}) {
+    const core::Scene made = apps::tessellated_within(spheres, tolerance);
+    EXPECT_EQ(made.mesh_slots(), 2u);
+    const core::Mesh& mesh = made.mesh(made.mesh_of(0));
+    EXPECT_EQ(mesh.indices, made.mesh(made.mesh_of(1)).indices);
+    EXPECT_GT(mesh.indices.size(), coarser);
+    coarser = mesh.indices.size();
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+      dvec3 centre(0.0);
+      for (std::size_t c = 0; c < 3; ++c) centre += dvec3(mesh.positions[mesh.indices[i + c]]) / 3.0;
+      EXPECT_GE(glm::length(centre), 1.0 - tolerance);
+    }
+  }
 }
 
 }  // namespace

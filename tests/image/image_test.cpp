@@ -32,6 +32,19 @@ TEST(Image, PngComesBackBitForBit) {
   EXPECT_EQ(back->pixels, image.pixels);
 }
 
+TEST(Image, SmallPngsHoldTheSamePicture) {
+  const Image image = gradient(200, 100);
+  const auto fast = encode_png(image), small = encode_png(image, PngSize::kSmall);
+  ASSERT_TRUE(fast && small);
+  EXPECT_LT(small->size(), fast->size());
+  const std::string file = temporary("small.png");
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(small->data()), std::streamsize(small->size()));
+  const auto back = read_png(file);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->pixels, image.pixels);
+}
+
 TEST(Image, ErrorsNameTheFile) {
   const auto missing = read_png("/nonexistent/image.png");
   ASSERT_FALSE(missing);

@@ -1,12 +1,14 @@
-#include "sightline/bench/error_time/tessellated_scene.h"
+#include "sightline/apps/common/tessellated_scene.h"
 
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <map>
+#include <tuple>
 
 #include "sightline/gpuprims/internal/primitives.h"
 
-namespace sightline::bench {
+namespace sightline::apps {
 namespace {
 
 using core::ItemId;
@@ -14,9 +16,20 @@ using core::Kind;
 using core::NodeId;
 using core::Scene;
 
+/// The largest stretch of the map: exact when its axes stay at right angles, else an upper bound.
+double largest_scale(const core::dmat3& linear) {
+  const core::dmat3 gram = glm::transpose(linear) * linear;
+  double most = 0.0;
+  for (int i = 0; i < 3; ++i) most = std::max(most, std::abs(gram[i].x) + std::abs(gram[i].y) + std::abs(gram[i].z));
+  return std::sqrt(most);
+}
+
 class Converter {
  public:
-  Converter(const Scene& from, int segments) : from_(from) { fineness_.fixed_segments = segments; }
+  /// Segments per full circle, or, where they are 0, a tolerance in metres.
+  Converter(const Scene& from, int segments, double metres) : from_(from), metres_(metres) {
+    fineness_.fixed_segments = segments;
+  }
 
   Scene run() {
     for (std::size_t i = 0; i < from_.material_slots(); ++i) {
@@ -29,7 +42,8 @@ class Converter {
   }
 
  private:
-  using ShapeKey = std::pair<Kind, std::array<std::uint32_t, 9>>;  // bits of the parameters
+  /// Bits of the parameters, and the tolerance in the primitive's own units; 0 with a number of segments.
+  using ShapeKey = std::tuple<Kind, std::array<std::uint32_t, 9>, float>;
 
   core::MaterialId material(core::MaterialId old) const {
     return old.valid() ? materials_[old.index] : core::MaterialId{};
@@ -70,17 +84,23 @@ class Converter {
     if (kind == Kind::kLine) {
       to_.add_primitive(node, from_.primitive(item), from_.placement(item), own);
     } else {
-      to_.add_mesh_instance(node,
-                            int(kind) < core::kPrimitiveKindCount ? shape_of(from_.primitive(item)) : copied(item),
+      to_.add_mesh_instance(node, int(kind) < core::kPrimitiveKindCount ? shape_of(item) : copied(item),
                             from_.placement(item), own);
     }
     to_.set_visible(item, from_.item_visible(item));
   }
 
-  core::MeshId shape_of(const core::Primitive& primitive) {
-    ShapeKey key{core::kind_of(primitive), {}};
+  core::MeshId shape_of(ItemId item) {
+    const core::Primitive primitive = from_.primitive(item);
+    if (fineness_.fixed_segments == 0) {
+      // In float, so that placements that differ by roundings share a mesh.
+      const double scale = largest_scale(from_.state(item).world_from_item.linear);
+      fineness_.chord_tolerance = scale > 0.0 ? float(metres_ / scale) : 0.0;
+    }
+    const double tolerance = fineness_.fixed_segments == 0 ? fineness_.chord_tolerance : 0.0;
+    ShapeKey key{core::kind_of(primitive), {}, float(tolerance)};
     const auto values = core::parameters(primitive);
-    std::memcpy(key.second.data(), values.data(), values.size_bytes());
+    std::memcpy(std::get<1>(key).data(), values.data(), values.size_bytes());
     const auto [place, fresh] = shapes_.try_emplace(key);
     if (fresh) place->second = to_.add_mesh(gpuprims::tessellate(primitive, fineness_)).value();
     return place->second;
@@ -95,6 +115,7 @@ class Converter {
 
   const Scene& from_;
   Scene to_;
+  double metres_;
   gpuprims::Tessellation fineness_;
   std::vector<core::MaterialId> materials_;
   std::map<std::uint32_t, NodeId> nodes_;         // by the old node's index
@@ -105,7 +126,11 @@ class Converter {
 }  // namespace
 
 Scene tessellated(const Scene& scene, int segments) {
-  return Converter(scene, segments).run();
+  return Converter(scene, segments, 0.0).run();
 }
 
-}  // namespace sightline::bench
+Scene tessellated_within(const Scene& scene, double metres) {
+  return Converter(scene, 0, metres).run();
+}
+
+}  // namespace sightline::apps

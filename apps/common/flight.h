@@ -1,0 +1,53 @@
+// Flies a camera path with an engine and keeps what each frame reports.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sightline/core/camera_path.h"
+#include "sightline/engine/engine.h"
+
+namespace sightline::apps {
+
+struct FlownFrame {
+  double time;  ///< seconds, along the path
+  engine::FrameReport report;
+  double gpu_cull_ms = -1.0;
+};
+
+struct Flight {
+  std::vector<FlownFrame> frames;
+  std::string renderer = "none";
+
+  /// Collects a figure of all frames. Leaves out negative values, which were not measured.
+  std::vector<double> collect(double (*pick)(const engine::FrameReport&), std::size_t from = 0) const;
+  std::vector<double> cull() const;  ///< ms
+  std::vector<double> draw() const;  ///< ms
+  std::vector<double> visible() const;
+  std::vector<double> sampled() const;
+  std::vector<double> shown() const;
+  std::vector<double> tested() const;
+  std::vector<double> gpu_cull() const;  ///< ms
+  /// Milliseconds, from the second frame on: the first has no predecessor to measure from.
+  std::vector<double> frame() const;
+  std::size_t on_gpu() const;  ///< frames
+  /// Number of frames culled by another path than the frame before.
+  std::size_t switches() const;
+};
+
+struct FlightOptions {
+  int frames;
+  double aspect;
+  bool draws;  ///< a frame that is not drawn is then an error
+};
+
+/// Flies `options.frames` evenly spaced frames. Calls `after_frame`, if there is one, with the flight so far. Waits in
+/// the end until all is drawn.
+core::Expected<Flight> fly(engine::Engine& engine, const core::CameraPath& path, const FlightOptions& options,
+                           const std::function<core::Expected<void>(Flight&)>& after_frame = {});
+
+/// Enters the GPU's figures, which arrive some frames late.
+void take_late_reports(engine::Engine& engine, Flight& flight);
+
+}  // namespace sightline::apps

@@ -1,0 +1,410 @@
+// Culling and frame times along the tour: what the culler keeps and what of it is seen, the cullers against each other,
+// and what the tests for items that cannot be seen cost and save.
+#include <algorithm>
+
+#include "sightline/apps/common/drawn_variant.h"
+#include "sightline/apps/common/flight.h"
+#include "sightline/apps/common/statistics.h"
+#include "sightline/apps/common/svg_plot.h"
+#include "sightline/apps/report/report.h"
+#include "sightline/culling/cpu_culler.h"
+#include "sightline/image/image_metrics.h"
+
+namespace sightline::apps {
+namespace {
+
+using engine::CullerChoice;
+using engine::OcclusionChoice;
+using Rows = std::vector<std::vector<std::string>>;
+
+constexpr const char* kNothing = "the scene has nothing to draw";
+
+std::string frames_option(const Report& report) {
+  return "--frames " + std::to_string(report.options().frames);
+}
+
+Json summary_json(const std::vector<double>& values) {
+  return {{"median", median(values)}, {"p95", percentile(values, 0.95)}, {"max", percentile(values, 1.0)}};
+}
+
+/// name, median, 95th percentile, maximum
+std::vector<std::string> summary_row(std::string name, const std::vector<double>& values) {
+  return {std::move(name), number(median(values)), number(percentile(values, 0.95)), number(percentile(values, 1.0))};
+}
+
+PanelSeries line_over_frames(std::string label, const std::vector<double>& values, PanelSeries::Style style) {
+  PanelSeries series{std::move(label), {}, style};
+  for (std::size_t i = 0; i < values.size(); ++i) series.points.push_back({double(i), values[i], ""});
+  return series;
+}
+
+std::string plot_over_frames(std::string title, std::string quantity, std::vector<PanelSeries> series) {
+  PanelPlot plot{std::move(title), "frame of the tour", std::move(quantity), {{"", std::move(series)}}};
+  plot.log_x = false;
+  plot.large = true;
+  return svg_panels(plot);
+}
+
+core::Expected<Flight> fly_tour(const Report& report, const engine::EngineConfig& config,
+                                const std::function<core::Expected<void>(engine::Engine&)>& after_frame = {}) {
+  auto engine = engine::Engine::create(report.scene(), config);
+  if (!engine) return tl::unexpected(engine.error());
+  std::function<core::Expected<void>(Flight&)> after;
+  if (after_frame) after = [&](Flight&) { return after_frame(*engine); };
+  return fly(*engine, report.tour(), {report.options().frames, report.aspect(), true}, after);
+}
+
+/// Flies views[first] … views[end - 1]. Frames of the first view come before, so that as many frames are in flight as
+/// later, and one after ends the last; neither counts. A frame's time is known when the next one begins.
+core::Expected<void> fly_block(engine::Engine& engine, std::span<const core::View> views, std::size_t first,
+                               std::size_t end, Flight& flight) {
+  constexpr std::size_t kInFlight = 2;
+  engine.paused();
+  for (std::size_t k = 0; k < kInFlight + end - first + 1; ++k) {
+    const std::size_t i = std::clamp(first + k, first + kInFlight, end + kInFlight - 1) - kInFlight;
+    const auto frame = engine.frame(views[i]);
+    if (!frame) return tl::unexpected(frame.error());
+    if (!frame->drawn) return core::fail("frame " + std::to_string(i) + ": the GL context was lost");
+    if (k > kInFlight) flight.frames.back().report.frame_ms = frame->frame_ms;
+    if (k >= kInFlight && k < kInFlight + end - first) flight.frames.push_back({0.0, *frame});
+  }
+  engine.finish();
+  return {};
+}
+
+/// Flies the tour with an engine for each configuration, block by block in turns, so that other load of the machine
+/// affects all equally.
+core::Expected<std::vector<Flight>> fly_in_turns(const Report& report, const std::vector<engine::EngineConfig>& configs,
+                                                 const SectionProgress& progress) {
+  constexpr std::size_t kBlock = 10;
+  const auto views = report.tour_views(report.options().frames);
+  if (!views) return tl::unexpected(views.error());
+  std::vector<engine::Engine> engines;
+  for (const engine::EngineConfig& config : configs) {
+    auto engine = engine::Engine::create(report.scene(), config);
+    if (!engine) return tl::unexpected(engine.error());
+    engines.push_back(std::move(*engine));
+  }
+  std::vector<Flight> flights(engines.size());
+  for (std::size_t first = 0; first < views->size(); first += kBlock) {
+    const std::size_t end = std::min(first + kBlock, views->size());
+    for (std::size_t k = 0; k < engines.size(); ++k) {
+      const std::size_t turn = (k + first / kBlock) % engines.size();
+      if (auto done = fly_block(engines[turn], *views, first, end, flights[turn]); !done)
+        return tl::unexpected(done.error());
+    }
+    progress(double(end) / double(views->size()));
+  }
+  return flights;
+}
+
+std::vector<double> frame_times(const Flight& flight) {
+  return flight.collect([](const engine::FrameReport& r) { return r.frame_ms; });
+}
+
+// --- what the culler keeps -------------------------------------------------------------------------------------------
+
+/// Milliseconds of each view of the tour, on one thread: the median of some passes.
+core::Expected<std::vector<double>> time_culler(const Report& report) {
+  constexpr int kPasses = 7;
+  const auto views = report.tour_views(report.options().frames);
+  if (!views) return tl::unexpected(views.error());
+  const culling::CpuCuller culler(report.snapshot().bounds());
+  core::VisibleSet set;
+  std::vector<double> times;
+  for (const core::View& view : *views) {
+    std::vector<double> passes;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      const double begin = now_ms();
+      culler.cull(view, set);
+      passes.push_back(now_ms() - begin);
+    }
+    times.push_back(median(std::move(passes)));
+  }
+  return times;
+}
+
+/// By frame: items in the view volume, items that may cover a sample, items drawn with the occlusion test, and items
+/// that own a pixel.
+struct Shares {
+  std::vector<double> visible, sampled, shown, owners;
+};
+
+core::Expected<Shares> measure_shares(const Report& report, const SectionProgress& progress) {
+  Shares shares;
+  engine::EngineConfig config = report.engine_config();
+  config.culler = CullerChoice::kCpu;
+  config.ids = true;
+  for (const OcclusionChoice occlusion : {OcclusionChoice::kOff, OcclusionChoice::kOn}) {
+    config.occlusion = occlusion;
+    const bool first = occlusion == OcclusionChoice::kOff;
+    const auto count_owners = [&](engine::Engine& engine) -> core::Expected<void> {
+      const auto ids = engine.read_ids();
+      if (!ids) return tl::unexpected(ids.error());
+      shares.owners.push_back(double(owners(*ids)));
+      progress(0.5 * double(shares.owners.size()) / report.options().frames);
+      return {};
+    };
+    const auto flight = first ? fly_tour(report, config, count_owners) : fly_tour(report, config);
+    if (!flight) return tl::unexpected(flight.error());
+    if (first)
+      shares.visible = flight->visible(), shares.sampled = flight->sampled();
+    else
+      shares.shown = flight->shown();
+  }
+  return shares;
+}
+
+double sum(const std::vector<double>& values) {
+  double total = 0.0;
+  for (const double value : values) total += value;
+  return total;
+}
+
+// --- options ---------------------------------------------------------------------------------------------------------
+
+struct Tests {
+  const char* label;
+  bool sample_test;
+  OcclusionChoice occlusion;
+  const char* options;
+};
+/// The first is the reference: everything in the view volume is drawn.
+constexpr Tests kTests[] = {
+    {"neither test", false, OcclusionChoice::kOff, "--sample-test off --occlusion off"},
+    {"sample test", true, OcclusionChoice::kOff, "--sample-test on --occlusion off"},
+    {"sample and occlusion test", true, OcclusionChoice::kOn, "--sample-test on --occlusion on"},
+    {"occlusion test while it pays", true, OcclusionChoice::kAutomatic, "--sample-test on --occlusion auto"},
+};
+
+/// Pixels of all compared frames, and the frame in which most have another colour.
+struct Differences {
+  std::uint64_t pixels = 0, wrong = 0, ties = 0;
+  std::uint64_t worst = 0;  ///< pixels of another colour; 0: there is no such frame
+  std::vector<LabelledPicture> worst_pictures;
+};
+
+core::Expected<void> compare(const DrawnPicture& reference, const DrawnPicture& picture, const std::string& label,
+                             Differences& differences) {
+  const auto wrong = image::wrong_ids(reference.ids, picture.ids);
+  if (!wrong) return tl::unexpected(wrong.error());
+  differences.pixels += reference.ids.ids.size();
+  differences.wrong += *wrong;
+  differences.ties += count_ties(reference, picture);
+  const auto colours = image::compare(reference.colour, picture.colour);
+  if (!colours) return tl::unexpected(colours.error());
+  if (colours->pixels <= differences.worst) return {};
+  differences.worst = colours->pixels;
+  differences.worst_pictures = {{"neither test, " + label, reference.colour},
+                                {kDifferenceLabel, differences_on_white(reference.colour, picture.colour)}};
+  return {};
+}
+
+int compared_frames(const Report& report) {
+  return std::min(12, report.options().frames);
+}
+
+/// Draws some frames of the tour with each choice of tests, and compares the pictures with those of the first.
+core::Expected<std::vector<Differences>> compare_tests(const Report& report, const SectionProgress& progress) {
+  const auto views = report.tour_views(compared_frames(report));
+  if (!views) return tl::unexpected(views.error());
+  const std::shared_ptr<core::Scene> scene(&report.scene(), [](core::Scene*) {});  // the report owns it
+  std::vector<DrawnVariant> variants;
+  for (const Tests& tests : kTests) {
+    engine::EngineConfig config = report.engine_config();
+    config.culler = CullerChoice::kCpu;
+    config.sample_test = tests.sample_test;
+    config.occlusion = tests.occlusion;
+    auto variant = DrawnVariant::create(scene, config);
+    if (!variant) return tl::unexpected(variant.error());
+    variants.push_back(std::move(*variant));
+  }
+  std::vector<Differences> differences(variants.size());
+  for (std::size_t v = 0; v < views->size(); ++v) {
+    DrawnPicture reference;
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+      if (auto ms = variants[i].draw((*views)[v]); !ms) return tl::unexpected(ms.error());
+      auto picture = variants[i].picture((*views)[v]);
+      if (!picture) return tl::unexpected(picture.error());
+      if (i == 0)
+        reference = std::move(*picture);
+      else if (auto done = compare(reference, *picture, "frame " + std::to_string(v), differences[i]); !done)
+        return tl::unexpected(done.error());
+    }
+    progress(0.5 + 0.5 * double(v + 1) / double(views->size()));
+  }
+  return differences;
+}
+
+}  // namespace
+
+core::Expected<Section> culling_section(const Report& report, const SectionProgress& progress) {
+  Section section;
+  if (report.empty()) {
+    section.left_out = kNothing;
+    return section;
+  }
+  const auto times = time_culler(report);
+  if (!times) return tl::unexpected(times.error());
+  const std::string along = "along " + std::to_string(report.options().frames) + " frames of the tour";
+  const std::string command = report.command("replay", "--culler cpu --no-render " + frames_option(report));
+  section.html.table({"", "median", "95th percentile", "maximum"}, {summary_row("time to cull, ms", *times)},
+                     {"The CPU culler " + along + ", one thread; median of seven culls a view.", command});
+  section.figures["cull_ms"] = summary_json(*times);
+
+  const auto shares = measure_shares(report, progress);
+  if (!shares) return tl::unexpected(shares.error());
+  const double all = double(report.scene().item_count()), frames = double(report.options().frames);
+  const double visible = sum(shares->visible), owners = sum(shares->owners);
+  Rows rows;
+  const auto row = [&](const char* name, const char* key, const std::vector<double>& counts) {
+    const double total = sum(counts);
+    rows.push_back({name, number(total / frames), percent(total / frames / all),
+                    visible > 0.0 ? percent(total / visible) : "-", total > 0.0 ? percent(1.0 - owners / total) : "-"});
+    section.figures[key] = {{"mean", total / frames}, {"false_positives", total > 0.0 ? 1.0 - owners / total : 0.0}};
+  };
+  row("in the view volume (frustum culling)", "visible", shares->visible);
+  row("and may cover a sample (sample test)", "sampled", shares->sampled);
+  row("and not found hidden (occlusion test): drawn", "shown", shares->shown);
+  row("own a pixel", "owners", shares->owners);
+  section.html.table(
+      {"items", "mean of a frame", "of all items", "of those in the view volume", "of these, own no pixel"}, rows,
+      {"What each step keeps, and its false positives: items that own no pixel of the picture at " +
+           report.options().size + ". No step leaves out an item that would own one.",
+       report.command("replay", "--culler cpu --occlusion on " + frames_option(report) + " " + report.size_option() +
+                                    " --json -") +
+           "\n" + report.section_command("culling")});
+  section.html.plot(
+      plot_over_frames("Items kept by each step", "items",
+                       {line_over_frames("in the view volume", shares->visible, PanelSeries::Style::kHeavyLine),
+                        line_over_frames("may cover a sample", shares->sampled, PanelSeries::Style::kDashes),
+                        line_over_frames("drawn with the occlusion test", shares->shown, PanelSeries::Style::kLine),
+                        line_over_frames("own a pixel", shares->owners, PanelSeries::Style::kPointsAndLine)}),
+      {"The same frame by frame.", report.section_command("culling")});
+  const double unseen = sum(shares->sampled) - owners, found = sum(shares->sampled) - sum(shares->shown);
+  if (unseen > 0.0)
+    section.html.paragraph("Of the items that may cover a sample but own no pixel, the occlusion test leaves out " +
+                           percent(found / unseen) + ".");
+  section.figures["hidden_found"] = unseen > 0.0 ? found / unseen : 1.0;
+  section.headline = number(median(*times)) + " ms a view; " +
+                     (visible > 0.0 ? percent(owners / visible) : std::string("none")) +
+                     " of the items in the view volume own a pixel.";
+  return section;
+}
+
+core::Expected<Section> trace_section(const Report& report, const SectionProgress& progress) {
+  Section section;
+  if (report.empty()) {
+    section.left_out = kNothing;
+    return section;
+  }
+  struct Mode {
+    CullerChoice culler;
+    PanelSeries::Style style;
+  };
+  constexpr Mode kModes[] = {{CullerChoice::kCpu, PanelSeries::Style::kHeavyLine},
+                             {CullerChoice::kGpu, PanelSeries::Style::kDashes},
+                             {CullerChoice::kHybrid, PanelSeries::Style::kLine}};
+  Rows rows;
+  std::vector<PanelSeries> series;
+  std::string commands, headline;
+  std::vector<engine::EngineConfig> configs;
+  for (const Mode& mode : kModes) {
+    configs.push_back(report.engine_config());
+    configs.back().culler = mode.culler;
+  }
+  const auto flights = fly_in_turns(report, configs, progress);
+  if (!flights) return tl::unexpected(flights.error());
+  for (std::size_t i = 0; i < std::size(kModes); ++i) {
+    const Mode& mode = kModes[i];
+    const Flight& flight = (*flights)[i];
+    const std::string name(name_of(mode.culler));
+    const std::vector<double> frame = frame_times(flight);
+    std::vector<std::string> row = summary_row(name, frame);
+    row.push_back(number(median(flight.cull())));
+    row.push_back(std::to_string(flight.on_gpu()) + " of " + std::to_string(flight.frames.size()));
+    rows.push_back(std::move(row));
+    series.push_back(line_over_frames(name, frame, mode.style));
+    section.figures[name] = {{"frame_ms", summary_json(frame)},
+                             {"cull_ms", summary_json(flight.cull())},
+                             {"frames_on_gpu", flight.on_gpu()},
+                             {"trace_ms", frame}};
+    commands += (commands.empty() ? "" : "\n") +
+                report.command("replay", "--culler " + name + " " + frames_option(report) + " " + report.size_option());
+    headline += (headline.empty() ? "" : ", ") + name + " " + number(median(frame));
+  }
+  section.html.table(
+      {"culler", "frame, median, ms", "95th percentile", "maximum", "cull call, median, ms", "culled on the GPU"}, rows,
+      {"Whole frames along the tour, culling and drawing, two in flight; ten frames of each culler in turns. A cull "
+       "call of the GPU's path "
+       "only submits. A hybrid of a small scene has no GPU path.",
+       commands});
+  section.html.plot(plot_over_frames("Frame time along the tour", "ms a frame", std::move(series)),
+                    {"The same frame by frame.", commands});
+  section.headline = "median frame, ms: " + headline + ".";
+  return section;
+}
+
+core::Expected<Section> options_section(const Report& report, const SectionProgress& progress) {
+  Section section;
+  if (report.empty()) {
+    section.left_out = kNothing;
+    return section;
+  }
+  std::vector<engine::EngineConfig> configs;
+  for (const Tests& tests : kTests) {
+    configs.push_back(report.engine_config());
+    configs.back().culler = CullerChoice::kCpu;
+    configs.back().sample_test = tests.sample_test;
+    configs.back().occlusion = tests.occlusion;
+  }
+  const auto flights = fly_in_turns(report, configs, [&](double share) { progress(0.5 * share); });
+  if (!flights) return tl::unexpected(flights.error());
+  const auto differences = compare_tests(report, progress);
+  if (!differences) return tl::unexpected(differences.error());
+  Rows rows;
+  std::string commands;
+  std::size_t worst = 1;
+  for (std::size_t i = 0; i < std::size(kTests); ++i) {
+    const std::vector<double> frame = frame_times((*flights)[i]);
+    const Differences& d = (*differences)[i];
+    std::vector<std::string> row = summary_row(kTests[i].label, frame);
+    row.push_back(number(sum((*flights)[i].shown()) / double((*flights)[i].frames.size())));
+    row.push_back(i == 0 ? "reference" : count_words(d.wrong - d.ties));
+    row.push_back(i == 0 ? "" : count_words(d.ties));
+    rows.push_back(std::move(row));
+    section.figures["variants"].push_back({{"label", kTests[i].label},
+                                           {"frame_ms", summary_json(frame)},
+                                           {"wrong_ids", d.wrong - d.ties},
+                                           {"ties", d.ties}});
+    commands += (commands.empty() ? "" : "\n") +
+                report.command("replay", std::string("--culler cpu ") + kTests[i].options + " " +
+                                             frames_option(report) + " " + report.size_option());
+    if (i > 1 && d.worst > (*differences)[worst].worst) worst = i;
+  }
+  const Differences& shown = (*differences)[worst];
+  section.figures["pixels"] = shown.pixels;
+  section.html.table(
+      {"drawn with", "frame, median, ms", "95th percentile", "maximum", "items drawn, mean", "pixels with another item",
+       "ties"},
+      rows,
+      {"Frames along the tour, ten of each variant in turns, with what cannot be seen left out of drawing, and " +
+           count_words(shown.pixels) + " pixels of " + std::to_string(compared_frames(report)) +
+           " frames against drawing everything. A tie: two items at one depth, "
+           "either of which may be drawn.",
+       commands});
+  if (shown.worst == 0) {
+    section.html.paragraph("All pixels of these frames have equal colours.");
+  } else {
+    auto done = section.html.pictures(
+        shown.worst_pictures, {"The frame with most differences, with the " + std::string(kTests[worst].label) + ": " +
+                                   count_words(shown.worst) + " pixels have another colour.",
+                               report.section_command("options")});
+    if (!done) return tl::unexpected(done.error());
+  }
+  section.headline = "median frame " + number(median(frame_times(flights->front()))) + " ms when all is drawn, " +
+                     number(median(frame_times((*flights)[3]))) + " ms as by default.";
+  return section;
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,181 @@
+// sightline-report: one HTML page about a model. What it holds, how it is culled and drawn, how long that takes, and
+// how wrong the pictures are.
+
+#include <array>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+
+#include "sightline/apps/common/progress.h"
+#include "sightline/apps/report/report.h"
+
+namespace sightline::apps {
+namespace {
+
+constexpr SectionMaker kMakers[] = {
+    {"model", "What is in the model", model_section},
+    {"plan", "The plan", plan_section},
+    {"pictures", "Pictures", pictures_section},
+    {"culling", "Culling", culling_section},
+    {"trace", "CPU, GPU and hybrid culling along the tour", trace_section},
+    {"options", "Leaving out what cannot be seen", options_section},
+    {"error", "Error against run time", error_section},
+    {"stability", "Stability of the primitives", stability_section},
+};
+
+void add_options(CLI::App& app, ReportOptions& o) {
+  add_model_options(app, o.model);
+  app.add_option("--out", o.out, "The page, HTML")->required();
+  app.add_option("--size", o.size, "Pixels of all pictures and timed frames, 64x36 at least")
+      ->capture_default_str()
+      ->check(accepted_by(parse_report_size));
+  app.add_option("--frames", o.frames, "Frames of the tour that is flown")
+      ->capture_default_str()
+      ->check(CLI::Range(4, 100000));
+  std::vector<std::string> ids;
+  for (const SectionMaker& maker : kMakers) ids.emplace_back(maker.id);
+  app.add_option("--sections", o.sections, "These alone, and in the page's order: " + CLI::detail::join(ids, ", "))
+      ->check(CLI::IsMember(ids))
+      ->delimiter(',')
+      ->option_text("NAME,…");
+  add_json_option(app, o.json);
+  app.add_flag("--quiet", o.model.quiet, "No progress bar, no warnings; errors alone");
+}
+
+/// The processor's name, or "unknown".
+std::string processor() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.rfind("model name", 0) == 0 && line.find(": ") != std::string::npos)
+      return line.substr(line.find(": ") + 2);
+  return "unknown";
+}
+
+std::string utc_time() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  char text[32] = "";
+  if (gmtime_r(&now, &utc)) std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
+  return text;
+}
+
+bool wanted(const ReportOptions& o, const SectionMaker& maker) {
+  return o.sections.empty() || std::find(o.sections.begin(), o.sections.end(), maker.id) != o.sections.end();
+}
+
+struct Page {
+  std::vector<PageSection> sections;
+  Json figures = Json::object();  ///< by section
+};
+
+core::Expected<Page> make_sections(const Report& report) {
+  std::vector<const SectionMaker*> makers;
+  for (const SectionMaker& maker : kMakers)
+    if (wanted(report.options(), maker)) makers.push_back(&maker);
+  Page page;
+  std::optional<Progress> bar;
+  if (!report.options().model.quiet) bar.emplace("measuring");
+  for (std::size_t i = 0; i < makers.size(); ++i) {
+    const SectionMaker& maker = *makers[i];
+    const auto advance = [&](double share) {
+      if (bar) bar->advance(std::size_t(1000.0 * (double(i) + share) / double(makers.size())));
+    };
+    advance(0.0);
+    auto section = maker.make(report, advance);
+    if (!section) return core::fail(std::string("section ") + maker.id + ": " + section.error().message);
+    if (section->left_out.empty()) {
+      page.sections.push_back({maker.id, maker.title, section->headline, section->html.text()});
+      page.figures[maker.id] = std::move(section->figures);
+    } else {
+      HtmlBody body;
+      body.paragraph("left out: " + section->left_out);
+      page.sections.push_back({maker.id, maker.title, "left out: " + section->left_out, body.text()});
+      page.figures[maker.id] = {{"left_out", section->left_out}};
+    }
+  }
+  return page;
+}
+
+/// Fails when `file` lies in no folder, before a minute's work rather than after it.
+core::Expected<void> check_folder(const std::string& file) {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  std::error_code error;
+  if (file.empty() || folder.empty() || std::filesystem::is_directory(folder, error)) return {};
+  return core::fail(file + ": cannot be written: " + folder.string() + " is no folder");
+}
+
+std::string command_line(int argc, char** argv) {
+  std::string line;
+  for (int i = 0; i < argc; ++i) line += (i > 0 ? " " : "") + (i == 0 ? "sightline-report" : shell_word(argv[i]));
+  return line;
+}
+
+core::Expected<int> write_report(const ReportOptions& options, const std::string& command) {
+  const double begin = now_ms();
+  for (const std::string& file : {options.out, options.json})
+    if (auto done = check_folder(file); !done) return tl::unexpected(done.error());
+  auto report = Report::create(options);
+  if (!report) return tl::unexpected(report.error());
+  if (options.model.explain) explain(report->engine().plan());
+  auto page = make_sections(*report);
+  if (!page) return tl::unexpected(page.error());
+  for (const std::string& error : report->context().take_errors()) return core::fail("GL: " + error);
+
+  const std::string version = std::string("sightline ") + SIGHTLINE_VERSION, date = utc_time();
+  const Json machine = {{"processor", processor()},
+                        {"threads", std::thread::hardware_concurrency()},
+                        {"renderer", report->context().renderer()},
+                        {"gl", report->context().version()}};
+  const double seconds = 1e-3 * (now_ms() - begin);
+  HtmlBody made;
+  made.text_table({"", ""},
+                  {{"processor", machine["processor"].get<std::string>() + ", " +
+                                     std::to_string(std::thread::hardware_concurrency()) + " threads"},
+                   {"renderer", report->context().renderer()},
+                   {"OpenGL", report->context().version()},
+                   {"date", date},
+                   {"version", version},
+                   {"time taken, s", number(seconds)}},
+                  {"Where and when these figures were measured.", command});
+  page->sections.push_back({"made", "How this page was made", "", made.text()});
+
+  std::string names;
+  for (const std::string& file : options.model.files)
+    names += (names.empty() ? "" : ", ") + std::filesystem::path(file).filename().string();
+  const std::vector<std::string> intro = {
+      "Made by " + version + " on " + date + ". Pictures and frames have " + options.size +
+      " pixels, times are milliseconds of wall clock unless stated otherwise. Below each figure stands the command "
+      "that gives it again."};
+  const std::string html = html_page("Report: " + names, intro, page->sections);
+  if (auto done = write_text(options.out, html); !done) return tl::unexpected(done.error());
+  const Json figures = {{"command", command},
+                        {"version", version},
+                        {"date", date},
+                        {"machine", machine},
+                        {"models", options.model.files},
+                        {"size", {report->width(), report->height()}},
+                        {"frames", options.frames},
+                        {"seconds", seconds},
+                        {"sections", page->figures}};
+  if (auto done = write_json(options.json, figures); !done) return tl::unexpected(done.error());
+  return kExitOk;
+}
+
+}  // namespace
+}  // namespace sightline::apps
+
+int main(int argc, char** argv) {
+  using namespace sightline;
+  CLI::App app("One HTML page about a model: content, culling, frame times, and the error of pictures against time",
+               "sightline-report");
+  apps::describe(app,
+                 "  sightline-report plant.rvm --out report.html\n"
+                 "  sightline-report a.rvm b.rvm --out report.html --size 1280x720 --frames 300 --json figures.json\n"
+                 "  sightline-report plant.rvm --out report.html --sections model,pictures --quiet");
+  apps::ReportOptions options;
+  apps::add_options(app, options);
+  return apps::run(app, argc, argv, [&] { return apps::write_report(options, apps::command_line(argc, argv)); });
+}

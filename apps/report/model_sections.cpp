@@ -1,0 +1,231 @@
+// What is in the model, what the engine made of it, and how it looks.
+#include <set>
+
+#include "sightline/apps/common/report_json.h"
+#include "sightline/apps/report/report.h"
+
+namespace sightline::apps {
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+std::string place_words(const core::dvec3& p) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%.3f, %.3f, %.3f", p.x, p.y, p.z);
+  return text;
+}
+
+struct Content {
+  std::uint64_t items = 0, mesh_items = 0, meshes = 0, mesh_triangles = 0, drawn_triangles = 0;
+  std::uint64_t materials = 0, transparent = 0, hidden = 0;
+  core::AabbD bounds;
+};
+
+Content content_of(const core::Scene& scene) {
+  Content content;
+  std::set<std::uint32_t> meshes;
+  scene.for_each_node(
+      scene.root(), [&](core::NodeId node, const core::Affine&, bool visible, std::uint32_t, core::MaterialId) {
+        for (core::ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item)) {
+          ++content.items;
+          content.hidden += !visible || !scene.item_visible(item);
+          if (int(scene.kind(item)) < core::kPrimitiveKindCount) continue;
+          const core::MeshId mesh = scene.mesh_of(item);
+          const std::size_t triangles = scene.mesh(mesh).indices.size() / 3;
+          ++content.mesh_items;
+          content.drawn_triangles += triangles;
+          if (meshes.insert(mesh.index).second) ++content.meshes, content.mesh_triangles += triangles;
+        }
+      });
+  for (std::size_t i = 0; i < scene.material_slots(); ++i) {
+    const core::MaterialId material = scene.material_at(i);
+    if (!material.valid()) continue;
+    ++content.materials;
+    content.transparent += scene.material(material).alpha < 1.0f;
+  }
+  content.bounds = scene.bounds(scene.root(), ~std::uint32_t{0});
+  return content;
+}
+
+void add_items(const Report& report, const Content& content, Section& section) {
+  const importers::ImportReport& imported = report.model().report;
+  Rows rows;
+  for (int k = 0; k < core::kKindCount; ++k) {
+    const std::uint64_t count = imported.items[std::size_t(k)];
+    if (count == 0) continue;
+    std::string name(core::name_of(core::Kind(k)));
+    std::replace(name.begin(), name.end(), '_', ' ');
+    rows.push_back(
+        {name, count_words(count), percent(double(count) / double(std::max<std::uint64_t>(1, content.items)))});
+  }
+  rows.push_back({"all", count_words(content.items), ""});
+  section.html.table(
+      {"kind", "items", "share"}, rows,
+      {"Items by kind; " + count_words(imported.degenerate) + " of them have no volume.", report.command("info", "")});
+  section.figures["items"] = items_json(imported.items);
+  section.figures["degenerate"] = imported.degenerate;
+}
+
+void add_content(const Report& report, const Content& content, Section& section) {
+  const importers::ImportReport& imported = report.model().report;
+  Rows rows = {
+      {"nodes", count_words(report.scene().node_count())},
+      {"mesh items", count_words(content.mesh_items)},
+      {"meshes", count_words(content.meshes)},
+      {"triangles of all meshes", count_words(content.mesh_triangles)},
+      {"triangles of all mesh items", count_words(content.drawn_triangles)},
+      {"materials (transparent)", count_words(content.materials) + " (" + count_words(content.transparent) + ")"},
+      {"hidden items", count_words(content.hidden)},
+      {"bytes read", bytes_words(imported.bytes)},
+      {"length of the files' unit, m", number(imported.metres_per_unit)}};
+  if (!content.bounds.empty()) {
+    rows.push_back({"least corner, m", place_words(content.bounds.min)});
+    rows.push_back({"greatest corner, m", place_words(content.bounds.max)});
+    rows.push_back({"size, m", place_words(content.bounds.max - content.bounds.min)});
+    rows.push_back({"items too far out for views of the whole", count_words(report.fitted().outliers)});
+  }
+  section.html.table({"", ""}, rows, {"Content of the scene.", report.command("info", "")});
+  section.figures["nodes"] = report.scene().node_count();
+  section.figures["meshes"] = content.meshes;
+  section.figures["mesh_items"] = content.mesh_items;
+  section.figures["triangles"] = {{"meshes", content.mesh_triangles}, {"items", content.drawn_triangles}};
+  section.figures["materials"] = content.materials;
+  section.figures["bytes"] = imported.bytes;
+}
+
+void add_times(const Report& report, Section& section) {
+  const LoadTimes& t = report.times();
+  section.html.table({"phase", "ms"},
+                     {{"read files into the scene", number(t.read)},
+                      {"check and publish the scene (commit)", number(t.commit)},
+                      {"make the GL context", number(t.context)},
+                      {"make the engine: snapshot, hierarchy, GPU memory, programs", number(t.engine)},
+                      {"- of that, snapshot (measured apart)", number(t.snapshot)},
+                      {"- of that, hierarchy (measured apart)", number(t.hierarchy)},
+                      {"draw the first frame", number(t.first_frame)},
+                      {"first image, all together", number(t.first_image())}},
+                     {"Time from the files to the first image, " + report.options().size + " pixels, one run.",
+                      "time " + report.command("render", report.size_option() + " --out first.png")});
+  section.figures["load_ms"] = {
+      {"read", t.read},       {"commit", t.commit}, {"snapshot", t.snapshot},       {"hierarchy", t.hierarchy},
+      {"context", t.context}, {"engine", t.engine}, {"first_frame", t.first_frame}, {"first_image", t.first_image()}};
+}
+
+void add_memory(const Report& report, Section& section) {
+  const engine::MemoryReport m = report.engine().memory();
+  const auto per_item = [&](std::size_t bytes) {
+    return number(double(bytes) / double(std::max<std::size_t>(1, report.scene().item_count())));
+  };
+  Rows rows;
+  for (const auto& [name, bytes] : {std::pair("scene", m.scene),
+                                    {"snapshot", m.snapshot},
+                                    {"hierarchy", m.bvh},
+                                    {"GPU, pictures with ids included", m.gpu}})
+    rows.push_back({name, bytes_words(bytes), per_item(bytes)});
+  section.html.table({"part", "memory", "bytes an item"}, rows,
+                     {"Memory of the engine.", report.command("replay", "--frames 2 " + report.size_option())});
+  section.figures["memory_bytes"] = {
+      {"scene", m.scene}, {"snapshot", m.snapshot}, {"hierarchy", m.bvh}, {"gpu", m.gpu}};
+}
+
+void add_warnings(const Report& report, Section& section) {
+  constexpr std::size_t kShown = 20;
+  const auto& warnings = report.model().report.warnings;
+  section.figures["warnings"] = warnings_json(warnings);
+  if (warnings.empty()) {
+    section.html.paragraph("The import has no warnings.");
+    return;
+  }
+  Rows rows;
+  for (std::size_t i = 0; i < std::min(kShown, warnings.size()); ++i)
+    rows.push_back({warnings[i].file, count_words(warnings[i].offset), warnings[i].message});
+  section.html.text_table(
+      {"file", "byte", "warning"}, rows,
+      {"Warnings of the import, " + std::to_string(rows.size()) + " of " + count_words(warnings.size()) + ".",
+       report.command("info", "--json -")});
+}
+
+/// A colour for each item, away from white, which is the background.
+image::Image item_colours(const image::IdImage& ids) {
+  image::Image out{ids.width, ids.height, std::vector<std::uint8_t>(3 * ids.ids.size(), 255)};
+  for (std::size_t i = 0; i < ids.ids.size(); ++i) {
+    std::uint32_t hash = ids.ids[i];
+    if (hash == 0) continue;
+    hash = (hash ^ hash >> 16) * 0x7feb352du;
+    hash = (hash ^ hash >> 15) * 0x846ca68bu;
+    hash ^= hash >> 16;
+    for (unsigned c = 0; c < 3; ++c) out.pixels[3 * i + c] = std::uint8_t(30 + (hash >> (8 * c) & 255u) * 190 / 255);
+  }
+  return out;
+}
+
+}  // namespace
+
+core::Expected<Section> model_section(const Report& report, const SectionProgress&) {
+  Section section;
+  const Content content = content_of(report.scene());
+  std::vector<std::string> files;
+  for (const std::string& file : report.options().model.files) files.push_back(file);
+  section.html.list(files);
+  add_items(report, content, section);
+  add_content(report, content, section);
+  add_times(report, section);
+  add_memory(report, section);
+  add_warnings(report, section);
+  section.headline = count_words(content.items) + " items, " + count_words(content.drawn_triangles) +
+                     " triangles in meshes; first image after " + number(report.times().first_image()) + " ms.";
+  return section;
+}
+
+core::Expected<Section> plan_section(const Report& report, const SectionProgress&) {
+  Section section;
+  const engine::Plan& plan = report.engine().plan();
+  Rows rows;
+  std::size_t used = 0;
+  for (const engine::PlanEntry& entry : plan.entries) {
+    used += entry.used;
+    rows.push_back({entry.feature, entry.used ? "used" : "left out", entry.why});
+    section.figures["entries"].push_back({{"feature", entry.feature}, {"used", entry.used}, {"why", entry.why}});
+  }
+  section.figures["culler"] = name_of(plan.culler);
+  section.html.text_table({"feature", "", "why"}, rows,
+                          {"What the engine uses for this model, and what it leaves out. What is left out costs no "
+                           "memory, no shader and no time.",
+                           report.command("render", "--explain --ids items.png " + report.size_option())});
+  section.headline = "culler " + std::string(name_of(plan.culler)) + "; " + std::to_string(used) + " of " +
+                     std::to_string(rows.size()) + " features used.";
+  return section;
+}
+
+core::Expected<Section> pictures_section(const Report& report, const SectionProgress& progress) {
+  Section section;
+  if (report.empty()) {
+    section.left_out = "the scene has nothing to draw";
+    return section;
+  }
+  section.html.paragraph(
+      "Pictures at the left show the model as it is drawn, those at the right each item in a colour of its own. The "
+      "tour is a camera path made for the model; this command writes it:");
+  section.html.commands(report.command("replay", std::string("--no-render --frames 2 --save-path ") + kTourFile));
+  for (const ReportView& place : report.views()) {
+    const auto frame = report.engine().frame(place.view);
+    if (!frame) return tl::unexpected(frame.error());
+    auto colour = report.engine().read_colour();
+    if (!colour) return tl::unexpected(colour.error());
+    const auto ids = report.engine().read_ids();
+    if (!ids) return tl::unexpected(ids.error());
+    const std::size_t seen = owners(*ids);
+    const std::array pictures{LabelledPicture{place.name, std::move(*colour)},
+                              LabelledPicture{"items, " + place.name, item_colours(*ids)}};
+    auto done = section.html.pictures(pictures, {count_words(seen) + " items own a pixel.",
+                                                 report.command("render", place.options + " " + report.size_option() +
+                                                                              " --out picture.png --ids items.png")});
+    if (!done) return tl::unexpected(done.error());
+    section.figures["views"].push_back({{"name", place.name}, {"owners", seen}});
+    progress(double(section.figures["views"].size()) / double(report.views().size()));
+  }
+  section.headline = "overview and " + std::to_string(report.views().size() - 1) + " places of the tour.";
+  return section;
+}
+
+}  // namespace sightline::apps

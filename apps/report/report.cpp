@@ -1,0 +1,201 @@
+#include "sightline/apps/report/report.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "sightline/apps/common/svg_canvas.h"
+#include "sightline/culling/cpu_culler.h"
+
+namespace sightline::apps {
+namespace {
+
+/// Runs `step` and returns how long it took.
+template <class Step>
+double timed(const Step& step) {
+  const double begin = now_ms();
+  step();
+  return now_ms() - begin;
+}
+
+}  // namespace
+
+core::Expected<Report> Report::create(const ReportOptions& options) {
+  Report report(options);
+  const auto size = parse_size(options.size);
+  if (!size) return tl::unexpected(size.error());
+  report.size_ = *size;
+  if (auto done = report.load(); !done) return tl::unexpected(done.error());
+  if (auto done = report.find_views(); !done) return tl::unexpected(done.error());
+  return report;
+}
+
+core::Expected<void> Report::load() {
+  double begin = now_ms();
+  const auto lap = [&begin] {
+    const double end = now_ms();
+    return end - std::exchange(begin, end);
+  };
+  auto model = load_model(options_.model);
+  if (!model) return tl::unexpected(model.error());
+  model_ = std::move(*model);
+  times_.read = lap();
+  if (auto delta = scene().commit(); !delta) return tl::unexpected(delta.error());
+  times_.commit = lap();
+  {
+    const core::Snapshot snapshot(scene());
+    times_.snapshot = lap();
+    times_.hierarchy = timed([&] { const culling::CpuCuller culler(snapshot.bounds()); });
+    fitted_ = snapshot.bounds().fitted_bounds();
+    tour_ = core::make_tour(snapshot.bounds(), fitted_);
+  }
+  lap();
+  auto context = gl::Context::create_offscreen();
+  if (!context) return tl::unexpected(context.error());
+  context_ = std::make_unique<gl::Context>(std::move(*context));
+  times_.context = lap();
+  engine::EngineConfig config = engine_config();
+  config.ids = true;
+  auto engine = engine::Engine::create(scene(), config);
+  if (!engine) return tl::unexpected(engine.error());
+  engine_ = std::make_unique<engine::Engine>(std::move(*engine));
+  times_.engine = lap();
+  const auto view = core::View::fit(fitted_.bounds, core::kOverviewDirection, kFovy, aspect());
+  if (!view) return tl::unexpected(view.error());
+  if (auto frame = engine_->frame(*view); !frame) return tl::unexpected(frame.error());
+  engine_->finish();
+  times_.first_frame = lap();
+  return {};
+}
+
+core::Expected<void> Report::find_views() {
+  const auto overview = core::View::fit(fitted_.bounds, core::kOverviewDirection, kFovy, aspect());
+  if (!overview) return tl::unexpected(overview.error());
+  views_.push_back({"overview", *overview, "--fit"});
+  if (empty()) return {};
+  struct Candidate {
+    int frame;
+    core::View view;
+    std::size_t items, pixels;
+  };
+  constexpr int kStep = 5;
+  std::vector<Candidate> candidates;
+  for (int frame = kStep; frame < kTourFrames - 1; frame += kStep) {
+    auto view = tour_.view(tour_.time_of(frame, kTourFrames), aspect());
+    if (!view) return tl::unexpected(view.error());
+    if (auto drawn = engine_->frame(*view); !drawn) return tl::unexpected(drawn.error());
+    const auto ids = engine_->read_ids();
+    if (!ids) return tl::unexpected(ids.error());
+    const auto background = std::size_t(std::count(ids->ids.begin(), ids->ids.end(), 0u));
+    candidates.push_back({frame, *view, owners(*ids), ids->ids.size() - background});
+  }
+  // One place that shows many items, and one where they fill the picture.
+  for (std::size_t Candidate::*figure : {&Candidate::items, &Candidate::pixels}) {
+    const auto best = std::max_element(candidates.begin(), candidates.end(),
+                                       [&](const auto& a, const auto& b) { return a.*figure < b.*figure; });
+    const int frame = best->frame;
+    views_.push_back({"tour at " + std::to_string(frame) + " %", best->view,
+                      std::string("--path ") + kTourFile + " --frames " + std::to_string(kTourFrames) + " --frame " +
+                          std::to_string(frame)});
+    std::erase_if(candidates, [&](const Candidate& c) { return std::abs(c.frame - frame) < 3 * kStep; });
+  }
+  return {};
+}
+
+engine::EngineConfig Report::engine_config() const {
+  engine::EngineConfig config;
+  config.draw = true;
+  config.width = width();
+  config.height = height();
+  config.context = context_.get();
+  return config;
+}
+
+core::Expected<std::vector<core::View>> Report::tour_views(int frames) const {
+  std::vector<core::View> views;
+  for (int i = 0; i < frames; ++i) {
+    auto view = tour_.view(tour_.time_of(i, frames), aspect());
+    if (!view) return tl::unexpected(view.error());
+    views.push_back(*view);
+  }
+  return views;
+}
+
+std::string Report::command(const std::string& tool, const std::string& arguments) const {
+  std::string line = "sightline-" + tool;
+  for (const std::string& file : options_.model.files) line += " " + shell_word(file);
+  if (!options_.model.translate.empty()) line += " --translate " + shell_word(options_.model.translate);
+  line += import_arguments(options_.model.import);
+  return arguments.empty() ? line : line + " " + arguments;
+}
+
+std::string Report::section_command(const std::string& section) const {
+  return command("report", size_option() + " --frames " + std::to_string(options_.frames) + " --sections " + section +
+                               " --out report.html");
+}
+
+std::size_t owners(const image::IdImage& ids) {
+  std::vector<std::uint32_t> seen = ids.ids;
+  std::sort(seen.begin(), seen.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  return seen.size() - std::size_t(!seen.empty() && seen.front() == 0);
+}
+
+core::Expected<std::array<int, 2>> parse_report_size(const std::string& text) {
+  auto size = parse_size(text);
+  if (size && ((*size)[0] < 64 || (*size)[1] < 36))
+    return core::fail("expected 64x36 at least, found \"" + text + "\"");
+  return size;
+}
+
+std::string shell_word(const std::string& word) {
+  constexpr const char* kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,:=+-";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? "'\\''" : std::string(1, c);
+  return out + "'";
+}
+
+double now_ms() {
+  using Clock = std::chrono::steady_clock;
+  return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
+}
+
+std::string count_words(std::uint64_t count) {
+  std::string digits = std::to_string(count);
+  for (std::ptrdiff_t at = std::ptrdiff_t(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), ",");
+  return digits;
+}
+
+std::string number(double value) {
+  if (std::abs(value) >= 1000.0 && std::abs(value) < 1e7)
+    return (value < 0.0 ? "-" : "") + count_words(std::uint64_t(std::llround(std::abs(value))));
+  std::string text = short_number(value);
+  const std::size_t exponent = text.find('e');
+  if (exponent == std::string::npos) return text;
+  const int power = std::stoi(text.substr(exponent + 1));
+  constexpr const char* kSuperscripts[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string out = text.substr(0, exponent) + "·10" + (power < 0 ? "⁻" : "");
+  for (const char digit : std::to_string(std::abs(power))) out += kSuperscripts[digit - '0'];
+  return out;
+}
+
+std::string percent(double share) {
+  return number(100.0 * share) + " %";
+}
+
+image::Image differences_on_white(const image::Image& a, const image::Image& b) {
+  image::Image out = image::difference_image(a, b);
+  for (std::uint8_t& value : out.pixels) value = std::uint8_t(255 - value);
+  return out;
+}
+
+std::string bytes_words(std::size_t bytes) {
+  constexpr const char* kUnits[] = {" bytes", " KiB", " MiB", " GiB"};
+  double value = double(bytes);
+  std::size_t unit = 0;
+  for (; value >= 1024.0 && unit + 1 < std::size(kUnits); ++unit) value /= 1024.0;
+  return number(value) + kUnits[unit];
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,145 @@
+// What the sections of a report share: the loaded model, the views that it is drawn from, and how figures are written.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/report/html_page.h"
+#include "sightline/core/camera_path.h"
+#include "sightline/engine/engine.h"
+#include "sightline/gl/context.h"
+
+namespace sightline::apps {
+
+using Json = nlohmann::ordered_json;
+
+struct ReportOptions {
+  ModelOptions model;
+  std::string out, size = "640x360", json;
+  std::vector<std::string> sections;  ///< ids; empty: all
+  int frames = 60;                    ///< of the tour
+};
+
+/// Milliseconds of wall clock.
+struct LoadTimes {
+  double read = 0.0, commit = 0.0, snapshot = 0.0, hierarchy = 0.0;
+  double context = 0.0, engine = 0.0, first_frame = 0.0;
+
+  /// From the files to the first picture. The engine makes its own snapshot and hierarchy.
+  double first_image() const { return read + commit + context + engine + first_frame; }
+};
+
+/// A place from which pictures are taken.
+struct ReportView {
+  std::string name;
+  core::View view;
+  std::string options;  ///< that make sightline-render show it
+};
+
+/// Frames that the tour is divided into for single pictures, so that a frame's number is per cent; and the file with
+/// the tour in commands.
+inline constexpr int kTourFrames = 101;
+inline constexpr const char* kTourFile = "tour.json";
+
+/// The model with everything that several sections need.
+class Report {
+ public:
+  /// Loads the model and draws a first frame.
+  static core::Expected<Report> create(const ReportOptions& options);
+
+  const ReportOptions& options() const { return options_; }
+  const Model& model() const { return model_; }
+  core::Scene& scene() const { return *model_.scene; }
+  const LoadTimes& times() const { return times_; }
+  gl::Context& context() const { return *context_; }
+  /// With ids, and otherwise as engines are by default.
+  engine::Engine& engine() const { return *engine_; }
+  const core::Snapshot& snapshot() const { return engine_->snapshot(); }
+  const core::FittedBounds& fitted() const { return fitted_; }
+  const core::CameraPath& tour() const { return tour_; }
+  const std::vector<ReportView>& views() const { return views_; }
+  int width() const { return size_[0]; }
+  int height() const { return size_[1]; }
+  double aspect() const { return double(size_[0]) / size_[1]; }
+  /// Nothing that could be drawn.
+  bool empty() const { return snapshot().size() == snapshot().vacant_count(); }
+
+  /// For an engine of its own in the shared context.
+  engine::EngineConfig engine_config() const;
+  /// The views of `frames` evenly spaced frames of the tour.
+  core::Expected<std::vector<core::View>> tour_views(int frames) const;
+  /// A command line of a tool for the same model: "sightline-TOOL MODEL… ARGUMENTS".
+  std::string command(const std::string& tool, const std::string& arguments) const;
+  /// "--size 640x360"
+  std::string size_option() const { return "--size " + options_.size; }
+  /// This tool with one section, which measures the figures again.
+  std::string section_command(const std::string& section) const;
+
+ private:
+  explicit Report(const ReportOptions& options) : options_(options) {}
+  core::Expected<void> load();
+  core::Expected<void> find_views();
+
+  ReportOptions options_;
+  std::array<int, 2> size_{};
+  Model model_;
+  LoadTimes times_;
+  std::unique_ptr<gl::Context> context_;    // before the engine, which uses it
+  std::unique_ptr<engine::Engine> engine_;  // after the scene
+  core::FittedBounds fitted_;
+  core::CameraPath tour_;
+  std::vector<ReportView> views_;
+};
+
+struct Section {
+  HtmlBody html;
+  Json figures = Json::object();
+  std::string headline;
+  std::string left_out;  ///< why, when there is nothing to show
+};
+
+/// Called with the share of the section's work that is done.
+using SectionProgress = std::function<void(double)>;
+
+struct SectionMaker {
+  const char *id, *title;
+  core::Expected<Section> (*make)(const Report& report, const SectionProgress& progress);
+};
+core::Expected<Section> model_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> plan_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> pictures_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> culling_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> trace_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> options_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> error_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> stability_section(const Report& report, const SectionProgress& progress);
+
+// --- how figures are written -----------------------------------------------------------------------------------------
+
+/// Number of items that own a pixel.
+std::size_t owners(const image::IdImage& ids);
+/// WIDTHxHEIGHT, large enough for the measures of errors.
+core::Expected<std::array<int, 2>> parse_report_size(const std::string& text);
+/// A word of a shell command, quoted where necessary.
+std::string shell_word(const std::string& word);
+/// Steady clock, milliseconds.
+double now_ms();
+/// "12,345,678"
+std::string count_words(std::uint64_t count);
+/// Three significant digits or a whole number: "0.0123", "4.56", "12,345", "2.1·10⁻⁷".
+std::string number(double value);
+/// "12.3 %" of a share.
+std::string percent(double share);
+/// "1.2 MiB", with the unit that fits.
+std::string bytes_words(std::size_t bytes);
+
+/// Absolute differences, four times amplified; white where there are none. Sizes must be equal.
+image::Image differences_on_white(const image::Image& a, const image::Image& b);
+inline constexpr const char* kDifferenceLabel = "their difference, four times amplified; white: none";
+
+}  // namespace sightline::apps

@@ -1,0 +1,268 @@
+// sightline-report: the page is well-formed and holds all that it shows, for any model and any name.
+#include <cctype>
+#include <optional>
+#include <set>
+
+#include "sightline/tests/apps/render_test.h"
+#include "sightline/tests/support/test_data.h"
+
+namespace sightline::tests {
+namespace {
+
+/// Reads markup that is well-formed XML but for its first line: every tag is closed in order, attributes are quoted,
+/// references are known. Collects elements and attributes.
+class MarkupReader {
+ public:
+  explicit MarkupReader(const std::string& text) : text_(text) {
+    if (text_.rfind("<!DOCTYPE html>\n", 0) == 0)
+      at_ = 16;
+    else
+      fail("no document type");
+    while (!problem_ && at_ < text_.size()) text_[at_] == '<' ? tag() : content();
+    if (!problem_ && !open_.empty()) fail("<" + open_.back() + "> is not closed");
+  }
+
+  /// None for well-formed text.
+  const std::optional<std::string>& problem() const { return problem_; }
+  std::size_t count(const std::string& element) const { return elements_.count(element); }
+  const std::multimap<std::string, std::string>& attributes() const { return attributes_; }
+
+ private:
+  void fail(const std::string& what) { problem_ = what + " at byte " + std::to_string(at_); }
+  bool take(char c) {
+    if (at_ >= text_.size() || text_[at_] != c) return false;
+    ++at_;
+    return true;
+  }
+  std::string name() {
+    std::string out;
+    while (at_ < text_.size() && (std::isalnum(std::uint8_t(text_[at_])) || text_[at_] == '-')) out += text_[at_++];
+    return out;
+  }
+
+  void content() {
+    if (text_[at_] == '&') {
+      const std::size_t end = text_.find(';', at_);
+      static const std::set<std::string> known = {"&lt", "&gt", "&amp", "&quot", "&#39"};
+      if (end == std::string::npos || !known.count(text_.substr(at_, end - at_))) return fail("an unknown reference");
+    }
+    if (open_.empty() && !std::isspace(std::uint8_t(text_[at_]))) return fail("text outside of the document");
+    if (std::uint8_t(text_[at_]) < 0x20 && !std::isspace(std::uint8_t(text_[at_]))) return fail("a control character");
+    ++at_;
+  }
+
+  void tag() {
+    ++at_;
+    if (take('/')) {
+      const std::string closed = name();
+      if (open_.empty() || open_.back() != closed || !take('>')) return fail("</" + closed + "> closes nothing");
+      open_.pop_back();
+      return;
+    }
+    const std::string element = name();
+    if (element.empty()) return fail("a stray <");
+    elements_.insert(element);
+    while (take(' ') || take('\n')) {
+      const std::string attribute = name();
+      if (!take('=') || !take('"')) return fail("attribute \"" + attribute + "\" has no value");
+      const std::size_t end = text_.find_first_of("\"<", at_);
+      if (attribute.empty() || end == std::string::npos || text_[end] != '"') return fail("a bad attribute");
+      attributes_.emplace(attribute, text_.substr(at_, end - at_));
+      at_ = end + 1;
+    }
+    const bool closed = take('/');
+    if (!take('>')) return fail("<" + element + "> does not end");
+    if (!closed) open_.push_back(element);
+  }
+
+  const std::string& text_;
+  std::size_t at_ = 0;
+  std::optional<std::string> problem_;
+  std::vector<std::string> open_;
+  std::multiset<std::string> elements_;
+  std::multimap<std::string, std::string> attributes_;
+};
+
+class ReportPage : public RenderTest {
+ protected:
+  struct Page {
+    std::string text;
+    Json figures;
+  };
+
+  /// Makes a small page, which must be well-formed and load nothing.
+  Page report(Args args) const {
+    const std::string out = path("report.html"), json = path("report.json");
+    args.insert(args.end(), {"--out", out, "--json", json, "--frames", "8"});
+    if (std::find(args.begin(), args.end(), "--size") == args.end()) args.insert(args.end(), {"--size", "96x64"});
+    const Outcome outcome = run("report", args);
+    EXPECT_EQ(outcome.code, 0) << outcome;
+    EXPECT_EQ(outcome.out, "");
+    Page page{read_bytes(out), Json::parse(read_bytes(json), nullptr, false)};
+    EXPECT_FALSE(page.figures.is_discarded());
+    check(page.text);
+    return page;
+  }
+
+  static void check(const std::string& text) {
+    const MarkupReader markup(text);
+    EXPECT_EQ(markup.problem().value_or(""), "");
+    for (const char* element : {"script", "link", "iframe", "object", "embed", "base", "form"})
+      EXPECT_EQ(markup.count(element), 0u) << element;
+    for (const auto& [name, value] : markup.attributes()) {
+      EXPECT_NE(name.rfind("on", 0), 0u) << "a handler: " << name;
+      EXPECT_TRUE(name != "src" || value.rfind("data:image/png;base64,", 0) == 0) << value.substr(0, 100);
+      EXPECT_TRUE(name != "href" || value.rfind('#', 0) == 0) << value;
+      EXPECT_EQ(value.find("url("), std::string::npos) << value;
+    }
+    EXPECT_EQ(text.find("@import"), std::string::npos);
+    EXPECT_EQ(text.find("url("), std::string::npos);
+    for (const char* bad : {">nan", ">inf", ">-nan", ">-inf"}) EXPECT_EQ(text.find(bad), std::string::npos) << bad;
+  }
+
+  /// Sections that were made, sorted; and those left out.
+  static std::vector<std::string> sections(const Page& page, bool left_out) {
+    std::vector<std::string> names;
+    for (const auto& [name, figures] : page.figures["sections"].items())
+      if (figures.contains("left_out") == left_out) names.push_back(name);
+    return names;
+  }
+};
+
+/// In the order of JSON.
+const std::vector<std::string> kAll = {"culling",  "error", "model",     "options",
+                                       "pictures", "plan",  "stability", "trace"};
+
+std::vector<std::string> all_but(const std::string& name) {
+  std::vector<std::string> names = kAll;
+  std::erase(names, name);
+  return names;
+}
+
+TEST_F(ReportPage, OfPrimitives) {
+  const Page page = report({data_path("small_plant.rvm")});
+  EXPECT_EQ(sections(page, false), kAll);
+  EXPECT_EQ(sections(page, true), std::vector<std::string>());
+  EXPECT_NE(page.text.find("sightline-info"), std::string::npos) << "commands give the figures again";
+  EXPECT_NE(page.text.find(page.figures["machine"]["renderer"].get<std::string>()), std::string::npos);
+  const Json info = run_json("info", {data_path("small_plant.rvm")});
+  EXPECT_EQ(page.figures["sections"]["model"]["items"], info["items"]);
+}
+
+/// Each step keeps what the step after it keeps, down to the items that own a pixel.
+TEST_F(ReportPage, CountsWhatEachStepKeeps) {
+  const Json culling = report({plant(2000), "--sections", "culling"}).figures["sections"]["culling"];
+  const auto mean = [&](const char* step) { return culling[step]["mean"].get<double>(); };
+  EXPECT_GT(mean("owners"), 0.0);
+  EXPECT_GE(mean("shown"), mean("owners"));
+  EXPECT_GE(mean("sampled"), mean("shown"));
+  EXPECT_GE(mean("visible"), mean("sampled"));
+  EXPECT_EQ(culling["owners"]["false_positives"], 0.0);
+  EXPECT_GE(culling["hidden_found"], 0.0);
+  EXPECT_LE(culling["hidden_found"], 1.0);
+}
+
+TEST_F(ReportPage, NothingIsLostByLeavingOut) {
+  const Json options = report({plant(2000), "--sections", "options"}).figures["sections"]["options"];
+  ASSERT_EQ(options["variants"].size(), 4u);
+  for (const Json& variant : options["variants"]) EXPECT_EQ(variant["wrong_ids"], 0) << variant;
+  EXPECT_EQ(options["pixels"], 8 * 96 * 64);
+}
+
+/// Finer triangles are less wrong; more samples come closer to 64 of them than half the resolution does.
+TEST_F(ReportPage, ErrorsFallWithEffort) {
+  const Json error = report({plant(1000), "--sections", "error", "--size", "320x180"}).figures["sections"]["error"];
+  const auto flip = [](const Json& variant) { return variant["flip"]["mean"].get<double>(); };
+  const Json& triangles = error["tessellation"];
+  ASSERT_GE(triangles.size(), 4u);
+  EXPECT_EQ(triangles[0]["label"], "ray-cast");
+  EXPECT_EQ(flip(triangles[0]), 0.0);
+  // Finest triangles are no better: rasterisers round their corners.
+  for (std::size_t i = 2; i < 4; ++i) EXPECT_LT(flip(triangles[i]), flip(triangles[i - 1])) << triangles;
+  const Json& samples = error["samples"];
+  ASSERT_GE(samples.size(), 2u);
+  EXPECT_LT(flip(samples[1]), flip(samples[0])) << samples;
+  EXPECT_LT(samples[1]["wrong_ids"], samples[0]["wrong_ids"]) << samples;
+  EXPECT_LT(samples[1]["wrong_ids"], 1e-4) << "the reference has seen the pixels' centres, too";
+  const Json& contribution = error["contribution"];
+  ASSERT_EQ(contribution.size(), 5u);
+  EXPECT_LT(contribution[0]["wrong_ids"], 1e-4) << "all items";
+  EXPECT_GT(contribution[4]["wrong_ids"], contribution[0]["wrong_ids"]) << contribution;
+  EXPECT_GT(flip(contribution[4]), flip(contribution[0])) << contribution;
+  for (const char* key : {"tessellation", "samples", "contribution"})
+    EXPECT_TRUE(std::any_of(error[key].begin(), error[key].end(), [](const Json& v) { return v["on_front"] == true; }));
+}
+
+TEST_F(ReportPage, DepthsAreThoseOfDoublePrecision) {
+  const Json stability = report({plant(2000), "--sections", "stability"}).figures["sections"]["stability"];
+  const Json& all = stability["depth"]["all"];
+  EXPECT_GT(all["pixels"], 1000);
+  EXPECT_LT(all["median"], 1e-6);
+  EXPECT_LT(all["p99"], 1e-5);
+  EXPECT_LT(all["misses"].get<double>(), 0.001 * all["pixels"].get<double>());
+  for (const auto& [name, range] : stability["ranges"].items()) EXPECT_EQ(range["within"], true) << name;
+}
+
+TEST_F(ReportPage, OfMeshesAlone) {
+  const std::string model = write("tetra.stl", stl_text({{{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}},
+                                                         {{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}},
+                                                         {{{0, 0, 0}, {0, 0, 1}, {0, 1, 0}}},
+                                                         {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}}));
+  const Page page = report({model});
+  EXPECT_EQ(sections(page, false), all_but("stability"));
+  EXPECT_EQ(sections(page, true), std::vector<std::string>{"stability"});
+  EXPECT_EQ(page.figures["sections"]["model"]["triangles"]["items"], 4);
+}
+
+TEST_F(ReportPage, OfNothing) {
+  const Page page = report({write("nothing.obj", "v 0 0 0\n")});
+  EXPECT_EQ(sections(page, false), (std::vector<std::string>{"model", "plan"}));
+  EXPECT_EQ(sections(page, true),
+            (std::vector<std::string>{"culling", "error", "options", "pictures", "stability", "trace"}));
+  EXPECT_NE(page.text.find("left out: "), std::string::npos);
+  EXPECT_EQ(page.text.find("<img"), std::string::npos);
+}
+
+TEST_F(ReportPage, EscapesNames) {
+  const std::string evil = "<script>alert(1)<!--\"'&amp;\x01\xff";
+  const std::string model =
+      write(evil + ".obj", "mtllib " + evil + ".mtl\nusemtl " + evil + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Page page = report({model});
+  EXPECT_EQ(page.text.find("<script"), std::string::npos);
+  EXPECT_NE(page.text.find("&lt;script&gt;alert(1)&lt;!--&quot;&#39;&amp;amp;"), std::string::npos);
+  EXPECT_FALSE(page.figures["sections"]["model"]["warnings"].empty()) << "the page shows text from the file, too";
+}
+
+TEST_F(ReportPage, HoldsTheChosenSectionsAlone) {
+  const Page page = report({data_path("small_plant.rvm"), "--sections", "plan,model"});
+  EXPECT_EQ(sections(page, false), (std::vector<std::string>{"model", "plan"}));
+  EXPECT_EQ(page.text.find("id=\"pictures\""), std::string::npos);
+}
+
+TEST_F(ReportPage, IsQuietOnRequest) {
+  const std::string model = write("a.obj", "mtllib missing.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Args args = {model, "--out", path("a.html"), "--sections", "plan"};
+  EXPECT_NE(run("report", args).err.find("missing.mtl"), std::string::npos);
+  Args quiet = args;
+  quiet.push_back("--quiet");
+  const Outcome outcome = run("report", quiet);
+  EXPECT_EQ(outcome.code, 0) << outcome;
+  EXPECT_EQ(outcome.err.find("warning"), std::string::npos) << outcome;
+}
+
+TEST_F(ReportPage, RefusesBadArguments) {
+  const std::string model = data_path("small_plant.rvm");
+  expect_usage_error("report", {model}, "--out");
+  for (const char* bad : {"0x5", "63x36", "64x35", "16385x100", "large", ""})
+    expect_usage_error("report", {model, "--out", "r.html", "--size", bad}, "--size");
+  for (const char* bad : {"3", "-1", "many", "100001"})
+    expect_usage_error("report", {model, "--out", "r.html", "--frames", bad}, "--frames");
+  expect_usage_error("report", {model, "--out", "r.html", "--sections", "model,magic"}, "--sections");
+  const std::string bad = unwritable("r.html");
+  expect_failure("report", {model, "--out", bad}, bad);
+  expect_failure("report", {model, "--out", path("r.html"), "--json", bad}, bad);
+  EXPECT_FALSE(fs::exists(path("r.html")));
+}
+
+}  // namespace
+}  // namespace sightline::tests
