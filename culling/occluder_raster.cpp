@@ -11,7 +11,7 @@
 
 #include "sightline/culling/internal/kernels.h"
 #include "sightline/culling/internal/occluder_area.h"
-#include "sightline/culling/internal/screen_view.h"
+#include "sightline/culling/sample_test.h"
 
 namespace sightline::culling {
 namespace {
@@ -359,7 +359,7 @@ bool cover_polygon(OccluderImage& image, std::span<const Corner> corners, int tu
 bool at_outline(const Polygon& polygon, const Polygon::Face& face) {
   const auto beyond = [&](const Polygon::Side& side) {
     const Corner &p = polygon.corners[side.from], &q = polygon.corners[side.to];
-    const double dx = q.x - p.x, dy = q.y - p.y, most = 0.5 * ScreenView::kSnap * (std::abs(dx) + std::abs(dy));
+    const double dx = q.x - p.x, dy = q.y - p.y, most = 0.5 * kCoarsestSnap * (std::abs(dx) + std::abs(dy));
     for (int i = 0; i < face.count; ++i) {
       const Corner& c = polygon.corners[face.corners[i]];
       if (!(dx * (c.y - p.y) - dy * (c.x - p.x) <= most)) return false;
@@ -388,7 +388,7 @@ bool cover_whole(OccluderImage& image, const Solid& solid, std::span<const Corne
   }
   for (std::size_t i = 0; i < solid.faces.size(); ++i)
     if (turns[i] == 0 && !at_outline(polygon, face_of(i))) polygon.face_count = 0;
-  return cover(image, polygon, ScreenView::kSnap);
+  return cover(image, polygon, kCoarsestSnap);
 }
 
 /// What lies in front of a polygon, in the picture. Changes the polygon.
@@ -428,7 +428,7 @@ bool cover_cut(OccluderImage& image, const Solid& solid, const Placement& placem
     }
     clip(placement, polygon, corners);
     if (corners.size() < 3) continue;
-    if (turn_of(corners, all_of(corners)) == turn) covers |= cover_polygon(image, corners, turn, ScreenView::kSnap);
+    if (turn_of(corners, all_of(corners)) == turn) covers |= cover_polygon(image, corners, turn, kCoarsestSnap);
   }
   return covers;
 }
