@@ -37,8 +37,8 @@ struct CullBatch;
 /// denormals to the driver (The OpenGL Shading Language 4.50, section 4.7.1). So no item of the CPU's set is ever
 /// missing. Each further item has a corner within that band of a plane: some 10^-6 of the scene's size.
 ///
-/// The same holds of the sample test, which GLSL evaluates with bands of its own (screen_box.glsl). What SampleTest
-/// would leave out is left out, but for boxes that these bands, thousandths of a pixel wide, bring to a sample.
+/// The same holds of the sample test, which GLSL evaluates with bands of its own (screen_box.glsl), and by rectangles
+/// alone, without the rays of pixels. So it keeps some items that SampleTest leaves out.
 ///
 /// Occlusion is tested in two passes a frame, and nothing pops: cull() finds what the frame before has found open, and
 /// once that is drawn, cull_others() tests everything in the view volume against its depth, and finds what is open
