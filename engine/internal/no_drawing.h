@@ -27,9 +27,10 @@ class Drawing {
     double gpu_ms = 0.0;
   };
   core::Expected<void> draw(const core::View&, const core::Snapshot&, const core::VisibleSet&, culling::SlotBits,
-                            const culling::Hierarchy*, std::uint64_t) {
+                            const culling::Hierarchy*, std::uint64_t, double) {
     return {};
   }
+  void picture_changed() {}
   core::Expected<void> cull(const core::View&, const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
   core::Expected<void> draw_culled(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
   core::Expected<void> update(const core::Snapshot&, const gpuprims::Joints&, std::span<const core::Slot>,
@@ -50,7 +51,7 @@ class Drawing {
   bool lost() const { return false; }
   bool software() const { return false; }
   struct Counts {
-    std::int64_t sampled = 0, shown = 0;
+    std::int64_t sampled = 0, shown = 0, small = 0, pending = 0;
   };
   Counts counts() const { return {}; }
   void frame_took(double) {}
