@@ -15,12 +15,6 @@ using gpuprims::Texel;
 
 constexpr std::uint32_t kHeadroom = 64;  // spare records, besides an eighth of the present ones
 
-/// Row in the material table. Row 0 is for items that name no material; the materials follow in scene order.
-std::uint32_t material_row(const Snapshot& snapshot, Slot slot) {
-  const std::uint32_t material = snapshot.material(slot);
-  return material == core::kNone ? 0u : (material + 1) & gpuprims::kMaterialMask;
-}
-
 /// Packs the records of `slots`. The result has room for `capacity` records.
 std::vector<Texel> pack_slots(const Snapshot& snapshot, const gpuprims::Joints& joints, BatchKind kind,
                               std::span<const Slot> slots, std::size_t capacity) {
@@ -54,6 +48,11 @@ core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, const 
 }
 
 }  // namespace
+
+std::uint32_t GpuScene::material_row(const Snapshot& snapshot, Slot slot) {
+  const std::uint32_t material = snapshot.material(slot);
+  return material == core::kNone ? 0u : (material + 1) & gpuprims::kMaterialMask;
+}
 
 std::uint32_t GpuScene::rank(const Snapshot& snapshot, BatchKind kind, Slot slot) {
   std::uint32_t rank = 0;

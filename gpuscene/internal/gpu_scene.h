@@ -74,6 +74,8 @@ class GpuScene {
   /// Writes a slot's record to `out`, texels_per_record() of its batch.
   static void pack(const core::Snapshot& snapshot, const gpuprims::Joints& joints, core::Slot slot,
                    std::span<gpuprims::Texel> out);
+  /// An item's row in materials(). Row 0 is for items that name no material; the materials follow in scene order.
+  static std::uint32_t material_row(const core::Snapshot& snapshot, core::Slot slot);
   /// Number of items of a batch in slots below `slot`. Constant time.
   static std::uint32_t rank(const core::Snapshot& snapshot, BatchKind kind, core::Slot slot);
   /// Place of an item's record in its batch. Equals rank() of its own slot, but is faster.

@@ -22,19 +22,31 @@ bool dithered_away(uint word, uint id) {
   return alpha < (float(rank) + 0.5) / 16.0;
 }
 
+// Lights a surface that faces `n`, with the mean of the head-light's cosine, of its power of 24 and of the sky's share
+// over what is shown.
+void write_lit(vec3 n, float head, float gloss, float sky, uint word, uint id) {
+  float light = 0.30 + 0.50 * head + 0.25 * sky;
+  out_colour = vec4(min(material_of(word).rgb * light + 0.12 * gloss, vec3(1.0)), 1.0);
+  out_id = id + 1u;
+#ifdef NORMALS
+  out_normal = vec4(n, 0.0);
+#endif
+}
+
 void write_surface(vec3 normal, vec3 direction, uint word, uint id) {
   vec3 to_viewer = normalize(-direction);
   float square = dot(normal, normal);
   vec3 n = square > 0.0 && square < 3.0e38 ? normal * inversesqrt(square) : to_viewer;
   if (dot(n, to_viewer) < 0.0) n = -n;  // both sides are lit: open pipes and cut solids show their inside
   float head = dot(n, to_viewer);
-  float sky = 0.5 + 0.5 * dot(n, view.up.xyz);
-  float light = 0.30 + 0.50 * head + 0.25 * sky;
   float square_head = head * head, eighth = square_head * square_head * square_head * square_head;
-  float gloss = 0.12 * eighth * eighth * eighth;  // the head-light's power of 24
-  out_colour = vec4(min(material_of(word).rgb * light + gloss, vec3(1.0)), 1.0);
-  out_id = id + 1u;
-#ifdef NORMALS
-  out_normal = vec4(n, 0.0);
-#endif
+  write_lit(n, head, eighth * eighth * eighth, 0.5 + 0.5 * dot(n, view.up.xyz), word, id);
+}
+
+// One colour for a solid that is too small to show its shape: the mean over the disc that a ball shows. There the
+// cosine's mean is 2 / 3, that of its power of 24 is 1 / 13, and that of the normal is 2 / 3 of the direction to the
+// viewer.
+void write_mean_surface(vec3 direction, uint word, uint id) {
+  vec3 to_viewer = normalize(-direction);
+  write_lit(to_viewer, 2.0 / 3.0, 1.0 / 13.0, 0.5 + dot(to_viewer, view.up.xyz) / 3.0, word, id);
 }
