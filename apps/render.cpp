@@ -211,6 +211,7 @@ core::Expected<int> render_model(const Options& o) {
                   {"shown", report->shown},
                   {"small", report->small},
                   {"pending", report->pending},
+                  {"squares", report->squares},
                   {"tested", report->tested},
                   {"culler", name_of(engine->plan().culler)}};
   if (!o.reference_ids.empty())

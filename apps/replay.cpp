@@ -148,6 +148,7 @@ json to_json(const Options& o, const engine::Engine& engine, const Flight& fligh
                              {"shown", f.report.shown},
                              {"small", f.report.small},
                              {"pending", f.report.pending},
+                             {"squares", f.report.squares},
                              {"tested", f.report.tested}});
   out["summary"] = {{"cull_ms", summary_json(flight.cull())},    {"draw_ms", summary_json(flight.draw())},
                     {"frame_ms", summary_json(flight.frame())},  {"visible", summary_json(flight.visible())},

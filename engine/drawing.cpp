@@ -57,8 +57,8 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   drawing->renders_ = config.draw;
   drawing->sample_test_ = config.sample_test;
   drawing->occlusion_ = config.occlusion;
-  drawing->contribution_ = config.contribution;
   drawing->budget_ms_ = config.budget_ms;
+  drawing->set_contribution(config.contribution, config.contribution_way);
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
     auto target = render::RenderTarget::create(drawing->context_, config.width, config.height,
@@ -106,6 +106,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
   was_large_.clear();
   budget_.reset();
   picture_changed();
+  small_items_.reset();
   culler_ = std::move(culler);
   scene_ = std::move(*scene);
   lists_ = std::move(*lists);
@@ -150,6 +151,7 @@ core::Expected<void> Drawing::update(const core::Snapshot& snapshot, const gpupr
   if (!scene_->append(snapshot, joints)) return rebuild(snapshot, joints, culler_.has_value());
   if (auto done = scene_->update_materials(context_, snapshot, materials); !done) return done;
   scene_->update(snapshot, touched, joints);
+  small_items_.update(snapshot, touched);
   return culler_ ? culler_->update(snapshot, *scene_, touched) : core::Expected<void>();
 }
 
@@ -193,6 +195,7 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
     if (auto done = draw_at_once(view, snapshot, large, lines); !done) return done;
   }
   counts_.small = &large == &visible ? 0 : std::int64_t(snapshot.count(visible)) - count;
+  if (auto done = draw_small(view, snapshot, visible); !done) return done;
   return submit(frame);
 }
 
@@ -211,6 +214,22 @@ const core::VisibleSet& Drawing::leave_out_small(const core::View& view, const c
   test.filter(bounds, *candidates, threshold, large_, was_large_, lines);
   culling::set_bits(large_, bounds.size(), was_large_);
   return large_;
+}
+
+core::Expected<void> Drawing::draw_small(const core::View& view, const core::Snapshot& snapshot,
+                                         const core::VisibleSet& visible) {
+  if (counts_.small == 0 || contribution_way_ == ContributionWay::kDrop) return {};
+  auto done = small_items_.draw(context_, view, snapshot, visible, was_large_, {contribution_way_, contribution_},
+                                *scene_, target_);
+  counts_.squares = std::int64_t(small_items_.drawn());
+  return done;
+}
+
+void Drawing::set_contribution(float pixels, ContributionWay way) {
+  if (pixels != contribution_) was_large_.clear();
+  picture_changed();
+  contribution_ = pixels;
+  contribution_way_ = way;
 }
 
 /// Between passes the depth is read back, which stalls a GPU, but is a copy in memory on a software rasteriser. Few
@@ -239,7 +258,8 @@ core::Expected<void> Drawing::draw_at_once(const core::View& view, const core::S
     culling::SampleTest(view, snapshot.bounds().origin, picture_samples(target_, snap()))
         .filter(snapshot.bounds(), visible, sampled_, lines);
   const core::VisibleSet& shown = sample_test_ ? sampled_ : visible;
-  counts_.sampled = counts_.shown = std::int64_t(snapshot.count(shown));
+  const auto drawn = std::int64_t(snapshot.count(shown));
+  counts_ = {drawn, drawn};
   if (auto done = lists_->update(snapshot, *scene_, shown, &view); !done) return done;
   return renderer_->draw(view, snapshot, *scene_, *lists_, target_);
 }
@@ -380,7 +400,7 @@ void Drawing::finish() {
 std::size_t Drawing::memory_bytes() const {
   std::size_t bytes = scene_->memory_bytes() + lists_->memory_bytes();
   if (culler_) bytes += culler_->memory_bytes();
-  if (renderer_) bytes += renderer_->memory_bytes() + target_.memory_bytes();
+  if (renderer_) bytes += renderer_->memory_bytes() + target_.memory_bytes() + small_items_.memory_bytes();
   return bytes;
 }
 

@@ -321,6 +321,7 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
       report.shown = drawing_->counts().shown;
       report.small = drawing_->counts().small;
       report.pending = drawing_->counts().pending;
+      report.squares = drawing_->counts().squares;
     }
   }
   if (hybrid_) hybrid_->measured(report, describe_walk());

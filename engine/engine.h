@@ -49,6 +49,8 @@ struct EngineConfig {
   /// Leave out of drawing items whose bounding box covers fewer pixels than this (culling/contribution.h: projected
   /// area, hysteresis; lines are exempt). 0: nothing is lost. Where the CPU culls.
   float contribution = 0.0f;
+  /// How these items are drawn. With a budget they are left out.
+  ContributionWay contribution_way = ContributionWay::kDrop;
   /// Milliseconds that a call of frame() may take; 0: any. While the view moves, the largest items are drawn first, and
   /// what the time does not suffice for is not drawn (FrameReport::pending). While view and scene stay the same, each
   /// frame draws more of it, until the picture is complete; then frames draw nothing. Where the CPU culls. Every frame
@@ -91,6 +93,7 @@ struct FrameReport {
   std::int64_t sampled = -1, shown = -1;
   /// Items in the view volume that are below EngineConfig::contribution; 0 without it.
   std::int64_t small = 0;
+  std::int64_t squares = 0;  ///< of these, drawn as one square: see EngineConfig::contribution_way
   /// Items in the view volume for which EngineConfig::budget_ms did not suffice: some of them may be hidden. 0: the
   /// picture is complete.
   std::int64_t pending = 0;

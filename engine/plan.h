@@ -40,6 +40,18 @@ constexpr std::string_view name_of(OcclusionChoice choice) {
   return choice == OcclusionChoice::kOff ? "off" : choice == OcclusionChoice::kOn ? "on" : "auto";
 }
 
+/// How items below EngineConfig::contribution are drawn.
+enum class ContributionWay : std::uint8_t {
+  kDrop,    ///< not at all
+  kPoints,  ///< each as one square of the area that it has on average over all directions
+  /// R. Cook, J. Halstead, M. Planck, D. Ryu, "Stochastic simplification of aggregate detail", 2007: a share of them,
+  /// each as one square that is as much larger. An item is in the share or not by its id, so none flickers.
+  kStochastic,
+};
+constexpr std::string_view name_of(ContributionWay way) {
+  return way == ContributionWay::kDrop ? "drop" : way == ContributionWay::kPoints ? "points" : "stochastic";
+}
+
 struct PlanEntry {
   std::string feature;
   bool used = false;

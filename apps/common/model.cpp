@@ -127,6 +127,7 @@ void ShownOptions::apply(engine::EngineConfig& config) const {
   config.occlusion = occlusion;
   config.contribution = contribution;
   config.budget_ms = budget_ms;
+  config.contribution_way = contribution_way;
 }
 
 void add_shown_options(CLI::App& app, ShownOptions& options) {
@@ -153,6 +154,16 @@ void add_shown_options(CLI::App& app, ShownOptions& options) {
                  "Milliseconds for a frame: the largest items first, and the rest while the camera rests; 0: any time")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
+  using engine::ContributionWay;
+  const auto way = [](ContributionWay w) { return std::pair(std::string(name_of(w)), w); };
+  static const std::map<std::string, ContributionWay> ways = {
+      way(ContributionWay::kDrop), way(ContributionWay::kPoints), way(ContributionWay::kStochastic)};
+  app.add_option_function<std::string>(
+         "--contribution-way", [&options](const std::string& name) { options.contribution_way = ways.at(name); },
+         "How items below --contribution are drawn: drop: not at all; points: each as one square of its area; "
+         "stochastic: a share of them as squares that are as much larger")
+      ->default_str("drop")
+      ->check(CLI::IsMember(ways));
 }
 
 void explain(const engine::Plan& plan) {

@@ -65,12 +65,14 @@ struct ShownOptions {
   bool sample_test = true;
   engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
   float contribution = 0.0f;
+  engine::ContributionWay contribution_way = engine::ContributionWay::kDrop;
   double budget_ms = 0.0;
 
   void apply(engine::EngineConfig& config) const;
 };
 
-/// --sample-test on|off, --occlusion on|off|auto, --contribution PX, --budget MS
+/// --sample-test on|off, --occlusion on|off|auto, --contribution PX, --contribution-way drop|points|stochastic,
+/// --budget MS
 void add_shown_options(CLI::App& app, ShownOptions& options);
 
 /// Prints to stderr which features are used and which are left out.

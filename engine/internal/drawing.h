@@ -12,6 +12,7 @@
 #include "sightline/engine/internal/budget_passes.h"
 #include "sightline/engine/internal/occlusion_passes.h"
 #include "sightline/engine/internal/occlusion_switch.h"
+#include "sightline/engine/internal/small_items.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {
@@ -38,10 +39,13 @@ class Drawing {
     std::int64_t sampled = 0, shown = 0;  // items that may cover a sample, -1 with the occlusion test; items drawn
     std::int64_t small = 0;               // items below the contribution that is asked for
     std::int64_t pending = 0;             // items that the budget did not suffice for
+    std::int64_t squares = 0;             // of the small ones, drawn as one square
   };
   const Counts& counts() const { return counts_; }
   /// The next draw() shows something else, though its view may be that of the last one: a budget begins anew.
   void picture_changed() { budget_view_.reset(); }
+  /// From the next draw() on: EngineConfig::contribution and contribution_way.
+  void set_contribution(float pixels, ContributionWay way);
   /// The time from the last draw() to the one that follows, or 0 where it says nothing of their cost.
   void frame_took(double ms);
 
@@ -113,6 +117,8 @@ class Drawing {
                                       const core::VisibleSet& visible, culling::SlotBits lines,
                                       const culling::Hierarchy* hierarchy, double deadline);
   core::Expected<void> draw_pass(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& pass);
+  core::Expected<void> draw_small(const core::View& view, const core::Snapshot& snapshot,
+                                  const core::VisibleSet& visible);
   core::Expected<void> submit(std::uint64_t frame);
 
   struct InFlight {
@@ -135,6 +141,8 @@ class Drawing {
   BudgetPasses budget_;
   std::optional<core::View> budget_view_;  // whose picture the target holds, complete or not
   bool refines_ = false;                   // the view has stayed, and the picture was begun anew with all candidates
+  ContributionWay contribution_way_ = ContributionWay::kDrop;
+  SmallItems small_items_;
   core::VisibleSet sampled_, large_, large_leaves_;
   std::vector<std::uint64_t> was_large_;  // a bit per slot, of the last frame
   OcclusionPasses passes_;

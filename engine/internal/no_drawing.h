@@ -51,7 +51,7 @@ class Drawing {
   bool lost() const { return false; }
   bool software() const { return false; }
   struct Counts {
-    std::int64_t sampled = 0, shown = 0, small = 0, pending = 0;
+    std::int64_t sampled = 0, shown = 0, small = 0, pending = 0, squares = 0;
   };
   Counts counts() const { return {}; }
   void frame_took(double) {}

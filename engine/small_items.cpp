@@ -1,0 +1,256 @@
+#include "sightline/engine/internal/small_items.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <unordered_map>
+#include <variant>
+
+namespace sightline::engine {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+double quadrangle(const core::dvec3& a, const core::dvec3& b, const core::dvec3& c, const core::dvec3& d) {
+  return 0.5 * glm::length(glm::cross(c - a, d - b));
+}
+
+// --- surfaces, in the primitive's own units
+// ---------------------------------------------------------------------------
+
+double surface(const core::Pyramid& p) {
+  core::dvec3 corners[2][4];
+  for (int end = 0; end < 2; ++end) {
+    const double sign = end == 0 ? -0.5 : 0.5, x = 0.5 * double(end == 0 ? p.bottom_x : p.top_x),
+                 y = 0.5 * double(end == 0 ? p.bottom_y : p.top_y);
+    const core::dvec3 middle = sign * core::dvec3(p.offset_x, p.offset_y, p.height);
+    for (int i = 0; i < 4; ++i) corners[end][i] = middle + core::dvec3(i == 1 || i == 2 ? x : -x, i >= 2 ? y : -y, 0.0);
+  }
+  double sum = quadrangle(corners[0][0], corners[0][1], corners[0][2], corners[0][3]) +
+               quadrangle(corners[1][0], corners[1][1], corners[1][2], corners[1][3]);
+  for (int i = 0; i < 4; ++i) {
+    const int next = (i + 1) % 4;
+    sum += quadrangle(corners[0][i], corners[0][next], corners[1][next], corners[1][i]);
+  }
+  return sum;
+}
+
+double surface(const core::Box& b) {
+  const double x = std::abs(b.size_x), y = std::abs(b.size_y), z = std::abs(b.size_z);
+  return 2.0 * (x * y + y * z + z * x);
+}
+
+double surface(const core::RectangularTorus& t) {
+  const double inner = std::abs(t.inner_radius), outer = std::abs(t.outer_radius), height = std::abs(t.height);
+  const double sweep = core::sweep_angle(t.angle), thick = std::abs(outer - inner);
+  const double ends = sweep < core::kFullTurn ? 2.0 * thick * height : 0.0;
+  return sweep * (inner + outer) * (height + thick) + ends;
+}
+
+double surface(const core::CircularTorus& t) {
+  const double tube = std::abs(t.tube_radius), sweep = core::sweep_angle(t.angle);
+  const double ends = sweep < core::kFullTurn ? 2.0 * kPi * tube * tube : 0.0;
+  return sweep * std::abs(double(t.major_radius)) * 2.0 * kPi * tube + ends;
+}
+
+/// Half of Thomsen's formula for the ellipsoid, off by 1 % at most.
+double surface(const core::EllipticalDish& d) {
+  constexpr double kPower = 1.6075;
+  const double r = std::abs(d.base_radius), h = std::abs(d.height);
+  const double both = std::pow(r * r, kPower), sides = std::pow(r * h, kPower);
+  return 2.0 * kPi * std::pow((both + 2.0 * sides) / 3.0, 1.0 / kPower) + kPi * r * r;
+}
+
+double surface(const core::SphericalDish& d) {
+  const double r = d.base_radius, h = d.height;
+  return kPi * (2.0 * r * r + h * h);
+}
+
+double surface(const core::Snout& s) {
+  const double bottom = std::abs(s.bottom_radius), top = std::abs(s.top_radius);
+  const double length = glm::length(core::dvec3(s.offset_x, s.offset_y, s.height));
+  return kPi * ((bottom + top) * std::hypot(bottom - top, length) + bottom * bottom + top * top);
+}
+
+double surface(const core::Cylinder& c) {
+  const double r = std::abs(c.radius), h = std::abs(c.height);
+  return 2.0 * kPi * r * (r + h);
+}
+
+double surface(const core::Sphere& s) {
+  return kPi * double(s.diameter) * double(s.diameter);
+}
+
+double surface(const core::Line&) {
+  return 0.0;
+}
+
+double surface(const core::Mesh& mesh) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const core::dvec3 a(mesh.positions[mesh.indices[i]]), b(mesh.positions[mesh.indices[i + 1]]),
+        c(mesh.positions[mesh.indices[i + 2]]);
+    sum += 0.5 * glm::length(glm::cross(b - a, c - a));
+  }
+  return sum;
+}
+
+double surface_of(const core::Snapshot& snapshot, core::Slot slot) {
+  return int(snapshot.kind(slot)) >= core::kPrimitiveKindCount
+             ? surface(snapshot.mesh(slot))
+             : std::visit([](const auto& p) { return surface(p); }, snapshot.primitive(slot));
+}
+
+float projected(double surface, const core::Snapshot& snapshot, core::Slot slot) {
+  const double volume = std::abs(glm::determinant(snapshot.world_from_item(slot).linear));
+  if (!(volume > 0.0)) return std::numeric_limits<float>::infinity();
+  const double scale = std::cbrt(volume);
+  return float(0.25 * surface * scale * scale);
+}
+
+/// Areas of items. Looks at each mesh once.
+class Measure {
+ public:
+  explicit Measure(const core::Snapshot& snapshot) : snapshot_(snapshot) {}
+
+  float operator()(core::Slot slot) {
+    const core::Kind kind = snapshot_.kind(slot);
+    if (snapshot_.vacant(slot)) return 0.0f;
+    if (int(kind) < core::kPrimitiveKindCount) return mean_projected_area(snapshot_, slot);
+    const std::uint32_t mesh = snapshot_.of_kind(kind).meshes[snapshot_.index_in_kind(slot)];
+    const auto [place, fresh] = of_mesh_.try_emplace(mesh);
+    if (fresh) place->second = surface_of(snapshot_, slot);
+    return projected(place->second, snapshot_, slot);
+  }
+
+ private:
+  const core::Snapshot& snapshot_;
+  std::unordered_map<std::uint32_t, double> of_mesh_;
+};
+
+// --- squares
+// ----------------------------------------------------------------------------------------------------------
+
+/// Where boxes lie in the picture and how large they are there.
+class Projection {
+ public:
+  Projection(const core::View& view, const core::dvec3& origin, int width, int height)
+      : width_(float(width)), height_(float(height)), perspective_(!view.orthographic()) {
+    const core::dmat4 eye = view.eye_from_world(), &clip = view.clip_from_eye();
+    const core::dvec3 moved(eye * core::dvec4(origin, 1.0));
+    linear_ = core::mat3(eye);
+    offset_ = core::vec3(moved);
+    x_ = {float(0.5 * width * clip[0][0]), float(0.5 * width * clip[2][0]), float(0.5 * width * clip[3][0])};
+    y_ = {float(0.5 * height * clip[1][1]), float(0.5 * height * clip[2][1]), float(0.5 * height * clip[3][1])};
+    w_ = {float(clip[2][3]), float(clip[3][3])};
+    scale_ = std::abs(x_.x * y_.x);
+  }
+
+  struct Place {
+    core::vec3 eye;  // of the centre
+    float x, y;      // of the centre, pixels from the lower left corner
+    float area;      // pixels
+  };
+  /// False when the centre is behind the eye or outside the picture.
+  bool project(const core::Aabb& box, float area, Place& place) const {
+    const core::vec3 centre = 0.5f * (box.min + box.max), size = box.max - box.min;
+    const core::vec3 e = linear_ * centre + offset_;
+    const float w = w_.x * e.z + w_.y;
+    if (!(w > 0.0f)) return false;
+    place.x = (x_.x * e.x + x_.y * e.z + x_.z) / w + 0.5f * width_;
+    place.y = (y_.x * e.y + y_.y * e.z + y_.z) / w + 0.5f * height_;
+    if (!(place.x >= 0.0f && place.x <= width_ && place.y >= 0.0f && place.y <= height_)) return false;
+    // The box from there: the areas of its faces times the cosines. What lies aside of the axis is drawn larger by one
+    // over the cosine, since the picture is flat.
+    const core::vec3 towards = perspective_ ? e / glm::length(e) : core::vec3(0.0f, 0.0f, -1.0f);
+    const core::vec3 cosines = glm::abs(towards * linear_);
+    const float seen = size.y * size.z * cosines.x + size.z * size.x * cosines.y + size.x * size.y * cosines.z;
+    place.area = std::min(area, seen) * scale_ / (w * w * -towards.z);
+    place.eye = e;
+    return true;
+  }
+
+ private:
+  float width_, height_;
+  bool perspective_;
+  core::mat3 linear_;
+  core::vec3 offset_, x_, y_;
+  glm::vec2 w_;
+  float scale_;
+};
+
+/// Whether the square of that side surely covers no pixel centre.
+bool between_centres(const Projection::Place& place, float side) {
+  constexpr float kMargin = 0.01f;
+  const float half = 0.5f * side + kMargin;
+  const auto none = [half](float at) { return std::floor(at - 0.5f + half) < at - 0.5f - half; };
+  return none(place.x) || none(place.y);
+}
+
+template <class Visit>
+void for_each_slot(const core::VisibleSet& visible, const Visit& visit) {
+  for (const core::SlotRange& range : visible.ranges)
+    for (core::Slot s = range.first; s < range.first + range.count; ++s) visit(s);
+  for (const core::Slot s : visible.items) visit(s);
+}
+
+}  // namespace
+
+float mean_projected_area(const core::Snapshot& snapshot, core::Slot slot) {
+  return projected(surface_of(snapshot, slot), snapshot, slot);
+}
+
+bool in_share(core::ItemId item, float share) {
+  // The last step of MurmurHash3 (A. Appleby): each bit of the id changes each bit of the result with probability 1/2.
+  std::uint32_t h = item + 0x9e3779b9u;
+  h = (h ^ h >> 16) * 0x85ebca6bu;
+  h = (h ^ h >> 13) * 0xc2b2ae35u;
+  h ^= h >> 16;
+  return float(h >> 8) * 0x1p-24f < share;
+}
+
+void SmallItems::grow(const core::Snapshot& snapshot) {
+  Measure measure(snapshot);
+  if (areas_.empty()) areas_.reserve(snapshot.size());
+  while (areas_.size() < snapshot.size()) areas_.push_back(measure(core::Slot(areas_.size())));
+}
+
+void SmallItems::update(const core::Snapshot& snapshot, std::span<const core::Slot> touched) {
+  if (areas_.empty()) return;
+  Measure measure(snapshot);
+  for (const core::Slot slot : touched)
+    if (slot < areas_.size()) areas_[slot] = measure(slot);
+}
+
+core::Expected<void> SmallItems::draw(const gl::Context& context, const core::View& view,
+                                      const core::Snapshot& snapshot, const core::VisibleSet& visible,
+                                      culling::SlotBits large, const Rule& rule, const gpuscene::GpuScene& scene,
+                                      const render::RenderTarget& target) {
+  if (!points_) {
+    auto points = render::PointSplats::create(context, target.format());
+    if (!points) return tl::unexpected(points.error());
+    points_ = std::move(*points);
+  }
+  grow(snapshot);
+  splats_.clear();
+  const core::ItemBounds& bounds = snapshot.bounds();
+  const Projection projection(view, bounds.origin, target.width(), target.height());
+  const bool one_sample = target.format().samples == 1;
+  const bool stochastic = rule.way == ContributionWay::kStochastic;
+  const float fixed_side = std::sqrt(rule.threshold);
+  for_each_slot(visible, [&](core::Slot slot) {
+    if (culling::contains(large, slot) || bounds.vacant(slot)) return;
+    Projection::Place place;
+    if (!projection.project(bounds.box(slot), areas_[slot], place)) return;
+    const core::ItemId item = snapshot.item(slot);
+    if (stochastic && !in_share(item, place.area / rule.threshold)) return;
+    const float side = stochastic ? fixed_side : std::sqrt(place.area);
+    if (one_sample && between_centres(place, side)) return;
+    splats_.push_back(
+        {place.eye, std::min(side, points_->largest_side()), item, gpuscene::GpuScene::material_row(snapshot, slot)});
+  });
+  return points_->draw(view, splats_, scene, target);
+}
+
+}  // namespace sightline::engine

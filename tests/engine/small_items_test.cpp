@@ -1,0 +1,249 @@
+// Squares in the place of small items: their areas, which items have one, and what pictures show of them.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "sightline/engine/internal/drawing.h"
+#include "sightline/gpuprims/internal/primitives.h"
+#include "sightline/tests/culling/scenes.h"
+#include "sightline/tests/support/gl_test.h"
+
+namespace sightline::engine {
+namespace {
+
+using core::dvec3;
+using core::ItemId;
+
+constexpr int kSize = 512, kSide = 64;              // pixels; items along each side of the grid
+constexpr double kHeight = 8.0;                     // of the view, metres
+constexpr double kPixel = kHeight / double(kSize);  // metres
+constexpr float kAll = 1e5f;                        // a contribution that no item here has
+
+/// Diameter of the ball that shows so many pixels.
+float diameter_of(double area) {
+  return float(kPixel * std::sqrt(4.0 * area / std::numbers::pi));
+}
+
+class SmallItemsTest : public tests::GlTest {
+ protected:
+  /// Balls on a grid eight pixels wide, up to half a pixel off it, each nearer than the one before.
+  void fill(double area) {
+    tests::Random random(3);
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const dvec3 jitter = tests::point(random, 0.5 * kPixel);
+      const dvec3 at(kPixel * (8.0 * (i % kSide) - 252.0), -1e-3 * i, kPixel * (8.0 * (i / kSide) - 252.0));
+      balls_.push_back(scene_.add_primitive(scene_.root(), core::Sphere{diameter_of(area)},
+                                            core::translation(at + jitter), i % 2 == 0 ? red_ : green_));
+    }
+  }
+  core::Expected<Engine> engine(ContributionWay way, float contribution, int samples = 1) {
+    EngineConfig config;
+    config.draw = config.ids = true;
+    config.culler = CullerChoice::kCpu;
+    config.width = config.height = kSize;
+    config.samples = samples;
+    config.contribution = contribution;
+    config.contribution_way = way;
+    config.context = &*context;
+    return Engine::create(scene_, config);
+  }
+  static core::View view() {
+    return *core::View::orthographic({{0, -10, 0}, {0, 0, 0}, {0, 0, 1}}, kHeight, 1.0, 0.0, 20.0);
+  }
+  /// Number of pixels of each item.
+  static std::map<ItemId, int> pixels(Engine& engine) {
+    std::map<ItemId, int> counts;
+    const image::IdImage ids = *engine.read_ids();
+    for (const std::uint32_t id : ids.ids)
+      if (id != 0) ++counts[id - 1];
+    return counts;
+  }
+
+  core::Scene scene_;
+  core::MaterialId red_ = scene_.add_material({.name = "red", .colour = {0.9f, 0.1f, 0.1f}});
+  core::MaterialId green_ = scene_.add_material({.name = "green", .colour = {0.1f, 0.9f, 0.1f}});
+  std::vector<ItemId> balls_;
+};
+
+TEST_F(SmallItemsTest, EachIsASquareOfItsAreaAtItsPlace) {
+  fill(9.0);
+  auto drawn = engine(ContributionWay::kPoints, kAll);
+  ASSERT_TRUE(drawn);
+  const auto report = drawn->frame(view());
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->small, kSide * kSide);
+  EXPECT_EQ(report->squares, kSide * kSide);
+  EXPECT_EQ(report->shown, 0);
+  const image::IdImage ids = *drawn->read_ids();
+  const image::DepthImage depth = *drawn->read_depth(view());
+  const image::Image colours = *drawn->read_colour();
+  for (std::size_t i = 0; i < ids.ids.size(); ++i) {
+    if (ids.ids[i] == 0) continue;
+    const dvec3 centre = scene_.placement(ids.ids[i] - 1).origin;
+    const double x = kPixel * (double(i % kSize) + 0.5 - 256.0), z = kPixel * (255.5 - double(i / kSize));
+    ASSERT_LT(std::abs(x - centre.x), 1.51 * kPixel);
+    ASSERT_LT(std::abs(z - centre.z), 1.51 * kPixel);
+    ASSERT_NEAR(depth.metres[i], 10.0 + centre.y, 1e-4);
+    ASSERT_EQ(colours.pixels[3 * i] > colours.pixels[3 * i + 1], ids.ids[i] % 2 == 1);
+  }
+  const std::map<ItemId, int> counts = pixels(*drawn);
+  ASSERT_EQ(counts.size(), balls_.size());
+  for (const auto& [item, count] : counts) ASSERT_EQ(count, 9) << item;
+}
+
+TEST_F(SmallItemsTest, SquaresBetweenPixelCentresAreNotDrawn) {
+  fill(0.25);
+  auto drawn = engine(ContributionWay::kPoints, kAll);
+  ASSERT_TRUE(drawn);
+  const auto report = drawn->frame(view());
+  ASSERT_TRUE(report);
+  const auto shown = double(pixels(*drawn).size()), count = double(balls_.size());
+  EXPECT_NEAR(shown, 0.25 * count, 4.0 * std::sqrt(0.25 * 0.75 * count));
+  EXPECT_NEAR(double(report->squares), shown, 0.05 * count);  // a little more: the test is conservative
+}
+
+TEST_F(SmallItemsTest, AShareOfThemKeepsTheArea) {
+  fill(0.5);
+  for (const float threshold : {2.0f, 4.0f, 16.0f}) {
+    SCOPED_TRACE(threshold);
+    auto drawn = engine(ContributionWay::kStochastic, threshold);
+    ASSERT_TRUE(drawn && drawn->frame(view()));
+    const std::map<ItemId, int> counts = pixels(*drawn);
+    const double expected = 0.5 * double(balls_.size()), share = 0.5 / double(threshold);
+    const double deviation = double(threshold) * std::sqrt(share * (1.0 - share) * double(balls_.size()));
+    double covered = 0.0;
+    for (const auto& [item, count] : counts) {
+      covered += count;
+      ASSERT_TRUE(in_share(item, float(share) * 1.001f)) << item;
+    }
+    EXPECT_NEAR(covered, expected, 4.0 * deviation);
+  }
+}
+
+TEST_F(SmallItemsTest, WithSeveralSamplesSmallSquaresDoNotGetLost) {
+  fill(0.5);
+  auto drawn = engine(ContributionWay::kPoints, kAll, 4), reference = engine(ContributionWay::kPoints, kAll);
+  ASSERT_TRUE(drawn && reference && reference->frame(view()));
+  const auto report = drawn->frame(view());
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->squares, kSide * kSide);
+  // How far pixels are from the background in blue, in which all balls are the same.
+  const auto changes = [](Engine& engine) {
+    const image::Image colours = *engine.read_colour();
+    std::vector<double> found;
+    for (std::size_t i = 2; i < colours.pixels.size(); i += 3)
+      found.push_back(std::abs(std::round(255.0 * 0.91) - colours.pixels[i]));
+    return found;
+  };
+  const std::vector<double> covered = changes(*drawn), whole = changes(*reference);
+  const double area =
+      std::accumulate(covered.begin(), covered.end(), 0.0) / *std::max_element(whole.begin(), whole.end());
+  EXPECT_NEAR(area, 0.5 * double(balls_.size()), 0.05 * 0.5 * double(balls_.size()));
+}
+
+TEST_F(SmallItemsTest, SectionsCutThemAtTheirCentres) {
+  fill(9.0);
+  auto drawn = engine(ContributionWay::kPoints, kAll);
+  ASSERT_TRUE(drawn);
+  core::View cut = view();
+  cut.sections = {{{1, 0, 0.3}, 0.2}};
+  ASSERT_TRUE(drawn->frame(cut));
+  const std::map<ItemId, int> counts = pixels(*drawn);
+  for (const ItemId item : balls_) {
+    const dvec3 centre = scene_.placement(item).origin;
+    const double inside = centre.x + 0.3 * centre.z + 0.2;
+    if (std::abs(inside) > 1e-4) {
+      ASSERT_EQ(counts.contains(item), inside > 0.0) << item;
+    }
+  }
+}
+
+TEST_F(SmallItemsTest, FollowEdits) {
+  fill(9.0);
+  auto drawn = engine(ContributionWay::kPoints, kAll);
+  ASSERT_TRUE(drawn && drawn->frame(view()));
+  const ItemId larger = balls_[100], moved = balls_[200], removed = balls_[300];
+  core::Affine place = scene_.placement(larger);
+  place.linear *= 2.0;
+  scene_.set_placement(larger, place);
+  place = scene_.placement(moved);
+  place.origin.x += 4.0 * kPixel;
+  scene_.set_placement(moved, place);
+  scene_.remove_item(removed);
+  const ItemId added =
+      scene_.add_primitive(scene_.root(), core::Sphere{diameter_of(25.0)}, core::translation({0.0, -9.0, 0.0}), red_);
+  ASSERT_TRUE(drawn->commit());
+  ASSERT_TRUE(drawn->frame(view()));
+  std::map<ItemId, int> counts = pixels(*drawn);
+  EXPECT_EQ(counts[larger], 36);
+  EXPECT_EQ(counts[moved], 9);
+  EXPECT_EQ(counts.contains(removed), false);
+  EXPECT_EQ(counts[added], 25);
+  ASSERT_TRUE(drawn->rebuild());  // another order of the items
+  ASSERT_TRUE(drawn->frame(view()));
+  EXPECT_EQ(pixels(*drawn)[larger], 36);
+}
+
+TEST_F(SmallItemsTest, CostNothingWhileNoneIsDrawn) {
+  fill(9.0);
+  auto plain = engine(ContributionWay::kDrop, 1.0f), points = engine(ContributionWay::kPoints, 1.0f);
+  ASSERT_TRUE(plain && points);
+  ASSERT_TRUE(plain->frame(view()) && points->frame(view()));
+  EXPECT_EQ(points->memory().gpu, plain->memory().gpu);
+  auto used = engine(ContributionWay::kPoints, kAll);
+  ASSERT_TRUE(used && used->frame(view()));
+  EXPECT_GT(used->memory().gpu, plain->memory().gpu);
+}
+
+// --- without GL
+// -------------------------------------------------------------------------------------------------------
+
+TEST(SmallItems, AreaIsAQuarterOfTheSurface) {
+  const core::Primitive kinds[] = {core::Cylinder{0.5f, 1.2f},
+                                   core::Snout{0.6f, 0.3f, 1, 0, 0, 0, 0, 0, 0},
+                                   core::CircularTorus{0.5f, 0.25f, 4},
+                                   core::CircularTorus{0.5f, 0.25f, float(core::kFullTurn)},
+                                   core::Sphere{1.1f},
+                                   core::EllipticalDish{0.6f, 0.2f},
+                                   core::SphericalDish{0.6f, 0.3f},
+                                   core::RectangularTorus{0.3f, 0.7f, 0.5f, 4},
+                                   core::RectangularTorus{0.3f, 0.7f, 0.5f, float(core::kFullTurn)},
+                                   core::Pyramid{1, 1.5f, 0.5f, 0.4f, 0.1f, -0.3f, 1},
+                                   core::Box{0.9f, 0.8f, 1}};
+  core::Affine place = core::translation({3, 4, 5});
+  place.linear = 0.5 * core::dmat3(0, 1, 0, -1, 0, 0, 0, 0, 1);
+  for (const core::Primitive& primitive : kinds) {
+    const core::Mesh mesh = gpuprims::tessellate(primitive, {.fixed_segments = 96});
+    double sum = 0.0;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+      const auto at = [&](std::size_t k) { return dvec3(mesh.positions[mesh.indices[i + k]]); };
+      sum += 0.5 * glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
+    }
+    core::Scene scene;
+    const ItemId item = scene.add_primitive(scene.root(), primitive, place);
+    const ItemId triangles = scene.add_mesh_instance(scene.root(), scene.add_mesh(mesh).value(), place);
+    const core::Snapshot snapshot(scene);
+    for (const ItemId i : {item, triangles})
+      EXPECT_NEAR(mean_projected_area(snapshot, snapshot.slot(i)), 0.25 * 0.25 * sum, 0.015 * 0.0625 * sum)
+          << core::name_of(core::kind_of(primitive));
+  }
+}
+
+TEST(SmallItems, SharesAreEvenAndNested) {
+  constexpr int kCount = 100'000;
+  for (const double share : {0.0, 0.01, 0.3, 0.5, 0.99, 1.0}) {
+    int kept = 0;
+    for (ItemId item = 0; item < kCount; ++item) {
+      kept += in_share(item, float(share));
+      ASSERT_TRUE(!in_share(item, float(0.5 * share)) || in_share(item, float(share)));
+    }
+    EXPECT_NEAR(kept, share * kCount, 4.0 * std::sqrt(share * (1.0 - share) * kCount)) << share;
+  }
+}
+
+}  // namespace
+}  // namespace sightline::engine
