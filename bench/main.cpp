@@ -32,6 +32,8 @@ constexpr Subcommand kSubcommands[] = {
     {"gpu-cull", "the forms of the GPU culler against each other", bench::add_gpu_cull},
     {"hybrid", "frames culled by the CPU, the GPU and the hybrid, in turns: rendering off and on", bench::add_hybrid},
     {"error-time", "error of tessellated and ray-cast primitives against their run time", bench::add_error_time},
+    {"contribution", "error of pictures without small items against the time of a frame, for several rules",
+     bench::add_contribution},
     {"proxies", "pixels that ray-cast primitives run shaders for, beside those they show", bench::add_proxies},
 #endif
 };
