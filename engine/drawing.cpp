@@ -188,14 +188,15 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
   }
   const core::VisibleSet& large = leave_out_small(view, snapshot, visible, lines, hierarchy, contribution_);
   const std::int64_t count = std::int64_t(snapshot.count(large));
-  if (tests_occlusion(count)) {
+  const bool tested = tests_occlusion(count);
+  if (tested) {
     if (auto done = draw_in_passes(view, snapshot, large, lines, hierarchy); !done) return done;
   } else {
     passes_.reset();
     if (auto done = draw_at_once(view, snapshot, large, lines); !done) return done;
   }
   counts_.small = &large == &visible ? 0 : std::int64_t(snapshot.count(visible)) - count;
-  if (auto done = draw_small(view, snapshot, visible); !done) return done;
+  if (auto done = draw_small(view, snapshot, visible, tested); !done) return done;
   return submit(frame);
 }
 
@@ -217,10 +218,11 @@ const core::VisibleSet& Drawing::leave_out_small(const core::View& view, const c
 }
 
 core::Expected<void> Drawing::draw_small(const core::View& view, const core::Snapshot& snapshot,
-                                         const core::VisibleSet& visible) {
+                                         const core::VisibleSet& visible, bool distances_known) {
   if (counts_.small == 0 || contribution_way_ == ContributionWay::kDrop) return {};
+  const std::span<const float> distances = distances_known ? distances_ : std::span<const float>();
   auto done = small_items_.draw(context_, view, snapshot, visible, was_large_, {contribution_way_, contribution_},
-                                *scene_, target_);
+                                distances, *scene_, target_);
   counts_.squares = std::int64_t(small_items_.drawn());
   return done;
 }

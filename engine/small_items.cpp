@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <unordered_map>
 #include <variant>
 
@@ -16,8 +17,7 @@ double quadrangle(const core::dvec3& a, const core::dvec3& b, const core::dvec3&
   return 0.5 * glm::length(glm::cross(c - a, d - b));
 }
 
-// --- surfaces, in the primitive's own units
-// ---------------------------------------------------------------------------
+// --- surfaces, in the primitive's own units ------------------------------------------------------------------------
 
 double surface(const core::Pyramid& p) {
   core::dvec3 corners[2][4];
@@ -129,8 +129,7 @@ class Measure {
   std::unordered_map<std::uint32_t, double> of_mesh_;
 };
 
-// --- squares
-// ----------------------------------------------------------------------------------------------------------
+// --- squares -------------------------------------------------------------------------------------------------------
 
 /// Where boxes lie in the picture and how large they are there.
 class Projection {
@@ -180,12 +179,25 @@ class Projection {
   float scale_;
 };
 
-/// Whether the square of that side surely covers no pixel centre.
-bool between_centres(const Projection::Place& place, float side) {
-  constexpr float kMargin = 0.01f;
-  const float half = 0.5f * side + kMargin;
-  const auto none = [half](float at) { return std::floor(at - 0.5f + half) < at - 0.5f - half; };
-  return none(place.x) || none(place.y);
+/// What is drawn so far.
+struct NearestKnown {
+  int width, height;
+  std::span<const float> distances;  // row by row from the bottom up; empty: not known
+  float error;                       // metres
+};
+
+/// Whether a square may cover a pixel centre where nothing nearer is known.
+bool shows(const Projection::Place& place, float side, const NearestKnown& known) {
+  constexpr float kMargin = 0.01f;  // pixels
+  const float reach = 0.5f * side + kMargin;
+  const auto first = [reach](float at) { return std::max(0, int(std::ceil(at - 0.5f - reach))); };
+  const auto last = [reach](float at, int size) { return std::min(size - 1, int(std::floor(at - 0.5f + reach))); };
+  const int x1 = last(place.x, known.width), y1 = last(place.y, known.height);
+  const float distance = -place.eye.z - known.error - 1e-4f * std::abs(place.eye.z);
+  for (int y = first(place.y); y <= y1; ++y)
+    for (int x = first(place.x); x <= x1; ++x)
+      if (known.distances.empty() || known.distances[std::size_t(y * known.width + x)] >= distance) return true;
+  return false;
 }
 
 template <class Visit>
@@ -225,8 +237,8 @@ void SmallItems::update(const core::Snapshot& snapshot, std::span<const core::Sl
 
 core::Expected<void> SmallItems::draw(const gl::Context& context, const core::View& view,
                                       const core::Snapshot& snapshot, const core::VisibleSet& visible,
-                                      culling::SlotBits large, const Rule& rule, const gpuscene::GpuScene& scene,
-                                      const render::RenderTarget& target) {
+                                      culling::SlotBits large, const Rule& rule, std::span<const float> distances,
+                                      const gpuscene::GpuScene& scene, const render::RenderTarget& target) {
   if (!points_) {
     auto points = render::PointSplats::create(context, target.format());
     if (!points) return tl::unexpected(points.error());
@@ -237,6 +249,8 @@ core::Expected<void> SmallItems::draw(const gl::Context& context, const core::Vi
   const core::ItemBounds& bounds = snapshot.bounds();
   const Projection projection(view, bounds.origin, target.width(), target.height());
   const bool one_sample = target.format().samples == 1;
+  const NearestKnown known{target.width(), target.height(), distances,
+                           float(render::RenderTarget::orthographic_error(view))};
   const bool stochastic = rule.way == ContributionWay::kStochastic;
   const float fixed_side = std::sqrt(rule.threshold);
   for_each_slot(visible, [&](core::Slot slot) {
@@ -246,7 +260,7 @@ core::Expected<void> SmallItems::draw(const gl::Context& context, const core::Vi
     const core::ItemId item = snapshot.item(slot);
     if (stochastic && !in_share(item, place.area / rule.threshold)) return;
     const float side = stochastic ? fixed_side : std::sqrt(place.area);
-    if (one_sample && between_centres(place, side)) return;
+    if (one_sample && !shows(place, side, known)) return;
     splats_.push_back(
         {place.eye, std::min(side, points_->largest_side()), item, gpuscene::GpuScene::material_row(snapshot, slot)});
   });

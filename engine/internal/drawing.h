@@ -118,7 +118,7 @@ class Drawing {
                                       const culling::Hierarchy* hierarchy, double deadline);
   core::Expected<void> draw_pass(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& pass);
   core::Expected<void> draw_small(const core::View& view, const core::Snapshot& snapshot,
-                                  const core::VisibleSet& visible);
+                                  const core::VisibleSet& visible, bool distances_known);
   core::Expected<void> submit(std::uint64_t frame);
 
   struct InFlight {

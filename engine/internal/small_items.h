@@ -34,10 +34,13 @@ class SmallItems {
   /// Draws the slots of `visible` without a bit in `large` beside what the target holds of the same view. An item's
   /// area in the picture is mean_projected_area(), at most that of its bounding box from there. With kStochastic
   /// squares have `threshold` pixels and a share area / threshold of the items is drawn.
+  /// `distances`: RenderTarget::read_distances() of what the target holds, or of a part of that; empty: not known.
   core::Expected<void> draw(const gl::Context& context, const core::View& view, const core::Snapshot& snapshot,
                             const core::VisibleSet& visible, culling::SlotBits large, const Rule& rule,
-                            const gpuscene::GpuScene& scene, const render::RenderTarget& target);
-  /// Number of squares of the last draw(). With one sample per pixel, those that cover no pixel centre do not count.
+                            std::span<const float> distances, const gpuscene::GpuScene& scene,
+                            const render::RenderTarget& target);
+  /// Number of squares of the last draw(). With one sample per pixel, those that cover no pixel centre or are hidden do
+  /// not count.
   std::size_t drawn() const { return splats_.size(); }
 
   /// Follows an edit of the snapshot: Drawing::update().

@@ -40,12 +40,14 @@ class SmallItemsTest : public tests::GlTest {
                                             core::translation(at + jitter), i % 2 == 0 ? red_ : green_));
     }
   }
-  core::Expected<Engine> engine(ContributionWay way, float contribution, int samples = 1) {
+  core::Expected<Engine> engine(ContributionWay way, float contribution, int samples = 1,
+                                OcclusionChoice occlusion = OcclusionChoice::kAutomatic) {
     EngineConfig config;
     config.draw = config.ids = true;
     config.culler = CullerChoice::kCpu;
     config.width = config.height = kSize;
     config.samples = samples;
+    config.occlusion = occlusion;
     config.contribution = contribution;
     config.contribution_way = way;
     config.context = &*context;
@@ -162,6 +164,25 @@ TEST_F(SmallItemsTest, SectionsCutThemAtTheirCentres) {
   }
 }
 
+/// Squares that are known to be hidden are not drawn, and the picture is that of drawing all.
+TEST_F(SmallItemsTest, HiddenOnesAreLeftOut) {
+  fill(9.0);
+  scene_.add_primitive(scene_.root(), core::Box{4.0f, 0.5f, 8.0f}, core::translation({-2.0, -2.0, 0.0}));
+  auto tested = engine(ContributionWay::kPoints, kAll, 1, OcclusionChoice::kOn);
+  auto all = engine(ContributionWay::kPoints, kAll, 1, OcclusionChoice::kOff);
+  ASSERT_TRUE(tested && all);
+  for (const double aside : {0.0, 1.5}) {
+    const core::View from = *core::View::perspective({{aside, -10, 0}, {0, 0, 0}, {0, 0, 1}}, 0.8, 1.0, 0.1);
+    for (const core::View& seen : {view(), from}) {
+      const auto few = tested->frame(seen), many = all->frame(seen);
+      ASSERT_TRUE(few && many);
+      EXPECT_LT(few->squares, many->squares * 9 / 10);
+      EXPECT_EQ(tested->read_ids()->ids, all->read_ids()->ids);
+      EXPECT_EQ(tested->read_colour()->pixels, all->read_colour()->pixels);
+    }
+  }
+}
+
 TEST_F(SmallItemsTest, FollowEdits) {
   fill(9.0);
   auto drawn = engine(ContributionWay::kPoints, kAll);
@@ -199,8 +220,7 @@ TEST_F(SmallItemsTest, CostNothingWhileNoneIsDrawn) {
   EXPECT_GT(used->memory().gpu, plain->memory().gpu);
 }
 
-// --- without GL
-// -------------------------------------------------------------------------------------------------------
+// --- without GL ----------------------------------------------------------------------------------------------------
 
 TEST(SmallItems, AreaIsAQuarterOfTheSurface) {
   const core::Primitive kinds[] = {core::Cylinder{0.5f, 1.2f},
