@@ -149,25 +149,24 @@ class Projection {
   struct Place {
     core::vec3 eye;  // of the centre
     float x, y;      // of the centre, pixels from the lower left corner
-    float area;      // pixels
+    float w;
   };
   /// False when the centre is behind the eye or outside the picture.
-  bool project(const core::Aabb& box, float area, Place& place) const {
-    const core::vec3 centre = 0.5f * (box.min + box.max), size = box.max - box.min;
-    const core::vec3 e = linear_ * centre + offset_;
-    const float w = w_.x * e.z + w_.y;
-    if (!(w > 0.0f)) return false;
-    place.x = (x_.x * e.x + x_.y * e.z + x_.z) / w + 0.5f * width_;
-    place.y = (y_.x * e.y + y_.y * e.z + y_.z) / w + 0.5f * height_;
-    if (!(place.x >= 0.0f && place.x <= width_ && place.y >= 0.0f && place.y <= height_)) return false;
-    // The box from there: the areas of its faces times the cosines. What lies aside of the axis is drawn larger by one
-    // over the cosine, since the picture is flat.
-    const core::vec3 towards = perspective_ ? e / glm::length(e) : core::vec3(0.0f, 0.0f, -1.0f);
+  bool project(const core::vec3& centre, Place& place) const {
+    place.eye = linear_ * centre + offset_;
+    place.w = w_.x * place.eye.z + w_.y;
+    if (!(place.w > 0.0f)) return false;
+    place.x = (x_.x * place.eye.x + x_.y * place.eye.z + x_.z) / place.w + 0.5f * width_;
+    place.y = (y_.x * place.eye.y + y_.y * place.eye.z + y_.z) / place.w + 0.5f * height_;
+    return place.x >= 0.0f && place.x <= width_ && place.y >= 0.0f && place.y <= height_;
+  }
+  /// Pixels of an item with that mean area, at most those of its box from there: the areas of the box's faces times the
+  /// cosines. What lies aside of the axis is drawn larger by one over the cosine, since the picture is flat.
+  float area(const core::vec3& size, float mean, const Place& place) const {
+    const core::vec3 towards = perspective_ ? place.eye / glm::length(place.eye) : core::vec3(0.0f, 0.0f, -1.0f);
     const core::vec3 cosines = glm::abs(towards * linear_);
     const float seen = size.y * size.z * cosines.x + size.z * size.x * cosines.y + size.x * size.y * cosines.z;
-    place.area = std::min(area, seen) * scale_ / (w * w * -towards.z);
-    place.eye = e;
-    return true;
+    return std::min(mean, seen) * scale_ / (place.w * place.w * -towards.z);
   }
 
  private:
@@ -190,8 +189,15 @@ struct NearestKnown {
 bool shows(const Projection::Place& place, float side, const NearestKnown& known) {
   constexpr float kMargin = 0.01f;  // pixels
   const float reach = 0.5f * side + kMargin;
-  const auto first = [reach](float at) { return std::max(0, int(std::ceil(at - 0.5f - reach))); };
-  const auto last = [reach](float at, int size) { return std::min(size - 1, int(std::floor(at - 0.5f + reach))); };
+  // Without std::floor and std::ceil, which are function calls where the instruction set has neither.
+  const auto first = [reach](float at) {
+    const float least = std::max(0.0f, at - 0.5f - reach);
+    return int(least) + int(float(int(least)) < least);
+  };
+  const auto last = [reach](float at, int size) {
+    const float most = at - 0.5f + reach;
+    return most < 0.0f ? -1 : std::min(size - 1, int(most));
+  };
   const int x1 = last(place.x, known.width), y1 = last(place.y, known.height);
   const float distance = -place.eye.z - known.error - 1e-4f * std::abs(place.eye.z);
   for (int y = first(place.y); y <= y1; ++y)
@@ -252,14 +258,19 @@ core::Expected<void> SmallItems::draw(const gl::Context& context, const core::Vi
   const NearestKnown known{target.width(), target.height(), distances,
                            float(render::RenderTarget::orthographic_error(view))};
   const bool stochastic = rule.way == ContributionWay::kStochastic;
+  constexpr float kFewPixels = 4.0f;
   const float fixed_side = std::sqrt(rule.threshold);
   for_each_slot(visible, [&](core::Slot slot) {
     if (culling::contains(large, slot) || bounds.vacant(slot)) return;
+    const core::Aabb box = bounds.box(slot);
     Projection::Place place;
-    if (!projection.project(bounds.box(slot), areas_[slot], place)) return;
+    if (!projection.project(0.5f * (box.min + box.max), place)) return;
+    // No square is much larger, as the box is below the threshold. Most are hidden, or between pixel centres.
+    if (one_sample && fixed_side <= kFewPixels && !shows(place, 1.01f * fixed_side, known)) return;
+    const float area = projection.area(box.max - box.min, areas_[slot], place);
     const core::ItemId item = snapshot.item(slot);
-    if (stochastic && !in_share(item, place.area / rule.threshold)) return;
-    const float side = stochastic ? fixed_side : std::sqrt(place.area);
+    if (stochastic && !in_share(item, area / rule.threshold)) return;
+    const float side = stochastic ? fixed_side : std::sqrt(area);
     if (one_sample && !shows(place, side, known)) return;
     splats_.push_back(
         {place.eye, std::min(side, points_->largest_side()), item, gpuscene::GpuScene::material_row(snapshot, slot)});
