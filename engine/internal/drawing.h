@@ -33,7 +33,7 @@ class Drawing {
   /// Does nothing when there is nothing to render.
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible,
                             culling::SlotBits lines, const culling::Hierarchy* hierarchy, std::uint64_t frame,
-                            double began);
+                            double began = 0.0);
   /// Of the last draw().
   struct Counts {
     std::int64_t sampled = 0, shown = 0;  // items that may cover a sample, -1 with the occlusion test; items drawn

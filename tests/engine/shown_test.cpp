@@ -180,7 +180,7 @@ TEST_F(Shown, ContributionLeavesOutWhatIsSmall) {
     cubes.push_back(scene.add_primitive(scene.root(), core::Box{0.01f * float(i + 1), 1e-4f, 0.01f * float(i + 1)},
                                         core::translation({0.6 * (i % 8) - 2.0, 0.0, 0.5 * int(i / 8) - 1.0})));
   const core::ItemId line = scene.add_primitive(scene.root(), core::Line{-1, 1}, core::translation({0, 1, 0}));
-  EngineConfig with = config(400, 300);
+  EngineConfig with = config(kPaths[0], 400, 300);
   with.contribution = 100.0f;
   auto engine = Engine::create(scene, with);
   ASSERT_TRUE(engine);
@@ -222,7 +222,7 @@ TEST_F(Shown, ABudgetIsMadeUpForAtRest) {
   Random random(5);
   core::Scene scene;
   fill(random, scene, dvec3(0.0));
-  EngineConfig with = config(80, 60), without = with;
+  EngineConfig with = config(kPaths[0], 80, 60), without = with;
   with.budget_ms = 1e-3;
   auto hurried = Engine::create(scene, with), all = Engine::create(scene, without);
   ASSERT_TRUE(hurried && all);
