@@ -93,7 +93,8 @@ core::Expected<Texture2D> Texture2D::create(const Functions& gl, int width, int 
   if (!what.empty()) gl.ObjectLabel(GL_TEXTURE, name, static_cast<GLsizei>(what.size()), what.data());
   texture.width_ = width;
   texture.height_ = height;
-  texture.samples_ = samples;
+  texture.samples_ = samples;  // or more: the next number that the context can do
+  if (samples > 1) gl.GetTextureLevelParameteriv(name, 0, GL_TEXTURE_SAMPLES, &texture.samples_);
   texture.levels_ = levels;
   texture.format_ = format;
   return texture;

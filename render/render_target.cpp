@@ -56,11 +56,12 @@ core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, in
   auto drawn = make_attachments(gl, width, height, format);
   if (!drawn) return tl::unexpected(drawn.error());
   target.drawn_ = std::move(*drawn);
-  target.sample_offsets_.assign(std::size_t(format.samples), glm::vec2(0.0f));
-  if (format.samples == 1) return target;
+  const int samples = target.format_.samples = target.drawn_.colour.samples();
+  target.sample_offsets_.assign(std::size_t(samples), glm::vec2(0.0f));
+  if (samples == 1) return target;
 
   target.drawn_.framebuffer.bind();
-  for (int i = 0; i < format.samples; ++i) {
+  for (int i = 0; i < samples; ++i) {
     GLfloat place[2];
     gl.GetMultisamplefv(GL_SAMPLE_POSITION, GLuint(i), place);
     target.sample_offsets_[std::size_t(i)] = {place[0] - 0.5f, place[1] - 0.5f};

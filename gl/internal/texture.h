@@ -27,7 +27,7 @@ class Texture2D {
   GLuint id() const { return handle_.name(); }
   int width() const { return width_; }      ///< pixels
   int height() const { return height_; }    ///< pixels
-  int samples() const { return samples_; }  ///< at least 1
+  int samples() const { return samples_; }  ///< at least as many as were asked for
   int levels() const { return levels_; }
   GLenum format() const { return format_; }
 

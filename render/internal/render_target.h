@@ -14,7 +14,7 @@ namespace sightline::render {
 struct TargetFormat {
   bool ids = false;
   bool normals = false;
-  int samples = 1;  ///< per pixel; from 2 on edges are smooth
+  int samples = 1;  ///< per pixel; from 2 on edges are smooth. A target may have more than asked for
 };
 
 class RenderTarget {

@@ -107,6 +107,18 @@ TEST_F(Multisample, ShowsNothingBetweenPipesThatMeet) {
   EXPECT_LE(difference->max, 24);
 }
 
+/// A context that lacks a number takes the next one it has; every sample of that is drawn.
+TEST_F(Multisample, EveryNumberOfSamplesIsDrawnWhole) {
+  core::Scene scene;
+  scene.add_primitive(scene.root(), core::Box{60.0f, 60.0f, 60.0f}, core::translation({-40.0, 0.0, 0.0}));
+  const image::Image one = picture(scene, look(), 1);
+  for (const int samples : {2, 3, 4}) {
+    const auto difference = image::compare(one, picture(scene, look(), samples));
+    ASSERT_TRUE(difference);
+    EXPECT_LE(difference->max, 1) << samples << " samples of a picture that one face fills";
+  }
+}
+
 TEST_F(Multisample, SaysHowManySamplesTheContextHas) {
   auto target = render::RenderTarget::create(*context, 8, 8, {.samples = 1000});
   ASSERT_FALSE(target);
