@@ -304,8 +304,10 @@ core::Expected<void> Drawing::draw_in_budget(const core::View& view, const core:
   if (!goes_on) {
     const float threshold = stays ? contribution_ : std::max(contribution_, kOverlooked * budget_.largest_pending());
     pyramid_.clear(target_.width(), target_.height());
-    budget_.begin(culling::ContributionTest(view, bounds.origin, target_.width(), target_.height()), bounds,
-                  leave_out_small(view, snapshot, visible, lines, hierarchy, threshold), lines);
+    const core::VisibleSet& candidates = leave_out_small(view, snapshot, visible, lines, hierarchy, threshold);
+    overlooked_ = threshold > contribution_ ? std::int64_t(snapshot.count(visible) - snapshot.count(candidates)) : 0;
+    budget_.begin(culling::ContributionTest(view, bounds.origin, target_.width(), target_.height()), bounds, candidates,
+                  lines);
     refines_ = stays;
     budget_view_ = view;
     renderer_->clear(target_);
@@ -325,7 +327,7 @@ core::Expected<void> Drawing::draw_in_budget(const core::View& view, const core:
     budget_.took(1e3 * (now_seconds() - begin));
   }
   if (tests && !goes_on) budget_.remember(test, bounds);
-  counts_ = {-1, std::int64_t(budget_.drawn()), 0, std::int64_t(budget_.pending())};
+  counts_ = {-1, std::int64_t(budget_.drawn()), 0, std::int64_t(budget_.pending()) + overlooked_};
   return {};
 }
 

@@ -140,6 +140,7 @@ class Drawing {
   double budget_ms_ = 0.0;
   BudgetPasses budget_;
   std::optional<core::View> budget_view_;  // whose picture the target holds, complete or not
+  std::int64_t overlooked_ = 0;            // items that were not even measured while the view moves
   bool refines_ = false;                   // the view has stayed, and the picture was begun anew with all candidates
   ContributionWay contribution_way_ = ContributionWay::kDrop;
   SmallItems small_items_;

@@ -256,6 +256,16 @@ TEST_F(Shown, ABudgetIsMadeUpForAtRest) {
     report = hurried->frame(view);
     EXPECT_EQ(report->shown, shown) << "nothing is drawn again";
     EXPECT_EQ(report->pending, 0);
+    if (i % 4 == 1) {  // time enough for what is measured while the view moves: small items are pending all the same
+      const View next = view_of(random, dvec3(0.0), 4.0 / 3.0), last = view_of(random, dvec3(0.0), 4.0 / 3.0);
+      ASSERT_TRUE(hurried->frame(next));
+      const auto moving = hurried->frame(last);
+      ASSERT_TRUE(moving && all->frame(last));
+      if (moving->pending == 0) {
+        EXPECT_EQ(compare(*hurried, *all, last).pixels, 0);
+      }
+      continue;
+    }
     if (i % 3 == 0) {  // an edit of what is seen, the view staying
       scene.set_visible(core::ItemId(i), false);
       ASSERT_TRUE(hurried->commit() && all->commit());
