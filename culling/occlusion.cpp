@@ -1,6 +1,7 @@
 #include "sightline/culling/occlusion.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -161,11 +162,22 @@ struct OcclusionTest::FrontLayer {
     owner.assign(pixels, core::kNone);
     slots.clear();
     in_front.clear();
+    of_ranges = 0;
+  }
+  /// Replaces `out` by the slots of the layer, or by all others, in rising order.
+  void take(bool front, std::vector<core::Slot>& out) {
+    for (std::vector<core::Slot>& part : parts) part.clear();
+    for (std::size_t i = 0; i < slots.size(); ++i)
+      if ((in_front[i] != 0) == front) parts[i < of_ranges ? 0 : 1].push_back(slots[i]);
+    out.resize(parts[0].size() + parts[1].size());
+    std::merge(parts[0].begin(), parts[0].end(), parts[1].begin(), parts[1].end(), out.begin());
   }
   std::vector<float> nearest;
   std::vector<std::uint32_t> owner;     // index in slots
-  std::vector<core::Slot> slots;        // of the set
+  std::vector<core::Slot> slots;        // of the set: those of ranges, then single ones, both in rising order
+  std::size_t of_ranges = 0;            // number of the former
   std::vector<unsigned char> in_front;  // of each of these: whether it belongs to the layer
+  std::array<std::vector<core::Slot>, 2> parts;
 };
 
 /// Enters the last slot of `layer`, whose box this is. False when the box is too large or not judged.
@@ -195,7 +207,7 @@ void OcclusionTest::split_front(const core::ItemBounds& bounds, const core::Visi
                                 core::VisibleSet& behind) const {
   thread_local FrontLayer layer;
   layer.clear(std::size_t(pyramid_->width()) * std::size_t(pyramid_->height()));
-  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool) {
+  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {
     BoxRectangles r;
     kernels().rectangles(view_, group.coordinates, r);
     for (unsigned bits = used; bits != 0; bits &= bits - 1) {
@@ -205,20 +217,15 @@ void OcclusionTest::split_front(const core::ItemBounds& bounds, const core::Visi
       const bool judged = (r.covering & r.projects) >> i & 1u;
       layer.in_front.push_back(!judged || !enter(box_of(group.coordinates, i), pixels_of(view_, r, i), layer));
     }
+    if (of_range) layer.of_ranges = layer.slots.size();
   });
   for (const std::uint32_t owner : layer.owner)
     if (owner != core::kNone) layer.in_front[owner] = 1;
-  front.clear();
-  behind.clear();
+  layer.take(false, behind.items);
+  layer.take(true, front.items);
+  front.ranges.clear();
+  behind.ranges.clear();
   front.generation = behind.generation = in.generation;
-  // Slots of ranges come first, then single ones, both in rising order.
-  const auto merge = [](std::vector<core::Slot>& slots) {
-    std::inplace_merge(slots.begin(), std::is_sorted_until(slots.begin(), slots.end()), slots.end());
-  };
-  for (std::size_t i = 0; i < layer.slots.size(); ++i)
-    (layer.in_front[i] ? front : behind).items.push_back(layer.slots[i]);
-  merge(front.items);
-  merge(behind.items);
 }
 
 }  // namespace sightline::culling
