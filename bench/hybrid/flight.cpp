@@ -33,6 +33,7 @@ core::Expected<Pilot> Pilot::create(core::Scene& scene, const HybridMode& mode, 
   engine_config.height = config.height;
   engine_config.context = &context;
   engine_config.gpu_culler = config.gpu;
+  engine_config.occlusion = config.occlusion;
   engine_config.controller.policy = mode.policy;
   auto engine = engine::Engine::create(scene, engine_config);
   if (!engine) return tl::unexpected(engine.error());

@@ -55,6 +55,7 @@ struct FlightConfig {
   int warm_up = 10;  ///< frames of the first view before the first counted one
   int block = 10;    ///< frames that one engine flies in a row
   culling::GpuCullerConfig gpu = {};
+  engine::OcclusionChoice occlusion = engine::OcclusionChoice::kAutomatic;
 };
 
 /// An engine that flies a path block by block, with pauses between blocks.

@@ -187,7 +187,9 @@ core::Expected<Submission> measure_submission(const Options& o, gl::Context& con
   if (auto made = importers::generate_plant({items, 1}, scene); !made) return tl::unexpected(made.error());
   const auto views = tour(scene, o);
   if (!views) return tl::unexpected(views.error());
-  auto pilot = Pilot::create(scene, kHybridModes[1], config_of(o, true), context);
+  FlightConfig config = config_of(o, true);
+  config.occlusion = engine::OcclusionChoice::kOff;  // one pass: how many there are depends on what hides what
+  auto pilot = Pilot::create(scene, kHybridModes[1], config, context);
   if (!pilot) return tl::unexpected(pilot.error());
   auto done = pilot->fly(*views, o.warm_up);
   double calls = 0.0;
