@@ -18,8 +18,8 @@ culling::PictureSamples picture_samples(const render::RenderTarget& target, floa
 constexpr std::size_t kFramesInFlight = 2;
 constexpr GLuint64 kLongestWait = 10'000'000'000;  // ns; a lost context must not hang the application
 constexpr std::size_t kMostDrawn = 8;
-constexpr double kBudgetShare = 0.97;  // of a frame's budget, to draw in
-constexpr double kPassShare = 0.6;     // of the time left, for the next pass: it may take longer than expected
+constexpr double kBudgetShare = 0.93;  // of a frame's budget, to draw in
+constexpr double kPassShare = 0.5;     // of the time left, for the next pass: it may take longer than expected
 constexpr double kLeastPasses = 2.0;   // that the time left must suffice for
 constexpr float kOverlooked = 0.125f;  // of the area that the last frame came to
 
