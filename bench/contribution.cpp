@@ -36,6 +36,7 @@
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/internal/rebuild.h"
 #include "sightline/image/image_metrics.h"
 #include "sightline/importers/plant/plant_generator.h"
 
@@ -153,9 +154,7 @@ void keep_large(const core::View& view, const core::Snapshot& snapshot, double l
     if (glm::dot(size, size) >= square * distance * distance || snapshot.kind(slot) == core::Kind::kLine)
       kept.items.push_back(slot);
   };
-  for (const core::SlotRange& range : in.ranges)
-    for (core::Slot s = range.first; s < range.first + range.count; ++s) visit(s);
-  for (const core::Slot s : in.items) visit(s);
+  in.for_each_slot(visit);
   std::sort(kept.items.begin(), kept.items.end());
 }
 
@@ -249,12 +248,10 @@ class Subject {
   }
 
  private:
-  explicit Subject(engine::Engine&& engine) : engine_(std::move(engine)), culler_(engine_.snapshot().bounds()) {
-    const core::Snapshot& snapshot = engine_.snapshot();
-    lines_.resize(snapshot.size() / 64 + 1);
-    for (const core::Slot slot : snapshot.of_kind(core::Kind::kLine).slots)
-      lines_[slot / 64] |= std::uint64_t(1) << slot % 64;
-  }
+  explicit Subject(engine::Engine&& engine)
+      : engine_(std::move(engine)),
+        culler_(engine_.snapshot().bounds()),
+        lines_(engine::slots_of_lines(engine_.snapshot())) {}
 
   engine::Engine engine_;
   culling::CpuCuller culler_;

@@ -43,6 +43,13 @@ struct SIGHTLINE_API VisibleSet {
     for (const SlotRange& r : ranges) n += r.count;
     return n;
   }
+  /// Calls visit(slot) for each slot, vacant ones included: first those of ranges, then single ones.
+  template <class Visit>
+  void for_each_slot(const Visit& visit) const {
+    for (const SlotRange& r : ranges)
+      for (Slot slot = r.first; slot < r.first + r.count; ++slot) visit(slot);
+    for (const Slot slot : items) visit(slot);
+  }
   /// All visible slots in rising order, vacant ones included.
   std::vector<Slot> sorted_slots() const;
 };

@@ -67,12 +67,9 @@ struct BoxCuller::Impl {
   }
   void list(const core::VisibleSet& set, std::vector<std::uint32_t>& indices) const {
     indices.clear();
-    const auto take = [&](core::Slot slot) {
+    set.for_each_slot([&](core::Slot slot) {
       if (!bounds.vacant(slot)) indices.push_back(index_of[slot]);
-    };
-    for (const core::SlotRange& range : set.ranges)
-      for (core::Slot slot = range.first; slot < range.first + range.count; ++slot) take(slot);
-    for (const core::Slot slot : set.items) take(slot);
+    });
   }
 };
 

@@ -19,12 +19,8 @@ constexpr std::array<float, kLanes> kNothingDrawn = [] {
 
 }  // namespace
 
-void set_bits(const core::VisibleSet& set, std::size_t slots, std::vector<std::uint64_t>& bits) {
-  bits.assign(slots / 64 + 1, 0);
-  const auto add = [&](core::Slot s) { bits[s / 64] |= std::uint64_t(1) << s % 64; };
-  for (const core::Slot s : set.items) add(s);
-  for (const core::SlotRange& range : set.ranges)
-    for (core::Slot s = range.first; s < range.first + range.count; ++s) add(s);
+void set_bits(const core::VisibleSet& set, std::vector<std::uint64_t>& bits) {
+  set.for_each_slot([&](core::Slot s) { bits[s / 64] |= std::uint64_t(1) << s % 64; });
 }
 
 SampleTest::SampleTest(const core::View& view, const core::dvec3& origin, PictureSamples samples)

@@ -49,8 +49,12 @@ inline bool contains(SlotBits bits, core::Slot slot) {
 
 struct BoxRectangles;
 
-/// Replaces `bits` by those of the slots of `set`, of `slots` slots.
-SIGHTLINE_API void set_bits(const core::VisibleSet& set, std::size_t slots, std::vector<std::uint64_t>& bits);
+/// Sets the bits of the slots of `set`, which must be there.
+SIGHTLINE_API void set_bits(const core::VisibleSet& set, std::vector<std::uint64_t>& bits);
+/// As many words as a bit for each of so many slots takes.
+constexpr std::size_t bit_words(std::size_t slots) {
+  return slots / 64 + 1;
+}
 
 class SIGHTLINE_API SampleTest {
  public:

@@ -108,7 +108,8 @@ double BudgetPasses::take(std::size_t end, const culling::OcclusionTest* test, c
 
 void BudgetPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
   test.filter(bounds, drawn_, open_piece_, lines_);
-  culling::set_bits(open_piece_, bounds.size(), open_);
+  open_.assign(culling::bit_words(bounds.size()), 0);
+  culling::set_bits(open_piece_, open_);
 }
 
 void BudgetPasses::reset() {

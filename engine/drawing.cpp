@@ -213,7 +213,8 @@ const core::VisibleSet& Drawing::leave_out_small(const core::View& view, const c
     candidates = &large_leaves_;
   }
   test.filter(bounds, *candidates, threshold, large_, was_large_, lines);
-  culling::set_bits(large_, bounds.size(), was_large_);
+  was_large_.assign(culling::bit_words(bounds.size()), 0);
+  culling::set_bits(large_, was_large_);
   return large_;
 }
 
@@ -254,6 +255,17 @@ float Drawing::snap() const {
   return culling::rasteriser_snap(context_.capabilities().subpixel_bits, target_.width(), target_.height());
 }
 
+/// Against what read_back_depth() has read.
+culling::OcclusionTest Drawing::occlusion_test(const core::View& view, const core::dvec3& origin) const {
+  return {view,  origin, target_.width(), target_.height(), pyramid_, render::RenderTarget::orthographic_error(view),
+          snap()};
+}
+
+void Drawing::read_back_depth(const core::View& view) {
+  target_.read_distances(view, distances_);
+  pyramid_.build(distances_, target_.width(), target_.height());
+}
+
 core::Expected<void> Drawing::draw_at_once(const core::View& view, const core::Snapshot& snapshot,
                                            const core::VisibleSet& visible, culling::SlotBits lines) {
   if (sample_test_)
@@ -271,15 +283,13 @@ core::Expected<void> Drawing::draw_in_passes(const core::View& view, const core:
                                              const core::VisibleSet& visible, culling::SlotBits lines,
                                              const culling::Hierarchy* hierarchy) {
   const core::ItemBounds& bounds = snapshot.bounds();
-  const culling::OcclusionTest test(view, bounds.origin, target_.width(), target_.height(), pyramid_,
-                                    render::RenderTarget::orthographic_error(view), snap());
+  const culling::OcclusionTest test = occlusion_test(view, bounds.origin);
   pyramid_.clear(target_.width(), target_.height());
   passes_.begin(visible, lines, hierarchy);
   renderer_->clear(target_);
   while (passes_.next(test, bounds)) {
     if (auto done = draw_pass(view, snapshot, passes_.pass()); !done) return done;
-    target_.read_distances(view, distances_);
-    pyramid_.build(distances_, target_.width(), target_.height());
+    read_back_depth(view);
   }
   counts_ = {-1, std::int64_t(passes_.drawn())};
   return {};
@@ -299,8 +309,7 @@ core::Expected<void> Drawing::draw_in_budget(const core::View& view, const core:
   const core::ItemBounds& bounds = snapshot.bounds();
   const bool stays = budget_view_ && core::same_picture(*budget_view_, view), goes_on = stays && refines_;
   const bool tests = target_.format().samples == 1 && occlusion_ != OcclusionChoice::kOff;
-  const culling::OcclusionTest test(view, bounds.origin, target_.width(), target_.height(), pyramid_,
-                                    render::RenderTarget::orthographic_error(view), snap());
+  const culling::OcclusionTest test = occlusion_test(view, bounds.origin);
   if (!goes_on) {
     const float threshold = stays ? contribution_ : std::max(contribution_, kOverlooked * budget_.largest_pending());
     pyramid_.clear(target_.width(), target_.height());
@@ -319,8 +328,7 @@ core::Expected<void> Drawing::draw_in_budget(const core::View& view, const core:
     const double begin = now_seconds();
     if (auto done = draw_pass(view, snapshot, budget_.pass()); !done) return done;
     if (tests) {
-      target_.read_distances(view, distances_);
-      pyramid_.build(distances_, target_.width(), target_.height());
+      read_back_depth(view);
     } else {
       context_.functions().Finish();
     }

@@ -85,13 +85,10 @@ void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::
 
 /// Of what was drawn, what the whole picture does not hide.
 void OcclusionPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
-  open_.assign(bounds.size() / 64 + 1, 0);
-  const auto set = [&](core::Slot s) { open_[s / 64] |= std::uint64_t(1) << s % 64; };
+  open_.assign(culling::bit_words(bounds.size()), 0);
   for (int i = 0; i < count_; ++i) {
     test.filter(bounds, passes_[std::size_t(i)], open_now_, lines_);
-    for (const core::Slot s : open_now_.items) set(s);
-    for (const core::SlotRange& range : open_now_.ranges)
-      for (core::Slot s = range.first; s < range.first + range.count; ++s) set(s);
+    culling::set_bits(open_now_, open_);
   }
 }
 

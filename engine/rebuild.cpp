@@ -2,22 +2,23 @@
 
 #include <algorithm>
 
+#include "sightline/culling/sample_test.h"
+
 namespace sightline::engine {
 namespace {
 
 constexpr std::size_t kPiece = 2048;  // slots copied at a time, while edits wait
 
-/// Lines have a rule of their own for what they colour.
+}  // namespace
+
 std::vector<std::uint64_t> slots_of_lines(const core::Snapshot& snapshot) {
   std::vector<std::uint64_t> bits;
   const core::KindItems& lines = snapshot.of_kind(core::Kind::kLine);
-  if (lines.size() > 0) bits.resize(snapshot.size() / 64 + 1);
+  if (lines.size() > 0) bits.resize(culling::bit_words(snapshot.size()));
   for (const core::Slot slot : lines.slots)
     if (!snapshot.vacant(slot)) bits[slot / 64] |= std::uint64_t(1) << slot % 64;
   return bits;
 }
-
-}  // namespace
 
 void Order::follow(std::initializer_list<std::span<const core::ItemId>> edited, bool materials, std::size_t former_size,
                    std::vector<core::Slot>& touched) {

@@ -206,13 +206,6 @@ bool shows(const Projection::Place& place, float side, const NearestKnown& known
   return false;
 }
 
-template <class Visit>
-void for_each_slot(const core::VisibleSet& visible, const Visit& visit) {
-  for (const core::SlotRange& range : visible.ranges)
-    for (core::Slot s = range.first; s < range.first + range.count; ++s) visit(s);
-  for (const core::Slot s : visible.items) visit(s);
-}
-
 }  // namespace
 
 float mean_projected_area(const core::Snapshot& snapshot, core::Slot slot) {
@@ -260,7 +253,7 @@ core::Expected<void> SmallItems::draw(const gl::Context& context, const core::Vi
   const bool stochastic = rule.way == ContributionWay::kStochastic;
   constexpr float kFewPixels = 4.0f;
   const float fixed_side = std::sqrt(rule.threshold);
-  for_each_slot(visible, [&](core::Slot slot) {
+  visible.for_each_slot([&](core::Slot slot) {
     if (culling::contains(large, slot) || bounds.vacant(slot)) return;
     const core::Aabb box = bounds.box(slot);
     Projection::Place place;

@@ -101,6 +101,8 @@ class Drawing {
   void wait_for_room();
   void wait_for_oldest();
   float snap() const;
+  culling::OcclusionTest occlusion_test(const core::View& view, const core::dvec3& origin) const;
+  void read_back_depth(const core::View& view);
   bool tests_occlusion(std::int64_t candidates);
   bool may_test_occlusion(const culling::GpuCuller& culler) const;
   bool tests_occlusion_on_gpu(std::size_t items);

@@ -30,6 +30,9 @@ struct PlanRequest {
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
 };
 
+/// A bit per slot; no words where there are none. Lines have a rule of their own for what they colour.
+std::vector<std::uint64_t> slots_of_lines(const core::Snapshot& snapshot);
+
 /// Everything that depends on one order of the items.
 struct Order {
   std::unique_ptr<core::Snapshot> snapshot;  // at a fixed address: the culler borrows its bounds
