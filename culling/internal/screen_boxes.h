@@ -43,7 +43,12 @@ class ScreenBoxes {
   using Lanes = typename Simd::Lanes;
   using Form = BoxForm<Simd>;
 
-  ScreenBoxes(const ScreenView& view, const float* const (&c)[6]) {
+  ScreenBoxes(const ScreenView& view, const float* const (&c)[6])
+      : ScreenBoxes(view, c, [](int, const Lanes&, const Lanes&) {}) {}
+
+  /// Calls see(corner, x, y) with the places of the boxes' corners. Bits of `corner`: high x, y, z.
+  template <class See>
+  ScreenBoxes(const ScreenView& view, const float* const (&c)[6], const See& see) {
     Lanes low[3], high[3], sizes[3];
     for (int axis = 0; axis < 3; ++axis) {
       low[axis] = Simd::load(c[axis]);
@@ -60,6 +65,7 @@ class ScreenBoxes {
       const Lanes own_w = w.at(i, j, k), inverse = Simd::divide(Simd::spread(1.0f), own_w);
       const Lanes px = Simd::multiply(x.at(i, j, k), inverse), py = Simd::multiply(y.at(i, j, k), inverse);
       const Lanes distance = t.at(i, j, k);
+      see(corner, px, py);
       left_ = corner == 0 ? px : Simd::least(left_, px);
       right_ = corner == 0 ? px : Simd::most(right_, px);
       bottom_ = corner == 0 ? py : Simd::least(bottom_, py);
@@ -89,16 +95,9 @@ class ScreenBoxes {
 
   /// Areas of the outlines; infinite for boxes that do not project.
   static void store_areas(const ScreenView& view, const float* const (&c)[6], float* areas) {
-    const ScreenBoxes boxes(view, c);
-    Lanes low[3], high[3], px[8], py[8];
-    for (int axis = 0; axis < 3; ++axis) low[axis] = Simd::load(c[axis]), high[axis] = Simd::load(c[axis + 3]);
-    const Form x(view.x, low, high), y(view.y, low, high), w(view.w, low, high);
-    for (int corner = 0; corner < 8; ++corner) {
-      const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
-      const Lanes inverse = Simd::divide(Simd::spread(1.0f), w.at(i, j, k));
-      px[corner] = Simd::multiply(x.at(i, j, k), inverse);
-      py[corner] = Simd::multiply(y.at(i, j, k), inverse);
-    }
+    Lanes px[8], py[8];
+    const ScreenBoxes boxes(view, c,
+                            [&](int corner, const Lanes& x, const Lanes& y) { px[corner] = x, py[corner] = y; });
     constexpr float kInfinite = std::numeric_limits<float>::infinity();
     // Half the cross product of a face's diagonals is its area.
     constexpr int kFaces[6][4] = {{0, 2, 6, 4}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 5, 7, 6}};
