@@ -25,16 +25,20 @@ float farther(float a, float b) {
 
 }  // namespace
 
-void DepthPyramid::resize(int width, int height) {
+std::vector<DepthPyramid::Level> DepthPyramid::levels_of(int width, int height) {
   assert(width > 0 && height > 0);
-  levels_.clear();
-  std::size_t size = 0;
-  for (int w = width, h = height;; w = (w + 1) / 2, h = (h + 1) / 2) {
-    levels_.push_back({w, h, size});
-    size += std::size_t(w) * std::size_t(h);
-    if (w <= kCoarsest && h <= kCoarsest) break;
+  std::vector<Level> levels{{width, height, 0}};
+  while (levels.back().width > kCoarsest || levels.back().height > kCoarsest) {
+    const Level finer = levels.back();
+    levels.push_back({(finer.width + 1) / 2, (finer.height + 1) / 2, finer.end()});
   }
-  texels_.resize(size + kLanes);
+  return levels;
+}
+
+void DepthPyramid::resize(int width, int height) {
+  if (this->width() == width && this->height() == height) return;
+  levels_ = levels_of(width, height);
+  texels_.resize(levels_.back().end() + kLanes);
 }
 
 void DepthPyramid::clear(int width, int height) {

@@ -50,6 +50,14 @@ class SIGHTLINE_API DepthPyramid {
   /// single pixels where they are no more.
   bool all_nearer(int x0, int y0, int x1, int y1, float distance) const;
 
+  /// Blocks of a level, and the number of those of the levels before.
+  struct Level {
+    int width, height;
+    std::size_t first;
+    std::size_t end() const { return first + std::size_t(width) * std::size_t(height); }
+  };
+  /// All levels of a pyramid of so many pixels, both positive: down to 3 x 3 blocks or fewer.
+  static std::vector<Level> levels_of(int width, int height);
   int level_count() const { return int(levels_.size()); }
   /// Farthest distances of a row of blocks of 2^level x 2^level pixels. Sixteen floats from any of them on may be read.
   const float* row(int level, int y) const {
@@ -61,10 +69,6 @@ class SIGHTLINE_API DepthPyramid {
  private:
   void resize(int width, int height);
 
-  struct Level {
-    int width, height;
-    std::size_t first;  // in texels_
-  };
   std::vector<Level> levels_;
   std::vector<float> texels_;
 };

@@ -238,8 +238,8 @@ core::Expected<void> GpuCuller::upload_pyramid(const Picture& picture, const gl:
   OcclusionBlock block{};
   const auto levels = pyramid_->levels();
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    block.levels[i][0] = levels[i].first;
-    block.levels[i][1] = levels[i].width;
+    block.levels[i][0] = std::uint32_t(levels[i].first);
+    block.levels[i][1] = std::uint32_t(levels[i].width);
   }
   block.level_count = std::int32_t(levels.size());
   block.error = core::round_up(error);

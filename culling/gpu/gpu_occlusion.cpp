@@ -6,12 +6,11 @@
 namespace sightline::culling {
 namespace {
 
-constexpr std::uint32_t kCoarsest = 3;  // blocks along each axis of the last level, as in DepthPyramid
 constexpr GLuint kDepthUnit = 0, kFarthestBinding = 0;
 constexpr GLint kLevelUniform = 0, kFinerUniform = 1, kEyeFromDepthUniform = 1;
 
-GLuint groups(std::uint32_t blocks) {
-  return (blocks + kPyramidGroup - 1) / kPyramidGroup;
+GLuint groups(int blocks) {
+  return (GLuint(blocks) + kPyramidGroup - 1) / kPyramidGroup;
 }
 
 }  // namespace
@@ -32,17 +31,10 @@ core::Expected<GpuDepthPyramid> GpuDepthPyramid::create(const gl::Functions& gl)
 }
 
 core::Expected<void> GpuDepthPyramid::resize(int width, int height) {
-  const auto w = std::uint32_t(width), h = std::uint32_t(height);
-  if (!levels_.empty() && levels_[0].width == w && levels_[0].height == h) return {};
-  levels_.clear();
-  std::uint32_t size = 0;
-  for (Level level{0, w, h};; level = {size, (level.width + 1) / 2, (level.height + 1) / 2}) {
-    levels_.push_back(level);
-    size += level.width * level.height;
-    if (level.width <= kCoarsest && level.height <= kCoarsest) break;
-  }
+  if (!levels_.empty() && levels_[0].width == width && levels_[0].height == height) return {};
+  levels_ = DepthPyramid::levels_of(width, height);
   if (levels_.size() > std::size_t(kMaxLevels)) return core::fail("depth pyramid: the picture is too large");
-  auto buffer = gl::Buffer::create(*gl_, size * sizeof(float), nullptr, 0, "depth pyramid");
+  auto buffer = gl::Buffer::create(*gl_, levels_.back().end() * sizeof(float), nullptr, 0, "depth pyramid");
   if (!buffer) return tl::unexpected(buffer.error());
   auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_R32F, "depth pyramid");
   if (!texels) return tl::unexpected(texels.error());
@@ -62,13 +54,16 @@ core::Expected<void> GpuDepthPyramid::build(const gl::Texture2D& depth, const co
   gl_->BindTextureUnit(kDepthUnit, depth.id());
   gl_->BindSampler(kDepthUnit, 0);  // an application's sampler may compare depths
   gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kFarthestBinding, buffer_.id());
+  const auto set_level = [&](const gl::Program& program, GLint uniform, const DepthPyramid::Level& level) {
+    gl_->ProgramUniform3ui(program.id(), uniform, GLuint(level.first), GLuint(level.width), GLuint(level.height));
+  };
   for (std::size_t i = 0; i < levels_.size(); ++i) {
-    const Level& level = levels_[i];
+    const DepthPyramid::Level& level = levels_[i];
     const gl::Program& program = i == 0 ? pixels_ : blocks_;
-    gl_->ProgramUniform3ui(program.id(), kLevelUniform, level.first, level.width, level.height);
+    set_level(program, kLevelUniform, level);
     if (i > 0) {
-      const Level& finer = levels_[i - 1];
-      gl_->ProgramUniform3ui(program.id(), kFinerUniform, finer.first, finer.width, finer.height);
+      const DepthPyramid::Level& finer = levels_[i - 1];
+      set_level(program, kFinerUniform, finer);
     }
     program.use();
     gl_->DispatchCompute(groups(level.width), groups(level.height), 1);

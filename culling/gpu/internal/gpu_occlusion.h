@@ -6,6 +6,7 @@
 
 #include "sightline/core/view.h"
 #include "sightline/culling/gpu/internal/gpu_bounds.h"
+#include "sightline/culling/occlusion.h"
 #include "sightline/gl/internal/buffer.h"
 #include "sightline/gl/internal/program.h"
 #include "sightline/gl/internal/texture.h"
@@ -33,10 +34,7 @@ class GpuDepthPyramid {
   /// R32F; the levels say where in it each begins. 3.4e38 where nothing is drawn.
   const gl::TextureBuffer& texels() const { return texels_; }
   const gl::Buffer& buffer() const { return buffer_; }
-  struct Level {
-    std::uint32_t first, width, height;
-  };
-  std::span<const Level> levels() const { return levels_; }
+  std::span<const DepthPyramid::Level> levels() const { return levels_; }
   std::size_t memory_bytes() const { return buffer_.size(); }
 
  private:
@@ -46,7 +44,7 @@ class GpuDepthPyramid {
   gl::Program pixels_, blocks_;  // the first level, and each other one
   gl::Buffer buffer_;
   gl::TextureBuffer texels_;
-  std::vector<Level> levels_;
+  std::vector<DepthPyramid::Level> levels_;
 };
 
 }  // namespace sightline::culling
