@@ -3,7 +3,6 @@
 #include <bit>
 #include <cstddef>
 
-#include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuprims/internal/shaders.h"
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/render/internal/shaders.h"
@@ -75,12 +74,7 @@ core::Expected<void> PointSplats::draw(const core::View& view, std::span<const P
   if (splats.empty()) return {};
   if (auto done = upload(view, splats, target); !done) return done;
   const gl::Functions& gl = *gl_;
-  gl::reset_pipeline_state(gl);
-  target.framebuffer().bind();
-  gl.Viewport(0, 0, target.width(), target.height());
-  gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-  gl.Enable(GL_DEPTH_TEST);
-  gl.DepthFunc(GL_GREATER);
+  target.begin_drawing();
   gl.Enable(GL_PROGRAM_POINT_SIZE);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, view_block_.id());
   gl.BindTextureUnit(kMaterialUnit, scene.materials().id());

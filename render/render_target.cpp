@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuprims/internal/view_block.h"
 
 namespace sightline::render {
@@ -70,6 +71,15 @@ core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, in
   if (!single) return tl::unexpected(single.error());
   target.single_ = std::move(*single);
   return target;
+}
+
+void RenderTarget::begin_drawing() const {
+  gl::reset_pipeline_state(*gl_);
+  framebuffer().bind();
+  gl_->Viewport(0, 0, width(), height());
+  gl_->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  gl_->Enable(GL_DEPTH_TEST);
+  gl_->DepthFunc(GL_GREATER);
 }
 
 const RenderTarget::Attachments& RenderTarget::resolved_attachments() const {

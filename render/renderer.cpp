@@ -163,12 +163,7 @@ core::Expected<void> Renderer::draw_more(const core::View& view, const core::Sna
     if (!made) return tl::unexpected(made.error());
     section_programs_ = std::move(*made);
   }
-  gl::reset_pipeline_state(gl);
-  target.framebuffer().bind();
-  gl.Viewport(0, 0, target.width(), target.height());
-  gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-  gl.Enable(GL_DEPTH_TEST);
-  gl.DepthFunc(GL_GREATER);
+  target.begin_drawing();
 
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, view_block_.id());
   gl.BindTextureUnit(kChunkUnit, chunk_texels_.id());

@@ -34,6 +34,8 @@ class RenderTarget {
   const gl::Framebuffer& framebuffer() const { return drawn_.framebuffer; }
   /// Its depth: reverse-Z, multisampled if the format is.
   const gl::Texture2D& depth() const { return drawn_.depth; }
+  /// Makes draws write to it, in the state that all draws begin with: reverse-Z depth test, no blending.
+  void begin_drawing() const;
   /// The picture with one value per pixel: the average of the colours, and one sample's value of everything else.
   const gl::Framebuffer& resolved() const;
   std::size_t memory_bytes() const;
