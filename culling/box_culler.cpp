@@ -12,6 +12,7 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/cull_threads.h"
+#include "sightline/culling/internal/set_parts.h"
 #include "sightline/culling/internal/slot_list.h"
 
 namespace sightline::culling {
@@ -25,32 +26,6 @@ core::Expected<void> check(const core::AabbD& box, std::size_t index) {
   }
   if (!fine) return core::fail("box " + std::to_string(index) + ": expected finite corners");
   return {};
-}
-
-/// Cuts a set into parts of up to `size` slots. `parts` keeps its memory, and may hold more than those returned.
-std::span<core::VisibleSet> split(const core::VisibleSet& set, std::uint32_t size,
-                                  std::vector<core::VisibleSet>& parts) {
-  std::size_t count = 0;
-  const auto begin_part = [&] {
-    if (count == parts.size()) parts.emplace_back();
-    parts[count++].clear();
-  };
-  std::uint32_t left = 0;  // in the last part
-  for (core::SlotRange rest : set.ranges) {
-    while (rest.count > 0) {
-      if (left == 0) begin_part(), left = size;
-      const std::uint32_t taken = std::min(rest.count, left);
-      parts[count - 1].ranges.push_back({rest.first, taken});
-      rest = {rest.first + taken, rest.count - taken};
-      left -= taken;
-    }
-  }
-  for (std::size_t first = 0; first < set.items.size(); first += size) {
-    begin_part();
-    const auto begin = set.items.begin() + std::ptrdiff_t(first);
-    parts[count - 1].items.assign(begin, begin + std::ptrdiff_t(std::min<std::size_t>(size, set.items.size() - first)));
-  }
-  return std::span(parts).first(count);
 }
 
 }  // namespace
@@ -120,24 +95,23 @@ void BoxCuller::visible(const core::View& view, std::vector<std::uint32_t>& indi
 }
 
 void BoxCuller::visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const {
-  constexpr std::uint32_t kPart = 8192;  // slots that a thread tests at a time
   thread_local core::VisibleSet set;
-  thread_local std::vector<core::VisibleSet> memory;
+  thread_local SetParts parts;
   thread_local std::vector<std::size_t> places;  // of each part's first index
   impl_->culler->cull(view, set);
   const OcclusionTest test(view, impl_->bounds.origin, depth.width(), depth.height(), depth);
-  const std::span<core::VisibleSet> parts = split(set, kPart, memory);
-  impl_->threads.run(std::uint32_t(parts.size()), [&](std::uint32_t i) {
+  parts.split(set);
+  parts.for_each(&impl_->threads, [&](core::VisibleSet& part) {
     thread_local core::VisibleSet coarse;
-    test.filter_leaves(impl_->culler->hierarchy(), parts[i], coarse);
-    test.filter(impl_->bounds, coarse, parts[i]);
+    test.filter_leaves(impl_->culler->hierarchy(), part, coarse);
+    test.filter(impl_->bounds, coarse, part);
   });
   places.assign(1, 0);
-  for (const core::VisibleSet& part : parts) places.push_back(places.back() + part.count());
+  for (std::uint32_t i = 0; i < parts.count(); ++i) places.push_back(places.back() + parts[i].count());
   indices.resize(places.back());
   const std::span<const std::size_t> to = places;
-  impl_->threads.run(std::uint32_t(parts.size()), [&](std::uint32_t i) {
-    list_ids(parts[i], impl_->index_of, std::span(indices).subspan(to[i], to[i + 1] - to[i]));
+  impl_->threads.run(parts.count(), [&, &own = parts](std::uint32_t i) {
+    list_ids(own[i], impl_->index_of, std::span(indices).subspan(to[i], to[i + 1] - to[i]));
   });
 }
 

@@ -103,6 +103,51 @@ struct Avx2 {
   static unsigned at_most(const Lanes& a, const Lanes& b) {
     return join(_mm256_cmp_ps(a.low, b.low, _CMP_LE_OQ), _mm256_cmp_ps(a.high, b.high, _CMP_LE_OQ));
   }
+  // Sixteen whole numbers: places of pixels, blocks and table entries.
+  struct Places {
+    __m256i low, high;
+  };
+  static Places place_above(const Lanes& a) {
+    return {_mm256_cvtps_epi32(_mm256_ceil_ps(a.low)), _mm256_cvtps_epi32(_mm256_ceil_ps(a.high))};
+  }
+  static Places place_below(const Lanes& a) {
+    return {_mm256_cvtps_epi32(_mm256_floor_ps(a.low)), _mm256_cvtps_epi32(_mm256_floor_ps(a.high))};
+  }
+  static Places spread_place(int a) { return {_mm256_set1_epi32(a), _mm256_set1_epi32(a)}; }
+  static Places plus(const Places& a, const Places& b) {
+    return {_mm256_add_epi32(a.low, b.low), _mm256_add_epi32(a.high, b.high)};
+  }
+  static Places minus(const Places& a, const Places& b) {
+    return {_mm256_sub_epi32(a.low, b.low), _mm256_sub_epi32(a.high, b.high)};
+  }
+  static Places times(const Places& a, const Places& b) {
+    return {_mm256_mullo_epi32(a.low, b.low), _mm256_mullo_epi32(a.high, b.high)};
+  }
+  static Places smaller(const Places& a, const Places& b) {
+    return {_mm256_min_epi32(a.low, b.low), _mm256_min_epi32(a.high, b.high)};
+  }
+  static Places larger(const Places& a, const Places& b) {
+    return {_mm256_max_epi32(a.low, b.low), _mm256_max_epi32(a.high, b.high)};
+  }
+  static Places shifted(const Places& a, const Places& count) {
+    return {_mm256_srlv_epi32(a.low, count.low), _mm256_srlv_epi32(a.high, count.high)};
+  }
+  static unsigned equal(const Places& a, const Places& b) {
+    return join(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.low, b.low)),
+                _mm256_castsi256_ps(_mm256_cmpeq_epi32(a.high, b.high)));
+  }
+  static __m256i bit_width_half(__m256i a) {
+    const __m256i bits = _mm256_castps_si256(_mm256_cvtepi32_ps(a));
+    return _mm256_max_epi32(_mm256_sub_epi32(_mm256_srli_epi32(bits, 23), _mm256_set1_epi32(126)),
+                            _mm256_setzero_si256());
+  }
+  static Places bit_width(const Places& a) { return {bit_width_half(a.low), bit_width_half(a.high)}; }
+  static Places look_up(const std::int32_t* table, const Places& at) {
+    return {_mm256_i32gather_epi32(table, at.low, 4), _mm256_i32gather_epi32(table, at.high, 4)};
+  }
+  static Lanes look_up(const float* table, const Places& at) {
+    return {_mm256_i32gather_ps(table, at.low, 4), _mm256_i32gather_ps(table, at.high, 4)};
+  }
 
   static float least(const float* a) { return least_of_leaf(a); }
   static float most(const float* a) { return most_of_leaf(a); }

@@ -58,6 +58,34 @@ struct Avx512 {
   static unsigned less(const Lanes& a, const Lanes& b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
   static unsigned at_most(const Lanes& a, const Lanes& b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
 
+  // Sixteen whole numbers: places of pixels, blocks and table entries.
+  using Places = __m512i;
+  static Places place_above(const Lanes& a) {
+    return _mm512_maskz_cvt_roundps_epi32(kAll, a, _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC);
+  }
+  static Places place_below(const Lanes& a) {
+    return _mm512_maskz_cvt_roundps_epi32(kAll, a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+  }
+  static Places spread_place(int a) { return _mm512_set1_epi32(a); }
+  static Places plus(const Places& a, const Places& b) { return _mm512_add_epi32(a, b); }
+  static Places minus(const Places& a, const Places& b) { return _mm512_sub_epi32(a, b); }
+  static Places times(const Places& a, const Places& b) { return _mm512_mullo_epi32(a, b); }
+  static Places smaller(const Places& a, const Places& b) { return _mm512_maskz_min_epi32(kAll, a, b); }
+  static Places larger(const Places& a, const Places& b) { return _mm512_maskz_max_epi32(kAll, a, b); }
+  static Places shifted(const Places& a, const Places& count) { return _mm512_maskz_srlv_epi32(kAll, a, count); }
+  static unsigned equal(const Places& a, const Places& b) { return _mm512_cmpeq_epi32_mask(a, b); }
+  static Places bit_width(const Places& a) {
+    const __m512i bits = _mm512_castps_si512(_mm512_maskz_cvtepi32_ps(kAll, a));
+    return larger(_mm512_sub_epi32(_mm512_maskz_srli_epi32(kAll, bits, 23), _mm512_set1_epi32(126)),
+                  _mm512_setzero_si512());
+  }
+  static Places look_up(const std::int32_t* table, const Places& at) {
+    return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), kAll, at, table, 4);
+  }
+  static Lanes look_up(const float* table, const Places& at) {
+    return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), kAll, at, table, 4);
+  }
+
   static __m512i places(std::uint32_t base) {
     const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     return _mm512_add_epi32(lanes, _mm512_set1_epi32(int(base)));

@@ -116,6 +116,61 @@ struct Scalar {
   static unsigned at_most(const Lanes& a, const Lanes& b) {
     return bits([&](int i) { return a.v[i] <= b.v[i]; });
   }
+  // Sixteen whole numbers: places of pixels, blocks and table entries.
+  struct Places {
+    std::int32_t v[kLanes];
+  };
+  template <class Of>
+  static Places each_place(const Of& of) {
+    Places r;
+    for (int i = 0; i < kLanes; ++i) r.v[i] = std::int32_t(of(i));
+    return r;
+  }
+  /// Of a >= 0.
+  static Places place_above(const Lanes& a) {
+    return each_place([&](int i) { return int(a.v[i]) + int(float(int(a.v[i])) < a.v[i]); });
+  }
+  static Places place_below(const Lanes& a) {
+    return each_place([&](int i) { return int(a.v[i]); });
+  }
+  static Places spread_place(int a) {
+    return each_place([&](int) { return a; });
+  }
+  static Places plus(const Places& a, const Places& b) {
+    return each_place([&](int i) { return a.v[i] + b.v[i]; });
+  }
+  static Places minus(const Places& a, const Places& b) {
+    return each_place([&](int i) { return a.v[i] - b.v[i]; });
+  }
+  static Places times(const Places& a, const Places& b) {
+    return each_place([&](int i) { return a.v[i] * b.v[i]; });
+  }
+  static Places smaller(const Places& a, const Places& b) {
+    return each_place([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
+  }
+  static Places larger(const Places& a, const Places& b) {
+    return each_place([&](int i) { return a.v[i] < b.v[i] ? b.v[i] : a.v[i]; });
+  }
+  static Places shifted(const Places& a, const Places& count) {
+    return each_place([&](int i) { return a.v[i] >> count.v[i]; });
+  }
+  static unsigned equal(const Places& a, const Places& b) {
+    return bits([&](int i) { return a.v[i] == b.v[i]; });
+  }
+  /// Bits that a number takes, 0 for one that is not positive; anything for one below 0 in the other forms.
+  static Places bit_width(const Places& a) {
+    return each_place([&](int i) {
+      int width = 0;
+      for (std::int32_t rest = a.v[i]; rest > 0; rest >>= 1) ++width;
+      return width;
+    });
+  }
+  static Places look_up(const std::int32_t* table, const Places& at) {
+    return each_place([&](int i) { return table[at.v[i]]; });
+  }
+  static Lanes look_up(const float* table, const Places& at) {
+    return each([&](int i) { return table[at.v[i]]; });
+  }
 
   static unsigned share(const std::uint32_t* layers, std::uint32_t mask) {
     unsigned bits = 0;

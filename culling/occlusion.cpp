@@ -1,14 +1,15 @@
 #include "sightline/culling/occlusion.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
 #include "sightline/culling/internal/filter_slots.h"
+#include "sightline/culling/internal/front_layer.h"
 #include "sightline/culling/internal/kernels.h"
+#include "sightline/culling/internal/set_parts.h"
 
 namespace sightline::culling {
 namespace {
@@ -23,6 +24,10 @@ float farther(float a, float b) {
   return a >= b ? a : a < b ? b : std::numeric_limits<float>::infinity();
 }
 
+void list_bits(std::size_t word, std::uint64_t bits, std::vector<core::Slot>& slots) {
+  for (; bits != 0; bits &= bits - 1) slots.push_back(core::Slot(64 * word) + core::Slot(std::countr_zero(bits)));
+}
+
 }  // namespace
 
 std::vector<DepthPyramid::Level> DepthPyramid::levels_of(int width, int height) {
@@ -30,7 +35,7 @@ std::vector<DepthPyramid::Level> DepthPyramid::levels_of(int width, int height) 
   std::vector<Level> levels{{width, height, 0}};
   while (levels.back().width > kCoarsest || levels.back().height > kCoarsest) {
     const Level finer = levels.back();
-    levels.push_back({(finer.width + 1) / 2, (finer.height + 1) / 2, finer.end()});
+    levels.push_back({(finer.width + 1) / 2, (finer.height + 1) / 2, std::int32_t(finer.end())});
   }
   return levels;
 }
@@ -81,17 +86,22 @@ OcclusionTest::OcclusionTest(const core::View& view, const core::dvec3& origin, 
                              const DepthPyramid& pyramid, double error, float snap)
     : view_(make_screen_view(view, origin, width, height, snap)),
       rays_(view, origin, width, height),
+      ray_field_(rays_.field()),
       pyramid_(&pyramid),
       error_(float(error)) {
   view_.samples = kCentre;
   view_.sample_count = 1;
 }
 
+/// Whether these pixels hide whatever is no nearer than that.
+bool OcclusionTest::hide_all(const PixelRectangle& pixels, float nearest) const {
+  return pyramid_->all_nearer(pixels.x0, pixels.y0, pixels.x1, pixels.y1,
+                              nearest - (kDistanceMargin * std::abs(nearest) + error_));
+}
+
 /// Whether all these pixels hide a box. `nearest`: its least distance.
 bool OcclusionTest::hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const {
-  if (pyramid_->all_nearer(pixels.x0, pixels.y0, pixels.x1, pixels.y1,
-                           nearest - (kDistanceMargin * std::abs(nearest) + error_)))
-    return true;
+  if (hide_all(pixels, nearest)) return true;
   BoxSpan span;
   if (!rays_.span(box, span)) return false;
   const unsigned size = unsigned(std::max(pixels.x1 - pixels.x0, pixels.y1 - pixels.y0));
@@ -111,8 +121,7 @@ bool OcclusionTest::all_hidden(const BoxSpan& box, const PixelRectangle& pixels,
                step,
                0.5f * (step - 1.0f) + view_.snap,
                nullptr,
-               kDistanceMargin,
-               error_,
+               {kDistanceMargin, error_},
                rays_.parallel()};
   alignas(64) float entries[kLanes];
   const unsigned lanes = (1u << std::min(x1 - x0 + 1, kLanes)) - 1u;
@@ -137,12 +146,39 @@ bool OcclusionTest::hidden(const core::Aabb& box) const {
   return of_one_box(box, [&](const auto& boxes) { return hidden_of(boxes); });
 }
 
+/// Of sixteen boxes those that may cover a pixel centre, and that one look at the pyramid does not hide.
+unsigned OcclusionTest::maybe_open(const float* const (&coordinates)[6], BoxRectangles& r) const {
+  kernels().rectangles(view_, coordinates, r);
+  const unsigned judged = r.covering & r.projects;
+  if (judged == 0) return r.covering;
+  return r.covering & ~(judged & kernels().behind(view_, r, pyramid_->blocks(), {kDistanceMargin, error_}));
+}
+
+/// Of sixteen boxes those whose rays are worth testing: not hidden by all their pixels alike, nor seen at the middle
+/// one.
+unsigned OcclusionTest::undecided(const float* const (&coordinates)[6], const BoxRectangles& r, unsigned open) const {
+  unsigned judged = open & r.projects;
+  if (judged != 0 && rays_.usable()) judged &= ~kernels().seen(view_, ray_field_, coordinates, r, pyramid_->blocks());
+  return judged;
+}
+
+/// As hidden_of(), without the rays of single pixels: nodes are large.
+unsigned OcclusionTest::open_nodes(const float* const (&coordinates)[6]) const {
+  BoxRectangles r;
+  unsigned open = maybe_open(coordinates, r);
+  for (unsigned bits = undecided(coordinates, r, open); bits != 0; bits &= bits - 1) {
+    const int i = std::countr_zero(bits);
+    if (hide_all(pixels_of(view_, r, i), r.nearest[i])) open &= ~(1u << i);
+  }
+  return open;
+}
+
 /// Bit i: box i of sixteen is hidden, or covers no pixel centre.
 unsigned OcclusionTest::hidden_of(const float* const (&coordinates)[6]) const {
   BoxRectangles r;
-  kernels().rectangles(view_, coordinates, r);
-  unsigned found = ~r.covering;
-  for (unsigned bits = r.covering & r.projects; bits != 0; bits &= bits - 1) {
+  const unsigned open = maybe_open(coordinates, r);
+  unsigned found = ~open;
+  for (unsigned bits = undecided(coordinates, r, open); bits != 0; bits &= bits - 1) {
     const int i = std::countr_zero(bits);
     if (hides(box_of(coordinates, i), pixels_of(view_, r, i), r.nearest[i])) found |= 1u << i;
   }
@@ -150,47 +186,32 @@ unsigned OcclusionTest::hidden_of(const float* const (&coordinates)[6]) const {
 }
 
 void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
-                           SlotBits exempt) const {
-  filter_slots(bounds, in, open, exempt, [&](const auto& boxes) { return ~hidden_of(boxes); });
+                           SlotBits exempt, CullThreads* threads) const {
+  const auto filter_part = [&](const core::VisibleSet& part, core::VisibleSet& kept) {
+    filter_slots(bounds, part, kept, exempt, [&](const auto& boxes) { return ~hidden_of(boxes); });
+  };
+  if (!threads) return filter_part(in, open);
+  thread_local SetParts parts;
+  parts.split(in);
+  parts.for_each(threads, [&](core::VisibleSet& part) { filter_part(part, part); });
+  parts.join(open);
 }
 
 void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
                                   SlotBits exempt) const {
-  culling::filter_leaves(hierarchy, in, open, exempt, [&](const auto& boxes) { return ~hidden_of(boxes); });
+  culling::filter_leaves(hierarchy, in, open, exempt, [&](const auto& boxes) { return open_nodes(boxes); });
 }
 
-/// Of each pixel, the box that its ray enters first.
-struct OcclusionTest::FrontLayer {
-  void clear(std::size_t pixels) {
-    nearest.assign(pixels, std::numeric_limits<float>::infinity());
-    owner.assign(pixels, core::kNone);
-    slots.clear();
-    in_front.clear();
-    of_ranges = 0;
-  }
-  /// Replaces `out` by the slots of the layer, or by all others, in rising order.
-  void take(bool front, std::vector<core::Slot>& out) {
-    for (std::vector<core::Slot>& part : parts) part.clear();
-    for (std::size_t i = 0; i < slots.size(); ++i)
-      if ((in_front[i] != 0) == front) parts[i < of_ranges ? 0 : 1].push_back(slots[i]);
-    out.resize(parts[0].size() + parts[1].size());
-    std::merge(parts[0].begin(), parts[0].end(), parts[1].begin(), parts[1].end(), out.begin());
-  }
-  std::vector<float> nearest;
-  std::vector<std::uint32_t> owner;     // index in slots
-  std::vector<core::Slot> slots;        // of the set: those of ranges, then single ones, both in rising order
-  std::size_t of_ranges = 0;            // number of the former
-  std::vector<unsigned char> in_front;  // of each of these: whether it belongs to the layer
-  std::array<std::vector<core::Slot>, 2> parts;
-};
-
-/// Enters the last slot of `layer`, whose box this is. False when the box is too large or not judged.
-bool OcclusionTest::enter(const BoxCoordinates& box, const PixelRectangle& pixels, FrontLayer& layer) const {
+OcclusionTest::Found OcclusionTest::enter(core::Slot slot, const BoxCoordinates& box, const PixelRectangle& pixels,
+                                          float nearest, FrontLayer& layer) const {
+  if (hide_all(pixels, nearest)) return Found::kHidden;
   BoxSpan span;
   const int columns = (pixels.x1 - pixels.x0) / kLanes + 1;
-  if (columns * (pixels.y1 - pixels.y0 + 1) > kMostRows || !rays_.span(box, span)) return false;
-  BlockRow row{0.0f, 0.0f, 1.0f, view_.snap, nullptr, kDistanceMargin, error_, rays_.parallel()};
+  if (columns * (pixels.y1 - pixels.y0 + 1) > kMostRows || !rays_.span(box, span))
+    return hides(box, pixels, nearest) ? Found::kHidden : Found::kNotJudged;
+  BlockRow row{0.0f, 0.0f, 1.0f, view_.snap, nullptr, {kDistanceMargin, error_}, rays_.parallel()};
   alignas(64) float entries[kLanes];
+  Found found = Found::kHidden;
   for (int y = pixels.y0; y <= pixels.y1; ++y)
     for (int x = pixels.x0; x <= pixels.x1; x += kLanes) {
       row.x = float(x), row.y = float(y);
@@ -198,38 +219,64 @@ bool OcclusionTest::enter(const BoxCoordinates& box, const PixelRectangle& pixel
       const unsigned lanes = (1u << std::min(pixels.x1 - x + 1, kLanes)) - 1u;
       for (unsigned open = kernels().open_blocks(span, row, entries) & lanes; open != 0; open &= open - 1) {
         const int i = std::countr_zero(open);
-        const std::size_t pixel = std::size_t(y) * std::size_t(pyramid_->width()) + std::size_t(x + i);
-        if (!(entries[i] < layer.nearest[pixel])) continue;
-        layer.nearest[pixel] = entries[i];
-        layer.owner[pixel] = std::uint32_t(layer.slots.size() - 1);
+        layer.enter(std::size_t(y) * std::size_t(pyramid_->width()) + std::size_t(x + i), entries[i], slot);
+        found = Found::kEntered;
       }
     }
-  return true;
+  return found;
 }
 
-void OcclusionTest::split_front(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& front,
-                                core::VisibleSet& behind) const {
-  thread_local FrontLayer layer;
-  layer.clear(std::size_t(pyramid_->width()) * std::size_t(pyramid_->height()));
-  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {
+/// Leaves hidden slots out of `set`, and enters the others.
+void OcclusionTest::enter_all(const core::ItemBounds& bounds, core::VisibleSet& set, FrontLayer& layer) const {
+  thread_local SlotCollector collector;
+  for_each_group(bounds, set, [&](const SlotGroup& group, unsigned used, bool of_range) {
     BoxRectangles r;
-    kernels().rectangles(view_, group.coordinates, r);
-    for (unsigned bits = used; bits != 0; bits &= bits - 1) {
+    unsigned open = maybe_open(group.coordinates, r) & used;
+    for (unsigned bits = open; bits != 0; bits &= bits - 1) {
       const int i = std::countr_zero(bits);
-      if (bounds.vacant(group.slots[i])) continue;
-      layer.slots.push_back(group.slots[i]);
-      const bool judged = (r.covering & r.projects) >> i & 1u;
-      layer.in_front.push_back(!judged || !enter(box_of(group.coordinates, i), pixels_of(view_, r, i), layer));
+      Found found = Found::kNotJudged;
+      if (bounds.vacant(group.slots[i]))
+        found = Found::kHidden;
+      else if ((r.projects >> i & 1u) != 0)
+        found = enter(group.slots[i], box_of(group.coordinates, i), pixels_of(view_, r, i), r.nearest[i], layer);
+      if (found == Found::kHidden) open &= ~(1u << i);
+      if (found == Found::kNotJudged) layer.not_judged.push_back(group.slots[i]);
     }
-    if (of_range) layer.of_ranges = layer.slots.size();
+    collector.add(group, open, of_range);
   });
-  for (const std::uint32_t owner : layer.owner)
-    if (owner != core::kNone) layer.in_front[owner] = 1;
-  layer.take(false, behind.items);
-  layer.take(true, front.items);
-  front.ranges.clear();
-  behind.ranges.clear();
+  collector.finish(set);
+}
+
+void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy* hierarchy, const core::VisibleSet& in,
+                                core::VisibleSet& front, core::VisibleSet& behind, CullThreads* threads) const {
+  thread_local SetParts parts;
+  thread_local FrontLayers layers;
+  thread_local std::vector<std::uint64_t> in_front, others;
+  thread_local core::VisibleSet open;
+  layers.begin(std::size_t(pyramid_->width()) * std::size_t(pyramid_->height()));
+  parts.split(in);
+  parts.for_each(threads, [&, &own_layers = layers](core::VisibleSet& part) {
+    thread_local core::VisibleSet leaves;
+    if (hierarchy) {
+      filter_leaves(*hierarchy, part, leaves);
+      std::swap(part, leaves);
+    }
+    FrontLayer& layer = own_layers.take();
+    enter_all(bounds, part, layer);
+    own_layers.give_back(layer);
+  });
+  parts.join(open);
+  in_front.assign(bit_words(bounds.size()), 0);
+  others.assign(bit_words(bounds.size()), 0);
+  layers.mark_front(in_front);
+  set_bits(open, others);
+  front.clear();
+  behind.clear();
   front.generation = behind.generation = in.generation;
+  for (std::size_t word = 0; word < in_front.size(); ++word) {
+    list_bits(word, in_front[word], front.items);
+    list_bits(word, others[word] & ~in_front[word], behind.items);
+  }
 }
 
 }  // namespace sightline::culling

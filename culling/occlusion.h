@@ -7,7 +7,8 @@
 //
 // Two steps: first all pixels of the rectangle around the projection against the box's least distance, in the pyramid;
 // then, for boxes that this leaves open, the ray of each pixel against the box itself (internal/pixel_rays.h), sixteen
-// pixels at a time and whole blocks of large boxes first.
+// pixels at a time and whole blocks of large boxes first. Most boxes are decided sooner, sixteen of them at a time: one
+// look at 2 x 2 blocks of the pyramid hides them, or the ray of one pixel meets them in front of what it holds.
 //
 // Where the distances come from does not matter: a picture's own depth after a first pass, a raster of chosen
 // occluders, or the application. They must be those of surfaces that are drawn, or larger. Section planes and
@@ -25,6 +26,7 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
+#include "sightline/culling/cull_threads.h"
 #include "sightline/culling/hierarchy.h"
 #include "sightline/culling/internal/pixel_rays.h"
 #include "sightline/culling/internal/screen_view.h"
@@ -52,9 +54,8 @@ class SIGHTLINE_API DepthPyramid {
 
   /// Blocks of a level, and the number of those of the levels before.
   struct Level {
-    int width, height;
-    std::size_t first;
-    std::size_t end() const { return first + std::size_t(width) * std::size_t(height); }
+    std::int32_t width, height, first;
+    std::size_t end() const { return std::size_t(first) + std::size_t(width) * std::size_t(height); }
   };
   /// All levels of a pyramid of so many pixels, both positive: down to 3 x 3 blocks or fewer.
   static std::vector<Level> levels_of(int width, int height);
@@ -64,6 +65,7 @@ class SIGHTLINE_API DepthPyramid {
     const Level& l = levels_[std::size_t(level)];
     return texels_.data() + l.first + std::size_t(y) * std::size_t(l.width);
   }
+  PyramidBlocks blocks() const { return {texels_.data(), &levels_.data()->width, int(levels_.size())}; }
   std::size_t memory_bytes() const { return texels_.capacity() * sizeof(float); }
 
  private:
@@ -72,6 +74,8 @@ class SIGHTLINE_API DepthPyramid {
   std::vector<Level> levels_;
   std::vector<float> texels_;
 };
+
+struct FrontLayer;
 
 class SIGHTLINE_API OcclusionTest {
  public:
@@ -88,28 +92,37 @@ class SIGHTLINE_API OcclusionTest {
   bool hidden(const core::Aabb& box) const;
 
   /// Replaces `open` by the slots of `in` whose boxes are not hidden, or whose bit is set in `exempt`. Vacant slots are
-  /// left out.
-  void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
-              SlotBits exempt = {}) const;
+  /// left out. Large sets are shared out among `threads`, if there are any.
+  void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open, SlotBits exempt = {},
+              CullThreads* threads = nullptr) const;
   /// A first, coarse step for large sets: leaves out those leaves of the hierarchy that lie within ranges of `in` and
   /// whose boxes, or those of nodes above, are hidden. `hierarchy`: over the bounds that `in` belongs to.
   void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
                      SlotBits exempt = {}) const;
 
-  /// Distributes the slots of `in`, which are not hidden: `front` gets the box that the ray of each pixel enters first,
+  /// Distributes the slots of `in` that are not hidden: `front` gets the box that the ray of each pixel enters first,
   /// and boxes too large to look at each of their pixels, or not judged. What is drawn next hides most if it is that.
-  void split_front(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& front,
-                   core::VisibleSet& behind) const;
+  /// Where boxes are entered at the same distance, the one with the lower slot is first. `hierarchy`: as for
+  /// filter_leaves(), or null. `threads`: as for filter().
+  void split_front(const core::ItemBounds& bounds, const Hierarchy* hierarchy, const core::VisibleSet& in,
+                   core::VisibleSet& front, core::VisibleSet& behind, CullThreads* threads = nullptr) const;
 
  private:
-  struct FrontLayer;
-  bool enter(const BoxCoordinates& box, const PixelRectangle& pixels, FrontLayer& layer) const;
+  enum class Found { kHidden, kEntered, kNotJudged };
+  Found enter(core::Slot slot, const BoxCoordinates& box, const PixelRectangle& pixels, float nearest,
+              FrontLayer& layer) const;
+  void enter_all(const core::ItemBounds& bounds, core::VisibleSet& set, FrontLayer& layer) const;
+  bool hide_all(const PixelRectangle& pixels, float nearest) const;
+  unsigned maybe_open(const float* const (&coordinates)[6], BoxRectangles& r) const;
+  unsigned undecided(const float* const (&coordinates)[6], const BoxRectangles& r, unsigned open) const;
+  unsigned open_nodes(const float* const (&coordinates)[6]) const;
   unsigned hidden_of(const float* const (&coordinates)[6]) const;
   bool hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const;
   bool all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const;
 
   ScreenView view_;
   PixelRays rays_;
+  RayField ray_field_;
   const DepthPyramid* pyramid_;
   float error_;
 };

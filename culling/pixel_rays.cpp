@@ -53,6 +53,17 @@ PixelRays::PixelRays(const core::View& view, const dvec3& origin, int width, int
   usable_ = parallel_ ? trace_parallel(projection) : trace_from_eye(projection);
 }
 
+RayField PixelRays::field() const {
+  RayField field{};
+  field.parallel = parallel_;
+  for (int i = 0; i < 3; ++i) {
+    const Axis& a = axes_[i];
+    field.constant[i] = float(a.constant), field.per_x[i] = float(a.x), field.per_y[i] = float(a.y);
+    field.from[i] = float(a.from), field.along[i] = float(a.along);
+  }
+  return field;
+}
+
 /// All rays have the direction in which neither x nor y change.
 bool PixelRays::trace_parallel(const Projection& p) {
   const dvec3 x(p.x), y(p.y), t(p.distance), across = glm::cross(x, y);

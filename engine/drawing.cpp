@@ -285,7 +285,7 @@ core::Expected<void> Drawing::draw_in_passes(const core::View& view, const core:
   const core::ItemBounds& bounds = snapshot.bounds();
   const culling::OcclusionTest test = occlusion_test(view, bounds.origin);
   pyramid_.clear(target_.width(), target_.height());
-  passes_.begin(visible, lines, hierarchy);
+  passes_.begin(visible, lines, hierarchy, threads_);
   renderer_->clear(target_);
   while (passes_.next(test, bounds)) {
     if (auto done = draw_pass(view, snapshot, passes_.pass()); !done) return done;

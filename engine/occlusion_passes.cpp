@@ -27,9 +27,10 @@ void merge_singles(core::VisibleSet& set, std::vector<core::Slot>& of_ranges) {
 }  // namespace
 
 void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBits lines,
-                            const culling::Hierarchy* hierarchy) {
+                            const culling::Hierarchy* hierarchy, culling::CullThreads& threads) {
   lines_ = lines;
   hierarchy_ = hierarchy;
+  threads_ = &threads;
   count_ = 0;
   drawn_count_ = 0;
   pass_.clear();
@@ -64,31 +65,26 @@ bool OcclusionPasses::next(const culling::OcclusionTest& test, const core::ItemB
 
 /// What was open in the frame before and covers a pixel centre in this one.
 void OcclusionPasses::find_first(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
-  test.filter(bounds, pass_, open_now_, lines_);
-  std::swap(pass_, open_now_);
+  test.filter(bounds, pass_, found_, lines_, threads_);
+  std::swap(pass_, found_);
 }
 
 /// Where much is open, only what is in front of the rest.
 void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
-  if (hierarchy_ && !pending_.ranges.empty()) {
-    test.filter_leaves(*hierarchy_, pending_, others_, lines_);
-    std::swap(pending_, others_);
+  test.split_front(bounds, hierarchy_, pending_, found_, others_, threads_);
+  std::swap(pending_, others_);
+  if (found_.count() + pending_.count() <= kFew || count_ == kMostPasses - 1) {
+    merge_singles(found_, pending_.items);
   }
-  test.filter(bounds, pending_, open_now_, lines_);
-  if (open_now_.count() > kFew && count_ < kMostPasses - 1) {
-    test.split_front(bounds, open_now_, pass_, pending_);
-  } else {
-    std::swap(pass_, open_now_);
-    pending_.clear();
-  }
+  std::swap(pass_, found_);
 }
 
 /// Of what was drawn, what the whole picture does not hide.
 void OcclusionPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
   open_.assign(culling::bit_words(bounds.size()), 0);
   for (int i = 0; i < count_; ++i) {
-    test.filter(bounds, passes_[std::size_t(i)], open_now_, lines_);
-    culling::set_bits(open_now_, open_);
+    test.filter(bounds, passes_[std::size_t(i)], found_, lines_, threads_);
+    culling::set_bits(found_, open_);
   }
 }
 

@@ -82,13 +82,18 @@ struct BoxRectangles {
   unsigned covering;  // bit i: box i may cover a sample of the picture
 };
 
+/// A box is behind a distance by more than this share of its own, and by metres.
+struct DistanceMargin {
+  float share, metres;
+};
+
 /// Sixteen blocks of pixels beside each other, and how what they hold is compared.
 struct BlockRow {
   float x, y, step;       // middle of the first block, and the way to the next one's
   float reach;            // from a block's middle to the last place that belongs to it, along both axes
   const float* farthest;  // distances that the blocks hold
-  float margin, error;    // a box is behind a distance by more than this share of its own, and by metres
-  bool parallel;          // keys are -t, not 1 / t
+  DistanceMargin margin;
+  bool parallel;  // keys are -t, not 1 / t
 };
 
 ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, int width, int height, float snap);
@@ -111,6 +116,14 @@ struct Kernels {
   /// with anything in `box`, when one of the boxes holds a NaN.
   bool (*leaf_box)(const float* const (&coordinates)[6], std::size_t first, float (&box)[6]);
   void (*rectangles)(const ScreenView& view, const float* const (&coordinates)[6], BoxRectangles& out);
+  /// Bit i: box i, which must cover a sample and project, lies behind what the pixels of its rectangle hold. One look
+  /// at 2 x 2 blocks of the pyramid, so it may be 0 for boxes that are behind.
+  unsigned (*behind)(const ScreenView& view, const BoxRectangles& boxes, const PyramidBlocks& pyramid,
+                     const DistanceMargin& margin);
+  /// Bit i: the ray of the pixel in the middle of box i's rectangle meets the box in front of what the pixel holds, but
+  /// for rounding. So most boxes that are not hidden are known without a look at all of their pixels.
+  unsigned (*seen)(const ScreenView& view, const RayField& rays, const float* const (&coordinates)[6],
+                   const BoxRectangles& boxes, const PyramidBlocks& pyramid);
   /// Areas of the boxes' outlines in the picture, sixteen floats: infinite for boxes that do not project, 0 for empty
   /// ones.
   void (*areas)(const ScreenView& view, const float* const (&coordinates)[6], float* out);

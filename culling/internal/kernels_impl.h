@@ -498,6 +498,13 @@ typename Simd::Lanes keys_of_face(const PictureFunction& f, const BlockRow& row,
   return Simd::add(Simd::spread(constant), Simd::multiply(Simd::spread(f.x), x));
 }
 
+/// Distances less their margins.
+template <class Simd>
+typename Simd::Lanes in_front(const typename Simd::Lanes& distance, const DistanceMargin& margin) {
+  return Simd::subtract(distance, Simd::add(Simd::multiply(Simd::spread(margin.share), Simd::magnitude(distance)),
+                                            Simd::spread(margin.metres)));
+}
+
 template <class Simd>
 unsigned open_blocks(const BoxSpan& box, const BlockRow& row, float* entries) {
   using Lanes = typename Simd::Lanes;
@@ -508,11 +515,67 @@ unsigned open_blocks(const BoxSpan& box, const BlockRow& row, float* entries) {
   for (int i = 1; i < box.far_count; ++i) exit = Simd::most(exit, keys_of_face<Simd>(box.far[i], row, x, -1.0f));
   const Lanes distance =
       row.parallel ? Simd::subtract(Simd::spread(0.0f), entry) : Simd::divide(Simd::spread(1.0f), entry);
-  const Lanes least = Simd::subtract(
-      distance,
-      Simd::add(Simd::multiply(Simd::spread(row.margin), Simd::magnitude(distance)), Simd::spread(row.error)));
+  const Lanes least = in_front<Simd>(distance, row.margin);
   Simd::store(entries, distance);
   return Simd::at_most(exit, entry) & ~Simd::less(Simd::load(row.farthest), least) & 0xffffu;
+}
+
+/// The finest level at which 2 x 2 blocks contain a rectangle's pixels: 2^level exceeds the difference of their places.
+/// All lanes look within the pyramid, whatever their rectangles hold.
+template <class Simd>
+unsigned behind(const ScreenView& view, const BoxRectangles& boxes, const PyramidBlocks& pyramid,
+                const DistanceMargin& margin) {
+  using Lanes = typename Simd::Lanes;
+  using Places = typename Simd::Places;
+  const Lanes zero = Simd::spread(0.0f);
+  const auto within = [&](const float* a, float last) {
+    return Simd::least(Simd::spread(last), Simd::most(zero, Simd::load(a)));
+  };
+  Places x0 = Simd::place_above(within(boxes.left, view.last_x)),
+         x1 = Simd::place_below(within(boxes.right, view.last_x));
+  Places y0 = Simd::place_above(within(boxes.bottom, view.last_y)),
+         y1 = Simd::place_below(within(boxes.top, view.last_y));
+  const Places wanted = Simd::bit_width(Simd::larger(Simd::minus(x1, x0), Simd::minus(y1, y0)));
+  const Places level = Simd::smaller(wanted, Simd::spread_place(pyramid.level_count - 1));
+  const Places entry = Simd::plus(Simd::plus(level, level), level);  // three numbers a level
+  const Places width = Simd::look_up(pyramid.levels, entry), first = Simd::look_up(pyramid.levels + 2, entry);
+  x0 = Simd::shifted(x0, level), x1 = Simd::shifted(x1, level);
+  const Places row0 = Simd::plus(first, Simd::times(Simd::shifted(y0, level), width));
+  const Places row1 = Simd::plus(first, Simd::times(Simd::shifted(y1, level), width));
+  const auto farthest = [&](const Places& row) {
+    return Simd::most(Simd::look_up(pyramid.farthest, Simd::plus(row, x0)),
+                      Simd::look_up(pyramid.farthest, Simd::plus(row, x1)));
+  };
+  const Lanes held = Simd::most(farthest(row0), farthest(row1));
+  return Simd::less(held, in_front<Simd>(Simd::load(boxes.nearest), margin)) & Simd::equal(wanted, level);
+}
+
+template <class Simd>
+unsigned seen(const ScreenView& view, const RayField& rays, const float* const (&coordinates)[6],
+              const BoxRectangles& boxes, const PyramidBlocks& pyramid) {
+  using Lanes = typename Simd::Lanes;
+  const Lanes zero = Simd::spread(0.0f), half = Simd::spread(0.5f);
+  const auto middle = [&](const float* low, const float* high, float last) {
+    const Lanes at = Simd::add(Simd::multiply(half, Simd::add(Simd::load(low), Simd::load(high))), half);
+    return Simd::whole(Simd::least(Simd::spread(last), Simd::most(zero, at)));
+  };
+  const Lanes x = middle(boxes.left, boxes.right, view.last_x), y = middle(boxes.bottom, boxes.top, view.last_y);
+  Lanes enter = zero, leave = zero;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Lanes of_pixel =
+        Simd::add(Simd::spread(rays.constant[axis]), Simd::add(Simd::multiply(Simd::spread(rays.per_x[axis]), x),
+                                                               Simd::multiply(Simd::spread(rays.per_y[axis]), y)));
+    const Lanes along = rays.parallel ? Simd::spread(rays.along[axis]) : of_pixel;
+    const Lanes from = rays.parallel ? of_pixel : Simd::spread(rays.from[axis]);
+    const Lanes a = Simd::divide(Simd::subtract(Simd::load(coordinates[axis]), from), along);
+    const Lanes b = Simd::divide(Simd::subtract(Simd::load(coordinates[axis + 3]), from), along);
+    const Lanes first = Simd::least(a, b), last = Simd::most(a, b);
+    enter = axis == 0 ? first : Simd::most(enter, first);
+    leave = axis == 0 ? last : Simd::least(leave, last);
+  }
+  const typename Simd::Places pixel =
+      Simd::plus(Simd::place_below(x), Simd::times(Simd::place_below(y), Simd::spread_place(pyramid.levels[0])));
+  return Simd::at_most(enter, leave) & Simd::less(enter, Simd::look_up(pyramid.farthest, pixel));
 }
 
 template <class Simd>
@@ -546,6 +609,8 @@ constexpr Kernels make_kernels() {
   k.rectangles = [](const ScreenView& view, const float* const(&c)[6], BoxRectangles& out) {
     ScreenBoxes<Simd>(view, c).store(view, out);
   };
+  k.behind = behind<Simd>;
+  k.seen = seen<Simd>;
   k.areas = ScreenBoxes<Simd>::store_areas;
   k.open_blocks = open_blocks<Simd>;
   k.fill_area = fill_area<Simd>;

@@ -29,6 +29,9 @@ class PixelRays {
   /// and in views whose distances are not those of their projection, as a combined matrix has them.
   bool span(const BoxCoordinates& box, BoxSpan& out) const;
   bool parallel() const { return parallel_; }
+  /// The rays in float; false where span() knows nothing.
+  bool usable() const { return usable_; }
+  RayField field() const;
 
  private:
   struct Projection;

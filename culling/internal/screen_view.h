@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 namespace sightline::culling {
 
@@ -27,6 +28,20 @@ using BoxCoordinates = std::array<float, 6>;
 /// Pixels x0 … x1, y0 … y1.
 struct PixelRectangle {
   int x0, y0, x1, y1;
+};
+
+/// A DepthPyramid. `levels`: width, height and first block of each.
+struct PyramidBlocks {
+  const float* farthest;
+  const std::int32_t* levels;
+  int level_count;
+};
+
+/// The rays of a picture: at distance t the ray of the pixel (x, y) is at from + t * (constant + x * per_x + y *
+/// per_y), or, if parallel, at constant + x * per_x + y * per_y + t * along. Rounded to float.
+struct RayField {
+  float constant[3], per_x[3], per_y[3], from[3], along[3];
+  bool parallel;
 };
 
 /// constant + x * (place in the picture).x + y * (place in the picture).y.

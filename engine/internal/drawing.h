@@ -149,6 +149,7 @@ class Drawing {
   core::VisibleSet sampled_, large_, large_leaves_;
   std::vector<std::uint64_t> was_large_;  // a bit per slot, of the last frame
   OcclusionPasses passes_;
+  culling::CullThreads threads_;  // for the occlusion test; none begins before the first large set
   OcclusionSwitch occlusion_switch_;
   bool switched_ = false;  // the last draw() was as the switch says
   culling::DepthPyramid pyramid_;

@@ -17,8 +17,9 @@ namespace sightline::engine {
 class OcclusionPasses {
  public:
   /// Begins a frame with its candidates. Slots of `lines` are not tested. `hierarchy`: that of the candidates, or null;
-  /// it makes large sets fast.
-  void begin(const core::VisibleSet& candidates, culling::SlotBits lines, const culling::Hierarchy* hierarchy);
+  /// it makes large sets fast. `threads` share in the tests of the frame.
+  void begin(const core::VisibleSet& candidates, culling::SlotBits lines, const culling::Hierarchy* hierarchy,
+             culling::CullThreads& threads);
   /// Finds the next pass. `test`: against the depth of all passes so far, at first of none. False when all that may be
   /// seen is drawn; then the frame is remembered.
   bool next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
@@ -39,7 +40,8 @@ class OcclusionPasses {
   std::vector<core::VisibleSet> passes_;  // the first count_ of them; the others keep memory
   culling::SlotBits lines_;
   const culling::Hierarchy* hierarchy_ = nullptr;
-  core::VisibleSet pass_, pending_, open_now_, others_;  // pass_: the one to come
+  culling::CullThreads* threads_ = nullptr;
+  core::VisibleSet pass_, pending_, found_, others_;  // pass_: the one to come
   int count_ = 0;
   std::size_t drawn_count_ = 0;
 };

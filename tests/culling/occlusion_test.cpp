@@ -147,8 +147,10 @@ TEST(OcclusionTest, TheFrontIsWhatRaysMeetFirst) {
     core::VisibleSet all, opens, front, behind;
     all.ranges = {{0, 24}};
     test.filter(bounds, all, opens);
-    test.split_front(bounds, opens, front, behind);
-    ASSERT_EQ(merged(front.items, behind.items), opens.sorted_slots());
+    test.split_front(bounds, nullptr, all, front, behind);
+    const auto both = merged(front.items, behind.items), open = opens.sorted_slots();
+    ASSERT_TRUE(std::includes(open.begin(), open.end(), both.begin(), both.end()));
+    const auto left_out = [&](core::Slot s) { return !std::binary_search(both.begin(), both.end(), s); };
     in_front += front.items.size();
     left_behind += behind.items.size();
     for (int y = 0; y < samples.height; ++y)
@@ -162,9 +164,11 @@ TEST(OcclusionTest, TheFrontIsWhatRaysMeetFirst) {
           return nearest ? nearest->get_d() : std::numeric_limits<double>::infinity();
         };
         for (const core::Slot s : front.items) first = std::min(first, entry(s, float(off)));
-        for (const core::Slot s : behind.items) {
+        for (core::Slot s = 0; s < bounds.size(); ++s) {
+          if (std::binary_search(front.items.begin(), front.items.end(), s)) continue;
           const double own = entry(s);
           if (own < kept - off && own < 1e30) {
+            ASSERT_FALSE(left_out(s)) << "slot " << s << ", pixel " << x << ' ' << y;
             ASSERT_LE(first, own + off + 1e-4 * std::abs(own)) << "slot " << s << ", pixel " << x << ' ' << y;
           }
         }
@@ -208,7 +212,8 @@ TEST(OcclusionTest, FiltersSets) {
       if (spared) exempt[s / 64] |= std::uint64_t(1) << s % 64;
       if (spared || !test.hidden(bounds.box(s))) open.push_back(s);
     }
-    std::vector<core::Slot> first_front;
+    std::vector<core::Slot> first_front, first_behind;
+    culling::CullThreads threads(3);
     for_each_instruction_set([&] {
       core::VisibleSet opens, leaves, both;
       test.filter(bounds, in, opens, exempt);
@@ -217,14 +222,19 @@ TEST(OcclusionTest, FiltersSets) {
       leaves_out += in.count() - leaves.count();
       test.filter(bounds, leaves, both, exempt);
       ASSERT_EQ(both.sorted_slots(), open);
+      test.filter(bounds, in, both, exempt, &threads);
+      ASSERT_EQ(both.sorted_slots(), open);
       core::VisibleSet front, behind;
-      test.split_front(bounds, opens, front, behind);
-      ASSERT_EQ(merged(front.items, behind.items), open);
-      if (first_front.empty()) first_front = front.items;
+      test.split_front(bounds, nullptr, in, front, behind);  // vacant slots included
+      const auto split = merged(front.items, behind.items);
+      ASSERT_TRUE(std::includes(open.begin(), open.end(), split.begin(), split.end()));
+      for (const core::Slot s : split) ASSERT_FALSE(bounds.vacant(s));
+      if (first_front.empty()) first_front = front.items, first_behind = behind.items;
       ASSERT_EQ(front.items, first_front);
-      test.split_front(bounds, in, front, behind);  // vacant slots included
-      for (const core::VisibleSet* part : {&front, &behind})
-        for (const core::Slot s : part->items) ASSERT_FALSE(bounds.vacant(s));
+      ASSERT_EQ(behind.items, first_behind);
+      test.split_front(bounds, &hierarchy, in, front, behind, &threads);
+      ASSERT_EQ(front.items, first_front);
+      ASSERT_EQ(behind.items, first_behind);
     });
   }
   EXPECT_GT(leaves_out, 1000u);
