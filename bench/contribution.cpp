@@ -33,6 +33,7 @@
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/core/camera_path.h"
+#include "sightline/core/internal/srgb.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/drawing.h"
@@ -162,11 +163,7 @@ void keep_large(const core::View& view, const core::Snapshot& snapshot, double l
 
 /// The mean of kFiner x kFiner pixels each, in linear light.
 image::Image reduced(const image::Image& fine) {
-  std::array<double, 256> linear{};
-  for (std::size_t i = 0; i < linear.size(); ++i) {
-    const double c = double(i) / 255.0;
-    linear[i] = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-  }
+  const std::array<double, 256> linear = core::linear_from_bytes();
   image::Image image{fine.width / kFiner, fine.height / kFiner, {}};
   image.pixels.reserve(std::size_t(image.width) * std::size_t(image.height) * 3);
   for (int y = 0; y < image.height; ++y)
@@ -177,8 +174,7 @@ image::Image reduced(const image::Image& fine) {
           for (int i = 0; i < kFiner; ++i)
             sum += linear[fine.pixels[std::size_t(((kFiner * y + j) * fine.width + kFiner * x + i) * 3 + c)]];
         sum /= double(kFiner * kFiner);
-        const double encoded = sum <= 0.0031308 ? 12.92 * sum : 1.055 * std::pow(sum, 1.0 / 2.4) - 0.055;
-        image.pixels.push_back(std::uint8_t(std::lround(255.0 * encoded)));
+        image.pixels.push_back(std::uint8_t(std::lround(255.0 * core::srgb_from_linear(sum))));
       }
   return image;
 }

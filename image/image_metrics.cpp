@@ -10,6 +10,8 @@
 
 #include <glm/glm.hpp>
 
+#include "sightline/core/internal/srgb.h"
+
 namespace sightline::image {
 namespace {
 
@@ -139,10 +141,6 @@ const dmat3 kXyzFromRgb = glm::transpose(
 const dmat3 kRgbFromXyz = glm::inverse(kXyzFromRgb);
 const dvec3 kWhite = kXyzFromRgb * dvec3(1.0);
 
-double linear_from_srgb(double v) {
-  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-}
-
 /// The linear form of CIELAB in which the eye's contrast sensitivity is known: lightness, red-green, blue-yellow.
 dvec3 opponent_from_rgb(const dvec3& rgb) {
   const dvec3 n = kXyzFromRgb * rgb / kWhite;
@@ -186,8 +184,7 @@ using Planes = std::array<Plane, 3>;
 
 Planes opponent_planes(const Image& image) {
   Planes planes{Plane(image.width, image.height), Plane(image.width, image.height), Plane(image.width, image.height)};
-  std::array<double, 256> linear{};
-  for (std::size_t v = 0; v < linear.size(); ++v) linear[v] = linear_from_srgb(double(v) / 255.0);
+  const std::array<double, 256> linear = core::linear_from_bytes();
   for (std::size_t i = 0; i < planes[0].values.size(); ++i) {
     const std::uint8_t* p = &image.pixels[3 * i];
     const dvec3 colour = opponent_from_rgb({linear[p[0]], linear[p[1]], linear[p[2]]});

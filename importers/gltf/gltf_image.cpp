@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <memory>
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/srgb.h"
 #include "sightline/importers/gltf/internal/gltf_materials.h"
 
 // Compressed pixels may swell to a thousand times their size, whatever size the header states. So each allocation of
@@ -14,7 +14,9 @@
 namespace {
 thread_local std::size_t largest_allocation = 0;  // bytes
 
-void* allocate(std::size_t bytes) { return bytes <= largest_allocation ? std::malloc(bytes) : nullptr; }
+void* allocate(std::size_t bytes) {
+  return bytes <= largest_allocation ? std::malloc(bytes) : nullptr;
+}
 void* reallocate(void* former, std::size_t bytes) {
   return bytes <= largest_allocation ? std::realloc(former, bytes) : nullptr;
 }
@@ -44,15 +46,6 @@ void* reallocate(void* former, std::size_t bytes) {
 namespace sightline::importers {
 namespace {
 
-std::array<double, 256> linear_values() {
-  std::array<double, 256> linear{};
-  for (std::size_t i = 0; i < linear.size(); ++i) {
-    const double v = double(i) / 255.0;
-    linear[i] = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-  }
-  return linear;
-}
-
 bool starts_with(std::span<const std::byte> file, std::initializer_list<int> signature) {
   if (file.size() < signature.size()) return false;
   std::size_t i = 0;
@@ -61,7 +54,9 @@ bool starts_with(std::span<const std::byte> file, std::initializer_list<int> sig
   return true;
 }
 
-bool is_png(std::span<const std::byte> file) { return starts_with(file, {0x89, 'P', 'N', 'G'}); }
+bool is_png(std::span<const std::byte> file) {
+  return starts_with(file, {0x89, 'P', 'N', 'G'});
+}
 
 /// Whether every chunk of a PNG file ends within it. stb_image reserves memory by the length of a chunk before it reads
 /// one, and doubles 32-bit sizes until they overflow.
@@ -85,13 +80,8 @@ std::size_t most_allocated(std::size_t file_bytes, std::uint64_t width, std::uin
 
 }  // namespace
 
-double srgb_from_linear(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-}
-
 core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh, std::uint64_t& pixels_left) {
-  if (!is_png(file) && !starts_with(file, {0xff, 0xd8}))
-    return core::fail("expected a PNG or JPEG image");
+  if (!is_png(file) && !starts_with(file, {0xff, 0xd8})) return core::fail("expected a PNG or JPEG image");
   if (file.size() > std::size_t(std::numeric_limits<int>::max())) return core::fail("expected an image below 2 GiB");
   if (is_png(file) && !chunks_fit(file)) return core::fail("expected a whole image, found a chunk beyond its end");
   const auto* data = reinterpret_cast<const stbi_uc*>(file.data());
@@ -108,7 +98,7 @@ core::Expected<ImageMean> image_mean(std::span<const std::byte> file, bool weigh
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(data, int(file.size()), &width, &height, &channels, 4), stbi_image_free);
   if (!pixels) return core::fail("expected a whole image, found damage");
-  const std::array<double, 256> linear = linear_values();
+  const std::array<double, 256> linear = core::linear_from_bytes();
   core::dvec3 sum(0.0);
   double weights = 0.0, alpha = 0.0;
   for (std::uint64_t i = 0; i < count; ++i) {

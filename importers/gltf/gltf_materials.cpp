@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/srgb.h"
+
 namespace sightline::importers {
 
 core::Expected<core::MaterialId> GltfMaterials::material(std::uint64_t index, const std::string& from) {
@@ -39,7 +41,7 @@ core::Expected<core::MaterialId> GltfMaterials::make(const GltfElement& element)
   core::Material material;
   material.name = gltf_text(*element.json, "name");
   for (int i = 0; i < 3; ++i)
-    material.colour[i] = float(srgb_from_linear(std::clamp(factor[i] * mean.colour[i], 0.0, 1.0)));
+    material.colour[i] = float(core::srgb_from_linear(std::clamp(factor[i] * mean.colour[i], 0.0, 1.0)));
   if (mode == "BLEND") material.alpha = float(std::clamp(factor[3] * mean.alpha, 0.0, 1.0));
   return job_.scene().add_material(std::move(material));
 }

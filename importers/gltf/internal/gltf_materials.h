@@ -11,9 +11,6 @@
 
 namespace sightline::importers {
 
-/// sRGB of a linear channel, both 0 … 1 (IEC 61966-2-1).
-double srgb_from_linear(double linear);
-
 /// Mean of an image's pixels in linear light: red, green, blue and alpha, 0 … 1. With `weigh`, each pixel counts as far
 /// as it is opaque.
 struct ImageMean {
