@@ -3,103 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <span>
 #include <unordered_map>
-#include <variant>
+
+#include "sightline/core/surface_area.h"
 
 namespace sightline::engine {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
-double quadrangle(const core::dvec3& a, const core::dvec3& b, const core::dvec3& c, const core::dvec3& d) {
-  return 0.5 * glm::length(glm::cross(c - a, d - b));
-}
-
-// --- surfaces, in the primitive's own units ------------------------------------------------------------------------
-
-double surface(const core::Pyramid& p) {
-  core::dvec3 corners[2][4];
-  for (int end = 0; end < 2; ++end) {
-    const double sign = end == 0 ? -0.5 : 0.5, x = 0.5 * double(end == 0 ? p.bottom_x : p.top_x),
-                 y = 0.5 * double(end == 0 ? p.bottom_y : p.top_y);
-    const core::dvec3 middle = sign * core::dvec3(p.offset_x, p.offset_y, p.height);
-    for (int i = 0; i < 4; ++i) corners[end][i] = middle + core::dvec3(i == 1 || i == 2 ? x : -x, i >= 2 ? y : -y, 0.0);
-  }
-  double sum = quadrangle(corners[0][0], corners[0][1], corners[0][2], corners[0][3]) +
-               quadrangle(corners[1][0], corners[1][1], corners[1][2], corners[1][3]);
-  for (int i = 0; i < 4; ++i) {
-    const int next = (i + 1) % 4;
-    sum += quadrangle(corners[0][i], corners[0][next], corners[1][next], corners[1][i]);
-  }
-  return sum;
-}
-
-double surface(const core::Box& b) {
-  const double x = std::abs(b.size_x), y = std::abs(b.size_y), z = std::abs(b.size_z);
-  return 2.0 * (x * y + y * z + z * x);
-}
-
-double surface(const core::RectangularTorus& t) {
-  const double inner = std::abs(t.inner_radius), outer = std::abs(t.outer_radius), height = std::abs(t.height);
-  const double sweep = core::sweep_angle(t.angle), thick = std::abs(outer - inner);
-  const double ends = sweep < core::kFullTurn ? 2.0 * thick * height : 0.0;
-  return sweep * (inner + outer) * (height + thick) + ends;
-}
-
-double surface(const core::CircularTorus& t) {
-  const double tube = std::abs(t.tube_radius), sweep = core::sweep_angle(t.angle);
-  const double ends = sweep < core::kFullTurn ? 2.0 * kPi * tube * tube : 0.0;
-  return sweep * std::abs(double(t.major_radius)) * 2.0 * kPi * tube + ends;
-}
-
-/// Half of Thomsen's formula for the ellipsoid, off by 1 % at most.
-double surface(const core::EllipticalDish& d) {
-  constexpr double kPower = 1.6075;
-  const double r = std::abs(d.base_radius), h = std::abs(d.height);
-  const double both = std::pow(r * r, kPower), sides = std::pow(r * h, kPower);
-  return 2.0 * kPi * std::pow((both + 2.0 * sides) / 3.0, 1.0 / kPower) + kPi * r * r;
-}
-
-double surface(const core::SphericalDish& d) {
-  const double r = d.base_radius, h = d.height;
-  return kPi * (2.0 * r * r + h * h);
-}
-
-double surface(const core::Snout& s) {
-  const double bottom = std::abs(s.bottom_radius), top = std::abs(s.top_radius);
-  const double length = glm::length(core::dvec3(s.offset_x, s.offset_y, s.height));
-  return kPi * ((bottom + top) * std::hypot(bottom - top, length) + bottom * bottom + top * top);
-}
-
-double surface(const core::Cylinder& c) {
-  const double r = std::abs(c.radius), h = std::abs(c.height);
-  return 2.0 * kPi * r * (r + h);
-}
-
-double surface(const core::Sphere& s) {
-  return kPi * double(s.diameter) * double(s.diameter);
-}
-
-double surface(const core::Line&) {
-  return 0.0;
-}
-
-double surface(const core::Mesh& mesh) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-    const core::dvec3 a(mesh.positions[mesh.indices[i]]), b(mesh.positions[mesh.indices[i + 1]]),
-        c(mesh.positions[mesh.indices[i + 2]]);
-    sum += 0.5 * glm::length(glm::cross(b - a, c - a));
-  }
-  return sum;
-}
-
 double surface_of(const core::Snapshot& snapshot, core::Slot slot) {
-  return int(snapshot.kind(slot)) >= core::kPrimitiveKindCount
-             ? surface(snapshot.mesh(slot))
-             : std::visit([](const auto& p) { return surface(p); }, snapshot.primitive(slot));
+  return int(snapshot.kind(slot)) >= core::kPrimitiveKindCount ? core::surface_area(snapshot.mesh(slot))
+                                                               : core::surface_area(snapshot.primitive(slot));
 }
 
 float projected(double surface, const core::Snapshot& snapshot, core::Slot slot) {
