@@ -86,6 +86,7 @@ struct Avx2 {
   static Lanes divide(const Lanes& a, const Lanes& b) {
     return {_mm256_div_ps(a.low, b.low), _mm256_div_ps(a.high, b.high)};
   }
+  static Lanes root(const Lanes& a) { return {_mm256_sqrt_ps(a.low), _mm256_sqrt_ps(a.high)}; }
   static Lanes least(const Lanes& a, const Lanes& b) {
     return {_mm256_min_ps(a.low, b.low), _mm256_min_ps(a.high, b.high)};
   }

@@ -49,6 +49,7 @@ struct Avx512 {
   static Lanes subtract(const Lanes& a, const Lanes& b) { return _mm512_sub_ps(a, b); }
   static Lanes multiply(const Lanes& a, const Lanes& b) { return _mm512_mul_ps(a, b); }
   static Lanes divide(const Lanes& a, const Lanes& b) { return _mm512_div_ps(a, b); }
+  static Lanes root(const Lanes& a) { return _mm512_maskz_sqrt_ps(kAll, a); }
   static Lanes least(const Lanes& a, const Lanes& b) { return _mm512_maskz_min_ps(kAll, a, b); }
   static Lanes most(const Lanes& a, const Lanes& b) { return _mm512_maskz_max_ps(kAll, b, a); }
   static Lanes magnitude(const Lanes& a) { return _mm512_maskz_andnot_ps(kAll, _mm512_set1_ps(-0.0f), a); }

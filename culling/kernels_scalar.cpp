@@ -1,4 +1,6 @@
 // The plain form of the kernels: the reference for the others, and the form for other processors.
+#include <cmath>
+
 #include "sightline/culling/internal/kernels_impl.h"
 
 namespace sightline::culling {
@@ -96,6 +98,9 @@ struct Scalar {
   }
   static Lanes divide(const Lanes& a, const Lanes& b) {
     return each([&](int i) { return a.v[i] / b.v[i]; });
+  }
+  static Lanes root(const Lanes& a) {
+    return each([&](int i) { return std::sqrt(a.v[i]); });
   }
   static Lanes least(const Lanes& a, const Lanes& b) {
     return each([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });

@@ -43,6 +43,11 @@ ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, i
   screen.last_x = float(width - 1);
   screen.last_y = float(height - 1);
   screen.largest = largest_coordinate({screen.x, screen.y, screen.w, screen.t});
+  // The cross product of the gradients of x / w and y / w: it points along the ray, and its length is the factor.
+  const core::dvec3 x(place(0, width)), y(place(1, height)), w(clip[3]);
+  const core::dvec3 products[3] = {glm::cross(x, y), glm::cross(y, w), glm::cross(w, x)};
+  for (int i = 0; i < 3; ++i)
+    for (int axis = 0; axis < 3; ++axis) screen.facing[i][axis] = float(products[i][axis]);
   return screen;
 }
 

@@ -106,7 +106,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
   was_large_.clear();
   budget_.reset();
   picture_changed();
-  small_items_.reset();
+  solid_areas_.reset();
   culler_ = std::move(culler);
   scene_ = std::move(*scene);
   lists_ = std::move(*lists);
@@ -151,7 +151,7 @@ core::Expected<void> Drawing::update(const core::Snapshot& snapshot, const gpupr
   if (!scene_->append(snapshot, joints)) return rebuild(snapshot, joints, culler_.has_value());
   if (auto done = scene_->update_materials(context_, snapshot, materials); !done) return done;
   scene_->update(snapshot, touched, joints);
-  small_items_.update(snapshot, touched);
+  solid_areas_.update(snapshot, touched);
   return culler_ ? culler_->update(snapshot, *scene_, touched) : core::Expected<void>();
 }
 
@@ -196,8 +196,12 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
     if (auto done = draw_at_once(view, snapshot, large, lines); !done) return done;
   }
   counts_.small = &large == &visible ? 0 : std::int64_t(snapshot.count(visible)) - count;
-  if (auto done = draw_small(view, snapshot, visible, tested); !done) return done;
+  if (auto done = draw_small(view, snapshot, visible, hierarchy, tested); !done) return done;
   return submit(frame);
+}
+
+culling::ContributionTest Drawing::contribution_test(const core::View& view, const core::Snapshot& snapshot) {
+  return {view, snapshot.bounds().origin, target_.width(), target_.height(), solid_areas_.of(snapshot)};
 }
 
 /// The part of the visible set that contributes enough to the picture.
@@ -206,7 +210,7 @@ const core::VisibleSet& Drawing::leave_out_small(const core::View& view, const c
                                                  const culling::Hierarchy* hierarchy, float threshold) {
   if (threshold <= 0.0f) return visible;
   const core::ItemBounds& bounds = snapshot.bounds();
-  const culling::ContributionTest test(view, bounds.origin, target_.width(), target_.height());
+  const culling::ContributionTest test = contribution_test(view, snapshot);
   const core::VisibleSet* candidates = &visible;
   if (hierarchy) {
     test.filter_leaves(*hierarchy, visible, threshold, large_leaves_, lines);
@@ -219,11 +223,17 @@ const core::VisibleSet& Drawing::leave_out_small(const core::View& view, const c
 }
 
 core::Expected<void> Drawing::draw_small(const core::View& view, const core::Snapshot& snapshot,
-                                         const core::VisibleSet& visible, bool distances_known) {
+                                         const core::VisibleSet& visible, const culling::Hierarchy* hierarchy,
+                                         bool distances_known) {
   if (counts_.small == 0 || contribution_way_ == ContributionWay::kDrop) return {};
+  const core::VisibleSet* candidates = &visible;
+  if (distances_known && hierarchy) {
+    occlusion_test(view, snapshot.bounds().origin).filter_leaves(*hierarchy, visible, open_leaves_);
+    candidates = &open_leaves_;
+  }
   const std::span<const float> distances = distances_known ? distances_ : std::span<const float>();
-  auto done = small_items_.draw(context_, view, snapshot, visible, was_large_, {contribution_way_, contribution_},
-                                distances, *scene_, target_);
+  auto done = small_items_.draw(context_, view, snapshot, contribution_test(view, snapshot), *candidates, was_large_,
+                                {contribution_way_, contribution_}, distances, *scene_, target_);
   counts_.squares = std::int64_t(small_items_.drawn());
   return done;
 }
@@ -315,8 +325,7 @@ core::Expected<void> Drawing::draw_in_budget(const core::View& view, const core:
     pyramid_.clear(target_.width(), target_.height());
     const core::VisibleSet& candidates = leave_out_small(view, snapshot, visible, lines, hierarchy, threshold);
     overlooked_ = threshold > contribution_ ? std::int64_t(snapshot.count(visible) - snapshot.count(candidates)) : 0;
-    budget_.begin(culling::ContributionTest(view, bounds.origin, target_.width(), target_.height()), bounds, candidates,
-                  lines);
+    budget_.begin(contribution_test(view, snapshot), bounds, candidates, lines);
     refines_ = stays;
     budget_view_ = view;
     renderer_->clear(target_);

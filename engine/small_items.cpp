@@ -3,128 +3,107 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
-#include <unordered_map>
-
-#include "sightline/core/surface_area.h"
 
 namespace sightline::engine {
 namespace {
 
-double surface_of(const core::Snapshot& snapshot, core::Slot slot) {
-  return int(snapshot.kind(slot)) >= core::kPrimitiveKindCount ? core::surface_area(snapshot.mesh(slot))
-                                                               : core::surface_area(snapshot.primitive(slot));
+using Square = culling::ContributionTest::Square;
+
+float side_of(const Square& square, float fixed_side) {
+  return fixed_side > 0.0f ? fixed_side : std::sqrt(square.area);
 }
 
-float projected(double surface, const core::Snapshot& snapshot, core::Slot slot) {
-  const double volume = std::abs(glm::determinant(snapshot.world_from_item(slot).linear));
-  if (!(volume > 0.0)) return std::numeric_limits<float>::infinity();
-  const double scale = std::cbrt(volume);
-  return float(0.25 * surface * scale * scale);
-}
-
-/// Areas of items. Looks at each mesh once.
-class Measure {
+/// Of each pixel, how far the nearest surface is that is known to be drawn there.
+class NearestDrawn {
  public:
-  explicit Measure(const core::Snapshot& snapshot) : snapshot_(snapshot) {}
+  /// `error`: metres by which the distances may be off.
+  NearestDrawn(std::span<float> distances, int width, int height, float error)
+      : distances_(distances), width_(width), height_(height), error_(error) {}
 
-  float operator()(core::Slot slot) {
-    const core::Kind kind = snapshot_.kind(slot);
-    if (snapshot_.vacant(slot)) return 0.0f;
-    if (int(kind) < core::kPrimitiveKindCount) return mean_projected_area(snapshot_, slot);
-    const std::uint32_t mesh = snapshot_.of_kind(kind).meshes[snapshot_.index_in_kind(slot)];
-    const auto [place, fresh] = of_mesh_.try_emplace(mesh);
-    if (fresh) place->second = surface_of(snapshot_, slot);
-    return projected(place->second, snapshot_, slot);
+  /// Whether a square may cover a pixel centre where nothing nearer is known.
+  bool shows(const Square& square, float side) const {
+    const float distance = square.distance - error_ - 1e-4f * std::abs(square.distance);
+    return any_pixel(square, 0.5f * side + kMargin, [&](const float& known) { return known >= distance; });
+  }
+  /// A square that will be drawn.
+  void add(const Square& square, float side) {
+    any_pixel(square, 0.5f * side - kMargin, [&](float& known) {
+      known = std::min(known, square.distance);
+      return false;
+    });
   }
 
  private:
-  const core::Snapshot& snapshot_;
-  std::unordered_map<std::uint32_t, double> of_mesh_;
+  static constexpr float kMargin = 0.01f;  // pixels by which a square may be drawn elsewhere
+
+  /// Whether visit(distance) is true of a pixel whose centre is no farther than `reach` along both axes.
+  template <class Visit>
+  bool any_pixel(const Square& square, float reach, const Visit& visit) const {
+    // Without std::floor and std::ceil, which are function calls where the instruction set has neither.
+    const auto first = [reach](float at) {
+      const float least = std::max(0.0f, at - reach);
+      return int(least) + int(float(int(least)) < least);
+    };
+    const auto last = [reach](float at, int size) {
+      const float most = at + reach;
+      return most < 0.0f ? -1 : std::min(size - 1, int(most));
+    };
+    const int x0 = first(square.x), x1 = last(square.x, width_), y1 = last(square.y, height_);
+    for (int y = first(square.y); y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x)
+        if (visit(distances_[std::size_t(y) * std::size_t(width_) + std::size_t(x)])) return true;
+    return false;
+  }
+
+  std::span<float> distances_;
+  int width_, height_;
+  float error_;
 };
 
-// --- squares -------------------------------------------------------------------------------------------------------
-
-/// Where boxes lie in the picture and how large they are there.
-class Projection {
+/// Points of eye space that are at given places in the picture.
+class Unprojection {
  public:
-  Projection(const core::View& view, const core::dvec3& origin, int width, int height)
-      : width_(float(width)), height_(float(height)), perspective_(!view.orthographic()) {
-    const core::dmat4 eye = view.eye_from_world(), &clip = view.clip_from_eye();
-    const core::dvec3 moved(eye * core::dvec4(origin, 1.0));
-    linear_ = core::mat3(eye);
-    offset_ = core::vec3(moved);
-    x_ = {float(0.5 * width * clip[0][0]), float(0.5 * width * clip[2][0]), float(0.5 * width * clip[3][0])};
-    y_ = {float(0.5 * height * clip[1][1]), float(0.5 * height * clip[2][1]), float(0.5 * height * clip[3][1])};
+  Unprojection(const core::View& view, int width, int height) {
+    const core::dmat4& clip = view.clip_from_eye();
+    const auto axis = [&](int i, int size) {
+      return Axis{float(2.0 / (size * clip[i][i])), float(0.5 * size - 0.5), float(clip[2][i] / clip[i][i]),
+                  float(clip[3][i] / clip[i][i])};
+    };
+    x_ = axis(0, width);
+    y_ = axis(1, height);
     w_ = {float(clip[2][3]), float(clip[3][3])};
-    scale_ = std::abs(x_.x * y_.x);
   }
 
-  struct Place {
-    core::vec3 eye;  // of the centre
-    float x, y;      // of the centre, pixels from the lower left corner
-    float w;
-  };
-  /// False when the centre is behind the eye or outside the picture.
-  bool project(const core::vec3& centre, Place& place) const {
-    place.eye = linear_ * centre + offset_;
-    place.w = w_.x * place.eye.z + w_.y;
-    if (!(place.w > 0.0f)) return false;
-    place.x = (x_.x * place.eye.x + x_.y * place.eye.z + x_.z) / place.w + 0.5f * width_;
-    place.y = (y_.x * place.eye.y + y_.y * place.eye.z + y_.z) / place.w + 0.5f * height_;
-    return place.x >= 0.0f && place.x <= width_ && place.y >= 0.0f && place.y <= height_;
-  }
-  /// Pixels of an item with that mean area, at most those of its box from there: the areas of the box's faces times the
-  /// cosines. What lies aside of the axis is drawn larger by one over the cosine, since the picture is flat.
-  float area(const core::vec3& size, float mean, const Place& place) const {
-    const core::vec3 towards = perspective_ ? place.eye / glm::length(place.eye) : core::vec3(0.0f, 0.0f, -1.0f);
-    const core::vec3 cosines = glm::abs(towards * linear_);
-    const float seen = size.y * size.z * cosines.x + size.z * size.x * cosines.y + size.x * size.y * cosines.z;
-    return std::min(mean, seen) * scale_ / (place.w * place.w * -towards.z);
+  core::vec3 eye(const Square& square) const {
+    const float z = -square.distance, w = w_.x * z + w_.y;
+    return {x_.at(square.x, z, w), y_.at(square.y, z, w), z};
   }
 
  private:
-  float width_, height_;
-  bool perspective_;
-  core::mat3 linear_;
-  core::vec3 offset_, x_, y_;
+  struct Axis {
+    float per_pixel, middle, per_z, constant;
+    float at(float place, float z, float w) const { return (place - middle) * per_pixel * w - per_z * z - constant; }
+  };
+  Axis x_, y_;
   glm::vec2 w_;
-  float scale_;
 };
 
-/// What is drawn so far.
-struct NearestKnown {
-  int width, height;
-  std::span<const float> distances;  // row by row from the bottom up; empty: not known
-  float error;                       // metres
-};
+/// Whether the rasteriser keeps a point that far from the eye.
+class NearAndFar {
+ public:
+  explicit NearAndFar(const core::View& view)
+      : planes_(core::frustum_planes(view.clip_from_eye(), view.clip_depth())) {}
+  bool contain(float distance) const { return inside(core::kNear, distance) && inside(core::kFar, distance); }
 
-/// Whether a square may cover a pixel centre where nothing nearer is known.
-bool shows(const Projection::Place& place, float side, const NearestKnown& known) {
-  constexpr float kMargin = 0.01f;  // pixels
-  const float reach = 0.5f * side + kMargin;
-  // Without std::floor and std::ceil, which are function calls where the instruction set has neither.
-  const auto first = [reach](float at) {
-    const float least = std::max(0.0f, at - 0.5f - reach);
-    return int(least) + int(float(int(least)) < least);
-  };
-  const auto last = [reach](float at, int size) {
-    const float most = at - 0.5f + reach;
-    return most < 0.0f ? -1 : std::min(size - 1, int(most));
-  };
-  const int x1 = last(place.x, known.width), y1 = last(place.y, known.height);
-  const float distance = -place.eye.z - known.error - 1e-4f * std::abs(place.eye.z);
-  for (int y = first(place.y); y <= y1; ++y)
-    for (int x = first(place.x); x <= x1; ++x)
-      if (known.distances.empty() || known.distances[std::size_t(y * known.width + x)] >= distance) return true;
-  return false;
-}
+ private:
+  bool inside(core::FrustumPlane which, float distance) const {
+    const core::Plane& plane = planes_[std::size_t(which)];
+    return plane.offset - plane.normal.z * double(distance) > 0.0;
+  }
+  std::array<core::Plane, core::kFrustumPlaneCount> planes_;
+};
 
 }  // namespace
-
-float mean_projected_area(const core::Snapshot& snapshot, core::Slot slot) {
-  return projected(surface_of(snapshot, slot), snapshot, slot);
-}
 
 bool in_share(core::ItemId item, float share) {
   // The last step of MurmurHash3 (A. Appleby): each bit of the id changes each bit of the result with probability 1/2.
@@ -135,53 +114,52 @@ bool in_share(core::ItemId item, float share) {
   return float(h >> 8) * 0x1p-24f < share;
 }
 
-void SmallItems::grow(const core::Snapshot& snapshot) {
-  Measure measure(snapshot);
-  if (areas_.empty()) areas_.reserve(snapshot.size());
-  while (areas_.size() < snapshot.size()) areas_.push_back(measure(core::Slot(areas_.size())));
-}
-
-void SmallItems::update(const core::Snapshot& snapshot, std::span<const core::Slot> touched) {
-  if (areas_.empty()) return;
-  Measure measure(snapshot);
-  for (const core::Slot slot : touched)
-    if (slot < areas_.size()) areas_[slot] = measure(slot);
+/// Squares hide each other, too. Those of a second look see all that are nearer.
+void SmallItems::leave_out_hidden(const core::View& view, const core::Snapshot& snapshot, float fixed_side,
+                                  std::span<const float> distances, const render::RenderTarget& target) {
+  const std::size_t pixels = std::size_t(target.width()) * std::size_t(target.height());
+  if (distances.empty())
+    nearest_.assign(pixels, std::numeric_limits<float>::infinity());
+  else
+    nearest_.assign(distances.begin(), distances.end());
+  NearestDrawn nearest(nearest_, target.width(), target.height(),
+                       float(render::RenderTarget::orthographic_error(view)));
+  const NearAndFar range(view);
+  std::erase_if(squares_, [&](const Square& square) {
+    const float side = side_of(square, fixed_side);
+    if (!nearest.shows(square, side)) return true;
+    if (view.sections.empty() && snapshot.opaque(square.slot) && range.contain(square.distance))
+      nearest.add(square, side);
+    return false;
+  });
+  std::erase_if(squares_, [&](const Square& square) { return !nearest.shows(square, side_of(square, fixed_side)); });
 }
 
 core::Expected<void> SmallItems::draw(const gl::Context& context, const core::View& view,
-                                      const core::Snapshot& snapshot, const core::VisibleSet& visible,
-                                      culling::SlotBits large, const Rule& rule, std::span<const float> distances,
-                                      const gpuscene::GpuScene& scene, const render::RenderTarget& target) {
+                                      const core::Snapshot& snapshot, const culling::ContributionTest& test,
+                                      const core::VisibleSet& visible, culling::SlotBits large, const Rule& rule,
+                                      std::span<const float> distances, const gpuscene::GpuScene& scene,
+                                      const render::RenderTarget& target) {
+  using SquareRule = culling::ContributionTest::SquareRule;
   if (!points_) {
     auto points = render::PointSplats::create(context, target.format());
     if (!points) return tl::unexpected(points.error());
     points_ = std::move(*points);
   }
-  grow(snapshot);
+  const bool one_sample = target.format().samples == 1, stochastic = rule.way == ContributionWay::kStochastic;
+  const float fixed_side = stochastic ? std::sqrt(rule.threshold) : 0.0f;
+  test.squares(snapshot.bounds(), visible, large, stochastic ? rule.threshold : 0.0f,
+               one_sample ? SquareRule::kOnPixelCentres : SquareRule::kAll, squares_);
+  if (stochastic)
+    std::erase_if(squares_, [&](const Square& square) {
+      return !in_share(snapshot.item(square.slot), square.area / rule.threshold);
+    });
+  if (one_sample) leave_out_hidden(view, snapshot, fixed_side, distances, target);
+  const Unprojection unprojection(view, target.width(), target.height());
   splats_.clear();
-  const core::ItemBounds& bounds = snapshot.bounds();
-  const Projection projection(view, bounds.origin, target.width(), target.height());
-  const bool one_sample = target.format().samples == 1;
-  const NearestKnown known{target.width(), target.height(), distances,
-                           float(render::RenderTarget::orthographic_error(view))};
-  const bool stochastic = rule.way == ContributionWay::kStochastic;
-  constexpr float kFewPixels = 4.0f;
-  const float fixed_side = std::sqrt(rule.threshold);
-  visible.for_each_slot([&](core::Slot slot) {
-    if (culling::contains(large, slot) || bounds.vacant(slot)) return;
-    const core::Aabb box = bounds.box(slot);
-    Projection::Place place;
-    if (!projection.project(0.5f * (box.min + box.max), place)) return;
-    // No square is much larger, as the box is below the threshold. Most are hidden, or between pixel centres.
-    if (one_sample && fixed_side <= kFewPixels && !shows(place, 1.01f * fixed_side, known)) return;
-    const float area = projection.area(box.max - box.min, areas_[slot], place);
-    const core::ItemId item = snapshot.item(slot);
-    if (stochastic && !in_share(item, area / rule.threshold)) return;
-    const float side = stochastic ? fixed_side : std::sqrt(area);
-    if (one_sample && !shows(place, side, known)) return;
-    splats_.push_back(
-        {place.eye, std::min(side, points_->largest_side()), item, gpuscene::GpuScene::material_row(snapshot, slot)});
-  });
+  for (const Square& square : squares_)
+    splats_.push_back({unprojection.eye(square), std::min(side_of(square, fixed_side), points_->largest_side()),
+                       snapshot.item(square.slot), gpuscene::GpuScene::material_row(snapshot, square.slot)});
   return points_->draw(view, splats_, scene, target);
 }
 

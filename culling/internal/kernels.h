@@ -87,6 +87,14 @@ struct DistanceMargin {
   float share, metres;
 };
 
+/// Squares in place of sixteen boxes: where the centres are in the picture, pixel centres at integers, how far they are
+/// along the viewing direction, and the squares' areas in pixels. Means nothing without a bit in `showing`.
+struct BoxSquares {
+  alignas(64) float x[kLanes], y[kLanes], distance[kLanes], area[kLanes];
+  unsigned showing;  // bit i: square i may cover a pixel centre of the picture; or, if that is asked for, its centre is
+                     // in the picture
+};
+
 /// Sixteen blocks of pixels beside each other, and how what they hold is compared.
 struct BlockRow {
   float x, y, step;       // middle of the first block, and the way to the next one's
@@ -125,8 +133,13 @@ struct Kernels {
   unsigned (*seen)(const ScreenView& view, const RayField& rays, const float* const (&coordinates)[6],
                    const BoxRectangles& boxes, const PyramidBlocks& pyramid);
   /// Areas of the boxes' outlines in the picture, sixteen floats: infinite for boxes that do not project, 0 for empty
-  /// ones.
-  void (*areas)(const ScreenView& view, const float* const (&coordinates)[6], float* out);
+  /// ones. `solids`: null, or of each box an area in square metres; where that faces the eye at the box's centre and
+  /// takes fewer pixels, these.
+  void (*areas)(const ScreenView& view, const float* const (&coordinates)[6], const float* solids, float* out);
+  /// `solids` as above. `area`: of all squares in pixels, or 0: each has its own. `all`: also those between pixel
+  /// centres.
+  void (*squares)(const ScreenView& view, const float* const (&coordinates)[6], const float* solids, float area,
+                  bool all, BoxSquares& out);
   /// Bit i: at some place of block i a ray may meet the box, no farther than the block's distance. Writes at what
   /// distance it enters the box, at least: sixteen floats, which mean something where the bit is set.
   unsigned (*open_blocks)(const BoxSpan& box, const BlockRow& row, float* entries);

@@ -612,6 +612,7 @@ constexpr Kernels make_kernels() {
   k.behind = behind<Simd>;
   k.seen = seen<Simd>;
   k.areas = ScreenBoxes<Simd>::store_areas;
+  k.squares = ScreenBoxes<Simd>::store_squares;
   k.open_blocks = open_blocks<Simd>;
   k.fill_area = fill_area<Simd>;
   return k;

@@ -48,7 +48,7 @@ class ScreenBoxes {
 
   /// Calls see(corner, x, y) with the places of the boxes' corners. Bits of `corner`: high x, y, z.
   template <class See>
-  ScreenBoxes(const ScreenView& view, const float* const (&c)[6], const See& see) {
+  ScreenBoxes(const ScreenView& view, const float* const (&c)[6], See&& see) {
     Lanes low[3], high[3], sizes[3];
     for (int axis = 0; axis < 3; ++axis) {
       low[axis] = Simd::load(c[axis]);
@@ -93,25 +93,6 @@ class ScreenBoxes {
     return ((found & projects_) | (~projects_ & ~empty_)) & 0xffffu;
   }
 
-  /// Areas of the outlines; infinite for boxes that do not project.
-  static void store_areas(const ScreenView& view, const float* const (&c)[6], float* areas) {
-    Lanes px[8], py[8];
-    const ScreenBoxes boxes(view, c,
-                            [&](int corner, const Lanes& x, const Lanes& y) { px[corner] = x, py[corner] = y; });
-    constexpr float kInfinite = std::numeric_limits<float>::infinity();
-    // Half the cross product of a face's diagonals is its area.
-    constexpr int kFaces[6][4] = {{0, 2, 6, 4}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 5, 7, 6}};
-    Lanes sum = Simd::spread(0.0f);
-    for (const auto& f : kFaces) {
-      const Lanes ax = Simd::subtract(px[f[2]], px[f[0]]), ay = Simd::subtract(py[f[2]], py[f[0]]);
-      const Lanes bx = Simd::subtract(px[f[3]], px[f[1]]), by = Simd::subtract(py[f[3]], py[f[1]]);
-      sum = Simd::add(sum, Simd::magnitude(Simd::subtract(Simd::multiply(ax, by), Simd::multiply(ay, bx))));
-    }
-    Simd::store(areas, Simd::multiply(Simd::spread(0.25f), sum));
-    for (int i = 0; i < kLanes; ++i)
-      if ((boxes.projects_ >> i & 1u) == 0) areas[i] = (boxes.empty_ >> i & 1u) != 0 ? 0.0f : kInfinite;
-  }
-
   void store(const ScreenView& view, BoxRectangles& out) const {
     out.covering = covering(view);
     Simd::store(out.left, left_);
@@ -122,7 +103,97 @@ class ScreenBoxes {
     out.projects = projects_;
   }
 
+  /// See Kernels::areas.
+  static void store_areas(const ScreenView& view, const float* const (&c)[6], const float* solids, float* areas) {
+    Outlines outlines;
+    const ScreenBoxes boxes(view, c, outlines);
+    const Lanes area = outlines.area();
+    boxes.store_areas(solids == nullptr ? area : Centres(view, c).limited(solids, area), areas);
+  }
+
+  /// See Kernels::squares.
+  static void store_squares(const ScreenView& view, const float* const (&c)[6], const float* solids, float fixed,
+                            bool all, BoxSquares& out) {
+    constexpr float kReach = 0.01f;  // pixels by which a square may be drawn elsewhere
+    Outlines outlines;
+    const ScreenBoxes boxes(view, c, outlines);
+    const Centres centres(view, c);
+    const Lanes outline = outlines.area(), area = solids == nullptr ? outline : centres.limited(solids, outline);
+    boxes.store_areas(area, out.area);
+    Simd::store(out.x, centres.x);
+    Simd::store(out.y, centres.y);
+    Simd::store(out.distance, centres.distance);
+    const Lanes none = Simd::spread(0.0f), half = Simd::spread(0.5f);
+    const auto in_picture = [&](const Lanes& at, float last) {
+      return Simd::at_most(none, Simd::add(at, half)) & Simd::at_most(at, Simd::spread(last + 0.5f));
+    };
+    out.showing = boxes.projects_ & Simd::less(none, area) & in_picture(centres.x, view.last_x) &
+                  in_picture(centres.y, view.last_y) & 0xffffu;
+    if (all) return;
+    const Lanes side = Simd::root(fixed > 0.0f ? Simd::spread(fixed) : area);
+    const Lanes reach = Simd::add(Simd::multiply(half, side), Simd::spread(kReach));
+    const auto between = [&](const Lanes& at, float last) {
+      return between_samples(Simd::subtract(at, reach), Simd::add(at, reach), 0.0f, last);
+    };
+    out.showing &= ~(between(centres.x, view.last_x) | between(centres.y, view.last_y));
+  }
+
  private:
+  /// Sees the corners of boxes.
+  struct Outlines {
+    void operator()(int corner, const Lanes& x, const Lanes& y) { px[corner] = x, py[corner] = y; }
+    Lanes area() const {
+      // Half the cross product of a face's diagonals is its area.
+      constexpr int kFaces[6][4] = {{0, 2, 6, 4}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 5, 7, 6}};
+      Lanes sum = Simd::spread(0.0f);
+      for (const auto& f : kFaces) {
+        const Lanes ax = Simd::subtract(px[f[2]], px[f[0]]), ay = Simd::subtract(py[f[2]], py[f[0]]);
+        const Lanes bx = Simd::subtract(px[f[3]], px[f[1]]), by = Simd::subtract(py[f[3]], py[f[1]]);
+        sum = Simd::add(sum, Simd::magnitude(Simd::subtract(Simd::multiply(ax, by), Simd::multiply(ay, bx))));
+      }
+      return Simd::multiply(Simd::spread(0.25f), sum);
+    }
+    Lanes px[8], py[8];
+  };
+
+  /// The middles of boxes.
+  struct Centres {
+    Centres(const ScreenView& view, const float* const (&c)[6]) {
+      for (int axis = 0; axis < 3; ++axis)
+        at[axis] = Simd::multiply(Simd::spread(0.5f), Simd::add(Simd::load(c[axis]), Simd::load(c[axis + 3])));
+      inverse = Simd::divide(Simd::spread(1.0f), value(view.w));
+      x = Simd::multiply(value(view.x), inverse);
+      y = Simd::multiply(value(view.y), inverse);
+      distance = value(view.t);
+      Lanes square = Simd::spread(0.0f);
+      for (int axis = 0; axis < 3; ++axis) {
+        const Lanes part = Simd::add(
+            Simd::add(Simd::spread(view.facing[0][axis]), Simd::multiply(x, Simd::spread(view.facing[1][axis]))),
+            Simd::multiply(y, Simd::spread(view.facing[2][axis])));
+        square = Simd::add(square, Simd::multiply(part, part));
+      }
+      per_metre = Simd::multiply(Simd::root(square), Simd::multiply(inverse, inverse));
+    }
+    Lanes value(const LinearForm& f) const {
+      return Simd::add(Simd::add(Simd::multiply(Simd::spread(f.x), at[0]), Simd::multiply(Simd::spread(f.y), at[1])),
+                       Simd::add(Simd::multiply(Simd::spread(f.z), at[2]), Simd::spread(f.d)));
+    }
+    /// Pixels of solids with so many square metres; `most` where theirs are more, or not a number.
+    Lanes limited(const float* solids, const Lanes& most) const {
+      return Simd::least(Simd::multiply(Simd::load(solids), per_metre), most);
+    }
+    Lanes at[3], inverse, x, y, distance;
+    Lanes per_metre;  // pixels of a square metre that faces the eye
+  };
+
+  /// Infinity for boxes that do not project, 0 for empty ones.
+  void store_areas(const Lanes& own, float* areas) const {
+    constexpr float kInfinite = std::numeric_limits<float>::infinity();
+    Simd::store(areas, own);
+    for (int i = 0; i < kLanes; ++i)
+      if ((projects_ >> i & 1u) == 0) areas[i] = (empty_ >> i & 1u) != 0 ? 0.0f : kInfinite;
+  }
+
   /// B of the comment above, for coordinates of these sizes.
   static Lanes band(const LinearForm& f, const Lanes (&sizes)[3]) {
     constexpr float kUnits = 8.0f * 0x1p-24f, kTiny = 1e-36f;  // kTiny: more than what underflow loses

@@ -20,6 +20,8 @@ struct ScreenView {
   int sample_count;
   float snap;     // pixels by which a rasteriser may move a vertex
   float largest;  // coordinates of boxes that are projected: their products with coefficients are finite
+  /// A square metre that faces the eye takes |facing[0] + x facing[1] + y facing[2]| / w² pixels at the place x, y.
+  float facing[3][3];
 };
 
 /// A box's minimum, then its maximum.

@@ -13,6 +13,7 @@
 #include "sightline/engine/internal/occlusion_passes.h"
 #include "sightline/engine/internal/occlusion_switch.h"
 #include "sightline/engine/internal/small_items.h"
+#include "sightline/engine/internal/solid_areas.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {
@@ -112,6 +113,7 @@ class Drawing {
   core::Expected<void> draw_in_passes(const core::View& view, const core::Snapshot& snapshot,
                                       const core::VisibleSet& visible, culling::SlotBits lines,
                                       const culling::Hierarchy* hierarchy);
+  culling::ContributionTest contribution_test(const core::View& view, const core::Snapshot& snapshot);
   const core::VisibleSet& leave_out_small(const core::View& view, const core::Snapshot& snapshot,
                                           const core::VisibleSet& visible, culling::SlotBits lines,
                                           const culling::Hierarchy* hierarchy, float threshold);
@@ -120,7 +122,8 @@ class Drawing {
                                       const culling::Hierarchy* hierarchy, double deadline);
   core::Expected<void> draw_pass(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& pass);
   core::Expected<void> draw_small(const core::View& view, const core::Snapshot& snapshot,
-                                  const core::VisibleSet& visible, bool distances_known);
+                                  const core::VisibleSet& visible, const culling::Hierarchy* hierarchy,
+                                  bool distances_known);
   core::Expected<void> submit(std::uint64_t frame);
 
   struct InFlight {
@@ -146,7 +149,8 @@ class Drawing {
   bool refines_ = false;                   // the view has stayed, and the picture was begun anew with all candidates
   ContributionWay contribution_way_ = ContributionWay::kDrop;
   SmallItems small_items_;
-  core::VisibleSet sampled_, large_, large_leaves_;
+  SolidAreas solid_areas_;
+  core::VisibleSet sampled_, large_, large_leaves_, open_leaves_;
   std::vector<std::uint64_t> was_large_;  // a bit per slot, of the last frame
   OcclusionPasses passes_;
   culling::CullThreads threads_;  // for the occlusion test; none begins before the first large set

@@ -1,4 +1,4 @@
-// Projected areas against the convex hull of the corners in double, and what they leave out.
+// Projected areas against the convex hull of the corners in double, what they leave out, and squares in its place.
 #include "sightline/culling/contribution.h"
 
 #include <algorithm>
@@ -78,6 +78,125 @@ TEST(ContributionTest, AreasAreThoseOfTheOutline) {
   EXPECT_EQ(ContributionTest(view, core::dvec3(0.0), 10, 10).area({}), 0.0f);
 }
 
+/// Pixels of a square metre that faces the eye at `centre`, by small steps across the line of sight.
+double facing_pixels(const View& view, const core::dvec3& centre, int width, int height, core::dvec2& place,
+                     double& distance) {
+  const core::dvec4 at = view.eye_from_world() * core::dvec4(centre, 1.0);
+  const core::dvec3 ray = view.orthographic() ? core::dvec3(0, 0, -1) : glm::normalize(core::dvec3(at));
+  const core::dvec3 other = std::abs(ray.x) < 0.5 ? core::dvec3(1, 0, 0) : core::dvec3(0, 1, 0);
+  const core::dvec3 across[2] = {glm::normalize(glm::cross(ray, other)),
+                                 glm::cross(ray, glm::normalize(glm::cross(ray, other)))};
+  const auto project = [&](const core::dvec3& eye) {
+    const core::dvec4 clip = view.clip_from_eye() * core::dvec4(eye, 1.0);
+    return 0.5 * core::dvec2(width, height) * (core::dvec2(clip) / clip.w + 1.0) - 0.5;
+  };
+  place = project(core::dvec3(at));
+  distance = -at.z;
+  const double step = 1e-4 * std::max(1e-3, std::abs(at.z));
+  core::dvec2 moves[2];
+  for (int i = 0; i < 2; ++i)
+    moves[i] =
+        (project(core::dvec3(at) + step * across[i]) - project(core::dvec3(at) - step * across[i])) / (2.0 * step);
+  return std::abs(moves[0].x * moves[1].y - moves[0].y * moves[1].x);
+}
+
+/// Areas and squares of solids against double precision.
+TEST(ContributionTest, SolidsLimitAreasAndMakeSquares) {
+  std::size_t limited = 0, shown = 0, between = 0, outside = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const auto [half, origin, view] = RandomSite(random);
+    const int width = whole(random, 1, 300), height = whole(random, 1, 200);
+    const std::size_t count = std::size_t(whole(random, 1, 200));
+    core::ItemBounds bounds;
+    bounds.origin = origin;
+    bounds.resize(count);
+    std::vector<float> solids(count - count / 10);  // the last have none
+    std::vector<std::uint64_t> without(culling::bit_words(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      bounds.set(i, random_box(random, half));
+      if (i < solids.size()) {
+        const core::vec3 size = bounds.box(i).max - bounds.box(i).min;
+        solids[i] = float(uniform(random, 0.0, 1.0)) * (size.x * size.y + size.y * size.z + size.z * size.x);
+      }
+      if (chance(random, 0.1)) without[i / 64] |= std::uint64_t(1) << i % 64;
+    }
+    core::VisibleSet in;
+    in.ranges = {{0, std::uint32_t(count / 2)}};
+    for (auto s = std::uint32_t(count / 2); s < count; ++s)
+      if (!bounds.vacant(s) && chance(random, 0.7)) in.items.push_back(s);
+    const ContributionTest plain(view, origin, width, height), test(view, origin, width, height, solids);
+    const float fixed = chance(random, 0.5) ? float(magnitude(random, 0.1, 100.0)) : 0.0f;
+    for_each_instruction_set([&] {
+      std::vector<ContributionTest::SlotArea> areas, outlines;
+      plain.areas(bounds, in, outlines);
+      test.areas(bounds, in, areas);
+      std::vector<ContributionTest::Square> all, on_centres;
+      test.squares(bounds, in, without, fixed, ContributionTest::SquareRule::kAll, all);
+      test.squares(bounds, in, without, fixed, ContributionTest::SquareRule::kOnPixelCentres, on_centres);
+      auto next = all.begin();
+      auto next_on = on_centres.begin();
+      for (std::size_t i = 0; i < areas.size(); ++i) {
+        const core::Slot slot = areas[i].slot;
+        const Aabb box = bounds.box(slot);
+        const core::dvec3 centre = 0.5 * (core::dvec3(box.min) + core::dvec3(box.max)) + origin;
+        core::dvec2 place;
+        double distance;
+        const double per_metre = facing_pixels(view, centre, width, height, place, distance);
+        const bool has_square = next != all.end() && next->slot == slot;
+        const double outline = outlines[i].area;
+        if (std::isinf(outline) || culling::contains(without, slot)) {
+          ASSERT_FALSE(has_square);
+          continue;
+        }
+        const double reach = std::max(std::abs(place.x), std::abs(place.y));
+        if (reach < 1e4 && slot < solids.size()) {
+          const double exact = std::min(outline, double(solids[slot]) * per_metre);
+          limited += exact < outline;
+          ASSERT_NEAR(areas[i].area, exact, 1e-3 * exact + 1e-3) << slot;
+        } else if (slot >= solids.size()) {
+          ASSERT_EQ(areas[i].area, outlines[i].area);
+        }
+        ASSERT_EQ(areas[i].area,
+                  test.area(box, slot < solids.size() ? solids[slot] : std::numeric_limits<float>::infinity()));
+        const double in_x = std::min(place.x + 0.5, width - 0.5 - place.x),
+                     in_y = std::min(place.y + 0.5, height - 0.5 - place.y), in_by = std::min(in_x, in_y);
+        if (std::abs(in_by) > 0.01 && (areas[i].area > 0.0f || in_by < 0.0)) {
+          ASSERT_EQ(has_square, in_by > 0.0) << slot;
+        }
+        outside += !has_square;
+        if (!has_square) continue;
+        ASSERT_NEAR(next->x, place.x, 0.01);
+        ASSERT_NEAR(next->y, place.y, 0.01);
+        ASSERT_NEAR(next->distance, distance, 1e-4 * (half + std::abs(distance)));
+        ASSERT_EQ(next->area, areas[i].area);
+        const double side = std::sqrt(double(fixed > 0.0f ? fixed : next->area));
+        const auto covers = [&](float at, int size, double margin) {
+          const double first = std::max(0.0, std::ceil(double(at) - 0.5 * side - margin));
+          return first <= std::min(size - 1.0, double(at) + 0.5 * side + margin);
+        };
+        const bool on = next_on != on_centres.end() && next_on->slot == slot;
+        if (covers(next->x, width, 0.0) && covers(next->y, height, 0.0)) {
+          ASSERT_TRUE(on) << slot;
+        }
+        if (!covers(next->x, width, 0.02) || !covers(next->y, height, 0.02)) {
+          ASSERT_FALSE(on) << slot;
+        }
+        ++(on ? shown : between);
+        next_on += on;
+        ++next;
+      }
+      ASSERT_EQ(next, all.end());
+      ASSERT_EQ(next_on, on_centres.end());
+    });
+  }
+  EXPECT_GT(limited, 300u);
+  EXPECT_GT(shown, 300u);
+  EXPECT_GT(between, 30u);
+  EXPECT_GT(outside, 300u);
+}
+
 TEST(ContributionTest, WhatIsInsideIsSmaller) {
   Random random(7);
   const View view = *View::perspective({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1);
@@ -105,7 +224,12 @@ TEST(ContributionTest, FiltersSets) {
     const auto order = core::block_order(boxes);
     for (std::size_t i = 0; i < count; ++i) bounds.set(i, boxes[order[i]]);
     const View view = random_view(random, core::dvec3(0.0), 30.0);
-    const ContributionTest test(view, core::dvec3(0.0), 64, 48);
+    std::vector<float> solids(count / 2 + count / 3);
+    for (float& solid : solids) solid = float(magnitude(random, 1e-3, 1e3));
+    const ContributionTest test(view, core::dvec3(0.0), 64, 48, solids);
+    const auto area_of = [&](core::Slot slot) {
+      return test.area(bounds.box(slot), slot < solids.size() ? solids[slot] : std::numeric_limits<float>::infinity());
+    };
     const culling::Hierarchy hierarchy(bounds);
     const float threshold = float(magnitude(random, 0.1, 1e4));
     core::VisibleSet in;
@@ -119,7 +243,7 @@ TEST(ContributionTest, FiltersSets) {
       const bool was = chance(random, 0.3), spared = chance(random, 0.02);
       if (was) before[s / 64] |= std::uint64_t(1) << s % 64;
       if (spared) exempt[s / 64] |= std::uint64_t(1) << s % 64;
-      const float area = test.area(bounds.box(s));
+      const float area = area_of(s);
       const bool stays = area < threshold && was && area >= ContributionTest::kHysteresis * threshold;
       if (area >= threshold || stays || spared) expected.push_back(s);
       stayed += stays;
@@ -134,7 +258,7 @@ TEST(ContributionTest, FiltersSets) {
       ASSERT_EQ(both.sorted_slots(), expected);
       std::vector<ContributionTest::SlotArea> areas;
       test.areas(bounds, in, areas);
-      for (const auto& [slot, area] : areas) ASSERT_EQ(area, test.area(bounds.box(slot)));
+      for (const auto& [slot, area] : areas) ASSERT_EQ(area, area_of(slot));
     });
   }
   EXPECT_GT(left_out, 100u);

@@ -175,10 +175,10 @@ Difference compare(Engine& a, Engine& b, const View& view) {
 /// Items below the threshold are absent, and no others; what is kept leaves later than it comes.
 TEST_F(Shown, ContributionLeavesOutWhatIsSmall) {
   core::Scene scene;
-  std::vector<core::ItemId> cubes;
-  for (int i = 0; i < 40; ++i)  // edges of 1, 2, … cm, seen from the front as squares
-    cubes.push_back(scene.add_primitive(scene.root(), core::Box{0.01f * float(i + 1), 1e-4f, 0.01f * float(i + 1)},
-                                        core::translation({0.6 * (i % 8) - 2.0, 0.0, 0.5 * int(i / 8) - 1.0})));
+  std::vector<core::ItemId> plates;  // which show half as much from any direction as from the front
+  for (int i = 0; i < 40; ++i)       // edges of 1, 2, … cm
+    plates.push_back(scene.add_primitive(scene.root(), core::Box{0.01f * float(i + 1), 1e-4f, 0.01f * float(i + 1)},
+                                         core::translation({0.6 * (i % 8) - 2.0, 0.0, 0.5 * int(i / 8) - 1.0})));
   const core::ItemId line = scene.add_primitive(scene.root(), core::Line{-1, 1}, core::translation({0, 1, 0}));
   EngineConfig with = config(kPaths[0], 400, 300);
   with.contribution = 100.0f;
@@ -199,10 +199,12 @@ TEST_F(Shown, ContributionLeavesOutWhatIsSmall) {
   const double per_metre = 150.0 / std::tan(0.5) / 4.0;
   const auto near = drawn(4.0);
   EXPECT_TRUE(near[line]);
-  for (std::size_t i = 0; i < cubes.size(); ++i) {
+  for (std::size_t i = 0; i < plates.size(); ++i) {
     const double edge = 0.01 * double(i + 1) * per_metre;
-    if (std::abs(edge - 10.0) > 0.1) {
-      EXPECT_EQ(bool(near[cubes[i]]), edge > 10.0) << i;
+    const double aside = glm::length(scene.placement(plates[i]).origin - core::dvec3(0, -4, 0)) / 4.0;
+    const double area = 0.5 * edge * edge * aside;  // the picture is flat, and larger aside
+    if (std::abs(area - 100.0) > 0.5) {
+      EXPECT_EQ(bool(near[plates[i]]), area > 100.0) << i;
     }
   }
   const auto stayed = drawn(4.0 * 1.1);  // areas are 0.83 of what they were

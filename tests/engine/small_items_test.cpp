@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/internal/solid_areas.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/support/gl_test.h"
@@ -21,7 +22,7 @@ using core::ItemId;
 constexpr int kSize = 512, kSide = 64;              // pixels; items along each side of the grid
 constexpr double kHeight = 8.0;                     // of the view, metres
 constexpr double kPixel = kHeight / double(kSize);  // metres
-constexpr float kAll = 1e5f;                        // a contribution that no item here has
+constexpr float kAll = 5e4f;                        // a contribution that no item here has
 
 /// Diameter of the ball that shows so many pixels.
 float diameter_of(double area) {
@@ -180,6 +181,55 @@ TEST_F(SmallItemsTest, HiddenOnesAreLeftOut) {
       EXPECT_EQ(tested->read_ids()->ids, all->read_ids()->ids);
       EXPECT_EQ(tested->read_colour()->pixels, all->read_colour()->pixels);
     }
+  }
+}
+
+/// So are those behind other squares. Each pixel shows the nearest square that holds its centre.
+TEST_F(SmallItemsTest, HideEachOther) {
+  constexpr int kCount = 3000, kFirst = 200, kLast = 311;  // pixels to look at
+  tests::Random random(11);
+  for (int i = 0; i < kCount; ++i) {
+    const dvec3 at = tests::point(random, 0.6);
+    scene_.add_primitive(scene_.root(), core::Sphere{diameter_of(tests::uniform(random, 1.0, 60.0))},
+                         core::translation(at), i % 2 == 0 ? red_ : green_);
+  }
+  std::vector<std::pair<dvec3, double>> squares;  // centre, half the side
+  for (ItemId item = 0; item < kCount; ++item) {
+    const double diameter = std::get<core::Sphere>(scene_.primitive(item)).diameter;
+    squares.emplace_back(scene_.placement(item).origin, 0.5 * std::sqrt(0.25 * std::numbers::pi) * diameter);
+  }
+  for (const int cuts : {0, 1}) {
+    SCOPED_TRACE(cuts);
+    auto drawn = engine(ContributionWay::kPoints, kAll);
+    ASSERT_TRUE(drawn);
+    core::View cut = view();
+    if (cuts == 1) cut.sections = {{{0, 1, 0}, 0.0}};  // removes what is nearer, which then hides nothing
+    const auto report = drawn->frame(cut);
+    ASSERT_TRUE(report);
+    EXPECT_LT(report->squares, cuts == 0 ? kCount / 2 : kCount);
+    // The item of each pixel, of squares that are nearest by a clear lead.
+    const image::IdImage ids = *drawn->read_ids();
+    int compared = 0;
+    for (int y = kFirst; y <= kLast; ++y)
+      for (int x = kFirst; x <= kLast; ++x) {
+        const double px = kPixel * (x + 0.5 - 0.5 * kSize), pz = kPixel * (0.5 * kSize - 0.5 - y);
+        double nearest = 1e9, second = 1e9;
+        ItemId owner = core::kNone;
+        bool clear = true;
+        for (ItemId item = 0; item < kCount; ++item) {
+          const auto& [centre, half] = squares[item];
+          if (cuts == 1 && centre.y < 0.0) continue;
+          const double off = std::max(std::abs(px - centre.x), std::abs(pz - centre.z)) - half;
+          if (std::abs(off) < 0.02 * kPixel) clear = false;
+          if (off >= 0.0) continue;
+          second = std::min(second, std::max(centre.y, nearest));
+          if (centre.y < nearest) nearest = centre.y, owner = item;
+        }
+        if (!clear || (owner != core::kNone && second - nearest < 2e-3)) continue;
+        ASSERT_EQ(ids.ids[std::size_t(y * kSize + x)], owner == core::kNone ? 0 : owner + 1) << x << ' ' << y;
+        ++compared;
+      }
+    EXPECT_GT(compared, 2000);
   }
 }
 
