@@ -4,17 +4,23 @@
 // samples per pixel: eight times as wide and high, averaged in linear light. The full picture of one sample per pixel
 // has an error, too, which no rule need go below.
 //
-// Rules, all on bounding boxes:
-//   box       projected area (culling/contribution.h), and the three ways of drawing what is below the threshold
+// Rules:
+//   solid     the engine's: area of the solid, at most of its box (culling/contribution.h), and the three ways of
+//   drawing
+//             what is below the threshold
+//   box       projected area of the bounding box alone
 //   osg       OpenSceneGraph 3.6, CullingSet::isCulled(BoundingSphere) and computePixelSizeVector(): the sphere's size
 //             in pixels, by default 2
 //   occt      Open CASCADE 7.6, Graphic3d_CullingTool::IsTooSmall(): the diagonal's length in pixels
 //   sphere    projected area of the bounding sphere
 // The last three compare the diagonal with the distance, so they differ only in the scale of their thresholds.
+#include "sightline/culling/contribution.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -88,7 +94,7 @@ void add_options(CLI::App& app, Options& o) {
 // --- rules ---------------------------------------------------------------------------------------------------------
 
 struct Rule {
-  enum class Measure { kNone, kBox, kOpenSceneGraph, kOpenCascade, kSphere };
+  enum class Measure { kNone, kSolid, kBox, kOpenSceneGraph, kOpenCascade, kSphere };
   Measure measure = Measure::kNone;
   ContributionWay way = ContributionWay::kDrop;
   double threshold = 0.0;  // pixels, of area or of length
@@ -98,8 +104,10 @@ std::string name_of(const Rule& rule) {
   switch (rule.measure) {
     case Rule::Measure::kNone:
       return "full";
+    case Rule::Measure::kSolid:
+      return "solid, " + std::string(engine::name_of(rule.way));
     case Rule::Measure::kBox:
-      return "box, " + std::string(engine::name_of(rule.way));
+      return "box";
     case Rule::Measure::kOpenSceneGraph:
       return "osg";
     case Rule::Measure::kOpenCascade:
@@ -115,7 +123,8 @@ std::vector<Rule> all_rules() {
   using Measure = Rule::Measure;
   std::vector<Rule> rules{{}};
   for (const ContributionWay way : {ContributionWay::kDrop, ContributionWay::kPoints, ContributionWay::kStochastic})
-    for (const double area : {0.25, 1.0, 4.0, 16.0, 64.0}) rules.push_back({Measure::kBox, way, area});
+    for (const double area : {0.25, 1.0, 4.0, 16.0, 64.0}) rules.push_back({Measure::kSolid, way, area});
+  for (const double area : {0.25, 1.0, 4.0, 16.0, 64.0}) rules.push_back({Measure::kBox, ContributionWay::kDrop, area});
   for (const Measure measure : {Measure::kOpenSceneGraph, Measure::kOpenCascade})
     for (const double length : {1.0, 2.0, 4.0, 8.0, 16.0}) rules.push_back({measure, ContributionWay::kDrop, length});
   for (const double area : {1.0, 4.0, 16.0, 64.0, 256.0})
@@ -196,8 +205,17 @@ using ViewPair = std::array<core::View, 2>;
 
 struct Figures {
   Rule rule;
-  std::vector<double> flip_mean, flip_p99, wrong_ids, flicker, items, squares, ms;  // of each frame
+  std::vector<double> flip_mean, flip_p99, wrong_ids, flicker, items, squares, ms, processor_ms;  // of each frame
 };
+
+struct Took {
+  double ms, processor_ms;
+};
+
+/// Of all threads of this process.
+double processor_ms() {
+  return 1e3 * double(std::clock()) / CLOCKS_PER_SEC;
+}
 
 class Subject {
  public:
@@ -215,30 +233,35 @@ class Subject {
 
   engine::Engine& engine() { return engine_; }
 
-  /// Milliseconds until the picture is complete, culling included.
-  core::Expected<double> draw(const Rule& rule, const core::View& view) {
+  /// Until the picture is complete, culling included.
+  core::Expected<Took> draw(const Rule& rule, const core::View& view) {
     engine::Drawing& drawing = *engine_.drawing();
     const core::Snapshot& snapshot = engine_.snapshot();
     const render::RenderTarget& target = drawing.target();
-    const bool by_engine = rule.measure == Rule::Measure::kNone || rule.measure == Rule::Measure::kBox;
+    const bool by_engine = rule.measure == Rule::Measure::kNone || rule.measure == Rule::Measure::kSolid;
     drawing.set_contribution(by_engine ? float(rule.threshold) : 0.0f, rule.way);
     drawing.finish();
-    const double begin = milliseconds();
+    const Took begin{milliseconds(), processor_ms()};
     culler_.cull(view, visible_);
     visible_.generation = snapshot.generation();
     const core::VisibleSet* shown = &visible_;
-    if (!by_engine) {
+    if (rule.measure == Rule::Measure::kBox) {
+      const core::ItemBounds& bounds = snapshot.bounds();
+      culling::ContributionTest(view, bounds.origin, target.width(), target.height())
+          .filter(bounds, visible_, float(rule.threshold), large_, {}, lines_);
+      shown = &large_;
+    } else if (!by_engine) {
       keep_large(view, snapshot, least_diagonal(rule, view, target.width(), target.height()), visible_, large_);
       shown = &large_;
     }
     if (auto done = drawing.draw(view, snapshot, *shown, lines_, &culler_.hierarchy(), 0, 0.0); !done)
       return tl::unexpected(done.error());
     drawing.finish();
-    return milliseconds() - begin;
+    return Took{milliseconds() - begin.ms, processor_ms() - begin.processor_ms};
   }
 
   /// The same after a frame that does not count, which tells the passes of occlusion what was open.
-  core::Expected<double> draw_again(const Rule& rule, const core::View& view) {
+  core::Expected<Took> draw_again(const Rule& rule, const core::View& view) {
     if (auto ms = draw(rule, view); !ms) return ms;
     return draw(rule, view);
   }
@@ -312,14 +335,18 @@ core::Expected<void> compare(Subject& subject, const ViewPair& views, const std:
 
 /// Times all rules in turns, so that other load of the machine affects all equally. Adds the median of the passes.
 core::Expected<void> time_in_turns(Subject& subject, const core::View& view, int passes, std::vector<Figures>& all) {
-  std::vector<std::vector<double>> times(all.size());
+  std::vector<std::vector<double>> ms(all.size()), processor(all.size());
   for (int pass = 0; pass < passes; ++pass)
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const auto ms = subject.draw_again(all[i].rule, view);
-      if (!ms) return tl::unexpected(ms.error());
-      times[i].push_back(*ms);
+      const auto took = subject.draw_again(all[i].rule, view);
+      if (!took) return tl::unexpected(took.error());
+      ms[i].push_back(took->ms);
+      processor[i].push_back(took->processor_ms);
     }
-  for (std::size_t i = 0; i < all.size(); ++i) all[i].ms.push_back(apps::median(times[i]));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].ms.push_back(apps::median(ms[i]));
+    all[i].processor_ms.push_back(apps::median(processor[i]));
+  }
   return {};
 }
 
@@ -337,7 +364,7 @@ core::Expected<std::vector<Figures>> measure(Subject& subject, const std::vector
   }
   if (auto done = subject.engine().resize(width, height); !done) return tl::unexpected(done.error());
   std::vector<Figures> all;
-  for (const Rule& rule : all_rules()) all.push_back({rule, {}, {}, {}, {}, {}, {}, {}});
+  for (const Rule& rule : all_rules()) all.push_back({rule, {}, {}, {}, {}, {}, {}, {}, {}});
   for (std::size_t i = 0; i < views.size(); ++i) {
     image::IdImage full_ids;
     for (Figures& figures : all)
@@ -363,22 +390,24 @@ Json to_json(const Figures& f) {
           {"flicker", mean(f.flicker)},
           {"items", mean(f.items)},
           {"squares", mean(f.squares)},
-          {"ms", {{"mean", mean(f.ms)}, {"median", apps::median(f.ms)}, {"frames", f.ms}}}};
+          {"ms", {{"mean", mean(f.ms)}, {"median", apps::median(f.ms)}, {"frames", f.ms}}},
+          {"processor_ms", {{"mean", mean(f.processor_ms)}, {"frames", f.processor_ms}}}};
 }
 
 /// A table that is also Markdown.
 void print(const std::vector<Figures>& all, std::FILE* out) {
-  std::fprintf(
-      out,
-      "| rule            | threshold, px | ms, mean | median | first frame | FLIP, mean |    p99 | wrong ids, %% "
-      "| flicker |   items | squares |\n"
-      "| --------------- | ------------: | -------: | -----: | ----------: | ---------: | -----: | -----------: "
-      "| ------: | ------: | ------: |\n");
+  std::fprintf(out,
+               "| rule              | threshold, px | processor ms | ms, mean | first frame | FLIP, mean |    p99 | "
+               "wrong ids, %% "
+               "| flicker |   items | squares |\n"
+               "| ----------------- | ------------: | -----------: | -------: | ----------: | ---------: | -----: | "
+               "-----------: "
+               "| ------: | ------: | ------: |\n");
   for (const Figures& f : all)
-    std::fprintf(out, "| %-15s | %13.4g | %8.1f | %6.1f | %11.1f | %10.5f | %6.4f | %12.2f | %7.3f | %7.0f | %7.0f |\n",
-                 name_of(f.rule).c_str(), f.rule.threshold, mean(f.ms), apps::median(f.ms), f.ms.front(),
-                 mean(f.flip_mean), mean(f.flip_p99), 100.0 * mean(f.wrong_ids), mean(f.flicker), mean(f.items),
-                 mean(f.squares));
+    std::fprintf(
+        out, "| %-17s | %13.4g | %12.1f | %8.1f | %11.1f | %10.5f | %6.4f | %12.2f | %7.3f | %7.0f | %7.0f |\n",
+        name_of(f.rule).c_str(), f.rule.threshold, mean(f.processor_ms), mean(f.ms), f.ms.front(), mean(f.flip_mean),
+        mean(f.flip_p99), 100.0 * mean(f.wrong_ids), mean(f.flicker), mean(f.items), mean(f.squares));
 }
 
 /// The full picture is a line: rules need not go below its error.
@@ -386,10 +415,10 @@ core::Expected<void> write_plot(const std::vector<Figures>& all, const std::stri
                                 const std::string& label, std::vector<double> Figures::*figure) {
   using apps::PanelSeries;
   apps::Panel panel{model, {}};
-  double least = mean(all.front().ms), most = least;
+  double least = mean(all.front().processor_ms), most = least;
   for (const Figures& f : all) {
-    least = std::min(least, mean(f.ms));
-    most = std::max(most, mean(f.ms));
+    least = std::min(least, mean(f.processor_ms));
+    most = std::max(most, mean(f.processor_ms));
   }
   const double floor = mean(all.front().*figure);
   panel.series.push_back(
@@ -400,9 +429,9 @@ core::Expected<void> write_plot(const std::vector<Figures>& all, const std::stri
     if (panel.series.back().label != name) panel.series.push_back({name, {}});
     char threshold[32];
     std::snprintf(threshold, sizeof threshold, "%.4g", f.rule.threshold);
-    panel.series.back().points.push_back({mean(f.ms), mean(f.*figure), threshold});
+    panel.series.back().points.push_back({mean(f.processor_ms), mean(f.*figure), threshold});
   }
-  apps::PanelPlot plot{"Error against time", "ms a frame", label, {std::move(panel)}};
+  apps::PanelPlot plot{"Error against time", "processor time a frame, ms", label, {std::move(panel)}};
   plot.large = true;
   return apps::write_text(file, apps::svg_panels(plot));
 }
