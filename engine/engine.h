@@ -46,8 +46,8 @@ struct EngineConfig {
   bool sample_test = true;
   /// Leave out of drawing what other items hide (culling/occlusion.h): nothing is lost. With one sample per pixel only.
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
-  /// Leave out of drawing items whose bounding box covers fewer pixels than this (culling/contribution.h: projected
-  /// area, hysteresis; lines are exempt). 0: nothing is lost. Where the CPU culls.
+  /// Leave out of drawing items that cover fewer pixels than this: culling/contribution.h, with the mean area over all
+  /// directions; hysteresis; lines are exempt. 0: nothing is lost. Where the CPU culls.
   float contribution = 0.0f;
   /// How these items are drawn. With a budget they are left out.
   ContributionWay contribution_way = ContributionWay::kDrop;

@@ -147,7 +147,7 @@ void add_shown_options(CLI::App& app, ShownOptions& options) {
       ->default_str("auto")
       ->check(CLI::IsMember(choices));
   app.add_option("--contribution", options.contribution,
-                 "Leave out items whose bounding box covers fewer pixels of the picture than this; 0: none")
+                 "Leave out items that are expected to cover fewer pixels of the picture than this; 0: none")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   app.add_option("--budget", options.budget_ms,
