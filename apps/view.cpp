@@ -27,7 +27,8 @@ using engine::CullerChoice;
 using nlohmann::json;
 
 constexpr double kTitleInterval = 0.25;  // seconds
-constexpr double kNearShare = 1e-4;      // of the model's size; reverse-Z float depth stays precise with a small share
+constexpr core::vec3 kHiddenColour{0.85f, 0.1f, 0.55f};
+constexpr double kNearShare = 1e-4;  // of the model's size; reverse-Z float depth stays precise with a small share
 
 struct Options {
   apps::ModelOptions model;
@@ -148,7 +149,8 @@ constexpr Binding kBindings[] = {
     {GLFW_KEY_2, GLFW_KEY_KP_2, "2", "cull on the GPU", &Viewer::cull_on_gpu},
     {GLFW_KEY_3, GLFW_KEY_KP_3, "3", "cull where it costs less (hybrid)", &Viewer::cull_on_either},
     {GLFW_KEY_0, GLFW_KEY_KP_0, "0", "cull as the scene's size suggests", &Viewer::cull_as_fits},
-    {GLFW_KEY_SPACE, GLFW_KEY_C, "Space C", "freeze the culling camera, or let it go", &Viewer::toggle_freeze},
+    {GLFW_KEY_SPACE, GLFW_KEY_C, "Space C",
+     "freeze the culling camera, or let it go; what it sees nothing of is magenta", &Viewer::toggle_freeze},
     {GLFW_KEY_R, kNone, "R", "begin to record a camera path; write it (--save-path)", &Viewer::toggle_recording},
     {GLFW_KEY_P, GLFW_KEY_F12, "P F12", "write a screenshot, PNG", &Viewer::take_screenshot},
     {GLFW_KEY_H, kNone, "H", "print these keys", &Viewer::print_keys},
@@ -383,6 +385,7 @@ core::Expected<int> view_model(const Options& o) {
   config.gpu_culler = o.gpu_culler;
   config.samples = o.samples;
   o.shown.apply(config);
+  config.hidden_colour = kHiddenColour;
   config.context = &window->context();
   auto engine = engine::Engine::create(*model->scene, config);
   if (!engine) return tl::unexpected(engine.error());

@@ -58,6 +58,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   drawing->sample_test_ = config.sample_test;
   drawing->occlusion_ = config.occlusion;
   drawing->budget_ms_ = config.budget_ms;
+  drawing->hidden_colour_ = config.hidden_colour.value_or(core::vec3(0.0f));
   drawing->set_contribution(config.contribution, config.contribution_way);
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
@@ -180,11 +181,18 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
   waited_ms_ = 0.0;
   if (!renderer_) return {};
   if (auto current = make_current(); !current) return current;
+  if (split_view_) picture_changed();
   wait_for_room();
+  if (auto done = draw_visible(view, snapshot, visible, lines, hierarchy, began); !done) return done;
+  return submit(frame);
+}
+
+core::Expected<void> Drawing::draw_visible(const core::View& view, const core::Snapshot& snapshot,
+                                           const core::VisibleSet& visible, culling::SlotBits lines,
+                                           const culling::Hierarchy* hierarchy, double began) {
   if (budget_ms_ > 0.0) {
     const double deadline = began + kBudgetShare * 1e-3 * budget_ms_;
-    if (auto done = draw_in_budget(view, snapshot, visible, lines, hierarchy, deadline); !done) return done;
-    return submit(frame);
+    return draw_in_budget(view, snapshot, visible, lines, hierarchy, deadline);
   }
   const core::VisibleSet& large = leave_out_small(view, snapshot, visible, lines, hierarchy, contribution_);
   const std::int64_t count = std::int64_t(snapshot.count(large));
@@ -196,12 +204,79 @@ core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot&
     if (auto done = draw_at_once(view, snapshot, large, lines); !done) return done;
   }
   counts_.small = &large == &visible ? 0 : std::int64_t(snapshot.count(visible)) - count;
-  if (auto done = draw_small(view, snapshot, visible, hierarchy, tested); !done) return done;
-  return submit(frame);
+  return draw_small(view, snapshot, visible, hierarchy, tested);
 }
 
 culling::ContributionTest Drawing::contribution_test(const core::View& view, const core::Snapshot& snapshot) {
   return {view, snapshot.bounds().origin, target_.width(), target_.height(), solid_areas_.of(snapshot)};
+}
+
+core::Expected<void> Drawing::draw_from_aside(const core::View& view, const core::View& cull_view,
+                                              const core::Snapshot& snapshot, const core::VisibleSet& visible,
+                                              culling::SlotBits lines, const culling::Hierarchy* hierarchy,
+                                              std::uint64_t frame, double began) {
+  waited_ms_ = 0.0;
+  if (auto current = make_current(); !current) return current;
+  wait_for_room();
+  if (auto done = split(cull_view, snapshot, visible, lines, hierarchy); !done) return done;
+  if (auto done = draw_visible(view, snapshot, shown_, lines, hierarchy, began); !done) return done;
+  if (auto done = draw_hidden(view, snapshot); !done) return done;
+  return submit(frame);
+}
+
+/// Once for all frames of one `cull_view`: its picture is drawn for the distances, and what they hide is not shown.
+core::Expected<void> Drawing::split(const core::View& cull_view, const core::Snapshot& snapshot,
+                                    const core::VisibleSet& visible, culling::SlotBits lines,
+                                    const culling::Hierarchy* hierarchy) {
+  if (split_view_ && core::same_picture(*split_view_, cull_view)) return {};
+  picture_changed();
+  const core::ItemBounds& bounds = snapshot.bounds();
+  if (may_test_occlusion()) {
+    if (auto done = draw_in_passes(cull_view, snapshot, visible, lines, hierarchy); !done) return done;
+    occlusion_test(cull_view, bounds.origin).filter(bounds, visible, shown_, lines);
+  } else if (sample_test_) {
+    culling::SampleTest(cull_view, bounds.origin, picture_samples(target_, snap()))
+        .filter(bounds, visible, shown_, lines);
+  } else {
+    shown_ = visible;
+  }
+  std::vector<std::uint64_t> shown(culling::bit_words(bounds.size()));
+  culling::set_bits(shown_, shown);
+  hidden_.clear();
+  hidden_.generation = shown_.generation = visible.generation;
+  visible.for_each_slot([&](core::Slot slot) {
+    if (!bounds.vacant(slot) && !culling::contains(shown, slot)) hidden_.items.push_back(slot);
+  });
+  std::sort(hidden_.items.begin(), hidden_.items.end());
+  if (auto done = make_hidden_materials(snapshot); !done) return done;
+  split_view_ = cull_view;
+  return {};
+}
+
+core::Expected<void> Drawing::make_hidden_materials(const core::Snapshot& snapshot) {
+  const gl::Functions& gl = context_.functions();
+  const std::vector<glm::vec4> rows(snapshot.materials().size() + 1, glm::vec4(hidden_colour_, 1.0f));
+  auto buffer = gl::Buffer::create(gl, std::span(rows), 0, "colour of hidden items");
+  if (!buffer) return tl::unexpected(buffer.error());
+  auto texels = gl::TextureBuffer::create(gl, *buffer, GL_RGBA32F, "colour of hidden items");
+  if (!texels) return tl::unexpected(texels.error());
+  hidden_materials_ = std::move(*texels);
+  hidden_rows_ = std::move(*buffer);
+  return {};
+}
+
+/// Beside what is drawn of the same view, which may hide most of them.
+core::Expected<void> Drawing::draw_hidden(const core::View& view, const core::Snapshot& snapshot) {
+  const core::ItemBounds& bounds = snapshot.bounds();
+  const core::VisibleSet* left = &hidden_;
+  if (may_test_occlusion()) {
+    read_back_depth(view);
+    occlusion_test(view, bounds.origin).filter(bounds, hidden_, sampled_);
+    left = &sampled_;
+  }
+  counts_.shown += std::int64_t(snapshot.count(*left));
+  if (auto done = lists_->update(snapshot, *scene_, *left, &view); !done) return done;
+  return renderer_->draw_more(view, snapshot, *scene_, *lists_, target_, &hidden_materials_);
 }
 
 /// The part of the visible set that contributes enough to the picture.
@@ -250,7 +325,7 @@ void Drawing::set_contribution(float pixels, ContributionWay way) {
 bool Drawing::tests_occlusion(std::int64_t candidates) {
   candidates_ = candidates;
   switched_ = false;
-  if (occlusion_ == OcclusionChoice::kOff || target_.format().samples > 1) return false;
+  if (!may_test_occlusion()) return false;
   if (occlusion_ == OcclusionChoice::kOn) return true;
   switched_ = software() && candidates >= std::int64_t(kSmallOcclusionScene);
   return switched_ && occlusion_switch_.use();
@@ -318,7 +393,7 @@ core::Expected<void> Drawing::draw_in_budget(const core::View& view, const core:
                                              const culling::Hierarchy* hierarchy, double deadline) {
   const core::ItemBounds& bounds = snapshot.bounds();
   const bool stays = budget_view_ && core::same_picture(*budget_view_, view), goes_on = stays && refines_;
-  const bool tests = target_.format().samples == 1 && occlusion_ != OcclusionChoice::kOff;
+  const bool tests = may_test_occlusion();
   const culling::OcclusionTest test = occlusion_test(view, bounds.origin);
   if (!goes_on) {
     const float threshold = stays ? contribution_ : std::max(contribution_, kOverlooked * budget_.largest_pending());

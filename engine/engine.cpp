@@ -60,7 +60,7 @@ class Engine::Impl {
   core::Expected<void> land();
   core::Expected<void> follow_order();
   void note_gpu_variant();
-  core::Expected<bool> cull(const core::View& cull_view, const core::View& view, FrameReport& report);
+  core::Expected<bool> cull(const core::View& cull_view, const core::View& view, bool on_cpu, FrameReport& report);
   void cull_on_cpu(const core::View& view, FrameReport& report);
   culling::FrameSample describe_walk() const;
   void gather_late_reports();
@@ -304,14 +304,18 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
   last_frame_began_ = begin;
   look_after_context();
   if (drawing_) drawing_->frame_took(report.frame_ms);
-  const auto on_gpu = cull(cull_view, view, report);
+  const bool aside = !core::same_picture(view, cull_view);
+  const bool shows_hidden = aside && config_.hidden_colour && config_.draw && drawing_;
+  const auto on_gpu = cull(cull_view, view, shows_hidden, report);
   if (!on_gpu) return tl::unexpected(on_gpu.error());
   if (drawing_) {
     const double culled = now_seconds();
-    if (&view != &cull_view) drawing_->picture_changed();
-    auto done =
-        *on_gpu ? drawing_->draw_culled(view, *live_.snapshot, report.frame)
-                : drawing_->draw(view, *live_.snapshot, visible_, live_.lines, live_.hierarchy(), report.frame, begin);
+    if (aside && !shows_hidden) drawing_->picture_changed();
+    auto done = *on_gpu        ? drawing_->draw_culled(view, *live_.snapshot, report.frame)
+                : shows_hidden ? drawing_->draw_from_aside(view, cull_view, *live_.snapshot, visible_, live_.lines,
+                                                           live_.hierarchy(), report.frame, begin)
+                               : drawing_->draw(view, *live_.snapshot, visible_, live_.lines, live_.hierarchy(),
+                                                report.frame, begin);
     report.drawn = config_.draw && done;
     if (done = unless_lost(std::move(done)); !done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);
@@ -324,17 +328,22 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
       report.squares = drawing_->counts().squares;
     }
   }
-  if (hybrid_) hybrid_->measured(report, describe_walk());
+  if (hybrid_ && !shows_hidden) hybrid_->measured(report, describe_walk());
   return report;
 }
 
-/// True when the GPU culled: then the result stays there, and visible() is empty.
-core::Expected<bool> Engine::Impl::cull(const core::View& cull_view, const core::View& view, FrameReport& report) {
+/// True when the GPU culled: then the result stays there, and visible() is empty. `on_cpu`: the CPU must cull; a hybrid
+/// does not learn from that.
+core::Expected<bool> Engine::Impl::cull(const core::View& cull_view, const core::View& view, bool on_cpu,
+                                        FrameReport& report) {
   visible_.clear();
   visible_.generation = live_.snapshot->generation();
-  bool on_gpu = drawing_ && live_.plan.culler == CullerChoice::kGpu;
+  bool on_gpu = drawing_ && live_.plan.culler == CullerChoice::kGpu && !on_cpu;
   gather_late_reports();
-  if (hybrid_) {
+  if (hybrid_ && on_cpu) {
+    hybrid_->paused();
+    report.state = hybrid_->controller().state();
+  } else if (hybrid_) {
     on_gpu = hybrid_->next(report.frame_ms) == culling::CullPath::kGpu;
     report.state = hybrid_->controller().state();
   }

@@ -56,6 +56,9 @@ struct EngineConfig {
   /// frame draws more of it, until the picture is complete; then frames draw nothing. Where the CPU culls. Every frame
   /// is waited for.
   double budget_ms = 0.0;
+  /// Colour (sRGB) in which frame(view, cull_view) draws the items that the sample test and the occlusion test leave out
+  /// of the picture of cull_view; then these frames are culled on the CPU. None: such items look like all others.
+  std::optional<core::vec3> hidden_colour = {};
   int samples = 1;        ///< per pixel; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
@@ -127,7 +130,9 @@ class SIGHTLINE_API Engine {
   /// the CPU culls and nothing is drawn. An engine that made the context itself makes another one and tries that twice
   /// a second; for the application's context call use_context(). visible(), queries and edits work all the time.
   core::Expected<FrameReport> frame(const core::View& view) { return frame(view, view); }
-  /// Draws from `view` what `cull_view` can see, which shows from the side what a culler keeps.
+  /// Draws from `view` what lies in the view volume of `cull_view`, which shows from the side what a culler keeps, and
+  /// with EngineConfig::hidden_colour what the tests after it leave out. As frame(view) where both show the same
+  /// (core::same_picture).
   core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view);
   /// The oldest result of the GPU culler that was not yet taken; results arrive some frames late. Nothing while none
   /// has arrived. Never waits. Keeps the newest 64 results.

@@ -154,7 +154,7 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
 
 core::Expected<void> Renderer::draw_more(const core::View& view, const core::Snapshot& snapshot,
                                          const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                         const RenderTarget& target) {
+                                         const RenderTarget& target, const gl::TextureBuffer* materials) {
   if (auto done = upload_view(view, snapshot, target); !done) return done;
   const gl::Functions& gl = *gl_;
   const bool sections = !view.sections.empty();
@@ -167,7 +167,7 @@ core::Expected<void> Renderer::draw_more(const core::View& view, const core::Sna
 
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, view_block_.id());
   gl.BindTextureUnit(kChunkUnit, chunk_texels_.id());
-  gl.BindTextureUnit(kMaterialUnit, scene.materials().id());
+  gl.BindTextureUnit(kMaterialUnit, (materials ? *materials : scene.materials()).id());
   gl.BindTextureUnit(kSinglesUnit, lists.singles().id());
   gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, lists.commands().id());
   for (const gpuscene::Batch& batch : scene.batches()) {

@@ -35,6 +35,12 @@ class Drawing {
   core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible,
                             culling::SlotBits lines, const culling::Hierarchy* hierarchy, std::uint64_t frame,
                             double began = 0.0);
+  /// The same of what lies in the view volume of `cull_view`. What the two rules leave out of the picture of
+  /// `cull_view` is drawn in EngineConfig::hidden_colour, and needs no budget.
+  core::Expected<void> draw_from_aside(const core::View& view, const core::View& cull_view,
+                                       const core::Snapshot& snapshot, const core::VisibleSet& visible,
+                                       culling::SlotBits lines, const culling::Hierarchy* hierarchy,
+                                       std::uint64_t frame, double began);
   /// Of the last draw().
   struct Counts {
     std::int64_t sampled = 0, shown = 0;  // items that may cover a sample, -1 with the occlusion test; items drawn
@@ -44,7 +50,10 @@ class Drawing {
   };
   const Counts& counts() const { return counts_; }
   /// The next draw() shows something else, though its view may be that of the last one: a budget begins anew.
-  void picture_changed() { budget_view_.reset(); }
+  void picture_changed() {
+    budget_view_.reset();
+    split_view_.reset();
+  }
   /// From the next draw() on: EngineConfig::contribution and contribution_way.
   void set_contribution(float pixels, ContributionWay way);
   /// The time from the last draw() to the one that follows, or 0 where it says nothing of their cost.
@@ -104,10 +113,19 @@ class Drawing {
   float snap() const;
   culling::OcclusionTest occlusion_test(const core::View& view, const core::dvec3& origin) const;
   void read_back_depth(const core::View& view);
+  bool may_test_occlusion() const { return occlusion_ != OcclusionChoice::kOff && target_.format().samples == 1; }
   bool tests_occlusion(std::int64_t candidates);
   bool may_test_occlusion(const culling::GpuCuller& culler) const;
   bool tests_occlusion_on_gpu(std::size_t items);
   core::Expected<void> draw_others(const core::Snapshot& snapshot);
+  core::Expected<void> draw_visible(const core::View& view, const core::Snapshot& snapshot,
+                                    const core::VisibleSet& visible, culling::SlotBits lines,
+                                    const culling::Hierarchy* hierarchy, double began);
+  core::Expected<void> split(const core::View& cull_view, const core::Snapshot& snapshot,
+                             const core::VisibleSet& visible, culling::SlotBits lines,
+                             const culling::Hierarchy* hierarchy);
+  core::Expected<void> make_hidden_materials(const core::Snapshot& snapshot);
+  core::Expected<void> draw_hidden(const core::View& view, const core::Snapshot& snapshot);
   core::Expected<void> draw_at_once(const core::View& view, const core::Snapshot& snapshot,
                                     const core::VisibleSet& visible, culling::SlotBits lines);
   core::Expected<void> draw_in_passes(const core::View& view, const core::Snapshot& snapshot,
@@ -150,6 +168,11 @@ class Drawing {
   ContributionWay contribution_way_ = ContributionWay::kDrop;
   SmallItems small_items_;
   SolidAreas solid_areas_;
+  core::vec3 hidden_colour_{0.0f};
+  std::optional<core::View> split_view_;  // what its picture shows, and what the tests leave out of it
+  core::VisibleSet shown_, hidden_;
+  gl::Buffer hidden_rows_;
+  gl::TextureBuffer hidden_materials_;  // one colour for all
   core::VisibleSet sampled_, large_, large_leaves_, open_leaves_;
   std::vector<std::uint64_t> was_large_;  // a bit per slot, of the last frame
   OcclusionPasses passes_;

@@ -30,6 +30,11 @@ class Drawing {
                             const culling::Hierarchy*, std::uint64_t, double) {
     return {};
   }
+  core::Expected<void> draw_from_aside(const core::View&, const core::View&, const core::Snapshot&,
+                                       const core::VisibleSet&, culling::SlotBits, const culling::Hierarchy*,
+                                       std::uint64_t, double) {
+    return {};
+  }
   void picture_changed() {}
   core::Expected<void> cull(const core::View&, const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
   core::Expected<void> draw_culled(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }

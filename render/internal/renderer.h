@@ -33,10 +33,11 @@ class Renderer {
   void clear(const RenderTarget& target) const;
 
   /// Draws the records in the lists beside what the target holds of the same view. Where two items have the same depth,
-  /// the pixel keeps what it has.
+  /// the pixel keeps what it has. `materials`: a table to use instead of the scene's, with as many rows as the scene
+  /// has materials and one more (GpuScene::material_row); null: the scene's.
   core::Expected<void> draw_more(const core::View& view, const core::Snapshot& snapshot,
                                  const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                 const RenderTarget& target);
+                                 const RenderTarget& target, const gl::TextureBuffer* materials = nullptr);
 
   std::array<float, 3> background{0.86f, 0.88f, 0.91f};  ///< sRGB
 

@@ -217,6 +217,16 @@ class ViewKeys : public View {
     return testing::AssertionFailure() << title << "does not" << (holds ? "" : " cease to") << " hold " << text << "; "
                                        << read_bytes(child_.err);
   }
+  /// Of the window's part of the screen.
+  int magenta_pixels(int width, int height) const {
+    const Picture picture = read_screen(path("Xvfb_screen0"), width, height);
+    int count = 0;
+    for (std::size_t i = 0; i < picture.rgb.size(); i += 3) {
+      const int red = picture.rgb[i], green = picture.rgb[i + 1], blue = picture.rgb[i + 2];
+      count += red > 60 && 5 * green < 2 * blue && 5 * blue > 2 * red && red > blue;
+    }
+    return count;
+  }
   Outcome close() {
     press("Escape");
     Outcome outcome = wait_for(child_);
@@ -265,10 +275,12 @@ TEST_F(ViewKeys, KeysDoWhatTheHelpSays) {
   xdotool({"keydown", "w"});
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
   xdotool({"keyup", "w"});
+  EXPECT_TRUE(comes_true([&] { return magenta_pixels(200, 150) > 0; })) << "what the frozen camera sees nothing of";
   press("r");
   ASSERT_TRUE(title_comes_to("recording", false));
   press("c");
   ASSERT_TRUE(title_comes_to("frozen", false));
+  EXPECT_TRUE(comes_true([&] { return magenta_pixels(200, 150) == 0; }));
   press("h");
   const Outcome outcome = close();
   EXPECT_EQ(outcome.code, 0) << outcome;

@@ -63,6 +63,33 @@ TEST_F(HybridTest, ASwitchChangesNoPixel) {
   EXPECT_GT(late, 0);
 }
 
+/// Frames that show what is hidden are the CPU's, and the path that follows is as if there had been none.
+TEST_F(HybridTest, FramesFromAsideTeachItNothing) {
+  core::Scene scene;
+  fill(scene, 22);
+  EngineConfig c = config(CullerChoice::kHybrid);
+  c.hidden_colour = core::vec3(0, 0, 1);
+  auto engine = Engine::create(scene, c);
+  ASSERT_TRUE(engine);
+  int on_gpu = 0;
+  for (int round = 0; round < 3; ++round) {
+    for (int i = 0; i < 8; ++i) {
+      const auto report = engine->frame(view(0.1 * i));
+      ASSERT_TRUE(report);
+      on_gpu += report->culler == CullerChoice::kGpu;
+    }
+    const std::uint64_t frames = engine->controller()->frames();
+    for (int i = 0; i < 2; ++i) {
+      const auto aside = engine->frame(view(2.0), view(0.1 * round));
+      ASSERT_TRUE(aside);
+      EXPECT_EQ(name_of(aside->culler), "cpu");
+      EXPECT_TRUE(aside->state);
+    }
+    EXPECT_EQ(engine->controller()->frames(), frames);
+  }
+  EXPECT_GT(on_gpu, 0);
+}
+
 TEST_F(HybridTest, ASmallSceneGetsNoGpuCuller) {
   core::Scene scene;
   fill(scene, 9);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <random>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -280,6 +281,117 @@ TEST_F(Shown, ABudgetIsMadeUpForAtRest) {
   }
   with.budget_ms = -1.0;
   EXPECT_FALSE(Engine::create(scene, with));
+}
+
+/// A view handed in twice is that view, whichever object names it.
+TEST_F(Shown, ABudgetIsMadeUpForWhereTheCullingViewIsACopy) {
+  Random random(6);
+  core::Scene scene;
+  fill(random, scene, dvec3(0.0));
+  EngineConfig with = config(kPaths[0], 80, 60);
+  with.budget_ms = 1e-3;
+  with.hidden_colour = core::vec3(0, 0, 1);
+  auto engine = Engine::create(scene, with);
+  ASSERT_TRUE(engine);
+  const View view = view_of(random, dvec3(0.0), 4.0 / 3.0), copy = view;
+  auto report = engine->frame(view, copy);
+  for (int i = 0; i < 1000 && report && report->pending > 0; ++i) report = engine->frame(view, copy);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->pending, 0);
+}
+
+/// A wall with cubes behind it and beside it, and one cube that is too small for the view that culls.
+class HiddenColour : public Shown {
+ protected:
+  static constexpr double kSmall = 2e-3;
+  void SetUp() override {
+    Shown::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    const auto add = [&](double size, double x, double y, double z) {
+      const auto s = float(size);
+      return scene.add_primitive(scene.root(), core::Box{s, s, s}, core::translation({x, y, z}));
+    };
+    wall = scene.add_primitive(scene.root(), core::Box{6, 0.2f, 6});
+    for (int i = 0; i < 4; ++i) behind.push_back(add(0.5, i - 1.5, 3, i - 1.5));
+    for (int i = 0; i < 4; ++i) beside.push_back(add(0.5, 5.0, 3, i - 1.5));
+    // Between the lines of sight of two neighbouring pixels.
+    small = add(kSmall, 4.0, 0.0, 0.5 * 10.0 * 2.0 * std::tan(0.5) / 100.0);
+  }
+  /// Names of items that a picture shows in the colour of hidden ones, and of those in another.
+  std::array<std::set<core::ItemId>, 2> items_by_colour(Engine& engine) {
+    const image::Image colour = *engine.read_colour();
+    const image::IdImage ids = *engine.read_ids();
+    std::array<std::set<core::ItemId>, 2> found;
+    for (std::size_t i = 0; i < ids.ids.size(); ++i)
+      if (ids.ids[i] != 0) found[colour.pixels[3 * i] < colour.pixels[3 * i + 2] / 2].insert(ids.ids[i] - 1);
+    return found;
+  }
+  core::Scene scene;
+  core::ItemId wall = 0, small = 0;
+  std::vector<core::ItemId> behind, beside;
+  const View front = *View::perspective({{0, -10, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.5, 0.1);
+  const View back = *View::perspective({{-4, 12, 8}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.5, 0.1);
+  const View close = *View::perspective({{4, -1e-2, 0.06}, {4, 0, 0.055}, {0, 0, 1}}, 1.0, 1.5, 1e-3);
+};
+
+TEST_F(HiddenColour, ShowsFromAsideWhatTheTestsLeaveOut) {
+  const auto set = [](const std::vector<core::ItemId>& items) {
+    return std::set<core::ItemId>(items.begin(), items.end());
+  };
+  for (const CullerChoice culler : {CullerChoice::kLinear, CullerChoice::kCpu, CullerChoice::kGpu})
+    for (const OcclusionChoice occlusion : {OcclusionChoice::kOn, OcclusionChoice::kAutomatic, OcclusionChoice::kOff}) {
+      SCOPED_TRACE(testing::Message() << name_of(culler) << ", occlusion " << name_of(occlusion));
+      scene.set_visible(wall, true);
+      EngineConfig with = config({culler}, 150, 100);
+      with.occlusion = occlusion;
+      auto plain = Engine::create(scene, with);
+      with.hidden_colour = core::vec3(0, 0, 1);
+      auto engine = Engine::create(scene, with);
+      ASSERT_TRUE(plain && engine);
+      const bool tested = occlusion != OcclusionChoice::kOff;
+      std::set<core::ItemId> shown = set(beside);
+      shown.insert(wall);
+      if (!tested) shown.insert(behind.begin(), behind.end());
+      for (int frame = 0; frame < 3; ++frame) {
+        ASSERT_TRUE(engine->frame(back, front) && plain->frame(back, front));
+        EXPECT_EQ(items_by_colour(*engine)[1], tested ? set(behind) : std::set<core::ItemId>());
+        EXPECT_EQ(items_by_colour(*engine)[0], shown);
+        EXPECT_EQ(compare(*engine, *plain, back).pixels, 0) << "the same items";
+        EXPECT_TRUE(items_by_colour(*plain)[1].empty());
+      }
+      ASSERT_TRUE(engine->frame(close, front));
+      EXPECT_EQ(items_by_colour(*engine)[1].count(small), 1u) << "no sample lies on it";
+
+      ASSERT_TRUE(engine->frame(back) && plain->frame(back));
+      EXPECT_EQ(engine->read_colour()->pixels, plain->read_colour()->pixels) << "not frozen";
+      ASSERT_TRUE(engine->frame(back, front));
+      EXPECT_EQ(items_by_colour(*engine)[1].size(), tested ? behind.size() : 0u) << "frozen again";
+      scene.set_visible(wall, false);
+      ASSERT_TRUE(engine->commit() && engine->frame(back, front));
+      EXPECT_TRUE(items_by_colour(*engine)[1].empty()) << "an edit has opened the view";
+    }
+}
+
+TEST_F(HiddenColour, WithABudgetAndSeveralSamples) {
+  EngineConfig with = config(kPaths[0], 150, 100);
+  with.hidden_colour = core::vec3(0, 0, 1);
+  with.budget_ms = 1e-3;
+  auto hurried = Engine::create(scene, with);
+  ASSERT_TRUE(hurried);
+  auto report = hurried->frame(back, front);
+  for (int i = 0; i < 100 && report && report->pending > 0; ++i) report = hurried->frame(back, front);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->pending, 0);
+  EXPECT_EQ(items_by_colour(*hurried)[1].size(), behind.size());
+  ASSERT_TRUE(hurried->frame(back));
+  while (hurried->frame(back)->pending > 0) continue;
+  EXPECT_TRUE(items_by_colour(*hurried)[1].empty());
+
+  with.budget_ms = 0.0;
+  with.samples = 4;
+  auto smooth = Engine::create(scene, with);
+  ASSERT_TRUE(smooth && smooth->frame(back, front));
+  EXPECT_TRUE(items_by_colour(*smooth)[1].empty()) << "occlusion is tested with one sample only";
 }
 
 /// By path and seed: 250 views of each of ten scenes.
