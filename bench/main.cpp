@@ -34,6 +34,9 @@ constexpr Subcommand kSubcommands[] = {
     {"error-time", "error of tessellated and ray-cast primitives against their run time", bench::add_error_time},
     {"contribution", "error of pictures without small items against the time of a frame, for several rules",
      bench::add_contribution},
+    {"budget",
+     "what a frame budget leaves of the picture while the camera moves, and until the picture is full at rest",
+     bench::add_budget},
     {"proxies", "pixels that ray-cast primitives run shaders for, beside those they show", bench::add_proxies},
 #endif
 };

@@ -25,6 +25,7 @@ Run add_intersect(CLI::App& app);
 Run add_queries(CLI::App& app);
 
 // Built if GL is.
+Run add_budget(CLI::App& app);
 Run add_contribution(CLI::App& app);
 Run add_error_time(CLI::App& app);
 Run add_gpu_cull(CLI::App& app);

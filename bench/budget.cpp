@@ -1,0 +1,329 @@
+// sightline-bench budget: what a frame budget leaves of the picture while the camera moves, and how long the full
+// picture takes once it rests.
+//
+// A tour is flown with the budget. Some of its pictures are compared with the full picture of the same view. Beside
+// them stands dropping in the same time: of several thresholds of contribution the least whose frame takes no longer
+// than the budget.
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/common/progress.h"
+#include "sightline/apps/common/statistics.h"
+#include "sightline/bench/harness.h"
+#include "sightline/bench/renderer.h"
+#include "sightline/bench/subcommands.h"
+#include "sightline/core/camera_path.h"
+#include "sightline/engine/engine.h"
+#include "sightline/engine/internal/drawing.h"
+#include "sightline/image/image_metrics.h"
+
+namespace sightline::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using engine::Engine;
+
+constexpr double kWithin = 1.05;      // of the budget
+constexpr int kApproach = 4;          // moving frames before a rest
+constexpr int kMostAtRest = 100'000;  // frames
+constexpr float kThresholds[] = {0.0f, 0.25f, 1.0f, 4.0f, 16.0f, 64.0f, 256.0f, 1024.0f};  // of dropping, pixels
+
+struct Options {
+  apps::ModelOptions model;
+  double budget_ms = 33.0;
+  int frames = 200, compared = 20, rests = 10;
+  std::string size = "640x360", json;
+};
+
+void add_options(CLI::App& app, Options& o) {
+  apps::add_model_options(app, o.model);
+  app.add_option("--budget", o.budget_ms, "Milliseconds for a frame")
+      ->check(apps::accepted_by(apps::parse_finite))
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--frames", o.frames, "Of the tour, evenly spaced")
+      ->check(CLI::Range(2, 10'000))
+      ->capture_default_str();
+  app.add_option("--compared", o.compared, "Frames whose pictures are compared, evenly spaced")
+      ->check(CLI::Range(1, 10'000))
+      ->capture_default_str();
+  app.add_option("--rests", o.rests, "Frames at which the camera comes to rest, evenly spaced")
+      ->check(CLI::Range(1, 10'000))
+      ->capture_default_str();
+  app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
+  apps::add_json_option(app, o.json);
+  apps::add_examples(app,
+                     "  sightline-bench budget plant.rvm\n"
+                     "  sightline-bench budget plant.rvm --budget 16.7 --frames 400 --json budget.json");
+}
+
+/// How far a picture is from the full one.
+struct Error {
+  double flip_mean = 0.0, flip_p99 = 0.0, wrong_ids = 0.0;  // wrong_ids: a share of all pixels
+};
+
+struct Picture {
+  image::Image colour;
+  image::IdImage ids;
+};
+
+struct Compared {
+  Error budget, dropped;
+  double budget_ms = 0.0, dropped_ms = 0.0, full_ms = 0.0, threshold = 0.0;
+};
+
+struct Rest {
+  int frames = 0;
+  double ms = 0.0;  // of all of them
+};
+
+struct Figures {
+  std::vector<double> ms, shown;  // of each frame of the tour
+  int complete = 0;
+  std::vector<Compared> compared;
+  std::vector<Rest> rests;
+};
+
+core::Expected<Picture> read(Engine& engine) {
+  auto colour = engine.read_colour();
+  if (!colour) return tl::unexpected(colour.error());
+  auto ids = engine.read_ids();
+  if (!ids) return tl::unexpected(ids.error());
+  return Picture{std::move(*colour), std::move(*ids)};
+}
+
+core::Expected<Error> error_of(const Picture& picture, const Picture& full) {
+  const auto metrics = image::image_metrics(full.colour, picture.colour);
+  if (!metrics) return tl::unexpected(metrics.error());
+  const auto wrong = image::wrong_ids(full.ids, picture.ids);
+  if (!wrong) return tl::unexpected(wrong.error());
+  return Error{metrics->flip_mean, metrics->flip_p99, double(*wrong) / double(full.ids.ids.size())};
+}
+
+/// Milliseconds until the picture of a view is complete, or its budget spent.
+core::Expected<double> timed_frame(Engine& engine, const core::View& view, engine::FrameReport* report = nullptr) {
+  const double begin = milliseconds();
+  const auto made = engine.frame(view);
+  if (!made) return tl::unexpected(made.error());
+  if (!made->drawn) return core::fail("the GL context was lost");
+  engine.finish();
+  if (report) *report = *made;
+  return milliseconds() - begin;
+}
+
+class Bench {
+ public:
+  Bench(const Options& options, std::vector<core::View> views, Engine hurried, Engine full)
+      : options_(options), views_(std::move(views)), hurried_(std::move(hurried)), full_(std::move(full)) {}
+
+  core::Expected<Figures> run() {
+    apps::Progress progress("measuring", views_.size() + std::size_t(options_.rests));
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      if (auto done = fly(i); !done) return tl::unexpected(done.error());
+      progress.advance(i + 1);
+    }
+    for (int i = 0; i < options_.rests; ++i) {
+      if (auto done = rest(spaced(i, options_.rests)); !done) return tl::unexpected(done.error());
+      progress.advance(views_.size() + std::size_t(i) + 1);
+    }
+    return std::move(figures_);
+  }
+
+ private:
+  /// The i-th of `count` evenly spaced frames; the first one has neighbours before it.
+  std::size_t spaced(int i, int count) const {
+    return std::min(views_.size() - 1, std::size_t((i + 0.5) * double(views_.size()) / count));
+  }
+
+  core::Expected<void> fly(std::size_t i) {
+    engine::FrameReport report;
+    const auto ms = timed_frame(hurried_, views_[i], &report);
+    if (!ms) return tl::unexpected(ms.error());
+    figures_.ms.push_back(*ms);
+    figures_.shown.push_back(double(report.shown));
+    figures_.complete += report.pending == 0;
+    for (int k = 0; k < options_.compared; ++k)
+      if (spaced(k, options_.compared) == i) return compare(i, *ms);
+    return {};
+  }
+
+  core::Expected<void> compare(std::size_t i, double ms) {
+    const auto picture = read(hurried_);
+    if (!picture) return tl::unexpected(picture.error());
+    Compared figures;
+    figures.budget_ms = ms;
+    Picture full;
+    for (const float threshold : kThresholds) {
+      const auto dropped_ms = draw_dropping(threshold, i);
+      if (!dropped_ms) return tl::unexpected(dropped_ms.error());
+      if (threshold == 0.0f) figures.full_ms = *dropped_ms;
+      if (threshold > 0.0f && *dropped_ms > options_.budget_ms && threshold < std::end(kThresholds)[-1]) continue;
+      auto dropped = read(full_);
+      if (!dropped) return tl::unexpected(dropped.error());
+      if (threshold == 0.0f) full = *dropped;
+      if (threshold == 0.0f && *dropped_ms > options_.budget_ms) continue;
+      const auto error = error_of(*dropped, full);
+      if (!error) return tl::unexpected(error.error());
+      figures.dropped = *error;
+      figures.dropped_ms = *dropped_ms;
+      figures.threshold = threshold;
+      break;
+    }
+    const auto error = error_of(*picture, full);
+    if (!error) return tl::unexpected(error.error());
+    figures.budget = *error;
+    figures_.compared.push_back(figures);
+    hurried_.paused();
+    return {};
+  }
+
+  /// Draws the frame before, too, as a flight does.
+  core::Expected<double> draw_dropping(float threshold, std::size_t i) {
+    full_.drawing()->set_contribution(threshold, engine::ContributionWay::kDrop);
+    if (auto before = timed_frame(full_, views_[i > 0 ? i - 1 : i]); !before) return before;
+    return timed_frame(full_, views_[i]);
+  }
+
+  core::Expected<void> rest(std::size_t at) {
+    for (std::size_t i = at - std::min(at, std::size_t(kApproach)); i < at; ++i)
+      if (auto ms = timed_frame(hurried_, views_[i]); !ms) return tl::unexpected(ms.error());
+    Rest rest;
+    engine::FrameReport report;
+    do {
+      const auto ms = timed_frame(hurried_, views_[at], &report);
+      if (!ms) return tl::unexpected(ms.error());
+      rest.ms += *ms;
+      if (++rest.frames > kMostAtRest) return core::fail("the picture does not become complete");
+    } while (report.pending > 0);
+    figures_.rests.push_back(rest);
+    return {};
+  }
+
+  const Options& options_;
+  std::vector<core::View> views_;
+  Engine hurried_, full_;
+  Figures figures_;
+};
+
+core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, double budget_ms) {
+  engine::EngineConfig config;
+  config.draw = config.ids = true;
+  config.culler = engine::CullerChoice::kCpu;
+  config.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
+  const auto [width, height] = *apps::parse_size(o.size);
+  config.width = width;
+  config.height = height;
+  config.budget_ms = budget_ms;
+  return Engine::create(scene, config);
+}
+
+core::Expected<std::vector<core::View>> views_of(const core::Snapshot& snapshot, int frames, double aspect) {
+  const core::CameraPath path = core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
+  std::vector<core::View> views;
+  for (int i = 0; i < frames; ++i) {
+    auto view = path.view(path.time_of(i, frames), aspect);
+    if (!view) return tl::unexpected(view.error());
+    views.push_back(std::move(*view));
+  }
+  return views;
+}
+
+// --- report --------------------------------------------------------------------------------------------------------
+
+template <class Item, class Get>
+std::vector<double> all(const std::vector<Item>& items, const Get& get) {
+  std::vector<double> values;
+  for (const Item& item : items) values.push_back(get(item));
+  return values;
+}
+
+Json to_json(const std::vector<Compared>& compared, const Error Compared::*of, const double Compared::*ms) {
+  const auto mean = [&](const double Error::*figure) {
+    return apps::summarise(all(compared, [&](const Compared& c) { return c.*of.*figure; })).mean;
+  };
+  return {{"flip", {{"mean", mean(&Error::flip_mean)}, {"p99", mean(&Error::flip_p99)}}},
+          {"wrong_ids", mean(&Error::wrong_ids)},
+          {"ms", apps::to_json<Json>(apps::summarise(all(compared, [&](const Compared& c) { return c.*ms; })))}};
+}
+
+Json to_json(const Figures& f, double budget_ms) {
+  const auto within = std::count_if(f.ms.begin(), f.ms.end(), [&](double ms) { return ms <= kWithin * budget_ms; });
+  Json json;
+  json["moving"] = {{"ms", apps::to_json<Json>(apps::summarise(f.ms))},
+                    {"within", double(within) / double(f.ms.size())},
+                    {"complete", double(f.complete) / double(f.ms.size())},
+                    {"shown", apps::summarise(f.shown).mean}};
+  json["compared"] = {{"budget", to_json(f.compared, &Compared::budget, &Compared::budget_ms)},
+                      {"dropping", to_json(f.compared, &Compared::dropped, &Compared::dropped_ms)},
+                      {"full_ms", apps::summarise(all(f.compared, [](const Compared& c) { return c.full_ms; })).mean}};
+  json["compared"]["dropping"]["thresholds"] = all(f.compared, [](const Compared& c) { return c.threshold; });
+  json["compared"]["budget"]["flips"] = all(f.compared, [](const Compared& c) { return c.budget.flip_mean; });
+  json["compared"]["dropping"]["flips"] = all(f.compared, [](const Compared& c) { return c.dropped.flip_mean; });
+  json["rest"] = {
+      {"frames", apps::to_json<Json>(apps::summarise(all(f.rests, [](const Rest& r) { return r.frames; })))},
+      {"ms", apps::to_json<Json>(apps::summarise(all(f.rests, [](const Rest& r) { return r.ms; })))}};
+  return json;
+}
+
+/// Tables that are also Markdown.
+void print(const Json& json, std::FILE* out) {
+  const auto figure = [](const Json& from, const char* name) { return from[name].get<double>(); };
+  const Json &moving = json["moving"], &compared = json["compared"], &rest = json["rest"];
+  std::fprintf(out,
+               "| while moving         | ms, mean |    p99 |  within, %% | complete, %% |   items |\n"
+               "| -------------------- | -------: | -----: | ---------: | ----------: | ------: |\n"
+               "| all frames           | %8.1f | %6.1f | %10.1f | %11.1f | %7.0f |\n\n",
+               figure(moving["ms"], "mean"), figure(moving["ms"], "p99"), 100.0 * figure(moving, "within"),
+               100.0 * figure(moving, "complete"), figure(moving, "shown"));
+  std::fprintf(out,
+               "| against full picture | ms, mean | FLIP, mean |    p99 | wrong ids, %% |\n"
+               "| -------------------- | -------: | ---------: | -----: | -----------: |\n");
+  for (const char* way : {"budget", "dropping"})
+    std::fprintf(out, "| %-20s | %8.1f | %10.5f | %6.4f | %12.2f |\n", way, figure(compared[way]["ms"], "mean"),
+                 figure(compared[way]["flip"], "mean"), figure(compared[way]["flip"], "p99"),
+                 100.0 * figure(compared[way], "wrong_ids"));
+  std::fprintf(out, "| %-20s | %8.1f | %10s | %6s | %12s |\n\n", "full", figure(compared, "full_ms"), "0", "0", "0");
+  std::fprintf(out,
+               "| until the picture is complete at rest |   mean | median |    max |\n"
+               "| ------------------------------------- | -----: | -----: | -----: |\n");
+  for (const char* what : {"frames", "ms"})
+    std::fprintf(out, "| %-37s | %6.1f | %6.1f | %6.1f |\n", what, figure(rest[what], "mean"),
+                 figure(rest[what], "median"), figure(rest[what], "max"));
+}
+
+core::Expected<int> run(const Options& o) {
+  auto model = apps::load_model(o.model);
+  if (!model) return tl::unexpected(model.error());
+  auto hurried = make_engine(*model->scene, o, o.budget_ms);
+  if (!hurried) return tl::unexpected(hurried.error());
+  auto full = make_engine(*model->scene, o, 0.0);
+  if (!full) return tl::unexpected(full.error());
+  const auto [width, height] = *apps::parse_size(o.size);
+  auto views = views_of(full->snapshot(), o.frames, double(width) / height);
+  if (!views) return tl::unexpected(views.error());
+  const gl::Context& context = full->drawing()->context();
+  Json json = renderer_json(context);
+  json.update({{"model", o.model.files}, {"size", o.size}, {"frames", o.frames}, {"budget_ms", o.budget_ms}});
+  std::fprintf(apps::table_stream(o.json), "%s, %s, %.4g ms, %d frames of the tour, %s\n\n",
+               engine::count_text(full->snapshot().size()).c_str(), o.size.c_str(), o.budget_ms, o.frames,
+               renderer_line(context).c_str());
+  const auto figures = Bench(o, std::move(*views), std::move(*hurried), std::move(*full)).run();
+  if (!figures) return tl::unexpected(figures.error());
+  json.update(to_json(*figures, o.budget_ms));
+  return finish(o.json, json, print);
+}
+
+}  // namespace
+
+Run add_budget(CLI::App& app) {
+  return add_subcommand<Options>(app, add_options, run);
+}
+
+}  // namespace sightline::bench
