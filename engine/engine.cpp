@@ -19,7 +19,13 @@ constexpr double kTryAgain = 0.5;    // seconds between tries to make a context
 constexpr double kSoftwareGpuExcess = 0.1;
 
 PlanRequest plan_request(const EngineConfig& config) {
-  return {config.culler, config.draw, config.ids, config.occlusion};
+  return {config.culler, config.draw, config.ids, config.occlusion, config.contribution > 0.0f, config.budget_ms > 0.0};
+}
+
+core::Expected<void> check_culler(const EngineConfig& config) {
+  if (config.culler == CullerChoice::kGpu && plan_request(config).needs_cpu())
+    return core::fail("engine: contribution and budget_ms need a culler on the CPU, and culler is gpu");
+  return {};
 }
 
 }  // namespace
@@ -84,6 +90,7 @@ class Engine::Impl {
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config) {
   if (!(config.contribution >= 0.0f)) return core::fail("engine: contribution must be 0 or more pixels");
   if (!(config.budget_ms >= 0.0)) return core::fail("engine: budget_ms must be 0 or more milliseconds");
+  if (auto good = check_culler(config); !good) return tl::unexpected(good.error());
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
   auto impl = std::make_unique<Impl>(scene, config);
   if (auto done = impl->build(); !done) return tl::unexpected(done.error());
@@ -207,8 +214,12 @@ culling::ControllerConfig Engine::Impl::controller_config() const {
 }
 
 core::Expected<void> Engine::Impl::set_culler(CullerChoice choice) {
-  rebuild_.reset();  // it would land with the former choice
   const CullerChoice before = std::exchange(config_.culler, choice);
+  if (auto good = check_culler(config_); !good) {
+    config_.culler = before;
+    return good;
+  }
+  rebuild_.reset();  // it would land with the former choice
   live_.follow_plan(plan_request(config_));
   if (auto done = make_drawing(false); !done) {
     config_.culler = before;

@@ -47,19 +47,20 @@ struct EngineConfig {
   /// Leave out of drawing what other items hide (culling/occlusion.h): nothing is lost. With one sample per pixel only.
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
   /// Leave out of drawing items that cover fewer pixels than this: culling/contribution.h, with the mean area over all
-  /// directions; hysteresis; lines are exempt. 0: nothing is lost. Where the CPU culls.
+  /// directions; hysteresis; lines are exempt. 0: nothing is lost. The CPU must cull: create() and set_culler() fail
+  /// with kGpu, and kHybrid is then as kAutomatic; both also with a budget.
   float contribution = 0.0f;
   /// How these items are drawn. With a budget they are left out.
   ContributionWay contribution_way = ContributionWay::kDrop;
   /// Milliseconds that a call of frame() may take; 0: any. While the view moves, the largest items are drawn first, and
   /// what the time does not suffice for is not drawn (FrameReport::pending). While view and scene stay the same, each
-  /// frame draws more of it, until the picture is complete; then frames draw nothing. Where the CPU culls. Every frame
-  /// is waited for.
+  /// frame draws more of it, until the picture is complete; then frames draw nothing. The CPU must cull, as above.
+  /// Every frame is waited for.
   double budget_ms = 0.0;
-  /// Colour (sRGB) in which frame(view, cull_view) draws the items that the sample test and the occlusion test leave out
-  /// of the picture of cull_view; then these frames are culled on the CPU. None: such items look like all others.
+  /// Colour (sRGB) in which frame(view, cull_view) draws the items that the sample test and the occlusion test leave
+  /// out of the picture of cull_view; then these frames are culled on the CPU. None: such items look like all others.
   std::optional<core::vec3> hidden_colour = {};
-  int samples = 1;        ///< per pixel; from 2 on edges are smooth, and ids and depth are those of one sample
+  int samples = 1;  ///< per pixel, 32 at most; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
   /// as lost once it is destroyed. The engine accepts any GL state in it, but for what gl::reset_pipeline_state names,

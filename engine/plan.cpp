@@ -8,12 +8,17 @@
 namespace sightline::engine {
 namespace {
 
-void plan_culling(Plan& plan, const core::Snapshot& snapshot, CullerChoice choice) {
+void plan_culling(Plan& plan, const core::Snapshot& snapshot, const PlanRequest& request) {
   const std::size_t n = snapshot.size();
+  CullerChoice choice = request.culler;
   const std::string limit = std::to_string(kSmallScene);
   std::string why;
   std::string gpu_why = "not asked for";
-  if (choice == CullerChoice::kHybrid && n < kSmallHybridScene) {
+  if (choice == CullerChoice::kHybrid && request.needs_cpu()) {
+    choice = CullerChoice::kAutomatic;
+    gpu_why =
+        std::string(request.budget ? "a frame budget" : "a contribution threshold") + " needs a culler on the CPU";
+  } else if (choice == CullerChoice::kHybrid && n < kSmallHybridScene) {
     choice = CullerChoice::kAutomatic;
     gpu_why = count_text(n) + ", fewer than " + std::to_string(kSmallHybridScene) + ": too few to profit";
   }
@@ -46,6 +51,17 @@ void plan_occlusion(Plan& plan, std::size_t items, const PlanRequest& request) {
                                                          : "while it pays, on software rasterisers"});
 }
 
+void plan_losses(Plan& plan, const PlanRequest& request) {
+  const auto note = [&](const char* feature, bool asked_for) {
+    plan.entries.push_back({feature, request.draw && asked_for,
+                            !asked_for      ? "not asked for"
+                            : !request.draw ? "drawing is off"
+                                            : "asked for; the CPU culls"});
+  };
+  note("contribution threshold", request.contribution);
+  note("frame budget", request.budget);
+}
+
 }  // namespace
 
 void add_gpu_variant(Plan& plan, culling::GpuVariant variant, const std::string& why) {
@@ -63,11 +79,12 @@ Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, b
 
 Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, const PlanRequest& request) {
   Plan plan;
-  plan_culling(plan, snapshot, request.culler);
+  plan_culling(plan, snapshot, request);
   Drawing::plan_programs(plan, snapshot, request.draw);
   const std::size_t hidden = joints.count();
   plan.entries.push_back({"hidden ends at joints", hidden > 0, std::to_string(hidden) + " ends lie on a neighbour's"});
   plan_occlusion(plan, snapshot.size(), request);
+  plan_losses(plan, request);
   plan.entries.push_back({"item-id target", request.draw && request.ids, request.ids ? "asked for" : "not asked for"});
   return plan;
 }

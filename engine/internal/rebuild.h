@@ -28,6 +28,9 @@ struct PlanRequest {
   CullerChoice culler = CullerChoice::kAutomatic;
   bool draw = false, ids = false;
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
+  bool contribution = false, budget = false;  // asked for; what draws must then be culled on the CPU
+
+  bool needs_cpu() const { return draw && (contribution || budget); }
 };
 
 /// A bit per slot; no words where there are none. Lines have a rule of their own for what they colour.

@@ -110,6 +110,44 @@ core::Expected<FrameReport> drawn(Engine& engine, const View& view) {
   return report;
 }
 
+/// What loses items is the CPU's: a GPU that must cull is an error, a hybrid does without it and says so.
+TEST_F(Shown, LossesNeedACullerOnTheCpu) {
+  core::Scene scene;
+  for (int i = 0; i < int(kSmallHybridScene); ++i)
+    scene.add_primitive(scene.root(), core::Box{0.4f, 0.4f, 0.4f}, core::translation({i % 100, i / 100, 0}));
+  for (const bool budget : {false, true}) {
+    SCOPED_TRACE(budget ? "budget" : "contribution");
+    EngineConfig with = config({CullerChoice::kGpu}, 32, 32);
+    if (budget)
+      with.budget_ms = 20.0;
+    else
+      with.contribution = 20.0f;
+    const auto refused = Engine::create(scene, with);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("need a culler on the CPU"), std::string::npos) << refused.error().message;
+    with.culler = CullerChoice::kHybrid;
+    auto engine = Engine::create(scene, with);
+    ASSERT_TRUE(engine);
+    EXPECT_EQ(name_of(engine->plan().culler), "cpu");
+    EXPECT_FALSE(engine->set_culler(CullerChoice::kGpu));
+    EXPECT_EQ(name_of(engine->plan().culler), "cpu");
+    EXPECT_TRUE(engine->set_culler(CullerChoice::kLinear));
+    EXPECT_TRUE(engine->set_culler(CullerChoice::kHybrid));
+    EXPECT_EQ(engine->controller(), nullptr);
+    const std::string name = budget ? "frame budget" : "contribution threshold";
+    int found = 0;
+    for (const PlanEntry& entry : engine->plan().entries) {
+      found += entry.feature == name && entry.used;
+      found += entry.feature == "hybrid controller" && !entry.used &&
+               entry.why == "a " + name + " needs a culler on the CPU";
+    }
+    EXPECT_EQ(found, 2);
+    with.draw = false;
+    with.culler = CullerChoice::kGpu;
+    EXPECT_TRUE(Engine::create(scene, with)) << "nothing is drawn, so nothing is lost";
+  }
+}
+
 class SampleTestShown : public Shown, public testing::WithParamInterface<Path> {};
 
 TEST_P(SampleTestShown, LosesNoPixel) {
