@@ -51,6 +51,9 @@ core::Expected<RenderTarget::Attachments> RenderTarget::make_attachments(const g
 core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, int width, int height,
                                                   const TargetFormat& format) {
   const gl::Functions& gl = context.functions();
+  if (format.samples > kMostSamples)
+    return core::fail("render target: " + std::to_string(format.samples) + " samples wanted, " +
+                      std::to_string(kMostSamples) + " are the most");
   RenderTarget target;
   target.gl_ = &gl;
   target.format_ = format;
@@ -59,6 +62,9 @@ core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, in
   target.drawn_ = std::move(*drawn);
   const int samples = target.format_.samples = target.drawn_.colour.samples();
   target.sample_offsets_.assign(std::size_t(samples), glm::vec2(0.0f));
+  if (samples > kMostSamples)
+    return core::fail("render target: " + std::to_string(format.samples) + " samples wanted, the context makes " +
+                      std::to_string(samples) + " of them, and " + std::to_string(kMostSamples) + " are the most");
   if (samples == 1) return target;
 
   target.drawn_.framebuffer.bind();

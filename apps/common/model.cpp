@@ -119,7 +119,7 @@ void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config) {
 void add_samples_option(CLI::App& app, int& samples) {
   app.add_option("--samples", samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
       ->capture_default_str()
-      ->check(CLI::Range(1, 64));
+      ->check(CLI::Range(1, 32));
 }
 
 void ShownOptions::apply(engine::EngineConfig& config) const {

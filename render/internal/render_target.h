@@ -9,12 +9,16 @@
 
 namespace sightline::render {
 
+/// Per pixel: shaders write the covered ones into one word (gl_SampleMask).
+inline constexpr int kMostSamples = 32;
+
 /// What a target has besides colour and depth. Parts that are not requested cost nothing. A Renderer is made for one
 /// format.
 struct TargetFormat {
   bool ids = false;
   bool normals = false;
-  int samples = 1;  ///< per pixel; from 2 on edges are smooth. A target may have more than asked for
+  int samples =
+      1;  ///< per pixel, kMostSamples at most; from 2 on edges are smooth. A target may have more than asked for
 };
 
 class RenderTarget {

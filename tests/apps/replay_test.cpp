@@ -188,6 +188,11 @@ TEST_F(Replay, PlotsMarkThePathsOfTheHybrid) {
   constexpr int kFrames = 60;
   const Outcome outcome = run("replay", {plant(12000), "--culler", "hybrid", "--size", "16x16", "--frames",
                                          std::to_string(kFrames), "--plot", svg, "--json", json});
+  if (!SIGHTLINE_HAS_GL) {
+    EXPECT_EQ(outcome.code, 1) << outcome;
+    EXPECT_NE(outcome.err.find("this build was made without it"), std::string::npos) << outcome;
+    return;
+  }
   if (may_skip(outcome.err)) GTEST_SKIP() << outcome.err;
   ASSERT_EQ(outcome.code, 0) << outcome;
   std::vector<bool> shaded, ticked;
