@@ -15,7 +15,6 @@ using core::dvec3;
 using core::vec3;
 
 constexpr std::uint32_t kMaxBins = 64;
-constexpr double kGroup = 8.0;  // leaves are tested this many boxes at a time, so the cost counts groups
 
 /// A box on its way through the build, moved rather than looked up: the partition is bound by memory.
 struct Reference {
@@ -155,9 +154,10 @@ class Builder {
   }
 
   /// First bin of the right side, 0 when every boundary leaves one side empty.
-  static std::uint32_t cheapest_boundary(const std::array<Extent, kMaxBins>& extents,
-                                         const std::array<std::uint32_t, kMaxBins>& counts, std::uint32_t bins) {
-    const auto cost = [](const Aabb& box, std::uint32_t n) { return half_area(box) * std::ceil(n / kGroup); };
+  std::uint32_t cheapest_boundary(const std::array<Extent, kMaxBins>& extents,
+                                  const std::array<std::uint32_t, kMaxBins>& counts, std::uint32_t bins) const {
+    const double group = config_.group;
+    const auto cost = [group](const Aabb& box, std::uint32_t n) { return half_area(box) * std::ceil(n / group); };
     std::array<double, kMaxBins> left_cost{};
     Aabb box;
     std::uint32_t n = 0;
@@ -207,7 +207,7 @@ class Builder {
 }  // namespace
 
 SahTree build_sah(std::span<const Aabb> boxes, const SahConfig& config) {
-  assert(config.max_leaf_size > 0 && boxes.size() < core::kNone / 2);
+  assert(config.max_leaf_size > 0 && config.group > 0 && boxes.size() < core::kNone / 2);
   return Builder(boxes, config).run();
 }
 

@@ -26,6 +26,7 @@ struct SahTree {
 struct SahConfig {
   std::uint32_t max_leaf_size = 8;  ///< more: fewer nodes, more boxes tested per query
   std::uint32_t bins = 16;          ///< more: better splits, slower build (2 … 64)
+  std::uint32_t group = 8;          ///< boxes tested at a time: the cost of a leaf counts groups
 };
 
 /// Deterministic. Depth is at most 2 * ceil(log2(count)) + 32 and time O(n log n) on any input: where the heuristic
