@@ -1,6 +1,7 @@
 // sightline-study: the culling techniques of study/ on made-up platforms and an aircraft, beside production,
 // other libraries and brute force, in one run. Prints the tables of E. T. Carlos, "Frustum Culling Híbrido Utilizando
-// CPU e GPU" (2009), chapters 3 and 4, with --gpu 5, and writes the data of its figures.
+// CPU e GPU" (2009), chapters 3 and 4, with --gpu 5, and writes the data of its figures. The subcommand rays (rays.cpp)
+// is about ray tracing.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -23,6 +24,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/study/session.h"
+#include "sightline/study/tables/rays.h"
 #include "sightline/study/tables/report.h"
 
 namespace {
@@ -263,10 +265,14 @@ int main(int argc, char** argv) {
                "sightline-study"};
   apps::describe(app,
                  "  sightline-study --tables --scale 0.05 --frames 30\n"
-                 "  sightline-study --tables --only P-40 --csv figures --json study.json");
+                 "  sightline-study --tables --only P-40 --csv figures --json study.json\n"
+                 "  sightline-study rays --tables --scan 100000");
   Options options;
   add_options(app, options);
+  CLI::App* rays = app.add_subcommand("rays", "structures and traversals of ray tracing instead");
+  const auto run_rays = study::add_rays(*rays);
   return apps::run(app, argc, argv, [&] {
+    if (rays->parsed()) return run_rays();
 #ifdef SIGHTLINE_STUDY_HAS_GPU
     if (options.gpu) return run_gpu_study(options);
 #endif
