@@ -51,6 +51,7 @@ constexpr std::array kTraversals = {
     traversal<BvhStack, &Structures::bvh>("BVH", Structure::kBvh),
     traversal<BihStack, &Structures::bih>("BIH", Structure::kBih),
     traversal<SbgWalk, &Structures::sbg>("SBG", Structure::kSbg),
+    traversal<SbgWalk, &Structures::grown_sbg>("SBG, grown", Structure::kGrownSbg),
 };
 
 /// Builders need some bounds; no ray meets an empty set.
@@ -62,7 +63,7 @@ core::Aabb bounds_or_unit_cube(const core::Aabb& bounds) {
 
 const char* name_of(Structure structure) {
   constexpr std::array<const char*, kStructures> kNames = {
-      "octree", "grid", "kd-tree", "kd-tree with parents", "kd-tree with ropes", "BVH", "BIH", "SBG"};
+      "octree", "grid", "kd-tree", "kd-tree with parents", "kd-tree with ropes", "BVH", "BIH", "SBG", "SBG, grown"};
   return kNames[std::size_t(structure)];
 }
 
@@ -87,32 +88,18 @@ Structures::Structures(const TriangleSet& set, const std::vector<core::Aabb>& bo
       kd_ropes(timed(Structure::kKdTreeWithRopes, [&] { return KdTreeWithRopes(kd); })),
       bvh(timed(Structure::kBvh, [&] { return build_bvh(boxes); })),
       bih(timed(Structure::kBih, [&] { return build_bih(boxes, bounds); })),
-      sbg(timed(Structure::kSbg, [&] { return build_sbg_from_kd_tree(boxes, bounds); })) {
+      sbg(timed(Structure::kSbg, [&] { return build_sbg_from_kd_tree(boxes, bounds); })),
+      grown_sbg(timed(Structure::kGrownSbg, [&] { return build_sbg_by_growth(boxes, bounds); })) {
   const double bare = build_seconds[std::size_t(Structure::kKdTree)];
   build_seconds[std::size_t(Structure::kKdTreeWithParents)] += bare;
   build_seconds[std::size_t(Structure::kKdTreeWithRopes)] += bare;
 }
 
 std::size_t Structures::bytes(Structure structure) const {
-  switch (structure) {
-    case Structure::kOctree:
-      return octree.bytes();
-    case Structure::kGrid:
-      return grid.bytes();
-    case Structure::kKdTree:
-      return kd.bytes();
-    case Structure::kKdTreeWithParents:
-      return kd_parents.bytes();
-    case Structure::kKdTreeWithRopes:
-      return kd_ropes.bytes();
-    case Structure::kBvh:
-      return bvh.bytes();
-    case Structure::kBih:
-      return bih.bytes();
-    case Structure::kSbg:
-      return sbg.bytes();
-  }
-  return 0;
+  const std::array<std::size_t, kStructures> bytes_of{octree.bytes(),     grid.bytes(),     kd.bytes(),
+                                                      kd_parents.bytes(), kd_ropes.bytes(), bvh.bytes(),
+                                                      bih.bytes(),        sbg.bytes(),      grown_sbg.bytes()};
+  return bytes_of[std::size_t(structure)];
 }
 
 std::span<const Traversal> traversals() {

@@ -41,6 +41,25 @@ class StructuresTest : public testing::TestWithParam<std::size_t> {
     ASSERT_EQ(ids.size(), boxes_.size());
     for (std::uint32_t i = 0; i < ids.size(); ++i) ASSERT_EQ(ids[i], i);
   }
+  void expect_shared_out(const SparseBoxGrid& grid) {
+    std::size_t cells = 0;
+    for (std::uint32_t b = 0; b < grid.boxes.size(); ++b) {
+      const SparseBoxGrid::Box& box = grid.boxes[b];
+      Aabb unit;
+      for (int a = 0; a < 3; ++a) {
+        ASSERT_LT(box.low[std::size_t(a)], box.high[std::size_t(a)]);
+        unit.min[a] = grid.lines.line(a, box.low[std::size_t(a)]);
+        unit.max[a] = grid.lines.line(a, box.high[std::size_t(a)]);
+      }
+      expect_all_that_overlap({grid.triangles.data() + box.first, box.count}, unit);
+      Cell c;
+      for (c[2] = box.low[2]; c[2] < box.high[2]; ++c[2])
+        for (c[1] = box.low[1]; c[1] < box.high[1]; ++c[1])
+          for (c[0] = box.low[0]; c[0] < box.high[0]; ++c[0], ++cells)
+            ASSERT_EQ(grid.box_of_cell[grid.lines.index(c)], b);
+    }
+    EXPECT_EQ(cells, grid.lines.count());
+  }
 };
 
 TEST_P(StructuresTest, BothBuildsOfAGridGiveTheSame) {
@@ -90,24 +109,7 @@ TEST_P(StructuresTest, ParentsKnowTheirChildren) {
 }
 
 TEST_P(StructuresTest, BoxesOfASparseBoxGridShareOutTheCells) {
-  const SparseBoxGrid& grid = structures_.sbg;
-  std::size_t cells = 0;
-  for (std::uint32_t b = 0; b < grid.boxes.size(); ++b) {
-    const SparseBoxGrid::Box& box = grid.boxes[b];
-    Aabb unit;
-    for (int a = 0; a < 3; ++a) {
-      ASSERT_LT(box.low[std::size_t(a)], box.high[std::size_t(a)]);
-      unit.min[a] = grid.lines.line(a, box.low[std::size_t(a)]);
-      unit.max[a] = grid.lines.line(a, box.high[std::size_t(a)]);
-    }
-    expect_all_that_overlap({grid.triangles.data() + box.first, box.count}, unit);
-    Cell c;
-    for (c[2] = box.low[2]; c[2] < box.high[2]; ++c[2])
-      for (c[1] = box.low[1]; c[1] < box.high[1]; ++c[1])
-        for (c[0] = box.low[0]; c[0] < box.high[0]; ++c[0], ++cells)
-          ASSERT_EQ(grid.box_of_cell[grid.lines.index(c)], b);
-  }
-  EXPECT_EQ(cells, grid.lines.count());
+  for (const SparseBoxGrid* grid : {&structures_.sbg, &structures_.grown_sbg}) expect_shared_out(*grid);
 }
 
 TEST_P(StructuresTest, HierarchiesOfObjectsHaveEachOnce) {
