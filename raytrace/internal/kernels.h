@@ -1,0 +1,77 @@
+// Internal: the inner loops of the tracer, one form per instruction set, behind plain pointers. The files that define
+// them are compiled for their instruction set. So they must not call inline functions of other headers: the linker
+// might use their copy in code for every processor.
+//
+// All forms visit the same children in the same order, and compute with the same roundings.
+#pragma once
+
+#include <cstdint>
+
+#include "sightline/raytrace/internal/wide_node.h"
+
+namespace sightline::raytrace {
+
+/// Levels of a hierarchy at most; see kDeepLevel in wide_tree.cpp.
+inline constexpr int kMostLevels = 32;
+
+/// A ray for boxes, from t = 0 on. It errs towards meeting them: the planes through which it enters a box are as near
+/// as its origin and direction may be wrong, those through which it leaves as far.
+struct BoxRay {
+  float near_origin[3], far_origin[3];
+  float near_scale[3], far_scale[3];  ///< 1 / direction, finite
+  int near_plane[3], far_plane[3];    ///< of WideNode::bounds
+  float t_max;
+};
+
+/// A ray for triangles (S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", 2013): axes in the order
+/// of the projection, the direction's largest component last; shear x / z, y / z and 1 / z.
+struct TriangleRay {
+  int axes[3];
+  float origin[3], shear[3];
+};
+
+/// Decides what is too close to a ray's start for float.
+struct HitFilter {
+  bool (*accept)(HitFilter& filter, std::uint32_t triangle);
+};
+
+/// A ray and the triangles of a mesh. A root with kLeafBit is a block.
+struct TriangleQuery {
+  const WideNode* nodes;
+  const TriangleBlock* blocks;
+  std::uint32_t root;
+  BoxRay boxes;
+  TriangleRay ray;
+  float t_sure;       ///< hits with a lesser t are asked about
+  HitFilter* filter;  ///< null: all are refused
+};
+
+struct TriangleHit {
+  float t;                 ///< infinite: none
+  std::uint32_t triangle;  ///< kNoTriangle: none
+};
+inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
+
+/// What happens at a leaf of a walk over items.
+struct LeafVisitor {
+  /// Returns the t beyond which nothing is of interest from now on; below 0: the walk ends.
+  float (*visit)(LeafVisitor& visitor, std::uint32_t leaf, float t_max);
+};
+
+struct Kernels {
+  /// Visits leaves whose boxes the ray meets up to the limit, boxes of a node in the order in which it enters them.
+  /// Returns the last limit.
+  float (*walk)(const WideNode* nodes, std::uint32_t root, const BoxRay& ray, LeafVisitor& visitor);
+  /// The triangle with the least t; at one t the lowest index.
+  TriangleHit (*nearest)(const TriangleQuery& query);
+  /// Any triangle that is hit.
+  TriangleHit (*any)(const TriangleQuery& query);
+};
+
+const Kernels& scalar_kernels();
+const Kernels& avx2_kernels();
+const Kernels& avx512_kernels();
+/// The kernels of core::instruction_set().
+const Kernels& kernels();
+
+}  // namespace sightline::raytrace

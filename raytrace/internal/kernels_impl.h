@@ -1,0 +1,170 @@
+// Internal: the kernels' common part. Form is one of the instruction sets: lanes of a node or of a block at a time.
+// Static and in each file once: see kernels.h.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "sightline/core/internal/intrinsics.h"
+#include "sightline/raytrace/internal/kernels.h"
+
+namespace sightline::raytrace {
+namespace {
+
+/// t and child in one word, whose order is that of t: t is never below 0.
+using Entry = std::uint64_t;
+inline constexpr int kMostEntries = kMostLevels * (kLanes - 1) + 1;
+
+union FloatBits {
+  float value;
+  std::uint32_t bits;
+};
+inline Entry entry_of(float t, std::uint32_t child) {
+  FloatBits u;
+  u.value = t;
+  return Entry(u.bits) << 32 | child;
+}
+inline float t_of(Entry entry) {
+  FloatBits u;
+  u.bits = std::uint32_t(entry >> 32);
+  return u.value;
+}
+
+/// Corners of a triangle as the ray sees them: across the ray, and along it in units of t.
+struct Sheared {
+  float x[3], y[3], z[3];
+};
+
+/// Twice the signed area between the ray and an edge, exact in sign; 0 only for an edge that passes through the ray.
+inline double edge_area(float ax, float ay, float bx, float by) {
+  return double(ax) * double(by) - double(ay) * double(bx);
+}
+/// The side of an edge on which the ray lies. A ray through the edge counts as displaced by an infinitely small step
+/// along x, and a smaller one along y. So of the triangles around an edge or a corner exactly one is met.
+inline int edge_side(double area, float ax, float ay, float bx, float by) {
+  if (area != 0.0) return area > 0.0 ? 1 : -1;
+  if (ay != by) return by > ay ? 1 : -1;
+  return ax == bx ? 0 : ax > bx ? 1 : -1;
+}
+
+/// The triangle test for a lane whose areas float cannot tell from 0.
+inline bool hit_exactly(const Sheared& s, float& t) {
+  const double u = edge_area(s.x[2], s.y[2], s.x[1], s.y[1]);
+  const double v = edge_area(s.x[0], s.y[0], s.x[2], s.y[2]);
+  const double w = edge_area(s.x[1], s.y[1], s.x[0], s.y[0]);
+  const int side = edge_side(u, s.x[2], s.y[2], s.x[1], s.y[1]);
+  if (side == 0 || side != edge_side(v, s.x[0], s.y[0], s.x[2], s.y[2]) ||
+      side != edge_side(w, s.x[1], s.y[1], s.x[0], s.y[0]))
+    return false;
+  const double sum = u + v + w;
+  if (sum == 0.0) return false;
+  t = float((u * double(s.z[0]) + v * double(s.z[1]) + w * double(s.z[2])) / sum);
+  return true;
+}
+
+template <class Form>
+struct Tracing {
+  /// Meets a block: updates `best`. Returns true when any hit suffices and there is one.
+  template <bool kAny>
+  static inline bool meet_block(const TriangleQuery& query, const TriangleBlock& block, float t_max,
+                                TriangleHit& best) {
+    typename Form::Areas areas;
+    unsigned hit, unsure;
+    Form::shear(query.ray, block, areas, hit, unsure);
+    if ((hit | unsure) == 0) return false;
+    float t[kLanes];
+    Form::distances(areas, t);
+    while (unsure != 0) {
+      const unsigned lane = core::lowest_bit(unsure);
+      unsure &= unsure - 1;
+      Sheared corners;
+      Form::corners(areas, lane, corners);
+      float exact;
+      if (hit_exactly(corners, exact)) {
+        t[lane] = exact;
+        hit |= 1u << lane;
+      }
+    }
+    for (; hit != 0; hit &= hit - 1) {
+      const unsigned lane = core::lowest_bit(hit);
+      const std::uint32_t triangle = block.triangles[lane];
+      const float limit = best.t < t_max ? best.t : t_max;
+      if (!(t[lane] >= 0.0f && t[lane] <= limit)) continue;
+      if (t[lane] == best.t && triangle > best.triangle) continue;
+      if (t[lane] < query.t_sure && !(query.filter && query.filter->accept(*query.filter, triangle))) continue;
+      best.t = t[lane];
+      best.triangle = triangle;
+      if (kAny) return true;
+    }
+    return false;
+  }
+
+  /// Pushes the children of a node that the ray meets, the nearest last.
+  static inline int push_children(const WideNode& node, const typename Form::Ray& ray, float t_max, Entry* stack,
+                                  int size) {
+    float t[kLanes];
+    unsigned met = Form::meet(node, ray, t_max, t);
+    if (met == 0) return size;
+    Entry* const first = stack + size;
+    const unsigned lane = core::lowest_bit(met);
+    stack[size++] = entry_of(t[lane], node.children[lane]);
+    for (met &= met - 1; met != 0; met &= met - 1) {
+      const unsigned i = core::lowest_bit(met);
+      const Entry entry = entry_of(t[i], node.children[i]);
+      Entry* place = stack + size++;
+      for (; place > first && place[-1] < entry; --place) *place = place[-1];
+      *place = entry;
+    }
+    return size;
+  }
+
+  template <bool kAny>
+  static TriangleHit trace(const TriangleQuery& query) {
+    TriangleHit best{std::numeric_limits<float>::infinity(), kNoTriangle};
+    const typename Form::Ray ray(query.boxes);
+    Entry stack[kMostEntries];
+    stack[0] = query.root;
+    int size = 1;
+    float limit = query.boxes.t_max;
+    while (size > 0) {
+      const Entry entry = stack[--size];
+      if (t_of(entry) > limit) continue;
+      const auto child = std::uint32_t(entry);
+      if ((child & kLeafBit) == 0) {
+        size = push_children(query.nodes[child], ray, limit, stack, size);
+        continue;
+      }
+      if (meet_block<kAny>(query, query.blocks[child & ~kLeafBit], query.boxes.t_max, best)) break;
+      if (best.t < limit) limit = best.t;
+    }
+    return best;
+  }
+
+  static float walk(const WideNode* nodes, std::uint32_t root, const BoxRay& boxes, LeafVisitor& visitor) {
+    const typename Form::Ray ray(boxes);
+    Entry stack[kMostEntries];
+    stack[0] = root;
+    int size = 1;
+    float limit = boxes.t_max;
+    while (size > 0) {
+      const Entry entry = stack[--size];
+      if (t_of(entry) > limit) continue;
+      const auto child = std::uint32_t(entry);
+      if ((child & kLeafBit) == 0) {
+        size = push_children(nodes[child], ray, limit, stack, size);
+        continue;
+      }
+      limit = visitor.visit(visitor, child & ~kLeafBit, limit);
+      if (limit < 0.0f) break;
+    }
+    return limit;
+  }
+};
+
+template <class Form>
+constexpr Kernels make_kernels() {
+  return {Tracing<Form>::walk, Tracing<Form>::template trace<false>, Tracing<Form>::template trace<true>};
+}
+
+}  // namespace
+}  // namespace sightline::raytrace

@@ -1,0 +1,45 @@
+// Moves a ray in double into the neighbourhood of a hierarchy, where its numbers are of the hierarchy's size and float
+// begins. Internal to raytrace.
+#pragma once
+
+#include "sightline/core/aabb.h"
+#include "sightline/core/affine.h"
+#include "sightline/raytrace/internal/kernels.h"
+
+namespace sightline::raytrace {
+
+using core::dvec3;
+
+/// A sphere about everything in a hierarchy.
+struct TreeSpace {
+  dvec3 centre{0.0};
+  double radius = -1.0;  ///< below 0: nothing
+  double reach = 0.0;    ///< largest coordinate of ray origins near the sphere
+};
+TreeSpace space_around(const core::AabbD& box);
+
+/// A ray with its origin near a hierarchy. Its parameter s is 0 there; the given ray's t is (begin + s) * factor.
+struct RayFrame {
+  dvec3 origin, direction;  ///< the largest component of the direction lies in [1, 2)
+  double begin, factor;
+  double margin;  ///< s that float may be wrong by
+  BoxRay boxes;
+
+  double t(double s) const { return (begin + s) * factor; }
+  /// A limit in s for what lies up to `t`.
+  float limit(double t) const;
+};
+
+/// False when the part t_min … t_max of the ray does not come near `space`. The ray starts within the margin before
+/// t_min or before the sphere, whichever comes later.
+bool enter(const TreeSpace& space, const dvec3& origin, const dvec3& direction, double t_min, double t_max,
+           RayFrame& frame);
+
+/// The same ray for triangles.
+TriangleRay triangle_ray(const RayFrame& frame);
+
+/// The ray's crossing with a triangle, in s. `nearly`: where float has found it, for a ray that sees the triangle edge
+/// on. Where the ray passes a rounding error outside, the nearest point of the triangle counts.
+double crossing(const RayFrame& frame, const dvec3 (&corners)[3], double nearly);
+
+}  // namespace sightline::raytrace

@@ -1,0 +1,545 @@
+#include "sightline/raytrace/tracer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "sightline/gpuprims/internal/box.h"
+#include "sightline/gpuprims/internal/circular_torus.h"
+#include "sightline/gpuprims/internal/cylinder.h"
+#include "sightline/gpuprims/internal/elliptical_dish.h"
+#include "sightline/gpuprims/internal/pyramid.h"
+#include "sightline/gpuprims/internal/rectangular_torus.h"
+#include "sightline/gpuprims/internal/snout.h"
+#include "sightline/gpuprims/internal/sphere.h"
+#include "sightline/gpuprims/internal/spherical_dish.h"
+#include "sightline/raytrace/internal/item_trees.h"
+#include "sightline/raytrace/internal/kernels.h"
+#include "sightline/raytrace/internal/mesh_tree.h"
+
+namespace sightline::raytrace {
+namespace {
+
+using core::Kind;
+using core::Slot;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::uint32_t kLargeMesh = 100'000;  // triangles; all threads build it
+
+// --- rays ------------------------------------------------------------------------------------------------------------
+
+core::Expected<void> check(const Ray& ray) {
+  if (!core::is_finite(ray.origin) || !core::is_finite(ray.direction))
+    return core::fail("ray: origin and direction must be finite");
+  if (ray.direction == dvec3(0.0)) return core::fail("ray: direction must not be zero");
+  if (std::isnan(ray.t_min) || std::isnan(ray.t_max)) return core::fail("ray: t_min and t_max must not be NaN");
+  return {};
+}
+
+/// Parts of a ray that the section planes keep: none to two, in rising order.
+struct KeptParts {
+  std::array<std::pair<double, double>, 2> part;
+  int count = 0;
+  void add(double from, double to) {
+    if (from <= to) part[std::size_t(count++)] = {from, to};
+  }
+};
+
+KeptParts kept_parts(const Ray& ray, const RayFilter& filter) {
+  KeptParts parts;
+  const bool all = filter.section_mode == core::SectionMode::kIntersection;
+  // Of one plane: up to `to`, or from `from` on. Of all: what is common to them, or what any of them keeps.
+  double from = all ? ray.t_min : kInfinity, to = all ? ray.t_max : -kInfinity;
+  bool cuts = false;
+  for (const core::Plane& plane : filter.sections) {
+    if (plane.normal == dvec3(0.0)) continue;
+    cuts = true;
+    const double value = core::evaluate(plane, ray.origin), slope = glm::dot(plane.normal, ray.direction);
+    const double end = slope != 0.0 ? -value / slope : value >= 0.0 ? -kInfinity : kInfinity;  // kept from there on
+    if (slope < 0.0)
+      to = all ? std::min(to, end) : std::max(to, end);
+    else
+      from = all ? std::max(from, end) : std::min(from, end);
+  }
+  if (all || !cuts) {
+    if (all)
+      parts.add(from, to);
+    else
+      parts.add(ray.t_min, ray.t_max);
+  } else if (from <= to) {
+    parts.add(ray.t_min, ray.t_max);
+  } else {
+    parts.add(ray.t_min, std::min(to, ray.t_max));
+    parts.add(std::max(from, ray.t_min), ray.t_max);
+  }
+  return parts;
+}
+
+// --- items -----------------------------------------------------------------------------------------------------------
+
+/// A ray in an item's local coordinates, with the same t.
+struct ItemRay {
+  dvec3 origin, direction;
+  dvec3 cofactors[3];
+  double determinant;
+
+  dvec3 world_normal(const dvec3& n) const {
+    const dvec3 sum = cofactors[0] * n.x + cofactors[1] * n.y + cofactors[2] * n.z;
+    return glm::normalize(determinant < 0.0 ? -sum : sum);
+  }
+};
+
+/// False: the placement is singular.
+bool to_item(const core::Snapshot& snapshot, const core::Placement& placement, const dvec3& origin,
+             const dvec3& direction, ItemRay& out) {
+  const dvec3 x(placement.linear[0]), y(placement.linear[1]), z(placement.linear[2]);
+  const dvec3 o = (origin - snapshot.chunk_origins()[placement.chunk]) - dvec3(placement.origin);
+  out.cofactors[0] = glm::cross(y, z);
+  out.cofactors[1] = glm::cross(z, x);
+  out.cofactors[2] = glm::cross(x, y);
+  out.determinant = glm::dot(x, out.cofactors[0]);
+  const double inverse = 1.0 / out.determinant;
+  if (!(std::fabs(inverse) < kInfinity) || inverse == 0.0) return false;
+  for (int i = 0; i < 3; ++i) {
+    out.origin[i] = inverse * glm::dot(out.cofactors[i], o);
+    out.direction[i] = inverse * glm::dot(out.cofactors[i], direction);
+  }
+  return true;
+}
+
+template <class Solid>
+gpuprims::Hits hits_of(const float* parameters, const gpuprims::Ray& ray) {
+  Solid solid;
+  std::memcpy(&solid, parameters, sizeof(Solid));
+  return gpuprims::intersect<double>(solid, ray);
+}
+
+gpuprims::Hits solid_hits(Kind kind, const float* parameters, const gpuprims::Ray& ray) {
+  switch (kind) {
+    case Kind::kPyramid:
+      return hits_of<core::Pyramid>(parameters, ray);
+    case Kind::kBox:
+      return hits_of<core::Box>(parameters, ray);
+    case Kind::kRectangularTorus:
+      return hits_of<core::RectangularTorus>(parameters, ray);
+    case Kind::kCircularTorus:
+      return hits_of<core::CircularTorus>(parameters, ray);
+    case Kind::kEllipticalDish:
+      return hits_of<core::EllipticalDish>(parameters, ray);
+    case Kind::kSphericalDish:
+      return hits_of<core::SphericalDish>(parameters, ray);
+    case Kind::kSnout:
+      return hits_of<core::Snout>(parameters, ray);
+    case Kind::kCylinder:
+      return hits_of<core::Cylinder>(parameters, ray);
+    case Kind::kSphere:
+      return hits_of<core::Sphere>(parameters, ray);
+    default:
+      return {};
+  }
+}
+
+bool is_mesh(Kind kind) {
+  return int(kind) >= core::kPrimitiveKindCount;
+}
+
+}  // namespace
+
+RayFilter filter_of(const core::View& view) {
+  return {view.layers, view.sections, view.section_mode};
+}
+
+core::Expected<Ray> pixel_ray(const core::View& view, int width, int height, double x, double y) {
+  if (!std::isfinite(x) || !std::isfinite(y) || width <= 0 || height <= 0)
+    return core::fail("pixel_ray: the point must be finite, width and height above 0");
+  const core::dmat4 eye_from_clip = glm::inverse(view.clip_from_eye());
+  const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
+  const bool reversed = view.clip_depth() == core::ClipDepth::kReversedZeroToOne;
+  const double sx = 2.0 * x / width - 1.0, sy = 1.0 - 2.0 * y / height;
+  const core::dvec4 near = eye_from_clip * core::dvec4(sx, sy, reversed ? 1.0 : -1.0, 1.0);
+  const core::dvec4 far = eye_from_clip * core::dvec4(sx, sy, reversed ? 0.0 : 1.0, 1.0);
+  // The homogeneous points' difference points along the ray even if one of them is infinitely far away.
+  dvec3 along = dvec3(far) * near.w - dvec3(near) * far.w;
+  if (near.w * far.w < 0.0) along = -along;
+  along = glm::normalize(along);
+  const dvec3 start = dvec3(near) / near.w;
+  const double depth = far.w == 0.0 ? kInfinity : glm::dot(dvec3(far) / far.w - start, along);
+  const dvec3 direction = glm::normalize(core::dmat3(world_from_eye) * along);
+  if (!core::is_finite(start) || !core::is_finite(direction))
+    return core::fail("pixel_ray: the view's matrices must have inverses");
+  const double scale = glm::length(core::dmat3(world_from_eye) * along);
+  Ray ray;
+  ray.direction = direction;
+  if (view.orthographic()) {
+    ray.origin = dvec3(world_from_eye * core::dvec4(start, 1.0));
+    ray.t_max = depth * scale;
+  } else {
+    const core::dvec4 eye = eye_from_clip * core::dvec4(0.0, 0.0, 1.0, 0.0);  // all rays pass through it
+    const dvec3 centre = eye.w == 0.0 ? dvec3(0.0) : dvec3(eye) / eye.w;
+    ray.origin = dvec3(world_from_eye * core::dvec4(centre, 1.0));
+    const double to_start = glm::dot(start - centre, along);
+    ray.t_min = to_start * scale;
+    ray.t_max = (to_start + depth) * scale;
+  }
+  return ray;
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// Tracer documents each function.
+class Tracer::Impl {
+ public:
+  explicit Impl(const core::Snapshot& snapshot) : snapshot_(&snapshot) {}
+
+  core::Expected<void> build(int threads);
+  core::Expected<void> update(std::span<const Slot> touched);
+  std::optional<Hit> nearest(const Ray& ray, const RayFilter& filter) const;
+  bool any(const Ray& ray, const RayFilter& filter) const;
+  void all(const Ray& ray, const RayFilter& filter, std::vector<Hit>& hits) const;
+  const core::Snapshot& snapshot() const { return *snapshot_; }
+  TracerMemory memory() const;
+
+ private:
+  struct Found {
+    double t = kInfinity;
+    Slot slot = core::kNone;
+    std::uint32_t triangle = core::kNone;
+    dvec3 normal{0.0};  // of solids, local
+  };
+  struct Query;
+  template <class Meet>
+  void walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const;
+  bool nearest_of(Slot slot, const Ray& ray, double from, Found& found) const;
+  bool nearest_triangle(const MeshTree& tree, const core::Mesh& mesh, const ItemRay& ray, double from, double to,
+                        bool any, double& t, std::uint32_t& triangle) const;
+  void all_of(Slot slot, const Ray& ray, double from, double to, std::vector<Hit>& hits) const;
+  Hit finish(const Ray& ray, const Found& found) const;
+  const core::Placement& placement(Slot slot) const {
+    return snapshot_->of_kind(snapshot_->kind(slot)).placements[snapshot_->index_in_kind(slot)];
+  }
+  const float* parameters(Slot slot) const {
+    const Kind kind = snapshot_->kind(slot);
+    const std::size_t index = snapshot_->index_in_kind(slot);
+    return snapshot_->of_kind(kind).parameters.data() + index * std::size_t(core::parameter_count(kind));
+  }
+  std::uint32_t mesh_index(Slot slot) const {
+    return snapshot_->of_kind(snapshot_->kind(slot)).meshes[snapshot_->index_in_kind(slot)];
+  }
+  core::Expected<void> add_meshes(std::vector<Slot> slots, int threads);
+
+  const core::Snapshot* snapshot_;
+  ItemTrees items_;
+  std::vector<std::unique_ptr<const MeshTree>> meshes_;  // by mesh index; null: no item has had it
+};
+
+// --- building --------------------------------------------------------------------------------------------------------
+
+core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_unused]] int threads) {
+  std::vector<Slot> firsts;  // one for each new mesh
+  for (const Slot slot : slots) {
+    const std::uint32_t index = mesh_index(slot);
+    if (index >= meshes_.size()) meshes_.resize(std::size_t(index) + 1);
+    if (meshes_[index] || snapshot_->vacant(slot)) continue;
+    if (snapshot_->mesh(slot).indices.size() / 3 >= kLeafBit)
+      return core::fail("tracer: mesh \"" + snapshot_->mesh(slot).name + "\" must have fewer than 2^31 triangles");
+    firsts.push_back(slot);
+  }
+  const auto by_mesh = [&](Slot a, Slot b) { return mesh_index(a) < mesh_index(b); };
+  const auto same_mesh = [&](Slot a, Slot b) { return mesh_index(a) == mesh_index(b); };
+  std::sort(firsts.begin(), firsts.end(), by_mesh);
+  firsts.erase(std::unique(firsts.begin(), firsts.end(), same_mesh), firsts.end());
+  const auto build_one = [&](Slot slot, int with) {
+    meshes_[mesh_index(slot)] = std::make_unique<const MeshTree>(build_mesh_tree(snapshot_->mesh(slot), with));
+  };
+  const auto large = std::partition(firsts.begin(), firsts.end(),
+                                    [&](Slot slot) { return snapshot_->mesh(slot).indices.size() / 3 < kLargeMesh; });
+  for (auto slot = large; slot != firsts.end(); ++slot) build_one(*slot, threads);
+  const std::ptrdiff_t small = large - firsts.begin();
+#ifdef _OPENMP
+  const int team = threads > 0 ? threads : omp_get_max_threads();
+#pragma omp parallel for schedule(dynamic, 8) num_threads(team) if (small > 16)
+#endif
+  for (std::ptrdiff_t i = 0; i < small; ++i) build_one(firsts[std::size_t(i)], 1);
+  return {};
+}
+
+core::Expected<void> Tracer::Impl::build(int threads) {
+  std::vector<Slot> slots;
+  for (const Kind kind : {Kind::kFacetGroup, Kind::kMesh}) {
+    const auto& of_kind = snapshot_->of_kind(kind).slots;
+    slots.insert(slots.end(), of_kind.begin(), of_kind.end());
+  }
+  if (auto done = add_meshes(std::move(slots), threads); !done) return done;
+  items_ = ItemTrees(snapshot_->bounds(), threads);
+  return {};
+}
+
+core::Expected<void> Tracer::Impl::update(std::span<const Slot> touched) {
+  std::vector<Slot> slots;
+  for (const Slot slot : touched)
+    if (is_mesh(snapshot_->kind(slot))) slots.push_back(slot);
+  for (std::size_t slot = items_.slot_count(); slot < snapshot_->size(); ++slot)
+    if (is_mesh(snapshot_->kind(Slot(slot)))) slots.push_back(Slot(slot));
+  if (auto done = add_meshes(std::move(slots), 1); !done) return done;
+  items_.update(snapshot_->bounds(), touched);
+  return {};
+}
+
+TracerMemory Tracer::Impl::memory() const {
+  TracerMemory memory;
+  memory.items = items_.memory_bytes();
+  memory.meshes = meshes_.capacity() * sizeof(meshes_[0]);
+  for (const auto& mesh : meshes_)
+    if (mesh) memory.meshes += mesh->memory_bytes();
+  return memory;
+}
+
+// --- queries ---------------------------------------------------------------------------------------------------------
+
+/// Calls meet(slot, limit) for items that the part from … to may meet. Returns from there the t beyond which nothing is
+/// of interest from now on: -infinity to end.
+template <class Meet>
+void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const {
+  struct Visitor : LeafVisitor {
+    const core::ItemBounds* bounds;
+    std::uint32_t layers;
+    const RayFrame* frame;
+    const Meet* meet;
+    double limit;
+  } visitor;
+  visitor.visit = [](LeafVisitor& base, std::uint32_t slot, float t_max) {
+    auto& self = static_cast<Visitor&>(base);
+    if ((self.bounds->layers(slot) & self.layers) == 0) return t_max;
+    const double limit = (*self.meet)(Slot(slot));
+    if (!(limit < self.limit)) return t_max;
+    self.limit = limit;
+    return limit == -kInfinity ? -1.0f : std::min(t_max, std::max(0.0f, self.frame->limit(limit)));
+  };
+  const core::ItemBounds& bounds = snapshot_->bounds();
+  const dvec3 origin = ray.origin - bounds.origin;
+  RayFrame frame;
+  visitor.bounds = &bounds;
+  visitor.layers = filter.layers;
+  visitor.frame = &frame;
+  visitor.meet = &meet;
+  visitor.limit = to;
+  const Kernels& kernel = kernels();
+  for (const ItemTrees::Tree& tree : items_.trees()) {
+    if (!enter(tree.space, origin, ray.direction, from, visitor.limit, frame)) continue;
+    kernel.walk(items_.nodes(), tree.root, frame.boxes, visitor);
+    if (visitor.limit == -kInfinity) return;
+  }
+}
+
+bool Tracer::Impl::nearest_triangle(const MeshTree& tree, const core::Mesh& mesh, const ItemRay& ray, double from,
+                                    double to, bool any, double& t, std::uint32_t& triangle) const {
+  RayFrame frame;
+  const double scale = tree.per_unit;
+  if (tree.empty || !enter(tree.space, scale * ray.origin, scale * ray.direction, from, to, frame)) return false;
+  struct Filter : HitFilter {
+    const RayFrame* frame;
+    const core::Mesh* mesh;
+    double scale, from, to;
+  } filter;
+  const auto crossing_of = [](const Filter& f, std::uint32_t index, double nearly) {
+    dvec3 corners[3];
+    scaled_corners(*f.mesh, f.scale, index, corners);
+    return f.frame->t(crossing(*f.frame, corners, nearly));
+  };
+  filter.accept = [](HitFilter& base, std::uint32_t index) {
+    const auto& self = static_cast<Filter&>(base);
+    dvec3 corners[3];
+    scaled_corners(*self.mesh, self.scale, index, corners);
+    const double crossed = self.frame->t(crossing(*self.frame, corners, -1.0));
+    return crossed >= self.from && crossed <= self.to;
+  };
+  filter.frame = &frame;
+  filter.mesh = &mesh;
+  filter.scale = scale;
+  filter.from = from;
+  filter.to = to;
+  const TriangleQuery query{tree.nodes.data(),   tree.blocks.data(),        tree.root, frame.boxes,
+                            triangle_ray(frame), float(2.0 * frame.margin), &filter};
+  const Kernels& kernel = kernels();
+  TriangleHit hit = any ? kernel.any(query) : kernel.nearest(query);
+  for (bool again = any;; again = false) {
+    if (hit.triangle == kNoTriangle) return false;
+    t = crossing_of(filter, hit.triangle, double(hit.t));
+    triangle = hit.triangle;
+    if (t >= from && t <= to) return true;
+    if (!again) return false;
+    hit = kernel.nearest(query);  // of any hits float took one that lies just beyond the end
+  }
+}
+
+/// Whether the item is hit before what was found so far; then that is replaced.
+bool Tracer::Impl::nearest_of(Slot slot, const Ray& ray, double from, Found& found) const {
+  ItemRay local;
+  if (!to_item(*snapshot_, placement(slot), ray.origin, ray.direction, local)) return false;
+  const Kind kind = snapshot_->kind(slot);
+  const auto nearer = [&](double t) { return t < found.t || (t == found.t && slot < found.slot); };
+  if (is_mesh(kind)) {
+    double t;
+    std::uint32_t triangle;
+    if (!nearest_triangle(*meshes_[mesh_index(slot)], snapshot_->mesh(slot), local, from, found.t, false, t,
+                          triangle) ||
+        !nearer(t))
+      return false;
+    found = {t, slot, triangle, {}};
+    return true;
+  }
+  const gpuprims::Hits hits = solid_hits(kind, parameters(slot), {local.origin, local.direction});
+  for (int i = 0; i < hits.count; ++i) {
+    if (!(hits.hit[i].t >= from)) continue;
+    if (!nearer(hits.hit[i].t)) return false;
+    found = {hits.hit[i].t, slot, core::kNone, hits.hit[i].normal};
+    return true;
+  }
+  return false;
+}
+
+Hit Tracer::Impl::finish(const Ray& ray, const Found& found) const {
+  ItemRay local;
+  to_item(*snapshot_, placement(found.slot), ray.origin, ray.direction, local);
+  dvec3 normal = found.normal;
+  if (found.triangle != core::kNone) {
+    dvec3 c[3];
+    scaled_corners(snapshot_->mesh(found.slot), meshes_[mesh_index(found.slot)]->per_unit, found.triangle, c);
+    normal = glm::cross(c[1] - c[0], c[2] - c[0]);
+  }
+  return {found.slot,
+          snapshot_->item(found.slot),
+          found.t,
+          ray.origin + found.t * ray.direction,
+          local.world_normal(normal),
+          found.triangle};
+}
+
+std::optional<Hit> Tracer::Impl::nearest(const Ray& ray, const RayFilter& filter) const {
+  const KeptParts parts = kept_parts(ray, filter);
+  for (int i = 0; i < parts.count; ++i) {
+    const auto [from, to] = parts.part[std::size_t(i)];
+    Found found;
+    found.t = to;
+    walk(ray, from, to, filter, [&, from = from](Slot slot) {
+      nearest_of(slot, ray, from, found);
+      return found.t;
+    });
+    if (found.slot != core::kNone) return finish(ray, found);
+  }
+  return std::nullopt;
+}
+
+bool Tracer::Impl::any(const Ray& ray, const RayFilter& filter) const {
+  const KeptParts parts = kept_parts(ray, filter);
+  bool hit = false;
+  for (int i = 0; i < parts.count && !hit; ++i) {
+    const auto [from, to] = parts.part[std::size_t(i)];
+    walk(ray, from, to, filter, [&, from = from, to = to](Slot slot) {
+      ItemRay local;
+      if (!to_item(*snapshot_, placement(slot), ray.origin, ray.direction, local)) return to;
+      const Kind kind = snapshot_->kind(slot);
+      if (is_mesh(kind)) {
+        double t;
+        std::uint32_t triangle;
+        hit = nearest_triangle(*meshes_[mesh_index(slot)], snapshot_->mesh(slot), local, from, to, true, t, triangle);
+      } else {
+        const gpuprims::Hits hits = solid_hits(kind, parameters(slot), {local.origin, local.direction});
+        for (int h = 0; h < hits.count; ++h) hit |= hits.hit[h].t >= from && hits.hit[h].t <= to;
+      }
+      return hit ? -kInfinity : to;
+    });
+  }
+  return hit;
+}
+
+void Tracer::Impl::all_of(Slot slot, const Ray& ray, double from, double to, std::vector<Hit>& hits) const {
+  ItemRay local;
+  if (!to_item(*snapshot_, placement(slot), ray.origin, ray.direction, local)) return;
+  const Kind kind = snapshot_->kind(slot);
+  const auto add = [&](const Found& found) {
+    if (found.t >= from && found.t <= to) hits.push_back(finish(ray, found));
+  };
+  if (!is_mesh(kind)) {
+    const gpuprims::Hits crossings = solid_hits(kind, parameters(slot), {local.origin, local.direction});
+    for (int i = 0; i < crossings.count; ++i) add({crossings.hit[i].t, slot, core::kNone, crossings.hit[i].normal});
+    return;
+  }
+  const MeshTree& tree = *meshes_[mesh_index(slot)];
+  RayFrame frame;
+  if (tree.empty || !enter(tree.space, tree.per_unit * local.origin, tree.per_unit * local.direction, from, to, frame))
+    return;
+  struct Collector : HitFilter {
+    std::vector<std::uint32_t> triangles;
+  } collector;
+  collector.accept = [](HitFilter& base, std::uint32_t triangle) {
+    static_cast<Collector&>(base).triangles.push_back(triangle);
+    return false;
+  };
+  kernels().nearest({tree.nodes.data(), tree.blocks.data(), tree.root, frame.boxes, triangle_ray(frame),
+                     std::numeric_limits<float>::infinity(), &collector});
+  for (const std::uint32_t triangle : collector.triangles) {
+    dvec3 corners[3];
+    scaled_corners(snapshot_->mesh(slot), tree.per_unit, triangle, corners);
+    add({frame.t(crossing(frame, corners, 0.0)), slot, triangle, {}});
+  }
+}
+
+void Tracer::Impl::all(const Ray& ray, const RayFilter& filter, std::vector<Hit>& hits) const {
+  hits.clear();
+  const KeptParts parts = kept_parts(ray, filter);
+  for (int i = 0; i < parts.count; ++i) {
+    const auto [from, to] = parts.part[std::size_t(i)];
+    walk(ray, from, to, filter, [&, from = from, to = to](Slot slot) {
+      all_of(slot, ray, from, to, hits);
+      return to;
+    });
+  }
+  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+    return a.t != b.t ? a.t < b.t : a.slot != b.slot ? a.slot < b.slot : a.triangle < b.triangle;
+  });
+}
+
+// --- public interface ------------------------------------------------------------------------------------------------
+
+core::Expected<Tracer> Tracer::create(const core::Snapshot& snapshot, int threads) {
+  auto impl = std::make_unique<Impl>(snapshot);
+  if (auto done = impl->build(threads); !done) return tl::unexpected(done.error());
+  return Tracer(std::move(impl));
+}
+
+Tracer::Tracer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Tracer::Tracer(Tracer&&) noexcept = default;
+Tracer& Tracer::operator=(Tracer&&) noexcept = default;
+Tracer::~Tracer() = default;
+
+core::Expected<void> Tracer::update(std::span<const Slot> touched) {
+  return impl_->update(touched);
+}
+core::Expected<std::optional<Hit>> Tracer::nearest(const Ray& ray, const RayFilter& filter) const {
+  if (auto good = check(ray); !good) return tl::unexpected(good.error());
+  return impl_->nearest(ray, filter);
+}
+core::Expected<bool> Tracer::any(const Ray& ray, const RayFilter& filter) const {
+  if (auto good = check(ray); !good) return tl::unexpected(good.error());
+  return impl_->any(ray, filter);
+}
+core::Expected<void> Tracer::all(const Ray& ray, std::vector<Hit>& hits, const RayFilter& filter) const {
+  if (auto good = check(ray); !good) return tl::unexpected(good.error());
+  impl_->all(ray, filter, hits);
+  return {};
+}
+const core::Snapshot& Tracer::snapshot() const {
+  return impl_->snapshot();
+}
+TracerMemory Tracer::memory() const {
+  return impl_->memory();
+}
+
+}  // namespace sightline::raytrace

@@ -1,0 +1,111 @@
+// raytrace: exact visibility by rays. What a ray hits first, whether it hits anything, and everything that it crosses.
+//
+//   auto tracer = raytrace::Tracer::create(snapshot);
+//   if (auto hit = tracer->nearest({.origin = eye, .direction = towards}); hit && *hit) use((*hit)->item);
+//
+// Solids are hit where gpuprims' reference intersectors say, in double. Meshes are hit watertight: no ray passes
+// between two triangles that share an edge or a corner. Lines are never hit, nor are items whose placement is singular
+// (its linear part squeezes them flat). Both sides of every surface are hit.
+//
+// Errors. Items are where the snapshot places them. A solid's hit is exact up to double rounding: t is off by at most
+// kSolidError of the coordinates involved (those of the ray's origin, of the item, and of the point; for a ray that
+// grazes the surface divided by the sine of the angle between them). A mesh is hit as if the ray passed it displaced by
+// at most kMeshError of the mesh's size: the largest of its local coordinates, or twice its diagonal, whichever is
+// more. Where two of its triangles are nearer to each other than that, either may be the nearest. Given the triangle, t
+// is the ray's crossing with it in double.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sightline/core/api.h"
+#include "sightline/core/error.h"
+#include "sightline/core/snapshot.h"
+#include "sightline/core/view.h"
+
+namespace sightline::raytrace {
+
+inline constexpr double kSolidError = 1e-14;
+inline constexpr double kMeshError = 1e-6;
+
+/// Points origin + t * direction, t_min <= t <= t_max, in world metres. Either end may be infinite; t_min > t_max is a
+/// ray without points, which hits nothing. With a direction of unit length t is in metres. Components are below 1e150.
+struct Ray {
+  core::dvec3 origin{0.0};
+  core::dvec3 direction{0.0, 1.0, 0.0};
+  double t_min = 0.0;
+  double t_max = std::numeric_limits<double>::infinity();
+};
+
+/// What rays see: items that share a bit with `layers`, where the section planes keep them. A section opens the view
+/// into solids; the cut itself is not hit.
+struct RayFilter {
+  std::uint32_t layers = core::kDefaultLayerMask;
+  std::vector<core::Plane> sections;  ///< as in core::View
+  core::SectionMode section_mode = core::SectionMode::kIntersection;
+};
+/// The filter of a view's layers and sections.
+SIGHTLINE_API RayFilter filter_of(const core::View& view);
+
+/// The ray through a point of a picture, in pixels from its upper left corner: the middle of the first pixel is at 0.5,
+/// 0.5. From the eye, or in orthographic views from the near plane. The direction has unit length; t_min and t_max are
+/// at the near and far plane. Fails when the view's matrices have no inverse or the point is not finite.
+SIGHTLINE_API core::Expected<Ray> pixel_ray(const core::View& view, int width, int height, double x, double y);
+
+/// A crossing of a ray with a surface.
+struct Hit {
+  core::Slot slot = core::kNone;
+  core::ItemId item = core::kNone;
+  double t = 0.0;
+  core::dvec3 point{0.0};                ///< in the world
+  core::dvec3 normal{0.0};               ///< in the world, of unit length, out of the solid (not towards the ray)
+  std::uint32_t triangle = core::kNone;  ///< of a mesh: indices 3 triangle … 3 triangle + 2; kNone for solids
+};
+
+/// Bytes held, and what for.
+struct TracerMemory {
+  std::size_t items = 0;   ///< hierarchy over the items
+  std::size_t meshes = 0;  ///< hierarchies over triangles, with their own copies of the corners
+  std::size_t total() const { return items + meshes; }
+};
+
+/// A hierarchy over the items of a snapshot, and one over the triangles of each mesh that they share. Several threads
+/// may trace at once. Answers do not depend on the number of threads, nor on the instruction set.
+class SIGHTLINE_API Tracer {
+ public:
+  /// The snapshot must outlive the tracer and stay at its address. `threads` build; 0: all that OpenMP offers. Fails
+  /// for a mesh of 2^31 triangles or more.
+  static core::Expected<Tracer> create(const core::Snapshot& snapshot, int threads = 0);
+  Tracer(Tracer&&) noexcept;
+  Tracer& operator=(Tracer&&) noexcept;
+  ~Tracer();
+
+  /// Follows Snapshot::apply(), which has returned `touched`; slots appended since are found by themselves. Refits the
+  /// boxes above touched slots, and makes small hierarchies of appended ones. Time is proportional to the number of
+  /// touched and appended slots, times a logarithm. Fails as create() does; then nothing has changed.
+  core::Expected<void> update(std::span<const core::Slot> touched);
+
+  // All queries fail where the ray's origin or direction is not finite, its direction is zero, or an end is NaN.
+
+  /// The hit with the least t; of several at the very same t, that in the lowest slot.
+  core::Expected<std::optional<Hit>> nearest(const Ray& ray, const RayFilter& filter = {}) const;
+  /// Whether anything is hit. Faster than nearest().
+  core::Expected<bool> any(const Ray& ray, const RayFilter& filter = {}) const;
+  /// Every crossing, in rising t: each entry and exit once, for closed meshes also where the ray meets an edge or a
+  /// corner. Replaces the contents of `hits`.
+  core::Expected<void> all(const Ray& ray, std::vector<Hit>& hits, const RayFilter& filter = {}) const;
+
+  const core::Snapshot& snapshot() const;
+  TracerMemory memory() const;
+
+ private:
+  class Impl;
+  explicit Tracer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sightline::raytrace

@@ -1,0 +1,583 @@
+// The tracer against loops over all items and triangles: gpuprims' intersectors for solids, Moeller and Trumbore in
+// double for triangles.
+#include "sightline/raytrace/tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "sightline/gpuprims/internal/primitives.h"
+#include "sightline/tests/core/primitive_samples.h"
+#include "sightline/tests/support/instruction_sets.h"
+
+namespace sightline::raytrace {
+namespace {
+
+using core::Affine;
+using core::dvec3;
+using core::Kind;
+using core::Scene;
+using core::Slot;
+using core::Snapshot;
+using core::vec3;
+using tests::Random;
+using tests::uniform;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+int whole(Random& random, int low, int high) {
+  return std::uniform_int_distribution<int>(low, high)(random);
+}
+bool chance(Random& random, double probability) {
+  return uniform(random, 0.0, 1.0) < probability;
+}
+dvec3 point(Random& random, double half) {
+  const double x = uniform(random, -half, half), y = uniform(random, -half, half);
+  return {x, y, uniform(random, -half, half)};
+}
+
+// --- brute force -----------------------------------------------------------------------------------------------------
+
+/// A crossing that brute force finds. `error`: in t. A doubtful one lies so near an edge of its triangle, or of the
+/// ray's part, that either answer is right.
+struct Crossing {
+  Slot slot;
+  double t, error;
+  bool sure;
+};
+
+/// Whether the planes keep a point; doubtful within `error`.
+enum class Kept { kNo, kMaybe, kYes };
+Kept kept(const RayFilter& filter, const dvec3& p, double error) {
+  bool any = false, all = true, maybe_any = false, maybe_all = true, planes = false;
+  for (const core::Plane& plane : filter.sections) {
+    if (plane.normal == dvec3(0.0)) continue;
+    planes = true;
+    const double value = core::evaluate(plane, p), doubt = error * glm::length(plane.normal);
+    any |= value > doubt;
+    all &= value > doubt;
+    maybe_any |= value >= -doubt;
+    maybe_all &= value >= -doubt;
+  }
+  if (!planes) return Kept::kYes;
+  const bool sure = filter.section_mode == core::SectionMode::kUnion ? any : all;
+  const bool maybe = filter.section_mode == core::SectionMode::kUnion ? maybe_any : maybe_all;
+  return sure ? Kept::kYes : maybe ? Kept::kMaybe : Kept::kNo;
+}
+
+/// A ray that passes within rounding of an edge, or grazes the surface, may hit or not. So rays beside it are cast,
+/// too.
+void solid_crossings(const Snapshot& snapshot, Slot slot, const Ray& ray, std::vector<Crossing>& out) {
+  const Affine world = snapshot.world_from_item(slot);
+  const core::dmat3 inverse = glm::inverse(world.linear);
+  const core::Primitive solid = snapshot.primitive(slot);
+  const double length = glm::length(ray.direction);
+  const auto cast = [&](const dvec3& beside) {
+    return gpuprims::intersect(solid,
+                               gpuprims::Ray{inverse * (ray.origin + beside - world.origin), inverse * ray.direction});
+  };
+  const dvec3 along = ray.direction / length;
+  const dvec3 u = glm::normalize(glm::cross(along, std::abs(along.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
+  const core::AabbD box = core::bounds(solid, world);
+  const double size = glm::length(ray.origin) + glm::length(world.origin) + glm::length(box.size());
+  const double step = 1e-12 * size;
+  const dvec3 sides[] = {dvec3(0.0), step * u, -step * u, step * glm::cross(along, u), -step * glm::cross(along, u)};
+  gpuprims::Hits hits[5];
+  for (int i = 0; i < 5; ++i) hits[i] = cast(sides[i]);
+  for (const gpuprims::Hits& around : hits)
+    for (int i = 0; i < around.count; ++i) {
+      const double t = around.hit[i].t;
+      const dvec3 n = glm::normalize(glm::transpose(inverse) * around.hit[i].normal);
+      const double sine = std::abs(glm::dot(n, along));
+      const double error = 4.0 * step / length / std::max(sine, 1e-6) + 1e-14 * std::abs(t);
+      const bool sure = sine > 1e-4 && std::all_of(std::begin(hits), std::end(hits), [&](const gpuprims::Hits& other) {
+                          return std::any_of(other.hit.begin(), other.hit.begin() + other.count,
+                                             [&](const gpuprims::Hit& h) { return std::abs(h.t - t) <= error; });
+                        });
+      out.push_back({slot, t, error, sure});
+    }
+}
+
+/// T. Moeller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997.
+void mesh_crossings(const Snapshot& snapshot, Slot slot, const Ray& ray, std::vector<Crossing>& out) {
+  const Affine world = snapshot.world_from_item(slot);
+  const core::Mesh& mesh = snapshot.mesh(slot);
+  const core::dmat3 inverse = glm::inverse(world.linear);
+  const dvec3 origin = inverse * (ray.origin - world.origin), direction = inverse * ray.direction;
+  core::AabbD box;
+  for (const vec3& p : mesh.positions) box.grow(dvec3(p));
+  const dvec3 reach = glm::max(glm::abs(box.min), glm::abs(box.max));
+  const double size = std::max({reach.x, reach.y, reach.z, 2.0 * glm::length(box.size())});
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const dvec3 a(mesh.positions[mesh.indices[i]]);
+    const dvec3 u = dvec3(mesh.positions[mesh.indices[i + 1]]) - a, v = dvec3(mesh.positions[mesh.indices[i + 2]]) - a;
+    const dvec3 p = glm::cross(direction, v), n = glm::cross(u, v);
+    const double determinant = glm::dot(u, p);
+    if (determinant == 0.0) continue;
+    const dvec3 to = origin - a, q = glm::cross(to, u);
+    const double b = glm::dot(to, p) / determinant, c = glm::dot(direction, q) / determinant;
+    // How far a displacement by the stated error moves the barycentric coordinates.
+    const double sine = std::abs(glm::dot(glm::normalize(n), glm::normalize(direction)));
+    const double shift = kMeshError * size + 1e-15 * glm::length(origin);
+    const double longest = std::max({glm::length(u), glm::length(v), glm::length(u - v)});
+    const double doubt = shift * longest / glm::length(n) / sine;
+    if (b < -doubt || c < -doubt || b + c > 1.0 + doubt) continue;
+    const double t = glm::dot(v, q) / determinant;
+    const double error = shift / glm::length(direction) / sine + 1e-15 * std::abs(t);
+    const bool sure = b > doubt && c > doubt && b + c < 1.0 - doubt && sine > 1e-4;
+    out.push_back({slot, t, error, sure});
+  }
+}
+
+/// All crossings that the ray's part may hold.
+std::vector<Crossing> brute_force(const Snapshot& snapshot, const Ray& ray, const RayFilter& filter) {
+  std::vector<Crossing> found, result;
+  for (Slot slot = 0; slot < snapshot.size(); ++slot) {
+    if (snapshot.vacant(slot) || (snapshot.bounds().layers(slot) & filter.layers) == 0) continue;
+    if (int(snapshot.kind(slot)) < core::kPrimitiveKindCount)
+      solid_crossings(snapshot, slot, ray, found);
+    else
+      mesh_crossings(snapshot, slot, ray, found);
+  }
+  for (Crossing c : found) {
+    if (c.t < ray.t_min - c.error || c.t > ray.t_max + c.error) continue;
+    c.sure &= c.t > ray.t_min + c.error && c.t < ray.t_max - c.error;
+    const double shift = c.error * glm::length(ray.direction);
+    const Kept keep = kept(filter, ray.origin + c.t * ray.direction, shift + 1e-12 * glm::length(ray.origin));
+    if (keep == Kept::kNo) continue;
+    c.sure &= keep == Kept::kYes;
+    result.push_back(c);
+  }
+  return result;
+}
+
+void check_nearest(const Tracer& tracer, const Ray& ray, const RayFilter& filter,
+                   const std::vector<Crossing>& expected) {
+  const auto hit = tracer.nearest(ray, filter);
+  ASSERT_TRUE(hit) << hit.error().message;
+  double surely = kInfinity;
+  for (const Crossing& c : expected)
+    if (c.sure) surely = std::min(surely, c.t + c.error);
+  const auto any = tracer.any(ray, filter);
+  ASSERT_TRUE(any);
+  if (!*hit) {
+    ASSERT_EQ(surely, kInfinity) << "brute force hits at " << surely;
+    if (expected.empty()) {
+      ASSERT_FALSE(*any);
+    }
+    return;
+  }
+  const Hit& h = **hit;
+  ASSERT_FALSE(expected.empty()) << "hit in slot " << h.slot << " at " << h.t << ", brute force has none";
+  if (surely < kInfinity) {
+    ASSERT_TRUE(*any);
+  }
+  ASSERT_GE(h.t, ray.t_min);
+  ASSERT_LE(h.t, ray.t_max);
+  double error = kInfinity, best = kInfinity;
+  for (const Crossing& c : expected)
+    if (c.slot == h.slot && std::abs(c.t - h.t) - c.error < best) best = std::abs(c.t - h.t) - c.error, error = c.error;
+  ASSERT_LE(best, 0.0) << "slot " << h.slot << " is hit at " << h.t << ", off by " << best + error;
+  ASSERT_LE(h.t - error, surely) << "slot " << h.slot << " is not the nearest";
+  ASSERT_EQ(h.item, tracer.snapshot().item(h.slot));
+  ASSERT_NEAR(glm::length(h.normal), 1.0, 1e-9);
+}
+
+/// Each sure crossing is reported, and nothing that is no crossing.
+void check_all(const Tracer& tracer, const Ray& ray, const RayFilter& filter, const std::vector<Crossing>& expected) {
+  std::vector<Hit> hits;
+  ASSERT_TRUE(tracer.all(ray, hits, filter));
+  for (std::size_t i = 1; i < hits.size(); ++i) ASSERT_LE(hits[i - 1].t, hits[i].t);
+  for (const Hit& h : hits)
+    ASSERT_TRUE(std::any_of(expected.begin(), expected.end(),
+                            [&](const Crossing& c) { return c.slot == h.slot && std::abs(c.t - h.t) <= c.error; }))
+        << "slot " << h.slot << " (" << core::name_of(tracer.snapshot().kind(h.slot)) << ") at " << h.t;
+  for (const Crossing& c : expected)
+    if (c.sure) {
+      ASSERT_TRUE(std::any_of(hits.begin(), hits.end(),
+                              [&](const Hit& h) { return c.slot == h.slot && std::abs(c.t - h.t) <= c.error; }))
+          << "missed slot " << c.slot << " at " << c.t;
+    }
+}
+
+// --- scenes ----------------------------------------------------------------------------------------------------------
+
+core::Mesh tessellated(const core::Primitive& solid, int segments) {
+  return gpuprims::tessellate(solid, {.fixed_segments = segments});
+}
+
+/// A closed mesh with large and small, flat and long triangles.
+core::Mesh random_mesh(Random& random) {
+  const float size = float(std::pow(10.0, uniform(random, -2.0, 2.0)));
+  switch (whole(random, 0, 3)) {
+    case 0:
+      return tessellated(core::Sphere{size}, whole(random, 4, 24));
+    case 1:
+      return tessellated(core::Cylinder{size, 30.0f * size}, whole(random, 3, 16));
+    case 2:
+      return tessellated(core::CircularTorus{2.0f * size, size, 7.0f}, whole(random, 4, 16));
+    default:
+      return tessellated(core::Box{size, 2.0f * size, 0.01f * size}, 4);
+  }
+}
+
+struct World {
+  Scene scene;
+  std::unique_ptr<Snapshot> snapshot;
+  double half = 1.0;
+  dvec3 centre{0.0};
+
+  Affine placement(Random& random, double size) const {
+    Affine a = tests::random_affine(random, 1.0, 0.0);
+    if (chance(random, 0.5)) a.linear = tests::random_rotation(random);
+    if (chance(random, 0.2)) a.linear = core::dmat3(1.0);
+    a.linear *= size;
+    a.origin = centre + point(random, half);
+    return a;
+  }
+  Tracer tracer() const { return std::move(*Tracer::create(*snapshot, 2)); }
+};
+
+constexpr Kind kSolids[] = {
+    Kind::kPyramid,       Kind::kBox,   Kind::kRectangularTorus, Kind::kCircularTorus, Kind::kEllipticalDish,
+    Kind::kSphericalDish, Kind::kSnout, Kind::kCylinder,         Kind::kSphere,        Kind::kLine};
+
+core::ItemId add_item(World& world, Random& random, std::span<const core::MeshId> meshes) {
+  const core::NodeId node = world.scene.add_node(world.scene.root());
+  if (chance(random, 0.3)) world.scene.set_layers(node, std::uint32_t(whole(random, 1, 3)));
+  if (chance(random, 0.4)) {
+    const auto mesh = meshes[std::size_t(whole(random, 0, int(meshes.size()) - 1))];
+    return world.scene.add_mesh_instance(node, mesh, world.placement(random, 0.1 * world.half));
+  }
+  const Kind kind = kSolids[whole(random, 0, 9)];
+  core::Primitive solid = tests::random_primitive(kind, random);
+  // Sizes over six orders of magnitude would hide most of a scene within a few giants.
+  const core::AabbD box = core::bounds(solid, {});
+  const double size = glm::length(box.size());
+  return world.scene.add_primitive(node, solid,
+                                   world.placement(random, uniform(random, 0.02, 0.3) * world.half / size));
+}
+
+std::unique_ptr<World> random_world(Random& random, int items, double away) {
+  auto world = std::make_unique<World>();
+  world->half = std::pow(10.0, uniform(random, -1.0, 3.0));
+  world->centre = point(random, away);
+  std::vector<core::MeshId> meshes;
+  for (int i = 0; i < 4; ++i) meshes.push_back(*world->scene.add_mesh(random_mesh(random)));
+  for (int i = 0; i < items; ++i) add_item(*world, random, meshes);
+  EXPECT_TRUE(world->scene.commit());
+  world->snapshot = std::make_unique<Snapshot>(world->scene);
+  return world;
+}
+
+/// A place in or around the scene, often on a corner of a mesh or box.
+dvec3 interesting_point(const World& world, Random& random) {
+  const Snapshot& snapshot = *world.snapshot;
+  const auto slot = Slot(whole(random, 0, int(snapshot.size()) - 1));
+  if (snapshot.vacant(slot) || chance(random, 0.3)) return world.centre + point(random, 1.3 * world.half);
+  if (int(snapshot.kind(slot)) >= core::kPrimitiveKindCount) {
+    const core::Mesh& mesh = snapshot.mesh(slot);
+    const auto corner = [&] {
+      return dvec3(mesh.positions[std::size_t(whole(random, 0, int(mesh.positions.size()) - 1))]);
+    };
+    const dvec3 a = corner();
+    return core::transform_point(snapshot.world_from_item(slot), chance(random, 0.5) ? a : 0.5 * (a + corner()));
+  }
+  if (chance(random, 0.5))
+    return core::transform_point(snapshot.world_from_item(slot), tests::random_point(snapshot.primitive(slot), random));
+  const core::Aabb box = snapshot.bounds().box(slot);
+  dvec3 p = snapshot.bounds().origin + dvec3(box.min);
+  for (int axis = 0; axis < 3; ++axis)
+    if (chance(random, 0.5)) p[axis] = snapshot.bounds().origin[axis] + double(box.max[axis]);
+  return p;
+}
+
+Ray random_ray(const World& world, Random& random) {
+  Ray ray;
+  const dvec3 target = interesting_point(world, random);
+  ray.origin = interesting_point(world, random);
+  if (chance(random, 0.1)) ray.origin = world.centre + 1e4 * world.half * tests::random_direction(random);
+  ray.direction = target - ray.origin;
+  if (chance(random, 0.3)) {
+    ray.direction = dvec3(0.0);
+    ray.direction[whole(random, 0, 2)] = chance(random, 0.5) ? 1.0 : -1.0;
+    if (chance(random, 0.3)) ray.direction[whole(random, 0, 2)] += 1e-30;
+    if (chance(random, 0.7)) ray.origin = target - 3.0 * world.half * ray.direction;
+  }
+  if (ray.direction == dvec3(0.0)) ray.direction = {0.0, 0.0, 1.0};
+  ray.direction *= std::pow(10.0, uniform(random, -3.0, 3.0));
+  if (chance(random, 0.3)) ray.t_min = uniform(random, -2.0, 1.0);
+  if (chance(random, 0.2)) ray.t_min = -kInfinity;
+  if (chance(random, 0.3)) ray.t_max = ray.t_min + uniform(random, 0.0, 3.0);
+  return ray;
+}
+
+RayFilter random_filter(const World& world, Random& random) {
+  RayFilter filter;
+  if (chance(random, 0.3)) filter.layers = std::uint32_t(whole(random, 0, 3));
+  if (chance(random, 0.4)) {
+    if (chance(random, 0.5)) filter.section_mode = core::SectionMode::kUnion;
+    for (int i = whole(random, 1, 3); i > 0; --i) {
+      const dvec3 normal = chance(random, 0.1) ? dvec3(0.0) : tests::random_direction(random);
+      filter.sections.push_back({normal, -glm::dot(normal, world.centre + point(random, world.half))});
+    }
+  }
+  return filter;
+}
+
+void check_rays(const World& world, const Tracer& tracer, Random& random, int rays) {
+  for (int i = 0; i < rays; ++i) {
+    SCOPED_TRACE(testing::Message() << "ray " << i);
+    const Ray ray = random_ray(world, random);
+    const RayFilter filter = random_filter(world, random);
+    const auto expected = brute_force(*world.snapshot, ray, filter);
+    ASSERT_NO_FATAL_FAILURE(check_nearest(tracer, ray, filter, expected));
+    ASSERT_NO_FATAL_FAILURE(check_all(tracer, ray, filter, expected));
+  }
+}
+
+TEST(Tracer, AgreesWithBruteForce) {
+  tests::for_each_instruction_set([] {
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed);
+      Random random(seed);
+      const auto world = random_world(random, whole(random, 1, 300), seed % 3 == 0 ? 1e7 : 10.0);
+      const Tracer tracer = world->tracer();
+      ASSERT_NO_FATAL_FAILURE(check_rays(*world, tracer, random, 300));
+    }
+  });
+}
+
+/// Edits of all kinds: near and far moves, hidden and shown items, new and removed ones.
+TEST(Tracer, FollowsEdits) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const auto world = random_world(random, seed == 1 ? 0 : 200, 1e3);
+    std::vector<core::MeshId> meshes;
+    for (std::size_t i = 0; i < world->scene.mesh_slots(); ++i) meshes.push_back(world->scene.mesh_at(i));
+    Tracer tracer = world->tracer();
+    for (int round = 0; round < 12; ++round) {
+      SCOPED_TRACE(testing::Message() << "round " << round);
+      Scene& scene = world->scene;
+      for (core::ItemId item = 0; item < scene.item_slots(); ++item) {
+        if (!scene.contains_item(item) || !chance(random, 0.1)) continue;
+        Affine placed = scene.placement(item);
+        switch (whole(random, 0, 4)) {
+          case 0:
+            scene.remove_item(item);
+            break;
+          case 1:
+            scene.set_visible(item, !scene.item_visible(item));
+            break;
+          case 2:
+            placed.origin += point(random, world->half);
+            scene.set_placement(item, placed);
+            break;
+          case 3:
+            scene.set_layers(scene.node_of(item), std::uint32_t(whole(random, 1, 3)));
+            break;
+          default:
+            placed.origin += point(random, 0.01 * world->half);
+            scene.set_placement(item, placed);
+        }
+      }
+      if (round % 4 == 1) meshes.push_back(*scene.add_mesh(random_mesh(random)));
+      for (int i = whole(random, 0, 20); i > 0; --i) add_item(*world, random, meshes);
+      const auto delta = scene.commit();
+      ASSERT_TRUE(delta);
+      ASSERT_TRUE(tracer.update(world->snapshot->apply(*delta)));
+      if (world->snapshot->size() == 0) continue;
+      ASSERT_NO_FATAL_FAILURE(check_rays(*world, tracer, random, 60));
+    }
+  }
+}
+
+/// A closed mesh in a scene of its own, where it stands.
+std::unique_ptr<World> world_of(core::Mesh mesh, const Affine& placement) {
+  auto world = std::make_unique<World>();
+  const auto id = *world->scene.add_mesh(std::move(mesh));
+  world->scene.add_mesh_instance(world->scene.root(), id, placement);
+  EXPECT_TRUE(world->scene.commit());
+  world->snapshot = std::make_unique<Snapshot>(world->scene);
+  return world;
+}
+
+/// Rays through corners and along edges: in and out in turn, as often out as in, and nothing twice.
+TEST(Tracer, ClosedMeshesAreEnteredAndLeftInTurn) {
+  Random random(3);
+  const core::Primitive solids[] = {core::Sphere{2}, core::Cylinder{1, 3}, core::CircularTorus{2, 1, 7},
+                                    core::Box{1, 2, 3}, core::Snout{1, 0.5f, 2, 0.5f, 0, 0, 0, 0, 0}};
+  for (const core::Primitive& solid : solids)
+    for (int placed = 0; placed < 4; ++placed) {
+      Affine placement;
+      if (placed == 1) placement = core::translation({1e7, -1e7, 3e6});
+      if (placed == 2) placement.linear = tests::random_rotation(random);
+      if (placed == 3) placement = tests::random_affine(random, 1.0, 100.0);
+      const core::Mesh mesh = tessellated(solid, 8);
+      const auto world = world_of(mesh, placement);
+      const Tracer tracer = world->tracer();
+      const Affine world_from_item = world->snapshot->world_from_item(0);
+      std::size_t most = 0;
+      for (int i = 0; i < 4000; ++i) {
+        const auto corner = [&] {
+          return dvec3(mesh.positions[std::size_t(whole(random, 0, int(mesh.positions.size()) - 1))]);
+        };
+        const dvec3 a = corner(), b = chance(random, 0.5) ? corner() : 0.5 * (corner() + corner());
+        dvec3 direction = b - a;
+        if (chance(random, 0.4)) {
+          direction = dvec3(0.0);
+          direction[whole(random, 0, 2)] = 1.0;
+        }
+        if (direction == dvec3(0.0)) continue;
+        Ray ray;
+        ray.direction = world_from_item.linear * direction;
+        ray.origin = core::transform_point(world_from_item, a) - uniform(random, 5.0, 10.0) * ray.direction;
+        ray.t_min = -kInfinity;
+        std::vector<Hit> hits;
+        ASSERT_TRUE(tracer.all(ray, hits));
+        ASSERT_EQ(hits.size() % 2, 0u) << "ray " << i;
+        int inside = 0;
+        bool grazes = false;  // then the normal does not tell an entry from an exit
+        for (const Hit& h : hits) {
+          const double cosine = glm::dot(h.normal, glm::normalize(ray.direction));
+          inside += cosine < 0.0 ? 1 : -1;
+          grazes |= std::abs(cosine) < 1e-5;
+        }
+        if (!grazes) {
+          ASSERT_EQ(inside, 0) << "ray " << i;
+        }
+        most = std::max(most, hits.size());
+      }
+      EXPECT_GE(most, 2u);
+    }
+}
+
+/// From within a closed mesh no ray gets out unseen.
+TEST(Tracer, ClosedMeshesAreWatertight) {
+  tests::for_each_instruction_set([] {
+    Random random(4);
+    const core::Mesh mesh = tessellated(core::Sphere{2}, 24);
+    for (const double away : {0.0, 1e7}) {
+      const auto world = world_of(mesh, core::translation(dvec3(away, 0.5 * away, -away)));
+      const Tracer tracer = world->tracer();
+      const Affine world_from_item = world->snapshot->world_from_item(0);
+      for (int i = 0; i < 20'000; ++i) {
+        const dvec3 target(mesh.positions[std::size_t(whole(random, 0, int(mesh.positions.size()) - 1))]);
+        Ray ray;
+        ray.origin = core::transform_point(world_from_item, point(random, 0.3));
+        ray.direction = core::transform_point(world_from_item, target) - ray.origin;
+        ASSERT_TRUE(*tracer.any(ray)) << "ray " << i;
+        const auto hit = tracer.nearest(ray);
+        ASSERT_TRUE(*hit) << "ray " << i;
+        ASSERT_NEAR((*hit)->t, 1.0, 0.05);
+      }
+    }
+  });
+}
+
+TEST(Tracer, InstructionSetsGiveTheSameAnswer) {
+  Random random(5);
+  const auto world = random_world(random, 300, 100.0);
+  const Tracer tracer = world->tracer();
+  for (int i = 0; i < 2000; ++i) {
+    const Ray ray = random_ray(*world, random);
+    std::optional<std::optional<Hit>> first;
+    tests::for_each_instruction_set([&] {
+      const std::optional<Hit> hit = *tracer.nearest(ray);
+      if (!first) first = hit;
+      ASSERT_EQ(hit.has_value(), first->has_value()) << "ray " << i;
+      if (!hit) return;
+      ASSERT_EQ(hit->t, (*first)->t) << "ray " << i;
+      ASSERT_EQ(hit->slot, (*first)->slot) << "ray " << i;
+      ASSERT_EQ(hit->triangle, (*first)->triangle) << "ray " << i;
+    });
+  }
+}
+
+TEST(Tracer, HitsOfExtremeMeshes) {
+  for (const float size : {1e-30f, 1e-12f, 1.0f, 1e15f, 1e30f}) {
+    core::Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}};
+    mesh.indices = {0, 1, 2};
+    const auto world = world_of(mesh, {});
+    const Tracer tracer = world->tracer();
+    const double s = size;
+    const auto hit = tracer.nearest({.origin = {0.25 * s, 0.25 * s, 2.0 * s}, .direction = {0, 0, -s}});
+    ASSERT_TRUE(hit && *hit) << size;
+    EXPECT_NEAR((*hit)->t, 2.0, 1e-9);
+    EXPECT_LT(glm::length((*hit)->normal - dvec3(0, 0, 1)), 1e-12);
+    EXPECT_EQ((*hit)->triangle, 0u);
+    EXPECT_FALSE(*tracer.any({.origin = {0.75 * s, 0.75 * s, 2.0 * s}, .direction = {0, 0, -s}}));
+  }
+}
+
+TEST(Tracer, EmptyScenesAreNeverHit) {
+  Scene scene;
+  ASSERT_TRUE(scene.commit());
+  const Snapshot snapshot(scene);
+  const auto tracer = Tracer::create(snapshot);
+  ASSERT_TRUE(tracer);
+  EXPECT_FALSE(*tracer->nearest({}));
+  EXPECT_FALSE(*tracer->any({}));
+  std::vector<Hit> hits(3);
+  ASSERT_TRUE(tracer->all({}, hits));
+  EXPECT_TRUE(hits.empty());
+}
+
+TEST(Tracer, RefusesRaysThatAreNone) {
+  Random random(6);
+  const auto world = random_world(random, 5, 0.0);
+  const Tracer tracer = world->tracer();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Ray bad[5];
+  bad[0].origin.y = nan;
+  bad[1].direction.x = nan;
+  bad[2].direction = dvec3(0.0);
+  bad[3].t_max = nan;
+  bad[4].direction.z = kInfinity;
+  std::vector<Hit> hits;
+  for (const Ray& ray : bad) {
+    EXPECT_FALSE(tracer.nearest(ray));
+    EXPECT_FALSE(tracer.any(ray));
+    EXPECT_FALSE(tracer.all(ray, hits));
+  }
+  EXPECT_FALSE(*tracer.any({.t_min = 2.0, .t_max = 1.0}));
+}
+
+TEST(PixelRay, PassesThroughThePixel) {
+  Random random(7);
+  for (int i = 0; i < 200; ++i) {
+    const dvec3 eye = point(random, 1e4);
+    const core::Pose pose{eye, eye + tests::random_direction(random), {0, 0, 1}};
+    const bool parallel = chance(random, 0.3);
+    const double far = chance(random, 0.5) ? core::kInfiniteFar : 50.0;
+    const core::View view = parallel ? *core::View::orthographic(pose, 3.0, 1.5, -2.0, 40.0)
+                                     : *core::View::asymmetric(pose, -0.1, 0.3, -0.2, 0.25, 0.5, far);
+    const double x = uniform(random, 0.0, 300.0), y = uniform(random, 0.0, 200.0);
+    const auto ray = pixel_ray(view, 300, 200, x, y);
+    ASSERT_TRUE(ray);
+    EXPECT_NEAR(glm::length(ray->direction), 1.0, 1e-12);
+    const auto ndc = [&](double t) {
+      const core::dvec4 p = view.clip_from_world() * core::dvec4(ray->origin + t * ray->direction, 1.0);
+      return dvec3(p) / p.w;
+    };
+    const dvec3 near = ndc(ray->t_min);
+    EXPECT_NEAR(near.z, 1.0, 1e-8);
+    EXPECT_NEAR(near.x, 2.0 * x / 300.0 - 1.0, 1e-8);
+    EXPECT_NEAR(near.y, 1.0 - 2.0 * y / 200.0, 1e-8);
+    if (parallel || far < kInfinity) {
+      EXPECT_NEAR(ndc(ray->t_max).z, 0.0, 1e-8);
+    } else {
+      EXPECT_EQ(ray->t_max, kInfinity);
+    }
+    if (!parallel) {
+      EXPECT_LT(glm::length(ray->origin - eye), 1e-9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sightline::raytrace
