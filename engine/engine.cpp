@@ -8,7 +8,11 @@
 #include "sightline/engine/internal/clock.h"
 #include "sightline/engine/internal/drawing_or_none.h"
 #include "sightline/engine/internal/hybrid.h"
+#include "sightline/engine/internal/picking.h"
 #include "sightline/engine/internal/rebuild.h"
+#if SIGHTLINE_HAS_RAYTRACE
+#include "sightline/raytrace/tracer.h"
+#endif
 
 namespace sightline::engine {
 namespace {
@@ -18,12 +22,14 @@ constexpr double kTryAgain = 0.5;    // seconds between tries to make a context
 // Measured on llvmpipe: 1.15 to 1.2 times the frame of the CPU's path (docs/hybrid-culling.md).
 constexpr double kSoftwareGpuExcess = 0.1;
 
-PlanRequest plan_request(const EngineConfig& config) {
-  return {config.culler, config.draw, config.ids, config.occlusion, config.contribution > 0.0f, config.budget_ms > 0.0};
+/// `picks`: the application has picked.
+PlanRequest plan_request(const EngineConfig& config, bool picks) {
+  return {config.culler,          config.draw, config.ids, config.occlusion, config.contribution > 0.0f,
+          config.budget_ms > 0.0, picks};
 }
 
 core::Expected<void> check_culler(const EngineConfig& config) {
-  if (config.culler == CullerChoice::kGpu && plan_request(config).needs_cpu())
+  if (config.culler == CullerChoice::kGpu && plan_request(config, false).needs_cpu())
     return core::fail("engine: contribution and budget_ms need a culler on the CPU, and culler is gpu");
   return {};
 }
@@ -55,9 +61,15 @@ class Engine::Impl {
   const culling::Controller* controller() const { return hybrid_ ? &hybrid_->controller() : nullptr; }
   Drawing* drawing();
   MemoryReport memory() const;
+#if SIGHTLINE_HAS_RAYTRACE
+  core::Expected<std::optional<raytrace::Hit>> pick(const core::View& view, double x, double y);
+  core::Expected<std::optional<raytrace::Hit>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter);
+#endif
 
  private:
-  bool needs_gl() const { return config_.draw || live_.plan.gpu_culls(); }
+  bool needs_gl() const {
+    return config_.draw || live_.plan.gpu_culls();
+  }
   void follow_hybrid();
   culling::ControllerConfig controller_config() const;
   core::Expected<void> make_drawing(bool new_order);
@@ -80,6 +92,7 @@ class Engine::Impl {
   double next_try_ = -1.0;          // when to try to make a context, in seconds; below 0: none is missing
   double last_frame_began_ = -1.0;  // seconds on the steady clock
   std::uint64_t frames_ = 0;
+  bool picks_ = false;  // the application has picked
   std::optional<Hybrid> hybrid_;
   std::deque<LateReport> late_;
   std::unique_ptr<BackgroundRebuild> rebuild_;  // last: it reads live_ until it is destroyed
@@ -173,7 +186,7 @@ Engine::Impl::Impl(core::Scene& scene, const EngineConfig& config)
 }
 
 core::Expected<void> Engine::Impl::build() {
-  live_ = make_order(std::make_unique<core::Snapshot>(*scene_), plan_request(config_));
+  live_ = make_order(std::make_unique<core::Snapshot>(*scene_), plan_request(config_, picks_));
   return follow_order();
 }
 
@@ -220,10 +233,10 @@ core::Expected<void> Engine::Impl::set_culler(CullerChoice choice) {
     return good;
   }
   rebuild_.reset();  // it would land with the former choice
-  live_.follow_plan(plan_request(config_));
+  live_.follow_plan(plan_request(config_, picks_));
   if (auto done = make_drawing(false); !done) {
     config_.culler = before;
-    live_.follow_plan(plan_request(config_));
+    live_.follow_plan(plan_request(config_, picks_));
     note_gpu_variant();
     return done;
   }
@@ -430,7 +443,7 @@ core::Expected<void> Engine::Impl::commit() {
   const double disorder = double(live_.snapshot->disorder());
   if (!rebuild_ && config_.rebuild_share > 0.0 && disorder > kFewSlots &&
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
-    rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_));
+    rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_, picks_));
   if (drawing_) return unless_lost(drawing_->update(*live_.snapshot, live_.joints, touched, delta.materials));
   return {};
 }
@@ -462,7 +475,37 @@ MemoryReport Engine::Impl::memory() const {
   report.snapshot = live_.snapshot->memory_bytes() + live_.joints.memory_bytes();
   if (const auto* culler = std::get_if<culling::CpuCuller>(live_.culler.get())) report.bvh = culler->memory_bytes();
   if (drawing_) report.gpu = drawing_->memory_bytes();
+  report.tracer = tracer_bytes(live_);
   return report;
 }
+
+#if SIGHTLINE_HAS_RAYTRACE
+
+// --- picking ---------------------------------------------------------------------------------------------------------
+
+core::Expected<std::optional<raytrace::Hit>> Engine::Impl::pick(const core::View& view, double x, double y) {
+  const auto ray = raytrace::pixel_ray(view, config_.width, config_.height, x, y);
+  if (!ray) return tl::unexpected(ray.error());
+  return pick(*ray, raytrace::filter_of(view));
+}
+
+core::Expected<std::optional<raytrace::Hit>> Engine::Impl::pick(const raytrace::Ray& ray,
+                                                                const raytrace::RayFilter& filter) {
+  picks_ = true;
+  if (auto made = make_tracer(live_); !made) return tl::unexpected(made.error());
+  return live_.tracer->nearest(ray, filter);
+}
+
+core::Expected<std::optional<raytrace::Hit>> Engine::pick(const core::View& view, double x, double y) {
+  return impl_->pick(view, x, y);
+}
+core::Expected<std::optional<raytrace::Hit>> Engine::pick(const raytrace::Ray& ray) {
+  return impl_->pick(ray, {});
+}
+core::Expected<std::optional<raytrace::Hit>> Engine::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter) {
+  return impl_->pick(ray, filter);
+}
+
+#endif
 
 }  // namespace sightline::engine

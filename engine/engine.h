@@ -32,6 +32,11 @@ struct DepthImage;
 struct IdImage;
 struct Image;
 }  // namespace sightline::image
+namespace sightline::raytrace {
+struct Hit;
+struct Ray;
+struct RayFilter;
+}  // namespace sightline::raytrace
 
 namespace sightline::engine {
 
@@ -113,6 +118,7 @@ struct LateReport {
 
 struct MemoryReport {
   std::size_t scene = 0, snapshot = 0, bvh = 0, gpu = 0;  ///< bytes
+  std::size_t tracer = 0;                                 ///< 0 before the first pick
 };
 
 class SIGHTLINE_API Engine {
@@ -161,6 +167,18 @@ class SIGHTLINE_API Engine {
   /// Draws in another size, in pixels, from the next frame on. The old picture is gone. Fails on sizes that the context
   /// does not support; then nothing has changed.
   core::Expected<void> resize(int width, int height);
+
+  /// What the view shows at a point of the picture: the item hit first (raytrace/tracer.h). In pixels from the upper
+  /// left corner; the middle of the first pixel is at 0.5, 0.5. The picture has the size of EngineConfig or resize().
+  /// The view's layers and section planes count, transparency does not. Nothing where the ray hits nothing; lines are
+  /// never hit. Works with and without drawing. Fails as raytrace::pixel_ray() does.
+  ///
+  /// The first pick builds the tracer, about half a second per million items. From then on commits keep it up, and new
+  /// orders come with theirs. Only builds with SIGHTLINE_RAYTRACE have these functions.
+  core::Expected<std::optional<raytrace::Hit>> pick(const core::View& view, double x, double y);
+  /// What a ray hits first. Without a filter: items of the default layers.
+  core::Expected<std::optional<raytrace::Hit>> pick(const raytrace::Ray& ray);
+  core::Expected<std::optional<raytrace::Hit>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter);
 
   /// Frees everything that the engine has in the application's context, which must be current. Frames are then as after
   /// a loss. An application that destroys its gl::Context need not call this; one whose GL context lives on should.

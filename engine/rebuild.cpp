@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sightline/culling/sample_test.h"
+#include "sightline/engine/internal/picking.h"
 
 namespace sightline::engine {
 namespace {
@@ -29,6 +30,7 @@ void Order::follow(std::initializer_list<std::span<const core::ItemId>> edited, 
   for (core::Slot slot = core::Slot(former_size); slot < snapshot->size(); ++slot) lines_edited |= is_line(slot);
   if (lines_edited) lines = slots_of_lines(*snapshot);
   if (auto* cpu = std::get_if<culling::CpuCuller>(culler.get())) cpu->update(touched);
+  follow_tracer(*this, touched);
 }
 
 void Order::follow_plan(const PlanRequest& request) {
@@ -46,6 +48,7 @@ Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& re
   if (request.draw) order.joints = gpuprims::Joints(*order.snapshot);
   order.lines = slots_of_lines(*order.snapshot);
   order.follow_plan(request);
+  if (request.pick) (void)make_tracer(order);  // where that fails, the next pick says why
   return order;
 }
 

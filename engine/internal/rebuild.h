@@ -19,6 +19,10 @@
 #include "sightline/engine/plan.h"
 #include "sightline/gpuprims/internal/joints.h"
 
+namespace sightline::raytrace {
+class Tracer;
+}
+
 namespace sightline::engine {
 
 using Culler = std::variant<culling::LinearCuller, culling::CpuCuller>;
@@ -29,6 +33,7 @@ struct PlanRequest {
   bool draw = false, ids = false;
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
   bool contribution = false, budget = false;  // asked for; what draws must then be culled on the CPU
+  bool pick = false;                          // orders come with a tracer
 
   bool needs_cpu() const { return draw && (contribution || budget); }
 };
@@ -42,6 +47,7 @@ struct Order {
   gpuprims::Joints joints;                   // none unless the request draws
   std::vector<std::uint64_t> lines;          // a bit per slot that holds a line; empty where none does
   std::unique_ptr<Culler> culler;
+  std::shared_ptr<raytrace::Tracer> tracer;  // null before the first pick
   Plan plan;
 
   /// Follows an edit of the snapshot, whose apply() has touched these slots: updates the joints, which adds to

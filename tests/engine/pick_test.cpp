@@ -1,0 +1,118 @@
+// Picks: what a view shows at a point, through edits and new orders of the items.
+#include <algorithm>
+#include <chrono>
+#include <random>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "sightline/engine/engine.h"
+#include "sightline/raytrace/tracer.h"
+
+namespace sightline::engine {
+namespace {
+
+using core::dvec3;
+
+/// A square of n x n balls of 0.8 m diameter, one metre apart, seen from above in a picture of 100 pixels a ball.
+struct Balls {
+  core::Scene scene;
+  int n;
+  std::vector<core::ItemId> items;
+  core::View view;
+
+  explicit Balls(int count)
+      : n(count),
+        view(*core::View::orthographic({dvec3(0.5 * n, 0.5 * n, 10.0), dvec3(0.5 * n, 0.5 * n, 0.0), {0, 1, 0}}, n, 1.0,
+                                       1.0, 100.0)) {
+    for (int i = 0; i < n * n; ++i)
+      items.push_back(scene.add_primitive(scene.root(), core::Sphere{0.8f}, at(i % n, i / n)));
+  }
+  static core::Affine at(int x, int y) { return core::translation({x + 0.5, y + 0.5, 0.0}); }
+  EngineConfig config() const { return {.width = 100 * n, .height = 100 * n}; }
+  /// The item picked at the middle of a place; kNone: nothing.
+  core::ItemId pick(Engine& engine, int x, int y) const {
+    const auto hit = engine.pick(view, 100.0 * x + 50.0, 100.0 * (n - y) - 50.0);
+    EXPECT_TRUE(hit) << hit.error().message;
+    return *hit ? (*hit)->item : core::kNone;
+  }
+};
+
+TEST(Pick, FindsWhatTheViewShows) {
+  Balls balls(5);
+  auto engine = Engine::create(balls.scene, balls.config());
+  ASSERT_TRUE(engine);
+  EXPECT_EQ(engine->memory().tracer, 0u);
+  for (int i = 0; i < 25; ++i) EXPECT_EQ(balls.pick(*engine, i % 5, i / 5), balls.items[std::size_t(i)]);
+  EXPECT_GT(engine->memory().tracer, 0u);
+  EXPECT_FALSE(*engine->pick(balls.view, 1.0, 1.0)) << "between the balls";
+  const auto hit = engine->pick(balls.view, 150.0, 450.0);
+  ASSERT_TRUE(hit && *hit);
+  EXPECT_LT(glm::length((*hit)->point - dvec3(1.5, 0.5, 0.4)), 1e-7);
+
+  core::View cut = balls.view;
+  cut.sections.push_back({{0, 0, -1}, 0.0});
+  const auto inside = engine->pick(cut, 150.0, 450.0);
+  ASSERT_TRUE(inside && *inside);
+  EXPECT_NEAR((*inside)->point.z, -0.4, 1e-7);
+  cut.layers = core::kLayerInsulation;
+  EXPECT_FALSE(*engine->pick(cut, 150.0, 450.0));
+
+  const auto ray = engine->pick(raytrace::Ray{{2.5, 2.5, 50.0}, {0, 0, -1}});
+  ASSERT_TRUE(ray && *ray);
+  EXPECT_NEAR((*ray)->t, 49.6, 1e-7);
+  EXPECT_FALSE(engine->pick(raytrace::Ray{{0, 0, 0}, {0, 0, 0}}));
+}
+
+TEST(Pick, FollowsEditsAndNewOrders) {
+  Balls balls(40);
+  EngineConfig config = balls.config();
+  config.rebuild_share = 0.2;
+  auto engine = Engine::create(balls.scene, config);
+  ASSERT_TRUE(engine);
+  EXPECT_EQ(balls.pick(*engine, 3, 4), balls.items[163]);
+  // Each round moves every ball of a row to another row, which in the end brings a new order.
+  for (int round = 0; round < 39; ++round) {
+    for (int x = 0; x < 40; ++x) {
+      std::swap(balls.items[std::size_t(40 * round + x)], balls.items[std::size_t(40 * 39 + x)]);
+      for (const int y : {round, 39}) balls.scene.set_placement(balls.items[std::size_t(40 * y + x)], Balls::at(x, y));
+    }
+    const core::ItemId removed = balls.items[std::size_t(40 * 39 + round)];
+    balls.scene.set_visible(removed, false);
+    ASSERT_TRUE(engine->commit());
+    for (int i = 0; i < 1600; i += 7)
+      ASSERT_EQ(balls.pick(*engine, i % 40, i / 40),
+                balls.items[std::size_t(i)] == removed ? core::kNone : balls.items[std::size_t(i)])
+          << "round " << round << ", place " << i;
+    balls.scene.set_visible(removed, true);
+  }
+  const std::uint64_t before = engine->snapshot().generation();
+  ASSERT_TRUE(engine->rebuild());
+  EXPECT_NE(engine->snapshot().generation(), before);
+  for (int i = 0; i < 1600; ++i) ASSERT_EQ(balls.pick(*engine, i % 40, i / 40), balls.items[std::size_t(i)]);
+}
+
+/// An order made in the background comes with its tracer.
+TEST(Pick, FollowsBackgroundRebuilds) {
+  Balls balls(40);
+  EngineConfig config = balls.config();
+  config.rebuild_share = 0.01;
+  auto engine = Engine::create(balls.scene, config);
+  ASSERT_TRUE(engine);
+  EXPECT_EQ(balls.pick(*engine, 0, 0), balls.items[0]);
+  const std::uint64_t before = engine->snapshot().generation();
+  std::mt19937_64 random(1);
+  std::shuffle(balls.items.begin(), balls.items.end(), random);
+  for (int i = 0; i < 1600; ++i) balls.scene.set_placement(balls.items[std::size_t(i)], Balls::at(i % 40, i / 40));
+  ASSERT_TRUE(engine->commit());
+  for (int tries = 0; engine->snapshot().generation() == before; ++tries) {
+    ASSERT_LT(tries, 20'000) << "no new order";
+    ASSERT_TRUE(engine->frame(balls.view));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_GT(engine->memory().tracer, 0u);
+  for (int i = 0; i < 1600; ++i) ASSERT_EQ(balls.pick(*engine, i % 40, i / 40), balls.items[std::size_t(i)]);
+}
+
+}  // namespace
+}  // namespace sightline::engine
