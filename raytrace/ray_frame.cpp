@@ -72,8 +72,7 @@ bool enter(const TreeSpace& space, const dvec3& origin, const dvec3& direction, 
   if (!(first <= last)) return false;
   frame.margin = kMargin * space.reach;
   frame.begin = first - frame.margin;
-  frame.origin = {std::fma(frame.begin, d.x, origin.x), std::fma(frame.begin, d.y, origin.y),
-                  std::fma(frame.begin, d.z, origin.z)};
+  frame.origin = origin + frame.begin * d;
   frame.boxes = box_ray(frame.origin, d, kBoxError * space.reach, frame.limit(last * frame.factor));
   return true;
 }

@@ -83,32 +83,41 @@ KeptParts kept_parts(const Ray& ray, const RayFilter& filter) {
 
 // --- items -----------------------------------------------------------------------------------------------------------
 
+/// The inverse of a linear map is the transpose of its cofactors over its determinant.
+struct Cofactors {
+  dvec3 column[3];
+  double determinant;
+
+  explicit Cofactors(const core::mat3& linear) {
+    const dvec3 x(linear[0]), y(linear[1]), z(linear[2]);
+    column[0] = glm::cross(y, z);
+    column[1] = glm::cross(z, x);
+    column[2] = glm::cross(x, y);
+    determinant = glm::dot(x, column[0]);
+  }
+};
+
 /// A ray in an item's local coordinates, with the same t.
 struct ItemRay {
   dvec3 origin, direction;
-  dvec3 cofactors[3];
-  double determinant;
-
-  dvec3 world_normal(const dvec3& n) const {
-    const dvec3 sum = cofactors[0] * n.x + cofactors[1] * n.y + cofactors[2] * n.z;
-    return glm::normalize(determinant < 0.0 ? -sum : sum);
-  }
 };
+
+dvec3 world_normal(const core::Placement& placement, const dvec3& n) {
+  const Cofactors map(placement.linear);
+  const dvec3 sum = map.column[0] * n.x + map.column[1] * n.y + map.column[2] * n.z;
+  return glm::normalize(map.determinant < 0.0 ? -sum : sum);
+}
 
 /// False: the placement is singular.
 bool to_item(const core::Snapshot& snapshot, const core::Placement& placement, const dvec3& origin,
              const dvec3& direction, ItemRay& out) {
-  const dvec3 x(placement.linear[0]), y(placement.linear[1]), z(placement.linear[2]);
   const dvec3 o = (origin - snapshot.chunk_origins()[placement.chunk]) - dvec3(placement.origin);
-  out.cofactors[0] = glm::cross(y, z);
-  out.cofactors[1] = glm::cross(z, x);
-  out.cofactors[2] = glm::cross(x, y);
-  out.determinant = glm::dot(x, out.cofactors[0]);
-  const double inverse = 1.0 / out.determinant;
+  const Cofactors map(placement.linear);
+  const double inverse = 1.0 / map.determinant;
   if (!(std::fabs(inverse) < kInfinity) || inverse == 0.0) return false;
   for (int i = 0; i < 3; ++i) {
-    out.origin[i] = inverse * glm::dot(out.cofactors[i], o);
-    out.direction[i] = inverse * glm::dot(out.cofactors[i], direction);
+    out.origin[i] = inverse * glm::dot(map.column[i], o);
+    out.direction[i] = inverse * glm::dot(map.column[i], direction);
   }
   return true;
 }
@@ -405,8 +414,6 @@ bool Tracer::Impl::nearest_of(Slot slot, const Ray& ray, double from, Found& fou
 }
 
 Hit Tracer::Impl::finish(const Ray& ray, const Found& found) const {
-  ItemRay local;
-  to_item(*snapshot_, placement(found.slot), ray.origin, ray.direction, local);
   dvec3 normal = found.normal;
   if (found.triangle != core::kNone) {
     dvec3 c[3];
@@ -417,7 +424,7 @@ Hit Tracer::Impl::finish(const Ray& ray, const Found& found) const {
           snapshot_->item(found.slot),
           found.t,
           ray.origin + found.t * ray.direction,
-          local.world_normal(normal),
+          world_normal(placement(found.slot), normal),
           found.triangle};
 }
 
