@@ -24,6 +24,9 @@ constexpr Subcommand kSubcommands[] = {
      bench::add_controller},
     {"occlusion", "occlusion culling without a renderer: occluder raster and test", bench::add_occlusion},
     {"import", "how fast model files are imported", bench::add_import},
+#if SIGHTLINE_HAS_RAYTRACE
+    {"trace", "rays of a picture through the ray tracer, beside Embree where there is one", bench::add_trace},
+#endif
 #if SIGHTLINE_HAS_GOOGLE_BENCHMARK
     {"queries", "spatial queries through the hierarchy against a loop over all boxes", bench::add_queries},
     {"intersect", "what a ray against one analytic primitive costs on the CPU", bench::add_intersect},

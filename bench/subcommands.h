@@ -20,6 +20,9 @@ Run add_import(CLI::App& app);
 Run add_occlusion(CLI::App& app);
 Run add_views(CLI::App& app);
 
+// Built if the ray tracer is.
+Run add_trace(CLI::App& app);
+
 // Built if Google Benchmark is found.
 Run add_intersect(CLI::App& app);
 Run add_queries(CLI::App& app);

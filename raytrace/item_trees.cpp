@@ -70,7 +70,9 @@ void ItemTrees::add(const core::ItemBounds& bounds, std::vector<Slot> slots, int
     refs.push_back({{box.min.x, box.min.y, box.min.z}, slot, {box.max.x, box.max.y, box.max.z}});
   }
   if (refs.empty()) return;
-  BuiltTree built = build_wide_tree(refs, 1, threads);
+  // Copying all nodes because an edit appends some would take a hundred times as long as the edit.
+  const std::size_t spare_nodes = nodes_.empty() ? refs.size() / 50 : 0;
+  BuiltTree built = build_wide_tree(refs, 1, threads, spare_nodes);
   if (built.nodes.empty()) {  // one box
     WideNode& node = built.nodes.emplace_back();
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) set_lane_box(node, lane, Aabb{});

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
-#include <utility>
+
+#include "sightline/raytrace/internal/float4.h"
 
 namespace sightline::raytrace {
 namespace {
@@ -16,26 +16,41 @@ constexpr double kMargin = 0x1p-18;    // along it
 constexpr float kUp = 1.0f + 0x1p-21f, kDown = 1.0f - 0x1p-21f;
 constexpr float kLeastDirection = 0x1p-60f;  // crosses kBoxError only after more than the whole reach
 
+/// The power of two in (x / 2, x], and 1 / that.
+constexpr std::uint64_t kExponent = 0x7ff0000000000000u, kOneOver = 0x7fe0000000000000u;
+double power_of_two(double x) {
+  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & kExponent);
+}
 double inverse_power_of_two(double x) {
-  return std::bit_cast<double>(0x7fe0000000000000u - (std::bit_cast<std::uint64_t>(x) & 0x7ff0000000000000u));
+  return std::bit_cast<double>(kOneOver - (std::bit_cast<std::uint64_t>(x) & kExponent));
 }
 
-BoxRay box_ray(const dvec3& origin, const dvec3& direction, double error, float t_max) {
-  BoxRay ray;
+void set_box_ray(const dvec3& origin, const dvec3& direction, float error, BoxRay& ray) {
+  const Float4 o = Float4::of(origin.x, origin.y, origin.z), d = Float4::of(direction.x, direction.y, direction.z);
+  const Float4 e = with_signs(Float4::spread(error), d);
+  const Float4 inverse = with_signs(Float4::spread(1.0f) / most(magnitude(d), Float4::spread(kLeastDirection)), d);
+  (o + e).store(ray.near_origin);
+  (o - e).store(ray.far_origin);
+  (inverse * Float4::spread(kDown)).store(ray.near_scale);
+  (inverse * Float4::spread(kUp)).store(ray.far_scale);
+  const unsigned back = signs(d);
   for (int axis = 0; axis < 3; ++axis) {
-    const bool back = std::signbit(direction[axis]);
-    const float o = float(origin[axis]), e = back ? -float(error) : float(error);
-    const float d = std::max(std::fabs(float(direction[axis])), kLeastDirection), inverse = back ? -1.0f / d : 1.0f / d;
-    ray.near_origin[axis] = o + e;
-    ray.far_origin[axis] = o - e;
-    ray.near_scale[axis] = inverse * kDown;
-    ray.far_scale[axis] = inverse * kUp;
-    ray.near_plane[axis] = back ? axis + 3 : axis;
-    ray.far_plane[axis] = back ? axis : axis + 3;
+    const int shift = int(back >> axis & 1u) * 3;
+    ray.near_plane[axis] = axis + shift;
+    ray.far_plane[axis] = axis + 3 - shift;
   }
-  ray.t_max = t_max;
-  return ray;
 }
+
+/// The axis of the largest component, and the other two in turn.
+struct Axes {
+  int x, y, z;
+  explicit Axes(const dvec3& direction) {
+    const dvec3 size = glm::abs(direction);
+    z = size.z >= size.x && size.z >= size.y ? 2 : size.y >= size.x ? 1 : 0;
+    x = z == 2 ? 0 : z + 1;
+    y = x == 2 ? 0 : x + 1;
+  }
+};
 
 }  // namespace
 
@@ -49,16 +64,12 @@ TreeSpace space_around(const core::AabbD& box) {
   return space;
 }
 
-float RayFrame::limit(double t) const {
-  const double s = (t / factor - begin) * (1.0 + 0x1p-20) + margin;
-  return s < 1e38 ? float(s) : std::numeric_limits<float>::infinity();
-}
-
 bool enter(const TreeSpace& space, const dvec3& origin, const dvec3& direction, double t_min, double t_max,
            RayFrame& frame) {
   const double longest = std::max(std::fabs(direction.x), std::max(std::fabs(direction.y), std::fabs(direction.z)));
   if (!(longest > 0.0) || space.radius < 0.0) return false;
   frame.factor = inverse_power_of_two(longest);
+  frame.per_factor = power_of_two(longest);
   const dvec3 d = frame.direction = frame.factor * direction;
   const dvec3 to_centre = space.centre - origin;
   const double closest = glm::dot(to_centre, d) / glm::dot(d, d);
@@ -67,44 +78,47 @@ bool enter(const TreeSpace& space, const dvec3& origin, const dvec3& direction, 
   const double lost = 1e-15 * (far.x + far.y + far.z) + 2.0 * kBoxError * space.reach;
   const double radius = space.radius + lost;
   if (!(glm::dot(off, off) <= radius * radius)) return false;
-  const double first = std::max(t_min / frame.factor, closest - radius);
-  const double last = std::min(t_max / frame.factor, closest + radius);
+  const double first = std::max(t_min * frame.per_factor, closest - radius);
+  const double last = std::min(t_max * frame.per_factor, closest + radius);
   if (!(first <= last)) return false;
   frame.margin = kMargin * space.reach;
   frame.begin = first - frame.margin;
   frame.origin = origin + frame.begin * d;
-  frame.boxes = box_ray(frame.origin, d, kBoxError * space.reach, frame.limit(last * frame.factor));
+  set_box_ray(frame.origin, d, float(kBoxError * space.reach), frame.boxes);
+  frame.boxes.t_max = frame.limit_of(last);
   return true;
 }
 
 TriangleRay triangle_ray(const RayFrame& frame) {
-  const dvec3 size = glm::abs(frame.direction);
-  const int z = size.z >= size.x && size.z >= size.y ? 2 : size.y >= size.x ? 1 : 0;
-  const int x = (z + 1) % 3, y = (z + 2) % 3;
-  const auto along = float(1.0 / frame.direction[z]);
-  return {{x, y, z},
-          {float(frame.origin[x]), float(frame.origin[y]), float(frame.origin[z])},
-          {float(frame.direction[x] / frame.direction[z]), float(frame.direction[y] / frame.direction[z]), along}};
+  const Axes axes(frame.direction);
+  const double o[3] = {frame.origin.x, frame.origin.y, frame.origin.z};
+  const double d[3] = {frame.direction.x, frame.direction.y, frame.direction.z};
+  const double along = 1.0 / d[axes.z];
+  return {{axes.x, axes.y, axes.z},
+          {float(o[axes.x]), float(o[axes.y]), float(o[axes.z])},
+          {float(d[axes.x] * along), float(d[axes.y] * along), float(along)}};
 }
 
 double crossing(const RayFrame& frame, const dvec3 (&corners)[3], double nearly) {
-  const dvec3 size = glm::abs(frame.direction);
-  const int z = size.z >= size.x && size.z >= size.y ? 2 : size.y >= size.x ? 1 : 0;
-  const int x = (z + 1) % 3, y = (z + 2) % 3;
-  const double along = 1.0 / frame.direction[z];
-  const double shear_x = frame.direction[x] * along, shear_y = frame.direction[y] * along;
-  dvec3 p[3];
+  const Axes axes(frame.direction);
+  const double d[3] = {frame.direction.x, frame.direction.y, frame.direction.z};
+  const double along = 1.0 / d[axes.z], shear_x = d[axes.x] * along, shear_y = d[axes.y] * along;
+  double x[3], y[3], z[3];
   for (int i = 0; i < 3; ++i) {
-    const dvec3 v = corners[i] - frame.origin;
-    p[i] = {v[x] - shear_x * v[z], v[y] - shear_y * v[z], along * v[z]};
+    const dvec3 to = corners[i] - frame.origin;
+    const double v[3] = {to.x, to.y, to.z};
+    x[i] = v[axes.x] - shear_x * v[axes.z];
+    y[i] = v[axes.y] - shear_y * v[axes.z];
+    z[i] = along * v[axes.z];
   }
-  dvec3 weights = {p[2].x * p[1].y - p[2].y * p[1].x, p[0].x * p[2].y - p[0].y * p[2].x,
-                   p[1].x * p[0].y - p[1].y * p[0].x};
-  if (weights.x + weights.y + weights.z < 0.0) weights = -weights;
-  weights = glm::max(weights, dvec3(0.0));
-  const double sum = weights.x + weights.y + weights.z;
+  double u = x[2] * y[1] - y[2] * x[1], v = x[0] * y[2] - y[0] * x[2], w = x[1] * y[0] - y[1] * x[0];
+  const double side = u + v + w < 0.0 ? -1.0 : 1.0;
+  u = std::max(side * u, 0.0);
+  v = std::max(side * v, 0.0);
+  w = std::max(side * w, 0.0);
+  const double sum = u + v + w;
   if (!(sum > 0.0)) return nearly;
-  return (weights.x * p[0].z + weights.y * p[1].z + weights.z * p[2].z) / sum;
+  return (u * z[0] + v * z[1] + w * z[2]) / sum;
 }
 
 }  // namespace sightline::raytrace

@@ -34,12 +34,18 @@ constexpr std::uint32_t kLargeMesh = 100'000;  // triangles; all threads build i
 
 // --- rays ------------------------------------------------------------------------------------------------------------
 
-core::Expected<void> check(const Ray& ray) {
+bool good(const Ray& ray) {
+  // A sum of products with 0 is 0 unless one factor is not finite.
+  const dvec3 o = 0.0 * ray.origin, d = 0.0 * ray.direction;
+  return o.x + o.y + o.z + (d.x + d.y + d.z) == 0.0 && ray.direction != dvec3(0.0) && !std::isnan(ray.t_min) &&
+         !std::isnan(ray.t_max);
+}
+
+core::Error fault(const Ray& ray) {
   if (!core::is_finite(ray.origin) || !core::is_finite(ray.direction))
-    return core::fail("ray: origin and direction must be finite");
-  if (ray.direction == dvec3(0.0)) return core::fail("ray: direction must not be zero");
-  if (std::isnan(ray.t_min) || std::isnan(ray.t_max)) return core::fail("ray: t_min and t_max must not be NaN");
-  return {};
+    return {"ray: origin and direction must be finite"};
+  if (ray.direction == dvec3(0.0)) return {"ray: direction must not be zero"};
+  return {"ray: t_min and t_max must not be NaN"};
 }
 
 /// Parts of a ray that the section planes keep: none to two, in rising order.
@@ -373,7 +379,7 @@ bool Tracer::Impl::nearest_triangle(const MeshTree& tree, const core::Mesh& mesh
   filter.scale = scale;
   filter.from = from;
   filter.to = to;
-  const TriangleQuery query{tree.nodes.data(),   tree.blocks.data(),        tree.root, frame.boxes,
+  const TriangleQuery query{tree.nodes.data(),   tree.blocks.data(),        tree.root, &frame.boxes,
                             triangle_ray(frame), float(2.0 * frame.margin), &filter};
   const Kernels& kernel = kernels();
   TriangleHit hit = any ? kernel.any(query) : kernel.nearest(query);
@@ -489,7 +495,7 @@ void Tracer::Impl::all_of(Slot slot, const Ray& ray, double from, double to, std
     static_cast<Collector&>(base).triangles.push_back(triangle);
     return false;
   };
-  kernels().nearest({tree.nodes.data(), tree.blocks.data(), tree.root, frame.boxes, triangle_ray(frame),
+  kernels().nearest({tree.nodes.data(), tree.blocks.data(), tree.root, &frame.boxes, triangle_ray(frame),
                      std::numeric_limits<float>::infinity(), &collector});
   for (const std::uint32_t triangle : collector.triangles) {
     dvec3 corners[3];
@@ -530,15 +536,15 @@ core::Expected<void> Tracer::update(std::span<const Slot> touched) {
   return impl_->update(touched);
 }
 core::Expected<std::optional<Hit>> Tracer::nearest(const Ray& ray, const RayFilter& filter) const {
-  if (auto good = check(ray); !good) return tl::unexpected(good.error());
+  if (!good(ray)) return tl::unexpected(fault(ray));
   return impl_->nearest(ray, filter);
 }
 core::Expected<bool> Tracer::any(const Ray& ray, const RayFilter& filter) const {
-  if (auto good = check(ray); !good) return tl::unexpected(good.error());
+  if (!good(ray)) return tl::unexpected(fault(ray));
   return impl_->any(ray, filter);
 }
 core::Expected<void> Tracer::all(const Ray& ray, std::vector<Hit>& hits, const RayFilter& filter) const {
-  if (auto good = check(ray); !good) return tl::unexpected(good.error());
+  if (!good(ray)) return tl::unexpected(fault(ray));
   impl_->all(ray, filter, hits);
   return {};
 }

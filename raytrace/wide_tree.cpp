@@ -264,7 +264,8 @@ void append(BuiltTree& tree, const BuiltTree& part, std::uint32_t parent) {
 
 }  // namespace
 
-BuiltTree build_wide_tree(std::span<BoxRef> refs, std::uint32_t largest_leaf, [[maybe_unused]] int threads) {
+BuiltTree build_wide_tree(std::span<BoxRef> refs, std::uint32_t largest_leaf, [[maybe_unused]] int threads,
+                          std::size_t spare_nodes) {
   assert(largest_leaf > 0);
   BuiltTree tree;
   const Builder builder(refs, largest_leaf);
@@ -287,7 +288,7 @@ BuiltTree build_wide_tree(std::span<BoxRef> refs, std::uint32_t largest_leaf, [[
 
   std::size_t nodes = tree.nodes.size(), leaves = tree.leaves.size();
   for (const BuiltTree& part : parts) nodes += part.nodes.size(), leaves += part.leaves.size();
-  tree.nodes.reserve(nodes);
+  tree.nodes.reserve(nodes + spare_nodes);
   tree.leaves.reserve(leaves);
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     append(tree, parts[i], jobs[i].parent);

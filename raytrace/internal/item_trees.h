@@ -29,7 +29,7 @@ class ItemTrees {
   const WideNode* nodes() const { return nodes_.data(); }
   std::span<const Tree> trees() const { return trees_; }
   std::size_t slot_count() const { return places_.size(); }  ///< at the last update
-  std::size_t memory_bytes() const { return nodes_.capacity() * sizeof(WideNode) + places_.capacity() * 4; }
+  std::size_t memory_bytes() const { return nodes_.size() * sizeof(WideNode) + places_.size() * 4; }
 
  private:
   void add(const core::ItemBounds& bounds, std::vector<core::Slot> slots, int threads);

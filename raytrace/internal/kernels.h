@@ -17,9 +17,9 @@ inline constexpr int kMostLevels = 32;
 /// A ray for boxes, from t = 0 on. It errs towards meeting them: the planes through which it enters a box are as near
 /// as its origin and direction may be wrong, those through which it leaves as far.
 struct BoxRay {
-  float near_origin[3], far_origin[3];
-  float near_scale[3], far_scale[3];  ///< 1 / direction, finite
-  int near_plane[3], far_plane[3];    ///< of WideNode::bounds
+  float near_origin[4], far_origin[4];  ///< three, and one unused
+  float near_scale[4], far_scale[4];    ///< 1 / direction, finite
+  int near_plane[3], far_plane[3];      ///< of WideNode::bounds
   float t_max;
 };
 
@@ -40,7 +40,7 @@ struct TriangleQuery {
   const WideNode* nodes;
   const TriangleBlock* blocks;
   std::uint32_t root;
-  BoxRay boxes;
+  const BoxRay* boxes;
   TriangleRay ray;
   float t_sure;       ///< hits with a lesser t are asked about
   HitFilter* filter;  ///< null: all are refused

@@ -121,11 +121,11 @@ struct Tracing {
   template <bool kAny>
   static TriangleHit trace(const TriangleQuery& query) {
     TriangleHit best{std::numeric_limits<float>::infinity(), kNoTriangle};
-    const typename Form::Ray ray(query.boxes);
+    const typename Form::Ray ray(*query.boxes);
     Entry stack[kMostEntries];
     stack[0] = query.root;
     int size = 1;
-    float limit = query.boxes.t_max;
+    float limit = query.boxes->t_max;
     while (size > 0) {
       const Entry entry = stack[--size];
       if (t_of(entry) > limit) continue;
@@ -134,7 +134,7 @@ struct Tracing {
         size = push_children(query.nodes[child], ray, limit, stack, size);
         continue;
       }
-      if (meet_block<kAny>(query, query.blocks[child & ~kLeafBit], query.boxes.t_max, best)) break;
+      if (meet_block<kAny>(query, query.blocks[child & ~kLeafBit], query.boxes->t_max, best)) break;
       if (best.t < limit) limit = best.t;
     }
     return best;

@@ -2,6 +2,8 @@
 // begins. Internal to raytrace.
 #pragma once
 
+#include <limits>
+
 #include "sightline/core/aabb.h"
 #include "sightline/core/affine.h"
 #include "sightline/raytrace/internal/kernels.h"
@@ -20,14 +22,18 @@ TreeSpace space_around(const core::AabbD& box);
 
 /// A ray with its origin near a hierarchy. Its parameter s is 0 there; the given ray's t is (begin + s) * factor.
 struct RayFrame {
-  dvec3 origin, direction;  ///< the largest component of the direction lies in [1, 2)
-  double begin, factor;
-  double margin;  ///< s that float may be wrong by
+  dvec3 origin, direction;           ///< the largest component of the direction lies in [1, 2)
+  double begin, factor, per_factor;  ///< per_factor = 1 / factor, both powers of two
+  double margin;                     ///< s that float may be wrong by
   BoxRay boxes;
 
   double t(double s) const { return (begin + s) * factor; }
   /// A limit in s for what lies up to `t`.
-  float limit(double t) const;
+  float limit(double t) const { return limit_of(t * per_factor); }
+  float limit_of(double s_from_origin) const {
+    const double s = (s_from_origin - begin) * (1.0 + 0x1p-20) + margin;
+    return s < 1e38 ? float(s) : std::numeric_limits<float>::infinity();
+  }
 };
 
 /// False when the part t_min … t_max of the ray does not come near `space`. The ray starts within the margin before

@@ -31,6 +31,7 @@ struct BuiltTree {
 
 /// Orders `refs` so that each leaf is a range of at most `largest_leaf` (1 or more). No box may be empty or hold
 /// anything that is not finite. The tree does not depend on the number of `threads`; 0: all that OpenMP offers.
-BuiltTree build_wide_tree(std::span<BoxRef> refs, std::uint32_t largest_leaf, int threads);
+/// `spare_nodes`: that `nodes` has room for besides its own.
+BuiltTree build_wide_tree(std::span<BoxRef> refs, std::uint32_t largest_leaf, int threads, std::size_t spare_nodes = 0);
 
 }  // namespace sightline::raytrace

@@ -1,0 +1,236 @@
+// sightline-bench trace: primary rays of one picture through the ray tracer, on one thread, and beside Embree 3 where
+// the build has found it. Embree gets all meshes as one mesh in world coordinates, and no solids.
+//
+// The rays exist before the clock runs. Figures are the least of interleaved passes, in processor time.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/model.h"
+#include "sightline/bench/harness.h"
+#include "sightline/bench/subcommands.h"
+#include "sightline/raytrace/tracer.h"
+#if SIGHTLINE_HAS_EMBREE
+#include "sightline/bench/embree_peer.h"
+#endif
+
+namespace sightline::bench {
+namespace {
+
+using core::dvec3;
+using core::vec3;
+
+struct Options {
+  apps::ModelOptions model;
+  std::size_t triangles = 0;
+  int width = 1408, height = 768, passes = 5, threads = 1;
+  std::string json;
+};
+
+double processor_ms() {
+  return 1e3 * double(std::clock()) / CLOCKS_PER_SEC;
+}
+
+/// A ball of radius 1 with bumps, of about as many triangles.
+core::Mesh bumpy_ball(std::size_t triangles) {
+  const auto rings = std::max(4u, std::uint32_t(std::sqrt(double(triangles) / 4.0))), segments = 2 * rings;
+  core::Mesh mesh;
+  for (std::uint32_t r = 0; r <= rings; ++r)
+    for (std::uint32_t s = 0; s <= segments; ++s) {
+      const double theta = std::numbers::pi * r / rings, phi = 2.0 * std::numbers::pi * (s % segments) / segments;
+      const double radius = 1.0 + 0.1 * std::sin(9.0 * theta) * std::sin(11.0 * phi) + 0.01 * std::sin(70.0 * theta);
+      mesh.positions.emplace_back(
+          radius * dvec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)));
+    }
+  for (std::uint32_t r = 0; r < rings; ++r)
+    for (std::uint32_t s = 0; s < segments; ++s) {
+      const std::uint32_t a = r * (segments + 1) + s, b = a + segments + 1;
+      for (const std::uint32_t i : {a, b, a + 1, a + 1, b, b + 1}) mesh.indices.push_back(i);
+    }
+  return mesh;
+}
+
+/// All rays of the picture, by tiles of 4 x 4 pixels.
+core::Expected<std::vector<raytrace::Ray>> primary_rays(const core::View& view, int width, int height) {
+  std::vector<raytrace::Ray> rays;
+  for (int y = 0; y < height; y += 4)
+    for (int x = 0; x < width; x += 4)
+      for (int j = y; j < std::min(y + 4, height); ++j)
+        for (int i = x; i < std::min(x + 4, width); ++i) {
+          const auto ray = raytrace::pixel_ray(view, width, height, i + 0.5, j + 0.5);
+          if (!ray) return tl::unexpected(ray.error());
+          rays.push_back(*ray);
+        }
+  return rays;
+}
+
+/// One way to trace all rays: its least time, and the distances of the last pass.
+struct Way {
+  std::string name;
+  std::function<void(std::span<float>)> trace;
+  double ms = std::numeric_limits<double>::infinity();
+  std::vector<float> t = {};
+  std::size_t hits() const {
+    return std::size_t(std::count_if(t.begin(), t.end(), [](float x) { return std::isfinite(x); }));
+  }
+};
+
+#if SIGHTLINE_HAS_EMBREE
+/// All meshes of a snapshot, in world coordinates.
+core::Mesh joined(const core::Snapshot& snapshot) {
+  core::Mesh all;
+  for (core::Slot slot = 0; slot < snapshot.size(); ++slot) {
+    if (snapshot.vacant(slot) || int(snapshot.kind(slot)) < core::kPrimitiveKindCount) continue;
+    const core::Mesh& mesh = snapshot.mesh(slot);
+    const core::Affine world = snapshot.world_from_item(slot);
+    const auto first = std::uint32_t(all.positions.size());
+    for (const vec3& p : mesh.positions) all.positions.emplace_back(core::transform_point(world, dvec3(p)));
+    for (const std::uint32_t i : mesh.indices) all.indices.push_back(first + i);
+  }
+  return all;
+}
+
+struct Peers {
+  std::vector<std::unique_ptr<EmbreePeer>> scenes;
+  std::vector<FloatRay> rays;
+};
+
+void add_peers(const core::Snapshot& snapshot, std::span<const raytrace::Ray> rays, int threads, Peers& peers,
+               std::vector<Way>& ways, nlohmann::json& json) {
+  const core::Mesh mesh = joined(snapshot);
+  if (mesh.indices.empty()) return;
+  for (const raytrace::Ray& r : rays)
+    peers.rays.push_back({vec3(r.origin), vec3(r.direction), float(r.t_min), float(std::min(r.t_max, 1e30))});
+  for (const bool robust : {true, false}) {
+    const std::string mode = robust ? "Embree robust" : "Embree default";
+    const EmbreePeer* peer = peers.scenes.emplace_back(std::make_unique<EmbreePeer>(mesh, robust, threads)).get();
+    json["builds"].push_back({{"name", mode}, {"ms", peer->build_ms()}, {"bytes", peer->bytes()}});
+    ways.push_back(
+        {.name = mode + ", single", .trace = [peer, &peers](std::span<float> t) { peer->single(peers.rays, t); }});
+    ways.push_back({.name = mode + ", packets of 16",
+                    .trace = [peer, &peers](std::span<float> t) { peer->packets(peers.rays, t); }});
+  }
+}
+#endif
+
+void print_table(const nlohmann::json& json, std::FILE* out) {
+  std::fprintf(out, "%zu items, %zu triangles, %zu rays\n", json["items"].get<std::size_t>(),
+               json["triangles"].get<std::size_t>(), json["rays"].get<std::size_t>());
+  for (const auto& build : json["builds"])
+    std::fprintf(out, "%-32s build %9.1f ms %9.1f MB\n", build["name"].get<std::string>().c_str(),
+                 build["ms"].get<double>(), build["bytes"].get<double>() / 1e6);
+  for (const auto& way : json["ways"])
+    std::fprintf(out, "%-32s %8.2f Mray/s, %zu hit, %zu differ\n", way["name"].get<std::string>().c_str(),
+                 way["mrays_per_s"].get<double>(), way["hits"].get<std::size_t>(), way["different"].get<std::size_t>());
+}
+
+core::Expected<core::Scene> scene_of(const Options& options) {
+  core::Scene scene;
+  const auto mesh = scene.add_mesh(bumpy_ball(options.triangles));
+  if (!mesh) return tl::unexpected(mesh.error());
+  scene.add_mesh_instance(scene.root(), *mesh);
+  if (auto done = scene.commit(); !done) return tl::unexpected(done.error());
+  return scene;
+}
+
+core::Expected<int> run(const Options& options) {
+  std::unique_ptr<core::Scene> scene;
+  if (!options.model.files.empty()) {
+    auto model = apps::load_model(options.model);
+    if (!model) return tl::unexpected(model.error());
+    scene = std::move(model->scene);
+    if (auto done = scene->commit(); !done) return tl::unexpected(done.error());
+  } else {
+    auto made = scene_of(options);
+    if (!made) return tl::unexpected(made.error());
+    scene = std::make_unique<core::Scene>(std::move(*made));
+  }
+  const core::Snapshot snapshot(*scene);
+  std::size_t triangles = 0;
+  for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
+    if (!snapshot.vacant(slot) && int(snapshot.kind(slot)) >= core::kPrimitiveKindCount)
+      triangles += snapshot.mesh(slot).indices.size() / 3;
+
+  const auto view = core::View::fit(snapshot.bounds().fitted_bounds().bounds, core::kOverviewDirection, apps::kFovy,
+                                    double(options.width) / options.height);
+  if (!view) return tl::unexpected(view.error());
+  const auto rays = primary_rays(*view, options.width, options.height);
+  if (!rays) return tl::unexpected(rays.error());
+
+  nlohmann::json json{{"items", snapshot.size()}, {"triangles", triangles}, {"rays", rays->size()}};
+  const double begin = milliseconds();
+  auto tracer = raytrace::Tracer::create(snapshot, options.threads);
+  const double build_ms = milliseconds() - begin;
+  if (!tracer) return tl::unexpected(tracer.error());
+  json["builds"].push_back({{"name", "Sightline"}, {"ms", build_ms}, {"bytes", tracer->memory().total()}});
+
+  std::vector<Way> ways;
+  ways.push_back({.name = "Sightline, single", .trace = [&](std::span<float> t) {
+                    for (std::size_t i = 0; i < rays->size(); ++i) {
+                      const auto hit = tracer->nearest((*rays)[i]);
+                      t[i] = *hit ? float((*hit)->t) : std::numeric_limits<float>::infinity();
+                    }
+                  }});
+#if SIGHTLINE_HAS_EMBREE
+  Peers peers;
+  add_peers(snapshot, *rays, options.threads, peers, ways, json);
+#endif
+  for (Way& way : ways) way.t.resize(rays->size());
+  for (int pass = 0; pass < options.passes; ++pass)
+    for (Way& way : ways) {
+      const double start = processor_ms();
+      way.trace(way.t);
+      way.ms = std::min(way.ms, processor_ms() - start);
+    }
+  for (const Way& way : ways) {
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < rays->size(); ++i) {
+      const float a = way.t[i], b = ways.front().t[i];
+      different += !(a == b || std::abs(a - b) <= 1e-4f * std::abs(b));
+    }
+    json["ways"].push_back({{"name", way.name},
+                            {"mrays_per_s", double(rays->size()) / 1e3 / way.ms},
+                            {"hits", way.hits()},
+                            {"different", different}});
+  }
+  return finish(options.json, json, print_table);
+}
+
+void add_options(CLI::App& app, Options& options) {
+  apps::add_model_options(app, options.model);
+  app.get_option("MODEL")->required(false);
+  app.add_option("--triangles", options.triangles, "Without MODEL: triangles of a ball with bumps")
+      ->default_val(900'000)
+      ->check(CLI::Range(std::size_t(64), std::size_t(100'000'000)));
+  app.add_option("--width", options.width, "Pixels")->capture_default_str()->check(CLI::Range(1, 16384));
+  app.add_option("--height", options.height, "Pixels")->capture_default_str()->check(CLI::Range(1, 16384));
+  app.add_option("--passes", options.passes, "Times that each tracer traces all rays")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--threads", options.threads, "Threads that build; one traces")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
+  apps::add_json_option(app, options.json);
+  apps::add_examples(app,
+                     "  sightline-bench trace bunny.ply\n"
+                     "  sightline-bench trace --triangles 3600000 --threads 2");
+}
+
+}  // namespace
+
+Run add_trace(CLI::App& app) {
+  return add_subcommand<Options>(app, add_options, run);
+}
+
+}  // namespace sightline::bench
