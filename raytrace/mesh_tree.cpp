@@ -77,9 +77,4 @@ MeshTree build_mesh_tree(const core::Mesh& mesh, [[maybe_unused]] int threads) {
   return result;
 }
 
-void scaled_corners(const core::Mesh& mesh, double per_unit, std::uint32_t triangle, dvec3 (&corners)[3]) {
-  for (std::uint32_t i = 0; i < 3; ++i)
-    corners[i] = per_unit * dvec3(mesh.positions[mesh.indices[3 * std::size_t(triangle) + i]]);
-}
-
 }  // namespace sightline::raytrace

@@ -30,7 +30,8 @@ using core::Kind;
 using core::Slot;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::uint32_t kLargeMesh = 100'000;  // triangles; all threads build it
+constexpr std::uint32_t kLargeMesh = 100'000;                 // triangles; all threads build it
+constexpr std::size_t kMostTriangles = std::size_t(1) << 28;  // places of triangles fit in 32 bits
 
 // --- rays ------------------------------------------------------------------------------------------------------------
 
@@ -214,7 +215,7 @@ class Tracer::Impl {
 
   core::Expected<void> build(int threads);
   core::Expected<void> update(std::span<const Slot> touched);
-  std::optional<Hit> nearest(const Ray& ray, const RayFilter& filter) const;
+  void nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const;
   bool any(const Ray& ray, const RayFilter& filter) const;
   void all(const Ray& ray, const RayFilter& filter, std::vector<Hit>& hits) const;
   const core::Snapshot& snapshot() const { return *snapshot_; }
@@ -224,15 +225,15 @@ class Tracer::Impl {
   struct Found {
     double t = kInfinity;
     Slot slot = core::kNone;
-    std::uint32_t triangle = core::kNone;
-    dvec3 normal{0.0};  // of solids, local
+    std::uint32_t place = core::kNone;  // of meshes
+    dvec3 normal{0.0};                  // of solids, local
   };
   struct Query;
   template <class Meet>
   void walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const;
   bool nearest_of(Slot slot, const Ray& ray, double from, Found& found) const;
-  bool nearest_triangle(const MeshTree& tree, const core::Mesh& mesh, const ItemRay& ray, double from, double to,
-                        bool any, double& t, std::uint32_t& triangle) const;
+  static bool nearest_triangle(const MeshTree& tree, const ItemRay& ray, double from, double to, bool any, double& t,
+                               std::uint32_t& place);
   void all_of(Slot slot, const Ray& ray, double from, double to, std::vector<Hit>& hits) const;
   Hit finish(const Ray& ray, const Found& found) const;
   const core::Placement& placement(Slot slot) const {
@@ -261,8 +262,8 @@ core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_u
     const std::uint32_t index = mesh_index(slot);
     if (index >= meshes_.size()) meshes_.resize(std::size_t(index) + 1);
     if (meshes_[index] || snapshot_->vacant(slot)) continue;
-    if (snapshot_->mesh(slot).indices.size() / 3 >= kLeafBit)
-      return core::fail("tracer: mesh \"" + snapshot_->mesh(slot).name + "\" must have fewer than 2^31 triangles");
+    if (snapshot_->mesh(slot).indices.size() / 3 >= kMostTriangles)
+      return core::fail("tracer: mesh \"" + snapshot_->mesh(slot).name + "\" must have fewer than 2^28 triangles");
     firsts.push_back(slot);
   }
   const auto by_mesh = [&](Slot a, Slot b) { return mesh_index(a) < mesh_index(b); };
@@ -352,41 +353,39 @@ void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter&
   }
 }
 
-bool Tracer::Impl::nearest_triangle(const MeshTree& tree, const core::Mesh& mesh, const ItemRay& ray, double from,
-                                    double to, bool any, double& t, std::uint32_t& triangle) const {
-  RayFrame frame;
-  const double scale = tree.per_unit;
-  if (tree.empty || !enter(tree.space, scale * ray.origin, scale * ray.direction, from, to, frame)) return false;
+/// `any`: any triangle does.
+bool Tracer::Impl::nearest_triangle(const MeshTree& tree, const ItemRay& ray, double from, double to, bool any,
+                                    double& t, std::uint32_t& place) {
   struct Filter : HitFilter {
-    const RayFrame* frame;
-    const core::Mesh* mesh;
-    double scale, from, to;
+    RayFrame frame;
+    const MeshTree* tree;
+    double from, to;
+
+    double crossed(std::uint32_t at, double nearly) const {
+      dvec3 corners[3];
+      tree->corners(at, corners);
+      return frame.t(crossing(frame, corners, nearly));
+    }
   } filter;
-  const auto crossing_of = [](const Filter& f, std::uint32_t index, double nearly) {
-    dvec3 corners[3];
-    scaled_corners(*f.mesh, f.scale, index, corners);
-    return f.frame->t(crossing(*f.frame, corners, nearly));
-  };
-  filter.accept = [](HitFilter& base, std::uint32_t index) {
+  const double scale = tree.per_unit;
+  if (tree.empty || !enter(tree.space, scale * ray.origin, scale * ray.direction, from, to, filter.frame)) return false;
+  filter.accept = [](HitFilter& base, std::uint32_t at) {
     const auto& self = static_cast<Filter&>(base);
-    dvec3 corners[3];
-    scaled_corners(*self.mesh, self.scale, index, corners);
-    const double crossed = self.frame->t(crossing(*self.frame, corners, -1.0));
+    const double crossed = self.crossed(at, -1.0);
     return crossed >= self.from && crossed <= self.to;
   };
-  filter.frame = &frame;
-  filter.mesh = &mesh;
-  filter.scale = scale;
+  filter.tree = &tree;
   filter.from = from;
   filter.to = to;
+  const RayFrame& frame = filter.frame;
   const TriangleQuery query{tree.nodes.data(),   tree.blocks.data(),        tree.root, &frame.boxes,
                             triangle_ray(frame), float(2.0 * frame.margin), &filter};
   const Kernels& kernel = kernels();
   TriangleHit hit = any ? kernel.any(query) : kernel.nearest(query);
   for (bool again = any;; again = false) {
     if (hit.triangle == kNoTriangle) return false;
-    t = crossing_of(filter, hit.triangle, double(hit.t));
-    triangle = hit.triangle;
+    place = hit.place;
+    t = filter.crossed(place, double(hit.t));
     if (t >= from && t <= to) return true;
     if (!again) return false;
     hit = kernel.nearest(query);  // of any hits float took one that lies just beyond the end
@@ -401,12 +400,10 @@ bool Tracer::Impl::nearest_of(Slot slot, const Ray& ray, double from, Found& fou
   const auto nearer = [&](double t) { return t < found.t || (t == found.t && slot < found.slot); };
   if (is_mesh(kind)) {
     double t;
-    std::uint32_t triangle;
-    if (!nearest_triangle(*meshes_[mesh_index(slot)], snapshot_->mesh(slot), local, from, found.t, false, t,
-                          triangle) ||
-        !nearer(t))
+    std::uint32_t place;
+    if (!nearest_triangle(*meshes_[mesh_index(slot)], local, from, found.t, false, t, place) || !nearer(t))
       return false;
-    found = {t, slot, triangle, {}};
+    found = {t, slot, place, {}};
     return true;
   }
   const gpuprims::Hits hits = solid_hits(kind, parameters(slot), {local.origin, local.direction});
@@ -421,20 +418,23 @@ bool Tracer::Impl::nearest_of(Slot slot, const Ray& ray, double from, Found& fou
 
 Hit Tracer::Impl::finish(const Ray& ray, const Found& found) const {
   dvec3 normal = found.normal;
-  if (found.triangle != core::kNone) {
+  std::uint32_t triangle = core::kNone;
+  if (found.place != core::kNone) {
+    const MeshTree& tree = *meshes_[mesh_index(found.slot)];
     dvec3 c[3];
-    scaled_corners(snapshot_->mesh(found.slot), meshes_[mesh_index(found.slot)]->per_unit, found.triangle, c);
+    tree.corners(found.place, c);
     normal = glm::cross(c[1] - c[0], c[2] - c[0]);
+    triangle = tree.triangle(found.place);
   }
   return {found.slot,
           snapshot_->item(found.slot),
           found.t,
           ray.origin + found.t * ray.direction,
           world_normal(placement(found.slot), normal),
-          found.triangle};
+          triangle};
 }
 
-std::optional<Hit> Tracer::Impl::nearest(const Ray& ray, const RayFilter& filter) const {
+void Tracer::Impl::nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
   const KeptParts parts = kept_parts(ray, filter);
   for (int i = 0; i < parts.count; ++i) {
     const auto [from, to] = parts.part[std::size_t(i)];
@@ -444,9 +444,10 @@ std::optional<Hit> Tracer::Impl::nearest(const Ray& ray, const RayFilter& filter
       nearest_of(slot, ray, from, found);
       return found.t;
     });
-    if (found.slot != core::kNone) return finish(ray, found);
+    if (found.slot == core::kNone) continue;
+    hit = finish(ray, found);
+    return;
   }
-  return std::nullopt;
 }
 
 bool Tracer::Impl::any(const Ray& ray, const RayFilter& filter) const {
@@ -460,8 +461,8 @@ bool Tracer::Impl::any(const Ray& ray, const RayFilter& filter) const {
       const Kind kind = snapshot_->kind(slot);
       if (is_mesh(kind)) {
         double t;
-        std::uint32_t triangle;
-        hit = nearest_triangle(*meshes_[mesh_index(slot)], snapshot_->mesh(slot), local, from, to, true, t, triangle);
+        std::uint32_t place;
+        hit = nearest_triangle(*meshes_[mesh_index(slot)], local, from, to, true, t, place);
       } else {
         const gpuprims::Hits hits = solid_hits(kind, parameters(slot), {local.origin, local.direction});
         for (int h = 0; h < hits.count; ++h) hit |= hits.hit[h].t >= from && hits.hit[h].t <= to;
@@ -489,18 +490,18 @@ void Tracer::Impl::all_of(Slot slot, const Ray& ray, double from, double to, std
   if (tree.empty || !enter(tree.space, tree.per_unit * local.origin, tree.per_unit * local.direction, from, to, frame))
     return;
   struct Collector : HitFilter {
-    std::vector<std::uint32_t> triangles;
+    std::vector<std::uint32_t> places;
   } collector;
-  collector.accept = [](HitFilter& base, std::uint32_t triangle) {
-    static_cast<Collector&>(base).triangles.push_back(triangle);
+  collector.accept = [](HitFilter& base, std::uint32_t place) {
+    static_cast<Collector&>(base).places.push_back(place);
     return false;
   };
   kernels().nearest({tree.nodes.data(), tree.blocks.data(), tree.root, &frame.boxes, triangle_ray(frame),
                      std::numeric_limits<float>::infinity(), &collector});
-  for (const std::uint32_t triangle : collector.triangles) {
+  for (const std::uint32_t place : collector.places) {
     dvec3 corners[3];
-    scaled_corners(snapshot_->mesh(slot), tree.per_unit, triangle, corners);
-    add({frame.t(crossing(frame, corners, 0.0)), slot, triangle, {}});
+    tree.corners(place, corners);
+    add({frame.t(crossing(frame, corners, 0.0)), slot, place, {}});
   }
 }
 
@@ -536,8 +537,12 @@ core::Expected<void> Tracer::update(std::span<const Slot> touched) {
   return impl_->update(touched);
 }
 core::Expected<std::optional<Hit>> Tracer::nearest(const Ray& ray, const RayFilter& filter) const {
-  if (!good(ray)) return tl::unexpected(fault(ray));
-  return impl_->nearest(ray, filter);
+  core::Expected<std::optional<Hit>> result;
+  if (good(ray))
+    impl_->nearest(ray, filter, *result);
+  else
+    result = tl::unexpected(fault(ray));
+  return result;
 }
 core::Expected<bool> Tracer::any(const Ray& ray, const RayFilter& filter) const {
   if (!good(ray)) return tl::unexpected(fault(ray));

@@ -78,7 +78,7 @@ struct TracerMemory {
 class SIGHTLINE_API Tracer {
  public:
   /// The snapshot must outlive the tracer and stay at its address. `threads` build; 0: all that OpenMP offers. Fails
-  /// for a mesh of 2^31 triangles or more.
+  /// for a mesh of 2^28 triangles or more.
   static core::Expected<Tracer> create(const core::Snapshot& snapshot, int threads = 0);
   Tracer(Tracer&&) noexcept;
   Tracer& operator=(Tracer&&) noexcept;

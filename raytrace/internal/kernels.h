@@ -32,7 +32,7 @@ struct TriangleRay {
 
 /// Decides what is too close to a ray's start for float.
 struct HitFilter {
-  bool (*accept)(HitFilter& filter, std::uint32_t triangle);
+  bool (*accept)(HitFilter& filter, std::uint32_t place);
 };
 
 /// A ray and the triangles of a mesh. A root with kLeafBit is a block.
@@ -49,6 +49,7 @@ struct TriangleQuery {
 struct TriangleHit {
   float t;                 ///< infinite: none
   std::uint32_t triangle;  ///< kNoTriangle: none
+  std::uint32_t place;     ///< of its corners: kLanes * block + lane
 };
 inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 

@@ -66,8 +66,8 @@ template <class Form>
 struct Tracing {
   /// Meets a block: updates `best`. Returns true when any hit suffices and there is one.
   template <bool kAny>
-  static inline bool meet_block(const TriangleQuery& query, const TriangleBlock& block, float t_max,
-                                TriangleHit& best) {
+  static inline bool meet_block(const TriangleQuery& query, std::uint32_t index, float t_max, TriangleHit& best) {
+    const TriangleBlock& block = query.blocks[index];
     typename Form::Areas areas;
     unsigned hit, unsure;
     Form::shear(query.ray, block, areas, hit, unsure);
@@ -91,9 +91,9 @@ struct Tracing {
       const float limit = best.t < t_max ? best.t : t_max;
       if (!(t[lane] >= 0.0f && t[lane] <= limit)) continue;
       if (t[lane] == best.t && triangle > best.triangle) continue;
-      if (t[lane] < query.t_sure && !(query.filter && query.filter->accept(*query.filter, triangle))) continue;
-      best.t = t[lane];
-      best.triangle = triangle;
+      if (t[lane] < query.t_sure && !(query.filter && query.filter->accept(*query.filter, index * kLanes + lane)))
+        continue;
+      best = {t[lane], triangle, index * kLanes + lane};
       if (kAny) return true;
     }
     return false;
@@ -120,7 +120,7 @@ struct Tracing {
 
   template <bool kAny>
   static TriangleHit trace(const TriangleQuery& query) {
-    TriangleHit best{std::numeric_limits<float>::infinity(), kNoTriangle};
+    TriangleHit best{std::numeric_limits<float>::infinity(), kNoTriangle, 0};
     const typename Form::Ray ray(*query.boxes);
     Entry stack[kMostEntries];
     stack[0] = query.root;
@@ -134,7 +134,7 @@ struct Tracing {
         size = push_children(query.nodes[child], ray, limit, stack, size);
         continue;
       }
-      if (meet_block<kAny>(query, query.blocks[child & ~kLeafBit], query.boxes->t_max, best)) break;
+      if (meet_block<kAny>(query, child & ~kLeafBit, query.boxes->t_max, best)) break;
       if (best.t < limit) limit = best.t;
     }
     return best;

@@ -18,6 +18,15 @@ struct MeshTree {
   core::LargeArray<WideNode> nodes;
   core::LargeArray<TriangleBlock> blocks;
 
+  std::uint32_t triangle(std::uint32_t place) const { return blocks[place / kLanes].triangles[place % kLanes]; }
+  /// Corners of the triangle at a place, in units.
+  void corners(std::uint32_t place, dvec3 (&out)[3]) const {
+    const TriangleBlock& block = blocks[place / kLanes];
+    const std::uint32_t lane = place % kLanes;
+    for (int i = 0; i < 3; ++i)
+      out[i] = {block.corners[i][0][lane], block.corners[i][1][lane], block.corners[i][2][lane]};
+  }
+
   std::size_t memory_bytes() const {
     return sizeof(*this) + nodes.capacity() * sizeof(WideNode) + blocks.capacity() * sizeof(TriangleBlock);
   }
@@ -25,8 +34,5 @@ struct MeshTree {
 
 /// Triangles with a corner that is not finite are left out. `threads`: see build_wide_tree().
 MeshTree build_mesh_tree(const core::Mesh& mesh, int threads);
-
-/// Corners of a triangle, scaled.
-void scaled_corners(const core::Mesh& mesh, double per_unit, std::uint32_t triangle, dvec3 (&corners)[3]);
 
 }  // namespace sightline::raytrace
