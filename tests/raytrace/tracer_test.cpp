@@ -395,6 +395,31 @@ TEST(Tracer, FollowsEdits) {
   }
 }
 
+/// Items that were hidden when the tracer was made have a slot already when they are shown.
+TEST(Tracer, SeesItemsThatWereHiddenAtFirst) {
+  Random random(8);
+  const auto world = random_world(random, 0, 0.0);
+  std::vector<core::ItemId> items;
+  for (int i = 0; i < 40; ++i) {
+    items.push_back(world->scene.add_primitive(world->scene.root(), core::Sphere{0.5f}, core::translation({i, 0, 0})));
+    world->scene.set_visible(items.back(), i % 2 == 0);
+  }
+  ASSERT_TRUE(world->scene.commit());
+  world->snapshot = std::make_unique<Snapshot>(world->scene);
+  Tracer tracer = world->tracer();
+  for (int shown = 0; shown < 40; ++shown) {
+    world->scene.set_visible(items[std::size_t(shown)], shown % 2 == 1);
+    const auto delta = world->scene.commit();
+    ASSERT_TRUE(delta);
+    ASSERT_TRUE(tracer.update(world->snapshot->apply(*delta)));
+    for (int i = 0; i < 40; ++i) {
+      const auto hit = tracer.nearest({.origin = {i, -5, 0}});
+      ASSERT_TRUE(hit);
+      ASSERT_EQ(hit->has_value(), i % 2 == (i <= shown ? 1 : 0)) << "item " << i << ", edit " << shown;
+    }
+  }
+}
+
 /// A closed mesh in a scene of its own, where it stands.
 std::unique_ptr<World> world_of(core::Mesh mesh, const Affine& placement) {
   auto world = std::make_unique<World>();
