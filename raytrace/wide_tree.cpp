@@ -16,9 +16,6 @@ namespace {
 constexpr int kBins = 16;
 /// Parts of this share of all boxes are built as a whole, several at once.
 constexpr std::uint32_t kJobs = 64, kSmallestJob = 4096;
-/// A leaf costs as much as a visit of either half. So a part that fits in a leaf is split only if its halves together
-/// have less than this share of its area.
-constexpr double kSplitLeaf = 0.75;
 /// Below this level parts are halved by number, which bounds the depth (kMostLevels).
 constexpr int kDeepLevel = 20;
 
@@ -52,11 +49,6 @@ struct Part {
     const Float4 c = centre_of(b);
     box.grow(b);
     centres.grow({c, c});
-  }
-  void finish(std::uint32_t from, std::uint32_t to) {
-    first = from;
-    count = to - from;
-    area = box.area();
   }
 };
 
@@ -159,9 +151,16 @@ class Builder {
   Part measured(std::uint32_t first, std::uint32_t end) const {
     Part part;
     for (std::uint32_t i = first; i < end; ++i) part.grow(box_of(refs_[i]));
-    part.finish(first, end);
-    part.leaf = part.count == 1;
+    finish(part, first, end);
     return part;
+  }
+
+  /// A block of triangles costs the same however many there are. So what fits in a leaf is one.
+  void finish(Part& part, std::uint32_t first, std::uint32_t end) const {
+    part.first = first;
+    part.count = end - first;
+    part.area = part.box.area();
+    part.leaf = part.count <= largest_leaf_;
   }
 
   int split_into_children(const Part& part, int level, Part* children) const {
@@ -175,35 +174,22 @@ class Builder {
         if (!children[i].leaf && (widest < 0 || size(children[i]) > size(children[widest]))) widest = i;
       if (widest < 0) break;
       Part left, right;
-      if (!split(children[widest], count == 1, deep, left, right)) {
-        children[widest].leaf = true;
-        continue;
-      }
+      split(children[widest], deep, left, right);
       children[widest] = left;
       children[count++] = right;
     }
     return count;
   }
 
-  /// False: the part is better a leaf.
-  bool split(const Part& part, bool must, bool deep, Part& left, Part& right) const {
+  void split(const Part& part, bool deep, Part& left, Part& right) const {
     const auto refs = refs_.subspan(part.first, part.count);
     const Binning binning(part);
     const Split best = deep ? Split{} : best_split(refs, binning);
-    const bool fits = part.count <= largest_leaf_ && !must;
-    if (best.axis < 0) {
-      if (fits) return false;
-      halve(part, left, right);
-      return true;
-    }
+    if (best.axis < 0) return halve(part, left, right);
     const BoxRef* const middle = partition(refs, binning, best, left, right);
     const auto at = std::uint32_t(middle - refs_.data());
-    left.finish(part.first, at);
-    right.finish(at, part.first + part.count);
-    if (fits && left.area + right.area >= kSplitLeaf * part.area) return false;
-    left.leaf = left.count == 1;
-    right.leaf = right.count == 1;
-    return true;
+    finish(left, part.first, at);
+    finish(right, at, part.first + part.count);
   }
 
   static BoxRef* partition(std::span<BoxRef> refs, const Binning& binning, const Split& split, Part& left,
