@@ -173,8 +173,8 @@ class SIGHTLINE_API Engine {
   /// The view's layers and section planes count, transparency does not. Nothing where the ray hits nothing; lines are
   /// never hit. Works with and without drawing. Fails as raytrace::pixel_ray() does.
   ///
-  /// The first pick builds the tracer, about half a second per million items. From then on commits keep it up, and new
-  /// orders come with theirs. Only builds with SIGHTLINE_RAYTRACE have these functions.
+  /// The first pick builds the tracer, about 0.8 s of one processor per million items. From then on commits keep it up,
+  /// and new orders come with theirs. Only builds with SIGHTLINE_RAYTRACE have these functions.
   core::Expected<std::optional<raytrace::Hit>> pick(const core::View& view, double x, double y);
   /// What a ray hits first. Without a filter: items of the default layers.
   core::Expected<std::optional<raytrace::Hit>> pick(const raytrace::Ray& ray);

@@ -85,8 +85,9 @@ class SIGHTLINE_API Tracer {
   ~Tracer();
 
   /// Follows Snapshot::apply(), which has returned `touched`; slots appended since are found by themselves. Refits the
-  /// boxes above touched slots, and makes small hierarchies of appended ones. Time is proportional to the number of
-  /// touched and appended slots, times a logarithm. Fails as create() does; then nothing has changed.
+  /// boxes above touched slots, and makes small hierarchies of appended ones. No query may run meanwhile. Time is
+  /// proportional to the number of touched and appended slots, times a logarithm. Fails as create() does; then nothing
+  /// has changed.
   core::Expected<void> update(std::span<const core::Slot> touched);
 
   // All queries fail where the ray's origin or direction is not finite, its direction is zero, or an end is NaN.
