@@ -318,8 +318,8 @@ TracerMemory Tracer::Impl::memory() const {
 
 // --- queries ---------------------------------------------------------------------------------------------------------
 
-/// Calls meet(slot, limit) for items that the part from … to may meet. Returns from there the t beyond which nothing is
-/// of interest from now on: -infinity to end.
+/// Calls meet(slot) for items that the ray's part from … to may meet. meet() returns the t beyond which nothing is of
+/// interest from now on; -infinity ends the walk.
 template <class Meet>
 void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const {
   struct Visitor : LeafVisitor {

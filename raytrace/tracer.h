@@ -8,11 +8,12 @@
 // (its linear part squeezes them flat). Both sides of every surface are hit.
 //
 // Errors. Items are where the snapshot places them. A solid's hit is exact up to double rounding: t is off by at most
-// kSolidError of the coordinates involved (those of the ray's origin, of the item, and of the point; for a ray that
-// grazes the surface divided by the sine of the angle between them). A mesh is hit as if the ray passed it displaced by
-// at most kMeshError of the mesh's size: the largest of its local coordinates, or twice its diagonal, whichever is
-// more. Where two of its triangles are nearer to each other than that, either may be the nearest. Given the triangle, t
-// is the ray's crossing with it in double.
+// kSolidError of the coordinates involved (the lengths of the ray's origin, of the item's, and of the item's diagonal),
+// over the length of the direction; where a ray grazes the surface, over the sine of the angle between them, too. A
+// mesh is hit as if the ray passed it displaced by at most kMeshError of the mesh's size: the largest of its local
+// coordinates, or twice its diagonal, whichever is more. Where two of its triangles are nearer to each other than that,
+// either may be the nearest. Given the triangle, t is the ray's crossing with it in double. Placements that nearly are
+// singular add the loss of their inverse.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,7 @@
 
 namespace sightline::raytrace {
 
-inline constexpr double kSolidError = 1e-14;
+inline constexpr double kSolidError = 4e-12;
 inline constexpr double kMeshError = 1e-6;
 
 /// Points origin + t * direction, t_min <= t <= t_max, in world metres. Either end may be infinite; t_min > t_max is a

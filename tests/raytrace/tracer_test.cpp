@@ -82,7 +82,7 @@ void solid_crossings(const Snapshot& snapshot, Slot slot, const Ray& ray, std::v
   const dvec3 u = glm::normalize(glm::cross(along, std::abs(along.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
   const core::AabbD box = core::bounds(solid, world);
   const double size = glm::length(ray.origin) + glm::length(world.origin) + glm::length(box.size());
-  const double step = 1e-12 * size;
+  const double step = 0.25 * kSolidError * size;
   const dvec3 sides[] = {dvec3(0.0), step * u, -step * u, step * glm::cross(along, u), -step * glm::cross(along, u)};
   gpuprims::Hits hits[5];
   for (int i = 0; i < 5; ++i) hits[i] = cast(sides[i]);
@@ -91,7 +91,7 @@ void solid_crossings(const Snapshot& snapshot, Slot slot, const Ray& ray, std::v
       const double t = around.hit[i].t;
       const dvec3 n = glm::normalize(glm::transpose(inverse) * around.hit[i].normal);
       const double sine = std::abs(glm::dot(n, along));
-      const double error = 4.0 * step / length / std::max(sine, 1e-6) + 1e-14 * std::abs(t);
+      const double error = kSolidError * size / length / std::max(sine, 1e-6);
       const bool sure = sine > 1e-4 && std::all_of(std::begin(hits), std::end(hits), [&](const gpuprims::Hits& other) {
                           return std::any_of(other.hit.begin(), other.hit.begin() + other.count,
                                              [&](const gpuprims::Hit& h) { return std::abs(h.t - t) <= error; });
