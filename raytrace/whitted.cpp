@@ -1,0 +1,298 @@
+#include "sightline/raytrace/whitted.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "sightline/raytrace/exact_visibility.h"
+#include "sightline/raytrace/internal/supersampling.h"
+
+namespace sightline::raytrace {
+namespace {
+
+using core::dvec3;
+
+constexpr int kTile = 16;                    // pixels
+constexpr double kLeastShare = 1.0 / 512.0;  // of a pixel's light; less is not followed
+
+core::Expected<void> check(const WhittedOptions& options) {
+  if (options.samples <= 0 || options.max_depth <= 0)
+    return core::fail("whitted: samples and max_depth must be above 0");
+  if (options.edge_threshold && !(*options.edge_threshold >= 0.0))
+    return core::fail("whitted: edge_threshold must be at least 0");
+  const auto bad_optics = [](const Optics& o) {
+    return !(o.reflectivity >= 0.0f && o.reflectivity <= 1.0f && o.refractive_index > 0.0f &&
+             std::isfinite(o.refractive_index));
+  };
+  if (bad_optics(options.optics) ||
+      std::any_of(options.material_optics.begin(), options.material_optics.end(), bad_optics))
+    return core::fail("whitted: reflectivity must be 0 to 1, refractive_index above 0");
+  for (const Light& light : options.lights)
+    if (!core::is_finite(light.at) || (light.sun && light.at == dvec3(0.0)) || !core::is_finite(dvec3(light.colour)) ||
+        std::min({light.colour.x, light.colour.y, light.colour.z}) < 0.0f)
+      return core::fail("whitted: lights must be finite, directions not 0, and colours at least 0");
+  return {};
+}
+
+/// The linear part for normals. Cofactors are defined for singular placements, too.
+core::dmat3 cofactors(const core::dmat3& m) {
+  return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
+}
+
+/// The mean of the corners' normals at a point of a triangle, in the world; its sign and length say nothing.
+dvec3 smooth_normal(const core::Mesh& mesh, const core::Affine& world_from_item, const Hit& hit) {
+  const std::uint32_t* corner = mesh.indices.data() + 3 * std::size_t(hit.triangle);
+  const auto at = [&](int i) { return core::transform_point(world_from_item, dvec3(mesh.positions[corner[i]])); };
+  const dvec3 a = at(0) - hit.point, b = at(1) - hit.point, c = at(2) - hit.point;
+  const double area[] = {glm::dot(glm::cross(b, c), hit.normal), glm::dot(glm::cross(c, a), hit.normal),
+                         glm::dot(glm::cross(a, b), hit.normal)};
+  dvec3 sum(0.0);
+  for (int i = 0; i < 3; ++i) {
+    const dvec3 normal(mesh.normals[corner[i]]);
+    const double length = glm::length(normal);
+    if (length > 0.0 && std::isfinite(length)) sum += area[i] / length * normal;
+  }
+  return cofactors(world_from_item.linear) * sum;
+}
+
+/// What a ray sees. Colours are sRGB, as the renderer's shaders reckon (render/shaders/shading.glsl).
+class Shader {
+ public:
+  Shader(const Tracer& tracer, const core::View& view, const WhittedOptions& options)
+      : tracer_(tracer), options_(options), filter_(filter_of(view)), lights_(options.lights) {
+    if (lights_.empty()) lights_.push_back(head_light(view));
+    const core::MaterialTable& table = tracer.snapshot().materials();
+    all_opaque_ = std::all_of(table.begin(), table.end(), [](const glm::vec4& row) { return row.a >= 1.0f; });
+  }
+
+  /// Replaces `first`, unless null, with what the ray itself hits.
+  dvec3 colour(const Ray& ray, std::optional<Hit>* first = nullptr) const { return colour(ray, 1.0, 0, first); }
+
+ private:
+  /// A point of a surface, as seen along a ray.
+  struct Surface {
+    dvec3 normal;   ///< of the surface, towards the viewer
+    dvec3 shading;  ///< the normal that it is lit by, towards the viewer
+    bool entered;   ///< seen from outside
+    double margin;  ///< the ray may start this far off and be sure to be on either side
+    glm::vec4 material{core::Material().colour, core::Material().alpha};
+    Optics optics;
+  };
+
+  std::optional<Hit> nearest(const Ray& ray) const { return tracer_.nearest(ray, filter_).value_or(std::nullopt); }
+
+  Surface surface_at(const Hit& hit, const dvec3& direction) const {
+    const core::Snapshot& snapshot = tracer_.snapshot();
+    Surface s;
+    s.entered = glm::dot(hit.normal, direction) < 0.0;
+    s.normal = s.entered ? hit.normal : -hit.normal;
+    s.shading = s.normal;
+    s.margin = 100.0 * kSolidError * (glm::length(hit.point) + hit.t);
+    if (hit.triangle != core::kNone) {
+      const core::Affine world_from_item = snapshot.world_from_item(hit.slot);
+      const core::Mesh& mesh = snapshot.mesh(hit.slot);
+      const core::Aabb box = snapshot.bounds().box(hit.slot);
+      const double size = glm::length(dvec3(box.max) - dvec3(box.min));
+      s.margin += 2.0 * kMeshError * (glm::length(hit.point - world_from_item.origin) + 2.0 * size);
+      if (!mesh.normals.empty()) {
+        const dvec3 n = smooth_normal(mesh, world_from_item, hit);
+        const double length = glm::length(n);
+        s.shading = length > 0.0 && std::isfinite(length) ? n / length : -direction;
+        if (glm::dot(s.shading, direction) > 0.0) s.shading = -s.shading;
+      }
+    }
+    const std::uint32_t material = snapshot.material(hit.slot);
+    if (material != core::kNone) s.material = snapshot.materials()[material];
+    s.optics = material < options_.material_optics.size() ? options_.material_optics[material] : options_.optics;
+    return s;
+  }
+
+  /// Share of a light that arrives at the ray's origin.
+  double arriving(Ray ray) const {
+    if (all_opaque_) return tracer_.any(ray, filter_).value_or(false) ? 0.0 : 1.0;
+    double share = 1.0;
+    for (auto hit = nearest(ray); hit; hit = nearest(ray)) {
+      const Surface s = surface_at(*hit, ray.direction);
+      share *= 1.0 - std::min(1.0, double(s.material.a));
+      if (share < kLeastShare) return 0.0;
+      ray.origin = hit->point - s.margin * s.normal;
+      ray.t_max -= hit->t;
+    }
+    return share;
+  }
+
+  dvec3 lit(const Surface& s, const dvec3& point, const dvec3& to_viewer) const {
+    const dvec3 colour(s.material);
+    dvec3 sum = colour * (0.30 + 0.25 * (0.5 + 0.5 * s.shading.z));
+    for (const Light& light : lights_) {
+      const dvec3 to = light.sun ? light.at : light.at - point;
+      const double length = glm::length(to);
+      if (!(length > 0.0)) continue;
+      const dvec3 along = to / length;
+      const double cosine = glm::dot(s.shading, along);
+      if (cosine <= 0.0) continue;
+      double share = 1.0;
+      if (options_.shadows) {
+        Ray ray{point + s.margin * s.normal, along};
+        if (!light.sun) ray.t_max = length;
+        share = arriving(ray);
+      }
+      if (share == 0.0) continue;
+      // With the light at the eye this is the renderer's gloss, a power of the same cosine.
+      const double gloss = std::pow(std::max(0.0, glm::dot(s.shading, glm::normalize(along + to_viewer))), 24.0);
+      sum += share * dvec3(light.colour) * (0.50 * cosine * colour + 0.12 * gloss);
+    }
+    return glm::min(sum, dvec3(1.0));
+  }
+
+  /// `share`: of the pixel's light.
+  dvec3 colour(const Ray& ray, double share, int depth, std::optional<Hit>* first = nullptr) const {
+    if (share < kLeastShare || depth == options_.max_depth) return dvec3(options_.background);
+    const auto hit = nearest(ray);
+    if (first) *first = hit;
+    if (!hit) return dvec3(options_.background);
+    const Surface s = surface_at(*hit, ray.direction);
+    const double alpha = std::clamp(double(s.material.a), 0.0, 1.0);
+    const double cosine = std::min(1.0, -glm::dot(s.normal, ray.direction));
+    double mirrored = s.optics.reflectivity;
+    if (mirrored > 0.0) mirrored += (1.0 - mirrored) * std::pow(1.0 - cosine, 5.0);
+
+    const dvec3 reflected = ray.direction + 2.0 * cosine * s.normal;
+    dvec3 body = lit(s, hit->point, -ray.direction);
+    if (alpha < 1.0) {
+      const double index = s.optics.refractive_index, eta = s.entered ? 1.0 / index : index;
+      const dvec3 through =
+          index == 1.0 ? ray.direction : glm::refract(ray.direction, s.normal, eta);  // 0: total reflection
+      const bool passes = through != dvec3(0.0);
+      const Ray on{hit->point + (passes ? -s.margin : s.margin) * s.normal, passes ? through : reflected};
+      body = glm::mix(colour(on, share * (1.0 - mirrored) * (1.0 - alpha), depth + 1), body, alpha);
+    }
+    if (mirrored == 0.0) return body;
+    const Ray off{hit->point + s.margin * s.normal, reflected};
+    return glm::mix(body, colour(off, share * mirrored, depth + 1), mirrored);
+  }
+
+  const Tracer& tracer_;
+  const WhittedOptions& options_;
+  RayFilter filter_;
+  std::vector<Light> lights_;
+  bool all_opaque_ = true;
+};
+
+/// A picture in the making.
+class Renderer {
+ public:
+  Renderer(const Tracer& tracer, const core::View& view, int width, int height, const WhittedOptions& options)
+      : view_(view), options_(options), shader_(tracer, view, options) {
+    const std::size_t pixels = std::size_t(width) * std::size_t(height);
+    picture_ = {width, height, std::vector<std::uint8_t>(3 * pixels), std::vector<std::uint32_t>(pixels),
+                std::vector<float>(pixels, std::numeric_limits<float>::infinity())};
+    sums_.resize(pixels);
+    counts_.resize(pixels);
+  }
+
+  core::Expected<WhittedPicture> run() {
+    const int samples = options_.samples;
+    if (!options_.edge_threshold) {
+      for (int sample = 0; sample < samples; ++sample)
+        if (!pass(sample, samples, {}, sample, samples)) return core::fail("cancelled");
+    } else {
+      if (!pass(0, 1, {}, 0, samples + 1)) return core::fail("cancelled");
+      const auto edges = mark_edges(sums_, picture_.width, picture_.height, *options_.edge_threshold);
+      for (std::size_t i = 0; i < edges.size(); ++i)
+        if (edges[i]) counts_[i] = 0;  // the samples of an edge replace the one that found it
+      for (int sample = 0; sample < samples; ++sample)
+        if (!pass(sample, samples, edges, sample + 1, samples + 1)) return core::fail("cancelled");
+    }
+    quantise();
+    return std::move(picture_);
+  }
+
+ private:
+  /// Adds a sample to the pixels that are marked, or to all without marks. False: cancelled.
+  bool pass(int sample, int samples, const std::vector<std::uint8_t>& marks, int done, int passes) {
+    const int columns = (picture_.width + kTile - 1) / kTile, rows = (picture_.height + kTile - 1) / kTile;
+    std::atomic<int> tiles_done = 0;
+    std::atomic<bool> cancelled = false;
+#ifdef _OPENMP
+    const int team = options_.threads > 0 ? options_.threads : omp_get_max_threads();
+#pragma omp parallel for schedule(dynamic, 1) num_threads(team)
+#endif
+    for (int tile = 0; tile < columns * rows; ++tile) {
+      if (cancelled) continue;
+      trace_tile(tile % columns * kTile, tile / columns * kTile, sample, samples, marks);
+      const int tiles = ++tiles_done;
+#ifdef _OPENMP
+      if (omp_get_thread_num() != 0) continue;
+#endif
+      const double share = (done + double(tiles) / (columns * rows)) / passes;
+      if (options_.progress && !options_.progress(share)) cancelled = true;
+    }
+    if (cancelled) return false;
+    if (options_.preview && done + 1 < passes) {
+      quantise();
+      options_.preview(picture_);
+    }
+    return true;
+  }
+
+  void trace_tile(int left, int top, int sample, int samples, const std::vector<std::uint8_t>& marks) {
+    const core::dvec2 at = sample_position(sample, samples);
+    std::uint64_t taken = 0;
+    for (int y = top; y < std::min(top + kTile, picture_.height); ++y)
+      for (int x = left; x < std::min(left + kTile, picture_.width); ++x) {
+        const std::size_t pixel = std::size_t(y) * std::size_t(picture_.width) + std::size_t(x);
+        if (!marks.empty() && !marks[pixel]) continue;
+        const auto ray = pixel_ray(view_, picture_.width, picture_.height, x + at.x, y + at.y);
+        if (!ray) continue;  // render_whitted() has tried the view
+        const bool first = marks.empty() && counts_[pixel] == 0;
+        std::optional<Hit> hit;
+        const core::vec3 colour(shader_.colour(*ray, first ? &hit : nullptr));
+        sums_[pixel] = counts_[pixel] == 0 ? colour : sums_[pixel] + colour;
+        ++counts_[pixel];
+        ++taken;
+        if (!hit) continue;
+        picture_.ids[pixel] = hit->item + 1;
+        picture_.depths[pixel] = float(-(view_.eye_from_world() * core::dvec4(hit->point, 1.0)).z);
+      }
+    taken_ += taken;
+  }
+
+  void quantise() {
+    picture_.samples = taken_;
+    for (std::size_t i = 0; i < sums_.size(); ++i)
+      for (int channel = 0; channel < 3; ++channel) {
+        const float mean = sums_[i][channel] / float(std::max(counts_[i], 1));
+        picture_.rgb[3 * i + std::size_t(channel)] = std::uint8_t(std::lround(255.0f * std::clamp(mean, 0.0f, 1.0f)));
+      }
+  }
+
+  const core::View& view_;
+  const WhittedOptions& options_;
+  Shader shader_;
+  WhittedPicture picture_;
+  std::vector<core::vec3> sums_;
+  std::vector<int> counts_;  // samples in a sum
+  std::atomic<std::uint64_t> taken_ = 0;
+};
+
+}  // namespace
+
+Light head_light(const core::View& view) {
+  if (!view.orthographic()) return {view.eye()};
+  const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
+  return {dvec3(world_from_eye[2]), true};
+}
+
+core::Expected<WhittedPicture> render_whitted(const Tracer& tracer, const core::View& view, int width, int height,
+                                              const WhittedOptions& options) {
+  if (auto good = check(options); !good) return tl::unexpected(good.error());
+  if (const auto ray = pixel_ray(view, width, height, 0.5, 0.5); !ray) return tl::unexpected(ray.error());
+  return Renderer(tracer, view, width, height, options).run();
+}
+
+}  // namespace sightline::raytrace
