@@ -7,10 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/blank.h"
-#include "sightline/apps/common/model.h"
+#include "sightline/apps/common/view_options.h"
 #include "sightline/engine/engine.h"
 #include "sightline/image/image_metrics.h"
-#include "sightline/importers/view_json.h"
 
 namespace {
 
@@ -19,33 +18,19 @@ using nlohmann::json;
 
 struct Options {
   apps::ModelOptions model;
-  std::string size = "1280x720", view, path, out, ids, ids_json, depth, reference, reference_ids, diff, json_file;
+  apps::ViewOptions view;
+  std::string out, ids, ids_json, depth, reference, reference_ids, diff, json_file;
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
-  int frame = 0, frames = 300, samples = 1;
+  int samples = 1;
   apps::ShownOptions shown;
-  bool fit = false, gl_debug = false;
+  bool gl_debug = false;
   double max = -1.0, mean = -1.0, pixels_per_degree = image::kPixelsPerDegree;
 };
 
 void add_options(CLI::App& app, Options& o) {
   apps::add_model_options(app, o.model);
-  app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
-  auto* view = app.add_option("--view", o.view, "View JSON file");
-  auto* path = app.add_option("--path", o.path, "Camera path JSON file; see --frame")->excludes(view);
-  app.add_option("--frame", o.frame, "Frame of the path, of --frames in all")
-      ->needs(path)
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--frames", o.frames, "Frames that the path is sampled into")
-      ->capture_default_str()
-      ->needs(path)
-      ->check(CLI::PositiveNumber);
-  app.final_callback([&o] {
-    if (o.frame >= o.frames) throw CLI::ValidationError("--frame", "must be below --frames");
-  });
-  app.add_flag("--fit", o.fit, "Fit the whole model (the default without --view and --path)")
-      ->excludes(view)
-      ->excludes(path);
+  apps::add_view_options(app, o.view);
   app.add_option("--out", o.out, "Colour image, PNG");
   app.add_option("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
   app.add_option("--ids-json", o.ids_json, "Node path and kind of each item in the id image, JSON");
@@ -75,23 +60,6 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(1, 64));
   app.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
   app.add_option("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
-}
-
-core::Expected<core::View> choose_view(const Options& o, const apps::Model& model, const core::Snapshot& snapshot,
-                                       double aspect) {
-  if (!o.view.empty()) {
-    auto view = importers::read_view(o.view, aspect);
-    return view ? importers::translated(*view, model.offset) : view;
-  }
-  if (!o.path.empty()) {
-    auto path = importers::read_path(o.path);
-    if (path) path = importers::translated(*path, model.offset);
-    if (!path) return tl::unexpected(path.error());
-    return path->view(path->time_of(o.frame, o.frames), aspect);
-  }
-  const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
-  apps::warn_of_outliers(fitted);
-  return core::View::fit(fitted.bounds, core::kOverviewDirection, apps::kFovy, aspect);
 }
 
 core::Expected<void> write_id_names(const std::string& file, const image::IdImage& ids, const core::Scene& scene) {
@@ -172,7 +140,7 @@ core::Expected<void> write_outputs(const Options& o, engine::Engine& engine, con
 }
 
 core::Expected<int> render_model(const Options& o) {
-  const auto size = apps::parse_size(o.size);
+  const auto size = apps::parse_size(o.view.size);
   if (!size) return tl::unexpected(size.error());
   auto model = apps::load_model(o.model);
   if (!model) return tl::unexpected(model.error());
@@ -190,7 +158,7 @@ core::Expected<int> render_model(const Options& o) {
   if (!engine) return tl::unexpected(engine.error());
   if (o.model.explain) apps::explain(engine->plan());
 
-  auto view = choose_view(o, *model, engine->snapshot(), double(config.width) / config.height);
+  auto view = apps::choose_view(o.view, *model, engine->snapshot(), double(config.width) / config.height);
   if (!view) return tl::unexpected(view.error());
   auto report = engine->frame(*view);
   if (!report) return tl::unexpected(report.error());

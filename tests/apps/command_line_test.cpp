@@ -99,7 +99,7 @@ TEST_P(ModelTool, RefusesTranslationsBeyondAllRange) {
   expect_failure(GetParam(), with({plant(1000), "--translate", "1e300,0,0"}), "beyond");
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ModelTool, ::testing::Values("info", "replay", "render", "report", "view"));
+INSTANTIATE_TEST_SUITE_P(All, ModelTool, ::testing::Values("info", "replay", "render", "report", "trace", "view"));
 
 using CommandLine = ToolTest;
 

@@ -1,0 +1,24 @@
+// What a picture of a model shows, in the same way for every tool that makes one.
+#pragma once
+
+#include <string>
+
+#include "sightline/apps/common/model.h"
+
+namespace sightline::apps {
+
+struct ViewOptions {
+  std::string size = "1280x720", view, path;
+  int frame = 0, frames = 300;
+  bool fit = false;
+};
+
+/// --size, --view, --path with --frame and --frames, --fit
+void add_view_options(CLI::App& app, ViewOptions& options);
+
+/// The view of a picture whose width is `aspect` times its height; by default of the whole model, with a warning on
+/// stderr of what that leaves out.
+core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
+                                       double aspect);
+
+}  // namespace sightline::apps

@@ -1,0 +1,147 @@
+// sightline-trace: one image of a model by rays, exact at every sample, and what of the model it shows.
+
+#include <chrono>
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/progress.h"
+#include "sightline/apps/common/view_options.h"
+#include "sightline/image/image.h"
+#include "sightline/raytrace/exact_visibility.h"
+#include "sightline/raytrace/whitted.h"
+
+namespace {
+
+using namespace sightline;
+using nlohmann::json;
+
+struct Options {
+  apps::ModelOptions model;
+  apps::ViewOptions view;
+  std::string out, ids, depth, visible, json_file;
+  std::vector<std::string> suns;
+  raytrace::WhittedOptions whitted;
+};
+
+void add_options(CLI::App& app, Options& o) {
+  apps::add_model_options(app, o.model);
+  apps::add_view_options(app, o.view);
+  app.add_option("--out", o.out, "Colour image, PNG");
+  app.add_option("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
+  app.add_option("--depth", o.depth, "Depth image, PFM: metres along the view axis");
+  app.add_option("--visible", o.visible, "Items that the samples show, each with how many, JSON; --adaptive or not");
+  app.add_option("--samples", o.whitted.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 4096));
+  app.add_option("--adaptive", o.whitted.edge_threshold,
+                 "Take --samples only at edges, where the gradient of a colour, 0 to 1, exceeds this")
+      ->check(CLI::Range(0.0, 1.0))
+      ->check(apps::accepted_by(apps::parse_finite));
+  auto* shadows = app.add_flag("--shadows", o.whitted.shadows, "Lights cast shadows; needs a --sun");
+  auto* sun =
+      app.add_option("--sun", o.suns, "Light from the direction X,Y,Z, any number of them, instead of the eye's")
+          ->check(apps::accepted_by(apps::parse_vector));
+  shadows->needs(sun);
+  app.add_option("--reflect", o.whitted.optics.reflectivity, "Share of the light that surfaces mirror, 0 to 1")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0))
+      ->check(apps::accepted_by(apps::parse_finite));
+  app.add_option("--refract", o.whitted.optics.refractive_index, "Refractive index of transparent items")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 10.0))
+      ->check(apps::accepted_by(apps::parse_finite));
+  app.add_option("--threads", o.whitted.threads, "0: all; the image does not depend on them")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1024));
+  apps::add_json_option(app, o.json_file);
+}
+
+double seconds() {
+  using Clock = std::chrono::steady_clock;
+  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+core::Expected<void> write_pictures(const Options& o, raytrace::WhittedPicture& picture) {
+  const int width = picture.width, height = picture.height;
+  core::Expected<void> done;
+  if (!o.out.empty()) done = image::write_png({width, height, std::move(picture.rgb)}, o.out);
+  if (done && !o.depth.empty()) done = image::write_pfm({width, height, std::move(picture.depths)}, o.depth);
+  if (!done || o.ids.empty()) return done;
+  const auto colours = image::id_colours({width, height, std::move(picture.ids)});
+  if (!colours) return tl::unexpected(colours.error());
+  return image::write_png(*colours, o.ids);
+}
+
+core::Expected<void> write_visible(const Options& o, const raytrace::Tracer& tracer, const core::View& view, int width,
+                                   int height, const core::Scene& scene) {
+  if (o.visible.empty()) return {};
+  const auto items =
+      raytrace::ExactVisibility(tracer).compute(view, width, height, o.whitted.samples, o.whitted.threads);
+  if (!items) return tl::unexpected(items.error());
+  json out = json::array();
+  for (const auto& [item, samples] : *items)
+    out.push_back({{"item", item},
+                   {"node", scene.path(scene.node_of(item))},
+                   {"kind", std::string(core::name_of(scene.kind(item)))},
+                   {"samples", samples}});
+  return apps::write_text(
+      o.visible,
+      apps::to_text(json{{"size", {width, height}}, {"samples_per_pixel", o.whitted.samples}, {"items", out}}));
+}
+
+core::Expected<int> trace_model(Options& o) {
+  const auto size = apps::parse_size(o.view.size);
+  if (!size) return tl::unexpected(size.error());
+  const auto [width, height] = *size;
+  for (const std::string& sun : o.suns) {
+    const auto direction = apps::parse_vector(sun);
+    if (!direction) return tl::unexpected(direction.error());
+    o.whitted.lights.push_back({*direction, true});
+  }
+  const auto model = apps::load_model(o.model);
+  if (!model) return tl::unexpected(model.error());
+  if (auto done = model->scene->commit(); !done) return tl::unexpected(done.error());
+  if (o.model.explain) apps::explain(*model->scene);
+  const core::Snapshot snapshot(*model->scene, o.whitted.threads);
+  const auto view = apps::choose_view(o.view, *model, snapshot, double(width) / height);
+  if (!view) return tl::unexpected(view.error());
+
+  const double start = seconds();
+  const auto tracer = raytrace::Tracer::create(snapshot, o.whitted.threads);
+  if (!tracer) return tl::unexpected(tracer.error());
+  const double built = seconds();
+  auto picture = [&] {
+    apps::Progress progress("tracing");
+    o.whitted.progress = progress.callback();
+    return raytrace::render_whitted(*tracer, *view, width, height, o.whitted);
+  }();
+  if (!picture) return tl::unexpected(picture.error());
+  const double traced = seconds();
+  json figures = {{"size", {width, height}},         {"items", snapshot.size()},
+                  {"samples", picture->samples},     {"build_seconds", built - start},
+                  {"trace_seconds", traced - built}, {"tracer_bytes", tracer->memory().total()}};
+  std::fprintf(apps::table_stream(o.json_file), "%llu samples, %.2f a pixel, in %.2f s, after %.2f s of building\n",
+               (unsigned long long)picture->samples, double(picture->samples) / (double(width) * height),
+               traced - built, built - start);
+  if (auto done = write_pictures(o, *picture); !done) return tl::unexpected(done.error());
+  if (auto done = write_visible(o, *tracer, *view, width, height, *model->scene); !done)
+    return tl::unexpected(done.error());
+  if (auto done = apps::write_json(o.json_file, figures); !done) return tl::unexpected(done.error());
+  return apps::kExitOk;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Traces one image of a model by rays, and the items that it shows", "sightline-trace");
+  apps::describe(app,
+                 "  sightline-trace plant.rvm --out plant.png --samples 16 --adaptive 0.1\n"
+                 "  sightline-trace plant.rvm --out plant.png --shadows --sun 1,-2,3 --sun -3,1,2 --reflect 0.1\n"
+                 "  sightline-trace plant.rvm --view view.json --size 640x360 --depth a.pfm --ids ids.png\n"
+                 "  sightline-trace plant.rvm --view view.json --samples 4 --visible seen.json");
+  Options options;
+  add_options(app, options);
+  return apps::run(app, argc, argv, [&] { return trace_model(options); });
+}

@@ -1,0 +1,165 @@
+// sightline-trace and sightline-render draw the same, but for what a third of a pixel or the raster's depth decides.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "sightline/image/image.h"
+#include "sightline/tests/apps/render_test.h"
+#include "sightline/tests/support/test_data.h"
+
+namespace sightline::tests {
+namespace {
+
+constexpr int kWidth = 480, kHeight = 270, kPixels = kWidth * kHeight;
+constexpr int kFiner = 3;             // odd, so that the middle of a pixel is the middle of one of the finer ones
+constexpr double kDepthError = 1e-4;  // of the depth; the raster's depth buffer has about that in orthographic views
+constexpr int kColourError = 2;       // of 255
+
+struct Pictures {
+  int width = 0;
+  std::vector<std::uint8_t> rgb;
+  std::vector<std::uint32_t> ids;
+  std::vector<float> depths;
+};
+
+/// Rows of the PFM that tools write, which begins at the bottom.
+std::vector<float> read_depths(const std::string& file, int width, int height) {
+  const std::string bytes = read_bytes(file);
+  const std::string header = "Pf\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
+  std::vector<float> depths(std::size_t(width * height));
+  EXPECT_EQ(bytes.size(), header.size() + 4 * depths.size()) << file;
+  if (bytes.size() != header.size() + 4 * depths.size()) return depths;
+  for (int row = 0; row < height; ++row)
+    std::memcpy(depths.data() + row * width, bytes.data() + header.size() + std::size_t(4 * width * (height - 1 - row)),
+                std::size_t(4 * width));
+  return depths;
+}
+
+class TraceAgainstRaster : public RenderTest,
+                           public ::testing::WithParamInterface<std::tuple<std::string, std::string>> {
+ protected:
+  Pictures pictures(const std::string& tool, int finer) const {
+    const int width = kWidth * finer, height = kHeight * finer;
+    const std::string out = path("out.png"), ids = path("ids.png"), depth = path("depth.pfm");
+    Args args = scene_;
+    args.insert(args.end(), {"--size", std::to_string(width) + "x" + std::to_string(height), "--out", out, "--ids", ids,
+                             "--depth", depth});
+    const Outcome outcome = run(tool, args);
+    EXPECT_EQ(outcome.code, 0) << outcome;
+    const auto colours = image::read_png(out), id_colours = image::read_png(ids);
+    EXPECT_TRUE(colours && id_colours);
+    if (!colours || !id_colours) return {};
+    return {width, colours->pixels, image::ids_of_colours(*id_colours).ids, read_depths(depth, width, height)};
+  }
+
+  /// Model and view.
+  Args scene_;
+};
+
+/// What the finer picture shows within a pixel and half a finer pixel around it. `id`: of which item depth and colour
+/// are taken.
+struct Around {
+  bool shows = false;
+  float nearest = std::numeric_limits<float>::infinity(), farthest = 0.0f;
+  std::array<int, 3> darkest{255, 255, 255}, brightest{0, 0, 0};
+
+  Around(const Pictures& finer, int x, int y, std::uint32_t id) {
+    for (int row = std::max(0, kFiner * y - 1); row < std::min(kFiner * kHeight, kFiner * (y + 1) + 1); ++row)
+      for (int column = std::max(0, kFiner * x - 1); column < std::min(kFiner * kWidth, kFiner * (x + 1) + 1);
+           ++column) {
+        const std::size_t i = std::size_t(row * finer.width + column);
+        if (finer.ids[i] != id) continue;
+        shows = true;
+        nearest = std::min(nearest, finer.depths[i]);
+        farthest = std::max(farthest, finer.depths[i]);
+        for (std::size_t c = 0; c < 3; ++c) {
+          darkest[c] = std::min(darkest[c], int(finer.rgb[3 * i + c]));
+          brightest[c] = std::max(brightest[c], int(finer.rgb[3 * i + c]));
+        }
+      }
+  }
+};
+
+TEST_P(TraceAgainstRaster, Agrees) {
+  const auto& [model, view] = GetParam();
+  scene_ = {data_path("small_plant.rvm").string()};
+  if (!view.empty()) {
+    const std::string file = "huldra/" + model + ".RVM", from = "reference/" + model + "_" + view + ".json";
+    SIGHTLINE_NEED_DATA(file);
+    SIGHTLINE_NEED_DATA(from);
+    scene_ = {data_path(file).string(), "--view", data_path(from).string()};
+  }
+  const std::string names = path("names.json");
+  Args naming = scene_;
+  naming.insert(naming.end(), {"--size", "480x270", "--ids-json", names});
+  render(naming);
+  const Json items = Json::parse(read_bytes(names), nullptr, false);
+  ASSERT_TRUE(items.is_object());
+
+  const Pictures raster = pictures("render", 1), traced = pictures("trace", 1), finer = pictures("trace", kFiner);
+  ASSERT_EQ(raster.ids.size(), std::size_t(kPixels));
+  ASSERT_EQ(traced.ids.size(), raster.ids.size());
+  ASSERT_EQ(finer.ids.size(), std::size_t(kPixels * kFiner * kFiner));
+
+  int shown = 0, lines = 0, coincident = 0, silhouettes = 0, edges = 0, slivers = 0;
+  double worst = 0.0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const std::size_t i = std::size_t(y * kWidth + x);
+      const std::uint32_t id = raster.ids[i];
+      ASSERT_EQ(traced.ids[i],
+                finer.ids[std::size_t((kFiner * y + kFiner / 2) * finer.width + kFiner * x + kFiner / 2)]);
+      const auto close = [](float a, float b) { return std::abs(a - b) <= kDepthError * b; };
+      const Around around(finer, x, y, id);
+      if (id != traced.ids[i]) {
+        if (id != 0 && items[std::to_string(id - 1)]["kind"] == "line")
+          ++lines;  // the tracer has none
+        else if (close(raster.depths[i], traced.depths[i]))
+          ++coincident;
+        else if (around.shows)
+          ++silhouettes;
+        else
+          ADD_FAILURE() << "pixel " << x << " " << y << ": items " << id << " and " << traced.ids[i] << " at "
+                        << raster.depths[i] << " and " << traced.depths[i] << " m";
+        continue;
+      }
+      if (id == 0) continue;
+      ++shown;
+      bool same = close(raster.depths[i], traced.depths[i]);
+      if (same) worst = std::max(worst, std::abs(double(raster.depths[i]) / double(traced.depths[i]) - 1.0));
+      bool within = raster.depths[i] >= around.nearest * (1.0 - kDepthError) &&
+                    raster.depths[i] <= around.farthest * (1.0 + kDepthError);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const int value = raster.rgb[3 * i + c];
+        same &= std::abs(value - traced.rgb[3 * i + c]) <= kColourError;
+        within &= value >= around.darkest[c] - kColourError && value <= around.brightest[c] + kColourError;
+      }
+      edges += !same;  // of an item's own faces
+      if (same || within) continue;
+      ++slivers;  // faces between the finer picture's samples, or too near to each other for the raster's depth
+      std::printf("pixel %d %d of item %u: depths %.6f and %.6f m\n", x, y, id, raster.depths[i], traced.depths[i]);
+    }
+  std::printf(
+      "%s %s: %d pixels show an item; another one: %d silhouette, %d coincident, %d line; %d at own edges, %d more at "
+      "slivers; depth "
+      "within %.1e\n",
+      model.c_str(), view.c_str(), shown, silhouettes, coincident, lines, edges, slivers, worst);
+  EXPECT_GT(shown, kPixels / 20);
+  EXPECT_LE(silhouettes, kPixels * 3 / 1000);
+  EXPECT_LE(edges, kPixels * 3 / 1000);
+  EXPECT_LE(slivers, kPixels / 10000);
+}
+
+INSTANTIATE_TEST_SUITE_P(SmallPlant, TraceAgainstRaster, ::testing::Values(std::tuple("small_plant", "")),
+                         [](const auto&) { return "whole"; });
+INSTANTIATE_TEST_SUITE_P(Huldra, TraceAgainstRaster,
+                         ::testing::Combine(::testing::Values("HA-PIPE", "HA-MECH", "WD1-PSUP"),
+                                            ::testing::Values("over", "near", "ortho")),
+                         [](const auto& pair) {
+                           std::string name = std::get<0>(pair.param) + "_" + std::get<1>(pair.param);
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace sightline::tests
