@@ -254,7 +254,7 @@ class Subject {
       keep_large(view, snapshot, least_diagonal(rule, view, target.width(), target.height()), visible_, large_);
       shown = &large_;
     }
-    if (auto done = drawing.draw(view, snapshot, *shown, lines_, &culler_.hierarchy(), 0, 0.0); !done)
+    if (auto done = drawing.draw({view, snapshot, *shown, lines_, &culler_.hierarchy()}, 0); !done)
       return tl::unexpected(done.error());
     drawing.finish();
     return Took{milliseconds() - begin.ms, processor_ms() - begin.processor_ms};

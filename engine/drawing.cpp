@@ -175,68 +175,62 @@ void Drawing::wait_for_oldest() {
   last_drawn_ = now;
 }
 
-core::Expected<void> Drawing::draw(const core::View& view, const core::Snapshot& snapshot,
-                                   const core::VisibleSet& visible, culling::SlotBits lines,
-                                   const culling::Hierarchy* hierarchy, std::uint64_t frame, double began) {
+core::Expected<void> Drawing::draw(const Culled& culled, std::uint64_t frame, double began) {
   waited_ms_ = 0.0;
   if (!renderer_) return {};
   if (auto current = make_current(); !current) return current;
   if (split_view_) picture_changed();
   wait_for_room();
-  if (auto done = draw_visible(view, snapshot, visible, lines, hierarchy, began); !done) return done;
+  if (auto done = draw_visible(culled, began); !done) return done;
   return submit(frame);
 }
 
-core::Expected<void> Drawing::draw_visible(const core::View& view, const core::Snapshot& snapshot,
-                                           const core::VisibleSet& visible, culling::SlotBits lines,
-                                           const culling::Hierarchy* hierarchy, double began) {
+core::Expected<void> Drawing::draw_visible(const Culled& culled, double began) {
   if (budget_ms_ > 0.0) {
     const double deadline = began + kBudgetShare * 1e-3 * budget_ms_;
-    return draw_in_budget(view, snapshot, visible, lines, hierarchy, deadline);
+    return draw_in_budget(culled, deadline);
   }
-  const core::VisibleSet& large = leave_out_small(view, snapshot, visible, lines, hierarchy, contribution_);
-  const std::int64_t count = std::int64_t(snapshot.count(large));
+  const core::VisibleSet& large = leave_out_small(culled, contribution_);
+  const std::int64_t count = std::int64_t(culled.snapshot.count(large));
   const bool tested = tests_occlusion(count);
   if (tested) {
-    if (auto done = draw_in_passes(view, snapshot, large, lines, hierarchy); !done) return done;
+    if (auto done = draw_in_passes(culled.with(large)); !done) return done;
   } else {
     passes_.reset();
-    if (auto done = draw_at_once(view, snapshot, large, lines); !done) return done;
+    if (auto done = draw_at_once(culled.with(large)); !done) return done;
   }
-  counts_.small = &large == &visible ? 0 : std::int64_t(snapshot.count(visible)) - count;
-  return draw_small(view, snapshot, visible, hierarchy, tested);
+  counts_.small = &large == &culled.visible ? 0 : std::int64_t(culled.snapshot.count(culled.visible)) - count;
+  return draw_small(culled, tested);
 }
 
 culling::ContributionTest Drawing::contribution_test(const core::View& view, const core::Snapshot& snapshot) {
   return {view, snapshot.bounds().origin, target_.width(), target_.height(), solid_areas_.of(snapshot)};
 }
 
-core::Expected<void> Drawing::draw_from_aside(const core::View& view, const core::View& cull_view,
-                                              const core::Snapshot& snapshot, const core::VisibleSet& visible,
-                                              culling::SlotBits lines, const culling::Hierarchy* hierarchy,
-                                              std::uint64_t frame, double began) {
+core::Expected<void> Drawing::draw_from_aside(const core::View& view, const Culled& culled, std::uint64_t frame,
+                                              double began) {
   waited_ms_ = 0.0;
   if (auto current = make_current(); !current) return current;
   wait_for_room();
-  if (auto done = split(cull_view, snapshot, visible, lines, hierarchy); !done) return done;
-  if (auto done = draw_visible(view, snapshot, shown_, lines, hierarchy, began); !done) return done;
-  if (auto done = draw_hidden(view, snapshot); !done) return done;
+  if (auto done = split(culled); !done) return done;
+  const Culled shown{view, culled.snapshot, shown_, culled.lines, culled.hierarchy};
+  if (auto done = draw_visible(shown, began); !done) return done;
+  if (auto done = draw_hidden(view, culled.snapshot); !done) return done;
   return submit(frame);
 }
 
-/// Once for all frames of one `cull_view`: its picture is drawn for the distances, and what they hide is not shown.
-core::Expected<void> Drawing::split(const core::View& cull_view, const core::Snapshot& snapshot,
-                                    const core::VisibleSet& visible, culling::SlotBits lines,
-                                    const culling::Hierarchy* hierarchy) {
-  if (split_view_ && core::same_picture(*split_view_, cull_view)) return {};
+/// Once for all frames of one view that was culled for: its picture is drawn for the distances, and what they hide is
+/// not shown.
+core::Expected<void> Drawing::split(const Culled& culled) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+  if (split_view_ && core::same_picture(*split_view_, view)) return {};
   picture_changed();
   const core::ItemBounds& bounds = snapshot.bounds();
   if (may_test_occlusion()) {
-    if (auto done = draw_in_passes(cull_view, snapshot, visible, lines, hierarchy); !done) return done;
-    occlusion_test(cull_view, bounds.origin).filter(bounds, visible, shown_, lines);
+    if (auto done = draw_in_passes(culled); !done) return done;
+    occlusion_test(view, bounds.origin).filter(bounds, visible, shown_, lines);
   } else if (sample_test_) {
-    culling::SampleTest(cull_view, bounds.origin, picture_samples(target_, snap()))
-        .filter(bounds, visible, shown_, lines);
+    culling::SampleTest(view, bounds.origin, picture_samples(target_, snap())).filter(bounds, visible, shown_, lines);
   } else {
     shown_ = visible;
   }
@@ -249,7 +243,7 @@ core::Expected<void> Drawing::split(const core::View& cull_view, const core::Sna
   });
   std::sort(hidden_.items.begin(), hidden_.items.end());
   if (auto done = make_hidden_materials(snapshot); !done) return done;
-  split_view_ = cull_view;
+  split_view_ = view;
   return {};
 }
 
@@ -280,9 +274,8 @@ core::Expected<void> Drawing::draw_hidden(const core::View& view, const core::Sn
 }
 
 /// The part of the visible set that contributes enough to the picture.
-const core::VisibleSet& Drawing::leave_out_small(const core::View& view, const core::Snapshot& snapshot,
-                                                 const core::VisibleSet& visible, culling::SlotBits lines,
-                                                 const culling::Hierarchy* hierarchy, float threshold) {
+const core::VisibleSet& Drawing::leave_out_small(const Culled& culled, float threshold) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   if (threshold <= 0.0f) return visible;
   const core::ItemBounds& bounds = snapshot.bounds();
   const culling::ContributionTest test = contribution_test(view, snapshot);
@@ -297,10 +290,9 @@ const core::VisibleSet& Drawing::leave_out_small(const core::View& view, const c
   return large_;
 }
 
-core::Expected<void> Drawing::draw_small(const core::View& view, const core::Snapshot& snapshot,
-                                         const core::VisibleSet& visible, const culling::Hierarchy* hierarchy,
-                                         bool distances_known) {
+core::Expected<void> Drawing::draw_small(const Culled& culled, bool distances_known) {
   if (counts_.small == 0 || contribution_way_ == ContributionWay::kDrop) return {};
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::VisibleSet* candidates = &visible;
   if (distances_known && hierarchy) {
     occlusion_test(view, snapshot.bounds().origin).filter_leaves(*hierarchy, visible, open_leaves_);
@@ -351,8 +343,8 @@ void Drawing::read_back_depth(const core::View& view) {
   pyramid_.build(distances_, target_.width(), target_.height());
 }
 
-core::Expected<void> Drawing::draw_at_once(const core::View& view, const core::Snapshot& snapshot,
-                                           const core::VisibleSet& visible, culling::SlotBits lines) {
+core::Expected<void> Drawing::draw_at_once(const Culled& culled) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   if (sample_test_)
     culling::SampleTest(view, snapshot.bounds().origin, picture_samples(target_, snap()))
         .filter(snapshot.bounds(), visible, sampled_, lines);
@@ -364,9 +356,8 @@ core::Expected<void> Drawing::draw_at_once(const core::View& view, const core::S
 }
 
 /// The occlusion test rejects what covers no pixel centre, too.
-core::Expected<void> Drawing::draw_in_passes(const core::View& view, const core::Snapshot& snapshot,
-                                             const core::VisibleSet& visible, culling::SlotBits lines,
-                                             const culling::Hierarchy* hierarchy) {
+core::Expected<void> Drawing::draw_in_passes(const Culled& culled) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
   const culling::OcclusionTest test = occlusion_test(view, bounds.origin);
   pyramid_.clear(target_.width(), target_.height());
@@ -388,9 +379,8 @@ core::Expected<void> Drawing::draw_pass(const core::View& view, const core::Snap
 
 /// Candidates far smaller than what the last frame came to are not even measured while the view moves. The first frame
 /// of a view that stays begins anew with all of them, the next ones go on.
-core::Expected<void> Drawing::draw_in_budget(const core::View& view, const core::Snapshot& snapshot,
-                                             const core::VisibleSet& visible, culling::SlotBits lines,
-                                             const culling::Hierarchy* hierarchy, double deadline) {
+core::Expected<void> Drawing::draw_in_budget(const Culled& culled, double deadline) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
   const bool stays = budget_view_ && core::same_picture(*budget_view_, view), goes_on = stays && refines_;
   const bool tests = may_test_occlusion();
@@ -398,7 +388,7 @@ core::Expected<void> Drawing::draw_in_budget(const core::View& view, const core:
   if (!goes_on) {
     const float threshold = stays ? contribution_ : std::max(contribution_, kOverlooked * budget_.largest_pending());
     pyramid_.clear(target_.width(), target_.height());
-    const core::VisibleSet& candidates = leave_out_small(view, snapshot, visible, lines, hierarchy, threshold);
+    const core::VisibleSet& candidates = leave_out_small(culled, threshold);
     overlooked_ = threshold > contribution_ ? std::int64_t(snapshot.count(visible) - snapshot.count(candidates)) : 0;
     budget_.begin(contribution_test(view, snapshot), bounds, candidates, lines);
     refines_ = stays;

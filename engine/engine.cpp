@@ -335,11 +335,12 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
   if (drawing_) {
     const double culled = now_seconds();
     if (aside && !shows_hidden) drawing_->picture_changed();
+    const auto visible_in = [&](const core::View& of) {
+      return Culled{of, *live_.snapshot, visible_, live_.lines, live_.hierarchy()};
+    };
     auto done = *on_gpu        ? drawing_->draw_culled(view, *live_.snapshot, report.frame)
-                : shows_hidden ? drawing_->draw_from_aside(view, cull_view, *live_.snapshot, visible_, live_.lines,
-                                                           live_.hierarchy(), report.frame, begin)
-                               : drawing_->draw(view, *live_.snapshot, visible_, live_.lines, live_.hierarchy(),
-                                                report.frame, begin);
+                : shows_hidden ? drawing_->draw_from_aside(view, visible_in(cull_view), report.frame, begin)
+                               : drawing_->draw(visible_in(view), report.frame, begin);
     report.drawn = config_.draw && done;
     if (done = unless_lost(std::move(done)); !done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);

@@ -10,6 +10,7 @@
 #include "sightline/culling/sample_test.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/budget_passes.h"
+#include "sightline/engine/internal/culled.h"
 #include "sightline/engine/internal/occlusion_passes.h"
 #include "sightline/engine/internal/occlusion_switch.h"
 #include "sightline/engine/internal/small_items.h"
@@ -28,19 +29,13 @@ class Drawing {
   static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
 
   /// Submits one frame that shows a visible set, without items that cover no sample of the picture (SampleTest) or that
-  /// others hide (OcclusionTest). `lines`: slots to which these rules do not apply. `hierarchy`: that of the snapshot's
-  /// bounds, if there is one. Waits first until at most one earlier frame is still being
-  /// drawn. take_drawn() returns `frame`. `began`: when the frame's budget began to run, seconds on the steady clock.
-  /// Does nothing when there is nothing to render.
-  core::Expected<void> draw(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible,
-                            culling::SlotBits lines, const culling::Hierarchy* hierarchy, std::uint64_t frame,
-                            double began = 0.0);
-  /// The same of what lies in the view volume of `cull_view`. What the two rules leave out of the picture of
-  /// `cull_view` is drawn in EngineConfig::hidden_colour, and needs no budget.
-  core::Expected<void> draw_from_aside(const core::View& view, const core::View& cull_view,
-                                       const core::Snapshot& snapshot, const core::VisibleSet& visible,
-                                       culling::SlotBits lines, const culling::Hierarchy* hierarchy,
-                                       std::uint64_t frame, double began);
+  /// others hide (OcclusionTest). Waits first until at most one earlier frame is still being drawn. take_drawn()
+  /// returns `frame`. `began`: when the frame's budget began to run, seconds on the steady clock. Does nothing when
+  /// there is nothing to render.
+  core::Expected<void> draw(const Culled& culled, std::uint64_t frame, double began = 0.0);
+  /// The same, but seen in `view`. What the two rules leave out of the picture of the view that was culled for is drawn
+  /// in EngineConfig::hidden_colour, and needs no budget.
+  core::Expected<void> draw_from_aside(const core::View& view, const Culled& culled, std::uint64_t frame, double began);
   /// Of the last draw().
   struct Counts {
     std::int64_t sampled = 0, shown = 0;  // items that may cover a sample, -1 with the occlusion test; items drawn
@@ -118,30 +113,17 @@ class Drawing {
   bool may_test_occlusion(const culling::GpuCuller& culler) const;
   bool tests_occlusion_on_gpu(std::size_t items);
   core::Expected<void> draw_others(const core::Snapshot& snapshot);
-  core::Expected<void> draw_visible(const core::View& view, const core::Snapshot& snapshot,
-                                    const core::VisibleSet& visible, culling::SlotBits lines,
-                                    const culling::Hierarchy* hierarchy, double began);
-  core::Expected<void> split(const core::View& cull_view, const core::Snapshot& snapshot,
-                             const core::VisibleSet& visible, culling::SlotBits lines,
-                             const culling::Hierarchy* hierarchy);
+  core::Expected<void> draw_visible(const Culled& culled, double began);
+  core::Expected<void> split(const Culled& culled);
   core::Expected<void> make_hidden_materials(const core::Snapshot& snapshot);
   core::Expected<void> draw_hidden(const core::View& view, const core::Snapshot& snapshot);
-  core::Expected<void> draw_at_once(const core::View& view, const core::Snapshot& snapshot,
-                                    const core::VisibleSet& visible, culling::SlotBits lines);
-  core::Expected<void> draw_in_passes(const core::View& view, const core::Snapshot& snapshot,
-                                      const core::VisibleSet& visible, culling::SlotBits lines,
-                                      const culling::Hierarchy* hierarchy);
-  culling::ContributionTest contribution_test(const core::View& view, const core::Snapshot& snapshot);
-  const core::VisibleSet& leave_out_small(const core::View& view, const core::Snapshot& snapshot,
-                                          const core::VisibleSet& visible, culling::SlotBits lines,
-                                          const culling::Hierarchy* hierarchy, float threshold);
-  core::Expected<void> draw_in_budget(const core::View& view, const core::Snapshot& snapshot,
-                                      const core::VisibleSet& visible, culling::SlotBits lines,
-                                      const culling::Hierarchy* hierarchy, double deadline);
+  core::Expected<void> draw_at_once(const Culled& culled);
+  core::Expected<void> draw_in_passes(const Culled& culled);
+  core::Expected<void> draw_in_budget(const Culled& culled, double deadline);
   core::Expected<void> draw_pass(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& pass);
-  core::Expected<void> draw_small(const core::View& view, const core::Snapshot& snapshot,
-                                  const core::VisibleSet& visible, const culling::Hierarchy* hierarchy,
-                                  bool distances_known);
+  culling::ContributionTest contribution_test(const core::View& view, const core::Snapshot& snapshot);
+  const core::VisibleSet& leave_out_small(const Culled& culled, float threshold);
+  core::Expected<void> draw_small(const Culled& culled, bool distances_known);
   core::Expected<void> submit(std::uint64_t frame);
 
   struct InFlight {

@@ -6,9 +6,8 @@
 #include <span>
 #include <string>
 
-#include "sightline/culling/hierarchy.h"
-#include "sightline/culling/sample_test.h"
 #include "sightline/engine/engine.h"
+#include "sightline/engine/internal/culled.h"
 
 namespace sightline::engine {
 
@@ -26,15 +25,8 @@ class Drawing {
     std::optional<double> time_ms;
     double gpu_ms = 0.0;
   };
-  core::Expected<void> draw(const core::View&, const core::Snapshot&, const core::VisibleSet&, culling::SlotBits,
-                            const culling::Hierarchy*, std::uint64_t, double) {
-    return {};
-  }
-  core::Expected<void> draw_from_aside(const core::View&, const core::View&, const core::Snapshot&,
-                                       const core::VisibleSet&, culling::SlotBits, const culling::Hierarchy*,
-                                       std::uint64_t, double) {
-    return {};
-  }
+  core::Expected<void> draw(const Culled&, std::uint64_t, double) { return {}; }
+  core::Expected<void> draw_from_aside(const core::View&, const Culled&, std::uint64_t, double) { return {}; }
   void picture_changed() {}
   core::Expected<void> cull(const core::View&, const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
   core::Expected<void> draw_culled(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }

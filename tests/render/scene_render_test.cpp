@@ -191,7 +191,7 @@ TEST_F(SceneRender, UnculledDrawingShowsTheSame) {
     const Picture culled = take(engine, view);
     core::VisibleSet all;
     all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
-    ASSERT_TRUE(engine.drawing()->draw(view, engine.snapshot(), all, {}, nullptr, 0));
+    ASSERT_TRUE(engine.drawing()->draw({view, engine.snapshot(), all}, 0));
     expect_same_but_for_ties(culled, picture_of(engine, view));
   }
 }
@@ -350,7 +350,7 @@ TEST_F(SceneRender, VacantSlotsOfRangesAreNotDrawn) {
   const auto ids_of_everything = [&](const View& view) {
     core::VisibleSet all;
     all.ranges.push_back({0, std::uint32_t(engine.snapshot().size())});
-    EXPECT_TRUE(engine.drawing()->draw(view, engine.snapshot(), all, {}, nullptr, 0));
+    EXPECT_TRUE(engine.drawing()->draw({view, engine.snapshot(), all}, 0));
     engine.finish();
     const image::IdImage image = engine.drawing()->target().read_ids();
     return std::set<std::uint32_t>(image.ids.begin(), image.ids.end());
