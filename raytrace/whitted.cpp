@@ -8,7 +8,6 @@
 #include <omp.h>
 #endif
 
-#include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/internal/supersampling.h"
 
 namespace sightline::raytrace {
@@ -241,7 +240,7 @@ class Renderer {
   }
 
   void trace_tile(int left, int top, int sample, int samples, const std::vector<std::uint8_t>& marks) {
-    const core::dvec2 at = sample_position(sample, samples);
+    const core::dvec2 at = sample_in_pixel(sample, samples);
     std::uint64_t taken = 0;
     for (int y = top; y < std::min(top + kTile, picture_.height); ++y)
       for (int x = left; x < std::min(left + kTile, picture_.width); ++x) {
