@@ -31,6 +31,10 @@ constexpr Subcommand kSubcommands[] = {
     {"queries", "spatial queries through the hierarchy against a loop over all boxes", bench::add_queries},
     {"intersect", "what a ray against one analytic primitive costs on the CPU", bench::add_intersect},
 #endif
+#if SIGHTLINE_HAS_SUPERSAMPLING
+    {"supersampling", "error of traced pictures against their time: uniform and edge-adaptive samples",
+     bench::add_supersampling},
+#endif
 #if SIGHTLINE_HAS_GL
     {"gpu-cull", "the forms of the GPU culler against each other", bench::add_gpu_cull},
     {"hybrid", "frames culled by the CPU, the GPU and the hybrid, in turns: rendering off and on", bench::add_hybrid},

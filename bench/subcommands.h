@@ -27,6 +27,9 @@ Run add_trace(CLI::App& app);
 Run add_intersect(CLI::App& app);
 Run add_queries(CLI::App& app);
 
+// Built if the ray tracer and pictures are.
+Run add_supersampling(CLI::App& app);
+
 // Built if GL is.
 Run add_budget(CLI::App& app);
 Run add_contribution(CLI::App& app);

@@ -56,7 +56,7 @@ class TraceAgainstRaster : public RenderTest,
   Args scene_;
 };
 
-/// What the finer picture shows within a pixel and half a finer pixel around it. `id`: of which item depth and colour
+/// What the finer picture shows within a pixel and one finer pixel around it. `id`: of which item depth and colour
 /// are taken.
 struct Around {
   bool shows = false;
