@@ -1,8 +1,12 @@
 #include "sightline/raytrace/exact_visibility.h"
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
 #include <mutex>
 #include <optional>
+#include <span>
+#include <utility>
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -13,10 +17,10 @@ namespace {
 
 /// Counts the samples of a row of pixels. Returns the first error.
 std::optional<core::Error> count_row(const Tracer& tracer, const core::View& view, const RayFilter& filter, int width,
-                                     int height, int samples, int row, std::vector<std::uint64_t>& counts) {
+                                     int height, std::span<const core::dvec2> samples, int row,
+                                     std::vector<std::uint64_t>& counts) {
   for (int column = 0; column < width; ++column)
-    for (int sample = 0; sample < samples; ++sample) {
-      const core::dvec2 at = sample_position(sample, samples);
+    for (const core::dvec2& at : samples) {
       const auto ray = pixel_ray(view, width, height, column + at.x, row + at.y);
       if (!ray) return ray.error();
       const auto hit = tracer.nearest(*ray, filter);
@@ -28,10 +32,27 @@ std::optional<core::Error> count_row(const Tracer& tracer, const core::View& vie
 
 }  // namespace
 
-core::dvec2 sample_position(int sample, int samples) {
-  double y = 0.5 / samples, digit = 0.5;
-  for (int rest = sample; rest > 0; rest /= 2, digit *= 0.5) y += rest % 2 * digit;
-  return {(sample + 0.5) / samples, y < 1.0 ? y : y - 1.0};
+std::vector<core::dvec2> sample_positions(int samples) {
+  assert(samples > 0);
+  std::vector<core::dvec2> positions;
+  const int n = int(std::lround(std::sqrt(samples)));
+  if (n * n == samples) {
+    for (int i = 0; i < samples; ++i) positions.emplace_back((i % n + 0.5) / n, (i / n + 0.5) / n);
+    return positions;
+  }
+  std::vector<std::pair<double, int>> order;  // by the radical inverse
+  for (int i = 0; i < samples; ++i) {
+    double inverse = 0.0, digit = 0.5;
+    for (int rest = i; rest > 0; rest /= 2, digit *= 0.5) inverse += rest % 2 * digit;
+    order.emplace_back(inverse, i);
+  }
+  std::sort(order.begin(), order.end());
+  positions.resize(std::size_t(samples));
+  for (int row = 0; row < samples; ++row) {
+    const int i = order[std::size_t(row)].second;
+    positions[std::size_t(i)] = {(i + 0.5) / samples, (row + 0.5) / samples};
+  }
+  return positions;
 }
 
 core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::View& view, int width, int height,
@@ -40,6 +61,7 @@ core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::Vi
     return core::fail("exact visibility: width, height and samples must be above 0");
   const core::Snapshot& snapshot = tracer_->snapshot();
   const RayFilter filter = filter_of(view);
+  const std::vector<core::dvec2> positions = sample_positions(samples);
   std::vector<std::uint64_t> total(snapshot.size());
   std::optional<core::Error> failed;
   std::mutex mutex;  // guards both
@@ -54,7 +76,7 @@ core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::Vi
 #pragma omp for schedule(dynamic, 4)
 #endif
     for (int row = 0; row < height; ++row)
-      if (!error) error = count_row(*tracer_, view, filter, width, height, samples, row, counts);
+      if (!error) error = count_row(*tracer_, view, filter, width, height, positions, row, counts);
     const std::lock_guard held(mutex);
     if (error) failed = error;
     for (std::size_t slot = 0; slot < counts.size(); ++slot) total[slot] += counts[slot];

@@ -22,7 +22,7 @@ class SIGHTLINE_API ExactVisibility {
 
   /// The items that a picture of width x height pixels shows, in rising order. Layers and section planes are the
   /// view's; transparent items hide what is behind them; lines are not seen. `samples` per pixel lie where
-  /// sample_position() has them. `threads`: 0: all that OpenMP offers; the answer does not depend on them. Fails as
+  /// sample_positions() has them. `threads`: 0: all that OpenMP offers; the answer does not depend on them. Fails as
   /// pixel_ray() does, and unless width, height and samples are above 0.
   core::Expected<std::vector<VisibleItem>> compute(const core::View& view, int width, int height, int samples = 1,
                                                    int threads = 0) const;
@@ -31,8 +31,9 @@ class SIGHTLINE_API ExactVisibility {
   const Tracer* tracer_;
 };
 
-/// Position of a sample within its pixel, 0 … 1 from the upper left corner: point `sample` of the Hammersley set of
-/// `samples` points. The middle of the pixel for one sample; one in each row and column of a grid for a power of two.
-SIGHTLINE_API core::dvec2 sample_position(int sample, int samples);
+/// Where the samples of a pixel lie, 0 … 1 from its upper left corner; their mean is the pixel's middle. In the cells
+/// of a grid of n x n where `samples`, 1 or more, is n^2. Otherwise one in each row and column of a grid of samples x
+/// samples, in the order of the Hammersley set.
+SIGHTLINE_API std::vector<core::dvec2> sample_positions(int samples);
 
 }  // namespace sightline::raytrace

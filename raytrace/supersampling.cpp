@@ -3,15 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/raytrace/exact_visibility.h"
-
 namespace sightline::raytrace {
-
-core::dvec2 sample_in_pixel(int sample, int samples) {
-  const int n = int(std::lround(std::sqrt(samples)));
-  if (n * n != samples) return sample_position(sample, samples);
-  return {(sample % n + 0.5) / n, (sample / n + 0.5) / n};
-}
 
 std::vector<std::uint8_t> mark_edges(std::span<const core::vec3> colours, int width, int height, double threshold) {
   std::vector<std::uint8_t> marks(colours.size());

@@ -8,6 +8,7 @@
 #include <omp.h>
 #endif
 
+#include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/internal/supersampling.h"
 
 namespace sightline::raytrace {
@@ -196,24 +197,25 @@ class Renderer {
 
   core::Expected<WhittedPicture> run() {
     const int samples = options_.samples;
+    const std::vector<core::dvec2> places = sample_positions(samples);
     if (!options_.edge_threshold) {
       for (int sample = 0; sample < samples; ++sample)
-        if (!pass(sample, samples, {}, sample, samples)) return core::fail("cancelled");
+        if (!pass(places[std::size_t(sample)], {}, sample, samples)) return core::fail("cancelled");
     } else {
-      if (!pass(0, 1, {}, 0, samples + 1)) return core::fail("cancelled");
+      if (!pass(core::dvec2(0.5), {}, 0, samples + 1)) return core::fail("cancelled");
       const auto edges = mark_edges(sums_, picture_.width, picture_.height, *options_.edge_threshold);
       for (std::size_t i = 0; i < edges.size(); ++i)
         if (edges[i]) counts_[i] = 0;  // the samples of an edge replace the one that found it
       for (int sample = 0; sample < samples; ++sample)
-        if (!pass(sample, samples, edges, sample + 1, samples + 1)) return core::fail("cancelled");
+        if (!pass(places[std::size_t(sample)], edges, sample + 1, samples + 1)) return core::fail("cancelled");
     }
     quantise();
     return std::move(picture_);
   }
 
  private:
-  /// Adds a sample to the pixels that are marked, or to all without marks. False: cancelled.
-  bool pass(int sample, int samples, const std::vector<std::uint8_t>& marks, int done, int passes) {
+  /// Adds a sample at that place of the pixels that are marked, or of all without marks. False: cancelled.
+  bool pass(const core::dvec2& at, const std::vector<std::uint8_t>& marks, int done, int passes) {
     const int columns = (picture_.width + kTile - 1) / kTile, rows = (picture_.height + kTile - 1) / kTile;
     std::atomic<int> tiles_done = 0;
     std::atomic<bool> cancelled = false;
@@ -223,7 +225,7 @@ class Renderer {
 #endif
     for (int tile = 0; tile < columns * rows; ++tile) {
       if (cancelled) continue;
-      trace_tile(tile % columns * kTile, tile / columns * kTile, sample, samples, marks);
+      trace_tile(tile % columns * kTile, tile / columns * kTile, at, marks);
       const int tiles = ++tiles_done;
 #ifdef _OPENMP
       if (omp_get_thread_num() != 0) continue;
@@ -239,8 +241,7 @@ class Renderer {
     return true;
   }
 
-  void trace_tile(int left, int top, int sample, int samples, const std::vector<std::uint8_t>& marks) {
-    const core::dvec2 at = sample_in_pixel(sample, samples);
+  void trace_tile(int left, int top, const core::dvec2& at, const std::vector<std::uint8_t>& marks) {
     std::uint64_t taken = 0;
     for (int y = top; y < std::min(top + kTile, picture_.height); ++y)
       for (int x = left; x < std::min(left + kTile, picture_.width); ++x) {

@@ -40,8 +40,8 @@ struct WhittedPicture {
 };
 
 struct WhittedOptions {
-  /// Per pixel, above 0. In the cells of a grid of n x n where this is n^2, otherwise as sample_position() has them
-  /// (exact_visibility.h). So the first of several need not be in the middle of the pixel.
+  /// Per pixel, above 0, where sample_positions() has them (exact_visibility.h). So the first of several need not be in
+  /// the middle of the pixel.
   int samples = 1;
   /// With it only pixels at edges get `samples`. All others get one, in the middle, which is the first sample of every
   /// pixel. Edges are where the gradient of any channel exceeds this; see mark_edges() (internal/supersampling.h). At

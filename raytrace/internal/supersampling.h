@@ -1,4 +1,4 @@
-// Where the samples of a pixel lie, and which pixels need more than one.
+// Which pixels need more than one sample.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,6 @@
 #include "sightline/core/conventions.h"
 
 namespace sightline::raytrace {
-
-/// Where a sample lies in its pixel, 0 … 1 from the upper left corner: in the cells of a grid of n x n where `samples`
-/// is n^2, otherwise at sample_position() (exact_visibility.h).
-core::dvec2 sample_in_pixel(int sample, int samples);
 
 /// Marks pixels with 1 where Sobel's gradient of a channel, sqrt(gx^2 + gy^2) and at most 1, exceeds `threshold`. A
 /// step of height h between two columns has the gradient 4 h in both. Colours are 0 … 1, in rows of `width`; beyond the

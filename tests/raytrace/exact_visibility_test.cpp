@@ -1,6 +1,7 @@
 // The exact visible set against areas that are known, and against single rays.
 #include "sightline/raytrace/exact_visibility.h"
 
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -46,19 +47,24 @@ TEST(ExactVisibility, CountsCoveredSamples) {
 }
 
 TEST(ExactVisibility, SamplesSpreadOverThePixel) {
-  EXPECT_EQ(sample_position(0, 1), core::dvec2(0.5, 0.5));
-  for (const int samples : {2, 3, 8, 13, 64}) {
+  EXPECT_EQ(sample_positions(1), std::vector<core::dvec2>{core::dvec2(0.5, 0.5)});
+  EXPECT_EQ(sample_positions(4)[1], core::dvec2(0.75, 0.25));
+  EXPECT_EQ(sample_positions(4)[2], core::dvec2(0.25, 0.75));
+  for (const int samples : {2, 3, 8, 9, 13, 16, 25, 32, 64}) {
+    SCOPED_TRACE(samples);
     std::set<int> rows, columns;
-    for (int i = 0; i < samples; ++i) {
-      const core::dvec2 p = sample_position(i, samples);
-      EXPECT_TRUE(p.x > 0.0 && p.x < 1.0 && p.y >= 0.0 && p.y < 1.0);
+    core::dvec2 sum(0.0);
+    for (const core::dvec2& p : sample_positions(samples)) {
+      EXPECT_TRUE(p.x > 0.0 && p.x < 1.0 && p.y > 0.0 && p.y < 1.0);
       columns.insert(int(p.x * samples));
       rows.insert(int(p.y * samples));
+      sum += p;
     }
-    EXPECT_EQ(columns.size(), std::size_t(samples));
-    if ((samples & (samples - 1)) == 0) {
-      EXPECT_EQ(rows.size(), std::size_t(samples));
-    }
+    EXPECT_LT(glm::length(sum / double(samples) - 0.5), 1e-12);
+    const int n = int(std::lround(std::sqrt(samples)));
+    const auto lines = std::size_t(n * n == samples ? n : samples);
+    EXPECT_EQ(columns.size(), lines);
+    EXPECT_EQ(rows.size(), lines);
   }
 }
 

@@ -204,7 +204,7 @@ TEST(Whitted, ShowsTheMeanOfItsSamples) {
   plates.build();
   for (const int samples : {1, 2, 7, 16}) {
     int covered = 0;
-    for (int i = 0; i < samples; ++i) covered += sample_in_pixel(i, samples).x < 0.6;
+    for (const core::dvec2& at : sample_positions(samples)) covered += at.x < 0.6;
     const vec3 mean = glm::mix(WhittedOptions().background, lit_from_above(kRed), float(covered) / float(samples));
     const WhittedPicture picture = plates.render({.samples = samples});
     EXPECT_EQ(rgb(picture, 2, 3), rgb(mean)) << samples;
@@ -320,18 +320,6 @@ TEST(Whitted, RefusesOptionsOutOfRange) {
     EXPECT_FALSE(render_whitted(*plates.tracer, from_above(), 8, 8, bad[i])) << i;
   EXPECT_FALSE(render_whitted(*plates.tracer, from_above(), 0, 8, {}));
   EXPECT_TRUE(render_whitted(*plates.tracer, from_above(), 8, 8, {}));
-}
-
-TEST(Supersampling, SquareNumbersLieOnAGrid) {
-  EXPECT_EQ(sample_in_pixel(0, 1), core::dvec2(0.5, 0.5));
-  EXPECT_EQ(sample_in_pixel(1, 4), core::dvec2(0.75, 0.25));
-  EXPECT_EQ(sample_in_pixel(2, 4), core::dvec2(0.25, 0.75));
-  EXPECT_EQ(sample_in_pixel(3, 8), sample_position(3, 8));
-  for (const int samples : {9, 16, 25, 64}) {
-    core::dvec2 sum(0.0);
-    for (int i = 0; i < samples; ++i) sum += sample_in_pixel(i, samples);
-    EXPECT_LT(glm::length(sum / double(samples) - 0.5), 1e-12) << samples;
-  }
 }
 
 TEST(Supersampling, MarksEdges) {
