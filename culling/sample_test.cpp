@@ -45,7 +45,7 @@ bool SampleTest::rays_meet(const BoxCoordinates& box, const BoxRectangles& recta
       rectangles.top[i] - rectangles.bottom[i] > float(kLanes - 1) || !rays_.span(box, span))
     return true;
   alignas(64) float entries[kLanes];
-  BlockRow row{0.0f, 0.0f, 1.0f, view_.snap, kNothingDrawn.data(), 0.0f, 0.0f, rays_.parallel()};
+  BlockRow row{0.0f, 0.0f, 1.0f, view_.snap, kNothingDrawn.data(), {}, rays_.parallel()};
   for (const auto& [x, y] : samples_.offsets) {
     const PixelRectangle pixels = pixels_of(view_, rectangles, i, x, y);
     const unsigned lanes = (1u << std::max(pixels.x1 - pixels.x0 + 1, 0)) - 1u;
