@@ -71,7 +71,7 @@ inline constexpr std::size_t kSmallScene = 128;
 /// Below this many items, the CPU culls in a microsecond or two and a GPU culler can gain nothing: none is made.
 inline constexpr std::size_t kSmallHybridScene = 10'000;
 /// Below this many items that may cover a sample, occlusion is not tested unless asked for.
-inline constexpr std::size_t kSmallOcclusionScene = 4096;
+inline constexpr std::size_t kSmallOcclusionScene = 16'384;
 /// The same where a GPU culls and draws; below so many items in the scene. Not measured.
 inline constexpr std::size_t kGpuOcclusionScene = 100'000;
 
