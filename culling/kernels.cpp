@@ -34,16 +34,10 @@ ItemTest make_item_test(const core::ItemBounds& bounds, const CullPlanes& planes
 
 const Kernels& kernels() {
 #ifdef SIGHTLINE_X86_KERNELS
-  switch (core::instruction_set()) {
-    case core::InstructionSet::kAvx512:
-      return avx512_kernels();
-    case core::InstructionSet::kAvx2:
-      return avx2_kernels();
-    default:
-      break;
-  }
-#endif
+  return core::form_in_use(scalar_kernels(), avx2_kernels(), avx512_kernels());
+#else
   return scalar_kernels();
+#endif
 }
 
 }  // namespace sightline::culling

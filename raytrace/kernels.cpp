@@ -6,16 +6,10 @@ namespace sightline::raytrace {
 
 const Kernels& kernels() {
 #ifdef SIGHTLINE_X86_KERNELS
-  switch (core::instruction_set()) {
-    case core::InstructionSet::kAvx512:
-      return avx512_kernels();
-    case core::InstructionSet::kAvx2:
-      return avx2_kernels();
-    default:
-      break;
-  }
-#endif
+  return core::form_in_use(scalar_kernels(), avx2_kernels(), avx512_kernels());
+#else
   return scalar_kernels();
+#endif
 }
 
 }  // namespace sightline::raytrace

@@ -32,16 +32,10 @@ void first_crossings(const core::Cylinder& cylinder, const RayArrays& rays, std:
                         !caps.bottom,
                         !caps.top};
 #ifdef SIGHTLINE_X86_KERNELS
-  switch (core::instruction_set()) {
-    case core::InstructionSet::kAvx512:
-      return first_crossings_avx512(in);
-    case core::InstructionSet::kAvx2:
-      return first_crossings_avx2(in);
-    default:
-      break;
-  }
-#endif
+  core::form_in_use(first_crossings, first_crossings_avx2, first_crossings_avx512)(in);
+#else
   first_crossings(in);
+#endif
 }
 
 }  // namespace sightline::bench

@@ -18,4 +18,17 @@ InstructionSet instruction_set();
 void force_instruction_set(std::optional<InstructionSet> set);
 const char* name_of(InstructionSet set);
 
+/// Of three forms the one in use.
+template <class Form>
+const Form& form_in_use(const Form& scalar, const Form& avx2, const Form& avx512) {
+  switch (instruction_set()) {
+    case InstructionSet::kAvx512:
+      return avx512;
+    case InstructionSet::kAvx2:
+      return avx2;
+    default:
+      return scalar;
+  }
+}
+
 }  // namespace sightline::core

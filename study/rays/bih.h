@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sightline/core/aabb.h"
-#include "sightline/study/rays/kd_traversals.h"
 #include "sightline/study/rays/query.h"
 
 namespace sightline::study::rays {
@@ -52,10 +51,6 @@ Bih build_bih(std::span<const core::Aabb> boxes, const core::Aabb& bounds, std::
 struct BihStack {
   template <class Q>
   static void walk(const Bih& bih, const UnitRay& ray, Q& query) {
-    struct Entry {
-      std::uint32_t node;
-      Interval t;
-    };
     std::array<Entry, Bih::kMaxDepth> stack;
     std::size_t size = 0;
     Entry at{0, {0.0f, ray.exit}};

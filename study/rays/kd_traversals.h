@@ -13,10 +13,6 @@
 
 namespace sightline::study::rays {
 
-struct Interval {
-  float min, max;
-};
-
 /// Parameter where the ray leaves the box, and the axis of the face there.
 struct BoxExit {
   float t;
@@ -61,10 +57,6 @@ inline constexpr auto kIgnoreBoth = [](std::uint32_t, const Interval&) {};
 struct KdStandard {
   template <class Q>
   static void walk(const KdTree& tree, const UnitRay& ray, Q& query) {
-    struct Entry {
-      std::uint32_t node;
-      Interval t;
-    };
     std::array<Entry, KdTree::kMaxDepth> stack;
     std::size_t size = 0;
     Entry at{0, {0.0f, ray.exit}};
@@ -109,10 +101,6 @@ struct KdStandard8 {
 struct KdHavran {
   template <class Q>
   static void walk(const KdTree& tree, const UnitRay& ray, Q& query) {
-    struct Entry {
-      std::uint32_t node;
-      Interval t;
-    };
     std::array<Entry, KdTree::kMaxDepth> stack;
     std::size_t size = 0;
     Entry at{0, {0.0f, ray.exit}};
@@ -192,10 +180,6 @@ struct KdShortStack {
 
   template <class Q>
   static void walk(const KdTree& tree, const UnitRay& ray, Q& query) {
-    struct Entry {
-      std::uint32_t node;
-      Interval t;
-    };
     std::array<Entry, kEntries> stack;
     std::uint32_t top = 0, size = 0, root = 0;
     bool whole = push_down;

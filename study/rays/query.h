@@ -16,6 +16,17 @@ struct Counters {
 
 enum class Find : std::uint8_t { kNearest, kAny };
 
+/// Part of a ray.
+struct Interval {
+  float min, max;
+};
+
+/// What most stacks hold: a node, and the part of the ray in it.
+struct Entry {
+  std::uint32_t node;
+  Interval t;
+};
+
 /// A traversal calls visit() at each node or cell, and test() with the triangles of each leaf, front to back.
 template <Find find, bool counting>
 class Query {

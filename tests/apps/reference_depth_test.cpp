@@ -5,9 +5,7 @@
 namespace sightline::tests {
 namespace {
 
-using Case = std::tuple<std::string, std::string>;  // model, view
-
-class ReferenceDepth : public RenderTest, public ::testing::WithParamInterface<Case> {};
+class ReferenceDepth : public RenderTest, public ::testing::WithParamInterface<ModelView> {};
 
 TEST_P(ReferenceDepth, Agrees) {
   const auto& [model, view] = GetParam();
@@ -25,14 +23,7 @@ TEST_P(ReferenceDepth, Agrees) {
   RecordProperty("compared", compared.out);
 }
 
-INSTANTIATE_TEST_SUITE_P(Huldra, ReferenceDepth,
-                         ::testing::Combine(::testing::Values("HA-PIPE", "HA-MECH", "WD1-PSUP"),
-                                            ::testing::Values("over", "near", "ortho")),
-                         [](const auto& pair) {
-                           std::string name = std::get<0>(pair.param) + "_" + std::get<1>(pair.param);
-                           std::erase(name, '-');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Huldra, ReferenceDepth, huldra_views(), name_of_view);
 
 }  // namespace
 }  // namespace sightline::tests

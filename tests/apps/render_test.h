@@ -1,6 +1,8 @@
 // Tests that draw through sightline-render.
 #pragma once
 
+#include <tuple>
+
 #include "sightline/tests/apps/tool_test.h"
 #include "sightline/tests/support/no_gl.h"
 
@@ -25,5 +27,18 @@ class RenderTest : public ToolTest {
     return outcome;
   }
 };
+
+using ModelView = std::tuple<std::string, std::string>;  // names of a model and of a view of it
+
+/// Real plants, each from three views, for INSTANTIATE_TEST_SUITE_P.
+inline auto huldra_views() {
+  return ::testing::Combine(::testing::Values("HA-PIPE", "HA-MECH", "WD1-PSUP"),
+                            ::testing::Values("over", "near", "ortho"));
+}
+inline std::string name_of_view(const ::testing::TestParamInfo<ModelView>& info) {
+  std::string name = std::get<0>(info.param) + "_" + std::get<1>(info.param);
+  std::erase(name, '-');
+  return name;
+}
 
 }  // namespace sightline::tests

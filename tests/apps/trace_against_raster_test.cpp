@@ -152,14 +152,7 @@ TEST_P(TraceAgainstRaster, Agrees) {
 
 INSTANTIATE_TEST_SUITE_P(SmallPlant, TraceAgainstRaster, ::testing::Values(std::tuple("small_plant", "")),
                          [](const auto&) { return "whole"; });
-INSTANTIATE_TEST_SUITE_P(Huldra, TraceAgainstRaster,
-                         ::testing::Combine(::testing::Values("HA-PIPE", "HA-MECH", "WD1-PSUP"),
-                                            ::testing::Values("over", "near", "ortho")),
-                         [](const auto& pair) {
-                           std::string name = std::get<0>(pair.param) + "_" + std::get<1>(pair.param);
-                           std::erase(name, '-');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Huldra, TraceAgainstRaster, huldra_views(), name_of_view);
 
 }  // namespace
 }  // namespace sightline::tests
