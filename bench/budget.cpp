@@ -2,8 +2,8 @@
 // picture takes once it rests.
 //
 // A tour is flown with the budget. Some of its pictures are compared with the full picture of the same view. Beside
-// them stands dropping in the same time: of several thresholds of contribution the least whose frame takes no longer
-// than the budget.
+// them stands a threshold of contribution in the same time: of several the least whose frame takes no longer than the
+// budget. Both drop what is too small, or draw it as squares.
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -33,13 +33,18 @@ using engine::Engine;
 constexpr double kWithin = 1.05;      // of the budget
 constexpr int kApproach = 4;          // moving frames before a rest
 constexpr int kMostAtRest = 100'000;  // frames
-constexpr float kThresholds[] = {0.0f, 0.25f, 1.0f, 4.0f, 16.0f, 64.0f, 256.0f, 1024.0f};  // of dropping, pixels
+constexpr float kThresholds[] = {0.0f, 0.25f, 1.0f, 4.0f, 16.0f, 64.0f, 256.0f, 1024.0f};  // of contribution, pixels
 
 struct Options {
   apps::ModelOptions model;
   double budget_ms = 33.0;
   int frames = 200, compared = 20, rests = 10;
+  bool points = false;
   std::string size = "640x360", json;
+
+  engine::ContributionWay way() const {
+    return points ? engine::ContributionWay::kPoints : engine::ContributionWay::kDrop;
+  }
 };
 
 void add_options(CLI::App& app, Options& o) {
@@ -57,10 +62,12 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--rests", o.rests, "Frames at which the camera comes to rest, evenly spaced")
       ->check(CLI::Range(1, 10'000))
       ->capture_default_str();
+  app.add_flag("--points", o.points, "Draw as squares what is left out");
   app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
   apps::add_json_option(app, o.json);
   apps::add_examples(app,
                      "  sightline-bench budget plant.rvm\n"
+                     "  sightline-bench budget plant.rvm --points\n"
                      "  sightline-bench budget plant.rvm --budget 16.7 --frames 400 --json budget.json");
 }
 
@@ -75,8 +82,8 @@ struct Picture {
 };
 
 struct Compared {
-  Error budget, dropped;
-  double budget_ms = 0.0, dropped_ms = 0.0, full_ms = 0.0, threshold = 0.0;
+  Error budget, contribution;
+  double budget_ms = 0.0, contribution_ms = 0.0, full_ms = 0.0, threshold = 0.0;
 };
 
 struct Rest {
@@ -161,18 +168,18 @@ class Bench {
     figures.budget_ms = ms;
     Picture full;
     for (const float threshold : kThresholds) {
-      const auto dropped_ms = draw_dropping(threshold, i);
-      if (!dropped_ms) return tl::unexpected(dropped_ms.error());
-      if (threshold == 0.0f) figures.full_ms = *dropped_ms;
-      if (threshold > 0.0f && *dropped_ms > options_.budget_ms && threshold < std::end(kThresholds)[-1]) continue;
-      auto dropped = read(full_);
-      if (!dropped) return tl::unexpected(dropped.error());
-      if (threshold == 0.0f) full = *dropped;
-      if (threshold == 0.0f && *dropped_ms > options_.budget_ms) continue;
-      const auto error = error_of(*dropped, full);
+      const auto took = draw_with(threshold, i);
+      if (!took) return tl::unexpected(took.error());
+      if (threshold == 0.0f) figures.full_ms = *took;
+      if (threshold > 0.0f && *took > options_.budget_ms && threshold < std::end(kThresholds)[-1]) continue;
+      auto picture_of = read(full_);
+      if (!picture_of) return tl::unexpected(picture_of.error());
+      if (threshold == 0.0f) full = *picture_of;
+      if (threshold == 0.0f && *took > options_.budget_ms) continue;
+      const auto error = error_of(*picture_of, full);
       if (!error) return tl::unexpected(error.error());
-      figures.dropped = *error;
-      figures.dropped_ms = *dropped_ms;
+      figures.contribution = *error;
+      figures.contribution_ms = *took;
       figures.threshold = threshold;
       break;
     }
@@ -185,8 +192,8 @@ class Bench {
   }
 
   /// Draws the frame before, too, as a flight does.
-  core::Expected<double> draw_dropping(float threshold, std::size_t i) {
-    full_.drawing()->set_contribution(threshold, engine::ContributionWay::kDrop);
+  core::Expected<double> draw_with(float threshold, std::size_t i) {
+    full_.drawing()->set_contribution(threshold, options_.way());
     if (auto before = timed_frame(full_, views_[i > 0 ? i - 1 : i]); !before) return before;
     return timed_frame(full_, views_[i]);
   }
@@ -221,6 +228,7 @@ core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, double 
   config.width = width;
   config.height = height;
   config.budget_ms = budget_ms;
+  config.contribution_way = o.way();
   return Engine::create(scene, config);
 }
 
@@ -261,11 +269,12 @@ Json to_json(const Figures& f, double budget_ms) {
                     {"complete", double(f.complete) / double(f.ms.size())},
                     {"shown", apps::summarise(f.shown).mean}};
   json["compared"] = {{"budget", to_json(f.compared, &Compared::budget, &Compared::budget_ms)},
-                      {"dropping", to_json(f.compared, &Compared::dropped, &Compared::dropped_ms)},
+                      {"contribution", to_json(f.compared, &Compared::contribution, &Compared::contribution_ms)},
                       {"full_ms", apps::summarise(all(f.compared, [](const Compared& c) { return c.full_ms; })).mean}};
-  json["compared"]["dropping"]["thresholds"] = all(f.compared, [](const Compared& c) { return c.threshold; });
+  json["compared"]["contribution"]["thresholds"] = all(f.compared, [](const Compared& c) { return c.threshold; });
   json["compared"]["budget"]["flips"] = all(f.compared, [](const Compared& c) { return c.budget.flip_mean; });
-  json["compared"]["dropping"]["flips"] = all(f.compared, [](const Compared& c) { return c.dropped.flip_mean; });
+  json["compared"]["contribution"]["flips"] =
+      all(f.compared, [](const Compared& c) { return c.contribution.flip_mean; });
   json["rest"] = {
       {"frames", apps::to_json<Json>(apps::summarise(all(f.rests, [](const Rest& r) { return r.frames; })))},
       {"ms", apps::to_json<Json>(apps::summarise(all(f.rests, [](const Rest& r) { return r.ms; })))}};
@@ -285,7 +294,7 @@ void print(const Json& json, std::FILE* out) {
   std::fprintf(out,
                "| against full picture | ms, mean | FLIP, mean |    p99 | wrong ids, %% |\n"
                "| -------------------- | -------: | ---------: | -----: | -----------: |\n");
-  for (const char* way : {"budget", "dropping"})
+  for (const char* way : {"budget", "contribution"})
     std::fprintf(out, "| %-20s | %8.1f | %10.5f | %6.4f | %12.2f |\n", way, figure(compared[way]["ms"], "mean"),
                  figure(compared[way]["flip"], "mean"), figure(compared[way]["flip"], "p99"),
                  100.0 * figure(compared[way], "wrong_ids"));
@@ -310,7 +319,11 @@ core::Expected<int> run(const Options& o) {
   if (!views) return tl::unexpected(views.error());
   const gl::Context& context = full->drawing()->context();
   Json json = renderer_json(context);
-  json.update({{"model", o.model.files}, {"size", o.size}, {"frames", o.frames}, {"budget_ms", o.budget_ms}});
+  json.update({{"model", o.model.files},
+               {"size", o.size},
+               {"frames", o.frames},
+               {"budget_ms", o.budget_ms},
+               {"way", name_of(o.way())}});
   std::fprintf(apps::table_stream(o.json), "%s, %s, %.4g ms, %d frames of the tour, %s\n\n",
                engine::count_text(full->snapshot().size()).c_str(), o.size.c_str(), o.budget_ms, o.frames,
                renderer_line(context).c_str());

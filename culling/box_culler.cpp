@@ -101,7 +101,7 @@ void BoxCuller::visible(const core::View& view, const DepthPyramid& depth, std::
   impl_->culler->cull(view, set);
   const OcclusionTest test(view, impl_->bounds.origin, depth.width(), depth.height(), depth);
   parts.split(set);
-  parts.for_each(&impl_->threads, [&](core::VisibleSet& part) {
+  parts.for_each(&impl_->threads, [&](core::VisibleSet& part, std::uint32_t) {
     thread_local core::VisibleSet coarse;
     test.filter_leaves(impl_->culler->hierarchy(), part, coarse);
     test.filter(impl_->bounds, coarse, part);
@@ -110,8 +110,8 @@ void BoxCuller::visible(const core::View& view, const DepthPyramid& depth, std::
   for (std::uint32_t i = 0; i < parts.count(); ++i) places.push_back(places.back() + parts[i].count());
   indices.resize(places.back());
   const std::span<const std::size_t> to = places;
-  impl_->threads.run(parts.count(), [&, &own = parts](std::uint32_t i) {
-    list_ids(own[i], impl_->index_of, std::span(indices).subspan(to[i], to[i + 1] - to[i]));
+  parts.for_each(&impl_->threads, [&](const core::VisibleSet& part, std::uint32_t i) {
+    list_ids(part, impl_->index_of, std::span(indices).subspan(to[i], to[i + 1] - to[i]));
   });
 }
 

@@ -193,7 +193,7 @@ void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSe
   if (!threads) return filter_part(in, open);
   thread_local SetParts parts;
   parts.split(in);
-  parts.for_each(threads, [&](core::VisibleSet& part) { filter_part(part, part); });
+  parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) { filter_part(part, part); });
   parts.join(open);
 }
 
@@ -255,7 +255,7 @@ void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy*
   thread_local core::VisibleSet open;
   layers.begin(std::size_t(pyramid_->width()) * std::size_t(pyramid_->height()));
   parts.split(in);
-  parts.for_each(threads, [&, &own_layers = layers](core::VisibleSet& part) {
+  parts.for_each(threads, [&, &own_layers = layers](core::VisibleSet& part, std::uint32_t) {
     thread_local core::VisibleSet leaves;
     if (hierarchy) {
       filter_leaves(*hierarchy, part, leaves);

@@ -48,6 +48,8 @@ void BudgetPasses::begin(const culling::ContributionTest& measure, const core::I
   drawn_.clear();
   drawn_.generation = pass_.generation = piece_.generation = candidates.generation;
   at_ = 0;
+  looked_at_.assign(lines.begin(), lines.end());
+  looked_at_.resize(culling::bit_words(bounds.size()));
   measure.areas(bounds, candidates, areas_);
   constexpr int kRanks = DrawCosts::kClasses + kOpenFirst;
   const auto rank_of = [&](const SlotArea& a) {  // 0 comes first
@@ -55,7 +57,12 @@ void BudgetPasses::begin(const culling::ContributionTest& measure, const core::I
     return kRanks - 1 - (DrawCosts::class_of(a.area) + (culling::contains(open_, a.slot) ? kOpenFirst : 0));
   };
   std::array<std::size_t, kRanks + 1> begins{};
-  for (const SlotArea& a : areas_) ++begins[std::size_t(rank_of(a)) + 1];
+  left_.fill(0);
+  drawn_ms_ = looked_at_ms_ = 0.0;
+  for (const SlotArea& a : areas_) {
+    ++begins[std::size_t(rank_of(a)) + 1];
+    ++left_[std::size_t(DrawCosts::class_of(a.area))];
+  }
   for (std::size_t i = 1; i < begins.size(); ++i) begins[i] += begins[i - 1];
   order_.resize(areas_.size());
   for (const SlotArea& a : areas_) order_[begins[std::size_t(rank_of(a))]++] = a;
@@ -89,10 +96,16 @@ std::size_t BudgetPasses::affordable(double ms) const {
 double BudgetPasses::take(std::size_t end, const culling::OcclusionTest* test, const core::ItemBounds& bounds) {
   piece_.items.clear();
   for (std::size_t i = at_; i < end; ++i) piece_.items.push_back(order_[i].slot);
+  culling::set_bits(piece_, looked_at_);
   if (test)
     test->filter(bounds, piece_, open_piece_, lines_);  // keeps their order
   else
     std::swap(piece_, open_piece_);
+  for (std::size_t i = at_; i < end; ++i) {
+    const int size_class = DrawCosts::class_of(order_[i].area);
+    --left_[std::size_t(size_class)];
+    looked_at_ms_ += costs_.ms(size_class);
+  }
   double ms = 0.0;
   std::size_t i = at_;
   for (const core::Slot slot : open_piece_.items) {
@@ -103,7 +116,14 @@ double BudgetPasses::take(std::size_t end, const culling::OcclusionTest* test, c
   }
   pass_.items.insert(pass_.items.end(), open_piece_.items.begin(), open_piece_.items.end());
   at_ = end;
+  drawn_ms_ += ms;
   return ms;
+}
+
+double BudgetPasses::pending_ms() const {
+  double ms = 0.0;
+  for (int c = 0; c < DrawCosts::kClasses; ++c) ms += left_[std::size_t(c)] * costs_.ms(c);
+  return looked_at_ms_ > 0.0 ? ms * drawn_ms_ / looked_at_ms_ : ms;
 }
 
 void BudgetPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {

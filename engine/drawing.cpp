@@ -21,6 +21,7 @@ constexpr std::size_t kMostDrawn = 8;
 constexpr double kBudgetShare = 0.93;  // of a frame's budget, to draw in
 constexpr double kPassShare = 0.5;     // of the time left, for the next pass: it may take longer than expected
 constexpr double kLeastPasses = 2.0;   // that the time left must suffice for
+constexpr double kSlower = 0.92;       // squares take what they took, or less by as much a frame
 constexpr float kOverlooked = 0.125f;  // of the area that the last frame came to
 
 }  // namespace
@@ -141,6 +142,7 @@ core::Expected<void> Drawing::resize(int width, int height) {
   auto target = render::RenderTarget::create(context_, width, height, target_.format());
   if (!target) return tl::unexpected(target.error());
   target_ = std::move(*target);
+  refined_.reset();
   picture_changed();
   return {};
 }
@@ -200,7 +202,8 @@ core::Expected<void> Drawing::draw_visible(const Culled& culled, double began) {
     if (auto done = draw_at_once(culled.with(large)); !done) return done;
   }
   counts_.small = &large == &culled.visible ? 0 : std::int64_t(culled.snapshot.count(culled.visible)) - count;
-  return draw_small(culled, tested);
+  if (counts_.small == 0 || contribution_way_ == ContributionWay::kDrop) return {};
+  return draw_squares(culled, was_large_, {contribution_way_, contribution_}, tested);
 }
 
 culling::ContributionTest Drawing::contribution_test(const core::View& view, const core::Snapshot& snapshot) {
@@ -264,7 +267,7 @@ core::Expected<void> Drawing::draw_hidden(const core::View& view, const core::Sn
   const core::ItemBounds& bounds = snapshot.bounds();
   const core::VisibleSet* left = &hidden_;
   if (may_test_occlusion()) {
-    read_back_depth(view);
+    read_back_depth(view, target_);
     occlusion_test(view, bounds.origin).filter(bounds, hidden_, sampled_);
     left = &sampled_;
   }
@@ -290,17 +293,12 @@ const core::VisibleSet& Drawing::leave_out_small(const Culled& culled, float thr
   return large_;
 }
 
-core::Expected<void> Drawing::draw_small(const Culled& culled, bool distances_known) {
-  if (counts_.small == 0 || contribution_way_ == ContributionWay::kDrop) return {};
-  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
-  const core::VisibleSet* candidates = &visible;
-  if (distances_known && hierarchy) {
-    occlusion_test(view, snapshot.bounds().origin).filter_leaves(*hierarchy, visible, open_leaves_);
-    candidates = &open_leaves_;
-  }
-  const std::span<const float> distances = distances_known ? distances_ : std::span<const float>();
-  auto done = small_items_.draw(context_, view, snapshot, contribution_test(view, snapshot), *candidates, was_large_,
-                                {contribution_way_, contribution_}, distances, *scene_, target_);
+core::Expected<void> Drawing::draw_squares(const Culled& culled, culling::SlotBits without,
+                                           const SmallItems::Rule& rule, bool distances_known) {
+  const culling::OcclusionTest occlusion = occlusion_test(culled.view, culled.snapshot.bounds().origin);
+  const SmallItems::Known known = distances_known ? SmallItems::Known{distances_, &occlusion} : SmallItems::Known{};
+  auto done = small_items_.draw(context_, culled, contribution_test(culled.view, culled.snapshot), without, rule, known,
+                                *scene_, target_, threads_);
   counts_.squares = std::int64_t(small_items_.drawn());
   return done;
 }
@@ -338,8 +336,8 @@ culling::OcclusionTest Drawing::occlusion_test(const core::View& view, const cor
           snap()};
 }
 
-void Drawing::read_back_depth(const core::View& view) {
-  target_.read_distances(view, distances_);
+void Drawing::read_back_depth(const core::View& view, const render::RenderTarget& target) {
+  target.read_distances(view, distances_);
   pyramid_.build(distances_, target_.width(), target_.height());
 }
 
@@ -364,53 +362,75 @@ core::Expected<void> Drawing::draw_in_passes(const Culled& culled) {
   passes_.begin(visible, lines, hierarchy, threads_);
   renderer_->clear(target_);
   while (passes_.next(test, bounds)) {
-    if (auto done = draw_pass(view, snapshot, passes_.pass()); !done) return done;
-    read_back_depth(view);
+    if (auto done = draw_pass(view, snapshot, passes_.pass(), target_); !done) return done;
+    read_back_depth(view, target_);
   }
   counts_ = {-1, std::int64_t(passes_.drawn())};
   return {};
 }
 
 core::Expected<void> Drawing::draw_pass(const core::View& view, const core::Snapshot& snapshot,
-                                        const core::VisibleSet& pass) {
+                                        const core::VisibleSet& pass, const render::RenderTarget& target) {
   if (auto done = lists_->update(snapshot, *scene_, pass, &view); !done) return done;
-  return renderer_->draw_more(view, snapshot, *scene_, *lists_, target_);
+  return renderer_->draw_more(view, snapshot, *scene_, *lists_, target);
 }
 
 /// Candidates far smaller than what the last frame came to are not even measured while the view moves. The first frame
-/// of a view that stays begins anew with all of them, the next ones go on.
+/// of a view that stays begins anew with all of them, the next ones go on. With squares they do so beside the picture,
+/// which gets a copy and the squares of what is not in it yet.
 core::Expected<void> Drawing::draw_in_budget(const Culled& culled, double deadline) {
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
   const bool stays = budget_view_ && core::same_picture(*budget_view_, view), goes_on = stays && refines_;
-  const bool tests = may_test_occlusion();
+  const bool tests = may_test_occlusion(), beside = stays && contribution_way_ != ContributionWay::kDrop;
+  if (goes_on && budget_.complete()) {
+    counts_.shown = std::int64_t(budget_.drawn());
+    return {};
+  }
+  if (beside && !refined_) {
+    auto made = render::RenderTarget::create(context_, target_.width(), target_.height(), target_.format());
+    if (!made) return tl::unexpected(made.error());
+    refined_ = std::move(*made);
+  }
+  const render::RenderTarget& canvas = beside ? *refined_ : target_;
   const culling::OcclusionTest test = occlusion_test(view, bounds.origin);
   if (!goes_on) {
     const float threshold = stays ? contribution_ : std::max(contribution_, kOverlooked * budget_.largest_pending());
     pyramid_.clear(target_.width(), target_.height());
     const core::VisibleSet& candidates = leave_out_small(culled, threshold);
-    overlooked_ = threshold > contribution_ ? std::int64_t(snapshot.count(visible) - snapshot.count(candidates)) : 0;
+    const auto left_out = std::int64_t(snapshot.count(visible) - snapshot.count(candidates));
+    overlooked_ = threshold > contribution_ ? left_out : 0;
+    counts_.small = left_out - overlooked_;
     budget_.begin(contribution_test(view, snapshot), bounds, candidates, lines);
     refines_ = stays;
     budget_view_ = view;
-    renderer_->clear(target_);
+    renderer_->clear(canvas);
   }
   for (int passes = 0; !budget_.complete(); ++passes) {
-    const double left = 1e3 * (deadline - now_seconds());
+    double left = 1e3 * (deadline - now_seconds());
+    if (budget_.pending_ms() > left) left -= squares_ms_;
     if (passes > 0 && left < kLeastPasses * budget_.least_ms()) break;
     if (!budget_.next(tests ? &test : nullptr, bounds, kPassShare * left)) break;
     const double begin = now_seconds();
-    if (auto done = draw_pass(view, snapshot, budget_.pass()); !done) return done;
+    if (auto done = draw_pass(view, snapshot, budget_.pass(), canvas); !done) return done;
     if (tests) {
-      read_back_depth(view);
+      read_back_depth(view, canvas);
     } else {
       context_.functions().Finish();
     }
     budget_.took(1e3 * (now_seconds() - begin));
   }
   if (tests && !goes_on) budget_.remember(test, bounds);
-  counts_ = {-1, std::int64_t(budget_.drawn()), 0, std::int64_t(budget_.pending()) + overlooked_};
-  return {};
+  counts_ = {-1, std::int64_t(budget_.drawn()), counts_.small, std::int64_t(budget_.pending()) + overlooked_};
+  if (contribution_way_ == ContributionWay::kDrop) return {};
+  const double begin = now_seconds();
+  if (beside) refined_->copy_to(target_);
+  core::Expected<void> done;
+  if (counts_.pending + counts_.small > 0)
+    done = draw_squares(culled, budget_.looked_at(), {ContributionWay::kPoints}, tests && budget_.drawn() > 0);
+  context_.functions().Finish();
+  squares_ms_ = std::max(1e3 * (now_seconds() - begin), kSlower * squares_ms_);
+  return done;
 }
 
 core::Expected<void> Drawing::cull(const core::View& cull_view, const core::View& view, const core::Snapshot& snapshot,
@@ -486,6 +506,7 @@ void Drawing::finish() {
 std::size_t Drawing::memory_bytes() const {
   std::size_t bytes = scene_->memory_bytes() + lists_->memory_bytes();
   if (culler_) bytes += culler_->memory_bytes();
+  if (refined_) bytes += refined_->memory_bytes();
   if (renderer_) bytes += renderer_->memory_bytes() + target_.memory_bytes() + small_items_.memory_bytes();
   return bytes;
 }

@@ -55,10 +55,11 @@ struct EngineConfig {
   /// directions; hysteresis; lines are exempt. 0: nothing is lost. The CPU must cull: create() and set_culler() fail
   /// with kGpu, and kHybrid is then as kAutomatic; both also with a budget.
   float contribution = 0.0f;
-  /// How these items are drawn. With a budget they are left out.
+  /// How these items are drawn. With a budget also what its time does not suffice for, and kStochastic is then as
+  /// kPoints.
   ContributionWay contribution_way = ContributionWay::kDrop;
   /// Milliseconds that a call of frame() may take; 0: any. While the view moves, the largest items are drawn first, and
-  /// what the time does not suffice for is not drawn (FrameReport::pending). While view and scene stay the same, each
+  /// what the time does not suffice for is left out (FrameReport::pending), or a square each: contribution_way. While view and scene stay the same, each
   /// frame draws more of it, until the picture is complete; then frames draw nothing. The CPU must cull, as above.
   /// Every frame is waited for.
   double budget_ms = 0.0;
@@ -102,7 +103,7 @@ struct FrameReport {
   std::int64_t sampled = -1, shown = -1;
   /// Items in the view volume that are below EngineConfig::contribution; 0 without it.
   std::int64_t small = 0;
-  std::int64_t squares = 0;  ///< of these, drawn as one square: see EngineConfig::contribution_way
+  std::int64_t squares = 0;  ///< of these and of pending ones, drawn as one square: EngineConfig::contribution_way
   /// Items in the view volume for which EngineConfig::budget_ms did not suffice: some of them may be hidden. 0: the
   /// picture is complete.
   std::int64_t pending = 0;

@@ -1,6 +1,7 @@
 #include "sightline/engine/internal/small_items.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -13,7 +14,7 @@ float side_of(const Square& square, float fixed_side) {
   return fixed_side > 0.0f ? fixed_side : std::sqrt(square.area);
 }
 
-/// Of each pixel, how far the nearest surface is that is known to be drawn there.
+/// Of each pixel, how far the nearest surface is that is known to be drawn there. Several threads may use it.
 class NearestDrawn {
  public:
   /// `error`: metres by which the distances may be off.
@@ -23,18 +24,21 @@ class NearestDrawn {
   /// Whether a square may cover a pixel centre where nothing nearer is known.
   bool shows(const Square& square, float side) const {
     const float distance = square.distance - error_ - 1e-4f * std::abs(square.distance);
-    return any_pixel(square, 0.5f * side + kMargin, [&](const float& known) { return known >= distance; });
+    return any_pixel(square, 0.5f * side + kMargin, [&](float& at) { return known(at).load(kOrder) >= distance; });
   }
-  /// A square that will be drawn.
-  void add(const Square& square, float side) {
-    any_pixel(square, 0.5f * side - kMargin, [&](float& known) {
-      known = std::min(known, square.distance);
+  /// A square that will be drawn unless others hide it.
+  void add(const Square& square, float side) const {
+    any_pixel(square, 0.5f * side - kMargin, [&](float& at) {
+      for (float before = known(at).load(kOrder); square.distance < before;)
+        if (known(at).compare_exchange_weak(before, square.distance, kOrder)) break;
       return false;
     });
   }
 
  private:
   static constexpr float kMargin = 0.01f;  // pixels by which a square may be drawn elsewhere
+  static constexpr auto kOrder = std::memory_order_relaxed;
+  static std::atomic_ref<float> known(float& at) { return std::atomic_ref<float>(at); }
 
   /// Whether visit(distance) is true of a pixel whose centre is no farther than `reach` along both axes.
   template <class Visit>
@@ -114,53 +118,69 @@ bool in_share(core::ItemId item, float share) {
   return float(h >> 8) * 0x1p-24f < share;
 }
 
-/// Squares hide each other, too. Those of a second look see all that are nearer.
-void SmallItems::leave_out_hidden(const core::View& view, const core::Snapshot& snapshot, float fixed_side,
-                                  std::span<const float> distances, const render::RenderTarget& target) {
-  const std::size_t pixels = std::size_t(target.width()) * std::size_t(target.height());
-  if (distances.empty())
-    nearest_.assign(pixels, std::numeric_limits<float>::infinity());
-  else
-    nearest_.assign(distances.begin(), distances.end());
-  NearestDrawn nearest(nearest_, target.width(), target.height(),
-                       float(render::RenderTarget::orthographic_error(view)));
-  const NearAndFar range(view);
-  std::erase_if(squares_, [&](const Square& square) {
-    const float side = side_of(square, fixed_side);
-    if (!nearest.shows(square, side)) return true;
-    if (view.sections.empty() && snapshot.opaque(square.slot) && range.contain(square.distance))
-      nearest.add(square, side);
-    return false;
+/// Squares hide each other, too. What is nearest in each pixel does not depend on the order in which threads add them.
+void SmallItems::find(const Culled& culled, const culling::ContributionTest& test, culling::SlotBits large,
+                      const Rule& rule, const Known& known, const render::RenderTarget& target,
+                      culling::CullThreads& threads) {
+  using SquareRule = culling::ContributionTest::SquareRule;
+  const core::Snapshot& snapshot = culled.snapshot;
+  const bool one_sample = target.format().samples == 1, stochastic = rule.way == ContributionWay::kStochastic;
+  const float fixed_side = stochastic ? std::sqrt(rule.threshold) : 0.0f, largest_side = points_->largest_side();
+  nearest_.assign(known.distances.begin(), known.distances.end());
+  nearest_.resize(std::size_t(target.width()) * std::size_t(target.height()), std::numeric_limits<float>::infinity());
+  const NearestDrawn nearest(nearest_, target.width(), target.height(),
+                             float(render::RenderTarget::orthographic_error(culled.view)));
+  const NearAndFar range(culled.view);
+  const Unprojection unprojection(culled.view, target.width(), target.height());
+  const auto side = [&](const Square& square) { return side_of(square, fixed_side); };
+  const auto hidden = [&](const Square& square) { return !nearest.shows(square, side(square)); };
+  const auto hides = [&](const Square& square) {
+    return culled.view.sections.empty() && snapshot.opaque(square.slot) && range.contain(square.distance);
+  };
+  parts_.split(culled.visible);
+  if (of_part_.size() < parts_.count()) of_part_.resize(parts_.count());
+  parts_.for_each(&threads, [&](core::VisibleSet& part, std::uint32_t i) {
+    std::vector<Square>& squares = of_part_[i].squares;
+    if (known.occlusion && culled.hierarchy) {
+      thread_local core::VisibleSet open;
+      known.occlusion->filter_leaves(*culled.hierarchy, part, open);
+      std::swap(part, open);
+    }
+    test.squares(snapshot.bounds(), part, large, stochastic ? rule.threshold : 0.0f,
+                 one_sample ? SquareRule::kOnPixelCentres : SquareRule::kAll, squares);
+    if (stochastic)
+      std::erase_if(squares, [&](const Square& square) {
+        return !in_share(snapshot.item(square.slot), square.area / rule.threshold);
+      });
+    if (!one_sample) return;
+    std::erase_if(squares, hidden);
+    for (const Square& square : squares)
+      if (hides(square)) nearest.add(square, side(square));
   });
-  std::erase_if(squares_, [&](const Square& square) { return !nearest.shows(square, side_of(square, fixed_side)); });
+  parts_.for_each(&threads, [&](core::VisibleSet&, std::uint32_t i) {
+    auto& [squares, splats] = of_part_[i];
+    splats.clear();
+    for (const Square& square : squares)
+      if (!one_sample || !hidden(square))
+        splats.push_back({unprojection.eye(square), std::min(side(square), largest_side), snapshot.item(square.slot),
+                          gpuscene::GpuScene::material_row(snapshot, square.slot)});
+  });
+  splats_.clear();
+  for (std::uint32_t i = 0; i < parts_.count(); ++i)
+    splats_.insert(splats_.end(), of_part_[i].splats.begin(), of_part_[i].splats.end());
 }
 
-core::Expected<void> SmallItems::draw(const gl::Context& context, const core::View& view,
-                                      const core::Snapshot& snapshot, const culling::ContributionTest& test,
-                                      const core::VisibleSet& visible, culling::SlotBits large, const Rule& rule,
-                                      std::span<const float> distances, const gpuscene::GpuScene& scene,
-                                      const render::RenderTarget& target) {
-  using SquareRule = culling::ContributionTest::SquareRule;
+core::Expected<void> SmallItems::draw(const gl::Context& context, const Culled& culled,
+                                      const culling::ContributionTest& test, culling::SlotBits large, const Rule& rule,
+                                      const Known& known, const gpuscene::GpuScene& scene,
+                                      const render::RenderTarget& target, culling::CullThreads& threads) {
   if (!points_) {
     auto points = render::PointSplats::create(context, target.format());
     if (!points) return tl::unexpected(points.error());
     points_ = std::move(*points);
   }
-  const bool one_sample = target.format().samples == 1, stochastic = rule.way == ContributionWay::kStochastic;
-  const float fixed_side = stochastic ? std::sqrt(rule.threshold) : 0.0f;
-  test.squares(snapshot.bounds(), visible, large, stochastic ? rule.threshold : 0.0f,
-               one_sample ? SquareRule::kOnPixelCentres : SquareRule::kAll, squares_);
-  if (stochastic)
-    std::erase_if(squares_, [&](const Square& square) {
-      return !in_share(snapshot.item(square.slot), square.area / rule.threshold);
-    });
-  if (one_sample) leave_out_hidden(view, snapshot, fixed_side, distances, target);
-  const Unprojection unprojection(view, target.width(), target.height());
-  splats_.clear();
-  for (const Square& square : squares_)
-    splats_.push_back({unprojection.eye(square), std::min(side_of(square, fixed_side), points_->largest_side()),
-                       snapshot.item(square.slot), gpuscene::GpuScene::material_row(snapshot, square.slot)});
-  return points_->draw(view, splats_, scene, target);
+  find(culled, test, large, rule, known, target, threads);
+  return points_->draw(culled.view, splats_, scene, target);
 }
 
 }  // namespace sightline::engine

@@ -107,6 +107,14 @@ const gl::Framebuffer& RenderTarget::resolved() const {
   return resolved_attachments().framebuffer;
 }
 
+void RenderTarget::copy_to(const RenderTarget& to) const {
+  assert(to.width() == width() && to.height() == height() && to.format_.samples == format_.samples);
+  for (const auto texture : {&Attachments::colour, &Attachments::depth, &Attachments::ids, &Attachments::normals})
+    if ((drawn_.*texture).id() != 0)
+      gl_->CopyImageSubData((drawn_.*texture).id(), texture_target(), 0, 0, 0, 0, (to.drawn_.*texture).id(),
+                            texture_target(), 0, 0, 0, 0, width(), height(), 1);
+}
+
 std::size_t RenderTarget::memory_bytes() const {
   const std::size_t sample = 8u + (has_ids() ? 4u : 0u) + (has_normals() ? 16u : 0u);
   const std::size_t per_pixel = format_.samples == 1 ? 1u : std::size_t(format_.samples) + 1u;

@@ -160,7 +160,8 @@ void add_shown_options(CLI::App& app, ShownOptions& options) {
       way(ContributionWay::kDrop), way(ContributionWay::kPoints), way(ContributionWay::kStochastic)};
   app.add_option_function<std::string>(
          "--contribution-way", [&options](const std::string& name) { options.contribution_way = ways.at(name); },
-         "How items below --contribution are drawn: drop: not at all; points: each as one square of its area; "
+         "How items are drawn that are below --contribution or beyond --budget: drop: not at all; points: each as one "
+         "square of its area; "
          "stochastic: a share of them as squares that are as much larger")
       ->default_str("drop")
       ->check(CLI::IsMember(ways));

@@ -38,10 +38,10 @@ class SetParts {
   }
 
   std::uint32_t count() const { return std::uint32_t(count_); }
-  /// Calls job(part) for each part, on any of the threads; null: on this one.
+  /// Calls job(part, number of the part) for each part, on any of the threads; null: on this one.
   template <class Job>
   void for_each(CullThreads* threads, const Job& job) {
-    const auto of_part = [&](std::uint32_t i) { job(parts_[i]); };
+    const auto of_part = [&](std::uint32_t i) { job(parts_[i], i); };
     if (threads)
       threads->run(count(), of_part);
     else

@@ -107,7 +107,7 @@ class Drawing {
   void wait_for_oldest();
   float snap() const;
   culling::OcclusionTest occlusion_test(const core::View& view, const core::dvec3& origin) const;
-  void read_back_depth(const core::View& view);
+  void read_back_depth(const core::View& view, const render::RenderTarget& target);
   bool may_test_occlusion() const { return occlusion_ != OcclusionChoice::kOff && target_.format().samples == 1; }
   bool tests_occlusion(std::int64_t candidates);
   bool may_test_occlusion(const culling::GpuCuller& culler) const;
@@ -120,10 +120,12 @@ class Drawing {
   core::Expected<void> draw_at_once(const Culled& culled);
   core::Expected<void> draw_in_passes(const Culled& culled);
   core::Expected<void> draw_in_budget(const Culled& culled, double deadline);
-  core::Expected<void> draw_pass(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& pass);
+  core::Expected<void> draw_pass(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& pass,
+                                 const render::RenderTarget& target);
   culling::ContributionTest contribution_test(const core::View& view, const core::Snapshot& snapshot);
   const core::VisibleSet& leave_out_small(const Culled& culled, float threshold);
-  core::Expected<void> draw_small(const Culled& culled, bool distances_known);
+  core::Expected<void> draw_squares(const Culled& culled, culling::SlotBits without, const SmallItems::Rule& rule,
+                                    bool distances_known);
   core::Expected<void> submit(std::uint64_t frame);
 
   struct InFlight {
@@ -147,6 +149,8 @@ class Drawing {
   std::optional<core::View> budget_view_;  // whose picture the target holds, complete or not
   std::int64_t overlooked_ = 0;            // items that were not even measured while the view moves
   bool refines_ = false;                   // the view has stayed, and the picture was begun anew with all candidates
+  std::optional<render::RenderTarget> refined_;  // beside the picture, which then has squares, too
+  double squares_ms_ = 0.0;                      // that copying and squares of a frame with a budget take
   ContributionWay contribution_way_ = ContributionWay::kDrop;
   SmallItems small_items_;
   SolidAreas solid_areas_;
@@ -155,7 +159,7 @@ class Drawing {
   core::VisibleSet shown_, hidden_;
   gl::Buffer hidden_rows_;
   gl::TextureBuffer hidden_materials_;  // one colour for all
-  core::VisibleSet sampled_, large_, large_leaves_, open_leaves_;
+  core::VisibleSet sampled_, large_, large_leaves_;
   std::vector<std::uint64_t> was_large_;  // a bit per slot, of the last frame
   OcclusionPasses passes_;
   culling::CullThreads threads_;  // for the occlusion test; none begins before the first large set

@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "sightline/core/snapshot.h"
-#include "sightline/core/view.h"
-#include "sightline/core/visible_set.h"
 #include "sightline/culling/contribution.h"
+#include "sightline/culling/internal/set_parts.h"
+#include "sightline/culling/occlusion.h"
+#include "sightline/engine/internal/culled.h"
 #include "sightline/engine/plan.h"
 #include "sightline/render/internal/point_splats.h"
 
@@ -22,18 +23,22 @@ bool in_share(core::ItemId item, float share);
 class SmallItems {
  public:
   struct Rule {
-    ContributionWay way;  // kPoints or kStochastic
-    float threshold;      // pixels
+    ContributionWay way;     // kPoints or kStochastic
+    float threshold = 0.0f;  // pixels; of kStochastic
   };
-  /// Draws the slots of `visible` without a bit in `large` beside what the target holds of the same view. `test`
-  /// measures the squares. With kStochastic they have `threshold` pixels and a share area / threshold of the items is
-  /// drawn. With one sample per pixel, squares that cover no pixel centre, or that the picture or other squares hide,
-  /// are left out.
-  /// `distances`: RenderTarget::read_distances() of what the target holds, or of a part of that; empty: not known.
-  core::Expected<void> draw(const gl::Context& context, const core::View& view, const core::Snapshot& snapshot,
-                            const culling::ContributionTest& test, const core::VisibleSet& visible,
-                            culling::SlotBits large, const Rule& rule, std::span<const float> distances,
-                            const gpuscene::GpuScene& scene, const render::RenderTarget& target);
+  /// What the target holds, or a part of that. Borrowed.
+  struct Known {
+    std::span<const float> distances = {};              ///< RenderTarget::read_distances(); empty: not known
+    const culling::OcclusionTest* occlusion = nullptr;  ///< against these
+  };
+  /// Draws the visible slots without a bit in `large` beside what the target holds of the same view. `test` measures
+  /// the squares. With kStochastic they have `threshold` pixels and a share area / threshold of the items is drawn.
+  /// With one sample per pixel, squares that cover no pixel centre, or that the picture or other squares hide, are left
+  /// out.
+  core::Expected<void> draw(const gl::Context& context, const Culled& culled, const culling::ContributionTest& test,
+                            culling::SlotBits large, const Rule& rule, const Known& known,
+                            const gpuscene::GpuScene& scene, const render::RenderTarget& target,
+                            culling::CullThreads& threads);
   /// Number of squares of the last draw().
   std::size_t drawn() const { return splats_.size(); }
 
@@ -41,10 +46,15 @@ class SmallItems {
 
  private:
   using Square = culling::ContributionTest::Square;
-  void leave_out_hidden(const core::View& view, const core::Snapshot& snapshot, float fixed_side,
-                        std::span<const float> distances, const render::RenderTarget& target);
+  void find(const Culled& culled, const culling::ContributionTest& test, culling::SlotBits large, const Rule& rule,
+            const Known& known, const render::RenderTarget& target, culling::CullThreads& threads);
 
-  std::vector<Square> squares_;
+  culling::SetParts parts_;
+  struct Part {
+    std::vector<Square> squares;
+    std::vector<render::PointSplat> splats;
+  };
+  std::vector<Part> of_part_;
   std::vector<float> nearest_;  // of each pixel, row by row from the bottom up
   std::vector<render::PointSplat> splats_;
   std::optional<render::PointSplats> points_;

@@ -42,6 +42,8 @@ class RenderTarget {
   void begin_drawing() const;
   /// The picture with one value per pixel: the average of the colours, and one sample's value of everything else.
   const gl::Framebuffer& resolved() const;
+  /// Copies all that is drawn here to a target of the same size and format.
+  void copy_to(const RenderTarget& to) const;
   std::size_t memory_bytes() const;
 
   /// Read-backs resolve the picture and wait for the GPU. They are for pictures and tests, not for use between cull and
@@ -67,6 +69,7 @@ class RenderTarget {
   };
   static core::Expected<Attachments> make_attachments(const gl::Functions& gl, int width, int height,
                                                       const TargetFormat& format);
+  GLenum texture_target() const { return format_.samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE; }
   /// The attachments that read-backs read.
   const Attachments& resolved_attachments() const;
 

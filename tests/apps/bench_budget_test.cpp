@@ -16,12 +16,12 @@ TEST_F(BenchBudget, TimeEnoughGivesTheFullPicture) {
   const Json json = measure(plant(3000), "100000");
   EXPECT_EQ(json["moving"]["within"], 1.0);
   EXPECT_EQ(json["moving"]["complete"], 1.0);
-  for (const char* way : {"budget", "dropping"}) {
+  for (const char* way : {"budget", "contribution"}) {
     EXPECT_LT(json["compared"][way]["flip"]["mean"], 1e-3) << way << ": ties may differ";
     EXPECT_LT(json["compared"][way]["wrong_ids"], 1e-2) << way;
     EXPECT_EQ(json["compared"][way]["flips"].size(), 3u);
   }
-  EXPECT_EQ(json["compared"]["dropping"]["thresholds"], Json::array({0.0, 0.0, 0.0}));
+  EXPECT_EQ(json["compared"]["contribution"]["thresholds"], Json::array({0.0, 0.0, 0.0}));
   EXPECT_EQ(json["rest"]["frames"]["max"], 1.0);
 }
 
@@ -33,7 +33,7 @@ TEST_F(BenchBudget, NoTimeLosesMostAndIsMadeUpForAtRest) {
   EXPECT_GT(json["compared"]["budget"]["wrong_ids"], 1e-3);
   EXPECT_LE(json["compared"]["budget"]["flip"]["mean"], json["compared"]["budget"]["flip"]["p99"]);
   EXPECT_GT(json["rest"]["frames"]["mean"], 2.0);
-  for (const Json& threshold : json["compared"]["dropping"]["thresholds"]) EXPECT_EQ(threshold, 1024.0);
+  for (const Json& threshold : json["compared"]["contribution"]["thresholds"]) EXPECT_EQ(threshold, 1024.0);
 }
 
 TEST_F(BenchBudget, RefusesWhatMakesNoSense) {

@@ -87,6 +87,7 @@ TEST(BudgetPasses, HiddenItemsCostNothingAndOpenOnesComeFirst) {
   passes.begin(site.measure, site.bounds, site.all, {});
   while (passes.next(&test, site.bounds, 1.0)) passes.took(1.0);
   EXPECT_EQ(passes.drawn(), open.count());
+  EXPECT_EQ(passes.pending_ms(), 0.0);
   passes.remember(test, site.bounds);
   passes.begin(site.measure, site.bounds, site.all, {});
   pyramid.clear(1000, 1000);
@@ -94,6 +95,24 @@ TEST(BudgetPasses, HiddenItemsCostNothingAndOpenOnesComeFirst) {
   const auto slots = open.sorted_slots();
   const std::set<core::Slot> were_open(slots.begin(), slots.end());
   for (const core::Slot s : passes.pass().items) EXPECT_TRUE(were_open.count(s));
+}
+
+/// What is pending is expected to be hidden as much as what was looked at.
+TEST(BudgetPasses, ForeseeWhatIsPending) {
+  Site site;
+  culling::DepthPyramid pyramid;
+  std::vector<float> distances(1000 * 1000, std::numeric_limits<float>::infinity());
+  for (std::size_t y = 0; y < 500; ++y) std::fill_n(distances.begin() + std::ptrdiff_t(1000 * y), 1000, 50.0f);
+  pyramid.build(distances, 1000, 1000);
+  const culling::OcclusionTest test(site.view, core::dvec3(0.0), 1000, 1000, pyramid);
+  BudgetPasses passes;
+  passes.begin(site.measure, site.bounds, site.all, {});
+  const double all = passes.pending_ms(), item = all / 3000.0;  // at first all classes cost nearly the same
+  ASSERT_TRUE(passes.next(&test, site.bounds, 0.25 * all));
+  const double looked_at = double(3000 - passes.pending()), drawn = double(passes.drawn());
+  ASSERT_GT(passes.pending(), 300u);
+  ASSERT_LT(drawn, 0.7 * looked_at);
+  EXPECT_NEAR(passes.pending_ms(), item * double(passes.pending()) * drawn / looked_at, 0.05 * all);
 }
 
 }  // namespace

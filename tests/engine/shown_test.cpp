@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <random>
 #include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -258,15 +259,21 @@ TEST_F(Shown, ContributionLeavesOutWhatIsSmall) {
 }
 
 /// A budget too small for the picture: the frames of a view that stays complete it, and then nothing is drawn; an edit,
-/// another view or size begins anew.
-TEST_F(Shown, ABudgetIsMadeUpForAtRest) {
+/// another view or size begins anew. So it is with squares for what is not drawn yet.
+class Budget : public Shown, public ::testing::WithParamInterface<std::tuple<ContributionWay, int>> {};  // samples
+
+TEST_P(Budget, IsMadeUpForAtRest) {
   Random random(5);
   core::Scene scene;
   fill(random, scene, dvec3(0.0));
   EngineConfig with = config(kPaths[0], 80, 60), without = with;
   with.budget_ms = 1e-3;
+  std::tie(with.contribution_way, with.samples) = GetParam();
+  without.samples = with.samples;
+  const bool squares = with.contribution_way != ContributionWay::kDrop;
   auto hurried = Engine::create(scene, with), all = Engine::create(scene, without);
   ASSERT_TRUE(hurried && all);
+  std::int64_t squares_drawn = 0;
   for (int i = 0; i < 12; ++i) {
     SCOPED_TRACE(testing::Message() << "view " << i);
     if (i == 4) {
@@ -291,6 +298,8 @@ TEST_F(Shown, ABudgetIsMadeUpForAtRest) {
       if (frames > 1) {
         ASSERT_LT(report->pending, before);
       }
+      ASSERT_LE(report->squares, squares ? report->pending : 0);
+      squares_drawn += report->squares;
     }
     EXPECT_EQ(compare(*hurried, *all, view).pixels, 0);
     const std::int64_t shown = report->shown;
@@ -317,9 +326,19 @@ TEST_F(Shown, ABudgetIsMadeUpForAtRest) {
       EXPECT_EQ(compare(*hurried, *all, view).pixels, 0);
     }
   }
+  EXPECT_EQ(squares_drawn > 0, squares);
   with.budget_ms = -1.0;
   EXPECT_FALSE(Engine::create(scene, with));
 }
+
+using WayAndSamples = std::tuple<ContributionWay, int>;
+std::string budget_name(const testing::TestParamInfo<WayAndSamples>& info) {
+  return std::string(name_of(std::get<0>(info.param))) + (std::get<1>(info.param) == 1 ? "" : "_multisampled");
+}
+INSTANTIATE_TEST_SUITE_P(Shown, Budget,
+                         ::testing::Combine(::testing::Values(ContributionWay::kDrop, ContributionWay::kPoints),
+                                            ::testing::Values(1, 4)),
+                         budget_name);
 
 /// A view handed in twice is that view, whichever object names it.
 TEST_F(Shown, ABudgetIsMadeUpForWhereTheCullingViewIsACopy) {

@@ -42,7 +42,7 @@ class SmallItemsTest : public tests::GlTest {
     }
   }
   core::Expected<Engine> engine(ContributionWay way, float contribution, int samples = 1,
-                                OcclusionChoice occlusion = OcclusionChoice::kAutomatic) {
+                                OcclusionChoice occlusion = OcclusionChoice::kAutomatic, double budget_ms = 0.0) {
     EngineConfig config;
     config.draw = config.ids = true;
     config.culler = CullerChoice::kCpu;
@@ -51,6 +51,7 @@ class SmallItemsTest : public tests::GlTest {
     config.occlusion = occlusion;
     config.contribution = contribution;
     config.contribution_way = way;
+    config.budget_ms = budget_ms;
     config.context = &*context;
     return Engine::create(scene_, config);
   }
@@ -230,6 +231,31 @@ TEST_F(SmallItemsTest, HideEachOther) {
         ++compared;
       }
     EXPECT_GT(compared, 2000);
+  }
+}
+
+/// What a budget does not suffice for is a square each, in a frame of a moving view and while a view at rest is
+/// completed. What is drawn in full has none.
+TEST_F(SmallItemsTest, StandInForWhatABudgetDoesNotSufficeFor) {
+  fill(9.0);
+  for (const ContributionWay way : {ContributionWay::kPoints, ContributionWay::kStochastic}) {
+    SCOPED_TRACE(name_of(way));
+    auto drawn = engine(way, 0.0f, 1, OcclusionChoice::kAutomatic, 1e-3);
+    ASSERT_TRUE(drawn);
+    const std::size_t memory = drawn->memory().gpu;
+    auto report = drawn->frame(view());
+    ASSERT_TRUE(report);
+    EXPECT_GT(report->shown, 0);
+    EXPECT_GT(report->squares, kSide * kSide / 2);
+    EXPECT_EQ(report->shown + report->squares, kSide * kSide);
+    EXPECT_EQ(report->pending, report->squares);
+    EXPECT_EQ(pixels(*drawn).size(), balls_.size());
+    report = drawn->frame(view());
+    ASSERT_TRUE(report);
+    EXPECT_GE(drawn->memory().gpu, memory + kSize * kSize * 12) << "a second picture, for views that stay";
+    EXPECT_EQ(report->pending, report->squares);
+    EXPECT_EQ(report->shown + report->squares, kSide * kSide);
+    for (const auto& [item, count] : pixels(*drawn)) ASSERT_NEAR(count, 9, 4) << item;
   }
 }
 
