@@ -20,6 +20,7 @@ constexpr SectionMaker kMakers[] = {
     {"plan", "The plan", plan_section},
     {"pictures", "Pictures", pictures_section},
     {"culling", "Culling", culling_section},
+    {"visibility", "Cullers against exact visibility", visibility_section},
     {"trace", "CPU, GPU and hybrid culling along the tour", trace_section},
     {"options", "Leaving out what cannot be seen", options_section},
     {"error", "Error against run time", error_section},

@@ -114,6 +114,7 @@ core::Expected<Section> model_section(const Report& report, const SectionProgres
 core::Expected<Section> plan_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> pictures_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> culling_section(const Report& report, const SectionProgress& progress);
+core::Expected<Section> visibility_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> trace_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> options_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> error_section(const Report& report, const SectionProgress& progress);

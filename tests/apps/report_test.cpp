@@ -1,5 +1,6 @@
 // sightline-report: the page is well-formed and holds all that it shows, for any model and any name.
 #include <cctype>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -83,6 +84,12 @@ class MarkupReader {
   std::multimap<std::string, std::string> attributes_;
 };
 
+/// Without what needs ray tracing where it is not built.
+std::vector<std::string> of_this_build(std::vector<std::string> names) {
+  if (!is_built("trace")) std::erase(names, "visibility");
+  return names;
+}
+
 class ReportPage : public RenderTest {
  protected:
   struct Page {
@@ -125,23 +132,25 @@ class ReportPage : public RenderTest {
     std::vector<std::string> names;
     for (const auto& [name, figures] : page.figures["sections"].items())
       if (figures.contains("left_out") == left_out) names.push_back(name);
-    return names;
+    return of_this_build(std::move(names));
   }
 };
 
 /// In the order of JSON.
-const std::vector<std::string> kAll = {"culling",  "error", "model",     "options",
-                                       "pictures", "plan",  "stability", "trace"};
+std::vector<std::string> all() {
+  return of_this_build(
+      {"culling", "error", "model", "options", "pictures", "plan", "stability", "trace", "visibility"});
+}
 
 std::vector<std::string> all_but(const std::string& name) {
-  std::vector<std::string> names = kAll;
+  std::vector<std::string> names = all();
   std::erase(names, name);
   return names;
 }
 
 TEST_F(ReportPage, OfPrimitives) {
   const Page page = report({data_path("small_plant.rvm")});
-  EXPECT_EQ(sections(page, false), kAll);
+  EXPECT_EQ(sections(page, false), all());
   EXPECT_EQ(sections(page, true), std::vector<std::string>());
   EXPECT_NE(page.text.find("sightline-info"), std::string::npos) << "commands give the figures again";
   EXPECT_NE(page.text.find(page.figures["machine"]["renderer"].get<std::string>()), std::string::npos);
@@ -160,6 +169,27 @@ TEST_F(ReportPage, CountsWhatEachStepKeeps) {
   EXPECT_EQ(culling["owners"]["false_positives"], 0.0);
   EXPECT_GE(culling["hidden_found"], 0.0);
   EXPECT_LE(culling["hidden_found"], 1.0);
+}
+
+/// No culler loses what rays see, and each test that is added leaves out more of the rest.
+TEST_F(ReportPage, ComparesCullersWithExactVisibility) {
+  if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
+  const Json page = report({plant(3000), "--sections", "visibility"}).figures["sections"]["visibility"];
+  ASSERT_EQ(page["ways"].size(), 7u);
+  std::map<std::string, double> drawn;
+  for (const Json& way : page["ways"]) {
+    EXPECT_EQ(way["lost"], 0) << way;
+    EXPECT_GE(way["per_exact"], 1.0) << way;
+    drawn[way["label"]] = way["drawn"];
+  }
+  EXPECT_GT(page["exact"], 10.0);
+  EXPECT_LT(page["unlike_raster"], 0.01 * page["exact"].get<double>() * page["frames"].get<double>());
+  EXPECT_EQ(drawn["cpu"], drawn["linear"]);
+  for (const std::string culler : {"cpu", "gpu"}) {
+    EXPECT_LT(drawn[culler + ", sample test"], drawn[culler]);
+    EXPECT_LE(drawn[culler + ", occlusion test"], drawn[culler + ", sample test"]);
+  }
+  EXPECT_GE(drawn["cpu, occlusion test"], page["exact"].get<double>());
 }
 
 TEST_F(ReportPage, NothingIsLostByLeavingOut) {
@@ -218,7 +248,7 @@ TEST_F(ReportPage, OfNothing) {
   const Page page = report({write("nothing.obj", "v 0 0 0\n")});
   EXPECT_EQ(sections(page, false), (std::vector<std::string>{"model", "plan"}));
   EXPECT_EQ(sections(page, true),
-            (std::vector<std::string>{"culling", "error", "options", "pictures", "stability", "trace"}));
+            of_this_build({"culling", "error", "options", "pictures", "stability", "trace", "visibility"}));
   EXPECT_NE(page.text.find("left out: "), std::string::npos);
   EXPECT_EQ(page.text.find("<img"), std::string::npos);
 }

@@ -1,0 +1,217 @@
+// Cullers against exact visibility: what each draws in frames of the tour, beside the items that rays see.
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "sightline/apps/common/statistics.h"
+#include "sightline/apps/common/svg_plot.h"
+#include "sightline/apps/report/report.h"
+#if SIGHTLINE_HAS_RAYTRACE
+#include "sightline/raytrace/exact_visibility.h"
+#endif
+
+namespace sightline::apps {
+
+#if SIGHTLINE_HAS_RAYTRACE
+namespace {
+
+using engine::CullerChoice;
+using engine::OcclusionChoice;
+using Ids = std::vector<core::ItemId>;
+
+constexpr int kMostFrames = 24;
+
+/// A culler, and the tests after it. The first is the reference for pictures: nothing but frustum culling, item by
+/// item.
+struct Way {
+  const char* label;
+  CullerChoice culler;
+  bool sample_test;
+  OcclusionChoice occlusion;
+  PanelSeries::Style style;
+};
+constexpr Way kWays[] = {
+    {"linear", CullerChoice::kLinear, false, OcclusionChoice::kOff, PanelSeries::Style::kLine},
+    {"cpu", CullerChoice::kCpu, false, OcclusionChoice::kOff, PanelSeries::Style::kDashes},
+    {"gpu", CullerChoice::kGpu, false, OcclusionChoice::kOff, PanelSeries::Style::kPoints},
+    {"cpu, sample test", CullerChoice::kCpu, true, OcclusionChoice::kOff, PanelSeries::Style::kLine},
+    {"gpu, sample test", CullerChoice::kGpu, true, OcclusionChoice::kOff, PanelSeries::Style::kPoints},
+    {"cpu, occlusion test", CullerChoice::kCpu, true, OcclusionChoice::kOn, PanelSeries::Style::kLine},
+    {"gpu, occlusion test", CullerChoice::kGpu, true, OcclusionChoice::kOn, PanelSeries::Style::kPoints},
+};
+
+struct Picture {
+  image::IdImage ids;
+  image::DepthImage depth;
+};
+
+/// Of one way, by frame.
+struct Drawn {
+  std::vector<double> items;
+  std::vector<Picture> pictures;
+  std::uint64_t lost = 0, ties = 0;  ///< items of all frames
+};
+
+core::Expected<std::vector<Ids>> exact_sets(const Report& report, const std::vector<core::View>& views) {
+  const auto tracer = raytrace::Tracer::create(report.snapshot());
+  if (!tracer) return tl::unexpected(tracer.error());
+  const raytrace::ExactVisibility exact(*tracer);
+  std::vector<Ids> sets;
+  for (const core::View& view : views) {
+    const auto items = exact.compute(view, report.width(), report.height());
+    if (!items) return tl::unexpected(items.error());
+    sets.emplace_back();
+    for (const raytrace::VisibleItem& item : *items) sets.back().push_back(item.item);
+  }
+  return sets;
+}
+
+/// Items drawn in the frame, which is waited for.
+core::Expected<std::int64_t> draw(engine::Engine& engine, const core::View& view) {
+  const auto frame = engine.frame(view);
+  if (!frame) return tl::unexpected(frame.error());
+  if (!frame->drawn) return core::fail("the GL context was lost");
+  engine.finish();
+  std::int64_t shown = frame->shown;
+  while (const auto late = engine.take_late_report())
+    if (late->frame == frame->frame) shown = late->shown;
+  return shown;
+}
+
+core::Expected<Drawn> draw_all(const Report& report, const Way& way, const std::vector<core::View>& views) {
+  engine::EngineConfig config = report.engine_config();
+  config.ids = true;
+  config.culler = way.culler;
+  config.sample_test = way.sample_test;
+  config.occlusion = way.occlusion;
+  auto engine = engine::Engine::create(report.scene(), config);
+  if (!engine) return tl::unexpected(engine.error());
+  Drawn drawn;
+  for (const core::View& view : views) {
+    const auto items = draw(*engine, view);
+    if (!items) return tl::unexpected(items.error());
+    drawn.items.push_back(double(*items));
+    auto ids = engine->read_ids();
+    if (!ids) return tl::unexpected(ids.error());
+    auto depth = engine->read_depth(view);
+    if (!depth) return tl::unexpected(depth.error());
+    drawn.pictures.push_back({std::move(*ids), std::move(*depth)});
+  }
+  return drawn;
+}
+
+/// Sorted.
+Ids owners_of(const image::IdImage& picture) {
+  Ids owners;
+  for (const std::uint32_t id : picture.ids)
+    if (id != 0) owners.push_back(id - 1);
+  std::sort(owners.begin(), owners.end());
+  owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
+  return owners;
+}
+
+/// Items of `set` that own a pixel of `reference` and none of `picture`. A tie: wherever the item was seen, another is
+/// seen at the same depth.
+void count_lost(const Ids& set, const Picture& reference, const Picture& picture, Drawn& counts) {
+  const Ids before = owners_of(reference.ids), now = owners_of(picture.ids);
+  Ids seen, lost, at_another_depth;
+  std::set_intersection(set.begin(), set.end(), before.begin(), before.end(), std::back_inserter(seen));
+  std::set_difference(seen.begin(), seen.end(), now.begin(), now.end(), std::back_inserter(lost));
+  for (std::size_t i = 0; i < reference.ids.ids.size(); ++i)
+    if (reference.ids.ids[i] != 0 && reference.depth.metres[i] != picture.depth.metres[i])
+      at_another_depth.push_back(reference.ids.ids[i] - 1);
+  std::sort(at_another_depth.begin(), at_another_depth.end());
+  for (const core::ItemId item : lost)
+    ++(std::binary_search(at_another_depth.begin(), at_another_depth.end(), item) ? counts.lost : counts.ties);
+}
+
+std::size_t count_missing(const Ids& set, const image::IdImage& picture) {
+  const Ids owners = owners_of(picture);
+  Ids missing;
+  std::set_difference(set.begin(), set.end(), owners.begin(), owners.end(), std::back_inserter(missing));
+  return missing.size();
+}
+
+double mean_of(const std::vector<double>& values) {
+  return summarise(values).mean;
+}
+
+PanelSeries series_of(std::string label, const std::vector<double>& values, PanelSeries::Style style) {
+  PanelSeries series{std::move(label), {}, style};
+  for (std::size_t i = 0; i < values.size(); ++i) series.points.push_back({double(i), values[i], ""});
+  return series;
+}
+
+}  // namespace
+
+core::Expected<Section> visibility_section(const Report& report, const SectionProgress& progress) {
+  Section section;
+  if (report.empty()) {
+    section.left_out = "the scene has nothing to draw";
+    return section;
+  }
+  const int frames = std::min(kMostFrames, report.options().frames);
+  const auto views = report.tour_views(frames);
+  if (!views) return tl::unexpected(views.error());
+  const auto sets = exact_sets(report, *views);
+  if (!sets) return tl::unexpected(sets.error());
+  progress(0.3);
+  std::vector<double> exact;
+  for (const Ids& set : *sets) exact.push_back(double(set.size()));
+  std::vector<PanelSeries> series{series_of("seen by rays", exact, PanelSeries::Style::kHeavyLine)};
+  std::vector<std::vector<std::string>> rows{{"seen by rays", number(mean_of(exact)), "1", "", ""}};
+  section.figures = {{"frames", frames}, {"exact", mean_of(exact)}};
+  std::optional<Drawn> reference;
+  std::uint64_t unlike = 0, lost = 0;
+  for (const Way& way : kWays) {
+    auto drawn = draw_all(report, way, *views);
+    if (!drawn) return tl::unexpected(drawn.error());
+    const std::vector<Picture>& all = reference ? reference->pictures : drawn->pictures;
+    std::vector<double> excess;
+    for (std::size_t i = 0; i < sets->size(); ++i) {
+      count_lost((*sets)[i], all[i], drawn->pictures[i], *drawn);
+      if (!reference) unlike += count_missing((*sets)[i], all[i].ids);
+      if (exact[i] > 0.0) excess.push_back(drawn->items[i] / exact[i]);
+    }
+    const double ratio = excess.empty() ? 0.0 : median(excess);
+    rows.push_back(
+        {way.label, number(mean_of(drawn->items)), number(ratio), count_words(drawn->lost), count_words(drawn->ties)});
+    section.figures["ways"].push_back({{"label", way.label},
+                                       {"drawn", mean_of(drawn->items)},
+                                       {"per_exact", ratio},
+                                       {"lost", drawn->lost},
+                                       {"ties", drawn->ties}});
+    series.push_back(series_of(way.label, drawn->items, way.style));
+    section.headline += (section.headline.empty() ? "items drawn for each that rays see: " : ", ") +
+                        (way.label + (" " + number(ratio)));
+    lost += drawn->lost;
+    if (!reference) reference = std::move(*drawn);
+    progress(0.3 + 0.7 * double(&way - kWays + 1) / double(std::size(kWays)));
+  }
+  section.headline += "; lost: " + count_words(lost) + ".";
+  section.figures["unlike_raster"] = unlike;
+  const std::string command = report.section_command("visibility");
+  section.html.table(
+      {"culler", "items drawn, mean", "per item seen, median", "lost", "ties"}, rows,
+      {"What cullers keep in " + std::to_string(frames) + " frames of the tour at " + report.options().size +
+           ", beside the exact set: the items that a ray through the centre of a pixel hits first "
+           "(raytrace/exact_visibility.h). Lost: seen by rays and in the picture of the linear culler, but in no pixel "
+           "of this one; ties: the same, where another item has its depth. Rays do not see lines, nor what is behind "
+           "transparent items; both are drawn. " +
+           count_words(unlike) + " times the rasteriser itself shows no pixel of an item that rays see.",
+       command});
+  PanelPlot plot{"Items drawn by each culler, and seen by rays", "frame", "items", {{"", std::move(series)}}};
+  plot.log_x = false;
+  plot.large = true;
+  section.html.plot(svg_panels(plot), {"The same frame by frame.", command});
+  return section;
+}
+#else
+core::Expected<Section> visibility_section(const Report&, const SectionProgress&) {
+  Section section;
+  section.left_out = "this build has no ray tracing";
+  return section;
+}
+#endif
+
+}  // namespace sightline::apps
