@@ -6,13 +6,14 @@
 namespace sightline::engine {
 namespace {
 
-constexpr int kLeastExponent = -8;       // of the area of the smallest class
-constexpr int kOpenFirst = 4;            // classes by which items that were open come earlier
-constexpr std::size_t kPiece = 2048;     // slots tested at a time
-constexpr std::size_t kFewest = 64;      // of a pass, hidden ones included
-constexpr double kSteady = 0.25;         // of a pass's own cost, which hardly changes; else estimates oscillate
-constexpr double kLeastMs = 1e-5;        // of an item
-constexpr double kGreatestChange = 4.0;  // of an estimate, by one pass
+constexpr int kLeastExponent = -8;    // of the area of the smallest class
+constexpr int kOpenFirst = 4;         // classes by which items that were open come earlier
+constexpr std::size_t kPiece = 2048;  // slots tested at a time
+constexpr std::size_t kFewest = 64;   // of a pass, hidden ones included
+constexpr double kSteady = 0.25;      // of a pass's own cost, which hardly changes; else estimates oscillate
+constexpr double kGainUp = 1.0, kGainDown = 0.5;  // of an error: time that was too short does more harm
+constexpr double kLeastMs = 1e-5;                 // of an item
+constexpr double kGreatestChange = 4.0;           // of an estimate, by one pass
 
 }  // namespace
 
@@ -22,24 +23,30 @@ int DrawCosts::class_of(float area) {
   return std::clamp(std::ilogb(area) - kLeastExponent, 0, kClasses - 1);
 }
 
-/// At first 2 µs an item and 5 ns a pixel, of 640 x 360 pixels at most.
+/// At first 10 µs an item and 5 ns a pixel, of 640 x 360 pixels at most: a software rasteriser's. Others draw little in
+/// their first frame.
 DrawCosts::DrawCosts() {
   for (int c = 0; c < kClasses; ++c)
-    ms_[std::size_t(c)] = 2e-3 + 5e-6 * std::min(std::ldexp(1.0, c + kLeastExponent), 230'400.0);
+    ms_[std::size_t(c)] = 1e-2 + 5e-6 * std::min(std::ldexp(1.0, c + kLeastExponent), 230'400.0);
 }
 
-/// Each class takes the blame for the error in proportion to its share of the time that was expected.
+/// Each class takes the blame for the error in proportion to its share of the time that was expected, so much that the
+/// same pass would be expected to take as long as it took, or half of the way to that.
 void DrawCosts::took(const std::array<std::uint32_t, kClasses>& counts, double ms) {
   double expected = pass_ms_;
   for (int c = 0; c < kClasses; ++c) expected += counts[std::size_t(c)] * ms_[std::size_t(c)];
   const double ratio = std::clamp(ms / expected, 1.0 / kGreatestChange, kGreatestChange);
-  const auto follow = [&](double& estimate, double share) { estimate *= std::pow(ratio, share); };
+  const auto share = [&](std::size_t c) { return counts[c] * ms_[c] / expected; };
+  double squares = kSteady * (pass_ms_ / expected) * (pass_ms_ / expected);
+  for (std::size_t c = 0; c < std::size_t(kClasses); ++c) squares += share(c) * share(c);
+  const double strength = (ratio > 1.0 ? kGainUp : kGainDown) / squares;
+  const auto follow = [&](double& estimate, double blame) { estimate *= std::pow(ratio, strength * blame); };
+  const double of_pass = kSteady * pass_ms_ / expected;
   for (std::size_t c = 0; c < std::size_t(kClasses); ++c) {
-    const double share = counts[c] * ms_[c] / expected;
-    follow(ms_[c], share);
+    follow(ms_[c], share(c));
     ms_[c] = std::max(ms_[c], kLeastMs);
   }
-  follow(pass_ms_, kSteady * pass_ms_ / expected);
+  follow(pass_ms_, of_pass);
 }
 
 void BudgetPasses::begin(const culling::ContributionTest& measure, const core::ItemBounds& bounds,
@@ -126,8 +133,9 @@ double BudgetPasses::pending_ms() const {
   return looked_at_ms_ > 0.0 ? ms * drawn_ms_ / looked_at_ms_ : ms;
 }
 
-void BudgetPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
-  test.filter(bounds, drawn_, open_piece_, lines_);
+void BudgetPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds,
+                            culling::CullThreads* threads) {
+  test.filter(bounds, drawn_, open_piece_, lines_, threads);
   open_.assign(culling::bit_words(bounds.size()), 0);
   culling::set_bits(open_piece_, open_);
 }

@@ -420,7 +420,7 @@ core::Expected<void> Drawing::draw_in_budget(const Culled& culled, double deadli
     }
     budget_.took(1e3 * (now_seconds() - begin));
   }
-  if (tests && !goes_on) budget_.remember(test, bounds);
+  if (tests && !goes_on) budget_.remember(test, bounds, &threads_);
   counts_ = {-1, std::int64_t(budget_.drawn()), counts_.small, std::int64_t(budget_.pending()) + overlooked_};
   if (contribution_way_ == ContributionWay::kDrop) return {};
   const double begin = now_seconds();

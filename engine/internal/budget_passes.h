@@ -43,8 +43,9 @@ class BudgetPasses {
   bool next(const culling::OcclusionTest* test, const core::ItemBounds& bounds, double ms);
   /// The pass has taken that long, beside finding it.
   void took(double ms) { costs_.took(counts_, ms); }
-  /// Remembers what of the drawn items is open.
-  void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
+  /// Remembers what of the drawn items is open. The threads share the test; null: this one alone.
+  void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds,
+                culling::CullThreads* threads = nullptr);
 
   const core::VisibleSet& pass() const { return pass_; }  ///< slots in rising order
   std::size_t drawn() const { return drawn_.items.size(); }
