@@ -39,12 +39,8 @@ struct Options {
   apps::ModelOptions model;
   double budget_ms = 33.0;
   int frames = 200, compared = 20, rests = 10;
-  bool points = false;
+  engine::ContributionWay way = engine::ContributionWay::kDrop;
   std::string size = "640x360", json;
-
-  engine::ContributionWay way() const {
-    return points ? engine::ContributionWay::kPoints : engine::ContributionWay::kDrop;
-  }
 };
 
 void add_options(CLI::App& app, Options& o) {
@@ -62,12 +58,12 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--rests", o.rests, "Frames at which the camera comes to rest, evenly spaced")
       ->check(CLI::Range(1, 10'000))
       ->capture_default_str();
-  app.add_flag("--points", o.points, "Draw as squares what is left out");
+  apps::add_way_option(app, "--way", "How what is left out is drawn", o.way);
   app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
   apps::add_json_option(app, o.json);
   apps::add_examples(app,
                      "  sightline-bench budget plant.rvm\n"
-                     "  sightline-bench budget plant.rvm --points\n"
+                     "  sightline-bench budget plant.rvm --way points\n"
                      "  sightline-bench budget plant.rvm --budget 16.7 --frames 400 --json budget.json");
 }
 
@@ -193,7 +189,7 @@ class Bench {
 
   /// Draws the frame before, too, as a flight does.
   core::Expected<double> draw_with(float threshold, std::size_t i) {
-    full_.drawing()->set_contribution(threshold, options_.way());
+    full_.drawing()->set_contribution(threshold, options_.way);
     if (auto before = timed_frame(full_, views_[i > 0 ? i - 1 : i]); !before) return before;
     return timed_frame(full_, views_[i]);
   }
@@ -228,7 +224,7 @@ core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, double 
   config.width = width;
   config.height = height;
   config.budget_ms = budget_ms;
-  config.contribution_way = o.way();
+  config.contribution_way = o.way;
   return Engine::create(scene, config);
 }
 
@@ -323,7 +319,7 @@ core::Expected<int> run(const Options& o) {
                {"size", o.size},
                {"frames", o.frames},
                {"budget_ms", o.budget_ms},
-               {"way", name_of(o.way())}});
+               {"way", name_of(o.way)}});
   std::fprintf(apps::table_stream(o.json), "%s, %s, %.4g ms, %d frames of the tour, %s\n\n",
                engine::count_text(full->snapshot().size()).c_str(), o.size.c_str(), o.budget_ms, o.frames,
                renderer_line(context).c_str());

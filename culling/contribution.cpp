@@ -98,14 +98,14 @@ void ContributionTest::filter_leaves(const Hierarchy& hierarchy, const core::Vis
 }
 
 void ContributionTest::squares(const core::ItemBounds& bounds, const core::VisibleSet& in, SlotBits without,
-                               float drawn_area, SquareRule rule, std::vector<Square>& squares) const {
+                               float least_area, SquareRule rule, std::vector<Square>& squares) const {
   squares.clear();
   SolidLanes solids(solids_);
   BoxSquares found;
   for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {
     unsigned bits = used & ~bits_of(group, without);
     if (bits == 0) return;
-    kernels().squares(view_, group.coordinates, solids.of(group, of_range), drawn_area, rule == SquareRule::kAll,
+    kernels().squares(view_, group.coordinates, solids.of(group, of_range), least_area, rule == SquareRule::kAll,
                       found);
     for (bits &= found.showing; bits != 0; bits &= bits - 1) {
       const int i = std::countr_zero(bits);

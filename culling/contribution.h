@@ -74,9 +74,9 @@ class SIGHTLINE_API ContributionTest {
   };
   enum class SquareRule { kOnPixelCentres, kAll };
   /// Replaces `squares` by those of the slots of `in` without a bit in `without` whose centres are in the picture; with
-  /// kOnPixelCentres only those that may cover a pixel centre. `drawn_area`: pixels that each of them will have; 0: its
-  /// own area. There are none of boxes that reach behind the eye.
-  void squares(const core::ItemBounds& bounds, const core::VisibleSet& in, SlotBits without, float drawn_area,
+  /// kOnPixelCentres only those that may cover a pixel centre. Those smaller than
+  /// `least_area`, in pixels, will be drawn that large. There are none of boxes that reach behind the eye.
+  void squares(const core::ItemBounds& bounds, const core::VisibleSet& in, SlotBits without, float least_area,
                SquareRule rule, std::vector<Square>& squares) const;
 
  private:

@@ -203,7 +203,8 @@ core::Expected<void> Drawing::draw_visible(const Culled& culled, double began) {
   }
   counts_.small = &large == &culled.visible ? 0 : std::int64_t(culled.snapshot.count(culled.visible)) - count;
   if (counts_.small == 0 || contribution_way_ == ContributionWay::kDrop) return {};
-  return draw_squares(culled, was_large_, {contribution_way_, contribution_}, tested);
+  const bool stochastic = contribution_way_ == ContributionWay::kStochastic;
+  return draw_squares(culled, was_large_, stochastic ? contribution_ : 0.0f, tested);
 }
 
 culling::ContributionTest Drawing::contribution_test(const core::View& view, const core::Snapshot& snapshot) {
@@ -293,12 +294,12 @@ const core::VisibleSet& Drawing::leave_out_small(const Culled& culled, float thr
   return large_;
 }
 
-core::Expected<void> Drawing::draw_squares(const Culled& culled, culling::SlotBits without,
-                                           const SmallItems::Rule& rule, bool distances_known) {
+core::Expected<void> Drawing::draw_squares(const Culled& culled, culling::SlotBits without, float least_area,
+                                           bool distances_known) {
   const culling::OcclusionTest occlusion = occlusion_test(culled.view, culled.snapshot.bounds().origin);
   const SmallItems::Known known = distances_known ? SmallItems::Known{distances_, &occlusion} : SmallItems::Known{};
-  auto done = small_items_.draw(context_, culled, contribution_test(culled.view, culled.snapshot), without, rule, known,
-                                *scene_, target_, threads_);
+  auto done = small_items_.draw(context_, culled, contribution_test(culled.view, culled.snapshot), without, least_area,
+                                known, *scene_, target_, threads_);
   counts_.squares = std::int64_t(small_items_.drawn());
   return done;
 }
@@ -427,7 +428,7 @@ core::Expected<void> Drawing::draw_in_budget(const Culled& culled, double deadli
   if (beside) refined_->copy_to(target_);
   core::Expected<void> done;
   if (counts_.pending + counts_.small > 0)
-    done = draw_squares(culled, budget_.looked_at(), {ContributionWay::kPoints}, tests && budget_.drawn() > 0);
+    done = draw_squares(culled, budget_.looked_at(), 0.0f, tests && budget_.drawn() > 0);
   context_.functions().Finish();
   squares_ms_ = std::max(1e3 * (now_seconds() - begin), kSlower * squares_ms_);
   return done;

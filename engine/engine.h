@@ -55,7 +55,7 @@ struct EngineConfig {
   /// directions; hysteresis; lines are exempt. 0: nothing is lost. The CPU must cull: create() and set_culler() fail
   /// with kGpu, and kHybrid is then as kAutomatic; both also with a budget.
   float contribution = 0.0f;
-  /// How these items are drawn. With a budget also what its time does not suffice for, and kStochastic is then as
+  /// How these items are drawn. With a budget also what its time does not suffice for; kStochastic is then as
   /// kPoints.
   ContributionWay contribution_way = ContributionWay::kDrop;
   /// Milliseconds that a call of frame() may take; 0: any. While the view moves, the largest items are drawn first, and

@@ -10,8 +10,8 @@ namespace {
 
 using Square = culling::ContributionTest::Square;
 
-float side_of(const Square& square, float fixed_side) {
-  return fixed_side > 0.0f ? fixed_side : std::sqrt(square.area);
+float side_of(const Square& square, float least_area) {
+  return std::sqrt(std::max(square.area, least_area));
 }
 
 /// Of each pixel, how far the nearest surface is that is known to be drawn there. Several threads may use it.
@@ -120,19 +120,19 @@ bool in_share(core::ItemId item, float share) {
 
 /// Squares hide each other, too. What is nearest in each pixel does not depend on the order in which threads add them.
 void SmallItems::find(const Culled& culled, const culling::ContributionTest& test, culling::SlotBits large,
-                      const Rule& rule, const Known& known, const render::RenderTarget& target,
+                      float least_area, const Known& known, const render::RenderTarget& target,
                       culling::CullThreads& threads) {
   using SquareRule = culling::ContributionTest::SquareRule;
   const core::Snapshot& snapshot = culled.snapshot;
-  const bool one_sample = target.format().samples == 1, stochastic = rule.way == ContributionWay::kStochastic;
-  const float fixed_side = stochastic ? std::sqrt(rule.threshold) : 0.0f, largest_side = points_->largest_side();
+  const bool one_sample = target.format().samples == 1;
+  const float largest_side = points_->largest_side();
   nearest_.assign(known.distances.begin(), known.distances.end());
   nearest_.resize(std::size_t(target.width()) * std::size_t(target.height()), std::numeric_limits<float>::infinity());
   const NearestDrawn nearest(nearest_, target.width(), target.height(),
                              float(render::RenderTarget::orthographic_error(culled.view)));
   const NearAndFar range(culled.view);
   const Unprojection unprojection(culled.view, target.width(), target.height());
-  const auto side = [&](const Square& square) { return side_of(square, fixed_side); };
+  const auto side = [&](const Square& square) { return side_of(square, least_area); };
   const auto hidden = [&](const Square& square) { return !nearest.shows(square, side(square)); };
   const auto hides = [&](const Square& square) {
     return culled.view.sections.empty() && snapshot.opaque(square.slot) && range.contain(square.distance);
@@ -146,11 +146,11 @@ void SmallItems::find(const Culled& culled, const culling::ContributionTest& tes
       known.occlusion->filter_leaves(*culled.hierarchy, part, open);
       std::swap(part, open);
     }
-    test.squares(snapshot.bounds(), part, large, stochastic ? rule.threshold : 0.0f,
+    test.squares(snapshot.bounds(), part, large, least_area,
                  one_sample ? SquareRule::kOnPixelCentres : SquareRule::kAll, squares);
-    if (stochastic)
+    if (least_area > 0.0f)
       std::erase_if(squares, [&](const Square& square) {
-        return !in_share(snapshot.item(square.slot), square.area / rule.threshold);
+        return !in_share(snapshot.item(square.slot), square.area / least_area);
       });
     if (!one_sample) return;
     std::erase_if(squares, hidden);
@@ -171,7 +171,7 @@ void SmallItems::find(const Culled& culled, const culling::ContributionTest& tes
 }
 
 core::Expected<void> SmallItems::draw(const gl::Context& context, const Culled& culled,
-                                      const culling::ContributionTest& test, culling::SlotBits large, const Rule& rule,
+                                      const culling::ContributionTest& test, culling::SlotBits large, float least_area,
                                       const Known& known, const gpuscene::GpuScene& scene,
                                       const render::RenderTarget& target, culling::CullThreads& threads) {
   if (!points_) {
@@ -179,7 +179,7 @@ core::Expected<void> SmallItems::draw(const gl::Context& context, const Culled& 
     if (!points) return tl::unexpected(points.error());
     points_ = std::move(*points);
   }
-  find(culled, test, large, rule, known, target, threads);
+  find(culled, test, large, least_area, known, target, threads);
   return points_->draw(culled.view, splats_, scene, target);
 }
 

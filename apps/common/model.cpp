@@ -130,6 +130,20 @@ void ShownOptions::apply(engine::EngineConfig& config) const {
   config.contribution_way = contribution_way;
 }
 
+void add_way_option(CLI::App& app, const std::string& name, const std::string& help, engine::ContributionWay& to) {
+  using engine::ContributionWay;
+  const auto way = [](ContributionWay w) { return std::pair(std::string(name_of(w)), w); };
+  static const std::map<std::string, ContributionWay> ways = {
+      way(ContributionWay::kDrop), way(ContributionWay::kPoints), way(ContributionWay::kStochastic)};
+  app.add_option_function<std::string>(
+         name, [&to](const std::string& text) { to = ways.at(text); },
+         help +
+             ": drop: not at all; points: each as one square of its area; stochastic: a share of them as squares that "
+             "are as much larger")
+      ->default_str("drop")
+      ->check(CLI::IsMember(ways));
+}
+
 void add_shown_options(CLI::App& app, ShownOptions& options) {
   static const std::map<std::string, bool> names = {{"on", true}, {"off", false}};
   app.add_option_function<std::string>(
@@ -154,17 +168,8 @@ void add_shown_options(CLI::App& app, ShownOptions& options) {
                  "Milliseconds for a frame: the largest items first, and the rest while the camera rests; 0: any time")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
-  using engine::ContributionWay;
-  const auto way = [](ContributionWay w) { return std::pair(std::string(name_of(w)), w); };
-  static const std::map<std::string, ContributionWay> ways = {
-      way(ContributionWay::kDrop), way(ContributionWay::kPoints), way(ContributionWay::kStochastic)};
-  app.add_option_function<std::string>(
-         "--contribution-way", [&options](const std::string& name) { options.contribution_way = ways.at(name); },
-         "How items are drawn that are below --contribution or beyond --budget: drop: not at all; points: each as one "
-         "square of its area; "
-         "stochastic: a share of them as squares that are as much larger")
-      ->default_str("drop")
-      ->check(CLI::IsMember(ways));
+  add_way_option(app, "--contribution-way", "How items are drawn that are below --contribution or beyond --budget",
+                 options.contribution_way);
 }
 
 void explain(const engine::Plan& plan) {

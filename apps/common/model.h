@@ -71,6 +71,9 @@ struct ShownOptions {
   void apply(engine::EngineConfig& config) const;
 };
 
+/// drop|points|stochastic under a name. `help`: what it is about.
+void add_way_option(CLI::App& app, const std::string& name, const std::string& help, engine::ContributionWay& way);
+
 /// --sample-test on|off, --occlusion on|off|auto, --contribution PX, --contribution-way drop|points|stochastic,
 /// --budget MS
 void add_shown_options(CLI::App& app, ShownOptions& options);

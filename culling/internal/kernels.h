@@ -136,9 +136,9 @@ struct Kernels {
   /// ones. `solids`: null, or of each box an area in square metres; where that faces the eye at the box's centre and
   /// takes fewer pixels, these.
   void (*areas)(const ScreenView& view, const float* const (&coordinates)[6], const float* solids, float* out);
-  /// `solids` as above. `area`: of all squares in pixels, or 0: each has its own. `all`: also those between pixel
+  /// `solids` as above. `least_area`: that squares will have, pixels. `all`: also those between pixel
   /// centres.
-  void (*squares)(const ScreenView& view, const float* const (&coordinates)[6], const float* solids, float area,
+  void (*squares)(const ScreenView& view, const float* const (&coordinates)[6], const float* solids, float least_area,
                   bool all, BoxSquares& out);
   /// Bit i: at some place of block i a ray may meet the box, no farther than the block's distance. Writes at what
   /// distance it enters the box, at least: sixteen floats, which mean something where the bit is set.

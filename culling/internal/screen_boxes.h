@@ -112,7 +112,7 @@ class ScreenBoxes {
   }
 
   /// See Kernels::squares.
-  static void store_squares(const ScreenView& view, const float* const (&c)[6], const float* solids, float fixed,
+  static void store_squares(const ScreenView& view, const float* const (&c)[6], const float* solids, float least_area,
                             bool all, BoxSquares& out) {
     constexpr float kReach = 0.01f;  // pixels by which a square may be drawn elsewhere
     Outlines outlines;
@@ -130,7 +130,7 @@ class ScreenBoxes {
     out.showing = boxes.projects_ & Simd::less(none, area) & in_picture(centres.x, view.last_x) &
                   in_picture(centres.y, view.last_y) & 0xffffu;
     if (all) return;
-    const Lanes side = Simd::root(fixed > 0.0f ? Simd::spread(fixed) : area);
+    const Lanes side = Simd::root(Simd::most(area, Simd::spread(least_area)));
     const Lanes reach = Simd::add(Simd::multiply(half, side), Simd::spread(kReach));
     const auto between = [&](const Lanes& at, float last) {
       return between_samples(Simd::subtract(at, reach), Simd::add(at, reach), 0.0f, last);

@@ -124,7 +124,7 @@ class Drawing {
                                  const render::RenderTarget& target);
   culling::ContributionTest contribution_test(const core::View& view, const core::Snapshot& snapshot);
   const core::VisibleSet& leave_out_small(const Culled& culled, float threshold);
-  core::Expected<void> draw_squares(const Culled& culled, culling::SlotBits without, const SmallItems::Rule& rule,
+  core::Expected<void> draw_squares(const Culled& culled, culling::SlotBits without, float least_area,
                                     bool distances_known);
   core::Expected<void> submit(std::uint64_t frame);
 

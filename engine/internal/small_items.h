@@ -10,7 +10,6 @@
 #include "sightline/culling/internal/set_parts.h"
 #include "sightline/culling/occlusion.h"
 #include "sightline/engine/internal/culled.h"
-#include "sightline/engine/plan.h"
 #include "sightline/render/internal/point_splats.h"
 
 namespace sightline::engine {
@@ -22,21 +21,17 @@ bool in_share(core::ItemId item, float share);
 /// Costs nothing before the first draw(). From then on what PointSplats costs, and memory for the squares of a frame.
 class SmallItems {
  public:
-  struct Rule {
-    ContributionWay way;     // kPoints or kStochastic
-    float threshold = 0.0f;  // pixels; of kStochastic
-  };
   /// What the target holds, or a part of that. Borrowed.
   struct Known {
     std::span<const float> distances = {};              ///< RenderTarget::read_distances(); empty: not known
     const culling::OcclusionTest* occlusion = nullptr;  ///< against these
   };
   /// Draws the visible slots without a bit in `large` beside what the target holds of the same view. `test` measures
-  /// the squares. With kStochastic they have `threshold` pixels and a share area / threshold of the items is drawn.
-  /// With one sample per pixel, squares that cover no pixel centre, or that the picture or other squares hide, are left
-  /// out.
+  /// the squares. Of those smaller than `least_area`, in pixels, a share area / least_area is drawn, with that area; 0:
+  /// all. With one sample per pixel, squares that cover no pixel centre, or that the picture or other squares hide, are
+  /// left out.
   core::Expected<void> draw(const gl::Context& context, const Culled& culled, const culling::ContributionTest& test,
-                            culling::SlotBits large, const Rule& rule, const Known& known,
+                            culling::SlotBits large, float least_area, const Known& known,
                             const gpuscene::GpuScene& scene, const render::RenderTarget& target,
                             culling::CullThreads& threads);
   /// Number of squares of the last draw().
@@ -46,7 +41,7 @@ class SmallItems {
 
  private:
   using Square = culling::ContributionTest::Square;
-  void find(const Culled& culled, const culling::ContributionTest& test, culling::SlotBits large, const Rule& rule,
+  void find(const Culled& culled, const culling::ContributionTest& test, culling::SlotBits large, float least_area,
             const Known& known, const render::RenderTarget& target, culling::CullThreads& threads);
 
   culling::SetParts parts_;

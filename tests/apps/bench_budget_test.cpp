@@ -6,9 +6,9 @@ namespace {
 
 class BenchBudget : public RenderTest {
  protected:
-  Json measure(const std::string& model, const std::string& budget) const {
+  Json measure(const std::string& model, const std::string& budget, const std::string& way = "drop") const {
     return run_json("bench", {"budget", model, "--frames", "12", "--compared", "3", "--rests", "2", "--size", "96x64",
-                              "--budget", budget});
+                              "--budget", budget, "--way", way});
   }
 };
 
@@ -34,11 +34,14 @@ TEST_F(BenchBudget, NoTimeLosesMostAndIsMadeUpForAtRest) {
   EXPECT_LE(json["compared"]["budget"]["flip"]["mean"], json["compared"]["budget"]["flip"]["p99"]);
   EXPECT_GT(json["rest"]["frames"]["mean"], 2.0);
   for (const Json& threshold : json["compared"]["contribution"]["thresholds"]) EXPECT_EQ(threshold, 1024.0);
+  const Json squares = measure(plant(12000), "0.01", "points");
+  EXPECT_LT(squares["compared"]["budget"]["flip"]["mean"], json["compared"]["budget"]["flip"]["mean"]);
 }
 
 TEST_F(BenchBudget, RefusesWhatMakesNoSense) {
   expect_usage_error("bench", {"budget", plant(1000), "--budget", "0"}, "--budget");
   expect_usage_error("bench", {"budget", plant(1000), "--frames", "1"}, "--frames");
+  expect_usage_error("bench", {"budget", plant(1000), "--way", "magic"}, "--way");
   expect_failure("bench", {"budget", path("none.rvm")}, "none.rvm", true);
 }
 

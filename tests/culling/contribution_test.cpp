@@ -171,7 +171,7 @@ TEST(ContributionTest, SolidsLimitAreasAndMakeSquares) {
         ASSERT_NEAR(next->y, place.y, 0.01);
         ASSERT_NEAR(next->distance, distance, 1e-4 * (half + std::abs(distance)));
         ASSERT_EQ(next->area, areas[i].area);
-        const double side = std::sqrt(double(fixed > 0.0f ? fixed : next->area));
+        const double side = std::sqrt(double(std::max(fixed, next->area)));
         const auto covers = [&](float at, int size, double margin) {
           const double first = std::max(0.0, std::ceil(double(at) - 0.5 * side - margin));
           return first <= std::min(size - 1.0, double(at) + 0.5 * side + margin);
