@@ -19,17 +19,12 @@
 #include "sightline/gpuprims/internal/snout.h"
 #include "sightline/gpuprims/internal/sphere.h"
 #include "sightline/gpuprims/internal/spherical_dish.h"
-#include "sightline/raytrace/internal/item_trees.h"
 #include "sightline/raytrace/internal/kernels.h"
-#include "sightline/raytrace/internal/mesh_tree.h"
+#include "sightline/raytrace/internal/tracer_impl.h"
 
 namespace sightline::raytrace {
 namespace {
 
-using core::Kind;
-using core::Slot;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kLargeMesh = 100'000;                 // triangles; all threads build it
 constexpr std::size_t kMostTriangles = std::size_t(1) << 28;  // places of triangles fit in 32 bits
 
@@ -49,17 +44,14 @@ core::Error fault(const Ray& ray) {
   return {"ray: t_min and t_max must not be NaN"};
 }
 
-/// Parts of a ray that the section planes keep: none to two, in rising order.
-struct KeptParts {
-  std::array<std::pair<double, double>, 2> part;
-  int count = 0;
-  void add(double from, double to) {
-    if (from <= to) part[std::size_t(count++)] = {from, to};
-  }
-};
+}  // namespace
 
 KeptParts kept_parts(const Ray& ray, const RayFilter& filter) {
   KeptParts parts;
+  if (filter.sections.empty()) {
+    parts.add(ray.t_min, ray.t_max);
+    return parts;
+  }
   const bool all = filter.section_mode == core::SectionMode::kIntersection;
   // Of one plane: up to `to`, or from `from` on. Of all: what is common to them, or what any of them keeps.
   double from = all ? ray.t_min : kInfinity, to = all ? ray.t_max : -kInfinity;
@@ -90,24 +82,7 @@ KeptParts kept_parts(const Ray& ray, const RayFilter& filter) {
 
 // --- items -----------------------------------------------------------------------------------------------------------
 
-/// The inverse of a linear map is the transpose of its cofactors over its determinant.
-struct Cofactors {
-  dvec3 column[3];
-  double determinant;
-
-  explicit Cofactors(const core::mat3& linear) {
-    const dvec3 x(linear[0]), y(linear[1]), z(linear[2]);
-    column[0] = glm::cross(y, z);
-    column[1] = glm::cross(z, x);
-    column[2] = glm::cross(x, y);
-    determinant = glm::dot(x, column[0]);
-  }
-};
-
-/// A ray in an item's local coordinates, with the same t.
-struct ItemRay {
-  dvec3 origin, direction;
-};
+namespace {
 
 dvec3 world_normal(const core::Placement& placement, const dvec3& n) {
   const Cofactors map(placement.linear);
@@ -115,7 +90,8 @@ dvec3 world_normal(const core::Placement& placement, const dvec3& n) {
   return glm::normalize(map.determinant < 0.0 ? -sum : sum);
 }
 
-/// False: the placement is singular.
+}  // namespace
+
 bool to_item(const core::Snapshot& snapshot, const core::Placement& placement, const dvec3& origin,
              const dvec3& direction, ItemRay& out) {
   const dvec3 o = (origin - snapshot.chunk_origins()[placement.chunk]) - dvec3(placement.origin);
@@ -129,12 +105,16 @@ bool to_item(const core::Snapshot& snapshot, const core::Placement& placement, c
   return true;
 }
 
+namespace {
+
 template <class Solid>
 gpuprims::Hits hits_of(const float* parameters, const gpuprims::Ray& ray) {
   Solid solid;
   std::memcpy(&solid, parameters, sizeof(Solid));
   return gpuprims::intersect<double>(solid, ray);
 }
+
+}  // namespace
 
 gpuprims::Hits solid_hits(Kind kind, const float* parameters, const gpuprims::Ray& ray) {
   switch (kind) {
@@ -160,12 +140,6 @@ gpuprims::Hits solid_hits(Kind kind, const float* parameters, const gpuprims::Ra
       return {};
   }
 }
-
-bool is_mesh(Kind kind) {
-  return int(kind) >= core::kPrimitiveKindCount;
-}
-
-}  // namespace
 
 RayFilter filter_of(const core::View& view) {
   return {view.layers, view.sections, view.section_mode};
@@ -205,54 +179,6 @@ core::Expected<Ray> pixel_ray(const core::View& view, int width, int height, dou
   }
   return ray;
 }
-
-// ---------------------------------------------------------------------------------------------------------------------
-
-/// Tracer documents each function.
-class Tracer::Impl {
- public:
-  explicit Impl(const core::Snapshot& snapshot) : snapshot_(&snapshot) {}
-
-  core::Expected<void> build(int threads);
-  core::Expected<void> update(std::span<const Slot> touched);
-  void nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const;
-  bool any(const Ray& ray, const RayFilter& filter) const;
-  void all(const Ray& ray, const RayFilter& filter, std::vector<Hit>& hits) const;
-  const core::Snapshot& snapshot() const { return *snapshot_; }
-  TracerMemory memory() const;
-
- private:
-  struct Found {
-    double t = kInfinity;
-    Slot slot = core::kNone;
-    std::uint32_t place = core::kNone;  // of meshes
-    dvec3 normal{0.0};                  // of solids, local
-  };
-  struct Query;
-  template <class Meet>
-  void walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const;
-  bool nearest_of(Slot slot, const Ray& ray, double from, Found& found) const;
-  static bool nearest_triangle(const MeshTree& tree, const ItemRay& ray, double from, double to, bool any, double& t,
-                               std::uint32_t& place);
-  void all_of(Slot slot, const Ray& ray, double from, double to, std::vector<Hit>& hits) const;
-  Hit finish(const Ray& ray, const Found& found) const;
-  const core::Placement& placement(Slot slot) const {
-    return snapshot_->of_kind(snapshot_->kind(slot)).placements[snapshot_->index_in_kind(slot)];
-  }
-  const float* parameters(Slot slot) const {
-    const Kind kind = snapshot_->kind(slot);
-    const std::size_t index = snapshot_->index_in_kind(slot);
-    return snapshot_->of_kind(kind).parameters.data() + index * std::size_t(core::parameter_count(kind));
-  }
-  std::uint32_t mesh_index(Slot slot) const {
-    return snapshot_->of_kind(snapshot_->kind(slot)).meshes[snapshot_->index_in_kind(slot)];
-  }
-  core::Expected<void> add_meshes(std::vector<Slot> slots, int threads);
-
-  const core::Snapshot* snapshot_;
-  ItemTrees items_;
-  std::vector<std::unique_ptr<const MeshTree>> meshes_;  // by mesh index; null: no item has had it
-};
 
 // --- building --------------------------------------------------------------------------------------------------------
 
