@@ -157,7 +157,8 @@ LocalRay<Real> approach_axis(const core::Snout& s, const Ray& ray, double widest
   return move_to<Real>(scaled, closest_approach(upright_o, upright_d, {1.0, 1.0, weight(widest, reach)}), widest);
 }
 
-/// The part of the line within the nappe with radius >= 0.
+/// The part of the line within the nappe with radius >= 0, about its point o. There |w| and r should be as small as
+/// they get: at the apex all terms vanish, and so must their errors.
 template <class Real>
 Span<Real> nappe_span(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<Real>& u) {
   const Vec2<Real> w0 = solid.from_axis(o), w1 = solid.from_axis(u);
@@ -197,6 +198,19 @@ Span<Real> nappe_span(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<
   return span;
 }
 
+/// Moves the ray's origin to where |w|^2 + r^2 is least, unless that is far outside the solid.
+template <class Real>
+void approach_apex(const Solid<Real>& solid, LocalRay<Real>& ray) {
+  const Vec2<Real> w0 = solid.from_axis(ray.origin), w1 = solid.from_axis(ray.direction);
+  const Real r0 = solid.radius_at(ray.origin.z), r1 = solid.widening * ray.direction.z;
+  const Real square = glm::dot(w1, w1) + r1 * r1;
+  const Real shift = -(glm::dot(w0, w1) + r0 * r1) / square;
+  const Real most = 4 * (1 + solid.highest - solid.lowest);
+  if (!(std::fabs(shift) <= most)) return;
+  ray.origin += shift * ray.direction;
+  ray.start += double(shift) * ray.scale;
+}
+
 /// Clips a span between the ends.
 template <class Real>
 void clip_ends(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<Real>& u, Span<Real>& span) {
@@ -215,8 +229,9 @@ Hits intersect_solid(const core::Snout& snout, const Ray& ray, Caps caps) {
   const double scale = inverse_power_of_two(widest);
   const Solid<Real> solid = make_local_solid<Real>(snout, scale);
   const double reach = double(std::max(-solid.lowest, solid.highest)) / scale;
-  const auto local = approach_axis<Real>(snout, ray, widest, reach);
+  auto local = approach_axis<Real>(snout, ray, widest, reach);
   if (!local.valid) return hits;
+  approach_apex(solid, local);
   Span<Real> span = nappe_span(solid, local.origin, local.direction);
   clip_ends(solid, local.origin, local.direction, span);
   const unsigned hidden = (caps.bottom ? 0u : 1u << kBottom | 1u << kBottomLevel) |  //

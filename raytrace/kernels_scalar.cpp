@@ -1,4 +1,6 @@
 // The plain twin of the wider kernels.
+#include <cmath>
+
 #include "sightline/raytrace/internal/kernels_impl.h"
 
 namespace sightline::raytrace {
@@ -58,11 +60,18 @@ struct Scalar {
       unsure |= unsigned(zero && !(some_above && some_below)) << lane;
     }
   }
-  static void distances(const Areas& a, float* t) {
+  static float extent(const float (&place)[3][kLanes], int lane) {
+    return most(std::fabs(place[0][lane]), most(std::fabs(place[1][lane]), std::fabs(place[2][lane])));
+  }
+  /// Returns the slim ones.
+  static unsigned distances(const Areas& a, float* t) {
+    unsigned slim = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
       const float sum = (a.u[lane] + a.v[lane]) + a.w[lane];
+      slim |= unsigned(std::fabs(sum) < kSlim * (extent(a.x, lane) * extent(a.y, lane))) << lane;
       t[lane] = ((a.u[lane] * a.z[0][lane] + a.v[lane] * a.z[1][lane]) + a.w[lane] * a.z[2][lane]) / sum;
     }
+    return slim;
   }
   static void corners(const Areas& a, unsigned lane, Sheared& out) {
     for (int corner = 0; corner < 3; ++corner) {

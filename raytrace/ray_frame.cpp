@@ -52,6 +52,19 @@ struct Axes {
   }
 };
 
+/// z at the point of a triangle's outline that is nearest to the origin.
+double nearest_edge(const double (&x)[3], const double (&y)[3], const double (&z)[3]) {
+  double least = std::numeric_limits<double>::infinity(), result = z[0];
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3;
+    const double ex = x[b] - x[a], ey = y[b] - y[a], square = ex * ex + ey * ey;
+    const double part = square > 0.0 ? std::clamp(-(x[a] * ex + y[a] * ey) / square, 0.0, 1.0) : 0.0;
+    const double px = x[a] + part * ex, py = y[a] + part * ey, away = px * px + py * py;
+    if (away < least) least = away, result = z[a] + part * (z[b] - z[a]);
+  }
+  return result;
+}
+
 }  // namespace
 
 TreeSpace space_around(const core::AabbD& box) {
@@ -99,7 +112,7 @@ TriangleRay triangle_ray(const RayFrame& frame) {
           {float(d[axes.x] * along), float(d[axes.y] * along), float(along)}};
 }
 
-double crossing(const RayFrame& frame, const dvec3 (&corners)[3], double nearly) {
+double crossing(const RayFrame& frame, const dvec3 (&corners)[3]) {
   const Axes axes(frame.direction);
   const double d[3] = {frame.direction.x, frame.direction.y, frame.direction.z};
   const double along = 1.0 / d[axes.z], shear_x = d[axes.x] * along, shear_y = d[axes.y] * along;
@@ -111,14 +124,10 @@ double crossing(const RayFrame& frame, const dvec3 (&corners)[3], double nearly)
     y[i] = v[axes.y] - shear_y * v[axes.z];
     z[i] = along * v[axes.z];
   }
-  double u = x[2] * y[1] - y[2] * x[1], v = x[0] * y[2] - y[0] * x[2], w = x[1] * y[0] - y[1] * x[0];
-  const double side = u + v + w < 0.0 ? -1.0 : 1.0;
-  u = std::max(side * u, 0.0);
-  v = std::max(side * v, 0.0);
-  w = std::max(side * w, 0.0);
+  const double u = x[2] * y[1] - y[2] * x[1], v = x[0] * y[2] - y[0] * x[2], w = x[1] * y[0] - y[1] * x[0];
   const double sum = u + v + w;
-  if (!(sum > 0.0)) return nearly;
-  return (u * z[0] + v * z[1] + w * z[2]) / sum;
+  const bool inside = std::min(u, std::min(v, w)) >= 0.0 || std::max(u, std::max(v, w)) <= 0.0;
+  return inside && sum != 0.0 ? (u * z[0] + v * z[1] + w * z[2]) / sum : nearest_edge(x, y, z);
 }
 
 }  // namespace sightline::raytrace

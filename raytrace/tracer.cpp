@@ -287,17 +287,17 @@ bool Tracer::Impl::nearest_triangle(const MeshTree& tree, const ItemRay& ray, do
     const MeshTree* tree;
     double from, to;
 
-    double crossed(std::uint32_t at, double nearly) const {
+    double crossed(std::uint32_t at) const {
       dvec3 corners[3];
       tree->corners(at, corners);
-      return frame.t(crossing(frame, corners, nearly));
+      return frame.t(crossing(frame, corners));
     }
   } filter;
   const double scale = tree.per_unit;
   if (tree.empty || !enter(tree.space, scale * ray.origin, scale * ray.direction, from, to, filter.frame)) return false;
   filter.accept = [](HitFilter& base, std::uint32_t at) {
     const auto& self = static_cast<Filter&>(base);
-    const double crossed = self.crossed(at, -1.0);
+    const double crossed = self.crossed(at);
     return crossed >= self.from && crossed <= self.to;
   };
   filter.tree = &tree;
@@ -311,7 +311,7 @@ bool Tracer::Impl::nearest_triangle(const MeshTree& tree, const ItemRay& ray, do
   for (bool again = any;; again = false) {
     if (hit.triangle == kNoTriangle) return false;
     place = hit.place;
-    t = filter.crossed(place, double(hit.t));
+    t = filter.crossed(place);
     if (t >= from && t <= to) return true;
     if (!again) return false;
     hit = kernel.nearest(query);  // of any hits float took one that lies just beyond the end
@@ -427,7 +427,7 @@ void Tracer::Impl::all_of(Slot slot, const Ray& ray, double from, double to, std
   for (const std::uint32_t place : collector.places) {
     dvec3 corners[3];
     tree.corners(place, corners);
-    add({frame.t(crossing(frame, corners, 0.0)), slot, place, {}});
+    add({frame.t(crossing(frame, corners)), slot, place, {}});
   }
 }
 

@@ -11,9 +11,12 @@
 // kSolidError of the coordinates involved (the lengths of the ray's origin, of the item's, and of the item's diagonal),
 // over the length of the direction; where a ray grazes the surface, over the sine of the angle between them, too. A
 // mesh is hit as if the ray passed it displaced by at most kMeshError of the mesh's size: the largest of its local
-// coordinates, or twice its diagonal, whichever is more. Where two of its triangles are nearer to each other than that,
-// either may be the nearest. Given the triangle, t is the ray's crossing with it in double. Placements that nearly are
-// singular add the loss of their inverse.
+// coordinates, or twice its diagonal, whichever is more; and by a solid's error besides. Where two of its triangles are
+// nearer to each other than that, either may be the nearest. Given the triangle, t is the ray's crossing with it, as
+// exact as a solid's; of a triangle that the ray sees thinner than the displacement it is that of any of its points.
+// Where a surface is nearer to the ray than its error without being met, or is met as near to its edge, either may be
+// found; and of surfaces that are nearer to one another than their errors, either may be the nearest. Placements that
+// nearly are singular add the loss of their inverse.
 #pragma once
 
 #include <cstdint>

@@ -73,11 +73,19 @@ struct Avx2 {
     hit = above | below;
     unsure = unsigned(_mm256_movemask_ps(touch));
   }
-  static void distances(const Areas& a, float* t) {
+  static __m256 extent(const __m256 (&place)[3]) {
+    const __m256 sign = _mm256_set1_ps(-0.0f);
+    return _mm256_max_ps(_mm256_andnot_ps(sign, place[0]),
+                         _mm256_max_ps(_mm256_andnot_ps(sign, place[1]), _mm256_andnot_ps(sign, place[2])));
+  }
+  /// Returns the slim ones.
+  static unsigned distances(const Areas& a, float* t) {
     const __m256 sum = _mm256_add_ps(_mm256_add_ps(a.u, a.v), a.w);
     const __m256 product = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(a.u, a.z[0]), _mm256_mul_ps(a.v, a.z[1])),
                                          _mm256_mul_ps(a.w, a.z[2]));
     _mm256_storeu_ps(t, _mm256_div_ps(product, sum));
+    const __m256 size = _mm256_mul_ps(_mm256_set1_ps(kSlim), _mm256_mul_ps(extent(a.x), extent(a.y)));
+    return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(_mm256_andnot_ps(_mm256_set1_ps(-0.0f), sum), size, _CMP_LT_OQ)));
   }
   static void corners(const Areas& a, unsigned lane, Sheared& out) {
     alignas(32) float lanes[kLanes];

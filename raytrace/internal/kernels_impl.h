@@ -47,7 +47,11 @@ inline int edge_side(double area, float ax, float ay, float bx, float by) {
   return ax == bx ? 0 : ax > bx ? 1 : -1;
 }
 
-/// The triangle test for a lane whose areas float cannot tell from 0.
+/// A triangle whose area is less than this part of its extents' product is slim: across the ray its areas are right,
+/// but so few of their digits are that t could lie anywhere between those of its corners.
+inline constexpr float kSlim = 0.25f;
+
+/// The triangle test for a lane whose areas float cannot tell from 0, or that is slim.
 inline bool hit_exactly(const Sheared& s, float& t) {
   const double u = edge_area(s.x[2], s.y[2], s.x[1], s.y[1]);
   const double v = edge_area(s.x[0], s.y[0], s.x[2], s.y[2]);
@@ -73,13 +77,14 @@ struct Tracing {
     Form::shear(query.ray, block, areas, hit, unsure);
     if ((hit | unsure) == 0) return false;
     float t[kLanes];
-    Form::distances(areas, t);
+    unsure |= hit & Form::distances(areas, t);
     while (unsure != 0) {
       const unsigned lane = core::lowest_bit(unsure);
       unsure &= unsure - 1;
       Sheared corners;
       Form::corners(areas, lane, corners);
       float exact;
+      hit &= ~(1u << lane);
       if (hit_exactly(corners, exact)) {
         t[lane] = exact;
         hit |= 1u << lane;

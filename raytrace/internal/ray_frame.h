@@ -44,8 +44,8 @@ bool enter(const TreeSpace& space, const dvec3& origin, const dvec3& direction, 
 /// The same ray for triangles.
 TriangleRay triangle_ray(const RayFrame& frame);
 
-/// The ray's crossing with a triangle, in s. `nearly`: where float has found it, for a ray that sees the triangle edge
-/// on. Where the ray passes a rounding error outside, the nearest point of the triangle counts.
-double crossing(const RayFrame& frame, const dvec3 (&corners)[3], double nearly);
+/// The ray's crossing with a triangle, in s. Where the ray passes a rounding error outside, or sees the triangle edge
+/// on, the nearest point of the outline counts.
+double crossing(const RayFrame& frame, const dvec3 (&corners)[3]);
 
 }  // namespace sightline::raytrace
