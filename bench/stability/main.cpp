@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,6 +20,9 @@
 #include "sightline/bench/stability/fuzz.h"
 #include "sightline/bench/stability/view_rays.h"
 #endif
+#if SIGHTLINE_HAS_RAYTRACE
+#include "sightline/bench/stability/traced_rays.h"
+#endif
 
 namespace {
 
@@ -30,7 +34,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   int rays = 200;
-  std::int64_t fuzz = 0;
+  std::int64_t fuzz = 0, trace = 0;
   std::uint64_t seed = 1;
   std::vector<std::string> primitives, families, paths;
   std::string json, plot;
@@ -55,6 +59,8 @@ void add_options(CLI::App& app, Options& options) {
   });
   app.add_option("--fuzz", options.fuzz, "instead: so many random parameter sets of each kind through the shaders")
       ->check(CLI::Range(std::int64_t(1), std::int64_t(1'000'000'000)));
+  app.add_option("--trace", options.trace, "instead: so many rays through the ray tracer, half of them in mixed scenes")
+      ->check(CLI::Range(std::int64_t(1), std::int64_t(1'000'000'000'000)));
   app.add_flag("--details", options.details, "a line for every magnitude, not only for the worst of a family");
   apps::add_json_option(app, options.json);
   app.add_option("--plot", options.plot, "error against magnitude, SVG");
@@ -304,8 +310,70 @@ core::Expected<int> run_fuzz(const Options&) {
 }
 #endif
 
+#if SIGHTLINE_HAS_RAYTRACE
+/// Half of the rays in mixed scenes, the others with one kind each. Parts of them on all processors.
+core::Expected<int> run_trace(const Options& options) {
+  std::vector<bench::TracedKind> kinds;
+  for (int i = 0; i < core::kKindCount; ++i)
+    if (const auto kind = core::Kind(i); kind != core::Kind::kLine && kind != core::Kind::kFacetGroup) {
+      kinds.emplace_back(kind);
+      kinds.emplace_back();
+    }
+  std::erase_if(kinds, [&](const bench::TracedKind& kind) {
+    return !wanted(options.primitives, kind ? core::name_of(*kind) : "mixed");
+  });
+  if (kinds.empty()) return core::fail("nothing to trace: no scenes of that kind");
+  constexpr std::int64_t kPart = 10'000;
+  const std::int64_t parts = (options.trace + kPart - 1) / kPart;
+  std::map<std::string, bench::TracedFigures> figures;
+  std::mutex access;
+  for_all("rays", std::size_t(parts), [&](std::size_t part) {
+    const bench::TracedKind kind = kinds[part % kinds.size()];
+    const std::int64_t rays = std::min(kPart, options.trace - std::int64_t(part) * kPart);
+    const auto found = bench::trace_rays(kind, rays, options.seed + part);
+    const std::lock_guard lock(access);
+    figures[kind ? std::string(core::name_of(*kind)) : "mixed"].add(found);
+  });
+  Json rows = Json::array();
+  bench::TracedFigures all;
+  const auto tell = [&](const std::string& scenes, const bench::TracedFigures& f) {
+    rows.push_back({{"scenes", scenes},
+                    {"rays", f.rays},
+                    {"hits", f.hits},
+                    {"crossings", f.crossings},
+                    {"ties", f.ties},
+                    {"grazes", f.grazes},
+                    {"worst", f.worst},
+                    {"wrong", f.wrong}});
+    if (options.json == "-") return;
+    std::printf("%-17s %11lld %11lld %11lld %9lld %10lld %9.1e %7lld  %s\n", scenes.c_str(),
+                static_cast<long long>(f.rays), static_cast<long long>(f.hits), static_cast<long long>(f.crossings),
+                static_cast<long long>(f.ties), static_cast<long long>(f.grazes), f.worst,
+                static_cast<long long>(f.wrong), f.ok() ? "ok" : "FAILS");
+    for (const std::string& example : f.examples) std::printf("    %s\n", example.c_str());
+  };
+  if (options.json != "-")
+    std::printf("%-17s %11s %11s %11s %9s %10s %9s %7s\n", "scenes", "rays", "hits", "crossings", "ties", "grazes",
+                "worst", "wrong");
+  for (auto& [scenes, found] : figures) {
+    tell(scenes, found);
+    found.examples.clear();
+    all.add(found);
+  }
+  tell("all", all);
+  if (auto written = apps::write_json(options.json, Json{{"trace", rows}}); !written)
+    return tl::unexpected(written.error());
+  return all.ok() ? apps::kExitOk : apps::kExitFailure;
+}
+#else
+core::Expected<int> run_trace(const Options&) {
+  return core::fail("--trace: this build has no ray tracer");
+}
+#endif
+
 core::Expected<int> run(const Options& options) {
   if (options.fuzz > 0) return run_fuzz(options);
+  if (options.trace > 0) return run_trace(options);
   std::vector<Case> cases;
   for (Case& c : bench::stability_cases())
     if (wanted(options.primitives, core::name_of(c.kind)) && wanted(options.families, c.family))
@@ -337,6 +405,7 @@ int main(int argc, char** argv) {
                  "  sightline-stability --plot stability.svg\n"
                  "  sightline-stability --primitive cylinder --case slenderness --details\n"
                  "  sightline-stability --fuzz 1000000 --primitive snout\n"
+                 "  sightline-stability --trace 100000000\n"
                  "  sightline-stability --path double --rays 100000 --json figures.json");
   Options options;
   add_options(app, options);

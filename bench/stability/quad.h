@@ -91,21 +91,33 @@ struct Roots {
 };
 
 /// The root between `low` and `high`, where a polynomial without extremes between them has different signs. Uses
-/// Newton's method, and bisection where Newton would leave the bracket.
-inline Quad bracketed_root(const Polynomial& p, const Polynomial& slope, Quad low, Quad high) {
-  const bool rising = p(high) > 0;
-  const Quad exact = 0x1p-111;  // two ulps of 1
-  Quad s = (low + high) / 2;
+/// Newton's method, and bisection where Newton would leave the bracket. Starts from what double finds in this way.
+template <class Real>
+Real bracketed_root(const Polynomial& p, const Polynomial& slope, Real low, Real high, Real start, Real exact) {
+  const auto value_at = [](const Polynomial& f, Real s) {
+    Real value = Real(f[f.degree()]);
+    for (int i = f.degree() - 1; i >= 0; --i) value = value * s + Real(f[i]);
+    return value;
+  };
+  const auto size = [](Real s) { return s < 0 ? -s : s; };
+  const bool rising = p(Quad(high)) > 0;
+  Real s = start > low && start < high ? start : (low + high) / 2;
   for (int i = 0; i < 400; ++i) {
-    const Quad value = p(s);
+    const Real value = value_at(p, s);
     ((value > 0) == rising ? high : low) = s;
-    Quad next = s - value / slope(s);
+    Real next = s - value / value_at(slope, s);
     if (!(next > low && next < high)) next = (low + high) / 2;
-    const bool done = fabsq(next - s) <= exact * fabsq(s) || high - low <= exact * fabsq(s);
+    const bool done = size(next - s) <= exact * size(s) || high - low <= exact * size(s);
     s = next;
     if (done) break;
   }
   return s;
+}
+inline Quad bracketed_root(const Polynomial& p, const Polynomial& slope, Quad low, Quad high) {
+  if (p.degree() == 1) return -p[0] / p[1];
+  const double middle = double((low + high) / 2);
+  const double start = bracketed_root<double>(p, slope, double(low), double(high), middle, 1e-15);
+  return bracketed_root<Quad>(p, slope, low, high, Quad(start), Quad(0x1p-111));  // two ulps of 1
 }
 
 /// Roots in [low, high]. Between neighbouring extremes, which are the roots of the derivative, lies at most one.

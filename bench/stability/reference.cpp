@@ -359,18 +359,26 @@ QuadRay in_item_frame(const core::Affine& world_from_item, const gpuprims::Ray& 
   return {transformed(QuadVec(ray.origin) - QuadVec(world_from_item.origin)), transformed(QuadVec(ray.direction))};
 }
 
-std::vector<Crossing> reference_crossings(const core::Primitive& primitive, const QuadRay& ray) {
+struct ReferenceSolid::Surfaces : Solid {};
+
+ReferenceSolid::ReferenceSolid(const core::Primitive& primitive) {
+  if (!all_finite(primitive)) return;
+  Solid solid = std::visit([](const auto& p) { return solid_of(p); }, primitive);
+  if (solid.surfaces.empty()) return;
+  surfaces_ = std::make_shared<const Surfaces>(Surfaces{std::move(solid)});
+  reach_ = reach_of(primitive);
+}
+
+std::vector<Crossing> ReferenceSolid::crossings(const QuadRay& ray) const {
   std::vector<Crossing> crossings;
   const Quad square = dot(ray.direction, ray.direction);
-  if (!(square > 0 && finiteq(square)) || !finiteq(dot(ray.origin, ray.origin)) || !all_finite(primitive))
-    return crossings;
-  const Solid solid = std::visit([](const auto& p) { return solid_of(p); }, primitive);
-  if (solid.surfaces.empty()) return crossings;
+  if (!surfaces_ || !(square > 0 && finiteq(square)) || !finiteq(dot(ray.origin, ray.origin))) return crossings;
+  const Solid& solid = *surfaces_;
 
   // Moves the origin to the point closest to the centre, so that a far origin costs no digits.
   const Quad start = -dot(ray.origin, ray.direction) / square;
   const QuadRay local{ray.origin + start * ray.direction, ray.direction};
-  const Quad reach = reach_of(primitive), room = (reach - sqrtq(dot(local.origin, local.origin))) * reach / square;
+  const Quad room = (reach_ - sqrtq(dot(local.origin, local.origin))) * reach_ / square;
   if (!(room > 0)) return crossings;
   const Quad end = 2 * sqrtq(room);
   const std::vector<Candidate> found = candidates(solid, local, -end, end);
@@ -398,7 +406,11 @@ std::vector<Crossing> reference_crossings(const core::Primitive& primitive, cons
   return crossings;
 }
 
-Neighbours neighbours(const core::Primitive& primitive, const QuadRay& ray, double band) {
+std::vector<Crossing> reference_crossings(const core::Primitive& primitive, const QuadRay& ray) {
+  return ReferenceSolid(primitive).crossings(ray);
+}
+
+Neighbours neighbours(const ReferenceSolid& solid, const QuadRay& ray, double band) {
   constexpr int kDirections = 16;
   const QuadVec& d = ray.direction;
   const Quad size = sqrtq(dot(d, d));
@@ -410,7 +422,7 @@ Neighbours neighbours(const core::Primitive& primitive, const QuadRay& ray, doub
     const double angle = 2.0 * double(kPi) * (i % kDirections) / kDirections;
     const Quad step = i < kDirections ? Quad(band) : Quad(band) / 4;
     const QuadVec moved = ray.origin + step * (Quad(std::cos(angle)) * u + Quad(std::sin(angle)) * v);
-    result.push_back(reference_crossings(primitive, {moved, d}));
+    result.push_back(solid.crossings({moved, d}));
   }
   return result;
 }

@@ -8,6 +8,7 @@
 // not on the other.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "sightline/bench/stability/quad.h"
@@ -40,10 +41,25 @@ QuadRay in_item_frame(const core::Affine& world_from_item, const gpuprims::Ray& 
 /// one t.
 std::vector<Crossing> reference_crossings(const core::Primitive& primitive, const QuadRay& ray);
 
+/// The same for many rays at one solid, whose surfaces are made once.
+class ReferenceSolid {
+ public:
+  explicit ReferenceSolid(const core::Primitive& primitive);
+  std::vector<Crossing> crossings(const QuadRay& ray) const;
+
+ private:
+  struct Surfaces;
+  std::shared_ptr<const Surfaces> surfaces_;  // null: nothing to cross
+  Quad reach_ = 0;
+};
+
 /// Crossings of rays parallel to one ray, at distance `band` (in the item's units) and at a quarter of it, in sixteen
 /// directions each. They show how the result depends on differences that nobody can resolve.
 using Neighbours = std::vector<std::vector<Crossing>>;
-Neighbours neighbours(const core::Primitive& primitive, const QuadRay& ray, double band);
+Neighbours neighbours(const ReferenceSolid& solid, const QuadRay& ray, double band);
+inline Neighbours neighbours(const core::Primitive& primitive, const QuadRay& ray, double band) {
+  return neighbours(ReferenceSolid(primitive), ray, band);
+}
 
 /// Whether a ray with these crossings lies within the band of a tie: a neighbour has another number of crossings or
 /// crosses other faces. That happens at tangents, rims, seams and edges.

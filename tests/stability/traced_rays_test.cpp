@@ -1,0 +1,54 @@
+// The ray tracer against the reference in 113 bits. Hundreds of millions of rays are the tool's, `sightline-stability
+// --trace`.
+#include "sightline/bench/stability/traced_rays.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace sightline::bench {
+namespace {
+
+// A million together; a sanitizer takes ten times as long.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr std::int64_t kRays = 5'000;
+#else
+constexpr std::int64_t kRays = 50'000;
+#endif
+
+/// What scenes are made of, and a seed.
+using Shard = std::tuple<TracedKind, std::uint64_t>;
+class TracedRays : public testing::TestWithParam<Shard> {};
+
+TEST_P(TracedRays, AreRight) {
+  const auto [kind, seed] = GetParam();
+  const TracedFigures figures = trace_rays(kind, kRays, seed);
+  EXPECT_EQ(figures.rays, kRays);
+  EXPECT_EQ(figures.wrong, 0);
+  EXPECT_LE(figures.worst, 1.0);
+  EXPECT_GT(figures.hits, kRays / 2);
+  // Rays are aimed at edges, too. Bad triangles nearly are edges.
+  EXPECT_LT(figures.grazes, kind == core::Kind::kMesh ? kRays : kRays / 4);
+  EXPECT_LT(figures.ties, kRays / 100);
+  for (const std::string& example : figures.examples) ADD_FAILURE() << example;
+}
+
+std::string shard_name(const testing::TestParamInfo<Shard>& info) {
+  const auto [kind, seed] = info.param;
+  return (kind ? std::string(core::name_of(*kind)) : "mixed") + std::to_string(seed);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, TracedRays,
+                         testing::Combine(testing::Values(core::Kind::kCylinder, core::Kind::kSnout,
+                                                          core::Kind::kCircularTorus, core::Kind::kRectangularTorus,
+                                                          core::Kind::kSphere, core::Kind::kSphericalDish,
+                                                          core::Kind::kEllipticalDish, core::Kind::kBox,
+                                                          core::Kind::kPyramid, core::Kind::kMesh),
+                                          testing::Values(1u)),
+                         shard_name);
+INSTANTIATE_TEST_SUITE_P(Everything, TracedRays,
+                         testing::Combine(testing::Values(TracedKind()), testing::Range<std::uint64_t>(1, 11)),
+                         shard_name);
+
+}  // namespace
+}  // namespace sightline::bench
