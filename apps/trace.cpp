@@ -21,6 +21,7 @@ struct Options {
   apps::ModelOptions model;
   apps::ViewOptions view;
   std::string out, ids, depth, visible, json_file;
+  std::vector<double> pick;
   std::vector<std::string> suns;
   raytrace::WhittedOptions whitted;
 };
@@ -32,6 +33,9 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
   app.add_option("--depth", o.depth, "Depth image, PFM: metres along the view axis");
   app.add_option("--visible", o.visible, "Items that the samples show, each with how many, JSON; --adaptive or not");
+  app.add_option("--pick", o.pick, "Tell what the image shows at X,Y, in pixels from the upper left corner")
+      ->delimiter(',')
+      ->expected(2);
   app.add_option("--samples", o.whitted.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
       ->capture_default_str()
       ->check(CLI::Range(1, 4096));
@@ -91,6 +95,30 @@ core::Expected<void> write_visible(const Options& o, const raytrace::Tracer& tra
       apps::to_text(json{{"size", {width, height}}, {"samples_per_pixel", o.whitted.samples}, {"items", out}}));
 }
 
+json array_of(const core::dvec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// Null where nothing is hit.
+core::Expected<json> pick(const Options& o, const raytrace::Tracer& tracer, const core::View& view, int width,
+                          int height, const core::Scene& scene) {
+  const auto ray = raytrace::pixel_ray(view, width, height, o.pick[0], o.pick[1]);
+  if (!ray) return tl::unexpected(ray.error());
+  const auto hit = tracer.nearest(*ray, raytrace::filter_of(view));
+  if (!hit) return tl::unexpected(hit.error());
+  if (!*hit) return json();
+  const raytrace::Hit& h = **hit;
+  json out = {{"item", h.item},
+              {"node", scene.path(scene.node_of(h.item))},
+              {"kind", std::string(core::name_of(scene.kind(h.item)))},
+              {"face", std::string(raytrace::name_of(h.face))},
+              {"point", array_of(h.point)},
+              {"normal", array_of(h.normal)},
+              {"distance", h.t}};
+  if (h.triangle != core::kNone) out["triangle"] = h.triangle;
+  return out;
+}
+
 core::Expected<int> trace_model(Options& o) {
   const auto size = apps::parse_size(o.view.size);
   if (!size) return tl::unexpected(size.error());
@@ -125,6 +153,13 @@ core::Expected<int> trace_model(Options& o) {
   std::fprintf(apps::table_stream(o.json_file), "%llu samples, %.2f a pixel, in %.2f s, after %.2f s of building\n",
                (unsigned long long)picture->samples, double(picture->samples) / (double(width) * height),
                traced - built, built - start);
+  if (!o.pick.empty()) {
+    const auto picked = pick(o, *tracer, *view, width, height, *model->scene);
+    if (!picked) return tl::unexpected(picked.error());
+    figures["pick"] = *picked;
+    std::fprintf(apps::table_stream(o.json_file), "at %g,%g: %s\n", o.pick[0], o.pick[1],
+                 picked->is_null() ? "nothing" : picked->dump().c_str());
+  }
   if (auto done = write_pictures(o, *picture); !done) return tl::unexpected(done.error());
   if (auto done = write_visible(o, *tracer, *view, width, height, *model->scene); !done)
     return tl::unexpected(done.error());
@@ -140,7 +175,8 @@ int main(int argc, char** argv) {
                  "  sightline-trace plant.rvm --out plant.png --samples 16 --adaptive 0.1\n"
                  "  sightline-trace plant.rvm --out plant.png --shadows --sun 1,-2,3 --sun -3,1,2 --reflect 0.1\n"
                  "  sightline-trace plant.rvm --view view.json --size 640x360 --depth a.pfm --ids ids.png\n"
-                 "  sightline-trace plant.rvm --view view.json --samples 4 --visible seen.json");
+                 "  sightline-trace plant.rvm --view view.json --samples 4 --visible seen.json\n"
+                 "  sightline-trace plant.rvm --view view.json --pick 640.5,360.5");
   Options options;
   add_options(app, options);
   return apps::run(app, argc, argv, [&] { return trace_model(options); });

@@ -11,7 +11,7 @@
 #include "sightline/engine/internal/picking.h"
 #include "sightline/engine/internal/rebuild.h"
 #if SIGHTLINE_HAS_RAYTRACE
-#include "sightline/raytrace/tracer.h"
+#include "sightline/engine/pick.h"
 #endif
 
 namespace sightline::engine {
@@ -62,8 +62,8 @@ class Engine::Impl {
   Drawing* drawing();
   MemoryReport memory() const;
 #if SIGHTLINE_HAS_RAYTRACE
-  core::Expected<std::optional<raytrace::Hit>> pick(const core::View& view, double x, double y);
-  core::Expected<std::optional<raytrace::Hit>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter);
+  core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y);
+  core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter);
 #endif
 
  private:
@@ -484,26 +484,28 @@ MemoryReport Engine::Impl::memory() const {
 
 // --- picking ---------------------------------------------------------------------------------------------------------
 
-core::Expected<std::optional<raytrace::Hit>> Engine::Impl::pick(const core::View& view, double x, double y) {
+core::Expected<std::optional<Pick>> Engine::Impl::pick(const core::View& view, double x, double y) {
   const auto ray = raytrace::pixel_ray(view, config_.width, config_.height, x, y);
   if (!ray) return tl::unexpected(ray.error());
   return pick(*ray, raytrace::filter_of(view));
 }
 
-core::Expected<std::optional<raytrace::Hit>> Engine::Impl::pick(const raytrace::Ray& ray,
-                                                                const raytrace::RayFilter& filter) {
+core::Expected<std::optional<Pick>> Engine::Impl::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter) {
   picks_ = true;
   if (auto made = make_tracer(live_); !made) return tl::unexpected(made.error());
-  return live_.tracer->nearest(ray, filter);
+  const auto hit = live_.tracer->nearest(ray, filter);
+  if (!hit) return tl::unexpected(hit.error());
+  if (!*hit) return std::nullopt;
+  return Pick{**hit, scene_->contains_item((*hit)->item) ? scene_->node_of((*hit)->item) : core::NodeId()};
 }
 
-core::Expected<std::optional<raytrace::Hit>> Engine::pick(const core::View& view, double x, double y) {
+core::Expected<std::optional<Pick>> Engine::pick(const core::View& view, double x, double y) {
   return impl_->pick(view, x, y);
 }
-core::Expected<std::optional<raytrace::Hit>> Engine::pick(const raytrace::Ray& ray) {
+core::Expected<std::optional<Pick>> Engine::pick(const raytrace::Ray& ray) {
   return impl_->pick(ray, {});
 }
-core::Expected<std::optional<raytrace::Hit>> Engine::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter) {
+core::Expected<std::optional<Pick>> Engine::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter) {
   return impl_->pick(ray, filter);
 }
 

@@ -33,7 +33,6 @@ struct IdImage;
 struct Image;
 }  // namespace sightline::image
 namespace sightline::raytrace {
-struct Hit;
 struct Ray;
 struct RayFilter;
 }  // namespace sightline::raytrace
@@ -41,6 +40,7 @@ struct RayFilter;
 namespace sightline::engine {
 
 class Drawing;
+struct Pick;
 
 struct EngineConfig {
   CullerChoice culler = CullerChoice::kAutomatic;
@@ -169,17 +169,17 @@ class SIGHTLINE_API Engine {
   /// does not support; then nothing has changed.
   core::Expected<void> resize(int width, int height);
 
-  /// What the view shows at a point of the picture: the item hit first (raytrace/tracer.h). In pixels from the upper
+  /// What the view shows at a point of the picture: the item hit first (engine/pick.h). In pixels from the upper
   /// left corner; the middle of the first pixel is at 0.5, 0.5. The picture has the size of EngineConfig or resize().
   /// The view's layers and section planes count, transparency does not. Nothing where the ray hits nothing; lines are
   /// never hit. Works with and without drawing. Fails as raytrace::pixel_ray() does.
   ///
   /// The first pick builds the tracer, about 0.8 s of one processor per million items. From then on commits keep it up,
   /// and new orders come with theirs. Only builds with SIGHTLINE_RAYTRACE have these functions.
-  core::Expected<std::optional<raytrace::Hit>> pick(const core::View& view, double x, double y);
+  core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y);
   /// What a ray hits first. Without a filter: items of the default layers.
-  core::Expected<std::optional<raytrace::Hit>> pick(const raytrace::Ray& ray);
-  core::Expected<std::optional<raytrace::Hit>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter);
+  core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray);
+  core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter);
 
   /// Frees everything that the engine has in the application's context, which must be current. Frames are then as after
   /// a loss. An application that destroys its gl::Context need not call this; one whose GL context lives on should.

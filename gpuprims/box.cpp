@@ -18,11 +18,13 @@ Hits intersect(const core::Box& box, const Ray& ray, Caps /*caps*/) {
   Span<Real> span;
   for (int axis = 0; axis < 3; ++axis) {
     const auto reach = Real(half[axis] * inverse_power_of_two(size));
-    span.clip_slab(local.origin[axis], local.direction[axis], reach, 2 * axis, 2 * axis + 1);
+    const int low = axis < 2 ? kMinX + 2 * axis : kBottom;
+    span.clip_slab(local.origin[axis], local.direction[axis], reach, low, low + 1);
   }
   add_hits(hits, local, span, 0u, [](int face, const Vec3<Real>& /*p*/) {
+    const bool side = face >= kMinX;
     Vec3<Real> normal(0);
-    normal[face / 2] = Real(2 * (face % 2) - 1);
+    normal[side ? (face - kMinX) / 2 : 2] = Real(2 * (side ? (face - kMinX) % 2 : face - kBottom) - 1);
     return normal;
   });
   return hits;

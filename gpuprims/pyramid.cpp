@@ -8,8 +8,6 @@
 namespace sightline::gpuprims {
 namespace {
 
-enum SideFace : int { kSides = kTop + 1 };  ///< -x, +x, -y, +y
-
 /// The same in x and y: |position - lean z| <= width + widening z.
 template <class Real>
 struct Frustum {
@@ -22,8 +20,8 @@ struct Frustum {
       const Real reach = width[axis] + widening[axis] * o.z, growth = widening[axis] * u.z;
       const bool flat = width[axis] == 0 && widening[axis] == 0;
       if (flat && slope == 0) span = Span<Real>::nothing();  // edge on
-      span.clip(reach + value, growth + slope, kSides + 2 * axis);
-      span.clip(reach - value, growth - slope, kSides + 2 * axis + 1);
+      span.clip(reach + value, growth + slope, kMinX + 2 * axis);
+      span.clip(reach - value, growth - slope, kMinX + 2 * axis + 1);
     }
   }
   /// Whether any point straight above or below p is in the frustum.
@@ -33,9 +31,9 @@ struct Frustum {
     return !column.empty();
   }
   Vec3<Real> normal(int face) const {
-    if (face < kSides) return {0, 0, face == kTop ? 1 : -1};
-    const int axis = (face - kSides) / 2;
-    const Real side = (face - kSides) % 2 == 0 ? Real(-1) : Real(1);
+    if (face < kMinX) return {0, 0, face == kTop ? 1 : -1};
+    const int axis = (face - kMinX) / 2;
+    const Real side = (face - kMinX) % 2 == 0 ? Real(-1) : Real(1);
     Vec3<Real> n(0, 0, -side * lean[axis] - widening[axis]);
     n[axis] = side;
     return n;

@@ -8,12 +8,6 @@
 #include "sightline/gpuprims/internal/wedge.h"
 
 namespace sightline::gpuprims {
-namespace {
-
-enum RingFace : int { kInner = kTop + 1, kBelow, kAbove };
-
-}  // namespace
-
 template <class Real>
 Hits intersect(const core::RectangularTorus& torus, const Ray& ray, Caps caps) {
   Hits hits;

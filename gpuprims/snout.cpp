@@ -13,8 +13,6 @@
 namespace sightline::gpuprims {
 namespace {
 
-enum LevelFace : int { kBottomLevel = kTop + 1, kTopLevel };
-
 /// The plane z = height + dot(tangent, xy - centre).
 template <class Real>
 struct EndPlane {

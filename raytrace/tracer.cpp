@@ -141,6 +141,14 @@ gpuprims::Hits solid_hits(Kind kind, const float* parameters, const gpuprims::Ra
   }
 }
 
+static_assert(int(Face::kTop) == gpuprims::kTop && int(Face::kTopLevel) == gpuprims::kTopLevel &&
+              int(Face::kAbove) == gpuprims::kAbove && int(Face::kMaxY) == gpuprims::kMaxY);
+std::string_view name_of(Face face) {
+  constexpr std::string_view kNames[] = {"side",  "bottom", "top",   "bottom_level", "top_level", "inner",   "below",
+                                         "above", "min_x",  "max_x", "min_y",        "max_y",     "triangle"};
+  return kNames[int(face)];
+}
+
 RayFilter filter_of(const core::View& view) {
   return {view.layers, view.sections, view.section_mode};
 }
@@ -304,18 +312,20 @@ bool Tracer::Impl::nearest_triangle(const MeshTree& tree, const ItemRay& ray, do
   filter.from = from;
   filter.to = to;
   const RayFrame& frame = filter.frame;
-  const TriangleQuery query{tree.nodes.data(),   tree.blocks.data(),        tree.root, &frame.boxes,
-                            triangle_ray(frame), float(2.0 * frame.margin), &filter};
+  TriangleQuery query{tree.nodes.data(),   tree.blocks.data(),        tree.root, &frame.boxes,
+                      triangle_ray(frame), float(2.0 * frame.margin), &filter};
   const Kernels& kernel = kernels();
   TriangleHit hit = any ? kernel.any(query) : kernel.nearest(query);
-  for (bool again = any;; again = false) {
+  for (const bool last : {false, true}) {
     if (hit.triangle == kNoTriangle) return false;
     place = hit.place;
     t = filter.crossed(place);
-    if (t >= from && t <= to) return true;
-    if (!again) return false;
-    hit = kernel.nearest(query);  // of any hits float took one that lies just beyond the end
+    if ((t >= from && t <= to) || last) break;
+    // Float has taken one that in double lies beyond an end. Then double decides on all.
+    query.t_sure = std::numeric_limits<float>::infinity();
+    hit = kernel.nearest(query);
   }
+  return t >= from && t <= to;
 }
 
 /// Whether the item is hit before what was found so far; then that is replaced.
@@ -336,7 +346,7 @@ bool Tracer::Impl::nearest_of(Slot slot, const Ray& ray, double from, Found& fou
   for (int i = 0; i < hits.count; ++i) {
     if (!(hits.hit[i].t >= from)) continue;
     if (!nearer(hits.hit[i].t)) return false;
-    found = {hits.hit[i].t, slot, core::kNone, hits.hit[i].normal};
+    found = {hits.hit[i].t, slot, core::kNone, hits.hit[i].normal, Face(hits.hit[i].face)};
     return true;
   }
   return false;
@@ -357,7 +367,8 @@ Hit Tracer::Impl::finish(const Ray& ray, const Found& found) const {
           found.t,
           ray.origin + found.t * ray.direction,
           world_normal(placement(found.slot), normal),
-          triangle};
+          triangle,
+          found.face};
 }
 
 void Tracer::Impl::nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
@@ -408,7 +419,8 @@ void Tracer::Impl::all_of(Slot slot, const Ray& ray, double from, double to, std
   };
   if (!is_mesh(kind)) {
     const gpuprims::Hits crossings = solid_hits(kind, parameters(slot), {local.origin, local.direction});
-    for (int i = 0; i < crossings.count; ++i) add({crossings.hit[i].t, slot, core::kNone, crossings.hit[i].normal});
+    for (int i = 0; i < crossings.count; ++i)
+      add({crossings.hit[i].t, slot, core::kNone, crossings.hit[i].normal, Face(crossings.hit[i].face)});
     return;
   }
   const MeshTree& tree = *meshes_[mesh_index(slot)];

@@ -24,6 +24,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "sightline/core/api.h"
@@ -60,6 +61,25 @@ SIGHTLINE_API RayFilter filter_of(const core::View& view);
 /// at the near and far plane. Fails when the view's matrices have no inverse or the point is not finite.
 SIGHTLINE_API core::Expected<Ray> pixel_ray(const core::View& view, int width, int height, double x, double y);
 
+/// Faces of items. A flat item, such as a cylinder of height 0, has those that are left of it.
+enum class Face : std::uint8_t {
+  kSide,         ///< round or conical: of cylinders and snouts, spheres, domes of dishes, tubes, outer walls of tori
+  kBottom,       ///< at z = -height / 2; the base of a dish; the end of a torus at angle 0
+  kTop,          ///< at z = height / 2; the other end of a torus
+  kBottomLevel,  ///< of a snout: the level cut in place of an end plane that does not close it
+  kTopLevel,
+  kInner,  ///< of a rectangular torus: its inner wall, its level sides
+  kBelow,
+  kAbove,
+  kMinX,  ///< the four sides of a box or pyramid
+  kMaxX,
+  kMinY,
+  kMaxY,
+  kTriangle,  ///< of a mesh: Hit::triangle
+};
+/// "side", "bottom", "min_x", …
+SIGHTLINE_API std::string_view name_of(Face face);
+
 /// A crossing of a ray with a surface.
 struct Hit {
   core::Slot slot = core::kNone;
@@ -68,6 +88,7 @@ struct Hit {
   core::dvec3 point{0.0};                ///< in the world
   core::dvec3 normal{0.0};               ///< in the world, of unit length, out of the solid (not towards the ray)
   std::uint32_t triangle = core::kNone;  ///< of a mesh: indices 3 triangle … 3 triangle + 2; kNone for solids
+  Face face = Face::kTriangle;
 };
 
 /// Bytes held, and what for.

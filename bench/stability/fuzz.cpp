@@ -165,7 +165,7 @@ class Fuzz {
 
   static gpuprims::Hits true_hits(const Sample& sample) {
     gpuprims::Hits hits;
-    for (const Crossing& c : find_truth(sample).crossings) hits.insert({double(c.t), c.normal});
+    for (const Crossing& c : find_truth(sample).crossings) hits.insert({double(c.t), c.normal, c.face});
     return hits;
   }
 

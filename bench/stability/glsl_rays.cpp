@@ -112,7 +112,7 @@ Answer answer_of(const Prepared& prepared, const ShaderCrossing& found) {
   const dvec3 normal(found.normal);
   const dvec3 turned = prepared.item_normal_from_local * normal;
   // A singular frame has no normals; the test is then only whether the shader's own normal is finite.
-  answer.hits.insert({prepared.start + double(found.t), core::is_finite(turned) ? turned : normal});
+  answer.hits.insert({prepared.start + double(found.t), core::is_finite(turned) ? turned : normal, 0});
   return answer;
 }
 

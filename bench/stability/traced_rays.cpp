@@ -371,6 +371,22 @@ class Judge {
     return size > 0.0 ? std::fabs(glm::dot(n, ray_.direction)) / (size * length_) : 0.0;
   }
 
+  /// The reference knows sides and two ends, level or of a sweep.
+  static bool same_face(const Hit& hit, const Crossing& crossing) {
+    switch (hit.face) {
+      case raytrace::Face::kBottom:
+      case raytrace::Face::kBottomLevel:
+      case raytrace::Face::kBelow:
+        return crossing.face == kBottom;
+      case raytrace::Face::kTop:
+      case raytrace::Face::kTopLevel:
+      case raytrace::Face::kAbove:
+        return crossing.face == kTop;
+      default:
+        return crossing.face == kLateral;
+    }
+  }
+
   void judge_solid(const Item& item, const QuadRay& local) {
     const std::vector<Crossing> base = item.reference->crossings(local);
     const double shift = raytrace::kSolidError * size(item), step = shift / length_;
@@ -379,7 +395,9 @@ class Judge {
     for (std::size_t i = 0; i < base.size(); ++i) {
       const double bound = step / std::max(sine(item, base[i].normal), 1e-12), t = double(base[i].t);
       expected_.push_back({item.slot, core::kNone, t - bound, t + bound, true});
-      if (right) worst = std::max(worst, double(fabsq(Quad(found_[i].t) - base[i].t)) / bound);
+      if (!right) continue;
+      worst = std::max(worst, double(fabsq(Quad(found_[i].t) - base[i].t)) / bound);
+      if (!same_face(found_[i], base[i])) worst = kInfinity;
     }
     if (right && worst <= 1.0) {
       figures_.worst = std::max(figures_.worst, worst);
@@ -410,6 +428,16 @@ class Judge {
       if (glm::length(across) > by) displace(by * glm::normalize(across));  // finds apexes of any sharpness
     }
     graze_ = true;
+    // What is thinner than the bound, such as an apex that alone is left of a solid, is met or not.
+    const auto bound = [&](const Hit& hit) {
+      return shift / length_ / std::max(1e-4, std::fabs(glm::dot(hit.normal, along)));
+    };
+    const bool slivers =
+        base.empty() && found_.size() == 2 && found_[1].t - found_[0].t <= bound(found_[0]) + bound(found_[1]);
+    if (slivers) {
+      expected_.push_back({item.slot, core::kNone, found_[0].t, found_[1].t, false});
+      return;
+    }
     if (!near_tie(base, beside)) return judge_each(item, base, beside, shift / length_);
     beside.push_back(base);
     double low = kInfinity, high = -kInfinity;
@@ -438,6 +466,8 @@ class Judge {
       if (i < found_.size() && !(found_[i].t >= expected.low && found_[i].t <= expected.high))
         fail(name(item) + " is crossed at " + digits(found_[i].t) + ", not from " + digits(expected.low) + " to " +
              digits(expected.high) + "; " + described(item));
+      if (i < found_.size() && !same_face(found_[i], base[i]))
+        fail(name(item) + " shows its " + std::string(raytrace::name_of(found_[i].face)) + "; " + described(item));
     }
     if (found_.size() != base.size())
       fail(name(item) + " is crossed " + std::to_string(found_.size()) + " times, not " + std::to_string(base.size()) +

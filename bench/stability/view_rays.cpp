@@ -129,7 +129,7 @@ core::Expected<Figures> ViewRays::judge_picture(const ViewCase& c, int rays) {
     const double t = double(depth.metres[std::size_t(pixel)]);
     // The id says whether the pixel shows the item. If it does, depth must be a number.
     if (ids.ids[std::size_t(pixel)] != 0)
-      answer.hits.insert({t, crossings.empty() ? dvec3(0.0, 0.0, 1.0) : crossings.front().normal});
+      answer.hits.insert({t, crossings.empty() ? dvec3(0.0, 0.0, 1.0) : crossings.front().normal, 0});
     answers.push_back(answer);
   }
   return judge(samples, truths, answers, c.limits);

@@ -24,8 +24,6 @@ using Vec2 = glm::vec<2, Real>;
 template <class Real>
 using Vec3 = glm::vec<3, Real>;
 
-/// Faces of primitives with two ends, numbered as in the shaders.
-enum Face : int { kLateral, kBottom, kTop };
 /// One bit per face that is not drawn.
 inline unsigned hidden_faces(Caps caps) {
   return (caps.bottom ? 0u : 1u << kBottom) | (caps.top ? 0u : 1u << kTop);
@@ -214,7 +212,7 @@ void add_hits(Hits& hits, const LocalRay<Real>& ray, const Span<Real>& span, uns
   const auto add = [&](Real s, int face) {
     if ((hidden >> face & 1u) != 0) return;
     const Vec3<Real> n = normal(face, ray.at(s));
-    hits.hit[hits.count++] = {ray.t(s), {double(n.x), double(n.y), double(n.z)}};
+    hits.hit[hits.count++] = {ray.t(s), {double(n.x), double(n.y), double(n.z)}, face};
   };
   add(span.from, span.from_face);
   add(span.to, span.to_face);

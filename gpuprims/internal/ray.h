@@ -19,11 +19,28 @@ struct Ray {
   dvec3 direction{0.0, 0.0, 1.0};
 };
 
+/// Faces by number; the first three as in the shaders.
+enum Face : int {
+  kLateral,      ///< round or conical; the dome of a dish, the tube of a torus, the outer wall of a rectangular one
+  kBottom,       ///< at z = -height/2, the base of a dish, or the start of a sweep
+  kTop,          ///< at z = +height/2, or the end of a sweep
+  kBottomLevel,  ///< of a snout: replaces an end plane that does not close it
+  kTopLevel,
+  kInner,  ///< of a rectangular torus: its inner wall, and its level sides
+  kBelow,
+  kAbove,
+  kMinX,  ///< sides of boxes and pyramids
+  kMaxX,
+  kMinY,
+  kMaxY,
+};
+
 /// One crossing of a surface. The normal points out of the solid, in local space, not normalised; it is a gradient, so
 /// it transforms by the inverse transpose.
 struct Hit {
   double t;
   dvec3 normal;
+  int face;
 };
 
 /// All crossings of a ray with one primitive over -inf < t < inf, in rising t. The caller picks the first one that its

@@ -81,6 +81,7 @@ class Tracer::Impl {
     Slot slot = core::kNone;
     std::uint32_t place = core::kNone;  // of meshes
     dvec3 normal{0.0};                  // of solids, local
+    Face face = Face::kTriangle;
   };
   struct Query;
   template <class Meet>

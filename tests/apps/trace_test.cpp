@@ -91,7 +91,26 @@ TEST_F(Trace, KeepsStdoutForTheJson) {
             (std::vector<std::string>{"build_seconds", "items", "samples", "size", "trace_seconds", "tracer_bytes"}));
 }
 
+TEST_F(Trace, TellsWhatAPixelShows) {
+  const Json seen = Json::parse(traced("--visible", {}), nullptr, false);
+  ASSERT_TRUE(seen.is_object());
+  std::uint64_t found = 0;
+  for (int x = 4; x < 160; x += 15) {
+    const Json picked =
+        Json::parse(traced("--json", {"--pick", std::to_string(x) + ".5,45.5"}), nullptr, false)["pick"];
+    if (picked.is_null()) continue;
+    ++found;
+    EXPECT_TRUE(std::any_of(seen["items"].begin(), seen["items"].end(), [&](const Json& item) {
+      return item["item"] == picked["item"] && item["node"] == picked["node"] && item["kind"] == picked["kind"];
+    })) << picked;
+    EXPECT_EQ(picked.contains("triangle"), picked["face"] == "triangle") << picked;
+    EXPECT_EQ(picked["point"].size(), 3u);
+  }
+  EXPECT_GT(found, 0u);
+}
+
 TEST_F(Trace, RefusesBadOptions) {
+  for (const char* bad : {"1", "1,x", "1,2,3"}) expect_usage_error("trace", {"model.rvm", "--pick", bad}, "--pick");
   for (const char* bad : {"0", "-1", "4097", "1.5", "many"})
     expect_usage_error("trace", {"model.rvm", "--samples", bad}, "--samples");
   for (const char* bad : {"-0.1", "1.1", "nan", "x"})

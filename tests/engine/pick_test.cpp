@@ -1,4 +1,6 @@
 // Picks: what a view shows at a point, through edits and new orders of the items.
+#include "sightline/engine/pick.h"
+
 #include <algorithm>
 #include <chrono>
 #include <random>
@@ -7,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "sightline/engine/engine.h"
-#include "sightline/raytrace/tracer.h"
 
 namespace sightline::engine {
 namespace {
@@ -62,6 +63,28 @@ TEST(Pick, FindsWhatTheViewShows) {
   ASSERT_TRUE(ray && *ray);
   EXPECT_NEAR((*ray)->t, 49.6, 1e-7);
   EXPECT_FALSE(engine->pick(raytrace::Ray{{0, 0, 0}, {0, 0, 0}}));
+}
+
+TEST(Pick, TellsNodeAndFace) {
+  Balls balls(1);
+  const core::NodeId node = balls.scene.add_node(balls.scene.root(), "shelf");
+  const core::ItemId box = balls.scene.add_primitive(node, core::Box{1, 1, 1}, core::translation({0.5, 0.5, -2.0}));
+  auto engine = Engine::create(balls.scene, balls.config());
+  ASSERT_TRUE(engine);
+  const auto ball = engine->pick(balls.view, 50.0, 50.0);
+  ASSERT_TRUE(ball && *ball);
+  EXPECT_EQ((*ball)->node, balls.scene.root());
+  EXPECT_EQ((*ball)->face, raytrace::Face::kSide);
+  const auto shelf = engine->pick(balls.view, 2.0, 2.0);  // beside the ball
+  ASSERT_TRUE(shelf && *shelf);
+  EXPECT_EQ((*shelf)->item, box);
+  EXPECT_EQ((*shelf)->node, node);
+  EXPECT_EQ((*shelf)->face, raytrace::Face::kTop);
+  balls.scene.remove_item(box);  // the engine shows it until it commits
+  const auto removed = engine->pick(balls.view, 2.0, 2.0);
+  ASSERT_TRUE(removed && *removed);
+  EXPECT_EQ((*removed)->item, box);
+  EXPECT_FALSE((*removed)->node.valid());
 }
 
 TEST(Pick, FollowsEditsAndNewOrders) {

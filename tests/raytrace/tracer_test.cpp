@@ -16,6 +16,7 @@ namespace sightline::raytrace {
 namespace {
 
 using core::Affine;
+using core::dmat3;
 using core::dvec3;
 using core::Kind;
 using core::Scene;
@@ -537,6 +538,61 @@ TEST(Tracer, HitsOfExtremeMeshes) {
     EXPECT_EQ((*hit)->triangle, 0u);
     EXPECT_FALSE(*tracer.any({.origin = {0.75 * s, 0.75 * s, 2.0 * s}, .direction = {0, 0, -s}}));
   }
+}
+
+/// The faces that a ray meets in turn.
+std::vector<Face> faces_along(const core::Primitive& solid, const dvec3& origin, const dvec3& direction) {
+  Scene scene;
+  scene.add_primitive(scene.root(), solid, {dmat3{{0, 2, 0}, {-2, 0, 0}, {0, 0, 2}}, {5, 6, 7}});
+  EXPECT_TRUE(scene.commit());
+  const Snapshot snapshot(scene);
+  const auto tracer = Tracer::create(snapshot);
+  EXPECT_TRUE(tracer);
+  const Affine placed = snapshot.world_from_item(0);
+  const Ray ray{core::transform_point(placed, origin), placed.linear * direction, -kInfinity};
+  std::vector<Hit> hits;
+  EXPECT_TRUE(tracer->all(ray, hits));
+  std::vector<Face> faces;
+  for (const Hit& hit : hits) faces.push_back(hit.face);
+  const auto nearest = tracer->nearest(ray);
+  EXPECT_TRUE(nearest && *nearest && (*nearest)->face == faces.at(0));
+  return faces;
+}
+
+TEST(Tracer, TellsFaces) {
+  using Faces = std::vector<Face>;
+  const core::Box box{2, 4, 6};
+  EXPECT_EQ(faces_along(box, {-9, 0, 0}, {1, 0, 0}), (Faces{Face::kMinX, Face::kMaxX}));
+  EXPECT_EQ(faces_along(box, {0, 9, 0}, {0, -1, 0}), (Faces{Face::kMaxY, Face::kMinY}));
+  EXPECT_EQ(faces_along(box, {0, 0, -9}, {0, 0, 1}), (Faces{Face::kBottom, Face::kTop}));
+  const core::Pyramid pyramid{4, 4, 2, 2, 0, 0, 2};
+  EXPECT_EQ(faces_along(pyramid, {9, 0, 0}, {-1, 0, 0}), (Faces{Face::kMaxX, Face::kMinX}));
+  EXPECT_EQ(faces_along(pyramid, {0, -9, 0}, {0, 1, 0}), (Faces{Face::kMinY, Face::kMaxY}));
+  EXPECT_EQ(faces_along(pyramid, {0, 0, 9}, {0, 0, -1}), (Faces{Face::kTop, Face::kBottom}));
+  EXPECT_EQ(faces_along(core::Cylinder{1, 2}, {0, -9, 0.5}, {0, 1, 0}), (Faces{Face::kSide, Face::kSide}));
+  EXPECT_EQ(faces_along(core::Cylinder{1, 2}, {0.5, 0, -9}, {0, 0, 1}), (Faces{Face::kBottom, Face::kTop}));
+  EXPECT_EQ(faces_along(core::Sphere{2}, {0, -9, 0.5}, {0, 1, 0}), (Faces{Face::kSide, Face::kSide}));
+  EXPECT_EQ(faces_along(core::EllipticalDish{1, 2}, {0.5, 0, 9}, {0, 0, -1}), (Faces{Face::kSide, Face::kBottom}));
+  EXPECT_EQ(faces_along(core::SphericalDish{1, 0.5f}, {0.5, 0, -9}, {0, 0, 1}), (Faces{Face::kBottom, Face::kSide}));
+  const core::Snout snout{1, 0.5f, 2, 0, 0, 0.2f, 0, 0, 0};
+  EXPECT_EQ(faces_along(snout, {0, 0, -9}, {0, 0, 1}), (Faces{Face::kBottom, Face::kTop}));
+  EXPECT_EQ(faces_along(snout, {0, -9, 0}, {0, 1, 0}), (Faces{Face::kSide, Face::kSide}));
+  const core::Snout steep{1, 2, 2, 0, 0, 0, 0, 1.4f, 0};  // the top plane does not close it
+  EXPECT_EQ(faces_along(steep, {1.5, 0, 9}, {0, 0, -1}), (Faces{Face::kTopLevel, Face::kSide}));
+  const core::CircularTorus elbow{2, 0.5f, 1.5f};
+  EXPECT_EQ(faces_along(elbow, {2.2, -9, 0}, {0, 1, 0}), (Faces{Face::kBottom, Face::kSide}));
+  EXPECT_EQ(faces_along(elbow, {1.5, 1.5, 9}, {0, 0, -1}), (Faces{Face::kSide, Face::kSide}));
+  const double end = 1.5;
+  EXPECT_EQ(faces_along(elbow, dvec3(2 * std::cos(end) - std::sin(end), 2 * std::sin(end) + std::cos(end), 0),
+                        {std::sin(end), -std::cos(end), 0})
+                .at(0),
+            Face::kTop);
+  const core::RectangularTorus ring{1, 2, 1, 3.0f};
+  EXPECT_EQ(faces_along(ring, {0, 9, 0}, {0, -1, 0}), (Faces{Face::kSide, Face::kInner}));
+  EXPECT_EQ(faces_along(ring, {0, 1.5, -9}, {0, 0, 1}), (Faces{Face::kBelow, Face::kAbove}));
+  EXPECT_EQ(faces_along(ring, {1.5, -9, 0}, {0, 1, 0}), (Faces{Face::kBottom, Face::kSide}));
+  EXPECT_EQ(name_of(Face::kTriangle), "triangle");
+  EXPECT_EQ(name_of(Face::kMaxY), "max_y");
 }
 
 TEST(Tracer, EmptyScenesAreNeverHit) {

@@ -273,7 +273,7 @@ struct Exam {
     for (const Sample& sample : samples) {
       truths.push_back(find_truth(sample));
       Answer answer;
-      for (const Crossing& c : truths.back().crossings) answer.hits.insert({double(c.t), 3.0 * c.normal});
+      for (const Crossing& c : truths.back().crossings) answer.hits.insert({double(c.t), 3.0 * c.normal, c.face});
       answers.push_back(answer);
     }
   }
