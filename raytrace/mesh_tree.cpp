@@ -40,6 +40,20 @@ void fill(TriangleBlock& block, const core::Mesh& mesh, float per_unit, const Bo
 
 }  // namespace
 
+core::Enclosure enclosure_of(const MeshTree& tree) {
+  core::Mesh mesh;
+  for (std::uint32_t place = 0; place < tree.blocks.size() * kLanes; ++place) {
+    if (tree.triangle(place) == core::kNone) continue;
+    dvec3 corners[3];
+    tree.corners(place, corners);
+    for (const dvec3& corner : corners) {
+      mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
+      mesh.positions.emplace_back(corner);
+    }
+  }
+  return core::enclosure(mesh);
+}
+
 MeshTree build_mesh_tree(const core::Mesh& mesh, [[maybe_unused]] int threads) {
   MeshTree result;
   const std::size_t count = mesh.indices.size() / 3;

@@ -56,6 +56,7 @@ KeptParts kept_parts(const Ray& ray, const RayFilter& filter) {
   // Of one plane: up to `to`, or from `from` on. Of all: what is common to them, or what any of them keeps.
   double from = all ? ray.t_min : kInfinity, to = all ? ray.t_max : -kInfinity;
   bool cuts = false;
+  const core::Plane* behind = nullptr;  // the plane of `from`
   for (const core::Plane& plane : filter.sections) {
     if (plane.normal == dvec3(0.0)) continue;
     cuts = true;
@@ -63,19 +64,19 @@ KeptParts kept_parts(const Ray& ray, const RayFilter& filter) {
     const double end = slope != 0.0 ? -value / slope : value >= 0.0 ? -kInfinity : kInfinity;  // kept from there on
     if (slope < 0.0)
       to = all ? std::min(to, end) : std::max(to, end);
-    else
-      from = all ? std::max(from, end) : std::min(from, end);
+    else if (all ? end > from : end < from)
+      from = end, behind = &plane;
   }
   if (all || !cuts) {
     if (all)
-      parts.add(from, to);
+      parts.add(from, to, behind);
     else
       parts.add(ray.t_min, ray.t_max);
   } else if (from <= to) {
     parts.add(ray.t_min, ray.t_max);
   } else {
     parts.add(ray.t_min, std::min(to, ray.t_max));
-    parts.add(std::max(from, ray.t_min), ray.t_max);
+    parts.add(std::max(from, ray.t_min), ray.t_max, from > ray.t_min ? behind : nullptr);
   }
   return parts;
 }
@@ -144,8 +145,8 @@ gpuprims::Hits solid_hits(Kind kind, const float* parameters, const gpuprims::Ra
 static_assert(int(Face::kTop) == gpuprims::kTop && int(Face::kTopLevel) == gpuprims::kTopLevel &&
               int(Face::kAbove) == gpuprims::kAbove && int(Face::kMaxY) == gpuprims::kMaxY);
 std::string_view name_of(Face face) {
-  constexpr std::string_view kNames[] = {"side",  "bottom", "top",   "bottom_level", "top_level", "inner",   "below",
-                                         "above", "min_x",  "max_x", "min_y",        "max_y",     "triangle"};
+  constexpr std::string_view kNames[] = {"side",  "bottom", "top",   "bottom_level", "top_level", "inner",    "below",
+                                         "above", "min_x",  "max_x", "min_y",        "max_y",     "triangle", "cut"};
   return kNames[int(face)];
 }
 
@@ -194,7 +195,10 @@ core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_u
   std::vector<Slot> firsts;  // one for each new mesh
   for (const Slot slot : slots) {
     const std::uint32_t index = mesh_index(slot);
-    if (index >= meshes_.size()) meshes_.resize(std::size_t(index) + 1);
+    if (index >= meshes_.size()) {
+      meshes_.resize(std::size_t(index) + 1);
+      enclosures_.resize(meshes_.size());
+    }
     if (meshes_[index] || snapshot_->vacant(slot)) continue;
     if (snapshot_->mesh(slot).indices.size() / 3 >= kMostTriangles)
       return core::fail("tracer: mesh \"" + snapshot_->mesh(slot).name + "\" must have fewer than 2^28 triangles");
@@ -371,10 +375,28 @@ Hit Tracer::Impl::finish(const Ray& ray, const Found& found) const {
           found.face};
 }
 
+/// Calls visit(slot) for items that contain the ray's point at t, where a section plane cuts them open.
+template <class Visit>
+void Tracer::Impl::cuts_at(const Ray& ray, double t, const core::Plane* plane, const RayFilter& filter,
+                           const Visit& visit) const {
+  if (!plane || !filter.cuts) return;
+  walk(ray, t, t, filter, [&](Slot slot) {
+    if (encloses(slot, ray, t)) visit(slot);
+    return t;
+  });
+}
+
 void Tracer::Impl::nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
   const KeptParts parts = kept_parts(ray, filter);
   for (int i = 0; i < parts.count; ++i) {
     const auto [from, to] = parts.part[std::size_t(i)];
+    const core::Plane* plane = parts.cut[std::size_t(i)];
+    Slot cut = core::kNone;
+    cuts_at(ray, from, plane, filter, [&](Slot slot) { cut = std::min(cut, slot); });
+    if (cut != core::kNone) {
+      hit = cut_hit(ray, from, *plane, cut);
+      return;
+    }
     Found found;
     found.t = to;
     walk(ray, from, to, filter, [&, from = from](Slot slot) {
@@ -392,6 +414,8 @@ bool Tracer::Impl::any(const Ray& ray, const RayFilter& filter) const {
   bool hit = false;
   for (int i = 0; i < parts.count && !hit; ++i) {
     const auto [from, to] = parts.part[std::size_t(i)];
+    cuts_at(ray, from, parts.cut[std::size_t(i)], filter, [&](Slot) { hit = true; });
+    if (hit) break;
     walk(ray, from, to, filter, [&, from = from, to = to](Slot slot) {
       ItemRay local;
       if (!to_item(*snapshot_, placement(slot), ray.origin, ray.direction, local)) return to;
@@ -448,6 +472,9 @@ void Tracer::Impl::all(const Ray& ray, const RayFilter& filter, std::vector<Hit>
   const KeptParts parts = kept_parts(ray, filter);
   for (int i = 0; i < parts.count; ++i) {
     const auto [from, to] = parts.part[std::size_t(i)];
+    const core::Plane* plane = parts.cut[std::size_t(i)];
+    cuts_at(ray, from, plane, filter,
+            [&, from = from](Slot slot) { hits.push_back(cut_hit(ray, from, *plane, slot)); });
     walk(ray, from, to, filter, [&, from = from, to = to](Slot slot) {
       all_of(slot, ray, from, to, hits);
       return to;

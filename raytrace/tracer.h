@@ -46,14 +46,16 @@ struct Ray {
   double t_max = std::numeric_limits<double>::infinity();
 };
 
-/// What rays see: items that share a bit with `layers`, where the section planes keep them. A section opens the view
-/// into solids; the cut itself is not hit.
+/// What rays see: items that share a bit with `layers`, where the section planes keep them. Where a section cuts an
+/// item open, the cut is a face (Face::kCut), as renderers fill it: of solids, and of meshes that are closed
+/// (core::enclosure). It is hit by rays that come from what the sections remove.
 struct RayFilter {
   std::uint32_t layers = core::kDefaultLayerMask;
   std::vector<core::Plane> sections;  ///< as in core::View
   core::SectionMode section_mode = core::SectionMode::kIntersection;
+  bool cuts = true;  ///< false: cuts are not hit, and rays see the insides
 };
-/// The filter of a view's layers and sections.
+/// The filter of a view's layers and sections, with cuts.
 SIGHTLINE_API RayFilter filter_of(const core::View& view);
 
 /// The ray through a point of a picture, in pixels from its upper left corner: the middle of the first pixel is at 0.5,
@@ -76,6 +78,7 @@ enum class Face : std::uint8_t {
   kMinY,
   kMaxY,
   kTriangle,  ///< of a mesh: Hit::triangle
+  kCut,       ///< where a section plane cuts the item open
 };
 /// "side", "bottom", "min_x", …
 SIGHTLINE_API std::string_view name_of(Face face);
@@ -87,7 +90,7 @@ struct Hit {
   double t = 0.0;
   core::dvec3 point{0.0};                ///< in the world
   core::dvec3 normal{0.0};               ///< in the world, of unit length, out of the solid (not towards the ray)
-  std::uint32_t triangle = core::kNone;  ///< of a mesh: indices 3 triangle … 3 triangle + 2; kNone for solids
+  std::uint32_t triangle = core::kNone;  ///< of a mesh: indices 3 triangle … 3 triangle + 2; kNone for solids and cuts
   Face face = Face::kTriangle;
 };
 

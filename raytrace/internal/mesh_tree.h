@@ -32,6 +32,9 @@ struct MeshTree {
   }
 };
 
+/// What the triangles enclose: see core::enclosure().
+core::Enclosure enclosure_of(const MeshTree& tree);
+
 /// Triangles with a corner that is not finite are left out. `threads`: see build_wide_tree().
 MeshTree build_mesh_tree(const core::Mesh& mesh, int threads);
 

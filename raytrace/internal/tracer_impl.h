@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -25,9 +27,12 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Parts of a ray that the section planes keep: none to two, in rising order.
 struct KeptParts {
   std::array<std::pair<double, double>, 2> part;
+  std::array<const core::Plane*, 2> cut{};  ///< the plane behind which the part begins; null: the ray begins there
   int count = 0;
-  void add(double from, double to) {
-    if (from <= to) part[std::size_t(count++)] = {from, to};
+  void add(double from, double to, const core::Plane* plane = nullptr) {
+    if (!(from <= to)) return;
+    cut[std::size_t(count)] = plane;
+    part[std::size_t(count++)] = {from, to};
   }
 };
 KeptParts kept_parts(const Ray& ray, const RayFilter& filter);
@@ -89,6 +94,11 @@ class Tracer::Impl {
   bool nearest_of(Slot slot, const Ray& ray, double from, Found& found) const;
   static bool nearest_triangle(const MeshTree& tree, const ItemRay& ray, double from, double to, bool any, double& t,
                                std::uint32_t& place);
+  template <class Visit>
+  void cuts_at(const Ray& ray, double t, const core::Plane* plane, const RayFilter& filter, const Visit& visit) const;
+  Hit cut_hit(const Ray& ray, double t, const core::Plane& plane, Slot slot) const;
+  bool encloses(Slot slot, const Ray& ray, double t) const;
+  core::Enclosure enclosure(std::uint32_t mesh) const;
   void all_of(Slot slot, const Ray& ray, double from, double to, std::vector<Hit>& hits) const;
   Hit finish(const Ray& ray, const Found& found) const;
   const core::Placement& placement(Slot slot) const {
@@ -107,6 +117,8 @@ class Tracer::Impl {
   const core::Snapshot* snapshot_;
   ItemTrees items_;
   std::vector<std::unique_ptr<const MeshTree>> meshes_;  // by mesh index; null: no item has had it
+  // What they enclose, 1 more than core::Enclosure; 0 until a section cuts one.
+  mutable std::deque<std::atomic<std::uint8_t>> enclosures_;
 };
 
 }  // namespace sightline::raytrace

@@ -55,7 +55,8 @@ TEST(Pick, FindsWhatTheViewShows) {
   cut.sections.push_back({{0, 0, -1}, 0.0});
   const auto inside = engine->pick(cut, 150.0, 450.0);
   ASSERT_TRUE(inside && *inside);
-  EXPECT_NEAR((*inside)->point.z, -0.4, 1e-7);
+  EXPECT_NEAR((*inside)->point.z, 0.0, 1e-7);
+  EXPECT_EQ((*inside)->face, raytrace::Face::kCut);
   cut.layers = core::kLayerInsulation;
   EXPECT_FALSE(*engine->pick(cut, 150.0, 450.0));
 

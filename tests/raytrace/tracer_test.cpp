@@ -132,15 +132,56 @@ void mesh_crossings(const Snapshot& snapshot, Slot slot, const Ray& ray, std::ve
   }
 }
 
+/// Where the ray comes into what the planes keep. Several planes at one place make it doubtful.
+std::vector<Crossing> cut_places(const Ray& ray, const RayFilter& filter) {
+  std::vector<Crossing> planes, places;
+  for (const core::Plane& plane : filter.sections) {
+    const double slope = glm::dot(plane.normal, ray.direction);
+    if (slope == 0.0) continue;
+    const double size = glm::length(ray.origin) * glm::length(plane.normal) + std::abs(plane.offset);
+    planes.push_back({0, -core::evaluate(plane, ray.origin) / slope, kSolidError * size / std::abs(slope), true});
+  }
+  std::sort(planes.begin(), planes.end(), [](const Crossing& a, const Crossing& b) { return a.t < b.t; });
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    Crossing here = planes[i];
+    const double before = i > 0 ? planes[i - 1].t : here.t - 1.0 / glm::length(ray.direction);
+    const double after = i + 1 < planes.size() ? planes[i + 1].t : here.t + 1.0 / glm::length(ray.direction);
+    const auto keeps = [&](double t) { return kept(filter, ray.origin + t * ray.direction, 0.0) == Kept::kYes; };
+    here.sure = here.t - before > 2.0 * here.error && after - here.t > 2.0 * here.error;
+    if (!here.sure || (!keeps(0.5 * (before + here.t)) && keeps(0.5 * (here.t + after)))) places.push_back(here);
+  }
+  return places;
+}
+
+/// The cut of a closed item at a place, if it is there or may be. `crossings`: all of the item along the whole line.
+void add_cut(const Snapshot& snapshot, Slot slot, const Ray& ray, const Crossing& place,
+             const std::vector<Crossing>& crossings, std::vector<Crossing>& out) {
+  if (!(place.t > ray.t_min - place.error && place.t < ray.t_max + place.error)) return;
+  Crossing cut = place;
+  cut.slot = slot;
+  cut.sure &= place.t > ray.t_min + place.error && place.t < ray.t_max - place.error;
+  int before = 0;
+  for (const Crossing& c : crossings) {
+    before += c.t < place.t;
+    cut.sure &= c.sure && std::abs(c.t - place.t) > c.error + place.error;
+  }
+  if (int(snapshot.kind(slot)) < core::kPrimitiveKindCount) before /= 5;  // of five rays
+  if (!cut.sure || before % 2 == 1) out.push_back(cut);
+}
+
 /// All crossings that the ray's part may hold.
 std::vector<Crossing> brute_force(const Snapshot& snapshot, const Ray& ray, const RayFilter& filter) {
-  std::vector<Crossing> found, result;
+  std::vector<Crossing> found, result, places;
+  if (filter.cuts) places = cut_places(ray, filter);
   for (Slot slot = 0; slot < snapshot.size(); ++slot) {
     if (snapshot.vacant(slot) || (snapshot.bounds().layers(slot) & filter.layers) == 0) continue;
+    const std::size_t first = found.size();
     if (int(snapshot.kind(slot)) < core::kPrimitiveKindCount)
       solid_crossings(snapshot, slot, ray, found);
     else
       mesh_crossings(snapshot, slot, ray, found);
+    for (const Crossing& place : places)
+      add_cut(snapshot, slot, ray, place, {found.begin() + std::ptrdiff_t(first), found.end()}, result);
   }
   for (Crossing c : found) {
     if (c.t < ray.t_min - c.error || c.t > ray.t_max + c.error) continue;
@@ -325,6 +366,7 @@ RayFilter random_filter(const World& world, Random& random) {
       filter.sections.push_back({normal, -glm::dot(normal, world.centre + point(random, world.half))});
     }
   }
+  filter.cuts = filter.sections.size() != 2;
   return filter;
 }
 
@@ -557,6 +599,62 @@ std::vector<Face> faces_along(const core::Primitive& solid, const dvec3& origin,
   const auto nearest = tracer->nearest(ray);
   EXPECT_TRUE(nearest && *nearest && (*nearest)->face == faces.at(0));
   return faces;
+}
+
+/// A ball of radius 1 with a mesh beside it that is closed, inside out or open, cut by planes.
+TEST(Tracer, SectionsCutSolidsAndClosedMeshesOpen) {
+  core::Mesh closed = tessellated(core::Box{2, 2, 2}, 4), inverted = closed, open = closed;
+  for (std::size_t i = 0; i < inverted.indices.size(); i += 3) std::swap(inverted.indices[i], inverted.indices[i + 1]);
+  open.indices.resize(open.indices.size() - 3);
+  Scene scene;
+  scene.add_primitive(scene.root(), core::Sphere{2});
+  const std::vector<core::Mesh> meshes{closed, inverted, open};
+  for (int i = 0; i < 3; ++i)
+    scene.add_mesh_instance(scene.root(), *scene.add_mesh(meshes[std::size_t(i)]),
+                            core::translation({3.0 * (i + 1), 0, 0}));
+  ASSERT_TRUE(scene.commit());
+  const Snapshot snapshot(scene);
+  const auto tracer = Tracer::create(snapshot);
+  ASSERT_TRUE(tracer);
+  RayFilter filter;
+  filter.sections = {{{0, 0, -2}, 1.0}};  // below z = 0.5
+  for (const bool cuts : {true, false})
+    for (int i = 0; i < 4; ++i) {
+      SCOPED_TRACE(testing::Message() << "item " << i << ", cuts " << cuts);
+      filter.cuts = cuts;
+      const Ray down{{3.0 * i + 0.1, 0.2, 9.0}, {0, 0, -1}}, up{{3.0 * i + 0.1, 0.2, -9.0}, {0, 0, 1}};
+      const auto hit = tracer->nearest(down, filter);
+      ASSERT_TRUE(hit && *hit);
+      EXPECT_EQ((*hit)->item, core::ItemId(i));
+      const bool cut = cuts && i < 3;
+      EXPECT_EQ((*hit)->face == Face::kCut, cut);
+      if (cut) {
+        EXPECT_EQ((*hit)->t, 8.5);
+        EXPECT_EQ((*hit)->normal, dvec3(0, 0, 1));
+        EXPECT_EQ((*hit)->triangle, core::kNone);
+      }
+      std::vector<Hit> hits;
+      ASSERT_TRUE(tracer->all(down, hits, filter));
+      EXPECT_EQ(hits.size(), cut ? 2u : 1u);
+      Ray short_ray = down;
+      short_ray.t_max = 8.6;
+      EXPECT_EQ(*tracer->any(short_ray, filter), cut);
+      ASSERT_TRUE(tracer->all(up, hits, filter));
+      EXPECT_EQ(hits.size(), 1u) << "from within what is kept";
+      Ray inside = down;
+      inside.t_min = 8.7;
+      EXPECT_NE((*tracer->nearest(inside, filter))->face, Face::kCut) << "the ray begins within";
+    }
+  filter.cuts = true;
+  filter.section_mode = core::SectionMode::kUnion;
+  filter.sections = {{{0, 0, -1}, -0.5}, {{0, 0, 1}, -0.5}};  // without the middle
+  std::vector<Hit> hits;
+  ASSERT_TRUE(tracer->all({{0, 0, 9}, {0, 0, -1}}, hits, filter));
+  ASSERT_EQ(hits.size(), 3u);
+  EXPECT_EQ(hits[0].face, Face::kSide);
+  EXPECT_EQ(hits[1].face, Face::kCut);
+  EXPECT_EQ(hits[1].t, 9.5);
+  EXPECT_EQ(hits[1].normal, dvec3(0, 0, 1));
 }
 
 TEST(Tracer, TellsFaces) {
