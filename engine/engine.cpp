@@ -1,6 +1,8 @@
 #include "sightline/engine/engine.h"
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <deque>
 #include <tuple>
 #include <utility>
@@ -61,7 +63,12 @@ class Engine::Impl {
   const culling::Controller* controller() const { return hybrid_ ? &hybrid_->controller() : nullptr; }
   Drawing* drawing();
   MemoryReport memory() const;
+  core::Expected<std::vector<core::ItemId>> items_in(const core::View& view, const PixelRectangle& rectangle,
+                                                     culling::RegionRule rule) const;
+  std::vector<core::ItemId> items_in(const core::View& volume, culling::RegionRule rule) const;
 #if SIGHTLINE_HAS_RAYTRACE
+  core::Expected<std::vector<raytrace::VisibleItem>> visible_items_in(const core::View& view,
+                                                                      const PixelRectangle& rectangle, int samples);
   core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y);
   core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter);
 #endif
@@ -480,6 +487,42 @@ MemoryReport Engine::Impl::memory() const {
   return report;
 }
 
+// --- regions ---------------------------------------------------------------------------------------------------------
+
+core::Expected<std::vector<core::ItemId>> Engine::Impl::items_in(const core::View& view,
+                                                                 const PixelRectangle& rectangle,
+                                                                 culling::RegionRule rule) const {
+  const auto volume = culling::rectangle_view(view, config_.width, config_.height, rectangle.x0, rectangle.y0,
+                                              rectangle.x1, rectangle.y1);
+  if (!volume) return tl::unexpected(volume.error());
+  return items_in(*volume, rule);
+}
+
+std::vector<core::ItemId> Engine::Impl::items_in(const core::View& volume, culling::RegionRule rule) const {
+  const core::Snapshot& snapshot = *live_.snapshot;
+  core::VisibleSet candidates;
+  if (live_.culler)
+    std::visit([&](const auto& culler) { culler.cull(volume, candidates); }, *live_.culler);
+  else
+    culling::LinearCuller(snapshot.bounds()).cull(volume, candidates);
+  std::vector<core::ItemId> items;
+  for (const core::Slot slot : culling::items_in_region(snapshot, volume, candidates, rule))
+    items.push_back(snapshot.item(slot));
+  std::sort(items.begin(), items.end());
+  return items;
+}
+
+core::Expected<std::vector<core::ItemId>> Engine::items_in(const core::View& view, const PixelRectangle& rectangle,
+                                                           culling::RegionRule rule) const {
+  return impl_->items_in(view, rectangle, rule);
+}
+core::Expected<std::vector<core::ItemId>> Engine::items_in(std::vector<core::Plane> planes, culling::RegionRule rule,
+                                                           std::uint32_t layers) const {
+  if (planes.size() > core::kMaxSectionPlanes)
+    return core::fail("region: expected at most " + std::to_string(core::kMaxSectionPlanes) + " planes");
+  return impl_->items_in(culling::region_view(std::move(planes), layers), rule);
+}
+
 #if SIGHTLINE_HAS_RAYTRACE
 
 // --- picking ---------------------------------------------------------------------------------------------------------
@@ -499,6 +542,27 @@ core::Expected<std::optional<Pick>> Engine::Impl::pick(const raytrace::Ray& ray,
   return Pick{**hit, scene_->contains_item((*hit)->item) ? scene_->node_of((*hit)->item) : core::NodeId()};
 }
 
+core::Expected<std::vector<raytrace::VisibleItem>> Engine::Impl::visible_items_in(const core::View& view,
+                                                                                  const PixelRectangle& rectangle,
+                                                                                  int samples) {
+  const auto low = [](double a, double b) { return std::floor(std::min(a, b)); };
+  const auto high = [](double a, double b) { return std::ceil(std::max(a, b)); };
+  const double x0 = std::max(0.0, low(rectangle.x0, rectangle.x1)), y0 = std::max(0.0, low(rectangle.y0, rectangle.y1));
+  const double x1 = std::min(double(config_.width), high(rectangle.x0, rectangle.x1));
+  const double y1 = std::min(double(config_.height), high(rectangle.y0, rectangle.y1));
+  const auto cropped = culling::rectangle_view(view, config_.width, config_.height, x0, y0, x1, y1);
+  if (!cropped) return tl::unexpected(cropped.error());
+  if (!(x0 < x1 && y0 < y1)) return std::vector<raytrace::VisibleItem>();
+  picks_ = true;
+  if (auto made = make_tracer(live_); !made) return tl::unexpected(made.error());
+  return raytrace::ExactVisibility(*live_.tracer).compute(*cropped, int(x1 - x0), int(y1 - y0), samples);
+}
+
+core::Expected<std::vector<raytrace::VisibleItem>> Engine::visible_items_in(const core::View& view,
+                                                                            const PixelRectangle& rectangle,
+                                                                            int samples) {
+  return impl_->visible_items_in(view, rectangle, samples);
+}
 core::Expected<std::optional<Pick>> Engine::pick(const core::View& view, double x, double y) {
   return impl_->pick(view, x, y);
 }

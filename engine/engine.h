@@ -19,6 +19,7 @@
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/controller.h"
 #include "sightline/culling/gpu/gpu_culler_config.h"
+#include "sightline/culling/region_query.h"
 #include "sightline/engine/plan.h"
 
 namespace sightline::gl {
@@ -35,12 +36,18 @@ struct Image;
 namespace sightline::raytrace {
 struct Ray;
 struct RayFilter;
+struct VisibleItem;
 }  // namespace sightline::raytrace
 
 namespace sightline::engine {
 
 class Drawing;
 struct Pick;
+
+/// Between two corners, in pixels from the picture's upper left corner.
+struct PixelRectangle {
+  double x0, y0, x1, y1;
+};
 
 struct EngineConfig {
   CullerChoice culler = CullerChoice::kAutomatic;
@@ -180,6 +187,19 @@ class SIGHTLINE_API Engine {
   /// What a ray hits first. Without a filter: items of the default layers.
   core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray);
   core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter);
+
+  /// Items in a rectangle of the picture, in rising order, hidden behind others or not: those with any part in it, or
+  /// those wholly in it, as culling/region_query.h promises. The view's layers and section planes count. Needs no
+  /// tracer. Fails as culling::rectangle_view() does.
+  core::Expected<std::vector<core::ItemId>> items_in(const core::View& view, const PixelRectangle& rectangle,
+                                                     culling::RegionRule rule) const;
+  /// Items of `layers` in what all planes keep, at most core::kMaxSectionPlanes; else fails.
+  core::Expected<std::vector<core::ItemId>> items_in(std::vector<core::Plane> planes, culling::RegionRule rule,
+                                                     std::uint32_t layers = core::kDefaultLayerMask) const;
+  /// Items that a rectangle of the picture shows, rounded outwards to whole pixels, with their samples, in rising
+  /// order: raytrace::ExactVisibility on `samples` a pixel. As pick() otherwise.
+  core::Expected<std::vector<raytrace::VisibleItem>> visible_items_in(const core::View& view,
+                                                                      const PixelRectangle& rectangle, int samples = 1);
 
   /// Frees everything that the engine has in the application's context, which must be current. Frames are then as after
   /// a loss. An application that destroys its gl::Context need not call this; one whose GL context lives on should.

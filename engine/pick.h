@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sightline/core/scene.h"
+#include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/tracer.h"
 
 namespace sightline::engine {

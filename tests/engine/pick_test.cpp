@@ -88,6 +88,48 @@ TEST(Pick, TellsNodeAndFace) {
   EXPECT_FALSE((*removed)->node.valid());
 }
 
+TEST(Pick, FindsItemsInRectangles) {
+  Balls balls(10);
+  const core::ItemId behind =
+      balls.scene.add_primitive(balls.scene.root(), core::Box{0.1f, 0.1f, 0.1f}, core::translation({0.5, 0.5, -3.0}));
+  for (const CullerChoice culler : {CullerChoice::kLinear, CullerChoice::kCpu}) {
+    EngineConfig config = balls.config();
+    config.culler = culler;
+    auto engine = Engine::create(balls.scene, config);
+    ASSERT_TRUE(engine);
+    // The lower left four balls: of 80 pixels diameter, 20 pixels apart.
+    const auto items_in = [&](PixelRectangle r, culling::RegionRule rule) {
+      const auto items = engine->items_in(balls.view, r, rule);
+      EXPECT_TRUE(items);
+      return *items;
+    };
+    using Items = std::vector<core::ItemId>;
+    const Items four{balls.items[0], balls.items[1], balls.items[10], balls.items[11], behind};
+    EXPECT_EQ(items_in({5, 805, 195, 995}, culling::RegionRule::kWholly), four);
+    EXPECT_EQ(items_in({195, 995, 5, 805}, culling::RegionRule::kCrossing), four);
+    EXPECT_EQ(items_in({12, 805, 195, 995}, culling::RegionRule::kWholly),
+              (Items{balls.items[1], balls.items[11], behind}));
+    EXPECT_EQ(items_in({20, 820, 180, 980}, culling::RegionRule::kCrossing), four);
+    // Within the ball's box, but beside the ball.
+    EXPECT_EQ(items_in({11, 811, 17, 817}, culling::RegionRule::kCrossing), Items());
+    EXPECT_EQ(items_in({50, 850, 50, 850}, culling::RegionRule::kCrossing), (Items{balls.items[10]}));
+    const auto all = engine->items_in(std::vector<core::Plane>{{{0, 0, -1}, -1.0}}, culling::RegionRule::kWholly);
+    ASSERT_TRUE(all);
+    EXPECT_EQ(*all, Items{behind});
+    EXPECT_FALSE(engine->items_in(std::vector<core::Plane>(9), culling::RegionRule::kWholly));
+    EXPECT_EQ(engine->memory().tracer, 0u);
+
+    const auto seen = engine->visible_items_in(balls.view, {5, 805, 195, 995}, 1);
+    ASSERT_TRUE(seen);
+    ASSERT_EQ(seen->size(), 4u) << "without the box behind a ball";
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ((*seen)[i].item, four[i]);
+      EXPECT_NEAR(double((*seen)[i].samples), 1600.0 * 3.14159, 30.0);
+    }
+    EXPECT_TRUE(engine->visible_items_in(balls.view, {-50, -50, -10, -10})->empty());
+  }
+}
+
 TEST(Pick, FollowsEditsAndNewOrders) {
   Balls balls(40);
   EngineConfig config = balls.config();
