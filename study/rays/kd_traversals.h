@@ -75,11 +75,11 @@ struct KdStandard {
 struct KdStandard8 {
   template <class Q>
   static void walk(const KdTree& tree, const UnitRay& ray, Q& query) {
-    struct Entry {
+    struct ShortEntry {
       std::uint32_t node;
       float t_max;
     };
-    std::array<Entry, KdTree::kMaxDepth> stack;
+    std::array<ShortEntry, KdTree::kMaxDepth> stack;
     std::size_t size = 0;
     std::uint32_t node = 0;
     Interval t{0.0f, ray.exit};
