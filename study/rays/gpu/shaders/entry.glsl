@@ -1,0 +1,5 @@
+// What most stacks hold: a node, and the part of the ray in it.
+struct Entry {
+  uint node;
+  vec2 t;
+};
