@@ -22,23 +22,6 @@ struct Sphere {
   }
 };
 
-Rays primary_rays(const UnitSpace& space, const Picture& picture) {
-  constexpr double kTanHalfFovy = 0.41421356237309503;  // of 45 degrees
-  const Sphere around(space);
-  const dvec3 back = glm::normalize(dvec3(0.55, -0.7, 0.45));
-  const dvec3 right = glm::normalize(glm::cross(dvec3(0, 0, 1), back)), up = glm::cross(back, right);
-  const dvec3 eye = around.centre + 1.9 * around.radius * back;
-  Rays rays;
-  rays.reserve(std::size_t(picture.width) * std::size_t(picture.height));
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const double across = (2.0 * x + 1.0 - picture.width) / picture.height;
-      const double upwards = 1.0 - (2.0 * y + 1.0) / picture.height;
-      rays.push_back({eye, kTanHalfFovy * (across * right + upwards * up) - back});
-    }
-  return rays;
-}
-
 /// Where a ray hit: a point slightly before the surface, and the normal on that side.
 struct Start {
   dvec3 point, normal, incoming;
@@ -69,23 +52,6 @@ std::size_t search(const Traversal& traversal, const Structures& structures, con
   else
     for (const Ray& ray : rays) hits += bool(traversal.nearest(structures, ray));
   return hits;
-}
-
-/// Share of lanes at work, when each group of width x height rays takes as long as its slowest.
-double lanes_at_work(const std::vector<std::uint32_t>& visits, const Picture& picture, int width, int height) {
-  double busy = 0.0, paid = 0.0;
-  for (int y0 = 0; y0 < picture.height; y0 += height)
-    for (int x0 = 0; x0 < picture.width; x0 += width) {
-      std::uint32_t most = 0;
-      for (int y = y0; y < std::min(y0 + height, picture.height); ++y)
-        for (int x = x0; x < std::min(x0 + width, picture.width); ++x) {
-          const std::uint32_t v = visits[std::size_t(y) * std::size_t(picture.width) + std::size_t(x)];
-          most = std::max(most, v);
-          busy += v;
-        }
-      paid += double(most) * width * height;
-    }
-  return paid == 0.0 ? 1.0 : busy / paid;
 }
 
 double balance(const std::vector<std::uint32_t>& visits, const Picture& picture, int tile_width, int tile_height) {
@@ -135,6 +101,52 @@ double time_brute_force(const TriangleSet& triangles, const Rays& rays) {
 
 }  // namespace
 
+double lanes_at_work(const std::vector<std::uint32_t>& visits, const Picture& picture, int width, int height) {
+  double busy = 0.0, paid = 0.0;
+  for (int y0 = 0; y0 < picture.height; y0 += height)
+    for (int x0 = 0; x0 < picture.width; x0 += width) {
+      std::uint32_t most = 0;
+      for (int y = y0; y < std::min(y0 + height, picture.height); ++y)
+        for (int x = x0; x < std::min(x0 + width, picture.width); ++x) {
+          const std::uint32_t v = visits[std::size_t(y) * std::size_t(picture.width) + std::size_t(x)];
+          most = std::max(most, v);
+          busy += v;
+        }
+      paid += double(most) * width * height;
+    }
+  return paid == 0.0 ? 1.0 : busy / paid;
+}
+
+std::vector<Ray> primary_rays(const UnitSpace& space, const Picture& picture) {
+  constexpr double kTanHalfFovy = 0.41421356237309503;  // of 45 degrees
+  const Sphere around(space);
+  const dvec3 back = glm::normalize(dvec3(0.55, -0.7, 0.45));
+  const dvec3 right = glm::normalize(glm::cross(dvec3(0, 0, 1), back)), up = glm::cross(back, right);
+  const dvec3 eye = around.centre + 1.9 * around.radius * back;
+  Rays rays;
+  rays.reserve(std::size_t(picture.width) * std::size_t(picture.height));
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const double across = (2.0 * x + 1.0 - picture.width) / picture.height;
+      const double upwards = 1.0 - (2.0 * y + 1.0) / picture.height;
+      rays.push_back({eye, kTanHalfFovy * (across * right + upwards * up) - back});
+    }
+  return rays;
+}
+
+dvec3 light_over(const UnitSpace& space, double turned) {
+  const Sphere around(space);
+  const dvec3 aside(std::cos(turned) - 0.5 * std::sin(turned), std::sin(turned) + 0.5 * std::cos(turned), 2.0);
+  return around.centre + around.radius * aside;
+}
+
+std::vector<Ray> shadow_rays(const TriangleSet& triangles, const std::vector<Ray>& rays, const std::vector<Hit>& hits,
+                             const dvec3& light) {
+  Rays shadows;
+  for (const Start& s : starts_of(triangles, rays, hits)) shadows.push_back({s.point, light - s.point, 1.0});
+  return shadows;
+}
+
 const char* name_of(RayKind kind) {
   constexpr std::array<const char*, kRayKinds> kNames = {"primary", "reflected", "shadow"};
   return kNames[std::size_t(kind)];
@@ -147,26 +159,24 @@ const TraversalRun* Benchmark::find(const std::string& traversal) const {
 }
 
 Benchmark run_benchmark(const std::string& model, const TriangleSet& triangles, const Picture& picture, int passes,
-                        const std::function<void(const std::string&)>& step) {
+                        const std::function<void(const std::string&)>& step, const BenchmarkHook& then) {
   step("building");
   const Structures structures(triangles);
   Benchmark result{model, triangles.size(), {}, 0.0, 0.0, {}, {}};
   for (std::size_t i = 0; i < kStructures; ++i)
     result.structures.push_back({Structure(i), structures.bytes(Structure(i)), structures.build_seconds[i]});
 
-  std::array<Rays, kRayKinds> rays{primary_rays(triangles.space(), picture), {}, {}};
-  std::vector<Hit> hits;
+  BenchmarkRays searched{picture, {primary_rays(triangles.space(), picture), {}, {}}, {}};
+  std::array<Rays, kRayKinds>& rays = searched.rays;
+  std::vector<Hit>& hits = searched.hits;
   for (const Traversal& traversal : traversals()) {
     step(std::string("counting, ") + traversal.name);
-    result.traversals.push_back({&traversal, {}, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0});
+    result.traversals.push_back({&traversal, {}, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, std::nullopt});
     count_visits(result.traversals.back(), structures, rays[0], picture, hits);
   }
-  const Sphere around(triangles.space());
-  const dvec3 light = around.centre + around.radius * dvec3(1.0, 0.5, 2.0);
-  for (const Start& s : starts_of(triangles, rays[0], hits)) {
+  for (const Start& s : starts_of(triangles, rays[0], hits))
     rays[1].push_back({s.point, s.incoming - 2.0 * glm::dot(s.incoming, s.normal) * s.normal});
-    rays[2].push_back({s.point, light - s.point, 1.0});
-  }
+  rays[2] = shadow_rays(triangles, rays[0], hits, light_over(triangles.space()));
   result.hits = double(rays[1].size()) / double(rays[0].size());
   result.brute_force_ns = time_brute_force(triangles, rays[0]);
 
@@ -185,6 +195,7 @@ Benchmark run_benchmark(const std::string& model, const TriangleSet& triangles, 
       }
     }
   }
+  if (then) then(structures, searched, result);
   return result;
 }
 

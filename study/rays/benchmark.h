@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,18 @@ enum class RayKind : std::uint8_t { kPrimary, kReflected, kShadow };
 inline constexpr std::size_t kRayKinds = 3;
 const char* name_of(RayKind kind);
 
+/// A traversal in GLSL on the same rays (gpu/benchmark.h): wall time a ray, from dispatch until the GPU is done, least
+/// of the passes.
+struct GpuRun {
+  /// Primary rays, in groups of 32 x 1 pixels, of 8 x 4, and of 8 x 4 by persistent groups; reflected and shadow rays
+  /// in groups of 32 as they come.
+  double rows_ns = 0.0, tiles_ns = 0.0, persistent_ns = 0.0, reflected_ns = 0.0, shadow_ns = 0.0;
+  double nodes = 0.0, triangles = 0.0;  ///< a primary ray, mean, as the GPU counts
+  /// Node visits that groups of 32 primary rays pay for, each as many as its slowest ray, over those that rays need.
+  double divergence_rows = 0.0, divergence_tiles = 0.0;
+  std::size_t disagreements = 0;  ///< answers to primary rays that differ from the CPU's
+};
+
 struct TraversalRun {
   const Traversal* traversal = nullptr;
   std::array<double, kRayKinds> ns{};   ///< processor time a ray, least of the passes
@@ -30,6 +43,7 @@ struct TraversalRun {
   /// tiles of 32 x 32 pixels.
   double balance_rows = 0.0, balance_tiles = 0.0;
   std::size_t disagreements = 0;  ///< primary rays whose hit differs from the first traversal's
+  std::optional<GpuRun> gpu;
 };
 
 struct StructureRun {
@@ -50,9 +64,31 @@ struct Benchmark {
   const TraversalRun* find(const std::string& traversal) const;
 };
 
-/// The eye looks at the middle of the triangles from outside. Traversals take turns, `passes` times (>= 1) each; `step`
-/// is told what comes next.
+/// What a benchmark searched for.
+struct BenchmarkRays {
+  Picture picture;
+  std::array<std::vector<Ray>, kRayKinds> rays;  ///< by RayKind; primary ones row by row
+  std::vector<Hit> hits;                         ///< of the primary rays
+};
+
+/// From an eye outside that looks at the middle of the triangles, row by row.
+std::vector<Ray> primary_rays(const UnitSpace& space, const Picture& picture);
+/// A point above the triangles, `turned` by an angle (radians) about their upright axis.
+core::dvec3 light_over(const UnitSpace& space, double turned = 0.0);
+/// To the light from where `rays` hit.
+std::vector<Ray> shadow_rays(const TriangleSet& triangles, const std::vector<Ray>& rays, const std::vector<Hit>& hits,
+                             const core::dvec3& light);
+
+/// Share of lanes at work, when each group of width x height rays takes as long as its slowest. `visits`: of nodes, by
+/// primary ray.
+double lanes_at_work(const std::vector<std::uint32_t>& visits, const Picture& picture, int width, int height);
+
+/// May add to a result what it finds out about the same rays.
+using BenchmarkHook = std::function<void(const Structures&, const BenchmarkRays&, Benchmark&)>;
+
+/// Traversals take turns, `passes` times (>= 1) each; `step` is told what comes next. `then`, where given, is called at
+/// the end.
 Benchmark run_benchmark(const std::string& model, const TriangleSet& triangles, const Picture& picture, int passes,
-                        const std::function<void(const std::string&)>& step);
+                        const std::function<void(const std::string&)>& step, const BenchmarkHook& then = {});
 
 }  // namespace sightline::study::rays

@@ -1,7 +1,7 @@
 // sightline-study: the culling techniques of study/ on made-up platforms and an aircraft, beside production,
 // other libraries and brute force, in one run. Prints the tables of E. T. Carlos, "Frustum Culling Híbrido Utilizando
-// CPU e GPU" (2009), chapters 3 and 4, with --gpu 5, and writes the data of its figures. The subcommand rays (rays.cpp)
-// is about ray tracing.
+// CPU e GPU" (2009), chapters 3 and 4, with --gpu 5, and writes the data of its figures. The subcommands rays
+// (rays.cpp) and grids (rays_gpu.cpp) are about ray tracing.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -17,6 +17,7 @@
 #include "sightline/apps/common/progress.h"
 #ifdef SIGHTLINE_STUDY_HAS_GPU
 #include "sightline/study/tables/gpu.h"
+#include "sightline/study/tables/rays_gpu.h"
 #endif
 #include "sightline/bench/models/aircraft.h"
 #include "sightline/bench/models/platforms.h"
@@ -271,9 +272,14 @@ int main(int argc, char** argv) {
   add_options(app, options);
   CLI::App* rays = app.add_subcommand("rays", "structures and traversals of ray tracing instead");
   const auto run_rays = study::add_rays(*rays);
+#ifdef SIGHTLINE_STUDY_HAS_GPU
+  CLI::App* grids = app.add_subcommand("grids", "uniform grids of all sizes on CPU and GPU instead");
+  const auto run_grids = study::add_grids(*grids);
+#endif
   return apps::run(app, argc, argv, [&] {
     if (rays->parsed()) return run_rays();
 #ifdef SIGHTLINE_STUDY_HAS_GPU
+    if (grids->parsed()) return run_grids();
     if (options.gpu) return run_gpu_study(options);
 #endif
     return run_study(options);

@@ -15,9 +15,12 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
-#include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/study/rays/benchmark.h"
 #include "sightline/study/rays/generated_meshes.h"
+#include "sightline/study/tables/ray_models.h"
+#ifdef SIGHTLINE_STUDY_HAS_GPU
+#include "sightline/study/tables/rays_gpu.h"
+#endif
 
 namespace sightline::study {
 namespace {
@@ -28,7 +31,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kReference = "kd ropes++";  // the dissertation's fastest
 
 struct Options {
-  bool tables = false;
+  bool tables = false, gpu = false;
   std::string csv, json, size = "1408x768";
   int passes = 3;
   std::vector<std::size_t> scans{1000, 10'000, 100'000, 1'080'000, 4'000'000}, scattered{1'080'000};
@@ -36,30 +39,6 @@ struct Options {
 };
 
 // --- models ----------------------------------------------------------------------------------------------------------
-
-/// All triangles of a scene, about the middle of their bounds. Analytic primitives become triangles.
-TriangleSet triangles_of(const core::Scene& scene) {
-  constexpr int kSegments = 24;
-  const core::Scene whole = apps::tessellated(scene, kSegments);
-  const core::Snapshot snapshot(whole);
-  std::vector<core::dvec3> positions;
-  std::vector<std::uint32_t> indices;
-  core::AabbD bounds;
-  for (core::Slot s = 0; s < snapshot.size(); ++s) {
-    if (snapshot.vacant(s) || snapshot.kind(s) != core::Kind::kMesh) continue;
-    const core::Affine world_from_item = snapshot.world_from_item(s);
-    const core::Mesh& mesh = snapshot.mesh(s);
-    const std::uint32_t first = std::uint32_t(positions.size());
-    for (const core::vec3& p : mesh.positions) {
-      positions.push_back(core::transform_point(world_from_item, core::dvec3(p)));
-      bounds.grow(positions.back());
-    }
-    for (const std::uint32_t i : mesh.indices) indices.push_back(first + i);
-  }
-  std::vector<core::vec3> centred;
-  for (const core::dvec3& p : positions) centred.push_back(core::vec3(p - bounds.centre()));
-  return {centred, indices};
-}
 
 struct NamedModel {
   std::string name;
@@ -70,11 +49,9 @@ std::vector<NamedModel> models_of(const Options& options) {
   std::vector<NamedModel> models;
   for (const std::string& file : options.files.files)
     models.push_back({std::filesystem::path(file).stem().string(), [&options, file]() -> core::Expected<TriangleSet> {
-                        apps::ModelOptions one = options.files;
-                        one.files = {file};
-                        auto loaded = apps::load_model(one);
-                        if (!loaded) return tl::unexpected(loaded.error());
-                        return triangles_of(*loaded->scene);
+                        auto mesh = load_triangles(options.files, file);
+                        if (!mesh) return tl::unexpected(mesh.error());
+                        return TriangleSet(mesh->positions, mesh->indices);
                       }});
   const auto add = [&](const char* name, std::size_t triangles, GeneratedMesh (*make)(std::size_t)) {
     models.push_back({name, [triangles, make]() -> core::Expected<TriangleSet> {
@@ -137,6 +114,18 @@ Json to_json(const Benchmark& b) {
                 {"balance_rows", r.balance_rows},
                 {"balance_tiles", r.balance_tiles},
                 {"disagreements", r.disagreements}});
+    if (r.gpu)
+      run["glsl"] = {{"ns",
+                      {{"rows", r.gpu->rows_ns},
+                       {"tiles", r.gpu->tiles_ns},
+                       {"persistent", r.gpu->persistent_ns},
+                       {"reflected", r.gpu->reflected_ns},
+                       {"shadow", r.gpu->shadow_ns}}},
+                     {"nodes", r.gpu->nodes},
+                     {"triangles", r.gpu->triangles},
+                     {"divergence_rows", r.gpu->divergence_rows},
+                     {"divergence_tiles", r.gpu->divergence_tiles},
+                     {"disagreements", r.gpu->disagreements}};
     json["traversals"].push_back(std::move(run));
   }
   for (const StructureRun& s : b.structures)
@@ -191,22 +180,40 @@ core::Expected<void> write_growth(const std::vector<Benchmark>& all, const std::
 core::Expected<int> run_rays(const Options& options) {
   const auto size = apps::parse_size(options.size);
   if (!size) return tl::unexpected(size.error());
+  const bool print = options.tables && options.json != "-";
+  BenchmarkHook then;
+#ifdef SIGHTLINE_STUDY_HAS_GPU
+  RaysOnGpu gpu(options.passes);
+  if (options.gpu) {
+    if (auto done = gpu.begin(print); !done) return tl::unexpected(done.error());
+    then = [&](const Structures& s, const BenchmarkRays& rays, Benchmark& benchmark) { gpu.run(s, rays, benchmark); };
+  }
+#endif
   std::vector<Benchmark> all;
   for (const NamedModel& model : models_of(options)) {
     auto triangles = model.make();
     if (!triangles) return tl::unexpected(triangles.error());
     if (triangles->size() == 0) return core::fail(model.name + ": no triangles");
-    all.push_back(run_benchmark(model.name, *triangles, {(*size)[0], (*size)[1]}, options.passes,
-                                [&](const std::string& what) { apps::show_step(model.name + ": " + what); }));
+    all.push_back(run_benchmark(
+        model.name, *triangles, {(*size)[0], (*size)[1]}, options.passes,
+        [&](const std::string& what) { apps::show_step(model.name + ": " + what); }, then));
     apps::show_step("");
-    if (options.tables && options.json != "-") print_benchmark(all.back());
+    if (print) print_benchmark(all.back());
+#ifdef SIGHTLINE_STUDY_HAS_GPU
+    if (!gpu.done()) return tl::unexpected(gpu.done().error());
+    if (print && options.gpu) print_gpu(all.back());
+#endif
   }
   if (all.empty()) return core::fail("rays: no models");
-  if (options.tables && options.json != "-") print_growth(all);
+  if (print) print_growth(all);
   if (!options.csv.empty()) {
     if (auto made = apps::make_directory(options.csv); !made) return tl::unexpected(made.error());
     if (auto w = write_csv(all, options.csv); !w) return tl::unexpected(w.error());
     if (auto w = write_growth(all, options.csv); !w) return tl::unexpected(w.error());
+#ifdef SIGHTLINE_STUDY_HAS_GPU
+    if (options.gpu)
+      if (auto w = write_gpu_csv(all, options.csv); !w) return tl::unexpected(w.error());
+#endif
   }
   Json json = Json::array();
   for (const Benchmark& b : all) json.push_back(to_json(b));
@@ -230,6 +237,9 @@ std::function<core::Expected<int>()> add_rays(CLI::App& app) {
       ->delimiter(',')
       ->check(counts);
   app.add_option("--model", options->files.files, "real models besides (RVM, OBJ, PLY …), each on its own");
+#ifdef SIGHTLINE_STUDY_HAS_GPU
+  app.add_flag("--gpu", options->gpu, "the traversals in GLSL besides");
+#endif
   return [options] { return run_rays(*options); };
 }
 

@@ -46,27 +46,30 @@ SpaceBlock space_of(const TriangleSet& triangles, const GridLines& lines) {
   return block;
 }
 
-core::Expected<GpuStructure> with_space(const gl::Context& context, const SpaceBlock& block) {
-  auto space = gl::Buffer::create(context.functions(), sizeof block, &block, 0, "space of a structure");
-  if (!space) return tl::unexpected(space.error());
-  return GpuStructure{std::move(*space), {}};
+core::Expected<gl::Buffer> upload_block(const gl::Context& context, const SpaceBlock& block) {
+  return gl::Buffer::create(context.functions(), sizeof block, &block, 0, "space of a structure");
 }
 
 template <class... T>
 core::Expected<GpuStructure> upload_arrays(const gl::Context& context, const SpaceBlock& block,
                                            const std::vector<T>&... arrays) {
   static_assert((std::is_trivially_copyable_v<T> && ...));
-  auto result = with_space(context, block);
+  auto space = upload_block(context, block);
+  if (!space) return tl::unexpected(space.error());
+  GpuStructure result;
+  result.space = std::move(*space);
+  core::Expected<void> done;
   std::size_t next = 0;
-  const auto add = [&](const char* what, std::size_t bytes, const void* data) {
-    if (!result) return;
-    auto made = make_storage(context, bytes, data, what);
+  const auto add = [&](std::size_t bytes, const void* data) {
+    if (!done) return;
+    auto made = make_storage(context, bytes, data, "array of a structure");
     if (made)
-      result->arrays[next++] = std::move(*made);
+      result.arrays[next++] = std::move(*made);
     else
-      result = tl::unexpected(made.error());
+      done = tl::unexpected(made.error());
   };
-  (add("array of a structure", arrays.size() * sizeof(T), arrays.data()), ...);
+  (add(arrays.size() * sizeof(T), arrays.data()), ...);
+  if (!done) return tl::unexpected(done.error());
   return result;
 }
 
@@ -96,11 +99,9 @@ core::Expected<GpuStructure> upload(const gl::Context& context, const TriangleSe
   return upload_arrays(context, space_of(triangles, grid.lines), grid.triangles, grid.begins);
 }
 
-core::Expected<GpuStructure> adopt_grid(const gl::Context& context, const TriangleSet& triangles,
-                                        const GridLines& lines, gl::Buffer begins, gl::Buffer triangle_list) {
-  auto result = with_space(context, space_of(triangles, lines));
-  if (result) result->arrays = {std::move(triangle_list), std::move(begins), {}, {}};
-  return result;
+core::Expected<gl::Buffer> upload_space(const gl::Context& context, const TriangleSet& triangles,
+                                        const GridLines& lines) {
+  return upload_block(context, space_of(triangles, lines));
 }
 
 core::Expected<GpuStructure> upload(const gl::Context& context, const Structures& s, Structure structure) {

@@ -30,9 +30,10 @@ core::Expected<GpuTriangles> upload(const gl::Context& context, const TriangleSe
 core::Expected<GpuStructure> upload(const gl::Context& context, const Structures& structures, Structure structure);
 /// A grid of these triangles.
 core::Expected<GpuStructure> upload(const gl::Context& context, const TriangleSet& triangles, const UniformGrid& grid);
-/// The same from arrays that are on the GPU already.
-core::Expected<GpuStructure> adopt_grid(const gl::Context& context, const TriangleSet& triangles,
-                                        const GridLines& lines, gl::Buffer begins, gl::Buffer triangle_list);
+
+/// The uniform block of shaders that walk a grid's lines, for binding 0.
+core::Expected<gl::Buffer> upload_space(const gl::Context& context, const TriangleSet& triangles,
+                                        const GridLines& lines);
 
 /// A buffer of at least `bytes`, for a storage block; `data` may be null, and `bytes` 0.
 core::Expected<gl::Buffer> make_storage(const gl::Context& context, std::size_t bytes, const void* data,

@@ -1,7 +1,7 @@
 #include "sightline/study/rays/gpu/tracer.h"
 
+#include <algorithm>
 #include <array>
-#include <cassert>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -44,7 +44,7 @@ const Form* form_of(const Traversal& traversal) {
 }
 
 std::uint32_t divided_up(std::uint32_t a, std::uint32_t b) {
-  return (a + b - 1) / b;
+  return a / b + (a % b != 0);
 }
 
 }  // namespace
@@ -67,10 +67,11 @@ core::Expected<const GpuTracer::Program*> GpuTracer::program_of(const Traversal&
   define(persistent, "PERSISTENT");
   auto made = gl::Program::create(context_->functions(), description);
   if (!made) return tl::unexpected(made.error());
-  Program program{std::move(*made), -1, -1, -1};
+  Program program{std::move(*made), -1, -1, -1, -1};
   program.picture = program.program.uniform("picture");
   program.tile = program.program.uniform("tile");
   program.ray_count = program.program.uniform("ray_count");
+  program.most_tiles = program.program.uniform("most_tiles");
   return &programs_.emplace(key, std::move(program)).first->second;
 }
 
@@ -99,6 +100,7 @@ core::Expected<void> GpuTracer::trace(const Traversal& traversal, Ask ask, const
   bind(Binding::kCorners, 0, triangles.corners);
   for (std::size_t i = 0; i < structure.arrays.size(); ++i) bind(Binding::kTriangles, i, structure.arrays[i]);
   const GLuint id = program.program.id(), tile_width = launch.tiles ? 8 : 32, tile_height = 32 / tile_width;
+  const std::uint32_t most_tiles = context_->capabilities().software ? 16 : 0xffffffffu;
   program.program.use();
   gl.ProgramUniform2ui(id, program.tile, tile_width, tile_height);
   for (const RayBatch::Part& part : batch.parts()) {
@@ -111,7 +113,8 @@ core::Expected<void> GpuTracer::trace(const Traversal& traversal, Ask ask, const
     if (persistent) {
       next_tile_.fill(0, next_tile_.size(), 0);
       bind(Binding::kNextTile, 0, next_tile_);
-      gl.DispatchCompute(launch.persistent_groups, 1, 1);
+      gl.ProgramUniform1ui(id, program.most_tiles, most_tiles);
+      gl.DispatchCompute(std::max(launch.persistent_groups, divided_up(across * down, most_tiles)), 1, 1);
       gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     } else {
       gl.DispatchCompute(across, down, 1);

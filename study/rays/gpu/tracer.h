@@ -23,7 +23,9 @@ enum class Ask : std::uint8_t { kNearest, kAny, kCount };  ///< as Traversal's t
 /// How rays go to work groups of 32 invocations, the size of a warp.
 struct Launch {
   bool tiles = false;  ///< 8 x 4 rays of the picture to a group, instead of 32 of a row
-  /// Persistent threads: that many groups take one tile after the other from a counter. 0: a group for each tile.
+  /// Persistent threads: that many groups take one tile after the other from a counter. 0: a group for each tile. On
+  /// software rasterisers a group ends after a few tiles, and there are more groups: llvmpipe runs one group after the
+  /// other, and leaves every loop once an invocation's loops have gone round 65,535 times in all.
   std::uint32_t persistent_groups = 0;
 };
 
@@ -43,7 +45,7 @@ class GpuTracer {
  private:
   struct Program {
     gl::Program program;
-    GLint picture, tile, ray_count;
+    GLint picture, tile, ray_count, most_tiles;
   };
   core::Expected<const Program*> program_of(const Traversal& traversal, Ask ask, bool persistent);
 

@@ -1,4 +1,6 @@
 // GridLines.
+#include "space.glsl"
+
 float line(uint axis, int i) {
   precise float position = space.low[axis] + float(i) * space.cell[axis];
   return position;

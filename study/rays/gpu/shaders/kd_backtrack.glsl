@@ -1,6 +1,6 @@
 // KdBacktrack.
 #include "kd_tree.glsl"
-#include "box.glsl"
+#include "box_exit.glsl"
 
 layout(std430, binding = 5) readonly restrict buffer Parents {
   uint parents[];

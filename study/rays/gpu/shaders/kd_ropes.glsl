@@ -1,6 +1,6 @@
 // KdRopes; with SIX_PLANES Popov's form; with FROM_ROOT KdSequential.
 #include "kd_tree.glsl"
-#include "box.glsl"
+#include "box_exit.glsl"
 
 struct Leaf {
   Box box;

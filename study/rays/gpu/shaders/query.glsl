@@ -1,6 +1,7 @@
 // What a traversal asks with (query.h), and the one intersection that all share (triangle_set.cpp): operation by
 // operation as on the CPU. `precise` forbids what would round otherwise. Divisions, which GL does not promise to round
 // correctly, are the CPU's, all but that by the determinant. Defines: ANY, COUNTING.
+#include "space.glsl"
 
 struct Ray {          // RayRecord of ray_batch.cpp
   dvec4 start;        // origin, its axes in the order of the triangle test; and the largest parameter
@@ -19,13 +20,6 @@ layout(std430, binding = 2) readonly restrict buffer Corners {
 layout(std430, binding = 3) readonly restrict buffer Triangles {
   uint triangles[];  // of the leaves, each a range
 };
-layout(std140, binding = 0) uniform Space {  // SpaceBlock of structures.cpp
-  vec4 low, high;       // of the structure's bounds
-  vec4 cell, per_cell;  // GridLines, of those that have some
-  ivec4 cells;
-  double slack;  // on boxes of triangles, in units of the scene
-} space;
-
 const uint kNone = 0xffffffffu;
 
 // Initialised, since compilers warn where they do not see that trace() sets them.

@@ -1,6 +1,6 @@
 // An invocation a ray; a work group, as wide as a warp, has a tile of the picture. With PERSISTENT there are as many
-// groups as the caller wants, and each takes tiles from one counter until there are no more (T. Aila, S. Laine,
-// "Understanding the Efficiency of Ray Traversal on GPUs", 2009).
+// groups as the caller wants, and each takes tiles from one counter until there are no more, or it had its share
+// (T. Aila, S. Laine, "Understanding the Efficiency of Ray Traversal on GPUs", 2009).
 layout(local_size_x = 32) in;
 
 struct Answer {  // GpuAnswer of ray_batch.h
@@ -32,10 +32,11 @@ void trace(uvec2 of_tile) {
 layout(std430, binding = 7) coherent restrict buffer Next {
   uint next_tile;
 };
+uniform uint most_tiles;  // of a group
 shared uint taken;
 
 void main() {
-  for (;;) {
+  for (uint had = 0u; had < most_tiles; ++had) {
     if (gl_LocalInvocationIndex == 0u) taken = atomicAdd(next_tile, 1u);
     barrier();
     uint number = taken;

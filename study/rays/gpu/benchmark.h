@@ -1,0 +1,25 @@
+// The traversals in GLSL on the rays of a benchmark.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sightline/study/rays/benchmark.h"
+#include "sightline/study/rays/gpu/tracer.h"
+
+namespace sightline::study::rays {
+
+/// Seconds of wall time from here until the GPU has done what `work` asks of it. Timer queries would leave out the
+/// dispatch, and mean nothing on software rasterisers.
+double seconds_on_gpu(const gl::Context& context, const std::function<void()>& work);
+
+/// Fills TraversalRun::gpu of every traversal of `result`. `step` as in run_benchmark(). Returns what is left out, a
+/// line with the reason each: a traversal whose structure does not fit the GPU. Fails when the rays do not, or a shader
+/// does not compile.
+core::Expected<std::vector<std::string>> run_on_gpu(const gl::Context& context, const Structures& structures,
+                                                    const BenchmarkRays& searched, int passes,
+                                                    const std::function<void(const std::string&)>& step,
+                                                    Benchmark& result);
+
+}  // namespace sightline::study::rays

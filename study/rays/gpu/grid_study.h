@@ -1,0 +1,46 @@
+// The tables of G. Ordeix, S. Cioli, "Computación Gráfica sobre GPUs" (2010), chapter 5: pictures a second against the
+// size of the uniform grid, on the CPU and on the GPU, where the grid is built, too.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sightline/study/rays/benchmark.h"
+#include "sightline/study/rays/generated_meshes.h"
+#include "sightline/study/rays/gpu/grid_builder.h"
+#include "sightline/study/rays/gpu/tracer.h"
+
+namespace sightline::study::rays {
+
+struct GridScene {
+  std::string name, tables;  ///< as the dissertation has them
+  GeneratedMesh mesh;
+  int lights = 1;
+  std::vector<int> sizes;  ///< cells along each axis
+};
+
+/// The dissertation's scenes, made up by what it says of them. Those of scanned models are generated scans.
+std::vector<GridScene> grid_scenes();
+
+/// A picture: the primary rays, and from each hit a shadow ray to each light. Rays are made ready beforehand.
+struct GridPicture {
+  int size = 0;
+  std::size_t references = 0;
+  double cpu_build_ms = 0.0, gpu_build_ms = 0.0;
+  double cpu_ms = 0.0, gpu_ms = 0.0;  ///< to trace: processor time of one thread; wall time until the GPU is done
+  std::size_t disagreements = 0;      ///< primary rays
+};
+
+struct GridRun {
+  const GridScene* scene = nullptr;
+  std::size_t triangles = 0;
+  std::vector<GridPicture> pictures;  ///< by size
+};
+
+/// Times are the least of `passes` (>= 1).
+core::Expected<GridRun> run_grids(const gl::Context& context, const GridBuilder& builder, GpuTracer& tracer,
+                                  const GridScene& scene, const Picture& picture, int passes,
+                                  const std::function<void(const std::string&)>& step);
+
+}  // namespace sightline::study::rays
