@@ -20,8 +20,7 @@ enum class RayKind : std::uint8_t { kPrimary, kReflected, kShadow };
 inline constexpr std::size_t kRayKinds = 3;
 const char* name_of(RayKind kind);
 
-/// A traversal in GLSL on the same rays (gpu/benchmark.h): wall time a ray, from dispatch until the GPU is done, least
-/// of the passes.
+/// A traversal in GLSL on the same rays: time a ray as seconds_on_gpu() has it (gpu/benchmark.h), least of the passes.
 struct GpuRun {
   /// Primary rays, in groups of 32 x 1 pixels, of 8 x 4, and of 8 x 4 by persistent groups; reflected and shadow rays
   /// in groups of 32 as they come.

@@ -143,15 +143,15 @@ core::Expected<void> write_csv(const std::vector<Benchmark>& all, const std::fil
   for (const Benchmark& b : all) {
     const std::string model = b.model + ',' + std::to_string(b.triangles) + ',';
     for (const TraversalRun& r : b.traversals) {
-      traversals += model + r.traversal->name;
+      traversals += model + csv_field(r.traversal->name);
       for (const double v : {r.ns[0], r.ns[1], r.ns[2], r.nodes, r.triangles, r.lanes_rows, r.lanes_tiles,
                              r.balance_rows, r.balance_tiles})
         traversals += ',' + std::to_string(v);
       traversals += '\n';
     }
     for (const StructureRun& s : b.structures)
-      structures +=
-          model + name_of(s.structure) + ',' + std::to_string(s.bytes) + ',' + std::to_string(s.build_seconds) + '\n';
+      structures += model + csv_field(name_of(s.structure)) + ',' + std::to_string(s.bytes) + ',' +
+                    std::to_string(s.build_seconds) + '\n';
   }
   if (auto w = apps::write_text((directory / "rays_traversals.csv").string(), traversals); !w) return w;
   return apps::write_text((directory / "rays_structures.csv").string(), structures);
@@ -222,6 +222,10 @@ core::Expected<int> run_rays(const Options& options) {
 }
 
 }  // namespace
+
+std::string csv_field(const std::string& text) {
+  return text.find(',') == std::string::npos ? text : '"' + text + '"';
+}
 
 std::function<core::Expected<int>()> add_rays(CLI::App& app) {
   const auto options = std::make_shared<Options>();

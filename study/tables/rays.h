@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "sightline/core/error.h"
 
@@ -13,5 +14,8 @@ namespace sightline::study {
 
 /// Adds the options to the subcommand's app, and returns what runs it.
 std::function<core::Expected<int>()> add_rays(CLI::App& app);
+
+/// In quotes, where the text has a comma.
+std::string csv_field(const std::string& text);
 
 }  // namespace sightline::study

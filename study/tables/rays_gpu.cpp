@@ -13,6 +13,7 @@
 #include "sightline/study/rays/gpu/benchmark.h"
 #include "sightline/study/rays/gpu/grid_study.h"
 #include "sightline/study/tables/ray_models.h"
+#include "sightline/study/tables/rays.h"
 
 namespace sightline::study {
 
@@ -70,7 +71,7 @@ core::Expected<void> write_gpu_csv(const std::vector<Benchmark>& all, const std:
   for (const Benchmark& b : all)
     for (const TraversalRun& r : b.traversals) {
       if (!r.gpu) continue;
-      text += b.model + ',' + std::to_string(b.triangles) + ',' + r.traversal->name;
+      text += b.model + ',' + std::to_string(b.triangles) + ',' + csv_field(r.traversal->name);
       for (const double v :
            {r.gpu->rows_ns, r.gpu->tiles_ns, r.gpu->persistent_ns, r.gpu->reflected_ns, r.gpu->shadow_ns, r.gpu->nodes,
             r.gpu->triangles, r.gpu->divergence_rows, r.gpu->divergence_tiles})
@@ -99,7 +100,7 @@ void print_grids(const GridRun& run) {
   std::printf("\n%s, %zu triangles, %d light%s (tables %s)\n", run.scene->name.c_str(), run.triangles,
               run.scene->lights, run.scene->lights == 1 ? "" : "s", run.scene->tables.c_str());
   std::printf("%6s %11s %13s %13s %9s %9s %9s %6s\n", "cells", "references", "CPU build ms", "GPU build ms", "CPU fps",
-              "GPU fps", "GPU/CPU", "differ");
+              "GPU fps", "speed-up", "differ");
   for (const GridPicture& p : run.pictures)
     std::printf("%6d %11zu %13.2f %13.2f %9.2f %9.2f %9.2f %6zu\n", p.size, p.references, p.cpu_build_ms,
                 p.gpu_build_ms, per_second(p.cpu_ms), per_second(p.gpu_ms), p.cpu_ms / p.gpu_ms, p.disagreements);

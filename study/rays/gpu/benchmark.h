@@ -10,8 +10,9 @@
 
 namespace sightline::study::rays {
 
-/// Seconds of wall time from here until the GPU has done what `work` asks of it. Timer queries would leave out the
-/// dispatch, and mean nothing on software rasterisers.
+/// Seconds until the GPU has done what `work` asks of it: of the wall clock, from here until glFinish() returns. On
+/// software rasterisers, where the processors' other work would count too, processor time of all their threads. Timer
+/// queries would leave out the dispatch, and mean nothing on the latter.
 double seconds_on_gpu(const gl::Context& context, const std::function<void()>& work);
 
 /// Fills TraversalRun::gpu of every traversal of `result`. `step` as in run_benchmark(). Returns what is left out, a

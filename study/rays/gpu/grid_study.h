@@ -28,8 +28,9 @@ struct GridPicture {
   int size = 0;
   std::size_t references = 0;
   double cpu_build_ms = 0.0, gpu_build_ms = 0.0;
-  double cpu_ms = 0.0, gpu_ms = 0.0;  ///< to trace: processor time of one thread; wall time until the GPU is done
-  std::size_t disagreements = 0;      ///< primary rays
+  double cpu_ms = 0.0, gpu_ms = 0.0;  ///< to trace
+  std::size_t lit = 0;                ///< shadow rays that reach their light, as the CPU finds
+  std::size_t disagreements = 0;      ///< primary rays, and how far the GPU's number of lit ones is off
 };
 
 struct GridRun {
@@ -38,7 +39,7 @@ struct GridRun {
   std::vector<GridPicture> pictures;  ///< by size
 };
 
-/// Times are the least of `passes` (>= 1).
+/// Times are the least of `passes` (>= 1): processor time of one thread, and as seconds_on_gpu() has it.
 core::Expected<GridRun> run_grids(const gl::Context& context, const GridBuilder& builder, GpuTracer& tracer,
                                   const GridScene& scene, const Picture& picture, int passes,
                                   const std::function<void(const std::string&)>& step);

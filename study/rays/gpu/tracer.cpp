@@ -75,12 +75,6 @@ core::Expected<const GpuTracer::Program*> GpuTracer::program_of(const Traversal&
   return &programs_.emplace(key, std::move(program)).first->second;
 }
 
-core::Expected<void> GpuTracer::prepare(const Traversal& traversal, Ask ask, const Launch& launch) {
-  auto program = program_of(traversal, ask, launch.persistent_groups > 0);
-  if (!program) return tl::unexpected(program.error());
-  return {};
-}
-
 core::Expected<void> GpuTracer::trace(const Traversal& traversal, Ask ask, const GpuTriangles& triangles,
                                       const GpuStructure& structure, const RayBatch& batch, const Launch& launch) {
   const bool persistent = launch.persistent_groups > 0;

@@ -3,7 +3,8 @@
 //
 // Two things GL leaves to the driver, on which this depends: that the one division of the triangle test rounds
 // correctly (else hits differ by units in the last place, and ties may go to another triangle), and that subnormal
-// floats are kept (else counts may differ). Everything else is exact by the language's `precise`.
+// floats are kept (else counts may differ). Everything else is exact by the language's `precise`. And llvmpipe leaves
+// every loop once those of an invocation have gone round 65,535 times in all: no ray may need more.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +25,8 @@ enum class Ask : std::uint8_t { kNearest, kAny, kCount };  ///< as Traversal's t
 struct Launch {
   bool tiles = false;  ///< 8 x 4 rays of the picture to a group, instead of 32 of a row
   /// Persistent threads: that many groups take one tile after the other from a counter. 0: a group for each tile. On
-  /// software rasterisers a group ends after a few tiles, and there are more groups: llvmpipe runs one group after the
-  /// other, and leaves every loop once an invocation's loops have gone round 65,535 times in all.
+  /// software rasterisers, which run one group after the other, a group ends after a few tiles for the sake of
+  /// llvmpipe's loops, and there are more groups.
   std::uint32_t persistent_groups = 0;
 };
 
@@ -35,10 +36,9 @@ class GpuTracer {
   /// Borrows the context, which must be current at every call.
   explicit GpuTracer(const gl::Context& context) : context_(&context) {}
 
-  /// Compiles what trace() would. Fails with the driver's log.
-  core::Expected<void> prepare(const Traversal& traversal, Ask ask, const Launch& launch);
   /// Searches for each ray of the batch, which then has the answers. `structure` is of the kind that the traversal
-  /// wants, and of `triangles`. Does not wait for the GPU.
+  /// wants, and of `triangles`. Does not wait for the GPU. Fails where the program does not compile, with the driver's
+  /// log.
   core::Expected<void> trace(const Traversal& traversal, Ask ask, const GpuTriangles& triangles,
                              const GpuStructure& structure, const RayBatch& batch, const Launch& launch = {});
 
