@@ -27,6 +27,7 @@ rays::GeneratedMesh triangles_of(const core::Scene& scene) {
     for (const std::uint32_t i : mesh.indices) indices.push_back(first + i);
   }
   std::vector<core::vec3> centred;
+  centred.reserve(positions.size());
   for (const core::dvec3& p : positions) centred.push_back(core::vec3(p - bounds.centre()));
   return {std::move(centred), std::move(indices)};
 }

@@ -74,7 +74,10 @@ GridScene nine_objects(const std::string& name, const std::array<vec3, 9>& place
 
 std::array<vec3, 9> in_rows(float spacing) {
   std::array<vec3, 9> places;
-  for (int i = 0; i < 9; ++i) places[std::size_t(i)] = {spacing * float(i % 3 - 1), spacing * float(i / 3 - 1), 0.0f};
+  for (int i = 0; i < 9; ++i) {
+    const int column = i % 3 - 1, row = i / 3 - 1;
+    places[std::size_t(i)] = {spacing * float(column), spacing * float(row), 0.0f};
+  }
   return places;
 }
 

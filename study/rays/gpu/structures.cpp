@@ -95,10 +95,6 @@ core::Expected<GpuTriangles> upload(const gl::Context& context, const TriangleSe
   return GpuTriangles{std::move(*corners)};
 }
 
-core::Expected<GpuStructure> upload(const gl::Context& context, const TriangleSet& triangles, const UniformGrid& grid) {
-  return upload_arrays(context, space_of(triangles, grid.lines), grid.triangles, grid.begins);
-}
-
 core::Expected<gl::Buffer> upload_space(const gl::Context& context, const TriangleSet& triangles,
                                         const GridLines& lines) {
   return upload_block(context, space_of(triangles, lines));
@@ -113,7 +109,7 @@ core::Expected<GpuStructure> upload(const gl::Context& context, const Structures
     case Structure::kOctree:
       return upload_arrays(context, space_of(s.triangles, s.octree.bounds), s.octree.triangles, s.octree.nodes);
     case Structure::kGrid:
-      return upload(context, s.triangles, s.grid);
+      return upload_arrays(context, space_of(s.triangles, s.grid.lines), s.grid.triangles, s.grid.begins);
     case Structure::kKdTree:
       return upload_arrays(context, plain, s.kd.triangles, s.kd.nodes);
     case Structure::kKdTreeWithParents:

@@ -28,8 +28,6 @@ struct GpuStructure {
 /// Uploading fails when the GPU has not the memory, or an array is larger than the context's storage blocks may be.
 core::Expected<GpuTriangles> upload(const gl::Context& context, const TriangleSet& triangles);
 core::Expected<GpuStructure> upload(const gl::Context& context, const Structures& structures, Structure structure);
-/// A grid of these triangles.
-core::Expected<GpuStructure> upload(const gl::Context& context, const TriangleSet& triangles, const UniformGrid& grid);
 
 /// The uniform block of shaders that walk a grid's lines, for binding 0.
 core::Expected<gl::Buffer> upload_space(const gl::Context& context, const TriangleSet& triangles,
