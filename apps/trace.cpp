@@ -131,7 +131,6 @@ core::Expected<int> trace_model(Options& o) {
   const auto model = apps::load_model(o.model);
   if (!model) return tl::unexpected(model.error());
   if (auto done = model->scene->commit(); !done) return tl::unexpected(done.error());
-  if (o.model.explain) apps::explain(*model->scene);
   const core::Snapshot snapshot(*model->scene, o.whitted.threads);
   const auto view = apps::choose_view(o.view, *model, snapshot, double(width) / height);
   if (!view) return tl::unexpected(view.error());
@@ -140,6 +139,12 @@ core::Expected<int> trace_model(Options& o) {
   const auto tracer = raytrace::Tracer::create(snapshot, o.whitted.threads);
   if (!tracer) return tl::unexpected(tracer.error());
   const double built = seconds();
+  if (o.model.explain) {
+    engine::Plan plan = engine::make_plan(snapshot, engine::CullerChoice::kAutomatic, false, false);
+    std::erase_if(plan.entries, [](const engine::PlanEntry& entry) { return entry.feature == "ray tracer"; });
+    plan.entries.push_back({"ray tracer", true, std::to_string(tracer->memory().total()) + " bytes"});
+    apps::explain(plan);
+  }
   auto picture = [&] {
     apps::Progress progress("tracing");
     o.whitted.progress = progress.callback();

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 
 #include "sightline/image/image.h"
 #include "sightline/tests/apps/render_test.h"
@@ -83,7 +84,17 @@ struct Around {
 TEST_P(TraceAgainstRaster, Agrees) {
   const auto& [model, view] = GetParam();
   scene_ = {data_path("small_plant.rvm").string()};
-  if (!view.empty()) {
+  if (model == "small_plant as meshes") {
+    const std::string meshes = path("small_plant.obj");
+    const Outcome converted = run("convert", {scene_[0], meshes, "--tolerance", "0.005"});
+    ASSERT_EQ(converted.code, 0) << converted;
+    scene_ = {meshes};
+  }
+  if (model.starts_with("small_plant") && !view.empty()) {
+    const std::string file = path("view.json");
+    std::ofstream(file) << view;
+    scene_.insert(scene_.end(), {"--view", file});
+  } else if (!view.empty()) {
     const std::string file = "huldra/" + model + ".RVM", from = "reference/" + model + "_" + view + ".json";
     SIGHTLINE_NEED_DATA(file);
     SIGHTLINE_NEED_DATA(from);
@@ -150,8 +161,21 @@ TEST_P(TraceAgainstRaster, Agrees) {
   EXPECT_LE(slivers, kPixels / 10000);
 }
 
-INSTANTIATE_TEST_SUITE_P(SmallPlant, TraceAgainstRaster, ::testing::Values(std::tuple("small_plant", "")),
-                         [](const auto&) { return "whole"; });
+const char* const kCutByBoth =
+    R"({"eye":[400020,6499990,40],"target":[400001,6500002,31],"up":[0,0,1],"fovy_deg":30,"near":0.1,"far":1000,
+        "sections":[{"n":[-1,0.2,0],"d":-899999.3},{"n":[0,0,-1],"d":33.1}]})";
+const char* const kCutByEither =
+    R"({"eye":[400020,6499990,40],"target":[400001,6500002,31],"up":[0,0,1],"fovy_deg":30,"near":0.1,"far":1000,
+        "sections":[{"n":[-1,0.2,0],"d":-899999.3},{"n":[0,0,-1],"d":29.8}],"section_mode":"union"})";
+std::string name_of_cut(const ::testing::TestParamInfo<std::tuple<std::string, std::string>>& info) {
+  constexpr const char* kNames[] = {"whole", "cut_by_both", "cut_by_either", "meshes_cut_by_both"};
+  return kNames[info.index];
+}
+INSTANTIATE_TEST_SUITE_P(SmallPlant, TraceAgainstRaster,
+                         ::testing::Values(std::tuple("small_plant", ""), std::tuple("small_plant", kCutByBoth),
+                                           std::tuple("small_plant", kCutByEither),
+                                           std::tuple("small_plant as meshes", kCutByBoth)),
+                         name_of_cut);
 INSTANTIATE_TEST_SUITE_P(Huldra, TraceAgainstRaster, huldra_views(), name_of_view);
 
 }  // namespace

@@ -109,6 +109,22 @@ TEST_F(Trace, TellsWhatAPixelShows) {
   EXPECT_GT(found, 0u);
 }
 
+TEST_F(Trace, ExplainsWhatTheTracerTakes) {
+  const auto line = [&](const std::string& tool) {
+    const std::string text = run(tool, {model, "--size", "32x18", "--explain"}).err;
+    const std::size_t at = text.find("ray tracer");
+    const std::size_t begin = text.rfind('\n', at) + 1;
+    return at == std::string::npos ? text : text.substr(begin, text.find('\n', at) - begin);
+  };
+  const std::string traced = line("trace");
+  EXPECT_EQ(traced.rfind("used", 0), 0u) << traced;
+  EXPECT_NE(traced.find(" bytes"), std::string::npos) << traced;
+  const std::string info = run("info", {model, "--explain"}).err;
+  const std::size_t at = info.find("ray tracer");
+  ASSERT_NE(at, std::string::npos) << info;
+  EXPECT_EQ(info.rfind("left out", at) > info.rfind('\n', at), true) << info;
+}
+
 TEST_F(Trace, RefusesBadOptions) {
   for (const char* bad : {"1", "1,x", "1,2,3"}) expect_usage_error("trace", {"model.rvm", "--pick", bad}, "--pick");
   for (const char* bad : {"0", "-1", "4097", "1.5", "many"})
