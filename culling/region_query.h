@@ -1,6 +1,7 @@
 // Items in a region of space: a rectangle of a picture, or what any planes keep. Tests shapes and not only boxes.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "sightline/core/api.h"

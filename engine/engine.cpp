@@ -545,6 +545,9 @@ core::Expected<std::optional<Pick>> Engine::Impl::pick(const raytrace::Ray& ray,
 core::Expected<std::vector<raytrace::VisibleItem>> Engine::Impl::visible_items_in(const core::View& view,
                                                                                   const PixelRectangle& rectangle,
                                                                                   int samples) {
+  const auto asked = culling::rectangle_view(view, config_.width, config_.height, rectangle.x0, rectangle.y0,
+                                             rectangle.x1, rectangle.y1);
+  if (!asked) return tl::unexpected(asked.error());
   const auto low = [](double a, double b) { return std::floor(std::min(a, b)); };
   const auto high = [](double a, double b) { return std::ceil(std::max(a, b)); };
   const double x0 = std::max(0.0, low(rectangle.x0, rectangle.x1)), y0 = std::max(0.0, low(rectangle.y0, rectangle.y1));
@@ -552,7 +555,7 @@ core::Expected<std::vector<raytrace::VisibleItem>> Engine::Impl::visible_items_i
   const double y1 = std::min(double(config_.height), high(rectangle.y0, rectangle.y1));
   const auto cropped = culling::rectangle_view(view, config_.width, config_.height, x0, y0, x1, y1);
   if (!cropped) return tl::unexpected(cropped.error());
-  if (!(x0 < x1 && y0 < y1)) return std::vector<raytrace::VisibleItem>();
+  if (!(x0 < x1 && y0 < y1)) return std::vector<raytrace::VisibleItem>();  // beside the picture
   picks_ = true;
   if (auto made = make_tracer(live_); !made) return tl::unexpected(made.error());
   return raytrace::ExactVisibility(*live_.tracer).compute(*cropped, int(x1 - x0), int(y1 - y0), samples);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <random>
 #include <thread>
 
@@ -127,6 +128,21 @@ TEST(Pick, FindsItemsInRectangles) {
       EXPECT_NEAR(double((*seen)[i].samples), 1600.0 * 3.14159, 30.0);
     }
     EXPECT_TRUE(engine->visible_items_in(balls.view, {-50, -50, -10, -10})->empty());
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(engine->visible_items_in(balls.view, {nan, 0, 1, 1}));
+    EXPECT_FALSE(engine->items_in(balls.view, {0, nan, 1, 1}, culling::RegionRule::kWholly));
+    // The samples of a part of the picture are those of the whole.
+    const auto whole = engine->visible_items_in(balls.view, {0, 0, 1000, 1000}, 4);
+    const auto left = engine->visible_items_in(balls.view, {0, 0, 333, 1000}, 4);
+    const auto right = engine->visible_items_in(balls.view, {333, 0, 1000, 1000}, 4);
+    ASSERT_TRUE(whole && left && right);
+    const auto samples = [](const std::vector<raytrace::VisibleItem>& some) {
+      std::uint64_t sum = 0;
+      for (const auto& item : some) sum += item.samples;
+      return sum;
+    };
+    EXPECT_EQ(whole->size(), 100u);
+    EXPECT_EQ(samples(*whole), samples(*left) + samples(*right));
   }
 }
 
