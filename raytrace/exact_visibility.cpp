@@ -12,21 +12,30 @@
 #include <omp.h>
 #endif
 
+#include "sightline/raytrace/pixel_rays.h"
+
 namespace sightline::raytrace {
 namespace {
 
-/// Counts the samples of a row of pixels. Returns the first error.
-std::optional<core::Error> count_row(const Tracer& tracer, const core::View& view, const RayFilter& filter, int width,
-                                     int height, std::span<const core::dvec2> samples, int row,
-                                     std::vector<std::uint64_t>& counts) {
-  for (int column = 0; column < width; ++column)
-    for (const core::dvec2& at : samples) {
-      const auto ray = pixel_ray(view, width, height, column + at.x, row + at.y);
-      if (!ray) return ray.error();
-      const auto hit = tracer.nearest(*ray, filter);
-      if (!hit) return hit.error();
-      if (*hit) ++counts[(*hit)->slot];
-    }
+constexpr int kTile = 4;  // rows and columns of pixels that are traced together
+
+/// Counts the samples of kTile rows of pixels. Returns the first error.
+std::optional<core::Error> count_rows(const Tracer& tracer, const PixelRays& pixels, const RayFilter& filter, int width,
+                                      int height, std::span<const core::dvec2> samples, int top,
+                                      std::vector<std::uint64_t>& counts) {
+  std::vector<Ray> rays;
+  std::vector<Hit> hits;
+  for (int left = 0; left < width; left += kTile) {
+    rays.clear();
+    for (const core::dvec2& at : samples)
+      for (int row = top; row < std::min(top + kTile, height); ++row)
+        for (int column = left; column < std::min(left + kTile, width); ++column)
+          rays.push_back(pixels.through(column + at.x, row + at.y));
+    hits.resize(rays.size());
+    if (auto traced = tracer.nearest(rays, hits, filter); !traced) return traced.error();
+    for (const Hit& hit : hits)
+      if (hit.slot != core::kNone) ++counts[hit.slot];
+  }
   return std::nullopt;
 }
 
@@ -59,6 +68,8 @@ core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::Vi
                                                                   int samples, [[maybe_unused]] int threads) const {
   if (width <= 0 || height <= 0 || samples <= 0)
     return core::fail("exact visibility: width, height and samples must be above 0");
+  const auto pixels = PixelRays::create(view, width, height);
+  if (!pixels) return tl::unexpected(pixels.error());
   const core::Snapshot& snapshot = tracer_->snapshot();
   const RayFilter filter = filter_of(view);
   const std::vector<core::dvec2> positions = sample_positions(samples);
@@ -73,10 +84,10 @@ core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::Vi
     std::vector<std::uint64_t> counts(snapshot.size());
     std::optional<core::Error> error;
 #ifdef _OPENMP
-#pragma omp for schedule(dynamic, 4)
+#pragma omp for schedule(dynamic, 1)
 #endif
-    for (int row = 0; row < height; ++row)
-      if (!error) error = count_row(*tracer_, view, filter, width, height, positions, row, counts);
+    for (int row = 0; row < height; row += kTile)
+      if (!error) error = count_rows(*tracer_, *pixels, filter, width, height, positions, row, counts);
     const std::lock_guard held(mutex);
     if (error) failed = error;
     for (std::size_t slot = 0; slot < counts.size(); ++slot) total[slot] += counts[slot];

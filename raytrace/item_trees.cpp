@@ -101,7 +101,7 @@ void ItemTrees::add(const core::ItemBounds& bounds, std::vector<Slot> slots, int
     nodes_ = std::move(built.nodes);
   else
     nodes_.insert(nodes_.end(), built.nodes.begin(), built.nodes.end());
-  measure(trees_.emplace_back(Tree{first, {}}));
+  measure(trees_.emplace_back(Tree{first, {}, refs.size() == 1 ? refs[0].id : kNone}));
 }
 
 /// Adds the slots of the last tree to `slots`.

@@ -1,6 +1,7 @@
 #include "sightline/raytrace/internal/kernels.h"
 
 #include "sightline/core/internal/instruction_set.h"
+#include "sightline/raytrace/internal/packet.h"
 
 namespace sightline::raytrace {
 
@@ -9,6 +10,14 @@ const Kernels& kernels() {
   return core::form_in_use(scalar_kernels(), avx2_kernels(), avx512_kernels());
 #else
   return scalar_kernels();
+#endif
+}
+
+const PacketKernels& packet_kernels() {
+#ifdef SIGHTLINE_X86_KERNELS
+  return core::form_in_use(scalar_packet_kernels(), avx2_packet_kernels(), avx512_packet_kernels());
+#else
+  return scalar_packet_kernels();
 #endif
 }
 

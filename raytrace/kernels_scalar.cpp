@@ -1,7 +1,7 @@
 // The plain twin of the wider kernels.
 #include <cmath>
 
-#include "sightline/raytrace/internal/kernels_impl.h"
+#include "sightline/raytrace/internal/packet_impl.h"
 
 namespace sightline::raytrace {
 namespace {
@@ -14,7 +14,91 @@ inline float least(float a, float b) {
   return a < b ? a : b;
 }
 
+struct ScalarWide {
+  float v[kPacket];
+  static ScalarWide load(const float* a) {
+    return each([&](int i) { return a[i]; });
+  }
+  static ScalarWide spread(float a) {
+    return each([&](int) { return a; });
+  }
+  void store(float* out) const {
+    for (int i = 0; i < kPacket; ++i) out[i] = v[i];
+  }
+  template <class Lane>
+  static ScalarWide each(const Lane& lane) {
+    ScalarWide result;
+    for (int i = 0; i < kPacket; ++i) result.v[i] = lane(i);
+    return result;
+  }
+  template <class Lane>
+  static unsigned bits(const Lane& lane) {
+    unsigned result = 0;
+    for (int i = 0; i < kPacket; ++i) result |= unsigned(lane(i)) << i;
+    return result;
+  }
+};
+inline ScalarWide operator+(const ScalarWide& a, const ScalarWide& b) {
+  return ScalarWide::each([&](int i) { return a.v[i] + b.v[i]; });
+}
+inline ScalarWide operator-(const ScalarWide& a, const ScalarWide& b) {
+  return ScalarWide::each([&](int i) { return a.v[i] - b.v[i]; });
+}
+inline ScalarWide operator*(const ScalarWide& a, const ScalarWide& b) {
+  return ScalarWide::each([&](int i) { return a.v[i] * b.v[i]; });
+}
+inline ScalarWide operator/(const ScalarWide& a, const ScalarWide& b) {
+  return ScalarWide::each([&](int i) { return a.v[i] / b.v[i]; });
+}
+inline ScalarWide most(const ScalarWide& a, const ScalarWide& b) {
+  return ScalarWide::each([&](int i) { return most(a.v[i], b.v[i]); });
+}
+inline ScalarWide least(const ScalarWide& a, const ScalarWide& b) {
+  return ScalarWide::each([&](int i) { return least(a.v[i], b.v[i]); });
+}
+inline unsigned at_most(const ScalarWide& a, const ScalarWide& b) {
+  return ScalarWide::bits([&](int i) { return a.v[i] <= b.v[i]; });
+}
+inline unsigned less(const ScalarWide& a, const ScalarWide& b) {
+  return ScalarWide::bits([&](int i) { return a.v[i] < b.v[i]; });
+}
+inline unsigned equal(const ScalarWide& a, const ScalarWide& b) {
+  return ScalarWide::bits([&](int i) { return a.v[i] == b.v[i]; });
+}
+
+/// Of some rays, at least one.
+inline float lowest_of(const ScalarWide& a, unsigned rays) {
+  float result = std::numeric_limits<float>::infinity();
+  for (int i = 0; i < kPacket; ++i)
+    if ((rays >> i & 1u) != 0) result = least(result, a.v[i]);
+  return result;
+}
+inline float highest(const ScalarWide& a, unsigned rays) {
+  float result = -std::numeric_limits<float>::infinity();
+  for (int i = 0; i < kPacket; ++i)
+    if ((rays >> i & 1u) != 0) result = most(result, a.v[i]);
+  return result;
+}
+/// The sign bit.
+inline std::uint32_t sign_of(float a) {
+  FloatBits u;
+  u.value = a;
+  return u.bits >> 31;
+}
+inline ScalarWide magnitude(const ScalarWide& a) {
+  return ScalarWide::each([&](int i) { return sign_of(a.v[i]) != 0 ? -a.v[i] : a.v[i]; });
+}
+/// Magnitudes of a with the signs of b; a must not have any.
+inline ScalarWide with_signs(const ScalarWide& a, const ScalarWide& b) {
+  return ScalarWide::each([&](int i) { return sign_of(b.v[i]) != 0 ? -a.v[i] : a.v[i]; });
+}
+/// A bit per sign.
+inline unsigned signs(const ScalarWide& a) {
+  return ScalarWide::bits([&](int i) { return sign_of(a.v[i]) != 0; });
+}
+
 struct Scalar {
+  using Wide = ScalarWide;
   struct Ray {
     const BoxRay& r;
     explicit Ray(const BoxRay& ray) : r(ray) {}
@@ -32,6 +116,21 @@ struct Scalar {
       t[lane] = most(most(near[0], near[1]), most(near[2], 0.0f));
       const float leave = least(least(far[0], far[1]), least(far[2], t_max));
       met |= unsigned(t[lane] <= leave) << lane;
+    }
+    return met;
+  }
+
+  static unsigned meet_hull(const WideNode& node, const Hull& hull) {
+    unsigned met = 0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      float enter = 0.0f, leave = hull.limit;
+      for (int axis = 0; axis < 3; ++axis) {
+        const float near = node.bounds[hull.near_plane[axis]][lane] - hull.near_origin[axis];
+        const float far = node.bounds[hull.far_plane[axis]][lane] - hull.far_origin[axis];
+        enter = most(enter, least(near * hull.near_scale[0][axis], near * hull.near_scale[1][axis]));
+        leave = least(leave, most(far * hull.far_scale[0][axis], far * hull.far_scale[1][axis]));
+      }
+      met |= unsigned(enter <= leave) << lane;
     }
     return met;
   }
@@ -86,6 +185,10 @@ struct Scalar {
 
 const Kernels& scalar_kernels() {
   static constexpr Kernels kKernels = make_kernels<Scalar>();
+  return kKernels;
+}
+const PacketKernels& scalar_packet_kernels() {
+  static constexpr PacketKernels kKernels = make_packet_kernels<Scalar>();
   return kKernels;
 }
 

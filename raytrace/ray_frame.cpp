@@ -9,13 +9,6 @@
 namespace sightline::raytrace {
 namespace {
 
-// In units of TreeSpace::reach, of which a float resolves 2^-24.
-constexpr double kBoxError = 0x1p-21;  // of origin, direction and triangle test across the ray
-constexpr double kMargin = 0x1p-18;    // along it
-// Of a plane's distance: rounding of difference, direction, reciprocal and product.
-constexpr float kUp = 1.0f + 0x1p-21f, kDown = 1.0f - 0x1p-21f;
-constexpr float kLeastDirection = 0x1p-60f;  // crosses kBoxError only after more than the whole reach
-
 /// The power of two in (x / 2, x], and 1 / that.
 constexpr std::uint64_t kExponent = 0x7ff0000000000000u, kOneOver = 0x7fe0000000000000u;
 double power_of_two(double x) {
@@ -85,12 +78,13 @@ bool enter(const TreeSpace& space, const dvec3& origin, const dvec3& direction, 
   frame.per_factor = power_of_two(longest);
   const dvec3 d = frame.direction = frame.factor * direction;
   const dvec3 to_centre = space.centre - origin;
-  const double closest = glm::dot(to_centre, d) / glm::dot(d, d);
-  const dvec3 off = to_centre - closest * d;
+  const dvec3 moment = glm::cross(to_centre, d);
+  const double square = glm::dot(d, d);
   const dvec3 far = glm::abs(to_centre);
   const double lost = 1e-15 * (far.x + far.y + far.z) + 2.0 * kBoxError * space.reach;
   const double radius = space.radius + lost;
-  if (!(glm::dot(off, off) <= radius * radius)) return false;
+  if (!(glm::dot(moment, moment) <= radius * radius * square)) return false;
+  const double closest = glm::dot(to_centre, d) / square;
   const double first = std::max(t_min * frame.per_factor, closest - radius);
   const double last = std::min(t_max * frame.per_factor, closest + radius);
   if (!(first <= last)) return false;

@@ -154,41 +154,6 @@ RayFilter filter_of(const core::View& view) {
   return {view.layers, view.sections, view.section_mode};
 }
 
-core::Expected<Ray> pixel_ray(const core::View& view, int width, int height, double x, double y) {
-  if (!std::isfinite(x) || !std::isfinite(y) || width <= 0 || height <= 0)
-    return core::fail("pixel_ray: the point must be finite, width and height above 0");
-  const core::dmat4 eye_from_clip = glm::inverse(view.clip_from_eye());
-  const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
-  const bool reversed = view.clip_depth() == core::ClipDepth::kReversedZeroToOne;
-  const double sx = 2.0 * x / width - 1.0, sy = 1.0 - 2.0 * y / height;
-  const core::dvec4 near = eye_from_clip * core::dvec4(sx, sy, reversed ? 1.0 : -1.0, 1.0);
-  const core::dvec4 far = eye_from_clip * core::dvec4(sx, sy, reversed ? 0.0 : 1.0, 1.0);
-  // The homogeneous points' difference points along the ray even if one of them is infinitely far away.
-  dvec3 along = dvec3(far) * near.w - dvec3(near) * far.w;
-  if (near.w * far.w < 0.0) along = -along;
-  along = glm::normalize(along);
-  const dvec3 start = dvec3(near) / near.w;
-  const double depth = far.w == 0.0 ? kInfinity : glm::dot(dvec3(far) / far.w - start, along);
-  const dvec3 direction = glm::normalize(core::dmat3(world_from_eye) * along);
-  if (!core::is_finite(start) || !core::is_finite(direction))
-    return core::fail("pixel_ray: the view's matrices must have inverses");
-  const double scale = glm::length(core::dmat3(world_from_eye) * along);
-  Ray ray;
-  ray.direction = direction;
-  if (view.orthographic()) {
-    ray.origin = dvec3(world_from_eye * core::dvec4(start, 1.0));
-    ray.t_max = depth * scale;
-  } else {
-    const core::dvec4 eye = eye_from_clip * core::dvec4(0.0, 0.0, 1.0, 0.0);  // all rays pass through it
-    const dvec3 centre = eye.w == 0.0 ? dvec3(0.0) : dvec3(eye) / eye.w;
-    ray.origin = dvec3(world_from_eye * core::dvec4(centre, 1.0));
-    const double to_start = glm::dot(start - centre, along);
-    ray.t_min = to_start * scale;
-    ray.t_max = (to_start + depth) * scale;
-  }
-  return ray;
-}
-
 // --- building --------------------------------------------------------------------------------------------------------
 
 core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_unused]] int threads) {
@@ -285,6 +250,13 @@ void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter&
   visitor.limit = to;
   const Kernels& kernel = kernels();
   for (const ItemTrees::Tree& tree : items_.trees()) {
+    if (tree.only != core::kNone) {
+      const bool seen = tree.space.radius >= 0.0 && (bounds.layers(tree.only) & filter.layers) != 0;
+      if (!seen || passes_by(tree.space, origin, ray.direction)) continue;
+      visitor.limit = std::min(visitor.limit, meet(tree.only));
+      if (visitor.limit == -kInfinity) return;
+      continue;
+    }
     if (!enter(tree.space, origin, ray.direction, from, visitor.limit, frame)) continue;
     kernel.walk(items_.nodes(), tree.root, frame.boxes, visitor);
     if (visitor.limit == -kInfinity) return;
@@ -366,13 +338,7 @@ Hit Tracer::Impl::finish(const Ray& ray, const Found& found) const {
     normal = glm::cross(c[1] - c[0], c[2] - c[0]);
     triangle = tree.triangle(found.place);
   }
-  return {found.slot,
-          snapshot_->item(found.slot),
-          found.t,
-          ray.origin + found.t * ray.direction,
-          world_normal(placement(found.slot), normal),
-          triangle,
-          found.face};
+  return answer(ray, found, triangle, world_normal(placement(found.slot), normal));
 }
 
 /// Calls visit(slot) for items that contain the ray's point at t, where a section plane cuts them open.
@@ -386,14 +352,18 @@ void Tracer::Impl::cuts_at(const Ray& ray, double t, const core::Plane* plane, c
   });
 }
 
+Slot Tracer::Impl::cut_at(const Ray& ray, double t, const core::Plane* plane, const RayFilter& filter) const {
+  Slot cut = core::kNone;
+  cuts_at(ray, t, plane, filter, [&](Slot slot) { cut = std::min(cut, slot); });
+  return cut;
+}
+
 void Tracer::Impl::nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
   const KeptParts parts = kept_parts(ray, filter);
   for (int i = 0; i < parts.count; ++i) {
     const auto [from, to] = parts.part[std::size_t(i)];
     const core::Plane* plane = parts.cut[std::size_t(i)];
-    Slot cut = core::kNone;
-    cuts_at(ray, from, plane, filter, [&](Slot slot) { cut = std::min(cut, slot); });
-    if (cut != core::kNone) {
+    if (const Slot cut = cut_at(ray, from, plane, filter); cut != core::kNone) {
       hit = cut_hit(ray, from, *plane, cut);
       return;
     }
@@ -508,6 +478,12 @@ core::Expected<std::optional<Hit>> Tracer::nearest(const Ray& ray, const RayFilt
   else
     result = tl::unexpected(fault(ray));
   return result;
+}
+core::Expected<void> Tracer::nearest(std::span<const Ray> rays, std::span<Hit> hits, const RayFilter& filter) const {
+  if (hits.size() != rays.size()) return core::fail("nearest: there must be as many hits as rays");
+  const std::size_t done = impl_->nearest(rays, filter, hits);
+  if (done != rays.size()) return core::fail("rays[" + std::to_string(done) + "]: " + fault(rays[done]).message);
+  return {};
 }
 core::Expected<bool> Tracer::any(const Ray& ray, const RayFilter& filter) const {
   if (!good(ray)) return tl::unexpected(fault(ray));

@@ -122,6 +122,12 @@ class SIGHTLINE_API Tracer {
 
   /// The hit with the least t; of several at the very same t, that in the lowest slot.
   core::Expected<std::optional<Hit>> nearest(const Ray& ray, const RayFilter& filter = {}) const;
+  /// The same for many rays, for pictures: hits[i] is what nearest(rays[i]) answers, bit for bit. Only of surfaces that
+  /// are nearer to one another than their errors may it be another. Its slot is kNone where nothing is hit; the rest
+  /// then says nothing. Rays that follow one another should be near to each other, as those of 4 x 4 pixels are:
+  /// sixteen at a time are traced together. Fails as nearest() does, naming the first such ray, and unless there are as
+  /// many hits as rays; then `hits` may hold anything.
+  core::Expected<void> nearest(std::span<const Ray> rays, std::span<Hit> hits, const RayFilter& filter = {}) const;
   /// Whether anything is hit. Faster than nearest().
   core::Expected<bool> any(const Ray& ray, const RayFilter& filter = {}) const;
   /// Every crossing, in rising t: each entry and exit once, for closed meshes also where the ray meets an edge or a

@@ -10,6 +10,7 @@
 
 #include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/internal/supersampling.h"
+#include "sightline/raytrace/pixel_rays.h"
 
 namespace sightline::raytrace {
 namespace {
@@ -69,8 +70,11 @@ class Shader {
     all_opaque_ = std::all_of(table.begin(), table.end(), [](const glm::vec4& row) { return row.a >= 1.0f; });
   }
 
-  /// Replaces `first`, unless null, with what the ray itself hits.
-  dvec3 colour(const Ray& ray, std::optional<Hit>* first = nullptr) const { return colour(ray, 1.0, 0, first); }
+  core::Expected<void> nearest(std::span<const Ray> rays, std::span<Hit> hits) const {
+    return tracer_.nearest(rays, hits, filter_);
+  }
+  /// What a ray from the eye sees whose nearest hit is known; null: none.
+  dvec3 colour(const Ray& ray, const Hit* hit) const { return colour(ray, hit, 1.0, 0); }
 
  private:
   /// A point of a surface, as seen along a ray.
@@ -150,10 +154,13 @@ class Shader {
   }
 
   /// `share`: of the pixel's light.
-  dvec3 colour(const Ray& ray, double share, int depth, std::optional<Hit>* first = nullptr) const {
+  dvec3 colour(const Ray& ray, double share, int depth) const {
     if (share < kLeastShare || depth == options_.max_depth) return dvec3(options_.background);
     const auto hit = nearest(ray);
-    if (first) *first = hit;
+    return colour(ray, hit ? &*hit : nullptr, share, depth);
+  }
+
+  dvec3 colour(const Ray& ray, const Hit* hit, double share, int depth) const {
     if (!hit) return dvec3(options_.background);
     const Surface s = surface_at(*hit, ray.direction);
     const double alpha = std::clamp(double(s.material.a), 0.0, 1.0);
@@ -186,8 +193,9 @@ class Shader {
 /// A picture in the making.
 class Renderer {
  public:
-  Renderer(const Tracer& tracer, const core::View& view, int width, int height, const WhittedOptions& options)
-      : view_(view), options_(options), shader_(tracer, view, options) {
+  Renderer(const Tracer& tracer, const core::View& view, const PixelRays& rays, int width, int height,
+           const WhittedOptions& options)
+      : view_(view), options_(options), shader_(tracer, view, options), rays_(rays) {
     const std::size_t pixels = std::size_t(width) * std::size_t(height);
     picture_ = {width, height, std::vector<std::uint8_t>(3 * pixels), std::vector<std::uint32_t>(pixels),
                 std::vector<float>(pixels, std::numeric_limits<float>::infinity())};
@@ -242,24 +250,31 @@ class Renderer {
   }
 
   void trace_tile(int left, int top, const core::dvec2& at, const std::vector<std::uint8_t>& marks) {
-    std::uint64_t taken = 0;
-    for (int y = top; y < std::min(top + kTile, picture_.height); ++y)
-      for (int x = left; x < std::min(left + kTile, picture_.width); ++x) {
-        const std::size_t pixel = std::size_t(y) * std::size_t(picture_.width) + std::size_t(x);
-        if (!marks.empty() && !marks[pixel]) continue;
-        const auto ray = pixel_ray(view_, picture_.width, picture_.height, x + at.x, y + at.y);
-        if (!ray) continue;  // render_whitted() has tried the view
-        const bool first = marks.empty() && counts_[pixel] == 0;
-        std::optional<Hit> hit;
-        const core::vec3 colour(shader_.colour(*ray, first ? &hit : nullptr));
-        sums_[pixel] = counts_[pixel] == 0 ? colour : sums_[pixel] + colour;
-        ++counts_[pixel];
-        ++taken;
-        if (!hit) continue;
-        picture_.ids[pixel] = hit->item + 1;
-        picture_.depths[pixel] = float(-(view_.eye_from_world() * core::dvec4(hit->point, 1.0)).z);
-      }
-    taken_ += taken;
+    std::vector<Ray> rays;
+    std::vector<std::size_t> pixels;
+    // By 4 x 4 pixels, which are traced together.
+    for (int i = 0; i < kTile * kTile; ++i) {
+      const int block = i / 16, x = left + block % 4 * 4 + i % 4, y = top + block / 4 * 4 + i / 4 % 4;
+      if (x >= picture_.width || y >= picture_.height) continue;
+      const std::size_t pixel = std::size_t(y) * std::size_t(picture_.width) + std::size_t(x);
+      if (!marks.empty() && !marks[pixel]) continue;
+      rays.push_back(rays_.through(x + at.x, y + at.y));
+      pixels.push_back(pixel);
+    }
+    std::vector<Hit> hits(rays.size());
+    if (!shader_.nearest(rays, hits)) return;  // render_whitted() has tried the view
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      const std::size_t pixel = pixels[i];
+      const Hit* const hit = hits[i].slot != core::kNone ? &hits[i] : nullptr;
+      const bool first = marks.empty() && counts_[pixel] == 0;
+      const core::vec3 colour(shader_.colour(rays[i], hit));
+      sums_[pixel] = counts_[pixel] == 0 ? colour : sums_[pixel] + colour;
+      ++counts_[pixel];
+      if (!hit || !first) continue;
+      picture_.ids[pixel] = hit->item + 1;
+      picture_.depths[pixel] = float(-(view_.eye_from_world() * core::dvec4(hit->point, 1.0)).z);
+    }
+    taken_ += pixels.size();
   }
 
   void quantise() {
@@ -274,6 +289,7 @@ class Renderer {
   const core::View& view_;
   const WhittedOptions& options_;
   Shader shader_;
+  const PixelRays& rays_;
   WhittedPicture picture_;
   std::vector<core::vec3> sums_;
   std::vector<int> counts_;  // samples in a sum
@@ -291,8 +307,9 @@ Light head_light(const core::View& view) {
 core::Expected<WhittedPicture> render_whitted(const Tracer& tracer, const core::View& view, int width, int height,
                                               const WhittedOptions& options) {
   if (auto good = check(options); !good) return tl::unexpected(good.error());
-  if (const auto ray = pixel_ray(view, width, height, 0.5, 0.5); !ray) return tl::unexpected(ray.error());
-  return Renderer(tracer, view, width, height, options).run();
+  const auto rays = PixelRays::create(view, width, height);
+  if (!rays) return tl::unexpected(rays.error());
+  return Renderer(tracer, view, *rays, width, height, options).run();
 }
 
 }  // namespace sightline::raytrace

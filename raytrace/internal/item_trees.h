@@ -19,6 +19,7 @@ class ItemTrees {
   struct Tree {
     std::uint32_t root;  // nodes of a tree follow it, up to the next tree's root
     TreeSpace space;
+    core::Slot only;  // the one item that it holds; kNone: there are several
   };
 
   ItemTrees() = default;

@@ -14,6 +14,13 @@ namespace sightline::raytrace {
 /// Levels of a hierarchy at most; see kDeepLevel in wide_tree.cpp.
 inline constexpr int kMostLevels = 32;
 
+// Errors of rays that float takes. In units of TreeSpace::reach, of which a float resolves 2^-24.
+inline constexpr double kBoxError = 0x1p-21;  // of origin, direction and triangle test across the ray
+inline constexpr double kMargin = 0x1p-18;    // along it
+// Of a plane's distance: rounding of difference, direction, reciprocal and product.
+inline constexpr float kUp = 1.0f + 0x1p-21f, kDown = 1.0f - 0x1p-21f;
+inline constexpr float kLeastDirection = 0x1p-60f;  // crosses kBoxError only after more than the whole reach
+
 /// A ray for boxes, from t = 0 on. It errs towards meeting them: the planes through which it enters a box are as near
 /// as its origin and direction may be wrong, those through which it leaves as far.
 struct BoxRay {

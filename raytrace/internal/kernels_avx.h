@@ -43,6 +43,22 @@ struct Avx2 {
     return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ)));
   }
 
+  /// Children whose boxes any of the rays may meet.
+  static unsigned meet_hull(const WideNode& node, const Hull& hull) {
+    __m256 enter = _mm256_setzero_ps(), leave = _mm256_set1_ps(hull.limit);
+    for (int axis = 0; axis < 3; ++axis) {
+      const __m256 near =
+          _mm256_sub_ps(_mm256_load_ps(node.bounds[hull.near_plane[axis]]), _mm256_set1_ps(hull.near_origin[axis]));
+      const __m256 far =
+          _mm256_sub_ps(_mm256_load_ps(node.bounds[hull.far_plane[axis]]), _mm256_set1_ps(hull.far_origin[axis]));
+      enter = _mm256_max_ps(enter, _mm256_min_ps(_mm256_mul_ps(near, _mm256_set1_ps(hull.near_scale[0][axis])),
+                                                 _mm256_mul_ps(near, _mm256_set1_ps(hull.near_scale[1][axis]))));
+      leave = _mm256_min_ps(leave, _mm256_max_ps(_mm256_mul_ps(far, _mm256_set1_ps(hull.far_scale[0][axis])),
+                                                 _mm256_mul_ps(far, _mm256_set1_ps(hull.far_scale[1][axis]))));
+    }
+    return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ)));
+  }
+
   struct Areas {
     __m256 x[3], y[3], z[3], u, v, w;
   };

@@ -30,6 +30,13 @@ inline float t_of(Entry entry) {
   return u.value;
 }
 
+/// As BoxRay, of several rays: lowest and highest scales.
+struct Hull {
+  float near_origin[3], far_origin[3], near_scale[2][3], far_scale[2][3];
+  int near_plane[3], far_plane[3];
+  float limit;
+};
+
 /// Corners of a triangle as the ray sees them: across the ray, and along it in units of t.
 struct Sheared {
   float x[3], y[3], z[3];
@@ -104,64 +111,72 @@ struct Tracing {
     return false;
   }
 
-  /// Pushes the children of a node that the ray meets, the nearest last.
-  static inline int push_children(const WideNode& node, const typename Form::Ray& ray, float t_max, Entry* stack,
-                                  int size) {
+  /// Whether the ray meets any child of a node. `next` becomes the nearest of them; the others are pushed, the nearest
+  /// last.
+  static inline bool descend(const WideNode& node, const typename Form::Ray& ray, float t_max, Entry* stack, int& size,
+                             Entry& next) {
     float t[kLanes];
     unsigned met = Form::meet(node, ray, t_max, t);
-    if (met == 0) return size;
+    if (met == 0) return false;
+    const auto take = [&] {
+      const unsigned lane = core::lowest_bit(met);
+      met &= met - 1;
+      return entry_of(t[lane], node.children[lane]);
+    };
+    next = take();
+    if (met == 0) return true;
     Entry* const first = stack + size;
-    const unsigned lane = core::lowest_bit(met);
-    stack[size++] = entry_of(t[lane], node.children[lane]);
-    for (met &= met - 1; met != 0; met &= met - 1) {
-      const unsigned i = core::lowest_bit(met);
-      const Entry entry = entry_of(t[i], node.children[i]);
+    stack[size++] = next;
+    do {
+      const Entry entry = take();
       Entry* place = stack + size++;
       for (; place > first && place[-1] < entry; --place) *place = place[-1];
       *place = entry;
+    } while (met != 0);
+    next = stack[--size];
+    return true;
+  }
+
+  /// Calls meet(leaf) for leaves that the ray meets, near ones first. meet() may shrink the limit; it returns true to
+  /// end the walk.
+  template <class Meet>
+  static inline void traverse(const WideNode* nodes, Entry root, const BoxRay& boxes, const float& limit,
+                              const Meet& meet) {
+    const typename Form::Ray ray(boxes);
+    Entry stack[kMostEntries];
+    int size = 0;
+    Entry entry = root;
+    for (;;) {
+      if ((entry & kLeafBit) == 0) {
+        if (descend(nodes[std::uint32_t(entry)], ray, limit, stack, size, entry)) continue;
+      } else if (meet(std::uint32_t(entry) & ~kLeafBit)) {
+        return;
+      }
+      do {
+        if (size == 0) return;
+        entry = stack[--size];
+      } while (t_of(entry) > limit);
     }
-    return size;
   }
 
   template <bool kAny>
   static TriangleHit trace(const TriangleQuery& query) {
     TriangleHit best{std::numeric_limits<float>::infinity(), kNoTriangle, 0};
-    const typename Form::Ray ray(*query.boxes);
-    Entry stack[kMostEntries];
-    stack[0] = query.root;
-    int size = 1;
     float limit = query.boxes->t_max;
-    while (size > 0) {
-      const Entry entry = stack[--size];
-      if (t_of(entry) > limit) continue;
-      const auto child = std::uint32_t(entry);
-      if ((child & kLeafBit) == 0) {
-        size = push_children(query.nodes[child], ray, limit, stack, size);
-        continue;
-      }
-      if (meet_block<kAny>(query, child & ~kLeafBit, query.boxes->t_max, best)) break;
+    traverse(query.nodes, query.root, *query.boxes, limit, [&](std::uint32_t block) {
+      if (meet_block<kAny>(query, block, query.boxes->t_max, best)) return true;
       if (best.t < limit) limit = best.t;
-    }
+      return false;
+    });
     return best;
   }
 
   static float walk(const WideNode* nodes, std::uint32_t root, const BoxRay& boxes, LeafVisitor& visitor) {
-    const typename Form::Ray ray(boxes);
-    Entry stack[kMostEntries];
-    stack[0] = root;
-    int size = 1;
     float limit = boxes.t_max;
-    while (size > 0) {
-      const Entry entry = stack[--size];
-      if (t_of(entry) > limit) continue;
-      const auto child = std::uint32_t(entry);
-      if ((child & kLeafBit) == 0) {
-        size = push_children(nodes[child], ray, limit, stack, size);
-        continue;
-      }
-      limit = visitor.visit(visitor, child & ~kLeafBit, limit);
-      if (limit < 0.0f) break;
-    }
+    traverse(nodes, root, boxes, limit, [&](std::uint32_t leaf) {
+      limit = visitor.visit(visitor, leaf, limit);
+      return limit < 0.0f;
+    });
     return limit;
   }
 };

@@ -2,6 +2,7 @@
 // begins. Internal to raytrace.
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 #include "sightline/core/aabb.h"
@@ -40,6 +41,13 @@ struct RayFrame {
 /// t_min or before the sphere, whichever comes later.
 bool enter(const TreeSpace& space, const dvec3& origin, const dvec3& direction, double t_min, double t_max,
            RayFrame& frame);
+
+/// Whether the line through a ray passes by. May say false where it does.
+inline bool passes_by(const TreeSpace& space, const dvec3& origin, const dvec3& direction) {
+  const dvec3 to = space.centre - origin, moment = glm::cross(to, direction);
+  const double radius = space.radius + 1e-15 * (std::fabs(to.x) + std::fabs(to.y) + std::fabs(to.z));
+  return glm::dot(moment, moment) > radius * radius * (1.0 + 1e-12) * glm::dot(direction, direction);
+}
 
 /// The same ray for triangles.
 TriangleRay triangle_ray(const RayFrame& frame);

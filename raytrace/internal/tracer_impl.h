@@ -75,6 +75,8 @@ class Tracer::Impl {
   core::Expected<void> build(int threads);
   core::Expected<void> update(std::span<const Slot> touched);
   void nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const;
+  /// Returns the first ray that is none, or their number. In stream.cpp.
+  std::size_t nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Hit> hits) const;
   bool any(const Ray& ray, const RayFilter& filter) const;
   void all(const Ray& ray, const RayFilter& filter, std::vector<Hit>& hits) const;
   const core::Snapshot& snapshot() const { return *snapshot_; }
@@ -88,7 +90,7 @@ class Tracer::Impl {
     dvec3 normal{0.0};                  // of solids, local
     Face face = Face::kTriangle;
   };
-  struct Query;
+  class Packet;
   template <class Meet>
   void walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const;
   bool nearest_of(Slot slot, const Ray& ray, double from, Found& found) const;
@@ -96,11 +98,18 @@ class Tracer::Impl {
                                std::uint32_t& place);
   template <class Visit>
   void cuts_at(const Ray& ray, double t, const core::Plane* plane, const RayFilter& filter, const Visit& visit) const;
+  /// The lowest slot that contains the ray's point at t, where a plane cuts it open; kNone: none.
+  Slot cut_at(const Ray& ray, double t, const core::Plane* plane, const RayFilter& filter) const;
   Hit cut_hit(const Ray& ray, double t, const core::Plane& plane, Slot slot) const;
   bool encloses(Slot slot, const Ray& ray, double t) const;
   core::Enclosure enclosure(std::uint32_t mesh) const;
   void all_of(Slot slot, const Ray& ray, double from, double to, std::vector<Hit>& hits) const;
   Hit finish(const Ray& ray, const Found& found) const;
+  /// `normal`: in the world.
+  Hit answer(const Ray& ray, const Found& found, std::uint32_t triangle, const dvec3& normal) const {
+    return {found.slot, snapshot_->item(found.slot), found.t, ray.origin + found.t * ray.direction, normal, triangle,
+            found.face};
+  }
   const core::Placement& placement(Slot slot) const {
     return snapshot_->of_kind(snapshot_->kind(slot)).placements[snapshot_->index_in_kind(slot)];
   }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/gpuprims/internal/primitives.h"
+#include "sightline/raytrace/pixel_rays.h"
 #include "sightline/tests/core/primitive_samples.h"
 #include "sightline/tests/support/instruction_sets.h"
 
@@ -302,13 +303,18 @@ core::ItemId add_item(World& world, Random& random, std::span<const core::MeshId
                                    world.placement(random, uniform(random, 0.02, 0.3) * world.half / size));
 }
 
-std::unique_ptr<World> random_world(Random& random, int items, double away) {
+/// `twins`: each item is there twice.
+std::unique_ptr<World> random_world(Random& random, int items, double away, bool twins = false) {
   auto world = std::make_unique<World>();
   world->half = std::pow(10.0, uniform(random, -1.0, 3.0));
   world->centre = point(random, away);
   std::vector<core::MeshId> meshes;
   for (int i = 0; i < 4; ++i) meshes.push_back(*world->scene.add_mesh(random_mesh(random)));
-  for (int i = 0; i < items; ++i) add_item(*world, random, meshes);
+  for (int i = 0; i < items; ++i) {
+    Random again = random;
+    add_item(*world, random, meshes);
+    if (twins) add_item(*world, again, meshes);
+  }
   EXPECT_TRUE(world->scene.commit());
   world->snapshot = std::make_unique<Snapshot>(world->scene);
   return world;
@@ -381,6 +387,65 @@ void check_rays(const World& world, const Tracer& tracer, Random& random, int ra
   }
 }
 
+bool same(const dvec3& a, const dvec3& b) {
+  return a == b || (std::isnan(a.x) && std::isnan(b.x));
+}
+
+/// Rays by themselves, beside each other, and from one point.
+std::vector<Ray> random_stream(const World& world, Random& random, std::size_t count) {
+  std::vector<Ray> rays;
+  while (rays.size() < count) {
+    const Ray ray = random_ray(world, random);
+    rays.push_back(ray);
+    if (chance(random, 0.5)) continue;
+    const double spread = std::pow(10.0, uniform(random, -6.0, -0.5));
+    const bool pinhole = chance(random, 0.7), mixed = chance(random, 0.2);
+    for (int i = whole(random, 1, 40); i > 0; --i) {
+      Ray& next = rays.emplace_back(ray);
+      next.direction += spread * glm::length(ray.direction) * point(random, 1.0);
+      if (next.direction == dvec3(0.0)) next.direction = ray.direction;
+      if (!pinhole) next.origin += spread * world.half * point(random, 1.0);
+      if (mixed) next.t_max = next.t_min + uniform(random, -0.5, 3.0);
+    }
+  }
+  rays.resize(count);
+  return rays;
+}
+
+/// The stream's answers are those of single rays, bit for bit.
+void check_streams(const World& world, const Tracer& tracer, Random& random, std::size_t count) {
+  const std::vector<Ray> rays = random_stream(world, random, count);
+  std::vector<Hit> hits(count, Hit{.slot = 12345});
+  const RayFilter filter = random_filter(world, random);
+  ASSERT_TRUE(tracer.nearest(rays, hits, filter));
+  for (std::size_t i = 0; i < count; ++i) {
+    SCOPED_TRACE(testing::Message() << "ray " << i);
+    const std::optional<Hit> alone = *tracer.nearest(rays[i], filter);
+    ASSERT_EQ(hits[i].slot, alone ? alone->slot : core::kNone);
+    if (!alone) continue;
+    ASSERT_EQ(hits[i].item, alone->item);
+    ASSERT_EQ(hits[i].t, alone->t);
+    ASSERT_EQ(hits[i].triangle, alone->triangle);
+    ASSERT_EQ(hits[i].face, alone->face);
+    ASSERT_TRUE(same(hits[i].point, alone->point));
+    ASSERT_TRUE(same(hits[i].normal, alone->normal));
+  }
+}
+
+TEST(Tracer, StreamsAgreeWithSingleRays) {
+  tests::for_each_instruction_set([] {
+    for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed);
+      Random random(seed);
+      const int items = whole(random, 1, seed % 2 == 0 ? 4 : 200);
+      const auto world = random_world(random, items, seed % 3 == 0 ? 1e7 : 10.0, seed % 4 == 0);
+      const Tracer tracer = world->tracer();
+      for (const std::size_t count : {1u, 15u, 16u, 17u, 2000u})
+        ASSERT_NO_FATAL_FAILURE(check_streams(*world, tracer, random, count));
+    }
+  });
+}
+
 TEST(Tracer, AgreesWithBruteForce) {
   tests::for_each_instruction_set([] {
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
@@ -434,6 +499,7 @@ TEST(Tracer, FollowsEdits) {
       ASSERT_TRUE(tracer.update(world->snapshot->apply(*delta)));
       if (world->snapshot->size() == 0) continue;
       ASSERT_NO_FATAL_FAILURE(check_rays(*world, tracer, random, 60));
+      ASSERT_NO_FATAL_FAILURE(check_streams(*world, tracer, random, 100));
     }
   }
 }
@@ -724,6 +790,25 @@ TEST(Tracer, RefusesRaysThatAreNone) {
     EXPECT_FALSE(tracer.all(ray, hits));
   }
   EXPECT_FALSE(*tracer.any({.t_min = 2.0, .t_max = 1.0}));
+
+  for (std::size_t at : {0u, 20u, 36u}) {
+    std::vector<Ray> rays(37);
+    rays[at] = bad[at % 5];
+    std::vector<Hit> of_rays(rays.size());
+    const auto traced = tracer.nearest(rays, of_rays);
+    ASSERT_FALSE(traced);
+    EXPECT_EQ(traced.error().message.rfind("rays[" + std::to_string(at) + "]: ", 0), 0u) << traced.error().message;
+    EXPECT_FALSE(tracer.nearest(rays, std::span(of_rays).first(3)));
+  }
+  EXPECT_TRUE(tracer.nearest(std::span<const Ray>(), std::span<Hit>()));
+}
+
+TEST(PixelRay, RefusesPicturesOfNothing) {
+  const core::View view = *core::View::perspective({{0, -20, 3}, {0, 0, 0}, {0, 0, 1}}, 0.6, 1.5, 0.1);
+  EXPECT_TRUE(PixelRays::create(view, 30, 20));
+  EXPECT_FALSE(PixelRays::create(view, 0, 20));
+  EXPECT_FALSE(PixelRays::create(view, 30, -1));
+  EXPECT_FALSE(pixel_ray(view, 30, 20, std::numeric_limits<double>::quiet_NaN(), 1.0));
 }
 
 TEST(PixelRay, PassesThroughThePixel) {

@@ -1,0 +1,673 @@
+// Internal: the packet kernels' common part. Form has lanes for a whole packet (Form::Wide) besides those of
+// kernels_impl.h.
+#pragma once
+
+#ifndef __GNUC__
+#include <cmath>
+#endif
+
+#include "sightline/raytrace/internal/kernels_impl.h"
+#include "sightline/raytrace/internal/packet.h"
+
+namespace sightline::raytrace {
+namespace {
+
+inline bool at_most_one(unsigned rays) {
+  return (rays & (rays - 1)) == 0;
+}
+
+inline double larger(double a, double b) {
+  return a < b ? b : a;
+}
+inline double smaller(double a, double b) {
+  return b < a ? b : a;
+}
+#ifdef __GNUC__
+inline double size_of(double a) {
+  return __builtin_fabs(a);
+}
+inline double root(double a) {
+  return __builtin_sqrt(a);
+}
+inline double fused(double a, double b, double c) {
+  return __builtin_fma(a, b, c);
+}
+#else
+inline double size_of(double a) {
+  return a < 0.0 ? -a : a;
+}
+inline double root(double a) {
+  return std::sqrt(a);
+}
+inline double fused(double a, double b, double c) {
+  return std::fma(a, b, c);
+}
+#endif
+// The loops that follow go over all rays, so that the compiler vectorises them.
+
+/// tracer.cpp, good().
+inline unsigned load_lanes(const double* rays, int count, RayLanes& out) {
+  for (int i = 0; i < kPacket; ++i) {
+    const double* const ray = rays + 8 * (i < count ? i : count - 1);
+    for (int axis = 0; axis < 3; ++axis) out.origin[axis][i] = ray[axis], out.direction[axis][i] = ray[3 + axis];
+    out.from[i] = ray[6], out.to[i] = ray[7];
+  }
+  float doubt[kPacket];  // 0: none
+  for (int i = 0; i < kPacket; ++i) {
+    const double ox = out.origin[0][i], oy = out.origin[1][i], oz = out.origin[2][i];
+    const double dx = out.direction[0][i], dy = out.direction[1][i], dz = out.direction[2][i];
+    const double not_finite = ((0.0 * ox + 0.0 * oy) + 0.0 * oz) + ((0.0 * dx + 0.0 * dy) + 0.0 * dz);
+    const double without = larger(size_of(dx), larger(size_of(dy), size_of(dz))) > 0.0 ? 0.0 : 1.0;
+    const double from = out.from[i] == out.from[i] ? 0.0 : 1.0, to = out.to[i] == out.to[i] ? 0.0 : 1.0;
+    doubt[i] = float(((not_finite + without) + from) + to);
+  }
+  unsigned good = 0;
+  for (int i = 0; i < kPacket; ++i) good |= unsigned(doubt[i] == 0.0f) << i;
+  return good & ((1u << count) - 1);
+}
+
+inline void lanes_to_item(const RayLanes& rays, const LaneMap& m, RayLanes& out) {
+  double o[3][kPacket];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double first = m.shift[0][axis], second = m.shift[1][axis];
+    for (int i = 0; i < kPacket; ++i) o[axis][i] = (rays.origin[axis][i] - first) - second;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const double x = m.column[axis][0], y = m.column[axis][1], z = m.column[axis][2];
+    for (int i = 0; i < kPacket; ++i) {
+      const double at = (x * o[0][i] + y * o[1][i]) + z * o[2][i];
+      const double along = (x * rays.direction[0][i] + y * rays.direction[1][i]) + z * rays.direction[2][i];
+      out.origin[axis][i] = m.scale * (m.inverse * at);
+      out.direction[axis][i] = m.scale * (m.inverse * along);
+    }
+  }
+  for (int i = 0; i < kPacket; ++i) out.from[i] = rays.from[i], out.to[i] = rays.to[i];
+}
+
+/// The power of two in (x / 2, x], and 1 / that.
+inline void powers_of_two(const double* x, double* power, double* inverse) {
+  constexpr std::uint64_t kExponent = 0x7ff0000000000000u, kOneOver = 0x7fe0000000000000u;
+  union Bits {
+    double value[kPacket];
+    std::uint64_t bits[kPacket];
+  } in, up, down;
+  for (int i = 0; i < kPacket; ++i) in.value[i] = x[i];
+  for (int i = 0; i < kPacket; ++i) up.bits[i] = in.bits[i] & kExponent;
+  for (int i = 0; i < kPacket; ++i) down.bits[i] = kOneOver - (in.bits[i] & kExponent);
+  for (int i = 0; i < kPacket; ++i) power[i] = up.value[i];
+  for (int i = 0; i < kPacket; ++i) inverse[i] = down.value[i];
+}
+
+/// ray_frame.cpp, enter(), with the same roundings.
+template <class Form>
+unsigned enter_lanes(const RayLanes& rays, unsigned wanted, const LaneSpace& space, PacketFrame& f) {
+  using Wide = typename Form::Wide;
+  if (space.radius < 0.0) return 0;
+  alignas(64) double longest[kPacket], last[kPacket];
+  alignas(64) float missed[kPacket], largest[kPacket], d[3][kPacket];
+  for (int i = 0; i < kPacket; ++i)
+    longest[i] =
+        larger(size_of(rays.direction[0][i]), larger(size_of(rays.direction[1][i]), size_of(rays.direction[2][i])));
+  powers_of_two(longest, f.per_factor, f.factor);
+  const double margin = f.margin = kMargin * space.reach, radius_least = space.radius;
+  const double lost_at_least = 2.0 * kBoxError * space.reach;
+  const double middle_x = space.centre[0], middle_y = space.centre[1], middle_z = space.centre[2];
+  const double shift_x = space.shift[0], shift_y = space.shift[1], shift_z = space.shift[2];
+  for (int i = 0; i < kPacket; ++i) {
+    const double factor = f.factor[i], per_factor = f.per_factor[i];
+    const double dx = factor * rays.direction[0][i], dy = factor * rays.direction[1][i];
+    const double dz = factor * rays.direction[2][i];
+    const double ox = rays.origin[0][i] - shift_x, oy = rays.origin[1][i] - shift_y, oz = rays.origin[2][i] - shift_z;
+    const double cx = middle_x - ox, cy = middle_y - oy, cz = middle_z - oz;
+    const double square = (dx * dx + dy * dy) + dz * dz, closest = ((cx * dx + cy * dy) + cz * dz) / square;
+    const double x = cy * dz - dy * cz, y = cz * dx - dz * cx, z = cx * dy - dx * cy;
+    const double lost = 1e-15 * ((size_of(cx) + size_of(cy)) + size_of(cz)) + lost_at_least;
+    const double radius = radius_least + lost;
+    const double first = larger(rays.from[i] * per_factor, closest - radius);
+    last[i] = smaller(rays.to[i] * per_factor, closest + radius);
+    const double begin = first - margin;
+    const double far = (x * x + y * y) + z * z <= radius * radius * square ? 0.0 : 1.0;
+    const double over = first <= last[i] ? far : 1.0, without = longest[i] > 0.0 ? over : 1.0;
+    missed[i] = float(without);
+    f.begin[i] = begin;
+    f.direction[0][i] = dx, f.direction[1][i] = dy, f.direction[2][i] = dz;
+    f.origin[0][i] = ox + begin * dx, f.origin[1][i] = oy + begin * dy, f.origin[2][i] = oz + begin * dz;
+    const double sx = size_of(dx), sy = size_of(dy), sz = size_of(dz);
+    const double not_z = sy >= sx ? 1.0 : 0.0, z_or_x = sz >= sx ? 2.0 : not_z, axis = sz >= sy ? z_or_x : not_z;
+    largest[i] = float(axis);
+  }
+  const Wide zero = Wide::spread(0.0f);
+  const unsigned entered = wanted & equal(Wide::load(missed), zero);
+  if (entered == 0) return 0;
+
+  for (int i = 0; i < kPacket; ++i) {
+    const double s = (last[i] - f.begin[i]) * (1.0 + 0x1p-20) + margin;
+    f.limit[i] = s < 1e38 ? float(s) : std::numeric_limits<float>::infinity();
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i < kPacket; ++i) d[axis][i] = float(f.direction[axis][i]);
+    for (int i = 0; i < kPacket; ++i) f.start[axis][i] = float(f.origin[axis][i]);
+  }
+  const Wide error = Wide::spread(float(kBoxError * space.reach)), one = Wide::spread(1.0f);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Wide along = Wide::load(d[axis]), o = Wide::load(f.start[axis]);
+    const Wide e = with_signs(error, along);
+    const Wide inverse = with_signs(one / most(magnitude(along), Wide::spread(kLeastDirection)), along);
+    (o + e).store(f.near_origin[axis]);
+    (o - e).store(f.far_origin[axis]);
+    (inverse * Wide::spread(kDown)).store(f.near_scale[axis]);
+    (inverse * Wide::spread(kUp)).store(f.far_scale[axis]);
+    f.back[axis] = signs(along);
+    f.largest[axis] = equal(Wide::load(largest), Wide::spread(float(axis)));
+  }
+  return entered;
+}
+
+struct alignas(64) CornerLanes {
+  double at[3][3][kPacket];  // corner, axis
+
+  CornerLanes(const TriangleBlock* blocks, const std::uint32_t* places, unsigned rays) {
+    for (int i = 0; i < kPacket; ++i) {
+      if ((rays >> i & 1u) == 0) {
+        for (auto& corner : at)
+          for (auto& axis : corner) axis[i] = 0.0;
+        continue;
+      }
+      const TriangleBlock& block = blocks[places[i] / kLanes];
+      for (int corner = 0; corner < 3; ++corner)
+        for (int axis = 0; axis < 3; ++axis)
+          at[corner][axis][i] = double(block.corners[corner][axis][places[i] % kLanes]);
+    }
+  }
+};
+
+/// ray_frame.cpp, crossing(), with the same roundings.
+inline unsigned cross_lanes(const PacketFrame& f, const TriangleBlock* blocks, const PacketHits& hits, unsigned rays,
+                            double* t) {
+  const CornerLanes corners(blocks, hits.place, rays);
+  unsigned outside = 0;
+  for (int az = 0; az < 3; ++az) {
+    const unsigned these = rays & f.largest[az];
+    if (these == 0) continue;
+    const int ax = (az + 1) % 3, ay = (az + 2) % 3;
+    alignas(64) double answer[kPacket], passes[kPacket];  // 1: it passes outside
+    const double *const dx = f.direction[ax], *const dy = f.direction[ay], *const dz = f.direction[az];
+    const double *const ox = f.origin[ax], *const oy = f.origin[ay], *const oz = f.origin[az];
+    for (int i = 0; i < kPacket; ++i) {
+      const double along = 1.0 / dz[i], shear_x = dx[i] * along, shear_y = dy[i] * along;
+      double x[3], y[3], z[3];
+      for (int corner = 0; corner < 3; ++corner) {
+        const double to_z = corners.at[corner][az][i] - oz[i];
+        x[corner] = (corners.at[corner][ax][i] - ox[i]) - shear_x * to_z;
+        y[corner] = (corners.at[corner][ay][i] - oy[i]) - shear_y * to_z;
+        z[corner] = along * to_z;
+      }
+      const double u = x[2] * y[1] - y[2] * x[1], v = x[0] * y[2] - y[0] * x[2], w = x[1] * y[0] - y[1] * x[0];
+      const double sum = (u + v) + w, s = ((u * z[0] + v * z[1]) + w * z[2]) / sum;
+      const double low = smaller(u, smaller(v, w)), high = larger(u, larger(v, w));
+      const double not_above = low >= 0.0 ? 0.0 : 1.0, not_inside = high <= 0.0 ? 0.0 : not_above;
+      answer[i] = (f.begin[i] + s) * f.factor[i];
+      passes[i] = sum != 0.0 ? not_inside : 1.0;
+    }
+    for (int i = 0; i < kPacket; ++i) {
+      if ((these >> i & 1u) == 0) continue;
+      t[i] = answer[i];
+      outside |= unsigned(passes[i] != 0.0) << i;
+    }
+  }
+  return outside;
+}
+
+inline void find_normals(const TriangleBlock* blocks, const std::uint32_t* places, unsigned rays,
+                         double (*normals)[kPacket]) {
+  const CornerLanes corners(blocks, places, rays);
+  const auto& c = corners.at;
+  double *const nx = normals[0], *const ny = normals[1], *const nz = normals[2];
+  for (int i = 0; i < kPacket; ++i) {
+    const double ax = c[1][0][i] - c[0][0][i], ay = c[1][1][i] - c[0][1][i], az = c[1][2][i] - c[0][2][i];
+    const double bx = c[2][0][i] - c[0][0][i], by = c[2][1][i] - c[0][1][i], bz = c[2][2][i] - c[0][2][i];
+    nx[i] = ay * bz - by * az, ny[i] = az * bx - bz * ax, nz[i] = ax * by - bx * ay;
+  }
+}
+
+/// tracer.cpp, world_normal(), with the same roundings.
+inline void turn_normals(const double (*columns)[3], bool mirrored, double (*normals)[kPacket]) {
+  const double xx = columns[0][0], xy = columns[0][1], xz = columns[0][2];
+  const double yx = columns[1][0], yy = columns[1][1], yz = columns[1][2];
+  const double zx = columns[2][0], zy = columns[2][1], zz = columns[2][2];
+  const double sign = mirrored ? -1.0 : 1.0;
+  double *const nx = normals[0], *const ny = normals[1], *const nz = normals[2];
+  for (int i = 0; i < kPacket; ++i) {
+    const double x = nx[i], y = ny[i], z = nz[i];
+    const double wx = sign * ((xx * x + yx * y) + zx * z), wy = sign * ((xy * x + yy * y) + zy * z);
+    const double wz = sign * ((xz * x + yz * y) + zz * z);
+    const double inverse = 1.0 / root((wx * wx + wy * wy) + wz * wz);
+    nx[i] = wx * inverse, ny[i] = wy * inverse, nz[i] = wz * inverse;
+  }
+}
+
+// --- solids: gpuprims, with the same roundings
+// -------------------------------------------------------------------------
+
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+/// gpuprims::LocalRay of each ray.
+struct alignas(64) LocalLanes {
+  double origin[3][kPacket], direction[3][kPacket], start[kPacket], scale[kPacket];
+  double valid[kPacket];  // 1: yes
+
+  /// closest_approach().
+  LocalLanes(const RayLanes& rays, const double* weights, double size) {
+    double longest[kPacket], power[kPacket], factor[kPacket];
+    double of_size[kPacket], up[kPacket], down[kPacket];
+    for (int i = 0; i < kPacket; ++i) of_size[i] = size;
+    powers_of_two(of_size, up, down);
+    const double per_unit = down[0], unit = up[0], wx = weights[0], wy = weights[1], wz = weights[2];
+    for (int i = 0; i < kPacket; ++i)
+      longest[i] =
+          larger(size_of(rays.direction[0][i]), larger(size_of(rays.direction[1][i]), size_of(rays.direction[2][i])));
+    powers_of_two(longest, power, factor);
+    for (int i = 0; i < kPacket; ++i) {
+      const double ox = rays.origin[0][i], oy = rays.origin[1][i], oz = rays.origin[2][i];
+      const double dx = factor[i] * rays.direction[0][i], dy = factor[i] * rays.direction[1][i];
+      const double dz = factor[i] * rays.direction[2][i];
+      const double ux = wx * dx, uy = wy * dy, uz = wz * dz;
+      const double s = -((ux * ox + uy * oy) + uz * oz) / ((ux * dx + uy * dy) + uz * dz);
+      const double x = fused(s, dx, ox), y = fused(s, dy, oy), z = fused(s, dz, oz);
+      valid[i] = ((x * x + y * y) + z * z) + size_of(s) < kForever ? 1.0 : 0.0;
+      origin[0][i] = x * per_unit, origin[1][i] = y * per_unit, origin[2][i] = z * per_unit;
+      direction[0][i] = dx, direction[1][i] = dy, direction[2][i] = dz;
+      start[i] = s * factor[i];
+      scale[i] = unit * factor[i];
+    }
+  }
+};
+
+/// gpuprims::Span of each ray; faces are numbers.
+struct alignas(64) SpanLanes {
+  double from[kPacket], to[kPacket], from_face[kPacket], to_face[kPacket];
+
+  /// Span::clip_slab() of faces `low` and low + 1.
+  void clip(const double* values, const double* slopes, double half, double low) {
+    const double level_reach = half == 0.0 ? -1.0 : half;
+    for (int i = 0; i < kPacket; ++i) {
+      const double value = values[i], slope = slopes[i], inverse = 1.0 / slope;
+      const double middle = -value * inverse, extent = half * size_of(inverse);
+      const double first = middle - extent, last = middle + extent;
+      const double enter = slope > 0.0 ? low : low + 1.0, leave = slope > 0.0 ? low + 1.0 : low;
+      const double kept_from = larger(from[i], first), kept_to = smaller(to[i], last);
+      const double entry = first > from[i] ? enter : from_face[i], exit = last < to[i] ? leave : to_face[i];
+      // A level ray keeps its span within the slab, and else nothing.
+      const double level_from = size_of(value) <= level_reach ? from[i] : 1.0;
+      const double level_to = size_of(value) <= level_reach ? to[i] : 0.0;
+      from_face[i] = slope == 0.0 ? from_face[i] : entry;
+      to_face[i] = slope == 0.0 ? to_face[i] : exit;
+      from[i] = slope == 0.0 ? level_from : kept_from;
+      to[i] = slope == 0.0 ? level_to : kept_to;
+    }
+  }
+
+  /// add_hits(), and of those the first at or after rays.from. `s` and `face` tell where it lies.
+  void choose(const RayLanes& rays, const LocalLanes& local, double* t, double* s, double* face) const {
+    for (int i = 0; i < kPacket; ++i) {
+      const double first = local.start[i] + from[i] * local.scale[i], last = local.start[i] + to[i] * local.scale[i];
+      const double later = last >= rays.from[i] ? last : kForever, any = first >= rays.from[i] ? first : later;
+      const double not_empty = from[i] <= to[i] ? any : kForever, begins = from[i] > -kForever ? not_empty : kForever;
+      const double ends = to[i] < kForever ? begins : kForever;
+      t[i] = local.valid[i] == 1.0 ? ends : kForever;
+      s[i] = first >= rays.from[i] ? from[i] : to[i];
+      face[i] = first >= rays.from[i] ? from_face[i] : to_face[i];
+    }
+  }
+};
+
+inline double weight_of(double a, double b) {
+  const double ratio = a / larger(b, 1e-12 * a);
+  return ratio * ratio;
+}
+
+inline double per_unit_of(double size) {
+  double sizes[kPacket], up[kPacket], down[kPacket];
+  for (int i = 0; i < kPacket; ++i) sizes[i] = size;
+  powers_of_two(sizes, up, down);
+  return down[0];
+}
+
+/// gpuprims/cylinder.cpp.
+inline void meet_cylinder(const RayLanes& rays, double radius, double half, SolidLanes& out) {
+  const double weights[] = {1.0, 1.0, weight_of(radius, half)}, per_unit = per_unit_of(radius);
+  const LocalLanes local(rays, weights, radius);
+  const double r = radius * per_unit, square = r * r, least = 1024.0 * std::numeric_limits<double>::min();
+  SpanLanes span;
+  for (int i = 0; i < kPacket; ++i) {
+    const double ox = local.origin[0][i], oy = local.origin[1][i];
+    const double ux = local.direction[0][i], uy = local.direction[1][i];
+    const double a = ux * ux + uy * uy, b = ox * ux + oy * uy, moment = ox * uy - oy * ux;
+    const double discriminant = square * a - moment * moment;
+    const double chord = root(larger(discriminant, 0.0)), inverse = 1.0 / a;
+    const double from = (-b - chord) * inverse, to = (-b + chord) * inverse;
+    const double met_from = discriminant >= 0.0 ? from : 1.0, met_to = discriminant >= 0.0 ? to : 0.0;
+    const double across = ox * ox + oy * oy;
+    const double along_from = across <= square ? -kForever : 1.0, along_to = across <= square ? kForever : 0.0;
+    span.from[i] = a > least ? met_from : along_from;
+    span.to[i] = a > least ? met_to : along_to;
+    span.from_face[i] = span.to_face[i] = 0.0;
+  }
+  span.clip(local.origin[2], local.direction[2], half * per_unit, 1.0);
+  alignas(64) double s[kPacket], face[kPacket];
+  span.choose(rays, local, out.t, s, face);
+  for (int i = 0; i < kPacket; ++i) out.face[i] = face[i];
+  for (int i = 0; i < kPacket; ++i) {
+    const double across = face[i] == 0.0 ? 1.0 : 0.0, up = face[i] == 2.0 ? 1.0 : -1.0;
+    out.normal[0][i] = across * (local.origin[0][i] + s[i] * local.direction[0][i]);
+    out.normal[1][i] = across * (local.origin[1][i] + s[i] * local.direction[1][i]);
+    out.normal[2][i] = face[i] == 0.0 ? 0.0 : up;
+  }
+}
+
+/// gpuprims/box.cpp.
+inline void meet_box(const RayLanes& rays, const double* half, SolidLanes& out) {
+  const double size = larger(half[0], larger(half[1], half[2])), per_unit = per_unit_of(size);
+  const double weights[] = {weight_of(size, half[0]), weight_of(size, half[1]), weight_of(size, half[2])};
+  const LocalLanes local(rays, weights, size);
+  SpanLanes span;
+  for (int i = 0; i < kPacket; ++i) {
+    span.from[i] = -kForever, span.to[i] = kForever;
+    span.from_face[i] = span.to_face[i] = -1.0;
+  }
+  for (int axis = 0; axis < 3; ++axis)
+    span.clip(local.origin[axis], local.direction[axis], half[axis] * per_unit, double(kBoxFaces[axis]));
+  alignas(64) double s[kPacket], face[kPacket];
+  span.choose(rays, local, out.t, s, face);
+  for (int i = 0; i < kPacket; ++i) out.face[i] = face[i];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = double(kBoxFaces[axis]), high = low + 1.0;
+    for (int i = 0; i < kPacket; ++i) {
+      const double up = face[i] == high ? 1.0 : 0.0;
+      out.normal[axis][i] = face[i] == low ? -1.0 : up;
+    }
+  }
+}
+
+template <class Form>
+struct Packets {
+  using Wide = typename Form::Wide;
+
+  /// Rays whose directions have the same signs, as all lanes of a box see them.
+  struct Boxes {
+    Wide near_origin[3], far_origin[3], near_scale[3], far_scale[3];
+    int near_plane[3], far_plane[3];
+
+    Boxes(const PacketFrame& f, int ray) {
+      for (int axis = 0; axis < 3; ++axis) {
+        near_origin[axis] = Wide::load(f.near_origin[axis]);
+        far_origin[axis] = Wide::load(f.far_origin[axis]);
+        near_scale[axis] = Wide::load(f.near_scale[axis]);
+        far_scale[axis] = Wide::load(f.far_scale[axis]);
+        const int shift = int(f.back[axis] >> ray & 1u) * 3;
+        near_plane[axis] = axis + shift;
+        far_plane[axis] = axis + 3 - shift;
+      }
+    }
+    Wide enter(const WideNode& node, int lane, int axis) const {
+      return (Wide::spread(node.bounds[near_plane[axis]][lane]) - near_origin[axis]) * near_scale[axis];
+    }
+    Wide leave(const WideNode& node, int lane, int axis) const {
+      return (Wide::spread(node.bounds[far_plane[axis]][lane]) - far_origin[axis]) * far_scale[axis];
+    }
+    /// Rays that meet the box of a child. Where they enter it is stored in `t`.
+    unsigned meet(const WideNode& node, int lane, const Wide& limit, float* t) const {
+      const Wide in =
+          most(most(enter(node, lane, 0), enter(node, lane, 1)), most(enter(node, lane, 2), Wide::spread(0.0f)));
+      const Wide out = least(least(leave(node, lane, 0), leave(node, lane, 1)), least(leave(node, lane, 2), limit));
+      in.store(t);
+      return at_most(in, out);
+    }
+  };
+
+  /// What holds of each of `rays`, whose directions have the same signs. Since rounding keeps order, no ray meets a box
+  /// that the hull misses.
+  static Hull hull_of(const PacketFrame& f, unsigned rays) {
+    Hull hull;
+    hull.limit = highest(Wide::load(f.limit), rays);
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool back = (f.back[axis] >> lowest(rays) & 1u) != 0;
+      const Wide near = Wide::load(f.near_origin[axis]), far = Wide::load(f.far_origin[axis]);
+      const Wide in = Wide::load(f.near_scale[axis]), out = Wide::load(f.far_scale[axis]);
+      hull.near_origin[axis] = back ? lowest_of(near, rays) : highest(near, rays);
+      hull.far_origin[axis] = back ? highest(far, rays) : lowest_of(far, rays);
+      hull.near_scale[0][axis] = lowest_of(in, rays), hull.near_scale[1][axis] = highest(in, rays);
+      hull.far_scale[0][axis] = lowest_of(out, rays), hull.far_scale[1][axis] = highest(out, rays);
+      hull.near_plane[axis] = back ? axis + 3 : axis;
+      hull.far_plane[axis] = back ? axis : axis + 3;
+    }
+    return hull;
+  }
+
+  static BoxRay box_ray(const PacketFrame& f, int ray) {
+    BoxRay r;
+    for (int axis = 0; axis < 3; ++axis) {
+      r.near_origin[axis] = f.near_origin[axis][ray];
+      r.far_origin[axis] = f.far_origin[axis][ray];
+      r.near_scale[axis] = f.near_scale[axis][ray];
+      r.far_scale[axis] = f.far_scale[axis][ray];
+      const int shift = int(f.back[axis] >> ray & 1u) * 3;
+      r.near_plane[axis] = axis + shift;
+      r.far_plane[axis] = axis + 3 - shift;
+    }
+    r.t_max = f.limit[ray];
+    return r;
+  }
+
+  /// Walks on with one ray. Calls meet(leaf, rays), which may shrink the limit of the ray.
+  template <class Meet>
+  static void walk_alone(const WideNode* nodes, std::uint32_t root, const PacketFrame& f, int ray, const Meet& meet) {
+    Tracing<Form>::traverse(nodes, root, box_ray(f, ray), f.limit[ray], [&](std::uint32_t leaf) {
+      meet(leaf, 1u << ray);
+      return false;
+    });
+  }
+
+  /// Walks with rays whose directions have the same signs. Calls meet(leaf, rays).
+  template <class Meet>
+  static void walk_together(const WideNode* nodes, std::uint32_t root, const PacketFrame& f, unsigned rays,
+                            const Meet& meet) {
+    struct alignas(64) Held {
+      float t[kPacket];
+    };
+    Held enters[kMostEntries];  // where rays enter the box
+    std::uint32_t children[kMostEntries];
+    unsigned met[kMostEntries];
+    const Boxes boxes(f, lowest(rays));
+    const Hull hull = hull_of(f, rays);
+    Wide::spread(0.0f).store(enters[0].t);
+    children[0] = root;
+    met[0] = rays;
+    int size = 1;
+    while (size > 0) {
+      --size;
+      const Wide limit = Wide::load(f.limit);
+      const unsigned still = met[size] & at_most(Wide::load(enters[size].t), limit);
+      if (still == 0) continue;
+      const std::uint32_t child = children[size];
+      if (at_most_one(still)) {
+        walk_alone(nodes, child, f, lowest(still), meet);
+        continue;
+      }
+      if ((child & kLeafBit) != 0) {
+        meet(child & ~kLeafBit, still);
+        continue;
+      }
+      // The nearest child last, by the first ray that meets it.
+      const WideNode& node = nodes[child];
+      Held in[kLanes];
+      unsigned who[kLanes];
+      Entry order[kLanes];
+      int count = 0;
+      for (unsigned near = Form::meet_hull(node, hull); near != 0; near &= near - 1) {
+        const int lane = lowest(near);
+        who[lane] = still & boxes.meet(node, lane, limit, in[lane].t);
+        if (who[lane] == 0) continue;
+        const Entry entry = entry_of(in[lane].t[lowest(who[lane])], std::uint32_t(lane));
+        int at = count++;
+        for (; at > 0 && order[at - 1] < entry; --at) order[at] = order[at - 1];
+        order[at] = entry;
+      }
+      for (int i = 0; i < count; ++i, ++size) {
+        const auto lane = std::uint32_t(order[i]);
+        Wide::load(in[lane].t).store(enters[size].t);
+        children[size] = node.children[lane];
+        met[size] = who[lane];
+      }
+    }
+  }
+
+  static int lowest(unsigned rays) { return int(core::lowest_bit(rays)); }
+
+  /// Of `rays` those that share the signs of the first one's direction.
+  static unsigned same_signs(const PacketFrame& f, unsigned rays) {
+    const int first = lowest(rays);
+    for (const unsigned back : f.back) rays &= (back >> first & 1u) != 0 ? back : ~back;
+    return rays;
+  }
+
+  static void walk(const WideNode* nodes, std::uint32_t root, const PacketFrame& f, unsigned rays,
+                   PacketVisitor& visitor) {
+    while (rays != 0) {
+      const unsigned same = same_signs(f, rays);
+      walk_together(nodes, root, f, same, [&](std::uint32_t leaf, unsigned who) { visitor.visit(visitor, leaf, who); });
+      rays &= ~same;
+    }
+  }
+
+  // --- triangles -----------------------------------------------------------------------------------------------------
+
+  /// What TriangleRay holds, of rays whose directions share the largest axis.
+  struct Shears {
+    int axes[3];
+    alignas(64) float shear[3][kPacket];
+
+    Shears(const PacketFrame& f, int largest) : axes{(largest + 1) % 3, (largest + 2) % 3, largest} {
+      alignas(64) double along[kPacket], x[kPacket], y[kPacket];
+      const double *const dx = f.direction[axes[0]], *const dy = f.direction[axes[1]], *const dz = f.direction[largest];
+      for (int i = 0; i < kPacket; ++i) along[i] = 1.0 / dz[i];
+      for (int i = 0; i < kPacket; ++i) x[i] = dx[i] * along[i];
+      for (int i = 0; i < kPacket; ++i) y[i] = dy[i] * along[i];
+      for (int i = 0; i < kPacket; ++i) shear[0][i] = float(x[i]);
+      for (int i = 0; i < kPacket; ++i) shear[1][i] = float(y[i]);
+      for (int i = 0; i < kPacket; ++i) shear[2][i] = float(along[i]);
+    }
+    TriangleRay of(const PacketFrame& f, int ray) const {
+      return {{axes[0], axes[1], axes[2]},
+              {f.start[axes[0]][ray], f.start[axes[1]][ray], f.start[axes[2]][ray]},
+              {shear[0][ray], shear[1][ray], shear[2][ray]}};
+    }
+  };
+
+  /// Takes a hit unless there is a nearer one.
+  static void take(const PacketQuery& query, PacketFrame& f, PacketHits& hits, int ray, float t, std::uint32_t triangle,
+                   std::uint32_t place) {
+    if (!(t >= 0.0f && t <= f.limit[ray])) return;
+    if (t == hits.t[ray] && triangle > hits.triangle[ray]) return;
+    if (t < query.t_sure && !query.filter->accept(*query.filter, ray, place)) return;
+    hits.t[ray] = f.limit[ray] = t;
+    hits.triangle[ray] = triangle;
+    hits.place[ray] = place;
+  }
+
+  static Wide extent(const Wide (&place)[3]) {
+    return most(magnitude(place[0]), most(magnitude(place[1]), magnitude(place[2])));
+  }
+
+  /// One ray and all triangles of a block.
+  static void meet_block(const PacketQuery& query, PacketFrame& f, const Shears& shears, PacketHits& hits,
+                         std::uint32_t index, int ray) {
+    const TriangleBlock& block = query.blocks[index];
+    typename Form::Areas areas;
+    unsigned hit, unsure;
+    Form::shear(shears.of(f, ray), block, areas, hit, unsure);
+    if ((hit | unsure) == 0) return;
+    float t[kLanes];
+    unsure |= hit & Form::distances(areas, t);
+    hit &= ~unsure;
+    for (; unsure != 0; unsure &= unsure - 1) {
+      const unsigned lane = core::lowest_bit(unsure);
+      Sheared corners;
+      Form::corners(areas, lane, corners);
+      if (hit_exactly(corners, t[lane])) hit |= 1u << lane;
+    }
+    for (; hit != 0; hit &= hit - 1) {
+      const unsigned lane = core::lowest_bit(hit);
+      take(query, f, hits, ray, t[lane], block.triangles[lane], index * kLanes + lane);
+    }
+  }
+
+  /// All rays, whose directions share the largest axis, and the triangles of a block in turn: Form::shear() for rays in
+  /// lanes.
+  static void meet_block_together(const PacketQuery& query, PacketFrame& f, const Shears& shears, PacketHits& hits,
+                                  std::uint32_t index, unsigned rays) {
+    const TriangleBlock& block = query.blocks[index];
+    const int ax = shears.axes[0], ay = shears.axes[1], az = shears.axes[2];
+    const Wide ox = Wide::load(f.start[ax]), oy = Wide::load(f.start[ay]), oz = Wide::load(f.start[az]);
+    const Wide sx = Wide::load(shears.shear[0]), sy = Wide::load(shears.shear[1]), sz = Wide::load(shears.shear[2]);
+    const Wide zero = Wide::spread(0.0f);
+    for (std::uint32_t lane = 0; lane < kLanes && block.triangles[lane] != kNoTriangle; ++lane) {
+      Wide x[3], y[3], z[3];
+      for (int corner = 0; corner < 3; ++corner) {
+        const float(*place)[kLanes] = block.corners[corner];
+        z[corner] = Wide::spread(place[az][lane]) - oz;
+        x[corner] = (Wide::spread(place[ax][lane]) - ox) - sx * z[corner];
+        y[corner] = (Wide::spread(place[ay][lane]) - oy) - sy * z[corner];
+      }
+      const Wide u = x[2] * y[1] - y[2] * x[1], v = x[0] * y[2] - y[0] * x[2], w = x[1] * y[0] - y[1] * x[0];
+      const Wide low = least(least(u, v), w), high = most(most(u, v), w);
+      unsigned hit = rays & (less(zero, low) | less(high, zero));
+      unsigned unsure = rays & (equal(low, zero) | equal(high, zero));
+      if ((hit | unsure) == 0) continue;
+      alignas(64) float t[kPacket];
+      for (Wide& along : z) along = sz * along;
+      const Wide sum = (u + v) + w;
+      (((u * z[0] + v * z[1]) + w * z[2]) / sum).store(t);
+      unsure |= hit & less(magnitude(sum), Wide::spread(kSlim) * (extent(x) * extent(y)));
+      hit &= ~unsure;
+      for (; unsure != 0; unsure &= unsure - 1) {
+        const int ray = lowest(unsure);
+        Sheared corners;
+        for (int corner = 0; corner < 3; ++corner) {
+          alignas(64) float of_ray[3][kPacket];
+          x[corner].store(of_ray[0]), y[corner].store(of_ray[1]), z[corner].store(of_ray[2]);
+          corners.x[corner] = of_ray[0][ray], corners.y[corner] = of_ray[1][ray], corners.z[corner] = of_ray[2][ray];
+        }
+        if (hit_exactly(corners, t[ray])) hit |= 1u << ray;
+      }
+      for (; hit != 0; hit &= hit - 1) {
+        const int ray = lowest(hit);
+        take(query, f, hits, ray, t[ray], block.triangles[lane], index * kLanes + lane);
+      }
+    }
+  }
+
+  static void nearest(const PacketQuery& query, unsigned rays, PacketFrame& f, PacketHits& hits) {
+    for (int axis = 0; axis < 3; ++axis) {
+      unsigned left = rays & f.largest[axis];
+      if (left == 0) continue;
+      const Shears shears(f, axis);
+      while (left != 0) {
+        const unsigned same = same_signs(f, left);
+        walk_together(query.nodes, query.root, f, same, [&](std::uint32_t block, unsigned who) {
+          if (!at_most_one(who & (who - 1))) return meet_block_together(query, f, shears, hits, block, who);
+          for (; who != 0; who &= who - 1) meet_block(query, f, shears, hits, block, lowest(who));
+        });
+        left &= ~same;
+      }
+    }
+  }
+};
+
+template <class Form>
+constexpr PacketKernels make_packet_kernels() {
+  return {load_lanes,  lanes_to_item, enter_lanes<Form>, Packets<Form>::walk, Packets<Form>::nearest,
+          cross_lanes, find_normals,  turn_normals,      meet_cylinder,       meet_box};
+}
+}  // namespace
+}  // namespace sightline::raytrace
