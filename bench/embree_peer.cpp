@@ -8,6 +8,7 @@
 #include <embree3/rtcore.h>
 
 #include "sightline/bench/harness.h"
+#include "sightline/gpuprims/internal/primitives.h"
 
 namespace sightline::bench {
 
@@ -15,9 +16,52 @@ struct EmbreePeer::State {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::atomic<std::int64_t> bytes = 0;
+  std::vector<PeerSolid> solids;
 };
 
-EmbreePeer::EmbreePeer(const core::Mesh& mesh, bool robust, int threads) : state_(std::make_unique<State>()) {
+namespace {
+
+void bound_solid(const RTCBoundsFunctionArguments* arguments) {
+  const PeerSolid& s = static_cast<const PeerSolid*>(arguments->geometryUserPtr)[arguments->primID];
+  const core::vec3 low(s.box.min), high(s.box.max);
+  // A float's rounding, outwards.
+  const float margin = 1e-6f * (glm::length(low) + glm::length(high));
+  *arguments->bounds_o = {low.x - margin,  low.y - margin,  low.z - margin,  0.0f,
+                          high.x + margin, high.y + margin, high.z + margin, 0.0f};
+}
+
+void intersect_solid(const RTCIntersectFunctionNArguments* arguments) {
+  const PeerSolid& s = static_cast<const PeerSolid*>(arguments->geometryUserPtr)[arguments->primID];
+  const unsigned n = arguments->N;
+  RTCRayN* const ray = RTCRayHitN_RayN(arguments->rayhit, n);
+  RTCHitN* const hit = RTCRayHitN_HitN(arguments->rayhit, n);
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    const core::dvec3 origin(RTCRayN_org_x(ray, n, i), RTCRayN_org_y(ray, n, i), RTCRayN_org_z(ray, n, i));
+    const core::dvec3 direction(RTCRayN_dir_x(ray, n, i), RTCRayN_dir_y(ray, n, i), RTCRayN_dir_z(ray, n, i));
+    const gpuprims::Hits hits = gpuprims::intersect(
+        s.solid, gpuprims::Ray{s.item_from_world * (origin - s.origin), s.item_from_world * direction});
+    for (int k = 0; k < hits.count; ++k) {
+      const auto t = float(hits.hit[k].t);
+      if (t < RTCRayN_tnear(ray, n, i)) continue;
+      if (t > RTCRayN_tfar(ray, n, i)) break;
+      RTCRayN_tfar(ray, n, i) = t;
+      RTCHitN_Ng_x(hit, n, i) = float(hits.hit[k].normal.x);
+      RTCHitN_Ng_y(hit, n, i) = float(hits.hit[k].normal.y);
+      RTCHitN_Ng_z(hit, n, i) = float(hits.hit[k].normal.z);
+      RTCHitN_primID(hit, n, i) = arguments->primID;
+      RTCHitN_geomID(hit, n, i) = arguments->geomID;
+      RTCHitN_instID(hit, n, i, 0) = RTC_INVALID_GEOMETRY_ID;
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+EmbreePeer::EmbreePeer(const core::Mesh& mesh, std::vector<PeerSolid> solids, bool robust, int threads)
+    : state_(std::make_unique<State>()) {
+  state_->solids = std::move(solids);
   state_->device = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
   rtcSetDeviceMemoryMonitorFunction(
       state_->device,
@@ -29,6 +73,16 @@ EmbreePeer::EmbreePeer(const core::Mesh& mesh, bool robust, int threads) : state
   state_->scene = rtcNewScene(state_->device);
   rtcSetSceneBuildQuality(state_->scene, RTC_BUILD_QUALITY_MEDIUM);
   rtcSetSceneFlags(state_->scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+  if (!state_->solids.empty()) {
+    RTCGeometry user = rtcNewGeometry(state_->device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(user, unsigned(state_->solids.size()));
+    rtcSetGeometryUserData(user, state_->solids.data());
+    rtcSetGeometryBoundsFunction(user, bound_solid, nullptr);
+    rtcSetGeometryIntersectFunction(user, intersect_solid);
+    rtcCommitGeometry(user);
+    rtcAttachGeometry(state_->scene, user);
+    rtcReleaseGeometry(user);
+  }
   RTCGeometry geometry = rtcNewGeometry(state_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
   void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(core::vec3),
                                            mesh.positions.size());

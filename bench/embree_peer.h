@@ -1,4 +1,4 @@
-// Embree 3 as a peer of the ray tracer: the same triangles, the same rays.
+// Embree 3 as a peer of the ray tracer: the same triangles and solids, the same rays.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "sightline/core/aabb.h"
 #include "sightline/core/mesh.h"
+#include "sightline/core/primitive.h"
 #include "sightline/raytrace/tracer.h"
 
 namespace sightline::bench {
@@ -17,11 +19,19 @@ struct FloatRay {
   float t_min, t_max;
 };
 
-/// One scene of one mesh, built with medium quality.
+/// A solid for Embree's user geometry: hit where gpuprims' reference intersectors say, in double.
+struct PeerSolid {
+  core::Primitive solid;
+  core::dmat3 item_from_world;
+  core::dvec3 origin;  ///< of the item
+  core::AabbD box;     ///< in the world
+};
+
+/// One scene of one mesh and of solids, either of which may be empty, built with medium quality.
 class EmbreePeer {
  public:
   /// `robust`: watertight. `threads` build.
-  EmbreePeer(const core::Mesh& mesh, bool robust, int threads);
+  EmbreePeer(const core::Mesh& mesh, std::vector<PeerSolid> solids, bool robust, int threads);
   ~EmbreePeer();
   EmbreePeer(const EmbreePeer&) = delete;
   EmbreePeer& operator=(const EmbreePeer&) = delete;

@@ -1,8 +1,11 @@
 // sightline-bench trace: primary rays of one picture through the ray tracer, on one thread, and beside Embree 3 where
-// the build has found it. Embree gets all meshes as one mesh in world coordinates, and no solids.
+// the build has found it. Embree gets all meshes as one mesh in world coordinates. It gets solids in two ways: as
+// triangles, whose chords deviate by a quarter of a pixel at the median distance, and as user geometry that calls our
+// reference intersectors.
 //
 // The rays exist before the clock runs. Figures are the least of interleaved passes, in processor time.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -20,9 +23,11 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
-#include "sightline/raytrace/tracer.h"
+#include "sightline/importers/plant/plant_generator.h"
+#include "sightline/raytrace/pixel_rays.h"
 #if SIGHTLINE_HAS_EMBREE
 #include "sightline/bench/embree_peer.h"
+#include "sightline/gpuprims/internal/primitives.h"
 #endif
 
 namespace sightline::bench {
@@ -34,6 +39,8 @@ using core::vec3;
 struct Options {
   apps::ModelOptions model;
   std::size_t triangles = 0;
+  std::uint64_t items = 0;
+  double zoom = 1.0;
   int width = 1408, height = 768, passes = 5, threads = 1;
   std::string json;
 };
@@ -63,15 +70,13 @@ core::Mesh bumpy_ball(std::size_t triangles) {
 
 /// All rays of the picture, by tiles of 4 x 4 pixels.
 core::Expected<std::vector<raytrace::Ray>> primary_rays(const core::View& view, int width, int height) {
+  const auto pixels = raytrace::PixelRays::create(view, width, height);
+  if (!pixels) return tl::unexpected(pixels.error());
   std::vector<raytrace::Ray> rays;
   for (int y = 0; y < height; y += 4)
     for (int x = 0; x < width; x += 4)
       for (int j = y; j < std::min(y + 4, height); ++j)
-        for (int i = x; i < std::min(x + 4, width); ++i) {
-          const auto ray = raytrace::pixel_ray(view, width, height, i + 0.5, j + 0.5);
-          if (!ray) return tl::unexpected(ray.error());
-          rays.push_back(*ray);
-        }
+        for (int i = x; i < std::min(x + 4, width); ++i) rays.push_back(pixels->through(i + 0.5, j + 0.5));
   return rays;
 }
 
@@ -87,18 +92,44 @@ struct Way {
 };
 
 #if SIGHTLINE_HAS_EMBREE
-/// All meshes of a snapshot, in world coordinates.
-core::Mesh joined(const core::Snapshot& snapshot) {
+void append(core::Mesh& all, const core::Mesh& mesh, const core::Affine& world) {
+  const auto first = std::uint32_t(all.positions.size());
+  for (const vec3& p : mesh.positions) all.positions.emplace_back(core::transform_point(world, dvec3(p)));
+  for (const std::uint32_t i : mesh.indices) all.indices.push_back(first + i);
+}
+
+bool is_solid(core::Kind kind) {
+  return int(kind) < core::kPrimitiveKindCount && kind != core::Kind::kLine;
+}
+
+/// All meshes of a snapshot, in world coordinates; with a chord tolerance in metres all solids as triangles, too.
+core::Mesh joined(const core::Snapshot& snapshot, double tolerance = 0.0) {
   core::Mesh all;
   for (core::Slot slot = 0; slot < snapshot.size(); ++slot) {
-    if (snapshot.vacant(slot) || int(snapshot.kind(slot)) < core::kPrimitiveKindCount) continue;
-    const core::Mesh& mesh = snapshot.mesh(slot);
+    if (snapshot.vacant(slot)) continue;
     const core::Affine world = snapshot.world_from_item(slot);
-    const auto first = std::uint32_t(all.positions.size());
-    for (const vec3& p : mesh.positions) all.positions.emplace_back(core::transform_point(world, dvec3(p)));
-    for (const std::uint32_t i : mesh.indices) all.indices.push_back(first + i);
+    if (int(snapshot.kind(slot)) >= core::kPrimitiveKindCount) {
+      append(all, snapshot.mesh(slot), world);
+    } else if (tolerance > 0.0 && is_solid(snapshot.kind(slot))) {
+      double scale = 0.0;
+      for (int i = 0; i < 3; ++i) scale = std::max(scale, glm::length(world.linear[i]));
+      append(all,
+             gpuprims::tessellate(snapshot.primitive(slot), {.chord_tolerance = tolerance / scale, .min_segments = 3}),
+             world);
+    }
   }
   return all;
+}
+
+std::vector<PeerSolid> solids_of(const core::Snapshot& snapshot) {
+  std::vector<PeerSolid> solids;
+  for (core::Slot slot = 0; slot < snapshot.size(); ++slot) {
+    if (snapshot.vacant(slot) || !is_solid(snapshot.kind(slot))) continue;
+    const core::Affine world = snapshot.world_from_item(slot);
+    const core::Primitive solid = snapshot.primitive(slot);
+    solids.push_back({solid, glm::inverse(world.linear), world.origin, core::bounds(solid, world)});
+  }
+  return solids;
 }
 
 struct Peers {
@@ -106,27 +137,53 @@ struct Peers {
   std::vector<FloatRay> rays;
 };
 
-void add_peers(const core::Snapshot& snapshot, std::span<const raytrace::Ray> rays, int threads, Peers& peers,
-               std::vector<Way>& ways, nlohmann::json& json) {
-  const core::Mesh mesh = joined(snapshot);
-  if (mesh.indices.empty()) return;
+void add_peer(const std::string& name, const core::Mesh& mesh, std::vector<PeerSolid> solids, bool robust, int threads,
+              Peers& peers, std::vector<Way>& ways, nlohmann::json& json) {
+  if (mesh.indices.empty() && solids.empty()) return;
+  const EmbreePeer* peer =
+      peers.scenes.emplace_back(std::make_unique<EmbreePeer>(mesh, std::move(solids), robust, threads)).get();
+  json["builds"].push_back(
+      {{"name", name}, {"ms", peer->build_ms()}, {"bytes", peer->bytes()}, {"triangles", mesh.indices.size() / 3}});
+  ways.push_back(
+      {.name = name + ", single", .trace = [peer, &peers](std::span<float> t) { peer->single(peers.rays, t); }});
+  ways.push_back({.name = name + ", packets of 16",
+                  .trace = [peer, &peers](std::span<float> t) { peer->packets(peers.rays, t); }});
+}
+
+/// A chord tolerance that a picture shows as a quarter of a pixel at the median distance of what it hits; metres.
+double quarter_pixel(const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays, int height) {
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < rays.size(); i += 97)
+    if (const auto hit = tracer.nearest(rays[i]); *hit) distances.push_back((*hit)->t);
+  if (distances.empty()) return 1.0;
+  const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return 0.25 * 2.0 * std::tan(0.5 * apps::kFovy) / height * *middle;
+}
+
+void add_peers(const core::Snapshot& snapshot, const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays,
+               const Options& options, Peers& peers, std::vector<Way>& ways, nlohmann::json& json) {
   for (const raytrace::Ray& r : rays)
     peers.rays.push_back({vec3(r.origin), vec3(r.direction), float(r.t_min), float(std::min(r.t_max, 1e30))});
-  for (const bool robust : {true, false}) {
-    const std::string mode = robust ? "Embree robust" : "Embree default";
-    const EmbreePeer* peer = peers.scenes.emplace_back(std::make_unique<EmbreePeer>(mesh, robust, threads)).get();
-    json["builds"].push_back({{"name", mode}, {"ms", peer->build_ms()}, {"bytes", peer->bytes()}});
-    ways.push_back(
-        {.name = mode + ", single", .trace = [peer, &peers](std::span<float> t) { peer->single(peers.rays, t); }});
-    ways.push_back({.name = mode + ", packets of 16",
-                    .trace = [peer, &peers](std::span<float> t) { peer->packets(peers.rays, t); }});
+  const core::Mesh mesh = joined(snapshot);
+  const std::vector<PeerSolid> solids = solids_of(snapshot);
+  if (solids.empty()) {
+    add_peer("Embree robust", mesh, {}, true, options.threads, peers, ways, json);
+    add_peer("Embree default", mesh, {}, false, options.threads, peers, ways, json);
+    return;
   }
+  const double tolerance = quarter_pixel(tracer, rays, options.height);
+  json["chord_tolerance_m"] = tolerance;
+  add_peer("Embree robust, tessellated", joined(snapshot, tolerance), {}, true, options.threads, peers, ways, json);
+  add_peer("Embree, our intersectors", mesh, solids, true, options.threads, peers, ways, json);
 }
 #endif
 
 void print_table(const nlohmann::json& json, std::FILE* out) {
   std::fprintf(out, "%zu items, %zu triangles, %zu rays\n", json["items"].get<std::size_t>(),
                json["triangles"].get<std::size_t>(), json["rays"].get<std::size_t>());
+  if (json.contains("chord_tolerance_m"))
+    std::fprintf(out, "tessellated within %.3g m\n", json["chord_tolerance_m"].get<double>());
   for (const auto& build : json["builds"])
     std::fprintf(out, "%-32s build %9.1f ms %9.1f MB\n", build["name"].get<std::string>().c_str(),
                  build["ms"].get<double>(), build["bytes"].get<double>() / 1e6);
@@ -151,6 +208,11 @@ core::Expected<int> run(const Options& options) {
     if (!model) return tl::unexpected(model.error());
     scene = std::move(model->scene);
     if (auto done = scene->commit(); !done) return tl::unexpected(done.error());
+  } else if (options.items > 0) {
+    scene = std::make_unique<core::Scene>();
+    if (auto made = importers::generate_plant({.items = options.items}, *scene); !made)
+      return tl::unexpected(made.error());
+    if (auto done = scene->commit(); !done) return tl::unexpected(done.error());
   } else {
     auto made = scene_of(options);
     if (!made) return tl::unexpected(made.error());
@@ -162,8 +224,11 @@ core::Expected<int> run(const Options& options) {
     if (!snapshot.vacant(slot) && int(snapshot.kind(slot)) >= core::kPrimitiveKindCount)
       triangles += snapshot.mesh(slot).indices.size() / 3;
 
-  const auto view = core::View::fit(snapshot.bounds().fitted_bounds().bounds, core::kOverviewDirection, apps::kFovy,
-                                    double(options.width) / options.height);
+  core::AabbD shown = snapshot.bounds().fitted_bounds().bounds;
+  const dvec3 half = 0.5 / options.zoom * shown.size(), centre = shown.centre();
+  shown = {centre - half, centre + half};
+  const auto view =
+      core::View::fit(shown, core::kOverviewDirection, apps::kFovy, double(options.width) / options.height);
   if (!view) return tl::unexpected(view.error());
   const auto rays = primary_rays(*view, options.width, options.height);
   if (!rays) return tl::unexpected(rays.error());
@@ -182,10 +247,22 @@ core::Expected<int> run(const Options& options) {
                       t[i] = *hit ? float((*hit)->t) : std::numeric_limits<float>::infinity();
                     }
                   }});
+  ways.push_back({.name = "Sightline, streams", .trace = [&](std::span<float> t) {
+                    std::array<raytrace::Hit, 256> hits;
+                    for (std::size_t first = 0; first < rays->size(); first += hits.size()) {
+                      const std::size_t count = std::min(hits.size(), rays->size() - first);
+                      if (!tracer->nearest(std::span(*rays).subspan(first, count), std::span(hits).first(count)))
+                        return;
+                      for (std::size_t i = 0; i < count; ++i)
+                        t[first + i] =
+                            hits[i].slot != core::kNone ? float(hits[i].t) : std::numeric_limits<float>::infinity();
+                    }
+                  }});
 #if SIGHTLINE_HAS_EMBREE
   Peers peers;
-  add_peers(snapshot, *rays, options.threads, peers, ways, json);
+  add_peers(snapshot, *tracer, *rays, options, peers, ways, json);
 #endif
+  if (const char* only = std::getenv("ONLY")) ways = {ways[std::size_t(std::atoi(only))]};
   for (Way& way : ways) way.t.resize(rays->size());
   for (int pass = 0; pass < options.passes; ++pass)
     for (Way& way : ways) {
@@ -213,6 +290,11 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--triangles", options.triangles, "Without MODEL: triangles of a ball with bumps")
       ->default_val(900'000)
       ->check(CLI::Range(std::size_t(64), std::size_t(100'000'000)));
+  app.add_option("--items", options.items, "Without MODEL: items of a generated plant, instead of a ball")
+      ->check(CLI::Range(std::uint64_t(1'000), std::uint64_t(10'000'000)));
+  app.add_option("--zoom", options.zoom, "Fit this part of the model's middle: 2 is half of its bounds")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1000.0));
   app.add_option("--width", options.width, "Pixels")->capture_default_str()->check(CLI::Range(1, 16384));
   app.add_option("--height", options.height, "Pixels")->capture_default_str()->check(CLI::Range(1, 16384));
   app.add_option("--passes", options.passes, "Times that each tracer traces all rays")
@@ -224,7 +306,8 @@ void add_options(CLI::App& app, Options& options) {
   apps::add_json_option(app, options.json);
   apps::add_examples(app,
                      "  sightline-bench trace bunny.ply\n"
-                     "  sightline-bench trace --triangles 3600000 --threads 2");
+                     "  sightline-bench trace --triangles 3600000 --threads 2\n"
+                     "  sightline-bench trace --items 100000 --zoom 4");
 }
 
 }  // namespace
