@@ -40,8 +40,9 @@ SparseBoxGrid build_sbg_from_kd_tree(std::span<const core::Aabb> boxes, const co
 SparseBoxGrid build_sbg_by_growth(std::span<const core::Aabb> boxes, const core::Aabb& bounds,
                                   double cells_per_box = 8.0);
 
-/// Goes from box to box. A face lies on a line of the grid, so the next cell's number across it is exact; on the other
-/// axes it stays within the box that the ray leaves, so that rounding never takes it back.
+/// Goes from box to box. A face lies on a line of the grid, so the next cell's number across it is exact. On the other
+/// axes it stays within the box that the ray leaves, and never goes back: three boxes around a corner, which no tree
+/// has, would else send a ray round and round.
 struct SbgWalk {
   template <class Q>
   static void walk(const SparseBoxGrid& grid, const UnitRay& ray, Q& query) {
@@ -60,10 +61,13 @@ struct SbgWalk {
       if (query.test({grid.triangles.data() + box.first, box.count}, exit) || exit >= ray.exit) return;
       for (int a = 0; a < 3; ++a) {
         const std::size_t i = std::size_t(a);
-        if (a == axis)
+        if (a == axis) {
           cell[i] = ray.negative(a) ? box.low[i] - 1 : box.high[i];
-        else
-          cell[i] = std::clamp(lines.cell_of(a, ray.point(a, exit)), std::int32_t(box.low[i]), box.high[i] - 1);
+        } else {
+          const std::int32_t here = lines.cell_of(a, ray.point(a, exit));
+          cell[i] = ray.negative(a) ? std::clamp(here, std::int32_t(box.low[i]), cell[i])
+                                    : std::clamp(here, cell[i], box.high[i] - 1);
+        }
       }
       if (cell[std::size_t(axis)] < 0 || cell[std::size_t(axis)] >= lines.cells[std::size_t(axis)]) return;
     }

@@ -35,7 +35,7 @@ void walk() {
       if (a == axis)
         cell[a] = negative(a) ? low[a] - 1 : high[a];
       else
-        cell[a] = clamp(cell_of(a, point(a, exit)), low[a], high[a] - 1);
+        cell[a] = clamp(cell_of(a, point(a, exit)), negative(a) ? low[a] : cell[a], negative(a) ? cell[a] : high[a] - 1);
     }
     if (cell[axis] < 0 || cell[axis] >= space.cells[axis]) return;
   }
