@@ -66,9 +66,9 @@ struct EngineConfig {
   /// kPoints.
   ContributionWay contribution_way = ContributionWay::kDrop;
   /// Milliseconds that a call of frame() may take; 0: any. While the view moves, the largest items are drawn first, and
-  /// what the time does not suffice for is left out (FrameReport::pending), or a square each: contribution_way. While view and scene stay the same, each
-  /// frame draws more of it, until the picture is complete; then frames draw nothing. The CPU must cull, as above.
-  /// Every frame is waited for.
+  /// what the time does not suffice for is left out (FrameReport::pending), or a square each: contribution_way. While
+  /// view and scene stay the same, each frame draws more of it, until the picture is complete; then frames draw
+  /// nothing. The CPU must cull, as above. Every frame is waited for.
   double budget_ms = 0.0;
   /// Colour (sRGB) in which frame(view, cull_view) draws the items that the sample test and the occlusion test leave
   /// out of the picture of cull_view; then these frames are culled on the CPU. None: such items look like all others.
