@@ -55,8 +55,6 @@ void BudgetPasses::begin(const culling::ContributionTest& measure, const core::I
   drawn_.clear();
   drawn_.generation = pass_.generation = piece_.generation = candidates.generation;
   at_ = 0;
-  looked_at_.assign(lines.begin(), lines.end());
-  looked_at_.resize(culling::bit_words(bounds.size()));
   measure.areas(bounds, candidates, areas_);
   constexpr int kRanks = DrawCosts::kClasses + kOpenFirst;
   const auto rank_of = [&](const SlotArea& a) {  // 0 comes first
@@ -103,21 +101,18 @@ std::size_t BudgetPasses::affordable(double ms) const {
 double BudgetPasses::take(std::size_t end, const culling::OcclusionTest* test, const core::ItemBounds& bounds) {
   piece_.items.clear();
   for (std::size_t i = at_; i < end; ++i) piece_.items.push_back(order_[i].slot);
-  culling::set_bits(piece_, looked_at_);
   if (test)
     test->filter(bounds, piece_, open_piece_, lines_);  // keeps their order
   else
     std::swap(piece_, open_piece_);
+  double ms = 0.0;
+  auto open = open_piece_.items.begin();
   for (std::size_t i = at_; i < end; ++i) {
     const int size_class = DrawCosts::class_of(order_[i].area);
     --left_[std::size_t(size_class)];
     looked_at_ms_ += costs_.ms(size_class);
-  }
-  double ms = 0.0;
-  std::size_t i = at_;
-  for (const core::Slot slot : open_piece_.items) {
-    while (order_[i].slot != slot) ++i;
-    const int size_class = DrawCosts::class_of(order_[i].area);
+    if (open == open_piece_.items.end() || *open != order_[i].slot) continue;
+    ++open;
     ++counts_[std::size_t(size_class)];
     ms += costs_.ms(size_class);
   }
@@ -125,6 +120,12 @@ double BudgetPasses::take(std::size_t end, const culling::OcclusionTest* test, c
   at_ = end;
   drawn_ms_ += ms;
   return ms;
+}
+
+void BudgetPasses::looked_at(std::size_t slots, std::vector<std::uint64_t>& bits) const {
+  bits.assign(lines_.begin(), lines_.end());
+  bits.resize(culling::bit_words(slots));
+  for (std::size_t i = 0; i < at_; ++i) bits[order_[i].slot / 64] |= std::uint64_t(1) << order_[i].slot % 64;
 }
 
 double BudgetPasses::pending_ms() const {

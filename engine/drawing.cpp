@@ -427,8 +427,10 @@ core::Expected<void> Drawing::draw_in_budget(const Culled& culled, double deadli
   const double begin = now_seconds();
   if (beside) refined_->copy_to(target_);
   core::Expected<void> done;
-  if (counts_.pending + counts_.small > 0)
-    done = draw_squares(culled, budget_.looked_at(), 0.0f, tests && budget_.drawn() > 0);
+  if (counts_.pending + counts_.small > 0) {
+    budget_.looked_at(bounds.size(), without_squares_);
+    done = draw_squares(culled, without_squares_, 0.0f, tests && budget_.drawn() > 0);
+  }
   context_.functions().Finish();
   squares_ms_ = std::max(1e3 * (now_seconds() - begin), kSlower * squares_ms_);
   return done;

@@ -53,8 +53,8 @@ class BudgetPasses {
   /// Candidates that were not looked at, and the area of the largest of them.
   std::size_t pending() const { return order_.size() - at_; }
   float largest_pending() const { return complete() ? 0.0f : order_[at_].area; }
-  /// A bit per slot: of `lines`, and of candidates that were drawn or are hidden.
-  culling::SlotBits looked_at() const { return looked_at_; }
+  /// Replaces `bits` by one per slot: of `lines`, and of candidates that were drawn or are hidden.
+  void looked_at(std::size_t slots, std::vector<std::uint64_t>& bits) const;
   /// What drawing the pending candidates may cost, if as many of them are hidden as of those before.
   double pending_ms() const;
   /// What a pass costs at least.
@@ -69,10 +69,9 @@ class BudgetPasses {
   double take(std::size_t end, const culling::OcclusionTest* test, const core::ItemBounds& bounds);
 
   DrawCosts costs_;
-  std::vector<SlotArea> areas_, order_;  // order_: the largest first, in classes
-  std::size_t at_ = 0;                   // in order_: what is before has been drawn, or is hidden
-  std::vector<std::uint64_t> open_;      // a bit per slot, of the last frame
-  std::vector<std::uint64_t> looked_at_;
+  std::vector<SlotArea> areas_, order_;                      // order_: the largest first, in classes
+  std::size_t at_ = 0;                                       // in order_: what is before has been drawn, or is hidden
+  std::vector<std::uint64_t> open_;                          // a bit per slot, of the last frame
   std::array<std::uint32_t, DrawCosts::kClasses> counts_{};  // of the pass
   std::array<std::uint32_t, DrawCosts::kClasses> left_{};    // pending, of each class
   double drawn_ms_ = 0.0, looked_at_ms_ = 0.0;               // what was drawn cost, and would with what is hidden

@@ -150,6 +150,7 @@ class Drawing {
   std::int64_t overlooked_ = 0;            // items that were not even measured while the view moves
   bool refines_ = false;                   // the view has stayed, and the picture was begun anew with all candidates
   std::optional<render::RenderTarget> refined_;  // beside the picture, which then has squares, too
+  std::vector<std::uint64_t> without_squares_;   // a bit per slot, with a budget
   double squares_ms_ = 0.0;                      // that copying and squares of a frame with a budget take
   ContributionWay contribution_way_ = ContributionWay::kDrop;
   SmallItems small_items_;
