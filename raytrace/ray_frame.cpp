@@ -92,7 +92,7 @@ bool enter(const TreeSpace& space, const dvec3& origin, const dvec3& direction, 
   frame.begin = first - frame.margin;
   frame.origin = origin + frame.begin * d;
   set_box_ray(frame.origin, d, float(kBoxError * space.reach), frame.boxes);
-  frame.boxes.t_max = frame.limit_of(last);
+  frame.boxes.t_max = frame_limit(last, frame.begin, frame.margin);
   return true;
 }
 

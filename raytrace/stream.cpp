@@ -252,8 +252,7 @@ class Tracer::Impl::Packet {
   /// Nothing beyond the hit is of interest from now on.
   void shorten(int ray) {
     if (!walking_) return;
-    const double s = (t_[ray] * frame_.per_factor[ray] - frame_.begin[ray]) * (1.0 + 0x1p-20) + frame_.margin;
-    const float limit = s < 1e38 ? float(s) : std::numeric_limits<float>::infinity();
+    const float limit = frame_limit(t_[ray] * frame_.per_factor[ray], frame_.begin[ray], frame_.margin);
     frame_.limit[ray] = std::min(frame_.limit[ray], std::max(0.0f, limit));
   }
 

@@ -246,8 +246,7 @@ inline void turn_normals(const double (*columns)[3], bool mirrored, double (*nor
   }
 }
 
-// --- solids: gpuprims, with the same roundings
-// -------------------------------------------------------------------------
+// --- solids, with the roundings of gpuprims --------------------------------------------------------------------------
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 

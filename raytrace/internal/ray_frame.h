@@ -21,6 +21,12 @@ struct TreeSpace {
 };
 TreeSpace space_around(const core::AabbD& box);
 
+/// A limit for float in a frame that begins there, `margin` wide: of what lies up to `s` from the ray's own origin.
+inline float frame_limit(double s, double begin, double margin) {
+  const double limit = (s - begin) * (1.0 + 0x1p-20) + margin;
+  return limit < 1e38 ? float(limit) : std::numeric_limits<float>::infinity();
+}
+
 /// A ray with its origin near a hierarchy. Its parameter s is 0 there; the given ray's t is (begin + s) * factor.
 struct RayFrame {
   dvec3 origin, direction;           ///< the largest component of the direction lies in [1, 2)
@@ -30,11 +36,7 @@ struct RayFrame {
 
   double t(double s) const { return (begin + s) * factor; }
   /// A limit in s for what lies up to `t`.
-  float limit(double t) const { return limit_of(t * per_factor); }
-  float limit_of(double s_from_origin) const {
-    const double s = (s_from_origin - begin) * (1.0 + 0x1p-20) + margin;
-    return s < 1e38 ? float(s) : std::numeric_limits<float>::infinity();
-  }
+  float limit(double t) const { return frame_limit(t * per_factor, begin, margin); }
 };
 
 /// False when the part t_min … t_max of the ray does not come near `space`. The ray starts within the margin before
