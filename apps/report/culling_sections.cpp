@@ -5,7 +5,6 @@
 #include "sightline/apps/common/drawn_variant.h"
 #include "sightline/apps/common/flight.h"
 #include "sightline/apps/common/statistics.h"
-#include "sightline/apps/common/svg_plot.h"
 #include "sightline/apps/report/report.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/image/image_metrics.h"
@@ -16,8 +15,6 @@ namespace {
 using engine::CullerChoice;
 using engine::OcclusionChoice;
 using Rows = std::vector<std::vector<std::string>>;
-
-constexpr const char* kNothing = "the scene has nothing to draw";
 
 std::string frames_option(const Report& report) {
   return "--frames " + std::to_string(report.options().frames);
@@ -30,19 +27,6 @@ Json summary_json(const std::vector<double>& values) {
 /// name, median, 95th percentile, maximum
 std::vector<std::string> summary_row(std::string name, const std::vector<double>& values) {
   return {std::move(name), number(median(values)), number(percentile(values, 0.95)), number(percentile(values, 1.0))};
-}
-
-PanelSeries line_over_frames(std::string label, const std::vector<double>& values, PanelSeries::Style style) {
-  PanelSeries series{std::move(label), {}, style};
-  for (std::size_t i = 0; i < values.size(); ++i) series.points.push_back({double(i), values[i], ""});
-  return series;
-}
-
-std::string plot_over_frames(std::string title, std::string quantity, std::vector<PanelSeries> series) {
-  PanelPlot plot{std::move(title), "frame of the tour", std::move(quantity), {{"", std::move(series)}}};
-  plot.log_x = false;
-  plot.large = true;
-  return svg_panels(plot);
 }
 
 core::Expected<Flight> fly_tour(const Report& report, const engine::EngineConfig& config,
@@ -141,7 +125,7 @@ core::Expected<Shares> measure_shares(const Report& report, const SectionProgres
     const auto count_owners = [&](engine::Engine& engine) -> core::Expected<void> {
       const auto ids = engine.read_ids();
       if (!ids) return tl::unexpected(ids.error());
-      shares.owners.push_back(double(owners(*ids)));
+      shares.owners.push_back(double(owners(*ids).size()));
       progress(0.5 * double(shares.owners.size()) / report.options().frames);
       return {};
     };

@@ -406,7 +406,7 @@ core::Expected<void> compare_contributions(const Report& report, const std::shar
 core::Expected<Section> error_section(const Report& report, const SectionProgress& progress) {
   Section section;
   if (report.empty()) {
-    section.left_out = "the scene has nothing to draw";
+    section.left_out = kNothing;
     return section;
   }
   const std::shared_ptr<core::Scene> scene(&report.scene(), [](core::Scene*) {});  // the report owns it

@@ -214,7 +214,7 @@ core::Expected<Section> pictures_section(const Report& report, const SectionProg
     if (!colour) return tl::unexpected(colour.error());
     const auto ids = report.engine().read_ids();
     if (!ids) return tl::unexpected(ids.error());
-    const std::size_t seen = owners(*ids);
+    const std::size_t seen = owners(*ids).size();
     const std::array pictures{LabelledPicture{place.name, std::move(*colour)},
                               LabelledPicture{"items, " + place.name, item_colours(*ids)}};
     auto done = section.html.pictures(pictures, {count_words(seen) + " items own a pixel.",

@@ -87,7 +87,7 @@ core::Expected<void> Report::find_views() {
     const auto ids = engine_->read_ids();
     if (!ids) return tl::unexpected(ids.error());
     const auto background = std::size_t(std::count(ids->ids.begin(), ids->ids.end(), 0u));
-    candidates.push_back({frame, *view, owners(*ids), ids->ids.size() - background});
+    candidates.push_back({frame, *view, owners(*ids).size(), ids->ids.size() - background});
   }
   // One place that shows many items, and one where they fill the picture.
   for (std::size_t Candidate::*figure : {&Candidate::items, &Candidate::pixels}) {
@@ -134,11 +134,13 @@ std::string Report::section_command(const std::string& section) const {
                                " --out report.html");
 }
 
-std::size_t owners(const image::IdImage& ids) {
-  std::vector<std::uint32_t> seen = ids.ids;
-  std::sort(seen.begin(), seen.end());
-  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
-  return seen.size() - std::size_t(!seen.empty() && seen.front() == 0);
+std::vector<core::ItemId> owners(const image::IdImage& picture) {
+  std::vector<core::ItemId> owners;
+  for (const std::uint32_t id : picture.ids)
+    if (id != 0) owners.push_back(id - 1);
+  std::sort(owners.begin(), owners.end());
+  owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
+  return owners;
 }
 
 core::Expected<std::array<int, 2>> parse_report_size(const std::string& text) {
@@ -182,6 +184,19 @@ std::string number(double value) {
 
 std::string percent(double share) {
   return number(100.0 * share) + " %";
+}
+
+PanelSeries line_over_frames(std::string label, const std::vector<double>& values, PanelSeries::Style style) {
+  PanelSeries series{std::move(label), {}, style};
+  for (std::size_t i = 0; i < values.size(); ++i) series.points.push_back({double(i), values[i], ""});
+  return series;
+}
+
+std::string plot_over_frames(std::string title, std::string quantity, std::vector<PanelSeries> series) {
+  PanelPlot plot{std::move(title), "frame of the tour", std::move(quantity), {{"", std::move(series)}}};
+  plot.log_x = false;
+  plot.large = true;
+  return svg_panels(plot);
 }
 
 image::Image differences_on_white(const image::Image& a, const image::Image& b) {

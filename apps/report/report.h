@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/svg_plot.h"
 #include "sightline/apps/report/html_page.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/engine/engine.h"
@@ -120,10 +121,13 @@ core::Expected<Section> options_section(const Report& report, const SectionProgr
 core::Expected<Section> error_section(const Report& report, const SectionProgress& progress);
 core::Expected<Section> stability_section(const Report& report, const SectionProgress& progress);
 
+/// Why a section is left out.
+inline constexpr const char* kNothing = "the scene has nothing to draw";
+
 // --- how figures are written -----------------------------------------------------------------------------------------
 
-/// Number of items that own a pixel.
-std::size_t owners(const image::IdImage& ids);
+/// Items that own a pixel, in rising order.
+std::vector<core::ItemId> owners(const image::IdImage& picture);
 /// WIDTHxHEIGHT, large enough for the measures of errors.
 core::Expected<std::array<int, 2>> parse_report_size(const std::string& text);
 /// A word of a shell command, quoted where necessary.
@@ -138,6 +142,10 @@ std::string number(double value);
 std::string percent(double share);
 /// "1.2 MiB", with the unit that fits.
 std::string bytes_words(std::size_t bytes);
+
+/// A value of each frame of the tour, and a plot of several such.
+PanelSeries line_over_frames(std::string label, const std::vector<double>& values, PanelSeries::Style style);
+std::string plot_over_frames(std::string title, std::string quantity, std::vector<PanelSeries> series);
 
 /// Absolute differences, four times amplified; white where there are none. Sizes must be equal.
 image::Image differences_on_white(const image::Image& a, const image::Image& b);

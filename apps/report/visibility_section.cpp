@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "sightline/apps/common/statistics.h"
-#include "sightline/apps/common/svg_plot.h"
 #include "sightline/apps/report/report.h"
 #if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/raytrace/exact_visibility.h"
@@ -43,6 +42,7 @@ constexpr Way kWays[] = {
 struct Picture {
   image::IdImage ids;
   image::DepthImage depth;
+  Ids owners;  ///< of a pixel, sorted
 };
 
 /// Of one way, by frame.
@@ -95,25 +95,16 @@ core::Expected<Drawn> draw_all(const Report& report, const Way& way, const std::
     if (!ids) return tl::unexpected(ids.error());
     auto depth = engine->read_depth(view);
     if (!depth) return tl::unexpected(depth.error());
-    drawn.pictures.push_back({std::move(*ids), std::move(*depth)});
+    Ids owned = owners(*ids);
+    drawn.pictures.push_back({std::move(*ids), std::move(*depth), std::move(owned)});
   }
   return drawn;
-}
-
-/// Sorted.
-Ids owners_of(const image::IdImage& picture) {
-  Ids owners;
-  for (const std::uint32_t id : picture.ids)
-    if (id != 0) owners.push_back(id - 1);
-  std::sort(owners.begin(), owners.end());
-  owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
-  return owners;
 }
 
 /// Items of `set` that own a pixel of `reference` and none of `picture`. A tie: wherever the item was seen, another is
 /// seen at the same depth.
 void count_lost(const Ids& set, const Picture& reference, const Picture& picture, Drawn& counts) {
-  const Ids before = owners_of(reference.ids), now = owners_of(picture.ids);
+  const Ids &before = reference.owners, &now = picture.owners;
   Ids seen, lost, at_another_depth;
   std::set_intersection(set.begin(), set.end(), before.begin(), before.end(), std::back_inserter(seen));
   std::set_difference(seen.begin(), seen.end(), now.begin(), now.end(), std::back_inserter(lost));
@@ -125,8 +116,7 @@ void count_lost(const Ids& set, const Picture& reference, const Picture& picture
     ++(std::binary_search(at_another_depth.begin(), at_another_depth.end(), item) ? counts.lost : counts.ties);
 }
 
-std::size_t count_missing(const Ids& set, const image::IdImage& picture) {
-  const Ids owners = owners_of(picture);
+std::size_t count_missing(const Ids& set, const Ids& owners) {
   Ids missing;
   std::set_difference(set.begin(), set.end(), owners.begin(), owners.end(), std::back_inserter(missing));
   return missing.size();
@@ -136,18 +126,12 @@ double mean_of(const std::vector<double>& values) {
   return summarise(values).mean;
 }
 
-PanelSeries series_of(std::string label, const std::vector<double>& values, PanelSeries::Style style) {
-  PanelSeries series{std::move(label), {}, style};
-  for (std::size_t i = 0; i < values.size(); ++i) series.points.push_back({double(i), values[i], ""});
-  return series;
-}
-
 }  // namespace
 
 core::Expected<Section> visibility_section(const Report& report, const SectionProgress& progress) {
   Section section;
   if (report.empty()) {
-    section.left_out = "the scene has nothing to draw";
+    section.left_out = kNothing;
     return section;
   }
   const int frames = std::min(kMostFrames, report.options().frames);
@@ -158,7 +142,7 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
   progress(0.3);
   std::vector<double> exact;
   for (const Ids& set : *sets) exact.push_back(double(set.size()));
-  std::vector<PanelSeries> series{series_of("seen by rays", exact, PanelSeries::Style::kHeavyLine)};
+  std::vector<PanelSeries> series{line_over_frames("seen by rays", exact, PanelSeries::Style::kHeavyLine)};
   std::vector<std::vector<std::string>> rows{{"seen by rays", number(mean_of(exact)), "1", "", ""}};
   section.figures = {{"frames", frames}, {"exact", mean_of(exact)}};
   std::optional<Drawn> reference;
@@ -170,7 +154,7 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
     std::vector<double> excess;
     for (std::size_t i = 0; i < sets->size(); ++i) {
       count_lost((*sets)[i], all[i], drawn->pictures[i], *drawn);
-      if (!reference) unlike += count_missing((*sets)[i], all[i].ids);
+      if (!reference) unlike += count_missing((*sets)[i], all[i].owners);
       if (exact[i] > 0.0) excess.push_back(drawn->items[i] / exact[i]);
     }
     const double ratio = excess.empty() ? 0.0 : median(excess);
@@ -181,7 +165,7 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
                                        {"per_exact", ratio},
                                        {"lost", drawn->lost},
                                        {"ties", drawn->ties}});
-    series.push_back(series_of(way.label, drawn->items, way.style));
+    series.push_back(line_over_frames(way.label, drawn->items, way.style));
     section.headline += (section.headline.empty() ? "items drawn for each that rays see: " : ", ") +
                         (way.label + (" " + number(ratio)));
     lost += drawn->lost;
@@ -200,10 +184,8 @@ core::Expected<Section> visibility_section(const Report& report, const SectionPr
            "transparent items; both are drawn. " +
            count_words(unlike) + " times the rasteriser itself shows no pixel of an item that rays see.",
        command});
-  PanelPlot plot{"Items drawn by each culler, and seen by rays", "frame", "items", {{"", std::move(series)}}};
-  plot.log_x = false;
-  plot.large = true;
-  section.html.plot(svg_panels(plot), {"The same frame by frame.", command});
+  section.html.plot(plot_over_frames("Items drawn by each culler, and seen by rays", "items", std::move(series)),
+                    {"The same frame by frame.", command});
   return section;
 }
 #else
