@@ -54,6 +54,8 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   gl::Context context = (config.context ? *config.context : *own).share();
   std::unique_ptr<Drawing> drawing(new Drawing(std::move(own), std::move(context)));
   if (auto current = drawing->make_current(); !current) return tl::unexpected(current.error());
+  drawing->gl_state_ = config.gl_state;
+  [[maybe_unused]] const KeptState kept = drawing->keep_state();
   drawing->context_.cache_programs(config.program_cache.value_or(gl::ProgramCache::default_folder()));
   drawing->renders_ = config.draw;
   drawing->sample_test_ = config.sample_test;
@@ -76,6 +78,11 @@ Drawing::~Drawing() {
   own_context_.reset();  // frees everything in it without changing which context is current
   (void)make_current();
   for (const InFlight& frame : in_flight_) context_.functions().DeleteSync(frame.fence);
+}
+
+Drawing::KeptState Drawing::keep_state() const {
+  if (own_context_ || gl_state_ == GlState::kLeave || lost()) return {};
+  return KeptState(std::in_place, context_.functions());
 }
 
 bool Drawing::lost() const {
@@ -494,7 +501,14 @@ std::optional<culling::GpuCuller::Feedback> Drawing::take_gpu_feedback() {
   return feedback;
 }
 
+core::Expected<void> Drawing::compose() {
+  if (!compositor_) compositor_.emplace(context_.functions());
+  return compositor_->draw(target_, *external_, renderer_->background);
+}
+
 core::Expected<void> Drawing::submit(std::uint64_t frame) {
+  if (external_)
+    if (auto done = compose(); !done) return done;
   const gl::Functions& gl = context_.functions();
   in_flight_.push_back({gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), frame, now_seconds()});
   gl.Flush();

@@ -45,7 +45,9 @@ class Engine::Impl {
 
   /// Builds everything that the plan names. The scene must be committed.
   core::Expected<void> build();
-  core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view);
+  core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view,
+                                    const core::ExternalTarget* target);
+  Drawing::KeptState keep_state() const { return drawing_ ? drawing_->keep_state() : Drawing::KeptState(); }
   std::optional<LateReport> take_late_report();
   core::Expected<void> commit();
   core::Expected<void> rebuild();
@@ -81,6 +83,7 @@ class Engine::Impl {
   culling::ControllerConfig controller_config() const;
   core::Expected<void> make_drawing(bool new_order);
   void look_after_context();
+  core::Expected<void> fit_target(const core::ExternalTarget& target);
   core::Expected<void> unless_lost(core::Expected<void> done) const;
   core::Expected<void> land();
   core::Expected<void> follow_order();
@@ -122,25 +125,38 @@ Engine::Engine(Engine&&) noexcept = default;
 Engine& Engine::operator=(Engine&&) noexcept = default;
 Engine::~Engine() = default;
 
+core::Expected<FrameReport> Engine::frame(const core::View& view) {
+  return frame(view, view);
+}
 core::Expected<FrameReport> Engine::frame(const core::View& view, const core::View& cull_view) {
-  return impl_->frame(view, cull_view);
+  [[maybe_unused]] const auto kept = impl_->keep_state();
+  return impl_->frame(view, cull_view, nullptr);
+}
+core::Expected<FrameReport> Engine::frame(const core::View& view, const core::ExternalTarget& target) {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
+  return impl_->frame(view, view, &target);
 }
 std::optional<LateReport> Engine::take_late_report() {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->take_late_report();
 }
 core::Expected<void> Engine::commit() {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->commit();
 }
 core::Expected<void> Engine::rebuild() {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->rebuild();
 }
 bool Engine::rebuilding() const {
   return impl_->rebuilding();
 }
 core::Expected<void> Engine::set_culler(CullerChoice choice) {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->set_culler(choice);
 }
 core::Expected<void> Engine::resize(int width, int height) {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->resize(width, height);
 }
 void Engine::drop_context() {
@@ -251,6 +267,14 @@ core::Expected<void> Engine::Impl::set_culler(CullerChoice choice) {
   return {};
 }
 
+core::Expected<void> Engine::Impl::fit_target(const core::ExternalTarget& target) {
+  if (!config_.draw || !config_.context)
+    return core::fail(
+        "engine: an external target needs EngineConfig::draw and the application's EngineConfig::context");
+  if (target.width == config_.width && target.height == config_.height) return {};
+  return resize(target.width, target.height);
+}
+
 core::Expected<void> Engine::Impl::resize(int width, int height) {
   if (drawing_ && config_.draw)
     if (auto done = unless_lost(drawing_->resize(width, height)); !done) return done;
@@ -326,7 +350,10 @@ void Engine::Impl::note_gpu_variant() {
   if (const auto variant = drawing_->gpu_variant()) add_gpu_variant(live_.plan, *variant, drawing_->why_gpu_variant());
 }
 
-core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const core::View& cull_view) {
+core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const core::View& cull_view,
+                                                const core::ExternalTarget* target) {
+  if (target)
+    if (auto fits = fit_target(*target); !fits) return tl::unexpected(fits.error());
   if (auto landed = land(); !landed) return tl::unexpected(landed.error());
   FrameReport report;
   report.frame = frames_++;
@@ -341,6 +368,7 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
   if (!on_gpu) return tl::unexpected(on_gpu.error());
   if (drawing_) {
     const double culled = now_seconds();
+    drawing_->put_into(target);
     if (aside && !shows_hidden) drawing_->picture_changed();
     const auto visible_in = [&](const core::View& of) {
       return Culled{of, *live_.snapshot, visible_, live_.lines, live_.hierarchy()};

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sightline/core/api.h"
+#include "sightline/core/external_target.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
@@ -49,6 +50,19 @@ struct PixelRectangle {
   double x0, y0, x1, y1;
 };
 
+/// What becomes of the GL state of the application's context.
+enum class GlState : std::uint8_t {
+  /// After each call it is as before, but for pending GL errors, which are dropped. What gl::reset_pipeline_state names
+  /// must still not be active. Costs some 400 short GL calls a frame.
+  kRestore,
+  /// It is left as the engine's last draw needed it. Bindings of framebuffers, programs, program pipelines, vertex
+  /// arrays, transform feedback, textures and samplers of units 0 to 5, indexed uniform buffers 0 to 3 and storage
+  /// buffers 0 to 5, indirect, parameter and query buffers may be others. So may viewports, scissor, depth, colour
+  /// mask,
+  /// blending, clip control, face culling and all that gl::reset_pipeline_state() sets. The rest stays.
+  kLeave,
+};
+
 struct EngineConfig {
   CullerChoice culler = CullerChoice::kAutomatic;
   bool draw = false;  ///< false: no GL at all, unless the culler needs it
@@ -76,10 +90,11 @@ struct EngineConfig {
   int samples = 1;  ///< per pixel, 32 at most; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
-  /// as lost once it is destroyed. The engine accepts any GL state in it, but for what gl::reset_pipeline_state names,
-  /// and leaves other state behind. Null: the engine makes an offscreen context. Calls that need that one make it
-  /// current on the calling thread and leave it current.
+  /// as lost once it is destroyed. The engine accepts any GL state in it, but for what gl::reset_pipeline_state names.
+  /// Null: the engine makes an offscreen context. Calls that need that one make it current on the calling thread and
+  /// leave it current.
   gl::Context* context = nullptr;
+  GlState gl_state = GlState::kRestore;  ///< of the application's context
   /// Folder that keeps linked programs from run to run, so that drivers need not compile them again. Processes may
   /// share it. None: the user's cache folder, gl::ProgramCache::default_folder(). An empty path: no cache.
   std::optional<std::filesystem::path> program_cache = {};
@@ -144,11 +159,21 @@ class SIGHTLINE_API Engine {
   /// When the context is lost (gl::Context::lost), the engine drops everything in it. Until the context is replaced,
   /// the CPU culls and nothing is drawn. An engine that made the context itself makes another one and tries that twice
   /// a second; for the application's context call use_context(). visible(), queries and edits work all the time.
-  core::Expected<FrameReport> frame(const core::View& view) { return frame(view, view); }
+  core::Expected<FrameReport> frame(const core::View& view);
   /// Draws from `view` what lies in the view volume of `cull_view`, which shows from the side what a culler keeps, and
   /// with EngineConfig::hidden_colour what the tests after it leave out. As frame(view) where both show the same
   /// (core::same_picture).
   core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view);
+  /// As frame(view), and puts the picture into a framebuffer of the application's context (core/external_target.h),
+  /// with the depth test, in the order of GL's commands: what the application draws there before and after hides, and
+  /// is hidden by, what the scene shows. The picture gets the target's size. Several engines, views and framebuffers
+  /// may take turns; an engine each is faster where sizes differ. Items with transparent materials are dithered, so
+  /// they show the application's pixels, too. Works on all paths; read_colour() and the like read the engine's own
+  /// picture.
+  ///
+  /// Fails without EngineConfig::draw and EngineConfig::context, on sizes that the context does not support, and on
+  /// framebuffers that GL does not draw to. Then nothing is drawn there. Nothing is drawn while the context is lost.
+  core::Expected<FrameReport> frame(const core::View& view, const core::ExternalTarget& target);
   /// The oldest result of the GPU culler that was not yet taken; results arrive some frames late. Nothing while none
   /// has arrived. Never waits. Keeps the newest 64 results.
   std::optional<LateReport> take_late_report();

@@ -18,7 +18,14 @@ template <class Read>
 auto read_from(Engine& engine, Read read) -> core::Expected<std::invoke_result_t<Read, const render::RenderTarget&>> {
   const auto target = target_of(engine);
   if (!target) return tl::unexpected(target.error());
-  return read(**target);
+  const Drawing& drawing = *engine.drawing();
+  const gl::Functions& gl = drawing.context().functions();
+  [[maybe_unused]] const Drawing::KeptState kept = drawing.keep_state();
+  gl::discard_errors(gl);
+  auto result = read(**target);
+  if (const GLenum error = gl::check_error(gl); error != GL_NO_ERROR)
+    return core::fail("picture: reading it failed with " + gl::error_name(error));
+  return result;
 }
 
 }  // namespace
@@ -31,7 +38,7 @@ core::Expected<image::IdImage> Engine::read_ids() {
   const auto target = target_of(*this);
   if (!target) return tl::unexpected(target.error());
   if (!(*target)->has_ids()) return core::fail("picture: ids are not drawn without EngineConfig::ids");
-  return (*target)->read_ids();
+  return read_from(*this, [](const render::RenderTarget& picture) { return picture.read_ids(); });
 }
 
 core::Expected<image::DepthImage> Engine::read_depth(const core::View& view) {

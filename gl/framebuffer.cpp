@@ -28,6 +28,8 @@ std::string status_name(GLenum status) {
       return "attachments differ in samples";
     case GL_FRAMEBUFFER_INCOMPLETE_LAYER_TARGETS:
       return "attachments differ in layers";
+    case GL_FRAMEBUFFER_UNDEFINED:
+      return "the context has no window";
     default:
       return fmt::format("status {:#06x}", status);
   }
@@ -40,6 +42,8 @@ Handle<&Functions::DeleteFramebuffers> make(const Functions& gl, std::string_vie
   return {gl, name};
 }
 
+}  // namespace
+
 core::Expected<void> check_complete(const Functions& gl, GLuint name, std::string_view what) {
   const GLenum status = gl.CheckNamedFramebufferStatus(name, GL_DRAW_FRAMEBUFFER);
   if (const GLenum error = check_error(gl); error != GL_NO_ERROR) {
@@ -48,8 +52,6 @@ core::Expected<void> check_complete(const Functions& gl, GLuint name, std::strin
   if (status == GL_FRAMEBUFFER_COMPLETE) return {};
   return core::fail(fmt::format("GL framebuffer '{}' is not complete: {}", what, status_name(status)));
 }
-
-}  // namespace
 
 core::Expected<Framebuffer> Framebuffer::create(const Functions& gl, std::span<const Attachment> attachments,
                                                 std::string_view what) {

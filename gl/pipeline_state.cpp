@@ -36,6 +36,15 @@ constexpr GLenum kOff[] = {
 
 }  // namespace
 
+std::span<const GLenum> pipeline_capabilities() {
+  return kOff;
+}
+
+void unbind_texture(const Functions& gl, GLuint unit, GLenum target) {
+  gl.ActiveTexture(GL_TEXTURE0 + unit);
+  gl.BindTexture(target, 0);
+}
+
 void reset_pipeline_state(const Functions& gl) {
   for (const GLenum capability : kOff) gl.Disable(capability);
   gl.Enable(GL_MULTISAMPLE);

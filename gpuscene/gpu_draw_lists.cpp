@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
 #include "sightline/gpuscene/internal/record_commands.h"
 #include "sightline/gpuscene/internal/shaders.h"
@@ -162,7 +163,8 @@ void DrawLists::search() {
   gpu_.count_feedback.begin_points();
   gl.DrawArrays(GL_POINTS, 0, kBatchKindCount);
   gpu_.count_feedback.end();
-  gl.BindTextureUnit(kCommandUnit, 0);  // no program, here or in the culler, may read a buffer that is being written
+  // No program, here or in the culler, may read a buffer that is being written.
+  gl::unbind_texture(gl, kCommandUnit, GL_TEXTURE_BUFFER);
   if (gpu_.record_commands > 0) {
     gpu_.write_commands.use();
     gpu_.command_feedback.begin_points();

@@ -44,7 +44,7 @@ core::Expected<SectionCaps> SectionCaps::create(const gl::Functions& gl, const g
   auto programs = gl::Program::create_all(
       gl, std::array{describe(shaders, "crossings counted", "mesh.vert", "section_crossing.frag", "COUNT_CROSSINGS"),
                      describe(shaders, "crossings listed", "mesh.vert", "section_crossing.frag", "LIST_CROSSINGS"),
-                     describe(shaders, "section caps", "section_cap.vert", "section_cap.frag", "SECTION_CAPS")});
+                     describe(shaders, "section caps", "whole_viewport.vert", "section_cap.frag", "SECTION_CAPS")});
   if (!programs) return tl::unexpected(programs.error());
   caps.count_ = std::move((*programs)[0]);
   caps.list_ = std::move((*programs)[1]);

@@ -1,6 +1,7 @@
 #include "sightline/culling/gpu/internal/gpu_occlusion.h"
 
 #include "sightline/culling/gpu/internal/gpu_pass.h"
+#include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuprims/internal/view_block.h"
 
 namespace sightline::culling {
@@ -69,7 +70,7 @@ core::Expected<void> GpuDepthPyramid::build(const gl::Texture2D& depth, const co
     gl_->DispatchCompute(groups(level.width), groups(level.height), 1);
     gl_->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
   }
-  gl_->BindTextureUnit(kDepthUnit, 0);  // it will be drawn to
+  gl::unbind_texture(*gl_, kDepthUnit, GL_TEXTURE_2D);  // it will be drawn to
   return {};
 }
 

@@ -15,6 +15,8 @@
 #include "sightline/engine/internal/occlusion_switch.h"
 #include "sightline/engine/internal/small_items.h"
 #include "sightline/engine/internal/solid_areas.h"
+#include "sightline/gl/internal/saved_state.h"
+#include "sightline/render/internal/compositor.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {
@@ -27,6 +29,15 @@ class Drawing {
   ~Drawing();
   /// Adds a plan entry for the program of each batch kind.
   static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
+
+  /// EngineConfig::gl_state: while the result lives, the application's state may change. Nothing to keep in a context
+  /// of our own, or in one that is lost.
+  using KeptState = std::optional<gl::SavedState>;
+  KeptState keep_state() const;
+
+  /// From now on each frame puts its picture into that framebuffer, too; null: into none. The size must be that of the
+  /// picture.
+  void put_into(const core::ExternalTarget* target) { external_ = target ? std::optional(*target) : std::nullopt; }
 
   /// Submits one frame that shows a visible set, without items that cover no sample of the picture (SampleTest) or that
   /// others hide (OcclusionTest). Waits first until at most one earlier frame is still being drawn. take_drawn()
@@ -127,6 +138,7 @@ class Drawing {
   core::Expected<void> draw_squares(const Culled& culled, culling::SlotBits without, float least_area,
                                     bool distances_known);
   core::Expected<void> submit(std::uint64_t frame);
+  core::Expected<void> compose();
 
   struct InFlight {
     GLsync fence;
@@ -136,6 +148,7 @@ class Drawing {
 
   gl::Context context_;                     // shared: everything below is made with it and must be destroyed before it
   std::optional<gl::Context> own_context_;  // none when the context is the application's
+  GlState gl_state_ = GlState::kRestore;
   bool renders_ = true;
   culling::GpuCullerConfig cull_config_;  // names the variant once it is known
   std::string why_gpu_variant_;
@@ -176,6 +189,8 @@ class Drawing {
       culled_picture_;                        // of the last cull(); none where all of the view is drawn
   std::optional<render::Renderer> renderer_;  // none when the engine only culls
   render::RenderTarget target_;
+  std::optional<core::ExternalTarget> external_;
+  std::optional<render::Compositor> compositor_;  // made with the first external target
   std::deque<InFlight> in_flight_;
   std::deque<Drawn> drawn_;
   double last_drawn_ = 0.0, waited_ms_ = 0.0;  // seconds: when the newest of drawn_ was known to be drawn

@@ -20,6 +20,9 @@ class Drawing {
   static void plan_programs(Plan&, const core::Snapshot&, bool) {}
 
   // None of these is ever called.
+  struct KeptState {};
+  KeptState keep_state() const { return {}; }
+  void put_into(const core::ExternalTarget*) {}
   struct Feedback {
     std::uint64_t frame = 0, visible = 0, shown = 0;
     std::optional<double> time_ms;

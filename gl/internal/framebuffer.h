@@ -42,4 +42,8 @@ class Framebuffer {
   Handle<&Functions::DeleteFramebuffers> handle_;
 };
 
+/// Fails with GL's reason when draws to that framebuffer would fail. Name 0 is the window's. No GL error may be
+/// pending.
+core::Expected<void> check_complete(const Functions& gl, GLuint name, std::string_view what);
+
 }  // namespace sightline::gl

@@ -1,6 +1,8 @@
 // Resets state that an application may have left in a context and that affects the picture.
 #pragma once
 
+#include <span>
+
 #include "sightline/gl/functions.h"
 
 namespace sightline::gl {
@@ -13,5 +15,12 @@ namespace sightline::gl {
 /// that is not paused, a query of GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN or, for stream 1, GL_PRIMITIVES_GENERATED.
 /// State of extensions is not reset.
 void reset_pipeline_state(const Functions& gl);
+
+/// The capabilities that reset_pipeline_state() turns off.
+std::span<const GLenum> pipeline_capabilities();
+
+/// Leaves one texture target of a unit without texture. (glBindTextureUnit would do so with all targets, among them
+/// those of an application.) Changes which unit is active.
+void unbind_texture(const Functions& gl, GLuint unit, GLenum target);
 
 }  // namespace sightline::gl

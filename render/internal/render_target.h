@@ -36,6 +36,8 @@ class RenderTarget {
   const std::vector<glm::vec2>& sample_offsets() const { return sample_offsets_; }
   /// The framebuffer that draws write to.
   const gl::Framebuffer& framebuffer() const { return drawn_.framebuffer; }
+  /// Its colour: sRGB values, multisampled if the format is.
+  const gl::Texture2D& colour() const { return drawn_.colour; }
   /// Its depth: reverse-Z, multisampled if the format is.
   const gl::Texture2D& depth() const { return drawn_.depth; }
   /// Makes draws write to it, in the state that all draws begin with: reverse-Z depth test, no blending.

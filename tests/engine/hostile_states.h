@@ -38,6 +38,7 @@ struct ForeignObjects {
     feedback.set_buffer(buffer.id(), 0, buffer.size());
     table.CreateSamplers(1, &sampler);
     table.SamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    table.SamplerParameteri(sampler, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     table.CreateProgramPipelines(1, &pipeline);
   }
   ~ForeignObjects() {
@@ -199,6 +200,9 @@ inline std::vector<HostileState> hostile_states(const ForeignObjects& own) {
       "blending of colour alone", [&] { gl.BlendFunci(0, GL_ONE, GL_ONE), gl.Enablei(GL_BLEND, 0); },
       [&] { gl.BlendFunc(GL_ONE, GL_ZERO), gl.Disable(GL_BLEND); });
   enabled(
+      "subtracting blending", GL_BLEND, [&] { gl.BlendEquation(GL_FUNC_REVERSE_SUBTRACT); },
+      [&] { gl.BlendEquation(GL_FUNC_ADD); });
+  enabled(
       "logic operation", GL_COLOR_LOGIC_OP, [&] { gl.LogicOp(GL_INVERT); }, [&] { gl.LogicOp(GL_COPY); });
   row(
       "no dithering", [&] { gl.Disable(GL_DITHER); }, [&] { gl.Enable(GL_DITHER); });
@@ -238,6 +242,20 @@ inline std::vector<HostileState> hostile_states(const ForeignObjects& own) {
         [&gl, point = GLenum(point)] {
           for (GLuint i = 0; i < 8; ++i) gl.BindBufferBase(point, i, 0);
         });
+  row(
+      "ranges of uniform and storage buffers",
+      [&own] {
+        for (GLuint i = 0; i < 4; ++i) {
+          own.table.BindBufferRange(GL_UNIFORM_BUFFER, i, own.buffer.id(), 1024 * GLintptr(i + 1), 512);
+          own.table.BindBufferRange(GL_SHADER_STORAGE_BUFFER, i, own.buffer.id(), 1024 * GLintptr(i + 1), 256);
+        }
+      },
+      [&gl] {
+        for (GLuint i = 0; i < 4; ++i) {
+          gl.BindBufferBase(GL_UNIFORM_BUFFER, i, 0);
+          gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, i, 0);
+        }
+      });
   row(
       "textures",
       [&] {

@@ -1,0 +1,137 @@
+// An application that draws by itself, into a framebuffer of its own.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sightline/core/external_target.h"
+#include "sightline/core/view.h"
+#include "sightline/gl/context.h"
+#include "sightline/gl/internal/framebuffer.h"
+#include "sightline/gl/internal/program.h"
+#include "sightline/gl/internal/texture.h"
+#include "sightline/gl/internal/vertex_array.h"
+
+namespace sightline::tests {
+
+/// How an application makes depths: normalised device z is offset + scale * (reverse-Z depth from 1 to 0), then come
+/// glClipControl and glDepthRange.
+struct DepthWay {
+  const char* name;
+  double offset, scale;
+  GLenum clip_depth;
+  double range_near, range_far;  // glDepthRange
+  double near_depth, far_depth;  // core::ExternalTarget
+  GLenum format = GL_DEPTH_COMPONENT24;
+};
+
+inline constexpr DepthWay kDepthWays[] = {
+    {"Classic", 1.0, -2.0, GL_NEGATIVE_ONE_TO_ONE, 0.0, 1.0, 0.0, 1.0},
+    {"ReverseZ", 0.0, 1.0, GL_ZERO_TO_ONE, 0.0, 1.0, 1.0, 0.0, GL_DEPTH_COMPONENT32F},
+    {"ZeroToOne", 1.0, -1.0, GL_ZERO_TO_ONE, 0.0, 1.0, 0.0, 1.0, GL_DEPTH_COMPONENT32F},
+    {"ZeroToOneWithoutClipControl", 1.0, -1.0, GL_NEGATIVE_ONE_TO_ONE, 0.0, 1.0, 0.5, 1.0},
+    {"ReverseMinusOneToOne", -1.0, 2.0, GL_NEGATIVE_ONE_TO_ONE, 0.0, 1.0, 1.0, 0.0},
+    {"DepthRange", 1.0, -2.0, GL_NEGATIVE_ONE_TO_ONE, 0.2, 0.7, 0.2, 0.7, GL_DEPTH24_STENCIL8},
+};
+
+class Application {
+ public:
+  static constexpr std::array<float, 4> kSky{0.2f, 0.4f, 0.6f, 1.0f};
+
+  Application(const gl::Functions& functions, int width, int height, const DepthWay& depth_way = kDepthWays[0],
+              int samples = 1, GLenum colours = GL_RGBA8)
+      : gl(functions), way(depth_way), array(functions) {
+    colour = *gl::Texture2D::create(gl, width, height, colours, "application colour", samples);
+    depth = *gl::Texture2D::create(gl, width, height, way.format, "application depth", samples);
+    const bool stencil = way.format == GL_DEPTH24_STENCIL8;
+    const gl::Attachment attachments[] = {
+        {GL_COLOR_ATTACHMENT0, &colour}, {GLenum(stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT), &depth}};
+    framebuffer = *gl::Framebuffer::create(gl, attachments, "application");
+    static constexpr gl::ShaderFile kShaders[] = {
+        {"quad.vert",
+         "layout(location = 0) uniform mat4 clip_from_world;\n"
+         "layout(location = 1) uniform vec4 corners[4];\n"
+         "void main() { gl_Position = clip_from_world * corners[gl_VertexID]; }\n"},
+        {"quad.frag", "layout(location = 5) uniform vec4 colour;\nout vec4 pixel;\nvoid main() { pixel = colour; }\n"}};
+    gl::ProgramDescription description;
+    description.name = "application";
+    description.stages = {{GL_VERTEX_SHADER, {"quad.vert"}}, {GL_FRAGMENT_SHADER, {"quad.frag"}}};
+    description.shaders.tables = {kShaders};
+    program = *gl::Program::create(gl, description);
+  }
+
+  int width() const { return colour.width(); }
+  int height() const { return colour.height(); }
+
+  /// All of its framebuffer, or a part of it.
+  core::ExternalTarget target() const { return target(0, 0, width(), height()); }
+  core::ExternalTarget target(int x, int y, int w, int h) const {
+    return {framebuffer.id(), x, y, w, h, way.near_depth, way.far_depth};
+  }
+
+  void clear() const {
+    set_state();
+    gl.ClearNamedFramebufferfv(framebuffer.id(), GL_COLOR, 0, kSky.data());
+    const auto far_depth = GLfloat(way.far_depth);
+    if (way.format == GL_DEPTH24_STENCIL8)
+      gl.ClearNamedFramebufferfi(framebuffer.id(), GL_DEPTH_STENCIL, 0, far_depth, 3);
+    else
+      gl.ClearNamedFramebufferfv(framebuffer.id(), GL_DEPTH, 0, &far_depth);
+  }
+
+  /// What it sets before it draws.
+  void set_state() const {
+    framebuffer.bind();
+    gl.Viewport(0, 0, width(), height());
+    gl.ClipControl(GL_LOWER_LEFT, way.clip_depth);
+    gl.DepthRange(way.range_near, way.range_far);
+    gl.Enable(GL_DEPTH_TEST);
+    gl.DepthFunc(way.near_depth < way.far_depth ? GL_LESS : GL_GREATER);
+    gl.BindProgramPipeline(0);
+    program.use();
+    array.bind();
+  }
+
+  /// A quadrilateral in the world.
+  void draw(const core::View& view, const std::array<core::dvec3, 4>& corners, core::vec3 rgb) const {
+    set_state();
+    core::dmat4 clip = view.clip_from_eye();
+    for (int column = 0; column < 4; ++column)
+      clip[column][2] = way.offset * clip[column][3] + way.scale * clip[column][2];
+    const core::dmat4 full = clip * view.eye_from_world();
+    std::array<float, 16> matrix;
+    for (int i = 0; i < 16; ++i) matrix[std::size_t(i)] = float(full[i / 4][i % 4]);
+    gl.ProgramUniformMatrix4fv(program.id(), 0, 1, GL_FALSE, matrix.data());
+    std::array<float, 16> points;
+    constexpr std::array<std::size_t, 4> kStrip{0, 1, 3, 2};
+    for (std::size_t i = 0; i < 4; ++i)
+      for (int k = 0; k < 4; ++k) points[4 * i + std::size_t(k)] = k < 3 ? float(corners[kStrip[i]][k]) : 1.0f;
+    gl.ProgramUniform4fv(program.id(), 1, 4, points.data());
+    gl.ProgramUniform4f(program.id(), 5, rgb.x, rgb.y, rgb.z, 1.0f);
+    gl.DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  }
+
+  std::vector<std::uint8_t> pixels() const {
+    std::vector<std::uint8_t> rgba(std::size_t(4 * width() * height()));
+    colour.read(0, GL_RGBA, GL_UNSIGNED_BYTE, std::as_writable_bytes(std::span(rgba)));
+    return rgba;
+  }
+  std::vector<float> depths() const {
+    std::vector<float> values(std::size_t(width() * height()));
+    depth.read(0, GL_DEPTH_COMPONENT, GL_FLOAT, std::as_writable_bytes(std::span(values)));
+    return values;
+  }
+
+  const gl::Functions& gl;
+  DepthWay way;
+  gl::Texture2D colour, depth;
+  gl::Framebuffer framebuffer;
+  gl::Program program;
+  gl::VertexArray array;
+};
+
+}  // namespace sightline::tests
