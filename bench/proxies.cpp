@@ -108,7 +108,7 @@ core::Expected<std::vector<Item>> items_of(const std::string& model, Kind kind, 
   if (auto report = importers::import_file(model, scene, scene.root()); !report) return tl::unexpected(report.error());
   const core::Snapshot snapshot(scene);
   std::vector<core::Slot> slots;
-  for (const core::Slot s : snapshot.of_kind(kind).slots)
+  for (const core::Slot s : snapshot.of_kind(kind).members)
     if (!snapshot.vacant(s) && !core::is_degenerate(snapshot.primitive(s))) slots.push_back(s);
   for (int i = 0; i < count && !slots.empty(); ++i) {
     const core::Slot s = slots[random.below(slots.size())];

@@ -30,9 +30,10 @@ if(SIGHTLINE_GLTF AND SIGHTLINE_IMPORTERS)
 endif()
 
 if(SIGHTLINE_VTK AND SIGHTLINE_IMPORTERS)
-  # By component, since all of a packaged VTK requires Qt, Java and more. Only the tests need its writers.
+  # By component, since all of a packaged VTK requires Qt, Java and more. Only tests need its writers, only an example its
+  # render window.
   find_package(VTK 9 QUIET COMPONENTS CommonCore CommonDataModel CommonExecutionModel FiltersGeometry IOCore
-               OPTIONAL_COMPONENTS IOLegacy IOXML)
+               OPTIONAL_COMPONENTS IOLegacy IOXML FiltersSources IOImage InteractionStyle RenderingOpenGL2)
   sightline_need(SIGHTLINE_VTK VTK_FOUND "VTK 9 not found (libvtk9-dev)")
   sightline_need(SIGHTLINE_VTK UNIX "its module is loaded by dlopen()")
 endif()
@@ -62,6 +63,15 @@ if(SIGHTLINE_VIEW AND SIGHTLINE_APPS)
   find_package(glfw3 3.3 QUIET)
   sightline_need(SIGHTLINE_VIEW SIGHTLINE_GL "SIGHTLINE_GL is off")
   sightline_need(SIGHTLINE_VIEW glfw3_FOUND "GLFW not found (libglfw3-dev)")
+endif()
+
+if(SIGHTLINE_EXAMPLES AND SIGHTLINE_EXAMPLES_OSG)
+  find_package(OpenSceneGraph 3.6 QUIET COMPONENTS osgViewer osgGA osgUtil osgDB)
+  sightline_need(SIGHTLINE_EXAMPLES_OSG OPENSCENEGRAPH_FOUND "OpenSceneGraph not found (libopenscenegraph-dev)")
+endif()
+if(SIGHTLINE_EXAMPLES AND SIGHTLINE_EXAMPLES_QT)
+  find_package(Qt6 QUIET COMPONENTS OpenGLWidgets)
+  sightline_need(SIGHTLINE_EXAMPLES_QT Qt6_FOUND "Qt 6 not found (qt6-base-dev, libqt6opengl6-dev)")
 endif()
 
 if(SIGHTLINE_TESTS)

@@ -134,7 +134,7 @@ void Snapshot::reserve(const Items& items) {
   for (const Items::Record& r : items.records) ++counts[std::size_t(r.kind)];
   for (std::size_t k = 0; k < counts.size(); ++k) {
     const std::size_t count = with_headroom(counts[k]);
-    kind_items_[k].slots.reserve(count);
+    kind_items_[k].members.reserve(count);
     kind_items_[k].placements.reserve(count);
     if (int(k) < kPrimitiveKindCount)
       kind_items_[k].parameters.reserve(count * std::size_t(parameter_count(Kind(k))));
@@ -160,7 +160,7 @@ void Snapshot::append(const Items& items, std::uint32_t record, std::uint32_t ch
   items_.push_back(r.item);
   slots_[r.item] = s;
   materials_.push_back(r.material);
-  list.slots.push_back(s);
+  list.members.push_back(s);
   list.placements.push_back(place(r.linear, r.origin, chunk));
   show(s, r.box, r.layers);
 }
@@ -345,7 +345,7 @@ std::size_t Snapshot::memory_bytes() const {
                       (block_sizes_.capacity() + vacant_before_.capacity()) * 4 + vacant_.capacity() * 8;
   for (const KindItems& k : kind_items_)
     bytes += k.placements.capacity() * sizeof(Placement) +
-             (k.slots.capacity() + k.parameters.capacity() + k.meshes.capacity()) * 4;
+             (k.members.capacity() + k.parameters.capacity() + k.meshes.capacity()) * 4;
   return bytes;
 }
 

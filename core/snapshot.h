@@ -31,11 +31,11 @@ struct Placement {
 
 /// The items of one kind, in slot order (parallel arrays).
 struct KindItems {
-  LargeArray<Slot> slots;
+  LargeArray<Slot> members;
   LargeArray<Placement> placements;
   LargeArray<float> parameters;      ///< parameter_count(kind) floats per item; none for meshes
   LargeArray<std::uint32_t> meshes;  ///< mesh index per item; facet groups and meshes only
-  std::size_t size() const { return slots.size(); }
+  std::size_t size() const { return members.size(); }
 };
 
 /// Colour and alpha of each material, by material index. A removed material has the default ones.

@@ -52,8 +52,8 @@ struct BoxRectangles;
 /// Sets the bits of the slots of `set`, which must be there.
 SIGHTLINE_API void set_bits(const core::VisibleSet& set, std::vector<std::uint64_t>& bits);
 /// As many words as a bit for each of so many slots takes.
-constexpr std::size_t bit_words(std::size_t slots) {
-  return slots / 64 + 1;
+constexpr std::size_t bit_words(std::size_t slot_count) {
+  return slot_count / 64 + 1;
 }
 
 class SIGHTLINE_API SampleTest {

@@ -16,7 +16,7 @@ std::vector<std::uint64_t> slots_of_lines(const core::Snapshot& snapshot) {
   std::vector<std::uint64_t> bits;
   const core::KindItems& lines = snapshot.of_kind(core::Kind::kLine);
   if (lines.size() > 0) bits.resize(culling::bit_words(snapshot.size()));
-  for (const core::Slot slot : lines.slots)
+  for (const core::Slot slot : lines.members)
     if (!snapshot.vacant(slot)) bits[slot / 64] |= std::uint64_t(1) << slot % 64;
   return bits;
 }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/gl/functions.h"
 #include "sightline/gl/internal/egl.h"
 #include "sightline/gl/internal/program_cache.h"
 

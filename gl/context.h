@@ -1,4 +1,5 @@
-// A GL context: made offscreen through EGL, or adopted from the application.
+// A GL context: made offscreen through EGL, or adopted from the application. Needs no header of GL's, and so goes with
+// any.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +10,12 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
-#include "sightline/gl/functions.h"
+#include "sightline/gl/get_proc.h"
 #include "sightline/gl/internal/debug_log.h"
 
 namespace sightline::gl {
+
+struct Functions;  // gl/functions.h
 
 enum class ContextPlatform : std::uint8_t {
   kAutomatic,       ///< hardware EGL devices in order, then surfaceless, then software devices

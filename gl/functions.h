@@ -2,8 +2,10 @@
 // move-only objects (buffers, textures, framebuffers, programs, timers) and debug output as values. It knows nothing of
 // scenes. It needs OpenGL 4.5 core with direct state access. It depends only on core's error type.
 //
-// This header is the table. There is no global state: a Functions value belongs to a Context and is passed on by const
-// reference. Members are plain function pointers, so a test may copy the table and replace some to count calls.
+// This header is the table. It brings GL's own header, which must not come after <GL/gl.h>; an application that uses
+// that one needs gl/context.h alone. There is no global state: a Functions value belongs to a Context and is passed on
+// by const reference. Members are plain function pointers, so a test may copy the table and replace some to count
+// calls.
 #pragma once
 
 #include <string>
@@ -13,6 +15,7 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
+#include "sightline/gl/get_proc.h"
 
 namespace sightline::gl {
 
@@ -21,11 +24,6 @@ inline constexpr int kRequiredMajor = 4;
 inline constexpr int kRequiredMinor = 5;
 
 class ProgramCache;
-
-using Proc = void (*)();
-/// Finds an entry point by its full name ("glEnable"); null when unknown. `user` is the pointer given with the
-/// callback. eglGetProcAddress, OSMesaGetProcAddress and glfwGetProcAddress each fit with a one-line wrapper.
-using GetProc = Proc (*)(const char* name, void* user);
 
 /// OpenGL entry points without their gl prefix. Core ones are never null after load_functions(); those of extensions
 /// are null unless the context lists the extension (platforms hand out addresses for names they do not know).

@@ -68,7 +68,7 @@ void VisibleRecords::add_meshes(const Snapshot& snapshot, Slot first, Slot end) 
 }
 
 void VisibleRecords::add_meshes(const Snapshot& snapshot, Kind kind, Slot first, Slot end) {
-  const auto& slots = snapshot.of_kind(kind).slots;
+  const auto& slots = snapshot.of_kind(kind).members;
   for (std::uint32_t i = snapshot.rank(kind, first), stop = snapshot.rank(kind, end); i < stop; ++i)
     if (!snapshot.vacant(slots[i])) meshes.push_back(slots[i]);
 }

@@ -191,7 +191,7 @@ core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_u
 core::Expected<void> Tracer::Impl::build(int threads) {
   std::vector<Slot> slots;
   for (const Kind kind : {Kind::kFacetGroup, Kind::kMesh}) {
-    const auto& of_kind = snapshot_->of_kind(kind).slots;
+    const auto& of_kind = snapshot_->of_kind(kind).members;
     slots.insert(slots.end(), of_kind.begin(), of_kind.end());
   }
   if (auto done = add_meshes(std::move(slots), threads); !done) return done;

@@ -2,7 +2,8 @@
 # Installs what a build needs on Debian 12 (skips what is installed), then configures and builds one preset.
 #   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan, fuzz or study; everything, or these targets
 # Packages that only tests and the window need are installed when everything or a target with tests (…_tests) is built.
-# SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK too.
+# SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK too,
+# SIGHTLINE_SETUP_EXAMPLES=1 what the examples with OpenSceneGraph and Qt 6 need.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=${1:-release}
@@ -13,6 +14,8 @@ packages=(g++ cmake ninja-build libglm-dev libexpected-dev libfmt-dev libcli11-d
 if [ $# -eq 0 ] || [[ $* == *_tests* ]]; then packages+=(ccache libglfw3-dev libgtest-dev libgmp-dev pkg-config xvfb xdotool); fi
 # VTK brings 246 packages, so it is installed only on request. With it the build has importers/vtk.
 if [ -n "${SIGHTLINE_SETUP_VTK:-}" ]; then packages+=(libvtk9-dev); fi
+# For the examples that draw into the windows of others.
+if [ -n "${SIGHTLINE_SETUP_EXAMPLES:-}" ]; then packages+=(libopenscenegraph-dev qt6-base-dev libqt6opengl6-dev); fi
 # The fuzz targets need clang and its runtime (see tests/CMakeLists.txt).
 if [ "$preset" = fuzz ] || [[ ${SIGHTLINE_CMAKE_ARGS:-} == *SIGHTLINE_FUZZ_TESTS=ON* ]]; then
   packages+=(clang libclang-rt-14-dev)

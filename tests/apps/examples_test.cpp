@@ -1,29 +1,88 @@
-// The examples as they stand in examples/: each draws a picture.
-#include "sightline/tests/apps/render_test.h"
+// The examples as they stand in examples/: each draws a picture, which is compared with one that was looked at
+// (tests/data/examples).
+#include <sstream>
+
+#include "sightline/image/image.h"
+#include "sightline/tests/apps/window_test.h"
 
 namespace sightline::tests {
 namespace {
 
-class Examples : public RenderTest {
+struct Example {
+  const char* name;
+  const char* model = nullptr;   // below tests/data; "plant": a generated one
+  const char* folder = nullptr;  // for a program that writes several pictures: the one to compare
+  int max = 96;                  // other drivers make the same picture but for a few pixels on edges
+  double mean = 0.05;
+};
+std::ostream& operator<<(std::ostream& to, const Example& example) {
+  return to << example.name;
+}
+
+constexpr Example kOffscreen[] = {
+    {"cull_only", nullptr, nullptr, 0, 0.0},
+    {"embed", "plant"},
+    {"offscreen_batch", "small_plant.rvm", "view-1.png"},
+    {"edit_while_flying"},
+    {"vtk_import"},
+};
+constexpr Example kInWindows[] = {
+    {"own_window", "small_plant.rvm"},
+    {"vtk_window", "small_plant.rvm"},
+    {"osg_viewer", "small_plant.rvm"},
+    {"qt_widget", "small_plant.rvm"},
+};
+
+/// Those that this build has.
+template <std::size_t N>
+std::vector<Example> built(const Example (&all)[N]) {
+  std::istringstream names(SIGHTLINE_EXAMPLES);
+  const std::vector<std::string> known{std::istream_iterator<std::string>(names), {}};
+  std::vector<Example> found;
+  for (const Example& example : all)
+    if (std::find(known.begin(), known.end(), example.name) != known.end()) found.push_back(example);
+  return found;
+}
+
+template <class Fixture>
+class ExampleTest : public Fixture, public testing::WithParamInterface<Example> {
  protected:
-  void expect_picture(const std::string& example, Args args) const {
-    const std::string picture = path("picture.png");
-    args.push_back(picture);
-    const Outcome outcome = run_program(std::string(SIGHTLINE_BIN_DIR) + "/" + example, args);
-    EXPECT_EQ(outcome.code, 0) << outcome;
-    EXPECT_EQ(read_bytes(picture).rfind("\x89PNG", 0), 0u) << outcome;
+  void draws_its_picture() const {
+    const Example& example = GetParam();
+    const std::string folder = this->path(""), written = this->path(example.folder ? example.folder : "picture.png");
+    Args args;
+    if (example.model)
+      args.push_back(example.model == std::string("plant")
+                         ? this->plant(3000)
+                         : std::string(SIGHTLINE_SOURCE_DIR) + "/tests/data/" + example.model);
+    args.push_back(example.folder ? folder : written);
+    const Outcome outcome = this->run_program(std::string(SIGHTLINE_BIN_DIR) + "/" + example.name, args);
+    ASSERT_EQ(outcome.code, 0) << outcome;
+    const std::string looked_at = std::string(SIGHTLINE_SOURCE_DIR) + "/tests/data/examples/" + example.name + ".png";
+    const auto is = image::read_png(written), expected = image::read_png(looked_at);
+    ASSERT_TRUE(is) << is.error().message;
+    ASSERT_TRUE(expected) << expected.error().message;
+    const auto difference = image::compare(*is, *expected);
+    ASSERT_TRUE(difference) << difference.error().message;
+    EXPECT_LE(difference->max, example.max) << difference->pixels << " pixels differ";
+    EXPECT_LE(difference->mean, example.mean) << difference->pixels << " pixels differ";
   }
 };
 
-TEST_F(Examples, Embed) {
-  expect_picture("embed", {plant(3000)});
-}
+using Examples = ExampleTest<RenderTest>;
+using ExamplesInWindows = ExampleTest<WindowTest>;
+const auto name_of = [](const testing::TestParamInfo<Example>& info) { return std::string(info.param.name); };
 
-#ifdef SIGHTLINE_HAVE_VTK_EXAMPLE
-TEST_F(Examples, VtkImport) {
-  expect_picture("vtk_import", {});
+TEST_P(Examples, DrawsItsPicture) {
+  draws_its_picture();
 }
-#endif
+INSTANTIATE_TEST_SUITE_P(All, Examples, testing::ValuesIn(built(kOffscreen)), name_of);
+
+TEST_P(ExamplesInWindows, DrawsItsPicture) {
+  draws_its_picture();
+}
+INSTANTIATE_TEST_SUITE_P(All, ExamplesInWindows, testing::ValuesIn(built(kInWindows)), name_of);
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ExamplesInWindows);
 
 }  // namespace
 }  // namespace sightline::tests

@@ -1,28 +1,14 @@
 // sightline-view in a window of a virtual display: pictures, keys, sizes. Skipped without Xvfb; keys without xdotool.
 #include <array>
-#include <chrono>
 #include <csignal>
-#include <functional>
 #include <optional>
-#include <thread>
 
 #include <png.h>
 
-#include "sightline/tests/apps/render_test.h"
+#include "sightline/tests/apps/window_test.h"
 
 namespace sightline::tests {
 namespace {
-
-constexpr auto kPatience = std::chrono::seconds(60);
-
-/// Asks again and again; false when it never came true.
-bool comes_true(const std::function<bool()>& question) {
-  for (const auto end = std::chrono::steady_clock::now() + kPatience; std::chrono::steady_clock::now() < end;) {
-    if (question()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  return false;
-}
 
 /// 8-bit RGB, rows top to bottom.
 struct Picture {
@@ -58,50 +44,8 @@ Picture read_screen(const std::string& file, int width, int height) {
   return picture;
 }
 
-class View : public RenderTest {
+class View : public WindowTest {
  protected:
-  void SetUp() override {
-    RenderTest::SetUp();
-    if (!IsSkipped() && !HasFatalFailure()) need("Xvfb", {"-version"});
-    if (IsSkipped() || HasFatalFailure()) return;
-    for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY"}) unsetenv(name);
-    // GLX unloads its driver, and what that keeps for ever can then no longer be told from leaks.
-    const char* sanitizer = std::getenv("ASAN_OPTIONS");
-    setenv("ASAN_OPTIONS", ((sanitizer ? std::string(sanitizer) + ":" : "") + "detect_leaks=0").c_str(), 1);
-    // `timeout` ends the display should this process come to a sudden end; -noreset: it refuses nobody when its last
-    // client has gone.
-    display_ = start_program("timeout",
-                             {"300", "Xvfb", "-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp",
-                              "-noreset", "-fbdir", path("")},
-                             "xvfb");
-    ASSERT_NE(display_.pid, 0);
-    std::string number;
-    comes_true([&] {
-      number = read_bytes(display_.out);
-      if (number.find('\n') != std::string::npos) return true;
-      siginfo_t ended{};
-      return waitid(P_PID, id_t(display_.pid), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid != 0;
-    });
-    number = number.substr(0, number.find('\n'));
-    ASSERT_FALSE(number.empty()) << "no virtual display: " << read_bytes(display_.err);
-    setenv("DISPLAY", (":" + number).c_str(), 1);
-  }
-  void TearDown() override {
-    if (display_.pid != 0) {
-      kill(display_.pid, SIGTERM);
-      wait_for(display_);
-    }
-    RenderTest::TearDown();
-  }
-
-  /// Skips where a program is not installed, or fails where drawing is required.
-  void need(const std::string& program, const Args& args) const {
-    const Outcome outcome = run_program(program, args);
-    if (outcome.code >= 0) return;
-    if (gl_required()) FAIL() << outcome;
-    GTEST_SKIP() << outcome;
-  }
-
   /// sightline-view must succeed.
   Outcome view(const Args& args) const {
     Outcome outcome = run("view", args);
@@ -119,9 +63,6 @@ class View : public RenderTest {
     render_args.insert(render_args.end(), {"--compare", picture, "--max", "255", "--mean", "0.05"});
     return run("render", render_args);
   }
-
- private:
-  Child display_;
 };
 
 /// Items against the sky: without them the picture would be of one colour.

@@ -144,7 +144,7 @@ void expect_consistent(const Snapshot& snapshot) {
     const KindItems& list = snapshot.of_kind(kind);
     ASSERT_EQ(snapshot.index_in_kind(s), counts[std::size_t(kind)]);
     ASSERT_LT(snapshot.index_in_kind(s), list.size());
-    ASSERT_EQ(list.slots[snapshot.index_in_kind(s)], s);
+    ASSERT_EQ(list.members[snapshot.index_in_kind(s)], s);
     ++counts[std::size_t(kind)];
     const ItemId item = snapshot.item(s);
     if (item == kNone) {
@@ -160,7 +160,7 @@ void expect_consistent(const Snapshot& snapshot) {
     ASSERT_EQ(snapshot.rank(static_cast<Kind>(k), Slot(snapshot.size())), counts[std::size_t(k)]);
     ASSERT_EQ(list.size(), counts[std::size_t(k)]);
     ASSERT_EQ(list.placements.size(), list.size());
-    ASSERT_TRUE(std::is_sorted(list.slots.begin(), list.slots.end()));
+    ASSERT_TRUE(std::is_sorted(list.members.begin(), list.members.end()));
     const bool mesh = k >= kPrimitiveKindCount;
     ASSERT_EQ(list.meshes.size(), mesh ? list.size() : 0);
     ASSERT_EQ(list.parameters.size(), mesh ? 0 : list.size() * std::size_t(parameter_count(static_cast<Kind>(k))));
@@ -502,7 +502,7 @@ TEST(Snapshot, WhatMovesAsAWholeKeepsItsPlaceInItsChunk) {
     std::vector<vec3> by_item(kItems);
     const KindItems& list = snapshot.of_kind(Kind::kCylinder);
     for (std::size_t i = 0; i < list.size(); ++i)
-      if (const ItemId item = snapshot.item(list.slots[i]); item != kNone) by_item[item] = list.placements[i].origin;
+      if (const ItemId item = snapshot.item(list.members[i]); item != kNone) by_item[item] = list.placements[i].origin;
     return by_item;
   };
   const std::vector<vec3> before = offsets();

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/gl/context.h"
+#include "sightline/gl/functions.h"
 #include "sightline/tests/support/no_gl.h"
 
 namespace sightline::tests {
