@@ -24,6 +24,7 @@ struct Options {
   culling::GpuCullerConfig gpu_culler;
   int samples = 1;
   apps::ShownOptions shown;
+  gl::ContextPlatform platform = {};
   bool gl_debug = false;
   double max = -1.0, mean = -1.0, pixels_per_degree = image::kPixelsPerDegree;
 };
@@ -58,6 +59,7 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--samples", o.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
+  apps::add_context_option(app, o.platform);
   app.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
   app.add_option("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
 }
@@ -151,6 +153,7 @@ core::Expected<int> render_model(const Options& o) {
   config.samples = o.samples;
   o.shown.apply(config);
   config.ids = !o.ids.empty() || !o.ids_json.empty() || !o.reference_ids.empty();
+  config.context_platform = o.platform;
   config.gl_debug = o.gl_debug;
   config.culler = o.culler;
   config.gpu_culler = o.gpu_culler;

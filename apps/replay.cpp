@@ -33,6 +33,7 @@ struct Options {
   int samples = 1;
   apps::ShownOptions shown;
   int frames = 300, every = 30;
+  gl::ContextPlatform platform = {};
   bool no_render = false;
   std::string record_both, controller_trace, policy = "frame-cost", rendering = "on";
 };
@@ -64,6 +65,7 @@ void add_options(CLI::App& app, Options& o) {
   apps::add_gpu_pass_option(app, o.gpu_culler);
   apps::add_shown_options(app, o.shown);
   apps::add_samples_option(app, o.samples);
+  apps::add_context_option(app, o.platform);
   auto* no_render = app.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
   app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
   app.add_option("--json", o.json_file, "Write all figures as JSON to FILE, or - for stdout");
@@ -307,6 +309,7 @@ core::Expected<int> replay(const Options& o) {
   if (!model) return tl::unexpected(model.error());
   engine::EngineConfig config;
   config.draw = !o.no_render;
+  config.context_platform = o.platform;
   config.width = (*size)[0];
   config.height = (*size)[1];
   config.culler = o.culler;

@@ -40,6 +40,7 @@ struct Options {
   double budget_ms = 33.0;
   int frames = 200, compared = 20, rests = 10;
   engine::ContributionWay way = engine::ContributionWay::kDrop;
+  gl::ContextPlatform platform = {};
   std::string size = "640x360", json;
 };
 
@@ -60,6 +61,7 @@ void add_options(CLI::App& app, Options& o) {
       ->capture_default_str();
   apps::add_way_option(app, "--way", "How what is left out is drawn", o.way);
   app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
+  apps::add_context_option(app, o.platform);
   apps::add_json_option(app, o.json);
   apps::add_examples(app,
                      "  sightline-bench budget plant.rvm\n"
@@ -223,6 +225,7 @@ core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, double 
   const auto [width, height] = *apps::parse_size(o.size);
   config.width = width;
   config.height = height;
+  config.context_platform = o.platform;
   config.budget_ms = budget_ms;
   config.contribution_way = o.way;
   return Engine::create(scene, config);

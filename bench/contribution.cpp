@@ -60,6 +60,7 @@ struct Options {
   std::uint64_t items = 0;
   int frames = 12, passes = 3;
   double step = 1.0 / 60.0;
+  gl::ContextPlatform platform = {};
   std::string size = "640x360", json, plot;
 };
 
@@ -85,6 +86,7 @@ void add_options(CLI::App& app, Options& o) {
       ->capture_default_str()
       ->check(apps::accepted_by(apps::parse_size));
   app.add_option("--plot", o.plot, "Write plots of error and flicker against time to PREFIX-….svg");
+  apps::add_context_option(app, o.platform);
   apps::add_json_option(app, o.json);
   apps::add_examples(app,
                      "  sightline-bench contribution --items 100000 --plot plant --json plant.json\n"
@@ -219,11 +221,12 @@ double processor_ms() {
 
 class Subject {
  public:
-  static core::Expected<std::unique_ptr<Subject>> create(core::Scene& scene, int width, int height) {
+  static core::Expected<std::unique_ptr<Subject>> create(core::Scene& scene, const Options& o, int width, int height) {
     engine::EngineConfig config;
     config.draw = config.ids = true;
     config.culler = engine::CullerChoice::kCpu;
     config.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
+    config.context_platform = o.platform;
     config.width = width;
     config.height = height;
     auto engine = engine::Engine::create(scene, config);
@@ -453,7 +456,7 @@ core::Expected<int> run(const Options& o) {
   const auto [width, height] = *apps::parse_size(o.size);
   const auto views = views_of(*scene, o, double(width) / height);
   if (!views) return tl::unexpected(views.error());
-  auto subject = Subject::create(*scene, width, height);
+  auto subject = Subject::create(*scene, o, width, height);
   if (!subject) return tl::unexpected(subject.error());
   const gl::Context& context = (*subject)->engine().drawing()->context();
   std::FILE* out = apps::table_stream(o.json);

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/model.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/models/platforms.h"
 #include "sightline/bench/renderer.h"
@@ -33,6 +34,7 @@ constexpr GpuVariant kVariants[] = {GpuVariant::kGeometry, GpuVariant::kCompute}
 struct Options {
   std::vector<std::uint64_t> items;  // per plant; none: those of kPlatforms
   int views = 24, passes = 5;
+  gl::ContextPlatform platform = {};
   std::string json;
 };
 
@@ -121,7 +123,7 @@ core::Expected<Json> measure(const gl::Context& context, std::uint64_t items, co
 }
 
 core::Expected<int> run(const Options& o) {
-  auto context = gl::Context::create_offscreen();
+  auto context = gl::Context::create_offscreen({.platform = o.platform});
   if (!context) return tl::unexpected(context.error());
   std::FILE* out = apps::table_stream(o.json);
   std::fprintf(out, "%s\n", renderer_line(*context).c_str());
@@ -143,6 +145,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(1000u, 20'000'000u));
   app.add_option("--views", o.views, "Views along the orbit")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--passes", o.passes, "Of which the best counts")->check(CLI::Range(1, 1000))->capture_default_str();
+  apps::add_context_option(app, o.platform);
   apps::add_json_option(app, o.json);
   apps::add_examples(app,
                      "  sightline-bench gpu-cull\n"

@@ -19,6 +19,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/model.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
@@ -42,6 +43,7 @@ struct Options {
   std::vector<std::string> models;
   int items = 100, size = 512;
   std::uint32_t seed = 1;
+  gl::ContextPlatform platform = {};
   std::string json;
 };
 
@@ -173,7 +175,7 @@ core::Expected<Tightness> measure(gl::Context& context, const std::vector<Item>&
 }
 
 core::Expected<int> run(const Options& o) {
-  auto context = gl::Context::create_offscreen({});
+  auto context = gl::Context::create_offscreen({.platform = o.platform});
   if (!context) return tl::unexpected(context.error());
   Json json = renderer_json(*context);
   json.update({{"size", o.size}, {"seed", o.seed}, {"subjects", Json::array()}});
@@ -217,6 +219,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(64, 4096))
       ->capture_default_str();
   app.add_option("--seed", o.seed, "Of shapes and directions")->capture_default_str();
+  apps::add_context_option(app, o.platform);
   apps::add_json_option(app, o.json);
   apps::add_examples(app,
                      "  sightline-bench proxies\n"

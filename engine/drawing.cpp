@@ -46,6 +46,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   std::optional<gl::Context> own;
   if (!config.context) {
     gl::ContextOptions options;
+    options.platform = config.context_platform;
     options.debug = config.gl_debug;
     auto made = gl::Context::create_offscreen(options);
     if (!made) return tl::unexpected(made.error());

@@ -25,7 +25,8 @@
 
 namespace sightline::gl {
 class Context;
-}
+enum class ContextPlatform : std::uint8_t;
+}  // namespace sightline::gl
 namespace sightline::gpuprims {
 class Joints;
 }
@@ -95,6 +96,7 @@ struct EngineConfig {
   /// leave it current.
   gl::Context* context = nullptr;
   GlState gl_state = GlState::kRestore;  ///< of the application's context
+  gl::ContextPlatform context_platform = {};  ///< of the offscreen context (gl/context.h); ContextOptions' default
   /// Folder that keeps linked programs from run to run, so that drivers need not compile them again. Processes may
   /// share it. None: the user's cache folder, gl::ProgramCache::default_folder(). An empty path: no cache.
   std::optional<std::filesystem::path> program_cache = {};

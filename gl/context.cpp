@@ -1,13 +1,15 @@
 #include "sightline/gl/context.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "sightline/gl/functions.h"
-#include "sightline/gl/internal/egl.h"
+#include "sightline/gl/internal/platform_context.h"
 #include "sightline/gl/internal/program_cache.h"
 
 namespace sightline::gl {
@@ -16,11 +18,9 @@ struct Context::State {
   State() = default;
   State(const State&) = delete;
   State& operator=(const State&) = delete;
-  ~State() {
-    if (egl.context) destroy_egl_context(egl);
-  }
 
-  EglContext egl;  // empty when adopted
+  std::unique_ptr<PlatformContext> own;  // null when adopted, and once destroyed
+  std::string platform;
   Functions gl;
   Capabilities capabilities;
   std::optional<ProgramCache> program_cache;
@@ -121,7 +121,34 @@ void collect_debug_output(const Functions& gl, DebugLog& log) {
   gl.DebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DEBUG_SEVERITY_NOTIFICATION, 0, nullptr, GL_FALSE);
 }
 
+constexpr std::array<std::string_view, 5> kPlatformNames = {"auto", "egl", "egl-surfaceless", "egl-device", "osmesa"};
+
+core::Expected<std::unique_ptr<PlatformContext>> create_platform_context(ContextOptions options) {
+  if (options.platform == ContextPlatform::kAutomatic) {
+    const char* name = std::getenv("SIGHTLINE_CONTEXT");
+    const auto named = parse_platform(name && *name ? name : "auto");
+    if (!named) return core::fail("SIGHTLINE_CONTEXT: " + named.error().message);
+    options.platform = *named;
+  }
+  if (options.platform == ContextPlatform::kOsMesa) return create_osmesa_context(options);
+  auto egl = create_egl_context(options);
+  if (egl || options.platform != ContextPlatform::kAutomatic) return egl;
+  auto osmesa = create_osmesa_context(options);
+  if (!osmesa) return core::fail(egl.error().message + "; " + osmesa.error().message);
+  return osmesa;
+}
+
 }  // namespace
+
+std::string_view name_of(ContextPlatform platform) {
+  return kPlatformNames[std::size_t(platform)];
+}
+
+core::Expected<ContextPlatform> parse_platform(const std::string& name) {
+  const auto found = std::find(kPlatformNames.begin(), kPlatformNames.end(), name);
+  if (found != kPlatformNames.end()) return ContextPlatform(found - kPlatformNames.begin());
+  return core::fail(fmt::format("expected one of {}, found \"{}\"", fmt::join(kPlatformNames, ", "), name));
+}
 
 Context::Context(std::shared_ptr<State> state, bool shares) : state_(std::move(state)), shares_(shares) {}
 Context::Context(Context&& other) noexcept = default;
@@ -140,8 +167,7 @@ void Context::destroy() {
   if (!state_ || shares_) return;
   stop_freeing(state_->gl);
   state_->lost = state_->destroyed = true;
-  if (state_->egl.context) destroy_egl_context(state_->egl);
-  state_->egl.context = nullptr;
+  state_->own.reset();
 }
 
 Context Context::share() const {
@@ -149,13 +175,15 @@ Context Context::share() const {
 }
 
 core::Expected<Context> Context::create_offscreen(const ContextOptions& options) {
-  auto egl = create_egl_context(options);
-  if (!egl) return tl::unexpected(egl.error());
-  auto state = std::make_unique<State>();
-  state->egl = *egl;
-  auto context = adopt(&egl_get_proc, egl->library);
-  if (!context) return core::fail(egl->platform + ": " + context.error().message);
-  context->state_->egl = std::exchange(state->egl, {});
+  auto own = create_platform_context(options);
+  if (!own) return tl::unexpected(own.error());
+  const auto get_proc = [](const char* name, void* platform) {
+    return static_cast<const PlatformContext*>(platform)->get_proc(name);
+  };
+  auto context = adopt(get_proc, own->get());
+  if (!context) return core::fail((*own)->name() + ": " + context.error().message);
+  context->state_->platform = (*own)->name();
+  context->state_->own = std::move(*own);
   if (options.debug) collect_debug_output(context->state_->gl, context->state_->log);
   return context;
 }
@@ -164,7 +192,7 @@ core::Expected<Context> Context::adopt(GetProc get_proc, void* user) {
   auto functions = load_functions(get_proc, user);
   if (!functions) return tl::unexpected(functions.error());
   auto state = std::make_unique<State>();
-  state->egl.platform = "adopted";
+  state->platform = "adopted";
   state->gl = *functions;
   state->vendor = get_string(state->gl, GL_VENDOR);
   state->renderer = get_string(state->gl, GL_RENDERER);
@@ -189,19 +217,19 @@ const std::string& Context::version() const {
   return state_->version;
 }
 const std::string& Context::platform() const {
-  return state_->egl.platform;
+  return state_->platform;
 }
 const DebugLog& Context::debug_log() const {
   return state_->log;
 }
 
 core::Expected<void> Context::make_current() const {
-  if (state_->destroyed) return core::fail(state_->egl.platform + ": the GL context is destroyed");
-  return state_->egl.context ? make_egl_current(state_->egl) : core::Expected<void>();
+  if (state_->destroyed) return core::fail(state_->platform + ": the GL context is destroyed");
+  return state_->own ? state_->own->make_current() : core::Expected<void>();
 }
 
 void Context::release_current() const {
-  if (state_->egl.context) release_egl_current(state_->egl);
+  if (state_->own) state_->own->release_current();
 }
 
 void Context::cache_programs(const std::filesystem::path& folder) {

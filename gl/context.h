@@ -1,11 +1,12 @@
-// A GL context: made offscreen through EGL, or adopted from the application. Needs no header of GL's, and so goes with
-// any.
+// A GL context: made offscreen through EGL or OSMesa, or adopted from the application. Needs no header of GL's, and so
+// goes with any.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sightline/core/api.h"
@@ -17,17 +18,34 @@ namespace sightline::gl {
 
 struct Functions;  // gl/functions.h
 
+/// Ways to a context without a window.
+///
+/// Each of them may be used beside the others. A thread has one context current at most: making an OSMesa context
+/// current releases an EGL context on that thread, the application's included, and the other way round. OSMesa and GLX
+/// do not know of each other: release a GLX context before an OSMesa context becomes current on the same thread.
 enum class ContextPlatform : std::uint8_t {
-  kAutomatic,       ///< hardware EGL devices in order, then surfaceless, then software devices
+  /// What the environment variable SIGHTLINE_CONTEXT names (name_of()). Without it kEgl, and kOsMesa where EGL is
+  /// absent
+  /// or gives no context.
+  kAutomatic,
+  kEgl,             ///< hardware EGL devices in order, then surfaceless, then software devices
   kEglSurfaceless,  ///< EGL_MESA_platform_surfaceless
   kEglDevice,       ///< EGL_EXT_platform_device: the first device that works, hardware first
+  kOsMesa,          ///< Mesa's software rasteriser as a library; needs no driver and no display server
 };
+
+/// "auto", "egl", "egl-surfaceless", "egl-device", "osmesa"
+SIGHTLINE_API std::string_view name_of(ContextPlatform platform);
+/// The platform of that name. The error lists all names.
+SIGHTLINE_API core::Expected<ContextPlatform> parse_platform(const std::string& name);
 
 struct ContextOptions {
   ContextPlatform platform = ContextPlatform::kAutomatic;
-  int device = -1;                          ///< index of the EGL device for kEglDevice; -1 tries all
-  bool debug = false;                       ///< collect KHR_debug messages; calls become synchronous and slower
-  std::string egl_library = "libEGL.so.1";  ///< opened at run time, so a machine without EGL gets an error value
+  int device = -1;     ///< index of the EGL device for kEglDevice; -1 tries all
+  bool debug = false;  ///< collect KHR_debug messages; calls become synchronous and slower
+  // Opened at run time, so a machine without them gets an error value.
+  std::string egl_library = "libEGL.so.1";
+  std::string osmesa_library = "libOSMesa.so.8";
 };
 
 /// What the context offers beyond what GL 4.5 guarantees. Sizes in the units named.
@@ -58,12 +76,13 @@ struct Capabilities {
 /// moves. Objects made with the table must be destroyed before the Context and while it is current, unless a share()
 /// exists. A thread may use a context only while it is current there. Several contexts in one process are independent.
 ///
-/// An offscreen context has no surface. With framebuffer 0 bound, even a draw with rasterizer discard fails with
-/// GL_INVALID_FRAMEBUFFER_OPERATION. So bind a gl::Framebuffer first; one without attachments is enough.
+/// An offscreen context has no surface, or with OSMesa one of a single pixel. Without a surface and with framebuffer 0
+/// bound, even a draw with rasterizer discard fails with GL_INVALID_FRAMEBUFFER_OPERATION. So bind a gl::Framebuffer
+/// first; one without attachments is enough.
 class SIGHTLINE_API Context {
  public:
-  /// Makes an OpenGL 4.5 core context without a window and makes it current. Fails when EGL or a driver is absent; the
-  /// error lists what was tried and what to install.
+  /// Makes an OpenGL 4.5 core context without a window and makes it current. Fails when the platform or its driver is
+  /// absent; the error lists what was tried and what to install.
   static core::Expected<Context> create_offscreen(const ContextOptions& options = {});
 
   /// Uses the context that is current on this thread (GLFW, Qt, another EGL, OSMesa). This class neither destroys it
@@ -84,7 +103,7 @@ class SIGHTLINE_API Context {
   const std::string& vendor() const;
   const std::string& renderer() const;
   const std::string& version() const;
-  /// How the context was made: "EGL surfaceless", "EGL device 1", "adopted".
+  /// How the context was made: "EGL surfaceless", "EGL device 1", "OSMesa", "adopted".
   const std::string& platform() const;
 
   /// Makes the context current on this thread; nearly free when it already is. Does nothing for an adopted one. Fails

@@ -1,8 +1,5 @@
-#include "sightline/gl/internal/egl.h"
-
 #define EGL_NO_PLATFORM_SPECIFIC_TYPES
 #include <array>
-#include <cassert>
 #include <string_view>
 #include <vector>
 
@@ -10,6 +7,8 @@
 #include <EGL/eglext.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
+
+#include "sightline/gl/internal/platform_context.h"
 
 namespace sightline::gl {
 namespace {
@@ -181,7 +180,43 @@ core::Expected<EGLContext> create_context(const Egl& egl, EGLDisplay display, bo
   return core::fail(fmt::format("no OpenGL {}.{} core context: {}", kRequiredMajor, kRequiredMinor, egl_error(egl)));
 }
 
-core::Expected<EglContext> try_candidate(const Egl& egl, const Candidate& candidate, bool debug) {
+class EglContext final : public PlatformContext {
+ public:
+  EglContext(const Egl& egl, EGLDisplay display, EGLContext context, std::string name)
+      : egl_(egl), display_(display), context_(context), name_(std::move(name)) {}
+  EglContext(const EglContext&) = delete;
+  EglContext& operator=(const EglContext&) = delete;
+  /// The display stays initialised: EGL shares it among all contexts of the process.
+  ~EglContext() override {
+    EglContext::release_current();
+    egl_.DestroyContext(display_, context_);
+  }
+
+  core::Expected<void> make_current() const override {
+    if (egl_.GetCurrentContext() == context_) return {};
+    release_any_osmesa_context();
+    egl_.BindAPI(EGL_OPENGL_API);
+    if (egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) return {};
+    return core::fail("eglMakeCurrent: " + egl_error(egl_));
+  }
+
+  void release_current() const override {
+    egl_.BindAPI(EGL_OPENGL_API);
+    if (egl_.GetCurrentContext() != context_) return;
+    egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  }
+
+  Proc get_proc(const char* name) const override { return egl_.GetProcAddress(name); }
+  std::string name() const override { return name_; }
+
+ private:
+  Egl egl_;
+  EGLDisplay display_;
+  EGLContext context_;
+  std::string name_;
+};
+
+core::Expected<std::unique_ptr<PlatformContext>> try_candidate(const Egl& egl, const Candidate& candidate, bool debug) {
   const EGLDisplay display = egl.GetPlatformDisplay(
       candidate.platform, candidate.device ? candidate.device : static_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);
   if (display == EGL_NO_DISPLAY) return core::fail("no display: " + egl_error(egl));
@@ -191,23 +226,14 @@ core::Expected<EglContext> try_candidate(const Egl& egl, const Candidate& candid
   if (!egl.BindAPI(EGL_OPENGL_API)) return core::fail("desktop OpenGL is not offered: " + egl_error(egl));
   auto context = create_context(egl, display, debug);
   if (!context) return tl::unexpected(context.error());
-  EglContext made{nullptr, display, *context, egl.GetCurrentContext, candidate.name};
-  if (egl.MakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, *context)) return made;
-  const std::string reason = egl_error(egl);
-  egl.DestroyContext(display, *context);
-  return core::fail("eglMakeCurrent: " + reason);
-}
-
-/// The same for a library that has already made a context, so it cannot fail.
-Egl reload(void* library) {
-  auto egl = load_egl(library);
-  assert(egl);
-  return *egl;
+  auto made = std::make_unique<EglContext>(egl, display, *context, candidate.name);
+  if (auto current = made->make_current(); !current) return tl::unexpected(current.error());
+  return made;
 }
 
 }  // namespace
 
-core::Expected<EglContext> create_egl_context(const ContextOptions& options) {
+core::Expected<std::unique_ptr<PlatformContext>> create_egl_context(const ContextOptions& options) {
   // RTLD_NODELETE and no dlclose: leak checkers and drivers' exit handlers need the code to stay in place.
   void* library = dlopen(options.egl_library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (!library) {
@@ -221,10 +247,7 @@ core::Expected<EglContext> create_egl_context(const ContextOptions& options) {
   std::string tried;
   for (const Candidate& candidate : list_candidates(*egl, options)) {
     auto context = try_candidate(*egl, candidate, options.debug);
-    if (context) {
-      context->library = library;
-      return context;
-    }
+    if (context) return context;
     tried += fmt::format("{}{}: {}", tried.empty() ? "" : "; ", candidate.name, context.error().message);
   }
   if (tried.empty()) tried = "none, the library offers no such platform or device";
@@ -232,30 +255,16 @@ core::Expected<EglContext> create_egl_context(const ContextOptions& options) {
       fmt::format("EGL: no platform gave a context; {}; tried {} ({})", kHint, tried, options.egl_library));
 }
 
-void destroy_egl_context(const EglContext& context) {
-  release_egl_current(context);
-  reload(context.library).DestroyContext(context.display, context.context);
-}
-
-core::Expected<void> make_egl_current(const EglContext& context) {
-  if (context.current() == context.context) return {};
-  const Egl egl = reload(context.library);
-  egl.BindAPI(EGL_OPENGL_API);
-  if (egl.MakeCurrent(context.display, EGL_NO_SURFACE, EGL_NO_SURFACE, context.context)) return {};
-  return core::fail("eglMakeCurrent: " + egl_error(egl));
-}
-
-void release_egl_current(const EglContext& context) {
-  const Egl egl = reload(context.library);
-  egl.BindAPI(EGL_OPENGL_API);
-  if (egl.GetCurrentContext() != context.context) return;
-  egl.MakeCurrent(context.display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-}
-
-Proc egl_get_proc(const char* name, void* library) {
-  PFNEGLGETPROCADDRESSPROC get_proc_address = nullptr;
-  if (!find(library, "eglGetProcAddress", get_proc_address)) return nullptr;
-  return get_proc_address(name);
+void release_any_egl_context(const std::string& egl_library) {
+  void* library = dlopen(egl_library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD);
+  if (!library) return;
+  PFNEGLGETCURRENTCONTEXTPROC get_context = nullptr;
+  PFNEGLGETCURRENTDISPLAYPROC get_display = nullptr;
+  PFNEGLMAKECURRENTPROC make_current = nullptr;
+  if (find(library, "eglGetCurrentContext", get_context) && find(library, "eglGetCurrentDisplay", get_display) &&
+      find(library, "eglMakeCurrent", make_current) && get_context() != EGL_NO_CONTEXT)
+    make_current(get_display(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  dlclose(library);
 }
 
 }  // namespace sightline::gl

@@ -7,6 +7,9 @@
 #include <CLI/CLI.hpp>
 
 #include "sightline/apps/common/progress.h"
+#if SIGHTLINE_HAS_GL
+#include "sightline/gl/context.h"
+#endif
 
 namespace sightline::apps {
 
@@ -114,6 +117,17 @@ void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config) {
          "--gpu-pass", [&config](const std::string& name) { config.variant = names.at(name); },
          "Shaders of the GPU culler: geometry or compute; without it the faster one, measured")
       ->check(CLI::IsMember(names));
+}
+
+void add_context_option([[maybe_unused]] CLI::App& app, [[maybe_unused]] gl::ContextPlatform& platform) {
+#if SIGHTLINE_HAS_GL
+  app.add_option_function<std::string>(
+         "--context", [&platform](const std::string& name) { platform = gl::parse_platform(name).value(); },
+         "Where OpenGL without a window comes from: auto, egl, egl-surfaceless, egl-device or osmesa; auto is what the "
+         "environment variable SIGHTLINE_CONTEXT names, without it EGL, and OSMesa where EGL gives none")
+      ->check(accepted_by(gl::parse_platform))
+      ->default_str("auto");
+#endif
 }
 
 void add_samples_option(CLI::App& app, int& samples) {

@@ -57,6 +57,9 @@ void add_culler_option(CLI::App& app, engine::CullerChoice& choice);
 /// --gpu-pass, into `config`.
 void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config);
 
+/// --context, into `platform`. Builds without GL have no such option.
+void add_context_option(CLI::App& app, gl::ContextPlatform& platform);
+
 /// --samples
 void add_samples_option(CLI::App& app, int& samples);
 

@@ -42,6 +42,7 @@ void add_options(CLI::App& app, ReportOptions& o) {
       ->check(CLI::IsMember(ids))
       ->delimiter(',')
       ->option_text("NAME,…");
+  add_context_option(app, o.platform);
   add_json_option(app, o.json);
   app.add_flag("--quiet", o.model.quiet, "No progress bar, no warnings; errors alone");
 }

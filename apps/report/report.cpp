@@ -50,7 +50,7 @@ core::Expected<void> Report::load() {
     tour_ = core::make_tour(snapshot.bounds(), fitted_);
   }
   lap();
-  auto context = gl::Context::create_offscreen();
+  auto context = gl::Context::create_offscreen({.platform = options_.platform});
   if (!context) return tl::unexpected(context.error());
   context_ = std::make_unique<gl::Context>(std::move(*context));
   times_.context = lap();

@@ -24,6 +24,7 @@ struct ReportOptions {
   std::string out, size = "640x360", json;
   std::vector<std::string> sections;  ///< ids; empty: all
   int frames = 60;                    ///< of the tour
+  gl::ContextPlatform platform = {};
 };
 
 /// Milliseconds of wall clock.

@@ -36,6 +36,7 @@ struct Options {
   std::string size, views, csv, plot, json;
   int samples = 3, passes = 7, pictures = 4, reference = 512;
   std::uint32_t seed = 1;
+  gl::ContextPlatform platform = {};
 };
 
 void add_options(CLI::App& app, Options& o) {
@@ -67,6 +68,7 @@ void add_options(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_option("--csv", o.csv, "Write all figures as CSV to FILE, or - for stdout");
   app.add_option("--plot", o.plot, "Write plots to PREFIX-….svg");
+  apps::add_context_option(app, o.platform);
   apps::add_json_option(app, o.json);
   apps::add_examples(app,
                      "  sightline-bench error-time --plot kinds --json kinds.json\n"
@@ -195,7 +197,7 @@ core::Expected<int> measure_models(const Options& o, gl::Context& context, std::
 }
 
 core::Expected<int> run(const Options& o) {
-  auto context = gl::Context::create_offscreen();
+  auto context = gl::Context::create_offscreen({.platform = o.platform});
   if (!context) return tl::unexpected(context.error());
   std::FILE* out = apps::table_stream(o.csv == "-" ? o.csv : o.json);
   return o.model.files.empty() ? measure_kinds(o, *context, out) : measure_models(o, *context, out);

@@ -33,6 +33,7 @@ struct Options {
   std::vector<std::string> only;
   std::vector<std::uint64_t> submission;
   culling::GpuCullerConfig gpu;
+  gl::ContextPlatform platform = {};
   double scale = 1.0;
   int frames = 200, passes = 3, block = 10, warm_up = 10;
   std::string size = "1280x720", rendering = "both", json, csv;
@@ -68,6 +69,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(1000, 10'000'000))
       ->delimiter(',');
   app.add_option("--csv", o.csv, "Write frames, traces of both paths, and plots of the figures into this directory");
+  apps::add_context_option(app, o.platform);
   apps::add_json_option(app, o.json);
   apps::add_examples(app,
                      "  sightline-bench hybrid --scale 0.05 --frames 60 --size 320x180\n"
@@ -239,7 +241,7 @@ core::Expected<Json> run_submission(const Options& o, gl::Context& context) {
 core::Expected<int> run(const Options& o) {
   if (!o.csv.empty())
     if (auto made = apps::make_directory(o.csv); !made) return tl::unexpected(made.error());
-  auto context = gl::Context::create_offscreen();
+  auto context = gl::Context::create_offscreen({.platform = o.platform});
   if (!context) return tl::unexpected(context.error());
   Json json;
   if (!o.submission.empty()) {

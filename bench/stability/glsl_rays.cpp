@@ -118,8 +118,8 @@ Answer answer_of(const Prepared& prepared, const ShaderCrossing& found) {
 
 }  // namespace
 
-core::Expected<GlslRays> GlslRays::create() {
-  auto context = gl::Context::create_offscreen();
+core::Expected<GlslRays> GlslRays::create(gl::ContextPlatform platform) {
+  auto context = gl::Context::create_offscreen({.platform = platform});
   if (!context) return tl::unexpected(context.error());
   return GlslRays(std::move(*context));
 }

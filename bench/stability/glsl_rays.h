@@ -15,7 +15,7 @@ namespace sightline::bench {
 class GlslRays {
  public:
   /// Fails without GL. Programs are compiled at their first use.
-  static core::Expected<GlslRays> create();
+  static core::Expected<GlslRays> create(gl::ContextPlatform platform = {});
 
   /// Finds the nearest crossing of each sample over the whole line. A record is packed for each sample. The shader gets
   /// what a renderer can give it (render/shaders/primitive.vert): the ray in the record's local frame, moved in double

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/bench/stability/measure.h"
@@ -38,6 +39,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::vector<std::string> primitives, families, paths;
   std::string json, plot;
+  gl::ContextPlatform platform = {};
   bool details = false;
 };
 
@@ -62,6 +64,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--trace", options.trace, "instead: so many rays through the ray tracer, half of them in mixed scenes")
       ->check(CLI::Range(std::int64_t(1), std::int64_t(1'000'000'000'000)));
   app.add_flag("--details", options.details, "a line for every magnitude, not only for the worst of a family");
+  apps::add_context_option(app, options.platform);
   apps::add_json_option(app, options.json);
   app.add_option("--plot", options.plot, "error against magnitude, SVG");
 }
@@ -100,7 +103,7 @@ core::Expected<void> measure_shaders([[maybe_unused]] const std::vector<Case>& c
                                      [[maybe_unused]] const std::vector<Prepared>& prepared, const Options& options,
                                      [[maybe_unused]] std::vector<std::vector<Result>>& by_case) {
 #if SIGHTLINE_HAS_GL
-  auto shaders = bench::GlslRays::create();
+  auto shaders = bench::GlslRays::create(options.platform);
   if (!shaders && options.paths.empty()) {
     std::fprintf(stderr, "sightline-stability: without the shaders: %s\n", shaders.error().message.c_str());
     return {};
@@ -128,7 +131,7 @@ core::Expected<void> measure_views([[maybe_unused]] const Options& options,
     return !wanted(options.primitives, core::name_of(c.kind)) || !wanted(options.families, c.family);
   });
   if (cases.empty() || !wanted(options.paths, "glsl")) return {};
-  auto views = bench::ViewRays::create();
+  auto views = bench::ViewRays::create(options.platform);
   if (!views && options.paths.empty()) return {};  // already reported
   if (!views) return tl::unexpected(views.error());
   apps::Progress progress("views", cases.size());
@@ -265,7 +268,7 @@ std::string plot(const std::vector<Result>& results) {
 
 #if SIGHTLINE_HAS_GL
 core::Expected<int> run_fuzz(const Options& options) {
-  auto shaders = bench::GlslRays::create();
+  auto shaders = bench::GlslRays::create(options.platform);
   if (!shaders) return tl::unexpected(shaders.error());
   Json kinds = Json::array();
   bool ok = true;

@@ -86,8 +86,8 @@ std::vector<ViewCase> view_cases(std::uint64_t seed) {
   return cases;
 }
 
-core::Expected<ViewRays> ViewRays::create() {
-  auto context = gl::Context::create_offscreen();
+core::Expected<ViewRays> ViewRays::create(gl::ContextPlatform platform) {
+  auto context = gl::Context::create_offscreen({.platform = platform});
   if (!context) return tl::unexpected(context.error());
   return ViewRays(std::move(*context));
 }

@@ -39,7 +39,7 @@ std::vector<ViewCase> view_cases(std::uint64_t seed);
 class ViewRays {
  public:
   /// Fails without GL.
-  static core::Expected<ViewRays> create();
+  static core::Expected<ViewRays> create(gl::ContextPlatform platform = {});
 
   /// Draws the picture and judges about `rays` of its pixels, or all of them for very wide fields of view. Does not
   /// read back normals.

@@ -1,9 +1,12 @@
 #include "sightline/gl/context.h"
 
+#include <cstdlib>
 #include <cstring>
+#include <semaphore>
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <dlfcn.h>
 #include <gtest/gtest.h>
@@ -16,9 +19,15 @@ namespace {
 
 using ContextTest = tests::GlTest;
 
-/// An application's own way to find functions: EGL's, with some names held back.
+/// An application's own way to find functions of a context: EGL's or OSMesa's, with some names held back.
 struct ForeignLoader {
-  void* library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_NODELETE);
+  explicit ForeignLoader(const Context& context) {
+    const bool osmesa = context.platform() == "OSMesa";
+    void* library = dlopen(osmesa ? "libOSMesa.so.8" : "libEGL.so.1", RTLD_NOW | RTLD_NODELETE);
+    get =
+        reinterpret_cast<Proc (*)(const char*)>(dlsym(library, osmesa ? "OSMesaGetProcAddress" : "eglGetProcAddress"));
+  }
+  Proc (*get)(const char*);
   const char* hidden = "";
   const char* also_hidden = "";
 };
@@ -26,8 +35,7 @@ struct ForeignLoader {
 Proc foreign_get_proc(const char* name, void* user) {
   const auto* loader = static_cast<const ForeignLoader*>(user);
   if (std::strcmp(name, loader->hidden) == 0 || std::strcmp(name, loader->also_hidden) == 0) return nullptr;
-  const auto get = reinterpret_cast<Proc (*)(const char*)>(dlsym(loader->library, "eglGetProcAddress"));
-  return get(name);
+  return loader->get(name);
 }
 
 Context make_context(ContextPlatform platform) {
@@ -70,7 +78,7 @@ TEST_F(ContextTest, AutomaticContextIsUsable) {
   EXPECT_FALSE(context->renderer().empty());
   EXPECT_FALSE(context->vendor().empty());
   EXPECT_FALSE(context->version().empty());
-  EXPECT_EQ(context->platform().rfind("EGL ", 0), 0u) << context->platform();
+  EXPECT_TRUE(context->platform().rfind("EGL ", 0) == 0 || context->platform() == "OSMesa") << context->platform();
   GLint profile = 0;
   gl().GetIntegerv(GL_CONTEXT_PROFILE_MASK, &profile);
   EXPECT_EQ(profile, GL_CONTEXT_CORE_PROFILE_BIT);
@@ -93,7 +101,11 @@ TEST_F(ContextTest, CapabilitiesMeetWhatGlGuarantees) {
 }
 
 TEST_F(ContextTest, EachPlatformEitherWorksOrSaysWhyNot) {
-  for (const ContextPlatform platform : {ContextPlatform::kEglSurfaceless, ContextPlatform::kEglDevice}) {
+  const std::pair<ContextPlatform, const char*> expected[] = {{ContextPlatform::kEgl, "EGL "},
+                                                              {ContextPlatform::kEglSurfaceless, "EGL surfaceless"},
+                                                              {ContextPlatform::kEglDevice, "EGL device"},
+                                                              {ContextPlatform::kOsMesa, "OSMesa"}};
+  for (const auto& [platform, name] : expected) {
     ContextOptions options;
     options.platform = platform;
     auto made = Context::create_offscreen(options);
@@ -101,8 +113,7 @@ TEST_F(ContextTest, EachPlatformEitherWorksOrSaysWhyNot) {
       EXPECT_NE(made.error().message.find("tried"), std::string::npos) << made.error().message;
       continue;
     }
-    const char* expected = platform == ContextPlatform::kEglDevice ? "EGL device" : "EGL surfaceless";
-    EXPECT_EQ(made->platform().rfind(expected, 0), 0u) << made->platform();
+    EXPECT_EQ(made->platform().rfind(name, 0), 0u) << made->platform();
     EXPECT_TRUE(made->take_errors().empty());
   }
   ASSERT_TRUE(context->make_current());
@@ -117,25 +128,93 @@ TEST_F(ContextTest, AbsentDeviceIsAnError) {
   EXPECT_NE(made.error().message.find("tried none"), std::string::npos) << made.error().message;
 }
 
-TEST(ContextWithoutEgl, MissingLibraryIsAnErrorThatSaysWhatToInstall) {
+constexpr const char* kNoSuchLibrary = "libnowhere.so.1";
+
+TEST(ContextWithoutLibrary, MissingLibraryIsAnErrorThatSaysWhatToInstall) {
   ContextOptions options;
-  options.egl_library = "libEGL-that-is-not-there.so.1";
-  const auto made = Context::create_offscreen(options);
-  ASSERT_FALSE(made);
-  EXPECT_NE(made.error().message.find("no EGL: install libegl1"), std::string::npos) << made.error().message;
-  EXPECT_NE(made.error().message.find("libEGL-that-is-not-there.so.1"), std::string::npos);
+  options.egl_library = options.osmesa_library = kNoSuchLibrary;
+  const std::pair<ContextPlatform, const char*> expected[] = {
+      {ContextPlatform::kEgl, "no EGL: install libegl1"}, {ContextPlatform::kOsMesa, "no OSMesa: install libosmesa6"}};
+  for (const auto& [platform, hint] : expected) {
+    options.platform = platform;
+    const auto made = Context::create_offscreen(options);
+    ASSERT_FALSE(made);
+    const std::string& message = made.error().message;
+    EXPECT_EQ(message.rfind(hint, 0), 0u) << message;
+    EXPECT_NE(message.find(kNoSuchLibrary), std::string::npos) << message;
+  }
 }
 
-TEST(ContextWithoutEgl, AnotherLibraryIsAnError) {
+TEST(ContextWithoutLibrary, AnotherLibraryIsAnError) {
   ContextOptions options;
-  options.egl_library = "libm.so.6";
+  options.egl_library = options.osmesa_library = "libm.so.6";
+  for (const ContextPlatform platform : {ContextPlatform::kEgl, ContextPlatform::kOsMesa}) {
+    options.platform = platform;
+    const auto made = Context::create_offscreen(options);
+    ASSERT_FALSE(made);
+    EXPECT_NE(made.error().message.find("libm.so.6"), std::string::npos) << made.error().message;
+  }
+}
+
+TEST(ContextPlatformNames, AreThoseThatAreParsed) {
+  for (int i = 0; i <= int(ContextPlatform::kOsMesa); ++i)
+    EXPECT_EQ(parse_platform(std::string(name_of(ContextPlatform(i)))).value(), ContextPlatform(i));
+  const auto other = parse_platform("glx");
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().message, "expected one of auto, egl, egl-surfaceless, egl-device, osmesa, found \"glx\"");
+}
+
+/// What the automatic platform does is up to the environment: these tests set it.
+class AutomaticPlatform : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (const char* value = std::getenv("SIGHTLINE_CONTEXT")) before_ = value;
+    ContextOptions osmesa;
+    osmesa.platform = ContextPlatform::kOsMesa;
+    const auto made = Context::create_offscreen(osmesa);
+    if (made) return;
+    if (!tests::may_skip(made.error().message)) FAIL() << made.error().message;
+    GTEST_SKIP() << made.error().message;
+  }
+  void TearDown() override { setenv("SIGHTLINE_CONTEXT", before_.c_str(), 1); }
+  ContextOptions options;
+
+ private:
+  std::string before_;  // an empty name is none
+};
+
+TEST_F(AutomaticPlatform, FallsBackToOsMesaWithoutEgl) {
+  unsetenv("SIGHTLINE_CONTEXT");
+  options.egl_library = kNoSuchLibrary;
   const auto made = Context::create_offscreen(options);
-  ASSERT_FALSE(made);
-  EXPECT_NE(made.error().message.find("libm.so.6"), std::string::npos) << made.error().message;
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_EQ(made->platform(), "OSMesa");
+  options.osmesa_library = kNoSuchLibrary;
+  const auto neither = Context::create_offscreen(options);
+  ASSERT_FALSE(neither);
+  EXPECT_NE(neither.error().message.find("libegl1"), std::string::npos) << neither.error().message;
+  EXPECT_NE(neither.error().message.find("libosmesa6"), std::string::npos) << neither.error().message;
+}
+
+TEST_F(AutomaticPlatform, IsChosenByTheEnvironment) {
+  setenv("SIGHTLINE_CONTEXT", "osmesa", 1);
+  const auto made = Context::create_offscreen(options);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_EQ(made->platform(), "OSMesa");
+  setenv("SIGHTLINE_CONTEXT", "egl", 1);
+  options.egl_library = kNoSuchLibrary;
+  EXPECT_FALSE(Context::create_offscreen(options)) << "another platform than the one that is asked for";
+  options.platform = ContextPlatform::kOsMesa;
+  EXPECT_TRUE(Context::create_offscreen(options)) << "the program's own choice counts more";
+  setenv("SIGHTLINE_CONTEXT", "glx", 1);
+  const auto unknown = Context::create_offscreen();
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().message.rfind("SIGHTLINE_CONTEXT: expected one of auto,", 0), 0u)
+      << unknown.error().message;
 }
 
 TEST_F(ContextTest, AdoptsAForeignContext) {
-  ForeignLoader loader;
+  ForeignLoader loader(*context);
   auto adopted = Context::adopt(&foreign_get_proc, &loader);
   ASSERT_TRUE(adopted) << adopted.error().message;
   EXPECT_EQ(adopted->platform(), "adopted");
@@ -156,7 +235,7 @@ TEST_F(ContextTest, AdoptsAForeignContext) {
 
 TEST_F(ContextTest, AdoptingWithoutAContextIsAnError) {
   context->release_current();
-  ForeignLoader loader;
+  ForeignLoader loader(*context);
   const auto adopted = Context::adopt(&foreign_get_proc, &loader);
   ASSERT_FALSE(adopted);
   EXPECT_NE(adopted.error().message.find("no context is current"), std::string::npos) << adopted.error().message;
@@ -164,7 +243,7 @@ TEST_F(ContextTest, AdoptingWithoutAContextIsAnError) {
 }
 
 TEST_F(ContextTest, MissingFunctionsAreAllNamed) {
-  ForeignLoader loader;
+  ForeignLoader loader(*context);
   loader.hidden = "glMultiDrawElementsIndirect";
   loader.also_hidden = "glClipControl";
   const auto functions = load_functions(&foreign_get_proc, &loader);
@@ -177,7 +256,7 @@ TEST_F(ContextTest, MissingFunctionsAreAllNamed) {
 }
 
 TEST_F(ContextTest, MissingBasicFunctionIsNamed) {
-  ForeignLoader loader;
+  ForeignLoader loader(*context);
   loader.hidden = "glGetString";
   const auto functions = load_functions(&foreign_get_proc, &loader);
   ASSERT_FALSE(functions);
@@ -185,7 +264,7 @@ TEST_F(ContextTest, MissingBasicFunctionIsNamed) {
 }
 
 TEST_F(ContextTest, MissingExtensionFunctionIsNull) {
-  ForeignLoader loader;
+  ForeignLoader loader(*context);
   loader.hidden = "glMultiDrawElementsIndirectCountARB";
   auto adopted = Context::adopt(&foreign_get_proc, &loader);
   ASSERT_TRUE(adopted) << adopted.error().message;
@@ -206,7 +285,7 @@ Proc get_proc_without_extension(const char* name, void* user) {
 
 /// Platforms find functions of extensions that the context does not have.
 TEST_F(ContextTest, FunctionsOfUnlistedExtensionsAreNull) {
-  ForeignLoader loader;
+  ForeignLoader loader(*context);
   real_get_stringi = gl().GetStringi;
   const auto functions = load_functions(&get_proc_without_extension, &loader);
   ASSERT_TRUE(functions) << functions.error().message;
@@ -216,7 +295,7 @@ TEST_F(ContextTest, FunctionsOfUnlistedExtensionsAreNull) {
 
 TEST_F(ContextTest, NothingIsCurrentAfterTheCurrentOneEnds) {
   { const Context other = make_context(ContextPlatform::kAutomatic); }
-  ForeignLoader loader;
+  ForeignLoader loader(*context);
   EXPECT_FALSE(load_functions(&foreign_get_proc, &loader));
   ASSERT_TRUE(context->make_current());
 }
@@ -286,6 +365,56 @@ TEST_F(ContextTest, TwoContextsAreIndependent) {
   EXPECT_EQ(value_in(here), 1u);
 }
 
+/// Mesa keeps one current context for EGL and OSMesa together, and neither is told what the other does.
+TEST_F(ContextTest, EglAndOsMesaTakeTurns) {
+  const ContextPlatform platforms[] = {ContextPlatform::kEgl, ContextPlatform::kOsMesa, ContextPlatform::kOsMesa};
+  std::vector<Context> contexts;
+  std::vector<Buffer> buffers(std::size(platforms));
+  ContextOptions options;
+  options.debug = true;
+  for (const ContextPlatform platform : platforms) {
+    options.platform = platform;
+    auto made = Context::create_offscreen(options);
+    if (!made && tests::may_skip(made.error().message)) GTEST_SKIP() << made.error().message;
+    ASSERT_TRUE(made) << made.error().message;
+    contexts.push_back(std::move(*made));
+    make_buffer_of(contexts.back(), std::uint32_t(contexts.size()), buffers[contexts.size() - 1]);
+  }
+  const auto use = [&](std::size_t i) {
+    ASSERT_TRUE(contexts[i].make_current());
+    EXPECT_EQ(value_in(buffers[i]), i + 1);
+    EXPECT_TRUE(contexts[i].take_errors().empty());
+  };
+  for (const std::size_t i : {0, 1, 0, 2, 1, 2, 0, 0, 2}) use(i);
+  // What another platform's context replaced is free for other threads.
+  use(0);
+  std::thread([&] {
+    use(2);
+    contexts[2].release_current();
+  }).join();
+  const ForeignLoader of_egl(contexts[0]), of_osmesa(contexts[1]);
+  contexts[0].release_current();  // is not the current one
+  use(2);
+  contexts[2].release_current();
+  EXPECT_FALSE(load_functions(&foreign_get_proc, const_cast<ForeignLoader*>(&of_egl)));
+  EXPECT_FALSE(load_functions(&foreign_get_proc, const_cast<ForeignLoader*>(&of_osmesa)));
+  // Each end leaves the others alive, from whichever is current.
+  use(0);
+  ASSERT_TRUE(contexts[1].make_current());
+  buffers[1] = {};
+  contexts.erase(contexts.begin() + 1);
+  buffers.erase(buffers.begin() + 1);
+  ASSERT_TRUE(contexts[1].make_current());
+  EXPECT_EQ(value_in(buffers[1]), 3u);
+  ASSERT_TRUE(contexts[0].make_current());
+  EXPECT_EQ(value_in(buffers[0]), 1u);
+  buffers[0] = {};
+  ASSERT_TRUE(contexts[1].make_current());
+  buffers.clear();
+  contexts.clear();
+  ASSERT_TRUE(context->make_current());
+}
+
 /// What is left of a context that went first frees nothing, least of all what another context calls by the same name.
 TEST_F(ContextTest, AShareOutlivesItsContext) {
   for (const bool assigned : {false, true}) {
@@ -338,6 +467,39 @@ TEST_F(ContextTest, AnotherThreadMayTakeIt) {
   worker.join();
   EXPECT_TRUE(taken);
   EXPECT_EQ(value, 7u);
+  ASSERT_TRUE(context->make_current());
+}
+
+TEST_F(ContextTest, CurrentElsewhereIsAnError) {
+  std::thread([&] {
+    const auto taken = context->make_current();
+    ASSERT_FALSE(taken);
+    EXPECT_FALSE(taken.error().message.empty());
+  }).join();
+  EXPECT_TRUE(context->make_current());
+}
+
+/// A context may end on another thread than the one it is current on, which does not know of it.
+TEST_F(ContextTest, MayEndWhileCurrentOnAnotherThread) {
+  for (const bool thread_ends : {false, true}) {
+    if (thread_ends && context->platform() != "OSMesa") continue;  // EGL keeps a context that a thread ends with
+    std::optional<Context> other;
+    std::binary_semaphore made(0), ended(0);
+    std::thread worker([&] {
+      other.emplace(make_context(ContextPlatform::kAutomatic));
+      made.release();
+      ended.acquire();
+      if (thread_ends) return;
+      const Context next = make_context(ContextPlatform::kAutomatic);
+      Buffer buffer;
+      make_buffer_of(next, 7, buffer);
+      EXPECT_EQ(value_in(buffer), 7u);
+    });
+    made.acquire();
+    other.reset();
+    ended.release();
+    worker.join();
+  }
   ASSERT_TRUE(context->make_current());
 }
 

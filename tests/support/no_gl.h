@@ -14,11 +14,11 @@ inline bool gl_required() {
 }
 
 /// Whether `error`, of gl::Context::create_offscreen() or on a tool's stderr, lets a test be skipped: it says that
-/// there is no EGL, or none that gave a context ("no EGL: …", "EGL: …"), and GL is not required. All other errors are
-/// failures.
+/// there is no EGL or OSMesa, or none that gave a context ("no EGL: …", "EGL: …"), and GL is not required. All other
+/// errors are failures.
 inline bool may_skip(const std::string& error) {
   if (gl_required()) return false;
-  for (const char* reason : {"no EGL: ", "EGL: "})
+  for (const char* reason : {"no EGL: ", "EGL: ", "no OSMesa: ", "OSMesa: "})
     if (error.rfind(reason, 0) == 0 || error.find(std::string(": ") + reason) != std::string::npos) return true;
   return false;
 }

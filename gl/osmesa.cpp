@@ -1,0 +1,144 @@
+#include <array>
+#include <atomic>
+#include <utility>
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include "sightline/gl/internal/platform_context.h"
+
+namespace sightline::gl {
+namespace {
+
+// From GL/osmesa.h, which a build need not have.
+constexpr int kOsMesaFormat = 0x22;  // OSMESA_FORMAT
+constexpr int kOsMesaProfile = 0x33, kOsMesaCoreProfile = 0x34;
+constexpr int kOsMesaMajorVersion = 0x36, kOsMesaMinorVersion = 0x37;
+
+/// The OSMesa entry points used here.
+struct OsMesa {
+  using Handle = struct osmesa_context*;
+  Handle (*CreateContextAttribs)(const int* attributes, Handle shared) = nullptr;
+  void (*DestroyContext)(Handle) = nullptr;
+  GLboolean (*MakeCurrent)(Handle, void* buffer, GLenum type, GLsizei width, GLsizei height) = nullptr;
+  Handle (*GetCurrentContext)() = nullptr;
+  Proc (*GetProcAddress)(const char* name) = nullptr;
+};
+
+template <class Function>
+bool find(void* library, const char* name, Function& function) {
+  function = reinterpret_cast<Function>(dlsym(library, name));
+  return function != nullptr;
+}
+
+core::Expected<OsMesa> load_osmesa(const std::string& name) {
+  constexpr const char* kHint = "install libosmesa6";
+  // As EGL: never closed.
+  void* library = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (!library) {
+    const char* reason = dlerror();
+    return core::fail(fmt::format("no OSMesa: {}; tried {} ({})", kHint, name, reason ? reason : "no reason given"));
+  }
+  OsMesa osmesa;
+  const bool found = find(library, "OSMesaCreateContextAttribs", osmesa.CreateContextAttribs) &&
+                     find(library, "OSMesaDestroyContext", osmesa.DestroyContext) &&
+                     find(library, "OSMesaMakeCurrent", osmesa.MakeCurrent) &&
+                     find(library, "OSMesaGetCurrentContext", osmesa.GetCurrentContext) &&
+                     find(library, "OSMesaGetProcAddress", osmesa.GetProcAddress);
+  if (found) return osmesa;
+  return core::fail(fmt::format("OSMesa: {} lacks entry points of Mesa 12 or later; {}", name, kHint));
+}
+
+/// A context with what OSMesa does not keep of it: on which thread it is current.
+struct Body {
+  Body(const OsMesa& entries, OsMesa::Handle made) : osmesa(entries), handle(made) {}
+  Body(const Body&) = delete;
+  Body& operator=(const Body&) = delete;
+  ~Body() { osmesa.DestroyContext(handle); }
+
+  OsMesa osmesa;
+  OsMesa::Handle handle;
+  std::array<unsigned char, 4> pixel{};  // framebuffer 0, which OSMesa requires
+  std::atomic<bool> current_somewhere = false;
+  std::shared_ptr<Body> self;  // while it is current
+};
+
+thread_local Body* current_body = nullptr;
+
+/// Releases the context that is current when a thread ends.
+struct ThreadEnd {
+  ~ThreadEnd() { release_any_osmesa_context(); }
+  void await() {}  // a thread's variable is made, and ends, only where it is used
+};
+thread_local ThreadEnd thread_end;
+
+class OsMesaContext final : public PlatformContext {
+ public:
+  OsMesaContext(std::shared_ptr<Body> body, std::string egl_library)
+      : body_(std::move(body)), egl_library_(std::move(egl_library)) {}
+  OsMesaContext(const OsMesaContext&) = delete;
+  OsMesaContext& operator=(const OsMesaContext&) = delete;
+  ~OsMesaContext() override { OsMesaContext::release_current(); }
+
+  core::Expected<void> make_current() const override {
+    const OsMesa& osmesa = body_->osmesa;
+    const bool ours = current_body == body_.get();
+    if (ours && osmesa.GetCurrentContext() == body_->handle) return {};
+    // OSMesa itself lets two threads have one context.
+    if (!ours && body_->current_somewhere.exchange(true))
+      return core::fail("OSMesa: the context is current on another thread");
+    if (!ours) release_any_osmesa_context();
+    release_any_egl_context(egl_library_);
+    current_body = body_.get();
+    body_->self = body_;
+    thread_end.await();
+    if (osmesa.MakeCurrent(body_->handle, body_->pixel.data(), GL_UNSIGNED_BYTE, 1, 1)) return {};
+    release_any_osmesa_context();
+    return core::fail("OSMesaMakeCurrent failed");
+  }
+
+  void release_current() const override {
+    if (current_body == body_.get()) release_any_osmesa_context();
+  }
+
+  Proc get_proc(const char* name) const override { return body_->osmesa.GetProcAddress(name); }
+  std::string name() const override { return "OSMesa"; }
+
+ private:
+  std::shared_ptr<Body> body_;
+  std::string egl_library_;
+};
+
+}  // namespace
+
+core::Expected<std::unique_ptr<PlatformContext>> create_osmesa_context(const ContextOptions& options) {
+  auto osmesa = load_osmesa(options.osmesa_library);
+  if (!osmesa) return tl::unexpected(osmesa.error());
+  // No depth, stencil and accumulation buffers: nothing is drawn into framebuffer 0.
+  const int attributes[] = {kOsMesaFormat,
+                            GL_RGBA,
+                            kOsMesaProfile,
+                            kOsMesaCoreProfile,
+                            kOsMesaMajorVersion,
+                            kRequiredMajor,
+                            kOsMesaMinorVersion,
+                            kRequiredMinor,
+                            0};
+  const OsMesa::Handle handle = osmesa->CreateContextAttribs(attributes, nullptr);
+  if (!handle)
+    return core::fail(fmt::format("OSMesa: no OpenGL {}.{} core context; tried {}", kRequiredMajor, kRequiredMinor,
+                                  options.osmesa_library));
+  auto context = std::make_unique<OsMesaContext>(std::make_shared<Body>(*osmesa, handle), options.egl_library);
+  if (auto current = context->make_current(); !current) return tl::unexpected(current.error());
+  return context;
+}
+
+void release_any_osmesa_context() {
+  if (!current_body) return;
+  const std::shared_ptr<Body> body = std::move(current_body->self);
+  current_body = nullptr;
+  if (body->osmesa.GetCurrentContext() == body->handle) body->osmesa.MakeCurrent(nullptr, nullptr, 0, 0, 0);
+  body->current_somewhere = false;
+}
+
+}  // namespace sightline::gl
