@@ -44,6 +44,7 @@ constexpr Subcommand kSubcommands[] = {
     {"budget",
      "what a frame budget leaves of the picture while the camera moves, and until the picture is full at rest",
      bench::add_budget},
+    {"overrides", "what it costs to override or hide items of a model", bench::add_overrides},
     {"proxies", "pixels that ray-cast primitives run shaders for, beside those they show", bench::add_proxies},
 #endif
 };

@@ -181,16 +181,49 @@ Placement Snapshot::place(const mat3& linear, const dvec3& origin, std::uint32_t
 }
 
 /// `former` with the current look of `materials`, and with the materials that were added since.
-std::shared_ptr<const MaterialTable> Snapshot::updated(const MaterialTable& former, const Scene& scene,
-                                                       std::span<const std::uint32_t> materials) {
-  auto table = std::make_shared<MaterialTable>(former);
-  const std::size_t known = table->size();
-  table->resize(std::max(known, scene.material_slots()));
+std::shared_ptr<Snapshot::Table> Snapshot::updated(const Table& former, const Scene& scene,
+                                                   std::span<const std::uint32_t> materials) {
+  auto table = std::make_shared<Table>(former);
+  const std::size_t known = former.of_scene;
+  table->of_scene = std::max(known, scene.material_slots());
+  if (table->first_look == 0)
+    table->rows.resize(table->of_scene);
+  else if (table->of_scene > table->first_look)
+    table->move_looks();
   for (const std::uint32_t material : materials)
-    if (material < known) (*table)[material] = look_of(scene, material);
-  for (std::size_t material = known; material < table->size(); ++material)
-    (*table)[material] = look_of(scene, material);
+    if (material < known) table->rows[material] = look_of(scene, material);
+  for (std::size_t material = known; material < table->of_scene; ++material)
+    table->rows[material] = look_of(scene, material);
   return table;
+}
+
+/// Leaves room for as many materials as the scene has, so that looks seldom move.
+void Snapshot::Table::move_looks() {
+  constexpr std::size_t kSpare = 64;
+  const std::size_t before = first_look == 0 ? rows.size() : first_look;
+  first_look = 2 * of_scene + kSpare;
+  rows.insert(rows.begin() + std::ptrdiff_t(before), first_look - before, glm::vec4(0.0f));
+}
+
+// --- overrides -------------------------------------------------------------------------------------------------------
+
+void Snapshot::hide(std::span<const Slot> slots) {
+  for (const Slot s : slots) show(s, {}, 0);
+  count_vacant();
+}
+
+void Snapshot::show(std::span<const Slot> slots, std::span<const Shown> as) {
+  assert(slots.size() == as.size());
+  for (std::size_t i = 0; i < slots.size(); ++i) show(slots[i], as[i].box, as[i].layers);
+  count_vacant();
+}
+
+void Snapshot::set_look(std::uint32_t number, const glm::vec4& look) {
+  if (table_.use_count() > 1) table_ = std::make_shared<Table>(*table_);
+  if (table_->first_look == 0) table_->move_looks();
+  const std::size_t row = table_->first_look + number;
+  if (row >= table_->rows.size()) table_->rows.resize(row + 1, glm::vec4(0.0f));
+  table_->rows[row] = look;
 }
 
 // --- copies of items -------------------------------------------------------------------------------------------------
@@ -338,7 +371,7 @@ const Mesh& Snapshot::mesh(Slot s) const {
 }
 
 std::size_t Snapshot::memory_bytes() const {
-  std::size_t bytes = bounds_.memory_bytes() + table_->capacity() * sizeof(glm::vec4) +
+  std::size_t bytes = bounds_.memory_bytes() + table_->rows.capacity() * sizeof(glm::vec4) +
                       kinds_.capacity() * sizeof(Kind) +
                       (index_in_kind_.capacity() + items_.capacity() + slots_.capacity() + materials_.capacity()) * 4 +
                       ranks_.capacity() * sizeof(ranks_[0]) + chunks_.memory_bytes() +

@@ -38,7 +38,8 @@ struct KindItems {
   std::size_t size() const { return members.size(); }
 };
 
-/// Colour and alpha of each material, by material index. A removed material has the default ones.
+/// Colour and alpha of each material, by material index. A removed material has the default ones. Looks that override
+/// those of the scene follow: Snapshot::first_look().
 using MaterialTable = std::vector<glm::vec4>;
 
 class SIGHTLINE_API Snapshot {
@@ -76,6 +77,29 @@ class SIGHTLINE_API Snapshot {
   Snapshot(const Snapshot& like, Items&& items, int threads = 0);
   std::vector<Slot> apply(const Items& items);
 
+  // --- overrides ---------------------------------------------------------------------------------------------------
+  // What one viewer shows otherwise than the scene says. Who overrides an item remembers what it was before. apply()
+  // makes the items of a delta what the scene says, so that they must be overridden again. Copies of items, and what is
+  // built from them, are as overridden.
+
+  /// Where an item shows, relative to the origin of the bounds, and on which layers.
+  struct Shown {
+    Aabb box;
+    std::uint32_t layers = 0;
+  };
+  Shown shown(Slot slot) const { return {bounds_.box(slot), bounds_.layers(slot)}; }
+  /// Makes slots vacant.
+  void hide(std::span<const Slot> slots);
+  /// Makes slots show what shown() returned before they were hidden.
+  void show(std::span<const Slot> slots, std::span<const Shown> as);
+  /// `material`: of the scene, kNone, or first_look() + the number of a look.
+  void set_material(Slot slot, std::uint32_t material) { materials_[slot] = material; }
+  /// Sets a look, colour and alpha, beside the scene's materials. Numbers should be small: lower ones take memory, too.
+  void set_look(std::uint32_t number, const glm::vec4& look);
+  /// Material index of the first look; 0 before the first set_look(). apply() changes it when the scene has got many
+  /// more materials.
+  std::uint32_t first_look() const { return std::uint32_t(table_->first_look); }
+
   /// Slots appended or given up since the order was made. A new order would remove this disorder.
   std::size_t disorder() const { return size() - ordered_size_ + given_up_; }
 
@@ -99,8 +123,8 @@ class SIGHTLINE_API Snapshot {
   ItemId item(Slot slot) const { return items_[slot]; }  ///< kNone when the slot was given up; hidden items keep theirs
   Slot slot(ItemId item) const { return item < slots_.size() ? slots_[item] : kNone; }  ///< kNone when unknown
   std::uint32_t material(Slot slot) const { return materials_[slot]; }                  ///< material index or kNone
-  const MaterialTable& materials() const { return *table_; }
-  bool opaque(Slot slot) const { return materials_[slot] == kNone || (*table_)[materials_[slot]].a >= 1.0f; }
+  const MaterialTable& materials() const { return table_->rows; }
+  bool opaque(Slot slot) const { return materials_[slot] == kNone || table_->rows[materials_[slot]].a >= 1.0f; }
   /// The mesh of an item that has one. Empty when the scene has removed the mesh since, which it may do once the item
   /// is removed.
   const Mesh& mesh(Slot slot) const;
@@ -122,10 +146,16 @@ class SIGHTLINE_API Snapshot {
   struct Newcomer {
     std::uint32_t record, chunk;
   };
+  /// Rows of the scene's materials, and from first_look on, unless that is 0, those of looks.
+  struct Table {
+    MaterialTable rows;
+    std::size_t of_scene = 0, first_look = 0;
+    void move_looks();
+  };
   void build(Items&& items, int threads);
   static float size_of(const Aabb& box);
-  static std::shared_ptr<const MaterialTable> updated(const MaterialTable& former, const Scene& scene,
-                                                      std::span<const std::uint32_t> materials);
+  static std::shared_ptr<Table> updated(const Table& former, const Scene& scene,
+                                        std::span<const std::uint32_t> materials);
   void reserve(const Items& items);
   static AabbD gather(const Scene& scene, const Scene::ItemState& state, ItemId item, Items& out);
   void stay_or_go(const Items& items, std::span<const std::uint64_t> known, std::vector<Slot>& touched,
@@ -157,7 +187,7 @@ class SIGHTLINE_API Snapshot {
   LargeArray<std::uint64_t> vacant_;                          // a bit per slot; empty while no slot is vacant
   std::vector<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
   ChunkGrid chunks_;
-  std::shared_ptr<const MaterialTable> table_ = std::make_shared<MaterialTable>();  // shared with Items
+  std::shared_ptr<Table> table_ = std::make_shared<Table>();  // shared with Items: not changed while it is
 };
 
 struct Snapshot::Items {
@@ -174,7 +204,7 @@ struct Snapshot::Items {
   std::vector<Record> records;
   std::vector<float> parameters;
   std::vector<ItemId> removed;
-  std::shared_ptr<const MaterialTable> materials;  // null: unchanged
+  std::shared_ptr<Table> materials;  // null: unchanged
 
   void append(const Items& other);
 };

@@ -42,7 +42,7 @@ std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
   Items items;
   items.removed = delta.removed;
   // Items may name materials that a later delta publishes.
-  if (!delta.materials.empty() || table_->size() < scene_->material_slots())
+  if (!delta.materials.empty() || table_->of_scene < scene_->material_slots())
     items.materials = updated(*table_, *scene_, delta.materials);
   items.records.reserve(delta.changed.size() + delta.inserted.size());
   const auto take = [&](ItemId item, const Scene::ItemState& state) {

@@ -10,6 +10,7 @@
 #include "sightline/engine/internal/clock.h"
 #include "sightline/engine/internal/drawing_or_none.h"
 #include "sightline/engine/internal/hybrid.h"
+#include "sightline/engine/internal/overrides.h"
 #include "sightline/engine/internal/picking.h"
 #include "sightline/engine/internal/rebuild.h"
 #if SIGHTLINE_HAS_RAYTRACE
@@ -28,6 +29,14 @@ constexpr double kSoftwareGpuExcess = 0.1;
 PlanRequest plan_request(const EngineConfig& config, bool picks) {
   return {config.culler,          config.draw, config.ids, config.occlusion, config.contribution > 0.0f,
           config.budget_ms > 0.0, picks};
+}
+
+/// Adds slots below `size`, so that each is there once.
+void add_slots(std::span<const core::Slot> slots, std::size_t size, std::vector<core::Slot>& touched) {
+  for (const core::Slot slot : slots)
+    if (slot < size) touched.push_back(slot);
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
 }
 
 core::Expected<void> check_culler(const EngineConfig& config) {
@@ -54,6 +63,13 @@ class Engine::Impl {
   bool rebuilding() const { return rebuild_ && !rebuild_->finished(); }
   core::Expected<void> set_culler(CullerChoice choice);
   core::Expected<void> resize(int width, int height);
+  core::Expected<void> set_override(std::span<const core::ItemId> items, const ItemStyle& style);
+  core::Expected<void> clear_override(std::span<const core::ItemId> items);
+  core::Expected<void> clear_overrides();
+  core::Expected<void> hide(std::span<const core::ItemId> items);
+  core::Expected<void> show(std::span<const core::ItemId> items);
+  core::Expected<void> isolate(std::span<const core::NodeId> nodes);
+  core::Expected<void> show_all();
   void drop_context();
   core::Expected<void> use_context(gl::Context& context);
   void paused();
@@ -88,6 +104,9 @@ class Engine::Impl {
   core::Expected<void> land();
   core::Expected<void> follow_order();
   void note_gpu_variant();
+  core::Expected<void> known(const char* call, std::span<const core::ItemId> items) const;
+  template <class Edit>
+  core::Expected<void> override_items(const Edit& edit);
   core::Expected<bool> cull(const core::View& cull_view, const core::View& view, bool on_cpu, FrameReport& report);
   void cull_on_cpu(const core::View& view, FrameReport& report);
   culling::FrameSample describe_walk() const;
@@ -97,6 +116,7 @@ class Engine::Impl {
   core::SceneSubscription edits_;
   EngineConfig config_;
   Order live_;
+  Overrides overrides_;
   core::VisibleSet visible_;
   std::unique_ptr<Drawing> drawing_;
   double next_try_ = -1.0;          // when to try to make a context, in seconds; below 0: none is missing
@@ -159,6 +179,27 @@ core::Expected<void> Engine::resize(int width, int height) {
   [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->resize(width, height);
 }
+core::Expected<void> Engine::set_override(std::span<const core::ItemId> items, const ItemStyle& style) {
+  return impl_->set_override(items, style);
+}
+core::Expected<void> Engine::clear_override(std::span<const core::ItemId> items) {
+  return impl_->clear_override(items);
+}
+core::Expected<void> Engine::clear_overrides() {
+  return impl_->clear_overrides();
+}
+core::Expected<void> Engine::hide(std::span<const core::ItemId> items) {
+  return impl_->hide(items);
+}
+core::Expected<void> Engine::show(std::span<const core::ItemId> items) {
+  return impl_->show(items);
+}
+core::Expected<void> Engine::isolate(std::span<const core::NodeId> nodes) {
+  return impl_->isolate(nodes);
+}
+core::Expected<void> Engine::show_all() {
+  return impl_->show_all();
+}
 void Engine::drop_context() {
   impl_->drop_context();
 }
@@ -209,7 +250,9 @@ Engine::Impl::Impl(core::Scene& scene, const EngineConfig& config)
 }
 
 core::Expected<void> Engine::Impl::build() {
-  live_ = make_order(std::make_unique<core::Snapshot>(*scene_), plan_request(config_, picks_));
+  auto snapshot = std::make_unique<core::Snapshot>(*scene_);
+  overrides_.restore(*snapshot);
+  live_ = make_order(std::move(snapshot), plan_request(config_, picks_));
   return follow_order();
 }
 
@@ -221,6 +264,7 @@ core::Expected<void> Engine::Impl::land() {
     return {};
   }
   if (!rebuild_->exchange(live_)) return {};
+  overrides_.reorder(*live_.snapshot);
   return follow_order();
 }
 
@@ -467,21 +511,29 @@ std::optional<LateReport> Engine::Impl::take_late_report() {
 core::Expected<void> Engine::Impl::commit() {
   if (auto landed = land(); !landed) return landed;
   if (auto published = scene_->commit(); !published) return tl::unexpected(published.error());
-  const core::SceneDelta delta = edits_.take();
+  core::SceneDelta delta = edits_.take();
   if (delta.empty()) return {};
   const std::size_t former_size = live_.snapshot->size();
   std::vector<core::Slot> touched;
-  const auto apply = [&] { touched = live_.snapshot->apply(delta); };
+  Overrides::Change overridden;
+  const auto apply = [&] {
+    touched = live_.snapshot->apply(delta);
+    overridden = overrides_.follow(*live_.snapshot, delta, touched);
+    for (const core::Slot slot : overridden.touched) delta.changed.push_back(live_.snapshot->item(slot));
+  };
   rebuild_ ? rebuild_->edit(delta, apply) : apply();
-  live_.follow({delta.removed, delta.changed, delta.inserted}, !delta.materials.empty(), former_size, touched);
+  if (!overridden.touched.empty()) add_slots(overridden.touched, former_size, touched);
+  live_.follow({delta.removed, delta.changed, delta.inserted, overridden.uncovered}, !delta.materials.empty(),
+               former_size, touched);
   const bool items_edited = delta.size() > delta.materials.size();  // materials do not change what frames cost
   if (hybrid_ && items_edited) hybrid_->scene_changed(live_.snapshot->size());
   const double disorder = double(live_.snapshot->disorder());
   if (!rebuild_ && config_.rebuild_share > 0.0 && disorder > kFewSlots &&
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
     rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_, picks_));
-  if (drawing_) return unless_lost(drawing_->update(*live_.snapshot, live_.joints, touched, delta.materials));
-  return {};
+  if (!drawing_) return {};
+  delta.materials.insert(delta.materials.end(), overridden.materials.begin(), overridden.materials.end());
+  return unless_lost(drawing_->update(*live_.snapshot, live_.joints, touched, delta.materials));
 }
 
 core::Expected<void> Engine::Impl::rebuild() {
@@ -508,11 +560,91 @@ Drawing* Engine::Impl::drawing() {
 MemoryReport Engine::Impl::memory() const {
   MemoryReport report;
   report.scene = scene_->memory_bytes();
-  report.snapshot = live_.snapshot->memory_bytes() + live_.joints.memory_bytes();
+  report.snapshot = live_.snapshot->memory_bytes() + live_.joints.memory_bytes() + overrides_.memory_bytes();
   if (const auto* culler = std::get_if<culling::CpuCuller>(live_.culler.get())) report.bvh = culler->memory_bytes();
   if (drawing_) report.gpu = drawing_->memory_bytes();
   report.tracer = tracer_bytes(live_);
   return report;
+}
+
+// --- overrides -------------------------------------------------------------------------------------------------------
+
+core::Expected<void> Engine::Impl::known(const char* call, std::span<const core::ItemId> items) const {
+  for (const core::ItemId item : items)
+    if (live_.snapshot->slot(item) == core::kNone)
+      return core::fail("engine: " + std::string(call) + ": no item " + std::to_string(item) +
+                        " as of the last commit");
+  return {};
+}
+
+/// Lets `edit` change the overrides and the snapshot, and everything follow that depends on them.
+template <class Edit>
+core::Expected<void> Engine::Impl::override_items(const Edit& edit) {
+  Overrides::Change change;
+  core::SceneDelta edited;
+  const auto apply = [&] {
+    change = edit(*live_.snapshot);
+    if (rebuild_)
+      for (const core::Slot slot : change.touched) edited.changed.push_back(live_.snapshot->item(slot));
+  };
+  rebuild_ ? rebuild_->edit(edited, apply) : apply();
+  if (change.touched.empty()) return {};
+  live_.follow_overrides(change.uncovered, change.boxes, change.touched);
+  if (hybrid_ && change.boxes) hybrid_->scene_changed(live_.snapshot->size());
+  if (!drawing_) return {};
+  return unless_lost(drawing_->update(*live_.snapshot, live_.joints, change.touched, change.materials));
+}
+
+core::Expected<void> Engine::Impl::set_override(std::span<const core::ItemId> items, const ItemStyle& style) {
+  const auto in_range = [](float value) { return value >= 0.0f && value <= 1.0f; };
+  if (!in_range(style.alpha)) return core::fail("engine: set_override: alpha must be within 0 and 1");
+  if (style.colour && !(in_range(style.colour->r) && in_range(style.colour->g) && in_range(style.colour->b)))
+    return core::fail("engine: set_override: colour must be within 0 and 1");
+  if (auto good = known("set_override", items); !good) return good;
+  return override_items([&](core::Snapshot& snapshot) { return overrides_.set(snapshot, items, style); });
+}
+
+core::Expected<void> Engine::Impl::clear_override(std::span<const core::ItemId> items) {
+  if (auto good = known("clear_override", items); !good) return good;
+  return override_items([&](core::Snapshot& snapshot) { return overrides_.clear(snapshot, items); });
+}
+
+core::Expected<void> Engine::Impl::clear_overrides() {
+  return override_items([&](core::Snapshot& snapshot) { return overrides_.clear_all(snapshot); });
+}
+
+core::Expected<void> Engine::Impl::hide(std::span<const core::ItemId> items) {
+  if (auto good = known("hide", items); !good) return good;
+  return override_items([&](core::Snapshot& snapshot) { return overrides_.hide(snapshot, items); });
+}
+
+core::Expected<void> Engine::Impl::show(std::span<const core::ItemId> items) {
+  if (auto good = known("show", items); !good) return good;
+  return override_items([&](core::Snapshot& snapshot) { return overrides_.show(snapshot, items); });
+}
+
+core::Expected<void> Engine::Impl::isolate(std::span<const core::NodeId> nodes) {
+  for (const core::NodeId node : nodes)
+    if (!scene_->contains(node))
+      return core::fail("engine: isolate: no node " + std::to_string(node.index) + " of generation " +
+                        std::to_string(node.generation));
+  std::vector<bool> below(scene_->item_slots());
+  for (const core::NodeId top : nodes)
+    scene_->for_each_node(top, [&](core::NodeId node, const auto&...) {
+      for (core::ItemId item = scene_->first_item(node); item != core::kNone; item = scene_->next_item(item))
+        below[item] = true;
+    });
+  std::vector<core::ItemId> inside, outside;
+  for (core::Slot slot = 0; slot < live_.snapshot->size(); ++slot) {
+    const core::ItemId item = live_.snapshot->item(slot);
+    if (item != core::kNone) (item < below.size() && below[item] ? inside : outside).push_back(item);
+  }
+  if (auto done = show(inside); !done) return done;
+  return hide(outside);
+}
+
+core::Expected<void> Engine::Impl::show_all() {
+  return override_items([&](core::Snapshot& snapshot) { return overrides_.show_all(snapshot); });
 }
 
 // --- regions ---------------------------------------------------------------------------------------------------------

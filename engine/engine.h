@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "sightline/culling/controller.h"
 #include "sightline/culling/gpu/gpu_culler_config.h"
 #include "sightline/culling/region_query.h"
+#include "sightline/engine/item_style.h"
 #include "sightline/engine/plan.h"
 
 namespace sightline::gl {
@@ -202,6 +204,22 @@ class SIGHTLINE_API Engine {
   /// Draws in another size, in pixels, from the next frame on. The old picture is gone. Fails on sizes that the context
   /// does not support; then nothing has changed.
   core::Expected<void> resize(int width, int height);
+
+  // --- overrides: what this engine alone shows otherwise than the scene says ---------------------------------------
+  // Items keep their style and stay hidden whatever is edited, and in every new order and context, until they are
+  // removed. Items that are inserted later have no style and show. Next frame on; time is in proportion to the items.
+  // All fail with an id or handle that is unknown as of the last commit(), naming it; then nothing has changed.
+
+  /// Gives items a style, in place of the one that they have. Fails, too, unless colour and alpha are within 0 … 1.
+  core::Expected<void> set_override(std::span<const core::ItemId> items, const ItemStyle& style);
+  core::Expected<void> clear_override(std::span<const core::ItemId> items);
+  core::Expected<void> clear_overrides();  ///< of all items; hidden ones stay hidden
+  /// Hidden items are not drawn, hide nothing, and no query or pick finds them.
+  core::Expected<void> hide(std::span<const core::ItemId> items);
+  core::Expected<void> show(std::span<const core::ItemId> items);  ///< unless the scene hides them
+  /// Hides all items but those below the nodes, and shows these.
+  core::Expected<void> isolate(std::span<const core::NodeId> nodes);
+  core::Expected<void> show_all();
 
   /// What the view shows at a point of the picture: the item hit first (engine/pick.h). In pixels from the upper
   /// left corner; the middle of the first pixel is at 0.5, 0.5. The picture has the size of EngineConfig or resize().

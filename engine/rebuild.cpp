@@ -25,6 +25,15 @@ void Order::follow(std::initializer_list<std::span<const core::ItemId>> edited, 
                    std::vector<core::Slot>& touched) {
   joints.dissolve(*snapshot, edited, former_size, touched);
   if (materials) joints.dissolve_transparent(*snapshot, former_size, touched);
+  follow_boxes(former_size, touched);
+}
+
+void Order::follow_overrides(std::span<const core::ItemId> uncovered, bool boxes, std::vector<core::Slot>& touched) {
+  joints.dissolve(*snapshot, {uncovered}, snapshot->size(), touched);
+  if (boxes) follow_boxes(snapshot->size(), touched);
+}
+
+void Order::follow_boxes(std::size_t former_size, std::span<const core::Slot> touched) {
   const auto is_line = [&](core::Slot slot) { return snapshot->kind(slot) == core::Kind::kLine; };
   bool lines_edited = std::any_of(touched.begin(), touched.end(), is_line);
   for (core::Slot slot = core::Slot(former_size); slot < snapshot->size(); ++slot) lines_edited |= is_line(slot);

@@ -55,6 +55,9 @@ struct Order {
   /// edited. `former_size`: that of the snapshot.
   void follow(std::initializer_list<std::span<const core::ItemId>> edited, bool materials, std::size_t former_size,
               std::vector<core::Slot>& touched);
+  /// Follows overrides of touched slots. `uncovered`: items that no longer cover the ends of others. `boxes`: whether
+  /// the slots became vacant, or no longer are.
+  void follow_overrides(std::span<const core::ItemId> uncovered, bool boxes, std::vector<core::Slot>& touched);
   /// Null unless the culler has one.
   const culling::Hierarchy* hierarchy() const {
     const auto* cpu = std::get_if<culling::CpuCuller>(culler.get());
@@ -62,6 +65,9 @@ struct Order {
   }
   /// Makes a new plan, and the culler that it names unless there is one.
   void follow_plan(const PlanRequest& request);
+
+ private:
+  void follow_boxes(std::size_t former_size, std::span<const core::Slot> touched);
 };
 
 Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, const PlanRequest& request);

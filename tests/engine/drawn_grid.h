@@ -34,6 +34,8 @@ class DrawnGrid : public GlTest {
     c.context = &*context;
     return c;
   }
+
+ public:
   /// A hybrid with the dissertation's policy, with numbers that change the path every few frames.
   static void switch_often(engine::EngineConfig& c) {
     c.controller.policy = culling::Policy::k2009;
@@ -41,6 +43,8 @@ class DrawnGrid : public GlTest {
     c.controller.policy_2009.enter_frames = 2;
     c.controller.policy_2009.gpu_frames = 3;
   }
+
+ protected:
   /// Another order of the items has other chunk origins, and so other last bits: for that, `max` 1.
   static void expect_same_picture(engine::Engine& a, engine::Engine& b, int max = 0) {
     a.finish();

@@ -89,6 +89,35 @@ TEST(Pick, TellsNodeAndFace) {
   EXPECT_FALSE((*removed)->node.valid());
 }
 
+TEST(Pick, DoesNotFindHiddenItems) {
+  for (const bool picked_before : {false, true}) {
+    Balls balls(4);
+    const core::ItemId behind =
+        balls.scene.add_primitive(balls.scene.root(), core::Box{1, 1, 0.1f}, core::translation({0.5, 0.5, -3.0}));
+    auto engine = Engine::create(balls.scene, balls.config());
+    ASSERT_TRUE(engine);
+    if (picked_before) {
+      EXPECT_EQ(balls.pick(*engine, 0, 0), balls.items[0]);
+    }
+    const core::ItemId hidden[] = {balls.items[0], balls.items[5]};
+    ASSERT_TRUE(engine->hide(hidden));
+    EXPECT_EQ(balls.pick(*engine, 0, 0), behind);
+    EXPECT_EQ(balls.pick(*engine, 1, 1), core::kNone);
+    EXPECT_EQ(balls.pick(*engine, 2, 1), balls.items[6]);
+    const auto seen = engine->visible_items_in(balls.view, {10, 210, 190, 390});
+    ASSERT_TRUE(seen);
+    std::vector<core::ItemId> found;
+    for (const raytrace::VisibleItem& item : *seen) found.push_back(item.item);
+    EXPECT_EQ(found, (std::vector<core::ItemId>{balls.items[1], balls.items[4], behind}));
+    ASSERT_TRUE(engine->show({hidden, 1}));
+    EXPECT_EQ(balls.pick(*engine, 0, 0), balls.items[0]);
+    ASSERT_TRUE(engine->rebuild());
+    EXPECT_EQ(balls.pick(*engine, 1, 1), core::kNone);
+    ASSERT_TRUE(engine->show_all());
+    EXPECT_EQ(balls.pick(*engine, 1, 1), balls.items[5]);
+  }
+}
+
 TEST(Pick, FindsItemsInRectangles) {
   Balls balls(10);
   const core::ItemId behind =

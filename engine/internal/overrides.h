@@ -1,0 +1,137 @@
+// What an engine shows otherwise than the scene says: styles of items, and hidden items. Internal to engine.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "sightline/core/snapshot.h"
+#include "sightline/engine/item_style.h"
+
+namespace sightline::engine {
+
+/// Values of some of the items, each with its item: dense, in no order. Takes 4 bytes for each id below the largest.
+template <class Value>
+class ItemMap {
+ public:
+  struct Entry {
+    core::ItemId item;
+    Value value;
+  };
+  std::span<Entry> entries() { return entries_; }
+  std::span<const Entry> entries() const { return entries_; }
+  bool empty() const { return entries_.empty(); }
+
+  /// Null where the item has none. Valid until the next insertion or removal.
+  Value* find(core::ItemId item) {
+    const std::uint32_t place = item < places_.size() ? places_[item] : core::kNone;
+    return place == core::kNone ? nullptr : &entries_[place].value;
+  }
+  /// The item must have none.
+  Value& insert(core::ItemId item, Value value) {
+    if (item >= places_.size()) places_.resize(std::size_t(item) + 1 + item / 8, core::kNone);
+    places_[item] = std::uint32_t(entries_.size());
+    return entries_.emplace_back(Entry{item, std::move(value)}).value;
+  }
+  /// The item must have one.
+  void erase(core::ItemId item) {
+    const std::uint32_t place = places_[item];
+    if (place + 1 != entries_.size()) {
+      entries_[place] = std::move(entries_.back());
+      places_[entries_[place].item] = place;
+    }
+    entries_.pop_back();
+    places_[item] = core::kNone;
+  }
+  void clear() { *this = {}; }
+  std::size_t memory_bytes() const { return 4 * places_.capacity() + sizeof(Entry) * entries_.capacity(); }
+
+ private:
+  std::vector<std::uint32_t> places_;  // by item: in entries_
+  std::vector<Entry> entries_;
+};
+
+/// Looks of items, which are rows of the snapshot's table after the scene's materials (Snapshot::set_look), hidden
+/// items, which are vacant in the snapshot, and a bit for each slot with a ghost or an outline. So cullers, joints,
+/// records and the tracer need not know of overrides, and nothing costs anything while there are none.
+class Overrides {
+ public:
+  /// What a change asks of those that follow the snapshot.
+  struct Change {
+    std::vector<core::Slot> touched;       ///< each once
+    std::vector<core::ItemId> uncovered;   ///< items that no longer cover the ends of others
+    std::vector<std::uint32_t> materials;  ///< indices of the looks that were set, in rising order
+    bool boxes = false;                    ///< touched slots became vacant, or no longer are
+  };
+
+  bool empty() const { return styled_.empty() && hidden_.empty(); }
+
+  // Items must be known to the snapshot.
+  Change set(core::Snapshot& snapshot, std::span<const core::ItemId> items, const ItemStyle& style);
+  Change clear(core::Snapshot& snapshot, std::span<const core::ItemId> items);
+  Change clear_all(core::Snapshot& snapshot);
+  Change hide(core::Snapshot& snapshot, std::span<const core::ItemId> items);
+  Change show(core::Snapshot& snapshot, std::span<const core::ItemId> items);
+  Change show_all(core::Snapshot& snapshot);
+
+  /// Follows Snapshot::apply(), which has touched these slots: overrides again the items that it made what the scene
+  /// says, and forgets those that are gone. Where the looks have moved in the table, further slots are touched.
+  Change follow(core::Snapshot& snapshot, const core::SceneDelta& delta, std::span<const core::Slot> touched);
+  /// Overrides the items of another snapshot, which is as the scene says, and forgets those that it has not.
+  void restore(core::Snapshot& snapshot);
+  /// Follows an exchange of the snapshot for a copy in another order.
+  void reorder(const core::Snapshot& snapshot);
+
+  /// A bit per slot; no words where there is no such slot.
+  std::span<const std::uint64_t> ghosts() const { return ghosts_.words(); }
+  std::span<const std::uint64_t> outlined() const { return outlined_.words(); }
+
+  std::size_t memory_bytes() const;
+
+ private:
+  struct Styled {
+    std::uint32_t look;      // number of a row after the scene's materials
+    std::uint32_t material;  // what the scene says
+  };
+  struct Look {
+    ItemStyle style;
+    std::uint32_t material = core::kNone;
+    std::size_t items = 0;
+    friend bool operator==(const Look& a, const Look& b) { return a.material == b.material && a.style == b.style; }
+  };
+  struct LookHash {
+    std::size_t operator()(const Look& look) const;
+  };
+  /// A bit per slot, and how many are set.
+  class Bits {
+   public:
+    void set(core::Slot slot, bool value);
+    std::span<const std::uint64_t> words() const {
+      return count_ == 0 ? std::span<const std::uint64_t>() : std::span(words_);
+    }
+    void clear() { *this = {}; }
+    std::size_t memory_bytes() const { return 8 * words_.capacity(); }
+
+   private:
+    std::vector<std::uint64_t> words_;
+    std::size_t count_ = 0;
+  };
+
+  std::uint32_t take_look(core::Snapshot& snapshot, const ItemStyle& style, std::uint32_t material, Change& change);
+  void release_look(std::uint32_t number);
+  void set_row(core::Snapshot& snapshot, std::uint32_t number, Change& change);
+  void follow_table(core::Snapshot& snapshot, std::span<const std::uint32_t> materials, bool moved, Change& change);
+  void mark(core::Slot slot, const ItemStyle& style);
+  void forget(core::ItemId item);
+
+  ItemMap<Styled> styled_;
+  ItemMap<core::Snapshot::Shown> hidden_;
+  std::vector<Look> looks_;  // those without items are free
+  std::vector<std::uint32_t> free_looks_;
+  std::unordered_map<Look, std::uint32_t, LookHash> number_of_;
+  std::uint32_t first_look_ = 0;  // as last seen
+  Bits ghosts_, outlined_;
+};
+
+}  // namespace sightline::engine
