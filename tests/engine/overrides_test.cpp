@@ -285,6 +285,59 @@ TEST_F(OverridesTest, OrdersFromTheBackgroundAreOverridden) {
   }
 }
 
+TEST_F(OverridesTest, LooksGiveWayToMoreMaterials) {
+  auto engine = Engine::create(scene, configured(CullerChoice::kCpu)),
+       really = Engine::create(twin, configured(CullerChoice::kCpu));
+  ASSERT_TRUE(engine && really);
+  for (ItemId item = 0; item < items; item += 2) {
+    states[item].style = item % 4 == 0 ? ItemStyle{kRed} : ItemStyle{kBlue, 0.7f};
+    ASSERT_TRUE(engine->set_override({&item, 1}, states[item].style));
+  }
+  for (int round = 0; round < 3; ++round) {
+    for (int i = 0; i < 300; ++i)
+      scene.set_material(ItemId(2 * i + 1), scene.add_material({"", kBlue * (0.003f * float(i))}));
+    imitate();
+    ASSERT_TRUE(engine->commit() && really->commit());
+    expect_same(*engine, *really, around(round));
+  }
+}
+
+TEST_F(OverridesTest, TransparentItemsCoverNoEnds) {
+  core::Scene pipe, other;
+  for (core::Scene* s : {&pipe, &other}) {
+    for (int i = 0; i < 3; ++i) materials[i] = s->add_material({});
+    for (int i = 0; i < 8; ++i)
+      s->add_primitive(s->root(), core::Cylinder{1.0f, 1.0f}, core::translation({6.5, 6.5, 3.0 + i}), materials[i % 3]);
+  }
+  auto engine = Engine::create(pipe, configured(CullerChoice::kCpu)),
+       really = Engine::create(other, configured(CullerChoice::kCpu));
+  ASSERT_TRUE(engine && really);
+  std::size_t covered = engine->joints().count();
+  ASSERT_EQ(covered, 14u);
+  const auto expect_uncovered = [&](std::size_t ends) {
+    EXPECT_EQ(engine->joints().count(), covered -= ends);
+    ASSERT_TRUE(really->commit());
+    EXPECT_EQ(really->joints().count(), covered);
+    expect_same(*engine, *really, around(1));
+  };
+  const ItemId coloured[] = {0, 3, 6};  // of the first material
+  ASSERT_TRUE(engine->set_override(coloured, {.colour = kRed}));
+  for (const ItemId item : coloured) other.set_material(item, other.add_material({"", kRed}));
+  ASSERT_TRUE(really->rebuild());
+  EXPECT_EQ(engine->joints().count(), covered);
+  const ItemId clear = 1, gone = 4;
+  ASSERT_TRUE(engine->set_override({&clear, 1}, {.alpha = 0.25f}));
+  other.set_material(clear, other.add_material({"", {0.7f, 0.7f, 0.7f}, 0.25f}));
+  ASSERT_NO_FATAL_FAILURE(expect_uncovered(4));
+  ASSERT_TRUE(engine->hide({&gone, 1}));
+  other.set_visible(gone, false);
+  ASSERT_NO_FATAL_FAILURE(expect_uncovered(4));
+  pipe.update_material(materials[0], {"", {}, 0.5f});
+  for (const ItemId item : coloured) other.update_material(other.item_material(item), {"", kRed, 0.5f});
+  ASSERT_TRUE(engine->commit());
+  ASSERT_NO_FATAL_FAILURE(expect_uncovered(6));
+}
+
 TEST_F(OverridesTest, TwoEnginesOnOneSceneShowItDifferently) {
   auto a = Engine::create(scene, configured(CullerChoice::kCpu)),
        b = Engine::create(scene, configured(CullerChoice::kGpu)),
