@@ -1,0 +1,194 @@
+// Import with progress, cancellation and Ctrl-C; writing RVM files.
+#include <chrono>
+#include <exception>
+#include <optional>
+
+#include "sightline/importers/import.h"
+#include "sightline/importers/rvm/rvm_writer.h"
+#include "sightline/python/module.h"
+#include "sightline/python/scene.h"
+
+namespace sightline::python {
+namespace {
+
+/// Calls a Python function, or none, with the share that is done. An exception in it, and Ctrl-C, cancel what runs.
+class Progress {
+ public:
+  explicit Progress(const py::object& callback) : callback_(callback) {
+    if (!callback_.is_none() && !PyCallable_Check(callback_.ptr())) fail("progress: expected a function or None");
+  }
+
+  std::function<bool(double)> function() {
+    return [this](double share) { return step(share); };
+  }
+  /// Throws what has stopped it.
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  bool step(double share) {
+    using Clock = std::chrono::steady_clock;
+    constexpr auto kPause = std::chrono::milliseconds(20);  // between looks for Ctrl-C, which need the GIL
+    const auto now = Clock::now();
+    if (callback_.is_none() && now - looked_ < kPause) return true;
+    looked_ = now;
+    const py::gil_scoped_acquire locked;
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      return callback_.is_none() || !callback_(share).is(py::bool_(false));
+    } catch (...) {
+      thrown_ = std::current_exception();
+      return false;
+    }
+  }
+
+  py::object callback_;
+  std::exception_ptr thrown_;
+  std::chrono::steady_clock::time_point looked_ = std::chrono::steady_clock::now();
+};
+
+struct Imported {
+  ScenePtr scene;
+  importers::ImportReport report;
+};
+
+/// What options import_file() and import_files() share.
+importers::ImportOptions options_of(bool lenient, double metres_per_unit, const std::string& up,
+                                    const std::string& copies, int threads) {
+  importers::ImportOptions options;
+  options.lenient = lenient;
+  options.metres_per_unit = metres_per_unit;
+  options.up = importers::UpAxis(one_of("up", up, {"y", "z"}));
+  options.copies = importers::MeshCopies(one_of("copies", copies, {"apart", "exact", "similar"}));
+  if (threads < 0) fail("threads: expected 0 or more, found " + std::to_string(threads));
+  options.threads = threads;
+  return options;
+}
+
+/// `import`: called with scene, parent and options, without the GIL.
+template <class Import>
+Imported run(const ScenePtr& scene, const std::optional<Node>& parent, importers::ImportOptions options,
+             const py::object& callback, const Import& import) {
+  Progress progress(callback);
+  options.progress = progress.function();
+  const core::NodeId below = node_in(scene, parent, "parent");
+  core::Expected<importers::ImportReport> report;
+  {
+    const LongCall call({scene->gate, Use::kWrite});
+    if (!scene->scene.contains(below)) fail("parent: it has been removed from its scene");
+    report = import(scene->scene, below, options);
+  }
+  progress.rethrow();
+  return {scene, unwrap(std::move(report))};
+}
+
+void write_rvm(const ScenePtr& scene, const std::filesystem::path& path, const std::optional<Node>& node,
+               const py::object& callback) {
+  Progress progress(callback);
+  const core::NodeId top = node_in(scene, node, "node");
+  core::Expected<void> done;
+  {
+    const LongCall call({scene->gate, Use::kRead});
+    if (!scene->scene.contains(top)) fail("node: it has been removed from its scene");
+    done = importers::write_rvm(scene->scene, top, path, progress.function());
+  }
+  progress.rethrow();
+  unwrap(std::move(done));
+}
+
+void bind_report(py::module_& m) {
+  py::class_<importers::ImportWarning>(m, "ImportWarning", "Something that a reader noticed and went on.")
+      .def_property_readonly(
+          "file", [](const importers::ImportWarning& w) { return to_text(w.file); }, "Its name.")
+      .def_readonly("offset", &importers::ImportWarning::offset, "Bytes from the file's begin.")
+      .def_property_readonly(
+          "message", [](const importers::ImportWarning& w) { return to_text(w.message); }, "One line.");
+  py::class_<Imported>(m, "ImportReport", "What an import brought.")
+      .def_property_readonly(
+          "nodes",
+          [](const Imported& r) {
+            std::vector<Node> nodes;
+            for (const core::NodeId id : r.report.nodes) nodes.push_back({r.scene, id});
+            return nodes;
+          },
+          "A node for each model file.")
+      .def_property_readonly(
+          "warnings", [](const Imported& r) { return r.report.warnings; }, "What was noticed, at most 1,001.")
+      .def_property_readonly(
+          "items",
+          [](const Imported& r) {
+            py::dict counts;
+            for (int kind = 0; kind < core::kKindCount; ++kind)
+              counts[py::str(std::string(name_of(core::Kind(kind))))] = r.report.items[std::size_t(kind)];
+            return counts;
+          },
+          "Items by kind, a dict.")
+      .def_property_readonly(
+          "degenerate", [](const Imported& r) { return r.report.degenerate; }, "Items without volume, length or area.")
+      .def_property_readonly(
+          "shared_meshes", [](const Imported& r) { return r.report.shared_meshes; },
+          "Items that use a mesh which another item brought.")
+      .def_property_readonly(
+          "attributed", [](const Imported& r) { return r.report.attributed; },
+          "Groups that an attribute file gave attributes to.")
+      .def_property_readonly(
+          "sharing_error", [](const Imported& r) { return r.report.sharing_error; },
+          "Metres that a vertex of a shared mesh lies off, at most.")
+      .def_property_readonly(
+          "bytes", [](const Imported& r) { return r.report.bytes; }, "Read from files.")
+      .def_property_readonly(
+          "metres_per_unit", [](const Imported& r) { return r.report.metres_per_unit; },
+          "Of the last file's coordinates.");
+}
+
+}  // namespace
+
+void bind_import(py::module_& m, SceneClass& scene) {
+  bind_report(m);
+  constexpr const char* kOptions =
+      " A failed or cancelled import leaves the scene as it was. `lenient`: import what a damaged file holds. "
+      "`metres_per_unit`, `up` (\"y\" or \"z\"): for formats that do not say. `copies` (\"apart\", \"exact\", "
+      "\"similar\"): which meshes are kept once. `progress`: called with the share done, 0 to 1; False cancels, and so "
+      "do exceptions and Ctrl-C.";
+  static const std::string file_doc =
+      std::string("Imports a model file of any known format below `parent`, or the root.") + kOptions;
+  static const std::string files_doc =
+      std::string("Imports several files, a node each, side by side; all or none.") + kOptions;
+  using namespace py::literals;
+  scene.def(
+      "import_file",
+      [](const ScenePtr& s, const std::filesystem::path& path, const std::optional<Node>& parent, bool lenient,
+         double metres_per_unit, const std::string& up, const std::string& copies, const py::object& progress) {
+        return run(s, parent, options_of(lenient, metres_per_unit, up, copies, 0), progress,
+                   [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
+                     return importers::import_file(path, to, below, options);
+                   });
+      },
+      "path"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
+      "copies"_a = "similar", "progress"_a = py::none(), file_doc.c_str());
+  scene.def(
+      "import_files",
+      [](const ScenePtr& s, const std::vector<std::filesystem::path>& paths, const std::optional<Node>& parent,
+         bool lenient, double metres_per_unit, const std::string& up, const std::string& copies, int threads,
+         const py::object& progress) {
+        return run(s, parent, options_of(lenient, metres_per_unit, up, copies, threads), progress,
+                   [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
+                     return importers::import_files(paths, to, below, options);
+                   });
+      },
+      "paths"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
+      "copies"_a = "similar", "threads"_a = 0, "progress"_a = py::none(), files_doc.c_str());
+  scene.def("write_rvm", &write_rvm, "path"_a, "node"_a = py::none(), py::kw_only(), "progress"_a = py::none(),
+            "Writes what is below a node, or the root, as an RVM file. `progress` as in import_file().");
+  m.def(
+      "known_extensions",
+      [] {
+        std::vector<std::string> names;
+        for (const std::string_view name : importers::known_extensions()) names.emplace_back(name);
+        return names;
+      },
+      "Extensions that import_file() knows, with dots.");
+}
+
+}  // namespace sightline::python

@@ -1,0 +1,34 @@
+#include "sightline/python/module.h"
+
+namespace sightline::python {
+namespace {
+
+PyObject* error_class = nullptr;
+
+void translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const Failure& failure) {
+    PyErr_SetObject(error_class, to_text(failure.what()).ptr());
+  }
+}
+
+}  // namespace
+}  // namespace sightline::python
+
+PYBIND11_MODULE(_sightline, m) {
+  using namespace sightline::python;
+  m.attr("version") = SIGHTLINE_VERSION;
+  m.doc() = "The compiled half of the package sightline.";
+  error_class = PyErr_NewExceptionWithDoc(
+      "sightline.Error", "What went wrong: where, what was expected and what was found. One line.", nullptr, nullptr);
+  if (!error_class) throw py::error_already_set();
+  m.attr("Error") = py::handle(error_class);
+  py::register_exception_translator(&translate);
+  bind_views(m);
+  bind_primitives(m);
+  bind_scene(m);
+  bind_images(m);
+  bind_culling(m);
+  bind_engine(m);
+}
