@@ -437,11 +437,11 @@ void bind_state(EngineClass& c) {
 
 void bind_life(EngineClass& c) {
   const EngineConfig d;
-  c.def(py::init(&make_engine), "scene"_a, py::kw_only(), "draw"_a = d.draw, "width"_a = d.width, "height"_a = d.height,
-        "ids"_a = d.ids, "culler"_a = std::string(name_of(d.culler)), "sample_test"_a = d.sample_test,
-        "occlusion"_a = std::string(name_of(d.occlusion)), "contribution"_a = d.contribution,
-        "contribution_way"_a = std::string(name_of(d.contribution_way)), "budget_ms"_a = d.budget_ms,
-        "hidden_colour"_a = py::none(), "samples"_a = d.samples, "gl_debug"_a = d.gl_debug,
+  c.def(py::init(&make_engine), "scene"_a.none(false), py::kw_only(), "draw"_a = d.draw, "width"_a = d.width,
+        "height"_a = d.height, "ids"_a = d.ids, "culler"_a = std::string(name_of(d.culler)),
+        "sample_test"_a = d.sample_test, "occlusion"_a = std::string(name_of(d.occlusion)),
+        "contribution"_a = d.contribution, "contribution_way"_a = std::string(name_of(d.contribution_way)),
+        "budget_ms"_a = d.budget_ms, "hidden_colour"_a = py::none(), "samples"_a = d.samples, "gl_debug"_a = d.gl_debug,
         "program_cache"_a = py::none(), "rebuild_share"_a = d.rebuild_share, "gpu_pass"_a = py::none(),
         "policy"_a = "frame-cost",
         "Commits the scene and builds what it needs.\n\n"

@@ -11,7 +11,10 @@ preset=${1:-release}
 
 packages=(g++ cmake ninja-build libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtinyobjloader-dev
   libstb-dev libpng-dev libbenchmark-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri)
-if [ $# -eq 0 ] || [[ $* == *_tests* ]]; then packages+=(ccache libglfw3-dev libgtest-dev libgmp-dev libosmesa6 pkg-config xvfb xdotool); fi
+if [ $# -eq 0 ] || [[ $* == *_tests* ]]; then
+  packages+=(ccache libglfw3-dev libgtest-dev libgmp-dev libosmesa6 pkg-config xvfb xdotool
+    pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy)
+fi
 # VTK brings 246 packages, so it is installed only on request. With it the build has importers/vtk.
 if [ -n "${SIGHTLINE_SETUP_VTK:-}" ]; then packages+=(libvtk9-dev); fi
 # For the examples that draw into the windows of others.

@@ -1,0 +1,90 @@
+"""Culling of boxes without a scene, against numpy."""
+
+import unittest
+
+import numpy as np
+import sightline
+from support import Case, box_rows
+
+VIEW = sightline.View.perspective((0, -150, 30), (0, 0, 0), fovy=0.6, aspect=1.5, near=1, far=300)
+
+
+def brute_force(rows, clip_from_world):
+    """Boxes that no plane of the frustum has wholly outside, with the margins of the planes."""
+    x, y, z, w = clip_from_world
+    margins = []
+    for plane in (w + x, w - x, w + y, w - y, w - z, z):  # reversed depth: near at 1, far at 0
+        corner = np.where(plane[:3] >= 0, rows[:, 3:], rows[:, :3])
+        margins.append((corner @ plane[:3] + plane[3]) / np.linalg.norm(plane[:3]))
+    return np.min(margins, axis=0)
+
+
+class Culling(Case):
+    def check(self, visible, rows):
+        margin = brute_force(rows, VIEW.clip_from_world)
+        got = np.zeros(len(rows), dtype=bool)
+        got[visible] = True
+        self.assertTrue(got[margin >= 0].all(), "a visible box is missing")
+        self.assertFalse(got[margin < -1e-3].any(), "a box far outside is reported")
+        self.assertEqual(len(visible), len(set(visible.tolist())))
+
+    def test_against_numpy(self):
+        rows = box_rows(20000, seed=11)
+        culler = sightline.BoxCuller(rows)
+        self.assertEqual(len(culler), 20000)
+        visible = culler.visible(VIEW)
+        self.assertEqual(visible.dtype, np.uint32)
+        self.assertTrue(0 < len(visible) < 20000)
+        self.check(visible, rows)
+        np.testing.assert_array_equal(culler.visible(VIEW.clip_from_world), visible)
+
+    def test_layouts_do_not_matter(self):
+        rows = box_rows(500).astype(np.float32)
+        expected = sightline.BoxCuller(rows.astype(np.float64)).visible(VIEW)
+        wide = np.zeros((500, 8))
+        wide[:, 1:7] = rows
+        packed = np.zeros(500 * 48 + 1, dtype=np.uint8)
+        unaligned = packed[1:].view(np.float64).reshape(500, 6)
+        unaligned[:] = rows
+        for layout in (rows, np.asfortranarray(rows), wide[:, 1:7], unaligned, rows.astype(">f8"), rows.tolist()):
+            np.testing.assert_array_equal(sightline.BoxCuller(layout).visible(VIEW), expected)
+
+    def test_classic_depth(self):
+        rows = box_rows(5000, seed=2)
+        to_classic = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -2, 1], [0, 0, 0, 1.0]])
+        classic = sightline.BoxCuller(rows).visible(to_classic @ VIEW.clip_from_world, depth="classic")
+        self.check(classic, rows)
+
+    def test_sections_count(self):
+        rows = box_rows(5000, seed=4)
+        culler = sightline.BoxCuller(rows)
+        view = sightline.View.from_matrices(VIEW.eye_from_world, VIEW.clip_from_eye)
+        view.sections = [[0, 0, 1, 0]]
+        kept = culler.visible(view)
+        np.testing.assert_array_equal(np.sort(kept), np.sort([i for i in culler.visible(VIEW) if rows[i, 5] >= 0]))
+
+    def test_updates(self):
+        culler = sightline.BoxCuller([[0, 0, 0, 1, 1, 1], [1, 1, 1, 0, 0, 0]])
+        self.assertEqual(list(culler.visible(VIEW)), [0])
+        culler.update(0, [900, 0, 0, 901, 1, 1])
+        culler.update(1, [0, 0, 0, 1, 1, 1])
+        self.assertEqual(list(culler.visible(VIEW)), [1])
+        self.assert_error("index: expected less than 2, found 2", culler.update, 2, [0, 0, 0, 1, 1, 1])
+        self.assert_error("", culler.update, 0, [np.nan, 0, 0, 1, 1, 1])
+        self.assert_error("box: expected numbers of shape (6,)", culler.update, 0, [[0, 0, 0, 1, 1, 1]])
+
+    def test_misuse(self):
+        self.assert_error("boxes: expected numbers of shape (N, 6), found float64 of shape (3, 4)", sightline.BoxCuller,
+                          np.zeros((3, 4)))
+        self.assert_error("boxes: expected numbers of shape (N, 6), found object", sightline.BoxCuller,
+                          np.zeros((3, 6), dtype=object))
+        rows = box_rows(3)
+        rows[1, 5] = np.inf
+        self.assert_error("1", sightline.BoxCuller, rows)
+        culler = sightline.BoxCuller(np.zeros((0, 6)))
+        self.assertEqual(len(culler.visible(VIEW)), 0)
+        self.assert_error("finite", culler.visible, np.full((4, 4), np.nan))
+
+
+if __name__ == "__main__":
+    unittest.main()

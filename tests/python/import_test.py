@@ -1,0 +1,105 @@
+"""Import: progress, cancellation, Ctrl-C; writing; and that a scene stays as it was."""
+
+import subprocess
+import sys
+import unittest
+
+import sightline
+from support import SMALL_PLANT, Case, plant
+
+
+class Import(Case):
+    def test_reads_a_file(self):
+        scene = sightline.Scene()
+        shares = []
+        report = scene.import_file(SMALL_PLANT, progress=shares.append)
+        self.assertEqual(sum(report.items.values()), scene.item_count)
+        self.assertEqual(report.bytes, SMALL_PLANT.stat().st_size)
+        self.assertEqual([n.name for n in report.nodes], [SMALL_PLANT.name])
+        self.assertEqual((shares[0], shares[-1], shares), (0.0, 1.0, sorted(shares)))
+        self.assertEqual(report.warnings, [])
+        self.assertIn(".rvm", sightline.known_extensions())
+
+    def test_several_files_below_a_node(self):
+        scene = sightline.Scene()
+        site = scene.root.add_node("site")
+        report = scene.import_files([SMALL_PLANT, str(SMALL_PLANT)], site, threads=2)
+        self.assertEqual(site.children, report.nodes)
+        self.assertEqual(len(report.nodes), 2)
+
+    def test_what_is_written_is_read_again(self):
+        scene = plant(2000)
+        scene.write_rvm(self.folder / "plant.rvm")
+        again = sightline.Scene()
+        again.import_file(self.folder / "plant.rvm")
+        again.write_rvm(self.folder / "again.rvm", again.root.children[0])
+        self.assertEqual((self.folder / "plant.rvm").read_bytes(), (self.folder / "again.rvm").read_bytes())
+
+    def test_the_generator_is_the_tools(self):
+        plant(2000, 3).write_rvm(self.folder / "python.rvm")
+        self.tool("generate", "--items", 2000, "--seed", 3, self.folder / "tool.rvm")
+        self.assertEqual((self.folder / "python.rvm").read_bytes(), (self.folder / "tool.rvm").read_bytes())
+
+    def test_errors_name_the_file(self):
+        scene = sightline.Scene()
+        self.assert_error("missing.rvm", scene.import_file, self.folder / "missing.rvm")
+        broken = self.folder / "broken.rvm"
+        broken.write_bytes(SMALL_PLANT.read_bytes()[:1000])
+        self.assert_error("broken.rvm", scene.import_file, broken)
+        self.assertEqual(scene.node_count, 1)
+        self.assertGreater(len(scene.import_file(broken, lenient=True).warnings), 0)
+        self.assert_error("up: expected y or z", scene.import_file, broken, up="x")
+        triangle = self.folder / "triangle.obj"
+        triangle.write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n")
+        self.assert_error("metres_per_unit: expected", scene.import_file, triangle, metres_per_unit=-1.0)
+        self.assert_error("threads", scene.import_files, [SMALL_PLANT], threads=-1)
+
+
+class Cancel(Case):
+    def check_untouched(self, scene):
+        self.assertEqual((scene.node_count, scene.item_count, scene.materials), (1, 0, []))
+
+    def test_false_cancels(self):
+        scene = sightline.Scene()
+        self.assert_error("cancelled", scene.import_file, SMALL_PLANT, progress=lambda share: False)
+        self.check_untouched(scene)
+
+    def test_an_exception_cancels_and_comes_through(self):
+        scene = sightline.Scene()
+        def stop(share):
+            raise KeyError("stop")
+        with self.assertRaises(KeyError):
+            scene.import_file(SMALL_PLANT, progress=stop)
+        self.check_untouched(scene)
+        with self.assertRaises(KeyError):
+            plant(20000).write_rvm(self.folder / "out.rvm", progress=stop)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_the_scene_cannot_be_used_meanwhile(self):
+        scene = sightline.Scene()
+        for use in (lambda: scene.root, lambda: scene.item_count, scene.commit,
+                    lambda: scene.import_file(SMALL_PLANT), lambda: scene.add_material("m")):
+            def progress(share):
+                use()
+            self.assert_error("in use by the call that called back", scene.import_file, SMALL_PLANT, progress=progress)
+            self.check_untouched(scene)
+        self.assert_error("progress: expected a function", scene.import_file, SMALL_PLANT, progress=3)
+
+    def test_ctrl_c_cancels(self):
+        # Enough files that the signal comes first; without a callback, which would be stopped anyway.
+        plant(20000).write_rvm(self.folder / "plant.rvm")
+        program = """if True:
+            import os, signal, sys, threading, sightline
+            scene = sightline.Scene()
+            threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+            try:
+                scene.import_files([sys.argv[1]] * 400)
+            except KeyboardInterrupt:
+                print("interrupted", scene.node_count, scene.item_count)
+        """
+        done = subprocess.run([sys.executable, "-c", program, self.folder / "plant.rvm"], capture_output=True, text=True)
+        self.assertEqual((done.stdout, done.stderr), ("interrupted 1 0\n", ""))
+
+
+if __name__ == "__main__":
+    unittest.main()
