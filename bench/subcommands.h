@@ -21,6 +21,7 @@ Run add_occlusion(CLI::App& app);
 Run add_views(CLI::App& app);
 
 // Built if the ray tracer is.
+Run add_calls(CLI::App& app);
 Run add_trace(CLI::App& app);
 
 // Built if Google Benchmark is found.

@@ -107,6 +107,7 @@ class EngineBox {
     if (config.draw || config.culler == CullerChoice::kGpu || config.culler == CullerChoice::kHybrid) {
       if (auto made = make_context(); !made) return made;
       config.context = &*context_;
+      config.gl_state = engine::GlState::kLeave;  // nobody else draws in it
     }
     auto made = engine::Engine::create(scene_->scene, config);
     if (!made) return tl::unexpected(made.error());

@@ -230,6 +230,9 @@ Numbers<double> planes_to_array(const std::vector<core::Plane>& planes) {
 }
 
 void bind_views(py::module_& m) {
+  m.def(
+      "translation", [](py::object offset) { return to_array(core::translation(vector3(offset, "offset"))); },
+      py::arg("offset"), "The 4 x 4 matrix that moves points by `offset`, three numbers.");
   bind_view(m);
   bind_path(m);
   m.attr("OVERVIEW_DIRECTION") =

@@ -17,7 +17,7 @@ from __future__ import annotations
 from typing import Any, Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from . import _sightline
 from ._sightline import *
@@ -28,16 +28,6 @@ for _thing in vars(_sightline).values():
     if hasattr(_thing, "__module__"):
         _thing.__module__ = __name__
 del _thing
-
-
-def translation(offset: ArrayLike) -> NDArray[np.float64]:
-    """The 4 x 4 matrix that moves points by `offset`, three numbers."""
-    moved = np.asarray(offset, dtype=np.float64)
-    if moved.shape != (3,):
-        raise Error(f"offset: expected numbers of shape (3,), found shape {moved.shape}")
-    matrix = np.eye(4)
-    matrix[:3, 3] = moved
-    return matrix
 
 
 def render(

@@ -24,6 +24,8 @@ DEFAULT_LAYERS: int
 
 class Error(Exception): ...
 
+def translation(offset: ArrayLike) -> NDArray[np.float64]: ...
+
 # --- views and paths
 
 class View:
