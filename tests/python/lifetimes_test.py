@@ -153,6 +153,32 @@ class Threads(Case):
         engines[0].commit()
         self.assertEqual(engines[0].frame(view).visible, sightline.Engine(scene).frame(view).visible)
 
+    def test_others_wait_while_a_scene_is_imported_into(self):
+        scene = sightline.Scene()
+        engine = sightline.Engine(scene, width=8, height=8)
+        view = sightline.View.perspective((0, -9, 0), (0, 0, 0), fovy=1, aspect=1)
+        done = []
+        users = {"edit": lambda: scene.root.add_node("n"), "read": lambda: scene.item_count,
+                 "commit": scene.commit, "frame": lambda: engine.frame(view), "engine": lambda: sightline.Engine(scene)}
+        def use(name, call):
+            call()
+            done.append(name)
+        threads = [threading.Thread(target=use, args=user) for user in users.items()]
+
+        def progress(share):
+            if share == 0:
+                for thread in threads:
+                    thread.start()
+                for thread in threads:
+                    thread.join(0.05)
+            done.append(share)
+
+        scene.import_file(SMALL_PLANT, progress=progress)
+        for thread in threads:
+            thread.join()
+        self.assertEqual(sorted(done[-5:]), sorted(users))
+        self.assertEqual(done[:-5], sorted(done[:-5]))
+
     def test_a_culler_is_updated_while_others_ask(self):
         rows = box_rows(20000)
         culler = sightline.BoxCuller(rows)
