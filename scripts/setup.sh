@@ -13,7 +13,7 @@ packages=(g++ cmake ninja-build libglm-dev libexpected-dev libfmt-dev libcli11-d
   libstb-dev libpng-dev libbenchmark-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri)
 if [ $# -eq 0 ] || [[ $* == *_tests* ]]; then
   packages+=(ccache libglfw3-dev libgtest-dev libgmp-dev libosmesa6 pkg-config xvfb xdotool
-    pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy)
+    pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen)
 fi
 # VTK brings 246 packages, so it is installed only on request. With it the build has importers/vtk.
 if [ -n "${SIGHTLINE_SETUP_VTK:-}" ]; then packages+=(libvtk9-dev); fi
