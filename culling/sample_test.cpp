@@ -23,6 +23,14 @@ void set_bits(const core::VisibleSet& set, std::vector<std::uint64_t>& bits) {
   set.for_each_slot([&](core::Slot s) { bits[s / 64] |= std::uint64_t(1) << s % 64; });
 }
 
+std::vector<core::Slot> slots_of(SlotBits bits) {
+  std::vector<core::Slot> slots;
+  for (std::size_t word = 0; word < bits.size(); ++word)
+    for (std::uint64_t left = bits[word]; left != 0; left &= left - 1)
+      slots.push_back(core::Slot(64 * word) + core::Slot(std::countr_zero(left)));
+  return slots;
+}
+
 SampleTest::SampleTest(const core::View& view, const core::dvec3& origin, PictureSamples samples)
     : samples_(std::move(samples)),
       view_(make_screen_view(view, origin, samples_.width, samples_.height, samples_.snap)),

@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "sightline/engine/internal/clock.h"
 #include "sightline/gl/internal/program_cache.h"
 
 namespace sightline::engine {
 namespace {
-
-culling::PictureSamples picture_samples(const render::RenderTarget& target, float snap) {
-  culling::PictureSamples samples{target.width(), target.height(), {}, snap};
-  for (const glm::vec2& offset : target.sample_offsets()) samples.offsets.push_back({offset.x, offset.y});
-  return samples;
-}
 
 constexpr std::size_t kFramesInFlight = 2;
 constexpr GLuint64 kLongestWait = 10'000'000'000;  // ns; a lost context must not hang the application
@@ -42,7 +37,8 @@ void Drawing::plan_programs(Plan& plan, const core::Snapshot& snapshot, bool dra
 }
 
 core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
-                                                         const EngineConfig& config, bool gpu_culls) {
+                                                         const EngineConfig& config, const Overrides& overrides,
+                                                         bool gpu_culls) {
   std::optional<gl::Context> own;
   if (!config.context) {
     gl::ContextOptions options;
@@ -64,6 +60,8 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   drawing->budget_ms_ = config.budget_ms;
   drawing->hidden_colour_ = config.hidden_colour.value_or(core::vec3(0.0f));
   drawing->set_contribution(config.contribution, config.contribution_way);
+  drawing->translucent_ = TranslucentSlots(overrides, config.draw && config.transparency == Transparency::kBlended);
+  drawing->outline_colour_ = config.outline_colour;
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
     auto target = render::RenderTarget::create(drawing->context_, config.width, config.height,
@@ -101,6 +99,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
   if (!scene) return tl::unexpected(scene.error());
   auto lists = gpuscene::DrawLists::create(context_, *scene);
   if (!lists) return tl::unexpected(lists.error());
+  translucent_.reset(snapshot);
   std::optional<culling::GpuCuller> culler;
   if (gpu_culls) {
     auto made = make_culler(snapshot, *scene);
@@ -133,6 +132,9 @@ core::Expected<culling::GpuCuller> Drawing::make_culler(const core::Snapshot& sn
   const bool occlusion = occlusion_ == OcclusionChoice::kOn && may_test_occlusion(*culler);
   if (auto done = culler->prepare(renders_ && (sample_test_ || occlusion), occlusion); !done)
     return tl::unexpected(done.error());
+  const culling::SlotBits left_out = renders_ ? translucent_.bits() : culling::SlotBits();
+  if (const auto slots = culling::slots_of(left_out); !slots.empty())
+    if (auto done = culler->update(snapshot, scene, slots, left_out); !done) return tl::unexpected(done.error());
   return culler;
 }
 
@@ -163,7 +165,12 @@ core::Expected<void> Drawing::update(const core::Snapshot& snapshot, const gpupr
   if (auto done = scene_->update_materials(context_, snapshot, materials); !done) return done;
   scene_->update(snapshot, touched, joints);
   solid_areas_.update(snapshot, touched);
-  return culler_ ? culler_->update(snapshot, *scene_, touched) : core::Expected<void>();
+  const std::vector<core::Slot> turned = translucent_.update(snapshot, touched, materials);
+  if (!culler_) return {};
+  const culling::SlotBits left_out = renders_ ? translucent_.bits() : culling::SlotBits();
+  auto done = culler_->update(snapshot, *scene_, touched, left_out);
+  if (done && !turned.empty()) done = culler_->update(snapshot, *scene_, turned, left_out);
+  return done;
 }
 
 void Drawing::wait_for_room() {
@@ -196,6 +203,13 @@ core::Expected<void> Drawing::draw(const Culled& culled, std::uint64_t frame, do
 }
 
 core::Expected<void> Drawing::draw_visible(const Culled& culled, double began) {
+  if (!has_overlays()) return draw_solid(culled, began);
+  if (auto done = draw_solid(culled.with(part_overlays(culled.visible)), began); !done) return done;
+  return draw_overlays(culled);
+}
+
+core::Expected<void> Drawing::draw_solid(const Culled& culled, double began) {
+  depth_known_ = picture_kept_ = false;
   if (budget_ms_ > 0.0) {
     const double deadline = began + kBudgetShare * 1e-3 * budget_ms_;
     return draw_in_budget(culled, deadline);
@@ -224,10 +238,15 @@ core::Expected<void> Drawing::draw_from_aside(const core::View& view, const Cull
   waited_ms_ = 0.0;
   if (auto current = make_current(); !current) return current;
   wait_for_room();
-  if (auto done = split(culled); !done) return done;
-  const Culled shown{view, culled.snapshot, shown_, culled.lines, culled.hierarchy};
-  if (auto done = draw_visible(shown, began); !done) return done;
+  const core::VisibleSet& solid = has_overlays() ? part_overlays(culled.visible) : culled.visible;
+  if (auto done = split(culled.with(solid)); !done) return done;
+  const auto seen = [&](const core::VisibleSet& set) {
+    return Culled{view, culled.snapshot, set, culled.lines, culled.hierarchy};
+  };
+  if (auto done = draw_solid(seen(shown_), began); !done) return done;
   if (auto done = draw_hidden(view, culled.snapshot); !done) return done;
+  if (has_overlays())
+    if (auto done = draw_overlays(seen(culled.visible)); !done) return done;
   return submit(frame);
 }
 
@@ -242,7 +261,7 @@ core::Expected<void> Drawing::split(const Culled& culled) {
     if (auto done = draw_in_passes(culled); !done) return done;
     occlusion_test(view, bounds.origin).filter(bounds, visible, shown_, lines);
   } else if (sample_test_) {
-    culling::SampleTest(view, bounds.origin, picture_samples(target_, snap())).filter(bounds, visible, shown_, lines);
+    culling::SampleTest(view, bounds.origin, samples()).filter(bounds, visible, shown_, lines);
   } else {
     shown_ = visible;
   }
@@ -335,6 +354,12 @@ void Drawing::frame_took(double ms) {
   switched_ = false;
 }
 
+culling::PictureSamples Drawing::samples() const {
+  culling::PictureSamples samples{target_.width(), target_.height(), {}, snap()};
+  for (const glm::vec2& offset : target_.sample_offsets()) samples.offsets.push_back({offset.x, offset.y});
+  return samples;
+}
+
 float Drawing::snap() const {
   return culling::rasteriser_snap(context_.capabilities().subpixel_bits, target_.width(), target_.height());
 }
@@ -353,8 +378,7 @@ void Drawing::read_back_depth(const core::View& view, const render::RenderTarget
 core::Expected<void> Drawing::draw_at_once(const Culled& culled) {
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   if (sample_test_)
-    culling::SampleTest(view, snapshot.bounds().origin, picture_samples(target_, snap()))
-        .filter(snapshot.bounds(), visible, sampled_, lines);
+    culling::SampleTest(view, snapshot.bounds().origin, samples()).filter(snapshot.bounds(), visible, sampled_, lines);
   const core::VisibleSet& shown = sample_test_ ? sampled_ : visible;
   const auto drawn = std::int64_t(snapshot.count(shown));
   counts_ = {drawn, drawn};
@@ -375,6 +399,7 @@ core::Expected<void> Drawing::draw_in_passes(const Culled& culled) {
     read_back_depth(view, target_);
   }
   counts_ = {-1, std::int64_t(passes_.drawn())};
+  depth_known_ = true;
   return {};
 }
 
@@ -391,8 +416,10 @@ core::Expected<void> Drawing::draw_in_budget(const Culled& culled, double deadli
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
   const bool stays = budget_view_ && core::same_picture(*budget_view_, view), goes_on = stays && refines_;
-  const bool tests = may_test_occlusion(), beside = stays && contribution_way_ != ContributionWay::kDrop;
+  const bool tests = may_test_occlusion();
+  const bool beside = stays && (contribution_way_ != ContributionWay::kDrop || has_overlays());
   if (goes_on && budget_.complete()) {
+    picture_kept_ = true;
     counts_.shown = std::int64_t(budget_.drawn());
     return {};
   }
@@ -431,9 +458,9 @@ core::Expected<void> Drawing::draw_in_budget(const Culled& culled, double deadli
   }
   if (tests && !goes_on) budget_.remember(test, bounds, &threads_);
   counts_ = {-1, std::int64_t(budget_.drawn()), counts_.small, std::int64_t(budget_.pending()) + overlooked_};
-  if (contribution_way_ == ContributionWay::kDrop) return {};
   const double begin = now_seconds();
   if (beside) refined_->copy_to(target_);
+  if (contribution_way_ == ContributionWay::kDrop) return {};
   core::Expected<void> done;
   if (counts_.pending + counts_.small > 0) {
     budget_.looked_at(bounds.size(), without_squares_);
@@ -449,7 +476,7 @@ core::Expected<void> Drawing::cull(const core::View& cull_view, const core::View
   if (auto current = make_current(); !current) return current;
   culled_picture_.reset();
   const bool occlusion = tests_occlusion_on_gpu(snapshot.size());
-  if (renderer_ && (sample_test_ || occlusion)) culled_picture_ = {view, picture_samples(target_, snap()), occlusion};
+  if (renderer_ && (sample_test_ || occlusion)) culled_picture_ = {view, samples(), occlusion};
   return culler_->cull(cull_view, snapshot, *scene_, *lists_, frame, culled_picture_ ? &*culled_picture_ : nullptr);
 }
 
@@ -468,13 +495,19 @@ bool Drawing::tests_occlusion_on_gpu(std::size_t items) {
   return switched_ && occlusion_switch_.use();
 }
 
-core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame) {
+core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame,
+                                          const Culled* visible) {
   if (auto current = make_current(); !current) return current;
   picture_changed();
   wait_for_room();
   if (renderer_) {
     auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_);
     if (done && culled_picture_ && culled_picture_->occlusion) done = draw_others(snapshot);
+    depth_known_ = picture_kept_ = false;
+    if (done && visible) {
+      (void)part_overlays(visible->visible);
+      done = draw_overlays(*visible);
+    }
     if (!done) return done;
   }
   return submit(frame);
@@ -508,7 +541,7 @@ core::Expected<void> Drawing::compose() {
 }
 
 core::Expected<void> Drawing::submit(std::uint64_t frame) {
-  if (external_)
+  if (external_ && !std::exchange(composed_, false))
     if (auto done = compose(); !done) return done;
   const gl::Functions& gl = context_.functions();
   in_flight_.push_back({gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), frame, now_seconds()});
@@ -525,6 +558,7 @@ std::size_t Drawing::memory_bytes() const {
   std::size_t bytes = scene_->memory_bytes() + lists_->memory_bytes();
   if (culler_) bytes += culler_->memory_bytes();
   if (refined_) bytes += refined_->memory_bytes();
+  if (overlays_) bytes += overlays_->memory_bytes();
   if (renderer_) bytes += renderer_->memory_bytes() + target_.memory_bytes() + small_items_.memory_bytes();
   return bytes;
 }

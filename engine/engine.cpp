@@ -87,8 +87,8 @@ class Engine::Impl {
 #if SIGHTLINE_HAS_RAYTRACE
   core::Expected<std::vector<raytrace::VisibleItem>> visible_items_in(const core::View& view,
                                                                       const PixelRectangle& rectangle, int samples);
-  core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y);
-  core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter);
+  core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y, Ghosts ghosts);
+  core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter, Ghosts ghosts);
 #endif
 
  private:
@@ -118,6 +118,7 @@ class Engine::Impl {
   Order live_;
   Overrides overrides_;
   core::VisibleSet visible_;
+  core::VisibleSet overlaid_;  // what is visible where the GPU culls, for what is drawn over its picture
   std::unique_ptr<Drawing> drawing_;
   double next_try_ = -1.0;          // when to try to make a context, in seconds; below 0: none is missing
   double last_frame_began_ = -1.0;  // seconds on the steady clock
@@ -180,24 +181,31 @@ core::Expected<void> Engine::resize(int width, int height) {
   return impl_->resize(width, height);
 }
 core::Expected<void> Engine::set_override(std::span<const core::ItemId> items, const ItemStyle& style) {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->set_override(items, style);
 }
 core::Expected<void> Engine::clear_override(std::span<const core::ItemId> items) {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->clear_override(items);
 }
 core::Expected<void> Engine::clear_overrides() {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->clear_overrides();
 }
 core::Expected<void> Engine::hide(std::span<const core::ItemId> items) {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->hide(items);
 }
 core::Expected<void> Engine::show(std::span<const core::ItemId> items) {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->show(items);
 }
 core::Expected<void> Engine::isolate(std::span<const core::NodeId> nodes) {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->isolate(nodes);
 }
 core::Expected<void> Engine::show_all() {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->show_all();
 }
 void Engine::drop_context() {
@@ -342,7 +350,7 @@ core::Expected<void> Engine::Impl::make_drawing(bool new_order) {
     else if (gpu_culls)
       done = unless_lost(drawing_->add_culler(*live_.snapshot));
   } else if (next_try_ < 0.0) {
-    auto drawing = Drawing::create(*live_.snapshot, live_.joints, config_, gpu_culls);
+    auto drawing = Drawing::create(*live_.snapshot, live_.joints, config_, overrides_, gpu_culls);
     if (!drawing) return tl::unexpected(drawing.error());
     drawing_ = std::move(*drawing);
   }
@@ -417,7 +425,10 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
     const auto visible_in = [&](const core::View& of) {
       return Culled{of, *live_.snapshot, visible_, live_.lines, live_.hierarchy()};
     };
-    auto done = *on_gpu        ? drawing_->draw_culled(view, *live_.snapshot, report.frame)
+    const Culled over{view, *live_.snapshot, overlaid_, live_.lines, live_.hierarchy()};
+    const bool overlays = *on_gpu && drawing_->has_overlays();
+    if (overlays) std::visit([&](const auto& culler) { culler.cull(cull_view, overlaid_); }, *live_.culler);
+    auto done = *on_gpu        ? drawing_->draw_culled(view, *live_.snapshot, report.frame, overlays ? &over : nullptr)
                 : shows_hidden ? drawing_->draw_from_aside(view, visible_in(cull_view), report.frame, begin)
                                : drawing_->draw(visible_in(view), report.frame, begin);
     report.drawn = config_.draw && done;
@@ -687,16 +698,18 @@ core::Expected<std::vector<core::ItemId>> Engine::items_in(std::vector<core::Pla
 
 // --- picking ---------------------------------------------------------------------------------------------------------
 
-core::Expected<std::optional<Pick>> Engine::Impl::pick(const core::View& view, double x, double y) {
+core::Expected<std::optional<Pick>> Engine::Impl::pick(const core::View& view, double x, double y, Ghosts ghosts) {
   const auto ray = raytrace::pixel_ray(view, config_.width, config_.height, x, y);
   if (!ray) return tl::unexpected(ray.error());
-  return pick(*ray, raytrace::filter_of(view));
+  return pick(*ray, raytrace::filter_of(view), ghosts);
 }
 
-core::Expected<std::optional<Pick>> Engine::Impl::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter) {
+core::Expected<std::optional<Pick>> Engine::Impl::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter,
+                                                       Ghosts ghosts) {
   picks_ = true;
   if (auto made = make_tracer(live_); !made) return tl::unexpected(made.error());
-  const auto hit = live_.tracer->nearest(ray, filter);
+  const auto hit = ghosts == Ghosts::kHit ? live_.tracer->nearest(ray, filter)
+                                          : raytrace::nearest_but(*live_.tracer, ray, filter, overrides_.ghosts());
   if (!hit) return tl::unexpected(hit.error());
   if (!*hit) return std::nullopt;
   return Pick{**hit, scene_->contains_item((*hit)->item) ? scene_->node_of((*hit)->item) : core::NodeId()};
@@ -718,7 +731,8 @@ core::Expected<std::vector<raytrace::VisibleItem>> Engine::Impl::visible_items_i
   if (!(x0 < x1 && y0 < y1)) return std::vector<raytrace::VisibleItem>();  // beside the picture
   picks_ = true;
   if (auto made = make_tracer(live_); !made) return tl::unexpected(made.error());
-  return raytrace::ExactVisibility(*live_.tracer).compute(*cropped, int(x1 - x0), int(y1 - y0), samples);
+  return raytrace::ExactVisibility(*live_.tracer)
+      .compute(*cropped, int(x1 - x0), int(y1 - y0), samples, 0, overrides_.ghosts());
 }
 
 core::Expected<std::vector<raytrace::VisibleItem>> Engine::visible_items_in(const core::View& view,
@@ -726,14 +740,15 @@ core::Expected<std::vector<raytrace::VisibleItem>> Engine::visible_items_in(cons
                                                                             int samples) {
   return impl_->visible_items_in(view, rectangle, samples);
 }
-core::Expected<std::optional<Pick>> Engine::pick(const core::View& view, double x, double y) {
-  return impl_->pick(view, x, y);
+core::Expected<std::optional<Pick>> Engine::pick(const core::View& view, double x, double y, Ghosts ghosts) {
+  return impl_->pick(view, x, y, ghosts);
 }
 core::Expected<std::optional<Pick>> Engine::pick(const raytrace::Ray& ray) {
-  return impl_->pick(ray, {});
+  return impl_->pick(ray, {}, Ghosts::kPassed);
 }
-core::Expected<std::optional<Pick>> Engine::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter) {
-  return impl_->pick(ray, filter);
+core::Expected<std::optional<Pick>> Engine::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter,
+                                                 Ghosts ghosts) {
+  return impl_->pick(ray, filter, ghosts);
 }
 
 #endif

@@ -82,6 +82,8 @@ struct EngineConfig {
   /// How these items are drawn. With a budget also what its time does not suffice for; kStochastic is then as
   /// kPoints.
   ContributionWay contribution_way = ContributionWay::kDrop;
+  Transparency transparency = Transparency::kDither;
+  core::vec3 outline_colour{1.0f, 0.5f, 0.0f};  ///< sRGB, of ItemStyle::outline
   /// Milliseconds that a call of frame() may take; 0: any. While the view moves, the largest items are drawn first, and
   /// what the time does not suffice for is left out (FrameReport::pending), or a square each: contribution_way. While
   /// view and scene stay the same, each frame draws more of it, until the picture is complete; then frames draw
@@ -223,15 +225,16 @@ class SIGHTLINE_API Engine {
 
   /// What the view shows at a point of the picture: the item hit first (engine/pick.h). In pixels from the upper
   /// left corner; the middle of the first pixel is at 0.5, 0.5. The picture has the size of EngineConfig or resize().
-  /// The view's layers and section planes count, transparency does not. Nothing where the ray hits nothing; lines are
-  /// never hit. Works with and without drawing. Fails as raytrace::pixel_ray() does.
+  /// The view's layers and section planes count, transparency does not, and ghosts do on request. Nothing where the ray
+  /// hits nothing; lines are never hit. Works with and without drawing. Fails as raytrace::pixel_ray() does.
   ///
   /// The first pick builds the tracer, about 0.8 s of one processor per million items. From then on commits keep it up,
   /// and new orders come with theirs. Only builds with SIGHTLINE_RAYTRACE have these functions.
-  core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y);
+  core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y, Ghosts ghosts = Ghosts::kPassed);
   /// What a ray hits first. Without a filter: items of the default layers.
   core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray);
-  core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter);
+  core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter,
+                                           Ghosts ghosts = Ghosts::kPassed);
 
   /// Items in a rectangle of the picture, in rising order, hidden behind others or not: those with any part in it, or
   /// those wholly in it, as culling/region_query.h promises. The view's layers and section planes count. Needs no
@@ -242,7 +245,7 @@ class SIGHTLINE_API Engine {
   core::Expected<std::vector<core::ItemId>> items_in(std::vector<core::Plane> planes, culling::RegionRule rule,
                                                      std::uint32_t layers = core::kDefaultLayerMask) const;
   /// Items that a rectangle of the picture shows, rounded outwards to whole pixels, with their samples, in rising
-  /// order: raytrace::ExactVisibility on `samples` a pixel. As pick() otherwise.
+  /// order: raytrace::ExactVisibility on `samples` a pixel. Never ghosts. As pick() otherwise.
   core::Expected<std::vector<raytrace::VisibleItem>> visible_items_in(const core::View& view,
                                                                       const PixelRectangle& rectangle, int samples = 1);
 

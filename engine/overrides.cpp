@@ -40,16 +40,17 @@ std::size_t Overrides::LookHash::operator()(const Look& look) const {
   return hash * 4 + (look.style.ghost ? 1 : 0) + (look.style.outline ? 2 : 0);
 }
 
-void Overrides::Bits::set(Slot slot, bool value) {
+bool SlotFlags::set(Slot slot, bool value) {
   const std::size_t word = slot / 64;
   if (word >= words_.size()) {
-    if (!value) return;
+    if (!value) return false;
     words_.resize(word + 1 + word / 8);
   }
   const std::uint64_t bit = std::uint64_t(1) << slot % 64;
-  if (((words_[word] & bit) != 0) == value) return;
+  if (((words_[word] & bit) != 0) == value) return false;
   words_[word] ^= bit;
   count_ += value ? 1 : std::size_t(-1);
+  return true;
 }
 
 void Overrides::mark(Slot slot, const ItemStyle& style) {
@@ -273,8 +274,7 @@ void Overrides::restore(Snapshot& snapshot) {
 }
 
 void Overrides::reorder(const Snapshot& snapshot) {
-  ghosts_.clear();
-  outlined_.clear();
+  ghosts_ = outlined_ = {};
   for (const auto& [item, styled] : styled_.entries()) mark(snapshot.slot(item), looks_[styled.look].style);
 }
 

@@ -97,7 +97,9 @@ void SavedState::save_rasterisation() {
     gl_.GetBooleani_v(GL_COLOR_WRITEMASK, i, draw_buffers_[i].mask.data());
     draw_buffers_[i].blends = gl_.IsEnabledi(GL_BLEND, i);
   }
-  for (std::size_t i = 0; i < std::size(kBlending); ++i) gl_.GetIntegeri_v(kBlending[i], 0, &blending_[i]);
+  for (GLuint buffer = 0; buffer < blending_.size(); ++buffer)
+    for (std::size_t i = 0; i < std::size(kBlending); ++i)
+      gl_.GetIntegeri_v(kBlending[i], buffer, &blending_[buffer][i]);
   for (GLuint i = 0; i < kViewports; ++i) {
     ViewportState& state = viewports_[i];
     gl_.GetFloati_v(GL_VIEWPORT, i, state.viewport.data());
@@ -126,8 +128,11 @@ void SavedState::restore_rasterisation() const {
     gl_.ColorMaski(i, mask[0], mask[1], mask[2], mask[3]);
     (draw_buffers_[i].blends ? gl_.Enablei : gl_.Disablei)(GL_BLEND, i);
   }
-  gl_.BlendFuncSeparatei(0, GLenum(blending_[0]), GLenum(blending_[1]), GLenum(blending_[2]), GLenum(blending_[3]));
-  gl_.BlendEquationSeparatei(0, GLenum(blending_[4]), GLenum(blending_[5]));
+  for (GLuint buffer = 0; buffer < blending_.size(); ++buffer) {
+    const auto value = [&](std::size_t i) { return GLenum(blending_[buffer][i]); };
+    gl_.BlendFuncSeparatei(buffer, value(0), value(1), value(2), value(3));
+    gl_.BlendEquationSeparatei(buffer, value(4), value(5));
+  }
   for (GLuint i = 0; i < kViewports; ++i) {
     const ViewportState& state = viewports_[i];
     gl_.ViewportIndexedf(i, state.viewport[0], state.viewport[1], state.viewport[2], state.viewport[3]);

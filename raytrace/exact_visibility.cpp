@@ -19,10 +19,14 @@ namespace {
 
 constexpr int kTile = 4;  // rows and columns of pixels that are traced together
 
+bool has_bit(std::span<const std::uint64_t> bits, core::Slot slot) {
+  return slot / 64 < bits.size() && (bits[slot / 64] >> slot % 64 & 1u) != 0;
+}
+
 /// Counts the samples of kTile rows of pixels. Returns the first error.
 std::optional<core::Error> count_rows(const Tracer& tracer, const PixelRays& pixels, const RayFilter& filter, int width,
                                       int height, std::span<const core::dvec2> samples, int top,
-                                      std::vector<std::uint64_t>& counts) {
+                                      std::span<const std::uint64_t> ignored, std::vector<std::uint64_t>& counts) {
   std::vector<Ray> rays;
   std::vector<Hit> hits;
   for (int left = 0; left < width; left += kTile) {
@@ -33,13 +37,33 @@ std::optional<core::Error> count_rows(const Tracer& tracer, const PixelRays& pix
           rays.push_back(pixels.through(column + at.x, row + at.y));
     hits.resize(rays.size());
     if (auto traced = tracer.nearest(rays, hits, filter); !traced) return traced.error();
-    for (const Hit& hit : hits)
-      if (hit.slot != core::kNone) ++counts[hit.slot];
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      core::Slot slot = hits[i].slot;
+      if (slot == core::kNone) continue;
+      if (has_bit(ignored, slot)) {
+        const auto behind = nearest_but(tracer, rays[i], filter, ignored);
+        if (!behind) return behind.error();
+        if (!*behind) continue;
+        slot = (*behind)->slot;
+      }
+      ++counts[slot];
+    }
   }
   return std::nullopt;
 }
 
 }  // namespace
+
+core::Expected<std::optional<Hit>> nearest_but(const Tracer& tracer, const Ray& ray, const RayFilter& filter,
+                                               std::span<const std::uint64_t> ignored) {
+  auto first = tracer.nearest(ray, filter);
+  if (!first || !*first || !has_bit(ignored, (*first)->slot)) return first;
+  std::vector<Hit> hits;
+  if (auto traced = tracer.all(ray, hits, filter); !traced) return tl::unexpected(traced.error());
+  const auto found =
+      std::find_if(hits.begin(), hits.end(), [&](const Hit& hit) { return !has_bit(ignored, hit.slot); });
+  return found == hits.end() ? std::nullopt : std::optional(*found);
+}
 
 std::vector<core::dvec2> sample_positions(int samples) {
   assert(samples > 0);
@@ -65,7 +89,8 @@ std::vector<core::dvec2> sample_positions(int samples) {
 }
 
 core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::View& view, int width, int height,
-                                                                  int samples, [[maybe_unused]] int threads) const {
+                                                                  int samples, [[maybe_unused]] int threads,
+                                                                  std::span<const std::uint64_t> ignored) const {
   if (width <= 0 || height <= 0 || samples <= 0)
     return core::fail("exact visibility: width, height and samples must be above 0");
   const auto pixels = PixelRays::create(view, width, height);
@@ -87,7 +112,7 @@ core::Expected<std::vector<VisibleItem>> ExactVisibility::compute(const core::Vi
 #pragma omp for schedule(dynamic, 1)
 #endif
     for (int row = 0; row < height; row += kTile)
-      if (!error) error = count_rows(*tracer_, *pixels, filter, width, height, positions, row, counts);
+      if (!error) error = count_rows(*tracer_, *pixels, filter, width, height, positions, row, ignored, counts);
     const std::lock_guard held(mutex);
     if (error) failed = error;
     for (std::size_t slot = 0; slot < counts.size(); ++slot) total[slot] += counts[slot];

@@ -14,34 +14,9 @@ using gpuscene::BatchKind;
 
 enum TextureUnit : GLuint { kPayloadUnit, kChunkUnit, kMaterialUnit, kSinglesUnit };
 enum VertexUniform : GLint { kRecordCountUniform, kBatchKindUniform, kTexelsPerRecordUniform };
-constexpr GLint kSampleOffsetsUniform = 1;  // in the fragment stage
+constexpr GLint kSampleOffsetsUniform = 1, kBlendRangeUniform = 64;  // in the fragment stage
 enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
 enum VertexAttribute : GLuint { kInstanceAttribute, kVertexAttribute };
-
-/// Context of all shaders for targets of a format. `sections`: for views with section planes.
-gl::ShaderContext shader_context(const TargetFormat& format, bool sections) {
-  gl::ShaderContext context;
-  context.tables = {shaders(), gpuprims::shaders()};
-  if (format.normals) context.defines.emplace_back("NORMALS");
-  if (format.samples > 1) context.defines.push_back("SAMPLES " + std::to_string(format.samples));
-  if (sections) context.defines.emplace_back("SECTIONS");
-  return context;
-}
-
-gl::ProgramDescription describe_batch(BatchKind kind, const TargetFormat& format, bool sections) {
-  gl::ProgramDescription description;
-  description.name = gpuscene::name_of(kind);
-  description.shaders = shader_context(format, sections);
-  for (std::string& define : gpuscene::batch_defines(kind)) description.shaders.defines.push_back(std::move(define));
-  if (gpuscene::is_ray_cast(kind)) {
-    description.stages = {{GL_FRAGMENT_SHADER, {"primitive.frag"}}};
-    description.separable = true;
-  } else {
-    const char* vertex = kind == BatchKind::kMesh ? "mesh.vert" : "line.vert";
-    description.stages = {{GL_VERTEX_SHADER, {vertex}}, {GL_FRAGMENT_SHADER, {"surface.frag"}}};
-  }
-  return description;
-}
 
 /// Describes the vertex and geometry stage that all ray-cast batches share.
 gl::ProgramDescription describe_proxies(const TargetFormat& format) {
@@ -49,7 +24,8 @@ gl::ProgramDescription describe_proxies(const TargetFormat& format) {
   description.name = "proxies";
   description.stages = {{GL_VERTEX_SHADER, {"primitive.vert"}}, {GL_GEOMETRY_SHADER, {"primitive.geom"}}};
   description.separable = true;
-  description.shaders = shader_context(format, false);
+  description.shaders.tables = {shaders(), gpuprims::shaders()};
+  if (format.samples > 1) description.shaders.defines.push_back("SAMPLES " + std::to_string(format.samples));
   for (std::string& define : gpuscene::batch_kind_defines()) description.shaders.defines.push_back(std::move(define));
   return description;
 }
@@ -66,14 +42,42 @@ void describe_mesh(const gl::Functions& gl, GLuint array) {
 
 }  // namespace
 
+/// Context of all shaders for targets of a format. `sections`: for views with section planes.
+gl::ShaderContext Renderer::shader_context(const TargetFormat& format, bool sections, Surface surface) {
+  gl::ShaderContext context;
+  context.tables = {shaders(), gpuprims::shaders()};
+  if (format.normals) context.defines.emplace_back("NORMALS");
+  if (format.samples > 1) context.defines.push_back("SAMPLES " + std::to_string(format.samples));
+  if (sections) context.defines.emplace_back("SECTIONS");
+  if (surface == Surface::kGhost) context.defines.emplace_back("GHOST");
+  if (surface == Surface::kBlended) context.defines.emplace_back("BLENDED");
+  return context;
+}
+
+gl::ProgramDescription Renderer::describe_batch(BatchKind kind, const TargetFormat& format, bool sections,
+                                                Surface surface) {
+  gl::ProgramDescription description;
+  description.name = gpuscene::name_of(kind);
+  description.shaders = shader_context(format, sections, surface);
+  for (std::string& define : gpuscene::batch_defines(kind)) description.shaders.defines.push_back(std::move(define));
+  if (gpuscene::is_ray_cast(kind)) {
+    description.stages = {{GL_FRAGMENT_SHADER, {"primitive.frag"}}};
+    description.separable = true;
+  } else {
+    const char* vertex = kind == BatchKind::kMesh ? "mesh.vert" : "line.vert";
+    description.stages = {{GL_VERTEX_SHADER, {vertex}}, {GL_FRAGMENT_SHADER, {"surface.frag"}}};
+  }
+  return description;
+}
+
 core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpuscene::GpuScene& scene,
                                           const TargetFormat& format) {
   const gl::Functions& gl = context.functions();
   Renderer renderer;
   renderer.gl_ = &gl;
-  auto programs = renderer.make_programs(scene, format, false);
+  auto programs = renderer.make_programs(scene, format, false, Surface::kSolid);
   if (!programs) return tl::unexpected(programs.error());
-  renderer.programs_ = std::move(*programs);
+  renderer.programs_[0].plain = std::move(*programs);
   renderer.record_array_ = gl::VertexArray(gl);
   renderer.mesh_array_ = gl::VertexArray(gl);
   describe_mesh(gl, renderer.mesh_array_.id());
@@ -85,10 +89,12 @@ core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpus
 
 /// Makes the programs of all batches, and on the first call the program that ray-cast batches share.
 core::Expected<Renderer::BatchPrograms> Renderer::make_programs(const gpuscene::GpuScene& scene,
-                                                                const TargetFormat& format, bool sections) {
+                                                                const TargetFormat& format, bool sections,
+                                                                Surface surface) {
   const std::vector<gpuscene::Batch>& batches = scene.batches();
   std::vector<gl::ProgramDescription> descriptions;
-  for (const gpuscene::Batch& batch : batches) descriptions.push_back(describe_batch(batch.kind, format, sections));
+  for (const gpuscene::Batch& batch : batches)
+    descriptions.push_back(describe_batch(batch.kind, format, sections, surface));
   const bool proxies = proxy_program_.id() == 0 && std::any_of(batches.begin(), batches.end(), [](const auto& batch) {
                          return gpuscene::is_ray_cast(batch.kind);
                        });
@@ -155,24 +161,49 @@ core::Expected<void> Renderer::draw(const core::View& view, const core::Snapshot
 core::Expected<void> Renderer::draw_more(const core::View& view, const core::Snapshot& snapshot,
                                          const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                          const RenderTarget& target, const gl::TextureBuffer* materials) {
+  return draw_surfaces(view, snapshot, scene, lists, target, Surface::kSolid,
+                       materials ? *materials : scene.materials());
+}
+
+core::Expected<void> Renderer::draw_ghosts(const core::View& view, const core::Snapshot& snapshot,
+                                           const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                                           const RenderTarget& layer) {
+  return draw_surfaces(view, snapshot, scene, lists, layer, Surface::kGhost, scene.materials());
+}
+
+core::Expected<void> Renderer::draw_blended(const core::View& view, const core::Snapshot& snapshot,
+                                            const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                                            const RenderTarget& picture, const BlendedSums& sums,
+                                            const glm::vec2& range) {
+  return draw_surfaces(view, snapshot, scene, lists, picture, Surface::kBlended, scene.materials(), &sums, range);
+}
+
+core::Expected<void> Renderer::draw_surfaces(const core::View& view, const core::Snapshot& snapshot,
+                                             const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                                             const RenderTarget& target, Surface surface,
+                                             const gl::TextureBuffer& materials, const BlendedSums* sums,
+                                             const glm::vec2& range) {
   if (auto done = upload_view(view, snapshot, target); !done) return done;
   const gl::Functions& gl = *gl_;
   const bool sections = !view.sections.empty();
-  if (sections && !section_programs_) {
-    auto made = make_programs(scene, target.format(), true);
+  SurfacePrograms& all = programs_[std::size_t(surface)];
+  std::optional<BatchPrograms>& programs = sections ? all.sections : all.plain;
+  if (!programs) {
+    auto made = make_programs(scene, target.format(), sections, surface);
     if (!made) return tl::unexpected(made.error());
-    section_programs_ = std::move(*made);
+    programs = std::move(*made);
   }
-  target.begin_drawing();
+  sums ? sums->begin_drawing() : target.begin_drawing();
 
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, view_block_.id());
   gl.BindTextureUnit(kChunkUnit, chunk_texels_.id());
-  gl.BindTextureUnit(kMaterialUnit, (materials ? *materials : scene.materials()).id());
+  gl.BindTextureUnit(kMaterialUnit, materials.id());
   gl.BindTextureUnit(kSinglesUnit, lists.singles().id());
   gl.BindBuffer(GL_DRAW_INDIRECT_BUFFER, lists.commands().id());
   for (const gpuscene::Batch& batch : scene.batches()) {
     if (lists.section(batch.kind).count == 0) continue;
-    const BatchProgram& program = (sections ? *section_programs_ : programs_)[std::size_t(batch.kind)];
+    const BatchProgram& program = (*programs)[std::size_t(batch.kind)];
+    if (sums) gl.ProgramUniform2f(program.program.id(), kBlendRangeUniform, range.x, range.y);
     if (target.format().samples > 1 && gpuscene::is_ray_cast(batch.kind))
       gl.ProgramUniform2fv(program.program.id(), kSampleOffsetsUniform, target.format().samples,
                            &target.sample_offsets()[0].x);
@@ -183,22 +214,25 @@ core::Expected<void> Renderer::draw_more(const core::View& view, const core::Sna
   gl.BindProgramPipeline(0);
   const gpuscene::Batch* meshes = scene.batch(BatchKind::kMesh);
   if (meshes && sections && lists.section(BatchKind::kMesh).count > 0)
-    return draw_section_caps(snapshot, *meshes, scene, lists, target);
+    return draw_section_caps(snapshot, *meshes, scene, lists, target, surface, range);
   return {};
 }
 
 core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot, const gpuscene::Batch& meshes,
                                                  const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                                 const RenderTarget& target) {
-  if (!section_caps_) {
-    auto caps = SectionCaps::create(*gl_, shader_context(target.format(), true));
+                                                 const RenderTarget& target, Surface surface, const glm::vec2& range) {
+  std::optional<SectionCaps>& section_caps = programs_[std::size_t(surface)].caps;
+  if (!section_caps) {
+    auto caps = SectionCaps::create(*gl_, shader_context(target.format(), true, surface));
     if (!caps) return tl::unexpected(caps.error());
-    section_caps_ = std::move(*caps);
+    section_caps = std::move(*caps);
   }
-  if (auto done = section_caps_->prepare(snapshot, meshes, target.width(), target.height()); !done) return done;
+  if (surface == Surface::kBlended)
+    gl_->ProgramUniform2f(section_caps->caps().id(), kBlendRangeUniform, range.x, range.y);
+  if (auto done = section_caps->prepare(snapshot, meshes, target.width(), target.height()); !done) return done;
   gl_->BindTextureUnit(kPayloadUnit, meshes.texels.id());
   gl_->Disable(GL_CULL_FACE);
-  section_caps_->draw([&] { submit_batch(meshes, scene, lists, 0, lists.section(BatchKind::kMesh).count); });
+  section_caps->draw([&] { submit_batch(meshes, scene, lists, 0, lists.section(BatchKind::kMesh).count); });
   return {};
 }
 
@@ -264,7 +298,9 @@ void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuSce
 }
 
 std::size_t Renderer::memory_bytes() const {
-  return view_block_.size() + chunk_rows_.size() + (section_caps_ ? section_caps_->memory_bytes() : 0);
+  std::size_t bytes = view_block_.size() + chunk_rows_.size();
+  for (const SurfacePrograms& programs : programs_) bytes += programs.caps ? programs.caps->memory_bytes() : 0;
+  return bytes;
 }
 
 }  // namespace sightline::render

@@ -53,7 +53,7 @@ core::Expected<GpuBounds> GpuBounds::create(const gl::Functions& gl, const core:
   std::vector<std::uint32_t> all(made.cluster_capacity_);
   std::iota(all.begin(), all.end(), 0u);
   ElementWriter writer;  // of neighbours alone
-  made.write(snapshot, all, writer);
+  made.write(snapshot, all, writer, {});
   return made;
 }
 
@@ -63,27 +63,29 @@ std::uint32_t GpuBounds::append(core::Slot slot) {
   return std::uint32_t(slots_.size() - 1);
 }
 
-void GpuBounds::update(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed,
-                       ElementWriter& writer) const {
+void GpuBounds::update(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed, ElementWriter& writer,
+                       SlotBits left_out) const {
   std::vector<std::uint32_t> clusters;
   for (const std::uint32_t record : changed)
     if (clusters.empty() || clusters.back() != record / kItemsPerCluster) clusters.push_back(record / kItemsPerCluster);
-  write(snapshot, clusters, writer);
+  write(snapshot, clusters, writer, left_out);
 }
 
-void GpuBounds::write(const core::Snapshot& snapshot, Clusters clusters, ElementWriter& writer) const {
+void GpuBounds::write(const core::Snapshot& snapshot, Clusters clusters, ElementWriter& writer,
+                      SlotBits left_out) const {
   constexpr std::size_t kClustersAtOnce = 1024;
   for (std::size_t first = 0; first < clusters.size(); first += kClustersAtOnce)
-    write_part(snapshot, clusters.subspan(first, std::min(kClustersAtOnce, clusters.size() - first)), writer);
+    write_part(snapshot, clusters.subspan(first, std::min(kClustersAtOnce, clusters.size() - first)), writer, left_out);
 }
 
-void GpuBounds::write_part(const core::Snapshot& snapshot, Clusters clusters, ElementWriter& writer) const {
+void GpuBounds::write_part(const core::Snapshot& snapshot, Clusters clusters, ElementWriter& writer,
+                           SlotBits left_out) const {
   const core::ItemBounds& bounds = snapshot.bounds();
   std::vector<Aabb> boxes(clusters.size() * kItemsPerCluster), around(clusters.size());
   std::vector<std::uint32_t> layers(boxes.size(), 0), layers_around(clusters.size(), 0);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const std::size_t record = record_at(clusters, i);
-    if (record >= slots_.size() || bounds.vacant(slots_[record])) continue;
+    if (record >= slots_.size() || bounds.vacant(slots_[record]) || contains(left_out, slots_[record])) continue;
     const core::Slot slot = slots_[record];
     boxes[i] = bounds.box(slot);
     around[i / kItemsPerCluster].grow(boxes[i]);

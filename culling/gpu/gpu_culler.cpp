@@ -109,8 +109,12 @@ core::Expected<void> GpuCuller::add_batch(const Snapshot& snapshot, const gpusce
 }
 
 core::Expected<void> GpuCuller::update(const Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                                       std::span<const Slot> touched) {
-  if (snapshot.bounds().uses_layers() != uses_layers_) return make_batches(snapshot, scene);
+                                       std::span<const Slot> touched, SlotBits left_out) {
+  if (snapshot.bounds().uses_layers() != uses_layers_) {
+    if (auto done = make_batches(snapshot, scene); !done) return done;
+    const std::vector<Slot> not_to_find = slots_of(left_out);
+    return not_to_find.empty() ? core::Expected<void>() : update(snapshot, scene, not_to_find, left_out);
+  }
   std::array<std::vector<std::uint32_t>, gpuscene::kBatchKindCount> changed;
   const auto batch_of = [&](Slot slot) { return std::size_t(gpuscene::batch_of(snapshot.kind(slot))); };
   for (const Slot slot : touched) changed[batch_of(slot)].push_back(gpuscene::GpuScene::record_of(snapshot, slot));
@@ -121,7 +125,7 @@ core::Expected<void> GpuCuller::update(const Snapshot& snapshot, const gpuscene:
   for (CullBatch& batch : batches_) {
     std::vector<std::uint32_t>& records = changed[std::size_t(batch.kind)];
     std::sort(records.begin(), records.end());
-    batch.bounds.update(snapshot, records, writer_);
+    batch.bounds.update(snapshot, records, writer_, left_out);
     if (!batch.meshes()) continue;
     std::vector<gpuscene::ElementsCommand> commands;
     for (const std::uint32_t record : records) commands.push_back(scene.meshes().commands[record]);

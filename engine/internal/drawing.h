@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <optional>
 
 #include "sightline/culling/contribution.h"
@@ -15,8 +16,10 @@
 #include "sightline/engine/internal/occlusion_switch.h"
 #include "sightline/engine/internal/small_items.h"
 #include "sightline/engine/internal/solid_areas.h"
+#include "sightline/engine/internal/translucent.h"
 #include "sightline/gl/internal/saved_state.h"
 #include "sightline/render/internal/compositor.h"
+#include "sightline/render/internal/overlays.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {
@@ -24,8 +27,10 @@ namespace sightline::engine {
 /// Functions that need the context make it current on the calling thread, unless it was adopted, and leave it current.
 class Drawing {
  public:
+  /// `overrides` are borrowed.
   static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
-                                                         const EngineConfig& config, bool gpu_culls);
+                                                         const EngineConfig& config, const Overrides& overrides,
+                                                         bool gpu_culls);
   ~Drawing();
   /// Adds a plan entry for the program of each batch kind.
   static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
@@ -38,6 +43,10 @@ class Drawing {
   /// From now on each frame puts its picture into that framebuffer, too; null: into none. The size must be that of the
   /// picture.
   void put_into(const core::ExternalTarget* target) { external_ = target ? std::optional(*target) : std::nullopt; }
+
+  /// Whether any items are drawn over the picture. The CPU finds those that are visible, also where the GPU culls,
+  /// which leaves out translucent ones.
+  bool has_overlays() const { return renders_ && !(translucent_.bits().empty() && translucent_.outlined().empty()); }
 
   /// Submits one frame that shows a visible set, without items that cover no sample of the picture (SampleTest) or that
   /// others hide (OcclusionTest). Waits first until at most one earlier frame is still being drawn. take_drawn()
@@ -69,7 +78,9 @@ class Drawing {
   /// Both need the GPU culler. take_gpu_feedback() returns `frame`, too.
   core::Expected<void> cull(const core::View& cull_view, const core::View& view, const core::Snapshot& snapshot,
                             std::uint64_t frame);
-  core::Expected<void> draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame);
+  /// `visible`: where there are overlays.
+  core::Expected<void> draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame,
+                                   const Culled* visible = nullptr);
   /// How long the last call of these functions has waited, milliseconds.
   double waited_ms() const { return waited_ms_; }
   /// A frame that is drawn, with the time that the GPU spent on it alone. That time runs from the end of the frame
@@ -117,6 +128,7 @@ class Drawing {
   void wait_for_room();
   void wait_for_oldest();
   float snap() const;
+  culling::PictureSamples samples() const;
   culling::OcclusionTest occlusion_test(const core::View& view, const core::dvec3& origin) const;
   void read_back_depth(const core::View& view, const render::RenderTarget& target);
   bool may_test_occlusion() const { return occlusion_ != OcclusionChoice::kOff && target_.format().samples == 1; }
@@ -125,6 +137,13 @@ class Drawing {
   bool tests_occlusion_on_gpu(std::size_t items);
   core::Expected<void> draw_others(const core::Snapshot& snapshot);
   core::Expected<void> draw_visible(const Culled& culled, double began);
+  core::Expected<void> draw_solid(const Culled& culled, double began);
+  const core::VisibleSet& part_overlays(const core::VisibleSet& visible);
+  core::Expected<void> draw_overlays(const Culled& culled);
+  core::Expected<void> draw_translucent(const Culled& culled);
+  core::Expected<void> draw_outline(const Culled& culled);
+  core::Expected<void> put_over(const std::function<core::Expected<void>(const core::ExternalTarget&)>& put) const;
+  const core::VisibleSet& worth_drawing(const Culled& culled);
   core::Expected<void> split(const Culled& culled);
   core::Expected<void> make_hidden_materials(const core::Snapshot& snapshot);
   core::Expected<void> draw_hidden(const core::View& view, const core::Snapshot& snapshot);
@@ -189,6 +208,14 @@ class Drawing {
       culled_picture_;                        // of the last cull(); none where all of the view is drawn
   std::optional<render::Renderer> renderer_;  // none when the engine only culls
   render::RenderTarget target_;
+  TranslucentSlots translucent_;
+  std::optional<render::Overlays> overlays_;                   // made with the first
+  core::VisibleSet solid_, over_, blended_, ghosts_, unused_;  // parts of what is visible
+  core::VisibleSet outlined_, tested_;
+  core::vec3 outline_colour_{0.0f};
+  bool depth_known_ = false;   // pyramid_ is of the picture
+  bool picture_kept_ = false;  // the last draw() drew nothing: the picture was complete
+  bool composed_ = false;      // external_ has got the picture
   std::optional<core::ExternalTarget> external_;
   std::optional<render::Compositor> compositor_;  // made with the first external target
   std::deque<InFlight> in_flight_;

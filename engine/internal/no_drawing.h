@@ -8,13 +8,14 @@
 
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/culled.h"
+#include "sightline/engine/internal/overrides.h"
 
 namespace sightline::engine {
 
 class Drawing {
  public:
   static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot&, const gpuprims::Joints&,
-                                                         const EngineConfig&, bool) {
+                                                         const EngineConfig&, const Overrides&, bool) {
     return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
   }
   static void plan_programs(Plan&, const core::Snapshot&, bool) {}
@@ -32,7 +33,10 @@ class Drawing {
   core::Expected<void> draw_from_aside(const core::View&, const Culled&, std::uint64_t, double) { return {}; }
   void picture_changed() {}
   core::Expected<void> cull(const core::View&, const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
-  core::Expected<void> draw_culled(const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
+  bool has_overlays() const { return false; }
+  core::Expected<void> draw_culled(const core::View&, const core::Snapshot&, std::uint64_t, const Culled*) {
+    return {};
+  }
   core::Expected<void> update(const core::Snapshot&, const gpuprims::Joints&, std::span<const core::Slot>,
                               std::span<const std::uint32_t>) {
     return {};

@@ -52,6 +52,22 @@ class ItemMap {
   std::vector<Entry> entries_;
 };
 
+/// A bit per slot, and how many are set.
+class SlotFlags {
+ public:
+  /// False when it was so before.
+  bool set(core::Slot slot, bool value);
+  /// None where no bit is set.
+  std::span<const std::uint64_t> words() const {
+    return count_ == 0 ? std::span<const std::uint64_t>() : std::span(words_);
+  }
+  std::size_t memory_bytes() const { return 8 * words_.capacity(); }
+
+ private:
+  std::vector<std::uint64_t> words_;
+  std::size_t count_ = 0;
+};
+
 /// Looks of items, which are rows of the snapshot's table after the scene's materials (Snapshot::set_look), hidden
 /// items, which are vacant in the snapshot, and a bit for each slot with a ghost or an outline. So cullers, joints,
 /// records and the tracer need not know of overrides, and nothing costs anything while there are none.
@@ -103,21 +119,6 @@ class Overrides {
   struct LookHash {
     std::size_t operator()(const Look& look) const;
   };
-  /// A bit per slot, and how many are set.
-  class Bits {
-   public:
-    void set(core::Slot slot, bool value);
-    std::span<const std::uint64_t> words() const {
-      return count_ == 0 ? std::span<const std::uint64_t>() : std::span(words_);
-    }
-    void clear() { *this = {}; }
-    std::size_t memory_bytes() const { return 8 * words_.capacity(); }
-
-   private:
-    std::vector<std::uint64_t> words_;
-    std::size_t count_ = 0;
-  };
-
   std::uint32_t take_look(core::Snapshot& snapshot, const ItemStyle& style, std::uint32_t material, Change& change);
   void release_look(std::uint32_t number);
   void set_row(core::Snapshot& snapshot, std::uint32_t number, Change& change);
@@ -131,7 +132,7 @@ class Overrides {
   std::vector<std::uint32_t> free_looks_;
   std::unordered_map<Look, std::uint32_t, LookHash> number_of_;
   std::uint32_t first_look_ = 0;  // as last seen
-  Bits ghosts_, outlined_;
+  SlotFlags ghosts_, outlined_;
 };
 
 }  // namespace sightline::engine

@@ -28,6 +28,7 @@ class SavedState {
   // What GL 4.5 guarantees, and what drivers have.
   static constexpr int kDrawBuffers = 8, kViewports = 16;
   static constexpr int kMostCapabilities = 32;
+  static constexpr int kBlended = 3;  // draw buffers from the first on, which this library may blend
 
   struct BufferRange {
     GLint buffer;
@@ -61,7 +62,7 @@ class SavedState {
   GLboolean depth_mask_;
   GLfloat line_width_;
   std::array<DrawBuffer, kDrawBuffers> draw_buffers_;
-  std::array<GLint, 6> blending_;  // of draw buffer 0, the only one that is blended
+  std::array<std::array<GLint, 6>, kBlended> blending_;
   std::array<ViewportState, kViewports> viewports_;
   GLint draw_framebuffer_, read_framebuffer_, program_, pipeline_, vertex_array_, feedback_, active_texture_;
   std::array<GLint, 5> buffers_;  // of kBufferPoints

@@ -10,6 +10,7 @@
 #include "sightline/gl/internal/program_pipeline.h"
 #include "sightline/gl/internal/vertex_array.h"
 #include "sightline/gpuscene/internal/draw_lists.h"
+#include "sightline/render/internal/overlays.h"
 #include "sightline/render/internal/render_target.h"
 #include "sightline/render/internal/section_caps.h"
 
@@ -39,6 +40,16 @@ class Renderer {
                                  const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                  const RenderTarget& target, const gl::TextureBuffer* materials = nullptr);
 
+  /// Draw the records in the lists as ghosts, or as transparent surfaces of the scene's alpha, over a picture of the
+  /// same view: see Overlays. `range`: eye depths between which the surfaces lie. Both compile programs of their own
+  /// when they are first used.
+  core::Expected<void> draw_ghosts(const core::View& view, const core::Snapshot& snapshot,
+                                   const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                                   const RenderTarget& layer);
+  core::Expected<void> draw_blended(const core::View& view, const core::Snapshot& snapshot,
+                                    const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                                    const RenderTarget& picture, const BlendedSums& sums, const glm::vec2& range);
+
   std::array<float, 3> background{0.86f, 0.88f, 0.91f};  ///< sRGB
 
   std::size_t memory_bytes() const;
@@ -51,6 +62,17 @@ class Renderer {
     gl::ProgramPipeline pipeline;
   };
   using BatchPrograms = std::array<BatchProgram, gpuscene::kBatchKindCount>;
+  /// What a program makes of surfaces: pixels, pixels of a ghost, sums.
+  enum class Surface { kSolid, kGhost, kBlended };
+  static constexpr std::size_t kSurfaces = 3;
+  static gl::ShaderContext shader_context(const TargetFormat& format, bool sections, Surface surface);
+  static gl::ProgramDescription describe_batch(gpuscene::BatchKind kind, const TargetFormat& format, bool sections,
+                                               Surface surface);
+  /// Programs for a kind of surface, made when first used.
+  struct SurfacePrograms {
+    std::optional<BatchPrograms> plain, sections;
+    std::optional<SectionCaps> caps;  // if there are meshes
+  };
 
   core::Expected<void> upload_view(const core::View& view, const core::Snapshot& snapshot, const RenderTarget& target);
   void draw_batch(const gpuscene::Batch& batch, const BatchProgram& program, const gpuscene::GpuScene& scene,
@@ -59,20 +81,22 @@ class Renderer {
                     int first, int count) const;
   core::Expected<void> draw_section_caps(const core::Snapshot& snapshot, const gpuscene::Batch& meshes,
                                          const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
-                                         const RenderTarget& target);
+                                         const RenderTarget& target, Surface surface, const glm::vec2& range);
+  core::Expected<void> draw_surfaces(const core::View& view, const core::Snapshot& snapshot,
+                                     const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
+                                     const RenderTarget& target, Surface surface, const gl::TextureBuffer& materials,
+                                     const BlendedSums* sums = nullptr, const glm::vec2& range = {});
 
   core::Expected<BatchPrograms> make_programs(const gpuscene::GpuScene& scene, const TargetFormat& format,
-                                              bool sections);
+                                              bool sections, Surface surface);
 
   const gl::Functions* gl_ = nullptr;
   gl::Program proxy_program_;  // vertex and geometry stage of all ray-cast batches; empty without such batches
-  BatchPrograms programs_;
-  std::optional<BatchPrograms> section_programs_;  // made with the first view that has sections
+  std::array<SurfacePrograms, kSurfaces> programs_;
   gl::VertexArray record_array_, mesh_array_;
   gl::Buffer view_block_, chunk_rows_;
   gl::TextureBuffer chunk_texels_;
   std::size_t chunk_capacity_ = 0;
-  std::optional<SectionCaps> section_caps_;  // made with the first view that has sections, if there are meshes
 };
 
 }  // namespace sightline::render

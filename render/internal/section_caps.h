@@ -45,6 +45,8 @@ class SectionCaps {
     draw_caps();
   }
 
+  /// The program that draws caps, for uniforms of its shading.
+  const gl::Program& caps() const { return caps_; }
   std::size_t memory_bytes() const { return cells_.size() + nodes_.size() + enclosures_.size(); }
 
  private:

@@ -1,5 +1,6 @@
 // A picture for a framebuffer of the application's. SAMPLES: of a pixel of the picture; without it one. EACH_SAMPLE: the
-// framebuffer has as many, and gets each of them.
+// framebuffer has as many, and gets each of them. LAYER: a layer instead, to be blended over what is there; its colours
+// are multiplied by their alpha.
 layout(location = 0) uniform ivec2 corner;        // of the picture in the framebuffer, pixels
 layout(location = 1) uniform vec2 window_depths;  // at the near and at the far plane
 layout(location = 2) uniform bool linear_colour;
@@ -19,6 +20,38 @@ vec3 linear_of(vec3 srgb) {
   return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
 }
 
+// A pixel of a layer, and its nearest depth.
+#ifdef LAYER
+vec4 layer_at(ivec2 place, out float depth) {
+#if defined(SAMPLES) && !defined(EACH_SAMPLE)
+  vec4 sum = vec4(0.0);
+  depth = 0.0;
+  for (int i = 0; i < SAMPLES; ++i) {
+    vec4 texel = texelFetch(colours, place, i);
+    if (texel.a == 0.0) continue;
+    depth = max(depth, texelFetch(depths, place, i).r);
+    sum += texel;
+  }
+  return sum / float(SAMPLES);
+#else
+#ifdef SAMPLES
+  int layer = gl_SampleID;
+#else
+  int layer = 0;
+#endif
+  depth = texelFetch(depths, place, layer).r;
+  return texelFetch(colours, place, layer);
+#endif
+}
+
+void main() {
+  float depth;
+  vec4 shown = layer_at(ivec2(gl_FragCoord.xy) - corner, depth);
+  if (shown.a == 0.0) discard;
+  gl_FragDepth = window_depths.y + (window_depths.x - window_depths.y) * depth;
+  pixel = linear_colour ? vec4(linear_of(shown.rgb / shown.a) * shown.a, shown.a) : shown;
+}
+#else
 void main() {
   ivec2 place = ivec2(gl_FragCoord.xy) - corner;
   vec3 colour = vec3(0.0);
@@ -48,3 +81,4 @@ void main() {
   gl_FragDepth = window_depths.y + (window_depths.x - window_depths.y) * depth;
   pixel = vec4(linear_colour ? linear_of(colour) : colour, coverage);
 }
+#endif

@@ -3,12 +3,12 @@
 #include "payload.glsl"
 #include "primitive.glsl"
 #include "kept_ray.glsl"
+layout(depth_less) out float gl_FragDepth;
+#define SURFACE_DEPTH gl_FragDepth
 #include "shading.glsl"
 
 layout(location = 0) flat in vec4 local_from_eye[3];
 layout(location = 3) flat in uvec4 anchor;
-
-layout(depth_less) out float gl_FragDepth;
 
 #ifdef SAMPLES
 layout(location = 1) uniform vec2 sample_offsets[SAMPLES];

@@ -2,6 +2,7 @@
 #include "kept_ray.glsl"
 #include "payload.glsl"
 #include "section_cells.glsl"
+#define SURFACE_DEPTH gl_FragDepth
 #include "shading.glsl"
 
 const int kLongestList = 256;

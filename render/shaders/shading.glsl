@@ -2,10 +2,22 @@
 
 layout(binding = 2) uniform samplerBuffer materials;  // rgb: sRGB colour, a: alpha
 
+// GHOST: faint surfaces, which render/internal/overlays.h puts over the picture. BLENDED: what is summed up of
+// transparent surfaces, in any order. Without either: the picture itself.
+#ifdef BLENDED
+layout(location = 0) out vec4 out_sum;         // colour * alpha, alpha, times the weight
+layout(location = 1) out float out_let_pass;   // share of the light from behind; blending multiplies it
+layout(location = 2) out float out_nearest;    // reverse-Z; blending takes the largest
+layout(location = 64) uniform vec2 blend_range;  // eye depths of the nearest surface and of the farthest
+#else
 layout(location = 0) out vec4 out_colour;
 layout(location = 1) out uint out_id;  // item id + 1; 0 is background
 #ifdef NORMALS
 layout(location = 2) out vec4 out_normal;  // in eye space, towards the eye
+#endif
+#endif
+#ifndef SURFACE_DEPTH
+#define SURFACE_DEPTH gl_FragCoord.z
 #endif
 
 vec4 material_of(uint word) { return texelFetch(materials, int(word & kMaterialMask)); }
@@ -15,6 +27,9 @@ vec4 material_of(uint word) { return texelFetch(materials, int(word & kMaterialM
 bool dithered_away(uint word, uint id) {
   float alpha = material_of(word).a;
   if (alpha >= 1.0) return false;
+#if defined(GHOST) || defined(BLENDED)
+  return alpha <= 0.0;
+#endif
   uvec2 pixel = uvec2(gl_FragCoord.xy) + uvec2(id * 7u, id * 3u);
   uint across = pixel.x ^ pixel.y;
   // Bayer's matrix of order 4: the bits of x ^ y and of y alternate, the lowest first.
@@ -22,14 +37,46 @@ bool dithered_away(uint word, uint id) {
   return alpha < (float(rank) + 0.5) / 16.0;
 }
 
+// Weighted blended transparency (McGuire and Bavoil, "Weighted Blended Order-Independent Transparency", 2013): near
+// surfaces weigh more than those that they cover. The weight falls by kFall powers of two over the range of depths.
+#ifdef BLENDED
+const float kFall = 12.0;
+
+float weight_of(float depth) {
+  mat4 clip = view.clip_from_eye;
+  float distance = (clip[3][2] - depth * clip[3][3]) / (clip[2][2] - depth * clip[2][3]);
+  float place = (distance - blend_range.x) / max(blend_range.y - blend_range.x, 1e-6 * blend_range.y);
+  return exp2(4.0 - kFall * clamp(place, 0.0, 1.0));
+}
+#endif
+
+// How much of a ghost shows: more where it is seen edge-on, as its outline.
+float ghost_alpha(float alpha, float head) {
+  float edge = 1.0 - head;
+  return alpha * (0.12 + 0.88 * edge * edge);
+}
+
 // Lights a surface that faces `n`, with the mean of the head-light's cosine, of its power of 24 and of the sky's share
 // over what is shown.
 void write_lit(vec3 n, float head, float gloss, float sky, uint word, uint id) {
   float light = 0.30 + 0.50 * head + 0.25 * sky;
-  out_colour = vec4(min(material_of(word).rgb * light + 0.12 * gloss, vec3(1.0)), 1.0);
+  vec4 material = material_of(word);
+  vec3 lit = min(material.rgb * light + 0.12 * gloss, vec3(1.0));
+#ifdef BLENDED
+  out_sum = vec4(lit * material.a, material.a) * weight_of(SURFACE_DEPTH);
+  out_let_pass = 1.0 - material.a;
+  out_nearest = SURFACE_DEPTH;
+#else
+#ifdef GHOST
+  float shown = ghost_alpha(material.a, head);
+  out_colour = vec4(lit * (head * shown), shown);  // darker edge-on, so that it shows on any background
+#else
+  out_colour = vec4(lit, 1.0);
+#endif
   out_id = id + 1u;
 #ifdef NORMALS
   out_normal = vec4(n, 0.0);
+#endif
 #endif
 }
 

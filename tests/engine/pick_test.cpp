@@ -118,6 +118,39 @@ TEST(Pick, DoesNotFindHiddenItems) {
   }
 }
 
+TEST(Pick, GoesThroughGhostsUnlessAsked) {
+  Balls balls(3);
+  const core::ItemId behind =
+      balls.scene.add_primitive(balls.scene.root(), core::Box{1, 1, 0.1f}, core::translation({0.5, 0.5, -3.0}));
+  const core::ItemId inside =
+      balls.scene.add_primitive(balls.scene.root(), core::Box{0.2f, 0.2f, 0.2f}, Balls::at(1, 1));
+  auto engine = Engine::create(balls.scene, balls.config());
+  ASSERT_TRUE(engine);
+  const core::ItemId ghosts[] = {balls.items[0], balls.items[4], balls.items[8]};
+  ASSERT_TRUE(engine->set_override(ghosts, {.ghost = true}));
+  EXPECT_EQ(balls.pick(*engine, 0, 0), behind);
+  EXPECT_EQ(balls.pick(*engine, 1, 1), inside);
+  EXPECT_EQ(balls.pick(*engine, 2, 2), core::kNone);
+  EXPECT_EQ(balls.pick(*engine, 1, 0), balls.items[1]);
+  const auto asked = engine->pick(balls.view, 50.0, 250.0, Ghosts::kHit);
+  ASSERT_TRUE(asked && *asked);
+  EXPECT_EQ((*asked)->item, balls.items[0]);
+  const auto ray = engine->pick(raytrace::Ray{{1.5, 1.5, 9.0}, {0, 0, -1}});
+  ASSERT_TRUE(ray && *ray);
+  EXPECT_EQ((*ray)->item, inside);
+  const auto seen = engine->visible_items_in(balls.view, {0, 0, 300, 300});
+  ASSERT_TRUE(seen);
+  std::vector<core::ItemId> found;
+  for (const raytrace::VisibleItem& item : *seen) found.push_back(item.item);
+  std::vector<core::ItemId> wanted = balls.items;
+  std::erase_if(wanted, [&](core::ItemId item) { return std::find(ghosts, ghosts + 3, item) != ghosts + 3; });
+  wanted.insert(wanted.end(), {behind, inside});
+  EXPECT_EQ(found, wanted);
+  ASSERT_TRUE(engine->rebuild() && engine->clear_override({ghosts, 1}));
+  EXPECT_EQ(balls.pick(*engine, 0, 0), balls.items[0]);
+  EXPECT_EQ(balls.pick(*engine, 1, 1), inside);
+}
+
 TEST(Pick, FindsItemsInRectangles) {
   Balls balls(10);
   const core::ItemId behind =

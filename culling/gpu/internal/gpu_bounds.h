@@ -6,6 +6,7 @@
 
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/frustum_test.h"
+#include "sightline/culling/sample_test.h"
 #include "sightline/gl/internal/buffer.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 
@@ -35,9 +36,10 @@ class GpuBounds {
 
   /// Adds the record of an appended slot; update() must follow with it. The batch has room: see GpuScene::append.
   std::uint32_t append(core::Slot slot);
-  /// Rewrites the boxes of these records and of their clusters. `changed` is sorted.
-  void update(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed,
-              gpuscene::ElementWriter& writer) const;
+  /// Rewrites the boxes of these records and of their clusters. `changed` is sorted. Slots with a bit in `left_out` are
+  /// as vacant.
+  void update(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed, gpuscene::ElementWriter& writer,
+              SlotBits left_out = {}) const;
 
   std::uint32_t cluster_count() const {
     return std::uint32_t((slots_.size() + kItemsPerCluster - 1) / kItemsPerCluster);
@@ -57,8 +59,10 @@ class GpuBounds {
 
  private:
   using Clusters = std::span<const std::uint32_t>;  // in rising order
-  void write(const core::Snapshot& snapshot, Clusters clusters, gpuscene::ElementWriter& writer) const;
-  void write_part(const core::Snapshot& snapshot, Clusters clusters, gpuscene::ElementWriter& writer) const;
+  void write(const core::Snapshot& snapshot, Clusters clusters, gpuscene::ElementWriter& writer,
+             SlotBits left_out) const;
+  void write_part(const core::Snapshot& snapshot, Clusters clusters, gpuscene::ElementWriter& writer,
+                  SlotBits left_out) const;
 
   std::vector<core::Slot> slots_;
   std::uint32_t cluster_capacity_ = 0;

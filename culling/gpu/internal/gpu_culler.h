@@ -68,9 +68,10 @@ class GpuCuller {
   ~GpuCuller();
 
   /// Applies an edit of `touched` slots (Snapshot::apply). Call it after GpuScene::append and update; it changes the
-  /// same GL state. Fails when the GPU has too little memory for layers that came into use; then make a new culler.
+  /// same GL state. Slots with a bit in `left_out` are never found; those whose bit has changed must be touched. Fails
+  /// when the GPU has too little memory for layers that came into use; then make a new culler.
   core::Expected<void> update(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                              std::span<const core::Slot> touched);
+                              std::span<const core::Slot> touched, SlotBits left_out = {});
 
   /// The picture that shows what is culled.
   struct Picture {

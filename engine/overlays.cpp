@@ -1,0 +1,125 @@
+// What Drawing draws over the finished picture: transparent items, ghosts and outlines.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "sightline/engine/internal/drawing.h"
+
+namespace sightline::engine {
+namespace {
+
+/// Eye depths between which the boxes of a set lie; none of them is negative in perspective views.
+glm::vec2 depth_range(const core::View& view, const core::ItemBounds& bounds, const core::VisibleSet& set) {
+  const core::dmat4& eye = view.eye_from_world();
+  const core::dvec3 axis(-eye[0][2], -eye[1][2], -eye[2][2]);
+  const double at_origin = glm::dot(axis, bounds.origin) - eye[3][2];
+  double nearest = std::numeric_limits<double>::max(), farthest = -nearest;
+  set.for_each_slot([&](core::Slot slot) {
+    if (bounds.vacant(slot)) return;
+    const core::Aabb box = bounds.box(slot);
+    const core::dvec3 low(box.min), high(box.max);
+    const double middle = at_origin + glm::dot(axis, 0.5 * (low + high));
+    const double reach = glm::dot(glm::abs(axis), 0.5 * (high - low));
+    nearest = std::min(nearest, middle - reach);
+    farthest = std::max(farthest, middle + reach);
+  });
+  if (!view.orthographic()) nearest = std::max(nearest, 0.0);
+  return {float(nearest), float(std::max(nearest, farthest))};
+}
+
+bool empty(const core::VisibleSet& set) {
+  return set.ranges.empty() && set.items.empty();
+}
+
+}  // namespace
+
+/// Parts what is visible: what makes the picture is returned, and the rest is for draw_overlays().
+const core::VisibleSet& Drawing::part_overlays(const core::VisibleSet& visible) {
+  part(visible, translucent_.bits(), over_, solid_);
+  return solid_;
+}
+
+core::Expected<void> Drawing::draw_overlays(const Culled& culled) {
+  if (picture_kept_ && !external_) return {};  // with its overlays
+  if (picture_kept_) refined_->copy_to(target_);
+  if (!overlays_) overlays_.emplace(context_.functions());
+  if (external_) {
+    if (auto done = compose(); !done) return done;
+    composed_ = true;
+  }
+  if (auto done = draw_translucent(culled.with(over_)); !done) return done;
+  return draw_outline(culled);
+}
+
+/// Of what is drawn over the picture, what contributes enough to it and covers a sample, as far as the tests know.
+const core::VisibleSet& Drawing::worth_drawing(const Culled& culled) {
+  const core::ItemBounds& bounds = culled.snapshot.bounds();
+  const core::VisibleSet* left = &culled.visible;
+  if (contribution_ > 0.0f) {
+    contribution_test(culled.view, culled.snapshot).filter(bounds, *left, contribution_, tested_, {}, culled.lines);
+    std::swap(tested_, unused_);
+    left = &unused_;
+  }
+  if (depth_known_) {
+    occlusion_test(culled.view, bounds.origin).filter(bounds, *left, tested_, culled.lines);
+    left = &tested_;
+  } else if (sample_test_) {
+    culling::SampleTest(culled.view, bounds.origin, samples()).filter(bounds, *left, tested_, culled.lines);
+    left = &tested_;
+  }
+  return *left;
+}
+
+/// Puts a layer over the picture, and over the application's framebuffer, if there is one.
+core::Expected<void> Drawing::put_over(
+    const std::function<core::Expected<void>(const core::ExternalTarget&)>& put) const {
+  core::ExternalTarget picture{target_.framebuffer().id(), 0, 0, target_.width(), target_.height()};
+  picture.near_depth = 1.0;
+  picture.far_depth = 0.0;
+  if (auto done = put(picture); !done || !external_) return done;
+  return put(*external_);
+}
+
+core::Expected<void> Drawing::draw_translucent(const Culled& culled) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+  if (empty(visible)) return {};
+  const core::VisibleSet& shown = worth_drawing(culled);
+  counts_.shown += std::int64_t(snapshot.count(shown));
+  if (counts_.sampled >= 0) counts_.sampled += std::int64_t(snapshot.count(shown));
+  part(shown, translucent_.ghosts(), ghosts_, blended_);
+  const auto put_layer = [&](const core::ExternalTarget& over) { return overlays_->put_layer(over); };
+  if (!empty(blended_)) {
+    const auto sums = overlays_->begin_sums(target_);
+    if (!sums) return tl::unexpected(sums.error());
+    auto done = lists_->update(snapshot, *scene_, blended_, &view);
+    if (done)
+      done = renderer_->draw_blended(view, snapshot, *scene_, *lists_, target_, **sums,
+                                     depth_range(view, snapshot.bounds(), blended_));
+    if (done) done = overlays_->resolve_sums(context_, target_);
+    if (done) done = put_over(put_layer);
+    if (!done) return done;
+  }
+  if (empty(ghosts_)) return {};
+  const auto layer = overlays_->begin_layer(context_, target_, true);
+  if (!layer) return tl::unexpected(layer.error());
+  if (auto done = lists_->update(snapshot, *scene_, ghosts_, &view); !done) return done;
+  if (auto done = renderer_->draw_ghosts(view, snapshot, *scene_, *lists_, **layer); !done) return done;
+  return put_over(put_layer);
+}
+
+/// Around all outlined items, hidden ones, too.
+core::Expected<void> Drawing::draw_outline(const Culled& culled) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+  if (translucent_.outlined().empty()) return {};
+  part(visible, translucent_.outlined(), outlined_, unused_);
+  if (empty(outlined_)) return {};
+  const auto layer = overlays_->begin_layer(context_, target_, false);
+  if (!layer) return tl::unexpected(layer.error());
+  if (auto done = lists_->update(snapshot, *scene_, outlined_, &view); !done) return done;
+  if (auto done = renderer_->draw_ghosts(view, snapshot, *scene_, *lists_, **layer); !done) return done;
+  return put_over(
+      [&](const core::ExternalTarget& over) { return overlays_->put_outline(target_, outline_colour_, over); });
+}
+
+}  // namespace sightline::engine

@@ -1,0 +1,74 @@
+// What is drawn over a picture that is complete: transparent surfaces in any order, ghosts, and outlines.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include "sightline/core/external_target.h"
+#include "sightline/gl/internal/program.h"
+#include "sightline/gl/internal/vertex_array.h"
+#include "sightline/render/internal/render_target.h"
+
+namespace sightline::render {
+
+/// Sums over the transparent surfaces of each sample, in any order: weighted blended transparency (M. McGuire, L.
+/// Bavoil, "Weighted Blended Order-Independent Transparency", JCGT 2013). The share of light that all of them let pass
+/// is exact; of their colours there is a mean, in which near surfaces weigh more. So one surface is exact, and surfaces
+/// of one colour are, however many. 16 bytes for each sample.
+class BlendedSums {
+ public:
+  /// For surfaces in front of what `picture` shows: its depth is borrowed.
+  static core::Expected<BlendedSums> create(const gl::Functions& gl, const RenderTarget& picture);
+
+  void clear() const;
+  /// Makes draws of Renderer::draw_blended() add to the sums, where the picture's depth does not hide them.
+  void begin_drawing() const;
+  std::array<GLuint, 3> textures() const { return {sums_.id(), let_pass_.id(), nearest_.id()}; }
+  std::size_t memory_bytes() const;
+
+ private:
+  const gl::Functions* gl_ = nullptr;
+  gl::Texture2D sums_, let_pass_, nearest_;
+  gl::Framebuffer framebuffer_;
+};
+
+/// The layers that lie over a picture, one at a time, and the programs that put them there. Nothing is made before it
+/// is used. All calls set GL state and leave it set. A picture is drawn over in place: its depth and ids stay.
+class Overlays {
+ public:
+  explicit Overlays(const gl::Functions& gl) : gl_(&gl), no_attributes_(gl) {}
+
+  /// An empty layer of the size and samples of the picture, for Renderer::draw_ghosts(). `behind`: surfaces that the
+  /// picture hides are not drawn to it.
+  core::Expected<const RenderTarget*> begin_layer(const gl::Context& context, const RenderTarget& picture, bool behind);
+  /// Empty sums over the picture, for Renderer::draw_blended().
+  core::Expected<const BlendedSums*> begin_sums(const RenderTarget& picture);
+
+  /// Makes a layer of the sums.
+  core::Expected<void> resolve_sums(const gl::Context& context, const RenderTarget& picture);
+  /// Blends the layer over a framebuffer, where nothing there is nearer.
+  core::Expected<void> put_layer(const core::ExternalTarget& over);
+  /// Draws a line of that colour (sRGB) around the surfaces in the layer, two pixels wide. It is fainter around what
+  /// the picture hides. No depth is tested.
+  core::Expected<void> put_outline(const RenderTarget& picture, const core::vec3& colour,
+                                   const core::ExternalTarget& over);
+
+  std::size_t memory_bytes() const;
+
+ private:
+  core::Expected<const gl::Program*> program(gl::Program& made, const char* fragment, int samples, const char* define);
+  void put(const gl::Program& program, std::span<const GLuint> textures, const core::ExternalTarget& over,
+           bool depth_test) const;
+  void draw_pixels(const gl::Program& program, std::span<const GLuint> textures) const;
+  core::Expected<void> make_layer(const gl::Context& context, const RenderTarget& picture);
+
+  const gl::Functions* gl_;
+  gl::VertexArray no_attributes_;
+  std::optional<RenderTarget> layer_;
+  std::optional<BlendedSums> sums_;
+  GLuint sums_depth_ = 0;                                       // texture of the picture that sums_ was made for
+  gl::Program resolve_, whole_pixels_, each_sample_, outline_;  // for one number of samples
+};
+
+}  // namespace sightline::render

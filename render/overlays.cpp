@@ -1,0 +1,203 @@
+#include "sightline/render/internal/overlays.h"
+
+#include "sightline/gl/internal/pipeline_state.h"
+#include "sightline/render/internal/shaders.h"
+
+namespace sightline::render {
+namespace {
+
+enum Uniform : GLint { kCorner, kWindowDepths, kLinearColour, kLineColour };
+constexpr GLuint kDrawBuffers = 8;
+
+}  // namespace
+
+// --- sums ------------------------------------------------------------------------------------------------------------
+
+core::Expected<BlendedSums> BlendedSums::create(const gl::Functions& gl, const RenderTarget& picture) {
+  BlendedSums made;
+  made.gl_ = &gl;
+  const auto make = [&](gl::Texture2D& texture, GLenum format, const char* what) -> core::Expected<void> {
+    auto created = gl::Texture2D::create(gl, picture.width(), picture.height(), format, what, picture.format().samples);
+    if (!created) return tl::unexpected(created.error());
+    texture = std::move(*created);
+    return {};
+  };
+  auto done = make(made.sums_, GL_RGBA16F, "sums of transparent surfaces");
+  if (done) done = make(made.let_pass_, GL_R32F, "light that transparent surfaces let pass");
+  if (done) done = make(made.nearest_, GL_R32F, "depth of transparent surfaces");
+  if (!done) return tl::unexpected(done.error());
+  const gl::Attachment attachments[] = {{GL_COLOR_ATTACHMENT0, &made.sums_},
+                                        {GL_COLOR_ATTACHMENT1, &made.let_pass_},
+                                        {GL_COLOR_ATTACHMENT2, &made.nearest_},
+                                        {GL_DEPTH_ATTACHMENT, &picture.depth()}};
+  auto framebuffer = gl::Framebuffer::create(gl, attachments, "sums of transparent surfaces");
+  if (!framebuffer) return tl::unexpected(framebuffer.error());
+  made.framebuffer_ = std::move(*framebuffer);
+  return made;
+}
+
+void BlendedSums::clear() const {
+  gl::reset_pipeline_state(*gl_);
+  const float nothing[4] = {0.0f, 0.0f, 0.0f, 0.0f}, all[4] = {1.0f, 1.0f, 1.0f, 1.0f};
+  gl_->ClearNamedFramebufferfv(framebuffer_.id(), GL_COLOR, 0, nothing);
+  gl_->ClearNamedFramebufferfv(framebuffer_.id(), GL_COLOR, 1, all);
+  gl_->ClearNamedFramebufferfv(framebuffer_.id(), GL_COLOR, 2, nothing);
+}
+
+void BlendedSums::begin_drawing() const {
+  const gl::Functions& gl = *gl_;
+  gl::reset_pipeline_state(gl);
+  framebuffer_.bind();
+  gl.Viewport(0, 0, sums_.width(), sums_.height());
+  gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_GREATER);
+  gl.DepthMask(GL_FALSE);
+  gl.Enable(GL_BLEND);
+  gl.BlendEquationSeparatei(0, GL_FUNC_ADD, GL_FUNC_ADD);
+  gl.BlendFuncSeparatei(0, GL_ONE, GL_ONE, GL_ONE, GL_ONE);
+  gl.BlendEquationSeparatei(1, GL_FUNC_ADD, GL_FUNC_ADD);
+  gl.BlendFuncSeparatei(1, GL_ZERO, GL_SRC_COLOR, GL_ZERO, GL_SRC_ALPHA);
+  gl.BlendEquationSeparatei(2, GL_MAX, GL_MAX);
+  gl.BlendFuncSeparatei(2, GL_ONE, GL_ONE, GL_ONE, GL_ONE);
+}
+
+std::size_t BlendedSums::memory_bytes() const {
+  return 16u * std::size_t(sums_.width()) * std::size_t(sums_.height()) * std::size_t(sums_.samples());
+}
+
+// --- layers ----------------------------------------------------------------------------------------------------------
+
+core::Expected<void> Overlays::make_layer(const gl::Context& context, const RenderTarget& picture) {
+  const int samples = picture.format().samples;
+  if (layer_ && layer_->width() == picture.width() && layer_->height() == picture.height() &&
+      layer_->format().samples == samples)
+    return {};
+  auto made = RenderTarget::create(context, picture.width(), picture.height(), {.samples = samples});
+  if (!made) return tl::unexpected(made.error());
+  layer_ = std::move(*made);
+  return {};
+}
+
+core::Expected<const RenderTarget*> Overlays::begin_layer(const gl::Context& context, const RenderTarget& picture,
+                                                          bool behind) {
+  if (auto done = make_layer(context, picture); !done) return tl::unexpected(done.error());
+  const gl::Functions& gl = *gl_;
+  gl::reset_pipeline_state(gl);
+  const GLuint framebuffer = layer_->framebuffer().id();
+  const float nothing[4] = {0.0f, 0.0f, 0.0f, 0.0f}, far_depth = 0.0f;
+  gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, nothing);
+  const GLenum target = picture.format().samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE;
+  if (behind)
+    gl.CopyImageSubData(picture.depth().id(), target, 0, 0, 0, 0, layer_->depth().id(), target, 0, 0, 0, 0,
+                        picture.width(), picture.height(), 1);
+  else
+    gl.ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
+  return &*layer_;
+}
+
+core::Expected<const BlendedSums*> Overlays::begin_sums(const RenderTarget& picture) {
+  if (!sums_ || sums_depth_ != picture.depth().id()) {
+    sums_.reset();
+    auto made = BlendedSums::create(*gl_, picture);
+    if (!made) return tl::unexpected(made.error());
+    sums_ = std::move(*made);
+    sums_depth_ = picture.depth().id();
+  }
+  sums_->clear();
+  return &*sums_;
+}
+
+core::Expected<const gl::Program*> Overlays::program(gl::Program& made, const char* fragment, int samples,
+                                                     const char* define) {
+  if (made.id() != 0) return &made;
+  gl::ProgramDescription description;
+  description.name = fragment;
+  description.stages = {{GL_VERTEX_SHADER, {"whole_viewport.vert"}}, {GL_FRAGMENT_SHADER, {fragment}}};
+  description.shaders.tables = {shaders()};
+  description.shaders.defines.emplace_back("LAYER");
+  if (samples > 1) description.shaders.defines.push_back("SAMPLES " + std::to_string(samples));
+  if (define) description.shaders.defines.emplace_back(define);
+  auto program = gl::Program::create(*gl_, description);
+  if (!program) return tl::unexpected(program.error());
+  made = std::move(*program);
+  return &made;
+}
+
+void Overlays::draw_pixels(const gl::Program& program, std::span<const GLuint> textures) const {
+  const gl::Functions& gl = *gl_;
+  for (std::size_t i = 0; i < textures.size(); ++i) {
+    gl.BindTextureUnit(GLuint(i), textures[i]);
+    gl.BindSampler(GLuint(i), 0);  // an application's may compare depths
+  }
+  program.use();
+  no_attributes_.bind();
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl.UseProgram(0);
+  const GLenum target = layer_->format().samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE;
+  for (std::size_t i = 0; i < textures.size(); ++i) gl::unbind_texture(gl, GLuint(i), target);
+}
+
+core::Expected<void> Overlays::resolve_sums(const gl::Context& context, const RenderTarget& picture) {
+  const auto layer = begin_layer(context, picture, false);
+  if (!layer) return tl::unexpected(layer.error());
+  const auto made = program(resolve_, "blend_resolve.frag", picture.format().samples, nullptr);
+  if (!made) return tl::unexpected(made.error());
+  layer_->begin_drawing();
+  draw_pixels(**made, sums_->textures());
+  return {};
+}
+
+/// Blends pixels, whose colours are multiplied by their alpha, over a framebuffer.
+void Overlays::put(const gl::Program& program, std::span<const GLuint> textures, const core::ExternalTarget& over,
+                   bool depth_test) const {
+  const gl::Functions& gl = *gl_;
+  gl::reset_pipeline_state(gl);
+  gl.Disable(GL_STENCIL_TEST);
+  gl.Disable(GL_FRAMEBUFFER_SRGB);
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, over.framebuffer);
+  for (GLuint i = 1; i < kDrawBuffers; ++i) gl.ColorMaski(i, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  gl.Viewport(over.x, over.y, over.width, over.height);
+  if (depth_test) {
+    gl.Enable(GL_DEPTH_TEST);
+    gl.DepthFunc(over.near_depth < over.far_depth ? GL_LESS : GL_GREATER);
+  } else {
+    gl.Disable(GL_DEPTH_TEST);
+  }
+  gl.DepthMask(GL_FALSE);
+  gl.Enablei(GL_BLEND, 0);
+  gl.BlendEquationSeparatei(0, GL_FUNC_ADD, GL_FUNC_ADD);
+  gl.BlendFuncSeparatei(0, GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl.ProgramUniform2i(program.id(), kCorner, over.x, over.y);
+  gl.ProgramUniform1i(program.id(), kLinearColour, over.linear_colour);
+  draw_pixels(program, textures);
+  gl::reset_pipeline_state(gl);
+}
+
+core::Expected<void> Overlays::put_layer(const core::ExternalTarget& over) {
+  const int samples = layer_->format().samples;
+  GLint their_samples = 0;
+  if (samples > 1) gl_->GetNamedFramebufferParameteriv(over.framebuffer, GL_SAMPLES, &their_samples);
+  const bool each = samples > 1 && their_samples == samples;
+  const auto made =
+      program(each ? each_sample_ : whole_pixels_, "composite.frag", samples, each ? "EACH_SAMPLE" : nullptr);
+  if (!made) return tl::unexpected(made.error());
+  gl_->ProgramUniform2f((*made)->id(), kWindowDepths, GLfloat(over.near_depth), GLfloat(over.far_depth));
+  put(**made, std::array{layer_->colour().id(), layer_->depth().id()}, over, true);
+  return {};
+}
+
+core::Expected<void> Overlays::put_outline(const RenderTarget& picture, const core::vec3& colour,
+                                           const core::ExternalTarget& over) {
+  const auto made = program(outline_, "outline.frag", picture.format().samples, nullptr);
+  if (!made) return tl::unexpected(made.error());
+  gl_->ProgramUniform3f((*made)->id(), kLineColour, colour.r, colour.g, colour.b);
+  put(**made, std::array{layer_->colour().id(), layer_->depth().id(), picture.depth().id()}, over, false);
+  return {};
+}
+
+std::size_t Overlays::memory_bytes() const {
+  return (layer_ ? layer_->memory_bytes() : 0) + (sums_ ? sums_->memory_bytes() : 0);
+}
+
+}  // namespace sightline::render
