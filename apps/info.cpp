@@ -7,6 +7,7 @@
 
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/report_json.h"
+#include "sightline/apps/common/style_options.h"
 #include "sightline/core/find_nodes.h"
 
 namespace {
@@ -36,13 +37,6 @@ Facts gather(const core::Scene& scene) {
         }
       });
   return facts;
-}
-
-/// "KEY=TEXT" or "TEXT".
-core::NodeCondition parse_condition(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos) return {"", text};
-  return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
 /// Bounds on all layers: items count whether they are hidden by default or not.
@@ -148,7 +142,7 @@ int main(int argc, char** argv) {
     if (auto delta = model->scene->commit(); !delta) return tl::unexpected(delta.error());
     if (options.explain) apps::explain(*model->scene);
     std::vector<core::NodeCondition> conditions;
-    for (const std::string& text : find) conditions.push_back(parse_condition(text));
+    for (const std::string& text : find) conditions.push_back(apps::parse_condition(text));
     const auto found = conditions.empty() ? std::vector<core::NodeId>()
                                           : core::find_nodes(*model->scene, model->scene->root(), conditions);
     const Facts facts = gather(*model->scene);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/blank.h"
+#include "sightline/apps/common/style_options.h"
 #include "sightline/apps/common/view_options.h"
 #include "sightline/engine/engine.h"
 #include "sightline/image/image_metrics.h"
@@ -24,6 +25,7 @@ struct Options {
   culling::GpuCullerConfig gpu_culler;
   int samples = 1;
   apps::ShownOptions shown;
+  apps::StyleOptions styles;
   gl::ContextPlatform platform = {};
   bool gl_debug = false;
   double max = -1.0, mean = -1.0, pixels_per_degree = image::kPixelsPerDegree;
@@ -56,6 +58,7 @@ void add_options(CLI::App& app, Options& o) {
   apps::add_culler_option(app, o.culler);
   apps::add_gpu_pass_option(app, o.gpu_culler);
   apps::add_shown_options(app, o.shown);
+  apps::add_style_options(app, o.styles);
   app.add_option("--samples", o.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
@@ -152,6 +155,7 @@ core::Expected<int> render_model(const Options& o) {
   config.height = (*size)[1];
   config.samples = o.samples;
   o.shown.apply(config);
+  config.transparency = o.styles.transparency;
   config.ids = !o.ids.empty() || !o.ids_json.empty() || !o.reference_ids.empty();
   config.context_platform = o.platform;
   config.gl_debug = o.gl_debug;
@@ -160,6 +164,7 @@ core::Expected<int> render_model(const Options& o) {
   auto engine = engine::Engine::create(*model->scene, config);
   if (!engine) return tl::unexpected(engine.error());
   if (o.model.explain) apps::explain(engine->plan());
+  if (auto done = apps::apply_styles(o.styles, *model->scene, *engine); !done) return tl::unexpected(done.error());
 
   auto view = apps::choose_view(o.view, *model, engine->snapshot(), double(config.width) / config.height);
   if (!view) return tl::unexpected(view.error());
@@ -205,7 +210,8 @@ int main(int argc, char** argv) {
       app,
       "  sightline-render plant.rvm --out plant.png\n"
       "  sightline-render plant.rvm --view view.json --size 640x360 --out a.png --depth a.pfm --ids ids.png\n"
-      "  sightline-render plant.rvm --view view.json --compare reference.png --max 8 --mean 0.1 --diff d.png");
+      "  sightline-render plant.rvm --view view.json --compare reference.png --max 8 --mean 0.1 --diff d.png\n"
+      "  sightline-render plant.rvm --highlight PS-100 --ghost-others PS-100 --out selected.png");
   Options options;
   add_options(app, options);
   return apps::run(app, argc, argv, [&] { return render_model(options); });

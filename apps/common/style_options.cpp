@@ -1,0 +1,95 @@
+#include "sightline/apps/common/style_options.h"
+
+#include <map>
+
+#include <CLI/CLI.hpp>
+
+namespace sightline::apps {
+namespace {
+
+using core::ItemId;
+
+constexpr core::vec3 kHighlight{1.0f, 0.45f, 0.05f};
+constexpr float kFade = 0.3f;
+
+/// Nodes for which one of the conditions holds.
+core::Expected<std::vector<core::NodeId>> find(const core::Scene& scene, const std::vector<std::string>& texts) {
+  std::vector<core::NodeId> nodes;
+  for (const std::string& text : texts) {
+    const core::NodeCondition condition = parse_condition(text);
+    const auto found = core::find_nodes(scene, scene.root(), {&condition, 1});
+    if (found.empty()) return core::fail("no node fits \"" + text + "\"");
+    nodes.insert(nodes.end(), found.begin(), found.end());
+  }
+  return nodes;
+}
+
+/// Items below the nodes, or all others.
+core::Expected<std::vector<ItemId>> items_of(const core::Scene& scene, const std::vector<std::string>& texts,
+                                             bool others = false) {
+  const auto nodes = find(scene, texts);
+  if (!nodes) return tl::unexpected(nodes.error());
+  std::vector<bool> below(scene.item_slots());
+  for (const core::NodeId top : *nodes)
+    scene.for_each_node(top, [&](core::NodeId node, const auto&...) {
+      for (ItemId item = scene.first_item(node); item != core::kNone; item = scene.next_item(item)) below[item] = true;
+    });
+  std::vector<ItemId> items;
+  for (ItemId item = 0; item < below.size(); ++item)
+    if (below[item] != others && scene.contains_item(item)) items.push_back(item);
+  return items;
+}
+
+}  // namespace
+
+core::NodeCondition parse_condition(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) return {"", text};
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+void add_style_options(CLI::App& app, StyleOptions& options) {
+  const std::string nodes = " nodes whose name or an attribute holds TEXT, or whose attribute KEY does (KEY=TEXT)";
+  const auto add = [&](const char* name, std::vector<std::string>& texts, const std::string& help) {
+    app.add_option(name, texts, help)->allow_extra_args(false);
+  };
+  add("--hide", options.hide, "Hide" + nodes);
+  add("--isolate", options.isolate, "Hide all but" + nodes);
+  add("--ghost", options.ghost, "Faint shells that hide nothing:" + nodes);
+  add("--ghost-others", options.ghost_others, "Faint shells: all but" + nodes);
+  add("--fade", options.fade, "Transparent:" + nodes);
+  add("--highlight", options.highlight, "In orange, outlined:" + nodes);
+  static const std::map<std::string, engine::Transparency> ways = {{"dither", engine::Transparency::kDither},
+                                                                   {"blended", engine::Transparency::kBlended}};
+  app.add_option_function<std::string>(
+         "--transparency", [&](const std::string& text) { options.transparency = ways.at(text); },
+         "dither: a pattern of opaque pixels; blended: without pattern and without sorting, with a small error")
+      ->default_str("dither")
+      ->check(CLI::IsMember(ways));
+}
+
+core::Expected<void> apply_styles(const StyleOptions& options, const core::Scene& scene, engine::Engine& engine) {
+  const auto give = [&](const std::vector<std::string>& texts, const engine::ItemStyle& style,
+                        bool others = false) -> core::Expected<void> {
+    if (texts.empty()) return {};
+    const auto items = items_of(scene, texts, others);
+    return items ? engine.set_override(*items, style) : core::Expected<void>(tl::unexpected(items.error()));
+  };
+  if (!options.isolate.empty()) {
+    const auto nodes = find(scene, options.isolate);
+    if (!nodes) return tl::unexpected(nodes.error());
+    if (auto done = engine.isolate(*nodes); !done) return done;
+  }
+  if (!options.hide.empty()) {
+    const auto items = items_of(scene, options.hide);
+    if (!items) return tl::unexpected(items.error());
+    if (auto done = engine.hide(*items); !done) return done;
+  }
+  auto done = give(options.ghost_others, {.ghost = true}, true);
+  if (done) done = give(options.ghost, {.ghost = true});
+  if (done) done = give(options.fade, {.alpha = kFade});
+  if (done) done = give(options.highlight, {.colour = kHighlight, .outline = true});
+  return done;
+}
+
+}  // namespace sightline::apps

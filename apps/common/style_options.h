@@ -1,0 +1,31 @@
+// Options that show parts of a model otherwise than the model says.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sightline/core/find_nodes.h"
+#include "sightline/engine/engine.h"
+
+namespace CLI {
+class App;
+}
+
+namespace sightline::apps {
+
+/// "KEY=TEXT" or "TEXT".
+core::NodeCondition parse_condition(const std::string& text);
+
+/// Each names nodes, by conditions that parse_condition() reads: those for which one of them holds.
+struct StyleOptions {
+  std::vector<std::string> hide, isolate, ghost, ghost_others, fade, highlight;
+  engine::Transparency transparency = engine::Transparency::kDither;
+};
+
+/// --hide, --isolate, --ghost, --ghost-others, --fade and --highlight TEXT, --transparency dither|blended
+void add_style_options(CLI::App& app, StyleOptions& options);
+
+/// Overrides items of the scene, which must be committed. Fails where no node is found.
+core::Expected<void> apply_styles(const StyleOptions& options, const core::Scene& scene, engine::Engine& engine);
+
+}  // namespace sightline::apps
