@@ -95,6 +95,12 @@ if(SIGHTLINE_EXAMPLES AND SIGHTLINE_EXAMPLES_QT)
   sightline_need(SIGHTLINE_EXAMPLES_QT Qt6_FOUND "Qt 6 not found (qt6-base-dev, libqt6opengl6-dev)")
 endif()
 
+if(SIGHTLINE_PACKAGES)
+  find_program(SIGHTLINE_HELP2MAN help2man)
+  sightline_need(SIGHTLINE_PACKAGES SIGHTLINE_HELP2MAN "help2man not found")
+  sightline_need(SIGHTLINE_PACKAGES BUILD_SHARED_LIBS "BUILD_SHARED_LIBS is off")
+endif()
+
 if(SIGHTLINE_TESTS)
   find_package(GTest QUIET)
   sightline_need(SIGHTLINE_TESTS GTest_FOUND "GoogleTest not found")

@@ -1,10 +1,13 @@
 # cmake --install: the libraries, their public headers, and packages for find_package() and pkg-config. Include this
-# after SharedLibrary.cmake.
+# after SharedLibrary.cmake. Install components are library (the shared library), development (what is needed to build
+# against either kind), tools, vtk (the module that reads VTK files) and internals.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 
 if(BUILD_SHARED_LIBS)
-  install(TARGETS sightline EXPORT SightlineTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS sightline EXPORT SightlineTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+          COMPONENT library NAMELINK_COMPONENT development)
 endif()
 
 # How the packages name an external target that a library links: in find_dependency() (_PACKAGE), and in a pkg-config
@@ -101,9 +104,9 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/SightlineConfigVersion.cm
 install(FILES ${PROJECT_BINARY_DIR}/SightlineConfig.cmake ${PROJECT_BINARY_DIR}/SightlineConfigVersion.cmake
         DESTINATION ${package_dir})
 if(TARGET sightline_vtk)
-  install(TARGETS sightline_vtk LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS sightline_vtk LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT vtk)
 endif()
 get_property(programs GLOBAL PROPERTY SIGHTLINE_TOOLS)
 if(programs)
-  install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
 endif()

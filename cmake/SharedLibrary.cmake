@@ -24,7 +24,12 @@ target_link_libraries(sightline PRIVATE ${archives} sightline_flags)  # for what
 if(NOT BUILD_SHARED_LIBS)
   set_target_properties(sightline PROPERTIES EXCLUDE_FROM_ALL TRUE)
 endif()
-set_target_properties(sightline PROPERTIES LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+# As long as the major version is 0, each minor version may have another ABI (docs/packages.md).
+set(SIGHTLINE_SOVERSION ${PROJECT_VERSION_MAJOR})
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  set(SIGHTLINE_SOVERSION 0.${PROJECT_VERSION_MINOR})
+endif()
+set_target_properties(sightline PROPERTIES LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION} SOVERSION ${SIGHTLINE_SOVERSION})
 
 foreach(name IN LISTS libraries)
   set(component sightline_${name}_component)

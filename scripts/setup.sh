@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs what a build needs on Debian 12 (skips what is installed), then configures and builds one preset.
-#   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan, fuzz or study; everything, or these targets
+#   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan, fuzz, packages or study; everything, or these
+#                                             targets
 # Packages that only tests and the window need are installed when everything or a target with tests (…_tests) is built.
 # SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK too,
 # SIGHTLINE_SETUP_EXAMPLES=1 what the examples with OpenSceneGraph and Qt 6 need.
@@ -11,10 +12,16 @@ preset=${1:-release}
 
 packages=(g++ cmake ninja-build libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtinyobjloader-dev
   libstb-dev libpng-dev libbenchmark-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri)
-if [ $# -eq 0 ] || [[ $* == *_tests* ]]; then
+if [ "$preset" = packages ]; then
+  packages+=(libglfw3-dev pybind11-dev python3-dev python3-numpy)
+elif [ $# -eq 0 ] || [[ $* == *_tests* ]]; then
   packages+=(ccache libglfw3-dev libgtest-dev libgmp-dev libosmesa6 pkg-config xvfb xdotool
     pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen)
 fi
+if [ "$preset" = packages ] || [[ ${SIGHTLINE_CMAKE_ARGS:-} == *SIGHTLINE_PACKAGE_TESTS=ON* ]]; then
+  packages+=(dpkg-dev file help2man)
+fi
+if [[ ${SIGHTLINE_CMAKE_ARGS:-} == *SIGHTLINE_PACKAGE_TESTS=ON* ]]; then packages+=(lintian); fi
 # VTK brings 246 packages, so it is installed only on request. With it the build has importers/vtk.
 if [ -n "${SIGHTLINE_SETUP_VTK:-}" ]; then packages+=(libvtk9-dev); fi
 # For the examples that draw into the windows of others.

@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# use_debs.sh PREFIX MODEL FOLDER: what users of the Debian packages do, which are installed below PREFIX: a tool, whose
+# picture is FOLDER/reference.png, and applications that find the library with CMake and with pkg-config.
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+prefix=$1 model=$2 folder=$3
+if [ "$prefix" != /usr ]; then
+  libraries=$(dirname "$(find "$prefix" -name 'libsightline.so.*' -type l)")
+  export LD_LIBRARY_PATH=$libraries CMAKE_PREFIX_PATH=$prefix
+fi
+
+"$prefix/bin/sightline-render" "$model" --size 320x180 --compare "$folder/reference.png"
+for tool in "$prefix"/bin/sightline-*; do
+  [ -s "$prefix/share/man/man1/${tool##*/}.1.gz" ] || { echo "use_debs: ${tool##*/} has no manual page" >&2; exit 1; }
+done
+
+rm -rf "$folder/cmake"
+cmake -S "$here/package" -B "$folder/cmake" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCONSUMER_DRAWS=ON >/dev/null
+cmake --build "$folder/cmake" >/dev/null
+"$folder/cmake/consumer" "$model" "$folder/cmake/picture.png"
+ldd "$folder/cmake/consumer" | grep -q 'libsightline\.so' || { echo "use_debs: not the shared library" >&2; exit 1; }
+
+"$here/pkg_config.sh" "$prefix" "$folder/pkg_config"
