@@ -42,7 +42,7 @@ struct Options {
   std::uint64_t items = 0;
   double zoom = 1.0;
   int width = 1408, height = 768, passes = 5, threads = 1;
-  std::string json;
+  std::string only, json;
 };
 
 double processor_ms() {
@@ -260,9 +260,11 @@ core::Expected<int> run(const Options& options) {
                   }});
 #if SIGHTLINE_HAS_EMBREE
   Peers peers;
-  add_peers(snapshot, *tracer, *rays, options, peers, ways, json);
+  if (!options.only.starts_with("Sightline")) add_peers(snapshot, *tracer, *rays, options, peers, ways, json);
 #endif
-  if (const char* only = std::getenv("ONLY")) ways = {ways[std::size_t(std::atoi(only))]};
+  if (!options.only.empty())
+    std::erase_if(ways, [&](const Way& way) { return way.name.find(options.only) == std::string::npos; });
+  if (ways.empty()) return core::fail("--only " + options.only + ": no tracer has such a name");
   for (Way& way : ways) way.t.resize(rays->size());
   for (int pass = 0; pass < options.passes; ++pass)
     for (Way& way : ways) {
@@ -300,6 +302,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--passes", options.passes, "Times that each tracer traces all rays")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
+  app.add_option("--only", options.only, "Only tracers whose name has this text, as \"Sightline, streams\"");
   app.add_option("--threads", options.threads, "Threads that build; one traces")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
