@@ -1,7 +1,9 @@
 #include "sightline/gpuprims/internal/circular_torus.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -32,6 +34,18 @@ struct Tube {
   }
 };
 
+/// The cube root of x >= 0, within 1e-9 of it: Halley's method from a third of the exponent. The same steps serve
+/// vectors of rays.
+inline double cube_root(double x) {
+  if (x == 0.0) return x;
+  double y = std::bit_cast<double>((((std::bit_cast<std::uint64_t>(x) >> 32) * 0x55555556u >> 32) + 715094163u) << 32);
+  for (int i = 0; i < 2; ++i) {
+    const double cube = y * y * y;
+    y *= (cube + 2.0 * x) / (2.0 * cube + x);
+  }
+  return y;
+}
+
 /// Newton step on t^3 + p t + q.
 template <class Real>
 Real polish_cubic(Real t, Real p, Real q) {
@@ -46,7 +60,7 @@ template <class Real>
 int depressed_cubic(Real p, Real q, Real roots[3]) {
   const Real third = -p / 3, discriminant = q * q / 4 - third * third * third;
   if (discriminant > 0 || !(p < 0)) {
-    const Real a = -std::copysign(std::cbrt(std::fabs(q) / 2 + std::sqrt(std::max(Real(0), discriminant))), q);
+    const Real a = -std::copysign(Real(cube_root(std::fabs(q) / 2 + std::sqrt(std::max(Real(0), discriminant)))), q);
     roots[0] = polish_cubic(a != 0 ? a + third / a : Real(0), p, q);
     return 1;
   }

@@ -75,8 +75,107 @@ inline float highest(const Wide& x, unsigned rays) {
   return folded(_mm512_mask_mov_ps(others, __mmask16(rays), x.v), [](__m128 a, __m128 b) { return _mm_max_ps(a, b); });
 }
 
+struct Mask {
+  __mmask8 m;
+};
+inline Mask operator&(Mask x, Mask y) {
+  return {__mmask8(x.m & y.m)};
+}
+inline Mask operator|(Mask x, Mask y) {
+  return {__mmask8(x.m | y.m)};
+}
+inline Mask operator^(Mask x, Mask y) {
+  return {__mmask8(x.m ^ y.m)};
+}
+inline Mask operator~(Mask x) {
+  return {__mmask8(~x.m)};
+}
+inline bool any(Mask x) {
+  return x.m != 0;
+}
+
+struct Eight {
+  __m512d v;
+  static Eight load(const double* p) { return {_mm512_load_pd(p)}; }
+  static Eight spread(double x) { return {_mm512_set1_pd(x)}; }
+};
+inline Eight operator+(Eight x, Eight y) {
+  return {_mm512_add_pd(x.v, y.v)};
+}
+inline Eight operator-(Eight x, Eight y) {
+  return {_mm512_sub_pd(x.v, y.v)};
+}
+inline Eight operator*(Eight x, Eight y) {
+  return {_mm512_mul_pd(x.v, y.v)};
+}
+inline Eight operator/(Eight x, Eight y) {
+  return {_mm512_div_pd(x.v, y.v)};
+}
+inline Eight operator-(Eight x) {
+  return {_mm512_xor_pd(x.v, _mm512_set1_pd(-0.0))};
+}
+inline Mask less(Eight x, Eight y) {
+  return {_mm512_cmp_pd_mask(x.v, y.v, _CMP_LT_OQ)};
+}
+inline Mask at_most(Eight x, Eight y) {
+  return {_mm512_cmp_pd_mask(x.v, y.v, _CMP_LE_OQ)};
+}
+inline Mask equal(Eight x, Eight y) {
+  return {_mm512_cmp_pd_mask(x.v, y.v, _CMP_EQ_OQ)};
+}
+
 struct PacketForm : Avx2 {
   using Wide = raytrace::Wide;
+  using Eight = raytrace::Eight;
+  using Mask = raytrace::Mask;
+
+  static constexpr __mmask8 kEvery = 0xff;
+  static Eight max(Eight a, Eight b) { return {_mm512_maskz_max_pd(kEvery, b.v, a.v)}; }
+  static Eight min(Eight a, Eight b) { return {_mm512_maskz_min_pd(kEvery, b.v, a.v)}; }
+  static Eight select(Mask m, Eight a, Eight b) { return {_mm512_mask_blend_pd(m.m, b.v, a.v)}; }
+  static Eight root(Eight a) { return {_mm512_maskz_sqrt_pd(kEvery, a.v)}; }
+  static Eight fused(Eight a, Eight b, Eight c) { return {_mm512_fmadd_pd(a.v, b.v, c.v)}; }
+  static Eight magnitude(Eight a) { return {_mm512_andnot_pd(_mm512_set1_pd(-0.0), a.v)}; }
+  static Eight with_sign(Eight a, Eight sign) {
+    return {_mm512_or_pd(magnitude(a).v, _mm512_and_pd(_mm512_set1_pd(-0.0), sign.v))};
+  }
+  static Mask negative(Eight a) { return {_mm512_movepi64_mask(_mm512_castpd_si512(a.v))}; }
+  static Mask every() { return {kEvery}; }
+  static unsigned bits(Mask m) { return m.m; }
+  static void store(double* p, unsigned which, Eight a) { _mm512_mask_store_pd(p, __mmask8(which), a.v); }
+  static Eight inverse_power_of_two(Eight a) {
+    const __m512i exponent = _mm512_and_si512(_mm512_castpd_si512(a.v), _mm512_set1_epi64(kExponent));
+    return {_mm512_castsi512_pd(_mm512_sub_epi64(_mm512_set1_epi64(kOneOver), exponent))};
+  }
+  /// Rows of eight numbers become columns from `first` on.
+  static void transpose(const double* rows, double* const* columns, int first) {
+    __m512d pairs[8], halves[8];
+    for (int i = 0; i < 8; i += 2) {
+      const __m512d a = _mm512_loadu_pd(rows + 8 * i), b = _mm512_loadu_pd(rows + 8 * i + 8);
+      pairs[i] = _mm512_maskz_unpacklo_pd(kEvery, a, b);
+      pairs[i + 1] = _mm512_maskz_unpackhi_pd(kEvery, a, b);
+    }
+    for (int i = 0; i < 2; ++i)
+      for (int of_four = 0; of_four < 2; ++of_four) {
+        const __m512d a = pairs[4 * of_four + i], b = pairs[4 * of_four + i + 2];
+        halves[4 * i + of_four] = _mm512_maskz_shuffle_f64x2(kEvery, a, b, 0x88);
+        halves[4 * i + of_four + 2] = _mm512_maskz_shuffle_f64x2(kEvery, a, b, 0xdd);
+      }
+    for (int i = 0; i < 2; ++i)
+      for (int odd = 0; odd < 2; ++odd) {
+        const __m512d a = halves[4 * i + 2 * odd], b = halves[4 * i + 2 * odd + 1];
+        _mm512_store_pd(columns[i + 2 * odd] + first, _mm512_maskz_shuffle_f64x2(kEvery, a, b, 0x88));
+        _mm512_store_pd(columns[i + 2 * odd + 4] + first, _mm512_maskz_shuffle_f64x2(kEvery, a, b, 0xdd));
+      }
+  }
+  /// About a third of the exponent.
+  static Eight rough_cube_root(Eight a) {
+    const __m512i high = _mm512_maskz_srli_epi64(kEvery, _mm512_castpd_si512(a.v), 32);
+    const __m512i third =
+        _mm512_maskz_srli_epi64(kEvery, _mm512_maskz_mul_epu32(kEvery, high, _mm512_set1_epi64(kThird)), 32);
+    const __m512i sum = _mm512_add_epi64(third, _mm512_set1_epi64(kTwoThirds));
+    return {_mm512_castsi512_pd(_mm512_maskz_slli_epi64(kEvery, sum, 32))};
+  }
 };
 
 }  // namespace

@@ -97,8 +97,124 @@ inline unsigned signs(const ScalarWide& a) {
   return ScalarWide::bits([&](int i) { return sign_of(a.v[i]) != 0; });
 }
 
+struct ScalarMask {
+  unsigned m;
+};
+inline ScalarMask operator&(ScalarMask a, ScalarMask b) {
+  return {a.m & b.m};
+}
+inline ScalarMask operator|(ScalarMask a, ScalarMask b) {
+  return {a.m | b.m};
+}
+inline ScalarMask operator^(ScalarMask a, ScalarMask b) {
+  return {a.m ^ b.m};
+}
+inline ScalarMask operator~(ScalarMask a) {
+  return {~a.m & 0xffu};
+}
+inline bool any(ScalarMask a) {
+  return a.m != 0;
+}
+
+struct ScalarEight {
+  double v[8];
+  static ScalarEight load(const double* a) {
+    return each([&](int i) { return a[i]; });
+  }
+  static ScalarEight spread(double a) {
+    return each([&](int) { return a; });
+  }
+  template <class Lane>
+  static ScalarEight each(const Lane& lane) {
+    ScalarEight result;
+    for (int i = 0; i < 8; ++i) result.v[i] = lane(i);
+    return result;
+  }
+  template <class Lane>
+  static ScalarMask mask(const Lane& lane) {
+    ScalarMask result{0};
+    for (int i = 0; i < 8; ++i) result.m |= unsigned(lane(i)) << i;
+    return result;
+  }
+};
+inline ScalarEight operator+(const ScalarEight& a, const ScalarEight& b) {
+  return ScalarEight::each([&](int i) { return a.v[i] + b.v[i]; });
+}
+inline ScalarEight operator-(const ScalarEight& a, const ScalarEight& b) {
+  return ScalarEight::each([&](int i) { return a.v[i] - b.v[i]; });
+}
+inline ScalarEight operator*(const ScalarEight& a, const ScalarEight& b) {
+  return ScalarEight::each([&](int i) { return a.v[i] * b.v[i]; });
+}
+inline ScalarEight operator/(const ScalarEight& a, const ScalarEight& b) {
+  return ScalarEight::each([&](int i) { return a.v[i] / b.v[i]; });
+}
+inline ScalarEight operator-(const ScalarEight& a) {
+  return ScalarEight::each([&](int i) { return -a.v[i]; });
+}
+inline ScalarMask less(const ScalarEight& a, const ScalarEight& b) {
+  return ScalarEight::mask([&](int i) { return a.v[i] < b.v[i]; });
+}
+inline ScalarMask at_most(const ScalarEight& a, const ScalarEight& b) {
+  return ScalarEight::mask([&](int i) { return a.v[i] <= b.v[i]; });
+}
+inline ScalarMask equal(const ScalarEight& a, const ScalarEight& b) {
+  return ScalarEight::mask([&](int i) { return a.v[i] == b.v[i]; });
+}
+
 struct Scalar {
   using Wide = ScalarWide;
+  using Eight = ScalarEight;
+  using Mask = ScalarMask;
+
+  static Eight max(const Eight& a, const Eight& b) {
+    return Eight::each([&](int i) { return larger(a.v[i], b.v[i]); });
+  }
+  static Eight min(const Eight& a, const Eight& b) {
+    return Eight::each([&](int i) { return smaller(a.v[i], b.v[i]); });
+  }
+  static Eight select(Mask m, const Eight& a, const Eight& b) {
+    return Eight::each([&](int i) { return (m.m >> i & 1u) != 0 ? a.v[i] : b.v[i]; });
+  }
+  static Eight root(const Eight& a) {
+    return Eight::each([&](int i) { return std::sqrt(a.v[i]); });
+  }
+  static Eight fused(const Eight& a, const Eight& b, const Eight& c) {
+    return Eight::each([&](int i) { return std::fma(a.v[i], b.v[i], c.v[i]); });
+  }
+  static Eight magnitude(const Eight& a) {
+    return Eight::each([&](int i) { return std::fabs(a.v[i]); });
+  }
+  static Eight with_sign(const Eight& a, const Eight& sign) {
+    return Eight::each([&](int i) { return std::copysign(a.v[i], sign.v[i]); });
+  }
+  static Mask negative(const Eight& a) {
+    return Eight::mask([&](int i) { return std::signbit(a.v[i]); });
+  }
+  static Mask every() { return {0xffu}; }
+  static unsigned bits(Mask m) { return m.m; }
+  static void store(double* p, unsigned which, const Eight& a) {
+    for (int i = 0; i < 8; ++i)
+      if ((which >> i & 1u) != 0) p[i] = a.v[i];
+  }
+  static Eight inverse_power_of_two(const Eight& a) {
+    return Eight::each([&](int i) { return raytrace::inverse_power_of_two(a.v[i]); });
+  }
+  /// Rows of eight numbers become columns from `first` on.
+  static void transpose(const double* rows, double* const* columns, int first) {
+    for (int row = 0; row < 8; ++row)
+      for (int column = 0; column < 8; ++column) columns[column][first + row] = rows[8 * row + column];
+  }
+  /// About a third of the exponent.
+  static Eight rough_cube_root(const Eight& a) {
+    return Eight::each([&](int i) {
+      DoubleBits u;
+      u.value = a.v[i];
+      u.bits = (((u.bits >> 32) * kThird >> 32) + kTwoThirds) << 32;
+      return u.value;
+    });
+  }
+
   struct Ray {
     const BoxRay& r;
     explicit Ray(const BoxRay& ray) : r(ray) {}
@@ -120,7 +236,7 @@ struct Scalar {
     return met;
   }
 
-  static unsigned meet_hull(const WideNode& node, const Hull& hull) {
+  static unsigned meet_hull(const WideNode& node, const Hull& hull, float* t) {
     unsigned met = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
       float enter = 0.0f, leave = hull.limit;
@@ -130,6 +246,7 @@ struct Scalar {
         enter = most(enter, least(near * hull.near_scale[0][axis], near * hull.near_scale[1][axis]));
         leave = least(leave, most(far * hull.far_scale[0][axis], far * hull.far_scale[1][axis]));
       }
+      t[lane] = enter;
       met |= unsigned(enter <= leave) << lane;
     }
     return met;

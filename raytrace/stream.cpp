@@ -1,9 +1,12 @@
 // The nearest hits of many rays: Tracer::Impl::nearest() for packets, with the same answers bit for bit.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include "sightline/core/internal/intrinsics.h"
+#include "sightline/gpuprims/internal/dome.h"
 #include "sightline/raytrace/internal/packet.h"
 #include "sightline/raytrace/internal/tracer_impl.h"
 
@@ -32,6 +35,78 @@ int lowest(unsigned rays) {
   return std::countr_zero(rays);
 }
 
+static_assert(kNoSlot == core::kNone);
+
+/// Whether a solid has a form for packets.
+enum class Form { kNone, kLanes, kNothing };
+
+void set_sweep(float parameter, Sweep& sweep) {
+  const double angle = core::sweep_angle(parameter), c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
+  sweep.whole = angle == core::kFullTurn;
+  sweep.convex = angle <= std::numbers::pi;
+  sweep.flat = angle == 0.0;
+  sweep.needs_chord = sweep.convex && !(angle > 0.01 && angle < 3.13);
+  sweep.middle[0] = c, sweep.middle[1] = s;
+  sweep.end[0] = (c - s) * (c + s), sweep.end[1] = 2.0 * s * c;
+}
+
+/// The conditions are those of the reference intersectors.
+Form shape_of(Kind kind, const float* parameters, SolidShape& shape) {
+  double p[5];
+  double sum = 0.0;
+  const int count = std::min(5, core::parameter_count(kind));
+  for (int i = 0; i < count; ++i) sum += p[i] = std::fabs(double(parameters[i]));
+  const auto takes = [&](SolidShape::Kind as, double x, double y, double z = 0.0) {
+    shape.kind = as;
+    shape.size[0] = x, shape.size[1] = y, shape.size[2] = z;
+    return Form::kLanes;
+  };
+  const auto disc = [&](double radius) {
+    return radius > 0.0 ? takes(SolidShape::kCylinder, radius, 0.0) : Form::kNothing;
+  };
+  if (!std::isfinite(sum)) return Form::kNothing;
+  switch (kind) {
+    case Kind::kCylinder:
+      return p[0] > 0.0 ? takes(SolidShape::kCylinder, p[0], 0.5 * p[1]) : Form::kNothing;
+    case Kind::kBox:
+      if ((p[0] == 0.0) + (p[1] == 0.0) + (p[2] == 0.0) > 1) return Form::kNothing;
+      return takes(SolidShape::kBox, 0.5 * p[0], 0.5 * p[1], 0.5 * p[2]);
+    case Kind::kSphere:
+      shape.whole = true;
+      return p[0] > 0.0 ? takes(SolidShape::kDome, 0.5 * p[0], 0.5 * p[0], 0.5 * p[0]) : Form::kNothing;
+    case Kind::kEllipticalDish:
+      if (!(p[0] > 0.0) || p[1] <= gpuprims::kFlatDome * p[0]) return disc(p[0]);
+      return takes(SolidShape::kDome, p[0], p[0], p[1]);
+    case Kind::kSphericalDish:
+      if (p[1] <= gpuprims::kFlatDome * p[0]) return disc(p[0]);
+      return takes(SolidShape::kDome, p[0], p[1], p[1]);
+    case Kind::kSnout:
+      for (int i = 5; i < 9; ++i)
+        if (parameters[i] != 0.0f) return Form::kNone;  // slanted, or not finite
+      if (p[2] == 0.0) return Form::kNone;
+      shape.offset[0] = double(parameters[3]), shape.offset[1] = double(parameters[4]);
+      return std::max(p[0], p[1]) > 0.0 ? takes(SolidShape::kSnout, p[0], p[1], p[2]) : Form::kNothing;
+    case Kind::kRectangularTorus:
+      set_sweep(parameters[3], shape.sweep);
+      return std::max(p[0], p[1]) > 0.0
+                 ? takes(SolidShape::kRectangularTorus, std::min(p[0], p[1]), std::max(p[0], p[1]), 0.5 * p[2])
+                 : Form::kNothing;
+    case Kind::kCircularTorus:
+      set_sweep(parameters[2], shape.sweep);
+      return p[1] > 0.0 ? takes(SolidShape::kCircularTorus, p[0], p[1]) : Form::kNothing;
+    default:
+      return Form::kNone;
+  }
+}
+
+/// A solid and its placement, for the rays of several packets.
+struct PreparedSolid {
+  Slot slot = core::kNone;
+  Form form = Form::kNone;
+  SolidShape shape;
+  LaneMap map;
+};
+
 /// At most two: one by one is faster.
 bool few(unsigned rays) {
   rays &= rays - 1;
@@ -43,23 +118,36 @@ bool few(unsigned rays) {
 /// A packet on its way through the items.
 class Tracer::Impl::Packet {
  public:
-  Packet(const Impl& impl, const RayFilter& filter) : impl_(impl), filter_(filter), kernels_(packet_kernels()) {}
+  Packet(const Impl& impl, const RayFilter& filter, PreparedSolid& prepared)
+      : impl_(impl), filter_(filter), kernels_(packet_kernels()), prepared_(prepared) {}
 
-  /// At most kPacket rays. Returns the first one that is none, or their number.
-  std::size_t nearest(std::span<const Ray> rays, std::span<Hit> hits) {
+  /// Takes at most kPacket rays. Returns the first one that is none, or their number.
+  std::size_t load(std::span<const Ray> rays) {
     static_assert(sizeof(Ray) == 8 * sizeof(double));
     const int count = int(rays.size());
-    const unsigned all = (1u << count) - 1, good = kernels_.load(&rays[0].origin.x, count, world_);
-    if (good != all) return std::size_t(lowest(~good));
+    all_ = (1u << count) - 1;
     rays_ = rays;
-    if (filter_.sections.empty()) {
-      find(all, hits);
-      return rays.size();
+    const unsigned good = kernels_.load(&rays[0].origin.x, count, world_);
+    return good == all_ ? rays.size() : std::size_t(lowest(~good));
+  }
+
+  /// The nearest hits of packets without sections.
+  static void nearest(std::span<Packet* const> packets, std::span<Hit> hits) {
+    for (Packet* const packet : packets) packet->start();
+    walk(packets);
+    for (Packet* const packet : packets) {
+      packet->finish(packet->all_, hits.first(packet->rays_.size()));
+      hits = hits.subspan(packet->rays_.size());
     }
+  }
+
+  /// The nearest hits with sections.
+  void nearest_of_parts(std::span<Hit> hits) {
+    const auto count = int(rays_.size());
     KeptParts parts[kPacket];
-    for (int i = 0; i < count; ++i) parts[i] = kept_parts(rays[std::size_t(i)], filter_);
+    for (int i = 0; i < count; ++i) parts[i] = kept_parts(rays_[std::size_t(i)], filter_);
     for (Hit& hit : hits) hit.slot = core::kNone;
-    unsigned left = all;
+    unsigned left = all_;
     for (std::size_t part = 0; part < 2 && left != 0; ++part) {
       for (int i = 0; i < count; ++i) {
         if (int(part) >= parts[i].count) {
@@ -67,7 +155,7 @@ class Tracer::Impl::Packet {
           continue;
         }
         if ((left >> i & 1u) == 0) continue;
-        const Ray& ray = rays[std::size_t(i)];
+        const Ray& ray = rays_[std::size_t(i)];
         const double from = parts[i].part[part].first;
         const core::Plane* const plane = parts[i].cut[part];
         if (const Slot cut = impl_.cut_at(ray, from, plane, filter_); cut != core::kNone) {
@@ -78,26 +166,32 @@ class Tracer::Impl::Packet {
         world_.from[i] = from;
         world_.to[i] = parts[i].part[part].second;
       }
-      if (left != 0) left = find(left, hits);
+      if (left == 0) break;
+      all_ = left;
+      start();
+      Packet* const alone = this;
+      walk({&alone, 1});
+      left = finish(left, hits);
     }
-    return rays.size();
   }
 
  private:
-  /// Returns those that hit nothing.
-  unsigned find(unsigned rays, std::span<Hit> hits) {
-    for (int i = 0; i < kPacket; ++i) t_[i] = world_.to[i], slot_[i] = core::kNone;
-    walk(rays);
+  void start() {
+    for (int i = 0; i < kPacket; ++i) best_.t[i] = world_.to[i], best_.slot[i] = kNoSlot;
+  }
+
+  /// Writes hits. Returns the rays that have none.
+  unsigned finish(unsigned rays, std::span<Hit> hits) {
     unsigned missing = 0, hit = 0;
     for (; rays != 0; rays &= rays - 1) {
       const int ray = lowest(rays);
-      (slot_[ray] == core::kNone ? missing : hit) |= 1u << ray;
+      (best_.slot[ray] == core::kNone ? missing : hit) |= 1u << ray;
       hits[std::size_t(ray)].slot = core::kNone;
     }
     while (hit != 0) {
-      const Slot slot = slot_[lowest(hit)];
+      const Slot slot = best_.slot[lowest(hit)];
       unsigned same = 0;
-      for (int i = 0; i < kPacket; ++i) same |= unsigned(slot_[i] == slot) << i;
+      for (int i = 0; i < kPacket; ++i) same |= unsigned(best_.slot[i] == slot) << i;
       finish(slot, same & hit, hits);
       hit &= ~same;
     }
@@ -119,43 +213,81 @@ class Tracer::Impl::Packet {
     for (int i = 0; i < 3; ++i)
       for (int axis = 0; axis < 3; ++axis) columns[i][axis] = map.column[i][axis];
     if (mesh)
-      kernels_.normals(mesh->blocks.data(), place_, rays, normals);
+      kernels_.normals(mesh->blocks.data(), best_.place, rays, normals);
     else
-      std::memcpy(normals, normal_, sizeof normals);
+      std::memcpy(normals, best_.normal, sizeof normals);
     kernels_.turn(columns, map.determinant < 0.0, normals);
+    double points[3][kPacket];
+    for (int axis = 0; axis < 3; ++axis)
+      for (int i = 0; i < kPacket; ++i)
+        points[axis][i] = world_.origin[axis][i] + best_.t[i] * world_.direction[axis][i];
+    const core::ItemId item = impl_.snapshot_->item(slot);
     for (; rays != 0; rays &= rays - 1) {
       const int ray = lowest(rays);
-      hits[std::size_t(ray)] =
-          impl_.answer(rays_[std::size_t(ray)], found(ray), mesh ? mesh->triangle(place_[ray]) : core::kNone,
-                       {normals[0][ray], normals[1][ray], normals[2][ray]});
+      hits[std::size_t(ray)] = {slot,
+                                item,
+                                best_.t[ray],
+                                {points[0][ray], points[1][ray], points[2][ray]},
+                                {normals[0][ray], normals[1][ray], normals[2][ray]},
+                                mesh ? mesh->triangle(best_.place[ray]) : core::kNone,
+                                mesh ? Face::kTriangle : Face(int(best_.face[ray]))};
     }
   }
 
   Found found(int ray) const {
-    return {t_[ray], slot_[ray], place_[ray], {normal_[0][ray], normal_[1][ray], normal_[2][ray]}, face_[ray]};
+    const Slot slot = best_.slot[ray];
+    const bool mesh = slot != core::kNone && is_mesh(impl_.snapshot_->kind(slot));
+    return {best_.t[ray],
+            slot,
+            mesh ? best_.place[ray] : core::kNone,
+            {best_.normal[0][ray], best_.normal[1][ray], best_.normal[2][ray]},
+            mesh ? Face::kTriangle : Face(int(best_.face[ray]))};
   }
 
-  void walk(unsigned rays) {
-    struct Visitor : PacketVisitor {
-      Packet* packet;
-    } visitor;
-    visitor.visit = [](PacketVisitor& base, std::uint32_t slot, unsigned who) {
-      static_cast<Visitor&>(base).packet->meet(Slot(slot), who);
-    };
-    visitor.packet = this;
-    const core::ItemBounds& bounds = impl_.snapshot_->bounds();
-    for (const ItemTrees::Tree& tree : impl_.items_.trees()) {
+  static void walk(std::span<Packet* const> packets) {
+    const Packet& any = *packets[0];
+    const core::ItemBounds& bounds = any.impl_.snapshot_->bounds();
+    const WideNode* const nodes = any.impl_.items_.nodes();
+    for (const ItemTrees::Tree& tree : any.impl_.items_.trees()) {
       if (tree.only != core::kNone) {
-        walking_ = false;
-        if (tree.space.radius >= 0.0) meet(tree.only, rays);
+        for (Packet* const packet : packets) {
+          packet->walking_ = false;
+          if (tree.space.radius >= 0.0) packet->meet(tree.only, packet->all_);
+        }
         continue;
       }
-      for (int i = 0; i < kPacket; ++i) world_.to[i] = t_[i];
-      const unsigned entered = kernels_.enter(world_, rays, lanes_of(tree.space, bounds.origin), frame_);
-      walking_ = true;
-      if (entered != 0) kernels_.walk(impl_.items_.nodes(), tree.root, frame_, entered, visitor);
+      Visitor visitor;
+      PacketPart parts[kTogether];
+      int count = 0;
+      for (Packet* const packet : packets) {
+        std::memcpy(packet->world_.to, packet->best_.t, sizeof packet->world_.to);
+        packet->walking_ = true;
+        const unsigned entered =
+            any.kernels_.enter(packet->world_, packet->all_, lanes_of(tree.space, bounds.origin), packet->frame_);
+        if (entered == 0) continue;
+        visitor.packets[count] = packet;
+        parts[count++] = {&packet->frame_, entered};
+      }
+      visitor.count = count;
+      if (count > 1 && any.kernels_.walk_as_one(nodes, tree.root, parts, count, visitor)) continue;
+      visitor.count = 1;
+      for (int i = 0; i < count; ++i) {
+        visitor.packets[0] = visitor.packets[i];
+        any.kernels_.walk(nodes, tree.root, *parts[i].frame, parts[i].rays, visitor);
+      }
     }
   }
+  struct Visitor : PacketVisitor {
+    Packet* packets[kTogether];
+    int count;
+    Visitor() {
+      visit = [](PacketVisitor& base, std::uint32_t slot, const unsigned* rays) {
+        const auto& self = static_cast<const Visitor&>(base);
+        for (int i = 0; i < self.count; ++i)
+          if (rays[i] != 0) self.packets[i]->meet(Slot(slot), rays[i]);
+      };
+    }
+  };
 
   void meet(Slot slot, unsigned who) {
     if ((impl_.snapshot_->bounds().layers(slot) & filter_.layers) == 0) return;
@@ -169,90 +301,54 @@ class Tracer::Impl::Packet {
   void meet_alone(Slot slot, int ray) {
     Found nearer = found(ray);
     if (!impl_.nearest_of(slot, rays_[std::size_t(ray)], world_.from[ray], nearer)) return;
-    for (int axis = 0; axis < 3; ++axis) normal_[axis][ray] = nearer.normal[axis];
+    for (int axis = 0; axis < 3; ++axis) best_.normal[axis][ray] = nearer.normal[axis];
     take(ray, nearer.t, slot, nearer.place, nearer.face);
   }
 
-  /// The rays in an item's coordinates. False: its placement is singular.
-  bool to_item(Slot slot, double scale, RayLanes& local) const {
+  /// False: the placement is singular.
+  bool map_of(Slot slot, double scale, LaneMap& out) const {
     const core::Placement& placement = impl_.placement(slot);
     const Cofactors map(placement.linear);
-    const double inverse = 1.0 / map.determinant;
-    if (!(std::fabs(inverse) < kInfinity) || inverse == 0.0) return false;
-    LaneMap lane_map;
+    out.inverse = 1.0 / map.determinant;
+    if (!(std::fabs(out.inverse) < kInfinity) || out.inverse == 0.0) return false;
     const dvec3& chunk = impl_.snapshot_->chunk_origins()[placement.chunk];
     for (int axis = 0; axis < 3; ++axis) {
-      lane_map.shift[0][axis] = chunk[axis];
-      lane_map.shift[1][axis] = double(placement.origin[axis]);
-      for (int i = 0; i < 3; ++i) lane_map.column[axis][i] = map.column[axis][i];
+      out.shift[0][axis] = chunk[axis];
+      out.shift[1][axis] = double(placement.origin[axis]);
+      for (int i = 0; i < 3; ++i) out.column[axis][i] = map.column[axis][i];
     }
-    lane_map.inverse = inverse;
-    lane_map.scale = scale;
-    kernels_.to_item(world_, lane_map, local);
+    out.scale = scale;
     return true;
   }
 
-  /// nearest_of() for the kinds that have a form for packets. `who` keeps the rays that are left to do.
-  bool meet_solid(Slot slot, unsigned& who) {
-    const Kind kind = impl_.snapshot_->kind(slot);
-    const float* const parameters = impl_.parameters(slot);
-    RayLanes local;
-    SolidLanes crossings;
-    if (kind == Kind::kCylinder) {
-      const double radius = std::fabs(parameters[0]), half = 0.5 * std::fabs(parameters[1]);
-      if (!(radius > 0.0 && std::isfinite(radius + half)) || !to_item(slot, 1.0, local)) return true;
-      kernels_.cylinder(local, radius, half, crossings);
-    } else if (kind == Kind::kBox) {
-      double half[3];
-      for (int axis = 0; axis < 3; ++axis) half[axis] = 0.5 * std::fabs(double(parameters[axis]));
-      const int flat = (half[0] == 0.0) + (half[1] == 0.0) + (half[2] == 0.0);
-      if (flat > 1 || !std::isfinite(half[0] + half[1] + half[2]) || !to_item(slot, 1.0, local)) return true;
-      kernels_.box(local, half, crossings);
-    } else if (kind == Kind::kCircularTorus) {
-      return !may_meet_torus(slot, parameters, who);
-    } else {
-      return false;
-    }
-    for (; who != 0; who &= who - 1) {
-      const int ray = lowest(who);
-      const double t = crossings.t[ray];
-      if (!(t < t_[ray] || (t == t_[ray] && slot < slot_[ray])) || t == kInfinity) continue;
-      for (int axis = 0; axis < 3; ++axis) normal_[axis][ray] = crossings.normal[axis][ray];
-      take(ray, t, slot, core::kNone, Face(int(crossings.face[ray])));
-    }
-    return true;
+  void prepare(Slot slot) const {
+    prepared_.slot = slot;
+    prepared_.shape = {};
+    prepared_.form = shape_of(impl_.snapshot_->kind(slot), impl_.parameters(slot), prepared_.shape);
+    if (prepared_.form == Form::kLanes && !map_of(slot, 1.0, prepared_.map)) prepared_.form = Form::kNothing;
   }
 
-  /// Removes rays that miss the cylinder about a torus. False: none is left.
-  bool may_meet_torus(Slot slot, const float* parameters, unsigned& who) const {
-    constexpr double kMore = 1.0 + 1e-6;
-    core::CircularTorus torus;
-    std::memcpy(&torus, parameters, sizeof torus);
-    const double tube = std::fabs(double(torus.tube_radius)) * kMore,
-                 radius = (std::fabs(double(torus.major_radius)) + tube) * kMore;
-    if (!(radius > 0.0 && std::isfinite(radius))) return true;
-    RayLanes local;
-    if (!to_item(slot, 1.0, local)) return false;
-    for (double& from : local.from) from = -kInfinity;
-    SolidLanes crossings;
-    kernels_.cylinder(local, radius, tube, crossings);
-    for (unsigned rest = who; rest != 0; rest &= rest - 1)
-      if (crossings.t[lowest(rest)] == kInfinity) who &= ~(1u << lowest(rest));
-    return who != 0;
+  /// nearest_of() for the kinds that have a form for packets.
+  bool meet_solid(Slot slot, unsigned who) {
+    if (prepared_.slot != slot) prepare(slot);
+    if (prepared_.form != Form::kLanes) return prepared_.form == Form::kNothing;
+    if (kernels_.solid(prepared_.shape, prepared_.map, world_, who, slot, best_) != 0 && walking_)
+      kernels_.shorten(best_.t, frame_);
+    return true;
   }
 
   void take(int ray, double t, Slot slot, std::uint32_t place, Face face) {
-    t_[ray] = t;
-    slot_[ray] = slot;
-    place_[ray] = place;
-    face_[ray] = face;
+    best_.t[ray] = t;
+    best_.slot[ray] = slot;
+    best_.place[ray] = place;
+    best_.face[ray] = double(face);
     shorten(ray);
   }
 
   /// Nothing beyond the hit is of interest from now on.
   void shorten(int ray) {
     if (!walking_) return;
-    const float limit = frame_limit(t_[ray] * frame_.per_factor[ray], frame_.begin[ray], frame_.margin);
+    const float limit = frame_limit(best_.t[ray] * frame_.per_factor[ray], frame_.begin[ray], frame_.margin);
     frame_.limit[ray] = std::min(frame_.limit[ray], std::max(0.0f, limit));
   }
 
@@ -260,8 +356,10 @@ class Tracer::Impl::Packet {
   void meet_mesh(Slot slot, unsigned who) {
     const MeshTree& tree = *impl_.meshes_[impl_.mesh_index(slot)];
     RayLanes local;
-    if (tree.empty || !to_item(slot, tree.per_unit, local)) return;
-    for (int i = 0; i < kPacket; ++i) local.to[i] = t_[i];
+    LaneMap map;
+    if (tree.empty || !map_of(slot, tree.per_unit, map)) return;
+    kernels_.to_item(world_, map, local);
+    for (int i = 0; i < kPacket; ++i) local.to[i] = best_.t[i];
     struct Filter : PacketFilter {
       PacketFrame frame;
       const MeshTree* tree;
@@ -301,32 +399,50 @@ class Tracer::Impl::Packet {
         meet_alone(slot, ray);  // float has taken one beyond an end
         continue;
       }
-      if (t < t_[ray] || (t == t_[ray] && slot < slot_[ray])) take(ray, t, slot, hits.place[ray], Face::kTriangle);
+      if (t < best_.t[ray] || (t == best_.t[ray] && slot < best_.slot[ray]))
+        take(ray, t, slot, hits.place[ray], Face::kTriangle);
     }
   }
 
   const Impl& impl_;
   const RayFilter& filter_;
   const PacketKernels& kernels_;
+  PreparedSolid& prepared_;
   std::span<const Ray> rays_;
+  unsigned all_ = 0;
   RayLanes world_{};
-  double t_[kPacket] = {};  // Found, of each ray
-  Slot slot_[kPacket] = {};
-  std::uint32_t place_[kPacket] = {};
-  Face face_[kPacket] = {};
-  double normal_[3][kPacket] = {};  // of solids
-  bool walking_ = false;            // through the items' hierarchy, with
+  NearestLanes best_{};
+  bool walking_ = false;  // through the items' hierarchy, with
   PacketFrame frame_;
 };
 
 std::size_t Tracer::Impl::nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Hit> hits) const {
-  Packet packet(*this, filter);
-  for (std::size_t first = 0; first < rays.size(); first += kPacket) {
-    const std::size_t count = std::min(std::size_t(kPacket), rays.size() - first);
-    for (std::size_t i = first + 2 * kPacket; i < std::min(first + 3 * kPacket, rays.size()); ++i)
-      core::prefetch_line<core::CacheLevel::kL1>(&rays[i]);
-    const std::size_t done = packet.nearest(rays.subspan(first, count), hits.subspan(first, count));
-    if (done != count) return first + done;
+  PreparedSolid prepared;
+  Packet packets[kTogether] = {
+      {*this, filter, prepared}, {*this, filter, prepared}, {*this, filter, prepared}, {*this, filter, prepared}};
+  const auto single = [](const ItemTrees::Tree& tree) { return tree.only != core::kNone; };
+  const std::size_t most = std::all_of(items_.trees().begin(), items_.trees().end(), single) ? 1 : kTogether;
+  for (std::size_t first = 0; first < rays.size();) {
+    Packet* loaded[kTogether];
+    std::size_t begin = first, count = 0, none = rays.size();
+    for (; count < most && begin < rays.size() && none == rays.size(); ++count) {
+      const auto these = rays.subspan(begin, std::min(std::size_t(kPacket), rays.size() - begin));
+      for (std::size_t i = begin + (most + 1) * kPacket; i < std::min(begin + (most + 2) * kPacket, rays.size()); ++i)
+        core::prefetch_line<core::CacheLevel::kL1>(&rays[i]);
+      const std::size_t good = packets[count].load(these);
+      if (good != these.size()) none = begin + good;
+      loaded[count] = &packets[count];
+      begin += these.size();
+    }
+    if (none != rays.size()) return none;
+    const auto of_these = hits.subspan(first, begin - first);
+    if (filter.sections.empty())
+      Packet::nearest({loaded, count}, of_these);
+    else
+      for (std::size_t i = 0; i < count; ++i)
+        loaded[i]->nearest_of_parts(
+            of_these.subspan(i * kPacket, std::min(std::size_t(kPacket), of_these.size() - i * kPacket)));
+    first = begin;
   }
   return rays.size();
 }

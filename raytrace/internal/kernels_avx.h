@@ -43,8 +43,8 @@ struct Avx2 {
     return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ)));
   }
 
-  /// Children whose boxes any of the rays may meet.
-  static unsigned meet_hull(const WideNode& node, const Hull& hull) {
+  /// Children whose boxes any of the rays may meet, and where the first of them may enter.
+  static unsigned meet_hull(const WideNode& node, const Hull& hull, float* t) {
     __m256 enter = _mm256_setzero_ps(), leave = _mm256_set1_ps(hull.limit);
     for (int axis = 0; axis < 3; ++axis) {
       const __m256 near =
@@ -56,6 +56,7 @@ struct Avx2 {
       leave = _mm256_min_ps(leave, _mm256_max_ps(_mm256_mul_ps(far, _mm256_set1_ps(hull.far_scale[0][axis])),
                                                  _mm256_mul_ps(far, _mm256_set1_ps(hull.far_scale[1][axis]))));
     }
+    _mm256_storeu_ps(t, enter);
     return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ)));
   }
 

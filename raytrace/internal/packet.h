@@ -46,15 +46,49 @@ struct alignas(64) PacketHits {
 /// The lower face of a box along each axis. The upper one is next.
 inline constexpr int kBoxFaces[] = {8, 10, 1};
 
-/// The first crossings of rays with a solid at or after RayLanes::from.
-struct alignas(64) SolidLanes {
-  double t[kPacket];  ///< infinite: none
-  double normal[3][kPacket], face[kPacket];
+/// gpuprims::Wedge: the sweep of a torus.
+struct Sweep {
+  bool whole, convex, flat;
+  bool needs_chord;  ///< rounding errors may decide whether a chord lies within, by its middle
+  double middle[2], end[2];
 };
 
-/// What happens at a leaf of a packet's walk over items: `rays` meet its box. It may shrink PacketFrame::limit.
+/// A solid that packets intersect side by side, in its item's coordinates. All numbers are finite.
+struct SolidShape {
+  enum Kind {
+    kBox,               ///< size: half extents, one of which may be 0
+    kCylinder,          ///< radius above 0, half height
+    kDome,              ///< radius, bulge above 0, height above 0 as gpuprims/internal/dome.h has them; `whole`
+    kSnout,             ///< bottom and top radius, one above 0, and height above 0; `offset`; level ends
+    kRectangularTorus,  ///< inner and outer radius, half height
+    kCircularTorus,     ///< major and tube radius, above 0
+  } kind = kBox;
+  double size[3] = {}, offset[2] = {};
+  bool whole = false;
+  Sweep sweep = {};  ///< of tori
+};
+
+/// The nearest hits of a packet's rays so far.
+struct alignas(64) NearestLanes {
+  double t[kPacket];
+  double normal[3][kPacket], face[kPacket];     ///< of solids, in the item's coordinates
+  std::uint32_t slot[kPacket], place[kPacket];  ///< slot: kNoSlot: none; place: of meshes
+};
+inline constexpr std::uint32_t kNoSlot = 0xffffffffu;
+
+/// Packets that may walk together.
+inline constexpr int kTogether = 4;
+
+/// A packet and those of its rays that are on their way.
+struct PacketPart {
+  const PacketFrame* frame;
+  unsigned rays;
+};
+
+/// What happens at a leaf of packets' walk over items: rays[i] of packet i meet its box. It may shrink
+/// PacketFrame::limit.
 struct PacketVisitor {
-  void (*visit)(PacketVisitor& visitor, std::uint32_t leaf, unsigned rays);
+  void (*visit)(PacketVisitor& visitor, std::uint32_t leaf, const unsigned* rays);
 };
 
 /// Decides what is too close to the start of a ray for float.
@@ -79,6 +113,10 @@ struct PacketKernels {
   unsigned (*enter)(const RayLanes& lanes, unsigned rays, const LaneSpace& space, PacketFrame& frame);
   void (*walk)(const WideNode* nodes, std::uint32_t root, const PacketFrame& frame, unsigned rays,
                PacketVisitor& visitor);
+  /// The same for `count` packets, up to kTogether, as one. False: they are too far apart; some leaves may have been
+  /// visited.
+  bool (*walk_as_one)(const WideNode* nodes, std::uint32_t root, const PacketPart* packets, int count,
+                      PacketVisitor& visitor);
   /// Hits of `rays` are replaced where there are nearer ones, as by Kernels::nearest().
   void (*nearest)(const PacketQuery& query, unsigned rays, PacketFrame& frame, PacketHits& hits);
   /// crossing() and RayFrame::t() of `rays` with their triangles. Returns those that pass outside, which have no
@@ -89,9 +127,12 @@ struct PacketKernels {
   void (*normals)(const TriangleBlock* blocks, const std::uint32_t* places, unsigned rays, double (*normals)[kPacket]);
   /// Turns normals into the world, with unit length; `columns` are the cofactors of the item's linear part.
   void (*turn)(const double (*columns)[3], bool mirrored, double (*normals)[kPacket]);
-  /// A cylinder of a radius above 0 that ends at -half and half, and a box of which one half may be 0. All finite.
-  void (*cylinder)(const RayLanes& rays, double radius, double half, SolidLanes& out);
-  void (*box)(const RayLanes& rays, const double* half, SolidLanes& out);
+  /// Moves those of `rays` into a solid's item and takes their first crossings that are nearer than `best`. Returns the
+  /// rays that have a new hit.
+  unsigned (*solid)(const SolidShape& shape, const LaneMap& map, const RayLanes& rays, unsigned who, std::uint32_t slot,
+                    NearestLanes& best);
+  /// Nothing beyond these t is of interest from now on.
+  void (*shorten)(const double* t, PacketFrame& frame);
 };
 
 const PacketKernels& scalar_packet_kernels();

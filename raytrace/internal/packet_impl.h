@@ -8,6 +8,7 @@
 
 #include "sightline/raytrace/internal/kernels_impl.h"
 #include "sightline/raytrace/internal/packet.h"
+#include "sightline/raytrace/internal/packet_solids.h"
 
 namespace sightline::raytrace {
 namespace {
@@ -16,21 +17,12 @@ inline bool at_most_one(unsigned rays) {
   return (rays & (rays - 1)) == 0;
 }
 
-inline double larger(double a, double b) {
-  return a < b ? b : a;
-}
-inline double smaller(double a, double b) {
-  return b < a ? b : a;
-}
 #ifdef __GNUC__
 inline double size_of(double a) {
   return __builtin_fabs(a);
 }
 inline double root(double a) {
   return __builtin_sqrt(a);
-}
-inline double fused(double a, double b, double c) {
-  return __builtin_fma(a, b, c);
 }
 #else
 inline double size_of(double a) {
@@ -39,18 +31,19 @@ inline double size_of(double a) {
 inline double root(double a) {
   return std::sqrt(a);
 }
-inline double fused(double a, double b, double c) {
-  return std::fma(a, b, c);
-}
 #endif
 // The loops that follow go over all rays, so that the compiler vectorises them.
 
 /// tracer.cpp, good().
-inline unsigned load_lanes(const double* rays, int count, RayLanes& out) {
-  for (int i = 0; i < kPacket; ++i) {
-    const double* const ray = rays + 8 * (i < count ? i : count - 1);
-    for (int axis = 0; axis < 3; ++axis) out.origin[axis][i] = ray[axis], out.direction[axis][i] = ray[3 + axis];
-    out.from[i] = ray[6], out.to[i] = ray[7];
+template <class Form>
+unsigned load_lanes(const double* rays, int count, RayLanes& out) {
+  double* const columns[] = {out.origin[0],    out.origin[1],    out.origin[2], out.direction[0],
+                             out.direction[1], out.direction[2], out.from,      out.to};
+  if (count == kPacket) {
+    for (int first = 0; first < kPacket; first += 8) Form::transpose(rays + 8 * first, columns, first);
+  } else {
+    for (int i = 0; i < kPacket; ++i)
+      for (int column = 0; column < 8; ++column) columns[column][i] = rays[8 * (i < count ? i : count - 1) + column];
   }
   float doubt[kPacket];  // 0: none
   for (int i = 0; i < kPacket; ++i) {
@@ -86,14 +79,13 @@ inline void lanes_to_item(const RayLanes& rays, const LaneMap& m, RayLanes& out)
 
 /// The power of two in (x / 2, x], and 1 / that.
 inline void powers_of_two(const double* x, double* power, double* inverse) {
-  constexpr std::uint64_t kExponent = 0x7ff0000000000000u, kOneOver = 0x7fe0000000000000u;
   union Bits {
     double value[kPacket];
     std::uint64_t bits[kPacket];
   } in, up, down;
   for (int i = 0; i < kPacket; ++i) in.value[i] = x[i];
-  for (int i = 0; i < kPacket; ++i) up.bits[i] = in.bits[i] & kExponent;
-  for (int i = 0; i < kPacket; ++i) down.bits[i] = kOneOver - (in.bits[i] & kExponent);
+  for (int i = 0; i < kPacket; ++i) up.bits[i] = in.bits[i] & std::uint64_t(kExponent);
+  for (int i = 0; i < kPacket; ++i) down.bits[i] = std::uint64_t(kOneOver) - (in.bits[i] & std::uint64_t(kExponent));
   for (int i = 0; i < kPacket; ++i) power[i] = up.value[i];
   for (int i = 0; i < kPacket; ++i) inverse[i] = down.value[i];
 }
@@ -246,145 +238,13 @@ inline void turn_normals(const double (*columns)[3], bool mirrored, double (*nor
   }
 }
 
-// --- solids, with the roundings of gpuprims --------------------------------------------------------------------------
-
-constexpr double kForever = std::numeric_limits<double>::infinity();
-
-/// gpuprims::LocalRay of each ray.
-struct alignas(64) LocalLanes {
-  double origin[3][kPacket], direction[3][kPacket], start[kPacket], scale[kPacket];
-  double valid[kPacket];  // 1: yes
-
-  /// closest_approach().
-  LocalLanes(const RayLanes& rays, const double* weights, double size) {
-    double longest[kPacket], power[kPacket], factor[kPacket];
-    double of_size[kPacket], up[kPacket], down[kPacket];
-    for (int i = 0; i < kPacket; ++i) of_size[i] = size;
-    powers_of_two(of_size, up, down);
-    const double per_unit = down[0], unit = up[0], wx = weights[0], wy = weights[1], wz = weights[2];
-    for (int i = 0; i < kPacket; ++i)
-      longest[i] =
-          larger(size_of(rays.direction[0][i]), larger(size_of(rays.direction[1][i]), size_of(rays.direction[2][i])));
-    powers_of_two(longest, power, factor);
-    for (int i = 0; i < kPacket; ++i) {
-      const double ox = rays.origin[0][i], oy = rays.origin[1][i], oz = rays.origin[2][i];
-      const double dx = factor[i] * rays.direction[0][i], dy = factor[i] * rays.direction[1][i];
-      const double dz = factor[i] * rays.direction[2][i];
-      const double ux = wx * dx, uy = wy * dy, uz = wz * dz;
-      const double s = -((ux * ox + uy * oy) + uz * oz) / ((ux * dx + uy * dy) + uz * dz);
-      const double x = fused(s, dx, ox), y = fused(s, dy, oy), z = fused(s, dz, oz);
-      valid[i] = ((x * x + y * y) + z * z) + size_of(s) < kForever ? 1.0 : 0.0;
-      origin[0][i] = x * per_unit, origin[1][i] = y * per_unit, origin[2][i] = z * per_unit;
-      direction[0][i] = dx, direction[1][i] = dy, direction[2][i] = dz;
-      start[i] = s * factor[i];
-      scale[i] = unit * factor[i];
-    }
-  }
-};
-
-/// gpuprims::Span of each ray; faces are numbers.
-struct alignas(64) SpanLanes {
-  double from[kPacket], to[kPacket], from_face[kPacket], to_face[kPacket];
-
-  /// Span::clip_slab() of faces `low` and low + 1.
-  void clip(const double* values, const double* slopes, double half, double low) {
-    const double level_reach = half == 0.0 ? -1.0 : half;
-    for (int i = 0; i < kPacket; ++i) {
-      const double value = values[i], slope = slopes[i], inverse = 1.0 / slope;
-      const double middle = -value * inverse, extent = half * size_of(inverse);
-      const double first = middle - extent, last = middle + extent;
-      const double enter = slope > 0.0 ? low : low + 1.0, leave = slope > 0.0 ? low + 1.0 : low;
-      const double kept_from = larger(from[i], first), kept_to = smaller(to[i], last);
-      const double entry = first > from[i] ? enter : from_face[i], exit = last < to[i] ? leave : to_face[i];
-      // A level ray keeps its span within the slab, and else nothing.
-      const double level_from = size_of(value) <= level_reach ? from[i] : 1.0;
-      const double level_to = size_of(value) <= level_reach ? to[i] : 0.0;
-      from_face[i] = slope == 0.0 ? from_face[i] : entry;
-      to_face[i] = slope == 0.0 ? to_face[i] : exit;
-      from[i] = slope == 0.0 ? level_from : kept_from;
-      to[i] = slope == 0.0 ? level_to : kept_to;
-    }
-  }
-
-  /// add_hits(), and of those the first at or after rays.from. `s` and `face` tell where it lies.
-  void choose(const RayLanes& rays, const LocalLanes& local, double* t, double* s, double* face) const {
-    for (int i = 0; i < kPacket; ++i) {
-      const double first = local.start[i] + from[i] * local.scale[i], last = local.start[i] + to[i] * local.scale[i];
-      const double later = last >= rays.from[i] ? last : kForever, any = first >= rays.from[i] ? first : later;
-      const double not_empty = from[i] <= to[i] ? any : kForever, begins = from[i] > -kForever ? not_empty : kForever;
-      const double ends = to[i] < kForever ? begins : kForever;
-      t[i] = local.valid[i] == 1.0 ? ends : kForever;
-      s[i] = first >= rays.from[i] ? from[i] : to[i];
-      face[i] = first >= rays.from[i] ? from_face[i] : to_face[i];
-    }
-  }
-};
-
-inline double weight_of(double a, double b) {
-  const double ratio = a / larger(b, 1e-12 * a);
-  return ratio * ratio;
-}
-
-inline double per_unit_of(double size) {
-  double sizes[kPacket], up[kPacket], down[kPacket];
-  for (int i = 0; i < kPacket; ++i) sizes[i] = size;
-  powers_of_two(sizes, up, down);
-  return down[0];
-}
-
-/// gpuprims/cylinder.cpp.
-inline void meet_cylinder(const RayLanes& rays, double radius, double half, SolidLanes& out) {
-  const double weights[] = {1.0, 1.0, weight_of(radius, half)}, per_unit = per_unit_of(radius);
-  const LocalLanes local(rays, weights, radius);
-  const double r = radius * per_unit, square = r * r, least = 1024.0 * std::numeric_limits<double>::min();
-  SpanLanes span;
+inline void shorten_limits(const double* t, PacketFrame& f) {
+  const double margin = f.margin;
   for (int i = 0; i < kPacket; ++i) {
-    const double ox = local.origin[0][i], oy = local.origin[1][i];
-    const double ux = local.direction[0][i], uy = local.direction[1][i];
-    const double a = ux * ux + uy * uy, b = ox * ux + oy * uy, moment = ox * uy - oy * ux;
-    const double discriminant = square * a - moment * moment;
-    const double chord = root(larger(discriminant, 0.0)), inverse = 1.0 / a;
-    const double from = (-b - chord) * inverse, to = (-b + chord) * inverse;
-    const double met_from = discriminant >= 0.0 ? from : 1.0, met_to = discriminant >= 0.0 ? to : 0.0;
-    const double across = ox * ox + oy * oy;
-    const double along_from = across <= square ? -kForever : 1.0, along_to = across <= square ? kForever : 0.0;
-    span.from[i] = a > least ? met_from : along_from;
-    span.to[i] = a > least ? met_to : along_to;
-    span.from_face[i] = span.to_face[i] = 0.0;
-  }
-  span.clip(local.origin[2], local.direction[2], half * per_unit, 1.0);
-  alignas(64) double s[kPacket], face[kPacket];
-  span.choose(rays, local, out.t, s, face);
-  for (int i = 0; i < kPacket; ++i) out.face[i] = face[i];
-  for (int i = 0; i < kPacket; ++i) {
-    const double across = face[i] == 0.0 ? 1.0 : 0.0, up = face[i] == 2.0 ? 1.0 : -1.0;
-    out.normal[0][i] = across * (local.origin[0][i] + s[i] * local.direction[0][i]);
-    out.normal[1][i] = across * (local.origin[1][i] + s[i] * local.direction[1][i]);
-    out.normal[2][i] = face[i] == 0.0 ? 0.0 : up;
-  }
-}
-
-/// gpuprims/box.cpp.
-inline void meet_box(const RayLanes& rays, const double* half, SolidLanes& out) {
-  const double size = larger(half[0], larger(half[1], half[2])), per_unit = per_unit_of(size);
-  const double weights[] = {weight_of(size, half[0]), weight_of(size, half[1]), weight_of(size, half[2])};
-  const LocalLanes local(rays, weights, size);
-  SpanLanes span;
-  for (int i = 0; i < kPacket; ++i) {
-    span.from[i] = -kForever, span.to[i] = kForever;
-    span.from_face[i] = span.to_face[i] = -1.0;
-  }
-  for (int axis = 0; axis < 3; ++axis)
-    span.clip(local.origin[axis], local.direction[axis], half[axis] * per_unit, double(kBoxFaces[axis]));
-  alignas(64) double s[kPacket], face[kPacket];
-  span.choose(rays, local, out.t, s, face);
-  for (int i = 0; i < kPacket; ++i) out.face[i] = face[i];
-  for (int axis = 0; axis < 3; ++axis) {
-    const double low = double(kBoxFaces[axis]), high = low + 1.0;
-    for (int i = 0; i < kPacket; ++i) {
-      const double up = face[i] == high ? 1.0 : 0.0;
-      out.normal[axis][i] = face[i] == low ? -1.0 : up;
-    }
+    const double s = (t[i] * f.per_factor[i] - f.begin[i]) * (1.0 + 0x1p-20) + margin;
+    const float limit = s < 1e38 ? float(s) : std::numeric_limits<float>::infinity();
+    const float above = 0.0f < limit ? limit : 0.0f;
+    f.limit[i] = above < f.limit[i] ? above : f.limit[i];
   }
 }
 
@@ -479,45 +339,60 @@ struct Packets {
     unsigned met[kMostEntries];
     const Boxes boxes(f, lowest(rays));
     const Hull hull = hull_of(f, rays);
-    Wide::spread(0.0f).store(enters[0].t);
-    children[0] = root;
-    met[0] = rays;
-    int size = 1;
-    while (size > 0) {
-      --size;
+    std::uint32_t child = root;
+    unsigned who = rays;
+    int size = 0;
+    for (;;) {
+      if (at_most_one(who)) {
+        walk_alone(nodes, child, f, lowest(who), meet);
+      } else if ((child & kLeafBit) != 0) {
+        meet(child & ~kLeafBit, who);
+      } else {
+        const WideNode& node = nodes[child];
+        float t[kLanes];
+        const unsigned near = Form::meet_hull(node, hull, t);
+        if (near != 0 && at_most_one(near)) {
+          const std::uint32_t only = node.children[lowest(near)];
+          if ((only & kLeafBit) == 0) {  // which rays meet it shows further down
+            child = only;
+            continue;
+          }
+        }
+        const Wide limit = Wide::load(f.limit);
+        Held in[kLanes];
+        unsigned meets[kLanes];
+        Entry order[kLanes];
+        int count = 0;
+        for (unsigned rest = near; rest != 0; rest &= rest - 1) {
+          const int lane = lowest(rest);
+          meets[lane] = who & boxes.meet(node, lane, limit, in[lane].t);
+          if (meets[lane] == 0) continue;
+          // By the first ray that meets it.
+          const Entry entry = entry_of(in[lane].t[lowest(meets[lane])], std::uint32_t(lane));
+          int at = count++;
+          for (; at > 0 && order[at - 1] < entry; --at) order[at] = order[at - 1];
+          order[at] = entry;
+        }
+        if (count > 0) {
+          for (int i = 0; i + 1 < count; ++i, ++size) {
+            const auto lane = std::uint32_t(order[i]);
+            Wide::load(in[lane].t).store(enters[size].t);
+            children[size] = node.children[lane];
+            met[size] = meets[lane];
+          }
+          const auto nearest_lane = std::uint32_t(order[count - 1]);
+          child = node.children[nearest_lane];
+          who = meets[nearest_lane];
+          continue;
+        }
+      }
       const Wide limit = Wide::load(f.limit);
-      const unsigned still = met[size] & at_most(Wide::load(enters[size].t), limit);
-      if (still == 0) continue;
-      const std::uint32_t child = children[size];
-      if (at_most_one(still)) {
-        walk_alone(nodes, child, f, lowest(still), meet);
-        continue;
-      }
-      if ((child & kLeafBit) != 0) {
-        meet(child & ~kLeafBit, still);
-        continue;
-      }
-      // The nearest child last, by the first ray that meets it.
-      const WideNode& node = nodes[child];
-      Held in[kLanes];
-      unsigned who[kLanes];
-      Entry order[kLanes];
-      int count = 0;
-      for (unsigned near = Form::meet_hull(node, hull); near != 0; near &= near - 1) {
-        const int lane = lowest(near);
-        who[lane] = still & boxes.meet(node, lane, limit, in[lane].t);
-        if (who[lane] == 0) continue;
-        const Entry entry = entry_of(in[lane].t[lowest(who[lane])], std::uint32_t(lane));
-        int at = count++;
-        for (; at > 0 && order[at - 1] < entry; --at) order[at] = order[at - 1];
-        order[at] = entry;
-      }
-      for (int i = 0; i < count; ++i, ++size) {
-        const auto lane = std::uint32_t(order[i]);
-        Wide::load(in[lane].t).store(enters[size].t);
-        children[size] = node.children[lane];
-        met[size] = who[lane];
-      }
+      do {
+        if (size == 0) return;
+        --size;
+        who = met[size] & at_most(Wide::load(enters[size].t), limit);
+      } while (who == 0);
+      child = children[size];
     }
   }
 
@@ -534,8 +409,90 @@ struct Packets {
                    PacketVisitor& visitor) {
     while (rays != 0) {
       const unsigned same = same_signs(f, rays);
-      walk_together(nodes, root, f, same, [&](std::uint32_t leaf, unsigned who) { visitor.visit(visitor, leaf, who); });
+      walk_together(nodes, root, f, same,
+                    [&](std::uint32_t leaf, unsigned who) { visitor.visit(visitor, leaf, &who); });
       rays &= ~same;
+    }
+  }
+
+  /// False: the signs of directions differ.
+  static bool hull_of_all(const PacketPart* packets, int count, Hull& hull) {
+    hull = hull_of(*packets[0].frame, packets[0].rays);
+    for (int i = 0; i < count; ++i) {
+      const PacketFrame& f = *packets[i].frame;
+      const Hull other = hull_of(f, packets[i].rays);
+      hull.limit = hull.limit < other.limit ? other.limit : hull.limit;
+      for (int axis = 0; axis < 3; ++axis) {
+        const bool back = hull.near_plane[axis] != axis;
+        if ((f.back[axis] & packets[i].rays) != (back ? packets[i].rays : 0u)) return false;
+        const auto low = [](float& a, float b) { a = b < a ? b : a; };
+        const auto high = [](float& a, float b) { a = a < b ? b : a; };
+        (back ? low(hull.near_origin[axis], other.near_origin[axis])
+              : high(hull.near_origin[axis], other.near_origin[axis]));
+        (back ? high(hull.far_origin[axis], other.far_origin[axis])
+              : low(hull.far_origin[axis], other.far_origin[axis]));
+        low(hull.near_scale[0][axis], other.near_scale[0][axis]);
+        high(hull.near_scale[1][axis], other.near_scale[1][axis]);
+        low(hull.far_scale[0][axis], other.far_scale[0][axis]);
+        high(hull.far_scale[1][axis], other.far_scale[1][axis]);
+      }
+    }
+    return true;
+  }
+
+  /// Nodes are tested with the hull alone, leaves with all rays.
+  static bool walk_as_one(const WideNode* nodes, std::uint32_t root, const PacketPart* packets, int count,
+                          PacketVisitor& visitor) {
+    Hull hull;
+    if (!hull_of_all(packets, count, hull)) return false;
+    int patience = 32;  // left for nodes and leaves that the hull meets in vain
+    Entry stack[kMostEntries];
+    int size = 0;
+    Entry entry = root;
+    for (;;) {
+      const auto child = std::uint32_t(entry);
+      bool useful = false;
+      if ((child & kLeafBit) != 0) {
+        const WideNode& node = nodes[(child & ~kLeafBit) / kLanes];
+        const int lane = int(child % kLanes);
+        unsigned who[kTogether];
+        for (int i = 0; i < count; ++i) {
+          const PacketFrame& f = *packets[i].frame;
+          alignas(64) float t[kPacket];
+          who[i] = packets[i].rays & Boxes(f, lowest(packets[i].rays)).meet(node, lane, Wide::load(f.limit), t);
+          useful |= who[i] != 0;
+        }
+        if (useful) {
+          patience += 4;
+          visitor.visit(visitor, node.children[lane] & ~kLeafBit, who);
+          hull.limit = 0.0f;
+          for (int i = 0; i < count; ++i) {
+            const float limit = highest(Wide::load(packets[i].frame->limit), packets[i].rays);
+            hull.limit = hull.limit < limit ? limit : hull.limit;
+          }
+        }
+      } else {
+        const WideNode& node = nodes[child];
+        float t[kLanes];
+        unsigned met = Form::meet_hull(node, hull, t);
+        useful = met != 0;
+        Entry* const first = stack + size;
+        for (; met != 0; met &= met - 1) {
+          const int lane = lowest(met);
+          const std::uint32_t next = node.children[lane];
+          // A leaf by its place, where its box is.
+          const std::uint32_t code = (next & kLeafBit) != 0 ? kLeafBit | (child * kLanes + std::uint32_t(lane)) : next;
+          const Entry added = entry_of(t[lane], code);
+          Entry* place = stack + size++;
+          for (; place > first && place[-1] < added; --place) *place = place[-1];
+          *place = added;
+        }
+      }
+      if (!useful && --patience < 0) return false;
+      do {
+        if (size == 0) return true;
+        entry = stack[--size];
+      } while (t_of(entry) > hull.limit);
     }
   }
 
@@ -665,8 +622,9 @@ struct Packets {
 
 template <class Form>
 constexpr PacketKernels make_packet_kernels() {
-  return {load_lanes,  lanes_to_item, enter_lanes<Form>, Packets<Form>::walk, Packets<Form>::nearest,
-          cross_lanes, find_normals,  turn_normals,      meet_cylinder,       meet_box};
+  return {load_lanes<Form>,       lanes_to_item, enter_lanes<Form>, Packets<Form>::walk, Packets<Form>::walk_as_one,
+          Packets<Form>::nearest, cross_lanes,   find_normals,      turn_normals,        Solids<Form>::nearest,
+          shorten_limits};
 }
 }  // namespace
 }  // namespace sightline::raytrace
