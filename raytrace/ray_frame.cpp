@@ -74,22 +74,30 @@ bool enter(const TreeSpace& space, const dvec3& origin, const dvec3& direction, 
            RayFrame& frame) {
   const double longest = std::max(std::fabs(direction.x), std::max(std::fabs(direction.y), std::fabs(direction.z)));
   if (!(longest > 0.0) || space.radius < 0.0) return false;
-  frame.factor = inverse_power_of_two(longest);
-  frame.per_factor = power_of_two(longest);
-  const dvec3 d = frame.direction = frame.factor * direction;
+  const double factor = inverse_power_of_two(longest), per_factor = power_of_two(longest);
+  if (!(longest > 0x1p-200 && longest < 0x1p200)) {  // its squares might overflow or vanish
+    const bool near = enter(space, origin, factor * direction, t_min * per_factor, t_max * per_factor, frame);
+    frame.factor *= factor;
+    frame.per_factor *= per_factor;
+    return near;
+  }
+  // Powers of two do not round. So what decides takes the direction as given, and need not wait for its length.
   const dvec3 to_centre = space.centre - origin;
-  const dvec3 moment = glm::cross(to_centre, d);
-  const double square = glm::dot(d, d);
+  const dvec3 moment = glm::cross(to_centre, direction);
+  const double square = glm::dot(direction, direction);
   const dvec3 far = glm::abs(to_centre);
   const double lost = 1e-15 * (far.x + far.y + far.z) + 2.0 * kBoxError * space.reach;
   const double radius = space.radius + lost;
   if (!(glm::dot(moment, moment) <= radius * radius * square)) return false;
-  const double closest = glm::dot(to_centre, d) / square;
-  const double first = std::max(t_min * frame.per_factor, closest - radius);
-  const double last = std::min(t_max * frame.per_factor, closest + radius);
+  const double closest = per_factor * (glm::dot(to_centre, direction) / square);
+  const double first = std::max(t_min * per_factor, closest - radius);
+  const double last = std::min(t_max * per_factor, closest + radius);
   if (!(first <= last)) return false;
+  frame.factor = factor;
+  frame.per_factor = per_factor;
   frame.margin = kMargin * space.reach;
   frame.begin = first - frame.margin;
+  const dvec3 d = frame.direction = factor * direction;
   frame.origin = origin + frame.begin * d;
   set_box_ray(frame.origin, d, float(kBoxError * space.reach), frame.boxes);
   frame.boxes.t_max = frame_limit(last, frame.begin, frame.margin);

@@ -248,7 +248,6 @@ void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter&
   visitor.frame = &frame;
   visitor.meet = &meet;
   visitor.limit = to;
-  const Kernels& kernel = kernels();
   for (const ItemTrees::Tree& tree : items_.trees()) {
     if (tree.only != core::kNone) {
       const bool seen = tree.space.radius >= 0.0 && (bounds.layers(tree.only) & filter.layers) != 0;
@@ -258,7 +257,7 @@ void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter&
       continue;
     }
     if (!enter(tree.space, origin, ray.direction, from, visitor.limit, frame)) continue;
-    kernel.walk(items_.nodes(), tree.root, frame.boxes, visitor);
+    kernels().walk(items_.nodes(), tree.root, frame.boxes, visitor);
     if (visitor.limit == -kInfinity) return;
   }
 }
@@ -358,7 +357,19 @@ Slot Tracer::Impl::cut_at(const Ray& ray, double t, const core::Plane* plane, co
   return cut;
 }
 
+void Tracer::Impl::nearest_in(const Ray& ray, double from, double to, const RayFilter& filter,
+                              std::optional<Hit>& hit) const {
+  Found found;
+  found.t = to;
+  walk(ray, from, to, filter, [&](Slot slot) {
+    nearest_of(slot, ray, from, found);
+    return found.t;
+  });
+  if (found.slot != core::kNone) hit = finish(ray, found);
+}
+
 void Tracer::Impl::nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
+  if (filter.sections.empty()) return nearest_in(ray, ray.t_min, ray.t_max, filter, hit);
   const KeptParts parts = kept_parts(ray, filter);
   for (int i = 0; i < parts.count; ++i) {
     const auto [from, to] = parts.part[std::size_t(i)];
@@ -367,15 +378,8 @@ void Tracer::Impl::nearest(const Ray& ray, const RayFilter& filter, std::optiona
       hit = cut_hit(ray, from, *plane, cut);
       return;
     }
-    Found found;
-    found.t = to;
-    walk(ray, from, to, filter, [&, from = from](Slot slot) {
-      nearest_of(slot, ray, from, found);
-      return found.t;
-    });
-    if (found.slot == core::kNone) continue;
-    hit = finish(ray, found);
-    return;
+    nearest_in(ray, from, to, filter, hit);
+    if (hit) return;
   }
 }
 

@@ -2,6 +2,8 @@
 // compiled for its own instruction set.
 #pragma once
 
+#include <cstddef>
+
 #include <immintrin.h>
 
 #include "sightline/raytrace/internal/kernels_impl.h"
@@ -12,7 +14,7 @@ namespace {
 struct Avx2 {
   struct Ray {
     __m256 near_origin[3], far_origin[3], near_scale[3], far_scale[3];
-    int near_plane[3], far_plane[3];
+    std::ptrdiff_t near_plane[3], far_plane[3];  // in floats from WideNode::bounds
 
     explicit Ray(const BoxRay& r) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -20,21 +22,22 @@ struct Avx2 {
         far_origin[axis] = _mm256_set1_ps(r.far_origin[axis]);
         near_scale[axis] = _mm256_set1_ps(r.near_scale[axis]);
         far_scale[axis] = _mm256_set1_ps(r.far_scale[axis]);
-        near_plane[axis] = r.near_plane[axis];
-        far_plane[axis] = r.far_plane[axis];
+        near_plane[axis] = kLanes * r.near_plane[axis];
+        far_plane[axis] = kLanes * r.far_plane[axis];
       }
     }
     __m256 enter(const WideNode& node, int axis) const {
-      const __m256 plane = _mm256_load_ps(node.bounds[near_plane[axis]]);
+      const __m256 plane = _mm256_load_ps(node.bounds[0] + near_plane[axis]);
       return _mm256_mul_ps(_mm256_sub_ps(plane, near_origin[axis]), near_scale[axis]);
     }
     __m256 leave(const WideNode& node, int axis) const {
-      const __m256 plane = _mm256_load_ps(node.bounds[far_plane[axis]]);
+      const __m256 plane = _mm256_load_ps(node.bounds[0] + far_plane[axis]);
       return _mm256_mul_ps(_mm256_sub_ps(plane, far_origin[axis]), far_scale[axis]);
     }
   };
 
   static unsigned meet(const WideNode& node, const Ray& ray, float t_max, float* t) {
+    _mm_prefetch(reinterpret_cast<const char*>(node.children), _MM_HINT_T0);
     const __m256 enter = _mm256_max_ps(_mm256_max_ps(ray.enter(node, 0), ray.enter(node, 1)),
                                        _mm256_max_ps(ray.enter(node, 2), _mm256_setzero_ps()));
     const __m256 leave = _mm256_min_ps(_mm256_min_ps(ray.leave(node, 0), ray.leave(node, 1)),

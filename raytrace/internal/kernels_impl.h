@@ -125,7 +125,11 @@ struct Tracing {
     };
     next = take();
     if (met == 0) return true;
+    const Entry second = take(), farther = next < second ? second : next;
+    next = next < second ? next : second;
     Entry* const first = stack + size;
+    stack[size++] = farther;
+    if (met == 0) return true;
     stack[size++] = next;
     do {
       const Entry entry = take();

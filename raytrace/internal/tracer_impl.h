@@ -94,6 +94,7 @@ class Tracer::Impl {
   template <class Meet>
   void walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const;
   bool nearest_of(Slot slot, const Ray& ray, double from, Found& found) const;
+  void nearest_in(const Ray& ray, double from, double to, const RayFilter& filter, std::optional<Hit>& hit) const;
   static bool nearest_triangle(const MeshTree& tree, const ItemRay& ray, double from, double to, bool any, double& t,
                                std::uint32_t& place);
   template <class Visit>
