@@ -17,7 +17,7 @@ std::string shape_text(const py::ssize_t* lengths, std::size_t count) {
 /// `value` as an array of `kinds` (numpy's letters) and `shape`; `what` names the kinds in the error.
 py::array array_of(py::handle value, const char* argument, const Shape& shape, std::string_view kinds,
                    const char* what) {
-  const py::array array = value.is_none() ? py::array() : py::array::ensure(value);
+  py::array array = value.is_none() ? py::array() : py::array::ensure(value);
   if (value.is_none() || !array) {
     PyErr_Clear();
     fail(std::string(argument) + ": expected " + what + " of shape " + shape_text(shape.data(), shape.size()) +

@@ -89,7 +89,7 @@ py::array_t<T> take(Owner&& owner, std::vector<T> Owner::*values, const Shape& s
   auto kept = std::make_unique<Owner>(std::forward<Owner>(owner));
   const T* data = ((*kept).*values).data();
   const py::capsule capsule(kept.get(), [](void* p) { delete static_cast<Owner*>(p); });
-  kept.release();
+  (void)kept.release();  // the capsule has it
   return view_of(data, shape, capsule);
 }
 

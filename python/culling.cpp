@@ -14,7 +14,7 @@ struct GatedCuller {
   explicit GatedCuller(culling::BoxCuller&& made) : culler(std::move(made)) {}
 };
 
-std::unique_ptr<GatedCuller> make_culler(py::object boxes) {
+std::unique_ptr<GatedCuller> make_culler(const py::object& boxes) {
   const auto rows = doubles(boxes, "boxes", {-1, 6});
   const auto* first = reinterpret_cast<const core::AabbD*>(rows.data());
   const std::size_t count = std::size_t(rows.shape(0));
@@ -36,7 +36,7 @@ py::array_t<std::uint32_t> visible_in_view(GatedCuller& culler, const core::View
   return take(std::move(indices));
 }
 
-py::array_t<std::uint32_t> visible_in_matrix(GatedCuller& culler, py::object clip_from_world,
+py::array_t<std::uint32_t> visible_in_matrix(GatedCuller& culler, const py::object& clip_from_world,
                                              const std::string& depth) {
   const core::dmat4 columns = matrix(clip_from_world, "clip_from_world");
   const auto range = core::ClipDepth(one_of("depth", depth, {"reversed", "classic"}));
@@ -50,7 +50,7 @@ py::array_t<std::uint32_t> visible_in_matrix(GatedCuller& culler, py::object cli
   return take(std::move(indices));
 }
 
-void update(GatedCuller& culler, std::uint32_t index, py::object box) {
+void update(GatedCuller& culler, std::uint32_t index, const py::object& box) {
   const auto row = doubles(box, "box", {6});
   const double* b = row.data();
   culler.gate.pass(Use::kWrite);

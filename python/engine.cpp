@@ -138,7 +138,7 @@ void check_size(int width, int height) {
 std::unique_ptr<EngineBox> make_engine(const ScenePtr& scene, bool draw, int width, int height, bool ids,
                                        const std::string& culler, bool sample_test, const std::string& occlusion,
                                        float contribution, const std::string& contribution_way, double budget_ms,
-                                       py::object hidden_colour, int samples, bool gl_debug,
+                                       const py::object& hidden_colour, int samples, bool gl_debug,
                                        const std::optional<std::filesystem::path>& program_cache, double rebuild_share,
                                        const std::optional<std::string>& gpu_pass, const std::string& policy) {
   EngineConfig config;
@@ -184,7 +184,7 @@ py::array_t<std::uint32_t> visible_items(EngineBox& box) {
   }));
 }
 
-core::View fit(EngineBox& box, py::object direction, double fovy, std::optional<double> aspect_) {
+core::View fit(EngineBox& box, const py::object& direction, double fovy, std::optional<double> aspect_) {
   const double aspect = aspect_.value_or(double(box.width()) / box.height());
   const core::dvec3 along = direction.is_none() ? core::kOverviewDirection : vector3(direction, "direction");
   return unwrap(box.call([&](engine::Engine& e) {
@@ -219,8 +219,8 @@ std::optional<Picked> pick(EngineBox& box, const core::View& view, double x, dou
   return picked(box, box.call([&](engine::Engine& e) { return e.pick(seen, x, y); }));
 }
 
-std::optional<Picked> pick_ray(EngineBox& box, py::object origin, py::object direction, double t_min, double t_max,
-                               std::uint32_t layers) {
+std::optional<Picked> pick_ray(EngineBox& box, const py::object& origin, const py::object& direction, double t_min,
+                               double t_max, std::uint32_t layers) {
   const raytrace::Ray ray{vector3(origin, "origin"), vector3(direction, "direction"), t_min, t_max};
   raytrace::RayFilter filter;
   filter.layers = layers;
@@ -236,7 +236,7 @@ culling::RegionRule rule_of(const std::string& name) {
   return culling::RegionRule(one_of("rule", name, {"crossing", "wholly"}));
 }
 
-py::array_t<std::uint32_t> items_in(EngineBox& box, const core::View& view, py::object rectangle,
+py::array_t<std::uint32_t> items_in(EngineBox& box, const core::View& view, const py::object& rectangle,
                                     const std::string& rule_name) {
   const core::View seen = view;
   const engine::PixelRectangle r = rectangle_of(rectangle);
@@ -244,14 +244,14 @@ py::array_t<std::uint32_t> items_in(EngineBox& box, const core::View& view, py::
   return take(unwrap(box.call([&](engine::Engine& e) { return e.items_in(seen, r, rule); })));
 }
 
-py::array_t<std::uint32_t> items_in_planes(EngineBox& box, py::object planes, const std::string& rule_name,
+py::array_t<std::uint32_t> items_in_planes(EngineBox& box, const py::object& planes, const std::string& rule_name,
                                            std::uint32_t layers) {
   const auto kept = section_planes(planes, "planes");
   const auto rule = rule_of(rule_name);
   return take(unwrap(box.call([&](engine::Engine& e) { return e.items_in(kept, rule, layers); })));
 }
 
-py::array_t<raytrace::VisibleItem> visible_items_in(EngineBox& box, const core::View& view, py::object rectangle,
+py::array_t<raytrace::VisibleItem> visible_items_in(EngineBox& box, const core::View& view, const py::object& rectangle,
                                                     int samples) {
   if (samples < 1 || samples > 4096) fail("samples: expected 1 to 4096, found " + std::to_string(samples));
   const core::View seen = view;
@@ -460,7 +460,7 @@ void bind_life(EngineClass& c) {
         "gpu_pass: \"geometry\", \"compute\" or None; policy of the hybrid: \"frame-cost\" or \"2009\".")
       .def("close", &EngineBox::close, "Frees everything now. Later calls fail; a second close() does nothing.")
       .def_property_readonly("closed", &EngineBox::closed, "Whether close() has been called.")
-      .def("__enter__", [](py::object self) { return self; })
+      .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](EngineBox& b, const py::args&) { b.close(); });
 }
 

@@ -81,7 +81,7 @@ void bind_comparison(py::module_& m) {
       .def_readonly("flip_p99", &image::ImageMetrics::flip_p99, "99 % of all pixels have a smaller FLIP.");
   m.def(
       "compare",
-      [](py::object reference, py::object picture) {
+      [](const py::object& reference, const py::object& picture) {
         const Pair pair(reference, picture);
         return unwrap(without_gil([&] { return image::compare(pair.reference, pair.picture); }));
       },
@@ -89,7 +89,7 @@ void bind_comparison(py::module_& m) {
       "The largest and the mean difference of two (height, width, 3) pictures.");
   m.def(
       "metrics",
-      [](py::object reference, py::object picture, double pixels_per_degree) {
+      [](const py::object& reference, const py::object& picture, double pixels_per_degree) {
         const Pair pair(reference, picture);
         check_for_flip(pair, pixels_per_degree);
         return unwrap(
@@ -99,7 +99,7 @@ void bind_comparison(py::module_& m) {
       "PSNR, SSIM and FLIP of two pictures of 11 pixels or more either way.");
   m.def(
       "flip",
-      [](py::object reference, py::object picture, double pixels_per_degree) {
+      [](const py::object& reference, const py::object& picture, double pixels_per_degree) {
         const Pair pair(reference, picture);
         check_for_flip(pair, pixels_per_degree);
         image::DepthImage errors{pair.reference.width, pair.reference.height, {}};
@@ -110,7 +110,7 @@ void bind_comparison(py::module_& m) {
       "FLIP's error of each pixel, (height, width) float32, 0 to 1: what somebody sees who flips between both.");
   m.def(
       "difference_image",
-      [](py::object reference, py::object picture) {
+      [](const py::object& reference, const py::object& picture) {
         const Pair pair(reference, picture);
         unwrap(image::compare(pair.reference, pair.picture));  // of equal size
         return to_array(without_gil([&] { return image::difference_image(pair.reference, pair.picture); }));
@@ -118,7 +118,7 @@ void bind_comparison(py::module_& m) {
       py::arg("reference"), py::arg("picture"), "Absolute differences, four times amplified, as a picture.");
   m.def(
       "wrong_ids",
-      [](py::object reference, py::object ids) {
+      [](const py::object& reference, const py::object& ids) {
         return unwrap(image::wrong_ids(id_image(reference, "reference"), id_image(ids, "ids")));
       },
       py::arg("reference"), py::arg("ids"), "Number of pixels that show another item, of two arrays of read_ids().");
@@ -133,14 +133,14 @@ void bind_files(py::module_& m) {
       py::arg("file"), "A PNG file as (height, width, 3) uint8.");
   m.def(
       "write_png",
-      [](const std::filesystem::path& file, py::object picture) {
+      [](const std::filesystem::path& file, const py::object& picture) {
         const image::Image image = colour_image(picture, "picture");
         unwrap(without_gil([&] { return image::write_png(image, file); }));
       },
       py::arg("file"), py::arg("picture"), "Replaces the file. `picture`: (height, width, 3) uint8.");
   m.def(
       "encode_png",
-      [](py::object picture) {
+      [](const py::object& picture) {
         const image::Image image = colour_image(picture, "picture");
         const auto data = unwrap(without_gil([&] { return image::encode_png(image, image::PngSize::kSmall); }));
         return py::bytes(reinterpret_cast<const char*>(data.data()), data.size());
@@ -148,16 +148,16 @@ void bind_files(py::module_& m) {
       py::arg("picture"), "The bytes of a PNG file, as notebooks and HTML pages take them.");
   m.def(
       "write_pfm",
-      [](const std::filesystem::path& file, py::object depth) {
+      [](const std::filesystem::path& file, const py::object& depth) {
         unwrap(image::write_pfm(depth_image(depth, "depth"), file));
       },
       py::arg("file"), py::arg("depth"), "Writes what read_depth() gives, in metres.");
   m.def(
-      "id_colours", [](py::object ids) { return to_array(unwrap(image::id_colours(id_image(ids, "ids")))); },
+      "id_colours", [](const py::object& ids) { return to_array(unwrap(image::id_colours(id_image(ids, "ids")))); },
       py::arg("ids"), "Ids as 24-bit colours, red the low byte, as sightline-render writes them.");
   m.def(
       "ids_of_colours",
-      [](py::object colours) { return to_array(image::ids_of_colours(colour_image(colours, "colours"))); },
+      [](const py::object& colours) { return to_array(image::ids_of_colours(colour_image(colours, "colours"))); },
       py::arg("colours"), "The inverse of id_colours().");
 }
 

@@ -48,7 +48,7 @@ void bind_primitive(py::module_& m, const char* type, const char* doc,
           "degenerate", [](const T& p) { return core::is_degenerate(p); }, "Whether it has no volume, or no length.")
       .def(
           "bounds",
-          [](const T& p, py::object world_from_item) {
+          [](const T& p, const py::object& world_from_item) {
             return to_array(core::bounds(p, affine(world_from_item, "world_from_item")));
           },
           py::arg("world_from_item") = py::none(), "[[min], [max]] under a 4 x 4 matrix, tight.")

@@ -59,7 +59,7 @@ core::vec3 colour_of(py::handle value) {
 
 // --- meshes ----------------------------------------------------------------------------------------------------------
 
-Mesh add_mesh(const ScenePtr& scene, py::object positions, py::object indices_, py::object normals,
+Mesh add_mesh(const ScenePtr& scene, const py::object& positions, const py::object& indices_, const py::object& normals,
               const py::str& name) {
   const auto copy = [](const Numbers<float>& rows) {
     const auto* first = reinterpret_cast<const core::vec3*>(rows.data());
@@ -84,7 +84,7 @@ py::array_t<T> look_into(const Mesh& mesh, const std::vector<Row>& rows) {
     const std::unique_ptr<Mesh> view(static_cast<Mesh*>(p));
     --view->scene->mesh_views[view->id.index];
   });
-  kept.release();
+  (void)kept.release();  // the capsule has it
   ++scene->mesh_views[mesh.id.index];
   const bool triples = std::is_same_v<Row, core::vec3>;
   const auto count = py::ssize_t(triples ? rows.size() : rows.size() / 3);
@@ -157,7 +157,7 @@ void bind_material(py::module_& m) {
             const core::vec3 c = read(x).material(x.id).colour;
             return py::make_tuple(c.x, c.y, c.z);
           },
-          [](const Material& x, py::object colour) {
+          [](const Material& x, const py::object& colour) {
             const core::vec3 c = colour_of(colour);
             update(x, [&](core::Material& to) { to.colour = c; });
           },
@@ -216,7 +216,7 @@ void bind_item(py::module_& m) {
           "The mesh; None for a primitive.")
       .def_property(
           "placement", [](const Item& x) { return to_array(read(x).placement(x.id)); },
-          [](const Item& x, py::object m4) { edit(x).set_placement(x.id, affine(m4, "placement")); },
+          [](const Item& x, const py::object& m4) { edit(x).set_placement(x.id, affine(m4, "placement")); },
           "4 x 4, node from item. Kept in float32 but for the origin. A copy: assign to change it.")
       .def_property_readonly(
           "world_from_item", [](const Item& x) { return to_array(read(x).state(x.id).world_from_item); },
@@ -265,7 +265,7 @@ py::array_t<std::uint32_t> items_of(const Node& node) {
   return take(std::move(out));
 }
 
-Item add_item(const Node& node, const std::variant<core::Primitive, Mesh>& what, py::object placement,
+Item add_item(const Node& node, const std::variant<core::Primitive, Mesh>& what, const py::object& placement,
               const std::optional<Material>& material) {
   const core::Affine node_from_item = affine(placement, "placement");
   const auto material_id = material_in(node.scene, material);
@@ -277,8 +277,8 @@ Item add_item(const Node& node, const std::variant<core::Primitive, Mesh>& what,
       {node.scene, edit(node).add_primitive(node.id, std::get<core::Primitive>(what), node_from_item, material_id)}};
 }
 
-py::array_t<std::uint32_t> add_primitives(const Node& node, const std::string& kind_name, py::object parameters,
-                                          py::object placements, const std::optional<Material>& material) {
+py::array_t<std::uint32_t> add_primitives(const Node& node, const std::string& kind_name, const py::object& parameters,
+                                          const py::object& placements, const std::optional<Material>& material) {
   std::size_t kind = 0;
   while (kind < core::kPrimitiveKindCount && core::name_of(core::Kind(kind)) != kind_name) ++kind;
   if (kind == core::kPrimitiveKindCount)
@@ -343,7 +343,7 @@ void bind_node_tree(py::class_<Node>& node) {
       .def_property_readonly("items", &items_of, "Ids of its own items, uint32, in order of insertion.")
       .def(
           "add_node",
-          [](const Node& x, const py::str& name, py::object transform) {
+          [](const Node& x, const py::str& name, const py::object& transform) {
             const core::Affine m = affine(transform, "transform");
             return Node{x.scene, edit(x).add_node(x.id, to_bytes(name), m)};
           },
@@ -381,7 +381,7 @@ void bind_node(py::module_& m) {
           "Its name; bytes that are no UTF-8 are lone surrogates.")
       .def_property(
           "transform", [](const Node& x) { return to_array(read(x).transform(x.id)); },
-          [](const Node& x, py::object m4) { edit(x).set_transform(x.id, affine(m4, "transform")); },
+          [](const Node& x, const py::object& m4) { edit(x).set_transform(x.id, affine(m4, "transform")); },
           "4 x 4 float64, parent from node. A copy: assign to change it.")
       .def_property_readonly(
           "world_from_node", [](const Node& x) { return to_array(read(x).world_from_node(x.id)); },
@@ -530,7 +530,7 @@ void bind_scene(py::module_& m) {
            "counter-clockwise from outside.")
       .def(
           "add_material",
-          [](const ScenePtr& s, const py::str& name, py::object colour, float alpha, std::uint32_t code) {
+          [](const ScenePtr& s, const py::str& name, const py::object& colour, float alpha, std::uint32_t code) {
             const core::vec3 c = colour_of(colour);
             return Material{s, s->edit().add_material({to_bytes(name), c, alpha, code})};
           },

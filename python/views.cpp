@@ -76,24 +76,24 @@ void bind_view(py::module_& m) {
   py::class_<View>(m, "View", "One camera: where it stands, how it projects, and what it cuts away.")
       .def_static(
           "perspective",
-          [](py::object eye, py::object target, py::object up_, double fovy, double aspect, double near, double far) {
-            return unwrap(View::perspective(pose(eye, target, up_), fovy, aspect, near, far));
-          },
+          [](const py::object& eye, const py::object& target, const py::object& up_, double fovy, double aspect,
+             double near,
+             double far) { return unwrap(View::perspective(pose(eye, target, up_), fovy, aspect, near, far)); },
           py::arg("eye"), py::arg("target"), py::arg("up") = up, py::kw_only(), py::arg("fovy") = 1.0,
           py::arg("aspect"), py::arg("near") = 0.1, py::arg("far") = core::kInfiniteFar,
           "From `eye` towards `target`, in metres. `fovy`: the vertical field of view in radians; `aspect`: width / "
           "height.")
       .def_static(
           "orthographic",
-          [](py::object eye, py::object target, py::object up_, double height, double aspect, double near, double far) {
-            return unwrap(View::orthographic(pose(eye, target, up_), height, aspect, near, far));
-          },
+          [](const py::object& eye, const py::object& target, const py::object& up_, double height, double aspect,
+             double near,
+             double far) { return unwrap(View::orthographic(pose(eye, target, up_), height, aspect, near, far)); },
           py::arg("eye"), py::arg("target"), py::arg("up") = up, py::kw_only(), py::arg("height"), py::arg("aspect"),
           py::arg("near"), py::arg("far"), "A parallel projection of `height` metres from bottom to top.")
       .def_static(
           "asymmetric",
-          [](py::object eye, py::object target, py::object up_, double left, double right, double bottom, double top,
-             double near, double far) {
+          [](const py::object& eye, const py::object& target, const py::object& up_, double left, double right,
+             double bottom, double top, double near, double far) {
             return unwrap(View::asymmetric(pose(eye, target, up_), left, right, bottom, top, near, far));
           },
           py::arg("eye"), py::arg("target"), py::arg("up") = up, py::kw_only(), py::arg("left"), py::arg("right"),
@@ -101,14 +101,14 @@ void bind_view(py::module_& m) {
           "An off-axis perspective: the borders lie on the near plane, in metres.")
       .def_static(
           "fit",
-          [](py::object bounds, py::object direction, double fovy, double aspect) {
+          [](const py::object& bounds, const py::object& direction, double fovy, double aspect) {
             return unwrap(View::fit(box(bounds, "bounds"), vector3(direction, "direction"), fovy, aspect));
           },
           py::arg("bounds"), py::arg("direction"), py::kw_only(), py::arg("fovy") = 0.25 * std::numbers::pi,
           py::arg("aspect"), "The perspective view along `direction` that the box [[min], [max]] fills.")
       .def_static(
           "from_matrices",
-          [](py::object eye_from_world, py::object clip_from_eye, const std::string& depth) {
+          [](const py::object& eye_from_world, const py::object& clip_from_eye, const std::string& depth) {
             return unwrap(View::from_matrices(matrix(eye_from_world, "eye_from_world"),
                                               matrix(clip_from_eye, "clip_from_eye"), depth_of(depth)));
           },
@@ -136,7 +136,7 @@ void bind_view(py::module_& m) {
           "is_orthographic", [](const View& v) { return v.orthographic(); }, "Whether the projection is parallel.")
       .def_property(
           "sections", [](const View& v) { return planes_to_array(v.sections); },
-          [](View& v, py::object planes) { v.sections = section_planes(planes, "sections"); },
+          [](View& v, const py::object& planes) { v.sections = section_planes(planes, "sections"); },
           "Section planes, (N, 4): those x with dot(plane[:3], x) + plane[3] >= 0 are kept. At most 8. A copy: assign "
           "to change it.")
       .def_property(
@@ -231,7 +231,7 @@ Numbers<double> planes_to_array(const std::vector<core::Plane>& planes) {
 
 void bind_views(py::module_& m) {
   m.def(
-      "translation", [](py::object offset) { return to_array(core::translation(vector3(offset, "offset"))); },
+      "translation", [](const py::object& offset) { return to_array(core::translation(vector3(offset, "offset"))); },
       py::arg("offset"), "The 4 x 4 matrix that moves points by `offset`, three numbers.");
   bind_view(m);
   bind_path(m);
