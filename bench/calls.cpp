@@ -54,8 +54,10 @@ core::Expected<int> measure(const Options& o) {
   const core::ItemBounds& bounds = engine->snapshot().bounds();
   const core::CameraPath path = core::make_tour(bounds, bounds.fitted_bounds());
   std::vector<core::View> views;
+  views.reserve(std::size_t(o.frames));
   for (int i = 0; i < o.frames; ++i) views.push_back(*path.view(path.time_of(i, o.frames), 1280.0 / 720.0));
   std::vector<core::AabbD> boxes;
+  boxes.reserve(scene.item_slots());
   for (core::ItemId item = 0; item < scene.item_slots(); ++item)
     boxes.push_back(scene.bounds_under(item, scene.state(item).world_from_item));
   const auto culler = culling::BoxCuller::create(boxes);

@@ -28,7 +28,8 @@ std::unique_ptr<GatedCuller> make_culler(const py::object& boxes) {
 
 py::array_t<std::uint32_t> visible_in_view(GatedCuller& culler, const core::View& view) {
   std::vector<std::uint32_t> indices;
-  const core::View copy = view;  // Python may change the view meanwhile
+  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): Python may change the view meanwhile
+  const core::View copy = view;
   {
     const LongCall call({culler.gate, Use::kRead});
     culler.culler.visible(copy, indices);

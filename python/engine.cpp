@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "sightline/core/camera_path.h"
+#include "sightline/engine/item_style.h"
 #include "sightline/engine/pick.h"
 #include "sightline/gl/context.h"
 #include "sightline/image/image.h"
@@ -32,7 +34,9 @@ CullerChoice culler_of(const std::string& name) {
 class EngineBox {
  public:
   EngineBox(ScenePtr scene, const EngineConfig& config)
-      : scene_(std::move(scene)), debug_(config.gl_debug), width_(config.width), height_(config.height) {
+      : scene_(std::move(scene)), width_(config.width), height_(config.height) {
+    options_.platform = config.context_platform;
+    options_.debug = config.gl_debug;
     core::Expected<void> done;
     {
       const LongCall call({gate_, Use::kWrite}, {scene_->gate, Use::kWrite});
@@ -94,9 +98,7 @@ class EngineBox {
   };
 
   core::Expected<void> make_context() {
-    gl::ContextOptions options;
-    options.debug = debug_;
-    auto made = gl::Context::create_offscreen(options);
+    auto made = gl::Context::create_offscreen(options_);
     if (!made) return tl::unexpected(made.error());
     context_ = std::move(*made);
     return {};
@@ -123,7 +125,7 @@ class EngineBox {
 
   ScenePtr scene_;
   Gate gate_;
-  bool debug_;
+  gl::ContextOptions options_;
   int width_, height_;  // of the picture, in pixels
   std::optional<gl::Context> context_;
   std::optional<engine::Engine> engine_;  // after the context, which must outlive it
@@ -140,7 +142,8 @@ std::unique_ptr<EngineBox> make_engine(const ScenePtr& scene, bool draw, int wid
                                        float contribution, const std::string& contribution_way, double budget_ms,
                                        const py::object& hidden_colour, int samples, bool gl_debug,
                                        const std::optional<std::filesystem::path>& program_cache, double rebuild_share,
-                                       const std::optional<std::string>& gpu_pass, const std::string& policy) {
+                                       const std::optional<std::string>& gpu_pass, const std::string& policy,
+                                       const std::string& context) {
   EngineConfig config;
   config.draw = draw;
   config.width = width;
@@ -160,6 +163,7 @@ std::unique_ptr<EngineBox> make_engine(const ScenePtr& scene, bool draw, int wid
   config.rebuild_share = rebuild_share;
   if (gpu_pass) config.gpu_culler.variant = culling::GpuVariant(one_of("gpu_pass", *gpu_pass, {"geometry", "compute"}));
   config.controller.policy = culling::Policy(one_of("policy", policy, {"frame-cost", "2009"}));
+  config.context_platform = unwrap(gl::parse_platform(context));
   check_size(width, height);
   return std::make_unique<EngineBox>(scene, config);
 }
@@ -290,6 +294,29 @@ void bind_pick(py::module_& m) {
           "Number of the mesh's triangle; None for solids and cuts.");
 }
 
+// --- overrides -------------------------------------------------------------------------------------------------------
+
+void set_override(EngineBox& box, const py::object& items, const py::object& colour, float alpha, bool outline,
+                  bool ghost) {
+  engine::ItemStyle style{{}, alpha, outline, ghost};
+  if (!colour.is_none()) style.colour = core::vec3(vector3(colour, "colour"));
+  const auto ids = item_ids(items, "items");
+  unwrap(box.call([&](engine::Engine& e) { return e.set_override(ids, style); }));
+}
+
+/// A function of the engine that takes items.
+template <core::Expected<void> (engine::Engine::*kFunction)(std::span<const core::ItemId>)>
+void of_items(EngineBox& box, const py::object& items) {
+  const auto ids = item_ids(items, "items");
+  unwrap(box.call([&](engine::Engine& e) { return (e.*kFunction)(ids); }));
+}
+
+void isolate(EngineBox& box, const std::vector<Node>& nodes) {
+  std::vector<core::NodeId> ids;
+  for (const Node& node : nodes) ids.push_back(node_in(box.scene(), node, "nodes"));
+  unwrap(box.call([&](engine::Engine& e) { return e.isolate(ids); }));
+}
+
 // --- reports ---------------------------------------------------------------------------------------------------------
 
 void bind_reports(py::module_& m) {
@@ -395,6 +422,26 @@ void bind_queries(EngineClass& c) {
       .def("tour", &tour, "duration"_a = 60.0, "A flight through the model, as sightline-replay makes it; seconds.");
 }
 
+void bind_overrides(EngineClass& c) {
+  using engine::Engine;
+  c.def("set_override", &set_override, "items"_a, py::kw_only(), "colour"_a = py::none(), "alpha"_a = 1.0f,
+        "outline"_a = false, "ghost"_a = false,
+        "Shows items in another style, in this engine alone and whatever is edited, from the next frame on. `colour`: "
+        "(r, g, b), sRGB, in place of the material's; `alpha`: times the material's; `outline`: a line around what "
+        "shows; `ghost`: a faint shell that hides nothing and that picks go through.")
+      .def("clear_override", &of_items<&Engine::clear_override>, "items"_a, "Shows items as the scene says.")
+      .def(
+          "clear_overrides", [](EngineBox& b) { unwrap(b.call([](Engine& e) { return e.clear_overrides(); })); },
+          "Shows all items as the scene says; hidden ones stay hidden.")
+      .def("hide", &of_items<&Engine::hide>, "items"_a,
+           "Hides items in this engine alone: they are not drawn, hide nothing, and no query finds them.")
+      .def("show", &of_items<&Engine::show>, "items"_a, "Shows items again, unless the scene hides them.")
+      .def("isolate", &isolate, "nodes"_a, "Hides all items but those below the nodes, and shows these.")
+      .def(
+          "show_all", [](EngineBox& b) { unwrap(b.call([](Engine& e) { return e.show_all(); })); },
+          "Shows all items again, unless the scene hides them.");
+}
+
 void bind_state(EngineClass& c) {
   c.def(
        "commit", [](EngineBox& b) { unwrap(b.call([](engine::Engine& e) { return e.commit(); }, Use::kWrite)); },
@@ -444,7 +491,7 @@ void bind_life(EngineClass& c) {
         "contribution"_a = d.contribution, "contribution_way"_a = std::string(name_of(d.contribution_way)),
         "budget_ms"_a = d.budget_ms, "hidden_colour"_a = py::none(), "samples"_a = d.samples, "gl_debug"_a = d.gl_debug,
         "program_cache"_a = py::none(), "rebuild_share"_a = d.rebuild_share, "gpu_pass"_a = py::none(),
-        "policy"_a = "frame-cost",
+        "policy"_a = "frame-cost", "context"_a = "auto",
         "Commits the scene and builds what it needs.\n\n"
         "draw: offscreen, in `width` x `height` pixels; False needs no GL.\n"
         "ids: an image of item ids beside colour and depth.\n"
@@ -457,7 +504,8 @@ void bind_life(EngineClass& c) {
         "gl_debug: collect the driver's messages.\n"
         "program_cache: folder of linked programs; None: the user's cache; \"\": none.\n"
         "rebuild_share: share of slots out of order that starts a rebuild in the background; 0: never.\n"
-        "gpu_pass: \"geometry\", \"compute\" or None; policy of the hybrid: \"frame-cost\" or \"2009\".")
+        "gpu_pass: \"geometry\", \"compute\" or None; policy of the hybrid: \"frame-cost\" or \"2009\".\n"
+        "context: where it draws: \"auto\", \"egl\", \"egl-surfaceless\", \"egl-device\" or \"osmesa\".")
       .def("close", &EngineBox::close, "Frees everything now. Later calls fail; a second close() does nothing.")
       .def_property_readonly("closed", &EngineBox::closed, "Whether close() has been called.")
       .def("__enter__", [](const py::object& self) { return self; })
@@ -477,6 +525,7 @@ void bind_engine(py::module_& m) {
   bind_life(c);
   bind_frames(c);
   bind_queries(c);
+  bind_overrides(c);
   bind_state(c);
 }
 

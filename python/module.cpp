@@ -5,7 +5,7 @@ namespace {
 
 PyObject* error_class = nullptr;
 
-void translate(std::exception_ptr thrown) {
+void translate(std::exception_ptr thrown) {  // NOLINT(performance-unnecessary-value-param): as pybind11 calls it
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const Failure& failure) {

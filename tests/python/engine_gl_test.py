@@ -125,6 +125,55 @@ class Drawing(GlCase):
         self.assertTrue(all(self.scene.item(i - 1).bounds[1, 0] >= -1e-6 for i in ids[1:]))
         self.assertLess(len(ids), 3000)
 
+    def test_overrides(self):
+        engine = self.engine(ids=True)
+        engine.frame(self.view)
+        plain, ids = engine.read_colour(), engine.read_ids()
+        most = int(np.bincount(ids.ravel())[1:].argmax())
+        item, node = self.scene.item(most), self.scene.item(most).node
+
+        def shown():
+            engine.frame(self.view)
+            return engine.read_colour(), engine.read_ids()
+
+        engine.set_override([item], colour=(1, 0, 1))
+        colour, _ = shown()
+        self.assertTrue((ids == most + 1)[(colour != plain).any(axis=2)].all())
+        red, green, blue = colour[ids == most + 1].mean(axis=0)
+        self.assertLess(green, min(red, blue))
+        engine.clear_override(np.array([most]))
+        np.testing.assert_array_equal(shown()[0], plain)
+        engine.hide([most])
+        self.assertNotIn(most + 1, shown()[1])
+        self.assertNotIn(most, engine.items_in(self.view, (0, 0, 320, 200)))
+        engine.show([item])
+        engine.isolate([node])
+        left = set(np.unique(shown()[1])) - {0}
+        self.assertIn(most + 1, left)
+        self.assertLessEqual(left, set(node.items + 1))
+        engine.show_all()
+        engine.set_override(self.scene.items, alpha=0.25)
+        engine.clear_overrides()
+        np.testing.assert_array_equal(shown()[0], plain)
+        self.assert_error("3000", engine.hide, [3000])
+        self.assert_error("items: expected", engine.hide, [1.5])
+        self.assert_error("items: expected", engine.hide, 7)
+        self.assert_error("whole numbers", engine.hide, np.array([1.5]))
+        self.assert_error("alpha", engine.set_override, [1], alpha=2)
+        self.assert_error("colour", engine.set_override, [1], colour=(1, 0))
+        self.assert_error("another scene", engine.isolate, [plant(1000).root])
+        np.testing.assert_array_equal(shown()[0], plain)
+
+    def test_other_ways_to_a_context(self):
+        expected = sightline.render(self.scene, self.view, **SIZE)
+        np.testing.assert_array_equal(sightline.render(self.scene, self.view, context="egl", **SIZE), expected)
+        self.assert_error("osmesa", sightline.render, self.scene, self.view, context="x", **SIZE)
+        try:
+            picture = sightline.render(self.scene, self.view, context="osmesa", **SIZE)
+        except sightline.Error as error:
+            self.skipTest(str(error))
+        np.testing.assert_array_equal(picture, expected)
+
     def test_any_thread_may_draw_and_free(self):
         expected = sightline.render(self.scene, self.view, **SIZE)
         engine = self.engine()
