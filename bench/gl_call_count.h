@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "sightline/gl/context.h"
+#include "sightline/gl/functions.h"
 
 namespace sightline::bench {
 

@@ -34,6 +34,7 @@ Run add_supersampling(CLI::App& app);
 // Built if GL is.
 Run add_budget(CLI::App& app);
 Run add_contribution(CLI::App& app);
+Run add_embedding(CLI::App& app);
 Run add_error_time(CLI::App& app);
 Run add_gpu_cull(CLI::App& app);
 Run add_hybrid(CLI::App& app);

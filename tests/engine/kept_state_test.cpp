@@ -102,6 +102,12 @@ TEST_P(KeptState, IsAsBeforeAfterEveryCall) {
     scene.set_visible(5, false);
     scene.add_primitive(scene.root(), core::Sphere{1.0f}, core::translation({3.0, 3.0, 8.0}));
     step("commit()", [&] { return engine->commit(); });
+    const core::ItemId some[] = {1, 8, 20};
+    step("set_override()", [&] { return engine->set_override(some, {.colour = core::vec3(1, 0, 0), .alpha = 0.5f}); });
+    step("set_override() of ghosts", [&] { return engine->set_override(some, {.outline = true, .ghost = true}); });
+    step("frame() with them", [&] { return engine->frame(cut(), application.target()); });
+    step("hide()", [&] { return engine->hide(some); });
+    step("show_all()", [&] { return engine->show_all(); });
     step("rebuild()", [&] { return engine->rebuild(); });
     step("resize()", [&] { return engine->resize(50, 40); });
     step("set_culler()", [&] {
