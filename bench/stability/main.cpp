@@ -49,7 +49,8 @@ bool wanted(const std::vector<std::string>& names, std::string_view name) {
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--rays", options.rays, "per case")->check(CLI::Range(1, 1'000'000))->capture_default_str();
-  app.add_option("--seed", options.seed, "of all cases; of --trace, of the first 10,000 rays, and 1 more for the next")->capture_default_str();
+  app.add_option("--seed", options.seed, "of all cases; of --trace, of the first 10,000 rays, and 1 more for the next")
+      ->capture_default_str();
   app.add_option("--primitive", options.primitives, "only these kinds, as sightline-info names them");
   app.add_option("--case", options.families, "only these families")->check([](const std::string& name) {
     std::vector<std::string> known = bench::stability_families();
