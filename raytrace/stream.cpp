@@ -118,8 +118,9 @@ bool few(unsigned rays) {
 /// A packet on its way through the items.
 class Tracer::Impl::Packet {
  public:
-  Packet(const Impl& impl, const RayFilter& filter, PreparedSolid& prepared)
-      : impl_(impl), filter_(filter), kernels_(packet_kernels()), prepared_(prepared) {}
+  /// `any`: rays stop at the first hit that is found.
+  Packet(const Impl& impl, const RayFilter& filter, PreparedSolid& prepared, bool any = false)
+      : impl_(impl), filter_(filter), kernels_(packet_kernels()), prepared_(prepared), any_(any) {}
 
   /// Takes at most kPacket rays. Returns the first one that is none, or their number.
   std::size_t load(std::span<const Ray> rays) {
@@ -131,6 +132,8 @@ class Tracer::Impl::Packet {
     return good == all_ ? rays.size() : std::size_t(lowest(~good));
   }
 
+  std::span<const Ray> rays() const { return rays_; }
+
   /// The nearest hits of packets without sections.
   static void nearest(std::span<Packet* const> packets, std::span<Hit> hits) {
     for (Packet* const packet : packets) packet->start();
@@ -138,6 +141,16 @@ class Tracer::Impl::Packet {
     for (Packet* const packet : packets) {
       packet->finish(packet->all_, hits.first(packet->rays_.size()));
       hits = hits.subspan(packet->rays_.size());
+    }
+  }
+
+  /// Whether rays hit anything, without sections.
+  static void any(std::span<Packet* const> packets, std::span<bool> hit) {
+    for (Packet* const packet : packets) packet->start();
+    walk(packets);
+    for (const Packet* const packet : packets) {
+      for (std::size_t i = 0; i < packet->rays_.size(); ++i) hit[i] = packet->best_.slot[i] != kNoSlot;
+      hit = hit.subspan(packet->rays_.size());
     }
   }
 
@@ -332,7 +345,10 @@ class Tracer::Impl::Packet {
   bool meet_solid(Slot slot, unsigned who) {
     if (prepared_.slot != slot) prepare(slot);
     if (prepared_.form != Form::kLanes) return prepared_.form == Form::kNothing;
-    if (kernels_.solid(prepared_.shape, prepared_.map, world_, who, slot, best_) != 0 && walking_)
+    unsigned taken = kernels_.solid(prepared_.shape, prepared_.map, world_, who, slot, best_);
+    if (any_)
+      for (; taken != 0; taken &= taken - 1) stop(lowest(taken));
+    else if (taken != 0 && walking_)
       kernels_.shorten(best_.t, frame_);
     return true;
   }
@@ -342,7 +358,13 @@ class Tracer::Impl::Packet {
     best_.slot[ray] = slot;
     best_.place[ray] = place;
     best_.face[ray] = double(face);
-    shorten(ray);
+    any_ ? stop(ray) : shorten(ray);
+  }
+
+  /// Nothing is of interest to a ray from now on.
+  void stop(int ray) {
+    best_.t[ray] = -kInfinity;
+    if (walking_) frame_.limit[ray] = -1.0f;
   }
 
   /// Nothing beyond the hit is of interest from now on.
@@ -412,39 +434,58 @@ class Tracer::Impl::Packet {
   unsigned all_ = 0;
   RayLanes world_{};
   NearestLanes best_{};
+  bool any_;
   bool walking_ = false;  // through the items' hierarchy, with
   PacketFrame frame_;
 };
 
-std::size_t Tracer::Impl::nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Hit> hits) const {
+/// Calls answer(packets, first ray, rays) for the rays of some packets at a time. Returns the first ray that is none,
+/// or their number.
+template <class Answer>
+std::size_t Tracer::Impl::by_packets(std::span<const Ray> rays, const RayFilter& filter, bool any,
+                                     const Answer& answer) const {
   PreparedSolid prepared;
-  Packet packets[kTogether] = {
-      {*this, filter, prepared}, {*this, filter, prepared}, {*this, filter, prepared}, {*this, filter, prepared}};
+  Packet packets[kTogether] = {{*this, filter, prepared, any},
+                               {*this, filter, prepared, any},
+                               {*this, filter, prepared, any},
+                               {*this, filter, prepared, any}};
+  // Packets that walk nothing together only push one another out of the cache.
   const auto single = [](const ItemTrees::Tree& tree) { return tree.only != core::kNone; };
   const std::size_t most = std::all_of(items_.trees().begin(), items_.trees().end(), single) ? 1 : kTogether;
   for (std::size_t first = 0; first < rays.size();) {
     Packet* loaded[kTogether];
-    std::size_t begin = first, count = 0, none = rays.size();
-    for (; count < most && begin < rays.size() && none == rays.size(); ++count) {
-      const auto these = rays.subspan(begin, std::min(std::size_t(kPacket), rays.size() - begin));
-      for (std::size_t i = begin + (most + 1) * kPacket; i < std::min(begin + (most + 2) * kPacket, rays.size()); ++i)
+    std::size_t end = first, count = 0;
+    for (; count < most && end < rays.size(); ++count) {
+      const auto these = rays.subspan(end, std::min(std::size_t(kPacket), rays.size() - end));
+      for (std::size_t i = end + (most + 1) * kPacket; i < std::min(end + (most + 2) * kPacket, rays.size()); ++i)
         core::prefetch_line<core::CacheLevel::kL1>(&rays[i]);
       const std::size_t good = packets[count].load(these);
-      if (good != these.size()) none = begin + good;
+      if (good != these.size()) return end + good;
       loaded[count] = &packets[count];
-      begin += these.size();
+      end += these.size();
     }
-    if (none != rays.size()) return none;
-    const auto of_these = hits.subspan(first, begin - first);
-    if (filter.sections.empty())
-      Packet::nearest({loaded, count}, of_these);
-    else
-      for (std::size_t i = 0; i < count; ++i)
-        loaded[i]->nearest_of_parts(
-            of_these.subspan(i * kPacket, std::min(std::size_t(kPacket), of_these.size() - i * kPacket)));
-    first = begin;
+    answer(std::span<Packet* const>(loaded, count), first, end - first);
+    first = end;
   }
   return rays.size();
+}
+
+std::size_t Tracer::Impl::nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Hit> hits) const {
+  return by_packets(rays, filter, false, [&](std::span<Packet* const> packets, std::size_t first, std::size_t count) {
+    auto of_these = hits.subspan(first, count);
+    if (filter.sections.empty()) return Packet::nearest(packets, of_these);
+    for (Packet* const packet : packets) {
+      packet->nearest_of_parts(of_these.first(packet->rays().size()));
+      of_these = of_these.subspan(packet->rays().size());
+    }
+  });
+}
+
+std::size_t Tracer::Impl::any(std::span<const Ray> rays, const RayFilter& filter, std::span<bool> hit) const {
+  return by_packets(rays, filter, true, [&](std::span<Packet* const> packets, std::size_t first, std::size_t count) {
+    if (filter.sections.empty()) return Packet::any(packets, hit.subspan(first, count));
+    for (std::size_t i = first; i < first + count; ++i) hit[i] = any(rays[i], filter);
+  });
 }
 
 }  // namespace sightline::raytrace

@@ -493,6 +493,12 @@ core::Expected<bool> Tracer::any(const Ray& ray, const RayFilter& filter) const 
   if (!good(ray)) return tl::unexpected(fault(ray));
   return impl_->any(ray, filter);
 }
+core::Expected<void> Tracer::any(std::span<const Ray> rays, std::span<bool> hit, const RayFilter& filter) const {
+  if (hit.size() != rays.size()) return core::fail("any: there must be as many answers as rays");
+  const std::size_t done = impl_->any(rays, filter, hit);
+  if (done != rays.size()) return core::fail("rays[" + std::to_string(done) + "]: " + fault(rays[done]).message);
+  return {};
+}
 core::Expected<void> Tracer::all(const Ray& ray, std::vector<Hit>& hits, const RayFilter& filter) const {
   if (!good(ray)) return tl::unexpected(fault(ray));
   impl_->all(ray, filter, hits);

@@ -130,6 +130,8 @@ class SIGHTLINE_API Tracer {
   core::Expected<void> nearest(std::span<const Ray> rays, std::span<Hit> hits, const RayFilter& filter = {}) const;
   /// Whether anything is hit. Faster than nearest().
   core::Expected<bool> any(const Ray& ray, const RayFilter& filter = {}) const;
+  /// The same for many rays, as for shadows: hit[i] is what any(rays[i]) answers. Fails as nearest() of many rays does.
+  core::Expected<void> any(std::span<const Ray> rays, std::span<bool> hit, const RayFilter& filter = {}) const;
   /// Every crossing, in rising t: each entry and exit once, for closed meshes also where the ray meets an edge or a
   /// corner. Replaces the contents of `hits`.
   core::Expected<void> all(const Ray& ray, std::vector<Hit>& hits, const RayFilter& filter = {}) const;

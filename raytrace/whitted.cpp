@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <memory>
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -73,8 +74,14 @@ class Shader {
   core::Expected<void> nearest(std::span<const Ray> rays, std::span<Hit> hits) const {
     return tracer_.nearest(rays, hits, filter_);
   }
-  /// What a ray from the eye sees whose nearest hit is known; null: none.
-  dvec3 colour(const Ray& ray, const Hit* hit) const { return colour(ray, hit, 1.0, 0); }
+  /// What rays from the eye see whose nearest hits are known.
+  void colours(std::span<const Ray> rays, std::span<const Hit> hits, std::span<core::vec3> out) const {
+    const auto shadows = options_.shadows && all_opaque_ ? shadows_of(rays, hits) : std::unique_ptr<bool[]>();
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const Hit* const hit = hits[i].slot != core::kNone ? &hits[i] : nullptr;
+      out[i] = core::vec3(colour(rays[i], hit, 1.0, 0, shadows ? &shadows[i * lights_.size()] : nullptr));
+    }
+  }
 
  private:
   /// A point of a surface, as seen along a ray.
@@ -129,22 +136,56 @@ class Shader {
     return share;
   }
 
-  dvec3 lit(const Surface& s, const dvec3& point, const dvec3& to_viewer) const {
+  /// Light that reaches a point of a surface, unless something hides it.
+  struct Incident {
+    Ray ray;  ///< towards the light
+    double cosine;
+  };
+  /// False: the surface is turned away.
+  static bool incident(const Surface& s, const dvec3& point, const Light& light, Incident& out) {
+    const dvec3 to = light.sun ? light.at : light.at - point;
+    const double length = glm::length(to);
+    if (!(length > 0.0)) return false;
+    out.ray = {point + s.margin * s.normal, to / length};
+    if (!light.sun) out.ray.t_max = length;
+    out.cosine = glm::dot(s.shading, out.ray.direction);
+    return out.cosine > 0.0;
+  }
+
+  /// Whether each light is hidden from each hit. Rays towards one light are traced together.
+  std::unique_ptr<bool[]> shadows_of(std::span<const Ray> rays, std::span<const Hit> hits) const {
+    const std::size_t lights = lights_.size();
+    auto hidden = std::make_unique<bool[]>(rays.size() * lights), hit = std::make_unique<bool[]>(rays.size());
+    std::vector<Ray> towards;
+    std::vector<std::size_t> places;
+    for (std::size_t light = 0; light < lights; ++light) {
+      towards.clear(), places.clear();
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        Incident in;
+        if (hits[i].slot == core::kNone ||
+            !incident(surface_at(hits[i], rays[i].direction), hits[i].point, lights_[light], in))
+          continue;
+        towards.push_back(in.ray);
+        places.push_back(i * lights + light);
+      }
+      if (!tracer_.any(towards, {hit.get(), towards.size()}, filter_))  // one of them is no ray
+        for (std::size_t i = 0; i < towards.size(); ++i) hit[i] = tracer_.any(towards[i], filter_).value_or(false);
+      for (std::size_t i = 0; i < places.size(); ++i) hidden[places[i]] = hit[i];
+    }
+    return hidden;
+  }
+
+  /// `hidden`: whether each light is, where that is known.
+  dvec3 lit(const Surface& s, const dvec3& point, const dvec3& to_viewer, const bool* hidden) const {
     const dvec3 colour(s.material);
     dvec3 sum = colour * (0.30 + 0.25 * (0.5 + 0.5 * s.shading.z));
-    for (const Light& light : lights_) {
-      const dvec3 to = light.sun ? light.at : light.at - point;
-      const double length = glm::length(to);
-      if (!(length > 0.0)) continue;
-      const dvec3 along = to / length;
-      const double cosine = glm::dot(s.shading, along);
-      if (cosine <= 0.0) continue;
-      double share = 1.0;
-      if (options_.shadows) {
-        Ray ray{point + s.margin * s.normal, along};
-        if (!light.sun) ray.t_max = length;
-        share = arriving(ray);
-      }
+    for (std::size_t i = 0; i < lights_.size(); ++i) {
+      const Light& light = lights_[i];
+      Incident in;
+      if (!incident(s, point, light, in)) continue;
+      const dvec3& along = in.ray.direction;
+      const double cosine = in.cosine;
+      const double share = !options_.shadows ? 1.0 : hidden ? (hidden[i] ? 0.0 : 1.0) : arriving(in.ray);
       if (share == 0.0) continue;
       // With the light at the eye this is the renderer's gloss, a power of the same cosine.
       const double gloss = std::pow(std::max(0.0, glm::dot(s.shading, glm::normalize(along + to_viewer))), 24.0);
@@ -157,10 +198,10 @@ class Shader {
   dvec3 colour(const Ray& ray, double share, int depth) const {
     if (share < kLeastShare || depth == options_.max_depth) return dvec3(options_.background);
     const auto hit = nearest(ray);
-    return colour(ray, hit ? &*hit : nullptr, share, depth);
+    return colour(ray, hit ? &*hit : nullptr, share, depth, nullptr);
   }
 
-  dvec3 colour(const Ray& ray, const Hit* hit, double share, int depth) const {
+  dvec3 colour(const Ray& ray, const Hit* hit, double share, int depth, const bool* hidden) const {
     if (!hit) return dvec3(options_.background);
     const Surface s = surface_at(*hit, ray.direction);
     const double alpha = std::clamp(double(s.material.a), 0.0, 1.0);
@@ -169,7 +210,7 @@ class Shader {
     if (mirrored > 0.0) mirrored += (1.0 - mirrored) * std::pow(1.0 - cosine, 5.0);
 
     const dvec3 reflected = ray.direction + 2.0 * cosine * s.normal;
-    dvec3 body = lit(s, hit->point, -ray.direction);
+    dvec3 body = lit(s, hit->point, -ray.direction, hidden);
     if (alpha < 1.0) {
       const double index = s.optics.refractive_index, eta = s.entered ? 1.0 / index : index;
       const dvec3 through =
@@ -263,12 +304,13 @@ class Renderer {
     }
     std::vector<Hit> hits(rays.size());
     if (!shader_.nearest(rays, hits)) return;  // render_whitted() has tried the view
+    std::vector<core::vec3> colours(rays.size());
+    shader_.colours(rays, hits, colours);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       const std::size_t pixel = pixels[i];
       const Hit* const hit = hits[i].slot != core::kNone ? &hits[i] : nullptr;
       const bool first = marks.empty() && counts_[pixel] == 0;
-      const core::vec3 colour(shader_.colour(rays[i], hit));
-      sums_[pixel] = counts_[pixel] == 0 ? colour : sums_[pixel] + colour;
+      sums_[pixel] = counts_[pixel] == 0 ? colours[i] : sums_[pixel] + colours[i];
       ++counts_[pixel];
       if (!hit || !first) continue;
       picture_.ids[pixel] = hit->item + 1;

@@ -78,6 +78,7 @@ class Tracer::Impl {
   /// Returns the first ray that is none, or their number. In stream.cpp.
   std::size_t nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Hit> hits) const;
   bool any(const Ray& ray, const RayFilter& filter) const;
+  std::size_t any(std::span<const Ray> rays, const RayFilter& filter, std::span<bool> hit) const;
   void all(const Ray& ray, const RayFilter& filter, std::vector<Hit>& hits) const;
   const core::Snapshot& snapshot() const { return *snapshot_; }
   TracerMemory memory() const;
@@ -91,6 +92,8 @@ class Tracer::Impl {
     Face face = Face::kTriangle;
   };
   class Packet;
+  template <class Answer>
+  std::size_t by_packets(std::span<const Ray> rays, const RayFilter& filter, bool any, const Answer& answer) const;
   template <class Meet>
   void walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const;
   bool nearest_of(Slot slot, const Ray& ray, double from, Found& found) const;

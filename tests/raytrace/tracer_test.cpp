@@ -418,8 +418,11 @@ void check_streams(const World& world, const Tracer& tracer, Random& random, std
   std::vector<Hit> hits(count, Hit{.slot = 12345});
   const RayFilter filter = random_filter(world, random);
   ASSERT_TRUE(tracer.nearest(rays, hits, filter));
+  const auto any = std::make_unique<bool[]>(count);
+  ASSERT_TRUE(tracer.any(rays, {any.get(), count}, filter));
   for (std::size_t i = 0; i < count; ++i) {
     SCOPED_TRACE(testing::Message() << "ray " << i);
+    ASSERT_EQ(any[i], *tracer.any(rays[i], filter));
     const std::optional<Hit> alone = *tracer.nearest(rays[i], filter);
     // Two meshes in one place.
     if (alone && hits[i].slot != alone->slot && hits[i].t == alone->t && hits[i].triangle != core::kNone) continue;
@@ -803,8 +806,14 @@ TEST(Tracer, RefusesRaysThatAreNone) {
     ASSERT_FALSE(traced);
     EXPECT_EQ(traced.error().message.rfind("rays[" + std::to_string(at) + "]: ", 0), 0u) << traced.error().message;
     EXPECT_FALSE(tracer.nearest(rays, std::span(of_rays).first(3)));
+    bool hit[37];
+    const auto any = tracer.any(rays, hit);
+    ASSERT_FALSE(any);
+    EXPECT_EQ(any.error().message, traced.error().message);
+    EXPECT_FALSE(tracer.any(rays, std::span(hit).first(3)));
   }
   EXPECT_TRUE(tracer.nearest(std::span<const Ray>(), std::span<Hit>()));
+  EXPECT_TRUE(tracer.any(std::span<const Ray>(), std::span<bool>()));
 }
 
 TEST(PixelRay, RefusesPicturesOfNothing) {
