@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # use_debs.sh PREFIX MODEL FOLDER: what users of the Debian packages do, which are installed below PREFIX: a tool, whose
-# picture is FOLDER/reference.png, and applications that find the library with CMake and with pkg-config.
+# picture is FOLDER/reference.png, applications that find the library with CMake and with pkg-config, and Python, which
+# draws the same picture.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 prefix=$1 model=$2 folder=$3
@@ -21,3 +22,13 @@ cmake --build "$folder/cmake" >/dev/null
 ldd "$folder/cmake/consumer" | grep -q 'libsightline\.so' || { echo "use_debs: not the shared library" >&2; exit 1; }
 
 "$here/pkg_config.sh" "$prefix" "$folder/pkg_config"
+
+if [ -e "$prefix/lib/python3/dist-packages/sightline" ]; then
+  if [ "$prefix" != /usr ]; then export PYTHONPATH=$prefix/lib/python3/dist-packages; fi
+  (cd / && /usr/bin/python3 - "$model" "$folder/reference.png") <<'END'
+import sys, sightline
+scene = sightline.Scene()
+scene.import_file(sys.argv[1])
+assert (sightline.render(scene, width=320, height=180) == sightline.read_png(sys.argv[2])).all()
+END
+fi
