@@ -118,25 +118,26 @@ struct Tracing {
     float t[kLanes];
     unsigned met = Form::meet(node, ray, t_max, t);
     if (met == 0) return false;
-    const auto take = [&] {
-      const unsigned lane = core::lowest_bit(met);
-      met &= met - 1;
+    const auto first_of = [&](unsigned lanes) {
+      const unsigned lane = core::lowest_bit(lanes);
       return entry_of(t[lane], node.children[lane]);
     };
-    next = take();
+    next = first_of(met);
+    met &= met - 1;
     if (met == 0) return true;
-    const Entry second = take(), farther = next < second ? second : next;
+    const Entry second = first_of(met), farther = next < second ? second : next;
     next = next < second ? next : second;
+    met &= met - 1;
     Entry* const first = stack + size;
     stack[size++] = farther;
     if (met == 0) return true;
     stack[size++] = next;
-    do {
-      const Entry entry = take();
+    for (; met != 0; met &= met - 1) {
+      const Entry entry = first_of(met);
       Entry* place = stack + size++;
       for (; place > first && place[-1] < entry; --place) *place = place[-1];
       *place = entry;
-    } while (met != 0);
+    }
     next = stack[--size];
     return true;
   }
