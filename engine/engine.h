@@ -137,7 +137,7 @@ struct FrameReport {
   std::int64_t pending = 0;
 };
 
-/// What the GPU culler found in an earlier frame.
+/// What the GPU culler found in an earlier frame. It is not asked for translucent items (docs/transparency.md).
 struct LateReport {
   std::uint64_t frame = 0;    ///< FrameReport::frame
   std::int64_t visible = 0;   ///< items in the view volume

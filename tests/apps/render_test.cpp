@@ -287,6 +287,22 @@ TEST_F(Render, SectionsCutAway) {
   EXPECT_LE(differing({"--view", cut_json, "--translate", "3e6,7e6,1e3"}, here), kThousandth);
 }
 
+TEST_F(Render, ShowsNodesOtherwise) {
+  const std::string plain = path("plain.png");
+  render(with({"--view", view, "--out", plain}));
+  for (const Args& change :
+       {Args{"--hide", "PIPE"}, Args{"--isolate", "PIPE"}, Args{"--ghost", "PIPE"}, Args{"--ghost-others", "PIPE"},
+        Args{"--highlight", "PIPE"}, Args{"--fade", "PIPE"}, Args{"--fade", "PIPE", "--transparency", "blended"}}) {
+    Args args{"--view", view};
+    args.insert(args.end(), change.begin(), change.end());
+    EXPECT_GT(differing(args, plain), 5 * kThousandth) << change[0];
+  }
+  EXPECT_EQ(differing({"--view", view, "--transparency", "blended"}, plain), 0u) << "nothing is transparent";
+  const Outcome unknown = run("render", with({"--hide", "NO SUCH NODE"}));
+  EXPECT_EQ(unknown.code, 1) << unknown;
+  EXPECT_NE(unknown.err.find("no node fits \"NO SUCH NODE\""), std::string::npos) << unknown;
+}
+
 TEST_F(Render, ExplainsWhatWasLeftOut) {
   const auto line_with = [](const std::string& text, const std::string& feature) {
     std::istringstream in(text);

@@ -25,6 +25,7 @@ struct Way {
   int samples = 1;
   engine::OcclusionChoice occlusion = engine::OcclusionChoice::kOff;
   double budget_ms = 0.0;
+  bool overlays = false;
 };
 std::ostream& operator<<(std::ostream& to, const Way& way) {
   return to << way.name;
@@ -36,6 +37,8 @@ constexpr Way kWays[] = {
     {"CpuBudget", CullerChoice::kCpu, {}, 1, engine::OcclusionChoice::kOn, 50.0},
     {"GpuGeometry", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 1, engine::OcclusionChoice::kOn},
     {"GpuCompute", CullerChoice::kGpu, culling::GpuVariant::kCompute, 1, engine::OcclusionChoice::kOn},
+    {"CpuOverlays", CullerChoice::kCpu, {}, 1, engine::OcclusionChoice::kOff, 0.0, true},
+    {"GpuOverlays", CullerChoice::kGpu, culling::GpuVariant::kGeometry, 4, engine::OcclusionChoice::kOff, 0.0, true},
 };
 
 class KeptState : public DrawnGrid, public testing::WithParamInterface<Way> {
@@ -56,8 +59,21 @@ class KeptState : public DrawnGrid, public testing::WithParamInterface<Way> {
     c.gpu_culler.variant = GetParam().variant;
     c.occlusion = GetParam().occlusion;
     c.budget_ms = GetParam().budget_ms;
+    if (GetParam().overlays) c.transparency = engine::Transparency::kBlended;
     if (c.budget_ms > 0.0) c.contribution_way = engine::ContributionWay::kPoints;
     return c;
+  }
+  /// With overlays where they are tested: ghosts, transparent items and one with an outline.
+  core::Expected<Engine> create(const engine::EngineConfig& c) {
+    auto engine = Engine::create(scene, c);
+    if (!engine || !GetParam().overlays) return engine;
+    std::vector<core::ItemId> ghosts, faded;
+    for (core::ItemId item = 0; item < scene.item_slots(); item += 2) (item % 3 == 0 ? ghosts : faded).push_back(item);
+    auto done = engine->set_override(ghosts, {.ghost = true});
+    if (done) done = engine->set_override(faded, {.alpha = 0.5f});
+    if (done) done = engine->set_override({&faded[3], 1}, {.outline = true});
+    if (!done) return tl::unexpected(done.error());
+    return engine;
   }
   static core::View cut(double x = 13.0) {
     core::View view = *core::View::perspective({{x, -11, 12}, {3.5, 3, 4.5}, {0, 0, 1}}, 0.42, 97.0 / 61.0, 0.1, 60.0);
@@ -85,7 +101,7 @@ TEST_P(KeptState, IsAsBeforeAfterEveryCall) {
       ASSERT_TRUE(done) << what << ": " << done.error().message;
       expect_unchanged(before, what);
     };
-    auto engine = Engine::create(scene, config(GlState::kRestore));
+    auto engine = create(config(GlState::kRestore));
     ASSERT_TRUE(engine) << engine.error().message;
     expect_unchanged(before, "create()");
     step("frame()", [&] { return engine->frame(cut()); });
@@ -102,12 +118,12 @@ TEST_P(KeptState, IsAsBeforeAfterEveryCall) {
     scene.set_visible(5, false);
     scene.add_primitive(scene.root(), core::Sphere{1.0f}, core::translation({3.0, 3.0, 8.0}));
     step("commit()", [&] { return engine->commit(); });
-    const core::ItemId some[] = {1, 8, 20};
-    step("set_override()", [&] { return engine->set_override(some, {.colour = core::vec3(1, 0, 0), .alpha = 0.5f}); });
-    step("set_override() of ghosts", [&] { return engine->set_override(some, {.outline = true, .ghost = true}); });
-    step("frame() with them", [&] { return engine->frame(cut(), application.target()); });
+    const core::ItemId some[] = {3, 4, 9};
+    step("set_override()", [&] { return engine->set_override(some, {.alpha = 0.3f, .outline = true}); });
     step("hide()", [&] { return engine->hide(some); });
-    step("show_all()", [&] { return engine->show_all(); });
+    step("isolate()", [&] { return engine->isolate({{scene.root()}}); });
+    step("frame() after overrides", [&] { return engine->frame(cut()); });
+    step("clear_override()", [&] { return engine->clear_override(some); });
     step("rebuild()", [&] { return engine->rebuild(); });
     step("resize()", [&] { return engine->resize(50, 40); });
     step("set_culler()", [&] {
@@ -130,7 +146,7 @@ TEST_P(KeptState, IsAsBeforeAfterEveryCall) {
 TEST_P(KeptState, IsAsBeforeAfterAFrameInEachHostileState) {
   const Application application(gl(), kWidth, kHeight, kDepthWays[5]);
   const ForeignObjects own(gl());
-  auto engine = Engine::create(scene, config(GlState::kRestore));
+  auto engine = create(config(GlState::kRestore));
   ASSERT_TRUE(engine) << engine.error().message;
   for (const HostileState& state : hostile_states(own)) {
     SCOPED_TRACE(state.name);
@@ -162,7 +178,7 @@ TEST_P(KeptState, TheApplicationsPictureIsItsOwn) {
     gl().DrawArrays(GL_TRIANGLES, 1, 3);
   };
   for (const GlState kept : {GlState::kRestore, GlState::kLeave}) {
-    auto engine = Engine::create(scene, config(kept));
+    auto engine = create(config(kept));
     ASSERT_TRUE(engine) << engine.error().message;
     for (const HostileState& state : hostile_states(own)) {
       SCOPED_TRACE(testing::Message() << state.name << (kept == GlState::kRestore ? ", restored" : ", left"));
@@ -200,7 +216,7 @@ TEST_P(KeptState, NothingSpoilsThePictureInTheApplicationsFramebuffer) {
   const Application application(gl(), kWidth, kHeight, kDepthWays[5], 1, GL_SRGB8_ALPHA8);
   const ForeignObjects own(gl());
   for (const GlState kept : {GlState::kRestore, GlState::kLeave}) {
-    auto engine = Engine::create(scene, config(kept));
+    auto engine = create(config(kept));
     ASSERT_TRUE(engine) << engine.error().message;
     const auto picture = [&](bool clears) {
       core::ExternalTarget target = application.target(1, 2, kWidth - 3, kHeight - 4);
@@ -228,7 +244,7 @@ TEST_P(KeptState, NoObjectIsLeftBehind) {
   for (const GlState kept : {GlState::kRestore, GlState::kLeave}) {
     const CountedObjects objects(const_cast<gl::Functions&>(gl()));
     {
-      auto engine = Engine::create(scene, config(kept));
+      auto engine = create(config(kept));
       ASSERT_TRUE(engine) << engine.error().message;
       for (int i = 0; i < 3; ++i) {
         ASSERT_TRUE(engine->frame(cut(9.0 + i), application.target()));
