@@ -21,6 +21,7 @@ std::ostream& operator<<(std::ostream& to, const Example& example) {
 
 constexpr Example kOffscreen[] = {
     {"cull_only", nullptr, nullptr, 0, 0.0},
+    {"c_embed", "small_plant.rvm"},
     {"embed", "plant"},
     {"offscreen_batch", "small_plant.rvm", "view-1.png"},
     {"edit_while_flying"},

@@ -1,0 +1,668 @@
+/* capi: Sightline for C and for everything that can call C. Nothing but translation: each function names the C++ one
+ * that it calls where that documents more.
+ *
+ *   sl_scene scene;
+ *   sl_engine engine;
+ *   if (sl_scene_create(&scene) != SL_OK) return fail(sl_last_error());
+ *   ...
+ *
+ * Errors. Every function that can fail returns sl_status; SL_OK is 0. sl_last_error() then says what went wrong, in one
+ * line. A message for each thread, and not an error object for each call: a caller who does not look has nothing to
+ * free, and bindings read it at once. A failed call changes nothing and leaves its results as they were, but for
+ * SL_ERROR_MEMORY.
+ *
+ * Handles. A handle is a number in a struct of its own, so that compilers tell scenes from engines. All zero is the
+ * null handle. Numbers are never used again, so a handle that is null, destroyed, or of another kind gives
+ * SL_ERROR_HANDLE. Nodes, meshes, materials and items belong to one scene. In another scene theirs is a handle like any
+ * other: it is stale or names something there.
+ *
+ * Ownership. What sl_..._create() makes is the caller's until sl_..._destroy(). Engines keep their scene alive: after
+ * sl_scene_destroy() it is out of reach, and freed with its last engine. So both may be destroyed in any order. All
+ * arguments are copied; the library keeps no pointer but those of callbacks, as said there. Buffers for results are the
+ * caller's: a function writes as many values as fit, and says how many there are. Pass a null buffer of capacity 0 to
+ * ask for the number alone.
+ *
+ * Threads. A scene and its engines belong to one thread: the one that made the scene, or that took it after
+ * sl_scene_hand_over(). On any other thread their functions, sl_..._destroy() among them, give SL_ERROR_THREAD.
+ * Different scenes may be used on different threads at once. All other functions may be called from any threads at any
+ * time: those of views and box cullers, sl_scene_create() and those that have no handle. During an import, calls on its
+ * scene give SL_ERROR_BUSY.
+ *
+ * Versions. Structs that may grow begin with their size. Initialise them with their SL_..._INIT, which has the default
+ * of each field; results need only `size`. Programs made for an older version then work with a newer library, and the
+ * other way round where the program leaves the new fields zero. Structs without a size, and enumerators, do not change.
+ *
+ * Conventions are those of sightline/core/conventions.h: metres, z up, right-handed, radians. Matrices are sixteen
+ * numbers in columns, as OpenGL takes them. Texts are UTF-8 and end with a zero. Flags are int32_t: 0 or not 0.
+ *
+ * What cannot be checked remains the caller's: pointers must be valid or null, and a GL context given to an engine must
+ * be current in its calls. No C++ exception leaves a function, nor may one leave a callback. */
+#ifndef SIGHTLINE_CAPI_SIGHTLINE_H
+#define SIGHTLINE_CAPI_SIGHTLINE_H
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define SL_API __attribute__((visibility("default")))
+#else
+#define SL_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* --- versions and errors ---------------------------------------------------------------------------------------- */
+
+#define SL_VERSION_MAJOR 0
+#define SL_VERSION_MINOR 1
+#define SL_VERSION_PATCH 0
+#define SL_VERSION (SL_VERSION_MAJOR * 1000000 + SL_VERSION_MINOR * 1000 + SL_VERSION_PATCH)
+
+/* SL_VERSION of the library that runs. */
+SL_API int32_t sl_version(void);
+
+/* What the library that runs was built with. Functions of the rest give SL_ERROR_UNSUPPORTED. */
+enum {
+  SL_FEATURE_DRAWING = 1,   /* engines that draw or cull on the GPU */
+  SL_FEATURE_PICKING = 2,   /* sl_engine_pick() and sl_engine_visible_items_in() */
+  SL_FEATURE_IMPORTING = 4, /* sl_import() and sl_view_read() */
+  SL_FEATURE_PNG = 8        /* sl_write_png() */
+};
+SL_API uint32_t sl_features(void);
+
+typedef int32_t sl_status;
+enum {
+  SL_OK = 0,
+  SL_ERROR_HANDLE = 1,     /* null, stale, or of another kind */
+  SL_ERROR_THREAD = 2,     /* the object belongs to another thread */
+  SL_ERROR_ARGUMENT = 3,   /* null where that is not allowed, out of range, a struct without its size */
+  SL_ERROR_BUSY = 4,       /* in use: what must be done first is in the message */
+  SL_ERROR_FAILED = 5,     /* a file, the scene's content or GL: the message says what */
+  SL_ERROR_CANCELLED = 6,  /* by the progress callback */
+  SL_ERROR_MEMORY = 7,     /* what the call was changing may be half changed: it then accepts nothing but destruction */
+  SL_ERROR_UNSUPPORTED = 8 /* this build of the library lacks it: sl_features() */
+};
+
+/* Why the last failed call of this thread failed; empty when none has. Valid until the next failed call of this thread.
+ * At most 1023 bytes. */
+SL_API const char* sl_last_error(void);
+
+/* --- handles ---------------------------------------------------------------------------------------------------- */
+
+typedef struct sl_scene {
+  uint64_t id;
+} sl_scene;
+typedef struct sl_node {
+  uint64_t id;
+} sl_node;
+typedef struct sl_mesh {
+  uint64_t id;
+} sl_mesh;
+typedef struct sl_material {
+  uint64_t id;
+} sl_material;
+typedef struct sl_engine {
+  uint64_t id;
+} sl_engine;
+typedef struct sl_box_culler {
+  uint64_t id;
+} sl_box_culler;
+/* Items are numbered in the order of their insertion into their scene; numbers are not used again. Pictures of ids and
+ * visible sets hold them. */
+typedef uint32_t sl_item;
+#define SL_NO_ITEM 0xffffffffu
+
+/* --- small values ----------------------------------------------------------------------------------------------- */
+
+/* A buffer for text. Up to capacity - 1 bytes and a zero are written; length becomes that of the whole text. */
+typedef struct sl_text {
+  char* data;
+  size_t capacity;
+  size_t length;
+} sl_text;
+
+typedef struct sl_box {
+  double min[3], max[3];
+} sl_box; /* closed; empty when min > max in any axis */
+
+/* dot(normal, p) + offset >= 0 is kept. */
+typedef struct sl_plane {
+  double normal[3], offset;
+} sl_plane;
+
+/* Where a camera stands and looks. */
+typedef struct sl_pose {
+  double eye[3], target[3], up[3];
+} sl_pose;
+
+/* Layer bits. An item is shown when its layers share a bit with the view's. */
+#define SL_LAYER_MODEL 1u
+#define SL_LAYER_OBSTRUCTION 2u
+#define SL_LAYER_INSULATION 4u
+#define SL_DEFAULT_LAYERS 0xfffffff9u /* all but obstruction and insulation volumes */
+
+/* --- scenes: sightline/core/scene.h ------------------------------------------------------------------------------ */
+
+typedef struct sl_scene_info {
+  uint32_t size;
+  sl_node root;
+  uint64_t nodes, items; /* alive, the root included */
+  uint64_t item_slots;   /* items are below this */
+} sl_scene_info;
+#define SL_SCENE_INFO_INIT \
+  { sizeof(sl_scene_info), {0}, 0, 0, 0 }
+
+SL_API sl_status sl_scene_create(sl_scene* scene);
+SL_API sl_status sl_scene_destroy(sl_scene scene);
+/* Gives the scene up: the next thread that uses it owns it. For loading on a worker. Fails with SL_ERROR_BUSY once an
+ * engine uses the scene. */
+SL_API sl_status sl_scene_hand_over(sl_scene scene);
+/* Moves everything below the root of `other` to below `parent`, and destroys `other`. Its handles become stale. Items
+ * get new numbers, in their order. Both must belong to this thread; `other` must never have been committed, and its
+ * root hold no items. The nodes become the last children of `parent`. */
+SL_API sl_status sl_scene_append(sl_scene scene, sl_node parent, sl_scene other);
+/* Publishes all edits. All or nothing: fails where numbers are not finite, and names the node; the edits then stay
+ * pending. An application with an engine calls sl_engine_commit(). */
+SL_API sl_status sl_scene_commit(sl_scene scene);
+SL_API sl_status sl_scene_get(sl_scene scene, sl_scene_info* info);
+/* World bounds of what is visible below a node on any of `layers`; an empty box when there is nothing. */
+SL_API sl_status sl_scene_bounds(sl_scene scene, sl_node top, uint32_t layers, sl_box* bounds);
+
+/* A condition on a node: `text` occurs in the attribute `key`, or with a null or empty key in the name or any
+ * attribute. Upper and lower case of ASCII are alike. */
+typedef struct sl_condition {
+  const char *key, *text;
+} sl_condition;
+/* Nodes below `top` (itself included) that fulfil all conditions, parents first. */
+SL_API sl_status sl_scene_find_nodes(sl_scene scene, sl_node top, const sl_condition* conditions,
+                                     size_t condition_count, sl_node* nodes, size_t capacity, size_t* count);
+
+/* --- nodes ------------------------------------------------------------------------------------------------------ */
+/* Transforms are parent_from_node; null is the identity. Their last row must be 0 0 0 1. */
+
+typedef struct sl_node_info {
+  uint32_t size;
+  uint32_t layers;                           /* as set: 0 inherits */
+  sl_node parent, first_child, next_sibling; /* null where there is none */
+  sl_material material;                      /* as set: null inherits */
+  double transform[16];
+  uint64_t attributes; /* number of them */
+  sl_item first_item;
+  int32_t visible;
+} sl_node_info;
+#define SL_NODE_INFO_INIT \
+  { sizeof(sl_node_info), 0, {0}, {0}, {0}, {0}, {0}, 0, 0, 0 }
+
+SL_API sl_status sl_node_add(sl_scene scene, sl_node parent, const char* name, const double transform[16],
+                             sl_node* node);
+/* Removes it with its subtree and all their items. Not the root. */
+SL_API sl_status sl_node_remove(sl_scene scene, sl_node node);
+/* Fails when `parent` lies below `node`. */
+SL_API sl_status sl_node_set_parent(sl_scene scene, sl_node node, sl_node parent);
+SL_API sl_status sl_node_set_transform(sl_scene scene, sl_node node, const double transform[16]);
+SL_API sl_status sl_node_set_visible(sl_scene scene, sl_node node, int32_t visible);
+SL_API sl_status sl_node_set_layers(sl_scene scene, sl_node node, uint32_t layers);
+/* For items of the subtree that have none of their own; null inherits. */
+SL_API sl_status sl_node_set_material(sl_scene scene, sl_node node, sl_material material);
+SL_API sl_status sl_node_set_name(sl_scene scene, sl_node node, const char* name);
+SL_API sl_status sl_node_set_attribute(sl_scene scene, sl_node node, const char* key, const char* value);
+
+SL_API sl_status sl_node_get(sl_scene scene, sl_node node, sl_node_info* info);
+SL_API sl_status sl_node_world_transform(sl_scene scene, sl_node node, double world_from_node[16]);
+SL_API sl_status sl_node_name(sl_scene scene, sl_node node, sl_text* name);
+/* Names from below the root to the node, joined by "/"; unnamed nodes are "#k", k their place among their siblings. */
+SL_API sl_status sl_node_path(sl_scene scene, sl_node node, sl_text* path);
+/* Attribute `index` in the order set. Either text may be null. */
+SL_API sl_status sl_node_attribute(sl_scene scene, sl_node node, size_t index, sl_text* key, sl_text* value);
+
+/* --- meshes and materials --------------------------------------------------------------------------------------- */
+
+typedef struct sl_mesh_data {
+  uint32_t size;
+  uint32_t vertex_count;
+  const char* name;        /* may be null */
+  const float* positions;  /* three a vertex */
+  const float* normals;    /* as many, or null */
+  const uint32_t* indices; /* three a triangle, counter-clockwise from outside */
+  uint64_t index_count;
+} sl_mesh_data;
+#define SL_MESH_DATA_INIT \
+  { sizeof(sl_mesh_data), 0, NULL, NULL, NULL, NULL, 0 }
+
+SL_API sl_status sl_mesh_add(sl_scene scene, const sl_mesh_data* data, sl_mesh* mesh);
+/* Points into the scene: valid until the mesh is removed or the scene destroyed, since meshes never change. The name is
+ * left out (null). */
+SL_API sl_status sl_mesh_get(sl_scene scene, sl_mesh mesh, sl_mesh_data* data);
+/* Fails with SL_ERROR_BUSY while an item uses it. Looks at every item. */
+SL_API sl_status sl_mesh_remove(sl_scene scene, sl_mesh mesh);
+
+typedef struct sl_material_data {
+  uint32_t size;
+  uint32_t code;    /* the source file's own number */
+  const char* name; /* may be null */
+  float colour[3];  /* sRGB, 0 to 1 */
+  float alpha;      /* 1 opaque, 0 invisible */
+} sl_material_data;
+#define SL_MATERIAL_DATA_INIT \
+  { sizeof(sl_material_data), 0, NULL, {0.7f, 0.7f, 0.7f}, 1.0f }
+
+SL_API sl_status sl_material_add(sl_scene scene, const sl_material_data* data, sl_material* material);
+SL_API sl_status sl_material_update(sl_scene scene, sl_material material, const sl_material_data* data);
+/* `name` may be null; data->name is left out (null). */
+SL_API sl_status sl_material_get(sl_scene scene, sl_material material, sl_material_data* data, sl_text* name);
+/* Nodes and items that have it inherit one from then on. Looks at all of them. */
+SL_API sl_status sl_material_remove(sl_scene scene, sl_material material);
+
+/* --- items ------------------------------------------------------------------------------------------------------ */
+
+typedef int32_t sl_kind;
+enum {
+  SL_PYRAMID = 0,
+  SL_BOX = 1,
+  SL_RECTANGULAR_TORUS = 2,
+  SL_CIRCULAR_TORUS = 3,
+  SL_ELLIPTICAL_DISH = 4,
+  SL_SPHERICAL_DISH = 5,
+  SL_SNOUT = 6,
+  SL_CYLINDER = 7,
+  SL_SPHERE = 8,
+  SL_LINE = 9,
+  SL_FACET_GROUP = 10, /* a mesh that an importer made of polygons */
+  SL_MESH = 11
+};
+#define SL_KIND_COUNT 12
+
+/* One of the first ten kinds with its parameters: sightline/core/primitive.h says what they mean. */
+typedef struct sl_primitive {
+  sl_kind kind;
+  union {
+    float parameters[9]; /* in the order of these: */
+    struct {
+      float bottom_x, bottom_y, top_x, top_y, offset_x, offset_y, height;
+    } pyramid;
+    struct {
+      float size_x, size_y, size_z;
+    } box;
+    struct {
+      float inner_radius, outer_radius, height, angle;
+    } rectangular_torus;
+    struct {
+      float major_radius, tube_radius, angle;
+    } circular_torus;
+    struct {
+      float base_radius, height;
+    } elliptical_dish;
+    struct {
+      float base_radius, height;
+    } spherical_dish;
+    struct {
+      float bottom_radius, top_radius, height, offset_x, offset_y;
+      float bottom_shear_x, bottom_shear_y, top_shear_x, top_shear_y;
+    } snout;
+    struct {
+      float radius, height;
+    } cylinder;
+    struct {
+      float diameter;
+    } sphere;
+    struct {
+      float from, to;
+    } line;
+  } of;
+} sl_primitive;
+
+typedef struct sl_item_info {
+  uint32_t size;
+  sl_kind kind;
+  sl_node node;
+  sl_mesh mesh;           /* of a facet group or mesh; else null */
+  sl_material material;   /* as set: null is the node's */
+  double placement[16];   /* node_from_item */
+  sl_primitive primitive; /* its kind is that of the item; for meshes without parameters */
+  sl_item next_item;      /* of the same node */
+  int32_t visible;
+} sl_item_info;
+#define SL_ITEM_INFO_INIT \
+  { sizeof(sl_item_info), 0, {0}, {0}, {0}, {0}, {0, {{0}}}, 0, 0 }
+
+/* `placement` is node_from_item, null the identity; its last row must be 0 0 0 1. A null material is the node's. */
+SL_API sl_status sl_item_add_primitive(sl_scene scene, sl_node node, const sl_primitive* primitive,
+                                       const double placement[16], sl_material material, sl_item* item);
+SL_API sl_status sl_item_add_mesh(sl_scene scene, sl_node node, sl_mesh mesh, const double placement[16],
+                                  sl_material material, sl_item* item);
+SL_API sl_status sl_item_remove(sl_scene scene, sl_item item);
+SL_API sl_status sl_item_set_placement(sl_scene scene, sl_item item, const double placement[16]);
+SL_API sl_status sl_item_set_visible(sl_scene scene, sl_item item, int32_t visible);
+SL_API sl_status sl_item_set_material(sl_scene scene, sl_item item, sl_material material);
+SL_API sl_status sl_item_get(sl_scene scene, sl_item item, sl_item_info* info);
+
+/* --- import: sightline/importers/import.h ------------------------------------------------------------------------ */
+
+enum { SL_UP_Y = 0, SL_UP_Z = 1 };
+enum { SL_COPIES_APART = 0, SL_COPIES_EXACT = 1, SL_COPIES_SIMILAR = 2 };
+
+typedef struct sl_import_options {
+  uint32_t size;
+  int32_t lenient;        /* import what can be read of damaged files */
+  double metres_per_unit; /* for formats that state no unit */
+  int32_t up;             /* SL_UP_...: for the same formats */
+  int32_t copies;         /* SL_COPIES_...: which meshes of a file are kept only once */
+  int32_t threads;        /* for several files; 0: one for each processor */
+  /* Called on the importing thread with the share that is done, 0 to 1. Returning 0 cancels. May be null. */
+  int32_t (*progress)(double share, void* user);
+  /* Called on the importing thread before sl_import() returns, for each problem that did not stop it. May be null. */
+  void (*warning)(const char* file, uint64_t offset, const char* message, void* user);
+  void* user; /* passed to both */
+} sl_import_options;
+#define SL_IMPORT_OPTIONS_INIT \
+  { sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL }
+
+typedef struct sl_import_report {
+  uint32_t size;
+  uint32_t node_count;           /* one for each model file */
+  uint64_t items[SL_KIND_COUNT]; /* by kind, as found in the files */
+  uint64_t degenerate;           /* without volume, length or area */
+  uint64_t shared_meshes;        /* items whose mesh another item brought */
+  uint64_t attributed;           /* groups that an attribute file gave attributes to */
+  uint64_t bytes;                /* read */
+  uint64_t warnings;
+  double sharing_error;   /* metres: no vertex of those meshes lies farther from where the file has it */
+  double metres_per_unit; /* of the last file */
+} sl_import_report;
+#define SL_IMPORT_REPORT_INIT \
+  { sizeof(sl_import_report), 0, {0}, 0, 0, 0, 0, 0, 0.0, 0.0 }
+
+/* Reads files into new children of `parent`, one for each model file. All or nothing. `options` may be null, and so may
+ * `nodes` (room for path_count) and `report`. */
+SL_API sl_status sl_import(sl_scene scene, sl_node parent, const char* const* paths, size_t path_count,
+                           const sl_import_options* options, sl_node* nodes, sl_import_report* report);
+/* ".rvm .txt .ply": what this library reads, by the ends of file names. Empty when it reads nothing. */
+SL_API const char* sl_import_extensions(void);
+
+/* --- views: sightline/core/view.h -------------------------------------------------------------------------------- */
+
+typedef int32_t sl_clip_depth;
+enum {
+  SL_DEPTH_REVERSED_ZERO_TO_ONE = 0, /* near at 1, far at 0 */
+  SL_DEPTH_MINUS_ONE_TO_ONE = 1      /* classic OpenGL */
+};
+enum { SL_SECTIONS_INTERSECTION = 0, SL_SECTIONS_UNION = 1 };
+#define SL_MAX_SECTIONS 8
+
+/* A camera: a value without a lifetime. Sections and layers may be set after a function has made the rest. */
+typedef struct sl_view {
+  uint32_t size;
+  uint32_t layers;
+  double eye_from_world[16], clip_from_eye[16];
+  sl_clip_depth clip_depth;
+  int32_t section_mode;   /* SL_SECTIONS_...: whether all planes keep a point or any */
+  uint64_t section_count; /* up to SL_MAX_SECTIONS */
+  sl_plane sections[SL_MAX_SECTIONS];
+} sl_view;
+#define SL_VIEW_INIT                                         \
+  {                                                          \
+    sizeof(sl_view), SL_DEFAULT_LAYERS, {0}, {0}, 0, 0, 0, { \
+      { {0}, 0 }                                             \
+    }                                                        \
+  }
+
+/* Each sets all of `view` but its size: all of the model's layers and no sections. `fovy` is in radians; `z_far` may be
+ * infinite (HUGE_VAL) in perspective. */
+SL_API sl_status sl_view_perspective(const sl_pose* pose, double fovy, double aspect, double z_near, double z_far,
+                                     sl_view* view);
+SL_API sl_status sl_view_orthographic(const sl_pose* pose, double height, double aspect, double z_near, double z_far,
+                                      sl_view* view);
+/* left, right, bottom, top: on the near plane. */
+SL_API sl_status sl_view_asymmetric(const sl_pose* pose, double left, double right, double bottom, double top,
+                                    double z_near, double z_far, sl_view* view);
+/* The box fills the image, seen along `direction` (null: from above and the south-west). */
+SL_API sl_status sl_view_fit(const sl_box* bounds, const double direction[3], double fovy, double aspect,
+                             sl_view* view);
+/* From an application's own matrices. With a null eye_from_world the other one is projection * view: such a view can
+ * cull but not be drawn. */
+SL_API sl_status sl_view_from_matrices(const double eye_from_world[16], const double clip_from_eye[16],
+                                       sl_clip_depth depth, sl_view* view);
+/* From a JSON file: sightline/importers/view_json.h. */
+SL_API sl_status sl_view_read(const char* path, double aspect, sl_view* view);
+
+/* --- culling without a scene: sightline/culling/box_culler.h ----------------------------------------------------- */
+/* May be used from any threads at once; sl_box_culler_update() waits for those that cull. */
+
+SL_API sl_status sl_box_culler_create(const sl_box* boxes, size_t box_count, sl_box_culler* culler);
+SL_API sl_status sl_box_culler_destroy(sl_box_culler culler);
+/* Indices of the boxes in the view volume, in no order; the first `capacity` of them are written. */
+SL_API sl_status sl_box_culler_visible(sl_box_culler culler, const sl_view* view, uint32_t* indices, size_t capacity,
+                                       size_t* count);
+/* The same for projection * view. */
+SL_API sl_status sl_box_culler_visible_in(sl_box_culler culler, const double clip_from_world[16], sl_clip_depth depth,
+                                          uint32_t* indices, size_t capacity, size_t* count);
+SL_API sl_status sl_box_culler_update(sl_box_culler culler, uint32_t index, const sl_box* box);
+
+/* --- engines: sightline/engine/engine.h -------------------------------------------------------------------------- */
+
+typedef int32_t sl_culler;
+enum { SL_CULLER_AUTOMATIC = 0, SL_CULLER_LINEAR = 1, SL_CULLER_CPU = 2, SL_CULLER_GPU = 3, SL_CULLER_HYBRID = 4 };
+enum { SL_OCCLUSION_OFF = 0, SL_OCCLUSION_ON = 1, SL_OCCLUSION_AUTOMATIC = 2 };
+enum {
+  SL_CONTEXT_AUTOMATIC = 0,
+  SL_CONTEXT_EGL = 1,
+  SL_CONTEXT_EGL_SURFACELESS = 2,
+  SL_CONTEXT_EGL_DEVICE = 3,
+  SL_CONTEXT_OSMESA = 4
+};
+enum { SL_GL_STATE_RESTORE = 0, SL_GL_STATE_LEAVE = 1 };
+enum { SL_CONTRIBUTION_DROP = 0, SL_CONTRIBUTION_POINTS = 1, SL_CONTRIBUTION_STOCHASTIC = 2 };
+
+typedef void (*sl_proc)(void);
+/* Finds a GL function by its full name ("glEnable"); null when unknown. */
+typedef sl_proc (*sl_get_proc)(const char* name, void* user);
+
+typedef struct sl_engine_config {
+  uint32_t size;
+  sl_culler culler;
+  int32_t draw; /* 0: no GL at all, unless the culler needs it */
+  int32_t width, height;
+  int32_t ids;              /* a picture of item ids beside colour and depth */
+  int32_t sample_test;      /* leave out of drawing what covers no sample */
+  int32_t occlusion;        /* SL_OCCLUSION_...: leave out of drawing what others hide */
+  int32_t contribution_way; /* SL_CONTRIBUTION_... */
+  float contribution;       /* pixels; leave out of drawing what covers fewer; 0: nothing is lost */
+  double budget_ms;         /* a frame may take; 0: any time */
+  int32_t samples;          /* per pixel */
+  int32_t use_hidden_colour;
+  float hidden_colour[3]; /* sRGB; of what the tests leave out in frames with a cull_view */
+  float rebuild_share;    /* disorder by edits that starts a new order in the background; 0: never */
+  /* The application's GL context, which must be current now and in all later calls on the engine. Null: the engine
+   * makes an offscreen context. Called in sl_engine_create() alone. */
+  sl_get_proc get_proc;
+  void* get_proc_user;
+  int32_t gl_state;          /* SL_GL_STATE_...: what becomes of the state of the application's context */
+  int32_t context_platform;  /* SL_CONTEXT_...: of the offscreen context */
+  const char* program_cache; /* folder that keeps linked programs; null: the user's cache folder; "": none */
+} sl_engine_config;
+#define SL_ENGINE_CONFIG_INIT                                                                                        \
+  {                                                                                                                  \
+    sizeof(sl_engine_config), SL_CULLER_AUTOMATIC, 0, 1280, 720, 0, 1, SL_OCCLUSION_AUTOMATIC, SL_CONTRIBUTION_DROP, \
+        0.0f, 0.0, 1, 0, {0.0f, 0.0f, 0.0f}, 0.03f, NULL, NULL, SL_GL_STATE_RESTORE, SL_CONTEXT_AUTOMATIC, NULL      \
+  }
+
+/* -1 where a count is not known. Times are milliseconds of wall clock. FrameReport in engine.h says more. */
+typedef struct sl_frame_report {
+  uint32_t size;
+  sl_culler culler; /* that culled: linear, CPU or GPU */
+  uint64_t frame;   /* frames before this one */
+  double cull_ms, draw_ms, wait_ms, frame_ms;
+  int64_t visible, tested; /* items in the view volume; boxes tested */
+  int64_t sampled, shown;  /* of the visible, that may cover a sample; drawn */
+  int64_t small, squares;  /* below the contribution; drawn as squares */
+  int64_t pending;         /* items that the budget did not suffice for */
+  int32_t drawn;
+  int32_t hybrid_state; /* -1 without a hybrid; else ControllerState of culling/frame_sample.h */
+} sl_frame_report;
+#define SL_FRAME_REPORT_INIT \
+  { sizeof(sl_frame_report), 0, 0, 0.0, 0.0, 0.0, 0.0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+
+/* A part of a framebuffer of the application's: sightline/core/external_target.h. */
+typedef struct sl_external_target {
+  uint32_t size;
+  uint32_t framebuffer;         /* GL's name; 0: the window's */
+  int32_t x, y, width, height;  /* from its lower left corner */
+  double near_depth, far_depth; /* what its depth buffer holds at the near and at the far plane */
+  int32_t clear_colour;         /* fill the part with the background first */
+  int32_t clear_depth;          /* fill its depth buffer with far_depth first */
+  int32_t linear_colour;        /* write linear light instead of sRGB values */
+  int32_t reserved;             /* 0 */
+} sl_external_target;
+#define SL_EXTERNAL_TARGET_INIT \
+  { sizeof(sl_external_target), 0, 0, 0, 0, 0, 0.0, 1.0, 0, 0, 0, 0 }
+
+/* What the GPU culler found in an earlier frame. */
+typedef struct sl_late_report {
+  uint32_t size;
+  int32_t there; /* 0: nothing new has arrived, and the rest says nothing */
+  uint64_t frame;
+  int64_t visible, shown;
+  double gpu_cull_ms;
+} sl_late_report;
+#define SL_LATE_REPORT_INIT \
+  { sizeof(sl_late_report), 0, 0, 0, 0, 0.0 }
+
+typedef struct sl_engine_info {
+  uint32_t size;
+  sl_culler culler;   /* as planned: never automatic */
+  int32_t rebuilding; /* a new order is being made in the background */
+  int32_t reserved;   /* 0 */
+  uint64_t scene_bytes, snapshot_bytes, hierarchy_bytes, gpu_bytes, tracer_bytes;
+} sl_engine_info;
+#define SL_ENGINE_INFO_INIT \
+  { sizeof(sl_engine_info), 0, 0, 0, 0, 0, 0, 0, 0 }
+
+/* Commits the scene and builds what the engine needs. `config` may be null. */
+SL_API sl_status sl_engine_create(sl_scene scene, const sl_engine_config* config, sl_engine* engine);
+/* Frees everything that it has in the application's context, which must be current, unless sl_engine_abandon_context()
+ * was called. */
+SL_API sl_status sl_engine_destroy(sl_engine engine);
+/* Culls and draws. `cull_view` (null: `view`) is the view whose volume is culled. `report` may be null. */
+SL_API sl_status sl_engine_frame(sl_engine engine, const sl_view* view, const sl_view* cull_view,
+                                 sl_frame_report* report);
+/* The same into a framebuffer of the application's context, with the depth test, in the order of GL's commands. The
+ * engine's picture gets the target's size. */
+SL_API sl_status sl_engine_frame_into(sl_engine engine, const sl_view* view, const sl_external_target* target,
+                                      sl_frame_report* report);
+SL_API sl_status sl_engine_late_report(sl_engine engine, sl_late_report* report);
+/* Commits the scene's edits; frames show none before. */
+SL_API sl_status sl_engine_commit(sl_engine engine);
+/* Makes a new order of the items at once. */
+SL_API sl_status sl_engine_rebuild(sl_engine engine);
+SL_API sl_status sl_engine_set_culler(sl_engine engine, sl_culler culler);
+/* In pixels, 1 to 65536. */
+SL_API sl_status sl_engine_resize(sl_engine engine, int32_t width, int32_t height);
+/* Tells that the application drew nothing for a while. */
+SL_API sl_status sl_engine_paused(sl_engine engine);
+/* Waits until everything submitted is drawn. */
+SL_API sl_status sl_engine_finish(sl_engine engine);
+SL_API sl_status sl_engine_get(sl_engine engine, sl_engine_info* info);
+/* What the engine uses and what it leaves out, with reasons, a line each; the last line names the GL renderer. */
+SL_API sl_status sl_engine_explain(sl_engine engine, sl_text* text);
+
+/* Items in the view volume of the last frame, in no order, for renderers of one's own. None where the GPU culled. Fails
+ * with SL_ERROR_BUSY when a new order has landed since: ask before the next sl_engine_commit(). */
+SL_API sl_status sl_engine_visible(sl_engine engine, sl_item* items, size_t capacity, size_t* count);
+
+/* Frees what the engine has in its context, which must be current. Frames are then culled and not drawn. */
+SL_API sl_status sl_engine_drop_context(sl_engine engine);
+/* The same for a context that is gone with all that was in it: calls no GL. */
+SL_API sl_status sl_engine_abandon_context(sl_engine engine);
+/* Makes everything anew in the application's context that is current now. The former one must have been dropped or
+ * abandoned: else SL_ERROR_BUSY. */
+SL_API sl_status sl_engine_use_context(sl_engine engine, sl_get_proc get_proc, void* user);
+
+/* The picture of the last frame, rows from top to bottom; waits for the GPU. `capacity` is in values, of which
+ * width * height (colour: three times as many) are needed. */
+SL_API sl_status sl_engine_read_colour(sl_engine engine, uint8_t* rgb, size_t capacity);
+/* Item + 1; 0 where there is none. */
+SL_API sl_status sl_engine_read_ids(sl_engine engine, uint32_t* ids, size_t capacity);
+/* Metres along the axis of `view`, which is the one that was drawn; infinity where there is nothing. */
+SL_API sl_status sl_engine_read_depth(sl_engine engine, const sl_view* view, float* metres, size_t capacity);
+/* Rows from top to bottom, three bytes a pixel. Replaces the file only when complete. */
+SL_API sl_status sl_write_png(const char* path, int32_t width, int32_t height, const uint8_t* rgb);
+
+/* --- picks and regions ------------------------------------------------------------------------------------------- */
+
+typedef struct sl_pick {
+  uint32_t size;
+  sl_item item;               /* SL_NO_ITEM: nothing was hit, and the rest says nothing */
+  sl_node node;               /* that holds it; null when it has been removed since the last commit */
+  double t;                   /* along the ray; metres, where its direction has unit length */
+  double point[3], normal[3]; /* in the world; the normal points out of the solid */
+  uint32_t triangle;          /* of a mesh; 0xffffffff for solids and cuts */
+  int32_t face;               /* raytrace::Face of sightline/raytrace/tracer.h */
+} sl_pick;
+#define SL_PICK_INIT \
+  { sizeof(sl_pick), SL_NO_ITEM, {0}, 0.0, {0}, {0}, 0, 0 }
+
+typedef struct sl_ray {
+  uint32_t size;
+  uint32_t layers;
+  double origin[3], direction[3]; /* below 1e150 */
+  double t_min, t_max;
+} sl_ray;
+#define SL_RAY_INIT \
+  { sizeof(sl_ray), SL_DEFAULT_LAYERS, {0}, {0.0, 1.0, 0.0}, 0.0, HUGE_VAL }
+
+enum { SL_REGION_CROSSING = 0, SL_REGION_WHOLLY = 1 };
+
+typedef struct sl_visible_item {
+  sl_item item;
+  uint32_t reserved; /* 0 */
+  uint64_t samples;  /* that show it */
+} sl_visible_item;
+
+/* What the view shows at a point of the picture, in pixels from its upper left corner. */
+SL_API sl_status sl_engine_pick(sl_engine engine, const sl_view* view, double x, double y, sl_pick* pick);
+SL_API sl_status sl_engine_pick_ray(sl_engine engine, const sl_ray* ray, sl_pick* pick);
+/* Items with any part (SL_REGION_CROSSING) or with all of them (SL_REGION_WHOLLY) in x0, y0, x1, y1 of the picture,
+ * hidden or not, in rising order. */
+SL_API sl_status sl_engine_items_in(sl_engine engine, const sl_view* view, const double rectangle[4], int32_t rule,
+                                    sl_item* items, size_t capacity, size_t* count);
+/* The same for what up to SL_MAX_SECTIONS planes keep. */
+SL_API sl_status sl_engine_items_in_planes(sl_engine engine, const sl_plane* planes, size_t plane_count, int32_t rule,
+                                           uint32_t layers, sl_item* items, size_t capacity, size_t* count);
+/* Items that the rectangle shows, in rising order, found with 1 to 1024 samples a pixel. */
+SL_API sl_status sl_engine_visible_items_in(sl_engine engine, const sl_view* view, const double rectangle[4],
+                                            int32_t samples, sl_visible_item* items, size_t capacity, size_t* count);
+
+/* --- overrides: what one engine shows otherwise than its scene says ---------------------------------------------- */
+/* From the next frame on, until the items are removed. All fail, and change nothing, where an item or node was unknown
+ * at the last sl_engine_commit(). */
+
+typedef struct sl_item_style {
+  uint32_t size;
+  int32_t use_colour; /* 0: the material's colour */
+  float colour[3];    /* sRGB, 0 to 1 */
+  float alpha;        /* 0 to 1, times the material's */
+  int32_t outline;    /* draw a line around what the picture shows of the item */
+  int32_t ghost;      /* draw a faint shell that hides nothing; picks go through it */
+} sl_item_style;
+#define SL_ITEM_STYLE_INIT \
+  { sizeof(sl_item_style), 0, {0.0f, 0.0f, 0.0f}, 1.0f, 0, 0 }
+
+SL_API sl_status sl_engine_set_override(sl_engine engine, const sl_item* items, size_t item_count,
+                                        const sl_item_style* style);
+/* With null items of all; hidden ones stay hidden. */
+SL_API sl_status sl_engine_clear_override(sl_engine engine, const sl_item* items, size_t item_count);
+/* Hidden items are not drawn, hide nothing, and no query or pick finds them. 0 shows them again, unless the scene hides
+ * them. */
+SL_API sl_status sl_engine_set_hidden(sl_engine engine, const sl_item* items, size_t item_count, int32_t hidden);
+/* Hides all items but those below the nodes, and shows these. */
+SL_API sl_status sl_engine_isolate(sl_engine engine, const sl_node* nodes, size_t node_count);
+SL_API sl_status sl_engine_show_all(sl_engine engine);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,168 @@
+// Views, and culling without a scene.
+#include <mutex>
+#include <vector>
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include "sightline/capi/internal/objects.h"
+#include "sightline/capi/internal/values.h"
+#if SIGHTLINE_HAS_IMPORTERS
+#include "sightline/importers/view_json.h"
+#endif
+
+using namespace sightline;
+using namespace sightline::capi;
+
+namespace {
+
+void write_view(const core::View& from, sl_view* view) {
+  sl_view made SL_VIEW_INIT;
+  made.layers = from.layers;
+  std::memcpy(made.eye_from_world, glm::value_ptr(from.eye_from_world()), sizeof made.eye_from_world);
+  std::memcpy(made.clip_from_eye, glm::value_ptr(from.clip_from_eye()), sizeof made.clip_from_eye);
+  made.clip_depth = sl_clip_depth(from.clip_depth());
+  made.section_mode = std::int32_t(from.section_mode);
+  require(from.sections.size() <= SL_MAX_SECTIONS, "at most SL_MAX_SECTIONS sections");
+  made.section_count = from.sections.size();
+  for (std::size_t i = 0; i < from.sections.size(); ++i) {
+    const core::Plane& plane = from.sections[i];
+    made.sections[i] = {{plane.normal.x, plane.normal.y, plane.normal.z}, plane.offset};
+  }
+  write(view, made);
+}
+
+/// Runs `make`, which returns an Expected<View>, and writes the result.
+template <class Make>
+sl_status make_view(const char* function, sl_view* view, const Make& make) {
+  return call(function, [&] {
+    check_result(view);
+    write_view(value_of(make()), view);
+  });
+}
+
+core::Pose pose_of(const sl_pose* pose) {
+  require(pose != nullptr, "a pose, found null");
+  return {vector_of(pose->eye), vector_of(pose->target), vector_of(pose->up)};
+}
+
+}  // namespace
+
+// --- views -----------------------------------------------------------------------------------------------------------
+
+sl_status sl_view_perspective(const sl_pose* pose, double fovy, double aspect, double z_near, double z_far,
+                              sl_view* view) {
+  return make_view(__func__, view, [&] { return core::View::perspective(pose_of(pose), fovy, aspect, z_near, z_far); });
+}
+
+sl_status sl_view_orthographic(const sl_pose* pose, double height, double aspect, double z_near, double z_far,
+                               sl_view* view) {
+  return make_view(__func__, view,
+                   [&] { return core::View::orthographic(pose_of(pose), height, aspect, z_near, z_far); });
+}
+
+sl_status sl_view_asymmetric(const sl_pose* pose, double left, double right, double bottom, double top, double z_near,
+                             double z_far, sl_view* view) {
+  return make_view(__func__, view,
+                   [&] { return core::View::asymmetric(pose_of(pose), left, right, bottom, top, z_near, z_far); });
+}
+
+sl_status sl_view_fit(const sl_box* bounds, const double direction[3], double fovy, double aspect, sl_view* view) {
+  return make_view(__func__, view, [&] {
+    require(bounds != nullptr, "bounds, found null");
+    return core::View::fit(box_of(*bounds), direction ? vector_of(direction) : core::kOverviewDirection, fovy, aspect);
+  });
+}
+
+sl_status sl_view_from_matrices(const double eye_from_world[16], const double clip_from_eye[16], sl_clip_depth depth,
+                                sl_view* view) {
+  return make_view(__func__, view, [&] {
+    require(clip_from_eye != nullptr, "clip_from_eye, found null");
+    const core::dmat4 eye = eye_from_world ? glm::make_mat4(eye_from_world) : core::dmat4(1.0);
+    return core::View::from_matrices(eye, glm::make_mat4(clip_from_eye), enum_of<core::ClipDepth>(depth, 2, "depth"));
+  });
+}
+
+sl_status sl_view_read(const char* path, double aspect, sl_view* view) {
+#if SIGHTLINE_HAS_IMPORTERS
+  return make_view(__func__, view, [&] { return importers::read_view(path_of(path), aspect); });
+#else
+  return call(__func__, [&] {
+    (void)path, (void)aspect, (void)view;
+    refuse(SL_ERROR_UNSUPPORTED, "this library was built without importers");
+  });
+#endif
+}
+
+// --- culling without a scene -----------------------------------------------------------------------------------------
+
+namespace {
+
+/// The calling thread's indices, so that frames allocate nothing.
+std::vector<std::uint32_t>& scratch_indices() {
+  thread_local std::vector<std::uint32_t> indices;
+  return indices;
+}
+
+/// Runs `cull` with the culler and this thread's list of indices, and writes that.
+template <class Cull>
+sl_status list_visible(const char* function, sl_box_culler handle, std::uint32_t* indices, std::size_t capacity,
+                       std::size_t* count, const Cull& cull) {
+  return call(function, [&] {
+    check_buffer(indices, capacity);
+    check_result(count);
+    const std::shared_ptr<BoxCullerObject> object = find(handle);
+    const std::shared_lock lock = [&] {
+      const std::lock_guard turn(object->turn);
+      return std::shared_lock(object->mutex);
+    }();
+    cull(object->culler, scratch_indices());
+    write_list(scratch_indices(), indices, capacity, count);
+  });
+}
+
+}  // namespace
+
+sl_status sl_box_culler_create(const sl_box* boxes, size_t box_count, sl_box_culler* culler) {
+  return call(__func__, [&] {
+    check_result(culler);
+    require(boxes || box_count == 0, "boxes, found null");
+    require(box_count < core::kNone / 2, "fewer than 2^31 - 1 boxes");
+    std::vector<core::AabbD> translated(box_count);
+    std::transform(boxes, boxes + box_count, translated.begin(), [](const sl_box& box) { return box_of(box); });
+    *culler =
+        add_box_culler(std::make_shared<BoxCullerObject>(value_of(culling::BoxCuller::create(std::move(translated)))));
+  });
+}
+
+sl_status sl_box_culler_destroy(sl_box_culler culler) {
+  return call(__func__, [&] { (void)remove(culler); });
+}
+
+sl_status sl_box_culler_visible(sl_box_culler culler, const sl_view* view, uint32_t* indices, size_t capacity,
+                                size_t* count) {
+  return list_visible(__func__, culler, indices, capacity, count,
+                      [&](const culling::BoxCuller& boxes, std::vector<std::uint32_t>& visible) {
+                        boxes.visible(view_of(view), visible);
+                      });
+}
+
+sl_status sl_box_culler_visible_in(sl_box_culler culler, const double clip_from_world[16], sl_clip_depth depth,
+                                   uint32_t* indices, size_t capacity, size_t* count) {
+  return list_visible(__func__, culler, indices, capacity, count,
+                      [&](const culling::BoxCuller& boxes, std::vector<std::uint32_t>& visible) {
+                        require(clip_from_world != nullptr, "a matrix, found null");
+                        const auto range = enum_of<core::ClipDepth>(depth, 2, "depth");
+                        value_of(boxes.visible(clip_from_world, range, visible));
+                      });
+}
+
+sl_status sl_box_culler_update(sl_box_culler culler, uint32_t index, const sl_box* box) {
+  return call(__func__, [&] {
+    require(box != nullptr, "a box, found null");
+    const std::shared_ptr<BoxCullerObject> object = find(culler);
+    const std::lock_guard turn(object->turn);
+    const std::lock_guard lock(object->mutex);
+    require(index < object->culler.size(), "the index of a box");
+    value_of(object->culler.update(index, box_of(*box)));
+  });
+}

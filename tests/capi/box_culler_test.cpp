@@ -1,0 +1,145 @@
+// Culling boxes in C gives what it gives in C++, also from several threads and during updates.
+#include "sightline/culling/box_culler.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <random>
+#include <string>
+#include <thread>
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include "c_scene.h"
+
+namespace sightline::tests {
+namespace {
+
+constexpr unsigned kSeed = 5;
+
+struct Boxes {
+  std::vector<sl_box> c;
+  std::vector<core::AabbD> cpp;
+
+  explicit Boxes(int count) {
+    std::mt19937_64 random(kSeed);
+    std::uniform_real_distribution<double> place(-100, 100), size(0, 3);
+    for (int i = 0; i < count; ++i) {
+      sl_box box;
+      for (int axis = 0; axis < 3; ++axis) {
+        box.min[axis] = place(random);
+        box.max[axis] = box.min[axis] + size(random);
+      }
+      c.push_back(box);
+      cpp.push_back({glm::make_vec3(box.min), glm::make_vec3(box.max)});
+    }
+  }
+};
+
+std::vector<BothViews> some_views() {
+  std::vector<BothViews> views;
+  for (int i = 0; i < 20; ++i) {
+    const double turn = 0.3 * i;
+    views.emplace_back(core::dvec3(90 * std::cos(turn), 90 * std::sin(turn), 10.0 * (i % 5)), core::dvec3(0, 0, i));
+  }
+  return views;
+}
+
+TEST(CapiBoxCuller, FindsTheBoxesThatCppFinds) {
+  const Boxes boxes(5000);
+  sl_box_culler culler = {0};
+  ASSERT_OK(sl_box_culler_create(boxes.c.data(), boxes.c.size(), &culler));
+  auto twin = culling::BoxCuller::create(boxes.cpp);
+  ASSERT_TRUE(twin);
+  std::vector<std::uint32_t> found(boxes.c.size()), expected;
+  std::size_t count = 0, visible = 0;
+  const auto compare = [&](const BothViews& view) {
+    twin->visible(view.cpp, expected);
+    ASSERT_OK(sl_box_culler_visible(culler, &view.c, found.data(), found.size(), &count));
+    ASSERT_EQ(count, expected.size());
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), found.begin()));
+    const core::dmat4 matrix = view.cpp.clip_from_world();
+    ASSERT_OK(sl_box_culler_visible_in(culler, glm::value_ptr(matrix), SL_DEPTH_REVERSED_ZERO_TO_ONE, found.data(),
+                                       found.size(), &count));
+    ASSERT_TRUE(twin->visible(glm::value_ptr(matrix), core::ClipDepth::kReversedZeroToOne, expected));
+    ASSERT_EQ(count, expected.size());
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), found.begin()));
+    visible += count;
+  };
+  for (const BothViews& view : some_views()) compare(view);
+  EXPECT_GT(visible, 1000u);
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    const sl_box moved = {{0, double(i) / 10, 0}, {1, double(i) / 10 + 1, 1}};
+    ASSERT_OK(sl_box_culler_update(culler, 50 * i, &moved));
+    ASSERT_TRUE(twin->update(50 * i, {glm::make_vec3(moved.min), glm::make_vec3(moved.max)}));
+  }
+  for (const BothViews& view : some_views()) compare(view);
+  EXPECT_OK(sl_box_culler_destroy(culler));
+}
+
+TEST(CapiBoxCuller, WritesNoMoreThanFits) {
+  const Boxes boxes(1000);
+  sl_box_culler culler = {0};
+  ASSERT_OK(sl_box_culler_create(boxes.c.data(), boxes.c.size(), &culler));
+  const BothViews view({0, -90, 0}, {0, 0, 0});
+  std::size_t all = 0, count = 0;
+  ASSERT_OK(sl_box_culler_visible(culler, &view.c, nullptr, 0, &all));
+  ASSERT_GT(all, 10u);
+  std::vector<std::uint32_t> found(11, 0xdeadbeef);
+  ASSERT_OK(sl_box_culler_visible(culler, &view.c, found.data(), 10, &count));
+  EXPECT_EQ(count, all);
+  EXPECT_EQ(found[10], 0xdeadbeef);
+  EXPECT_NE(found[9], 0xdeadbeef);
+  EXPECT_OK(sl_box_culler_destroy(culler));
+}
+
+TEST(CapiBoxCuller, BadArgumentsAreErrors) {
+  sl_box nan = {{0, 0, 0}, {1, std::nan(""), 1}};
+  sl_box_culler culler = {99};
+  EXPECT_EQ(sl_box_culler_create(&nan, 1, &culler), SL_ERROR_FAILED);
+  EXPECT_EQ(sl_box_culler_create(nullptr, 1, &culler), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_create(&nan, std::size_t(-1), &culler), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(culler.id, 99u);
+  ASSERT_OK(sl_box_culler_create(nullptr, 0, &culler)) << "no boxes at all";
+  std::size_t count = 7;
+  const BothViews view({0, -300, 0}, {0, 0, 0});
+  ASSERT_OK(sl_box_culler_visible(culler, &view.c, nullptr, 0, &count));
+  EXPECT_EQ(count, 0u);
+  const sl_box box = {{0, 0, 0}, {1, 1, 1}};
+  EXPECT_EQ(sl_box_culler_update(culler, 0, &box), SL_ERROR_ARGUMENT);
+  Matrix infinite;
+  infinite.m[5] = HUGE_VAL;
+  EXPECT_EQ(sl_box_culler_visible_in(culler, infinite.m, 0, nullptr, 0, &count), SL_ERROR_FAILED);
+  EXPECT_EQ(sl_box_culler_visible_in(culler, nullptr, 0, nullptr, 0, &count), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_visible_in(culler, Matrix().m, 7, nullptr, 0, &count), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_visible(culler, &view.c, nullptr, 0, nullptr), SL_ERROR_ARGUMENT);
+  EXPECT_OK(sl_box_culler_destroy(culler));
+}
+
+TEST(CapiBoxCuller, ThreadsCullWhileOneUpdatesAndDestroys) {
+  const Boxes boxes(2000);
+  sl_box_culler culler = {0};
+  ASSERT_OK(sl_box_culler_create(boxes.c.data(), boxes.c.size(), &culler));
+  const BothViews view({0, -90, 0}, {0, 0, 0});
+  std::atomic<int> culled{0}, wrong{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 3; ++t)
+    threads.emplace_back([&] {
+      std::vector<std::uint32_t> found(boxes.c.size());
+      std::size_t count = 0;
+      for (;;) {
+        const sl_status status = sl_box_culler_visible(culler, &view.c, found.data(), found.size(), &count);
+        if (status == SL_ERROR_HANDLE) return;  // destroyed
+        if (status != SL_OK || count > boxes.c.size()) ++wrong;
+        ++culled;
+      }
+    });
+  for (int i = 0; i < 300 || culled < 100; ++i)
+    EXPECT_OK(sl_box_culler_update(culler, std::uint32_t(i) % 2000, &boxes.c[std::size_t(i) % 7]));
+  EXPECT_OK(sl_box_culler_destroy(culler));
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+}  // namespace
+}  // namespace sightline::tests

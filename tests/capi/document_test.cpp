@@ -1,0 +1,23 @@
+// The program in docs/c-api.md is the one that is built.
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace sightline::tests {
+namespace {
+
+std::string text_of(const std::string& file) {
+  std::ifstream in(SIGHTLINE_SOURCE_DIR + ("/" + file));
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(CapiDocument, ShowsTheExample) {
+  const std::string program = text_of("examples/c_cull.c");
+  ASSERT_FALSE(program.empty());
+  EXPECT_NE(text_of("docs/c-api.md").find("```c\n" + program + "```\n"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sightline::tests

@@ -1,0 +1,184 @@
+// Imports in C: reports, progress, cancelling, warnings; and calls from within a callback.
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "c_scene.h"
+#include "sightline/tests/support/test_data.h"
+#if __has_include("sightline/importers/import.h")
+#include "sightline/importers/import.h"
+
+namespace sightline::tests {
+namespace {
+
+struct Heard {
+  std::vector<double> shares;
+  std::vector<std::string> warnings;
+  double cancel_at = 2.0;
+  sl_scene scene = {0};
+  std::vector<sl_status> within;  // of calls from within the callback
+};
+
+std::int32_t hear(double share, void* user) {
+  Heard& heard = *static_cast<Heard*>(user);
+  heard.shares.push_back(share);
+  if (heard.scene.id) {
+    heard.within.push_back(sl_scene_commit(heard.scene));
+    heard.within.push_back(sl_scene_destroy(heard.scene));
+    heard.within.push_back(sl_scene_hand_over(heard.scene));
+  }
+  return share < heard.cancel_at;
+}
+
+void hear_warning(const char* file, std::uint64_t, const char* message, void* user) {
+  static_cast<Heard*>(user)->warnings.push_back(std::string(file) + ": " + message);
+}
+
+sl_import_options listening(Heard& heard) {
+  sl_import_options options = SL_IMPORT_OPTIONS_INIT;
+  options.progress = hear;
+  options.warning = hear_warning;
+  options.user = &heard;
+  return options;
+}
+
+sl_status import(const CScene& c, const std::vector<std::string>& paths, const sl_import_options* options = nullptr,
+                 sl_node* nodes = nullptr, sl_import_report* report = nullptr) {
+  std::vector<const char*> names;
+  for (const std::string& path : paths) names.push_back(path.c_str());
+  return sl_import(c.scene, c.root, names.data(), names.size(), options, nodes, report);
+}
+
+class CapiImport : public ::testing::Test {
+ protected:
+  const std::string plant = data_path("small_plant.rvm").string();
+  const std::string attributes = data_path("small_plant.txt").string();
+  const std::string cone = data_path("cone_vtk.stl").string();
+};
+
+TEST_F(CapiImport, GivesWhatCppGives) {
+  const CScene c;
+  Heard heard;
+  const sl_import_options options = listening(heard);
+  sl_node nodes[3] = {{0}, {0}, {0}};
+  sl_import_report report = SL_IMPORT_REPORT_INIT;
+  ASSERT_OK(import(c, {plant, cone, attributes}, &options, nodes, &report));
+
+  core::Scene scene;
+  const std::vector<std::filesystem::path> paths = {plant, cone, attributes};
+  const auto expected = importers::import_files(paths, scene, scene.root());
+  ASSERT_TRUE(expected);
+  EXPECT_EQ(report.node_count, 2u);
+  EXPECT_NE(nodes[0].id, 0u);
+  EXPECT_NE(nodes[1].id, 0u);
+  EXPECT_EQ(nodes[2].id, 0u);
+  EXPECT_TRUE(std::equal(expected->items.begin(), expected->items.end(), report.items));
+  EXPECT_EQ(report.degenerate, expected->degenerate);
+  EXPECT_EQ(report.shared_meshes, expected->shared_meshes);
+  EXPECT_EQ(report.attributed, expected->attributed);
+  EXPECT_EQ(report.bytes, expected->bytes);
+  EXPECT_EQ(report.sharing_error, expected->sharing_error);
+  EXPECT_EQ(report.metres_per_unit, expected->metres_per_unit);
+  ASSERT_EQ(report.warnings, expected->warnings.size());
+  ASSERT_EQ(heard.warnings.size(), expected->warnings.size());
+  ASSERT_FALSE(heard.shares.empty());
+  EXPECT_EQ(heard.shares.back(), 1.0);
+
+  sl_scene_info info = SL_SCENE_INFO_INIT;
+  ASSERT_OK(sl_scene_get(c.scene, &info));
+  EXPECT_EQ(info.nodes, scene.node_count());
+  EXPECT_EQ(info.items, scene.item_count());
+  sl_box box;
+  ASSERT_OK(sl_scene_bounds(c.scene, c.root, SL_DEFAULT_LAYERS, &box));
+  const core::AabbD bounds = scene.bounds(scene.root());
+  EXPECT_EQ(std::memcmp(box.min, &bounds.min, sizeof box.min), 0);
+}
+
+TEST_F(CapiImport, CancelsAndLeavesTheSceneAlone) {
+  const CScene c;
+  Heard heard;
+  heard.cancel_at = 0.0;
+  const sl_import_options options = listening(heard);
+  for (const std::vector<std::string>& paths : {std::vector{plant}, {plant, cone}, {cone, plant, plant}}) {
+    sl_import_report report = SL_IMPORT_REPORT_INIT;
+    report.bytes = 42;
+    EXPECT_EQ(import(c, paths, &options, nullptr, &report), SL_ERROR_CANCELLED);
+    EXPECT_EQ(report.bytes, 42u);
+    sl_scene_info info = SL_SCENE_INFO_INIT;
+    ASSERT_OK(sl_scene_get(c.scene, &info));
+    EXPECT_EQ(info.nodes, 1u);
+    EXPECT_EQ(info.items, 0u);
+  }
+}
+
+TEST_F(CapiImport, AnExceptionOfTheCallbackCancels) {
+  const CScene c;
+  sl_import_options options = SL_IMPORT_OPTIONS_INIT;
+  options.progress = [](double, void*) -> std::int32_t { throw std::string("the application's own"); };
+  EXPECT_EQ(import(c, {plant, cone}, &options), SL_ERROR_CANCELLED);
+  EXPECT_OK(sl_scene_commit(c.scene));
+}
+
+TEST_F(CapiImport, TheSceneIsBusyMeanwhile) {
+  const CScene c;
+  Heard heard;
+  heard.scene = c.scene;
+  const sl_import_options options = listening(heard);
+  ASSERT_OK(import(c, {plant}, &options));
+  ASSERT_FALSE(heard.within.empty());
+  for (const sl_status status : heard.within) EXPECT_EQ(status, SL_ERROR_BUSY);
+  EXPECT_OK(sl_scene_commit(c.scene));
+}
+
+TEST_F(CapiImport, ErrorsNameTheFile) {
+  const CScene c;
+  EXPECT_EQ(import(c, {plant, "no_such_file.rvm"}), SL_ERROR_FAILED);
+  EXPECT_STREQ(sl_last_error(), "no_such_file.rvm: no such file");
+  EXPECT_EQ(sl_import(c.scene, c.root, nullptr, 1, nullptr, nullptr, nullptr), SL_ERROR_ARGUMENT);
+  const char* null_path = nullptr;
+  EXPECT_EQ(sl_import(c.scene, c.root, &null_path, 1, nullptr, nullptr, nullptr), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_import(c.scene, {0}, &null_path, 0, nullptr, nullptr, nullptr), SL_ERROR_HANDLE);
+  EXPECT_OK(sl_import(c.scene, c.root, nullptr, 0, nullptr, nullptr, nullptr)) << "no files";
+  sl_import_options options = SL_IMPORT_OPTIONS_INIT;
+  options.metres_per_unit = -1;
+  EXPECT_EQ(import(c, {plant}, &options), SL_ERROR_ARGUMENT);
+  options = SL_IMPORT_OPTIONS_INIT;
+  options.up = 2;
+  EXPECT_EQ(import(c, {plant}, &options), SL_ERROR_ARGUMENT);
+  options = SL_IMPORT_OPTIONS_INIT;
+  options.copies = -1;
+  EXPECT_EQ(import(c, {plant}, &options), SL_ERROR_ARGUMENT);
+  sl_scene_info info = SL_SCENE_INFO_INIT;
+  ASSERT_OK(sl_scene_get(c.scene, &info));
+  EXPECT_EQ(info.nodes, 1u);
+}
+
+TEST_F(CapiImport, WarningsOfDamageAreHeard) {
+  const CScene c;
+  const auto damaged = std::filesystem::path(::testing::TempDir()) / "capi_damaged.rvm";
+  std::filesystem::copy_file(plant, damaged, std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) / 2);
+  EXPECT_EQ(import(c, {damaged.string()}), SL_ERROR_FAILED);
+  Heard heard;
+  sl_import_options options = listening(heard);
+  options.lenient = 1;
+  EXPECT_OK(import(c, {damaged.string()}, &options));
+  ASSERT_FALSE(heard.warnings.empty());
+  EXPECT_EQ(heard.warnings[0].rfind("capi_damaged.rvm: ", 0), 0u) << heard.warnings[0];
+  std::filesystem::remove(damaged);
+}
+
+TEST_F(CapiImport, ExtensionsAreListed) {
+  std::string expected;
+  for (const std::string_view extension : importers::known_extensions())
+    expected.append(expected.empty() ? "" : " ").append(extension);
+  EXPECT_EQ(sl_import_extensions(), expected);
+}
+
+}  // namespace
+}  // namespace sightline::tests
+
+#endif
