@@ -24,6 +24,9 @@ constexpr Subcommand kSubcommands[] = {
      bench::add_controller},
     {"occlusion", "occlusion culling without a renderer: occluder raster and test", bench::add_occlusion},
     {"import", "how fast model files are imported", bench::add_import},
+#if SIGHTLINE_HAS_CAPI
+    {"capi", "what calls cost through the C API beside the same calls in C++", bench::add_capi},
+#endif
 #if SIGHTLINE_HAS_RAYTRACE
     {"calls", "what calls take that do little: a frame that is only culled, a pick, a query of boxes", bench::add_calls},
     {"trace", "rays of a picture through the ray tracer, beside Embree where there is one", bench::add_trace},

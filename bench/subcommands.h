@@ -20,6 +20,9 @@ Run add_import(CLI::App& app);
 Run add_occlusion(CLI::App& app);
 Run add_views(CLI::App& app);
 
+// Built if the C API is.
+Run add_capi(CLI::App& app);
+
 // Built if the ray tracer is.
 Run add_calls(CLI::App& app);
 Run add_trace(CLI::App& app);

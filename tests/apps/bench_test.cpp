@@ -75,6 +75,17 @@ TEST_F(Bench, MeasuresImports) {
   expect_failure("bench", {"import", path("none.rvm")}, "none.rvm");
 }
 
+TEST_F(Bench, MeasuresCallsThroughC) {
+  const std::vector<std::string> known = subcommands();
+  if (std::find(known.begin(), known.end(), "capi") == known.end()) GTEST_SKIP() << "without the C API";
+  const Json json = run_json("bench", {"capi", "--rounds", "1"});
+  EXPECT_GE(json["rows"].size(), 7u);
+  for (const Json& row : json["rows"]) {
+    EXPECT_GT(row["cpp_ns"], 0.0) << row;
+    EXPECT_GT(row["c_ns"], 0.0) << row;
+  }
+}
+
 TEST_F(Bench, MeasuresTheController) {
   const Json json = run_json("bench", {"controller", "--seeds", "1", "--plot", path("regret.svg")});
   ASSERT_GT(json["traces"].size(), 5u);
