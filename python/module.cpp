@@ -25,10 +25,13 @@ PYBIND11_MODULE(_sightline, m) {
   if (!error_class) throw py::error_already_set();
   m.attr("Error") = py::handle(error_class);
   py::register_exception_translator(&translate);
+  const py::object name = m.attr("__name__");
+  m.attr("__name__") = "sightline";  // what classes, functions and signatures in docstrings say that they belong to
   bind_views(m);
   bind_primitives(m);
   bind_scene(m);
   bind_images(m);
   bind_culling(m);
   bind_engine(m);
+  m.attr("__name__") = name;
 }

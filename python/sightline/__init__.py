@@ -24,11 +24,6 @@ from ._sightline import *
 
 __version__: str = _sightline.version
 
-for _thing in vars(_sightline).values():
-    if hasattr(_thing, "__module__"):
-        _thing.__module__ = __name__
-del _thing
-
 
 def render(
     scene: Scene, view: View | None = None, width: int = 1280, height: int = 720, **config: Any
