@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # use_debs.sh PREFIX MODEL FOLDER: what users of the Debian packages do, which are installed below PREFIX: a tool, whose
-# picture is FOLDER/reference.png, applications that find the library with CMake and with pkg-config, and Python, which
-# draws the same picture.
+# picture is FOLDER/reference.png, applications in C++ and C that find the library with CMake and with pkg-config,
+# and Python, which draws the same picture.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 prefix=$1 model=$2 folder=$3
@@ -22,6 +22,14 @@ cmake --build "$folder/cmake" >/dev/null
 ldd "$folder/cmake/consumer" | grep -q 'libsightline\.so' || { echo "use_debs: not the shared library" >&2; exit 1; }
 
 "$here/pkg_config.sh" "$prefix" "$folder/pkg_config"
+
+if [ -e "$prefix/include/sightline/capi/sightline.h" ]; then
+  rm -rf "$folder/c_cmake"
+  cmake -S "$here/c_package" -B "$folder/c_cmake" -G Ninja -DCONSUMER_LINKS_SHARED=ON >/dev/null
+  cmake --build "$folder/c_cmake" >/dev/null
+  "$folder/c_cmake/consumer"
+  "$here/pkg_config.sh" "$prefix" "$folder/c_pkg_config" c
+fi
 
 if [ -e "$prefix/lib/python3/dist-packages/sightline" ]; then
   if [ "$prefix" != /usr ]; then export PYTHONPATH=$prefix/lib/python3/dist-packages; fi
