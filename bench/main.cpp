@@ -28,7 +28,8 @@ constexpr Subcommand kSubcommands[] = {
     {"capi", "what calls cost through the C API beside the same calls in C++", bench::add_capi},
 #endif
 #if SIGHTLINE_HAS_RAYTRACE
-    {"calls", "what calls take that do little: a frame that is only culled, a pick, a query of boxes", bench::add_calls},
+    {"calls", "what calls take that do little: a frame that is only culled, a pick, a query of boxes",
+     bench::add_calls},
     {"trace", "rays of a picture through the ray tracer, beside Embree where there is one", bench::add_trace},
 #endif
 #if SIGHTLINE_HAS_GOOGLE_BENCHMARK
@@ -51,6 +52,8 @@ constexpr Subcommand kSubcommands[] = {
      bench::add_budget},
     {"overrides", "what it costs to override or hide items of a model", bench::add_overrides},
     {"proxies", "pixels that ray-cast primitives run shaders for, beside those they show", bench::add_proxies},
+    {"transparency", "error of blended and dithered transparency against exact sorting, and their time",
+     bench::add_transparency},
 #endif
 };
 

@@ -43,6 +43,7 @@ Run add_gpu_cull(CLI::App& app);
 Run add_hybrid(CLI::App& app);
 Run add_overrides(CLI::App& app);
 Run add_proxies(CLI::App& app);
+Run add_transparency(CLI::App& app);
 
 /// Implements such a function: the options live as long as the parser and the run.
 template <class Options>
