@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   auto engine = engine::Engine::create(scene, config);
   if (!engine) return std::fprintf(stderr, "%s\n", engine.error().message.c_str()), 1;
 
-  auto view = core::View::perspective({{-150, -62, 26}, {-100, 10, 4}, {0, 0, 1}}, 0.9, 1280.0 / 720.0, 0.5);
+  auto view = core::View::fit(scene.bounds(scene.root()), core::kOverviewDirection, 0.9, 1280.0 / 720.0);
   auto report = engine->frame(*view);
   if (!report) return std::fprintf(stderr, "%s\n", report.error().message.c_str()), 1;
   std::printf("%llu items visible, culled in %.3f ms\n", (unsigned long long)report->visible, report->cull_ms);
