@@ -18,7 +18,7 @@ using namespace sightline::capi;
 namespace {
 
 constexpr std::int32_t kCullerChoices = 5, kLargestPicture = 65'536;
-constexpr double kLongestRay = 1e150;  // raytrace::Ray
+[[maybe_unused]] constexpr double kLongestRay = 1e150;  // raytrace::Ray
 
 void check_size(std::int32_t width, std::int32_t height) {
   require(width >= 1 && width <= kLargestPicture && height >= 1 && height <= kLargestPicture,
@@ -244,7 +244,7 @@ sl_status sl_engine_use_context(sl_engine handle, sl_get_proc get_proc, void* us
     object.context = std::move(context);
     object.context_in_use = true;
 #else
-    (void)get_proc, (void)user;
+    (void)engine, (void)get_proc, (void)user;
 #endif
   });
 }
