@@ -19,7 +19,8 @@ rm -rf "$folder/cmake"
 cmake -S "$here/package" -B "$folder/cmake" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCONSUMER_DRAWS=ON >/dev/null
 cmake --build "$folder/cmake" >/dev/null
 "$folder/cmake/consumer" "$model" "$folder/cmake/picture.png"
-ldd "$folder/cmake/consumer" | grep -q 'libsightline\.so' || { echo "use_debs: not the shared library" >&2; exit 1; }
+# (Not grep -q: it leaves before ldd has finished, which then fails.)
+ldd "$folder/cmake/consumer" | grep 'libsightline\.so' >/dev/null || { echo "use_debs: not the shared library" >&2; exit 1; }
 
 "$here/pkg_config.sh" "$prefix" "$folder/pkg_config"
 
