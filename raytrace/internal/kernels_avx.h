@@ -14,7 +14,7 @@ namespace {
 struct Avx2 {
   struct Ray {
     __m256 near_origin[3], far_origin[3], near_scale[3], far_scale[3];
-    std::ptrdiff_t near_plane[3], far_plane[3];  // in floats from WideNode::bounds
+    std::ptrdiff_t near_plane[3], far_plane[3];  // in bytes from the node's start
 
     explicit Ray(const BoxRay& r) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -22,16 +22,20 @@ struct Avx2 {
         far_origin[axis] = _mm256_set1_ps(r.far_origin[axis]);
         near_scale[axis] = _mm256_set1_ps(r.near_scale[axis]);
         far_scale[axis] = _mm256_set1_ps(r.far_scale[axis]);
-        near_plane[axis] = kLanes * r.near_plane[axis];
-        far_plane[axis] = kLanes * r.far_plane[axis];
+        near_plane[axis] = std::ptrdiff_t(sizeof(WideNode::bounds[0])) * r.near_plane[axis];
+        far_plane[axis] = std::ptrdiff_t(sizeof(WideNode::bounds[0])) * r.far_plane[axis];
       }
     }
+    /// A row of WideNode::bounds, without a multiplication in the chain of each node.
+    static const float* plane_at(const WideNode& node, std::ptrdiff_t offset) {
+      return reinterpret_cast<const float*>(reinterpret_cast<const std::byte*>(&node) + offset);
+    }
     __m256 enter(const WideNode& node, int axis) const {
-      const __m256 plane = _mm256_load_ps(node.bounds[0] + near_plane[axis]);
+      const __m256 plane = _mm256_load_ps(plane_at(node, near_plane[axis]));
       return _mm256_mul_ps(_mm256_sub_ps(plane, near_origin[axis]), near_scale[axis]);
     }
     __m256 leave(const WideNode& node, int axis) const {
-      const __m256 plane = _mm256_load_ps(node.bounds[0] + far_plane[axis]);
+      const __m256 plane = _mm256_load_ps(plane_at(node, far_plane[axis]));
       return _mm256_mul_ps(_mm256_sub_ps(plane, far_origin[axis]), far_scale[axis]);
     }
   };
