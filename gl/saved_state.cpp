@@ -14,6 +14,12 @@ constexpr GLenum kMoreCapabilities[] = {GL_MULTISAMPLE, GL_DEPTH_TEST, GL_STENCI
 bool is_indexed(GLenum capability) {
   return capability == GL_SCISSOR_TEST || capability == GL_BLEND;
 }
+template <class Visit>
+void for_each_unindexed_capability(const Visit& visit) {
+  for (const auto list : {pipeline_capabilities(), std::span<const GLenum>(kMoreCapabilities)})
+    for (const GLenum capability : list)
+      if (!is_indexed(capability)) visit(capability);
+}
 
 constexpr std::pair<GLenum, GLenum> kTextureTargets[] = {
     {GL_TEXTURE_2D, GL_TEXTURE_BINDING_2D},
@@ -55,10 +61,6 @@ void restore_ranges(const Functions& gl, GLenum point, const Ranges& ranges) {
   }
 }
 
-void enable(const Functions& gl, GLenum capability, GLboolean on) {
-  (on ? gl.Enable : gl.Disable)(capability);
-}
-
 }  // namespace
 
 SavedState::SavedState(const Functions& gl) : gl_(gl) {
@@ -79,9 +81,7 @@ GLint SavedState::get(GLenum name) const {
 
 void SavedState::save_rasterisation() {
   std::size_t count = 0;
-  for (const auto list : {pipeline_capabilities(), std::span<const GLenum>(kMoreCapabilities)})
-    for (const GLenum capability : list)
-      if (!is_indexed(capability)) enabled_[count++] = gl_.IsEnabled(capability);
+  for_each_unindexed_capability([&](GLenum capability) { enabled_[count++] = gl_.IsEnabled(capability); });
   assert(count <= kMostCapabilities);
   clip_origin_ = get(GL_CLIP_ORIGIN);
   clip_depth_ = get(GL_CLIP_DEPTH_MODE);
@@ -111,9 +111,7 @@ void SavedState::save_rasterisation() {
 
 void SavedState::restore_rasterisation() const {
   std::size_t count = 0;
-  for (const auto list : {pipeline_capabilities(), std::span<const GLenum>(kMoreCapabilities)})
-    for (const GLenum capability : list)
-      if (!is_indexed(capability)) enable(gl_, capability, enabled_[count++]);
+  for_each_unindexed_capability([&](GLenum capability) { (enabled_[count++] ? gl_.Enable : gl_.Disable)(capability); });
   gl_.ClipControl(GLenum(clip_origin_), GLenum(clip_depth_));
   gl_.DepthFunc(GLenum(depth_func_));
   gl_.FrontFace(GLenum(front_face_));

@@ -1,13 +1,11 @@
 #include "sightline/render/internal/overlays.h"
 
 #include "sightline/gl/internal/pipeline_state.h"
-#include "sightline/render/internal/shaders.h"
 
 namespace sightline::render {
 namespace {
 
-enum Uniform : GLint { kCorner, kWindowDepths, kLinearColour, kLineColour };
-constexpr GLuint kDrawBuffers = 8;
+constexpr GLint kLineColourUniform = 3;
 
 }  // namespace
 
@@ -87,7 +85,7 @@ core::Expected<const RenderTarget*> Overlays::begin_layer(const gl::Context& con
   const GLuint framebuffer = layer_->framebuffer().id();
   const float nothing[4] = {0.0f, 0.0f, 0.0f, 0.0f}, far_depth = 0.0f;
   gl.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, nothing);
-  const GLenum target = picture.format().samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE;
+  const GLenum target = picture.texture_target();
   if (behind)
     gl.CopyImageSubData(picture.depth().id(), target, 0, 0, 0, 0, layer_->depth().id(), target, 0, 0, 0, 0,
                         picture.width(), picture.height(), 1);
@@ -108,91 +106,33 @@ core::Expected<const BlendedSums*> Overlays::begin_sums(const RenderTarget& pict
   return &*sums_;
 }
 
-core::Expected<const gl::Program*> Overlays::program(gl::Program& made, const char* fragment, int samples,
-                                                     const char* define) {
-  if (made.id() != 0) return &made;
-  gl::ProgramDescription description;
-  description.name = fragment;
-  description.stages = {{GL_VERTEX_SHADER, {"whole_viewport.vert"}}, {GL_FRAGMENT_SHADER, {fragment}}};
-  description.shaders.tables = {shaders()};
-  description.shaders.defines.emplace_back("LAYER");
-  if (samples > 1) description.shaders.defines.push_back("SAMPLES " + std::to_string(samples));
-  if (define) description.shaders.defines.emplace_back(define);
-  auto program = gl::Program::create(*gl_, description);
-  if (!program) return tl::unexpected(program.error());
-  made = std::move(*program);
-  return &made;
-}
-
-void Overlays::draw_pixels(const gl::Program& program, std::span<const GLuint> textures) const {
-  const gl::Functions& gl = *gl_;
-  for (std::size_t i = 0; i < textures.size(); ++i) {
-    gl.BindTextureUnit(GLuint(i), textures[i]);
-    gl.BindSampler(GLuint(i), 0);  // an application's may compare depths
-  }
-  program.use();
-  no_attributes_.bind();
-  gl.DrawArrays(GL_TRIANGLES, 0, 3);
-  gl.UseProgram(0);
-  const GLenum target = layer_->format().samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE;
-  for (std::size_t i = 0; i < textures.size(); ++i) gl::unbind_texture(gl, GLuint(i), target);
-}
-
 core::Expected<void> Overlays::resolve_sums(const gl::Context& context, const RenderTarget& picture) {
   const auto layer = begin_layer(context, picture, false);
   if (!layer) return tl::unexpected(layer.error());
-  const auto made = program(resolve_, "blend_resolve.frag", picture.format().samples, nullptr);
+  const auto made = pass_.program(resolve_, "blend_resolve.frag", picture.format().samples);
   if (!made) return tl::unexpected(made.error());
   layer_->begin_drawing();
-  draw_pixels(**made, sums_->textures());
+  pass_.draw(**made, sums_->textures(), layer_->texture_target());
   return {};
-}
-
-/// Blends pixels, whose colours are multiplied by their alpha, over a framebuffer.
-void Overlays::put(const gl::Program& program, std::span<const GLuint> textures, const core::ExternalTarget& over,
-                   bool depth_test) const {
-  const gl::Functions& gl = *gl_;
-  gl::reset_pipeline_state(gl);
-  gl.Disable(GL_STENCIL_TEST);
-  gl.Disable(GL_FRAMEBUFFER_SRGB);
-  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, over.framebuffer);
-  for (GLuint i = 1; i < kDrawBuffers; ++i) gl.ColorMaski(i, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  gl.Viewport(over.x, over.y, over.width, over.height);
-  if (depth_test) {
-    gl.Enable(GL_DEPTH_TEST);
-    gl.DepthFunc(over.near_depth < over.far_depth ? GL_LESS : GL_GREATER);
-  } else {
-    gl.Disable(GL_DEPTH_TEST);
-  }
-  gl.DepthMask(GL_FALSE);
-  gl.Enablei(GL_BLEND, 0);
-  gl.BlendEquationSeparatei(0, GL_FUNC_ADD, GL_FUNC_ADD);
-  gl.BlendFuncSeparatei(0, GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  gl.ProgramUniform2i(program.id(), kCorner, over.x, over.y);
-  gl.ProgramUniform1i(program.id(), kLinearColour, over.linear_colour);
-  draw_pixels(program, textures);
-  gl::reset_pipeline_state(gl);
 }
 
 core::Expected<void> Overlays::put_layer(const core::ExternalTarget& over) {
-  const int samples = layer_->format().samples;
-  GLint their_samples = 0;
-  if (samples > 1) gl_->GetNamedFramebufferParameteriv(over.framebuffer, GL_SAMPLES, &their_samples);
-  const bool each = samples > 1 && their_samples == samples;
-  const auto made =
-      program(each ? each_sample_ : whole_pixels_, "composite.frag", samples, each ? "EACH_SAMPLE" : nullptr);
-  if (!made) return tl::unexpected(made.error());
-  gl_->ProgramUniform2f((*made)->id(), kWindowDepths, GLfloat(over.near_depth), GLfloat(over.far_depth));
-  put(**made, std::array{layer_->colour().id(), layer_->depth().id()}, over, true);
-  return {};
+  auto done = layers_.put(*layer_, over);
+  gl::reset_pipeline_state(*gl_);
+  return done;
 }
 
 core::Expected<void> Overlays::put_outline(const RenderTarget& picture, const core::vec3& colour,
                                            const core::ExternalTarget& over) {
-  const auto made = program(outline_, "outline.frag", picture.format().samples, nullptr);
+  const auto made = pass_.program(outline_, "outline.frag", picture.format().samples);
   if (!made) return tl::unexpected(made.error());
-  gl_->ProgramUniform3f((*made)->id(), kLineColour, colour.r, colour.g, colour.b);
-  put(**made, std::array{layer_->colour().id(), layer_->depth().id(), picture.depth().id()}, over, false);
+  pass_.begin(**made, over);
+  gl_->DepthMask(GL_FALSE);
+  pass_.blend();
+  gl_->ProgramUniform3f((*made)->id(), kLineColourUniform, colour.r, colour.g, colour.b);
+  pass_.draw(**made, std::array{layer_->colour().id(), layer_->depth().id(), picture.depth().id()},
+             layer_->texture_target());
+  gl::reset_pipeline_state(*gl_);
   return {};
 }
 

@@ -1,39 +1,44 @@
-// Puts a picture into a framebuffer of the application's.
+// Puts what a target shows over a framebuffer, the application's or one of ours.
 #pragma once
 
 #include <array>
 
-#include "sightline/core/external_target.h"
-#include "sightline/gl/internal/program.h"
-#include "sightline/gl/internal/vertex_array.h"
+#include "sightline/render/internal/pixel_pass.h"
 #include "sightline/render/internal/render_target.h"
 
 namespace sightline::render {
 
-/// Draws the pixels of a target that show anything, with their depths, over the whole part of the application's
-/// framebuffer. Where the target has several samples per pixel and the framebuffer as many, it gets each of them;
-/// otherwise one pixel: the mean colour of the covered samples, blended by their share, at the least distance. Only
-/// fragment output 0 is written.
+/// Draws the pixels of a target that show anything, with their depths, over the whole part of a framebuffer. Where the
+/// target has several samples per pixel and the framebuffer as many, it gets each of them; otherwise one pixel: the
+/// mean of the samples, blended by the share that is covered, at the least distance. Only fragment output 0 is written.
 ///
 /// A pass of its own, so all that a frame knows about its depth (passes, pyramids, a budget that goes on) stays with
 /// our own target, in its float reverse-Z depth, whatever the application's buffer is. It costs one read and one write
 /// per pixel, and nothing before the first frame that needs it: one or two programs.
 class Compositor {
  public:
-  explicit Compositor(const gl::Functions& gl) : gl_(&gl), no_attributes_(gl) {}
+  enum class Source {
+    kPicture,  ///< its depth says where it shows anything
+    kLayer,    ///< its alpha does; colours are multiplied by it, blended, and write no depth
+  };
 
-  /// `to` must have the size of `from`. `background`: sRGB, to clear with. Sets GL state and leaves it set, with the
-  /// framebuffer bound for drawing. Fails on a framebuffer that does not exist or is not complete, on depths out of
-  /// range, and with the driver's log.
+  explicit Compositor(const gl::Functions& gl, Source source = Source::kPicture)
+      : gl_(&gl), pass_(gl), source_(source) {}
+
+  /// As put(), into a framebuffer of the application's, which is cleared first where it says so. `to` must have the
+  /// size of `from`. `background`: sRGB, to clear with. Fails on a framebuffer that does not exist or is not complete,
+  /// and on depths out of range.
   core::Expected<void> draw(const RenderTarget& from, const core::ExternalTarget& to,
                             const std::array<float, 3>& background);
+  /// Sets GL state and leaves it set, with the framebuffer bound for drawing. Fails with the driver's log.
+  core::Expected<void> put(const RenderTarget& from, const core::ExternalTarget& to);
 
  private:
-  core::Expected<const gl::Program*> program(int samples, bool each_sample);
   void clear(const core::ExternalTarget& to, const std::array<float, 3>& background) const;
 
   const gl::Functions* gl_;
-  gl::VertexArray no_attributes_;
+  PixelPass pass_;
+  Source source_;
   gl::Program whole_pixels_, each_sample_;  // for the format of the first target
 };
 

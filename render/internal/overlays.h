@@ -3,12 +3,8 @@
 
 #include <array>
 #include <optional>
-#include <span>
 
-#include "sightline/core/external_target.h"
-#include "sightline/gl/internal/program.h"
-#include "sightline/gl/internal/vertex_array.h"
-#include "sightline/render/internal/render_target.h"
+#include "sightline/render/internal/compositor.h"
 
 namespace sightline::render {
 
@@ -37,7 +33,7 @@ class BlendedSums {
 /// is used. All calls set GL state and leave it set. A picture is drawn over in place: its depth and ids stay.
 class Overlays {
  public:
-  explicit Overlays(const gl::Functions& gl) : gl_(&gl), no_attributes_(gl) {}
+  explicit Overlays(const gl::Functions& gl) : gl_(&gl), pass_(gl), layers_(gl, Compositor::Source::kLayer) {}
 
   /// An empty layer of the size and samples of the picture, for Renderer::draw_ghosts(). `behind`: surfaces that the
   /// picture hides are not drawn to it.
@@ -57,18 +53,15 @@ class Overlays {
   std::size_t memory_bytes() const;
 
  private:
-  core::Expected<const gl::Program*> program(gl::Program& made, const char* fragment, int samples, const char* define);
-  void put(const gl::Program& program, std::span<const GLuint> textures, const core::ExternalTarget& over,
-           bool depth_test) const;
-  void draw_pixels(const gl::Program& program, std::span<const GLuint> textures) const;
   core::Expected<void> make_layer(const gl::Context& context, const RenderTarget& picture);
 
   const gl::Functions* gl_;
-  gl::VertexArray no_attributes_;
+  PixelPass pass_;
+  Compositor layers_;
   std::optional<RenderTarget> layer_;
   std::optional<BlendedSums> sums_;
-  GLuint sums_depth_ = 0;                                       // texture of the picture that sums_ was made for
-  gl::Program resolve_, whole_pixels_, each_sample_, outline_;  // for one number of samples
+  GLuint sums_depth_ = 0;          // texture of the picture that sums_ was made for
+  gl::Program resolve_, outline_;  // for one number of samples
 };
 
 }  // namespace sightline::render

@@ -40,6 +40,8 @@ class RenderTarget {
   const gl::Texture2D& colour() const { return drawn_.colour; }
   /// Its depth: reverse-Z, multisampled if the format is.
   const gl::Texture2D& depth() const { return drawn_.depth; }
+  /// Of its textures.
+  GLenum texture_target() const { return format_.samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE; }
   /// Makes draws write to it, in the state that all draws begin with: reverse-Z depth test, no blending.
   void begin_drawing() const;
   /// The picture with one value per pixel: the average of the colours, and one sample's value of everything else.
@@ -71,7 +73,6 @@ class RenderTarget {
   };
   static core::Expected<Attachments> make_attachments(const gl::Functions& gl, int width, int height,
                                                       const TargetFormat& format);
-  GLenum texture_target() const { return format_.samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE; }
   /// The attachments that read-backs read.
   const Attachments& resolved_attachments() const;
 

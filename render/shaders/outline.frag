@@ -1,4 +1,6 @@
 // A line around what a layer shows of some items: full where the picture shows them, fainter where something hides them.
+#include "srgb.glsl"
+
 #ifdef SAMPLES
 layout(binding = 0) uniform sampler2DMS items;
 layout(binding = 1) uniform sampler2DMS item_depths;
@@ -15,11 +17,6 @@ layout(binding = 2) uniform sampler2D depths;
 layout(location = 0) uniform ivec2 corner;  // of the picture in the framebuffer, pixels
 layout(location = 2) uniform bool linear_colour;
 layout(location = 3) uniform vec3 line_colour;
-
-// IEC 61966-2-1.
-vec3 linear_of(vec3 srgb) {
-  return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
-}
 
 layout(location = 0) out vec4 pixel;  // multiplied by its alpha
 

@@ -1,6 +1,8 @@
 // Engines that draw a grid of cylinders and boxes, in the test's context.
 #pragma once
 
+#include <vector>
+
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image.h"
@@ -33,6 +35,18 @@ class DrawnGrid : public GlTest {
     c.height = height;
     c.context = &*context;
     return c;
+  }
+  /// An engine that draws overlays: ghosts, transparent items and one with an outline.
+  static core::Expected<engine::Engine> create_with_overlays(core::Scene& scene, const engine::EngineConfig& c) {
+    auto engine = engine::Engine::create(scene, c);
+    if (!engine) return engine;
+    std::vector<core::ItemId> ghosts, faded;
+    for (core::ItemId item = 0; item < scene.item_slots(); item += 2) (item % 3 == 0 ? ghosts : faded).push_back(item);
+    auto done = engine->set_override(ghosts, {.ghost = true});
+    if (done) done = engine->set_override(faded, {.alpha = 0.5f});
+    if (done) done = engine->set_override({&faded[3], 1}, {.outline = true});
+    if (!done) return tl::unexpected(done.error());
+    return engine;
   }
 
  public:

@@ -63,17 +63,8 @@ class KeptState : public DrawnGrid, public testing::WithParamInterface<Way> {
     if (c.budget_ms > 0.0) c.contribution_way = engine::ContributionWay::kPoints;
     return c;
   }
-  /// With overlays where they are tested: ghosts, transparent items and one with an outline.
   core::Expected<Engine> create(const engine::EngineConfig& c) {
-    auto engine = Engine::create(scene, c);
-    if (!engine || !GetParam().overlays) return engine;
-    std::vector<core::ItemId> ghosts, faded;
-    for (core::ItemId item = 0; item < scene.item_slots(); item += 2) (item % 3 == 0 ? ghosts : faded).push_back(item);
-    auto done = engine->set_override(ghosts, {.ghost = true});
-    if (done) done = engine->set_override(faded, {.alpha = 0.5f});
-    if (done) done = engine->set_override({&faded[3], 1}, {.outline = true});
-    if (!done) return tl::unexpected(done.error());
-    return engine;
+    return GetParam().overlays ? create_with_overlays(scene, c) : Engine::create(scene, c);
   }
   static core::View cut(double x = 13.0) {
     core::View view = *core::View::perspective({{x, -11, 12}, {3.5, 3, 4.5}, {0, 0, 1}}, 0.42, 97.0 / 61.0, 0.1, 60.0);

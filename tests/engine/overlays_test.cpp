@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "drawn_grid.h"
 #include "sightline/core/scene.h"
+#include "sightline/tests/engine/ways_to_draw.h"
 
 namespace sightline::tests {
 namespace {
@@ -16,38 +16,6 @@ using engine::CullerChoice;
 using engine::Engine;
 using engine::EngineConfig;
 using engine::Transparency;
-
-struct Way {
-  const char* name;
-  void (*set)(EngineConfig&);
-};
-const Way kWays[] = {
-    {"cpu", [](EngineConfig& c) { c.culler = CullerChoice::kCpu; }},
-    {"linear", [](EngineConfig& c) { c.culler = CullerChoice::kLinear; }},
-    {"gpu", [](EngineConfig& c) { c.culler = CullerChoice::kGpu; }},
-    {"hybrid",
-     [](EngineConfig& c) {
-       c.culler = CullerChoice::kHybrid;
-       DrawnGrid::switch_often(c);
-     }},
-    {"cpu_occlusion",
-     [](EngineConfig& c) {
-       c.culler = CullerChoice::kCpu;
-       c.occlusion = engine::OcclusionChoice::kOn;
-     }},
-    {"gpu_occlusion",
-     [](EngineConfig& c) {
-       c.culler = CullerChoice::kGpu;
-       c.occlusion = engine::OcclusionChoice::kOn;
-     }},
-    {"samples", [](EngineConfig& c) { c.samples = 4; }},
-    {"budget", [](EngineConfig& c) { c.budget_ms = 1e5; }},
-    {"budget_squares",
-     [](EngineConfig& c) {
-       c.budget_ms = 1e5;
-       c.contribution_way = engine::ContributionWay::kPoints;
-     }},
-};
 
 class OverlaysTest : public DrawnGrid {
  protected:
@@ -89,9 +57,13 @@ class OverlaysTest : public DrawnGrid {
   core::Scene scene;
 };
 
-class OverlaysInAllWays : public OverlaysTest, public testing::WithParamInterface<Way> {};
-INSTANTIATE_TEST_SUITE_P(, OverlaysInAllWays, testing::ValuesIn(kWays),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+const auto kWays = ways_to_draw({{"budget_squares", [](EngineConfig& c) {
+                                    c.budget_ms = 1e5;
+                                    c.contribution_way = engine::ContributionWay::kPoints;
+                                  }}});
+
+class OverlaysInAllWays : public OverlaysTest, public testing::WithParamInterface<WayToDraw> {};
+INSTANTIATE_TEST_SUITE_P(, OverlaysInAllWays, testing::ValuesIn(kWays), name_of);
 
 /// Ids and depth are those of the picture without ghosts, whose colours shine through, however many ghosts there are.
 TEST_P(OverlaysInAllWays, GhostsHideNothing) {
