@@ -14,6 +14,7 @@
 
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
@@ -41,7 +42,7 @@ struct Options {
 void add_options(CLI::App& app, Options& o) {
   apps::add_model_options(app, o.model);
   apps::add_culler_option(app, o.culler);
-  app.add_option("--repeats", o.repeats, "Of each call, with other items; the least counts")
+  app.add_option("--repeats", o.repeats, "Of each call, with other items; the median counts")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
 #if SIGHTLINE_HAS_RAYTRACE
@@ -71,7 +72,7 @@ const Call kCalls[] = {
     {"hide", [](Engine& e, Items i) { return e.hide(i); }, "show", [](Engine& e, Items i) { return e.show(i); }},
 };
 
-/// The least of both calls, milliseconds.
+/// The medians of both calls, milliseconds.
 core::Expected<std::pair<double, double>> measure(Engine& engine, const Call& call, std::vector<ItemId>& items,
                                                   std::size_t count, int repeats) {
   std::mt19937_64 random(1);
@@ -93,7 +94,7 @@ core::Expected<std::pair<double, double>> measure(Engine& engine, const Call& ca
   }
   there.erase(there.begin());
   back.erase(back.begin());
-  return std::pair(*std::min_element(there.begin(), there.end()), *std::min_element(back.begin(), back.end()));
+  return std::pair(apps::median(there), apps::median(back));
 }
 
 void print(const Json& json, std::FILE* out) {

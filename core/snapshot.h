@@ -77,6 +77,13 @@ class SIGHTLINE_API Snapshot {
   Snapshot(const Snapshot& like, Items&& items, int threads = 0);
   std::vector<Slot> apply(const Items& items);
 
+  // --- prefetching ---------------------------------------------------------------------------------------------------
+  // Edits touch slots all over arrays of megabytes. Who visits some slots calls these ahead: core/internal/prefetch.h.
+
+  void prefetch_slot(Slot slot) const;    ///< kind, index among those of the kind, item, material
+  void prefetch_box(Slot slot) const;     ///< box, layers
+  void prefetch_record(Slot slot) const;  ///< placement, parameters; reads what prefetch_slot() fetches
+
   // --- overrides ---------------------------------------------------------------------------------------------------
   // What one viewer shows otherwise than the scene says. Who overrides an item remembers what it was before. apply()
   // makes the items of a delta what the scene says, so that they must be overridden again. Copies of items, and what is

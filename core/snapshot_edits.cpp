@@ -85,22 +85,35 @@ std::vector<Slot> Snapshot::apply(const Items& items) {
   return touched;
 }
 
+void Snapshot::prefetch_slot(Slot s) const {
+  prefetch(kinds_[s]);
+  prefetch(index_in_kind_[s]);
+  prefetch(materials_[s]);
+  prefetch(items_[s]);
+}
+
+void Snapshot::prefetch_box(Slot s) const {
+  for (int axis = 0; axis < 6; ++axis) prefetch(bounds_.coordinate(axis)[s]);
+  if (bounds_.uses_layers()) prefetch(bounds_.layers()[s]);
+}
+
+void Snapshot::prefetch_record(Slot s) const {
+  const KindItems& list = kind_items_[std::size_t(kinds_[s])];
+  const std::size_t i = index_in_kind_[s];
+  prefetch(list.placements[i]);
+  if (int(kinds_[s]) >= kPrimitiveKindCount) return;
+  const std::size_t count = std::size_t(parameter_count(kinds_[s]));
+  prefetch(list.parameters.data() + i * count, count * sizeof(float));
+}
+
 /// Prefetches a block's boxes and the arrays by slot, and half as far ahead the arrays by kind.
 void Snapshot::prefetch_ahead(std::span<const std::uint64_t> known, std::size_t at) const {
   if (at + kPrefetchAhead < known.size()) {
     const std::size_t s = known[at + kPrefetchAhead] >> 32, block = s / kBlockSlots * kBlockSlots;
     for (int axis = 0; axis < 6; ++axis) prefetch(bounds_.coordinate(axis) + block, kBlockSlots * sizeof(float));
-    prefetch(kinds_[s]);
-    prefetch(index_in_kind_[s]);
-    prefetch(materials_[s]);
-    prefetch(items_[s]);
+    prefetch_slot(Slot(s));
   }
-  if (at + kPrefetchAhead / 2 >= known.size()) return;
-  const std::size_t s = known[at + kPrefetchAhead / 2] >> 32;
-  const KindItems& list = kind_items_[std::size_t(kinds_[s])];
-  prefetch(list.placements[index_in_kind_[s]]);
-  if (int(kinds_[s]) < kPrimitiveKindCount)
-    prefetch(list.parameters[index_in_kind_[s] * std::size_t(parameter_count(kinds_[s]))]);
+  if (at + kPrefetchAhead / 2 < known.size()) prefetch_record(Slot(known[at + kPrefetchAhead / 2] >> 32));
 }
 
 /// Updates known items in their slots, as long as their blocks keep about their sizes. Items that leave their block

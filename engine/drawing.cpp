@@ -160,16 +160,30 @@ core::Expected<void> Drawing::resize(int width, int height) {
 core::Expected<void> Drawing::update(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                                      std::span<const core::Slot> touched, std::span<const std::uint32_t> materials) {
   if (auto current = make_current(); !current) return current;
-  picture_changed();
   if (!scene_->append(snapshot, joints)) return rebuild(snapshot, joints, culler_.has_value());
-  if (auto done = scene_->update_materials(context_, snapshot, materials); !done) return done;
   scene_->update(snapshot, touched, joints);
+  return follow_edit(snapshot, touched, materials, true);
+}
+
+core::Expected<void> Drawing::update_looks(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                           std::span<const core::Slot> touched,
+                                           std::span<const std::uint32_t> materials) {
+  if (auto current = make_current(); !current) return current;
+  scene_->update_looks(snapshot, touched, joints);
+  return follow_edit(snapshot, touched, materials, false);
+}
+
+core::Expected<void> Drawing::follow_edit(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
+                                          std::span<const std::uint32_t> materials, bool moved) {
+  picture_changed();
+  if (auto done = scene_->update_materials(context_, snapshot, materials); !done) return done;
   solid_areas_.update(snapshot, touched);
   const std::vector<core::Slot> turned = translucent_.update(snapshot, touched, materials);
   if (!culler_) return {};
   const culling::SlotBits left_out = renders_ ? translucent_.bits() : culling::SlotBits();
-  auto done = culler_->update(snapshot, *scene_, touched, left_out);
-  if (done && !turned.empty()) done = culler_->update(snapshot, *scene_, turned, left_out);
+  auto done = moved ? culler_->update(snapshot, *scene_, touched, left_out)
+                    : culler_->update_shown(snapshot, *scene_, touched, left_out);
+  if (done && !turned.empty()) done = culler_->update_shown(snapshot, *scene_, turned, left_out);
   return done;
 }
 
@@ -541,7 +555,7 @@ core::Expected<void> Drawing::compose() {
 }
 
 core::Expected<void> Drawing::submit(std::uint64_t frame) {
-  if (external_ && !std::exchange(composed_, false))
+  if (external_ && !composed_)
     if (auto done = compose(); !done) return done;
   const gl::Functions& gl = context_.functions();
   in_flight_.push_back({gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), frame, now_seconds()});

@@ -56,7 +56,6 @@ class Engine::Impl {
   core::Expected<void> build();
   core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view,
                                     const core::ExternalTarget* target);
-  Drawing::KeptState keep_state() const { return drawing_ ? drawing_->keep_state() : Drawing::KeptState(); }
   std::optional<LateReport> take_late_report();
   core::Expected<void> commit();
   core::Expected<void> rebuild();
@@ -94,6 +93,10 @@ class Engine::Impl {
  private:
   bool needs_gl() const {
     return config_.draw || live_.plan.gpu_culls();
+  }
+  /// EngineConfig::gl_state: held where GL is called, so that calls which need no GL do not ask it.
+  Drawing::KeptState keep_state() const {
+    return drawing_ ? drawing_->keep_state() : Drawing::KeptState();
   }
   void follow_hybrid();
   culling::ControllerConfig controller_config() const;
@@ -150,62 +153,48 @@ core::Expected<FrameReport> Engine::frame(const core::View& view) {
   return frame(view, view);
 }
 core::Expected<FrameReport> Engine::frame(const core::View& view, const core::View& cull_view) {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->frame(view, cull_view, nullptr);
 }
 core::Expected<FrameReport> Engine::frame(const core::View& view, const core::ExternalTarget& target) {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->frame(view, view, &target);
 }
 std::optional<LateReport> Engine::take_late_report() {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->take_late_report();
 }
 core::Expected<void> Engine::commit() {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->commit();
 }
 core::Expected<void> Engine::rebuild() {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->rebuild();
 }
 bool Engine::rebuilding() const {
   return impl_->rebuilding();
 }
 core::Expected<void> Engine::set_culler(CullerChoice choice) {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->set_culler(choice);
 }
 core::Expected<void> Engine::resize(int width, int height) {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->resize(width, height);
 }
 core::Expected<void> Engine::set_override(std::span<const core::ItemId> items, const ItemStyle& style) {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->set_override(items, style);
 }
 core::Expected<void> Engine::clear_override(std::span<const core::ItemId> items) {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->clear_override(items);
 }
 core::Expected<void> Engine::clear_overrides() {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->clear_overrides();
 }
 core::Expected<void> Engine::hide(std::span<const core::ItemId> items) {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->hide(items);
 }
 core::Expected<void> Engine::show(std::span<const core::ItemId> items) {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->show(items);
 }
 core::Expected<void> Engine::isolate(std::span<const core::NodeId> nodes) {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->isolate(nodes);
 }
 core::Expected<void> Engine::show_all() {
-  [[maybe_unused]] const auto kept = impl_->keep_state();
   return impl_->show_all();
 }
 void Engine::drop_context() {
@@ -328,6 +317,7 @@ core::Expected<void> Engine::Impl::fit_target(const core::ExternalTarget& target
 }
 
 core::Expected<void> Engine::Impl::resize(int width, int height) {
+  [[maybe_unused]] const auto kept = keep_state();
   if (drawing_ && config_.draw)
     if (auto done = unless_lost(drawing_->resize(width, height)); !done) return done;
   config_.width = width;
@@ -342,6 +332,7 @@ core::Expected<void> Engine::Impl::make_drawing(bool new_order) {
     drawing_.reset();
     return {};
   }
+  [[maybe_unused]] const auto kept = keep_state();
   core::Expected<void> done;
   const bool gpu_culls = live_.plan.gpu_culls();
   if (drawing_) {
@@ -404,6 +395,7 @@ void Engine::Impl::note_gpu_variant() {
 
 core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const core::View& cull_view,
                                                 const core::ExternalTarget* target) {
+  [[maybe_unused]] const auto kept = keep_state();
   if (target)
     if (auto fits = fit_target(*target); !fits) return tl::unexpected(fits.error());
   if (auto landed = land(); !landed) return tl::unexpected(landed.error());
@@ -512,7 +504,10 @@ void Engine::Impl::gather_late_reports() {
 }
 
 std::optional<LateReport> Engine::Impl::take_late_report() {
-  gather_late_reports();
+  if (live_.plan.gpu_culls()) {
+    [[maybe_unused]] const auto kept = keep_state();
+    gather_late_reports();
+  }
   if (late_.empty()) return std::nullopt;
   const LateReport oldest = late_.front();
   late_.pop_front();
@@ -542,8 +537,9 @@ core::Expected<void> Engine::Impl::commit() {
   if (!rebuild_ && config_.rebuild_share > 0.0 && disorder > kFewSlots &&
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
     rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_, picks_));
-  if (!drawing_) return {};
   delta.materials.insert(delta.materials.end(), overridden.materials.begin(), overridden.materials.end());
+  if (!drawing_) return {};
+  [[maybe_unused]] const auto kept = keep_state();
   return unless_lost(drawing_->update(*live_.snapshot, live_.joints, touched, delta.materials));
 }
 
@@ -603,7 +599,8 @@ core::Expected<void> Engine::Impl::override_items(const Edit& edit) {
   live_.follow_overrides(change.uncovered, change.boxes, change.touched);
   if (hybrid_ && change.boxes) hybrid_->scene_changed(live_.snapshot->size());
   if (!drawing_) return {};
-  return unless_lost(drawing_->update(*live_.snapshot, live_.joints, change.touched, change.materials));
+  [[maybe_unused]] const auto kept = keep_state();
+  return unless_lost(drawing_->update_looks(*live_.snapshot, live_.joints, change.touched, change.materials));
 }
 
 core::Expected<void> Engine::Impl::set_override(std::span<const core::ItemId> items, const ItemStyle& style) {

@@ -3,25 +3,41 @@
 #include <array>
 #include <cassert>
 
+#include "sightline/core/internal/prefetch.h"
+#include "sightline/core/internal/radix_sort.h"
 #include "sightline/gpuscene/internal/mesh_pool.h"
 
 namespace sightline::gpuscene {
 namespace {
 
 using core::Kind;
+using core::kPrefetchAhead;
 using core::Slot;
 using core::Snapshot;
 using gpuprims::Texel;
 
 constexpr std::uint32_t kHeadroom = 64;  // spare records, besides an eighth of the present ones
 
+/// What a record says of an item besides its placement and shape.
+std::uint32_t material_word(const Snapshot& snapshot, const gpuprims::Joints& joints, Slot slot) {
+  const gpuprims::Ends covered = joints.covered(snapshot.item(slot));
+  std::uint32_t word = GpuScene::material_row(snapshot, slot);
+  if (flat_shaded(snapshot, slot)) word |= gpuprims::kFlatShaded;
+  if ((covered & gpuprims::kBottomEnd) != 0) word |= gpuprims::kBottomOpen;
+  if ((covered & gpuprims::kTopEnd) != 0) word |= gpuprims::kTopOpen;
+  if (snapshot.vacant(slot)) word |= gpuprims::kVacant;
+  return word;
+}
+
 /// Packs the records of `slots`. The result has room for `capacity` records.
 std::vector<Texel> pack_slots(const Snapshot& snapshot, const gpuprims::Joints& joints, BatchKind kind,
                               std::span<const Slot> slots, std::size_t capacity) {
   const std::size_t stride = std::size_t(texels_per_record(kind));
   std::vector<Texel> texels(capacity * stride);
-  for (std::size_t i = 0; i < slots.size(); ++i)
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (i + kPrefetchAhead < slots.size()) snapshot.prefetch_record(slots[i + kPrefetchAhead]);
     GpuScene::pack(snapshot, joints, slots[i], std::span(texels).subspan(i * stride, stride));
+  }
   return texels;
 }
 
@@ -78,13 +94,8 @@ void GpuScene::pack(const Snapshot& snapshot, const gpuprims::Joints& joints, Sl
     const std::size_t n = std::size_t(core::parameter_count(kind));
     parameters = std::span(items.parameters).subspan(i * n, n);
   }
-  const gpuprims::Ends covered = joints.covered(snapshot.item(slot));
-  std::uint32_t flags = flat_shaded(snapshot, slot) ? std::uint32_t(gpuprims::kFlatShaded) : 0u;
-  if ((covered & gpuprims::kBottomEnd) != 0) flags |= gpuprims::kBottomOpen;
-  if ((covered & gpuprims::kTopEnd) != 0) flags |= gpuprims::kTopOpen;
-  core::Placement placement = items.placements[i];
-  if (snapshot.vacant(slot)) placement.linear = core::mat3(0.0f);  // shrinks it to a point, which is not rasterised
-  gpuprims::pack(kind, parameters, {placement, snapshot.item(slot), material_row(snapshot, slot) | flags}, out);
+  gpuprims::pack(kind, parameters, {items.placements[i], snapshot.item(slot), material_word(snapshot, joints, slot)},
+                 out);
 }
 
 core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snapshot& snapshot,
@@ -171,25 +182,46 @@ bool GpuScene::append(const Snapshot& snapshot, const gpuprims::Joints& joints) 
 }
 
 void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed, const gpuprims::Joints& joints) {
-  std::array<std::vector<std::pair<std::uint32_t, Slot>>, kBatchKindCount> records;
-  for (const Slot slot : changed)
-    records[std::size_t(batch_of(snapshot.kind(slot)))].emplace_back(record_of(snapshot, slot), slot);
-  std::vector<std::uint32_t> places;
-  std::vector<Slot> slots;
-  for (std::size_t kind = 0; kind < records.size(); ++kind) {
-    if (records[kind].empty()) continue;
+  for_each_batch(snapshot, changed, [&](const Batch& target, const Changed& now) {
+    const std::vector<Texel> texels = pack_slots(snapshot, joints, target.kind, now.slots, now.slots.size());
+    writer_.write(target.records, record_bytes(target.kind), now.records, texels.data());
+  });
+}
+
+void GpuScene::update_looks(const Snapshot& snapshot, std::span<const Slot> changed, const gpuprims::Joints& joints) {
+  for_each_batch(snapshot, changed, [&](const Batch& target, const Changed& now) {
+    const std::uint32_t stride = std::uint32_t(record_bytes(target.kind) / sizeof(std::uint32_t));
+    std::vector<std::uint32_t> places, words;
+    for (std::size_t i = 0; i < now.slots.size(); ++i) {
+      places.push_back(now.records[i] * stride + gpuprims::kMaterialWord);
+      words.push_back(material_word(snapshot, joints, now.slots[i]));
+    }
+    writer_.write(target.records, sizeof(std::uint32_t), places, words.data());
+  });
+}
+
+/// Calls visit() for each batch that has some of the slots.
+template <class Visit>
+void GpuScene::for_each_batch(const Snapshot& snapshot, std::span<const Slot> changed, const Visit& visit) {
+  std::array<std::vector<std::uint64_t>, kBatchKindCount> of_kind;  // record << 32 | slot
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    if (i + kPrefetchAhead < changed.size()) snapshot.prefetch_slot(changed[i + kPrefetchAhead]);
+    const std::uint64_t record = record_of(snapshot, changed[i]);
+    of_kind[std::size_t(batch_of(snapshot.kind(changed[i])))].push_back(record << 32 | changed[i]);
+  }
+  for (std::size_t kind = 0; kind < of_kind.size(); ++kind) {
+    if (of_kind[kind].empty()) continue;
     const Batch* target = batch(BatchKind(kind));
     assert(target && "slots were appended: create a new GpuScene");
-    std::sort(records[kind].begin(), records[kind].end());
-    places.clear();
-    slots.clear();
-    for (const auto& [record, slot] : records[kind]) {
-      places.push_back(record);
-      slots.push_back(slot);
-      if (target->kind == BatchKind::kMesh) meshes_.commands[record].instance_count = snapshot.vacant(slot) ? 0 : 1;
+    core::radix_sort<32>(of_kind[kind]);
+    Changed now;
+    for (const std::uint64_t entry : of_kind[kind]) {
+      now.records.push_back(std::uint32_t(entry >> 32));
+      now.slots.push_back(Slot(entry));
+      if (target->kind == BatchKind::kMesh)
+        meshes_.commands[now.records.back()].instance_count = snapshot.vacant(now.slots.back()) ? 0 : 1;
     }
-    const std::vector<Texel> texels = pack_slots(snapshot, joints, target->kind, slots, slots.size());
-    writer_.write(target->records, record_bytes(target->kind), places, texels.data());
+    visit(*target, now);
   }
 }
 

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <numeric>
 
+#include "sightline/core/internal/prefetch.h"
+
 namespace sightline::culling {
 namespace {
 
@@ -21,6 +23,14 @@ core::Expected<void> make_array(const gl::Functions& gl, std::size_t bytes, GLen
 /// The record at a place among those of `clusters`, kItemsPerCluster each.
 std::size_t record_at(std::span<const std::uint32_t> clusters, std::size_t place) {
   return std::size_t(clusters[place / kItemsPerCluster]) * kItemsPerCluster + place % kItemsPerCluster;
+}
+
+/// The clusters of some records. `records` is sorted.
+std::vector<std::uint32_t> clusters_of(std::span<const std::uint32_t> records) {
+  std::vector<std::uint32_t> clusters;
+  for (const std::uint32_t record : records)
+    if (clusters.empty() || clusters.back() != record / kItemsPerCluster) clusters.push_back(record / kItemsPerCluster);
+  return clusters;
 }
 
 }  // namespace
@@ -50,6 +60,8 @@ core::Expected<GpuBounds> GpuBounds::create(const gl::Functions& gl, const core:
     if (done) done = make_array(gl, clusters * sizeof(std::uint32_t), GL_R32UI, "cluster layers", made.cluster_layers_);
   }
   if (!done) return tl::unexpected(done.error());
+  made.around_.resize(clusters);
+  if (snapshot.bounds().uses_layers()) made.layers_around_.resize(clusters);
   std::vector<std::uint32_t> all(made.cluster_capacity_);
   std::iota(all.begin(), all.end(), 0u);
   ElementWriter writer;  // of neighbours alone
@@ -64,39 +76,67 @@ std::uint32_t GpuBounds::append(core::Slot slot) {
 }
 
 void GpuBounds::update(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed, ElementWriter& writer,
-                       SlotBits left_out) const {
-  std::vector<std::uint32_t> clusters;
-  for (const std::uint32_t record : changed)
-    if (clusters.empty() || clusters.back() != record / kItemsPerCluster) clusters.push_back(record / kItemsPerCluster);
-  write(snapshot, clusters, writer, left_out);
+                       SlotBits left_out) {
+  write(snapshot, clusters_of(changed), writer, left_out);
 }
 
-void GpuBounds::write(const core::Snapshot& snapshot, Clusters clusters, ElementWriter& writer,
-                      SlotBits left_out) const {
+void GpuBounds::update_shown(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed,
+                             ElementWriter& writer, SlotBits left_out) {
+  const core::ItemBounds& bounds = snapshot.bounds();
+  std::vector<Aabb> boxes(changed.size());
+  std::vector<std::uint32_t> layers(changed.size(), 0);
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    if (i + core::kPrefetchAhead < changed.size()) snapshot.prefetch_box(slots_[changed[i + core::kPrefetchAhead]]);
+    const core::Slot slot = slots_[changed[i]];
+    if (bounds.vacant(slot) || contains(left_out, slot)) continue;
+    boxes[i] = bounds.box(slot);
+    layers[i] = bounds.layers(slot);
+    around_[changed[i] / kItemsPerCluster].grow(boxes[i]);
+    if (!layers_around_.empty()) layers_around_[changed[i] / kItemsPerCluster] |= layers[i];
+  }
+  writer.write(item_boxes_.buffer, sizeof(Aabb), changed, boxes.data());
+  if (!layers_around_.empty()) writer.write(item_layers_.buffer, sizeof(std::uint32_t), changed, layers.data());
+  write_clusters(clusters_of(changed), writer);
+}
+
+void GpuBounds::write(const core::Snapshot& snapshot, Clusters clusters, ElementWriter& writer, SlotBits left_out) {
   constexpr std::size_t kClustersAtOnce = 1024;
   for (std::size_t first = 0; first < clusters.size(); first += kClustersAtOnce)
     write_part(snapshot, clusters.subspan(first, std::min(kClustersAtOnce, clusters.size() - first)), writer, left_out);
 }
 
 void GpuBounds::write_part(const core::Snapshot& snapshot, Clusters clusters, ElementWriter& writer,
-                           SlotBits left_out) const {
+                           SlotBits left_out) {
   const core::ItemBounds& bounds = snapshot.bounds();
-  std::vector<Aabb> boxes(clusters.size() * kItemsPerCluster), around(clusters.size());
-  std::vector<std::uint32_t> layers(boxes.size(), 0), layers_around(clusters.size(), 0);
+  std::vector<Aabb> boxes(clusters.size() * kItemsPerCluster);
+  std::vector<std::uint32_t> layers(boxes.size(), 0);
+  for (const std::uint32_t cluster : clusters) {
+    around_[cluster] = {};
+    if (!layers_around_.empty()) layers_around_[cluster] = 0;
+  }
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const std::size_t record = record_at(clusters, i);
     if (record >= slots_.size() || bounds.vacant(slots_[record]) || contains(left_out, slots_[record])) continue;
     const core::Slot slot = slots_[record];
     boxes[i] = bounds.box(slot);
-    around[i / kItemsPerCluster].grow(boxes[i]);
     layers[i] = bounds.layers(slot);
-    layers_around[i / kItemsPerCluster] |= layers[i];
+    around_[record / kItemsPerCluster].grow(boxes[i]);
+    if (!layers_around_.empty()) layers_around_[record / kItemsPerCluster] |= layers[i];
   }
   writer.write(item_boxes_.buffer, kItemsPerCluster * sizeof(Aabb), clusters, boxes.data());
-  writer.write(cluster_boxes_.buffer, sizeof(Aabb), clusters, around.data());
-  if (item_layers_.buffer.id() == 0) return;
-  writer.write(item_layers_.buffer, kItemsPerCluster * sizeof(std::uint32_t), clusters, layers.data());
-  writer.write(cluster_layers_.buffer, sizeof(std::uint32_t), clusters, layers_around.data());
+  if (!layers_around_.empty())
+    writer.write(item_layers_.buffer, kItemsPerCluster * sizeof(std::uint32_t), clusters, layers.data());
+  write_clusters(clusters, writer);
+}
+
+void GpuBounds::write_clusters(Clusters clusters, ElementWriter& writer) const {
+  std::vector<Aabb> boxes;
+  for (const std::uint32_t cluster : clusters) boxes.push_back(around_[cluster]);
+  writer.write(cluster_boxes_.buffer, sizeof(Aabb), clusters, boxes.data());
+  if (layers_around_.empty()) return;
+  std::vector<std::uint32_t> layers;
+  for (const std::uint32_t cluster : clusters) layers.push_back(layers_around_[cluster]);
+  writer.write(cluster_layers_.buffer, sizeof(std::uint32_t), clusters, layers.data());
 }
 
 }  // namespace sightline::culling

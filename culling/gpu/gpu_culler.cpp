@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/core/internal/prefetch.h"
+#include "sightline/core/internal/radix_sort.h"
 #include "sightline/culling/gpu/internal/gpu_band.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 #include "sightline/culling/gpu/internal/gpu_screen.h"
@@ -108,8 +110,8 @@ core::Expected<void> GpuCuller::add_batch(const Snapshot& snapshot, const gpusce
   return {};
 }
 
-core::Expected<void> GpuCuller::update(const Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                                       std::span<const Slot> touched, SlotBits left_out) {
+core::Expected<void> GpuCuller::follow(const Snapshot& snapshot, const gpuscene::GpuScene& scene,
+                                       std::span<const Slot> touched, SlotBits left_out, UpdateBounds update_bounds) {
   if (snapshot.bounds().uses_layers() != uses_layers_) {
     if (auto done = make_batches(snapshot, scene); !done) return done;
     const std::vector<Slot> not_to_find = slots_of(left_out);
@@ -117,15 +119,18 @@ core::Expected<void> GpuCuller::update(const Snapshot& snapshot, const gpuscene:
   }
   std::array<std::vector<std::uint32_t>, gpuscene::kBatchKindCount> changed;
   const auto batch_of = [&](Slot slot) { return std::size_t(gpuscene::batch_of(snapshot.kind(slot))); };
-  for (const Slot slot : touched) changed[batch_of(slot)].push_back(gpuscene::GpuScene::record_of(snapshot, slot));
+  for (std::size_t i = 0; i < touched.size(); ++i) {
+    if (i + core::kPrefetchAhead < touched.size()) snapshot.prefetch_slot(touched[i + core::kPrefetchAhead]);
+    changed[batch_of(touched[i])].push_back(gpuscene::GpuScene::record_of(snapshot, touched[i]));
+  }
   std::array<CullBatch*, gpuscene::kBatchKindCount> by_kind{};
   for (CullBatch& batch : batches_) by_kind[std::size_t(batch.kind)] = &batch;
   for (; slot_count_ < snapshot.size(); ++slot_count_)
     changed[batch_of(slot_count_)].push_back(by_kind[batch_of(slot_count_)]->bounds.append(slot_count_));
   for (CullBatch& batch : batches_) {
     std::vector<std::uint32_t>& records = changed[std::size_t(batch.kind)];
-    std::sort(records.begin(), records.end());
-    batch.bounds.update(snapshot, records, writer_, left_out);
+    core::radix_sort(records);
+    (batch.bounds.*update_bounds)(snapshot, records, writer_, left_out);
     if (!batch.meshes()) continue;
     std::vector<gpuscene::ElementsCommand> commands;
     for (const std::uint32_t record : records) commands.push_back(scene.meshes().commands[record]);

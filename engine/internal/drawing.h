@@ -42,7 +42,10 @@ class Drawing {
 
   /// From now on each frame puts its picture into that framebuffer, too; null: into none. The size must be that of the
   /// picture.
-  void put_into(const core::ExternalTarget* target) { external_ = target ? std::optional(*target) : std::nullopt; }
+  void put_into(const core::ExternalTarget* target) {
+    external_ = target ? std::optional(*target) : std::nullopt;
+    composed_ = false;
+  }
 
   /// Whether any items are drawn over the picture. The CPU finds those that are visible, also where the GPU culls,
   /// which leaves out translucent ones.
@@ -96,6 +99,9 @@ class Drawing {
   /// records and adds the records of appended slots. Makes everything anew when GpuScene::append returns false.
   core::Expected<void> update(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                               std::span<const core::Slot> touched, std::span<const std::uint32_t> materials);
+  /// The same where placements and shapes are as they were, and no slots were appended.
+  core::Expected<void> update_looks(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                    std::span<const core::Slot> touched, std::span<const std::uint32_t> materials);
   /// Makes everything anew from another snapshot, with or without a GPU culler.
   core::Expected<void> rebuild(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls);
   /// Makes the GPU culler unless there is one. `snapshot` must be that of the last update() or rebuild().
@@ -125,6 +131,8 @@ class Drawing {
   Drawing(std::optional<gl::Context> own, gl::Context context)
       : context_(std::move(context)), own_context_(std::move(own)) {}
   core::Expected<culling::GpuCuller> make_culler(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
+  core::Expected<void> follow_edit(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
+                                   std::span<const std::uint32_t> materials, bool moved);
   void wait_for_room();
   void wait_for_oldest();
   float snap() const;

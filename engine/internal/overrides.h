@@ -6,6 +6,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "sightline/core/internal/large_array.h"
+#include "sightline/core/internal/prefetch.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/engine/item_style.h"
 
@@ -23,6 +25,9 @@ class ItemMap {
   std::span<const Entry> entries() const { return entries_; }
   bool empty() const { return entries_.empty(); }
 
+  void prefetch(core::ItemId item) const {
+    if (item < places_.size()) core::prefetch(places_[item]);
+  }
   /// Null where the item has none. Valid until the next insertion or removal.
   Value* find(core::ItemId item) {
     const std::uint32_t place = item < places_.size() ? places_[item] : core::kNone;
@@ -48,8 +53,8 @@ class ItemMap {
   std::size_t memory_bytes() const { return 4 * places_.capacity() + sizeof(Entry) * entries_.capacity(); }
 
  private:
-  std::vector<std::uint32_t> places_;  // by item: in entries_
-  std::vector<Entry> entries_;
+  core::LargeArray<std::uint32_t> places_;  // by item: in entries_
+  core::LargeArray<Entry> entries_;
 };
 
 /// A bit per slot, and how many are set.

@@ -57,6 +57,9 @@ class GpuScene {
   /// nothing to draw. Call append() for appended slots first. Needs at most one GL call per run of neighbours, and
   /// far fewer for many runs (ElementWriter, which lists the GL state that it changes).
   void update(const core::Snapshot& snapshot, std::span<const core::Slot> changed, const gpuprims::Joints& joints = {});
+  /// The same where placements and shapes are as they were: rewrites one word of each record.
+  void update_looks(const core::Snapshot& snapshot, std::span<const core::Slot> changed,
+                    const gpuprims::Joints& joints = {});
   /// Adds records of the slots appended since the last call. False, with nothing done, when a new GpuScene is needed:
   /// memory for an eighth more than at first is used up, or there are new kinds or meshes.
   bool append(const core::Snapshot& snapshot, const gpuprims::Joints& joints = {});
@@ -82,6 +85,13 @@ class GpuScene {
   static std::uint32_t record_of(const core::Snapshot& snapshot, core::Slot slot);
 
  private:
+  /// Slots of one batch, and their records, which rise.
+  struct Changed {
+    std::vector<std::uint32_t> records;
+    std::vector<core::Slot> slots;
+  };
+  template <class Visit>
+  void for_each_batch(const core::Snapshot& snapshot, std::span<const core::Slot> changed, const Visit& visit);
   core::Expected<void> make_materials(const gl::Functions& gl, const core::Snapshot& snapshot);
 
   std::vector<Batch> batches_;

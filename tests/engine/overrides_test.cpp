@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "drawn_grid.h"
 #include "sightline/core/scene.h"
+#include "sightline/tests/engine/ways_to_draw.h"
 
 namespace sightline::tests {
 namespace {
@@ -112,42 +112,22 @@ class OverridesTest : public DrawnGrid {
   std::map<ItemId, State> states;
 };
 
-struct Way {
-  const char* name;
-  void (*set)(EngineConfig&);
-};
-const Way kWays[] = {
-    {"cpu", [](EngineConfig& c) { c.culler = CullerChoice::kCpu; }},
-    {"linear", [](EngineConfig& c) { c.culler = CullerChoice::kLinear; }},
-    {"gpu", [](EngineConfig& c) { c.culler = CullerChoice::kGpu; }},
-    {"hybrid",
+const auto kWays = ways_to_draw({
+    {"no_sample_test",  // ranges that are drawn have vacant slots
      [](EngineConfig& c) {
-       c.culler = CullerChoice::kHybrid;
-       DrawnGrid::switch_often(c);
+       c.occlusion = engine::OcclusionChoice::kOff;
+       c.sample_test = false;
      }},
-    {"cpu_occlusion",
-     [](EngineConfig& c) {
-       c.culler = CullerChoice::kCpu;
-       c.occlusion = engine::OcclusionChoice::kOn;
-     }},
-    {"gpu_occlusion",
-     [](EngineConfig& c) {
-       c.culler = CullerChoice::kGpu;
-       c.occlusion = engine::OcclusionChoice::kOn;
-     }},
-    {"samples", [](EngineConfig& c) { c.samples = 4; }},
     {"contribution", [](EngineConfig& c) { c.contribution = 30.0f; }},
     {"squares",
      [](EngineConfig& c) {
        c.contribution = 30.0f;
        c.contribution_way = engine::ContributionWay::kPoints;
      }},
-    {"budget", [](EngineConfig& c) { c.budget_ms = 1e5; }},
-};
+});
 
-class OverridesInAllWays : public OverridesTest, public testing::WithParamInterface<Way> {};
-INSTANTIATE_TEST_SUITE_P(, OverridesInAllWays, testing::ValuesIn(kWays),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+class OverridesInAllWays : public OverridesTest, public testing::WithParamInterface<WayToDraw> {};
+INSTANTIATE_TEST_SUITE_P(, OverridesInAllWays, testing::ValuesIn(kWays), name_of);
 
 TEST_P(OverridesInAllWays, AreAsMaterialsAndVisibilityThroughAnyEdits) {
   const unsigned seed = 4711;

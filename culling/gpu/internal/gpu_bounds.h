@@ -39,7 +39,11 @@ class GpuBounds {
   /// Rewrites the boxes of these records and of their clusters. `changed` is sorted. Slots with a bit in `left_out` are
   /// as vacant.
   void update(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed, gpuscene::ElementWriter& writer,
-              SlotBits left_out = {}) const;
+              SlotBits left_out = {});
+  /// The same where nothing has moved, but slots may have become vacant or left out, or no longer are. Faster, since
+  /// the boxes of clusters only grow, which is conservative.
+  void update_shown(const core::Snapshot& snapshot, std::span<const std::uint32_t> changed,
+                    gpuscene::ElementWriter& writer, SlotBits left_out);
 
   std::uint32_t cluster_count() const {
     return std::uint32_t((slots_.size() + kItemsPerCluster - 1) / kItemsPerCluster);
@@ -59,12 +63,14 @@ class GpuBounds {
 
  private:
   using Clusters = std::span<const std::uint32_t>;  // in rising order
-  void write(const core::Snapshot& snapshot, Clusters clusters, gpuscene::ElementWriter& writer,
-             SlotBits left_out) const;
+  void write(const core::Snapshot& snapshot, Clusters clusters, gpuscene::ElementWriter& writer, SlotBits left_out);
   void write_part(const core::Snapshot& snapshot, Clusters clusters, gpuscene::ElementWriter& writer,
-                  SlotBits left_out) const;
+                  SlotBits left_out);
+  void write_clusters(Clusters clusters, gpuscene::ElementWriter& writer) const;
 
   std::vector<core::Slot> slots_;
+  std::vector<core::Aabb> around_;            // by cluster, as on the GPU
+  std::vector<std::uint32_t> layers_around_;  // by cluster; empty when the scene uses no layers
   std::uint32_t cluster_capacity_ = 0;
   TexelArray item_boxes_, item_layers_, cluster_boxes_, cluster_layers_;
 };

@@ -71,7 +71,14 @@ class GpuCuller {
   /// same GL state. Slots with a bit in `left_out` are never found; those whose bit has changed must be touched. Fails
   /// when the GPU has too little memory for layers that came into use; then make a new culler.
   core::Expected<void> update(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
-                              std::span<const core::Slot> touched, SlotBits left_out = {});
+                              std::span<const core::Slot> touched, SlotBits left_out = {}) {
+    return follow(snapshot, scene, touched, left_out, &GpuBounds::update);
+  }
+  /// The same where no slot has moved, but some may have become vacant or left out, or no longer are. Faster.
+  core::Expected<void> update_shown(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
+                                    std::span<const core::Slot> touched, SlotBits left_out) {
+    return follow(snapshot, scene, touched, left_out, &GpuBounds::update_shown);
+  }
 
   /// The picture that shows what is culled.
   struct Picture {
@@ -129,7 +136,11 @@ class GpuCuller {
     std::optional<double> time_ms, others_time_ms;
   };
 
+  using UpdateBounds = void (GpuBounds::*)(const core::Snapshot&, std::span<const std::uint32_t>,
+                                           gpuscene::ElementWriter&, SlotBits);
   GpuCuller();
+  core::Expected<void> follow(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
+                              std::span<const core::Slot> touched, SlotBits left_out, UpdateBounds update_bounds);
   core::Expected<void> make_batches(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   core::Expected<void> add_batch(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene,
                                  const gpuscene::Batch& batch, std::vector<core::Slot> slots);
