@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/radix_sort.h"
 
 namespace sightline::gpuprims {
@@ -177,7 +178,7 @@ void add_slots(const Snapshot& snapshot, std::span<const ItemId> items, std::siz
   std::vector<Slot> others;
   for (const ItemId item : items)
     if (const Slot s = snapshot.slot(item); s < former_size) others.push_back(s);  // kNone is above
-  std::sort(others.begin(), others.end());
+  core::radix_sort(others);
   others.erase(std::unique(others.begin(), others.end()), others.end());
   // Neighbours that were edited themselves are in `touched` already.
   std::vector<bool> known(others.size());
@@ -388,7 +389,10 @@ void Joints::dissolve(const Snapshot& snapshot, std::initializer_list<std::span<
   if (count_ == 0) return;
   std::vector<ItemId> uncovered;
   for (const std::span<const ItemId> items : edited)
-    for (const ItemId item : items) dissolve(item, uncovered);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      if (i + core::kPrefetchAhead < items.size()) prefetch(items[i + core::kPrefetchAhead]);
+      dissolve(items[i], uncovered);
+    }
   add_slots(snapshot, uncovered, former_size, touched);
 }
 
@@ -407,6 +411,11 @@ void Joints::dissolve_transparent(const Snapshot& snapshot, std::size_t former_s
     dissolve(item, uncovered);
   }
   add_slots(snapshot, uncovered, former_size, touched);
+}
+
+void Joints::prefetch(ItemId item) const {
+  const std::size_t group = item / kItemsPerWord;
+  if (group + 1 < first_.size()) core::prefetch(covers_.data() + first_[group], sizeof(covers_[0]));
 }
 
 void Joints::dissolve(ItemId item, std::vector<ItemId>& uncovered) {

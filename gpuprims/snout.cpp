@@ -196,17 +196,26 @@ Span<Real> nappe_span(const Solid<Real>& solid, const Vec3<Real>& o, const Vec3<
   return span;
 }
 
-/// Moves the ray's origin to where |w|^2 + r^2 is least, unless that is far outside the solid.
+/// Moves the ray's origin to where |w|^2 + r^2 is least, unless that is far outside the solid, whose axis may lean far.
 template <class Real>
 void approach_apex(const Solid<Real>& solid, LocalRay<Real>& ray) {
   const Vec2<Real> w0 = solid.from_axis(ray.origin), w1 = solid.from_axis(ray.direction);
   const Real r0 = solid.radius_at(ray.origin.z), r1 = solid.widening * ray.direction.z;
   const Real square = glm::dot(w1, w1) + r1 * r1;
   const Real shift = -(glm::dot(w0, w1) + r0 * r1) / square;
-  const Real most = 4 * (1 + solid.highest - solid.lowest);
+  const Real most = 4 * (1 + (solid.highest - solid.lowest) * (1 + std::fabs(solid.lean.x) + std::fabs(solid.lean.y)));
   if (!(std::fabs(shift) <= most)) return;
   ray.origin += shift * ray.direction;
   ray.start += double(shift) * ray.scale;
+}
+
+/// Whether the whole cone lies beyond the end plane through its apex, so that nothing but the apex is left.
+template <class Real>
+bool is_apex_only(const Solid<Real>& solid, const core::Snout& s) {
+  const auto beyond = [&](const EndPlane<Real>& plane) {
+    return 1 - glm::dot(plane.tangent, solid.lean) < -std::fabs(solid.widening) * glm::length(plane.tangent);
+  };
+  return (s.bottom_radius == 0.0f && beyond(solid.bottom)) || (s.top_radius == 0.0f && beyond(solid.top));
 }
 
 /// Clips a span between the ends.
@@ -226,6 +235,7 @@ Hits intersect_solid(const core::Snout& snout, const Ray& ray, Caps caps) {
   const double widest = std::max(std::fabs(snout.bottom_radius), std::fabs(snout.top_radius));
   const double scale = inverse_power_of_two(widest);
   const Solid<Real> solid = make_local_solid<Real>(snout, scale);
+  if (solid.slanted && is_apex_only(solid, snout)) return hits;
   const double reach = double(std::max(-solid.lowest, solid.highest)) / scale;
   auto local = approach_axis<Real>(snout, ray, widest, reach);
   if (!local.valid) return hits;

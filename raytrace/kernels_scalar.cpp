@@ -279,12 +279,19 @@ struct Scalar {
   static float extent(const float (&place)[3][kLanes], int lane) {
     return most(std::fabs(place[0][lane]), most(std::fabs(place[1][lane]), std::fabs(place[2][lane])));
   }
-  /// Returns the slim ones.
-  static unsigned distances(const Areas& a, float* t) {
+  static float range(const float (&place)[3][kLanes], int lane) {
+    return most(place[0][lane], most(place[1][lane], place[2][lane])) -
+           least(place[0][lane], least(place[1][lane], place[2][lane]));
+  }
+  /// Returns the slim ones. `lost`: what t may be off by; infinite or NaN where float does not know.
+  static unsigned distances(const Areas& a, float across, float* t, float* lost) {
     unsigned slim = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
       const float sum = (a.u[lane] + a.v[lane]) + a.w[lane];
-      slim |= unsigned(std::fabs(sum) < kSlim * (extent(a.x, lane) * extent(a.y, lane))) << lane;
+      const float wide = extent(a.x, lane), high = extent(a.y, lane), size = wide + high;
+      slim |= unsigned(std::fabs(sum) < kSlim * (wide * high)) << lane;
+      const float area = most(std::fabs(sum) - (kAreaLost * across) * size, 0.0f);
+      lost[lane] = across + across * ((kSlope * range(a.z, lane)) * size / area);
       t[lane] = ((a.u[lane] * a.z[0][lane] + a.v[lane] * a.z[1][lane]) + a.w[lane] * a.z[2][lane]) / sum;
     }
     return slim;

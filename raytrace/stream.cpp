@@ -14,7 +14,11 @@ namespace sightline::raytrace {
 namespace {
 
 LaneSpace lanes_of(const TreeSpace& space, const dvec3& shift) {
-  return {{shift.x, shift.y, shift.z}, {space.centre.x, space.centre.y, space.centre.z}, space.radius, space.reach};
+  return {{shift.x, shift.y, shift.z},
+          {space.centre.x, space.centre.y, space.centre.z},
+          {space.half.x, space.half.y, space.half.z},
+          space.radius,
+          space.reach};
 }
 
 RayFrame ray_frame(const PacketFrame& f, int ray) {
@@ -265,7 +269,10 @@ class Tracer::Impl::Packet {
       if (tree.only != core::kNone) {
         for (Packet* const packet : packets) {
           packet->walking_ = false;
-          if (tree.space.radius >= 0.0) packet->meet(tree.only, packet->all_);
+          if (tree.space.radius < 0.0) continue;
+          const LaneSpace space = lanes_of(tree.space, bounds.origin);
+          if (const unsigned near = any.kernels_.near(packet->world_, packet->all_, space))
+            packet->meet(tree.only, near);
         }
         continue;
       }
@@ -386,29 +393,35 @@ class Tracer::Impl::Packet {
       PacketFrame frame;
       const MeshTree* tree;
       const RayLanes* parts;
-      double crossed(int ray, std::uint32_t place) const {
+      double s(const RayFrame& of_ray, std::uint32_t place) const {
         dvec3 corners[3];
         tree->corners(place, corners);
+        return crossing(of_ray, corners);
+      }
+      double t(int ray, std::uint32_t place) const {
         const RayFrame of_ray = ray_frame(frame, ray);
-        return of_ray.t(crossing(of_ray, corners));
+        return of_ray.t(s(of_ray, place));
       }
     } filter;
     who = kernels_.enter(local, who, lanes_of(tree.space, dvec3(0.0)), filter.frame);
     if (who == 0) return;
-    filter.accept = [](const PacketFilter& base, int ray, std::uint32_t place) {
+    filter.crossed = [](const PacketFilter& base, int ray, std::uint32_t place) {
       const auto& self = static_cast<const Filter&>(base);
-      const double crossed = self.crossed(ray, place);
-      return crossed >= self.parts->from[ray] && crossed <= self.parts->to[ray];
+      const RayFrame of_ray = ray_frame(self.frame, ray);
+      const double s = self.s(of_ray, place), t = of_ray.t(s);
+      return t >= self.parts->from[ray] && t <= self.parts->to[ray] ? float(s) : kNotCrossed;
     };
     filter.tree = &tree;
     filter.parts = &local;
     PacketHits hits;
     for (int i = 0; i < kPacket; ++i) {
       hits.t[i] = std::numeric_limits<float>::infinity();
+      hits.lost[i] = 0.0f;
       hits.triangle[i] = kNoTriangle;
     }
-    kernels_.nearest({tree.nodes.data(), tree.blocks.data(), tree.root, float(2.0 * filter.frame.margin), &filter}, who,
-                     filter.frame, hits);
+    kernels_.nearest({tree.nodes.data(), tree.blocks.data(), tree.root, float(2.0 * filter.frame.margin),
+                      float(filter.frame.margin * (kBoxError / kMargin)), &filter},
+                     who, filter.frame, hits);
     for (unsigned rest = who; rest != 0; rest &= rest - 1)
       if (hits.triangle[lowest(rest)] == kNoTriangle) who &= ~(1u << lowest(rest));
     alignas(64) double crossed[kPacket];
@@ -416,7 +429,7 @@ class Tracer::Impl::Packet {
         few(who) ? who : kernels_.crossings(filter.frame, tree.blocks.data(), hits, who, crossed);
     for (; who != 0; who &= who - 1) {
       const int ray = lowest(who);
-      const double t = (by_itself >> ray & 1u) != 0 ? filter.crossed(ray, hits.place[ray]) : crossed[ray];
+      const double t = (by_itself >> ray & 1u) != 0 ? filter.t(ray, hits.place[ray]) : crossed[ray];
       if (!(t >= local.from[ray] && t <= local.to[ray])) {
         meet_alone(slot, ray);  // float has taken one beyond an end
         continue;

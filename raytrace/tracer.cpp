@@ -33,8 +33,9 @@ constexpr std::size_t kMostTriangles = std::size_t(1) << 28;  // places of trian
 bool good(const Ray& ray) {
   // A sum of products with 0 is 0 unless one factor is not finite.
   const dvec3 o = 0.0 * ray.origin, d = 0.0 * ray.direction;
-  return o.x + o.y + o.z + (d.x + d.y + d.z) == 0.0 && ray.direction != dvec3(0.0) && !std::isnan(ray.t_min) &&
-         !std::isnan(ray.t_max);
+  const dvec3 size = magnitude(ray.direction);
+  return o.x + o.y + o.z + (d.x + d.y + d.z) == 0.0 && size.x + size.y + size.z > 0.0 &&
+         !std::isunordered(ray.t_min, ray.t_max);
 }
 
 core::Error fault(const Ray& ray) {
@@ -86,27 +87,24 @@ KeptParts kept_parts(const Ray& ray, const RayFilter& filter) {
 namespace {
 
 dvec3 world_normal(const core::Placement& placement, const dvec3& n) {
+  if (is_unity(placement.linear)) return glm::normalize(n + 0.0);
   const Cofactors map(placement.linear);
   const dvec3 sum = map.column[0] * n.x + map.column[1] * n.y + map.column[2] * n.z;
   return glm::normalize(map.determinant < 0.0 ? -sum : sum);
 }
 
-}  // namespace
-
-bool to_item(const core::Snapshot& snapshot, const core::Placement& placement, const dvec3& origin,
-             const dvec3& direction, ItemRay& out) {
-  const dvec3 o = (origin - snapshot.chunk_origins()[placement.chunk]) - dvec3(placement.origin);
-  const Cofactors map(placement.linear);
-  const double inverse = 1.0 / map.determinant;
-  if (!(std::fabs(inverse) < kInfinity) || inverse == 0.0) return false;
-  for (int i = 0; i < 3; ++i) {
-    out.origin[i] = inverse * glm::dot(map.column[i], o);
-    out.direction[i] = inverse * glm::dot(map.column[i], direction);
-  }
-  return true;
+/// Whether a line passes through the hole of a circular torus, further from it than rounding errors. May say false
+/// where it does. Where it is as low and as high as the tube, both points must lie within the hole, which is convex.
+bool passes_hole(const float* parameters, const ItemRay& ray) {
+  const double major = std::fabs(double(parameters[0])), tube = std::fabs(double(parameters[1]));
+  const dvec3 &o = ray.origin, &d = ray.direction;
+  const double lost = 1e-14 * (std::fabs(o.x) + std::fabs(o.y) + std::fabs(o.z) + major);
+  const double height = tube * (1.0 + 1e-6) + lost, hole = (major - tube) * (1.0 - 1e-6) - lost * (2.0 + major / tube);
+  if (!(hole > 0.0) || d.z == 0.0) return false;
+  const double inverse = 1.0 / d.z, low = (-height - o.z) * inverse, high = (height - o.z) * inverse;
+  const double x0 = o.x + low * d.x, y0 = o.y + low * d.y, x1 = o.x + high * d.x, y1 = o.y + high * d.y;
+  return x0 * x0 + y0 * y0 < hole * hole && x1 * x1 + y1 * y1 < hole * hole;
 }
-
-namespace {
 
 template <class Solid>
 gpuprims::Hits hits_of(const float* parameters, const gpuprims::Ray& ray) {
@@ -221,10 +219,59 @@ TracerMemory Tracer::Impl::memory() const {
 
 // --- queries ---------------------------------------------------------------------------------------------------------
 
-/// Calls meet(slot) for items that the ray's part from … to may meet. meet() returns the t beyond which nothing is of
-/// interest from now on; -infinity ends the walk.
+namespace {
+
+/// `kAny`: any triangle does.
+template <bool kAny>
+bool nearest_triangle(const MeshTree& tree, const ItemRay& ray, double from, double to, double& t,
+                      std::uint32_t& place) {
+  struct Filter : HitFilter {
+    RayFrame frame;
+    const MeshTree* tree;
+    double from, to;
+
+    double s(std::uint32_t at) const {
+      dvec3 corners[3];
+      tree->corners(at, corners);
+      return crossing(frame, corners);
+    }
+  } filter;
+  const double scale = tree.per_unit;
+  if (tree.empty || !enter(tree.space, scale * ray.origin, scale * ray.direction, from, to, filter.frame)) return false;
+  filter.crossed = [](HitFilter& base, std::uint32_t at) {
+    const auto& self = static_cast<Filter&>(base);
+    const double s = self.s(at), t_at = self.frame.t(s);
+    return t_at >= self.from && t_at <= self.to ? float(s) : kNotCrossed;
+  };
+  filter.tree = &tree;
+  filter.from = from;
+  filter.to = to;
+  const RayFrame& frame = filter.frame;
+  TriangleQuery query{tree.nodes.data(),   tree.blocks.data(),        tree.root,      &frame.boxes,
+                      triangle_ray(frame), float(2.0 * frame.margin), frame.across(), &filter};
+  const Kernels& kernel = kernels();
+  TriangleHit hit = kAny ? kernel.any(query) : kernel.nearest(query);
+  for (const bool last : {false, true}) {
+    if (hit.triangle == kNoTriangle) return false;
+    place = hit.place;
+    t = frame.t(filter.s(place));
+    if ((t >= from && t <= to) || last) break;
+    // Float has taken one that in double lies beyond an end. Then double decides on all.
+    query.t_sure = std::numeric_limits<float>::infinity();
+    hit = kernel.nearest(query);
+  }
+  return t >= from && t <= to;
+}
+
+}  // namespace
+
+/// walk() of one tree, up to `to`. Returns the last limit.
 template <class Meet>
-void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const {
+double Tracer::Impl::walk_tree(const ItemTrees::Tree& tree, const Ray& ray, double from, double to,
+                               const RayFilter& filter, const Meet& meet) const {
+  const core::ItemBounds& bounds = snapshot_->bounds();
+  RayFrame frame;
+  if (!enter(tree.space, ray.origin - bounds.origin, ray.direction, from, to, frame)) return to;
   struct Visitor : LeafVisitor {
     const core::ItemBounds* bounds;
     std::uint32_t layers;
@@ -240,67 +287,30 @@ void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter&
     self.limit = limit;
     return limit == -kInfinity ? -1.0f : std::min(t_max, std::max(0.0f, self.frame->limit(limit)));
   };
-  const core::ItemBounds& bounds = snapshot_->bounds();
-  const dvec3 origin = ray.origin - bounds.origin;
-  RayFrame frame;
   visitor.bounds = &bounds;
   visitor.layers = filter.layers;
   visitor.frame = &frame;
   visitor.meet = &meet;
   visitor.limit = to;
-  for (const ItemTrees::Tree& tree : items_.trees()) {
-    if (tree.only != core::kNone) {
-      const bool seen = tree.space.radius >= 0.0 && (bounds.layers(tree.only) & filter.layers) != 0;
-      if (!seen || passes_by(tree.space, origin, ray.direction)) continue;
-      visitor.limit = std::min(visitor.limit, meet(tree.only));
-      if (visitor.limit == -kInfinity) return;
-      continue;
-    }
-    if (!enter(tree.space, origin, ray.direction, from, visitor.limit, frame)) continue;
-    kernels().walk(items_.nodes(), tree.root, frame.boxes, visitor);
-    if (visitor.limit == -kInfinity) return;
-  }
+  kernels().walk(items_.nodes(), tree.root, frame.boxes, visitor);
+  return visitor.limit;
 }
 
-/// `any`: any triangle does.
-bool Tracer::Impl::nearest_triangle(const MeshTree& tree, const ItemRay& ray, double from, double to, bool any,
-                                    double& t, std::uint32_t& place) {
-  struct Filter : HitFilter {
-    RayFrame frame;
-    const MeshTree* tree;
-    double from, to;
-
-    double crossed(std::uint32_t at) const {
-      dvec3 corners[3];
-      tree->corners(at, corners);
-      return frame.t(crossing(frame, corners));
+/// Calls meet(slot) for items that the ray's part from … to may meet. meet() returns the t beyond which nothing is of
+/// interest from now on; -infinity ends the walk.
+template <class Meet>
+void Tracer::Impl::walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const {
+  const core::ItemBounds& bounds = snapshot_->bounds();
+  for (const ItemTrees::Tree& tree : items_.trees()) {
+    if (tree.only == core::kNone) {
+      to = walk_tree(tree, ray, from, to, filter, meet);
+    } else {
+      if ((bounds.layers(tree.only) & filter.layers) == 0 || tree.space.radius < 0.0) continue;
+      if (passes_by(tree.space, ray.origin - bounds.origin, ray.direction)) continue;
+      to = std::min(to, meet(tree.only));
     }
-  } filter;
-  const double scale = tree.per_unit;
-  if (tree.empty || !enter(tree.space, scale * ray.origin, scale * ray.direction, from, to, filter.frame)) return false;
-  filter.accept = [](HitFilter& base, std::uint32_t at) {
-    const auto& self = static_cast<Filter&>(base);
-    const double crossed = self.crossed(at);
-    return crossed >= self.from && crossed <= self.to;
-  };
-  filter.tree = &tree;
-  filter.from = from;
-  filter.to = to;
-  const RayFrame& frame = filter.frame;
-  TriangleQuery query{tree.nodes.data(),   tree.blocks.data(),        tree.root, &frame.boxes,
-                      triangle_ray(frame), float(2.0 * frame.margin), &filter};
-  const Kernels& kernel = kernels();
-  TriangleHit hit = any ? kernel.any(query) : kernel.nearest(query);
-  for (const bool last : {false, true}) {
-    if (hit.triangle == kNoTriangle) return false;
-    place = hit.place;
-    t = filter.crossed(place);
-    if ((t >= from && t <= to) || last) break;
-    // Float has taken one that in double lies beyond an end. Then double decides on all.
-    query.t_sure = std::numeric_limits<float>::infinity();
-    hit = kernel.nearest(query);
+    if (to == -kInfinity) return;
   }
-  return t >= from && t <= to;
 }
 
 /// Whether the item is hit before what was found so far; then that is replaced.
@@ -312,11 +322,12 @@ bool Tracer::Impl::nearest_of(Slot slot, const Ray& ray, double from, Found& fou
   if (is_mesh(kind)) {
     double t;
     std::uint32_t place;
-    if (!nearest_triangle(*meshes_[mesh_index(slot)], local, from, found.t, false, t, place) || !nearer(t))
+    if (!nearest_triangle<false>(*meshes_[mesh_index(slot)], local, from, found.t, t, place) || !nearer(t))
       return false;
     found = {t, slot, place, {}};
     return true;
   }
+  if (kind == Kind::kCircularTorus && passes_hole(parameters(slot), local)) return false;
   const gpuprims::Hits hits = solid_hits(kind, parameters(slot), {local.origin, local.direction});
   for (int i = 0; i < hits.count; ++i) {
     if (!(hits.hit[i].t >= from)) continue;
@@ -368,8 +379,7 @@ void Tracer::Impl::nearest_in(const Ray& ray, double from, double to, const RayF
   if (found.slot != core::kNone) hit = finish(ray, found);
 }
 
-void Tracer::Impl::nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
-  if (filter.sections.empty()) return nearest_in(ray, ray.t_min, ray.t_max, filter, hit);
+void Tracer::Impl::nearest_kept(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
   const KeptParts parts = kept_parts(ray, filter);
   for (int i = 0; i < parts.count; ++i) {
     const auto [from, to] = parts.part[std::size_t(i)];
@@ -397,7 +407,7 @@ bool Tracer::Impl::any(const Ray& ray, const RayFilter& filter) const {
       if (is_mesh(kind)) {
         double t;
         std::uint32_t place;
-        hit = nearest_triangle(*meshes_[mesh_index(slot)], local, from, to, true, t, place);
+        hit = nearest_triangle<true>(*meshes_[mesh_index(slot)], local, from, to, t, place);
       } else {
         const gpuprims::Hits hits = solid_hits(kind, parameters(slot), {local.origin, local.direction});
         for (int h = 0; h < hits.count; ++h) hit |= hits.hit[h].t >= from && hits.hit[h].t <= to;
@@ -428,12 +438,12 @@ void Tracer::Impl::all_of(Slot slot, const Ray& ray, double from, double to, std
   struct Collector : HitFilter {
     std::vector<std::uint32_t> places;
   } collector;
-  collector.accept = [](HitFilter& base, std::uint32_t place) {
+  collector.crossed = [](HitFilter& base, std::uint32_t place) {
     static_cast<Collector&>(base).places.push_back(place);
-    return false;
+    return kNotCrossed;
   };
   kernels().nearest({tree.nodes.data(), tree.blocks.data(), tree.root, &frame.boxes, triangle_ray(frame),
-                     std::numeric_limits<float>::infinity(), &collector});
+                     std::numeric_limits<float>::infinity(), frame.across(), &collector});
   for (const std::uint32_t place : collector.places) {
     dvec3 corners[3];
     tree.corners(place, corners);

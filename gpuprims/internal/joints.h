@@ -79,6 +79,7 @@ class Joints {
  private:
   friend class JointSearch;
   bool set(core::ItemId item, Ends end, bool covered);
+  void prefetch(core::ItemId item) const;
   void dissolve(core::ItemId item, std::vector<core::ItemId>& uncovered);
 
   std::vector<std::uint64_t> bits_;    // two per item

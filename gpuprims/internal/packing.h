@@ -39,6 +39,9 @@ struct PackedItem {
   std::uint32_t material = 0;  ///< row of the material table | flags such as kBottomOpen
 };
 
+/// Which 32-bit word of a record is PackedItem::material.
+inline constexpr std::uint32_t kMaterialWord = 14;
+
 /// Texels per record of a ray-cast or instanced kind.
 constexpr int texels_per_item(core::Kind kind) {
   switch (kind) {

@@ -10,7 +10,8 @@ namespace sightline::gpuprims {
 /// The solid is one nappe of the sheared cone |xy - c(z)| <= r(z), r(z) >= 0, above the bottom and below the top end
 /// plane. c(z) = offset z / height, and r is linear from the bottom to the top radius. Where an end plane has no closed
 /// contour on the cone (core::EndRange), a level cut one height beyond that end replaces it. Height 0 is a level
-/// two-sided disc about the centre of the larger end (the bottom one if both are equal). Both radii 0 is nothing.
+/// two-sided disc about the centre of the larger end (the bottom one if both are equal). Both radii 0 is nothing, and
+/// so is a cone of which the plane through its apex leaves the apex alone.
 ///
 /// Along the ray, w = xy - c and r are linear: w0 + s w1, r0 + s r1. The discriminant of |w|^2 - r^2 is computed as |r0
 /// w1 - r1 w0|^2 - (w0 x w1)^2: Lagrange's identity, with the large terms cancelled by hand. The roots follow Press et

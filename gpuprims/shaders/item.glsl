@@ -31,6 +31,7 @@ Item fetch_item(uint record, int texels_per_record) {
   uvec4 xy = texelFetch(chunk_origins, 2 * int(d.x)), z = texelFetch(chunk_origins, 2 * int(d.x) + 1);
   Item item;
   item.chunk_from_local = mat3(a.xyz, vec3(a.w, b.xy), vec3(b.zw, c.x));
+  if ((d.z & kVacant) != 0u) item.chunk_from_local = mat3(0.0);  // shrinks to a point, which is not rasterised
   item.offset = c.yzw;
   item.chunk = dvec3(packDouble2x32(xy.xy), packDouble2x32(xy.zw), packDouble2x32(z.xy));
   item.id = d.y;

@@ -7,3 +7,4 @@ const uint kMaterialMask = 0x00ffffffu;
 const uint kBottomOpen = 1u << 24;  // that end is not drawn, but a section still cuts a closed solid
 const uint kTopOpen = 1u << 25;
 const uint kFlatShaded = 1u << 26;
+const uint kVacant = 1u << 27;  // nothing to draw, whatever the placement says

@@ -17,6 +17,9 @@ inline constexpr int kMostLevels = 32;
 // Errors of rays that float takes. In units of TreeSpace::reach, of which a float resolves 2^-24.
 inline constexpr double kBoxError = 0x1p-21;  // of origin, direction and triangle test across the ray
 inline constexpr double kMargin = 0x1p-18;    // along it
+/// A ray whose origin is so near to the middle of a hierarchy, in each coordinate and in units of TreeSpace::radius, is
+/// not moved towards it if it begins within a radius of its origin. Its origin stays within TreeSpace::reach.
+inline constexpr double kNear = 2.0;
 // Of a plane's distance: rounding of difference, direction, reciprocal and product.
 inline constexpr float kUp = 1.0f + 0x1p-21f, kDown = 1.0f - 0x1p-21f;
 inline constexpr float kLeastDirection = 0x1p-60f;  // crosses kBoxError only after more than the whole reach
@@ -37,9 +40,10 @@ struct TriangleRay {
   float origin[3], shear[3];
 };
 
-/// Decides what is too close to a ray's start for float.
+/// Decides in double what float cannot.
 struct HitFilter {
-  bool (*accept)(HitFilter& filter, std::uint32_t place);
+  /// Where the ray crosses a triangle; NaN: beyond its ends, or not to be hit.
+  float (*crossed)(HitFilter& filter, std::uint32_t place);
 };
 
 /// A ray and the triangles of a mesh. A root with kLeafBit is a block.
@@ -49,12 +53,14 @@ struct TriangleQuery {
   std::uint32_t root;
   const BoxRay* boxes;
   TriangleRay ray;
-  float t_sure;       ///< hits with a lesser t are asked about
-  HitFilter* filter;  ///< null: all are refused
+  float t_sure;  ///< hits with a lesser t are asked about
+  float across;  ///< what float may be wrong by across the ray
+  HitFilter* filter;
 };
 
 struct TriangleHit {
   float t;                 ///< infinite: none
+  float lost;              ///< t may be wrong by
   std::uint32_t triangle;  ///< kNoTriangle: none
   std::uint32_t place;     ///< of its corners: kLanes * block + lane
 };

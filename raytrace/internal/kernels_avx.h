@@ -102,14 +102,25 @@ struct Avx2 {
     return _mm256_max_ps(_mm256_andnot_ps(sign, place[0]),
                          _mm256_max_ps(_mm256_andnot_ps(sign, place[1]), _mm256_andnot_ps(sign, place[2])));
   }
-  /// Returns the slim ones.
-  static unsigned distances(const Areas& a, float* t) {
+  static __m256 range(const __m256 (&place)[3]) {
+    return _mm256_sub_ps(_mm256_max_ps(place[0], _mm256_max_ps(place[1], place[2])),
+                         _mm256_min_ps(place[0], _mm256_min_ps(place[1], place[2])));
+  }
+  /// Returns the slim ones. `lost`: what t may be off by; infinite or NaN where float does not know.
+  static unsigned distances(const Areas& a, float across, float* t, float* lost) {
     const __m256 sum = _mm256_add_ps(_mm256_add_ps(a.u, a.v), a.w);
     const __m256 product = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(a.u, a.z[0]), _mm256_mul_ps(a.v, a.z[1])),
                                          _mm256_mul_ps(a.w, a.z[2]));
     _mm256_storeu_ps(t, _mm256_div_ps(product, sum));
-    const __m256 size = _mm256_mul_ps(_mm256_set1_ps(kSlim), _mm256_mul_ps(extent(a.x), extent(a.y)));
-    return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(_mm256_andnot_ps(_mm256_set1_ps(-0.0f), sum), size, _CMP_LT_OQ)));
+    const __m256 wide = extent(a.x), high = extent(a.y), size = _mm256_add_ps(wide, high);
+    const __m256 twice = _mm256_andnot_ps(_mm256_set1_ps(-0.0f), sum);
+    const __m256 area = _mm256_max_ps(_mm256_sub_ps(twice, _mm256_mul_ps(_mm256_set1_ps(kAreaLost * across), size)),
+                                      _mm256_setzero_ps());
+    const __m256 slope = _mm256_div_ps(_mm256_mul_ps(_mm256_mul_ps(_mm256_set1_ps(kSlope), range(a.z)), size), area);
+    const __m256 off = _mm256_set1_ps(across);
+    _mm256_storeu_ps(lost, _mm256_add_ps(off, _mm256_mul_ps(off, slope)));
+    const __m256 limit = _mm256_mul_ps(_mm256_set1_ps(kSlim), _mm256_mul_ps(wide, high));
+    return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(twice, limit, _CMP_LT_OQ)));
   }
   static void corners(const Areas& a, unsigned lane, Sheared& out) {
     alignas(32) float lanes[kLanes];

@@ -73,6 +73,30 @@ inline bool hit_exactly(const Sheared& s, float& t) {
   return true;
 }
 
+// How far t may be off: a triangle's corners are off by less than half of `across` in x and y, and its areas by their
+// roundings. So twice its area is off by less than kAreaLost * across * (the sum of its extents), and t by `across`
+// times the slope of the triangle's plane, which is at most kSlope * (the range of z) * (the sum of its extents) /
+// (twice its area). Roundings along the ray are less than `across`, too.
+inline constexpr float kAreaLost = 3.0f, kSlope = 4.0f;
+
+/// Whether `hit` is nearer than `best`. What float cannot tell is found in double, both hits' t included: by
+/// crossed(place), see HitFilter. `limit`: nothing beyond it counts.
+template <class Crossed>
+inline bool is_nearer(TriangleHit& hit, TriangleHit& best, float t_sure, float limit, const Crossed& crossed) {
+  const float first = hit.t - hit.lost, last = hit.t + hit.lost;
+  if (last < 0.0f || first > limit) return false;
+  if (first >= t_sure && last <= limit && last < best.t - best.lost) return true;
+  hit.t = crossed(hit.place);
+  hit.lost = 0.0f;
+  if (!(hit.t >= 0.0f)) return false;
+  if (best.lost != 0.0f) {
+    best.t = crossed(best.place);
+    best.lost = 0.0f;
+    if (!(best.t >= 0.0f)) return true;
+  }
+  return hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
+}
+
 template <class Form>
 struct Tracing {
   /// Meets a block: updates `best`. Returns true when any hit suffices and there is one.
@@ -83,8 +107,8 @@ struct Tracing {
     unsigned hit, unsure;
     Form::shear(query.ray, block, areas, hit, unsure);
     if ((hit | unsure) == 0) return false;
-    float t[kLanes];
-    unsure |= hit & Form::distances(areas, t);
+    float t[kLanes], lost[kLanes];
+    unsure |= hit & Form::distances(areas, query.across, t, lost);
     while (unsure != 0) {
       const unsigned lane = core::lowest_bit(unsure);
       unsure &= unsure - 1;
@@ -99,78 +123,82 @@ struct Tracing {
     }
     for (; hit != 0; hit &= hit - 1) {
       const unsigned lane = core::lowest_bit(hit);
-      const std::uint32_t triangle = block.triangles[lane];
-      const float limit = best.t < t_max ? best.t : t_max;
-      if (!(t[lane] >= 0.0f && t[lane] <= limit)) continue;
-      if (t[lane] == best.t && triangle > best.triangle) continue;
-      if (t[lane] < query.t_sure && !(query.filter && query.filter->accept(*query.filter, index * kLanes + lane)))
+      TriangleHit found{t[lane], lost[lane], block.triangles[lane], index * kLanes + lane};
+      const float so_far = best.t + best.lost, limit = so_far < t_max ? so_far : t_max;
+      if (!is_nearer(found, best, query.t_sure, limit,
+                     [&](std::uint32_t place) { return query.filter->crossed(*query.filter, place); }))
         continue;
-      best = {t[lane], triangle, index * kLanes + lane};
+      best = found;
       if (kAny) return true;
     }
     return false;
   }
 
-  /// Whether the ray meets any child of a node. `next` becomes the nearest of them; the others are pushed, the nearest
+  /// Whether the ray meets any child of a node. `child` becomes the nearest of them; the others are pushed, the nearest
   /// last.
   static inline bool descend(const WideNode& node, const typename Form::Ray& ray, float t_max, Entry* stack, int& size,
-                             Entry& next) {
+                             std::uint32_t& child) {
     float t[kLanes];
     unsigned met = Form::meet(node, ray, t_max, t);
     if (met == 0) return false;
-    const auto first_of = [&](unsigned lanes) {
-      const unsigned lane = core::lowest_bit(lanes);
-      return entry_of(t[lane], node.children[lane]);
-    };
-    next = first_of(met);
+    const unsigned lane = core::lowest_bit(met);
     met &= met - 1;
-    if (met == 0) return true;
-    const Entry second = first_of(met), farther = next < second ? second : next;
-    next = next < second ? next : second;
-    met &= met - 1;
+    if (met == 0) {
+      child = node.children[lane];  // without waiting for its t
+      return true;
+    }
+    const auto entry_at = [&](unsigned at) { return entry_of(t[at], node.children[at]); };
+    const Entry one = entry_at(lane), two = entry_at(core::lowest_bit(met));
     Entry* const first = stack + size;
-    stack[size++] = farther;
-    if (met == 0) return true;
-    stack[size++] = next;
+    stack[size++] = one < two ? two : one;
+    const Entry nearer = one < two ? one : two;
+    met &= met - 1;
+    if (met == 0) {
+      child = std::uint32_t(nearer);
+      return true;
+    }
+    stack[size++] = nearer;
     for (; met != 0; met &= met - 1) {
-      const Entry entry = first_of(met);
+      const Entry entry = entry_at(core::lowest_bit(met));
       Entry* place = stack + size++;
       for (; place > first && place[-1] < entry; --place) *place = place[-1];
       *place = entry;
     }
-    next = stack[--size];
+    child = std::uint32_t(stack[--size]);
     return true;
   }
 
   /// Calls meet(leaf) for leaves that the ray meets, near ones first. meet() may shrink the limit; it returns true to
   /// end the walk.
   template <class Meet>
-  static inline void traverse(const WideNode* nodes, Entry root, const BoxRay& boxes, const float& limit,
+  static inline void traverse(const WideNode* nodes, std::uint32_t root, const BoxRay& boxes, const float& limit,
                               const Meet& meet) {
     const typename Form::Ray ray(boxes);
     Entry stack[kMostEntries];
     int size = 0;
-    Entry entry = root;
+    std::uint32_t child = root;
     for (;;) {
-      if ((entry & kLeafBit) == 0) {
-        if (descend(nodes[std::uint32_t(entry)], ray, limit, stack, size, entry)) continue;
-      } else if (meet(std::uint32_t(entry) & ~kLeafBit)) {
+      if ((child & kLeafBit) == 0) {
+        if (descend(nodes[child], ray, limit, stack, size, child)) continue;
+      } else if (meet(child & ~kLeafBit)) {
         return;
       }
+      Entry entry;
       do {
         if (size == 0) return;
         entry = stack[--size];
       } while (t_of(entry) > limit);
+      child = std::uint32_t(entry);
     }
   }
 
   template <bool kAny>
   static TriangleHit trace(const TriangleQuery& query) {
-    TriangleHit best{std::numeric_limits<float>::infinity(), kNoTriangle, 0};
+    TriangleHit best{std::numeric_limits<float>::infinity(), 0.0f, kNoTriangle, 0};
     float limit = query.boxes->t_max;
     traverse(query.nodes, query.root, *query.boxes, limit, [&](std::uint32_t block) {
       if (meet_block<kAny>(query, block, query.boxes->t_max, best)) return true;
-      if (best.t < limit) limit = best.t;
+      if (best.t + best.lost < limit) limit = best.t + best.lost;
       return false;
     });
     return best;

@@ -22,7 +22,7 @@ struct LaneMap {
 
 /// TreeSpace, and what to subtract from origins first.
 struct LaneSpace {
-  double shift[3], centre[3], radius, reach;
+  double shift[3], centre[3], half[3], radius, reach;
 };
 
 /// RayFrame and BoxRay of each ray. Rays that do not come near have any numbers.
@@ -39,7 +39,7 @@ struct alignas(64) PacketFrame {
 
 /// The nearest triangles of a packet, as TriangleHit.
 struct alignas(64) PacketHits {
-  float t[kPacket];
+  float t[kPacket], lost[kPacket];
   std::uint32_t triangle[kPacket], place[kPacket];
 };
 
@@ -91,16 +91,16 @@ struct PacketVisitor {
   void (*visit)(PacketVisitor& visitor, std::uint32_t leaf, const unsigned* rays);
 };
 
-/// Decides what is too close to the start of a ray for float.
+/// As HitFilter.
 struct PacketFilter {
-  bool (*accept)(const PacketFilter& filter, int ray, std::uint32_t place);
+  float (*crossed)(const PacketFilter& filter, int ray, std::uint32_t place);
 };
 
 struct PacketQuery {
   const WideNode* nodes;
   const TriangleBlock* blocks;
   std::uint32_t root;
-  float t_sure;
+  float t_sure, across;
   const PacketFilter* filter;
 };
 
@@ -109,6 +109,8 @@ struct PacketKernels {
   /// Returns those that the tracer accepts.
   unsigned (*load)(const double* rays, int count, RayLanes& out);
   void (*to_item)(const RayLanes& rays, const LaneMap& map, RayLanes& out);
+  /// Those of `rays` that passes_by() does not tell to pass by.
+  unsigned (*near)(const RayLanes& lanes, unsigned rays, const LaneSpace& space);
   /// enter() of all rays. Returns those of `rays` that come near.
   unsigned (*enter)(const RayLanes& lanes, unsigned rays, const LaneSpace& space, PacketFrame& frame);
   void (*walk)(const WideNode* nodes, std::uint32_t root, const PacketFrame& frame, unsigned rays,

@@ -90,7 +90,30 @@ inline void powers_of_two(const double* x, double* power, double* inverse) {
   for (int i = 0; i < kPacket; ++i) inverse[i] = down.value[i];
 }
 
-/// ray_frame.cpp, enter(), with the same roundings.
+/// ray_frame.h, passes_by(), with the same roundings.
+template <class Form>
+unsigned near_lanes(const RayLanes& rays, unsigned wanted, const LaneSpace& space) {
+  using Wide = typename Form::Wide;
+  alignas(64) float passes[kPacket];
+  const double lost_at_least = 2.0 * kBoxError * space.reach;
+  const double middle_x = space.centre[0], middle_y = space.centre[1], middle_z = space.centre[2];
+  const double shift_x = space.shift[0], shift_y = space.shift[1], shift_z = space.shift[2];
+  const double half_x = space.half[0], half_y = space.half[1], half_z = space.half[2];
+  for (int i = 0; i < kPacket; ++i) {
+    const double dx = rays.direction[0][i], dy = rays.direction[1][i], dz = rays.direction[2][i];
+    const double cx = middle_x - (rays.origin[0][i] - shift_x), cy = middle_y - (rays.origin[1][i] - shift_y);
+    const double cz = middle_z - (rays.origin[2][i] - shift_z);
+    const double lost = 1e-15 * ((size_of(cx) + size_of(cy)) + size_of(cz)) + lost_at_least;
+    const double hx = half_x + lost, hy = half_y + lost, hz = half_z + lost;
+    const double sx = size_of(dx), sy = size_of(dy), sz = size_of(dz);
+    const double over_x = size_of(cy * dz - dy * cz) > hy * sz + hz * sy ? 1.0 : 0.0;
+    const double over_y = size_of(cz * dx - dz * cx) > hz * sx + hx * sz ? 1.0 : over_x;
+    passes[i] = float(size_of(cx * dy - dx * cy) > hx * sy + hy * sx ? 1.0 : over_y);
+  }
+  return wanted & equal(Wide::load(passes), Wide::spread(0.0f));
+}
+
+/// ray_frame.h, enter(), with the same roundings.
 template <class Form>
 unsigned enter_lanes(const RayLanes& rays, unsigned wanted, const LaneSpace& space, PacketFrame& f) {
   using Wide = typename Form::Wide;
@@ -102,7 +125,7 @@ unsigned enter_lanes(const RayLanes& rays, unsigned wanted, const LaneSpace& spa
         larger(size_of(rays.direction[0][i]), larger(size_of(rays.direction[1][i]), size_of(rays.direction[2][i])));
   powers_of_two(longest, f.per_factor, f.factor);
   const double margin = f.margin = kMargin * space.reach, radius_least = space.radius;
-  const double lost_at_least = 2.0 * kBoxError * space.reach;
+  const double lost_at_least = 2.0 * kBoxError * space.reach, near = kNear * space.radius;
   const double middle_x = space.centre[0], middle_y = space.centre[1], middle_z = space.centre[2];
   const double shift_x = space.shift[0], shift_y = space.shift[1], shift_z = space.shift[2];
   for (int i = 0; i < kPacket; ++i) {
@@ -113,12 +136,14 @@ unsigned enter_lanes(const RayLanes& rays, unsigned wanted, const LaneSpace& spa
     const double cx = middle_x - ox, cy = middle_y - oy, cz = middle_z - oz;
     const double square = (dx * dx + dy * dy) + dz * dz, closest = ((cx * dx + cy * dy) + cz * dz) / square;
     const double x = cy * dz - dy * cz, y = cz * dx - dz * cx, z = cx * dy - dx * cy;
-    const double lost = 1e-15 * ((size_of(cx) + size_of(cy)) + size_of(cz)) + lost_at_least;
-    const double radius = radius_least + lost;
-    const double first = larger(rays.from[i] * per_factor, closest - radius);
-    last[i] = smaller(rays.to[i] * per_factor, closest + radius);
+    const double away_x = size_of(cx), away_y = size_of(cy), away_z = size_of(cz);
+    const double radius = (radius_least + 1e-15 * ((away_x + away_y) + away_z)) + lost_at_least;
+    const double from = rays.from[i] * per_factor, to = rays.to[i] * per_factor;
+    const bool stays = larger(larger(away_x, away_y), larger(away_z, kNear * size_of(from))) <= near;
+    const double first = stays ? from : larger(from, closest - radius);
+    last[i] = stays ? to : smaller(to, closest + radius);
     const double begin = first - margin;
-    const double far = (x * x + y * y) + z * z <= radius * radius * square ? 0.0 : 1.0;
+    const double aside = (x * x + y * y) + z * z <= radius * radius * square ? 0.0 : 1.0, far = stays ? 0.0 : aside;
     const double over = first <= last[i] ? far : 1.0, without = longest[i] > 0.0 ? over : 1.0;
     missed[i] = float(without);
     f.begin[i] = begin;
@@ -187,12 +212,14 @@ inline unsigned cross_lanes(const PacketFrame& f, const TriangleBlock* blocks, c
     const double *const ox = f.origin[ax], *const oy = f.origin[ay], *const oz = f.origin[az];
     for (int i = 0; i < kPacket; ++i) {
       const double along = 1.0 / dz[i], shear_x = dx[i] * along, shear_y = dy[i] * along;
+      const double per_square = 1.0 / ((dx[i] * dx[i] + dy[i] * dy[i]) + dz[i] * dz[i]);
       double x[3], y[3], z[3];
       for (int corner = 0; corner < 3; ++corner) {
+        const double to_x = corners.at[corner][ax][i] - ox[i], to_y = corners.at[corner][ay][i] - oy[i];
         const double to_z = corners.at[corner][az][i] - oz[i];
-        x[corner] = (corners.at[corner][ax][i] - ox[i]) - shear_x * to_z;
-        y[corner] = (corners.at[corner][ay][i] - oy[i]) - shear_y * to_z;
-        z[corner] = along * to_z;
+        x[corner] = to_x - shear_x * to_z;
+        y[corner] = to_y - shear_y * to_z;
+        z[corner] = per_square * ((to_x * dx[i] + to_y * dy[i]) + to_z * dz[i]);
       }
       const double u = x[2] * y[1] - y[2] * x[1], v = x[0] * y[2] - y[0] * x[2], w = x[1] * y[0] - y[1] * x[0];
       const double sum = (u + v) + w, s = ((u * z[0] + v * z[1]) + w * z[2]) / sum;
@@ -521,18 +548,23 @@ struct Packets {
   };
 
   /// Takes a hit unless there is a nearer one.
-  static void take(const PacketQuery& query, PacketFrame& f, PacketHits& hits, int ray, float t, std::uint32_t triangle,
-                   std::uint32_t place) {
-    if (!(t >= 0.0f && t <= f.limit[ray])) return;
-    if (t == hits.t[ray] && triangle > hits.triangle[ray]) return;
-    if (t < query.t_sure && !query.filter->accept(*query.filter, ray, place)) return;
-    hits.t[ray] = f.limit[ray] = t;
-    hits.triangle[ray] = triangle;
-    hits.place[ray] = place;
+  static void take(const PacketQuery& query, PacketFrame& f, PacketHits& hits, int ray, TriangleHit found) {
+    TriangleHit best{hits.t[ray], hits.lost[ray], hits.triangle[ray], hits.place[ray]};
+    if (is_nearer(found, best, query.t_sure, f.limit[ray],
+                  [&](std::uint32_t place) { return query.filter->crossed(*query.filter, ray, place); }))
+      best = found;
+    hits.t[ray] = best.t;
+    hits.lost[ray] = best.lost;
+    hits.triangle[ray] = best.triangle;
+    hits.place[ray] = best.place;
+    if (best.t + best.lost < f.limit[ray]) f.limit[ray] = best.t + best.lost;
   }
 
   static Wide extent(const Wide (&place)[3]) {
     return most(magnitude(place[0]), most(magnitude(place[1]), magnitude(place[2])));
+  }
+  static Wide range(const Wide (&place)[3]) {
+    return most(place[0], most(place[1], place[2])) - least(place[0], least(place[1], place[2]));
   }
 
   /// One ray and all triangles of a block.
@@ -543,8 +575,8 @@ struct Packets {
     unsigned hit, unsure;
     Form::shear(shears.of(f, ray), block, areas, hit, unsure);
     if ((hit | unsure) == 0) return;
-    float t[kLanes];
-    unsure |= hit & Form::distances(areas, t);
+    float t[kLanes], lost[kLanes];
+    unsure |= hit & Form::distances(areas, query.across, t, lost);
     hit &= ~unsure;
     for (; unsure != 0; unsure &= unsure - 1) {
       const unsigned lane = core::lowest_bit(unsure);
@@ -554,7 +586,7 @@ struct Packets {
     }
     for (; hit != 0; hit &= hit - 1) {
       const unsigned lane = core::lowest_bit(hit);
-      take(query, f, hits, ray, t[lane], block.triangles[lane], index * kLanes + lane);
+      take(query, f, hits, ray, {t[lane], lost[lane], block.triangles[lane], index * kLanes + lane});
     }
   }
 
@@ -580,11 +612,14 @@ struct Packets {
       unsigned hit = rays & (less(zero, low) | less(high, zero));
       unsigned unsure = rays & (equal(low, zero) | equal(high, zero));
       if ((hit | unsure) == 0) continue;
-      alignas(64) float t[kPacket];
+      alignas(64) float t[kPacket], lost[kPacket];
       for (Wide& along : z) along = sz * along;
       const Wide sum = (u + v) + w;
       (((u * z[0] + v * z[1]) + w * z[2]) / sum).store(t);
-      unsure |= hit & less(magnitude(sum), Wide::spread(kSlim) * (extent(x) * extent(y)));
+      const Wide wide = extent(x), tall = extent(y), size = wide + tall, off = Wide::spread(query.across);
+      const Wide area = most(magnitude(sum) - Wide::spread(kAreaLost * query.across) * size, zero);
+      (off + off * ((Wide::spread(kSlope) * range(z)) * size / area)).store(lost);
+      unsure |= hit & less(magnitude(sum), Wide::spread(kSlim) * (wide * tall));
       hit &= ~unsure;
       for (; unsure != 0; unsure &= unsure - 1) {
         const int ray = lowest(unsure);
@@ -598,7 +633,7 @@ struct Packets {
       }
       for (; hit != 0; hit &= hit - 1) {
         const int ray = lowest(hit);
-        take(query, f, hits, ray, t[ray], block.triangles[lane], index * kLanes + lane);
+        take(query, f, hits, ray, {t[ray], lost[ray], block.triangles[lane], index * kLanes + lane});
       }
     }
   }
@@ -622,9 +657,9 @@ struct Packets {
 
 template <class Form>
 constexpr PacketKernels make_packet_kernels() {
-  return {load_lanes<Form>,       lanes_to_item, enter_lanes<Form>, Packets<Form>::walk, Packets<Form>::walk_as_one,
-          Packets<Form>::nearest, cross_lanes,   find_normals,      turn_normals,        Solids<Form>::nearest,
-          shorten_limits};
+  return {load_lanes<Form>,           lanes_to_item,          near_lanes<Form>, enter_lanes<Form>, Packets<Form>::walk,
+          Packets<Form>::walk_as_one, Packets<Form>::nearest, cross_lanes,      find_normals,      turn_normals,
+          Solids<Form>::nearest,      shorten_limits};
 }
 }  // namespace
 }  // namespace sightline::raytrace

@@ -266,7 +266,8 @@ struct Solids {
     Eight r0 = all(radius) + wide * local.o.z;
     {  // approach_apex()
       const Eight shift = -(dot2(w0, w1) + r0 * r1) / (dot2(w1, w1) + r1 * r1);
-      const Mask moves = at_most(size_of(shift), all(4.0 * ((1.0 + half) - -half)));
+      const Eight lean = (all(1.0) + size_of(lean_x)) + size_of(lean_y);
+      const Mask moves = at_most(size_of(shift), all(4.0) * (all(1.0) + all(half - -half) * lean));
       const Vec moved = along(local.o, local.u, shift);
       local.o = {select(moves, moved.x, local.o.x), select(moves, moved.y, local.o.y),
                  select(moves, moved.z, local.o.z)};
@@ -533,12 +534,16 @@ struct Solids {
     const Eight factor = select(less(zero, rho), (rho - all(tube.major)) / rho, zero);
     return {hit.t, hit.face, end_normal(shape.sweep, hit.face, {factor * at.x, factor * at.y, at.z})};
   }
-  /// Whether rays meet a cylinder a little larger than the torus.
+  /// Whether rays meet a cylinder a little larger than the torus, and do not pass through its hole.
   static Mask may_meet(const Tube& tube) {
     constexpr double kMore = 1.0 + 1e-6;
     Span span = cylinder_span(tube.o, tube.u, tube.outer * kMore, 0.0);
     span.clip_slab(tube.o.z, tube.u.z, tube.tube_radius * kMore + 1e-9, 1.0, 2.0);
-    return span.any();
+    const double hole = tube.inner * (2.0 - kMore) - 1e-9;
+    if (hole <= 0.0) return span.any();
+    const Eight x0 = tube.o.x + span.from * tube.u.x, y0 = tube.o.y + span.from * tube.u.y;
+    const Eight x1 = tube.o.x + span.to * tube.u.x, y1 = tube.o.y + span.to * tube.u.y;
+    return span.any() & ~less(max(x0 * x0 + y0 * y0, x1 * x1 + y1 * y1), all(hole * hole));
   }
 
   static Crossing meet(const SolidShape& shape, const Vec& o, const Vec& d, Eight from) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <deque>
 #include <limits>
 #include <memory>
@@ -23,6 +24,7 @@ using core::Kind;
 using core::Slot;
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr float kNotCrossed = std::numeric_limits<float>::quiet_NaN();  ///< HitFilter::crossed()
 
 /// Parts of a ray that the section planes keep: none to two, in rising order.
 struct KeptParts {
@@ -56,9 +58,29 @@ struct ItemRay {
   dvec3 origin, direction;
 };
 
+/// Whether a linear map is the identity, as of most meshes. May say false where it is.
+inline constexpr core::mat3 kUnity(1.0f);
+inline bool is_unity(const core::mat3& linear) {
+  return std::memcmp(&linear, &kUnity, sizeof kUnity) == 0;
+}
+
 /// False: the placement is singular.
-bool to_item(const core::Snapshot& snapshot, const core::Placement& placement, const dvec3& origin,
-             const dvec3& direction, ItemRay& out);
+inline bool to_item(const core::Snapshot& snapshot, const core::Placement& placement, const dvec3& origin,
+                    const dvec3& direction, ItemRay& out) {
+  const dvec3 o = (origin - snapshot.chunk_origins()[placement.chunk]) - dvec3(placement.origin);
+  if (is_unity(placement.linear)) {
+    out = {o + 0.0, direction + 0.0};  // what the map would give: -0 becomes 0
+    return true;
+  }
+  const Cofactors map(placement.linear);
+  const double inverse = 1.0 / map.determinant;
+  if (!(std::fabs(inverse) < kInfinity) || inverse == 0.0) return false;
+  for (int i = 0; i < 3; ++i) {
+    out.origin[i] = inverse * glm::dot(map.column[i], o);
+    out.direction[i] = inverse * glm::dot(map.column[i], direction);
+  }
+  return true;
+}
 
 /// Crossings with a solid, in rising t.
 gpuprims::Hits solid_hits(Kind kind, const float* parameters, const gpuprims::Ray& ray);
@@ -74,7 +96,9 @@ class Tracer::Impl {
 
   core::Expected<void> build(int threads);
   core::Expected<void> update(std::span<const Slot> touched);
-  void nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const;
+  void nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
+    filter.sections.empty() ? nearest_in(ray, ray.t_min, ray.t_max, filter, hit) : nearest_kept(ray, filter, hit);
+  }
   /// Returns the first ray that is none, or their number. In stream.cpp.
   std::size_t nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Hit> hits) const;
   bool any(const Ray& ray, const RayFilter& filter) const;
@@ -95,11 +119,13 @@ class Tracer::Impl {
   template <class Answer>
   std::size_t by_packets(std::span<const Ray> rays, const RayFilter& filter, bool any, const Answer& answer) const;
   template <class Meet>
+  double walk_tree(const ItemTrees::Tree& tree, const Ray& ray, double from, double to, const RayFilter& filter,
+                   const Meet& meet) const;
+  template <class Meet>
   void walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const;
   bool nearest_of(Slot slot, const Ray& ray, double from, Found& found) const;
+  void nearest_kept(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const;
   void nearest_in(const Ray& ray, double from, double to, const RayFilter& filter, std::optional<Hit>& hit) const;
-  static bool nearest_triangle(const MeshTree& tree, const ItemRay& ray, double from, double to, bool any, double& t,
-                               std::uint32_t& place);
   template <class Visit>
   void cuts_at(const Ray& ray, double t, const core::Plane* plane, const RayFilter& filter, const Visit& visit) const;
   /// The lowest slot that contains the ray's point at t, where a plane cuts it open; kNone: none.

@@ -131,6 +131,46 @@ TEST(Snout, ShowsNothingWithoutRadii) {
   EXPECT_EQ(intersect(core::Snout{1, 1, 1, 0, 0, nan, 0, 0, 0}, {{0, 0, -5}, {0, 0, 1}}).count, 0);
 }
 
+/// The plane through the apex cuts the whole cone off. Rays through the apex met it and the cone far from one another.
+TEST(Snout, ShowsNoApexAlone) {
+  const struct {
+    core::Snout cone;
+    Ray ray;
+  } cases[] = {
+      {{0.029917966574430466f, 0, 0.023984353989362717f, 0, 2.3317534923553467f, 0, 0, 0, 0.48725506663322449f},
+       {{-3.4255503270103085, -273.54521504696635, -2.8055907263550837},
+        {0.00011074452875659451, 0.0088811278482640657, 9.108956549368139e-05}}},
+      {{0.0016587666468694806f, 0, 0.0090244980528950691f, 1.8779118061065674f, -1.9566829204559326f, 0, 0,
+        1.1953567266464233f, 0},
+       {{1.8133630810527404, -1.8884509175242448, 0.0087107191125581091},
+        {-4309.5211414625401, 4485.4800440187455, -20.692185577990287}}},
+      {{0.012382700107991695f, 0, 0.017463915050029755f, -1.9509961605072021f, 0, 0, 0, -0.71078109741210938f,
+        -0.49071082472801208f},
+       {{13.118565487779451, -0.07644636403584229, -0.11701720384841691},
+        {-0.051422897006142165, 0.00027891838896096133, 0.00045880211499692915}}}};
+  for (const auto& c : cases) {
+    EXPECT_EQ(intersect(c.cone, c.ray).count, 0);
+    core::Snout turned = c.cone;
+    std::swap(turned.bottom_radius, turned.top_radius);
+    std::swap(turned.bottom_shear_x, turned.top_shear_x);
+    std::swap(turned.bottom_shear_y, turned.top_shear_y);
+    const core::dvec3 over(1.0, 1.0, -1.0);  // upside down
+    turned.offset_x = -turned.offset_x, turned.offset_y = -turned.offset_y;
+    turned.bottom_shear_x = -turned.bottom_shear_x, turned.bottom_shear_y = -turned.bottom_shear_y;
+    EXPECT_EQ(intersect(turned, {c.ray.origin * over, c.ray.direction * over}).count, 0);
+  }
+}
+
+/// A ray through the apex, nearly along a generator. The cone leans two thousandfold, so its middle is far from there.
+TEST(Snout, LeaningConesAreRightAtTheirApex) {
+  const core::Snout cone{0.046644184738397598f, 0, 0.0008691199473105371f, 1.7081553936004639f, 0, 0, 0, 0,
+                         -1.0848501920700073f};
+  const double apex = 274.87647989928178;
+  const Hits hits = intersect(cone, {{-0.4566665030937111, 0.031305230200428323, -0.00022400670812103515},
+                                     {0.0047684843765957692, -0.00011388835527828783, 2.3958640696261583e-06}});
+  for (int i = 0; i < hits.count; ++i) EXPECT_NEAR(hits.hit[i].t, apex, 1e-6);
+}
+
 TEST(Snout, OpenEndsDropTheirCrossingOnly) {
   const core::Snout s{1.0f, 0.5f, 2.0f, 0.2f, 0.0f, 0.1f, 0.0f, -0.2f, 0.1f};
   const Ray along{{0.0, 0.0, 3.0}, {0.0, 0.0, -1.0}};

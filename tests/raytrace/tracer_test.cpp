@@ -465,6 +465,38 @@ TEST(Tracer, AgreesWithBruteForce) {
   });
 }
 
+/// Rays pass an only item by without entering it, and mostly it is placed without a rotation. Every other solid is a
+/// ring, with a hole that rays pass through.
+TEST(Tracer, MeetsAnOnlyItem) {
+  tests::for_each_instruction_set([] {
+    for (std::uint64_t seed = 1; seed <= 48; ++seed) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed);
+      Random random(seed);
+      World world;
+      Affine placement;
+      if (chance(random, 0.3)) placement.linear = tests::random_rotation(random);
+      world.centre = placement.origin = point(random, seed % 3 == 0 ? 1e7 : 10.0);
+      if (seed % 2 == 0) {
+        const auto mesh = world.scene.add_mesh(random_mesh(random));
+        world.scene.add_mesh_instance(world.scene.root(), *mesh, placement);
+      } else if (seed % 4 == 1) {
+        const auto tube = float(std::pow(10.0, uniform(random, -3.0, 0.1)));
+        const core::CircularTorus ring{1.0f, tube, 7.0f};
+        world.scene.add_primitive(world.scene.root(), ring, placement);
+      } else {
+        const core::Primitive solid = tests::random_primitive(kSolids[seed / 4 % 9], random);
+        world.scene.add_primitive(world.scene.root(), solid, placement);
+      }
+      ASSERT_TRUE(world.scene.commit());
+      world.snapshot = std::make_unique<Snapshot>(world.scene);
+      world.half = 0.5 * glm::length(world.snapshot->bounds().fitted_bounds().bounds.size());
+      const Tracer tracer = world.tracer();
+      ASSERT_NO_FATAL_FAILURE(check_rays(world, tracer, random, 200));
+      ASSERT_NO_FATAL_FAILURE(check_streams(world, tracer, random, 400));
+    }
+  });
+}
+
 /// Edits of all kinds: near and far moves, hidden and shown items, new and removed ones.
 TEST(Tracer, FollowsEdits) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
