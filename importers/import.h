@@ -79,7 +79,8 @@ SIGHTLINE_API std::span<const std::string_view> known_extensions();
 
 /// Imports one file as a new child of `parent`, named after it. Its format follows from the extension (any case). An
 /// attribute file (.txt, .att) adds no node: it adds attributes to RVM groups that are in the scene already
-/// (rvm/rvm_attributes.h). Errors name the file: unknown extension, missing, a directory, empty, unreadable, damaged.
+/// (rvm/rvm_attributes.h). Errors name the file: unknown extension, missing, a directory, empty, unreadable, damaged,
+/// or a metres_per_unit out of its range.
 SIGHTLINE_API core::Expected<ImportReport> import_file(const std::filesystem::path& path, core::Scene& scene,
                                                        core::NodeId parent, const ImportOptions& options = {});
 

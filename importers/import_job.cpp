@@ -152,6 +152,9 @@ core::Expected<void> ImportJob::finish(core::ItemId first) {
 core::Expected<ImportReport> run_import(std::string_view file, core::Scene& scene, core::NodeId parent,
                                         const ImportOptions& options, const FileFrame& frame,
                                         const std::function<core::Expected<void>(ImportJob&)>& read) {
+  if (!(options.metres_per_unit > 0.0 && std::isfinite(options.metres_per_unit)))
+    return core::fail(
+        fmt::format("{}: metres_per_unit: expected a finite number above 0, found {}", file, options.metres_per_unit));
   const core::Scene::Mark mark = scene.mark();
   ImportJob job(file, scene, parent, options, frame);
   core::Error error;

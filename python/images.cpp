@@ -12,37 +12,26 @@
 namespace sightline::python {
 namespace {
 
-/// Width and height that fit the library's ints.
-template <class T>
-void size_of(const Numbers<T>& array, const char* argument, int& width, int& height) {
+/// A copy of an array of (height, width) or (height, width, 3) numbers, whose width and height fit the library's ints.
+template <class Picture, class T>
+Picture picture_of(const Numbers<T>& array, std::vector<T> Picture::*values, const char* argument) {
   constexpr py::ssize_t kMost = 1 << 30;
   if (array.shape(0) > kMost || array.shape(1) > kMost) fail(std::string(argument) + ": it is too large");
-  height = int(array.shape(0));
-  width = int(array.shape(1));
+  Picture picture{int(array.shape(1)), int(array.shape(0)), {}};
+  (picture.*values).assign(array.data(), array.data() + array.size());
+  return picture;
 }
 
 image::Image colour_image(py::handle value, const char* argument) {
-  const auto array = bytes(value, argument, {-1, -1, 3});
-  image::Image picture;
-  size_of(array, argument, picture.width, picture.height);
-  picture.pixels.assign(array.data(), array.data() + array.size());
-  return picture;
+  return picture_of(bytes(value, argument, {-1, -1, 3}), &image::Image::pixels, argument);
 }
 
 image::IdImage id_image(py::handle value, const char* argument) {
-  const auto array = indices(value, argument, {-1, -1});
-  image::IdImage picture;
-  size_of(array, argument, picture.width, picture.height);
-  picture.ids.assign(array.data(), array.data() + array.size());
-  return picture;
+  return picture_of(indices(value, argument, {-1, -1}), &image::IdImage::ids, argument);
 }
 
 image::DepthImage depth_image(py::handle value, const char* argument) {
-  const auto array = floats(value, argument, {-1, -1});
-  image::DepthImage picture;
-  size_of(array, argument, picture.width, picture.height);
-  picture.metres.assign(array.data(), array.data() + array.size());
-  return picture;
+  return picture_of(floats(value, argument, {-1, -1}), &image::DepthImage::metres, argument);
 }
 
 struct Pair {

@@ -1,6 +1,5 @@
 // Import with progress, cancellation and Ctrl-C; writing RVM files.
 #include <chrono>
-#include <cmath>
 #include <exception>
 #include <optional>
 
@@ -59,9 +58,6 @@ importers::ImportOptions options_of(bool lenient, double metres_per_unit, const 
                                     const std::string& copies, int threads) {
   importers::ImportOptions options;
   options.lenient = lenient;
-  if (!(metres_per_unit > 0.0 && std::isfinite(metres_per_unit)))
-    fail("metres_per_unit: expected a finite number above 0, found " +
-         std::string(py::repr(py::float_(metres_per_unit))));
   options.metres_per_unit = metres_per_unit;
   options.up = importers::UpAxis(one_of("up", up, {"y", "z"}));
   options.copies = importers::MeshCopies(one_of("copies", copies, {"apart", "exact", "similar"}));

@@ -1,47 +1,25 @@
+// Nodes and items: what they are given, inherit and keep, and how many there may be.
 #include "sightline/core/scene.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <optional>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "sightline/core/snapshot.h"
 #include "sightline/tests/core/primitive_samples.h"
+#include "sightline/tests/core/scene_samples.h"
 
 namespace sightline::core {
 namespace {
 
+using tests::children_of;
+using tests::Ids;
+using tests::items_of;
+using tests::kPipe;
 using tests::Random;
-using tests::uniform;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
-const Primitive kPipe = Cylinder{1.0f, 2.0f};
-
-using Ids = std::vector<ItemId>;
-
-Ids items_of(const Scene& scene, NodeId node) {
-  Ids ids;
-  for (ItemId i = scene.first_item(node); i != kNone; i = scene.next_item(i)) ids.push_back(i);
-  return ids;
-}
-
-std::vector<NodeId> children_of(const Scene& scene, NodeId node) {
-  std::vector<NodeId> children;
-  for (NodeId c = scene.first_child(node); c.valid(); c = scene.next_sibling(c)) children.push_back(c);
-  return children;
-}
-
-Mesh triangle() {
-  Mesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  mesh.indices = {0, 1, 2};
-  return mesh;
-}
-
-// --- nodes and items one by one --------------------------------------------------------------------------------------
+using tests::triangle;
 
 TEST(Scene, StartsWithARootOnTheModelLayer) {
   Scene scene;
@@ -121,20 +99,6 @@ TEST(Scene, ItemsKeepWhatTheyWereGiven) {
   EXPECT_NEAR(scene.bounds_under(a, translation({5, 0, 0})).max.x, 6.0, 1e-12);
 }
 
-TEST(Scene, MeshBoundsFollowTheVerticesNotTheirBox) {
-  Scene scene;
-  Mesh needle;
-  needle.positions = {{0, 0, 0}, {10, 10, 0}};
-  const ItemId item = scene.add_mesh_instance(scene.root(), scene.add_mesh(needle).value());
-  const double c = std::sqrt(0.5);
-  const AabbD box = scene.bounds_under(item, {{{c, c, 0}, {-c, c, 0}, {0, 0, 1}}, dvec3(0.0)});
-  EXPECT_NEAR(box.size().x, 0.0, 1e-6) << "turned upright";
-  EXPECT_NEAR(box.max.y, 10.0 * std::sqrt(2.0), 1e-6);
-  const ItemId nothing = scene.add_mesh_instance(scene.root(), scene.add_mesh({}).value());
-  EXPECT_TRUE(scene.bounds_under(nothing, {}).empty());
-  EXPECT_TRUE(scene.commit()) << "empty meshes may be committed";
-}
-
 TEST(Scene, PathsNameNodesAndCountUnnamedOnes) {
   Scene scene;
   const NodeId plant = scene.add_node(scene.root(), "plant");
@@ -147,6 +111,42 @@ TEST(Scene, PathsNameNodesAndCountUnnamedOnes) {
   EXPECT_EQ(scene.path(pipe), "plant/zone/pipe");
   ASSERT_TRUE(scene.reparent(pipe, scene.root()));
   EXPECT_EQ(scene.path(pipe), "pipe");
+}
+
+TEST(Scene, RenamingDoesNotLeak) {
+  Scene scene;
+  Random random(4);
+  std::vector<NodeId> nodes;
+  std::vector<std::string> names(200);
+  for (std::size_t i = 0; i < names.size(); ++i) nodes.push_back(scene.add_node(scene.root()));
+  const std::size_t before = scene.memory_bytes();
+  for (int i = 0; i < 500'000; ++i) {
+    const std::size_t n = random() % nodes.size();
+    names[n].assign(random() % 40, char('a' + i % 26));
+    scene.set_name(nodes[n], names[n]);
+    if (i % 50'000 == 0) {
+      for (std::size_t k = 0; k < nodes.size(); ++k) ASSERT_EQ(scene.name(nodes[k]), names[k]);
+    }
+  }
+  for (std::size_t k = 0; k < nodes.size(); ++k) ASSERT_EQ(scene.name(nodes[k]), names[k]);
+  EXPECT_LT(scene.memory_bytes(), before + 64 * 1024);
+  // Names of removed nodes are given back too.
+  for (int i = 0; i < 100'000; ++i) scene.remove_node(scene.add_node(scene.root(), "a name of some length, gone soon"));
+  EXPECT_LT(scene.memory_bytes(), before + 64 * 1024);
+  for (std::size_t k = 0; k < nodes.size(); ++k) ASSERT_EQ(scene.name(nodes[k]), names[k]);
+}
+
+TEST(Scene, ANameMayBeTakenFromAnotherNode) {
+  Scene scene;
+  const NodeId a = scene.add_node(scene.root(), "a rather long name that needs room"),
+               b = scene.add_node(scene.root(), "b");
+  for (int i = 0; i < 1000; ++i) {
+    scene.set_name(b, scene.name(a));
+    ASSERT_EQ(scene.name(b), "a rather long name that needs room");
+    scene.set_name(b, "");
+  }
+  scene.set_name(a, scene.name(a).substr(2, 6));
+  EXPECT_EQ(scene.name(a), "rather");
 }
 
 TEST(Scene, AttributesKeepTheirOrderAndLastValue) {
@@ -191,6 +191,45 @@ TEST(Scene, LayersMaterialAndVisibilityComeFromTheNearestAbove) {
   EXPECT_EQ(scene.state(painted).layers, kLayerInsulation);
 }
 
+TEST(Scene, BoundsAreOfWhatASubtreeShows) {
+  Scene scene;
+  const NodeId top = scene.add_node(scene.root(), "top", translation({1e6, 0, 0}));
+  const NodeId a = scene.add_node(top, "a"), b = scene.add_node(top, "b", translation({0, 10, 0}));
+  const NodeId volumes = scene.add_node(top, "volumes"), nothing = scene.add_node(top, "nothing");
+  scene.set_layers(volumes, kLayerObstruction);
+  const Box cube{2, 2, 2};
+  const ItemId first = scene.add_primitive(a, cube), second = scene.add_primitive(a, cube, translation({5, 0, 0}));
+  scene.add_primitive(b, cube);
+  scene.add_primitive(volumes, cube, translation({0, 0, 100}));
+  const auto expect_bounds = [&](const AabbD& box, const dvec3& low, const dvec3& high) {
+    EXPECT_LE(glm::length(box.min - low), 1e-8);
+    EXPECT_LE(glm::length(box.max - high), 1e-8);
+  };
+  expect_bounds(scene.bounds(a), {1e6 - 1, -1, -1}, {1e6 + 6, 1, 1});
+  expect_bounds(scene.bounds(b), {1e6 - 1, 9, -1}, {1e6 + 1, 11, 1});
+  expect_bounds(scene.bounds(scene.root()), {1e6 - 1, -1, -1}, {1e6 + 6, 11, 1});
+  EXPECT_TRUE(scene.bounds(volumes).empty());
+  expect_bounds(scene.bounds(volumes, kLayerObstruction), {1e6 - 1, -1, 99}, {1e6 + 1, 1, 101});
+  expect_bounds(scene.bounds(top, ~0u), {1e6 - 1, -1, -1}, {1e6 + 6, 11, 101});
+  EXPECT_TRUE(scene.bounds(nothing).empty());
+  EXPECT_TRUE(Scene().bounds(Scene().root()).empty());
+
+  // A snapshot's are rounded outwards and no more.
+  ASSERT_TRUE(scene.commit());
+  const AabbD exact = scene.bounds(scene.root()), rounded = Snapshot(scene).bounds().world_bounds();
+  EXPECT_TRUE(glm::all(glm::lessThanEqual(rounded.min, exact.min)));
+  EXPECT_TRUE(glm::all(glm::greaterThanEqual(rounded.max, exact.max)));
+  EXPECT_LE(glm::length(rounded.size() - exact.size()), 1e-4);
+
+  scene.set_visible(second, false);
+  expect_bounds(scene.bounds(a), {1e6 - 1, -1, -1}, {1e6 + 1, 1, 1});
+  scene.remove_item(first);
+  EXPECT_TRUE(scene.bounds(a).empty());
+  scene.set_visible(top, false);
+  EXPECT_TRUE(scene.bounds(scene.root()).empty());
+  EXPECT_TRUE(scene.bounds(b).empty()) << "hidden from above";
+}
+
 TEST(Scene, RemovingItemsInAnyOrderKeepsTheList) {
   Scene scene;
   const NodeId node = scene.add_node(scene.root());
@@ -209,264 +248,6 @@ TEST(Scene, RemovingItemsInAnyOrderKeepsTheList) {
       ASSERT_EQ(items_of(scene, node), twin);
     }
   }
-}
-
-// --- what commit() refuses -------------------------------------------------------------------------------------------
-
-void expect_refused(Scene& scene, const std::string& node) {
-  const auto delta = scene.commit();
-  ASSERT_FALSE(delta);
-  EXPECT_NE(delta.error().message.find("node \"" + node + "\""), std::string::npos) << delta.error().message;
-  EXPECT_EQ(delta.error().message.find('\n'), std::string::npos);
-}
-
-TEST(Scene, RefusesWhatIsNotFiniteOrTooFarAway) {
-  for (const double bad : {kNan, kInf, -kInf, 1.1e37, -1e38, 1e60, 1e300})
-    for (int entry = 0; entry < 12; ++entry) {
-      SCOPED_TRACE(testing::Message() << bad << " at " << entry);
-      Affine place;
-      (entry < 9 ? place.linear[entry / 3] : place.origin)[entry % 3] = bad;
-      for (const bool on_item : {true, false}) {
-        Scene scene;
-        const NodeId plant = scene.add_node(scene.root(), "plant");
-        const NodeId node = scene.add_node(plant, "pump", on_item ? Affine{} : place);
-        const ItemId good = scene.add_primitive(plant, kPipe);
-        const ItemId item = scene.add_primitive(node, kPipe, on_item ? place : Affine{});
-        expect_refused(scene, "plant/pump");
-        on_item ? scene.set_placement(item, {}) : scene.set_transform(node, {});
-        const auto delta = scene.commit();
-        ASSERT_TRUE(delta);
-        EXPECT_EQ(delta->inserted, (Ids{good, item}));
-      }
-    }
-}
-
-TEST(Scene, RefusesBadPlacementsOfThingsWithoutExtent) {
-  // Their boxes say nothing, but the placement would go into a snapshot and its chunks all the same.
-  Mesh nothing;
-  for (const double bad : {kNan, kInf, 1e60}) {
-    Scene scene;
-    const NodeId node = scene.add_node(scene.root(), "ghost");
-    const ItemId item = scene.add_mesh_instance(node, scene.add_mesh(nothing).value(), translation({bad, 0, 0}));
-    expect_refused(scene, "ghost");
-    scene.set_placement(item, {dmat3(bad), dvec3(0.0)});
-    expect_refused(scene, "ghost");
-    scene.remove_item(item);
-    EXPECT_TRUE(scene.commit()->empty());
-    scene.add_primitive(node, Sphere{0.0f}, {dmat3(bad), dvec3(0.0)});
-    expect_refused(scene, "ghost");
-  }
-}
-
-TEST(Scene, RefusesBadParametersAndVertices) {
-  Random random(3);
-  for (int k = 0; k < kPrimitiveKindCount; ++k)
-    for (int v = 0; v < parameter_count(static_cast<Kind>(k)); ++v)
-      for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-        const Primitive p = tests::random_primitive(static_cast<Kind>(k), random);
-        std::vector<float> values(parameters(p).begin(), parameters(p).end());
-        values[std::size_t(v)] = bad;
-        Scene scene;
-        scene.add_primitive(scene.add_node(scene.root(), "part"), make_primitive(static_cast<Kind>(k), values));
-        expect_refused(scene, "part");
-      }
-  for (int axis = 0; axis < 3; ++axis) {
-    Scene scene;
-    Mesh mesh = triangle();
-    mesh.positions[1][axis] = std::numeric_limits<float>::quiet_NaN();
-    scene.add_mesh_instance(scene.add_node(scene.root(), "part"), scene.add_mesh(mesh).value());
-    expect_refused(scene, "part");
-  }
-}
-
-TEST(Scene, AFailedCommitKeepsEarlierEditsAndRemovals) {
-  Scene scene;
-  const NodeId node = scene.add_node(scene.root(), "a");
-  const ItemId first = scene.add_primitive(node, kPipe), second = scene.add_primitive(node, kPipe),
-               third = scene.add_primitive(node, kPipe);
-  ASSERT_TRUE(scene.commit());
-  scene.remove_item(first);
-  scene.set_visible(third, false);
-  const ItemId fourth = scene.add_primitive(node, kPipe, translation({kNan, 0, 0}));
-  expect_refused(scene, "a");
-  expect_refused(scene, "a");
-  scene.remove_item(fourth);
-  const auto delta = scene.commit();
-  ASSERT_TRUE(delta);
-  EXPECT_EQ(delta->removed, Ids{first});
-  EXPECT_EQ(delta->changed, Ids{third});
-  EXPECT_TRUE(delta->inserted.empty()) << "never published";
-  EXPECT_TRUE(scene.contains_item(second));
-  EXPECT_TRUE(scene.commit()->empty());
-}
-
-TEST(Scene, ReusedPlacesDoNotInheritPendingTouches) {
-  Scene scene;
-  const NodeId old = scene.add_node(scene.root());
-  scene.set_visible(old, false);
-  scene.remove_node(old);
-  const NodeId fresh = scene.add_node(scene.root());
-  ASSERT_EQ(fresh.index, old.index) << "the place was to be reused";
-  const ItemId item = scene.add_primitive(fresh, kPipe);
-  EXPECT_EQ(scene.commit()->inserted, Ids{item});
-  EXPECT_EQ(scene.state(item).layers, kLayerModel);
-  scene.set_visible(fresh, false);
-  EXPECT_EQ(scene.commit()->changed, Ids{item});
-}
-
-// --- meshes and materials
-// ---------------------------------------------------------------------------------------------
-
-TEST(Scene, RefusesMeshesWhoseCountsOrIndicesDoNotFit) {
-  struct Case {
-    const char* expected;
-    void (*spoil)(Mesh&);
-  };
-  const Case cases[] = {
-      {"indices below 3, the number of positions, found 3", [](Mesh& m) { m.indices[1] = 3; }},
-      {"indices below 3, the number of positions, found 4294967295", [](Mesh& m) { m.indices[2] = kNone; }},
-      {"indices below 0, the number of positions, found 2", [](Mesh& m) { m.positions.clear(); }},
-      {"three indices for each triangle, found 2", [](Mesh& m) { m.indices.pop_back(); }},
-      {"three indices for each triangle, found 4", [](Mesh& m) { m.indices.push_back(0); }},
-      {"no normals or one for each of 3 positions, found 2", [](Mesh& m) { m.normals.resize(2); }},
-      {"no normals or one for each of 3 positions, found 4", [](Mesh& m) { m.normals.resize(4); }},
-      {"polygons that hold all of 1 contours, found 0", [](Mesh& m) { m.contour_sizes = {3}; }},
-      {"polygons that hold all of 1 contours, found 2",
-       [](Mesh& m) {
-         m.contour_sizes = {3}, m.polygon_contours = {1, 1};
-       }},
-      {"polygons that hold all of 0 contours, found 1", [](Mesh& m) { m.polygon_contours = {1}; }},
-      {"contours that hold all of 3 positions, found 2",
-       [](Mesh& m) { m.contour_sizes = {2}, m.polygon_contours = {1}; }},
-      {"contours that hold all of 3 positions, found 0", [](Mesh& m) { m.polygon_contours = {0}; }},
-      {"contours that hold all of 3 positions, found 4294967299",  // and not, rounded to 32 bits, 3
-       [](Mesh& m) {
-         m.contour_sizes = {kNone, 4}, m.polygon_contours = {2};
-       }},
-  };
-  for (const auto& [expected, spoil] : cases) {
-    Scene scene;
-    Mesh mesh = triangle();
-    mesh.name = "pump";
-    spoil(mesh);
-    const auto added = scene.add_mesh(mesh);
-    ASSERT_FALSE(added) << expected;
-    EXPECT_EQ(added.error().message, std::string("mesh \"pump\": expected ") + expected);
-    EXPECT_EQ(scene.mesh_slots(), 0u);
-  }
-  Scene scene;
-  Mesh polygons = triangle();
-  polygons.contour_sizes = {1, 2};
-  polygons.polygon_contours = {0, 2};
-  polygons.normals.resize(3);
-  EXPECT_TRUE(scene.add_mesh(polygons)) << "of odd polygons nothing is said";
-}
-
-/// Whatever is taken may be asked about.
-TEST(Scene, MeshesThatAreTakenAreSafe) {
-  Random random(5);
-  int taken = 0, refused = 0;
-  for (int round = 0; round < 20'000; ++round) {
-    Mesh mesh;
-    mesh.positions.resize(random() % 6);
-    for (vec3& p : mesh.positions) p = {uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
-    mesh.indices.resize(random() % 3 * 3 + (random() % 8 == 0));
-    for (std::uint32_t& index : mesh.indices) index = std::uint32_t(random() % 6);
-    bool fits = mesh.indices.size() % 3 == 0;
-    for (const std::uint32_t index : mesh.indices) fits = fits && index < mesh.positions.size();
-    Scene scene;
-    const auto added = scene.add_mesh(mesh);
-    ASSERT_EQ(bool(added), fits) << "round " << round;
-    fits ? ++taken : ++refused;
-    if (added) (void)enclosure(scene.mesh(*added));
-  }
-  EXPECT_GT(taken, 1000);
-  EXPECT_GT(refused, 1000);
-}
-
-TEST(Scene, HandlesOfMeshesAndMaterialsStayStale) {
-  Scene scene;
-  const MeshId kept = scene.add_mesh(triangle()).value(), gone = scene.add_mesh(triangle()).value();
-  const MaterialId paint = scene.add_material({}), scratched = scene.add_material({});
-  scene.remove_mesh(gone);
-  scene.remove_material(scratched);
-  const Scene::Mark mark = scene.mark();
-  const MeshId tried = scene.add_mesh(triangle()).value();
-  const MaterialId tried_paint = scene.add_material({});
-  scene.take_back(mark, {});
-  const MeshId fresh = scene.add_mesh(triangle()).value();
-  const MaterialId fresh_paint = scene.add_material({});
-  ASSERT_EQ(fresh.index, tried.index) << "the place was to be given out again";
-  ASSERT_EQ(fresh_paint.index, tried_paint.index);
-  for (const MeshId id : {gone, tried, MeshId{}}) EXPECT_FALSE(scene.contains(id)) << id.index;
-  for (const MeshId id : {kept, fresh}) {
-    EXPECT_TRUE(scene.contains(id));
-    EXPECT_EQ(scene.mesh_at(id.index), id);
-  }
-  for (const MaterialId id : {scratched, tried_paint, MaterialId{}}) EXPECT_FALSE(scene.contains(id)) << id.index;
-  for (const MaterialId id : {paint, fresh_paint}) {
-    EXPECT_TRUE(scene.contains(id));
-    EXPECT_EQ(scene.material_at(id.index), id);
-  }
-  EXPECT_FALSE(scene.mesh_at(gone.index).valid());
-  EXPECT_FALSE(scene.material_at(scratched.index).valid());
-  EXPECT_FALSE(scene.material_at(kNone).valid());
-  const ItemId item = scene.add_mesh_instance(scene.root(), fresh, {}, fresh_paint);
-  EXPECT_EQ(scene.mesh_of(item), fresh);
-  EXPECT_EQ(scene.item_material(item), fresh_paint);
-  // What comes from another scene is as new as what is added here.
-  Scene other;
-  const MaterialId theirs = other.add_material({.name = "theirs"});
-  other.remove_material(other.add_material({}));
-  other.add_mesh_instance(other.add_node(other.root()), other.add_mesh(triangle()).value(), {}, theirs);
-  scene.append(scene.root(), std::move(other));
-  EXPECT_EQ(scene.material(scene.item_material(item + 1)).name, "theirs");
-  EXPECT_TRUE(scene.contains(scene.mesh_of(item + 1)));
-  EXPECT_FALSE(scene.material_at(scene.material_slots() - 1).valid());
-}
-
-TEST(Scene, EditedMaterialsArePublishedOnce) {
-  Scene scene;
-  const MaterialId red = scene.add_material({.name = "red"}), blue = scene.add_material({.name = "blue"});
-  const ItemId item = scene.add_primitive(scene.root(), kPipe, translation({kNan, 0, 0}), red);
-  EXPECT_FALSE(scene.commit());
-  scene.set_placement(item, {});
-  EXPECT_EQ(scene.commit()->materials, (std::vector{red.index, blue.index})) << "those that waited, too";
-  EXPECT_TRUE(scene.commit()->empty());
-  scene.update_material(blue, {.name = "light blue", .alpha = 0.5f});
-  scene.update_material(red, {.name = "dark red"});
-  scene.update_material(blue, {.name = "pale blue", .alpha = 0.5f});
-  EXPECT_EQ(scene.material(blue).name, "pale blue");
-  const auto delta = scene.commit();
-  EXPECT_EQ(delta->materials, (std::vector{red.index, blue.index}));
-  EXPECT_TRUE(delta->changed.empty()) << "items name what they named before";
-  EXPECT_TRUE(scene.commit()->empty());
-  const Scene::Mark mark = scene.mark();
-  scene.add_material({});
-  scene.take_back(mark, {});
-  EXPECT_TRUE(scene.commit()->empty());
-}
-
-TEST(Scene, WithoutTheirMaterialItemsInherit) {
-  Scene scene;
-  const MaterialId red = scene.add_material({}), blue = scene.add_material({});
-  const NodeId above = scene.add_node(scene.root()), below = scene.add_node(above);
-  scene.set_material(above, red);
-  scene.set_material(below, blue);
-  const ItemId plain = scene.add_primitive(below, kPipe), painted = scene.add_primitive(below, kPipe, {}, blue),
-               other = scene.add_primitive(scene.root(), kPipe, {}, red);
-  ASSERT_TRUE(scene.commit());
-  scene.remove_material(blue);
-  EXPECT_EQ(scene.state(plain).material, red.index);
-  EXPECT_EQ(scene.state(painted).material, red.index);
-  EXPECT_FALSE(scene.item_material(painted).valid());
-  EXPECT_FALSE(scene.material(below).valid());
-  const auto delta = scene.commit();
-  EXPECT_EQ(delta->changed, (Ids{plain, painted}));
-  EXPECT_EQ(delta->materials, std::vector{blue.index});
-  scene.remove_material(red);
-  EXPECT_EQ(scene.commit()->changed, (Ids{plain, painted, other}));
-  for (const ItemId item : {plain, painted, other}) EXPECT_EQ(scene.state(item).material, kNone);
 }
 
 TEST(Scene, ANodeThatCannotHangBelowItselfStaysWhereItIs) {
@@ -489,8 +270,6 @@ TEST(Scene, ANodeThatCannotHangBelowItselfStaysWhereItIs) {
   EXPECT_TRUE(scene.reparent(a, d));
   EXPECT_EQ(scene.path(c), "d/a/c");
 }
-
-// --- joining and taking back -----------------------------------------------------------------------------------------
 
 /// Places that removed nodes have left in either scene are given to new nodes, once each.
 TEST(Scene, JoinedScenesReuseTheirPlaces) {
@@ -524,61 +303,6 @@ TEST(Scene, JoinedScenesReuseTheirPlaces) {
   ASSERT_EQ(children_of(scene, added[0]).size(), 1u);
   EXPECT_EQ(scene.path(scene.node_of(0)), "top/first/last");
 }
-
-/// Items that were pending before the mark stay so; ids that are given out again are published once.
-TEST(Scene, WhatIsTakenBackIsNotPublished) {
-  Scene scene;
-  const ItemId pending = scene.add_primitive(scene.root(), kPipe);
-  const Scene::Mark mark = scene.mark();
-  const NodeId tried = scene.add_node(scene.root());
-  for (int i = 0; i < 3; ++i) scene.add_primitive(tried, kPipe);
-  scene.take_back(mark, std::vector{tried});
-  const ItemId again = scene.add_primitive(scene.root(), kPipe);
-  EXPECT_EQ(again, pending + 1);
-  EXPECT_EQ(scene.commit()->inserted, (Ids{pending, again}));
-  EXPECT_TRUE(scene.commit()->empty());
-}
-
-// --- subscriptions ---------------------------------------------------------------------------------------------------
-
-TEST(Scene, EachSubscriptionGetsWhatWasPublishedSinceItAsked) {
-  std::optional<Scene> scene(std::in_place);
-  SceneSubscription early = scene->subscribe(), nobody;
-  const ItemId first = scene->add_primitive(scene->root(), kPipe);
-  EXPECT_TRUE(early.take().empty()) << "not published yet";
-  ASSERT_TRUE(scene->commit());
-  SceneSubscription late = scene->subscribe();
-  const ItemId second = scene->add_primitive(scene->root(), kPipe), third = scene->add_primitive(scene->root(), kPipe);
-  scene->set_visible(first, false);
-  ASSERT_TRUE(scene->commit());
-  scene->set_visible(second, false);
-  scene->remove_item(third);
-  ASSERT_TRUE(scene->commit());
-  const SceneDelta all = early.take();
-  EXPECT_EQ(all.inserted, (Ids{first, second}));
-  EXPECT_TRUE(all.changed.empty() && all.removed.empty()) << "the third never was, the others are new";
-  EXPECT_TRUE(early.take().empty());
-  SceneSubscription moved = std::move(late);
-  scene->remove_item(first);
-  ASSERT_TRUE(scene->commit());
-  const SceneDelta rest = moved.take();
-  EXPECT_EQ(rest.inserted, Ids{second});
-  EXPECT_TRUE(rest.changed.empty());
-  EXPECT_EQ(rest.removed, Ids{first});
-  EXPECT_EQ(early.take().removed, Ids{first});
-  EXPECT_TRUE(nobody.take().empty());
-  // A copy is another scene.
-  Scene copy = *scene;
-  copy.remove_item(second);
-  ASSERT_TRUE(copy.commit());
-  EXPECT_TRUE(early.take().empty());
-  scene->remove_item(second);
-  ASSERT_TRUE(scene->commit());
-  scene.reset();
-  EXPECT_EQ(early.take().removed, Ids{second}) << "published while there was a scene";
-}
-
-// --- sizes -----------------------------------------------------------------------------------------------------------
 
 TEST(Scene, NestsAHundredThousandDeep) {
   constexpr int kDeep = 100'000;
@@ -635,81 +359,6 @@ TEST(Scene, HoldsAHundredThousandChildrenAndItemsOnOneNode) {
   EXPECT_EQ(scene.first_item(wide), kNone);
   EXPECT_EQ(scene.item_count(), 0u);
   EXPECT_EQ(scene.commit()->removed.size(), 2 * std::size_t(kWide));
-}
-
-TEST(Scene, RenamingDoesNotLeak) {
-  Scene scene;
-  Random random(4);
-  std::vector<NodeId> nodes;
-  std::vector<std::string> names(200);
-  for (std::size_t i = 0; i < names.size(); ++i) nodes.push_back(scene.add_node(scene.root()));
-  const std::size_t before = scene.memory_bytes();
-  for (int i = 0; i < 500'000; ++i) {
-    const std::size_t n = random() % nodes.size();
-    names[n].assign(random() % 40, char('a' + i % 26));
-    scene.set_name(nodes[n], names[n]);
-    if (i % 50'000 == 0) {
-      for (std::size_t k = 0; k < nodes.size(); ++k) ASSERT_EQ(scene.name(nodes[k]), names[k]);
-    }
-  }
-  for (std::size_t k = 0; k < nodes.size(); ++k) ASSERT_EQ(scene.name(nodes[k]), names[k]);
-  EXPECT_LT(scene.memory_bytes(), before + 64 * 1024);
-  // Names of removed nodes are given back too.
-  for (int i = 0; i < 100'000; ++i) scene.remove_node(scene.add_node(scene.root(), "a name of some length, gone soon"));
-  EXPECT_LT(scene.memory_bytes(), before + 64 * 1024);
-  for (std::size_t k = 0; k < nodes.size(); ++k) ASSERT_EQ(scene.name(nodes[k]), names[k]);
-}
-
-TEST(Scene, ANameMayBeTakenFromAnotherNode) {
-  Scene scene;
-  const NodeId a = scene.add_node(scene.root(), "a rather long name that needs room"),
-               b = scene.add_node(scene.root(), "b");
-  for (int i = 0; i < 1000; ++i) {
-    scene.set_name(b, scene.name(a));
-    ASSERT_EQ(scene.name(b), "a rather long name that needs room");
-    scene.set_name(b, "");
-  }
-  scene.set_name(a, scene.name(a).substr(2, 6));
-  EXPECT_EQ(scene.name(a), "rather");
-}
-
-TEST(Scene, BoundsAreOfWhatASubtreeShows) {
-  Scene scene;
-  const NodeId top = scene.add_node(scene.root(), "top", translation({1e6, 0, 0}));
-  const NodeId a = scene.add_node(top, "a"), b = scene.add_node(top, "b", translation({0, 10, 0}));
-  const NodeId volumes = scene.add_node(top, "volumes"), nothing = scene.add_node(top, "nothing");
-  scene.set_layers(volumes, kLayerObstruction);
-  const Box cube{2, 2, 2};
-  const ItemId first = scene.add_primitive(a, cube), second = scene.add_primitive(a, cube, translation({5, 0, 0}));
-  scene.add_primitive(b, cube);
-  scene.add_primitive(volumes, cube, translation({0, 0, 100}));
-  const auto expect_bounds = [&](const AabbD& box, const dvec3& low, const dvec3& high) {
-    EXPECT_LE(glm::length(box.min - low), 1e-8);
-    EXPECT_LE(glm::length(box.max - high), 1e-8);
-  };
-  expect_bounds(scene.bounds(a), {1e6 - 1, -1, -1}, {1e6 + 6, 1, 1});
-  expect_bounds(scene.bounds(b), {1e6 - 1, 9, -1}, {1e6 + 1, 11, 1});
-  expect_bounds(scene.bounds(scene.root()), {1e6 - 1, -1, -1}, {1e6 + 6, 11, 1});
-  EXPECT_TRUE(scene.bounds(volumes).empty());
-  expect_bounds(scene.bounds(volumes, kLayerObstruction), {1e6 - 1, -1, 99}, {1e6 + 1, 1, 101});
-  expect_bounds(scene.bounds(top, ~0u), {1e6 - 1, -1, -1}, {1e6 + 6, 11, 101});
-  EXPECT_TRUE(scene.bounds(nothing).empty());
-  EXPECT_TRUE(Scene().bounds(Scene().root()).empty());
-
-  // A snapshot's are rounded outwards and no more.
-  ASSERT_TRUE(scene.commit());
-  const AabbD exact = scene.bounds(scene.root()), rounded = Snapshot(scene).bounds().world_bounds();
-  EXPECT_TRUE(glm::all(glm::lessThanEqual(rounded.min, exact.min)));
-  EXPECT_TRUE(glm::all(glm::greaterThanEqual(rounded.max, exact.max)));
-  EXPECT_LE(glm::length(rounded.size() - exact.size()), 1e-4);
-
-  scene.set_visible(second, false);
-  expect_bounds(scene.bounds(a), {1e6 - 1, -1, -1}, {1e6 + 1, 1, 1});
-  scene.remove_item(first);
-  EXPECT_TRUE(scene.bounds(a).empty());
-  scene.set_visible(top, false);
-  EXPECT_TRUE(scene.bounds(scene.root()).empty());
-  EXPECT_TRUE(scene.bounds(b).empty()) << "hidden from above";
 }
 
 }  // namespace

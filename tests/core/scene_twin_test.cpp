@@ -10,37 +10,21 @@
 
 #include "sightline/core/scene.h"
 #include "sightline/tests/core/primitive_samples.h"
+#include "sightline/tests/core/scene_samples.h"
 
 namespace sightline::core {
 namespace {
 
+using tests::children_of;
+using tests::Ids;
+using tests::items_of;
+using tests::kPipe;
 using tests::Random;
+using tests::triangle;
 using tests::uniform;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
-const Primitive kPipe = Cylinder{1.0f, 2.0f};
-
-using Ids = std::vector<ItemId>;
-
-Ids items_of(const Scene& scene, NodeId node) {
-  Ids ids;
-  for (ItemId i = scene.first_item(node); i != kNone; i = scene.next_item(i)) ids.push_back(i);
-  return ids;
-}
-
-std::vector<NodeId> children_of(const Scene& scene, NodeId node) {
-  std::vector<NodeId> children;
-  for (NodeId c = scene.first_child(node); c.valid(); c = scene.next_sibling(c)) children.push_back(c);
-  return children;
-}
-
-Mesh triangle() {
-  Mesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  mesh.indices = {0, 1, 2};
-  return mesh;
-}
 
 /// The same scene kept in the most obvious way: everything is recomputed whenever it is asked.
 struct Twin {

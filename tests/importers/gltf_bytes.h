@@ -95,6 +95,13 @@ inline std::string base64(std::span<const std::byte> bytes) {
   return text;
 }
 
+/// A file with one triangle (1 0 0, 0 2 0, 0 0 3) of floats.
+inline GltfBytes triangle_gltf() {
+  GltfBytes g;
+  g.mesh({{"attributes", {{"POSITION", g.floats({1, 0, 0, 0, 2, 0, 0, 0, 3}, "VEC3")}}}});
+  return g;
+}
+
 /// One instance of everything: hierarchy, indexed mesh with normals and material, sparse accessor, instances, extras,
 /// a texture and two collections of primitives.
 inline GltfBytes small_gltf() {

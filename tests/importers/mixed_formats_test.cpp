@@ -1,14 +1,15 @@
 // One scene of every format: a cube of 2 m and a mast of 10 m, written once in each, stand side by side, equally large
 // and upright, whatever the units and the up axis of their files.
-#include <unistd.h>
-
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "sightline/importers/import.h"
 #include "sightline/tests/importers/rvm_bytes.h"
@@ -136,20 +137,29 @@ class MixedFormats : public testing::TestWithParam<ImportOptions> {
     if (extension == ".vtp") return vtp(corners);
     return gltf(in_file(box, {.up = UpAxis::kY}), folder_ / (stem + ".bin"));
   }
+  std::filesystem::path write(const std::string& stem, const std::string& extension, const Box& box) const {
+    const std::filesystem::path path = folder_ / (stem + extension);
+    std::ofstream(path, std::ios::binary) << content(extension, box, stem);
+    return path;
+  }
+  /// Those that the build reads.
+  static std::vector<std::string> extensions() {
+    const auto known = known_extensions();
+    std::vector<std::string> all = {".rvm", ".obj", ".ply", ".stl", ".vtk", ".vtp", ".gltf"};
+    std::erase_if(all, [&](const auto& e) { return std::find(known.begin(), known.end(), e) == known.end(); });
+    return all;
+  }
   std::filesystem::path folder_;
 };
 
 TEST_P(MixedFormats, StandSideBySide) {
   std::vector<std::filesystem::path> files;
   std::vector<Box> expected;
-  const auto known = known_extensions();
   double x = -20.0;
-  for (const std::string extension : {".rvm", ".obj", ".ply", ".stl", ".vtk", ".vtp", ".gltf"}) {
-    if (std::find(known.begin(), known.end(), extension) == known.end()) continue;
+  for (const std::string& extension : extensions()) {
     for (const auto& [stem, size] : {std::pair{"cube", core::dvec3(2.0)}, {"mast", core::dvec3(0.5, 0.5, 10.0)}}) {
       expected.push_back({{x, -1.0, 3.0}, size});
-      files.push_back(folder_ / (stem + extension));
-      std::ofstream(files.back(), std::ios::binary) << content(extension, expected.back(), stem);
+      files.push_back(write(stem, extension, expected.back()));
       x += 3.0;
     }
   }
@@ -178,6 +188,23 @@ TEST_P(MixedFormats, StandSideBySide) {
     for (int k = 0; k < 3; ++k) {
       EXPECT_NEAR(box.min[k], expected[i].low[k], 1e-6);
       EXPECT_NEAR(box.max[k] - box.min[k], expected[i].size[k], 1e-6);
+    }
+  }
+}
+
+TEST_P(MixedFormats, RefuseUnitsThatAreNoLength) {
+  constexpr double kInf = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const std::string& extension : extensions()) {
+    const std::filesystem::path file = write("cube", extension, {{1.0, 2.0, 3.0}, core::dvec3(2.0)});
+    for (const double unit : {0.0, -0.001, kInf, -kInf, kNan}) {
+      ImportOptions options = GetParam();
+      options.metres_per_unit = unit;
+      core::Scene scene;
+      const auto report = import_file(file, scene, scene.root(), options);
+      ASSERT_FALSE(report) << file << ' ' << unit;
+      EXPECT_EQ(report.error().message,
+                fmt::format("{}: metres_per_unit: expected a finite number above 0, found {}", file.string(), unit));
+      EXPECT_EQ(scene.node_count(), 1u);
     }
   }
 }

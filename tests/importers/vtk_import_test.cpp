@@ -68,6 +68,13 @@ TEST_F(VtkImport, PolygonsStripsAndNormals) {
   EXPECT_EQ(corner(0, 2), core::dvec3(0.002, 0.002, 0));
 }
 
+TEST_F(VtkImport, RefusesAUnitThatIsNoLength) {
+  const auto report = import(*tests::vtk_square(), {.metres_per_unit = 0.0});
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().message, "model: metres_per_unit: expected a finite number above 0, found 0");
+  EXPECT_EQ(scene_.node_count(), 1u);
+}
+
 TEST_F(VtkImport, FarPointsKeepTheirDigits) {
   const auto data = tests::vtk_square(1e-4, {1e7, -1e7, 1e7});
   ASSERT_TRUE(import(*data));
