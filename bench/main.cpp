@@ -56,6 +56,9 @@ constexpr Subcommand kSubcommands[] = {
     {"transparency", "error of blended and dithered transparency against exact sorting, and their time",
      bench::add_transparency},
 #endif
+#if SIGHTLINE_HAS_VIEW_MODEL
+    {"tree", "what the viewer's tree panel and search take per operation", bench::add_tree},
+#endif
 };
 
 }  // namespace

@@ -46,6 +46,9 @@ Run add_overrides(CLI::App& app);
 Run add_proxies(CLI::App& app);
 Run add_transparency(CLI::App& app);
 
+// Built if the viewer is.
+Run add_tree(CLI::App& app);
+
 /// Implements such a function: the options live as long as the parser and the run.
 template <class Options>
 Run add_subcommand(CLI::App& app, void (*add_options)(CLI::App&, Options&),

@@ -120,7 +120,7 @@ pkg-config.")
 
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "fonts-dejavu-core, libegl1, libgl1-mesa-dri")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS libosmesa6)
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "draws, replays, traces and converts CAD models
 Command-line tools and a walkthrough window of Sightline, a visibility

@@ -75,6 +75,16 @@ TEST_F(Bench, MeasuresImports) {
   expect_failure("bench", {"import", path("none.rvm")}, "none.rvm");
 }
 
+TEST_F(Bench, MeasuresTreeAndSearch) {
+  const std::vector<std::string> known = subcommands();
+  if (std::find(known.begin(), known.end(), "tree") == known.end()) GTEST_SKIP() << "without the viewer";
+  const Json json = run_json("bench", {"tree", plant(1000), "--repeats", "1", "--text", "pipe", "no such text"});
+  EXPECT_FALSE(json["tree"]["rows"].empty());
+  EXPECT_GT(json["search"]["rows"][0]["found"], 0);
+  EXPECT_EQ(json["search"]["rows"][1]["found"], 0);
+  EXPECT_EQ(run_json("bench", {"tree", "--nodes", "2000", "--repeats", "1"})["nodes"], 2000);
+}
+
 TEST_F(Bench, MeasuresCallsThroughC) {
   const std::vector<std::string> known = subcommands();
   if (std::find(known.begin(), known.end(), "capi") == known.end()) GTEST_SKIP() << "without the C API";

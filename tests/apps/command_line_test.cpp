@@ -42,7 +42,7 @@ TEST_P(EveryTool, RefusesAnUnknownFlag) {
 }
 
 TEST_P(EveryTool, RefusesMissingArguments) {
-  expect_usage_error(GetParam(), {}, "required");
+  if (GetParam() != "view") expect_usage_error(GetParam(), {}, "required");  // a window may begin without a model
   expect_usage_error(GetParam(), required_and({"--json"}), "--json");
 }
 
@@ -52,7 +52,8 @@ INSTANTIATE_TEST_SUITE_P(All, EveryTool, ::testing::ValuesIn(built_tools()), [](
   return name;
 });
 
-/// The tools that read models. None of these runs comes so far as to draw.
+/// The tools that read models, but for sightline-view, which opens its window first (View.RefusesWhatIsNoModel). None of
+/// these runs comes so far as to draw.
 class ModelTool : public ToolTest, public ::testing::WithParamInterface<std::string> {
  protected:
   void SetUp() override {
@@ -70,19 +71,8 @@ class ModelTool : public ToolTest, public ::testing::WithParamInterface<std::str
 };
 
 TEST_P(ModelTool, RefusesWhatIsNoModel) {
-  fs::create_directories(path("folder.rvm"));
   const std::string good = plant(1000);
-  const Args bad_files = {path("missing.rvm"),
-                          path("folder.rvm"),
-                          write("empty.rvm", ""),
-                          write("text.rvm", "this is no model\n"),
-                          write("zeros.rvm", std::string(4096, '\0')),
-                          write("empty.obj", ""),
-                          write("text.obj", "this is no model\n"),
-                          write("model.xyz", "this is no model\n"),
-                          path("missing"),
-                          unwritable("below-a-file.rvm")};
-  for (const std::string& file : bad_files) {
+  for (const std::string& file : bad_models()) {
     const std::string name = fs::path(file).filename();
     expect_failure(GetParam(), with({file}), name);
     expect_failure(GetParam(), with({good, file}), name);
@@ -99,7 +89,7 @@ TEST_P(ModelTool, RefusesTranslationsBeyondAllRange) {
   expect_failure(GetParam(), with({plant(1000), "--translate", "1e300,0,0"}), "beyond");
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ModelTool, ::testing::Values("info", "replay", "render", "report", "trace", "view"));
+INSTANTIATE_TEST_SUITE_P(All, ModelTool, ::testing::Values("info", "replay", "render", "report", "trace"));
 
 using CommandLine = ToolTest;
 

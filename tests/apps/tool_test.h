@@ -85,6 +85,21 @@ class ToolTest : public ::testing::Test {
   /// A path below a regular file: no user can write there, root included.
   std::string unwritable(const std::string& name) const { return write("regular-file", "") + "/" + name; }
 
+  /// Files, there or not, that no tool can read as models.
+  Args bad_models() const {
+    fs::create_directories(path("folder.rvm"));
+    return {path("missing.rvm"),
+            path("folder.rvm"),
+            write("empty.rvm", ""),
+            write("text.rvm", "this is no model\n"),
+            write("zeros.rvm", std::string(4096, '\0')),
+            write("empty.obj", ""),
+            write("text.obj", "this is no model\n"),
+            write("model.xyz", "this is no model\n"),
+            path("missing"),
+            unwritable("below-a-file.rvm")};
+  }
+
   /// A child process that runs beside the test, and the files that it writes to.
   struct Child {
     pid_t pid = 0;

@@ -1,4 +1,4 @@
-// The window of sightline-view: GLFW, an OpenGL context, and user input in the camera's terms.
+// The window of sightline-view: GLFW and an OpenGL context.
 #pragma once
 
 #include <array>
@@ -7,20 +7,19 @@
 #include <string>
 #include <vector>
 
-#include "sightline/apps/common/camera_control.h"
+#include "sightline/apps/view/events.h"
+#include "sightline/core/error.h"
 #include "sightline/gl/context.h"
-#include "sightline/gl/internal/framebuffer.h"
+#include "sightline/image/image.h"
 
 struct GLFWwindow;
 
 namespace sightline::apps {
 
-/// What the user has done since the last poll().
-struct WindowInput {
-  CameraInput camera;
-  std::vector<int> pressed;   ///< GLFW's key numbers, in order
-  bool orbit_begins = false;  ///< the right button went down
-  bool waited = false;        ///< the window was minimised
+/// Part of a framebuffer, pixels from its lower left corner.
+struct Part {
+  int x = 0, y = 0, width = 0, height = 0;
+  friend bool operator==(const Part&, const Part&) = default;
 };
 
 class Window {
@@ -34,14 +33,28 @@ class Window {
   gl::Context& context() { return state_->context.value(); }
   /// Size of its framebuffer, in pixels; 0 while minimised.
   std::array<int, 2> size() const;
+  void resize(const std::array<int, 2>& size);  ///< screen units
+  double scale() const;                         ///< of text and lines: 1 on a screen of 96 dots per inch
   void set_title(const std::string& title);
+  std::string clipboard() const;
+  void set_clipboard(const std::string& text);
 
   bool closing() const;
   void close();
-  /// Never waits, except while the window is minimised.
-  WindowInput poll();
-  /// Shows a framebuffer object of the given size.
-  void present(std::uint32_t framebuffer, const std::array<int, 2>& size);
+  /// What has happened since the last call. Waits for it for some seconds at most; while the window is minimised until
+  /// it no longer is.
+  std::vector<Event> poll(double wait);
+  /// Makes poll() return at once; from any thread.
+  static void wake();
+  bool held(int key) const;  ///< GLFW's number
+
+  /// Copies a framebuffer object, of the part's size, into the back buffer.
+  void copy(std::uint32_t framebuffer, const Part& to);
+  /// The same of a picture, of the part's size.
+  core::Expected<void> copy(const image::Image& picture, const Part& to);
+  void clear(const core::vec3& colour);
+  image::Image read() const;  ///< the back buffer
+  void present();
 
  private:
   struct State {
@@ -52,10 +65,7 @@ class Window {
 
     GLFWwindow* window = nullptr;
     std::optional<gl::Context> context;
-    std::vector<int> pressed;
-    double wheel = 0.0, time = 0.0;
-    core::dvec2 cursor{0.0};
-    bool right_was_down = false;
+    std::vector<Event> events;
   };
   explicit Window(std::unique_ptr<State> state) : state_(std::move(state)) {}
 

@@ -1,0 +1,264 @@
+#include "sightline/apps/view/commands.h"
+
+#include <cstdio>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+namespace sightline::apps {
+namespace {
+
+using engine::CullerChoice;
+using Done = core::Expected<void>;
+
+constexpr int kCtrl = GLFW_MOD_CONTROL, kShift = GLFW_MOD_SHIFT, kAlt = GLFW_MOD_ALT;
+
+template <class Work>
+Done move_camera(Viewer& viewer, const Work& work) {
+  viewer.session()->remember();
+  work(viewer.session()->camera());
+  return {};
+}
+
+Done look_along(Viewer& viewer, const core::dvec3& direction) {
+  Session& session = *viewer.session();
+  return move_camera(viewer,
+                     [&](Camera& camera) { camera.look_along(direction, session.bounds().bounds, session.aspect()); });
+}
+
+Done focus(Viewer& viewer, const std::string&) {
+  Session& session = *viewer.session();
+  const auto selection = session.document().selection();
+  const core::AabbD bounds = selection.empty() ? session.bounds().bounds : session.document().bounds(selection);
+  return move_camera(viewer, [&](Camera& camera) { camera.fit(bounds, session.aspect()); });
+}
+
+template <int kNotches>
+Done zoom(Viewer& viewer, const std::string&) {
+  return move_camera(viewer, [](Camera& camera) { camera.zoom(kNotches, camera.pose().target); });
+}
+
+template <CullerChoice kChoice>
+Done cull(Viewer& viewer, const std::string&) {
+  return viewer.session()->set_culler(kChoice);
+}
+
+/// A function of the document that takes the selection, which must not be empty.
+template <Done (Document::*kFunction)(std::span<const core::ItemId>)>
+Done with_selection(Viewer& viewer, const std::string&) {
+  Document& document = viewer.session()->document();
+  if (document.selection().empty()) return core::fail("select something first: click on it");
+  const std::vector<core::ItemId> items(document.selection().begin(), document.selection().end());
+  return (document.*kFunction)(items);
+}
+
+Done select_all(Viewer& viewer, const std::string&) {
+  Document& document = viewer.session()->document();
+  return document.select(document.items_below(viewer.session()->scene().root()));
+}
+
+Done measure_selected(Viewer& viewer, const std::string&) {
+  Session& session = *viewer.session();
+  const auto selection = session.document().selection();
+  if (selection.size() != 2) return core::fail("select two items first, the second one with Ctrl");
+  return session.measuring().between(session.scene(), selection[0], selection[1]);
+}
+
+Done section_here(Viewer& viewer, const std::string&) {
+  const auto hit = viewer.under_cursor();
+  if (!hit) return tl::unexpected(hit.error());
+  if (!*hit) return core::fail("there is no face under the cursor");
+  if (!viewer.session()->sections().add((*hit)->point, (*hit)->normal))
+    return core::fail("there are eight sections: take one away first");
+  return {};
+}
+
+Done section_box(Viewer& viewer, const std::string&) {
+  Session& session = *viewer.session();
+  const auto selection = session.document().selection();
+  const core::AabbD bounds = selection.empty() ? session.bounds().bounds : session.document().bounds(selection);
+  if (!bounds.empty()) session.sections().box(bounds);
+  return {};
+}
+
+const Command kCommands[] = {
+    {"open", "File", "Open…", GLFW_KEY_O, kCtrl, "Ctrl+O", "open files, instead of what is open: FILE",
+     [](Viewer& v, const std::string& file) -> Done {
+       if (file.empty())
+         v.shown.open = true;
+       else
+         v.open({file});
+       return {};
+     },
+     nullptr, false},
+    {"screenshot", "File", "Save picture", GLFW_KEY_F12, 0, "F12", "write the picture, PNG: FILE",
+     [](Viewer& v, const std::string& file) { return v.write_screenshot(file); }},
+    {"save-view", "File", "Save view", GLFW_KEY_S, kCtrl, "Ctrl+S", "write camera and sections, JSON: FILE",
+     [](Viewer& v, const std::string& file) { return v.save_view(file); }},
+    {"load-view", nullptr, "", 0, 0, "", "see what a view file shows; or drop it on the window: FILE",
+     [](Viewer& v, const std::string& file) { return v.load_view(file); }},
+    {"record", "File", "Record camera path", GLFW_KEY_R, 0, "R",
+     "begin to record a camera path; end and write it (--save-path)",
+     [](Viewer& v, const std::string&) { return v.toggle_recording(); }, [](Viewer& v) { return v.recording(); }},
+    {"quit", "File", "Quit", GLFW_KEY_Q, kCtrl, "Ctrl+Q", "end",
+     [](Viewer& v, const std::string&) -> Done { return v.quit(), Done(); }, nullptr, false},
+
+    {"undo", "Edit", "Undo", GLFW_KEY_Z, kCtrl, "Ctrl+Z", "undo the last change of selection and visibility",
+     [](Viewer& v, const std::string&) { return v.session()->document().undo(); }},
+    {"redo", "Edit", "Redo", GLFW_KEY_Z, kCtrl | kShift, "Ctrl+Shift+Z", "do again what was undone",
+     [](Viewer& v, const std::string&) { return v.session()->document().redo(); }},
+    {"select-all", "Edit", "Select all", GLFW_KEY_A, kCtrl, "Ctrl+A", "select all that is not hidden", select_all},
+    {"select-none", "Edit", "Select nothing", GLFW_KEY_ESCAPE, 0, "Esc", "select nothing",
+     [](Viewer& v, const std::string&) { return v.session()->document().select({}); }},
+    {"find", "Edit", "Find", GLFW_KEY_F, kCtrl, "Ctrl+F",
+     "show the nodes whose names or attributes hold a text: TEXT or ATTRIBUTE:TEXT",
+     [](Viewer& v, const std::string& text) -> Done {
+       v.shown.find = text.empty();
+       v.shown.panels |= text.empty();
+       v.session()->tree().find({text});
+       return {};
+     }},
+    {"select-found", "Edit", "Select what was found", 0, 0, "", "select what is below the nodes that were found",
+     [](Viewer& v, const std::string&) { return v.select_nodes(v.session()->tree().matches()); }},
+    {"hide", "Edit", "Hide", GLFW_KEY_H, 0, "H", "hide what is selected", with_selection<&Document::hide>},
+    {"isolate", "Edit", "Isolate", GLFW_KEY_I, 0, "I", "hide all but what is selected",
+     with_selection<&Document::isolate>},
+    {"ghost-others", "Edit", "Make the rest faint", GLFW_KEY_G, 0, "G", "make all but what is selected faint",
+     with_selection<&Document::ghost_others>},
+    {"show-all", "Edit", "Show all", GLFW_KEY_U, 0, "U", "show what is hidden or faint",
+     [](Viewer& v, const std::string&) { return v.session()->document().show_all(); }},
+
+    {"measure", "Measure", "Set marks", GLFW_KEY_M, 0, "M", "clicks set marks, which snap, and measure between them",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.measure = !v.shown.measure, Done(); },
+     [](Viewer& v) { return v.shown.measure; }},
+    {"measure-selected", "Measure", "Distance of selected items", 0, 0, "",
+     "the shortest distance of two selected items", measure_selected},
+    {"measure-clear", "Measure", "Clear", 0, 0, "", "take marks and distances away",
+     [](Viewer& v, const std::string&) -> Done { return v.session()->measuring().clear(), Done(); }},
+
+    {"section-here", "Section", "Cut at the face under the cursor", GLFW_KEY_X, 0, "X",
+     "cut away what lies in front of the face under the cursor", section_here},
+    {"section-box", "Section", "Cut around the selection", GLFW_KEY_B, 0, "B",
+     "cut away what lies outside the box around what is selected, or around the model", section_box},
+    {"section-clear", "Section", "No sections", GLFW_KEY_X, kShift, "Shift+X", "take all sections away",
+     [](Viewer& v, const std::string&) -> Done { return v.session()->sections().clear(), Done(); }},
+
+    {"focus", "View", "Focus on selection", GLFW_KEY_F, 0, "F", "fit what is selected, or the whole model", focus},
+    {"fit", "View", "Fit all", GLFW_KEY_HOME, 0, "Home", "see the whole model from above",
+     [](Viewer& v, const std::string&) { return look_along(v, core::kOverviewDirection); }},
+    {"front", "View", "Front", GLFW_KEY_1, 0, "1", "look north",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {0, 1, 0});
+     }},
+    {"back", "View", "Back", GLFW_KEY_2, 0, "2", "look south",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {0, -1, 0});
+     }},
+    {"left", "View", "Left", GLFW_KEY_3, 0, "3", "look east",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {1, 0, 0});
+     }},
+    {"right", "View", "Right", GLFW_KEY_4, 0, "4", "look west",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {-1, 0, 0});
+     }},
+    {"top", "View", "Top", GLFW_KEY_5, 0, "5", "look down",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {0, 0, -1});
+     }},
+    {"bottom", "View", "Bottom", GLFW_KEY_6, 0, "6", "look up",
+     [](Viewer& v, const std::string&) {
+       return look_along(v, {0, 0, 1});
+     }},
+    {"zoom-in", nullptr, "", GLFW_KEY_KP_ADD, 0, "Keypad +", "come nearer to the middle", zoom<1>},
+    {"zoom-out", nullptr, "", GLFW_KEY_KP_SUBTRACT, 0, "Keypad -", "go away from it", zoom<-1>},
+    {"orthographic", "View", "Parallel projection", GLFW_KEY_P, 0, "P",
+     "switch between parallel and perspective projection",
+     [](Viewer& v, const std::string&) {
+       return move_camera(v, [](Camera& camera) { camera.set_orthographic(!camera.orthographic()); });
+     },
+     [](Viewer& v) { return v.session()->camera().orthographic(); }},
+    {"camera-back", "View", "Camera back", GLFW_KEY_BACKSPACE, 0, "Backspace", "put the camera back to where it was",
+     [](Viewer& v, const std::string&) -> Done { return v.session()->camera_back(), Done(); }},
+    {"panels", "View", "Panels", GLFW_KEY_TAB, 0, "Tab", "show or hide the panels",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.panels = !v.shown.panels, Done(); },
+     [](Viewer& v) { return v.shown.panels; }, false},
+    {"smooth", "View", "Smooth edges at rest", 0, 0, "",
+     "switch smooth edges, which come when nothing moves, on or off",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.smooth = !v.shown.smooth, Done(); },
+     [](Viewer& v) { return v.shown.smooth; }, false},
+    {"theme", "View", "Light colours", 0, 0, "", "switch between light and dark",
+     [](Viewer& v, const std::string&) -> Done {
+       return v.gui().set_theme(v.gui().theme() == Theme::kDark ? Theme::kLight : Theme::kDark), Done();
+     },
+     [](Viewer& v) { return v.gui().theme() == Theme::kLight; }, false},
+
+    {"freeze", "Culling", "Freeze the culling camera", GLFW_KEY_C, 0, "C",
+     "cull for this view from now on, and look from elsewhere: what it sees nothing of is magenta",
+     [](Viewer& v, const std::string&) -> Done { return v.session()->set_frozen(!v.session()->frozen()), Done(); },
+     [](Viewer& v) { return v.session()->frozen(); }},
+    {"cull-auto", "Culling", "As the scene's size suggests", GLFW_KEY_0, kAlt, "Alt+0",
+     "cull as the scene's size suggests", cull<CullerChoice::kAutomatic>},
+    {"cull-cpu", "Culling", "On the CPU", GLFW_KEY_1, kAlt, "Alt+1", "cull on the CPU", cull<CullerChoice::kCpu>,
+     [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kCpu; }},
+    {"cull-gpu", "Culling", "On the GPU", GLFW_KEY_2, kAlt, "Alt+2", "cull on the GPU", cull<CullerChoice::kGpu>,
+     [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kGpu; }},
+    {"cull-hybrid", "Culling", "Where it costs less", GLFW_KEY_3, kAlt, "Alt+3", "cull where it costs less (hybrid)",
+     cull<CullerChoice::kHybrid>,
+     [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kHybrid; }},
+
+    {"help", "Help", "Keys and mouse", GLFW_KEY_F1, 0, "F1", "show keys and mouse",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.help = !v.shown.help, Done(); },
+     [](Viewer& v) { return v.shown.help; }, false},
+};
+
+constexpr Gesture kGestures[] = {
+    {"left drag", "turn about the point under the cursor"},
+    {"middle drag, Shift + left drag", "move the model along"},
+    {"right drag", "look about"},
+    {"wheel", "come nearer to the point under the cursor"},
+    {"W A S D, Q E", "fly forward, left, back, right; down, up; with Shift faster"},
+    {"click", "select; Ctrl adds or takes away, Shift adds"},
+    {"Ctrl + left drag", "select what lies wholly in a rectangle; drawn from right to left: with any part in it"},
+    {"double click", "focus on what is under the cursor"},
+};
+
+}  // namespace
+
+std::span<const Command> commands() {
+  return kCommands;
+}
+
+std::span<const Gesture> gestures() {
+  return kGestures;
+}
+
+const Command* find_command(const std::string& name) {
+  for (const Command& command : kCommands)
+    if (command.name == name) return &command;
+  return nullptr;
+}
+
+const Command* find_command(int key, int mods) {
+  const int relevant = mods & (kCtrl | kShift | kAlt);
+  for (const Command& command : kCommands)
+    if (command.key != 0 && command.key == key && command.mods == relevant) return &command;
+  return nullptr;
+}
+
+std::string command_list() {
+  std::string text = "Mouse and held keys:\n";
+  char line[200];
+  for (const Gesture& gesture : kGestures) {
+    std::snprintf(line, sizeof line, "  %-31s%s\n", gesture.how, gesture.what);
+    text += line;
+  }
+  text += "Keys, and the names of their commands in scripts:\n";
+  for (const Command& command : kCommands) {
+    std::snprintf(line, sizeof line, "  %-13s %-16s %s\n", command.keys, command.name, command.help);
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace sightline::apps

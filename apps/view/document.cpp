@@ -1,0 +1,181 @@
+#include "sightline/apps/view/document.h"
+
+#include <algorithm>
+#include <array>
+
+#include "sightline/core/snapshot.h"
+
+namespace sightline::apps {
+namespace {
+
+constexpr std::size_t kMostSteps = 100;
+constexpr std::uint8_t kUndone = Document::kSelected | Document::kHidden | Document::kGhost;  // what undo() brings back
+// Blue and orange differ for all kinds of colour blindness.
+constexpr core::vec3 kSelectedColour{0.20f, 0.55f, 1.0f};
+
+std::uint8_t style_bits(std::uint8_t flags) {
+  return flags & std::uint8_t(Document::kSelected | Document::kGhost | Document::kHovered);
+}
+
+engine::ItemStyle style_of(std::uint8_t flags) {
+  engine::ItemStyle style;
+  if ((flags & Document::kSelected) != 0) {
+    style.colour = kSelectedColour;
+    style.outline = true;
+  } else {
+    style.ghost = (flags & Document::kGhost) != 0;
+    style.outline = (flags & Document::kHovered) != 0;
+  }
+  return style;
+}
+
+}  // namespace
+
+Document::Document(const core::Scene& scene, engine::Engine& engine)
+    : scene_(&scene), engine_(&engine), flags_(scene.item_slots()) {}
+
+std::vector<core::ItemId> Document::items_below(core::NodeId node) const {
+  std::vector<core::ItemId> items;
+  scene_->for_each_node(node, [&](core::NodeId below, const auto&...) {
+    for (core::ItemId item = scene_->first_item(below); item != core::kNone; item = scene_->next_item(item))
+      items.push_back(item);
+  });
+  std::sort(items.begin(), items.end());
+  return items;
+}
+
+core::AabbD Document::bounds(std::span<const core::ItemId> items) const {
+  core::AabbD all;
+  for (const core::ItemId item : items) all.grow(scene_->bounds_under(item, scene_->state(item).world_from_item));
+  return all;
+}
+
+std::vector<bool> Document::marked(std::span<const core::ItemId> items) const {
+  std::vector<bool> marks(flags_.size());
+  for (const core::ItemId item : items)
+    if (item < marks.size()) marks[item] = true;
+  return marks;
+}
+
+template <class FlagsOf>
+Document::Changes Document::changes(const FlagsOf& flags_of) const {
+  Changes list;
+  const core::Snapshot& snapshot = engine_->snapshot();
+  for (core::ItemId item = 0; item < flags_.size(); ++item)
+    if (const std::uint8_t flags = flags_of(item); flags != flags_[item] && snapshot.slot(item) != core::kNone)
+      list.push_back({item, flags});
+  return list;
+}
+
+core::Expected<void> Document::select(std::span<const core::ItemId> items, SelectMode mode) {
+  const std::vector<bool> named = marked(items);
+  return step(changes([&](core::ItemId item) {
+    const std::uint8_t flags = flags_[item], without = flags & std::uint8_t(~kSelected);
+    if (!named[item]) return mode == SelectMode::kReplace ? without : flags;
+    if ((flags & kHidden) != 0) return without;
+    if (mode == SelectMode::kToggle) return std::uint8_t(flags ^ kSelected);
+    return std::uint8_t(flags | kSelected);
+  }));
+}
+
+core::Expected<void> Document::hide(std::span<const core::ItemId> items) {
+  const std::vector<bool> named = marked(items);
+  return step(changes([&](core::ItemId item) {
+    return named[item] ? std::uint8_t((flags_[item] | kHidden) & ~kSelected) : flags_[item];
+  }));
+}
+
+core::Expected<void> Document::isolate(std::span<const core::ItemId> items) {
+  const std::vector<bool> named = marked(items);
+  return step(changes([&](core::ItemId item) {
+    return std::uint8_t(named[item] ? flags_[item] & ~(kHidden | kGhost) : (flags_[item] | kHidden) & ~kSelected);
+  }));
+}
+
+core::Expected<void> Document::ghost_others(std::span<const core::ItemId> items) {
+  const std::vector<bool> named = marked(items);
+  return step(changes([&](core::ItemId item) {
+    return std::uint8_t(named[item] ? flags_[item] & ~kGhost : (flags_[item] | kGhost) & ~kSelected);
+  }));
+}
+
+core::Expected<void> Document::show_all() {
+  return step(changes([&](core::ItemId item) { return std::uint8_t(flags_[item] & ~(kHidden | kGhost)); }));
+}
+
+core::Expected<void> Document::step(Changes changes) {
+  if (changes.empty()) return {};
+  auto before = apply(changes);
+  if (!before) return tl::unexpected(before.error());
+  undone_.clear();
+  done_.push_back(std::move(*before));
+  if (done_.size() > kMostSteps) done_.erase(done_.begin());
+  return {};
+}
+
+core::Expected<void> Document::undo() {
+  return take(done_, undone_);
+}
+
+core::Expected<void> Document::redo() {
+  return take(undone_, done_);
+}
+
+core::Expected<void> Document::take(std::vector<Changes>& from, std::vector<Changes>& to) {
+  if (from.empty()) return {};
+  for (Change& change : from.back())
+    change.flags = std::uint8_t((change.flags & kUndone) | (flags_[change.item] & ~kUndone));
+  auto before = apply(from.back());
+  if (!before) return tl::unexpected(before.error());
+  from.pop_back();
+  to.push_back(std::move(*before));
+  return {};
+}
+
+core::Expected<void> Document::hover(std::optional<core::ItemId> item) {
+  if (item == hovered_) return {};
+  Changes changes;
+  if (hovered_) changes.push_back({*hovered_, std::uint8_t(flags_[*hovered_] & ~kHovered)});
+  if (item) changes.push_back({*item, std::uint8_t(flags_[*item] | kHovered)});
+  auto before = apply(changes);
+  if (!before) return tl::unexpected(before.error());
+  hovered_ = item;
+  return {};
+}
+
+/// Returns what brings back the state before.
+core::Expected<Document::Changes> Document::apply(const Changes& changes) {
+  std::array<std::vector<core::ItemId>, 16> styled;  // by style bits
+  std::vector<core::ItemId> hide, show;
+  Changes before;
+  before.reserve(changes.size());
+  bool selects = false;
+  for (const auto& [item, flags] : changes) {
+    const std::uint8_t old = flags_[item], turned = flags ^ old;
+    before.push_back({item, old});
+    if (style_of(flags) != style_of(old)) styled[style_bits(flags)].push_back(item);
+    if ((turned & kHidden) != 0) ((flags & kHidden) != 0 ? hide : show).push_back(item);
+    selects |= (turned & kSelected) != 0;
+  }
+  core::Expected<void> done;
+  for (std::uint8_t bits = 0; bits < styled.size() && done; ++bits)
+    if (!styled[bits].empty()) done = engine_->set_override(styled[bits], style_of(bits));
+  if (done && !hide.empty()) done = engine_->hide(hide);
+  if (done && !show.empty()) done = engine_->show(show);
+  if (!done) return tl::unexpected(done.error());
+  for (const auto& [item, flags] : changes) {
+    const int turned = flags ^ flags_[item];
+    if ((turned & kHidden) != 0) hidden_ += (flags & kHidden) != 0 ? 1 : std::size_t(-1);
+    if ((turned & kGhost) != 0) ghosts_ += (flags & kGhost) != 0 ? 1 : std::size_t(-1);
+    flags_[item] = flags;
+  }
+  if (selects) {
+    selection_.clear();
+    for (core::ItemId item = 0; item < flags_.size(); ++item)
+      if ((flags_[item] & kSelected) != 0) selection_.push_back(item);
+  }
+  ++version_;
+  return before;
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,78 @@
+// What the user has selected, hidden and made faint in a model, with undo. No window, no GL of its own.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sightline/core/error.h"
+#include "sightline/core/scene.h"
+#include "sightline/engine/engine.h"
+
+namespace sightline::apps {
+
+enum class SelectMode { kReplace, kAdd, kToggle };
+
+/// Shows the state of items as overrides of an engine, which are nobody else's.
+class Document {
+ public:
+  enum Flag : std::uint8_t { kSelected = 1, kHidden = 2, kGhost = 4, kHovered = 8 };
+
+  /// Both are borrowed; the scene must not be edited meanwhile.
+  Document(const core::Scene& scene, engine::Engine& engine);
+
+  bool is(core::ItemId item, Flag flag) const { return item < flags_.size() && (flags_[item] & flag) != 0; }
+  std::span<const core::ItemId> selection() const { return selection_; }  ///< in rising order
+  std::size_t hidden() const { return hidden_; }                          ///< number of hidden items
+  std::size_t ghosts() const { return ghosts_; }                          ///< number of faint items
+  /// Items of a subtree, in rising order.
+  std::vector<core::ItemId> items_below(core::NodeId node) const;
+  /// Bounds of items in the world.
+  core::AabbD bounds(std::span<const core::ItemId> items) const;
+
+  // Each of these is one step of undo(), unless it changes nothing. They fail as Engine::set_override() does.
+  core::Expected<void> select(std::span<const core::ItemId> items, SelectMode mode = SelectMode::kReplace);
+  core::Expected<void> hide(std::span<const core::ItemId> items);     ///< hidden items are not selected
+  core::Expected<void> isolate(std::span<const core::ItemId> items);  ///< hides all others
+  core::Expected<void> ghost_others(std::span<const core::ItemId> items);
+  core::Expected<void> show_all();  ///< without ghosts
+
+  core::Expected<void> undo();  ///< nothing where there is nothing to undo
+  core::Expected<void> redo();
+  std::size_t undo_steps() const { return done_.size(); }
+  std::size_t redo_steps() const { return undone_.size(); }
+
+  /// Draws a line around an item that is not selected. No step of undo().
+  core::Expected<void> hover(std::optional<core::ItemId> item);
+  std::optional<core::ItemId> hovered() const { return hovered_; }
+
+  /// Rises whenever the picture changes.
+  std::uint64_t version() const { return version_; }
+
+ private:
+  struct Change {
+    core::ItemId item;
+    std::uint8_t flags;
+  };
+  using Changes = std::vector<Change>;
+
+  /// Flags of all items as `flags_of` says.
+  template <class FlagsOf>
+  Changes changes(const FlagsOf& flags_of) const;
+  core::Expected<void> step(Changes changes);
+  core::Expected<Changes> apply(const Changes& changes);
+  core::Expected<void> take(std::vector<Changes>& from, std::vector<Changes>& to);
+  std::vector<bool> marked(std::span<const core::ItemId> items) const;
+
+  const core::Scene* scene_;
+  engine::Engine* engine_;
+  std::vector<std::uint8_t> flags_;  // by item
+  std::vector<core::ItemId> selection_;
+  std::optional<core::ItemId> hovered_;
+  std::size_t hidden_ = 0, ghosts_ = 0;
+  std::vector<Changes> done_, undone_;  // what brings back the state before, the last one last
+  std::uint64_t version_ = 0;
+};
+
+}  // namespace sightline::apps

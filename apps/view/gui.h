@@ -1,0 +1,54 @@
+// Dear ImGui in the viewer's window: fed with events, so that a script's are as good as the user's.
+#pragma once
+
+#include <deque>
+#include <memory>
+
+#include "sightline/apps/view/window.h"
+
+struct ImGuiContext;
+
+namespace sightline::apps {
+
+enum class Theme { kDark, kLight };
+
+class Gui {
+ public:
+  /// In the window's context, which must outlive it. One at a time.
+  static core::Expected<Gui> create(Window& window, Theme theme);
+  Gui(Gui&&) = default;
+  ~Gui();
+
+  void set_theme(Theme theme);
+  Theme theme() const { return theme_; }
+  double scale() const { return scale_; }
+  /// Height of a line of text with its distance from the next, pixels.
+  float line() const;
+
+  void push(std::vector<Event> events);
+  /// The next frame's events, among which no key or button changes twice: widgets see each state once. More wait.
+  std::vector<Event> take_events();
+  bool has_events() const { return !waiting_.empty(); }
+  /// Whether widgets use an event, as of the last frame.
+  bool uses(const Event& event) const;
+  bool has_text_cursor() const;
+
+  void begin(const std::array<int, 2>& size, double seconds);
+  /// Draws the widgets into the back buffer.
+  void end();
+
+ private:
+  struct Destroy {
+    void operator()(ImGuiContext* context) const;
+  };
+  Gui(Window& window, ImGuiContext* context) : window_(&window), context_(context) {}
+  void load_font();
+
+  Window* window_;
+  std::unique_ptr<ImGuiContext, Destroy> context_;
+  Theme theme_ = Theme::kDark;
+  double scale_ = 1.0;
+  std::deque<Event> waiting_;
+};
+
+}  // namespace sightline::apps

@@ -1,0 +1,37 @@
+// Reads models in the background.
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "sightline/apps/common/model.h"
+
+namespace sightline::apps {
+
+class Loader {
+ public:
+  /// Begins to read, and prints nothing. Calls `ready` from its thread when it is done.
+  Loader(const ModelOptions& options, std::function<void()> ready);
+  /// Cancels what is not done.
+  ~Loader();
+  Loader(const Loader&) = delete;
+  Loader& operator=(const Loader&) = delete;
+
+  const ModelOptions& options() const { return options_; }
+  double progress() const { return progress_; }  ///< 0 to 1
+  void cancel() { cancelled_ = true; }
+  /// The model, committed, once it is ready.
+  std::optional<core::Expected<Model>> take();
+
+ private:
+  void run(const std::function<void()>& ready);
+
+  ModelOptions options_;
+  std::atomic<double> progress_ = 0.0;
+  std::atomic<bool> cancelled_ = false, done_ = false;
+  std::optional<core::Expected<Model>> result_;  // written before done_
+  std::jthread thread_;                          // last: it uses the others
+};
+
+}  // namespace sightline::apps

@@ -1,0 +1,62 @@
+// sightline-view: a window to look at models in, to find and hide their parts, and to see what the culler does.
+
+#include <CLI/CLI.hpp>
+
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/view/commands.h"
+#include "sightline/apps/view/viewer.h"
+
+namespace {
+
+using namespace sightline;
+
+void add_options(CLI::App& app, apps::ViewerOptions& o) {
+  apps::add_model_options(app, o.model);
+  app.get_option("MODEL")->required(false);
+  app.add_option("--size", o.size, "Of the window, in the screen's units")
+      ->capture_default_str()
+      ->check(apps::accepted_by(apps::parse_size));
+  apps::add_culler_option(app, o.culler);
+  apps::add_gpu_pass_option(app, o.gpu_culler);
+  apps::add_shown_options(app, o.shown);
+  apps::add_samples_option(app, o.samples);
+  app.add_option("--path", o.path,
+                 "Play this camera path first; with --frames as so many evenly spaced frames, else in its own time");
+  app.add_option("--save-path", o.save_path, "Where R writes what it has recorded")->capture_default_str();
+  app.add_option("--frames", o.frames, "Quit after so many frames, drawn as fast as they come, without panels")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--script", o.script,
+                 "Carry out the commands of this file, then quit; fails where it expects otherwise")
+      ->check(CLI::ExistingFile);
+  app.add_option("--screenshot", o.screenshot, "Write the last picture, PNG");
+  app.add_option("--json", o.json_file, "Write state and figures as JSON to FILE, or - for stdout, at the end");
+  app.add_flag("!--no-smooth", o.smooth, "Leave edges as they are when nothing moves; scripts begin so");
+  app.add_flag("!--no-panels", o.panels, "Show the model alone");
+  app.add_option("--theme", o.theme, "dark or light")->check(CLI::IsMember({"dark", "light"}))->capture_default_str();
+}
+
+core::Expected<int> view(const apps::ViewerOptions& o) {
+  const auto size = apps::parse_size(o.size);
+  if (!size) return tl::unexpected(size.error());
+  if (o.frames > 0 && o.model.files.empty()) return core::fail("--frames needs a MODEL");
+  auto window = apps::Window::open("Sightline", *size, o.frames == 0 && o.script.empty());
+  if (!window) return tl::unexpected(window.error());
+  auto gui = apps::Gui::create(*window, o.theme == "light" ? apps::Theme::kLight : apps::Theme::kDark);
+  if (!gui) return tl::unexpected(gui.error());
+  return apps::Viewer(o, *window, std::move(*gui)).run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Opens a window to look at models in", "sightline-view");
+  apps::describe(app,
+                 "  sightline-view plant.rvm\n"
+                 "  sightline-view a.rvm b.rvm --culler hybrid --size 1920x1080\n"
+                 "  sightline-view plant.rvm --path flight.json --frames 300 --screenshot last.png --json -\n"
+                 "  sightline-view plant.rvm --script tour.txt\n" +
+                     apps::command_list());
+  apps::ViewerOptions options;
+  add_options(app, options);
+  return apps::run(app, argc, argv, [&] { return view(options); });
+}

@@ -1,0 +1,92 @@
+#include "sightline/apps/view/measuring.h"
+
+#include <cstdio>
+#include <variant>
+
+namespace sightline::apps {
+namespace {
+
+std::string metres(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6f m", value);
+  return text;
+}
+
+std::string degrees(double radians) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4f°", glm::degrees(radians));
+  return text;
+}
+
+std::string place(const core::dvec3& p) {
+  char text[120];
+  std::snprintf(text, sizeof text, "%.6f  %.6f  %.6f", p.x, p.y, p.z);
+  return text;
+}
+
+/// The angle of two features, and the distance of two axes.
+void relation_rows(const measure::Feature& a, const measure::Feature& b, std::vector<Measuring::Row>& rows) {
+  if (const auto angle = measure::angle(a.geometry, b.geometry)) rows.emplace_back("angle", degrees(*angle));
+  const auto *first = std::get_if<measure::Segment>(&a.geometry), *second = std::get_if<measure::Segment>(&b.geometry);
+  if (!first || !second) return;
+  const measure::AxisDistance axes = measure::axis_distance(*first, *second);
+  rows.emplace_back(axes.parallel ? "between the axes" : "between the lines", metres(axes.shortest.distance));
+}
+
+}  // namespace
+
+core::Expected<measure::Item> measured_item(const core::Scene& scene, core::ItemId item) {
+  const core::Affine world_from_item = scene.state(item).world_from_item;
+  if (int(scene.kind(item)) < core::kPrimitiveKindCount)
+    return measure::Item::create(scene.primitive(item), world_from_item);
+  return measure::Item::create(scene.mesh(scene.mesh_of(item)), world_from_item);
+}
+
+void Measuring::clear() {
+  marks_.clear();
+  distance_.reset();
+  of_items_ = false;
+}
+
+core::Expected<void> Measuring::add(const core::Scene& scene, core::ItemId item, const measure::Snap& snap) {
+  Mark mark{item, snap, {}};
+  if (int(scene.kind(item)) < core::kPrimitiveKindCount) {
+    auto dimensions = measure::dimensions(scene.primitive(item), scene.state(item).world_from_item);
+    if (!dimensions) return tl::unexpected(dimensions.error());
+    mark.dimensions = std::move(*dimensions);
+  }
+  if (of_items_ || marks_.size() == 2) clear();
+  marks_.push_back(std::move(mark));
+  if (marks_.size() == 2) distance_ = measure::distance(marks_[0].snap.point, marks_[1].snap.point);
+  return {};
+}
+
+core::Expected<void> Measuring::between(const core::Scene& scene, core::ItemId a, core::ItemId b) {
+  const auto first = measured_item(scene, a), second = measured_item(scene, b);
+  if (!first) return tl::unexpected(first.error());
+  if (!second) return tl::unexpected(second.error());
+  clear();
+  distance_ = measure::distance(*first, *second);
+  of_items_ = true;
+  return {};
+}
+
+std::vector<Measuring::Row> Measuring::rows() const {
+  std::vector<Row> rows;
+  for (const Mark& mark : marks_) {
+    rows.emplace_back(&mark == &marks_[0] ? "first" : "second", mark.snap.words);
+    rows.emplace_back("at", place(mark.snap.point));
+    for (const measure::Dimension& dimension : mark.dimensions)
+      rows.emplace_back(dimension.name, dimension.angle ? degrees(dimension.value) : metres(dimension.value));
+  }
+  if (!distance_) return rows;
+  rows.emplace_back(of_items_ ? "shortest distance" : "distance",
+                    distance_->touching ? "0, they touch" : metres(distance_->distance));
+  if (distance_->error > 1e-6) rows.emplace_back("less by at most", metres(distance_->error));
+  rows.emplace_back("elevation", metres(distance_->rise()));
+  rows.emplace_back("along x, y, z", place(distance_->to - distance_->from));
+  if (marks_.size() == 2) relation_rows(marks_[0].snap.feature, marks_[1].snap.feature, rows);
+  return rows;
+}
+
+}  // namespace sightline::apps

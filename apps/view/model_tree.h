@@ -1,0 +1,45 @@
+// The scene's tree as the viewer shows it: rows, and the search typed above them. No window.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sightline/apps/view/name_search.h"
+#include "sightline/apps/view/tree_rows.h"
+
+namespace sightline::apps {
+
+class ModelTree {
+ public:
+  /// The scene is borrowed, and must not be edited. Names are indexed in the background.
+  explicit ModelTree(const core::Scene& scene);
+
+  TreeRows& rows() { return rows_; }
+
+  /// Shows the nodes that match, and their ancestors; an empty text: all nodes. Waits for the index.
+  void find(const NameQuery& query);
+  const NameQuery& query() const { return query_; }
+  const std::vector<core::NodeId>& matches() const { return matches_.nodes; }  ///< those that have rows
+  std::size_t match_count() const { return matches_.count; }
+  const std::string& error() const { return error_; }  ///< of a regular expression; empty without one
+  double find_ms() const { return find_ms_; }          ///< what the last find() took
+
+  /// Expands what is above a node; the list should scroll there.
+  void reveal(core::NodeId node);
+  /// The row to scroll to, once.
+  std::optional<std::size_t> take_revealed();
+
+ private:
+  NameIndex index_;
+  TreeRows rows_;
+  NameQuery query_;
+  NameMatches matches_;
+  std::string error_;
+  std::optional<std::size_t> revealed_;
+  double find_ms_ = 0.0;
+  std::jthread indexing_;  // last: it writes index_
+};
+
+}  // namespace sightline::apps

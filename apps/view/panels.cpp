@@ -1,0 +1,112 @@
+#include "sightline/apps/view/panels.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+
+#include <imgui.h>
+
+#include "sightline/apps/view/commands.h"
+#include "sightline/apps/view/widgets.h"
+
+namespace sightline::apps {
+namespace {
+
+constexpr float kTreeWidth = 19.0f, kSideWidth = 21.0f;  // in lines of text
+float bar_height() {
+  return ImGui::GetFrameHeight();
+}
+
+}  // namespace
+
+Margins margins() {
+  const float font = ImGui::GetFontSize(), bar = bar_height();
+  const float wide = ImGui::GetIO().DisplaySize.x;
+  const float side = std::min(kSideWidth * font, 0.3f * wide), tree = std::min(kTreeWidth * font, 0.27f * wide);
+  return {int(tree), int(side), int(bar), int(bar)};
+}
+
+void menu_bar(Viewer& viewer) {
+  if (!ImGui::BeginMainMenuBar()) return;
+  const char* group = "";
+  bool open = false;
+  for (const Command& command : commands()) {
+    if (!command.group) continue;
+    if (std::string_view(group) != command.group) {
+      if (open) ImGui::EndMenu();
+      open = ImGui::BeginMenu(command.group);
+      group = command.group;
+    }
+    const bool enabled = !command.needs_model || viewer.session();
+    if (!open) continue;
+    const bool on = enabled && command.on && command.on(viewer);
+    if (ImGui::MenuItem(command.title, command.keys, on, enabled)) run(viewer, command);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", command.help);
+  }
+  if (open) ImGui::EndMenu();
+  ImGui::EndMainMenuBar();
+}
+
+void side_panel(Viewer& viewer) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const Margins m = margins();
+  begin_fixed("##side", size.x - float(m.right), float(m.top), float(m.right), size.y - float(m.top + m.bottom),
+              ImGuiWindowFlags_NoTitleBar);
+  if (viewer.session() && ImGui::BeginTabBar("##tabs")) {
+    if (ImGui::BeginTabItem("Properties")) {
+      properties_tab(viewer);
+      ImGui::EndTabItem();
+    }
+    if (ImGui::BeginTabItem("Measure")) {
+      measure_tab(viewer);
+      ImGui::EndTabItem();
+    }
+    if (ImGui::BeginTabItem("Sections")) {
+      sections_tab(viewer);
+      ImGui::EndTabItem();
+    }
+    if (ImGui::BeginTabItem("Culling")) {
+      culling_tab(viewer);
+      ImGui::EndTabItem();
+    }
+    ImGui::EndTabBar();
+  }
+  ImGui::End();
+}
+
+void status_bar(Viewer& viewer) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const float bar = bar_height();
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
+                      {ImGui::GetStyle().WindowPadding.x, ImGui::GetStyle().FramePadding.y});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1.0f, 1.0f});
+  begin_fixed("##status", 0.0f, size.y - bar, size.x, bar, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar);
+  if (Session* session = viewer.session()) {
+    const Document& document = session->document();
+    ImGui::Text("%s items, %s in view, %s selected, %s hidden",
+                grouped(std::int64_t(session->scene().item_count())).c_str(), grouped(session->visible()).c_str(),
+                grouped(std::int64_t(document.selection().size())).c_str(),
+                grouped(std::int64_t(document.hidden())).c_str());
+    ImGui::SameLine(0.0f, 2.0f * ImGui::GetFontSize());
+    ImGui::Text("%s, cull %.3f ms, picture %.1f ms%s%s", name_of(session->report().culler).data(),
+                session->report().cull_ms, session->report().cull_ms + session->report().draw_ms,
+                session->frozen() ? ", culling camera frozen" : "", viewer.recording() ? ", recording" : "");
+    ImGui::SameLine(0.0f, 2.0f * ImGui::GetFontSize());
+  }
+  if (viewer.message_is_error())
+    ImGui::TextColored({0.95f, 0.45f, 0.25f, 1.0f}, "%s", viewer.message().c_str());
+  else
+    ImGui::TextUnformatted(viewer.message().c_str());
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+}
+
+void item_tip(Viewer& viewer, core::ItemId item) {
+  const core::Scene& scene = viewer.session()->scene();
+  core::NodeId named = scene.node_of(item);
+  while (named.valid() && scene.name(named).empty()) named = scene.parent(named);
+  ImGui::SetTooltip("%s%s%s", named.valid() ? std::string(scene.name(named)).c_str() : "", named.valid() ? "\n" : "",
+                    std::string(core::name_of(scene.kind(item))).c_str());
+}
+
+}  // namespace sightline::apps

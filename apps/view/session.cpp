@@ -1,0 +1,147 @@
+#include "sightline/apps/view/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sightline/raytrace/tracer.h"
+
+namespace sightline::apps {
+namespace {
+
+constexpr std::size_t kMostPlaces = 200;
+
+}  // namespace
+
+core::Expected<std::unique_ptr<Session>> Session::open(Model model, const engine::EngineConfig& config) {
+  auto engine = engine::Engine::create(*model.scene, config);
+  if (!engine) return tl::unexpected(engine.error());
+  if (auto traced = engine->pick(raytrace::Ray{}); !traced) return tl::unexpected(traced.error());
+  return std::unique_ptr<Session>(new Session(std::move(model), std::move(*engine), config));
+}
+
+Session::Session(Model model, engine::Engine engine, const engine::EngineConfig& config)
+    : model_(std::move(model)),
+      engine_(std::move(engine)),
+      document_(*model_.scene, engine_),
+      tree_(*model_.scene),
+      bounds_(engine_.snapshot().bounds().fitted_bounds()),
+      size_{config.width, config.height},
+      camera_(bounds_.bounds, kFovy, aspect()),
+      smooths_(config.samples == 1 && config.budget_ms == 0.0) {}
+
+core::Expected<void> Session::resize(const std::array<int, 2>& size) {
+  if (size == size_) return {};
+  if (auto done = engine_.resize(size[0], size[1]); !done) return done;
+  size_ = size;
+  changed();
+  return {};
+}
+
+core::Expected<core::View> Session::view(const core::dvec2& shift) const {
+  auto view = camera_.view(aspect(), shift);
+  if (view) view->sections = sections_.planes();
+  return view;
+}
+
+bool Session::stale() const {
+  const auto seen = view();
+  return !drawn_ || report_.pending > 0 || drawn_version_ != document_.version() ||
+         (seen && !core::same_picture(*seen, *drawn_));
+}
+
+core::Expected<bool> Session::draw() {
+  if (!stale()) return false;
+  const auto seen = view();
+  if (!seen) return tl::unexpected(seen.error());
+  const auto report = engine_.frame(*seen, frozen_.value_or(*seen));
+  if (!report) return tl::unexpected(report.error());
+  if (!report->drawn) return core::fail("the GL context was lost");
+  drawn_ = *seen;
+  drawn_version_ = document_.version();
+  resting_.clear();
+  report_ = *report;
+  if (report->visible >= 0) visible_ = report->visible;
+  while (const auto late = engine_.take_late_report()) visible_ = late->visible;
+  return true;
+}
+
+core::Expected<void> Session::refine() {
+  if (!refining()) return {};
+  const core::dvec2 shift = resting_.shift() / core::dvec2(size_[0], size_[1]);
+  const auto view = this->view(shift);
+  if (!view) return tl::unexpected(view.error());
+  if (const auto report = engine_.frame(*view, frozen_.value_or(*view)); !report) return tl::unexpected(report.error());
+  const auto picture = engine_.read_colour();
+  if (!picture) return tl::unexpected(picture.error());
+  resting_.add(*picture);
+  if (resting_.complete()) mean_ = resting_.mean();
+  return {};
+}
+
+core::Expected<std::optional<engine::Pick>> Session::pick(const core::dvec2& at) {
+  const auto seen = view();
+  if (!seen) return tl::unexpected(seen.error());
+  return engine_.pick(*seen, at.x, at.y);
+}
+
+core::Expected<std::optional<Session::Aimed>> Session::aim(const core::dvec2& at, double reach) {
+  const auto seen = view();
+  if (!seen) return tl::unexpected(seen.error());
+  const auto hit = engine_.pick(*seen, at.x, at.y);
+  if (!hit) return tl::unexpected(hit.error());
+  const auto ray = raytrace::pixel_ray(*seen, size_[0], size_[1], at.x, at.y);
+  if (!*hit || !ray) return std::nullopt;
+  const auto item = measured_item(scene(), (*hit)->item);
+  if (!item) return tl::unexpected(item.error());
+  const double per_pixel = 2.0 * std::tan(0.5 * camera_.fovy()) / size_[1];  // at the distance of one metre
+  measure::Aim aim{(*hit)->point, 0.0, measure::AimRay{ray->origin, ray->direction, 0.0}};
+  if (camera_.orthographic())
+    aim.radius = reach * per_pixel * glm::length(camera_.pose().target - camera_.pose().eye);
+  else
+    aim.ray->slope = reach * per_pixel;
+  const auto snap = measure::snap(*item, aim, seen->sections, seen->section_mode);
+  if (!snap) return std::nullopt;
+  return Aimed{(*hit)->item, *snap};
+}
+
+core::dvec3 Session::point_at(const core::dvec2& at) {
+  const core::Pose& pose = camera_.pose();
+  const auto seen = view();
+  if (!seen) return pose.target;
+  if (const auto hit = engine_.pick(*seen, at.x, at.y); hit && *hit) return (*hit)->point;
+  const core::dvec3 ahead = glm::normalize(pose.target - pose.eye);
+  const auto ray = raytrace::pixel_ray(*seen, size_[0], size_[1], at.x, at.y);
+  const double along = ray ? glm::dot(ray->direction, ahead) : 0.0;
+  if (!(along > 0.0)) return pose.target;
+  return ray->origin + ray->direction * (glm::dot(pose.target - ray->origin, ahead) / along);
+}
+
+void Session::remember() {
+  const core::Pose& pose = camera_.pose();
+  if (!places_.empty() && places_.back().first.eye == pose.eye && places_.back().first.target == pose.target) return;
+  places_.emplace_back(pose, camera_.orthographic());
+  if (places_.size() > kMostPlaces) places_.erase(places_.begin());
+}
+
+void Session::camera_back() {
+  const core::dvec3 eye = camera_.pose().eye;
+  while (!places_.empty() && places_.back().first.eye == eye && places_.size() > 1) places_.pop_back();
+  if (places_.empty()) return;
+  camera_.set_pose(places_.back().first);
+  camera_.set_orthographic(places_.back().second);
+  places_.pop_back();
+}
+
+void Session::set_frozen(bool frozen) {
+  frozen_ = frozen ? drawn_ : std::nullopt;
+  changed();
+}
+
+core::Expected<void> Session::set_culler(engine::CullerChoice choice) {
+  auto done = engine_.set_culler(choice);
+  changed();
+  return done;
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,113 @@
+// A model that is open: what is drawn of it, and from where.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/view/camera.h"
+#include "sightline/apps/view/document.h"
+#include "sightline/apps/view/measuring.h"
+#include "sightline/apps/view/model_tree.h"
+#include "sightline/apps/view/resting_picture.h"
+#include "sightline/apps/view/sections.h"
+#include "sightline/engine/engine.h"
+#include "sightline/engine/pick.h"
+
+namespace sightline::apps {
+
+class Session {
+ public:
+  /// `config`: of the picture, with its size. The engine's tracer is built here, so that no pick waits for it.
+  static core::Expected<std::unique_ptr<Session>> open(Model model, const engine::EngineConfig& config);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  const core::Scene& scene() const { return *model_.scene; }
+  const core::dvec3& offset() const { return model_.offset; }
+  engine::Engine& engine() { return engine_; }
+  const engine::Engine& engine() const { return engine_; }
+  Document& document() { return document_; }
+  const Document& document() const { return document_; }
+  Camera& camera() { return camera_; }
+  const Camera& camera() const { return camera_; }
+  ModelTree& tree() { return tree_; }
+  const ModelTree& tree() const { return tree_; }
+  Measuring& measuring() { return measuring_; }
+  const Measuring& measuring() const { return measuring_; }
+  const core::FittedBounds& bounds() const { return bounds_; }
+
+  Sections& sections() { return sections_; }
+  const Sections& sections() const { return sections_; }
+
+  /// What the picture shows now: the camera's view, cut by the sections; `shift` as Camera::view() has it.
+  core::Expected<core::View> view(const core::dvec2& shift = core::dvec2(0.0)) const;
+  double aspect() const { return double(size_[0]) / size_[1]; }
+  const std::array<int, 2>& size() const { return size_; }
+  core::Expected<void> resize(const std::array<int, 2>& size);
+
+  /// Draws a frame unless it would be the last one again. True where it has drawn.
+  core::Expected<bool> draw();
+  /// Whether draw() would draw.
+  bool stale() const;
+  /// Makes the next draw() draw.
+  void changed() {
+    drawn_.reset();
+    resting_.clear();
+  }
+  /// Draws one more of the pictures whose mean has smooth edges; nothing once they are complete, while the picture is
+  /// stale, or where a budget or multisampling leave none to draw.
+  core::Expected<void> refine();
+  bool refining() const { return smooths_ && !stale() && !resting_.complete(); }
+  bool partly_refined() const { return resting_.count() > 0 && !resting_.complete(); }
+  /// That mean; null until it is complete and while something has changed.
+  const image::Image* smooth() const { return !stale() && resting_.complete() ? &mean_ : nullptr; }
+  const std::optional<core::View>& drawn() const { return drawn_; }  ///< the view of the picture
+  const engine::FrameReport& report() const { return report_; }
+  std::int64_t visible() const { return visible_; }  ///< items in the view volume, as last known
+
+  /// What the picture shows at a point, pixels from its upper left corner.
+  core::Expected<std::optional<engine::Pick>> pick(const core::dvec2& at);
+  /// The feature that a point of the picture is nearest to, within `reach` pixels, and its item.
+  struct Aimed {
+    core::ItemId item;
+    measure::Snap snap;
+  };
+  core::Expected<std::optional<Aimed>> aim(const core::dvec2& at, double reach);
+  /// That point in the world, or where nothing is one as far away as the camera's target.
+  core::dvec3 point_at(const core::dvec2& at);
+
+  /// Puts the camera back to where it was before its last motions, each of which begins with remember().
+  void camera_back();
+  void remember();
+
+  bool frozen() const { return frozen_.has_value(); }
+  /// Culls for this view from now on, or again for the camera's.
+  void set_frozen(bool frozen);
+  core::Expected<void> set_culler(engine::CullerChoice choice);
+
+ private:
+  Session(Model model, engine::Engine engine, const engine::EngineConfig& config);
+
+  Model model_;
+  engine::Engine engine_;
+  Document document_;
+  ModelTree tree_;
+  Measuring measuring_;
+  Sections sections_;
+  core::FittedBounds bounds_;
+  std::array<int, 2> size_;
+  Camera camera_;
+  std::vector<std::pair<core::Pose, bool>> places_;  // pose, orthographic
+  std::optional<core::View> drawn_, frozen_;
+  std::uint64_t drawn_version_ = 0;
+  bool smooths_;
+  RestingPicture resting_;
+  image::Image mean_;
+  engine::FrameReport report_;
+  std::int64_t visible_ = 0;
+};
+
+}  // namespace sightline::apps

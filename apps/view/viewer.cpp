@@ -1,0 +1,453 @@
+#include "sightline/apps/view/viewer.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/blank.h"
+#include "sightline/apps/common/frame_words.h"
+#include "sightline/apps/common/statistics.h"
+#include "sightline/apps/view/commands.h"
+#include "sightline/apps/view/panels.h"
+#include "sightline/apps/view/viewpoint.h"
+#include "sightline/image/image.h"
+#include "sightline/importers/view_json.h"
+
+namespace sightline::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Type = Event::Type;
+
+constexpr core::vec3 kHiddenColour{0.85f, 0.1f, 0.55f};
+constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 0.9f};
+constexpr double kLongestStep = 0.25;  // seconds: a hitch must not make the camera jump
+constexpr int kSettlingFrames = 3;     // after an event: widgets take some to come to rest
+constexpr std::size_t kRecentFrames = 240, kRecentFiles = 10;
+constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;  // seconds
+
+/// For example "screenshot-1.png", or the next number that no file has.
+std::string free_name(const std::string& stem, const std::string& extension) {
+  for (int i = 1;; ++i)
+    if (std::string name = stem + "-" + std::to_string(i) + extension; !std::filesystem::exists(name)) return name;
+}
+
+std::string name_of_files(const std::vector<std::string>& files) {
+  std::string name = files.empty() ? "" : std::filesystem::path(files[0]).filename().string();
+  if (files.size() > 1) name += " and " + std::to_string(files.size() - 1) + " more";
+  return name;
+}
+
+Json vector_json(const core::dvec3& v) {
+  return Json::array({v.x, v.y, v.z});
+}
+
+Json measure_json(const Measuring& measuring) {
+  Json json{{"marks", measuring.marks().size()}, {"rows", Json::object()}};
+  for (const auto& [what, value] : measuring.rows()) json["rows"][what] = value;
+  if (measuring.distance()) json["distance"] = measuring.distance()->distance;
+  return json;
+}
+
+}  // namespace
+
+Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui)
+    : options_(options), window_(window), gui_(std::move(gui)) {
+  shown.panels = options.panels && options.frames == 0;
+  shown.smooth = options.smooth && options.script.empty();
+  if (!options.model.files.empty()) open(options.model.files);
+}
+
+// --- the loop --------------------------------------------------------------------------------------------------------
+
+core::Expected<int> Viewer::run() {
+  if (auto done = read_path(); !done) return tl::unexpected(done.error());
+  if (!options_.script.empty()) {
+    auto script = read_script(options_.script);
+    if (!script) return tl::unexpected(script.error());
+    script_ = std::move(*script);
+  }
+  double last = glfwGetTime();
+  while (!window_.closing() && (options_.frames == 0 || frames_ < options_.frames)) {
+    const bool busy = !settled() || next_step_ < script_.size();
+    gui_.push(window_.poll(loader_ ? kLoadingWait : busy ? 0.0 : kIdleWait));
+    if (window_.closing()) break;
+    if (!busy && !gui_.has_events()) continue;  // nothing to draw
+    if (auto done = land(); !done) return tl::unexpected(done.error());
+    if (settled() && next_step_ < script_.size())
+      if (auto done = step_script(); !done) return tl::unexpected(done.error());
+    if (settled_but_for_edges() && refining()) {
+      if (auto done = session_->refine(); !done) return tl::unexpected(done.error());
+      redraws_ = session_->refining() ? 0 : 1;
+      if (redraws_ == 0) continue;
+    }
+    const double now = glfwGetTime();
+    if (auto done = frame(now - std::exchange(last, now)); !done) return tl::unexpected(done.error());
+  }
+  if (auto done = finish(); !done) return tl::unexpected(done.error());
+  return kExitOk;
+}
+
+/// Nothing will change by itself.
+bool Viewer::settled() const {
+  return settled_but_for_edges() && !refining();
+}
+
+bool Viewer::refining() const {
+  return shown.smooth && options_.frames == 0 && session_ && session_->refining();
+}
+
+bool Viewer::settled_but_for_edges() const {
+  const bool flies = std::any_of(held_.begin(), held_.end(), [](int key) {
+    return key == GLFW_KEY_W || key == GLFW_KEY_A || key == GLFW_KEY_S || key == GLFW_KEY_D || key == GLFW_KEY_Q ||
+           key == GLFW_KEY_E;
+  });
+  if (loader_ || redraws_ > 0 || gui_.has_events() || playing_ || flies || !window_shot_.empty()) return false;
+  if (options_.frames > 0 || glfwGetTime() < wait_until_) return false;
+  return !session_ || !session_->stale();
+}
+
+void Viewer::open(const std::vector<std::string>& files) {
+  ModelOptions model = options_.model;
+  model.files = files;
+  loader_ = std::make_unique<Loader>(model, &Window::wake);
+  shown.open = false;
+  tell("reading " + name_of_files(files));
+}
+
+void Viewer::cancel_loading() {
+  if (loader_) loader_->cancel();
+}
+
+/// Shows the model that was being read, once it is there. What is open stays where the file cannot be read.
+core::Expected<void> Viewer::land() {
+  if (!loader_) return {};
+  auto model = loader_->take();
+  if (!model) return {};
+  const std::vector<std::string> files = loader_->options().files;
+  loader_.reset();
+  redraws_ = kSettlingFrames;
+  const bool first = !session_ && files == options_.model.files;
+  const auto failed = [&](const core::Error& error) -> core::Expected<void> {
+    if (first && (options_.frames > 0 || !options_.script.empty())) return tl::unexpected(error);
+    tell(error.message, true);
+    if (first) std::fprintf(stderr, "sightline-view: %s\n", error.message.c_str());
+    return {};
+  };
+  if (!*model) return failed(model->error());
+  part_ = viewport();
+  engine::EngineConfig config;
+  config.draw = true;
+  config.width = part_.width;
+  config.height = part_.height;
+  config.culler = options_.culler;
+  config.gpu_culler = options_.gpu_culler;
+  config.samples = options_.samples;
+  options_.shown.apply(config);
+  config.hidden_colour = kHiddenColour;
+  config.context = &window_.context();
+  print_warnings((*model)->report.warnings);
+  session_.reset();  // its memory first
+  auto session = Session::open(std::move(**model), config);
+  if (!session) return failed(session.error());
+  session_ = std::move(*session);
+  files_ = files;
+  for (const std::string& file : files) {
+    std::erase(recent_files_, file);
+    recent_files_.insert(recent_files_.begin(), file);
+  }
+  recent_files_.resize(std::min(recent_files_.size(), kRecentFiles));
+  warn_of_outliers(session_->bounds());
+  if (options_.model.explain) explain(session_->engine().plan());
+  if (path_) session_->camera().set_planes(path_->near, path_->far);
+  playing_ = path_.has_value();
+  window_.set_title(name_of_files(files) + " - Sightline");
+  tell(std::to_string(session_->scene().item_count()) + " items");
+  return {};
+}
+
+core::Expected<void> Viewer::read_path() {
+  if (options_.path.empty()) return {};
+  auto path = importers::read_path(options_.path);
+  if (path && !options_.model.translate.empty())
+    path = importers::translated(*path, *parse_vector(options_.model.translate));
+  if (!path) return tl::unexpected(path.error());
+  path_ = std::move(*path);
+  return {};
+}
+
+core::Expected<void> Viewer::frame(double seconds) {
+  for (const Event& event : gui_.take_events()) {
+    redraws_ = kSettlingFrames;
+    if (!gui_.uses(event) || event.type == Type::kDrop || (event.type == Type::kButton && !event.down) ||
+        (event.type == Type::kKey && !event.down) || (event.type == Type::kCursor && drag_))
+      handle(event);
+  }
+  fly(std::min(seconds, kLongestStep));
+  play();
+  hover();
+  const std::array<int, 2> size = window_.size();
+  gui_.begin(size, seconds);
+  if (shown.panels) {
+    menu_bar(*this);
+    tree_panel(*this);
+    side_panel(*this);
+    status_bar(*this);
+  }
+  if (shown.help) help_window(*this);
+  if (shown.open) open_window(*this);
+  if (loader_) loading_window(*this);
+  if (session_ && session_->document().hovered() && !drag_ && !shown.measure)
+    item_tip(*this, *session_->document().hovered());
+  draw_rectangle();
+  measure_overlay(*this, viewport());
+  window_.clear(gui_.theme() == Theme::kDark ? kEmptyDark : kEmptyLight);
+  if (auto done = draw_model(viewport()); !done) return done;
+  gui_.end();
+  if (!window_shot_.empty()) {
+    auto written = image::write_png(window_.read(), std::exchange(window_shot_, {}));
+    if (!written) return written;
+  }
+  window_.present();
+  redraws_ = std::max(0, redraws_ - 1);
+  return {};
+}
+
+core::Expected<void> Viewer::draw_model(const Part& part) {
+  if (!session_ || part.width <= 0 || part.height <= 0) return {};
+  part_ = part;
+  if (auto done = session_->resize({part.width, part.height}); !done) return done;
+  if (options_.frames > 0 || session_->partly_refined()) session_->changed();
+  const auto drawn = session_->draw();
+  if (!drawn) return tl::unexpected(drawn.error());
+  if (*drawn) note_picture();
+  if (const image::Image* smooth = session_->smooth(); smooth && shown.smooth) return window_.copy(*smooth, part);
+  window_.copy(session_->engine().framebuffer().value_or(0), part);
+  return {};
+}
+
+void Viewer::note_picture() {
+  const engine::FrameReport& report = session_->report();
+  ++frames_;
+  if (recorder_) recorder_->add(glfwGetTime(), {session_->camera().pose(), session_->camera().fovy()});
+  if (!options_.json_file.empty()) {
+    cull_ms_.push_back(report.cull_ms);
+    if (report.frame_ms > 0.0) frame_ms_.push_back(report.frame_ms);
+  }
+  recent_ms_.push_back(report.cull_ms + report.draw_ms);
+  if (recent_ms_.size() > kRecentFrames) recent_ms_.erase(recent_ms_.begin());
+}
+
+/// Where the model is drawn: between the panels.
+Part Viewer::viewport() const {
+  const std::array<int, 2> size = window_.size();
+  if (!shown.panels) return {0, 0, size[0], size[1]};
+  const Margins m = margins();
+  return {m.left, m.bottom, std::max(1, size[0] - m.left - m.right), std::max(1, size[1] - m.top - m.bottom)};
+}
+
+// --- the script ------------------------------------------------------------------------------------------------------
+
+core::Expected<void> Viewer::step_script() {
+  const ScriptStep& step = script_[next_step_++];
+  if (auto done = carry_out(step); !done)
+    return core::fail(options_.script + ":" + std::to_string(step.line) + ": " + done.error().message);
+  redraws_ = kSettlingFrames;
+  if (next_step_ == script_.size()) quit();
+  return {};
+}
+
+core::Expected<void> Viewer::carry_out(const ScriptStep& step) {
+  auto events = events_of(step);
+  if (!events) return tl::unexpected(events.error());
+  if (!events->empty()) {
+    if (step.name == "wheel") events->front().at = cursor_;
+    gui_.push(std::move(*events));
+    return {};
+  }
+  if (step.name == "expect") return expect(step.argument);
+  if (step.name == "window-shot") {
+    window_shot_ = step.argument;
+    return {};
+  }
+  if (step.name == "resize") {
+    const auto size = parse_size(step.argument);
+    if (!size) return tl::unexpected(size.error());
+    window_.resize(*size);
+    wait_until_ = glfwGetTime() + 0.2;  // the window system answers later
+    return {};
+  }
+  if (step.name == "wait") {
+    const auto seconds = parse_finite(step.argument);
+    if (!seconds) return tl::unexpected(seconds.error());
+    wait_until_ = glfwGetTime() + *seconds;
+    return {};
+  }
+  const Command* command = find_command(step.name);
+  if (!command) return core::fail("no command " + step.name);
+  if (command->needs_model && !session_) return core::fail(step.name + ": no model is open");
+  return command->run(*this, step.argument);
+}
+
+core::Expected<void> Viewer::expect(const std::string& argument) {
+  const std::size_t space = argument.find(' ');
+  const std::string pointer = argument.substr(0, space),
+                    demand = space == std::string::npos ? "" : argument.substr(space + 1);
+  const Json all = state();
+  Json value;
+  try {
+    value = all.at(Json::json_pointer(pointer));
+  } catch (const Json::exception&) {
+    return core::fail("expect: the state has no " + pointer);
+  }
+  const auto good = fulfils(value.dump(), demand);
+  if (!good) return tl::unexpected(good.error());
+  if (!*good) return core::fail("expected " + argument + ", found " + value.dump());
+  return {};
+}
+
+// --- what moves by itself --------------------------------------------------------------------------------------------
+
+void Viewer::play() {
+  if (!session_ || !playing_) return;
+  double share = 1.0;
+  if (options_.frames > 0) {
+    share = options_.frames > 1 ? double(frames_) / (options_.frames - 1) : 0.0;
+  } else if (path_->end() > path_->begin()) {
+    if (play_began_ < 0.0) play_began_ = glfwGetTime();
+    share = std::min(1.0, (glfwGetTime() - play_began_) / (path_->end() - path_->begin()));
+  }
+  const core::CameraSample sample = path_->sample(path_->begin() + share * (path_->end() - path_->begin()));
+  session_->camera().set_pose(sample.pose);
+  session_->camera().set_fovy(sample.fovy);
+  playing_ = share < 1.0;
+}
+
+// --- what commands do ------------------------------------------------------------------------------------------------
+
+void Viewer::tell(std::string message, bool error) {
+  message_ = std::move(message);
+  message_is_error_ = error;
+  redraws_ = kSettlingFrames;
+}
+
+core::Expected<std::optional<engine::Pick>> Viewer::under_cursor() {
+  if (!in_viewport(cursor_)) return std::optional<engine::Pick>();
+  return session_->pick(in_picture(cursor_));
+}
+
+core::Expected<void> Viewer::select_nodes(const std::vector<core::NodeId>& nodes) {
+  std::vector<core::ItemId> items;
+  for (const core::NodeId node : nodes) {
+    const std::vector<core::ItemId> below = session_->document().items_below(node);
+    items.insert(items.end(), below.begin(), below.end());
+  }
+  return session_->document().select(items);
+}
+
+core::Expected<void> Viewer::write_screenshot(const std::string& file) {
+  const std::string name = file.empty() ? free_name("screenshot", ".png") : file;
+  const image::Image* smooth = shown.smooth ? session_->smooth() : nullptr;
+  const auto picture = smooth ? core::Expected<image::Image>(*smooth) : session_->engine().read_colour();
+  if (!picture) return tl::unexpected(picture.error());
+  if (auto done = image::write_png(*picture, name); !done) return done;
+  warn_if_blank(session_->engine(), session_->visible(), name);
+  tell("picture: " + name);
+  return {};
+}
+
+core::Expected<void> Viewer::save_view(const std::string& file) {
+  const std::string name = file.empty() ? free_name("view", ".json") : file;
+  const Camera& camera = session_->camera();
+  const Viewpoint seen{camera.pose(), camera.fovy(), camera.orthographic(), camera.near(),
+                       session_->sections().planes()};
+  auto done = write_text(name, format_viewpoint(translated(seen, -session_->offset())));
+  if (done) tell("view: " + name);
+  return done;
+}
+
+core::Expected<void> Viewer::load_view(const std::string& file) {
+  const auto read = read_viewpoint(file);
+  if (!read) return tl::unexpected(read.error());
+  const Viewpoint viewpoint = translated(*read, session_->offset());
+  session_->remember();
+  Camera& camera = session_->camera();
+  camera.set_pose(viewpoint.pose);
+  camera.set_fovy(viewpoint.fovy);
+  camera.set_orthographic(viewpoint.orthographic);
+  if (!viewpoint.orthographic) camera.set_planes(viewpoint.near, core::kInfiniteFar);
+  session_->sections().set(viewpoint.sections);
+  return {};
+}
+
+core::Expected<void> Viewer::toggle_recording() {
+  if (!recorder_) {
+    recorder_.emplace();
+    session_->changed();  // its first place
+    return {};
+  }
+  const auto seen = recorder_->path(session_->camera().near(), session_->camera().far());
+  recorder_.reset();
+  const auto path = seen ? importers::translated(*seen, -session_->offset()) : seen;  // in the model's own frame
+  if (!path) return tl::unexpected(path.error());
+  if (auto done = importers::write_path(options_.save_path, *path); !done) return done;
+  tell("path: " + options_.save_path);
+  return {};
+}
+
+core::Expected<void> Viewer::finish() {
+  if (!session_) return options_.frames > 0 ? core::fail("no model was drawn") : core::Expected<void>();
+  session_->engine().finish();
+  core::Expected<void> done;
+  if (recorder_) done = toggle_recording();
+  for (const std::string& error : session_->engine().take_gl_errors()) return core::fail("GL: " + error);
+  if (done && !options_.screenshot.empty()) done = write_screenshot(options_.screenshot);
+  if (done && !options_.json_file.empty()) done = write_text(options_.json_file, to_text(state()));
+  return done;
+}
+
+nlohmann::ordered_json Viewer::state() const {
+  Json json{{"model", files_},
+            {"renderer", window_.context().renderer()},
+            {"size", {part_.width, part_.height}},
+            {"window", window_.size()},
+            {"frames", frames_},
+            {"message", message_},
+            {"panels", shown.panels},
+            {"help", shown.help},
+            {"smooth", shown.smooth},
+            {"recording", recording()}};
+  if (!session_) return json;
+  const Document& document = session_->document();
+  const core::Pose& pose = session_->camera().pose();
+  json.update({{"items", session_->engine().snapshot().size()},
+               {"culler", name_of(session_->engine().plan().culler)},
+               {"culled_by", name_of(session_->report().culler)},
+               {"visible", session_->visible()},
+               {"selection", {{"count", document.selection().size()}}},
+               {"hidden", document.hidden()},
+               {"ghosts", document.ghosts()},
+               {"hovered", document.hovered() ? std::int64_t(*document.hovered()) : -1},
+               {"sections", session_->sections().planes().size()},
+               {"measure", measure_json(session_->measuring())},
+               {"found", session_->tree().match_count()},
+               {"rows", session_->tree().rows().row_count()},
+               {"undo_steps", document.undo_steps()},
+               {"redo_steps", document.redo_steps()},
+               {"frozen", session_->frozen()},
+               {"camera",
+                {{"eye", vector_json(pose.eye)},
+                 {"target", vector_json(pose.target)},
+                 {"orthographic", session_->camera().orthographic()}}},
+               {"summary",
+                {{"cull_ms", to_json<Json>(summarise(cull_ms_))}, {"frame_ms", to_json<Json>(summarise(frame_ms_))}}}});
+  return json;
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,139 @@
+// The viewer: joins window, user interface, model and script. Its commands are in commands.h, its panels in panels.h.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "sightline/apps/view/gui.h"
+#include "sightline/apps/view/loader.h"
+#include "sightline/apps/view/script.h"
+#include "sightline/apps/view/session.h"
+#include "sightline/apps/view/window.h"
+
+namespace sightline::apps {
+
+struct ViewerOptions {
+  ModelOptions model;
+  std::string size = "1280x720", path, save_path = "path.json", screenshot, json_file, script, theme = "dark";
+  engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
+  culling::GpuCullerConfig gpu_culler;
+  int samples = 1;
+  ShownOptions shown;
+  int frames = 0;
+  bool panels = true, smooth = true;
+};
+
+class Viewer {
+ public:
+  Viewer(const ViewerOptions& options, Window& window, Gui gui);
+
+  /// Until the window is closed, the frames are drawn or the script has ended. Fails with what a tool should end with.
+  core::Expected<int> run();
+
+  // What commands and panels use. A message is shown in the status bar.
+  Session* session() { return session_.get(); }  ///< null while no model is open
+  const Loader* loader() const { return loader_.get(); }
+  Gui& gui() { return gui_; }
+  void open(const std::vector<std::string>& files);
+  void cancel_loading();
+  /// Selects the items below nodes.
+  core::Expected<void> select_nodes(const std::vector<core::NodeId>& nodes);
+  core::Expected<void> write_screenshot(const std::string& file);
+  /// Camera and sections, as a file for --view of other tools; without a name the next free one.
+  core::Expected<void> save_view(const std::string& file);
+  core::Expected<void> load_view(const std::string& file);
+  core::Expected<void> toggle_recording();
+  bool recording() const { return recorder_.has_value(); }
+  void tell(std::string message, bool error = false);
+  const std::string& message() const { return message_; }
+  bool message_is_error() const { return message_is_error_; }
+  /// What the picture shows under the cursor.
+  core::Expected<std::optional<engine::Pick>> under_cursor();
+  /// What a click would mark.
+  const std::optional<measure::Snap>& aimed() const { return aimed_; }
+  const std::vector<double>& frame_times() const { return recent_ms_; }  ///< of the last pictures, milliseconds
+  void quit() { window_.close(); }
+  nlohmann::ordered_json state() const;
+
+  /// Switches of panels.
+  struct Shown {
+    bool panels = true, help = false, open = false;
+    bool smooth = true;    ///< edges, while nothing moves
+    bool measure = false;  ///< clicks set marks
+    bool find = false;     ///< the search field gets the keyboard next
+  } shown;
+  const std::vector<std::string>& recent() const { return recent_files_; }
+
+ private:
+  struct Drag {
+    int button = 0, mods = 0;
+    core::dvec2 from{0.0}, last{0.0};
+    core::dvec3 point{0.0};  // of the model, under the cursor where it began
+    bool moves = false;      // farther than a click may
+  };
+
+  core::Expected<void> land();
+  core::Expected<void> step_script();
+  core::Expected<void> carry_out(const ScriptStep& step);
+  core::Expected<void> expect(const std::string& argument);
+  bool settled() const;
+  bool settled_but_for_edges() const;
+  bool refining() const;
+  core::Expected<void> frame(double seconds);
+  core::Expected<void> draw_model(const Part& part);
+  void note_picture();
+  Part viewport() const;
+  core::dvec2 in_picture(const core::dvec2& cursor) const;
+  bool in_viewport(const core::dvec2& cursor) const;
+
+  void handle(const Event& event);
+  void drop(const std::vector<std::string>& files);
+  void press_key(const Event& event);
+  void press_button(const Event& event);
+  void release_button(const Event& event);
+  void move_cursor(const core::dvec2& to);
+  void click(const Drag& drag);
+  void set_mark(const core::dvec2& at);
+  void select_rectangle(const Drag& drag);
+  void draw_rectangle() const;
+  void fly(double seconds);
+  void hover();
+  void play();
+  void write_title();
+  core::Expected<void> finish();
+  core::Expected<void> read_path();
+
+  ViewerOptions options_;
+  Window& window_;
+  Gui gui_;
+  std::unique_ptr<Loader> loader_;
+  std::unique_ptr<Session> session_;
+  std::vector<std::string> files_, recent_files_;
+  std::optional<core::CameraPath> path_;
+  double play_began_ = -1.0;  // GLFW's time
+  bool playing_ = false;
+  std::optional<PathRecorder> recorder_;
+  std::vector<ScriptStep> script_;
+  std::size_t next_step_ = 0;
+  double wait_until_ = 0.0;
+  std::string window_shot_;  // file for the next frame's picture of the window
+  std::set<int> held_;       // keys
+  std::optional<Drag> drag_;
+  double last_click_ = -1.0;  // GLFW's time, of one without modifiers
+  core::dvec2 cursor_{-1.0};
+  bool cursor_moved_ = false;
+  std::optional<measure::Snap> aimed_;
+  int redraws_ = 3;  // frames to draw though nothing has happened
+  Part part_;
+  std::string message_;
+  bool message_is_error_ = false;
+  std::vector<double> cull_ms_, frame_ms_, recent_ms_;
+  int frames_ = 0;
+};
+
+}  // namespace sightline::apps

@@ -1,0 +1,187 @@
+// What mouse and keys do in the picture.
+#include <algorithm>
+#include <utility>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include "sightline/apps/view/commands.h"
+#include "sightline/apps/view/viewer.h"
+
+namespace sightline::apps {
+namespace {
+
+using Type = Event::Type;
+
+constexpr double kRadiansPerHeight = 3.14159265358979;  // dragging from the bottom of the picture to its top
+constexpr double kClickPixels = 4.0;                    // a drag that moves no farther is a click
+constexpr double kReach = 10.0;                         // pixels within which marks snap
+constexpr double kDoubleClick = 0.35;                   // seconds
+constexpr double kFaster = 8.0;                         // flying with Shift
+
+}  // namespace
+
+core::dvec2 Viewer::in_picture(const core::dvec2& cursor) const {
+  return {cursor.x - part_.x, cursor.y - (window_.size()[1] - part_.y - part_.height)};
+}
+
+bool Viewer::in_viewport(const core::dvec2& cursor) const {
+  const core::dvec2 at = in_picture(cursor);
+  return at.x >= 0.0 && at.y >= 0.0 && at.x < part_.width && at.y < part_.height;
+}
+
+void Viewer::handle(const Event& event) {
+  switch (event.type) {
+    case Type::kKey:
+      event.down ? press_key(event) : void(held_.erase(event.key));
+      break;
+    case Type::kButton:
+      event.down ? press_button(event) : release_button(event);
+      break;
+    case Type::kCursor:
+      move_cursor(event.at);
+      break;
+    case Type::kWheel:
+      if (!session_ || !in_viewport(event.at)) break;
+      session_->remember();
+      session_->camera().zoom(event.wheel, session_->point_at(in_picture(event.at)));
+      break;
+    case Type::kDrop:
+      drop(event.files);
+      break;
+    case Type::kText:
+    case Type::kExpose:
+      break;
+  }
+}
+
+/// A view file, or models.
+void Viewer::drop(const std::vector<std::string>& files) {
+  const bool view = files.size() == 1 && files[0].ends_with(".json");
+  if (!view) return open(files);
+  if (!session_) return tell("open a model first", true);
+  if (auto done = load_view(files[0]); !done) tell(done.error().message, true);
+}
+
+void Viewer::press_key(const Event& event) {
+  held_.insert(event.key);
+  last_click_ = -1.0;
+  const Command* command = find_command(event.key, event.mods);
+  if (!command || (command->needs_model && !session_)) return;
+  if (auto done = command->run(*this, {}); !done) tell(done.error().message, true);
+}
+
+void Viewer::press_button(const Event& event) {
+  if (!session_ || drag_ || !in_viewport(event.at)) return;
+  cursor_ = event.at;
+  drag_ = {event.key, event.mods, event.at, event.at, session_->point_at(in_picture(event.at))};
+  session_->remember();
+}
+
+void Viewer::release_button(const Event& event) {
+  if (!session_ || !drag_ || drag_->button != event.key) return;
+  move_cursor(event.at);
+  const Drag drag = *std::exchange(drag_, std::nullopt);
+  if (!drag.moves && drag.button == GLFW_MOUSE_BUTTON_LEFT)
+    click(drag);
+  else if (drag.button == GLFW_MOUSE_BUTTON_LEFT && (drag.mods & GLFW_MOD_CONTROL) != 0)
+    select_rectangle(drag);
+}
+
+void Viewer::move_cursor(const core::dvec2& to) {
+  cursor_moved_ |= to != cursor_;
+  cursor_ = to;
+  if (!drag_ || !session_) return;
+  const core::dvec2 by = (to - drag_->last) / double(std::max(1, part_.height));
+  drag_->last = to;
+  drag_->moves |= glm::length(to - drag_->from) > kClickPixels * gui_.scale();
+  if (!drag_->moves) return;
+  Camera& camera = session_->camera();
+  const core::dvec2 turn = kRadiansPerHeight * core::dvec2(by.x, -by.y);
+  const bool left = drag_->button == GLFW_MOUSE_BUTTON_LEFT;
+  if (left && (drag_->mods & GLFW_MOD_CONTROL) != 0) return;  // a rectangle
+  if (drag_->button == GLFW_MOUSE_BUTTON_MIDDLE || (left && (drag_->mods & GLFW_MOD_SHIFT) != 0))
+    camera.pan({by.x, -by.y}, drag_->point);
+  else if (left)
+    camera.orbit(turn, drag_->point);
+  else
+    camera.look(turn);
+}
+
+void Viewer::set_mark(const core::dvec2& at) {
+  const auto aimed = session_->aim(in_picture(at), kReach * gui_.scale());
+  if (!aimed) return tell(aimed.error().message, true);
+  if (!*aimed) return tell("there is nothing to measure");
+  const auto done = session_->measuring().add(session_->scene(), (*aimed)->item, (*aimed)->snap);
+  if (!done) return tell(done.error().message, true);
+  tell((*aimed)->snap.words);
+}
+
+void Viewer::click(const Drag& drag) {
+  if (shown.measure) return set_mark(drag.from);
+  const auto hit = session_->pick(in_picture(drag.from));
+  if (!hit) return tell(hit.error().message, true);
+  const SelectMode mode = (drag.mods & GLFW_MOD_CONTROL) != 0 ? SelectMode::kToggle
+                          : (drag.mods & GLFW_MOD_SHIFT) != 0 ? SelectMode::kAdd
+                                                              : SelectMode::kReplace;
+  std::vector<core::ItemId> items;
+  if (*hit) items.push_back((*hit)->item);
+  const double now = drag.mods == 0 ? glfwGetTime() : -1.0;
+  const bool again = drag.mods == 0 && now - last_click_ < kDoubleClick;
+  last_click_ = now;
+  if (again && !items.empty()) {
+    session_->camera().fit(session_->document().bounds(items), session_->aspect());
+    return;
+  }
+  if (auto done = session_->document().select(items, mode); !done) tell(done.error().message, true);
+  if (!items.empty()) session_->tree().reveal(session_->scene().node_of(items[0]));
+}
+
+void Viewer::select_rectangle(const Drag& drag) {
+  const core::dvec2 a = in_picture(drag.from), b = in_picture(drag.last);
+  const auto view = session_->view();
+  if (!view) return tell(view.error().message, true);
+  const engine::PixelRectangle rectangle{std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x),
+                                         std::max(a.y, b.y)};
+  const auto rule = b.x < a.x ? culling::RegionRule::kCrossing : culling::RegionRule::kWholly;
+  const auto items = session_->engine().items_in(*view, rectangle, rule);
+  if (!items) return tell(items.error().message, true);
+  const auto mode = (drag.mods & GLFW_MOD_SHIFT) != 0 ? SelectMode::kAdd : SelectMode::kReplace;
+  if (auto done = session_->document().select(*items, mode); !done) tell(done.error().message, true);
+}
+
+void Viewer::draw_rectangle() const {
+  if (!drag_ || !drag_->moves || drag_->button != GLFW_MOUSE_BUTTON_LEFT || (drag_->mods & GLFW_MOD_CONTROL) == 0)
+    return;
+  const ImVec2 a(float(drag_->from.x), float(drag_->from.y)), b(float(drag_->last.x), float(drag_->last.y));
+  ImGui::GetForegroundDrawList()->AddRect(a, b, ImGui::GetColorU32({1.0f, 0.6f, 0.1f, 1.0f}), 0.0f, 0, 2.0f);
+}
+
+void Viewer::fly(double seconds) {
+  if (!session_ || gui_.has_text_cursor()) return;
+  const auto key = [&](int name) { return held_.contains(name) ? 1.0 : 0.0; };
+  if (key(GLFW_KEY_LEFT_CONTROL) + key(GLFW_KEY_RIGHT_CONTROL) + key(GLFW_KEY_LEFT_ALT) > 0.0) return;
+  const core::dvec3 move(key(GLFW_KEY_D) - key(GLFW_KEY_A), key(GLFW_KEY_W) - key(GLFW_KEY_S),
+                         key(GLFW_KEY_E) - key(GLFW_KEY_Q));
+  if (move == core::dvec3(0.0)) return;
+  playing_ = false;  // the user has taken over
+  const bool fast = held_.contains(GLFW_KEY_LEFT_SHIFT) || held_.contains(GLFW_KEY_RIGHT_SHIFT);
+  session_->camera().fly(move, seconds * (fast ? kFaster : 1.0));
+}
+
+/// Draws a line around what is under the resting cursor.
+void Viewer::hover() {
+  if (!session_ || drag_ || !std::exchange(cursor_moved_, false)) return;
+  std::optional<core::ItemId> item;
+  const bool over_picture = in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse;
+  aimed_.reset();
+  if (over_picture && shown.measure) {
+    if (const auto aimed = session_->aim(in_picture(cursor_), kReach * gui_.scale()); aimed && *aimed)
+      aimed_ = (*aimed)->snap;
+  } else if (over_picture)
+    if (const auto hit = session_->pick(in_picture(cursor_)); hit && *hit) item = (*hit)->item;
+  if (auto done = session_->document().hover(item); !done) tell(done.error().message, true);
+}
+
+}  // namespace sightline::apps

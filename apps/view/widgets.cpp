@@ -1,0 +1,56 @@
+#include "sightline/apps/view/widgets.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace sightline::apps {
+
+void begin_fixed(const char* name, float x, float y, float width, float height, ImGuiWindowFlags flags) {
+  ImGui::SetNextWindowPos({x, y});
+  ImGui::SetNextWindowSize({width, height});
+  ImGui::Begin(name, nullptr,
+               flags | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
+}
+
+void begin_centred(const char* name, bool* open, float lines_wide) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({0.5f * size.x, 0.5f * size.y}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({std::min(lines_wide * ImGui::GetFontSize(), 0.95f * size.x), 0.0f});
+  ImGui::Begin(name, open, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+}
+
+std::string grouped(std::int64_t number) {
+  std::string text = std::to_string(number);
+  for (int at = int(text.size()) - 3; at > (number < 0 ? 1 : 0); at -= 3) text.insert(std::size_t(at), ",");
+  return text;
+}
+
+void row(const char* name, const std::string& value) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(name);
+  ImGui::TableNextColumn();
+  ImGui::PushTextWrapPos(0.0f);
+  ImGui::TextUnformatted(value.c_str());
+  ImGui::PopTextWrapPos();
+}
+
+bool begin_rows(const char* name) {
+  if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerV)) return false;
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, 7.0f * ImGui::GetFontSize());
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
+  return true;
+}
+
+std::string vector_text(const core::dvec3& v) {
+  char text[100];
+  std::snprintf(text, sizeof text, "%.3f  %.3f  %.3f", v.x + 0.0, v.y + 0.0, v.z + 0.0);  // no -0
+  return text;
+}
+
+void run(Viewer& viewer, const Command& command) {
+  if (auto done = command.run(viewer, {}); !done) viewer.tell(done.error().message, true);
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,27 @@
+// What panels are made of.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <imgui.h>
+
+#include "sightline/apps/view/commands.h"
+
+namespace sightline::apps {
+
+/// Windows that stay where they are put, and in the middle; ImGui::End() ends both.
+void begin_fixed(const char* name, float x, float y, float width, float height, ImGuiWindowFlags flags = 0);
+void begin_centred(const char* name, bool* open, float lines_wide);
+
+/// A table of names and values; ImGui::EndTable() ends it where this is true.
+bool begin_rows(const char* name);
+void row(const char* name, const std::string& value);
+
+std::string grouped(std::int64_t number);  ///< 1,234,567
+std::string vector_text(const core::dvec3& v);
+
+/// Runs a command and tells its error.
+void run(Viewer& viewer, const Command& command);
+
+}  // namespace sightline::apps

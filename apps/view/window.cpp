@@ -1,0 +1,228 @@
+#include "sightline/apps/view/window.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include "sightline/gl/functions.h"
+#include "sightline/gl/internal/framebuffer.h"
+#include "sightline/gl/internal/texture.h"
+
+namespace sightline::apps {
+namespace {
+
+constexpr GLuint kBackBuffer = 0;
+
+core::Error glfw_error(const std::string& what) {
+  const char* reason = nullptr;
+  glfwGetError(&reason);
+  return {what + ": " + (reason ? reason : "GLFW does not say why")};
+}
+
+gl::Proc get_proc(const char* name, void*) {
+  return glfwGetProcAddress(name);
+}
+
+/// Pixels per screen unit.
+core::dvec2 pixels_of(GLFWwindow* window, double x, double y) {
+  int width = 0, height = 0, pixels_wide = 0, pixels_high = 0;
+  glfwGetWindowSize(window, &width, &height);
+  glfwGetFramebufferSize(window, &pixels_wide, &pixels_high);
+  return {x * pixels_wide / std::max(1, width), y * pixels_high / std::max(1, height)};
+}
+
+core::dvec2 cursor_of(GLFWwindow* window) {
+  double x = 0.0, y = 0.0;
+  glfwGetCursorPos(window, &x, &y);
+  return pixels_of(window, x, y);
+}
+
+std::string utf8(unsigned code) {
+  std::string text;
+  const auto tail = [&](int shift) { text += char(0x80 | (code >> shift & 0x3f)); };
+  if (code < 0x80) {
+    text += char(code);
+  } else if (code < 0x800) {
+    text += char(0xc0 | code >> 6);
+    tail(0);
+  } else if (code < 0x10000) {
+    text += char(0xe0 | code >> 12);
+    tail(6), tail(0);
+  } else {
+    text += char(0xf0 | code >> 18);
+    tail(12), tail(6), tail(0);
+  }
+  return text;
+}
+
+std::vector<Event>& events_of(GLFWwindow* window) {
+  return *static_cast<std::vector<Event>*>(glfwGetWindowUserPointer(window));
+}
+
+void listen(GLFWwindow* window, std::vector<Event>& events) {
+  using Type = Event::Type;
+  glfwSetWindowUserPointer(window, &events);
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
+    events_of(w).push_back({.type = Type::kKey, .key = key, .mods = mods, .down = action != GLFW_RELEASE});
+  });
+  glfwSetCharCallback(
+      window, [](GLFWwindow* w, unsigned code) { events_of(w).push_back({.type = Type::kText, .text = utf8(code)}); });
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
+    events_of(w).push_back(
+        {.type = Type::kButton, .key = button, .mods = mods, .down = action == GLFW_PRESS, .at = cursor_of(w)});
+  });
+  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
+    events_of(w).push_back({.type = Type::kCursor, .at = pixels_of(w, x, y)});
+  });
+  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double notches) {
+    events_of(w).push_back({.type = Type::kWheel, .at = cursor_of(w), .wheel = notches});
+  });
+  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { events_of(w).push_back({.type = Type::kExpose}); });
+  glfwSetFramebufferSizeCallback(window,
+                                 [](GLFWwindow* w, int, int) { events_of(w).push_back({.type = Type::kExpose}); });
+  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+    events_of(w).push_back({.type = Type::kDrop, .files = {paths, paths + count}});
+  });
+}
+
+/// GL has the lowest row first.
+void flip_rows(image::Image& picture) {
+  const auto row = 3 * std::ptrdiff_t(picture.width);
+  for (int y = 0; y < picture.height / 2; ++y)
+    std::swap_ranges(picture.pixels.begin() + y * row, picture.pixels.begin() + (y + 1) * row,
+                     picture.pixels.begin() + (picture.height - 1 - y) * row);
+}
+
+}  // namespace
+
+Window::State::~State() {
+  context.reset();
+  if (window) glfwDestroyWindow(window);
+  glfwTerminate();
+}
+
+core::Expected<Window> Window::open(const std::string& title, const std::array<int, 2>& size, bool vsync) {
+  auto state = std::make_unique<State>();
+  if (!glfwInit()) return tl::unexpected(glfw_error("no window can be opened"));
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, gl::kRequiredMajor);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, gl::kRequiredMinor);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);  // ignored where it is not offered
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);                                   // pictures are drawn elsewhere and copied
+  glfwWindowHint(GLFW_STENCIL_BITS, 0);
+  state->window = glfwCreateWindow(size[0], size[1], title.c_str(), nullptr, nullptr);
+  if (!state->window) return tl::unexpected(glfw_error("no window with OpenGL 4.5 can be opened"));
+  glfwMakeContextCurrent(state->window);
+  glfwSwapInterval(vsync ? 1 : 0);
+  auto context = gl::Context::adopt(&get_proc, nullptr);
+  if (!context) return tl::unexpected(context.error());
+  state->context = std::move(*context);
+  listen(state->window, state->events);
+  return Window(std::move(state));
+}
+
+std::array<int, 2> Window::size() const {
+  std::array<int, 2> size{};
+  glfwGetFramebufferSize(state_->window, &size[0], &size[1]);
+  return size;
+}
+
+void Window::resize(const std::array<int, 2>& size) {
+  glfwSetWindowSize(state_->window, size[0], size[1]);
+}
+
+double Window::scale() const {
+  float x = 1.0f, y = 1.0f;
+  glfwGetWindowContentScale(state_->window, &x, &y);
+  return std::max({1.0f, x, y});
+}
+
+void Window::set_title(const std::string& title) {
+  glfwSetWindowTitle(state_->window, title.c_str());
+}
+
+std::string Window::clipboard() const {
+  const char* text = glfwGetClipboardString(state_->window);
+  return text ? text : "";
+}
+
+void Window::set_clipboard(const std::string& text) {
+  glfwSetClipboardString(state_->window, text.c_str());
+}
+
+bool Window::closing() const {
+  return glfwWindowShouldClose(state_->window) != 0;
+}
+
+void Window::close() {
+  glfwSetWindowShouldClose(state_->window, GLFW_TRUE);
+}
+
+std::vector<Event> Window::poll(double wait) {
+  if (wait > 0.0)
+    glfwWaitEventsTimeout(wait);
+  else
+    glfwPollEvents();
+  while (!closing() && (size()[0] == 0 || size()[1] == 0)) glfwWaitEvents();
+  return std::exchange(state_->events, {});
+}
+
+void Window::wake() {
+  glfwPostEmptyEvent();
+}
+
+bool Window::held(int key) const {
+  return glfwGetKey(state_->window, key) == GLFW_PRESS;
+}
+
+void Window::copy(std::uint32_t framebuffer, const Part& to) {
+  const gl::Functions& gl = context().functions();
+  gl.BlitNamedFramebuffer(framebuffer, kBackBuffer, 0, 0, to.width, to.height, to.x, to.y, to.x + to.width,
+                          to.y + to.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+core::Expected<void> Window::copy(const image::Image& picture, const Part& to) {
+  const gl::Functions& gl = context().functions();
+  auto texture = gl::Texture2D::create(gl, picture.width, picture.height, GL_RGB8, "picture at rest");
+  if (!texture) return tl::unexpected(texture.error());
+  const gl::Attachment attachment{GL_COLOR_ATTACHMENT0, &*texture};
+  auto framebuffer = gl::Framebuffer::create(gl, {&attachment, 1}, "picture at rest");
+  if (!framebuffer) return tl::unexpected(framebuffer.error());
+  image::Image rows = picture;
+  flip_rows(rows);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  texture->write(GL_RGB, GL_UNSIGNED_BYTE, std::as_bytes(std::span(rows.pixels)));
+  copy(framebuffer->id(), to);
+  return {};
+}
+
+void Window::clear(const core::vec3& colour) {
+  const gl::Functions& gl = context().functions();
+  const std::array<int, 2> all = size();
+  // Mesa's software rasterisers notice a new size of the window only when its viewport is set.
+  gl.BindFramebuffer(GL_FRAMEBUFFER, kBackBuffer);
+  gl.Viewport(0, 0, all[0], all[1]);
+  gl.Disable(GL_SCISSOR_TEST);
+  const std::array<float, 4> rgba{colour.r, colour.g, colour.b, 1.0f};
+  gl.ClearNamedFramebufferfv(kBackBuffer, GL_COLOR, 0, rgba.data());
+}
+
+image::Image Window::read() const {
+  const gl::Functions& gl = context().functions();
+  const std::array<int, 2> all = size();
+  image::Image picture{all[0], all[1], std::vector<std::uint8_t>(3 * std::size_t(all[0]) * std::size_t(all[1]))};
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, kBackBuffer);
+  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl.ReadPixels(0, 0, all[0], all[1], GL_RGB, GL_UNSIGNED_BYTE, picture.pixels.data());
+  flip_rows(picture);
+  return picture;
+}
+
+void Window::present() {
+  glfwSwapBuffers(state_->window);
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,66 @@
+#include <string>
+#include <vector>
+
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include "sightline/apps/view/panels.h"
+#include "sightline/apps/view/widgets.h"
+
+namespace sightline::apps {
+
+void help_window(Viewer& viewer) {
+  const auto line = [](const char* how, const char* what) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TextWrapped("%s", how);
+    ImGui::TableNextColumn();
+    ImGui::TextWrapped("%s", what);
+  };
+  std::vector<const Command*> keyed;
+  for (const Command& command : commands())
+    if (command.keys[0] != '\0') keyed.push_back(&command);
+  begin_centred("Keys and mouse", &viewer.shown.help, 72.0f);
+  const float half = 0.5f * ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x;
+  const std::size_t first = keyed.size() / 3;  // keys take one line each, gestures two
+  for (const bool left : {true, false}) {
+    ImGui::BeginGroup();
+    if (ImGui::BeginTable(left ? "##left" : "##right", 2, ImGuiTableFlags_RowBg, {half, 0.0f})) {
+      ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, 8.5f * ImGui::GetFontSize());
+      ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
+      for (const Gesture& gesture : gestures())
+        if (left) line(gesture.how, gesture.what);
+      for (std::size_t i = left ? 0 : first; i < (left ? first : keyed.size()); ++i)
+        line(keyed[i]->keys, keyed[i]->help);
+      ImGui::EndTable();
+    }
+    ImGui::EndGroup();
+    if (left) ImGui::SameLine();
+  }
+  ImGui::End();
+}
+
+void open_window(Viewer& viewer) {
+  static std::string path;  // stays from time to time
+  begin_centred("Open", &viewer.shown.open, 40.0f);
+  ImGui::TextUnformatted("Path of a file; or drop files on the window:");
+  ImGui::SetNextItemWidth(-1.0f);
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  if (ImGui::InputText("##path", &path, ImGuiInputTextFlags_EnterReturnsTrue) && !path.empty()) viewer.open({path});
+  for (const std::string& file : viewer.recent())
+    if (ImGui::Selectable(file.c_str())) {
+      viewer.open({file});
+      break;  // the list has changed
+    }
+  ImGui::End();
+}
+
+void loading_window(Viewer& viewer) {
+  begin_centred("Reading", nullptr, 30.0f);
+  ImGui::TextWrapped("%s", viewer.message().c_str());
+  ImGui::ProgressBar(float(viewer.loader()->progress()));
+  if (ImGui::Button("Cancel")) viewer.cancel_loading();
+  ImGui::End();
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,58 @@
+// Sections: which points they keep, moved, flipped and around a box.
+#include "sightline/apps/view/sections.h"
+
+#include <gtest/gtest.h>
+
+namespace sightline::apps {
+namespace {
+
+bool kept(const Sections& sections, const core::dvec3& point) {
+  for (const core::Plane& plane : sections.planes())
+    if (core::evaluate(plane, point) < 0.0) return false;
+  return true;
+}
+
+TEST(SectionsTest, CutAwayWhatLiesInFront) {
+  Sections sections;
+  ASSERT_TRUE(sections.add({1e6, 2.0, 3.0}, {0.0, 2.0, 0.0}));
+  EXPECT_TRUE(kept(sections, {1e6, 1.9, 3.0}));
+  EXPECT_FALSE(kept(sections, {1e6, 2.1, 3.0}));
+  sections.all()[0].offset = 0.5;
+  EXPECT_TRUE(kept(sections, {1e6, 2.4, 3.0}));
+  EXPECT_FALSE(kept(sections, {1e6, 2.6, 3.0}));
+  Sections::flip(sections.all()[0]);
+  EXPECT_FALSE(kept(sections, {1e6, 2.4, 3.0}));
+  EXPECT_TRUE(kept(sections, {1e6, 2.6, 3.0}));
+  sections.all()[0].on = false;
+  EXPECT_TRUE(kept(sections, {1e6, 2.4, 3.0}));
+  sections.remove(0);
+  EXPECT_TRUE(sections.planes().empty());
+}
+
+TEST(SectionsTest, ABoxKeepsItsInside) {
+  Sections sections;
+  sections.add({0, 0, 0}, {1, 0, 0});
+  sections.box({{1, 2, 3}, {4, 5, 6}});
+  EXPECT_EQ(sections.planes().size(), 6u);
+  EXPECT_TRUE(kept(sections, {1, 2, 3}) && kept(sections, {4, 5, 6}) && kept(sections, {2, 3, 4}));
+  for (const core::dvec3& outside :
+       {core::dvec3(0.9, 3, 4), {4.1, 3, 4}, {2, 1.9, 4}, {2, 5.1, 4}, {2, 3, 2.9}, {2, 3, 6.1}})
+    EXPECT_FALSE(kept(sections, outside));
+}
+
+TEST(SectionsTest, PlanesComeBack) {
+  Sections sections;
+  const std::vector<core::Plane> planes{{{0, 0, 2}, -6e6}, {{0, 0, 0}, 1.0}, {{-1, 1, 0}, 4.0}};
+  sections.set(planes);
+  ASSERT_EQ(sections.planes().size(), 2u) << "one cuts nothing";
+  for (const core::dvec3& point : {core::dvec3(0, 0, 3e6 + 1e-6), {0, 0, 3e6 - 1e-6}, {4.1, 0, 4e6}, {3.9, 0, 4e6}}) {
+    bool wanted = true;
+    for (const core::Plane& plane : planes) wanted = wanted && core::evaluate(plane, point) >= 0.0;
+    EXPECT_EQ(kept(sections, point), wanted) << point.x << ' ' << point.z;
+  }
+  while (sections.planes().size() < Sections::kMost) ASSERT_TRUE(sections.add({0, 0, 0}, {1, 0, 0}));
+  EXPECT_FALSE(sections.add({0, 0, 0}, {1, 0, 0}));
+}
+
+}  // namespace
+}  // namespace sightline::apps
