@@ -55,13 +55,8 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   [[maybe_unused]] const KeptState kept = drawing->keep_state();
   drawing->context_.cache_programs(config.program_cache.value_or(gl::ProgramCache::default_folder()));
   drawing->renders_ = config.draw;
-  drawing->sample_test_ = config.sample_test;
-  drawing->occlusion_ = config.occlusion;
-  drawing->budget_ms_ = config.budget_ms;
-  drawing->hidden_colour_ = config.hidden_colour.value_or(core::vec3(0.0f));
-  drawing->set_contribution(config.contribution, config.contribution_way);
+  drawing->configure(config);
   drawing->translucent_ = TranslucentSlots(overrides, config.draw && config.transparency == Transparency::kBlended);
-  drawing->outline_colour_ = config.outline_colour;
   drawing->cull_config_ = config.gpu_culler;
   if (config.draw) {
     auto target = render::RenderTarget::create(drawing->context_, config.width, config.height,
@@ -71,6 +66,16 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
   }
   if (auto done = drawing->rebuild(snapshot, joints, gpu_culls); !done) return tl::unexpected(done.error());
   return drawing;
+}
+
+void Drawing::configure(const EngineConfig& config) {
+  sample_test_ = config.sample_test;
+  occlusion_ = config.occlusion;
+  budget_ms_ = config.budget_ms;
+  hidden_colour_ = config.hidden_colour.value_or(core::vec3(0.0f));
+  outline_colour_ = config.outline_colour;
+  relief_ = config.relief;
+  set_contribution(config.contribution, config.contribution_way);
 }
 
 Drawing::~Drawing() {
@@ -217,9 +222,9 @@ core::Expected<void> Drawing::draw(const Culled& culled, std::uint64_t frame, do
 }
 
 core::Expected<void> Drawing::draw_visible(const Culled& culled, double began) {
-  if (!has_overlays()) return draw_solid(culled, began);
-  if (auto done = draw_solid(culled.with(part_overlays(culled.visible)), began); !done) return done;
-  return draw_overlays(culled);
+  const core::VisibleSet& solid = has_overlays() ? part_overlays(culled.visible) : culled.visible;
+  if (auto done = draw_solid(culled.with(solid), began); !done) return done;
+  return finish_picture(culled);
 }
 
 core::Expected<void> Drawing::draw_solid(const Culled& culled, double began) {
@@ -259,8 +264,7 @@ core::Expected<void> Drawing::draw_from_aside(const core::View& view, const Cull
   };
   if (auto done = draw_solid(seen(shown_), began); !done) return done;
   if (auto done = draw_hidden(view, culled.snapshot); !done) return done;
-  if (has_overlays())
-    if (auto done = draw_overlays(seen(culled.visible)); !done) return done;
+  if (auto done = finish_picture(seen(culled.visible)); !done) return done;
   return submit(frame);
 }
 
@@ -431,7 +435,7 @@ core::Expected<void> Drawing::draw_in_budget(const Culled& culled, double deadli
   const core::ItemBounds& bounds = snapshot.bounds();
   const bool stays = budget_view_ && core::same_picture(*budget_view_, view), goes_on = stays && refines_;
   const bool tests = may_test_occlusion();
-  const bool beside = stays && (contribution_way_ != ContributionWay::kDrop || has_overlays());
+  const bool beside = stays && (contribution_way_ != ContributionWay::kDrop || changes_picture());
   if (goes_on && budget_.complete()) {
     picture_kept_ = true;
     counts_.shown = std::int64_t(budget_.drawn());
@@ -518,10 +522,9 @@ core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Sn
     auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_);
     if (done && culled_picture_ && culled_picture_->occlusion) done = draw_others(snapshot);
     depth_known_ = picture_kept_ = false;
-    if (done && visible) {
-      (void)part_overlays(visible->visible);
-      done = draw_overlays(*visible);
-    }
+    if (done && visible) (void)part_overlays(visible->visible);
+    const core::VisibleSet none;
+    if (done) done = finish_picture(visible ? *visible : Culled{view, snapshot, none, {}, nullptr});
     if (!done) return done;
   }
   return submit(frame);

@@ -27,8 +27,8 @@ constexpr double kSoftwareGpuExcess = 0.1;
 
 /// `picks`: the application has picked.
 PlanRequest plan_request(const EngineConfig& config, bool picks) {
-  return {config.culler,          config.draw, config.ids, config.occlusion, config.contribution > 0.0f,
-          config.budget_ms > 0.0, picks};
+  return {config.culler,          config.draw,         config.ids, config.occlusion, config.contribution > 0.0f,
+          config.budget_ms > 0.0, config.relief.any(), picks};
 }
 
 /// Adds slots below `size`, so that each is there once.
@@ -39,10 +39,31 @@ void add_slots(std::span<const core::Slot> slots, std::size_t size, std::vector<
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
 }
 
-core::Expected<void> check_culler(const EngineConfig& config) {
+core::Expected<void> check(const EngineConfig& config) {
+  if (!(config.contribution >= 0.0f)) return core::fail("engine: contribution must be 0 or more pixels");
+  if (!(config.budget_ms >= 0.0)) return core::fail("engine: budget_ms must be 0 or more milliseconds");
+  for (const float strength : {config.relief.shading, config.relief.lines})
+    if (!(strength >= 0.0f && strength <= 1.0f))
+      return core::fail("engine: shading and lines of relief must be between 0 and 1");
   if (config.culler == CullerChoice::kGpu && plan_request(config, false).needs_cpu())
     return core::fail("engine: contribution and budget_ms need a culler on the CPU, and culler is gpu");
   return {};
+}
+
+/// The name of a setting in which they differ, though it needs a new engine; null where there is none.
+const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig& b) {
+  if (a.draw != b.draw) return "draw";
+  if (a.width != b.width || a.height != b.height) return "size (see resize())";
+  if (a.ids != b.ids) return "ids";
+  if (a.transparency != b.transparency) return "transparency";
+  if (a.samples != b.samples) return "samples";
+  if (a.gl_debug != b.gl_debug) return "gl_debug";
+  if (a.context != b.context || a.context_platform != b.context_platform) return "context (see use_context())";
+  if (a.gl_state != b.gl_state) return "gl_state";
+  if (a.program_cache != b.program_cache) return "program_cache";
+  if (a.rebuild_share != b.rebuild_share) return "rebuild_share";
+  if (a.gpu_culler.variant != b.gpu_culler.variant) return "gpu_culler";
+  return nullptr;
 }
 
 }  // namespace
@@ -60,7 +81,8 @@ class Engine::Impl {
   core::Expected<void> commit();
   core::Expected<void> rebuild();
   bool rebuilding() const { return rebuild_ && !rebuild_->finished(); }
-  core::Expected<void> set_culler(CullerChoice choice);
+  const EngineConfig& config() const { return config_; }
+  core::Expected<void> configure(const EngineConfig& config);
   core::Expected<void> resize(int width, int height);
   core::Expected<void> set_override(std::span<const core::ItemId> items, const ItemStyle& style);
   core::Expected<void> clear_override(std::span<const core::ItemId> items);
@@ -135,9 +157,7 @@ class Engine::Impl {
 // --- public interface ------------------------------------------------------------------------------------------------
 
 core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config) {
-  if (!(config.contribution >= 0.0f)) return core::fail("engine: contribution must be 0 or more pixels");
-  if (!(config.budget_ms >= 0.0)) return core::fail("engine: budget_ms must be 0 or more milliseconds");
-  if (auto good = check_culler(config); !good) return tl::unexpected(good.error());
+  if (auto good = check(config); !good) return tl::unexpected(good.error());
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
   auto impl = std::make_unique<Impl>(scene, config);
   if (auto done = impl->build(); !done) return tl::unexpected(done.error());
@@ -170,8 +190,16 @@ core::Expected<void> Engine::rebuild() {
 bool Engine::rebuilding() const {
   return impl_->rebuilding();
 }
+const EngineConfig& Engine::config() const {
+  return impl_->config();
+}
+core::Expected<void> Engine::configure(const EngineConfig& config) {
+  return impl_->configure(config);
+}
 core::Expected<void> Engine::set_culler(CullerChoice choice) {
-  return impl_->set_culler(choice);
+  EngineConfig changed = impl_->config();
+  changed.culler = choice;
+  return impl_->configure(changed);
 }
 core::Expected<void> Engine::resize(int width, int height) {
   return impl_->resize(width, height);
@@ -290,20 +318,22 @@ culling::ControllerConfig Engine::Impl::controller_config() const {
   return config;
 }
 
-core::Expected<void> Engine::Impl::set_culler(CullerChoice choice) {
-  const CullerChoice before = std::exchange(config_.culler, choice);
-  if (auto good = check_culler(config_); !good) {
-    config_.culler = before;
-    return good;
-  }
+core::Expected<void> Engine::Impl::configure(const EngineConfig& config) {
+  if (auto good = check(config); !good) return good;
+  if (const char* fixed = fixed_setting_that_differs(config_, config))
+    return core::fail(std::string("engine: another engine is needed for another ") + fixed);
+  const EngineConfig before = std::exchange(config_, config);
+  config_.controller.frame_cost.rendering = config.draw;
   rebuild_.reset();  // it would land with the former choice
   live_.follow_plan(plan_request(config_, picks_));
   if (auto done = make_drawing(false); !done) {
-    config_.culler = before;
+    config_ = before;
     live_.follow_plan(plan_request(config_, picks_));
     note_gpu_variant();
     return done;
   }
+  if (drawing_) drawing_->configure(config_);
+  hybrid_.reset();
   follow_hybrid();
   return {};
 }

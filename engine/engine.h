@@ -53,6 +53,16 @@ struct PixelRectangle {
   double x0, y0, x1, y1;
 };
 
+/// Shading and lines by the depth of the picture alone, so that shapes of one colour can be told apart: looks, without
+/// any meaning as light. They cost the same for every scene (docs/benchmarks.md), and nothing where both are 0. What is
+/// drawn over the picture is left as it is: ghosts, blended items, outlines. Dithered items become darker.
+struct Relief {
+  float shading = 0.0f;  ///< 0 … 1: darkness of corners and of what lies behind edges
+  float lines = 0.0f;    ///< 0 … 1: darkness of lines where surfaces begin or end, and along creases
+
+  bool any() const { return shading > 0.0f || lines > 0.0f; }
+};
+
 /// What becomes of the GL state of the application's context.
 enum class GlState : std::uint8_t {
   /// After each call it is as before, but for pending GL errors, which are dropped. What gl::reset_pipeline_state names
@@ -92,6 +102,7 @@ struct EngineConfig {
   /// Colour (sRGB) in which frame(view, cull_view) draws the items that the sample test and the occlusion test leave
   /// out of the picture of cull_view; then these frames are culled on the CPU. None: such items look like all others.
   std::optional<core::vec3> hidden_colour = {};
+  Relief relief = {};
   int samples = 1;  ///< per pixel, 32 at most; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
@@ -99,7 +110,7 @@ struct EngineConfig {
   /// Null: the engine makes an offscreen context. Calls that need that one make it current on the calling thread and
   /// leave it current.
   gl::Context* context = nullptr;
-  GlState gl_state = GlState::kRestore;  ///< of the application's context
+  GlState gl_state = GlState::kRestore;       ///< of the application's context
   gl::ContextPlatform context_platform = {};  ///< of the offscreen context (gl/context.h); ContextOptions' default
   /// Folder that keeps linked programs from run to run, so that drivers need not compile them again. Processes may
   /// share it. None: the user's cache folder, gl::ProgramCache::default_folder(). An empty path: no cache.
@@ -201,8 +212,15 @@ class SIGHTLINE_API Engine {
 
   /// Uses another culler from the next frame on. Makes what that culler lacks. What the former culler had is kept until
   /// the next new order, so that changing back costs next to nothing. A hybrid begins to learn anew. Stops a rebuild in
-  /// the background; the next commit() begins it again. Fails where create() would; then nothing has changed.
+  /// the background; the next commit() begins it again. Fails where create() would; then nothing has changed. The same
+  /// as configure() with that culler.
   core::Expected<void> set_culler(CullerChoice choice);
+  const EngineConfig& config() const;
+  /// Uses other settings from the next frame on: culler, controller, sample_test, occlusion, contribution,
+  /// contribution_way, budget_ms, hidden_colour, outline_colour and relief. The others must be as they are (config()).
+  /// What that needs is made, as in set_culler(); a hybrid begins to learn anew. Fails where create() would, and on
+  /// other changes; then nothing has changed.
+  core::Expected<void> configure(const EngineConfig& config);
   /// Draws in another size, in pixels, from the next frame on. The old picture is gone. Fails on sizes that the context
   /// does not support; then nothing has changed.
   core::Expected<void> resize(int width, int height);

@@ -1,4 +1,4 @@
-// What Drawing draws over the finished picture: transparent items, ghosts and outlines.
+// What Drawing does to the complete picture: relief, then transparent items, ghosts and outlines over it.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -40,9 +40,18 @@ const core::VisibleSet& Drawing::part_overlays(const core::VisibleSet& visible) 
   return solid_;
 }
 
-core::Expected<void> Drawing::draw_overlays(const Culled& culled) {
-  if (picture_kept_ && !external_) return {};  // with its overlays
+core::Expected<void> Drawing::finish_picture(const Culled& culled) {
+  if (!changes_picture()) return {};
+  if (picture_kept_ && !external_) return {};  // finished
   if (picture_kept_) refined_->copy_to(target_);
+  if (relief_.any()) {
+    if (!relief_pass_) relief_pass_.emplace(context_.functions());
+    if (auto done = relief_pass_->draw(target_, culled.view, relief_.shading, relief_.lines); !done) return done;
+  }
+  return has_overlays() ? draw_overlays(culled) : core::Expected<void>();
+}
+
+core::Expected<void> Drawing::draw_overlays(const Culled& culled) {
   if (!overlays_) overlays_.emplace(context_.functions());
   if (external_) {
     if (auto done = compose(); !done) return done;

@@ -142,6 +142,7 @@ void ShownOptions::apply(engine::EngineConfig& config) const {
   config.contribution = contribution;
   config.budget_ms = budget_ms;
   config.contribution_way = contribution_way;
+  config.relief = relief;
 }
 
 void add_way_option(CLI::App& app, const std::string& name, const std::string& help, engine::ContributionWay& to) {
@@ -184,6 +185,11 @@ void add_shown_options(CLI::App& app, ShownOptions& options) {
       ->check(CLI::NonNegativeNumber);
   add_way_option(app, "--contribution-way", "How items are drawn that are below --contribution or beyond --budget",
                  options.contribution_way);
+  const auto add_strength = [&](const char* name, float& strength, const std::string& what) {
+    app.add_option(name, strength, what)->capture_default_str()->check(CLI::Range(0.0f, 1.0f));
+  };
+  add_strength("--shading", options.relief.shading, "Darken corners and what lies behind edges: from 0, not, to 1");
+  add_strength("--lines", options.relief.lines, "Draw lines along edges: from 0, none, to 1, black");
 }
 
 void explain(const engine::Plan& plan) {

@@ -70,6 +70,7 @@ struct ShownOptions {
   float contribution = 0.0f;
   engine::ContributionWay contribution_way = engine::ContributionWay::kDrop;
   double budget_ms = 0.0;
+  engine::Relief relief;
 
   void apply(engine::EngineConfig& config) const;
 };
@@ -78,7 +79,7 @@ struct ShownOptions {
 void add_way_option(CLI::App& app, const std::string& name, const std::string& help, engine::ContributionWay& way);
 
 /// --sample-test on|off, --occlusion on|off|auto, --contribution PX, --contribution-way drop|points|stochastic,
-/// --budget MS
+/// --budget MS, --shading X, --lines X
 void add_shown_options(CLI::App& app, ShownOptions& options);
 
 /// Prints to stderr which features are used and which are left out.

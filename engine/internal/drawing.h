@@ -20,6 +20,7 @@
 #include "sightline/gl/internal/saved_state.h"
 #include "sightline/render/internal/compositor.h"
 #include "sightline/render/internal/overlays.h"
+#include "sightline/render/internal/relief_pass.h"
 #include "sightline/render/internal/renderer.h"
 
 namespace sightline::engine {
@@ -72,7 +73,9 @@ class Drawing {
     budget_view_.reset();
     split_view_.reset();
   }
-  /// From the next draw() on: EngineConfig::contribution and contribution_way.
+  /// From the next draw() on: what Engine::configure() may change.
+  void configure(const EngineConfig& config);
+  /// Of these, EngineConfig::contribution and contribution_way alone.
   void set_contribution(float pixels, ContributionWay way);
   /// The time from the last draw() to the one that follows, or 0 where it says nothing of their cost.
   void frame_took(double ms);
@@ -147,6 +150,9 @@ class Drawing {
   core::Expected<void> draw_visible(const Culled& culled, double began);
   core::Expected<void> draw_solid(const Culled& culled, double began);
   const core::VisibleSet& part_overlays(const core::VisibleSet& visible);
+  /// Whether the complete picture is changed, so that nothing more can be drawn to it.
+  bool changes_picture() const { return renders_ && (relief_.any() || has_overlays()); }
+  core::Expected<void> finish_picture(const Culled& culled);
   core::Expected<void> draw_overlays(const Culled& culled);
   core::Expected<void> draw_translucent(const Culled& culled);
   core::Expected<void> draw_outline(const Culled& culled);
@@ -196,7 +202,9 @@ class Drawing {
   SmallItems small_items_;
   SolidAreas solid_areas_;
   core::vec3 hidden_colour_{0.0f};
-  std::optional<core::View> split_view_;  // what its picture shows, and what the tests leave out of it
+  Relief relief_;
+  std::optional<render::ReliefPass> relief_pass_;  // made with the first relief
+  std::optional<core::View> split_view_;           // what its picture shows, and what the tests leave out of it
   core::VisibleSet shown_, hidden_;
   gl::Buffer hidden_rows_;
   gl::TextureBuffer hidden_materials_;  // one colour for all

@@ -23,6 +23,7 @@ class Drawing {
   // None of these is ever called.
   struct KeptState {};
   KeptState keep_state() const { return {}; }
+  void configure(const EngineConfig&) {}
   void put_into(const core::ExternalTarget*) {}
   struct Feedback {
     std::uint64_t frame = 0, visible = 0, shown = 0;
@@ -39,6 +40,10 @@ class Drawing {
   }
   core::Expected<void> update(const core::Snapshot&, const gpuprims::Joints&, std::span<const core::Slot>,
                               std::span<const std::uint32_t>) {
+    return {};
+  }
+  core::Expected<void> update_looks(const core::Snapshot&, const gpuprims::Joints&, std::span<const core::Slot>,
+                                    std::span<const std::uint32_t>) {
     return {};
   }
   core::Expected<void> rebuild(const core::Snapshot&, const gpuprims::Joints&, bool) { return {}; }

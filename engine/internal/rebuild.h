@@ -33,7 +33,8 @@ struct PlanRequest {
   bool draw = false, ids = false;
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
   bool contribution = false, budget = false;  // asked for; what draws must then be culled on the CPU
-  bool pick = false;                          // orders come with a tracer
+  bool relief = false;
+  bool pick = false;  // orders come with a tracer
 
   bool needs_cpu() const { return draw && (contribution || budget); }
 };

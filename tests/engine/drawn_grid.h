@@ -36,8 +36,9 @@ class DrawnGrid : public GlTest {
     c.context = &*context;
     return c;
   }
-  /// An engine that draws overlays: ghosts, transparent items and one with an outline.
-  static core::Expected<engine::Engine> create_with_overlays(core::Scene& scene, const engine::EngineConfig& c) {
+  /// An engine that changes its pictures: relief, ghosts, transparent items and one with an outline.
+  static core::Expected<engine::Engine> create_with_overlays(core::Scene& scene, engine::EngineConfig c) {
+    c.relief = {0.5f, 0.5f};
     auto engine = engine::Engine::create(scene, c);
     if (!engine) return engine;
     std::vector<core::ItemId> ghosts, faded;
