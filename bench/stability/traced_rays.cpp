@@ -260,6 +260,22 @@ Ray make_ray(const World& world, Random& random) {
   return ray;
 }
 
+/// The largest axis of the direction, and its signs. Rays that are traced side by side have them in common.
+int direction_class(const Ray& ray) {
+  const dvec3 size = glm::abs(ray.direction);
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  return 8 * axis + 4 * std::signbit(ray.direction.x) + 2 * std::signbit(ray.direction.y) +
+         std::signbit(ray.direction.z);
+}
+
+std::vector<Ray> rays_at(const World& world, std::int64_t count, Random& random) {
+  std::vector<Ray> rays;
+  while (std::int64_t(rays.size()) < count) rays.push_back(make_ray(world, random));
+  std::stable_sort(rays.begin(), rays.end(),
+                   [](const Ray& a, const Ray& b) { return direction_class(a) < direction_class(b); });
+  return rays;
+}
+
 // --- judging ---------------------------------------------------------------------------------------------------------
 
 /// Where an item may be crossed: low … high are right.
@@ -276,12 +292,19 @@ std::string digits(double value) {
   return text;
 }
 
+/// What queries of many rays answer for one of them.
+struct ManyAnswer {
+  Hit hit;  ///< its slot is kNone if there is none
+  bool any;
+};
+
 class Judge {
  public:
   Judge(const World& world, std::string place, TracedFigures& figures)
       : world_(world), place_(std::move(place)), figures_(figures) {}
 
-  void add(const Ray& ray) {
+  /// `of_many`: nothing if they were refused.
+  void add(const Ray& ray, const std::optional<ManyAnswer>& of_many) {
     ++figures_.rays;
     ray_ = ray;
     length_ = glm::length(ray.direction);
@@ -290,15 +313,12 @@ class Judge {
     Ray line = ray;
     line.t_min = -kInfinity;
     line.t_max = kInfinity;
-    if (!world_.tracer->all(line, all_)) return fail("all() refused the ray");
-    figures_.crossings += std::int64_t(all_.size());
-    for (const Item& item : world_.items) {
-      found_.clear();
-      for (const Hit& hit : all_)
-        if (hit.slot == item.slot) found_.push_back(hit);
-      judge_item(item);
+    if (world_.tracer->all(line, all_)) {
+      judge_all();
+      judge_nearest(of_many);
+    } else {
+      fail("all() refused the ray");
     }
-    judge_nearest();
     figures_.grazes += graze_;
     figures_.wrong += wrong_;
   }
@@ -351,6 +371,16 @@ class Judge {
     const dmat3& inverse = item.item_from_world;
     return std::sqrt(glm::dot(inverse[0], inverse[0]) + glm::dot(inverse[1], inverse[1]) +
                      glm::dot(inverse[2], inverse[2]));
+  }
+
+  void judge_all() {
+    figures_.crossings += std::int64_t(all_.size());
+    for (const Item& item : world_.items) {
+      found_.clear();
+      for (const Hit& hit : all_)
+        if (hit.slot == item.slot) found_.push_back(hit);
+      judge_item(item);
+    }
   }
 
   void judge_item(const Item& item) {
@@ -601,10 +631,16 @@ class Judge {
 
   // --- the nearest ---
 
-  void judge_nearest() {
+  void judge_nearest(const std::optional<ManyAnswer>& of_many) {
     const auto hit = world_.tracer->nearest(ray_);
     const auto any = world_.tracer->any(ray_);
-    if (!hit || !any) return fail("nearest() refused the ray");
+    if (!hit || !any || !of_many) return fail("nearest() refused the ray");
+    judge_answers("", *hit ? &**hit : nullptr, *any);
+    figures_.hits += hit->has_value();
+    judge_answers(" of many", of_many->hit.slot == core::kNone ? nullptr : &of_many->hit, of_many->any);
+  }
+
+  void judge_answers(const std::string& how, const Hit* hit, bool any) {
     // The first that is surely there ends by this t. Near the ray's ends nothing is sure.
     double last = kInfinity, first = kInfinity;
     const Expected* nearest = nullptr;
@@ -615,24 +651,20 @@ class Judge {
       if (!nearest || e.low + e.high < nearest->low + nearest->high) nearest = &e;
       last = std::min(last, e.high + mesh_slack(e.slot));
     }
-    if (last < kInfinity && !*any) fail("any() finds nothing");
-    if (first == kInfinity && *any) fail("any() finds what is not there");
-    if (!*hit) {
-      if (last < kInfinity) fail("nearest() finds nothing");
+    if (last < kInfinity && !any) fail("any()" + how + " finds nothing");
+    if (first == kInfinity && any) fail("any()" + how + " finds what is not there");
+    if (!hit) {
+      if (last < kInfinity) fail("nearest()" + how + " finds nothing");
       return;
     }
-    ++figures_.hits;
-    const Hit& h = **hit;
     double width = -1.0;
     for (const Expected& e : expected_)
-      if (e.slot == h.slot && e.triangle == h.triangle && h.t >= e.low && h.t <= e.high)
+      if (e.slot == hit->slot && e.triangle == hit->triangle && hit->t >= e.low && hit->t <= e.high)
         width = std::max(width, e.high - e.low);
-    if (width < 0.0 || !(h.t >= ray_.t_min && h.t <= ray_.t_max))
-      return fail("nearest() finds slot " + std::to_string(h.slot) + " at " + digits(h.t));
-    if (h.t - width - mesh_slack(h.slot) > last)
-      return fail("nearest() finds slot " + std::to_string(h.slot) + " at " + digits(h.t) + " behind what ends at " +
-                  digits(last));
-    if (nearest && nearest->slot != h.slot && h.t >= nearest->low) ++figures_.ties;
+    const std::string found = "nearest()" + how + " finds slot " + std::to_string(hit->slot) + " at " + digits(hit->t);
+    if (width < 0.0 || !(hit->t >= ray_.t_min && hit->t <= ray_.t_max)) return fail(found);
+    if (hit->t - width - mesh_slack(hit->slot) > last) return fail(found + " behind what ends at " + digits(last));
+    if (how.empty() && nearest && nearest->slot != hit->slot && hit->t >= nearest->low) ++figures_.ties;
   }
 
   /// Along the ray meshes are known to kMeshError, too.
@@ -652,6 +684,17 @@ class Judge {
   std::vector<Hit> all_, found_;
   std::vector<Expected> expected_;
 };
+
+/// Traces the rays each by itself and all together.
+void judge_rays(const World& world, const std::string& place, const std::vector<Ray>& rays, TracedFigures& figures) {
+  std::vector<Hit> hits(rays.size());
+  const auto any = std::make_unique<bool[]>(rays.size());
+  const bool traced = world.tracer->nearest(rays, hits) && world.tracer->any(rays, {any.get(), rays.size()});
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    Judge judge(world, place + ", ray " + std::to_string(i), figures);
+    judge.add(rays[i], traced ? std::optional(ManyAnswer{hits[i], any[i]}) : std::nullopt);
+  }
+}
 
 }  // namespace
 
@@ -677,8 +720,8 @@ TracedFigures trace_rays(TracedKind kind, std::int64_t rays, std::uint64_t seed)
     if (!world || world->items.empty()) continue;
     const std::string place = "seed " + std::to_string(seed) + ", scene " + std::to_string(figures.scenes);
     ++figures.scenes;
-    for (int i = 0; i < kRaysPerScene && figures.rays < rays; ++i)
-      Judge(*world, place + ", ray " + std::to_string(i), figures).add(make_ray(*world, random));
+    judge_rays(*world, place, rays_at(*world, std::min<std::int64_t>(kRaysPerScene, rays - figures.rays), random),
+               figures);
   }
   return figures;
 }
