@@ -237,6 +237,15 @@ Target target_on(const Item& item, Random& random) {
   return {core::transform_point(item.frame, point), item.frame.linear * along};
 }
 
+/// Ends of a ray that meets its target at t: up to twice as far, or just before or behind it.
+void set_ends(Ray& ray, double t, Random& random) {
+  const auto end = [&] {
+    return t * (random.below(2) ? random.uniform(0.0, 2.0) : 1.0 + random.sign() * random.log_uniform(-12.0, 0.0));
+  };
+  if (random.below(3)) ray.t_max = end();
+  if (random.below(3) == 0) ray.t_min = end();
+}
+
 Ray make_ray(const World& world, Random& random) {
   const Item& item = world.items[std::size_t(random.below(int(world.items.size())))];
   const Target target = target_on(item, random);
@@ -256,7 +265,7 @@ Ray make_ray(const World& world, Random& random) {
   const double far = world.half * random.log_uniform(random.below(4) ? -1.0 : -4.0, random.below(4) ? 1.0 : 4.0);
   Ray ray{target.point - far * direction, random.log_uniform(-2.0, 2.0) * direction};
   if (!core::is_finite(ray.origin)) ray.origin = world.centre;
-  if (random.below(5) == 0) ray.t_max = random.uniform(0.0, 2.0) * far / glm::length(ray.direction);
+  if (random.below(4) == 0) set_ends(ray, far / glm::length(ray.direction), random);
   return ray;
 }
 
@@ -328,9 +337,10 @@ class Judge {
     wrong_ = true;
     if (figures_.examples.size() >= 10) return;
     char text[400];
-    std::snprintf(text, sizeof(text), "%s: %s; from (%.17g %.17g %.17g) along (%.17g %.17g %.17g), t <= %g",
-                  place_.c_str(), what.c_str(), ray_.origin.x, ray_.origin.y, ray_.origin.z, ray_.direction.x,
-                  ray_.direction.y, ray_.direction.z, ray_.t_max);
+    std::snprintf(text, sizeof(text),
+                  "%s: %s; from (%.17g %.17g %.17g) along (%.17g %.17g %.17g), t from %.17g to %.17g", place_.c_str(),
+                  what.c_str(), ray_.origin.x, ray_.origin.y, ray_.origin.z, ray_.direction.x, ray_.direction.y,
+                  ray_.direction.z, ray_.t_min, ray_.t_max);
     figures_.examples.emplace_back(text);
   }
   std::string name(const Item& item) const {
