@@ -88,7 +88,7 @@ void set_style(Theme theme, double scale) {
 
 }  // namespace
 
-core::Expected<Gui> Gui::create(Window& window, Theme theme) {
+core::Expected<Gui> Gui::create(Window& window, Theme theme, double scale) {
   IMGUI_CHECKVERSION();
   Gui gui(window, ImGui::CreateContext());
   ImGuiIO& io = ImGui::GetIO();
@@ -102,7 +102,7 @@ core::Expected<Gui> Gui::create(Window& window, Theme theme) {
     text = static_cast<Window*>(user)->clipboard();
     return text.c_str();
   };
-  gui.scale_ = std::max(window.scale(), window.size()[1] >= kHighScreen ? 2.0 : 1.0);
+  gui.scale_ = scale > 0.0 ? scale : std::max(window.scale(), window.size()[1] >= kHighScreen ? 2.0 : 1.0);
   gui.load_font();
   gui.set_theme(theme);
   if (!ImGui_ImplOpenGL3_Init("#version 450")) return core::fail("the user interface cannot draw in this context");

@@ -14,8 +14,9 @@ enum class Theme { kDark, kLight };
 
 class Gui {
  public:
-  /// In the window's context, which must outlive it. One at a time.
-  static core::Expected<Gui> create(Window& window, Theme theme);
+  /// In the window's context, which must outlive it. One at a time. `scale`: of text and panels; 0: as the screen
+  /// suggests.
+  static core::Expected<Gui> create(Window& window, Theme theme, double scale = 0.0);
   Gui(Gui&&) = default;
   ~Gui();
 

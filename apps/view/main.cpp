@@ -33,17 +33,38 @@ void add_options(CLI::App& app, apps::ViewerOptions& o) {
   app.add_flag("!--no-smooth", o.smooth, "Leave edges as they are when nothing moves; scripts begin so");
   app.add_flag("!--no-panels", o.panels, "Show the model alone");
   app.add_option("--theme", o.theme, "dark or light")->check(CLI::IsMember({"dark", "light"}))->capture_default_str();
+  app.add_option("--scale", o.scale, "Of text and panels; as the screen suggests unless it is given")
+      ->check(CLI::Range(0.5, 5.0));
+  app.add_option("--settings", o.settings,
+                 "Keep settings in this file instead of the user's own, which --script and --frames leave alone");
 }
 
-core::Expected<int> view(const apps::ViewerOptions& o) {
+apps::SettingsFile settings_file(const apps::ViewerOptions& o) {
+  if (!o.settings.empty()) return apps::SettingsFile(o.settings);
+  if (!o.script.empty() || o.frames > 0) return {};
+  return apps::SettingsFile(apps::SettingsFile::default_place());
+}
+
+/// What the command line does not say is as it was the last time.
+void apply(const apps::Settings& settings, const CLI::App& app, apps::ViewerOptions& o) {
+  const auto unsaid = [&](const char* option) { return app.count(option) == 0; };
+  if (unsaid("--theme")) o.theme = settings.light ? "light" : "dark";
+  if (unsaid("--no-smooth")) o.smooth = settings.smooth;
+  if (unsaid("--no-panels")) o.panels = settings.panels;
+  if (unsaid("--size")) o.size = std::to_string(settings.window[0]) + "x" + std::to_string(settings.window[1]);
+}
+
+core::Expected<int> view(const CLI::App& app, apps::ViewerOptions o) {
+  apps::SettingsFile settings = settings_file(o);
+  apply(settings.settings(), app, o);
   const auto size = apps::parse_size(o.size);
   if (!size) return tl::unexpected(size.error());
   if (o.frames > 0 && o.model.files.empty()) return core::fail("--frames needs a MODEL");
   auto window = apps::Window::open("Sightline", *size, o.frames == 0 && o.script.empty());
   if (!window) return tl::unexpected(window.error());
-  auto gui = apps::Gui::create(*window, o.theme == "light" ? apps::Theme::kLight : apps::Theme::kDark);
+  auto gui = apps::Gui::create(*window, o.theme == "light" ? apps::Theme::kLight : apps::Theme::kDark, o.scale);
   if (!gui) return tl::unexpected(gui.error());
-  return apps::Viewer(o, *window, std::move(*gui)).run();
+  return apps::Viewer(o, *window, std::move(*gui), std::move(settings)).run();
 }
 
 }  // namespace
@@ -58,5 +79,5 @@ int main(int argc, char** argv) {
                      apps::command_list());
   apps::ViewerOptions options;
   add_options(app, options);
-  return apps::run(app, argc, argv, [&] { return view(options); });
+  return apps::run(app, argc, argv, [&] { return view(app, options); });
 }

@@ -29,7 +29,7 @@ constexpr core::vec3 kHiddenColour{0.85f, 0.1f, 0.55f};
 constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 0.9f};
 constexpr double kLongestStep = 0.25;  // seconds: a hitch must not make the camera jump
 constexpr int kSettlingFrames = 3;     // after an event: widgets take some to come to rest
-constexpr std::size_t kRecentFrames = 240, kRecentFiles = 10;
+constexpr std::size_t kRecentFrames = 240;
 constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;  // seconds
 
 /// For example "screenshot-1.png", or the next number that no file has.
@@ -57,10 +57,13 @@ Json measure_json(const Measuring& measuring) {
 
 }  // namespace
 
-Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui)
-    : options_(options), window_(window), gui_(std::move(gui)) {
+Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFile settings)
+    : options_(options), window_(window), gui_(std::move(gui)), settings_(std::move(settings)) {
   shown.panels = options.panels && options.frames == 0;
-  shown.smooth = options.smooth && options.script.empty();
+  shown.smooth = options.smooth && (options.script.empty() || !options.settings.empty());
+  now_ = settings_.settings();
+  take_settings();
+  settings_.begin(now_);
   if (!options.model.files.empty()) open(options.model.files);
 }
 
@@ -73,9 +76,12 @@ core::Expected<int> Viewer::run() {
     if (!script) return tl::unexpected(script.error());
     script_ = std::move(*script);
   }
+  if (!settings_.damage().empty()) std::fprintf(stderr, "sightline-view: %s\n", settings_.damage().c_str());
+  if (!settings_.damage().empty() && !loader_) tell(settings_.damage(), true);
   double last = glfwGetTime();
   while (!window_.closing() && (options_.frames == 0 || frames_ < options_.frames)) {
     const bool busy = !settled() || next_step_ < script_.size();
+    if (!busy) keep_settings();
     gui_.push(window_.poll(loader_ ? kLoadingWait : busy ? 0.0 : kIdleWait));
     if (window_.closing()) break;
     if (!busy && !gui_.has_events()) continue;  // nothing to draw
@@ -90,6 +96,7 @@ core::Expected<int> Viewer::run() {
     const double now = glfwGetTime();
     if (auto done = frame(now - std::exchange(last, now)); !done) return tl::unexpected(done.error());
   }
+  keep_settings();
   if (auto done = finish(); !done) return tl::unexpected(done.error());
   return kExitOk;
 }
@@ -158,17 +165,16 @@ core::Expected<void> Viewer::land() {
   if (!session) return failed(session.error());
   session_ = std::move(*session);
   files_ = files;
-  for (const std::string& file : files) {
-    std::erase(recent_files_, file);
-    recent_files_.insert(recent_files_.begin(), file);
-  }
-  recent_files_.resize(std::min(recent_files_.size(), kRecentFiles));
+  for (const std::string& file : files) now_.add_recent(file);
   warn_of_outliers(session_->bounds());
   if (options_.model.explain) explain(session_->engine().plan());
   if (path_) session_->camera().set_planes(path_->near, path_->far);
   playing_ = path_.has_value();
   window_.set_title(name_of_files(files) + " - Sightline");
-  tell(std::to_string(session_->scene().item_count()) + " items");
+  if (first && !settings_.damage().empty())
+    tell(settings_.damage(), true);
+  else
+    tell(std::to_string(session_->scene().item_count()) + " items");
   return {};
 }
 
@@ -401,6 +407,21 @@ core::Expected<void> Viewer::toggle_recording() {
   return {};
 }
 
+void Viewer::take_settings() {
+  now_.light = gui_.theme() == Theme::kLight;
+  now_.smooth = shown.smooth;
+  now_.panels = shown.panels;
+  now_.window = window_.screen_size();
+}
+
+void Viewer::keep_settings() {
+  take_settings();
+  const auto done = settings_.keep(now_);
+  if (done) return;
+  tell("settings are not kept: " + done.error().message, true);
+  std::fprintf(stderr, "sightline-view: %s\n", message_.c_str());
+}
+
 core::Expected<void> Viewer::finish() {
   if (!session_) return options_.frames > 0 ? core::fail("no model was drawn") : core::Expected<void>();
   session_->engine().finish();
@@ -421,6 +442,8 @@ nlohmann::ordered_json Viewer::state() const {
             {"message", message_},
             {"panels", shown.panels},
             {"help", shown.help},
+            {"theme", gui_.theme() == Theme::kLight ? "light" : "dark"},
+            {"recent", now_.recent},
             {"smooth", shown.smooth},
             {"recording", recording()}};
   if (!session_) return json;

@@ -13,24 +13,26 @@
 #include "sightline/apps/view/loader.h"
 #include "sightline/apps/view/script.h"
 #include "sightline/apps/view/session.h"
+#include "sightline/apps/view/settings.h"
 #include "sightline/apps/view/window.h"
 
 namespace sightline::apps {
 
 struct ViewerOptions {
   ModelOptions model;
-  std::string size = "1280x720", path, save_path = "path.json", screenshot, json_file, script, theme = "dark";
+  std::string size = "1280x720", path, save_path = "path.json", screenshot, json_file, script, settings, theme = "dark";
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
   int samples = 1;
   ShownOptions shown;
   int frames = 0;
+  double scale = 0.0;  ///< of text and panels; 0: as the screen suggests
   bool panels = true, smooth = true;
 };
 
 class Viewer {
  public:
-  Viewer(const ViewerOptions& options, Window& window, Gui gui);
+  Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFile settings = {});
 
   /// Until the window is closed, the frames are drawn or the script has ended. Fails with what a tool should end with.
   core::Expected<int> run();
@@ -67,7 +69,7 @@ class Viewer {
     bool measure = false;  ///< clicks set marks
     bool find = false;     ///< the search field gets the keyboard next
   } shown;
-  const std::vector<std::string>& recent() const { return recent_files_; }
+  const std::vector<std::string>& recent() const { return now_.recent; }
 
  private:
   struct Drag {
@@ -107,13 +109,17 @@ class Viewer {
   void write_title();
   core::Expected<void> finish();
   core::Expected<void> read_path();
+  void take_settings();
+  void keep_settings();
 
   ViewerOptions options_;
   Window& window_;
   Gui gui_;
   std::unique_ptr<Loader> loader_;
   std::unique_ptr<Session> session_;
-  std::vector<std::string> files_, recent_files_;
+  std::vector<std::string> files_;
+  SettingsFile settings_;
+  Settings now_;  // but for recent files as of the last keep_settings()
   std::optional<core::CameraPath> path_;
   double play_began_ = -1.0;  // GLFW's time
   bool playing_ = false;

@@ -130,6 +130,12 @@ std::array<int, 2> Window::size() const {
   return size;
 }
 
+std::array<int, 2> Window::screen_size() const {
+  std::array<int, 2> size{};
+  glfwGetWindowSize(state_->window, &size[0], &size[1]);
+  return size;
+}
+
 void Window::resize(const std::array<int, 2>& size) {
   glfwSetWindowSize(state_->window, size[0], size[1]);
 }

@@ -33,6 +33,7 @@ class Window {
   gl::Context& context() { return state_->context.value(); }
   /// Size of its framebuffer, in pixels; 0 while minimised.
   std::array<int, 2> size() const;
+  std::array<int, 2> screen_size() const;       ///< the same in screen units
   void resize(const std::array<int, 2>& size);  ///< screen units
   double scale() const;                         ///< of text and lines: 1 on a screen of 96 dots per inch
   void set_title(const std::string& title);

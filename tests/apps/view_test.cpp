@@ -377,6 +377,30 @@ TEST_F(ViewScript, FailsWhereTheScriptExpectsOtherwise) {
   }
 }
 
+TEST_F(ViewScript, SettingsAreKeptInTheNamedFileAlone) {
+  const std::string model = boxes(), mine = path("config/mine.json"), own = path("sightline/view.json");
+  setenv("XDG_CONFIG_HOME", path("").c_str(), 1);
+  expect_driven("theme\npanels\nresize 500x400\nexpect /theme = light\n", {model, "--size", kSize});
+  EXPECT_FALSE(fs::exists(own));
+  const Args named = {model, "--settings", mine};
+  expect_driven("expect /smooth = true\ntheme\npanels\nsmooth\nresize 500x400\nexpect /window/0 = 500\n", named);
+  EXPECT_FALSE(fs::exists(own));
+  expect_driven(
+      "expect /theme = light\nexpect /panels = false\nexpect /smooth = false\nexpect /window/0 = 500\n"
+      "expect /recent/0 = " +
+          model + "\n",
+      named);
+  const std::string kept = read_bytes(mine);
+  expect_driven("expect /theme = dark\nexpect /panels = false\n", {model, "--settings", mine, "--theme", "dark"});
+  EXPECT_EQ(read_bytes(mine), kept) << "what the command line says is not kept";
+  write("config/mine.json", "{");
+  expect_driven("expect /theme = dark\nexpect /panels = true\n", {"--settings", mine});
+  EXPECT_EQ(read_bytes(mine), "{") << "nothing was changed";
+  expect_driven("expect /message = \"" + mine + ": expected a JSON object\"\ntheme\n", named);
+  EXPECT_EQ(Json::parse(read_bytes(mine), nullptr, false), Json({{"theme", "light"}, {"recent", {model}}}));
+  unsetenv("XDG_CONFIG_HOME");
+}
+
 /// A window that stays open, and somebody at its keyboard.
 class ViewKeys : public View {
  protected:
@@ -389,10 +413,12 @@ class ViewKeys : public View {
       kill(child_.pid, SIGTERM);
       wait_for(child_);
     }
+    unsetenv("XDG_CONFIG_HOME");
     View::TearDown();
   }
 
   void open(const Args& args) {
+    setenv("XDG_CONFIG_HOME", path("").c_str(), 1);
     child_ = start_program(program_of("view"), args, "view");
     ASSERT_TRUE(comes_true([&] {
       const Outcome found = xdotool({"search", "--name", " - Sightline"});
@@ -434,6 +460,10 @@ TEST_F(ViewKeys, TheWindowShowsThePictureAtAnySize) {
   const Json state = Json::parse(read_bytes(figures), nullptr, false);
   EXPECT_EQ(state["size"], Json::array({500, 400}));
   EXPECT_GT(state["frames"], 4);
+  const Json kept = Json::parse(read_bytes(path("sightline/view.json")), nullptr, false);
+  EXPECT_EQ(kept["window"], Json::array({500, 400}));
+  EXPECT_EQ(kept["recent"], Json::array({model}));
+  EXPECT_FALSE(kept.contains("panels")) << "nobody has switched them";
 }
 
 }  // namespace

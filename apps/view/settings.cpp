@@ -1,0 +1,148 @@
+#include "sightline/apps/view/settings.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "sightline/core/internal/atomic_file.h"
+
+namespace sightline::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::uintmax_t kMostBytes = 1u << 20;
+constexpr int kDeepest = 64;  // writing JSON takes stack for each level
+constexpr int kSmallestWindow = 100, kLargestWindow = 1 << 14;
+
+/// The object in a file; empty where there is no file.
+core::Expected<Json> read_object(const fs::path& file) {
+  std::error_code none;
+  if (!fs::exists(file, none)) return Json::object();
+  if (!fs::is_regular_file(file, none)) return core::fail(file.string() + ": expected a file");
+  if (fs::file_size(file, none) > kMostBytes) return core::fail(file.string() + ": larger than settings are");
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) return core::fail(file.string() + ": cannot be read");
+  bool deep = false;
+  const auto note_depth = [&](int depth, Json::parse_event_t, Json&) {
+    deep |= depth > kDeepest;
+    return !deep;
+  };
+  Json json = Json::parse(text.str(), note_depth, false);
+  if (deep || !json.is_object()) return core::fail(file.string() + ": expected a JSON object");
+  return json;
+}
+
+std::optional<bool> flag_of(const Json& json) {
+  return json.is_boolean() ? std::optional(json.get<bool>()) : std::nullopt;
+}
+
+std::optional<bool> light_of(const Json& json) {
+  if (json == "light") return true;
+  return json == "dark" ? std::optional(false) : std::nullopt;
+}
+
+std::optional<std::vector<std::string>> files_of(const Json& json) {
+  const auto is_text = [](const Json& file) { return file.is_string(); };
+  if (!json.is_array() || !std::all_of(json.begin(), json.end(), is_text)) return std::nullopt;
+  auto files = json.get<std::vector<std::string>>();
+  files.resize(std::min(files.size(), Settings::kMostRecent));
+  return files;
+}
+
+std::optional<std::array<int, 2>> size_of(const Json& json) {
+  const auto fits = [](const Json& number) {
+    return number.is_number_integer() && number >= kSmallestWindow && number <= kLargestWindow;
+  };
+  if (!json.is_array() || json.size() != 2 || !fits(json[0]) || !fits(json[1])) return std::nullopt;
+  return std::array{json[0].get<int>(), json[1].get<int>()};
+}
+
+/// What an object says; keys whose values cannot be are in `bad`.
+Settings settings_of(const Json& json, std::string& bad) {
+  Settings settings;
+  const auto take = [&](const char* key, auto& value, auto read) {
+    const auto found = json.find(key);
+    if (found == json.end()) return;
+    if (auto good = read(*found))
+      value = std::move(*good);
+    else
+      bad += (bad.empty() ? "" : ", ") + std::string(key);
+  };
+  take("theme", settings.light, light_of);
+  take("smooth", settings.smooth, flag_of);
+  take("panels", settings.panels, flag_of);
+  take("recent", settings.recent, files_of);
+  take("window", settings.window, size_of);
+  return settings;
+}
+
+/// Files of another viewer stay below our own.
+std::vector<std::string> merged(std::vector<std::string> ours, const std::vector<std::string>& theirs) {
+  for (const std::string& file : theirs)
+    if (std::find(ours.begin(), ours.end(), file) == ours.end()) ours.push_back(file);
+  ours.resize(std::min(ours.size(), Settings::kMostRecent));
+  return ours;
+}
+
+void put_changes(const Settings& before, const Settings& now, Json& json) {
+  std::string bad;
+  if (now.light != before.light) json["theme"] = now.light ? "light" : "dark";
+  if (now.smooth != before.smooth) json["smooth"] = now.smooth;
+  if (now.panels != before.panels) json["panels"] = now.panels;
+  if (now.recent != before.recent) json["recent"] = merged(now.recent, settings_of(json, bad).recent);
+  if (now.window != before.window && size_of(now.window)) json["window"] = now.window;
+}
+
+}  // namespace
+
+void Settings::add_recent(const std::string& file) {
+  std::error_code none;
+  const fs::path place = fs::absolute(file, none);
+  std::string name = none ? file : place.lexically_normal().string();
+  std::erase(recent, name);
+  recent.insert(recent.begin(), std::move(name));
+  recent.resize(std::min(recent.size(), kMostRecent));
+}
+
+SettingsFile::SettingsFile(fs::path file) : file_(std::move(file)) {
+  const auto json = read_object(file_);
+  if (!json) {
+    damage_ = json.error().message;
+    return;
+  }
+  std::string bad;
+  kept_ = settings_of(*json, bad);
+  if (!bad.empty()) damage_ = file_.string() + ": cannot use the value of " + bad;
+}
+
+fs::path SettingsFile::default_place() {
+  for (const auto& [variable, below] : {std::pair{"XDG_CONFIG_HOME", ""}, {"HOME", ".config"}}) {
+    const char* value = std::getenv(variable);
+    if (value && fs::path(value).is_absolute()) return fs::path(value) / below / "sightline" / "view.json";
+  }
+  return {};
+}
+
+core::Expected<void> SettingsFile::keep(const Settings& settings) {
+  const Settings before = std::exchange(kept_, settings);
+  if (file_.empty() || settings == before) return {};
+  Json json = read_object(file_).value_or(Json::object());
+  const Json found = json;
+  put_changes(before, settings, json);
+  if (json == found) return {};
+  if (std::error_code none; fs::create_directories(file_.parent_path(), none))
+    fs::permissions(file_.parent_path(), fs::perms::owner_all, none);  // as the XDG base directory specification asks
+  const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return core::write_file(file_, {std::as_bytes(std::span(text))});
+}
+
+}  // namespace sightline::apps
