@@ -100,6 +100,8 @@ const Command kCommands[] = {
     {"record", "File", "Record camera path", GLFW_KEY_R, 0, "R",
      "begin to record a camera path; end and write it (--save-path)",
      [](Viewer& v, const std::string&) { return v.toggle_recording(); }, [](Viewer& v) { return v.recording(); }},
+    {"lose-context", nullptr, "", 0, 0, "", "make window and graphics context anew, as after a reset of the driver",
+     [](Viewer& v, const std::string&) -> Done { return v.lose_context(), Done(); }, nullptr, false},
     {"quit", "File", "Quit", GLFW_KEY_Q, kCtrl, "Ctrl+Q", "end",
      [](Viewer& v, const std::string&) -> Done { return v.quit(), Done(); }, nullptr, false},
 
@@ -187,6 +189,9 @@ const Command kCommands[] = {
      "switch smooth edges, which come when nothing moves, on or off",
      [](Viewer& v, const std::string&) -> Done { return v.shown.smooth = !v.shown.smooth, Done(); },
      [](Viewer& v) { return v.shown.smooth; }, false},
+    {"triad", "View", "Axes", 0, 0, "", "show or hide the axes beside the panels; a click on an end looks from there",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.triad = !v.shown.triad, Done(); },
+     [](Viewer& v) { return v.shown.triad; }, false},
     {"theme", "View", "Light colours", 0, 0, "", "switch between light and dark",
      [](Viewer& v, const std::string&) -> Done {
        return v.gui().set_theme(v.gui().theme() == Theme::kDark ? Theme::kLight : Theme::kDark), Done();

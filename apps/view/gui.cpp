@@ -105,8 +105,17 @@ core::Expected<Gui> Gui::create(Window& window, Theme theme, double scale) {
   gui.scale_ = scale > 0.0 ? scale : std::max(window.scale(), window.size()[1] >= kHighScreen ? 2.0 : 1.0);
   gui.load_font();
   gui.set_theme(theme);
-  if (!ImGui_ImplOpenGL3_Init("#version 450")) return core::fail("the user interface cannot draw in this context");
+  if (auto done = gui.use_context(); !done) return tl::unexpected(done.error());
   return gui;
+}
+
+void Gui::drop_context() {
+  if (ImGui::GetIO().BackendRendererUserData) ImGui_ImplOpenGL3_Shutdown();
+}
+
+core::Expected<void> Gui::use_context() {
+  if (!ImGui_ImplOpenGL3_Init("#version 450")) return core::fail("the user interface cannot draw in this context");
+  return {};
 }
 
 void Gui::Destroy::operator()(ImGuiContext* context) const {

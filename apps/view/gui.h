@@ -34,6 +34,11 @@ class Gui {
   bool uses(const Event& event) const;
   bool has_text_cursor() const;
 
+  /// Frees what lies in the window's context, and makes it anew in the context that the window then has. No frame may
+  /// be drawn in between.
+  void drop_context();
+  core::Expected<void> use_context();
+
   void begin(const std::array<int, 2>& size, double seconds);
   /// Draws the widgets into the back buffer.
   void end();

@@ -19,6 +19,7 @@ void measure_tab(Viewer& viewer);
 void sections_tab(Viewer& viewer);
 void culling_tab(Viewer& viewer);
 void measure_overlay(Viewer& viewer, const Part& part);
+void triad_overlay(Viewer& viewer);
 void status_bar(Viewer& viewer);
 void help_window(Viewer& viewer);
 void open_window(Viewer& viewer);     ///< a path to type, or a file opened before

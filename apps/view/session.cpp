@@ -30,6 +30,11 @@ Session::Session(Model model, engine::Engine engine, const engine::EngineConfig&
       camera_(bounds_.bounds, kFovy, aspect()),
       smooths_(config.samples == 1 && config.budget_ms == 0.0) {}
 
+core::Expected<void> Session::use_context(gl::Context& context) {
+  changed();
+  return engine_.use_context(context);
+}
+
 core::Expected<void> Session::resize(const std::array<int, 2>& size) {
   if (size == size_) return {};
   if (auto done = engine_.resize(size[0], size[1]); !done) return done;

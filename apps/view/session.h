@@ -29,6 +29,8 @@ class Session {
   const core::dvec3& offset() const { return model_.offset; }
   engine::Engine& engine() { return engine_; }
   const engine::Engine& engine() const { return engine_; }
+  /// Draws in that context from now on, which is current; the former one is lost. All else stays.
+  core::Expected<void> use_context(gl::Context& context);
   Document& document() { return document_; }
   const Document& document() const { return document_; }
   Camera& camera() { return camera_; }

@@ -16,6 +16,7 @@ struct Settings {
   bool light = false;                       ///< colours
   bool smooth = true;                       ///< edges at rest
   bool panels = true;                       ///< shown
+  bool triad = true;                        ///< shown
   std::vector<std::string> recent;          ///< files opened, the last one first, with absolute paths
   std::array<int, 2> window = {1280, 720};  ///< screen units
 

@@ -30,7 +30,8 @@ constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 
 constexpr double kLongestStep = 0.25;  // seconds: a hitch must not make the camera jump
 constexpr int kSettlingFrames = 3;     // after an event: widgets take some to come to rest
 constexpr std::size_t kRecentFrames = 240;
-constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;  // seconds
+constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;        // seconds
+constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a driver that resets its GPU
 
 /// For example "screenshot-1.png", or the next number that no file has.
 std::string free_name(const std::string& stem, const std::string& extension) {
@@ -62,6 +63,7 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   shown.panels = options.panels && options.frames == 0;
   shown.smooth = options.smooth && (options.script.empty() || !options.settings.empty());
   now_ = settings_.settings();
+  shown.triad = now_.triad;
   take_settings();
   settings_.begin(now_);
   if (!options.model.files.empty()) open(options.model.files);
@@ -84,21 +86,44 @@ core::Expected<int> Viewer::run() {
     if (!busy) keep_settings();
     gui_.push(window_.poll(loader_ ? kLoadingWait : busy ? 0.0 : kIdleWait));
     if (window_.closing()) break;
+    if (lost()) {
+      if (auto done = recover(); !done) return tl::unexpected(done.error());
+      continue;
+    }
     if (!busy && !gui_.has_events()) continue;  // nothing to draw
     if (auto done = land(); !done) return tl::unexpected(done.error());
     if (settled() && next_step_ < script_.size())
       if (auto done = step_script(); !done) return tl::unexpected(done.error());
     if (settled_but_for_edges() && refining()) {
-      if (auto done = session_->refine(); !done) return tl::unexpected(done.error());
+      if (auto done = session_->refine(); !done && !lost()) return tl::unexpected(done.error());
       redraws_ = session_->refining() ? 0 : 1;
       if (redraws_ == 0) continue;
     }
     const double now = glfwGetTime();
-    if (auto done = frame(now - std::exchange(last, now)); !done) return tl::unexpected(done.error());
+    if (auto done = frame(now - std::exchange(last, now)); !done && !lost()) return tl::unexpected(done.error());
   }
   keep_settings();
   if (auto done = finish(); !done) return tl::unexpected(done.error());
   return kExitOk;
+}
+
+/// Makes the window and all that lay in its context anew. Model, camera, sections and selection stay.
+core::Expected<void> Viewer::recover() {
+  gui_.drop_context();
+  auto opened = window_.reopen();
+  for (const double end = glfwGetTime() + kContextPatience; !opened && glfwGetTime() < end && !window_.closing();) {
+    window_.poll(kContextWait);
+    opened = window_.reopen();
+  }
+  if (opened) opened = gui_.use_context();
+  if (opened && session_) opened = session_->use_context(window_.context());
+  if (!opened) return core::fail("the graphics driver has lost the window's context: " + opened.error().message);
+  context_lost_ = false;
+  ++recovered_;
+  held_.clear();  // their releases went to the former window
+  drag_.reset();
+  tell("the lost graphics context was made anew");
+  return {};
 }
 
 /// Nothing will change by itself.
@@ -213,9 +238,11 @@ core::Expected<void> Viewer::frame(double seconds) {
     item_tip(*this, *session_->document().hovered());
   draw_rectangle();
   measure_overlay(*this, viewport());
+  triad_overlay(*this);
   window_.clear(gui_.theme() == Theme::kDark ? kEmptyDark : kEmptyLight);
-  if (auto done = draw_model(viewport()); !done) return done;
+  const auto drawn = draw_model(viewport());
   gui_.end();
+  if (!drawn) return drawn;
   if (!window_shot_.empty()) {
     auto written = image::write_png(window_.read(), std::exchange(window_shot_, {}));
     if (!written) return written;
@@ -411,6 +438,7 @@ void Viewer::take_settings() {
   now_.light = gui_.theme() == Theme::kLight;
   now_.smooth = shown.smooth;
   now_.panels = shown.panels;
+  now_.triad = shown.triad;
   now_.window = window_.screen_size();
 }
 
@@ -444,8 +472,10 @@ nlohmann::ordered_json Viewer::state() const {
             {"help", shown.help},
             {"theme", gui_.theme() == Theme::kLight ? "light" : "dark"},
             {"recent", now_.recent},
+            {"triad", shown.triad},
             {"smooth", shown.smooth},
-            {"recording", recording()}};
+            {"recording", recording()},
+            {"recovered", recovered_}};
   if (!session_) return json;
   const Document& document = session_->document();
   const core::Pose& pose = session_->camera().pose();

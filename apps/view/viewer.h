@@ -9,6 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "sightline/apps/view/axis_triad.h"
 #include "sightline/apps/view/gui.h"
 #include "sightline/apps/view/loader.h"
 #include "sightline/apps/view/script.h"
@@ -58,14 +59,20 @@ class Viewer {
   core::Expected<std::optional<engine::Pick>> under_cursor();
   /// What a click would mark.
   const std::optional<measure::Snap>& aimed() const { return aimed_; }
+  /// The axes in the picture's corner; none beside hidden panels or in a small picture.
+  std::optional<AxisTriad> triad() const;
+  std::optional<AxisTriad::End> triad_end() const;                       ///< under the cursor
   const std::vector<double>& frame_times() const { return recent_ms_; }  ///< of the last pictures, milliseconds
   void quit() { window_.close(); }
+  /// As if the driver had lost the window's context.
+  void lose_context() { context_lost_ = true; }
   nlohmann::ordered_json state() const;
 
   /// Switches of panels.
   struct Shown {
     bool panels = true, help = false, open = false;
     bool smooth = true;    ///< edges, while nothing moves
+    bool triad = true;     ///< beside panels
     bool measure = false;  ///< clicks set marks
     bool find = false;     ///< the search field gets the keyboard next
   } shown;
@@ -79,6 +86,8 @@ class Viewer {
     bool moves = false;      // farther than a click may
   };
 
+  bool lost() const { return context_lost_ || window_.context().lost(); }
+  core::Expected<void> recover();
   core::Expected<void> land();
   core::Expected<void> step_script();
   core::Expected<void> carry_out(const ScriptStep& step);
@@ -133,6 +142,8 @@ class Viewer {
   double last_click_ = -1.0;  // GLFW's time, of one without modifiers
   core::dvec2 cursor_{-1.0};
   bool cursor_moved_ = false;
+  bool context_lost_ = false;
+  int recovered_ = 0;  // times that the context was made anew
   std::optional<measure::Snap> aimed_;
   int redraws_ = 3;  // frames to draw though nothing has happened
   Part part_;

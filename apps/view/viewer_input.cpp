@@ -8,6 +8,7 @@
 
 #include "sightline/apps/view/commands.h"
 #include "sightline/apps/view/viewer.h"
+#include "sightline/apps/view/widgets.h"
 
 namespace sightline::apps {
 namespace {
@@ -19,6 +20,8 @@ constexpr double kClickPixels = 4.0;                    // a drag that moves no 
 constexpr double kReach = 10.0;                         // pixels within which marks snap
 constexpr double kDoubleClick = 0.35;                   // seconds
 constexpr double kFaster = 8.0;                         // flying with Shift
+constexpr double kTriadMargin = 6.0;                    // pixels beside the axes
+constexpr double kTriadShare = 0.2;                     // of the picture that they may reach over
 
 }  // namespace
 
@@ -29,6 +32,19 @@ core::dvec2 Viewer::in_picture(const core::dvec2& cursor) const {
 bool Viewer::in_viewport(const core::dvec2& cursor) const {
   const core::dvec2 at = in_picture(cursor);
   return at.x >= 0.0 && at.y >= 0.0 && at.x < part_.width && at.y < part_.height;
+}
+
+std::optional<AxisTriad> Viewer::triad() const {
+  const double scale = gui_.scale(), reach = AxisTriad::reach(scale),
+               room = kTriadShare * std::min(part_.width, part_.height);
+  if (!session_ || !shown.triad || !shown.panels || reach > room) return std::nullopt;
+  const double margin = reach + kTriadMargin * scale;
+  return AxisTriad(session_->camera().pose(), {part_.x + margin, window_.size()[1] - part_.y - margin}, scale);
+}
+
+std::optional<AxisTriad::End> Viewer::triad_end() const {
+  const auto shows = drag_ || ImGui::GetIO().WantCaptureMouse ? std::nullopt : triad();
+  return shows ? shows->end_at(cursor_) : std::nullopt;
 }
 
 void Viewer::handle(const Event& event) {
@@ -68,13 +84,14 @@ void Viewer::press_key(const Event& event) {
   held_.insert(event.key);
   last_click_ = -1.0;
   const Command* command = find_command(event.key, event.mods);
-  if (!command || (command->needs_model && !session_)) return;
-  if (auto done = command->run(*this, {}); !done) tell(done.error().message, true);
+  if (command && (!command->needs_model || session_)) sightline::apps::run(*this, *command);
 }
 
 void Viewer::press_button(const Event& event) {
   if (!session_ || drag_ || !in_viewport(event.at)) return;
   cursor_ = event.at;
+  if (const auto end = triad_end(); end && event.key == GLFW_MOUSE_BUTTON_LEFT)
+    return sightline::apps::run(*this, *find_command(AxisTriad::view_from(*end)));
   drag_ = {event.key, event.mods, event.at, event.at, session_->point_at(in_picture(event.at))};
   session_->remember();
 }
@@ -174,7 +191,7 @@ void Viewer::fly(double seconds) {
 void Viewer::hover() {
   if (!session_ || drag_ || !std::exchange(cursor_moved_, false)) return;
   std::optional<core::ItemId> item;
-  const bool over_picture = in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse;
+  const bool over_picture = in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end();
   aimed_.reset();
   if (over_picture && shown.measure) {
     if (const auto aimed = session_->aim(in_picture(cursor_), kReach * gui_.scale()); aimed && *aimed)

@@ -26,6 +26,33 @@ gl::Proc get_proc(const char* name, void*) {
   return glfwGetProcAddress(name);
 }
 
+void ask_for(int major, int minor) {
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, major);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, minor);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+}
+
+/// What there is of OpenGL, for somebody who asks why it is not enough.
+std::string offered() {
+  for (const bool core : {true, false}) {
+    glfwDefaultWindowHints();
+    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+    if (core) ask_for(3, 2);  // drivers give the newest that goes with it
+    GLFWwindow* window = glfwCreateWindow(16, 16, "", nullptr, nullptr);
+    if (!window) continue;
+    glfwMakeContextCurrent(window);
+    const auto get = reinterpret_cast<const GLubyte* (*)(GLenum)>(glfwGetProcAddress("glGetString"));
+    const auto text = [&](GLenum name) {
+      const GLubyte* found = get ? get(name) : nullptr;
+      return found ? std::string(reinterpret_cast<const char*>(found)) : std::string("an unknown one");
+    };
+    const std::string words = text(GL_VERSION) + " by " + text(GL_RENDERER);
+    glfwDestroyWindow(window);
+    return words;
+  }
+  return "none";
+}
+
 /// Pixels per screen unit.
 core::dvec2 pixels_of(GLFWwindow* window, double x, double y) {
   int width = 0, height = 0, pixels_wide = 0, pixels_high = 0;
@@ -106,22 +133,60 @@ Window::State::~State() {
 
 core::Expected<Window> Window::open(const std::string& title, const std::array<int, 2>& size, bool vsync) {
   auto state = std::make_unique<State>();
-  if (!glfwInit()) return tl::unexpected(glfw_error("no window can be opened"));
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, gl::kRequiredMajor);
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, gl::kRequiredMinor);
-  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  if (!glfwInit()) {
+    core::Error error = glfw_error("no window can be opened");
+    error.message += "; sightline-render draws without one";
+    return tl::unexpected(std::move(error));
+  }
+  state->title = title;
+  state->vsync = vsync;
+  if (auto done = state->open(size); !done) return tl::unexpected(done.error());
+  return Window(std::move(state));
+}
+
+/// Makes a window in place of the one that there is, if any.
+core::Expected<void> Window::State::open(const std::array<int, 2>& size) {
+  glfwDefaultWindowHints();
+  ask_for(gl::kRequiredMajor, gl::kRequiredMinor);
   glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);  // ignored where it is not offered
   glfwWindowHint(GLFW_DEPTH_BITS, 0);                                   // pictures are drawn elsewhere and copied
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
-  state->window = glfwCreateWindow(size[0], size[1], title.c_str(), nullptr, nullptr);
-  if (!state->window) return tl::unexpected(glfw_error("no window with OpenGL 4.5 can be opened"));
-  glfwMakeContextCurrent(state->window);
+  if (window) glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);  // until it is where the former one is
+  GLFWwindow* made = glfwCreateWindow(size[0], size[1], title.c_str(), nullptr, nullptr);
+  if (!made) {
+    core::Error error = glfw_error("no window can be opened that has OpenGL " + std::to_string(gl::kRequiredMajor) +
+                                   "." + std::to_string(gl::kRequiredMinor) + " core");
+    error.message += "; the display offers " + offered() +
+                     "; LIBGL_ALWAYS_SOFTWARE=1 takes Mesa's software rasteriser, which has 4.5";
+    return tl::unexpected(std::move(error));
+  }
+  glfwMakeContextCurrent(made);
   glfwSwapInterval(vsync ? 1 : 0);
-  auto context = gl::Context::adopt(&get_proc, nullptr);
-  if (!context) return tl::unexpected(context.error());
-  state->context = std::move(*context);
-  listen(state->window, state->events);
-  return Window(std::move(state));
+  auto adopted = gl::Context::adopt(&get_proc, nullptr);
+  if (!adopted) {
+    glfwDestroyWindow(made);
+    if (window) glfwMakeContextCurrent(window);
+    return tl::unexpected(adopted.error());
+  }
+  context.reset();  // whoever shares it takes it as lost
+  context = std::move(*adopted);
+  if (window) {
+    int x = 0, y = 0;
+    glfwGetWindowPos(window, &x, &y);
+    glfwSetWindowPos(made, x, y);
+    if (glfwGetWindowAttrib(window, GLFW_MAXIMIZED)) glfwMaximizeWindow(made);
+    if (glfwWindowShouldClose(window)) glfwSetWindowShouldClose(made, GLFW_TRUE);
+    glfwDestroyWindow(window);
+    glfwShowWindow(made);
+  }
+  window = made;
+  events.clear();
+  listen(window, events);
+  return {};
+}
+
+core::Expected<void> Window::reopen() {
+  return state_->open(screen_size());
 }
 
 std::array<int, 2> Window::size() const {
@@ -147,6 +212,7 @@ double Window::scale() const {
 }
 
 void Window::set_title(const std::string& title) {
+  state_->title = title;
   glfwSetWindowTitle(state_->window, title.c_str());
 }
 

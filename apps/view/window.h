@@ -28,6 +28,9 @@ class Window {
   /// the platform offers that. `size`: in screen units. With `vsync`, present() waits for the screen. Without a display
   /// or such a context it fails with GLFW's reason. Only one window may be open at a time.
   static core::Expected<Window> open(const std::string& title, const std::array<int, 2>& size, bool vsync);
+  /// Makes window and context anew, in the same place and size: for a context that was lost. What lay in the former one
+  /// is gone. Fails where no context can be had; then nothing has changed.
+  core::Expected<void> reopen();
 
   const gl::Context& context() const { return state_->context.value(); }
   gl::Context& context() { return state_->context.value(); }
@@ -63,7 +66,10 @@ class Window {
     State(const State&) = delete;
     State& operator=(const State&) = delete;
     ~State();
+    core::Expected<void> open(const std::array<int, 2>& size);
 
+    std::string title;
+    bool vsync = true;
     GLFWwindow* window = nullptr;
     std::optional<gl::Context> context;
     std::vector<Event> events;

@@ -377,6 +377,49 @@ TEST_F(ViewScript, FailsWhereTheScriptExpectsOtherwise) {
   }
 }
 
+/// The picture is the same after the context was made anew, and all that the user has done is still there.
+TEST_F(ViewScript, ALostContextIsMadeAnew) {
+  const std::string before = path("before.png"), after = path("after.png"), model = boxes();
+  for (const char* culler : {"cpu", "gpu"}) {
+    SCOPED_TRACE(culler);
+    expect_driven("front\nclick 300 200\nmove 300 200\nsection-here\ndrag 300 200 360 230\nsmooth\nscreenshot " +
+                      before +
+                      "\nlose-context\nexpect /recovered = 1\nexpect /selection/count = 1\nexpect /sections = 1\n"
+                      "expect /window/0 = 600\nexpect /window/1 = 400\nscreenshot " +
+                      after + "\nlose-context\nundo\nexpect /selection/count = 0\nexpect /recovered = 2\n",
+                  {model, "--size", kSize, "--culler", culler});
+    EXPECT_EQ(read_png(before).rgb, read_png(after).rgb);
+  }
+  expect_driven("lose-context\nexpect /recovered = 1\n", {"--size", kSize});
+}
+
+TEST_F(View, SaysWhatOpenGLThereIsAndWhatItNeeds) {
+  setenv("MESA_GL_VERSION_OVERRIDE", "3.3", 1);
+  const Outcome outcome = run("view", {plant(1000), "--frames", "1"});
+  unsetenv("MESA_GL_VERSION_OVERRIDE");
+  if (outcome.code == 0) GTEST_SKIP() << "not Mesa's driver";
+  EXPECT_EQ(outcome.code, 1) << outcome;
+  for (const char* words : {"OpenGL 4.5 core", "the display offers 3.3"})
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome;
+}
+
+/// The axes lie in the lower left corner of the picture, 56 pixels from its sides; the tree takes 189, the bar 21.
+TEST_F(ViewScript, EndsOfTheAxesLeadToViews) {
+  const std::string model = boxes(), with = path("with.png"), without = path("without.png"), shot = path("shot.png");
+  expect_driven("fit\nexpect /triad = true\nwindow-shot " + with + "\nscreenshot " + shot +
+                    "\ntriad\nexpect /triad = false\nwindow-shot " + without + "\nscreenshot " + path("bare.png") +
+                    "\n",
+                {model, "--size", "700x500"});
+  EXPECT_NE(read_png(with).rgb, read_png(without).rgb);
+  EXPECT_EQ(read_png(shot).rgb, read_png(path("bare.png")).rgb) << "the picture of the model has no axes";
+  expect_driven(
+      "front\nclick 281 423\nexpect /camera/eye/0 > 5\n"
+      "click 245 387\nexpect /camera/eye/2 > 5\n"
+      "click 245 423\nexpect /camera/eye/2 < -5\n"
+      "expect /selection/count = 0\n",
+      {model, "--size", "700x500"});
+}
+
 TEST_F(ViewScript, SettingsAreKeptInTheNamedFileAlone) {
   const std::string model = boxes(), mine = path("config/mine.json"), own = path("sightline/view.json");
   setenv("XDG_CONFIG_HOME", path("").c_str(), 1);
