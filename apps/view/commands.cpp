@@ -81,6 +81,13 @@ Done section_box(Viewer& viewer, const std::string&) {
   return {};
 }
 
+/// A setting of the engine, by a script.
+Done set_number(Viewer& viewer, const std::string& text, void (*set)(engine::EngineConfig&, double)) {
+  const auto number = parse_finite(text);
+  if (!number) return tl::unexpected(number.error());
+  return viewer.session()->configure([&](engine::EngineConfig& config) { set(config, *number); });
+}
+
 const Command kCommands[] = {
     {"open", "File", "Open…", GLFW_KEY_O, kCtrl, "Ctrl+O", "open files, instead of what is open: FILE",
      [](Viewer& v, const std::string& file) -> Done {
@@ -192,6 +199,9 @@ const Command kCommands[] = {
     {"triad", "View", "Axes", 0, 0, "", "show or hide the axes beside the panels; a click on an end looks from there",
      [](Viewer& v, const std::string&) -> Done { return v.shown.triad = !v.shown.triad, Done(); },
      [](Viewer& v) { return v.shown.triad; }, false},
+    {"relief", "View", "Shading and lines", GLFW_KEY_L, 0, "L",
+     "switch the shading and the lines that make shapes of one colour legible on or off",
+     [](Viewer& v, const std::string&) { return v.toggle_relief(); }, [](Viewer& v) { return v.shown.relief; }, false},
     {"theme", "View", "Light colours", 0, 0, "", "switch between light and dark",
      [](Viewer& v, const std::string&) -> Done {
        return v.gui().set_theme(v.gui().theme() == Theme::kDark ? Theme::kLight : Theme::kDark), Done();
@@ -211,6 +221,14 @@ const Command kCommands[] = {
     {"cull-hybrid", "Culling", "Where it costs less", GLFW_KEY_3, kAlt, "Alt+3", "cull where it costs less (hybrid)",
      cull<CullerChoice::kHybrid>,
      [](Viewer& v) { return v.session()->engine().plan().culler == CullerChoice::kHybrid; }},
+    {"budget", nullptr, "", 0, 0, "", "milliseconds that a frame may take while the view moves; 0: any: MS",
+     [](Viewer& v, const std::string& text) {
+       return set_number(v, text, [](engine::EngineConfig& c, double ms) { c.budget_ms = ms; });
+     }},
+    {"contribution", nullptr, "", 0, 0, "", "leave out what covers fewer pixels; 0: nothing: PX",
+     [](Viewer& v, const std::string& text) {
+       return set_number(v, text, [](engine::EngineConfig& c, double pixels) { c.contribution = float(pixels); });
+     }},
 
     {"help", "Help", "Keys and mouse", GLFW_KEY_F1, 0, "F1", "show keys and mouse",
      [](Viewer& v, const std::string&) -> Done { return v.shown.help = !v.shown.help, Done(); },

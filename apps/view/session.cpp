@@ -27,8 +27,7 @@ Session::Session(Model model, engine::Engine engine, const engine::EngineConfig&
       tree_(*model_.scene),
       bounds_(engine_.snapshot().bounds().fitted_bounds()),
       size_{config.width, config.height},
-      camera_(bounds_.bounds, kFovy, aspect()),
-      smooths_(config.samples == 1 && config.budget_ms == 0.0) {}
+      camera_(bounds_.bounds, kFovy, aspect()) {}
 
 core::Expected<void> Session::use_context(gl::Context& context) {
   changed();
@@ -144,7 +143,13 @@ void Session::set_frozen(bool frozen) {
 }
 
 core::Expected<void> Session::set_culler(engine::CullerChoice choice) {
-  auto done = engine_.set_culler(choice);
+  return configure([choice](engine::EngineConfig& config) { config.culler = choice; });
+}
+
+core::Expected<void> Session::configure(const std::function<void(engine::EngineConfig&)>& change) {
+  engine::EngineConfig config = engine_.config();
+  change(config);
+  auto done = engine_.configure(config);
   changed();
   return done;
 }

@@ -1,6 +1,7 @@
 // A model that is open: what is drawn of it, and from where.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,7 +63,7 @@ class Session {
   /// Draws one more of the pictures whose mean has smooth edges; nothing once they are complete, while the picture is
   /// stale, or where a budget or multisampling leave none to draw.
   core::Expected<void> refine();
-  bool refining() const { return smooths_ && !stale() && !resting_.complete(); }
+  bool refining() const { return smooths() && !stale() && !resting_.complete(); }
   bool partly_refined() const { return resting_.count() > 0 && !resting_.complete(); }
   /// That mean; null until it is complete and while something has changed.
   const image::Image* smooth() const { return !stale() && resting_.complete() ? &mean_ : nullptr; }
@@ -89,9 +90,13 @@ class Session {
   /// Culls for this view from now on, or again for the camera's.
   void set_frozen(bool frozen);
   core::Expected<void> set_culler(engine::CullerChoice choice);
+  /// Engine::configure() with what `change` changes of the settings that hold.
+  core::Expected<void> configure(const std::function<void(engine::EngineConfig&)>& change);
 
  private:
   Session(Model model, engine::Engine engine, const engine::EngineConfig& config);
+
+  bool smooths() const { return engine_.config().samples == 1 && engine_.config().budget_ms == 0.0; }
 
   Model model_;
   engine::Engine engine_;
@@ -105,7 +110,6 @@ class Session {
   std::vector<std::pair<core::Pose, bool>> places_;  // pose, orthographic
   std::optional<core::View> drawn_, frozen_;
   std::uint64_t drawn_version_ = 0;
-  bool smooths_;
   RestingPicture resting_;
   image::Image mean_;
   engine::FrameReport report_;

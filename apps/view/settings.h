@@ -17,6 +17,7 @@ struct Settings {
   bool smooth = true;                       ///< edges at rest
   bool panels = true;                       ///< shown
   bool triad = true;                        ///< shown
+  bool relief = true;                       ///< engine::Relief
   std::vector<std::string> recent;          ///< files opened, the last one first, with absolute paths
   std::array<int, 2> window = {1280, 720};  ///< screen units
 

@@ -27,6 +27,7 @@ using Type = Event::Type;
 
 constexpr core::vec3 kHiddenColour{0.85f, 0.1f, 0.55f};
 constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 0.9f};
+constexpr engine::Relief kRelief{0.6f, 0.4f};
 constexpr double kLongestStep = 0.25;  // seconds: a hitch must not make the camera jump
 constexpr int kSettlingFrames = 3;     // after an event: widgets take some to come to rest
 constexpr std::size_t kRecentFrames = 240;
@@ -64,6 +65,9 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   shown.smooth = options.smooth && (options.script.empty() || !options.settings.empty());
   now_ = settings_.settings();
   shown.triad = now_.triad;
+  const bool as_kept = !options.settings.empty() || (options.frames == 0 && options.script.empty());
+  shown.relief = options.shown.relief.any() || (now_.relief && as_kept);
+  if (!options.shown.relief.any()) options_.shown.relief = kRelief;
   take_settings();
   settings_.begin(now_);
   if (!options.model.files.empty()) open(options.model.files);
@@ -182,6 +186,7 @@ core::Expected<void> Viewer::land() {
   config.gpu_culler = options_.gpu_culler;
   config.samples = options_.samples;
   options_.shown.apply(config);
+  if (!shown.relief) config.relief = {};
   config.hidden_colour = kHiddenColour;
   config.context = &window_.context();
   print_warnings((*model)->report.warnings);
@@ -370,6 +375,14 @@ void Viewer::tell(std::string message, bool error) {
   redraws_ = kSettlingFrames;
 }
 
+core::Expected<void> Viewer::toggle_relief() {
+  shown.relief = !shown.relief;
+  redraws_ = kSettlingFrames;
+  if (!session_) return {};
+  return session_->configure(
+      [&](engine::EngineConfig& config) { config.relief = shown.relief ? options_.shown.relief : engine::Relief(); });
+}
+
 core::Expected<std::optional<engine::Pick>> Viewer::under_cursor() {
   if (!in_viewport(cursor_)) return std::optional<engine::Pick>();
   return session_->pick(in_picture(cursor_));
@@ -439,6 +452,7 @@ void Viewer::take_settings() {
   now_.smooth = shown.smooth;
   now_.panels = shown.panels;
   now_.triad = shown.triad;
+  now_.relief = shown.relief;
   now_.window = window_.screen_size();
 }
 
@@ -474,6 +488,7 @@ nlohmann::ordered_json Viewer::state() const {
             {"recent", now_.recent},
             {"triad", shown.triad},
             {"smooth", shown.smooth},
+            {"relief", shown.relief},
             {"recording", recording()},
             {"recovered", recovered_}};
   if (!session_) return json;
@@ -494,6 +509,8 @@ nlohmann::ordered_json Viewer::state() const {
                {"undo_steps", document.undo_steps()},
                {"redo_steps", document.redo_steps()},
                {"frozen", session_->frozen()},
+               {"budget_ms", session_->engine().config().budget_ms},
+               {"contribution", session_->engine().config().contribution},
                {"camera",
                 {{"eye", vector_json(pose.eye)},
                  {"target", vector_json(pose.target)},

@@ -51,6 +51,7 @@ class Viewer {
   core::Expected<void> save_view(const std::string& file);
   core::Expected<void> load_view(const std::string& file);
   core::Expected<void> toggle_recording();
+  core::Expected<void> toggle_relief();
   bool recording() const { return recorder_.has_value(); }
   void tell(std::string message, bool error = false);
   const std::string& message() const { return message_; }
@@ -72,6 +73,7 @@ class Viewer {
   struct Shown {
     bool panels = true, help = false, open = false;
     bool smooth = true;    ///< edges, while nothing moves
+    bool relief = true;    ///< what has one colour
     bool triad = true;     ///< beside panels
     bool measure = false;  ///< clicks set marks
     bool find = false;     ///< the search field gets the keyboard next
