@@ -7,6 +7,7 @@
 //   move 320 200                moves the cursor
 //   wheel 3                     turns the wheel away from the user
 //   press ctrl+z                a key
+//   hold w 2                    a key held for some seconds
 //   type valve                  text
 //   resize 800x600              the window, screen units
 //   wait 0.5                    seconds

@@ -88,6 +88,7 @@ core::Expected<int> Viewer::run() {
   while (!window_.closing() && (options_.frames == 0 || frames_ < options_.frames)) {
     const bool busy = !settled() || next_step_ < script_.size();
     if (!busy) keep_settings();
+    if (release_ && glfwGetTime() >= wait_until_) gui_.push({*std::exchange(release_, std::nullopt)});
     gui_.push(window_.poll(loader_ ? kLoadingWait : busy ? 0.0 : kIdleWait));
     if (window_.closing()) break;
     if (lost()) {
@@ -144,7 +145,9 @@ bool Viewer::settled_but_for_edges() const {
     return key == GLFW_KEY_W || key == GLFW_KEY_A || key == GLFW_KEY_S || key == GLFW_KEY_D || key == GLFW_KEY_Q ||
            key == GLFW_KEY_E;
   });
-  if (loader_ || redraws_ > 0 || gui_.has_events() || playing_ || flies || !window_shot_.empty()) return false;
+  if (loader_ || redraws_ > 0 || gui_.has_events() || playing_ || flies || (walker_ && walker_->falling()) ||
+      !window_shot_.empty())
+    return false;
   if (options_.frames > 0 || glfwGetTime() < wait_until_) return false;
   return !session_ || !session_->stale();
 }
@@ -190,6 +193,7 @@ core::Expected<void> Viewer::land() {
   config.hidden_colour = kHiddenColour;
   config.context = &window_.context();
   print_warnings((*model)->report.warnings);
+  set_walking(false);
   session_.reset();  // its memory first
   auto session = Session::open(std::move(**model), config);
   if (!session) return failed(session.error());
@@ -319,6 +323,17 @@ core::Expected<void> Viewer::carry_out(const ScriptStep& step) {
     if (!size) return tl::unexpected(size.error());
     window_.resize(*size);
     wait_until_ = glfwGetTime() + 0.2;  // the window system answers later
+    return {};
+  }
+  if (step.name == "hold") {
+    const std::size_t space = step.argument.rfind(' ');
+    const auto seconds = parse_finite(space == std::string::npos ? "" : step.argument.substr(space + 1));
+    if (!seconds) return core::fail("hold: expected a key and seconds, found \"" + step.argument + "\"");
+    auto pressed = events_of({step.line, "press", step.argument.substr(0, space)});
+    if (!pressed) return tl::unexpected(pressed.error());
+    release_ = pressed->back();
+    gui_.push({pressed->front()});
+    wait_until_ = glfwGetTime() + *seconds;
     return {};
   }
   if (step.name == "wait") {
@@ -486,6 +501,7 @@ nlohmann::ordered_json Viewer::state() const {
             {"help", shown.help},
             {"theme", gui_.theme() == Theme::kLight ? "light" : "dark"},
             {"recent", now_.recent},
+            {"walk", walking()},
             {"triad", shown.triad},
             {"smooth", shown.smooth},
             {"relief", shown.relief},

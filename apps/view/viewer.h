@@ -15,6 +15,7 @@
 #include "sightline/apps/view/script.h"
 #include "sightline/apps/view/session.h"
 #include "sightline/apps/view/settings.h"
+#include "sightline/apps/view/walking.h"
 #include "sightline/apps/view/window.h"
 
 namespace sightline::apps {
@@ -64,6 +65,9 @@ class Viewer {
   std::optional<AxisTriad> triad() const;
   std::optional<AxisTriad::End> triad_end() const;                       ///< under the cursor
   const std::vector<double>& frame_times() const { return recent_ms_; }  ///< of the last pictures, milliseconds
+  bool walking() const { return walker_.has_value(); }
+  /// Motion stays on the floor, and walls stop it; or the camera flies again.
+  void set_walking(bool walking);
   void quit() { window_.close(); }
   /// As if the driver had lost the window's context.
   void lose_context() { context_lost_ = true; }
@@ -115,6 +119,7 @@ class Viewer {
   void select_rectangle(const Drag& drag);
   void draw_rectangle() const;
   void fly(double seconds);
+  void walk(const core::dvec3& held, double seconds);
   void hover();
   void play();
   void write_title();
@@ -138,8 +143,10 @@ class Viewer {
   std::vector<ScriptStep> script_;
   std::size_t next_step_ = 0;
   double wait_until_ = 0.0;
-  std::string window_shot_;  // file for the next frame's picture of the window
-  std::set<int> held_;       // keys
+  std::optional<Event> release_;  // of a key that the script holds until then
+  std::string window_shot_;       // file for the next frame's picture of the window
+  std::set<int> held_;            // keys
+  std::optional<Walker> walker_;
   std::optional<Drag> drag_;
   double last_click_ = -1.0;  // GLFW's time, of one without modifiers
   core::dvec2 cursor_{-1.0};

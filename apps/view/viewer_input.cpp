@@ -20,6 +20,7 @@ constexpr double kClickPixels = 4.0;                    // a drag that moves no 
 constexpr double kReach = 10.0;                         // pixels within which marks snap
 constexpr double kDoubleClick = 0.35;                   // seconds
 constexpr double kFaster = 8.0;                         // flying with Shift
+constexpr double kFasterOnFoot = 3.0;                   // walking with Shift
 constexpr double kTriadMargin = 6.0;                    // pixels beside the axes
 constexpr double kTriadShare = 0.2;                     // of the picture that they may reach over
 
@@ -181,10 +182,41 @@ void Viewer::fly(double seconds) {
   if (key(GLFW_KEY_LEFT_CONTROL) + key(GLFW_KEY_RIGHT_CONTROL) + key(GLFW_KEY_LEFT_ALT) > 0.0) return;
   const core::dvec3 move(key(GLFW_KEY_D) - key(GLFW_KEY_A), key(GLFW_KEY_W) - key(GLFW_KEY_S),
                          key(GLFW_KEY_E) - key(GLFW_KEY_Q));
-  if (move == core::dvec3(0.0)) return;
+  const bool falls = walker_ && walker_->falling() && !drag_;
+  if (move == core::dvec3(0.0) && !falls) return;
   playing_ = false;  // the user has taken over
   const bool fast = held_.contains(GLFW_KEY_LEFT_SHIFT) || held_.contains(GLFW_KEY_RIGHT_SHIFT);
+  if (walker_) return walk((fast ? kFasterOnFoot : 1.0) * move, seconds);
   session_->camera().fly(move, seconds * (fast ? kFaster : 1.0));
+}
+
+void Viewer::set_walking(bool walking) {
+  walker_.reset();
+  if (!walking) return;
+  session_->camera().set_orthographic(false);
+  walker_.emplace([this](const core::dvec3& origin, const core::dvec3& direction, double reach) {
+    const auto view = session_->view();
+    std::optional<double> distance;
+    if (!view) return distance;
+    const raytrace::Ray ray{origin, direction, 0.0, reach};
+    if (const auto hit = session_->engine().pick(ray, raytrace::filter_of(*view)); hit && *hit) distance = (*hit)->t;
+    return distance;
+  });
+  session_->remember();
+  walk({}, 0.0);
+}
+
+/// By what is held: to the right and ahead, over the ground.
+void Viewer::walk(const core::dvec3& held, double seconds) {
+  core::Pose pose = session_->camera().pose();
+  const core::dvec3 sight = pose.target - pose.eye;
+  core::dvec2 ahead(sight.x, sight.y);
+  if (glm::length(ahead) == 0.0) ahead = core::dvec2(pose.up.x, pose.up.y);  // straight up or down
+  ahead /= std::max(glm::length(ahead), 1e-300);
+  const core::dvec2 velocity = Walker::kSpeed * (held.y * ahead + held.x * core::dvec2(ahead.y, -ahead.x));
+  pose.eye = walker_->move(pose.eye, velocity, seconds);
+  pose.target = pose.eye + sight;
+  session_->camera().set_pose(pose);
 }
 
 /// Draws a line around what is under the resting cursor.

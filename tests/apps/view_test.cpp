@@ -420,6 +420,31 @@ TEST_F(ViewScript, EndsOfTheAxesLeadToViews) {
       {model, "--size", "700x500"});
 }
 
+/// A floor and a wall across it: the eye falls to the floor, and the wall stops it.
+TEST_F(ViewScript, WalksOnTheFloorUpToTheWall) {
+  std::string text;
+  int vertex = 0;
+  for (const auto& [low, high] : {std::pair{std::array{-6.0, -6.0, -0.2}, std::array{6.0, 6.0, 0.0}},
+                                  {std::array{-6.0, 2.0, 0.0}, std::array{6.0, 2.2, 3.0}}}) {
+    for (std::size_t i = 0; i < 8; ++i)
+      text += "v " + std::to_string(i & 1 ? high[0] : low[0]) + " " + std::to_string(i & 2 ? high[1] : low[1]) + " " +
+              std::to_string(i & 4 ? high[2] : low[2]) + "\n";
+    for (const auto& f : {std::array{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5}, {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}})
+      text += "f " + std::to_string(vertex + f[0]) + " " + std::to_string(vertex + f[1]) + " " +
+              std::to_string(vertex + f[2]) + " " + std::to_string(vertex + f[3]) + "\n";
+    vertex += 8;
+  }
+  const std::string view = write("inside.json", R"({"eye": [0, -2, 4], "target": [0, 2, 4], "up": [0, 0, 1],
+                                                    "fovy_deg": 60, "near": 0.05})");
+  expect_driven(
+      "load-view " + view +
+          "\nexpect /walk = false\nwalk\nexpect /walk = true\nexpect /camera/eye/2 > 1.699\n"
+          "expect /camera/eye/2 < 1.701\nhold w 6\nexpect /camera/eye/1 > 1.6\nexpect /camera/eye/1 < 1.75\n"
+          "hold s 0.3\nexpect /camera/eye/1 < 1.6\nexpect /camera/eye/2 < 1.701\nexpect /camera/eye/2 > 1.699\n"
+          "walk\nexpect /walk = false\n",
+      {write("room.obj", text), "--size", kSize, "--no-panels"});
+}
+
 TEST_F(ViewScript, SettingsAreKeptInTheNamedFileAlone) {
   const std::string model = boxes(), mine = path("config/mine.json"), own = path("sightline/view.json");
   setenv("XDG_CONFIG_HOME", path("").c_str(), 1);
