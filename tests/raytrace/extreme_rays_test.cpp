@@ -1,5 +1,8 @@
-// Rays that were traced wrongly once, among 44,000,000 of `sightline-stability --trace`; with what they meet.
+// Rays that were traced wrongly once, among 44,000,000 of `sightline-stability --trace`, with what they meet; and rays
+// that end next to what they meet.
 #include <array>
+#include <memory>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -293,6 +296,68 @@ TEST(ExtremeRays, TrianglesSeenEdgeOnAreHitAtOneOfTheirPoints) {
     std::vector<Hit> hits;
     ASSERT_TRUE(tracer.all({c.ray.origin, c.ray.direction}, hits));
     for (const Hit& hit : hits) EXPECT_NEAR(hit.t, c.t, c.error) << hit.triangle;
+  });
+}
+
+/// `expected`: t of the nearest hits; infinite: none.
+void check_rays(const Tracer& tracer, const std::vector<Ray>& rays, const std::vector<double>& expected) {
+  std::vector<Hit> hits(rays.size());
+  const auto any = std::make_unique<bool[]>(rays.size());
+  ASSERT_TRUE(tracer.nearest(rays, hits));
+  ASSERT_TRUE(tracer.any(rays, {any.get(), rays.size()}));
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    SCOPED_TRACE(i);
+    const auto alone = tracer.nearest(rays[i]);
+    const bool hit = expected[i] < kInfinity;
+    ASSERT_EQ((*alone).has_value(), hit);
+    ASSERT_EQ(hits[i].slot != core::kNone, hit);
+    EXPECT_EQ(*tracer.any(rays[i]), hit);
+    EXPECT_EQ(any[i], hit);
+    if (!hit) continue;
+    EXPECT_NEAR((*alone)->t, expected[i], 1e-13 * expected[i]);
+    EXPECT_EQ(hits[i].t, (*alone)->t);
+  }
+}
+
+/// Rays that meet two triangles begin or end just before or behind one of them, by `step` of t.
+void check_ends(const Tracer& tracer, const std::vector<Ray>& rays, double step) {
+  std::vector<Ray> to_first = rays, past_first = rays, past_second = rays, about_second = rays;
+  std::vector<double> second, none(rays.size(), kInfinity);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    std::vector<Hit> hits;
+    ASSERT_TRUE(tracer.all(rays[i], hits));
+    ASSERT_EQ(hits.size(), 2u);
+    second.push_back(hits[1].t);
+    to_first[i].t_max = hits[0].t * (1.0 - step);
+    past_first[i].t_min = hits[0].t * (1.0 + step);
+    past_second[i].t_min = about_second[i].t_max = hits[1].t * (1.0 + step);
+    about_second[i].t_min = hits[1].t * (1.0 - step);
+  }
+  check_rays(tracer, to_first, none);
+  check_rays(tracer, past_first, second);
+  check_rays(tracer, about_second, second);
+  check_rays(tracer, past_second, none);
+}
+
+/// Float resolves 1e-7 of t.
+TEST(ExtremeRays, EndsNextToTrianglesAreDecidedInDouble) {
+  const MeshCase two = {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {7.1, -3.3, 2.2}},
+                        {{-9, 0, -9}, {9, 0, -9}, {0, 0.5, 9}, {-9, 1, -9}, {9, 1.5, -9}, {0, 1, 9}},
+                        {},
+                        0.0,
+                        0.0};
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> aside(-1.0, 1.0);
+  std::vector<Ray> rays;  // along y, rather
+  for (int i = 0; i < 64; ++i)
+    rays.push_back({{7.1 + aside(random), -8.3, 2.2 + aside(random)}, {0.1 * aside(random), 1.0, 0.1 * aside(random)}});
+  tests::for_each_instruction_set([&] {
+    with_tracer(two, [&](const Tracer& tracer) {
+      for (const double step : {1e-12, 1e-9, 1e-7}) {
+        SCOPED_TRACE(step);
+        check_ends(tracer, rays, step);
+      }
+    });
   });
 }
 
