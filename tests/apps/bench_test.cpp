@@ -75,6 +75,15 @@ TEST_F(Bench, MeasuresImports) {
   expect_failure("bench", {"import", path("none.rvm")}, "none.rvm");
 }
 
+TEST_F(Bench, MeasuresComparisons) {
+  const Json json = run_json("bench", {"compare", "--items", "1000", "--rounds", "1"});
+  ASSERT_EQ(json["rows"].size(), 5u);
+  EXPECT_EQ(json["rows"][0]["unchanged"], 1000);
+  EXPECT_EQ(json["rows"][2]["unchanged"], 1000);
+  EXPECT_EQ(json["rows"][3]["moved"], 1000);
+  EXPECT_EQ(json["rows"][4]["removed"], 1000);
+}
+
 TEST_F(Bench, MeasuresTreeAndSearch) {
   const std::vector<std::string> known = subcommands();
   if (std::find(known.begin(), known.end(), "tree") == known.end()) GTEST_SKIP() << "without the viewer";
