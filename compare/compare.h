@@ -9,11 +9,11 @@
 // Within a step the first free item in tree order wins. What is left is removed or added. Unnamed nodes count as nodes
 // with equal names.
 //
-// Promises. Exact up to the tolerance: what lies apart by more is never called unchanged, what lies apart by less never
-// moved or changed. Paths are compared by hashes of 64 bits, so two different paths of n count as equal with
-// probability n^2 / 2^65. In steps 1, 3 and 4 an item gives up after 64 others of the same centre and size that differ
-// in shape, so time stays O(n log n); more of them at one point may be called removed and added. How this is found, and
-// what it costs: docs/comparing.md.
+// Promises. An item has not moved when the corners of its box, or all vertices of a mesh, lie within the tolerance of
+// where they were. Else it has moved, unless it is a solid turned onto itself; whether it is, is approximate. Paths are
+// compared by hashes of 64 bits, so two different paths of n count as equal with probability n^2 / 2^65. In steps 1, 3
+// and 4 an item gives up after 64 others of the same centre and size that differ in shape, so time stays O(n log n);
+// more of them at one point may be called removed and added. How this is found, and what it costs: docs/comparing.md.
 #pragma once
 
 #include <array>
@@ -66,7 +66,7 @@ struct Change {
   core::ItemId after = core::kNone;   ///< kNone when removed
   State state = State::kUnchanged;
   std::uint8_t differences = 0;  ///< bits of Difference; 0 when added or removed
-  double turn = 0.0;             ///< radians, 0 … pi, by which the placement turned; 0 unless moved alone in shape
+  double turn = 0.0;             ///< radians, 0 … pi, by which the placement turned; 0 where the shape differs
   core::dvec3 offset{0.0};       ///< metres in the world, by which the centre moved; 0 without kPlace
 };
 
