@@ -8,6 +8,7 @@ class EveryTool : public ToolTest, public ::testing::WithParamInterface<std::str
  protected:
   /// Arguments without which the tool refuses to start, naming files that need not exist.
   Args required() const {
+    if (GetParam() == "compare") return {path("old.rvm"), path("new.rvm")};
     if (GetParam() == "convert") return {path("model.rvm"), path("out.rvm")};
     if (GetParam() == "report") return {path("model.rvm"), "--out", path("report.html")};
     return {path("model.rvm")};
@@ -52,8 +53,8 @@ INSTANTIATE_TEST_SUITE_P(All, EveryTool, ::testing::ValuesIn(built_tools()), [](
   return name;
 });
 
-/// The tools that read models, but for sightline-view, which opens its window first (View.RefusesWhatIsNoModel). None of
-/// these runs comes so far as to draw.
+/// The tools that read models, but for sightline-view, which opens its window first (View.RefusesWhatIsNoModel). None
+/// of these runs comes so far as to draw.
 class ModelTool : public ToolTest, public ::testing::WithParamInterface<std::string> {
  protected:
   void SetUp() override {
