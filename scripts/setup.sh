@@ -13,10 +13,10 @@ preset=${1:-release}
 packages=(g++ cmake ninja-build libglm-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtinyobjloader-dev
   libstb-dev libpng-dev libbenchmark-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri)
 if [ "$preset" = packages ]; then
-  packages+=(libglfw3-dev libimgui-dev libpcre2-dev pybind11-dev python3-dev python3-numpy)
+  packages+=(libglfw3-dev libimgui-dev libpcre2-dev libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy)
 elif [ $# -eq 0 ] || [[ $* == *_tests* ]]; then
   packages+=(ccache fonts-dejavu-core libglfw3-dev libimgui-dev libpcre2-dev libgtest-dev libgmp-dev libosmesa6 pkg-config xvfb xdotool
-    pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen)
+    libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen)
 fi
 if [ "$preset" = packages ] || [[ ${SIGHTLINE_CMAKE_ARGS:-} == *SIGHTLINE_PACKAGE_TESTS=ON* ]]; then
   packages+=(dpkg-dev file help2man)

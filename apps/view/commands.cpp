@@ -5,6 +5,8 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include "sightline/apps/view/views.h"
+
 namespace sightline::apps {
 namespace {
 
@@ -100,10 +102,20 @@ const Command kCommands[] = {
      nullptr, false},
     {"screenshot", "File", "Save picture", GLFW_KEY_F12, 0, "F12", "write the picture, PNG: FILE",
      [](Viewer& v, const std::string& file) { return v.write_screenshot(file); }},
-    {"save-view", "File", "Save view", GLFW_KEY_S, kCtrl, "Ctrl+S", "write camera and sections, JSON: FILE",
+    {"save-view", "File", "Save view", GLFW_KEY_S, kCtrl, "Ctrl+S", "write what is seen and shown, JSON: FILE",
      [](Viewer& v, const std::string& file) { return v.save_view(file); }},
     {"load-view", nullptr, "", 0, 0, "", "see what a view file shows; or drop it on the window: FILE",
      [](Viewer& v, const std::string& file) { return v.load_view(file); }},
+    {"view-add", "File", "Add to the views", GLFW_KEY_V, 0, "V", "keep what is seen as a view of the list: NAME",
+     add_view},
+    {"view-show", nullptr, "", 0, 0, "", "show a view of the list: NAME or number", show_view},
+    {"view-update", nullptr, "", 0, 0, "", "make the current view what is seen now", update_view},
+    {"view-rename", nullptr, "", 0, 0, "", "name the current view: NAME", rename_view},
+    {"view-comment", nullptr, "", 0, 0, "", "comment the current view: TEXT", comment_view},
+    {"view-delete", nullptr, "", 0, 0, "", "take a view from the list: NAME or number, or the current one",
+     delete_view},
+    {"views-save", nullptr, "", 0, 0, "", "write all views, BCF 2.1 (.bcfzip, .bcf) or JSON: FILE", save_views},
+    {"views-load", nullptr, "", 0, 0, "", "add the views of a file, or drop it on the window: FILE", load_views},
     {"record", "File", "Record camera path", GLFW_KEY_R, 0, "R",
      "begin to record a camera path; end and write it (--save-path)",
      [](Viewer& v, const std::string&) { return v.toggle_recording(); }, [](Viewer& v) { return v.recording(); }},

@@ -44,6 +44,13 @@ std::vector<core::ItemId> Document::items_below(core::NodeId node) const {
   return items;
 }
 
+std::vector<core::ItemId> Document::items_with(Flag flag) const {
+  std::vector<core::ItemId> items;
+  for (core::ItemId item = 0; item < flags_.size(); ++item)
+    if ((flags_[item] & flag) != 0) items.push_back(item);
+  return items;
+}
+
 core::AabbD Document::bounds(std::span<const core::ItemId> items) const {
   core::AabbD all;
   for (const core::ItemId item : items) all.grow(scene_->bounds_under(item, scene_->state(item).world_from_item));
@@ -96,6 +103,18 @@ core::Expected<void> Document::ghost_others(std::span<const core::ItemId> items)
   const std::vector<bool> named = marked(items);
   return step(changes([&](core::ItemId item) {
     return std::uint8_t(named[item] ? flags_[item] & ~kGhost : (flags_[item] | kGhost) & ~kSelected);
+  }));
+}
+
+core::Expected<void> Document::set(std::span<const core::ItemId> hidden, std::span<const core::ItemId> ghosts,
+                                   std::span<const core::ItemId> selected) {
+  const std::vector<bool> hide = marked(hidden), faint = marked(ghosts), select = marked(selected);
+  return step(changes([&](core::ItemId item) {
+    int flags = flags_[item] & ~(kHidden | kGhost | kSelected);
+    if (hide[item]) flags |= kHidden;
+    if (faint[item]) flags |= kGhost;
+    if (select[item] && !hide[item]) flags |= kSelected;
+    return std::uint8_t(flags);
   }));
 }
 

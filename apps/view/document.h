@@ -26,6 +26,7 @@ class Document {
   std::span<const core::ItemId> selection() const { return selection_; }  ///< in rising order
   std::size_t hidden() const { return hidden_; }                          ///< number of hidden items
   std::size_t ghosts() const { return ghosts_; }                          ///< number of faint items
+  std::vector<core::ItemId> items_with(Flag flag) const;                  ///< in rising order
   /// Items of a subtree, in rising order.
   std::vector<core::ItemId> items_below(core::NodeId node) const;
   /// Bounds of items in the world.
@@ -37,6 +38,9 @@ class Document {
   core::Expected<void> isolate(std::span<const core::ItemId> items);  ///< hides all others
   core::Expected<void> ghost_others(std::span<const core::ItemId> items);
   core::Expected<void> show_all();  ///< without ghosts
+  /// These are hidden, faint and selected, and no others. Hidden items are not selected.
+  core::Expected<void> set(std::span<const core::ItemId> hidden, std::span<const core::ItemId> ghosts,
+                           std::span<const core::ItemId> selected);
 
   core::Expected<void> undo();  ///< nothing where there is nothing to undo
   core::Expected<void> redo();

@@ -65,6 +65,10 @@ void side_panel(Viewer& viewer) {
       sections_tab(viewer);
       ImGui::EndTabItem();
     }
+    if (ImGui::BeginTabItem("Views")) {
+      views_tab(viewer);
+      ImGui::EndTabItem();
+    }
     if (ImGui::BeginTabItem("Culling")) {
       culling_tab(viewer);
       ImGui::EndTabItem();

@@ -17,6 +17,7 @@ void side_panel(Viewer& viewer);  ///< has the tabs
 void properties_tab(Viewer& viewer);
 void measure_tab(Viewer& viewer);
 void sections_tab(Viewer& viewer);
+void views_tab(Viewer& viewer);
 void culling_tab(Viewer& viewer);
 void measure_overlay(Viewer& viewer, const Part& part);
 void triad_overlay(Viewer& viewer);

@@ -121,6 +121,48 @@ core::dvec3 Session::point_at(const core::dvec2& at) {
   return ray->origin + ray->direction * (glm::dot(pose.target - ray->origin, ahead) / along);
 }
 
+const ItemNames& Session::names() const {
+  if (!names_) names_.emplace(scene());
+  return *names_;
+}
+
+Viewpoint Session::viewpoint() const {
+  Viewpoint seen;
+  seen.pose = camera_.pose();
+  seen.fovy = camera_.fovy();
+  seen.orthographic = camera_.orthographic();
+  seen.near = camera_.near();
+  seen.sections = sections_.planes();
+  seen.shown.emplace();
+  if (document_.hidden() > 0) seen.shown->hidden = names().name(document_.items_with(Document::kHidden), true);
+  if (document_.ghosts() > 0) seen.shown->ghosts = names().name(document_.items_with(Document::kGhost), false);
+  if (!document_.selection().empty()) seen.shown->selection = names().name(document_.selection(), false);
+  return translated(seen, -offset());
+}
+
+core::Expected<std::size_t> Session::show(const Viewpoint& viewpoint) {
+  Viewpoint there = translated(viewpoint, offset());
+  if (!there.has_target && !there.orthographic) {
+    // As far ahead as the middle of the model, which motions then turn about.
+    const core::dvec3 ahead = glm::normalize(there.pose.target - there.pose.eye);
+    const core::dvec3 middle = bounds_.bounds.empty() ? ahead : bounds_.bounds.centre() - there.pose.eye;
+    const double least = 1e-2 * (bounds_.bounds.empty() ? 1.0 : glm::length(bounds_.bounds.size()));
+    there.pose.target = there.pose.eye + ahead * std::max({least, 1e-6, glm::dot(middle, ahead)});
+  }
+  remember();
+  camera_.set_pose(there.pose);
+  camera_.set_fovy(there.fovy);
+  camera_.set_orthographic(there.orthographic);
+  if (!there.orthographic && there.near > 0.0) camera_.set_planes(there.near, core::kInfiniteFar);
+  sections_.set(there.sections);
+  if (!there.shown) return 0;
+  const Viewpoint::Shown& shown = *there.shown;
+  const auto hidden = names().find(shown.hidden), ghosts = names().find(shown.ghosts),
+             selected = names().find(shown.selection);
+  if (auto done = document_.set(hidden.items, ghosts.items, selected.items); !done) return tl::unexpected(done.error());
+  return hidden.missing + ghosts.missing + selected.missing;
+}
+
 void Session::remember() {
   const core::Pose& pose = camera_.pose();
   if (!places_.empty() && places_.back().first.eye == pose.eye && places_.back().first.target == pose.target) return;

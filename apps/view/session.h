@@ -10,10 +10,12 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/camera.h"
 #include "sightline/apps/view/document.h"
+#include "sightline/apps/view/item_names.h"
 #include "sightline/apps/view/measuring.h"
 #include "sightline/apps/view/model_tree.h"
 #include "sightline/apps/view/resting_picture.h"
 #include "sightline/apps/view/sections.h"
+#include "sightline/apps/view/viewpoint.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/pick.h"
 
@@ -82,6 +84,11 @@ class Session {
   /// That point in the world, or where nothing is one as far away as the camera's target.
   core::dvec3 point_at(const core::dvec2& at);
 
+  /// What is seen and shown now, in the model's own frame; without a name.
+  Viewpoint viewpoint() const;
+  /// Shows that again. Returns how many of its parts this model does not have.
+  core::Expected<std::size_t> show(const Viewpoint& viewpoint);
+
   /// Puts the camera back to where it was before its last motions, each of which begins with remember().
   void camera_back();
   void remember();
@@ -97,8 +104,10 @@ class Session {
   Session(Model model, engine::Engine engine, const engine::EngineConfig& config);
 
   bool smooths() const { return engine_.config().samples == 1 && engine_.config().budget_ms == 0.0; }
+  const ItemNames& names() const;
 
   Model model_;
+  mutable std::optional<ItemNames> names_;  // made when first asked for
   engine::Engine engine_;
   Document document_;
   ModelTree tree_;

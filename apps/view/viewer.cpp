@@ -15,7 +15,7 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/view/commands.h"
 #include "sightline/apps/view/panels.h"
-#include "sightline/apps/view/viewpoint.h"
+#include "sightline/apps/view/views.h"
 #include "sightline/image/image.h"
 #include "sightline/importers/view_json.h"
 
@@ -54,6 +54,13 @@ Json measure_json(const Measuring& measuring) {
   Json json{{"marks", measuring.marks().size()}, {"rows", Json::object()}};
   for (const auto& [what, value] : measuring.rows()) json["rows"][what] = value;
   if (measuring.distance()) json["distance"] = measuring.distance()->distance;
+  return json;
+}
+
+Json views_json(const ViewList& views) {
+  Json json{{"count", views.size()}, {"current", views.current_index() + 1}};
+  if (const Viewpoint* view = views.current())
+    json.update({{"name", view->name}, {"comment", view->comment}, {"guid", view->guid}});
   return json;
 }
 
@@ -425,26 +432,17 @@ core::Expected<void> Viewer::write_screenshot(const std::string& file) {
 
 core::Expected<void> Viewer::save_view(const std::string& file) {
   const std::string name = file.empty() ? free_name("view", ".json") : file;
-  const Camera& camera = session_->camera();
-  const Viewpoint seen{camera.pose(), camera.fovy(), camera.orthographic(), camera.near(),
-                       session_->sections().planes()};
-  auto done = write_text(name, format_viewpoint(translated(seen, -session_->offset())));
+  auto done = write_text(name, format_viewpoint(session_->viewpoint()));
   if (done) tell("view: " + name);
   return done;
 }
 
 core::Expected<void> Viewer::load_view(const std::string& file) {
-  const auto read = read_viewpoint(file);
+  const auto read = read_views(file);
   if (!read) return tl::unexpected(read.error());
-  const Viewpoint viewpoint = translated(*read, session_->offset());
-  session_->remember();
-  Camera& camera = session_->camera();
-  camera.set_pose(viewpoint.pose);
-  camera.set_fovy(viewpoint.fovy);
-  camera.set_orthographic(viewpoint.orthographic);
-  if (!viewpoint.orthographic) camera.set_planes(viewpoint.near, core::kInfiniteFar);
-  session_->sections().set(viewpoint.sections);
-  return {};
+  if (is_bcf(file) || read->views.size() != 1) return load_views(*this, file);
+  const auto missing = session_->show(read->views.front());
+  return missing ? core::Expected<void>() : tl::unexpected(missing.error());
 }
 
 core::Expected<void> Viewer::toggle_recording() {
@@ -506,7 +504,8 @@ nlohmann::ordered_json Viewer::state() const {
             {"smooth", shown.smooth},
             {"relief", shown.relief},
             {"recording", recording()},
-            {"recovered", recovered_}};
+            {"recovered", recovered_},
+            {"views", views_json(views_)}};
   if (!session_) return json;
   const Document& document = session_->document();
   const core::Pose& pose = session_->camera().pose();

@@ -15,6 +15,7 @@
 #include "sightline/apps/view/script.h"
 #include "sightline/apps/view/session.h"
 #include "sightline/apps/view/settings.h"
+#include "sightline/apps/view/view_list.h"
 #include "sightline/apps/view/walking.h"
 #include "sightline/apps/view/window.h"
 
@@ -43,12 +44,13 @@ class Viewer {
   Session* session() { return session_.get(); }  ///< null while no model is open
   const Loader* loader() const { return loader_.get(); }
   Gui& gui() { return gui_; }
+  ViewList& views() { return views_; }  ///< stays when another model is opened
   void open(const std::vector<std::string>& files);
   void cancel_loading();
   /// Selects the items below nodes.
   core::Expected<void> select_nodes(const std::vector<core::NodeId>& nodes);
   core::Expected<void> write_screenshot(const std::string& file);
-  /// Camera and sections, as a file for --view of other tools; without a name the next free one.
+  /// What is seen and shown, as a file for --view of other tools; without a name the next free one.
   core::Expected<void> save_view(const std::string& file);
   core::Expected<void> load_view(const std::string& file);
   core::Expected<void> toggle_recording();
@@ -133,6 +135,7 @@ class Viewer {
   Gui gui_;
   std::unique_ptr<Loader> loader_;
   std::unique_ptr<Session> session_;
+  ViewList views_;
   std::vector<std::string> files_;
   SettingsFile settings_;
   Settings now_;  // but for recent files as of the last keep_settings()

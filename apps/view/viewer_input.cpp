@@ -75,7 +75,7 @@ void Viewer::handle(const Event& event) {
 
 /// A view file, or models.
 void Viewer::drop(const std::vector<std::string>& files) {
-  const bool view = files.size() == 1 && files[0].ends_with(".json");
+  const bool view = files.size() == 1 && (files[0].ends_with(".json") || is_bcf(files[0]));
   if (!view) return open(files);
   if (!session_) return tell("open a model first", true);
   if (auto done = load_view(files[0]); !done) tell(done.error().message, true);

@@ -1,8 +1,7 @@
 #include "sightline/apps/view/viewpoint.h"
 
+#include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -12,6 +11,25 @@ namespace sightline::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr int kMaxDepth = 64;
+
+struct TextKey {
+  const char* key;
+  std::string Viewpoint::*text;
+};
+constexpr TextKey kTexts[] = {{"name", &Viewpoint::name},
+                              {"comment", &Viewpoint::comment},
+                              {"author", &Viewpoint::author},
+                              {"date", &Viewpoint::date},
+                              {"guid", &Viewpoint::guid}};
+struct PartsKey {
+  const char* key;
+  PartSet Viewpoint::Shown::*parts;
+};
+constexpr PartsKey kParts[] = {{"hidden", &Viewpoint::Shown::hidden},
+                               {"ghosts", &Viewpoint::Shown::ghosts},
+                               {"selection", &Viewpoint::Shown::selection}};
 
 Json to_json(const core::dvec3& v) {
   return Json::array({v.x, v.y, v.z});
@@ -25,25 +43,47 @@ double distance(const core::Pose& pose) {
   return glm::length(pose.target - pose.eye);
 }
 
-}  // namespace
+Json to_json(const PartSet& set) {
+  Json names = Json::array();
+  for (const PartName& part : set.parts) names.push_back(to_text(part));
+  return set.all_but ? Json{{"all_but", std::move(names)}} : names;
+}
 
-std::string format_viewpoint(const Viewpoint& viewpoint) {
+Json to_json(const Viewpoint& viewpoint) {
   const core::Pose& pose = viewpoint.pose;
   Json json{{"eye", to_json(pose.eye)}, {"target", to_json(pose.target)}, {"up", to_json(pose.up)}};
   if (viewpoint.orthographic)
     json["ortho_height"] = 2.0 * distance(pose) * std::tan(0.5 * viewpoint.fovy);
   else
     json["fovy_deg"] = glm::degrees(viewpoint.fovy);
-  json["near"] = viewpoint.near;
+  // Other tools need a near plane: where none is known, one that cuts nothing which is looked at.
+  json["near"] = viewpoint.near > 0.0 || viewpoint.orthographic ? viewpoint.near : 1e-3 * distance(pose);
   for (const core::Plane& plane : viewpoint.sections)
     json["sections"].push_back({{"n", to_json(plane.normal)}, {"d", plane.offset}});
-  return json.dump(1) + "\n";
+  for (const auto& [key, text] : kTexts)
+    if (!(viewpoint.*text).empty()) json[key] = viewpoint.*text;
+  if (viewpoint.shown)
+    for (const auto& [key, parts] : kParts) json[key] = to_json((*viewpoint.shown).*parts);
+  return json;
 }
 
-core::Expected<Viewpoint> parse_viewpoint(const std::string& text, const std::string& source) {
-  // What is wrong with a file is said by its reader; after that all keys are as they should be.
-  if (const auto view = importers::parse_view(text, 1.0, source); !view) return tl::unexpected(view.error());
-  const Json json = Json::parse(text);
+/// Names of files and nodes need not be UTF-8.
+std::string text_of(const Json& json) {
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+core::Expected<PartSet> parts_of(const Json& json, const std::string& where) {
+  PartSet set{json.is_object() && json.contains("all_but"), {}};
+  const Json& names = set.all_but ? json["all_but"] : json;
+  if (!names.is_array() || !std::all_of(names.begin(), names.end(), [](const Json& name) { return name.is_string(); }))
+    return core::fail(where + ": expected an array of names, or {\"all_but\":[names]}, found " +
+                      std::string(names.type_name()));
+  for (const Json& name : names) set.parts.push_back(part_of(name.get<std::string>()));
+  return set;
+}
+
+/// The camera of a view whose keys are known to be right.
+Viewpoint camera_of(const Json& json) {
   Viewpoint viewpoint;
   viewpoint.pose.eye = vector_of(json["eye"]);
   viewpoint.pose.target = vector_of(json["target"]);
@@ -59,12 +99,72 @@ core::Expected<Viewpoint> parse_viewpoint(const std::string& text, const std::st
   return viewpoint;
 }
 
-core::Expected<Viewpoint> read_viewpoint(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return core::fail(file.string() + ": cannot be read");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return parse_viewpoint(text.str(), file.string());
+core::Expected<Viewpoint> viewpoint_of(const Json& json, const std::string& text, const std::string& source) {
+  // What is wrong with a file is said by its reader; after that the keys of a camera are as they should be.
+  if (const auto view = importers::parse_view(text, 1.0, source); !view) return tl::unexpected(view.error());
+  Viewpoint viewpoint = camera_of(json);
+  for (const auto& [key, member] : kTexts) {
+    if (!json.contains(key)) continue;
+    if (!json[key].is_string())
+      return core::fail(source + ": /" + key + ": expected a string, found " + json[key].type_name());
+    viewpoint.*member = json[key].get<std::string>();
+  }
+  for (const auto& [key, member] : kParts) {
+    if (!json.contains(key)) continue;
+    auto parts = parts_of(json[key], source + ": /" + key);
+    if (!parts) return tl::unexpected(parts.error());
+    if (!viewpoint.shown) viewpoint.shown.emplace();
+    (*viewpoint.shown).*member = std::move(*parts);
+  }
+  return viewpoint;
+}
+
+}  // namespace
+
+std::string format_viewpoint(const Viewpoint& viewpoint) {
+  return text_of(to_json(viewpoint));
+}
+
+core::Expected<Viewpoint> parse_viewpoint(const std::string& text, const std::string& source) {
+  auto list = parse_viewpoints(text, source);
+  if (!list) return tl::unexpected(list.error());
+  if (list->empty()) return core::fail(source + ": /views: expected a view, found none");
+  return std::move(list->front());
+}
+
+std::string format_viewpoints(std::span<const Viewpoint> viewpoints) {
+  Json json = Json::object();
+  if (!viewpoints.empty()) {
+    Viewpoint first = viewpoints.front();
+    for (const auto& [key, text] : kTexts) (first.*text).clear();
+    first.shown.reset();
+    json = to_json(first);
+  }
+  json["views"] = Json::array();
+  for (const Viewpoint& viewpoint : viewpoints) json["views"].push_back(to_json(viewpoint));
+  return text_of(json);
+}
+
+core::Expected<std::vector<Viewpoint>> parse_viewpoints(const std::string& text, const std::string& source) {
+  // Deeper values are left out, and are an error of the view's reader.
+  const auto shallow = [](int depth, Json::parse_event_t, const Json&) { return depth <= kMaxDepth; };
+  const Json json = Json::parse(text, shallow, false);
+  std::vector<Viewpoint> list;
+  if (json.is_object() && json.contains("views")) {
+    const Json& views = json["views"];
+    if (!views.is_array())
+      return core::fail(source + ": /views: expected an array of views, found " + views.type_name());
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      auto viewpoint = viewpoint_of(views[i], text_of(views[i]), source + ": /views/" + std::to_string(i));
+      if (!viewpoint) return tl::unexpected(viewpoint.error());
+      list.push_back(std::move(*viewpoint));
+    }
+    return list;
+  }
+  auto viewpoint = viewpoint_of(json, text, source);
+  if (!viewpoint) return tl::unexpected(viewpoint.error());
+  list.push_back(std::move(*viewpoint));
+  return list;
 }
 
 Viewpoint translated(const Viewpoint& viewpoint, const core::dvec3& offset) {

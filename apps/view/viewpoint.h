@@ -1,10 +1,22 @@
-// Places to come back to: camera and sections, as the view files that all tools read (importers/view_json.h).
+// Places to come back to: camera, sections, what is hidden, faint and selected, as the view files that all tools read
+// (importers/view_json.h) with keys of the viewer's own:
+//
+//   {view …, "name":"…", "comment":"…", "author":"…", "date":"2026-01-31T12:00:00Z", "guid":"…",
+//    "hidden":PARTS, "ghosts":PARTS, "selection":PARTS}
+//   {first view …, "views":[view, …]}                         a list, which other tools read as its first view
+//
+// PARTS is an array of part names (item_names.h), or {"all_but":[…]}. A view without any of these three keys leaves
+// visibility as it is.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "sightline/apps/view/item_names.h"
 #include "sightline/core/error.h"
 #include "sightline/core/view.h"
 
@@ -14,15 +26,29 @@ struct Viewpoint {
   core::Pose pose;
   double fovy = 1.0;  ///< radians; of orthographic views as Camera has it
   bool orthographic = false;
-  double near = 0.1;  ///< of perspective views
+  double near = 0.1;  ///< of perspective views; 0: as the camera has it
   std::vector<core::Plane> sections;
+  bool has_target = true;  ///< false: the pose's target only tells the direction
+
+  struct Shown {
+    PartSet hidden, ghosts, selection;
+  };
+  std::optional<Shown> shown;  ///< none: visibility and selection stay as they are
+
+  std::string name, comment, author;
+  std::string guid;                    ///< of 32 lower-case digits in five groups
+  std::string date;                    ///< when it was made, as in XML
+  std::vector<std::uint8_t> snapshot;  ///< PNG; not in JSON
 };
 
 std::string format_viewpoint(const Viewpoint& viewpoint);
 /// Fails as importers::parse_view() does. `source` names the text in errors.
 core::Expected<Viewpoint> parse_viewpoint(const std::string& json, const std::string& source);
 
-core::Expected<Viewpoint> read_viewpoint(const std::filesystem::path& file);
+std::string format_viewpoints(std::span<const Viewpoint> viewpoints);
+/// The views of a list, or the one view that the text is.
+core::Expected<std::vector<Viewpoint>> parse_viewpoints(const std::string& json, const std::string& source);
+
 /// The same for a model that was moved by `offset`.
 Viewpoint translated(const Viewpoint& viewpoint, const core::dvec3& offset);
 

@@ -285,6 +285,37 @@ TEST_F(ViewScript, ViewsAreSavedAndComeBack) {
   }
 }
 
+/// A list of views comes back from files, also for the model read again, with what was hidden, faint and selected.
+TEST_F(ViewScript, KeepsAListOfViews) {
+  const std::string model = boxes(), json = path("views.json"), garbage = write("bad.bcfzip", "PK no archive");
+  std::vector<std::string> files{json};
+#if SIGHTLINE_HAS_BCF
+  files.push_back(path("views.bcfzip"));
+#endif
+  const Args args{model, "--size", kSize, "--no-panels"};
+  std::string make =
+      "front\nfind left\nselect-found\nhide\nfind right\nselect-found\nview-add First\nview-comment look here\n"
+      "expect /views/count = 1\nexpect /views/name = \"First\"\nexpect /views/comment = \"look here\"\n"
+      "show-all\nselect-none\nmove 300 200\nsection-here\nfind behind\nselect-found\nghost-others\nview-add\n"
+      "expect /views/current = 2\nview-rename Second one\n";
+  for (const std::string& file : files) make += "views-save " + file + "\n";
+  expect_driven(make, args);
+  for (const std::string& file : files) {
+    SCOPED_TRACE(file);
+    expect_driven("views-load " + file +
+                      "\nexpect /views/count = 2\nexpect /hidden = 0\n"
+                      "view-show First\nexpect /hidden = 1\nexpect /selection/count = 1\nexpect /ghosts = 0\n"
+                      "expect /sections = 0\nexpect /views/comment = \"look here\"\n"
+                      "view-show Second one\nexpect /hidden = 0\nexpect /ghosts = 3\nexpect /sections = 1\n"
+                      "undo\nexpect /hidden = 1\n"
+                      "view-delete First\nexpect /views/count = 1\nexpect /views/current = 1\n"
+                      "view-delete\nexpect /views/count = 0\nexpect /views/current = 0\n",
+                  args);
+  }
+  EXPECT_NE(drive("view-show nothing\n", args).code, 0);
+  EXPECT_NE(drive("views-load " + garbage + "\n", args).code, 0);
+}
+
 TEST_F(ViewScript, CullersAndTheFrozenCamera) {
   const std::string shot = path("frozen.png");
   expect_driven(

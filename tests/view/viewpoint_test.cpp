@@ -19,7 +19,13 @@ Camera camera_at(bool orthographic) {
 }
 
 Viewpoint viewpoint_of(const Camera& camera) {
-  return {camera.pose(), camera.fovy(), camera.orthographic(), camera.near(), {{{0, 0, 1}, -110.0}, {{1, 0, 0}, -3e6}}};
+  Viewpoint viewpoint;
+  viewpoint.pose = camera.pose();
+  viewpoint.fovy = camera.fovy();
+  viewpoint.orthographic = camera.orthographic();
+  viewpoint.near = camera.near();
+  viewpoint.sections = {{{0, 0, 1}, -110.0}, {{1, 0, 0}, -3e6}};
+  return viewpoint;
 }
 
 TEST(ViewpointTest, ComesBack) {
@@ -68,7 +74,7 @@ TEST(ViewpointTest, SaysWhatIsWrong) {
   const auto bad = parse_viewpoint("{\"eye\":[0,0,0],\"target\":[0,1]}", "file.json");
   ASSERT_FALSE(bad);
   EXPECT_EQ(bad.error().message.find("file.json: /target: expected"), 0u) << bad.error().message;
-  EXPECT_FALSE(read_viewpoint("/no/such/view.json"));
+  EXPECT_FALSE(parse_viewpoint("", "file.json"));
 }
 
 }  // namespace

@@ -1,0 +1,26 @@
+// Viewpoints as BCF 2.1 (BIM Collaboration Format, buildingSMART): a zip archive with a topic for each view.
+//
+// A view's name is the topic's title, its comment the topic's comment. Components are named by node paths: their
+// AuthoringToolId is to_text() of the part (item_names.h), their OriginatingSystem "Sightline", and their IfcGuid that
+// of the node's attributes, if there is one. Faint items are components with a colour of low alpha. BCF keeps no target
+// and no near plane of cameras.
+//
+// Without libzip or pugixml both functions fail, and say so.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "sightline/apps/view/view_list.h"
+
+namespace sightline::apps {
+
+/// The bytes of a file.
+core::Expected<std::string> format_bcf(std::span<const Viewpoint> views);
+
+/// A view for each viewpoint of each topic, also of BCF 2.0 and 3.0. Any bytes are safe to read: an archive that is cut
+/// off, holds more than 256 MiB, or names paths outside itself is an error, which begins with `source`.
+core::Expected<ViewFile> parse_bcf(std::string_view bytes, const std::string& source);
+
+}  // namespace sightline::apps

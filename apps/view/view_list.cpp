@@ -1,0 +1,145 @@
+#include "sightline/apps/view/view_list.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <random>
+#include <utility>
+
+#include "sightline/apps/view/bcf.h"
+#include "sightline/core/internal/atomic_file.h"
+
+namespace sightline::apps {
+namespace {
+
+constexpr std::uintmax_t kMostBytes = std::uintmax_t(256) << 20;
+
+std::string author() {
+  for (const char* name : {"SIGHTLINE_AUTHOR", "USER", "USERNAME"})
+    if (const char* value = std::getenv(name); value && *value) return value;
+  return "unknown";
+}
+
+std::string date_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  char text[32] = "";
+  if (gmtime_r(&now, &utc)) std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+core::Expected<std::string> read_bytes(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) return core::fail(file.string() + ": cannot be read: " + error.message());
+  if (size > kMostBytes)
+    return core::fail(file.string() + ": expected at most 256 MiB, found " + std::to_string(size) + " bytes");
+  std::ifstream in(file, std::ios::binary);
+  std::string bytes(size, '\0');
+  if (!in.read(bytes.data(), std::streamsize(size))) return core::fail(file.string() + ": cannot be read");
+  return bytes;
+}
+
+}  // namespace
+
+std::string new_guid() {
+  std::random_device random;
+  std::string guid;
+  for (int i = 0; i < 32; ++i) {
+    if (i == 8 || i == 12 || i == 16 || i == 20) guid += '-';
+    const unsigned digit = i == 12 ? 4u : i == 16 ? 8u + random() % 4 : random() % 16;  // version 4: random
+    guid += "0123456789abcdef"[digit];
+  }
+  return guid;
+}
+
+std::string ViewList::free_name() const {
+  for (std::size_t i = views_.size() + 1;; ++i) {
+    std::string name = "View " + std::to_string(i);
+    if (std::none_of(views_.begin(), views_.end(), [&](const Viewpoint& view) { return view.name == name; }))
+      return name;
+  }
+}
+
+void ViewList::add(Viewpoint view, const std::string& name) {
+  view.name = name.empty() ? free_name() : name;
+  view.guid = new_guid();
+  view.date = date_now();
+  view.author = author();
+  views_.push_back(std::move(view));
+  current_ = views_.size() - 1;
+}
+
+void ViewList::update_current(Viewpoint seen) {
+  Viewpoint& view = views_[current_];
+  for (const auto text :
+       {&Viewpoint::name, &Viewpoint::comment, &Viewpoint::author, &Viewpoint::guid, &Viewpoint::date})
+    seen.*text = std::move(view.*text);
+  view = std::move(seen);
+}
+
+core::Expected<std::size_t> ViewList::find(const std::string& which) const {
+  if (which.empty()) return current() ? core::Expected<std::size_t>(current_) : core::fail("show a view first");
+  for (std::size_t i = 0; i < views_.size(); ++i)
+    if (views_[i].name == which) return i;
+  std::size_t number = 0;
+  const char* end = which.data() + which.size();
+  const auto read = std::from_chars(which.data(), end, number);
+  if (read.ec == std::errc() && read.ptr == end && number >= 1 && number <= views_.size()) return number - 1;
+  return core::fail("there is no view \"" + which + "\" among " + std::to_string(views_.size()));
+}
+
+void ViewList::remove(std::size_t index) {
+  views_.erase(views_.begin() + std::ptrdiff_t(index));
+  if (current_ == index)
+    current_ = kNoView;
+  else if (current_ != kNoView && current_ > index)
+    --current_;
+}
+
+void ViewList::move_current(int by) {
+  const std::size_t to = current_ + std::size_t(by);
+  if (!current() || to >= views_.size()) return;
+  std::swap(views_[current_], views_[to]);
+  current_ = to;
+}
+
+void ViewList::merge(std::vector<Viewpoint> views) {
+  for (Viewpoint& view : views) {
+    if (view.name.empty()) view.name = free_name();
+    const auto same = std::find_if(views_.begin(), views_.end(),
+                                   [&](const Viewpoint& v) { return !view.guid.empty() && v.guid == view.guid; });
+    if (view.guid.empty()) view.guid = new_guid();
+    if (same != views_.end())
+      *same = std::move(view);
+    else
+      views_.push_back(std::move(view));
+  }
+}
+
+bool is_bcf(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".bcf" || extension == ".bcfzip";
+}
+
+core::Expected<ViewFile> read_views(const std::filesystem::path& file) {
+  const auto bytes = read_bytes(file);
+  if (!bytes) return tl::unexpected(bytes.error());
+  if (is_bcf(file)) return parse_bcf(*bytes, file.string());
+  auto views = parse_viewpoints(*bytes, file.string());
+  if (!views) return tl::unexpected(views.error());
+  return ViewFile{std::move(*views), 0};
+}
+
+core::Expected<void> write_views(const std::filesystem::path& file, std::span<const Viewpoint> views) {
+  const auto bytes = is_bcf(file) ? format_bcf(views) : core::Expected<std::string>(format_viewpoints(views));
+  if (!bytes) return core::fail(file.string() + ": " + bytes.error().message);
+  return core::write_file(file, {std::as_bytes(std::span(*bytes))});
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,118 @@
+#include "sightline/apps/view/views.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sightline/image/image.h"
+
+namespace sightline::apps {
+namespace {
+
+constexpr int kSnapshotWidth = 320;
+
+/// Means of squares of pixels, at most so wide.
+image::Image shrunk(const image::Image& picture, int width) {
+  const int by = std::max(1, (picture.width + width - 1) / width);
+  image::Image small{picture.width / by, picture.height / by, {}};
+  for (int y = 0; y < small.height; ++y)
+    for (int x = 0; x < small.width; ++x)
+      for (int channel = 0; channel < 3; ++channel) {
+        int sum = 0;
+        for (int i = 0; i < by * by; ++i)
+          sum += picture.pixels[3 * (std::size_t(y * by + i / by) * std::size_t(picture.width) +
+                                     std::size_t(x * by + i % by)) +
+                                std::size_t(channel)];
+        small.pixels.push_back(std::uint8_t(sum / (by * by)));
+      }
+  return small;
+}
+
+/// What is seen and shown now, with a picture of it.
+core::Expected<Viewpoint> seen_now(Viewer& viewer) {
+  Session& session = *viewer.session();
+  Viewpoint seen = session.viewpoint();
+  if (auto drawn = session.draw(); !drawn) return tl::unexpected(drawn.error());
+  const image::Image* smooth = session.smooth();
+  const auto picture = smooth ? core::Expected<image::Image>(*smooth) : session.engine().read_colour();
+  if (!picture) return tl::unexpected(picture.error());
+  const image::Image small = shrunk(*picture, kSnapshotWidth);
+  if (small.width > 0 && small.height > 0)
+    if (auto png = image::encode_png(small, image::PngSize::kSmall)) seen.snapshot = std::move(*png);
+  return seen;
+}
+
+core::Expected<Viewpoint*> current(Viewer& viewer) {
+  Viewpoint* view = viewer.views().current();
+  return view ? core::Expected<Viewpoint*>(view) : core::fail("show a view first");
+}
+
+}  // namespace
+
+core::Expected<void> add_view(Viewer& viewer, const std::string& name) {
+  auto seen = seen_now(viewer);
+  if (!seen) return tl::unexpected(seen.error());
+  viewer.views().add(std::move(*seen), name);
+  return {};
+}
+
+core::Expected<void> show_view(Viewer& viewer, const std::string& which) {
+  const auto index = viewer.views().find(which);
+  if (!index) return tl::unexpected(index.error());
+  const Viewpoint& view = viewer.views().all()[*index];
+  const auto missing = viewer.session()->show(view);
+  if (!missing) return tl::unexpected(missing.error());
+  viewer.views().set_current(*index);
+  if (*missing > 0)
+    viewer.tell(std::to_string(*missing) + " parts of this view are not in the model", true);
+  else
+    viewer.tell(view.name);
+  return {};
+}
+
+core::Expected<void> update_view(Viewer& viewer, const std::string&) {
+  if (auto view = current(viewer); !view) return tl::unexpected(view.error());
+  auto seen = seen_now(viewer);
+  if (!seen) return tl::unexpected(seen.error());
+  viewer.views().update_current(std::move(*seen));
+  return {};
+}
+
+core::Expected<void> rename_view(Viewer& viewer, const std::string& name) {
+  const auto view = current(viewer);
+  if (!view) return tl::unexpected(view.error());
+  if (name.empty()) return core::fail("a view needs a name");
+  (*view)->name = name;
+  return {};
+}
+
+core::Expected<void> comment_view(Viewer& viewer, const std::string& text) {
+  const auto view = current(viewer);
+  if (!view) return tl::unexpected(view.error());
+  (*view)->comment = text;
+  return {};
+}
+
+core::Expected<void> delete_view(Viewer& viewer, const std::string& which) {
+  const auto index = viewer.views().find(which);
+  if (!index) return tl::unexpected(index.error());
+  viewer.views().remove(*index);
+  return {};
+}
+
+core::Expected<void> save_views(Viewer& viewer, const std::string& file) {
+  if (file.empty()) return core::fail("name a file: .bcfzip, .bcf or .json");
+  auto done = write_views(file, viewer.views().all());
+  if (done) viewer.tell(std::to_string(viewer.views().size()) + " views: " + file);
+  return done;
+}
+
+core::Expected<void> load_views(Viewer& viewer, const std::string& file) {
+  auto read = read_views(file);
+  if (!read) return tl::unexpected(read.error());
+  viewer.tell(std::to_string(read->views.size()) + " views: " + file +
+              (read->left_out > 0 ? ", " + std::to_string(read->left_out) + " without a camera left out" : ""));
+  viewer.views().merge(std::move(read->views));
+  return {};
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,261 @@
+// The list of views and its files: JSON and BCF, of our own, of other programs, and hostile ones.
+#include "sightline/apps/view/view_list.h"
+
+#include <fstream>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "sightline/apps/view/bcf.h"
+#include "sightline/importers/view_json.h"
+#if SIGHTLINE_HAS_BCF
+#include "sightline/apps/view/zip_archive.h"
+#endif
+
+namespace sightline::apps {
+namespace {
+
+Viewpoint view_of(int i, bool orthographic) {
+  Viewpoint view;
+  view.pose = {{10.5 + i, -20.25, 1e5}, {14.5 + i, -17.25, 1e5}, {0, 0, 1}};
+  view.fovy = 0.9;
+  view.orthographic = orthographic;
+  view.near = 0.25;
+  view.sections = {{{0, 0, 1}, -3.5}, {{-0.6, 0.8, 0}, 7.0}};
+  view.shown = {{{i % 2 == 1, {{"site/pump & <x>", 0, {}, {}}, {"a?b", 2, 3, {}}}},
+                 {false, {{"faint", 0, {}, {}}}},
+                 {false, {{"", 0, {}, {}}}}}};
+  view.name = "Näme <" + std::to_string(i) + ">";
+  view.comment = "two\nlines & more";
+  view.author = "someone@example.com";
+  view.date = "2026-01-31T12:00:00Z";
+  view.guid = new_guid();
+  return view;
+}
+
+void expect_same(const Viewpoint& read, const Viewpoint& written, bool bcf) {
+  const double tolerance = bcf ? 1e-9 : 0.0;
+  EXPECT_NEAR(glm::length(read.pose.eye - written.pose.eye), 0.0, tolerance);
+  const core::dvec3 ahead = read.pose.target - read.pose.eye, was = written.pose.target - written.pose.eye;
+  EXPECT_NEAR(glm::length(glm::normalize(ahead) - glm::normalize(was)), 0.0, 1e-9);
+  EXPECT_EQ(read.orthographic, written.orthographic);
+  if (read.orthographic)
+    EXPECT_NEAR(glm::length(ahead) * std::tan(0.5 * read.fovy), glm::length(was) * std::tan(0.5 * written.fovy), 1e-9);
+  else
+    EXPECT_NEAR(read.fovy, written.fovy, 1e-12);
+  ASSERT_EQ(read.sections.size(), written.sections.size());
+  for (std::size_t i = 0; i < read.sections.size(); ++i) {
+    EXPECT_NEAR(glm::length(read.sections[i].normal - written.sections[i].normal), 0.0, 1e-12);
+    EXPECT_NEAR(read.sections[i].offset, written.sections[i].offset, 1e-9);
+  }
+  ASSERT_TRUE(read.shown);
+  EXPECT_EQ(read.shown->hidden, written.shown->hidden);
+  EXPECT_EQ(read.shown->ghosts, written.shown->ghosts);
+  EXPECT_EQ(read.shown->selection, written.shown->selection);
+  for (const auto text :
+       {&Viewpoint::name, &Viewpoint::comment, &Viewpoint::author, &Viewpoint::date, &Viewpoint::guid})
+    EXPECT_EQ(read.*text, written.*text);
+}
+
+TEST(ViewListTest, JsonComesBackAndIsAViewForOtherTools) {
+  const std::vector<Viewpoint> written{view_of(1, false), view_of(2, true)};
+  const std::string text = format_viewpoints(written);
+  const auto read = parse_viewpoints(text, "views");
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) expect_same((*read)[i], written[i], false);
+  const auto view = importers::parse_view(text, 1.0);
+  ASSERT_TRUE(view) << view.error().message;
+  EXPECT_EQ(view->sections.size(), 2u);
+  EXPECT_TRUE(parse_viewpoints(format_viewpoints({}), "views")->empty());
+}
+
+TEST(ViewListTest, OldViewFilesLeaveVisibilityAsItIs) {
+  const auto read = parse_viewpoints(R"({"eye":[0,0,0],"target":[0,1,0],"fovy_deg":60,"near":1})", "old");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_FALSE((*read)[0].shown);
+}
+
+TEST(ViewListTest, BadJsonSaysWhere) {
+  const std::string camera = R"("eye":[0,0,0],"target":[0,1,0],"fovy_deg":60,"near":1)";
+  for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+           {"{\"views\":3}", "f: /views: expected an array"},
+           {"{\"views\":[{}]}", "f: /views/0: /eye: expected"},
+           {"{" + camera + ",\"hidden\":3}", "f: /hidden: expected an array"},
+           {"{" + camera + ",\"name\":[]}", "f: /name: expected a string"},
+           {"{", "f: line 1"},
+           {std::string(100000, '['), "f: line 1"}}) {
+    const auto read = parse_viewpoints(text, "f");
+    ASSERT_FALSE(read) << text.substr(0, 40);
+    EXPECT_EQ(read.error().message.find(message), 0u) << read.error().message;
+  }
+}
+
+TEST(ViewListTest, AddsFindsAndRemoves) {
+  ViewList list;
+  EXPECT_FALSE(list.find(""));
+  for (const char* name : {"a", "", "2"}) list.add(view_of(0, false), name);
+  EXPECT_EQ(list.all()[1].name, "View 2");
+  EXPECT_EQ(*list.find("a"), 0u);
+  EXPECT_EQ(*list.find("2"), 2u) << "names come before numbers";
+  EXPECT_EQ(*list.find("3"), 2u);
+  EXPECT_EQ(*list.find(""), 2u);
+  for (const char* none : {"0", "4", "b", "1x", "-1"}) EXPECT_FALSE(list.find(none)) << none;
+  std::set<std::string> guids;
+  for (const Viewpoint& view : list.all()) guids.insert(view.guid);
+  EXPECT_EQ(guids.size(), 3u);
+  list.move_current(-1);
+  list.move_current(-1);
+  list.move_current(-1);
+  EXPECT_EQ(list.current_index(), 0);
+  EXPECT_EQ(list.current()->name, "2");
+  list.remove(1);
+  EXPECT_EQ(list.current_index(), 0);
+  list.remove(0);
+  EXPECT_EQ(list.current(), nullptr);
+  Viewpoint changed = list.all()[0];
+  changed.name = "changed";
+  list.merge({changed, view_of(3, false)});
+  EXPECT_EQ(list.size(), 2u) << "the same GUID is the same view";
+  EXPECT_EQ(list.all()[0].name, "changed");
+}
+
+#if SIGHTLINE_HAS_BCF
+
+TEST(ViewListTest, BcfComesBackInItsOrder) {
+  std::vector<Viewpoint> written;
+  for (int i = 0; i < 20; ++i) written.push_back(view_of(i, i % 3 == 0));
+  written[0].snapshot = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n', 1, 2, 3};
+  const auto bytes = format_bcf(written);
+  ASSERT_TRUE(bytes) << bytes.error().message;
+  const auto read = parse_bcf(*bytes, "file");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->left_out, 0u);
+  ASSERT_EQ(read->views.size(), written.size());
+  for (std::size_t i = 0; i < written.size(); ++i) expect_same(read->views[i], written[i], true);
+  EXPECT_EQ(read->views[0].snapshot, written[0].snapshot);
+  const auto entries = unzip(*bytes, 1u << 30);
+  EXPECT_TRUE(entries->contains("bcf.version"));
+  EXPECT_TRUE(entries->contains(written[3].guid + "/markup.bcf"));
+}
+
+constexpr const char* kForeignMarkup = R"(<?xml version="1.0" encoding="utf-8"?>
+<Markup xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance">
+ <Header><File IsExternal="true"><Filename>house.ifc</Filename></File></Header>
+ <Topic Guid="7DF3C0B2-1111-4222-8333-444455556666" TopicType="Clash" TopicStatus="Open">
+  <Title>Duct meets beam</Title><CreationDate>2019-05-06T07:08:09+02:00</CreationDate>
+  <CreationAuthor>a@b.c</CreationAuthor><Description>From the clash run</Description></Topic>
+ <Comment Guid="1"><Date>2019-05-06T07:08:09Z</Date><Author>x</Author><Comment>First</Comment><Viewpoint Guid="v1"/></Comment>
+ <Comment Guid="2"><Date>2019-05-06T07:08:09Z</Date><Author>y</Author><Comment>General</Comment></Comment>
+ <Comment Guid="3"><Date>2019-05-06T07:08:09Z</Date><Author>y</Author><Comment>Second</Comment><Viewpoint Guid="v2"/></Comment>
+ <Viewpoints Guid="v1"><Viewpoint>Viewpoint_v1.bcfv</Viewpoint><Snapshot>missing.png</Snapshot></Viewpoints>
+ <Viewpoints Guid="v2"><Viewpoint>other.bcfv</Viewpoint></Viewpoints>
+ <Viewpoints Guid="v3"><Viewpoint>absent.bcfv</Viewpoint></Viewpoints>
+</Markup>)";
+constexpr const char* kForeignPerspective = R"(<VisualizationInfo Guid="v1">
+ <Components><ViewSetupHints SpacesVisible="false"/>
+  <Selection><Component IfcGuid="0123456789abcdefghijkl"/></Selection>
+  <Visibility DefaultVisibility="false"><Exceptions>
+   <Component IfcGuid="abcdefghijkl0123456789"><OriginatingSystem>Other</OriginatingSystem></Component><Component/>
+  </Exceptions></Visibility></Components>
+ <PerspectiveCamera><CameraViewPoint><X>1</X><Y> 2.5 </Y><Z>+3e0</Z></CameraViewPoint>
+  <CameraDirection><X>0</X><Y>2</Y><Z>0</Z></CameraDirection><CameraUpVector><X>0</X><Y>0</Y><Z>0</Z></CameraUpVector>
+  <FieldOfView>60</FieldOfView></PerspectiveCamera>
+ <ClippingPlanes><ClippingPlane><Location><X>0</X><Y>0</Y><Z>4</Z></Location>
+  <Direction><X>0</X><Y>0</Y><Z>1</Z></Direction></ClippingPlane>
+  <ClippingPlane><Location><X>nan</X></Location></ClippingPlane></ClippingPlanes>
+</VisualizationInfo>)";
+constexpr const char* kForeignParallel = R"(<VisualizationInfo Guid="v2"><OrthogonalCamera>
+ <CameraViewPoint><X>0</X><Y>0</Y><Z>9</Z></CameraViewPoint><CameraDirection><X>0</X><Y>0</Y><Z>-1</Z></CameraDirection>
+ <CameraUpVector><X>0</X><Y>1</Y><Z>0</Z></CameraUpVector><ViewToWorldScale>12</ViewToWorldScale>
+</OrthogonalCamera></VisualizationInfo>)";
+
+TEST(ViewListTest, ReadsWhatOtherProgramsWrite) {
+  const auto bytes = zip({{"bcf.version", "<Version VersionId=\"2.1\"/>"},
+                          {"topic\\markup.bcf", kForeignMarkup},
+                          {"topic\\Viewpoint_v1.bcfv", kForeignPerspective},
+                          {"topic\\other.bcfv", kForeignParallel}});
+  const auto read = parse_bcf(*bytes, "file");
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->views.size(), 2u);
+  EXPECT_EQ(read->left_out, 1u);
+  const Viewpoint &first = read->views[0], &second = read->views[1];
+  EXPECT_EQ(first.name, "Duct meets beam");
+  EXPECT_EQ(second.name, "Duct meets beam (2)");
+  EXPECT_EQ(first.comment, "First\nGeneral");
+  EXPECT_EQ(second.comment, "Second");
+  EXPECT_EQ(first.guid, "7df3c0b2-1111-4222-8333-444455556666");
+  EXPECT_EQ(first.pose.eye, core::dvec3(1, 2.5, 3));
+  EXPECT_EQ(first.pose.target, core::dvec3(1, 3.5, 3));
+  EXPECT_EQ(first.pose.up, core::dvec3(0, 0, 1)) << "where none is given";
+  EXPECT_NEAR(glm::degrees(first.fovy), 60.0, 1e-12);
+  ASSERT_EQ(first.sections.size(), 1u);
+  EXPECT_GT(core::evaluate(first.sections[0], core::dvec3(0, 0, 3)), 0.0) << "what the direction points at is cut away";
+  EXPECT_LT(core::evaluate(first.sections[0], core::dvec3(0, 0, 5)), 0.0);
+  ASSERT_TRUE(first.shown);
+  EXPECT_TRUE(first.shown->hidden.all_but);
+  ASSERT_EQ(first.shown->hidden.parts.size(), 1u);
+  EXPECT_EQ(first.shown->hidden.parts[0].guid, "abcdefghijkl0123456789");
+  EXPECT_EQ(first.shown->selection.parts.at(0).guid, "0123456789abcdefghijkl");
+  EXPECT_TRUE(second.orthographic);
+  EXPECT_NEAR(2.0 * glm::length(second.pose.target - second.pose.eye) * std::tan(0.5 * second.fovy), 12.0, 1e-9);
+}
+
+TEST(ViewListTest, HostileArchivesAreErrors) {
+  const std::string good = *format_bcf(std::vector{view_of(0, false), view_of(1, true)});
+  for (std::size_t length = 0; length < good.size(); length += 1 + length / 40)
+    EXPECT_FALSE(parse_bcf(good.substr(0, length), "file")) << length;
+  for (const char* path :
+       {"../markup.bcf", "a/../../markup.bcf", "/etc/markup.bcf", "..\\markup.bcf", "C:\\markup.bcf"}) {
+    const auto read = parse_bcf(*zip({{"bcf.version", ""}, {path, kForeignMarkup}}), "file");
+    ASSERT_FALSE(read) << path;
+    EXPECT_NE(read.error().message.find("outside the archive"), std::string::npos) << read.error().message;
+  }
+  const std::string bomb =
+      *zip({{"a", std::string(std::size_t(150) << 20, '\0')}, {"b", std::string(std::size_t(150) << 20, '\0')}});
+  ASSERT_LT(bomb.size(), std::size_t(1) << 20);
+  const auto swollen = parse_bcf(bomb, "file");
+  ASSERT_FALSE(swollen);
+  EXPECT_NE(swollen.error().message.find("more than it may"), std::string::npos) << swollen.error().message;
+  EXPECT_FALSE(parse_bcf(*zip({{"readme.txt", "no BCF"}}), "file"));
+  EXPECT_FALSE(parse_bcf(*zip({{"t/markup.bcf", "<Markup><Topic>"}}), "file"));
+  std::string deep;
+  for (int i = 0; i < 1'000'000; ++i) deep += "<a>";
+  EXPECT_FALSE(parse_bcf(*zip({{"t/markup.bcf", deep}}), "file"));
+  for (std::size_t at = 0; at < good.size(); ++at) {  // any answer, but no crash
+    std::string bad = good;
+    bad[at] = char(bad[at] ^ 0x55);
+    (void)parse_bcf(bad, "file");
+  }
+}
+
+TEST(ViewListTest, FilesAreChosenByTheirExtension) {
+  const std::vector<Viewpoint> views{view_of(0, false)};
+  for (const char* name : {"views.bcfzip", "views.BCF", "views.json"}) {
+    const auto file = std::filesystem::path(testing::TempDir()) / name;
+    ASSERT_TRUE(write_views(file, views)) << name;
+    const auto read = read_views(file);
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->views.size(), 1u);
+    std::filesystem::remove(file);
+  }
+}
+
+#else
+
+TEST(ViewListTest, WithoutItsLibrariesBcfSaysSo) {
+  const auto written = write_views("views.bcfzip", {});
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("libzip"), std::string::npos);
+}
+
+#endif
+
+TEST(ViewListTest, MissingFilesAreErrors) {
+  EXPECT_FALSE(read_views("/no/such/file.json"));
+  EXPECT_FALSE(read_views("/no/such/file.bcf"));
+  EXPECT_FALSE(read_views("/"));
+}
+
+}  // namespace
+}  // namespace sightline::apps
