@@ -53,7 +53,7 @@ void side_panel(Viewer& viewer) {
   begin_fixed("##side", size.x - float(m.right), float(m.top), float(m.right), size.y - float(m.top + m.bottom),
               ImGuiWindowFlags_NoTitleBar);
   if (viewer.session() && ImGui::BeginTabBar("##tabs")) {
-    if (ImGui::BeginTabItem("Properties")) {
+    if (ImGui::BeginTabItem("Item")) {
       properties_tab(viewer);
       ImGui::EndTabItem();
     }

@@ -513,6 +513,7 @@ nlohmann::ordered_json Viewer::state() const {
                {"culler", name_of(session_->engine().plan().culler)},
                {"culled_by", name_of(session_->report().culler)},
                {"visible", session_->visible()},
+               {"drawn", session_->report().shown},
                {"selection", {{"count", document.selection().size()}}},
                {"hidden", document.hidden()},
                {"ghosts", document.ghosts()},

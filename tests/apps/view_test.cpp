@@ -330,6 +330,25 @@ TEST_F(ViewScript, CullersAndTheFrozenCamera) {
   EXPECT_GT(magenta_pixels(read_png(shot)), 0) << "what the frozen camera sees nothing of";
 }
 
+/// As sightline-render draws it with the same options, and as without it once it is switched off.
+TEST_F(ViewScript, ReliefAndWhatIsLeftOut) {
+  const std::string model = plant(3000), with = path("with.png"), without = path("without.png");
+  expect_driven("expect /relief = false\nfit\npress l\nexpect /relief = true\nscreenshot " + with +
+                    "\nrelief\nexpect /relief = false\nscreenshot " + without +
+                    "\nbudget 40\nexpect /budget_ms = 40\nbudget 0\ncontribution 1000000\n"
+                    "expect /contribution = 1000000\nexpect /drawn = 0\ncontribution 0\nexpect /drawn > 1000\n",
+                {model, "--size", "200x150", "--no-panels"});
+  for (const auto& [shot, args] : {std::pair{with, Args{"--shading", "0.6", "--lines", "0.4"}}, {without, Args{}}}) {
+    Args all{model, "--size", "200x150"};
+    all.insert(all.end(), args.begin(), args.end());
+    const Outcome same = compare(shot, all);
+    EXPECT_EQ(same.code, 0) << same;
+  }
+  const Outcome refused = drive("budget -1\n", {model});
+  EXPECT_EQ(refused.code, 1) << refused;
+  EXPECT_NE(refused.err.find("budget_ms"), std::string::npos) << refused;
+}
+
 TEST_F(ViewScript, PanelsShowAndHideAtAnySize) {
   const std::string model = plant(3000), wide = path("wide.png"), small = path("small.png"), bare = path("bare.png");
   expect_driven(
