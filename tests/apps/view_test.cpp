@@ -564,7 +564,7 @@ TEST_F(ViewKeys, TheWindowShowsThePictureAtAnySize) {
     Outcome same;
     ASSERT_TRUE(comes_true([&] {
       press("Home");
-      same = compare(screen(width, height), {model, "--size", size});
+      same = compare(screen(width, height), {model, "--size", size, "--shading", "0.6", "--lines", "0.4"});
       return same.code == 0;
     })) << same;
   }
