@@ -40,9 +40,9 @@ void add_options(CLI::App& app, apps::ViewerOptions& o) {
 }
 
 apps::SettingsFile settings_file(const apps::ViewerOptions& o) {
-  if (!o.settings.empty()) return apps::SettingsFile(o.settings);
-  if (!o.script.empty() || o.frames > 0) return {};
-  return apps::SettingsFile(apps::SettingsFile::default_place());
+  if (!o.remembers()) return {};
+  return apps::SettingsFile(o.settings.empty() ? apps::SettingsFile::default_place()
+                                               : std::filesystem::path(o.settings));
 }
 
 /// What the command line does not say is as it was the last time.

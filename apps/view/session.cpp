@@ -83,6 +83,11 @@ core::Expected<void> Session::refine() {
   return {};
 }
 
+core::Expected<image::Image> Session::picture(bool smooth) {
+  if (const image::Image* mean = smooth ? this->smooth() : nullptr) return *mean;
+  return engine_.read_colour();
+}
+
 core::Expected<std::optional<engine::Pick>> Session::pick(const core::dvec2& at) {
   const auto seen = view();
   if (!seen) return tl::unexpected(seen.error());

@@ -69,6 +69,8 @@ class Session {
   bool partly_refined() const { return resting_.count() > 0 && !resting_.complete(); }
   /// That mean; null until it is complete and while something has changed.
   const image::Image* smooth() const { return !stale() && resting_.complete() ? &mean_ : nullptr; }
+  /// That mean, or with `smooth` false or where there is none the last frame's picture.
+  core::Expected<image::Image> picture(bool smooth);
   const std::optional<core::View>& drawn() const { return drawn_; }  ///< the view of the picture
   const engine::FrameReport& report() const { return report_; }
   std::int64_t visible() const { return visible_; }  ///< items in the view volume, as last known

@@ -72,8 +72,7 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   shown.smooth = options.smooth && (options.script.empty() || !options.settings.empty());
   now_ = settings_.settings();
   shown.triad = now_.triad;
-  const bool as_kept = !options.settings.empty() || (options.frames == 0 && options.script.empty());
-  shown.relief = options.shown.relief.any() || (now_.relief && as_kept);
+  shown.relief = options.shown.relief.any() || (now_.relief && options.remembers());
   if (!options.shown.relief.any()) options_.shown.relief = kRelief;
   take_settings();
   settings_.begin(now_);
@@ -421,8 +420,7 @@ core::Expected<void> Viewer::select_nodes(const std::vector<core::NodeId>& nodes
 
 core::Expected<void> Viewer::write_screenshot(const std::string& file) {
   const std::string name = file.empty() ? free_name("screenshot", ".png") : file;
-  const image::Image* smooth = shown.smooth ? session_->smooth() : nullptr;
-  const auto picture = smooth ? core::Expected<image::Image>(*smooth) : session_->engine().read_colour();
+  const auto picture = session_->picture(shown.smooth);
   if (!picture) return tl::unexpected(picture.error());
   if (auto done = image::write_png(*picture, name); !done) return done;
   warn_if_blank(session_->engine(), session_->visible(), name);

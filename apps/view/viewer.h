@@ -31,6 +31,9 @@ struct ViewerOptions {
   int frames = 0;
   double scale = 0.0;  ///< of text and panels; 0: as the screen suggests
   bool panels = true, smooth = true;
+
+  /// Whether there are settings to keep: scripts and --frames must do the same for everybody.
+  bool remembers() const { return !settings.empty() || (script.empty() && frames == 0); }
 };
 
 class Viewer {

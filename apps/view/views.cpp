@@ -32,8 +32,7 @@ core::Expected<Viewpoint> seen_now(Viewer& viewer) {
   Session& session = *viewer.session();
   Viewpoint seen = session.viewpoint();
   if (auto drawn = session.draw(); !drawn) return tl::unexpected(drawn.error());
-  const image::Image* smooth = session.smooth();
-  const auto picture = smooth ? core::Expected<image::Image>(*smooth) : session.engine().read_colour();
+  const auto picture = session.picture(true);
   if (!picture) return tl::unexpected(picture.error());
   const image::Image small = shrunk(*picture, kSnapshotWidth);
   if (small.width > 0 && small.height > 0)

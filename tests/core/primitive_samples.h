@@ -23,11 +23,10 @@ inline float random_length(Random& random) {
   return float(std::pow(10.0, uniform(random, -2.0, 4.0)));
 }
 
-/// A random primitive with volume. Snouts have level ends.
-inline core::Primitive random_primitive(core::Kind kind, Random& random) {
-  const auto length = [&] { return random_length(random); };
-  const auto shift = [&] { return float(uniform(random, -1.0, 1.0)) * random_length(random); };
-  const auto angle = [&] { return float(uniform(random, 1e-3, 2.0 * std::numbers::pi)); };
+/// A primitive with volume of what the functions give: lengths above 0, shifts of either sign, angles of tori. Snouts
+/// have level ends.
+template <class Length, class Shift, class Angle>
+core::Primitive primitive_of(core::Kind kind, const Length& length, const Shift& shift, const Angle& angle) {
   switch (kind) {
     case core::Kind::kPyramid:
       return core::Pyramid{length(), length(), length(), length(), shift(), shift(), length()};
@@ -52,6 +51,13 @@ inline core::Primitive random_primitive(core::Kind kind, Random& random) {
     default:
       return core::Line{shift(), shift()};
   }
+}
+
+inline core::Primitive random_primitive(core::Kind kind, Random& random) {
+  return primitive_of(
+      kind, [&] { return random_length(random); },
+      [&] { return float(uniform(random, -1.0, 1.0)) * random_length(random); },
+      [&] { return float(uniform(random, 1e-3, 2.0 * std::numbers::pi)); });
 }
 
 /// The point of a primitive at (a, b, c) in [0, 1]^3. Together the points cover every extreme of the solid.

@@ -36,6 +36,17 @@ class DrawnGrid : public GlTest {
     c.context = &*context;
     return c;
   }
+  /// Draws until the picture is complete, which takes several frames with a budget, and waits for it.
+  static bool draw_complete(engine::Engine& engine, const core::View& view) {
+    for (std::int64_t pending = 1; pending > 0;) {
+      const auto report = engine.frame(view);
+      EXPECT_TRUE(report) << report.error().message;
+      if (!report) return false;
+      pending = report->pending;
+    }
+    engine.finish();
+    return true;
+  }
   /// An engine that changes its pictures: relief, ghosts, transparent items and one with an outline.
   static core::Expected<engine::Engine> create_with_overlays(core::Scene& scene, engine::EngineConfig c) {
     c.relief = {0.5f, 0.5f};

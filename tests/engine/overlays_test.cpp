@@ -42,13 +42,7 @@ class OverlaysTest : public DrawnGrid {
     bool has_ids(ItemId item) const { return std::find(ids.begin(), ids.end(), item + 1) != ids.end(); }
   };
   static Picture picture(Engine& engine, const core::View& view) {
-    for (std::int64_t pending = 1; pending > 0;) {
-      const auto report = engine.frame(view);
-      EXPECT_TRUE(report) << report.error().message;
-      if (!report) return {};
-      pending = report->pending;
-    }
-    engine.finish();
+    if (!draw_complete(engine, view)) return {};
     return {*engine.read_colour(), engine.read_ids()->ids, engine.read_depth(view)->metres};
   }
   /// The largest difference of a channel.

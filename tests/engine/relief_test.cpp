@@ -41,13 +41,7 @@ class ReliefTest : public DrawnGrid {
     return c;
   }
   static image::Image picture(Engine& engine, const core::View& view) {
-    for (std::int64_t pending = 1; pending > 0;) {
-      const auto report = engine.frame(view);
-      EXPECT_TRUE(report) << report.error().message;
-      if (!report) return {};
-      pending = report->pending;
-    }
-    engine.finish();
+    if (!draw_complete(engine, view)) return {};
     return *engine.read_colour();
   }
 

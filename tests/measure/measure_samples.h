@@ -30,37 +30,16 @@ core::Kind random_of(const core::Kind (&kinds)[N], Random& random) {
   return kinds[random() % N];
 }
 
-/// Lengths 0.1 to 2.
+/// Lengths 0.1 to 2; circular tori have a hole.
 inline core::Primitive ordinary_primitive(core::Kind kind, Random& random) {
   const auto length = [&] { return float(uniform(random, 0.1, 2.0)); };
   const auto shift = [&] { return float(uniform(random, -1.0, 1.0)); };
   const float turn = float(uniform(random, 0.2, 6.4));
-  switch (kind) {
-    case core::Kind::kPyramid:
-      return core::Pyramid{length(), length(), length(), length(), shift(), shift(), length()};
-    case core::Kind::kBox:
-      return core::Box{length(), length(), length()};
-    case core::Kind::kRectangularTorus: {
-      const float inner = length();
-      return core::RectangularTorus{inner, inner + length(), length(), turn};
-    }
-    case core::Kind::kCircularTorus: {
-      const float tube = 0.5f * length();
-      return core::CircularTorus{tube + length(), tube, turn};
-    }
-    case core::Kind::kEllipticalDish:
-      return core::EllipticalDish{length(), length()};
-    case core::Kind::kSphericalDish:
-      return core::SphericalDish{length(), length()};
-    case core::Kind::kSnout:
-      return core::Snout{length(), length(), length(), shift(), shift(), 0, 0, 0, 0};
-    case core::Kind::kCylinder:
-      return core::Cylinder{length(), length()};
-    case core::Kind::kSphere:
-      return core::Sphere{length()};
-    default:
-      return core::Line{shift(), shift()};
+  if (kind == core::Kind::kCircularTorus) {
+    const float tube = 0.5f * length();
+    return core::CircularTorus{tube + length(), tube, turn};
   }
+  return primitive_of(kind, length, shift, [turn] { return turn; });
 }
 
 /// Rotation and scale; every fourth also sheared, every fifth mirrored.
