@@ -191,6 +191,15 @@ class SIGHTLINE_API Engine {
   /// Fails without EngineConfig::draw and EngineConfig::context, on sizes that the context does not support, and on
   /// framebuffers that GL does not draw to. Then nothing is drawn there. Nothing is drawn while the context is lost.
   core::Expected<FrameReport> frame(const core::View& view, const core::ExternalTarget& target);
+  /// Draws a line around items, as ItemStyle::outline has it, over a framebuffer of the application's context: for what
+  /// is under a cursor, where a frame would take too long. `view` and the target's size must be those of the last
+  /// frame's picture, which the framebuffer should show and which stays as it is. Takes the time of these items and of
+  /// two passes over the picture. Nothing is tested against the framebuffer's depth. Only builds with GL have it.
+  ///
+  /// Fails as frame(view, target), on another size, and with an item that is unknown as of the last commit(). Then, and
+  /// while the context is lost, nothing is drawn.
+  core::Expected<void> draw_outline(const core::View& view, std::span<const core::ItemId> items,
+                                    const core::ExternalTarget& target);
   /// The oldest result of the GPU culler that was not yet taken; results arrive some frames late. Nothing while none
   /// has arrived. Never waits. Keeps the newest 64 results.
   std::optional<LateReport> take_late_report();

@@ -119,16 +119,27 @@ core::Expected<void> Drawing::draw_translucent(const Culled& culled) {
 
 /// Around all outlined items, hidden ones, too.
 core::Expected<void> Drawing::draw_outline(const Culled& culled) {
-  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   if (translucent_.outlined().empty()) return {};
-  part(visible, translucent_.outlined(), outlined_, unused_);
+  part(culled.visible, translucent_.outlined(), outlined_, unused_);
   if (empty(outlined_)) return {};
+  if (auto done = draw_outlined(culled.with(outlined_)); !done) return done;
+  return put_over([&](const core::ExternalTarget& over) {
+    return overlays_->put_outline(target_, outline_colour_, over);
+  });
+}
+
+/// Into the layer, as put_outline() needs it.
+core::Expected<void> Drawing::draw_outlined(const Culled& items) {
   const auto layer = overlays_->begin_layer(context_, target_, false);
   if (!layer) return tl::unexpected(layer.error());
-  if (auto done = lists_->update(snapshot, *scene_, outlined_, &view); !done) return done;
-  if (auto done = renderer_->draw_ghosts(view, snapshot, *scene_, *lists_, **layer); !done) return done;
-  return put_over(
-      [&](const core::ExternalTarget& over) { return overlays_->put_outline(target_, outline_colour_, over); });
+  if (auto done = lists_->update(items.snapshot, *scene_, items.visible, &items.view); !done) return done;
+  return renderer_->draw_ghosts(items.view, items.snapshot, *scene_, *lists_, **layer);
+}
+
+core::Expected<void> Drawing::put_outline(const Culled& items, const core::ExternalTarget& over) {
+  if (!overlays_) overlays_.emplace(context_.functions());
+  if (auto done = draw_outlined(items); !done) return done;
+  return overlays_->put_outline(target_, outline_colour_, over);
 }
 
 }  // namespace sightline::engine

@@ -1,4 +1,5 @@
-// Functions of Engine that read the drawn picture.
+// Functions of Engine that read the drawn picture, and that draw where it was copied to.
+#include <algorithm>
 #include <type_traits>
 
 #include "sightline/engine/internal/drawing.h"
@@ -51,6 +52,26 @@ core::Expected<bool> Engine::covered() {
 
 core::Expected<std::uint32_t> Engine::framebuffer() {
   return read_from(*this, [](const render::RenderTarget& target) { return std::uint32_t(target.resolved().id()); });
+}
+
+core::Expected<void> Engine::draw_outline(const core::View& view, std::span<const core::ItemId> items,
+                                          const core::ExternalTarget& target) {
+  if (!config().draw || !config().context)
+    return core::fail("engine: an outline needs EngineConfig::draw and the application's EngineConfig::context");
+  if (target.width != config().width || target.height != config().height)
+    return core::fail("engine: the target of an outline must have the size of the picture");
+  core::VisibleSet shown;
+  shown.generation = snapshot().generation();
+  for (const core::ItemId item : items) {
+    const core::Slot slot = snapshot().slot(item);
+    if (slot == core::kNone)
+      return core::fail("engine: draw_outline: no item " + std::to_string(item) + " as of the last commit");
+    if (!snapshot().bounds().vacant(slot)) shown.items.push_back(slot);
+  }
+  std::sort(shown.items.begin(), shown.items.end());
+  if (shown.items.empty() || !drawing() || drawing()->lost()) return {};
+  [[maybe_unused]] const Drawing::KeptState kept = drawing()->keep_state();
+  return drawing()->put_outline({view, snapshot(), shown}, target);
 }
 
 }  // namespace sightline::engine

@@ -9,12 +9,11 @@ namespace sightline::apps {
 namespace {
 
 constexpr std::size_t kMostSteps = 100;
-constexpr std::uint8_t kUndone = Document::kSelected | Document::kHidden | Document::kGhost;  // what undo() brings back
 // Blue and orange differ for all kinds of colour blindness.
 constexpr core::vec3 kSelectedColour{0.20f, 0.55f, 1.0f};
 
 std::uint8_t style_bits(std::uint8_t flags) {
-  return flags & std::uint8_t(Document::kSelected | Document::kGhost | Document::kHovered);
+  return flags & std::uint8_t(Document::kSelected | Document::kGhost);
 }
 
 engine::ItemStyle style_of(std::uint8_t flags) {
@@ -24,7 +23,6 @@ engine::ItemStyle style_of(std::uint8_t flags) {
     style.outline = true;
   } else {
     style.ghost = (flags & Document::kGhost) != 0;
-    style.outline = (flags & Document::kHovered) != 0;
   }
   return style;
 }
@@ -142,8 +140,6 @@ core::Expected<void> Document::redo() {
 
 core::Expected<void> Document::take(std::vector<Changes>& from, std::vector<Changes>& to) {
   if (from.empty()) return {};
-  for (Change& change : from.back())
-    change.flags = std::uint8_t((change.flags & kUndone) | (flags_[change.item] & ~kUndone));
   auto before = apply(from.back());
   if (!before) return tl::unexpected(before.error());
   from.pop_back();
@@ -151,20 +147,9 @@ core::Expected<void> Document::take(std::vector<Changes>& from, std::vector<Chan
   return {};
 }
 
-core::Expected<void> Document::hover(std::optional<core::ItemId> item) {
-  if (item == hovered_) return {};
-  Changes changes;
-  if (hovered_) changes.push_back({*hovered_, std::uint8_t(flags_[*hovered_] & ~kHovered)});
-  if (item) changes.push_back({*item, std::uint8_t(flags_[*item] | kHovered)});
-  auto before = apply(changes);
-  if (!before) return tl::unexpected(before.error());
-  hovered_ = item;
-  return {};
-}
-
 /// Returns what brings back the state before.
 core::Expected<Document::Changes> Document::apply(const Changes& changes) {
-  std::array<std::vector<core::ItemId>, 16> styled;  // by style bits
+  std::array<std::vector<core::ItemId>, 8> styled;  // by style bits
   std::vector<core::ItemId> hide, show;
   Changes before;
   before.reserve(changes.size());

@@ -17,7 +17,7 @@ enum class SelectMode { kReplace, kAdd, kToggle };
 /// Shows the state of items as overrides of an engine, which are nobody else's.
 class Document {
  public:
-  enum Flag : std::uint8_t { kSelected = 1, kHidden = 2, kGhost = 4, kHovered = 8 };
+  enum Flag : std::uint8_t { kSelected = 1, kHidden = 2, kGhost = 4 };
 
   /// Both are borrowed; the scene must not be edited meanwhile.
   Document(const core::Scene& scene, engine::Engine& engine);
@@ -47,8 +47,8 @@ class Document {
   std::size_t undo_steps() const { return done_.size(); }
   std::size_t redo_steps() const { return undone_.size(); }
 
-  /// Draws a line around an item that is not selected. No step of undo().
-  core::Expected<void> hover(std::optional<core::ItemId> item);
+  /// The item under the cursor. Neither a step of undo() nor part of the picture, which need not be drawn anew for it.
+  void hover(std::optional<core::ItemId> item) { hovered_ = item; }
   std::optional<core::ItemId> hovered() const { return hovered_; }
 
   /// Rises whenever the picture changes.

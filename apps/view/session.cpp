@@ -88,6 +88,12 @@ core::Expected<image::Image> Session::picture(bool smooth) {
   return engine_.read_colour();
 }
 
+core::Expected<void> Session::outline_hovered(const core::ExternalTarget& target) {
+  const auto item = document_.hovered();
+  if (!item || !drawn_ || document_.is(*item, Document::kSelected)) return {};
+  return engine_.draw_outline(*drawn_, std::span(&*item, 1), target);
+}
+
 core::Expected<std::optional<engine::Pick>> Session::pick(const core::dvec2& at) {
   const auto seen = view();
   if (!seen) return tl::unexpected(seen.error());

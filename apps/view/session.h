@@ -71,6 +71,8 @@ class Session {
   const image::Image* smooth() const { return !stale() && resting_.complete() ? &mean_ : nullptr; }
   /// That mean, or with `smooth` false or where there is none the last frame's picture.
   core::Expected<image::Image> picture(bool smooth);
+  /// Draws a line around the item under the cursor, unless it is selected, over a framebuffer that shows the picture.
+  core::Expected<void> outline_hovered(const core::ExternalTarget& target);
   const std::optional<core::View>& drawn() const { return drawn_; }  ///< the view of the picture
   const engine::FrameReport& report() const { return report_; }
   std::int64_t visible() const { return visible_; }  ///< items in the view volume, as last known

@@ -275,9 +275,13 @@ core::Expected<void> Viewer::draw_model(const Part& part) {
   const auto drawn = session_->draw();
   if (!drawn) return tl::unexpected(drawn.error());
   if (*drawn) note_picture();
-  if (const image::Image* smooth = session_->smooth(); smooth && shown.smooth) return window_.copy(*smooth, part);
-  window_.copy(session_->engine().framebuffer().value_or(0), part);
-  return {};
+  core::Expected<void> copied;
+  if (const image::Image* smooth = session_->smooth(); smooth && shown.smooth)
+    copied = window_.copy(*smooth, part);
+  else
+    window_.copy(session_->engine().framebuffer().value_or(0), part);
+  if (!copied || drag_) return copied;
+  return session_->outline_hovered({0, part.x, part.y, part.width, part.height});
 }
 
 void Viewer::note_picture() {

@@ -219,7 +219,7 @@ void Viewer::walk(const core::dvec3& held, double seconds) {
   session_->camera().set_pose(pose);
 }
 
-/// Draws a line around what is under the resting cursor.
+/// Finds what is under the resting cursor.
 void Viewer::hover() {
   if (!session_ || drag_ || !std::exchange(cursor_moved_, false)) return;
   std::optional<core::ItemId> item;
@@ -230,7 +230,7 @@ void Viewer::hover() {
       aimed_ = (*aimed)->snap;
   } else if (over_picture)
     if (const auto hit = session_->pick(in_picture(cursor_)); hit && *hit) item = (*hit)->item;
-  if (auto done = session_->document().hover(item); !done) tell(done.error().message, true);
+  session_->document().hover(item);
 }
 
 }  // namespace sightline::apps

@@ -68,6 +68,8 @@ class Drawing {
     std::int64_t squares = 0;             // of the small ones, drawn as one square
   };
   const Counts& counts() const { return counts_; }
+  /// Draws an outline of the visible items of `items` over a framebuffer: Engine::draw_outline(). The picture stays.
+  core::Expected<void> put_outline(const Culled& items, const core::ExternalTarget& over);
   /// The next draw() shows something else, though its view may be that of the last one: a budget begins anew.
   void picture_changed() {
     budget_view_.reset();
@@ -156,6 +158,7 @@ class Drawing {
   core::Expected<void> draw_overlays(const Culled& culled);
   core::Expected<void> draw_translucent(const Culled& culled);
   core::Expected<void> draw_outline(const Culled& culled);
+  core::Expected<void> draw_outlined(const Culled& items);
   core::Expected<void> put_over(const std::function<core::Expected<void>(const core::ExternalTarget&)>& put) const;
   const core::VisibleSet& worth_drawing(const Culled& culled);
   core::Expected<void> split(const Culled& culled);

@@ -284,6 +284,51 @@ TEST_F(OverlaysTest, AreInExternalTargets) {
   }
 }
 
+/// An outline over a copy of the picture is the one that a frame with that style has; the picture stays.
+TEST_P(OverlaysInAllWays, OutlinesCanBeDrawnLater) {
+  EngineConfig c = configured(GetParam().set);
+  auto engine = Engine::create(scene, c);
+  ASSERT_TRUE(engine);
+  const std::vector<ItemId> items{1700, 3, 1234, 900, 2743};
+  const ItemId hidden = 900;
+  ASSERT_TRUE(engine->hide({&hidden, 1}));
+  const core::View view = around(0.5);
+  const image::Image bare = picture(*engine, view).colour;
+  auto theirs = render::RenderTarget::create(*context, kWidth, kHeight, {});
+  ASSERT_TRUE(theirs);
+  core::ExternalTarget target{theirs->framebuffer().id(), 0, 0, kWidth, kHeight};
+  target.clear_colour = target.clear_depth = true;
+  ASSERT_TRUE(engine->frame(view, target));
+  const auto drawn = engine->draw_outline(view, items, target);
+  ASSERT_TRUE(drawn) << drawn.error().message;
+  const image::Image later = theirs->read_colour();
+  EXPECT_EQ(difference(*engine->read_colour(), bare), 0);
+  EXPECT_EQ(difference(picture(*engine, view).colour, bare), 0) << "the next frame";
+  ASSERT_TRUE(engine->set_override(items, {.outline = true}));
+  const image::Image styled = picture(*engine, view).colour;
+  EXPECT_LE(difference(later, styled), 1);
+  EXPECT_GT(difference(styled, bare), 50) << "there is a line";
+}
+
+TEST_F(OverlaysTest, OutlinesRefuseWhatTheyCannotSurround) {
+  auto engine = Engine::create(scene, configured([](EngineConfig&) {}));
+  ASSERT_TRUE(engine && engine->frame(around(0)));
+  auto theirs = render::RenderTarget::create(*context, kWidth, kHeight, {});
+  ASSERT_TRUE(theirs);
+  const core::ExternalTarget target{theirs->framebuffer().id(), 0, 0, kWidth, kHeight};
+  const ItemId unknown = 1u << 20, known = 5;
+  const auto missing = engine->draw_outline(around(0), {&unknown, 1}, target);
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().message.find("no item 1048576"), std::string::npos) << missing.error().message;
+  core::ExternalTarget other = target;
+  other.width = kWidth - 1;
+  EXPECT_FALSE(engine->draw_outline(around(0), {&known, 1}, other));
+  EXPECT_TRUE(engine->draw_outline(around(0), {}, target));
+  auto culls = Engine::create(scene, {});
+  ASSERT_TRUE(culls);
+  EXPECT_FALSE(culls->draw_outline(around(0), {&known, 1}, target));
+}
+
 /// Programs and targets are made when the first overlay is drawn.
 TEST_F(OverlaysTest, CostNothingUnused) {
   auto engine = Engine::create(scene, configured([](EngineConfig&) {}));
