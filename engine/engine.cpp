@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -41,6 +42,8 @@ void add_slots(std::span<const core::Slot> slots, std::size_t size, std::vector<
 
 core::Expected<void> check(const EngineConfig& config) {
   if (!(config.contribution >= 0.0f)) return core::fail("engine: contribution must be 0 or more pixels");
+  if (config.context_later && config.context)
+    return core::fail("engine: context_later means that there is no context yet, and there is one");
   if (!(config.budget_ms >= 0.0)) return core::fail("engine: budget_ms must be 0 or more milliseconds");
   for (const float strength : {config.relief.shading, config.relief.lines})
     if (!(strength >= 0.0f && strength <= 1.0f))
@@ -108,6 +111,10 @@ class Engine::Impl {
 #if SIGHTLINE_HAS_RAYTRACE
   core::Expected<std::vector<raytrace::VisibleItem>> visible_items_in(const core::View& view,
                                                                       const PixelRectangle& rectangle, int samples);
+  void prepare_picks() {
+    picks_ = true;
+    new_tracer_.begin(live_);
+  }
   core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y, Ghosts ghosts);
   core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter, Ghosts ghosts);
 #endif
@@ -151,7 +158,9 @@ class Engine::Impl {
   bool picks_ = false;  // the application has picked
   std::optional<Hybrid> hybrid_;
   std::deque<LateReport> late_;
-  std::unique_ptr<BackgroundRebuild> rebuild_;  // last: it reads live_ until it is destroyed
+  // Last: they read live_ until they are destroyed.
+  BackgroundTracer new_tracer_;
+  std::unique_ptr<BackgroundRebuild> rebuild_;
 };
 
 // --- public interface ------------------------------------------------------------------------------------------------
@@ -272,6 +281,7 @@ MemoryReport Engine::memory() const {
 Engine::Impl::Impl(core::Scene& scene, const EngineConfig& config)
     : scene_(&scene), edits_(scene.subscribe()), config_(config) {
   config_.controller.frame_cost.rendering = config.draw;
+  if (config.context_later) next_try_ = std::numeric_limits<double>::infinity();
 }
 
 core::Expected<void> Engine::Impl::build() {
@@ -288,6 +298,7 @@ core::Expected<void> Engine::Impl::land() {
     rebuild_.reset();
     return {};
   }
+  new_tracer_.finish(live_);
   if (!rebuild_->exchange(live_)) return {};
   overrides_.reorder(*live_.snapshot);
   return follow_order();
@@ -412,6 +423,10 @@ core::Expected<void> Engine::Impl::use_context(gl::Context& context) {
   if (auto done = make_drawing(true); !done) {
     std::tie(config_.context, next_try_) = before;
     return done;
+  }
+  if (std::exchange(config_.context_later, false)) {
+    hybrid_.reset();  // what it presumes depends on the context
+    follow_hybrid();
   }
   if (hybrid_) hybrid_->gpu_ready();
   return {};
@@ -549,6 +564,7 @@ core::Expected<void> Engine::Impl::commit() {
   if (auto published = scene_->commit(); !published) return tl::unexpected(published.error());
   core::SceneDelta delta = edits_.take();
   if (delta.empty()) return {};
+  new_tracer_.finish(live_);
   const std::size_t former_size = live_.snapshot->size();
   std::vector<core::Slot> touched;
   Overrides::Change overridden;
@@ -576,6 +592,7 @@ core::Expected<void> Engine::Impl::commit() {
 core::Expected<void> Engine::Impl::rebuild() {
   if (auto delta = scene_->commit(); !delta) return tl::unexpected(delta.error());
   edits_ = scene_->subscribe();  // the new snapshot shows all edits
+  new_tracer_.finish(live_);
   rebuild_.reset();
   return build();
 }
@@ -617,6 +634,7 @@ core::Expected<void> Engine::Impl::known(const char* call, std::span<const core:
 /// Lets `edit` change the overrides and the snapshot, and everything follow that depends on them.
 template <class Edit>
 core::Expected<void> Engine::Impl::override_items(const Edit& edit) {
+  new_tracer_.finish(live_);
   Overrides::Change change;
   core::SceneDelta edited;
   const auto apply = [&] {
@@ -723,6 +741,10 @@ core::Expected<std::vector<core::ItemId>> Engine::items_in(std::vector<core::Pla
 
 #if SIGHTLINE_HAS_RAYTRACE
 
+void Engine::prepare_picks() {
+  impl_->prepare_picks();
+}
+
 // --- picking ---------------------------------------------------------------------------------------------------------
 
 core::Expected<std::optional<Pick>> Engine::Impl::pick(const core::View& view, double x, double y, Ghosts ghosts) {
@@ -734,6 +756,7 @@ core::Expected<std::optional<Pick>> Engine::Impl::pick(const core::View& view, d
 core::Expected<std::optional<Pick>> Engine::Impl::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter,
                                                        Ghosts ghosts) {
   picks_ = true;
+  new_tracer_.finish(live_);
   if (auto made = make_tracer(live_); !made) return tl::unexpected(made.error());
   const auto hit = ghosts == Ghosts::kHit ? live_.tracer->nearest(ray, filter)
                                           : raytrace::nearest_but(*live_.tracer, ray, filter, overrides_.ghosts());
@@ -757,6 +780,7 @@ core::Expected<std::vector<raytrace::VisibleItem>> Engine::Impl::visible_items_i
   if (!cropped) return tl::unexpected(cropped.error());
   if (!(x0 < x1 && y0 < y1)) return std::vector<raytrace::VisibleItem>();  // beside the picture
   picks_ = true;
+  new_tracer_.finish(live_);
   if (auto made = make_tracer(live_); !made) return tl::unexpected(made.error());
   return raytrace::ExactVisibility(*live_.tracer)
       .compute(*cropped, int(x1 - x0), int(y1 - y0), samples, 0, overrides_.ghosts());

@@ -110,6 +110,9 @@ struct EngineConfig {
   /// Null: the engine makes an offscreen context. Calls that need that one make it current on the calling thread and
   /// leave it current.
   gl::Context* context = nullptr;
+  /// The engine is as while its context is lost, until use_context(): so it can be made by another thread than the one
+  /// that draws. Not with a `context`.
+  bool context_later = false;
   GlState gl_state = GlState::kRestore;       ///< of the application's context
   gl::ContextPlatform context_platform = {};  ///< of the offscreen context (gl/context.h); ContextOptions' default
   /// Folder that keeps linked programs from run to run, so that drivers need not compile them again. Processes may
@@ -255,13 +258,18 @@ class SIGHTLINE_API Engine {
   /// The view's layers and section planes count, transparency does not, and ghosts do on request. Nothing where the ray
   /// hits nothing; lines are never hit. Works with and without drawing. Fails as raytrace::pixel_ray() does.
   ///
-  /// The first pick builds the tracer, about 0.8 s of one processor per million items. From then on commits keep it up,
-  /// and new orders come with theirs. Only builds with SIGHTLINE_RAYTRACE have these functions.
+  /// The first pick builds the tracer, about 0.8 s of one processor per million items, unless prepare_picks() has. From
+  /// then on commits keep it up, and new orders come with theirs. Only builds with SIGHTLINE_RAYTRACE have these
+  /// functions.
   core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y, Ghosts ghosts = Ghosts::kPassed);
   /// What a ray hits first. Without a filter: items of the default layers.
   core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray);
   core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter,
                                            Ghosts ghosts = Ghosts::kPassed);
+
+  /// Begins to build the tracer on another thread, unless there is one. Until it is there, picks, commits and overrides
+  /// wait for it; frames do not, unless a new order lands.
+  void prepare_picks();
 
   /// Items in a rectangle of the picture, in rising order, hidden behind others or not: those with any part in it, or
   /// those wholly in it, as culling/region_query.h promises. The view's layers and section planes count. Needs no

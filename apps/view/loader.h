@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <optional>
 #include <thread>
 
@@ -11,8 +12,13 @@ namespace sightline::apps {
 
 class Loader {
  public:
-  /// Begins to read, and prints nothing. Calls `ready` from its thread when it is done.
-  Loader(const ModelOptions& options, std::function<void()> ready);
+  /// Something to do with the committed model. Ends soon after `progress`, which takes the share that is done, has
+  /// returned false. Its failure is the loader's.
+  using Work = std::function<core::Expected<void>(Model& model, const std::function<bool(double)>& progress)>;
+
+  /// Begins to read, and prints nothing. Then does `work`, if there is any. Calls `ready` from its thread when it is
+  /// done.
+  Loader(const ModelOptions& options, std::function<void()> ready, Work work = {});
   /// Cancels what is not done.
   ~Loader();
   Loader(const Loader&) = delete;
@@ -25,7 +31,8 @@ class Loader {
   std::optional<core::Expected<Model>> take();
 
  private:
-  void run(const std::function<void()>& ready);
+  void run(const std::function<void()>& ready, const Work& work);
+  core::Expected<Model> read(const Work& work);
 
   ModelOptions options_;
   std::atomic<double> progress_ = 0.0;

@@ -1,6 +1,7 @@
 // A context that is lost takes nothing with it but what lay in it: frames go on, culled by the CPU, edits too, and
 // where there is a context again the pictures are what they would have been.
 #include <optional>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -118,6 +119,35 @@ TEST_F(ContextLossTest, AnApplicationHandsOverAnother) {
     expect_picture(*engine, view(1.1));
     ASSERT_TRUE(made->make_current());
   }
+}
+
+/// Whatever is done before there is a context, pictures are then those of an engine that had one.
+TEST_F(ContextLossTest, TheContextMayComeLater) {
+  for (const CullerChoice culler : {CullerChoice::kCpu, CullerChoice::kGpu, CullerChoice::kHybrid}) {
+    EngineConfig c = switching(culler, nullptr);
+    c.context_later = true;
+    std::optional<Engine> engine;
+    std::jthread([&] { engine = std::move(Engine::create(scene, c).value()); }).join();
+    SCOPED_TRACE(name_of(engine->plan().culler));
+    const core::ItemId one = 5577;
+    ASSERT_TRUE(engine->hide({&one, 1}));
+    const auto report = engine->frame(view(0));
+    ASSERT_TRUE(report);
+    EXPECT_FALSE(report->drawn);
+    EXPECT_EQ(engine->drawing(), nullptr);
+    EXPECT_EQ(engine->memory().gpu, 0u);
+    ASSERT_TRUE(engine->show_all() && engine->resize(48, 32) && engine->resize(96, 64));
+    ASSERT_TRUE(context->make_current() && engine->use_context(*context));
+    EXPECT_FALSE(engine->config().context_later);
+    int on_gpu = 0;
+    for (int frame = 0; frame < 12; ++frame) on_gpu += engine->frame(view(0.1 * frame))->culler == CullerChoice::kGpu;
+    EXPECT_EQ(on_gpu > 0, culler != CullerChoice::kCpu);
+    expect_picture(*engine, view(1.1));
+    ASSERT_TRUE(engine->configure(engine->config()));
+  }
+  EngineConfig both = switching(CullerChoice::kCpu, &*context);
+  both.context_later = true;
+  EXPECT_FALSE(Engine::create(scene, both));
 }
 
 /// What an application does that destroys its window before the engine. Another context, with an engine of its own, is

@@ -67,6 +67,60 @@ TEST(Pick, FindsWhatTheViewShows) {
   EXPECT_FALSE(engine->pick(raytrace::Ray{{0, 0, 0}, {0, 0, 0}}));
 }
 
+/// Whatever is done while the tracer is made, picks are those of an engine that makes it at the first pick.
+TEST(Pick, MayBePreparedInTheBackground) {
+  constexpr unsigned kSeed = 4;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937 random{kSeed};
+  for (int round = 0; round < 60; ++round) {
+    SCOPED_TRACE(round);
+    Balls balls(30);
+    auto engine = Engine::create(balls.scene, balls.config());
+    ASSERT_TRUE(engine);
+    engine->prepare_picks();
+    engine->prepare_picks();
+    const core::ItemId one = balls.items[random() % balls.items.size()];
+    switch (random() % 7) {
+      case 0:
+        ASSERT_TRUE(engine->hide({&one, 1}));
+        break;
+      case 1:
+        balls.scene.remove_item(one);
+        ASSERT_TRUE(engine->commit());
+        break;
+      case 2:
+        balls.scene.set_placement(one, Balls::at(-1, -1));
+        ASSERT_TRUE(engine->commit() && engine->frame(balls.view));
+        break;
+      case 3:
+        ASSERT_TRUE(engine->rebuild());
+        break;
+      case 4: {
+        Engine moved = std::move(*engine);
+        *engine = std::move(moved);
+        break;
+      }
+      case 5:
+        ASSERT_TRUE(engine->set_culler(CullerChoice::kLinear) && engine->frame(balls.view));
+        break;
+      default:
+        engine = Engine::create(balls.scene, balls.config());  // destroys it
+        break;
+    }
+    auto twin = Engine::create(balls.scene, balls.config());
+    ASSERT_TRUE(twin);
+    if (random() % 2 == 0) engine->prepare_picks();
+    for (int i = 0; i < 900; ++i) {
+      const core::ItemId expected = balls.pick(*twin, i % 30, i / 30), found = balls.pick(*engine, i % 30, i / 30);
+      if (expected != found) {
+        EXPECT_EQ(expected, one);  // hidden in the engine alone
+        EXPECT_EQ(found, core::kNone);
+      }
+    }
+    EXPECT_GT(engine->memory().tracer, 0u);
+  }
+}
+
 TEST(Pick, TellsNodeAndFace) {
   Balls balls(1);
   const core::NodeId node = balls.scene.add_node(balls.scene.root(), "shelf");
