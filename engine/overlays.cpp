@@ -123,9 +123,8 @@ core::Expected<void> Drawing::draw_outline(const Culled& culled) {
   part(culled.visible, translucent_.outlined(), outlined_, unused_);
   if (empty(outlined_)) return {};
   if (auto done = draw_outlined(culled.with(outlined_)); !done) return done;
-  return put_over([&](const core::ExternalTarget& over) {
-    return overlays_->put_outline(target_, outline_colour_, over);
-  });
+  return put_over(
+      [&](const core::ExternalTarget& over) { return overlays_->put_outline(target_, outline_colour_, over); });
 }
 
 /// Into the layer, as put_outline() needs it.

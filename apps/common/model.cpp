@@ -74,6 +74,11 @@ core::Expected<Model> load_model(const ModelOptions& options) {
   {
     std::optional<Progress> progress;
     if (!options.quiet) reading.progress = progress.emplace("reading").callback();
+    if (options.follow)
+      reading.progress = [&, told = reading.progress](double share) {
+        options.follow(*model.scene);
+        return !told || told(share);
+      };
     auto report = importers::import_files(paths, *model.scene, model.scene->root(), reading);
     if (!report) return tl::unexpected(report.error());
     model.report = std::move(*report);

@@ -1,6 +1,7 @@
 // Loads models, in the same way for every tool.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -22,6 +23,8 @@ struct ModelOptions {
   importers::ImportOptions import;
   bool explain = false;
   bool quiet = false;  ///< load_model() prints nothing
+  /// Called now and then while files are read, with what has been read of them.
+  std::function<void(const core::Scene&)> follow = {};
 };
 
 /// --lenient, --units, --up: how files are read.

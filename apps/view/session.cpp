@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "sightline/raytrace/tracer.h"
@@ -16,7 +17,7 @@ constexpr std::size_t kMostPlaces = 200;
 core::Expected<std::unique_ptr<Session>> Session::open(Model model, const engine::EngineConfig& config) {
   auto engine = engine::Engine::create(*model.scene, config);
   if (!engine) return tl::unexpected(engine.error());
-  if (auto traced = engine->pick(raytrace::Ray{}); !traced) return tl::unexpected(traced.error());
+  engine->prepare_picks();
   return std::unique_ptr<Session>(new Session(std::move(model), std::move(*engine), config));
 }
 
@@ -35,11 +36,25 @@ core::Expected<void> Session::use_context(gl::Context& context) {
 }
 
 core::Expected<void> Session::resize(const std::array<int, 2>& size) {
-  if (size == size_) return {};
-  if (auto done = engine_.resize(size[0], size[1]); !done) return done;
-  size_ = size;
+  return size == size_ ? core::Expected<void>() : resize(size, coarse_);
+}
+
+core::Expected<void> Session::set_coarse(bool coarse) {
+  return coarse == coarse_ ? core::Expected<void>() : resize(size_, coarse);
+}
+
+core::Expected<void> Session::resize(const std::array<int, 2>& size, bool coarse) {
+  const auto former = std::pair(size_, coarse_);
+  std::tie(size_, coarse_) = std::tie(size, coarse);
+  const std::array<int, 2> drawn = drawn_size();
+  auto done = engine_.resize(drawn[0], drawn[1]);
+  if (!done) std::tie(size_, coarse_) = former;
   changed();
-  return {};
+  return done;
+}
+
+std::array<int, 2> Session::drawn_size() const {
+  return coarse_ ? std::array{(size_[0] + 1) / 2, (size_[1] + 1) / 2} : size_;
 }
 
 core::Expected<core::View> Session::view(const core::dvec2& shift) const {
@@ -75,7 +90,9 @@ core::Expected<void> Session::refine() {
   const core::dvec2 shift = resting_.shift() / core::dvec2(size_[0], size_[1]);
   const auto view = this->view(shift);
   if (!view) return tl::unexpected(view.error());
-  if (const auto report = engine_.frame(*view, frozen_.value_or(*view)); !report) return tl::unexpected(report.error());
+  const auto report = engine_.frame(*view, frozen_.value_or(*view));
+  if (!report) return tl::unexpected(report.error());
+  if (report->pending > 0) return {};
   const auto picture = engine_.read_colour();
   if (!picture) return tl::unexpected(picture.error());
   resting_.add(*picture);
@@ -84,26 +101,38 @@ core::Expected<void> Session::refine() {
 }
 
 core::Expected<image::Image> Session::picture(bool smooth) {
+  if (auto done = set_coarse(false); !done) return tl::unexpected(done.error());
+  if (const auto drawn = draw(); !drawn) return tl::unexpected(drawn.error());
   if (const image::Image* mean = smooth ? this->smooth() : nullptr) return *mean;
   return engine_.read_colour();
 }
 
 core::Expected<void> Session::outline_hovered(const core::ExternalTarget& target) {
   const auto item = document_.hovered();
-  if (!item || !drawn_ || document_.is(*item, Document::kSelected)) return {};
+  if (!item || !drawn_ || coarse_ || document_.is(*item, Document::kSelected)) return {};
   return engine_.draw_outline(*drawn_, std::span(&*item, 1), target);
 }
 
 core::Expected<std::optional<engine::Pick>> Session::pick(const core::dvec2& at) {
   const auto seen = view();
+  const auto ray = seen ? raytrace::pixel_ray(*seen, size_[0], size_[1], at.x, at.y) : tl::unexpected(seen.error());
+  if (!ray) return tl::unexpected(ray.error());
+  return engine_.pick(*ray, raytrace::filter_of(*seen));
+}
+
+core::Expected<std::vector<core::ItemId>> Session::items_in(const engine::PixelRectangle& rectangle,
+                                                            culling::RegionRule rule) const {
+  const auto seen = view();
   if (!seen) return tl::unexpected(seen.error());
-  return engine_.pick(*seen, at.x, at.y);
+  const std::array<int, 2> drawn = drawn_size();
+  const double x = double(drawn[0]) / size_[0], y = double(drawn[1]) / size_[1];
+  return engine_.items_in(*seen, {x * rectangle.x0, y * rectangle.y0, x * rectangle.x1, y * rectangle.y1}, rule);
 }
 
 core::Expected<std::optional<Session::Aimed>> Session::aim(const core::dvec2& at, double reach) {
   const auto seen = view();
   if (!seen) return tl::unexpected(seen.error());
-  const auto hit = engine_.pick(*seen, at.x, at.y);
+  const auto hit = pick(at);
   if (!hit) return tl::unexpected(hit.error());
   const auto ray = raytrace::pixel_ray(*seen, size_[0], size_[1], at.x, at.y);
   if (!*hit || !ray) return std::nullopt;
@@ -124,7 +153,7 @@ core::dvec3 Session::point_at(const core::dvec2& at) {
   const core::Pose& pose = camera_.pose();
   const auto seen = view();
   if (!seen) return pose.target;
-  if (const auto hit = engine_.pick(*seen, at.x, at.y); hit && *hit) return (*hit)->point;
+  if (const auto hit = pick(at); hit && *hit) return (*hit)->point;
   const core::dvec3 ahead = glm::normalize(pose.target - pose.eye);
   const auto ray = raytrace::pixel_ray(*seen, size_[0], size_[1], at.x, at.y);
   const double along = ray ? glm::dot(ray->direction, ahead) : 0.0;

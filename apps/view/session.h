@@ -23,16 +23,18 @@ namespace sightline::apps {
 
 class Session {
  public:
-  /// `config`: of the picture, with its size. The engine's tracer is built here, so that no pick waits for it.
+  /// `config`: of the picture, with its size. By any thread where the context comes later. The engine's tracer is then
+  /// on its way, so that picks need not wait long.
   static core::Expected<std::unique_ptr<Session>> open(Model model, const engine::EngineConfig& config);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  const Model& model() const { return model_; }
   const core::Scene& scene() const { return *model_.scene; }
   const core::dvec3& offset() const { return model_.offset; }
   engine::Engine& engine() { return engine_; }
   const engine::Engine& engine() const { return engine_; }
-  /// Draws in that context from now on, which is current; the former one is lost. All else stays.
+  /// Draws in that context from now on, which is current; a former one is lost. All else stays.
   core::Expected<void> use_context(gl::Context& context);
   Document& document() { return document_; }
   const Document& document() const { return document_; }
@@ -52,6 +54,10 @@ class Session {
   double aspect() const { return double(size_[0]) / size_[1]; }
   const std::array<int, 2>& size() const { return size_; }
   core::Expected<void> resize(const std::array<int, 2>& size);
+  /// Draws half as many pixels each way, or all of them again. Points of the picture are those of all its pixels.
+  core::Expected<void> set_coarse(bool coarse);
+  bool coarse() const { return coarse_; }
+  std::array<int, 2> drawn_size() const;  ///< that of the engine's picture
 
   /// Draws a frame unless it would be the last one again. True where it has drawn.
   core::Expected<bool> draw();
@@ -62,14 +68,14 @@ class Session {
     drawn_.reset();
     resting_.clear();
   }
-  /// Draws one more of the pictures whose mean has smooth edges; nothing once they are complete, while the picture is
-  /// stale, or where a budget or multisampling leave none to draw.
+  /// Draws one more of the pictures whose mean has smooth edges, or with a budget as much of it as that allows; nothing
+  /// once they are complete, while the picture is stale, or where multisampling leaves none to draw.
   core::Expected<void> refine();
-  bool refining() const { return smooths() && !stale() && !resting_.complete(); }
+  bool refining() const { return smooths() && !coarse_ && !stale() && !resting_.complete(); }
   bool partly_refined() const { return resting_.count() > 0 && !resting_.complete(); }
   /// That mean; null until it is complete and while something has changed.
   const image::Image* smooth() const { return !stale() && resting_.complete() ? &mean_ : nullptr; }
-  /// That mean, or with `smooth` false or where there is none the last frame's picture.
+  /// That mean, or with `smooth` false or where there is none the last frame's picture, with all its pixels.
   core::Expected<image::Image> picture(bool smooth);
   /// Draws a line around the item under the cursor, unless it is selected, over a framebuffer that shows the picture.
   core::Expected<void> outline_hovered(const core::ExternalTarget& target);
@@ -79,6 +85,9 @@ class Session {
 
   /// What the picture shows at a point, pixels from its upper left corner.
   core::Expected<std::optional<engine::Pick>> pick(const core::dvec2& at);
+  /// Engine::items_in() a rectangle of the picture.
+  core::Expected<std::vector<core::ItemId>> items_in(const engine::PixelRectangle& rectangle,
+                                                     culling::RegionRule rule) const;
   /// The feature that a point of the picture is nearest to, within `reach` pixels, and its item.
   struct Aimed {
     core::ItemId item;
@@ -107,7 +116,8 @@ class Session {
  private:
   Session(Model model, engine::Engine engine, const engine::EngineConfig& config);
 
-  bool smooths() const { return engine_.config().samples == 1 && engine_.config().budget_ms == 0.0; }
+  core::Expected<void> resize(const std::array<int, 2>& size, bool coarse);
+  bool smooths() const { return engine_.config().samples == 1; }
   const ItemNames& names() const;
 
   Model model_;
@@ -119,6 +129,7 @@ class Session {
   Sections sections_;
   core::FittedBounds bounds_;
   std::array<int, 2> size_;
+  bool coarse_ = false;
   Camera camera_;
   std::vector<std::pair<core::Pose, bool>> places_;  // pose, orthographic
   std::optional<core::View> drawn_, frozen_;

@@ -82,6 +82,7 @@ Settings settings_of(const Json& json, std::string& bad) {
   take("panels", settings.panels, flag_of);
   take("triad", settings.triad, flag_of);
   take("relief", settings.relief, flag_of);
+  take("lower-resolution", settings.lower, flag_of);
   take("recent", settings.recent, files_of);
   take("window", settings.window, size_of);
   return settings;
@@ -102,6 +103,7 @@ void put_changes(const Settings& before, const Settings& now, Json& json) {
   if (now.panels != before.panels) json["panels"] = now.panels;
   if (now.triad != before.triad) json["triad"] = now.triad;
   if (now.relief != before.relief) json["relief"] = now.relief;
+  if (now.lower != before.lower) json["lower-resolution"] = now.lower;
   if (now.recent != before.recent) json["recent"] = merged(now.recent, settings_of(json, bad).recent);
   if (now.window != before.window && size_of(now.window)) json["window"] = now.window;
 }

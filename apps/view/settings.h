@@ -18,6 +18,7 @@ struct Settings {
   bool panels = true;                       ///< shown
   bool triad = true;                        ///< shown
   bool relief = true;                       ///< engine::Relief
+  bool lower = true;                        ///< resolution while the view moves and frames come late
   std::vector<std::string> recent;          ///< files opened, the last one first, with absolute paths
   std::array<int, 2> window = {1280, 720};  ///< screen units
 

@@ -72,6 +72,7 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   shown.smooth = options.smooth && (options.script.empty() || !options.settings.empty());
   now_ = settings_.settings();
   shown.triad = now_.triad;
+  shown.lower = now_.lower;
   shown.relief = options.shown.relief.any() || (now_.relief && options.remembers());
   if (!options.shown.relief.any()) options_.shown.relief = kRelief;
   take_settings();
@@ -105,6 +106,7 @@ core::Expected<int> Viewer::run() {
     if (auto done = land(); !done) return tl::unexpected(done.error());
     if (settled() && next_step_ < script_.size())
       if (auto done = step_script(); !done) return tl::unexpected(done.error());
+    if (gui_.has_events() && asked_at_ < 0.0) asked_at_ = glfwGetTime();
     if (settled_but_for_edges() && refining()) {
       if (auto done = session_->refine(); !done && !lost()) return tl::unexpected(done.error());
       redraws_ = session_->refining() ? 0 : 1;
@@ -155,13 +157,45 @@ bool Viewer::settled_but_for_edges() const {
       !window_shot_.empty())
     return false;
   if (options_.frames > 0 || glfwGetTime() < wait_until_) return false;
+  if (session_ && session_->coarse()) return false;
   return !session_ || !session_->stale();
 }
 
+/// Of the pictures; their context comes later.
+engine::EngineConfig Viewer::picture_config() const {
+  const Part part = viewport();
+  engine::EngineConfig config;
+  config.draw = true;
+  config.width = part.width;
+  config.height = part.height;
+  config.culler = options_.culler;
+  config.gpu_culler = options_.gpu_culler;
+  config.samples = options_.samples;
+  options_.shown.apply(config);
+  if (!shown.relief) config.relief = {};
+  config.hidden_colour = kHiddenColour;
+  config.context_later = true;
+  return config;
+}
+
 void Viewer::open(const std::vector<std::string>& files) {
+  loader_.reset();  // it uses the preview
   ModelOptions model = options_.model;
   model.files = files;
-  loader_ = std::make_unique<Loader>(model, &Window::wake);
+  if (!session_) {
+    preview_ = std::make_unique<Preview>(picture_config());
+    model.follow = [preview = preview_.get()](const core::Scene& scene) {
+      if (preview->follow(scene)) Window::wake();
+    };
+  }
+  // The window goes on while the engine is made.
+  const auto make_session = [this, config = picture_config()](Model& read, const auto&) -> core::Expected<void> {
+    auto session = Session::open(std::move(read), config);
+    if (!session) return tl::unexpected(session.error());
+    opened_ = std::move(*session);
+    return {};
+  };
+  loader_ = std::make_unique<Loader>(model, &Window::wake, make_session);
   shown.open = false;
   tell("reading " + name_of_files(files));
 }
@@ -177,6 +211,7 @@ core::Expected<void> Viewer::land() {
   if (!model) return {};
   const std::vector<std::string> files = loader_->options().files;
   loader_.reset();
+  preview_.reset();
   redraws_ = kSettlingFrames;
   const bool first = !session_ && files == options_.model.files;
   const auto failed = [&](const core::Error& error) -> core::Expected<void> {
@@ -187,23 +222,14 @@ core::Expected<void> Viewer::land() {
   };
   if (!*model) return failed(model->error());
   part_ = viewport();
-  engine::EngineConfig config;
-  config.draw = true;
-  config.width = part_.width;
-  config.height = part_.height;
-  config.culler = options_.culler;
-  config.gpu_culler = options_.gpu_culler;
-  config.samples = options_.samples;
-  options_.shown.apply(config);
-  if (!shown.relief) config.relief = {};
-  config.hidden_colour = kHiddenColour;
-  config.context = &window_.context();
-  print_warnings((*model)->report.warnings);
+  print_warnings(opened_->model().report.warnings);
   set_walking(false);
   session_.reset();  // its memory first
-  auto session = Session::open(std::move(**model), config);
-  if (!session) return failed(session.error());
-  session_ = std::move(*session);
+  if (auto done = opened_->use_context(window_.context()); !done) return failed(done.error());
+  session_ = std::move(opened_);
+  shown_view_.reset();
+  if (shown.relief != session_->engine().config().relief.any())
+    if (auto done = apply_relief(); !done) return done;
   files_ = files;
   for (const std::string& file : files) now_.add_recent(file);
   warn_of_outliers(session_->bounds());
@@ -229,6 +255,7 @@ core::Expected<void> Viewer::read_path() {
 }
 
 core::Expected<void> Viewer::frame(double seconds) {
+  const double began = glfwGetTime();
   for (const Event& event : gui_.take_events()) {
     redraws_ = kSettlingFrames;
     if (!gui_.uses(event) || event.type == Type::kDrop || (event.type == Type::kButton && !event.down) ||
@@ -263,14 +290,23 @@ core::Expected<void> Viewer::frame(double seconds) {
     if (!written) return written;
   }
   window_.present();
+  const double now = glfwGetTime();
+  frame_seconds_ = now - began;
+  if (asked_at_ >= 0.0 && !gui_.has_events()) response_ms_ = 1e3 * (now - std::exchange(asked_at_, -1.0));
   redraws_ = std::max(0, redraws_ - 1);
   return {};
 }
 
 core::Expected<void> Viewer::draw_model(const Part& part) {
-  if (!session_ || part.width <= 0 || part.height <= 0) return {};
+  if (part.width <= 0 || part.height <= 0) return {};
+  if (!session_ && preview_) {
+    const auto framebuffer = preview_->draw(window_.context(), {part.width, part.height});
+    if (framebuffer) window_.copy(*framebuffer, {part.width, part.height}, part);
+  }
+  if (!session_) return {};
   part_ = part;
   if (auto done = session_->resize({part.width, part.height}); !done) return done;
+  if (auto done = adapt_resolution(); !done) return done;
   if (options_.frames > 0 || session_->partly_refined()) session_->changed();
   const auto drawn = session_->draw();
   if (!drawn) return tl::unexpected(drawn.error());
@@ -279,9 +315,18 @@ core::Expected<void> Viewer::draw_model(const Part& part) {
   if (const image::Image* smooth = session_->smooth(); smooth && shown.smooth)
     copied = window_.copy(*smooth, part);
   else
-    window_.copy(session_->engine().framebuffer().value_or(0), part);
+    window_.copy(session_->engine().framebuffer().value_or(0), session_->drawn_size(), part);
   if (!copied || drag_) return copied;
   return session_->outline_hovered({0, part.x, part.y, part.width, part.height});
+}
+
+/// Fewer pixels while the view moves and frames come late.
+core::Expected<void> Viewer::adapt_resolution() {
+  const auto view = session_->view();
+  const bool moves = view && shown_view_ && !core::same_picture(*view, *shown_view_);
+  if (view) shown_view_ = *view;
+  const bool coarse = motion_.next(moves, glfwGetTime(), frame_seconds_) && shown.lower && options_.frames == 0;
+  return session_->set_coarse(coarse);
 }
 
 void Viewer::note_picture() {
@@ -403,7 +448,10 @@ void Viewer::tell(std::string message, bool error) {
 core::Expected<void> Viewer::toggle_relief() {
   shown.relief = !shown.relief;
   redraws_ = kSettlingFrames;
-  if (!session_) return {};
+  return session_ ? apply_relief() : core::Expected<void>();
+}
+
+core::Expected<void> Viewer::apply_relief() {
   return session_->configure(
       [&](engine::EngineConfig& config) { config.relief = shown.relief ? options_.shown.relief : engine::Relief(); });
 }
@@ -468,6 +516,7 @@ void Viewer::take_settings() {
   now_.panels = shown.panels;
   now_.triad = shown.triad;
   now_.relief = shown.relief;
+  now_.lower = shown.lower;
   now_.window = window_.screen_size();
 }
 
@@ -505,6 +554,8 @@ nlohmann::ordered_json Viewer::state() const {
             {"triad", shown.triad},
             {"smooth", shown.smooth},
             {"relief", shown.relief},
+            {"lower", shown.lower},
+            {"response_ms", response_ms_},
             {"recording", recording()},
             {"recovered", recovered_},
             {"views", views_json(views_)}};

@@ -12,6 +12,8 @@
 #include "sightline/apps/view/axis_triad.h"
 #include "sightline/apps/view/gui.h"
 #include "sightline/apps/view/loader.h"
+#include "sightline/apps/view/motion_resolution.h"
+#include "sightline/apps/view/preview.h"
 #include "sightline/apps/view/script.h"
 #include "sightline/apps/view/session.h"
 #include "sightline/apps/view/settings.h"
@@ -46,6 +48,7 @@ class Viewer {
   // What commands and panels use. A message is shown in the status bar.
   Session* session() { return session_.get(); }  ///< null while no model is open
   const Loader* loader() const { return loader_.get(); }
+  const Preview* preview() const { return preview_.get(); }  ///< of the model that is being read, if no other is open
   Gui& gui() { return gui_; }
   ViewList& views() { return views_; }  ///< stays when another model is opened
   void open(const std::vector<std::string>& files);
@@ -83,6 +86,7 @@ class Viewer {
     bool panels = true, help = false, open = false;
     bool smooth = true;    ///< edges, while nothing moves
     bool relief = true;    ///< what has one colour
+    bool lower = true;     ///< resolution, while the view moves and frames come late
     bool triad = true;     ///< beside panels
     bool measure = false;  ///< clicks set marks
     bool find = false;     ///< the search field gets the keyboard next
@@ -108,6 +112,9 @@ class Viewer {
   bool refining() const;
   core::Expected<void> frame(double seconds);
   core::Expected<void> draw_model(const Part& part);
+  engine::EngineConfig picture_config() const;
+  core::Expected<void> apply_relief();
+  core::Expected<void> adapt_resolution();
   void note_picture();
   Part viewport() const;
   core::dvec2 in_picture(const core::dvec2& cursor) const;
@@ -136,8 +143,9 @@ class Viewer {
   ViewerOptions options_;
   Window& window_;
   Gui gui_;
-  std::unique_ptr<Loader> loader_;
-  std::unique_ptr<Session> session_;
+  std::unique_ptr<Preview> preview_;
+  std::unique_ptr<Session> session_, opened_;  // the second by the loader, until it has landed
+  std::unique_ptr<Loader> loader_;             // its thread uses those before
   ViewList views_;
   std::vector<std::string> files_;
   SettingsFile settings_;
@@ -164,6 +172,11 @@ class Viewer {
   Part part_;
   std::string message_;
   bool message_is_error_ = false;
+  MotionResolution motion_;
+  std::optional<core::View> shown_view_;  // of the last frame
+  double frame_seconds_ = 0.0;            // that it took
+  double asked_at_ = -1.0;                // when the first event came that no frame has answered; below 0: none
+  double response_ms_ = 0.0;              // of the last event: until the frame that answers it
   std::vector<double> cull_ms_, frame_ms_, recent_ms_;
   int frames_ = 0;
 };

@@ -158,12 +158,10 @@ void Viewer::click(const Drag& drag) {
 
 void Viewer::select_rectangle(const Drag& drag) {
   const core::dvec2 a = in_picture(drag.from), b = in_picture(drag.last);
-  const auto view = session_->view();
-  if (!view) return tell(view.error().message, true);
   const engine::PixelRectangle rectangle{std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x),
                                          std::max(a.y, b.y)};
   const auto rule = b.x < a.x ? culling::RegionRule::kCrossing : culling::RegionRule::kWholly;
-  const auto items = session_->engine().items_in(*view, rectangle, rule);
+  const auto items = session_->items_in(rectangle, rule);
   if (!items) return tell(items.error().message, true);
   const auto mode = (drag.mods & GLFW_MOD_SHIFT) != 0 ? SelectMode::kAdd : SelectMode::kReplace;
   if (auto done = session_->document().select(*items, mode); !done) tell(done.error().message, true);

@@ -13,9 +13,9 @@ void begin_fixed(const char* name, float x, float y, float width, float height, 
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
 }
 
-void begin_centred(const char* name, bool* open, float lines_wide) {
+void begin_centred(const char* name, bool* open, float lines_wide, float at_height) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({0.5f * size.x, 0.5f * size.y}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowPos({0.5f * size.x, at_height * size.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({std::min(lines_wide * ImGui::GetFontSize(), 0.95f * size.x), 0.0f});
   ImGui::Begin(name, open, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
 }

@@ -10,9 +10,10 @@
 
 namespace sightline::apps {
 
-/// Windows that stay where they are put, and in the middle; ImGui::End() ends both.
+/// Windows that stay where they are put, and in the middle, or with their middle at another part of the height;
+/// ImGui::End() ends both.
 void begin_fixed(const char* name, float x, float y, float width, float height, ImGuiWindowFlags flags = 0);
-void begin_centred(const char* name, bool* open, float lines_wide);
+void begin_centred(const char* name, bool* open, float lines_wide, float at_height = 0.5f);
 
 /// A table of names and values; ImGui::EndTable() ends it where this is true.
 bool begin_rows(const char* name);

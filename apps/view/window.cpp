@@ -250,10 +250,11 @@ bool Window::held(int key) const {
   return glfwGetKey(state_->window, key) == GLFW_PRESS;
 }
 
-void Window::copy(std::uint32_t framebuffer, const Part& to) {
+void Window::copy(std::uint32_t framebuffer, const std::array<int, 2>& size, const Part& to) {
   const gl::Functions& gl = context().functions();
-  gl.BlitNamedFramebuffer(framebuffer, kBackBuffer, 0, 0, to.width, to.height, to.x, to.y, to.x + to.width,
-                          to.y + to.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  const bool same = size == std::array{to.width, to.height};
+  gl.BlitNamedFramebuffer(framebuffer, kBackBuffer, 0, 0, size[0], size[1], to.x, to.y, to.x + to.width,
+                          to.y + to.height, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
 }
 
 core::Expected<void> Window::copy(const image::Image& picture, const Part& to) {
@@ -267,7 +268,7 @@ core::Expected<void> Window::copy(const image::Image& picture, const Part& to) {
   flip_rows(rows);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   texture->write(GL_RGB, GL_UNSIGNED_BYTE, std::as_bytes(std::span(rows.pixels)));
-  copy(framebuffer->id(), to);
+  copy(framebuffer->id(), {picture.width, picture.height}, to);
   return {};
 }
 

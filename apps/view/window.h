@@ -52,8 +52,8 @@ class Window {
   static void wake();
   bool held(int key) const;  ///< GLFW's number
 
-  /// Copies a framebuffer object, of the part's size, into the back buffer.
-  void copy(std::uint32_t framebuffer, const Part& to);
+  /// Copies a framebuffer object of that size into the back buffer; stretched where the part has another size.
+  void copy(std::uint32_t framebuffer, const std::array<int, 2>& size, const Part& to);
   /// The same of a picture, of the part's size.
   core::Expected<void> copy(const image::Image& picture, const Part& to);
   void clear(const core::vec3& colour);

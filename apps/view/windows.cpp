@@ -56,8 +56,10 @@ void open_window(Viewer& viewer) {
 }
 
 void loading_window(Viewer& viewer) {
-  begin_centred("Reading", nullptr, 30.0f);
+  const std::size_t seen = viewer.preview() ? viewer.preview()->items() : 0;
+  begin_centred("Reading", nullptr, 30.0f, seen > 0 ? 0.85f : 0.5f);
   ImGui::TextWrapped("%s", viewer.message().c_str());
+  if (seen > 0) ImGui::TextWrapped("Shown: the largest %s items so far", grouped(std::int64_t(seen)).c_str());
   ImGui::ProgressBar(float(viewer.loader()->progress()));
   if (ImGui::Button("Cancel")) viewer.cancel_loading();
   ImGui::End();
