@@ -32,12 +32,14 @@ struct NodeNames {
   }
 };
 
-Side gather(const Revision& revision) {
+Side gather(const Revision& revision, Progress& progress, double share) {
+  progress.begin(share);
   const core::Scene& scene = *revision.scene;
   Side side{Shapes(scene), {}};
   NodeNames names;
   scene.for_each_node(revision.top, [&](core::NodeId node, const core::Affine& world, bool visible,
                                         std::uint32_t layers, core::MaterialId material) {
+    if (progress.stopped()) return;
     names.add(scene, node, revision.top);
     const std::uint64_t above = node == revision.top ? 0 : names.path[scene.parent(node).index];
     std::uint64_t order = 0;
@@ -45,6 +47,7 @@ Side gather(const Revision& revision) {
       const core::Scene::ItemState state = scene.state(item, world, visible, layers, material);
       side.entries.push_back({side.shapes.geometry(item, state.world_from_item), names.path[node.index], above,
                               joined(~names.key[node.index], order++), node, item, state.material, kFree});
+      progress.go_on(side.entries.size(), scene.item_count());
     }
   });
   return side;
@@ -90,17 +93,19 @@ State state_of(std::uint8_t differences) {
 
 class Comparer {
  public:
-  Comparer(const Revision& before, const Revision& after, double tolerance)
-      : before_(gather(before)),
-        after_(gather(after)),
+  Comparer(const Revision& before, const Revision& after, double tolerance, Progress& progress)
+      : before_(gather(before, progress, 0.2)),
+        after_(gather(after, progress, 0.2)),
         materials_(*before.scene, *after.scene),
-        tolerance_(tolerance) {}
+        tolerance_(tolerance),
+        progress_(progress) {}
 
   Comparison compare() {
-    match(before_, after_, tolerance_);
+    match(before_, after_, tolerance_, progress_, 0.3);
+    progress_.begin(0.2);
     Comparison out;
     out.items.reserve(std::max(before_.entries.size(), after_.entries.size()));
-    for (std::uint32_t j = 0; j < after_.entries.size(); ++j) {
+    for (std::uint32_t j = 0; j < after_.entries.size() && progress_.go_on(j, after_.entries.size()); ++j) {
       const Entry& entry = after_.entries[j];
       out.items.push_back(entry.partner == kFree ? Change{core::kNone, entry.item, State::kAdded}
                                                  : change(entry.partner, j));
@@ -139,6 +144,7 @@ class Comparer {
   Side before_, after_;
   MaterialPairs materials_;
   double tolerance_;
+  Progress& progress_;
 };
 
 /// The nodes whose path occurs once.
@@ -183,7 +189,10 @@ core::Expected<Comparison> revisions(const Revision& before, const Revision& aft
   if (!(options.tolerance >= 0.0 && std::isfinite(options.tolerance)))
     return core::fail("compare: expected a tolerance that is finite and not negative, in metres, found " +
                       std::to_string(options.tolerance));
-  Comparison comparison = Comparer(before, after, options.tolerance).compare();
+  Progress progress(options.progress);
+  Comparison comparison = Comparer(before, after, options.tolerance, progress).compare();
+  progress.begin(0.1);
+  if (progress.stopped()) return core::fail(std::string(kCancelled));
   comparison.nodes = changed_nodes(before, after);
   return comparison;
 }

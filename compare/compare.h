@@ -18,6 +18,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -31,7 +32,12 @@ struct Options {
   /// Metres, finite and >= 0: how far apart points of an item may lie that count as the same. To this adds what the
   /// scene's own numbers cannot hold: 4e-7 of the item's size and 1.5e-14 of its distance from the origin.
   double tolerance = 1e-4;
+  /// Called now and then by the comparing thread with the share that is done, rising from 0 to 1. Returning false
+  /// cancels the comparison, which then fails with kCancelled as its message.
+  std::function<bool(double)> progress = {};
 };
+
+inline constexpr std::string_view kCancelled = "cancelled";
 
 /// The part of a scene that is compared: the subtree of `top`, with all layers, hidden items too. The name of `top` is
 /// no part of paths, so that files of different names can be compared. Placements are those in the scene's world.
@@ -86,9 +92,9 @@ struct Comparison {
   bool same() const { return count(State::kUnchanged) == items.size() && nodes.empty(); }
 };
 
-/// Compares two revisions, which may be of one scene. Fails on a tolerance out of its range. O(n log n) in nodes and
-/// items, linear in vertices; needs some 250 bytes an item of either revision meanwhile. Reads the scenes only: any
-/// number of threads may.
+/// Compares two revisions, which may be of one scene. Fails on a tolerance out of its range, and when cancelled. O(n
+/// log n) in nodes and items, linear in vertices; needs some 250 bytes an item of either revision meanwhile. Reads the
+/// scenes only: any number of threads may.
 SIGHTLINE_API core::Expected<Comparison> revisions(const Revision& before, const Revision& after,
                                                    const Options& options = {});
 

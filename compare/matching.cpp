@@ -103,11 +103,12 @@ std::size_t count_free(const Side& side) {
 
 /// Pairs free entries of the same kind and the same value of `group` that lie in near cells and pass `accept`.
 template <class Group, class Accept>
-void match_near(Side& before, Side& after, const Cells& cells, const Group& group, const Accept& accept) {
+void match_near(Side& before, Side& after, Progress& progress, const Cells& cells, const Group& group,
+                const Accept& accept) {
   if (count_free(before) == 0 || count_free(after) == 0) return;
   const auto start = [&](const Entry& e) { return core::mixed(group(e)) ^ hash_of_kind(e.geometry); };
   FreeEntries free(before.entries, [&](const Entry& e) { return cells.hash_in(start(e), e.geometry); });
-  for (std::uint32_t j = 0; j < after.entries.size(); ++j) {
+  for (std::uint32_t j = 0; j < after.entries.size() && progress.go_on(j, after.entries.size()); ++j) {
     const Entry& entry = after.entries[j];
     if (entry.partner != kFree) continue;
     std::uint32_t best = kFree;
@@ -118,10 +119,10 @@ void match_near(Side& before, Side& after, const Cells& cells, const Group& grou
   }
 }
 
-void match_keys(Side& before, Side& after) {
+void match_keys(Side& before, Side& after, Progress& progress) {
   if (count_free(before) == 0 || count_free(after) == 0) return;
   FreeEntries free(before.entries, [](const Entry& e) { return e.key; });
-  for (std::uint32_t j = 0; j < after.entries.size(); ++j) {
+  for (std::uint32_t j = 0; j < after.entries.size() && progress.go_on(j, after.entries.size()); ++j) {
     if (after.entries[j].partner != kFree) continue;
     const std::uint32_t i = free.first(after.entries[j].key, [](std::uint32_t) { return true; });
     if (i != kFree) pair(before, i, after, j);
@@ -130,20 +131,24 @@ void match_keys(Side& before, Side& after) {
 
 }  // namespace
 
-void match(Side& before, Side& after, double tolerance) {
+void match(Side& before, Side& after, double tolerance, Progress& progress, double share) {
   const Cells places(true, tolerance), sizes(false, tolerance);
   const auto alike = [&](const Shown& a, const Shown& b) {
     const Likeness l = likeness(a, b, tolerance);
     return l.same_shape && l.same_place;
   };
   const auto same_shape = [&](const Shown& a, const Shown& b) { return likeness(a, b, tolerance).same_shape; };
+  progress.begin(0.25 * share);
   match_near(
-      before, after, places, [](const Entry& e) { return e.path; }, alike);
-  match_keys(before, after);
+      before, after, progress, places, [](const Entry& e) { return e.path; }, alike);
+  progress.begin(0.25 * share);
+  match_keys(before, after, progress);
+  progress.begin(0.25 * share);
   match_near(
-      before, after, places, [](const Entry&) { return std::uint64_t{0}; }, alike);
+      before, after, progress, places, [](const Entry&) { return std::uint64_t{0}; }, alike);
+  progress.begin(0.25 * share);
   match_near(
-      before, after, sizes, [](const Entry& e) { return e.parent_path; }, same_shape);
+      before, after, progress, sizes, [](const Entry& e) { return e.parent_path; }, same_shape);
 }
 
 }  // namespace sightline::compare

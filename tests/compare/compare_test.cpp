@@ -2,6 +2,7 @@
 #include "sightline/compare/compare.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -573,6 +574,31 @@ TEST(Compare, RefusesTolerancesOutOfRange) {
   }
   const core::Scene one = scene_of(core::Sphere{1}, core::translation({1e6, 2, 3}));
   EXPECT_TRUE(compared(one, one, 0.0).same());
+}
+
+/// Progress rises from 0 to 1 at most, and whenever it says stop the comparison ends at once, cancelled.
+TEST(Compare, TellsProgressAndCanBeCancelled) {
+  core::Scene before, after;
+  for (int i = 0; i < 9000; ++i) {
+    before.add_primitive(before.root(), core::Sphere{1}, core::translation({i, 0, 0}));
+    after.add_primitive(after.root(), core::Sphere{i % 2 ? 1.0f : 2.0f}, core::translation({i, 0.5 * (i % 3), 0}));
+  }
+  const auto compared = [&](const std::function<bool(double)>& progress) {
+    return compare::revisions({&before, before.root()}, {&after, after.root()}, {.progress = progress});
+  };
+  std::vector<double> shares;
+  ASSERT_TRUE(compared([&](double share) { return shares.push_back(share), true; }));
+  ASSERT_GT(shares.size(), 10u);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_GE(shares.front(), 0.0);
+  EXPECT_LE(shares.back(), 1.0);
+  for (std::size_t stop = 0; stop < shares.size(); ++stop) {
+    std::size_t calls = 0;
+    const auto found = compared([&](double) { return calls++ < stop; });
+    ASSERT_FALSE(found) << stop;
+    EXPECT_EQ(found.error().message, compare::kCancelled);
+    EXPECT_EQ(calls, stop + 1) << "asked again after the end";
+  }
 }
 
 }  // namespace
