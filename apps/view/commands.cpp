@@ -5,6 +5,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include "sightline/apps/view/comparing.h"
 #include "sightline/apps/view/views.h"
 
 namespace sightline::apps {
@@ -100,6 +101,11 @@ const Command kCommands[] = {
        return {};
      },
      nullptr, false},
+    {"compare", "File", "Compare with…", 0, 0, "",
+     "show what has changed since an older revision of what is open: FILE", compare_with},
+    {"compare-end", "File", "End the comparison", 0, 0, "", "show the model alone again", end_comparison},
+    {"compare-toggle", nullptr, "", 0, 0, "",
+     "show or hide items that are added, removed, moved, changed or unchanged: WHICH", toggle_changes},
     {"screenshot", "File", "Save picture", GLFW_KEY_F12, 0, "F12", "write the picture, PNG: FILE",
      [](Viewer& v, const std::string& file) { return v.write_screenshot(file); }},
     {"save-view", "File", "Save view", GLFW_KEY_S, kCtrl, "Ctrl+S", "write what is seen and shown, JSON: FILE",
@@ -184,13 +190,9 @@ const Command kCommands[] = {
        return look_along(v, {-1, 0, 0});
      }},
     {"top", "View", "Top", GLFW_KEY_5, 0, "5", "look down",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {0, 0, -1});
-     }},
+     [](Viewer& v, const std::string&) { return look_along(v, {0, 0, -1}); }},
     {"bottom", "View", "Bottom", GLFW_KEY_6, 0, "6", "look up",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {0, 0, 1});
-     }},
+     [](Viewer& v, const std::string&) { return look_along(v, {0, 0, 1}); }},
     {"zoom-in", nullptr, "", GLFW_KEY_KP_ADD, 0, "Keypad +", "come nearer to the middle", zoom<1>},
     {"zoom-out", nullptr, "", GLFW_KEY_KP_SUBTRACT, 0, "Keypad -", "go away from it", zoom<-1>},
     {"orthographic", "View", "Parallel projection", GLFW_KEY_P, 0, "P",
@@ -201,6 +203,10 @@ const Command kCommands[] = {
      [](Viewer& v) { return v.session()->camera().orthographic(); }},
     {"camera-back", "View", "Camera back", GLFW_KEY_BACKSPACE, 0, "Backspace", "put the camera back to where it was",
      [](Viewer& v, const std::string&) -> Done { return v.session()->camera_back(), Done(); }},
+    {"compare-next", "View", "Next change", GLFW_KEY_N, 0, "N",
+     "select the next change since the older revision, and go there", next_change},
+    {"compare-previous", "View", "Previous change", GLFW_KEY_N, kShift, "Shift+N", "the change before",
+     previous_change},
     {"walk", "View", "Walk", GLFW_KEY_K, 0, "K", "walk on floors and up stairs, and be stopped by walls; or fly again",
      [](Viewer& v, const std::string&) -> Done { return v.set_walking(!v.walking()), Done(); },
      [](Viewer& v) { return v.walking(); }},

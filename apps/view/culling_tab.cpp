@@ -54,7 +54,7 @@ void culling_tab(Viewer& viewer) {
   if (begin_rows("counters")) {
     row("culled by", std::string(name_of(report.culler)));
     row("state", std::string(state_name(report)));
-    row("items", grouped(std::int64_t(session.engine().snapshot().size())));
+    row("items", grouped(std::int64_t(session.scene().item_count())));
     row("in the view", grouped(session.visible()));
     row("boxes tested", known(report.tested));
     row("with a sample", known(report.sampled));

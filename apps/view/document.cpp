@@ -1,7 +1,7 @@
 #include "sightline/apps/view/document.h"
 
 #include <algorithm>
-#include <array>
+#include <utility>
 
 #include "sightline/core/snapshot.h"
 
@@ -16,13 +16,14 @@ std::uint8_t style_bits(std::uint8_t flags) {
   return flags & std::uint8_t(Document::kSelected | Document::kGhost);
 }
 
-engine::ItemStyle style_of(std::uint8_t flags) {
-  engine::ItemStyle style;
+engine::ItemStyle style_of(std::uint8_t flags, const Look* look) {
+  engine::ItemStyle style = look ? look->style : engine::ItemStyle();
   if ((flags & Document::kSelected) != 0) {
-    style.colour = kSelectedColour;
+    if (!style.colour) style.colour = kSelectedColour;
     style.outline = true;
+    style.ghost = false;
   } else {
-    style.ghost = (flags & Document::kGhost) != 0;
+    style.ghost |= (flags & Document::kGhost) != 0;
   }
   return style;
 }
@@ -77,7 +78,7 @@ core::Expected<void> Document::select(std::span<const core::ItemId> items, Selec
   return step(changes([&](core::ItemId item) {
     const std::uint8_t flags = flags_[item], without = flags & std::uint8_t(~kSelected);
     if (!named[item]) return mode == SelectMode::kReplace ? without : flags;
-    if ((flags & kHidden) != 0) return without;
+    if (unseen(item, flags, looks_)) return without;
     if (mode == SelectMode::kToggle) return std::uint8_t(flags ^ kSelected);
     return std::uint8_t(flags | kSelected);
   }));
@@ -147,39 +148,86 @@ core::Expected<void> Document::take(std::vector<Changes>& from, std::vector<Chan
   return {};
 }
 
+bool Document::unseen(core::ItemId item, std::uint8_t flags, const Looks& looks) {
+  const Look* look = looks.of(item);
+  return (flags & kHidden) != 0 || (look && !look->shown);
+}
+
+/// Lets the engine show these items with their new flags and looks.
+core::Expected<void> Document::show(const Changes& changes, const Looks& looks) {
+  constexpr std::size_t kStyles = 8;   // of each look, by style bits
+  std::vector<std::vector<core::ItemId>> styled(kStyles * (looks.all.size() + 1));
+  std::vector<core::ItemId> hide, show;
+  for (const auto& [item, flags] : changes) {
+    const std::uint8_t old = flags_[item];
+    const Look* look = looks.of(item);
+    if (style_of(flags, look) != style_of(old, looks_.of(item)))
+      styled[style_bits(flags) + kStyles * (look ? looks.which[item] : 0)].push_back(item);
+    const bool unseen_now = unseen(item, flags, looks);
+    if (unseen_now != unseen(item, old, looks_)) (unseen_now ? hide : show).push_back(item);
+  }
+  core::Expected<void> done;
+  for (std::size_t i = 0; i < styled.size() && done; ++i)
+    if (!styled[i].empty())
+      done = engine_->set_override(
+          styled[i], style_of(std::uint8_t(i % kStyles), i < kStyles ? nullptr : &looks.all[i / kStyles - 1]));
+  if (done && !hide.empty()) done = engine_->hide(hide);
+  if (done && !show.empty()) done = engine_->show(show);
+  return done;
+}
+
 /// Returns what brings back the state before.
 core::Expected<Document::Changes> Document::apply(const Changes& changes) {
-  std::array<std::vector<core::ItemId>, 8> styled;  // by style bits
-  std::vector<core::ItemId> hide, show;
+  if (auto done = show(changes, looks_); !done) return tl::unexpected(done.error());
   Changes before;
   before.reserve(changes.size());
   bool selects = false;
   for (const auto& [item, flags] : changes) {
-    const std::uint8_t old = flags_[item], turned = flags ^ old;
-    before.push_back({item, old});
-    if (style_of(flags) != style_of(old)) styled[style_bits(flags)].push_back(item);
-    if ((turned & kHidden) != 0) ((flags & kHidden) != 0 ? hide : show).push_back(item);
-    selects |= (turned & kSelected) != 0;
-  }
-  core::Expected<void> done;
-  for (std::uint8_t bits = 0; bits < styled.size() && done; ++bits)
-    if (!styled[bits].empty()) done = engine_->set_override(styled[bits], style_of(bits));
-  if (done && !hide.empty()) done = engine_->hide(hide);
-  if (done && !show.empty()) done = engine_->show(show);
-  if (!done) return tl::unexpected(done.error());
-  for (const auto& [item, flags] : changes) {
     const int turned = flags ^ flags_[item];
+    before.push_back({item, flags_[item]});
+    selects |= (turned & kSelected) != 0;
     if ((turned & kHidden) != 0) hidden_ += (flags & kHidden) != 0 ? 1 : std::size_t(-1);
     if ((turned & kGhost) != 0) ghosts_ += (flags & kGhost) != 0 ? 1 : std::size_t(-1);
     flags_[item] = flags;
   }
-  if (selects) {
-    selection_.clear();
-    for (core::ItemId item = 0; item < flags_.size(); ++item)
-      if ((flags_[item] & kSelected) != 0) selection_.push_back(item);
-  }
+  if (selects) list_selection();
   ++version_;
   return before;
+}
+
+void Document::list_selection() {
+  selection_ = items_with(kSelected);
+}
+
+core::Expected<void> Document::set_looks(Looks looks) {
+  Changes all;
+  for (core::ItemId item = 0; item < flags_.size(); ++item) {
+    const Look *now = looks.of(item), *then = looks_.of(item);
+    const bool same = now && then ? *now == *then : now == then;
+    if (!same && engine_->snapshot().slot(item) != core::kNone) all.push_back({item, flags_[item]});
+  }
+  if (auto done = show(all, looks); !done) return done;
+  looks_ = std::move(looks);
+  ++version_;
+  return {};
+}
+
+void Document::follow_scene() {
+  flags_.resize(scene_->item_slots());
+  const auto gone = [&](core::ItemId item) { return !scene_->contains_item(item); };
+  for (core::ItemId item = 0; item < flags_.size(); ++item) {
+    if (flags_[item] == 0 || !gone(item)) continue;
+    hidden_ -= (flags_[item] & kHidden) != 0 ? 1 : 0;
+    ghosts_ -= (flags_[item] & kGhost) != 0 ? 1 : 0;
+    flags_[item] = 0;
+  }
+  for (std::vector<Changes>* steps : {&done_, &undone_}) {
+    for (Changes& step : *steps) std::erase_if(step, [&](const Change& change) { return gone(change.item); });
+    std::erase_if(*steps, [](const Changes& step) { return step.empty(); });
+  }
+  if (hovered_ && gone(*hovered_)) hovered_.reset();
+  list_selection();
+  ++version_;
 }
 
 }  // namespace sightline::apps

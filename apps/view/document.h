@@ -14,15 +14,35 @@ namespace sightline::apps {
 
 enum class SelectMode { kReplace, kAdd, kToggle };
 
+/// How items look that nobody has selected, hidden or made faint.
+struct Look {
+  engine::ItemStyle style;
+  bool shown = true;  ///< false: as if hidden
+
+  friend bool operator==(const Look&, const Look&) = default;
+};
+
+/// A look for each item.
+struct Looks {
+  std::vector<Look> all;            ///< at most 255
+  std::vector<std::uint8_t> which;  ///< by item: 0 is the scene's own look, i is all[i - 1]; 0 for items beyond
+
+  const Look* of(core::ItemId item) const {
+    return item < which.size() && which[item] != 0 ? &all[which[item] - 1u] : nullptr;
+  }
+};
+
 /// Shows the state of items as overrides of an engine, which are nobody else's.
 class Document {
  public:
   enum Flag : std::uint8_t { kSelected = 1, kHidden = 2, kGhost = 4 };
 
-  /// Both are borrowed; the scene must not be edited meanwhile.
+  /// Both are borrowed; whoever edits the scene calls follow_scene().
   Document(const core::Scene& scene, engine::Engine& engine);
 
   bool is(core::ItemId item, Flag flag) const { return item < flags_.size() && (flags_[item] & flag) != 0; }
+  /// Neither hidden nor without a look that shows.
+  bool shown(core::ItemId item) const { return item < flags_.size() && !unseen(item, flags_[item], looks_); }
   std::span<const core::ItemId> selection() const { return selection_; }  ///< in rising order
   std::size_t hidden() const { return hidden_; }                          ///< number of hidden items
   std::size_t ghosts() const { return ghosts_; }                          ///< number of faint items
@@ -32,7 +52,8 @@ class Document {
   /// Bounds of items in the world.
   core::AabbD bounds(std::span<const core::ItemId> items) const;
 
-  // Each of these is one step of undo(), unless it changes nothing. They fail as Engine::set_override() does.
+  // Each of these is one step of undo(), unless it changes nothing. They fail as Engine::set_override() does. Items
+  // that cannot be seen are not selected.
   core::Expected<void> select(std::span<const core::ItemId> items, SelectMode mode = SelectMode::kReplace);
   core::Expected<void> hide(std::span<const core::ItemId> items);     ///< hidden items are not selected
   core::Expected<void> isolate(std::span<const core::ItemId> items);  ///< hides all others
@@ -51,6 +72,13 @@ class Document {
   void hover(std::optional<core::ItemId> item) { hovered_ = item; }
   std::optional<core::ItemId> hovered() const { return hovered_; }
 
+  /// Shows items in these looks, and no others. A selected item keeps the colour that its look gives it and has a line
+  /// around it. No step of undo().
+  core::Expected<void> set_looks(Looks looks);
+  /// Takes notice of items that were added and removed, once the engine has. What undo() brings back of those that are
+  /// gone is forgotten.
+  void follow_scene();
+
   /// Rises whenever the picture changes.
   std::uint64_t version() const { return version_; }
 
@@ -64,6 +92,9 @@ class Document {
   /// Flags of all items as `flags_of` says.
   template <class FlagsOf>
   Changes changes(const FlagsOf& flags_of) const;
+  static bool unseen(core::ItemId item, std::uint8_t flags, const Looks& looks);
+  core::Expected<void> show(const Changes& changes, const Looks& looks);
+  void list_selection();
   core::Expected<void> step(Changes changes);
   core::Expected<Changes> apply(const Changes& changes);
   core::Expected<void> take(std::vector<Changes>& from, std::vector<Changes>& to);
@@ -72,6 +103,7 @@ class Document {
   const core::Scene* scene_;
   engine::Engine* engine_;
   std::vector<std::uint8_t> flags_;  // by item
+  Looks looks_;
   std::vector<core::ItemId> selection_;
   std::optional<core::ItemId> hovered_;
   std::size_t hidden_ = 0, ghosts_ = 0;

@@ -10,12 +10,23 @@ constexpr std::size_t kMostRows = 200000;  // of matches; nobody reads on
 
 }  // namespace
 
-ModelTree::ModelTree(const core::Scene& scene) : indexing_([this, &scene] { index_ = NameIndex(scene); }) {
-  rows_.reset(scene);
+ModelTree::ModelTree(const core::Scene& scene) : scene_(&scene) {
+  follow_scene();
+}
+
+void ModelTree::release_scene() {
+  if (indexing_.joinable()) indexing_.join();
+}
+
+void ModelTree::follow_scene() {
+  release_scene();
+  indexing_ = std::jthread([this] { index_ = NameIndex(*scene_); });
+  rows_.reset(*scene_);
+  if (!query_.text.empty()) find(NameQuery(query_));
 }
 
 void ModelTree::find(const NameQuery& query) {
-  if (indexing_.joinable()) indexing_.join();
+  release_scene();
   const auto begin = std::chrono::steady_clock::now();
   query_ = query;
   matches_ = {};

@@ -13,8 +13,13 @@ namespace sightline::apps {
 
 class ModelTree {
  public:
-  /// The scene is borrowed, and must not be edited. Names are indexed in the background.
+  /// The scene is borrowed. Names are indexed in the background.
   explicit ModelTree(const core::Scene& scene);
+
+  /// Nothing reads the scene afterwards, until follow_scene() takes notice of what was edited: rows, and what the last
+  /// find() has found. No edit may come but between the two.
+  void release_scene();
+  void follow_scene();
 
   TreeRows& rows() { return rows_; }
 
@@ -32,6 +37,7 @@ class ModelTree {
   std::optional<std::size_t> take_revealed();
 
  private:
+  const core::Scene* scene_;
   NameIndex index_;
   TreeRows rows_;
   NameQuery query_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 #include <imgui.h>
 
@@ -52,7 +53,7 @@ void side_panel(Viewer& viewer) {
   const Margins m = margins();
   begin_fixed("##side", size.x - float(m.right), float(m.top), float(m.right), size.y - float(m.top + m.bottom),
               ImGuiWindowFlags_NoTitleBar);
-  if (viewer.session() && ImGui::BeginTabBar("##tabs")) {
+  if (viewer.session() && ImGui::BeginTabBar("##tabs", ImGuiTabBarFlags_FittingPolicyScroll)) {
     if (ImGui::BeginTabItem("Item")) {
       properties_tab(viewer);
       ImGui::EndTabItem();
@@ -71,6 +72,14 @@ void side_panel(Viewer& viewer) {
     }
     if (ImGui::BeginTabItem("Culling")) {
       culling_tab(viewer);
+      ImGui::EndTabItem();
+    }
+    static const ChangeList* known = nullptr;
+    const ChangeList* changes = viewer.session()->changes();
+    const bool fresh = std::exchange(known, changes) != changes;  // a new comparison brings its tab to the front
+    if (changes && ImGui::BeginTabItem("Compare", nullptr,
+                                       ImGuiTabItemFlags_Leading | (fresh ? ImGuiTabItemFlags_SetSelected : 0))) {
+      compare_tab(viewer);
       ImGui::EndTabItem();
     }
     ImGui::EndTabBar();

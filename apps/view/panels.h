@@ -19,11 +19,13 @@ void measure_tab(Viewer& viewer);
 void sections_tab(Viewer& viewer);
 void views_tab(Viewer& viewer);
 void culling_tab(Viewer& viewer);
+void compare_tab(Viewer& viewer);  ///< while something is compared
 void measure_overlay(Viewer& viewer, const Part& part);
 void triad_overlay(Viewer& viewer);
 void status_bar(Viewer& viewer);
 void help_window(Viewer& viewer);
 void open_window(Viewer& viewer);     ///< a path to type, or a file opened before
+void compare_window(Viewer& viewer);  ///< the same for an older revision
 void loading_window(Viewer& viewer);  ///< progress, and a button that cancels
 void item_tip(Viewer& viewer, core::ItemId item);
 

@@ -1,105 +1,18 @@
-#include <algorithm>
-#include <cstdio>
+#include <filesystem>
 #include <map>
-#include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 
+#include "sightline/apps/view/item_facts.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
 
 namespace sightline::apps {
 namespace {
 
-/// In the order of core::parameters().
-std::span<const char* const> parameter_names(core::Kind kind) {
-  static constexpr const char* kPyramid[] = {"bottom x", "bottom y", "top x", "top y",
-                                             "offset x", "offset y", "height"};
-  static constexpr const char* kBox[] = {"size x", "size y", "size z"};
-  static constexpr const char* kRectangularTorus[] = {"inner radius", "outer radius", "height", "angle"};
-  static constexpr const char* kCircularTorus[] = {"bend radius", "tube radius", "angle"};
-  static constexpr const char* kDish[] = {"base radius", "height"};
-  static constexpr const char* kSnout[] = {"bottom radius",  "top radius",     "height",      "offset x",   "offset y",
-                                           "bottom shear x", "bottom shear y", "top shear x", "top shear y"};
-  static constexpr const char* kCylinder[] = {"radius", "height"};
-  static constexpr const char* kSphere[] = {"diameter"};
-  static constexpr const char* kLine[] = {"from", "to"};
-  switch (kind) {
-    case core::Kind::kPyramid:
-      return kPyramid;
-    case core::Kind::kBox:
-      return kBox;
-    case core::Kind::kRectangularTorus:
-      return kRectangularTorus;
-    case core::Kind::kCircularTorus:
-      return kCircularTorus;
-    case core::Kind::kEllipticalDish:
-    case core::Kind::kSphericalDish:
-      return kDish;
-    case core::Kind::kSnout:
-      return kSnout;
-    case core::Kind::kCylinder:
-      return kCylinder;
-    case core::Kind::kSphere:
-      return kSphere;
-    case core::Kind::kLine:
-      return kLine;
-    case core::Kind::kFacetGroup:
-    case core::Kind::kMesh:
-      break;
-  }
-  return {};
-}
-
-bool is_angle(std::string_view name) {
-  return name.find("angle") != std::string_view::npos || name.find("shear") != std::string_view::npos;
-}
-
-/// How much larger a placement makes all lengths; none where it scales some more than others.
-std::optional<double> scale_of(const core::Affine& world_from_item) {
-  const core::dmat3& m = world_from_item.linear;
-  const double x = glm::length(m[0]), least = std::min({x, glm::length(m[1]), glm::length(m[2])}),
-               most = std::max({x, glm::length(m[1]), glm::length(m[2])});
-  return most - least <= 1e-5 * most ? std::optional(x) : std::nullopt;
-}
-
-/// A parameter in the world, or, where an item is stretched, in its own units.
-std::string quantity(std::string_view name, double value, const std::optional<double>& scale) {
-  char text[60];
-  if (is_angle(name))
-    std::snprintf(text, sizeof text, "%.6g°", glm::degrees(value));
-  else if (scale)
-    std::snprintf(text, sizeof text, "%.6g m", value * *scale);
-  else
-    std::snprintf(text, sizeof text, "%.6g units, stretched", value);
-  return text;
-}
-
-void shape_rows(const core::Scene& scene, core::ItemId item) {
-  const core::Kind kind = scene.kind(item);
-  row("kind", std::string(core::name_of(kind)));
-  if (int(kind) >= core::kPrimitiveKindCount) {
-    row("triangles", grouped(std::int64_t(scene.mesh(scene.mesh_of(item)).indices.size() / 3)));
-    return;
-  }
-  const core::Primitive primitive = scene.primitive(item);
-  const auto values = core::parameters(primitive);
-  const auto names = parameter_names(kind);
-  const std::optional<double> scale = scale_of(scene.state(item).world_from_item);
-  for (std::size_t i = 0; i < values.size(); ++i) row(names[i], quantity(names[i], double(values[i]), scale));
-}
-
 void item_properties(const core::Scene& scene, core::ItemId item) {
   if (begin_rows("item")) {
-    shape_rows(scene, item);
-    const core::AabbD box = scene.bounds_under(item, scene.state(item).world_from_item);
-    if (!box.empty()) {
-      row("from", vector_text(box.min));
-      row("to", vector_text(box.max));
-    }
-    if (const core::MaterialId material = scene.item_material(item); material.valid())
-      row("material", scene.material(material).name);
+    for (const Fact& fact : item_facts(scene, item)) row(fact.name.c_str(), fact.value);
     ImGui::EndTable();
   }
   for (core::NodeId node = scene.node_of(item); node.valid(); node = scene.parent(node)) {
@@ -113,6 +26,20 @@ void item_properties(const core::Scene& scene, core::ItemId item) {
     }
     ImGui::PopID();
   }
+}
+
+/// What has become of an item since the older revision, and what differs in its facts.
+void item_changes(const ChangeList& changes, const core::Scene& scene, core::ItemId item) {
+  const compare::Change* change = changes.of(item);
+  if (!change) return;
+  const std::string older = std::filesystem::path(changes.file()).filename().string();
+  if (!ImGui::CollapsingHeader(("Since " + older).c_str(), ImGuiTreeNodeFlags_DefaultOpen)) return;
+  ImGui::TextWrapped("%s", describe(*change).c_str());
+  const auto or_none = [](const std::string& value) { return value.empty() ? "none" : value; };
+  if (!begin_rows("changes")) return;
+  for (const FactChange& fact : changes.differing_facts(scene, item))
+    row(fact.name.c_str(), or_none(fact.after) + "\nwas " + or_none(fact.before));
+  ImGui::EndTable();
 }
 
 void selection_properties(const core::Scene& scene, const Document& document) {
@@ -141,10 +68,12 @@ void properties_tab(Viewer& viewer) {
     if (std::string_view(name) == "isolate") ImGui::NewLine();
   }
   ImGui::Separator();
-  if (selection.size() == 1)
+  if (selection.size() == 1) {
+    if (session.changes()) item_changes(*session.changes(), session.scene(), selection[0]);
     item_properties(session.scene(), selection[0]);
-  else
+  } else {
     selection_properties(session.scene(), session.document());
+  }
 }
 
 }  // namespace sightline::apps

@@ -203,6 +203,62 @@ core::Expected<std::size_t> Session::show(const Viewpoint& viewpoint) {
   return hidden.missing + ghosts.missing + selected.missing;
 }
 
+/// All that depends on the scene follows, whether the edit fails or not.
+core::Expected<void> Session::edit_scene(const std::function<core::Expected<void>(core::Scene&)>& edit) {
+  tree_.release_scene();
+  auto done = edit(*model_.scene);
+  const auto committed = engine_.commit();
+  document_.follow_scene();
+  tree_.follow_scene();
+  names_.reset();
+  bounds_ = engine_.snapshot().bounds().fitted_bounds();
+  changed();
+  return done ? committed : done;
+}
+
+core::Expected<void> Session::begin_comparison(std::unique_ptr<ChangeList> changes) {
+  if (auto ended = end_comparison(); !ended) return ended;
+  changes_ = std::move(changes);
+  auto done = edit_scene([&](core::Scene& scene) { return changes_->add_removed(scene); });
+  if (done) done = document_.set_looks(changes_->looks());
+  if (done) return done;
+  if (const auto ended = end_comparison(); !ended) return ended;
+  return done;
+}
+
+core::Expected<void> Session::end_comparison() {
+  if (!changes_) return {};
+  auto done = document_.set_looks({});
+  const auto edited = edit_scene([&](core::Scene& scene) -> core::Expected<void> {
+    changes_->take_removed(scene);
+    return {};
+  });
+  changes_.reset();
+  return done ? edited : done;
+}
+
+core::Expected<void> Session::show_changes(compare::State state, bool shown) {
+  changes_->set_shown(state, shown);
+  if (auto done = document_.set_looks(changes_->looks()); !done) return done;
+  const std::vector<core::ItemId> selection(document_.selection().begin(), document_.selection().end());
+  return document_.select(selection);  // but for those that are no longer seen
+}
+
+core::Expected<void> Session::go_to_change(std::size_t row) {
+  changes_->set_current(row);
+  const std::vector<core::ItemId> items = changes_->items(scene(), row);
+  if (auto done = document_.select(items); !done) return done;
+  tree_.reveal(changes_->node(scene(), row));
+  core::AabbD bounds = document_.bounds(items);
+  if (bounds.empty()) return {};
+  const core::dvec3 around(glm::length(bounds.size()));  // what it lies in is seen, too
+  bounds.min -= around;
+  bounds.max += around;
+  remember();
+  camera_.fit(bounds, aspect());
+  return {};
+}
+
 void Session::remember() {
   const core::Pose& pose = camera_.pose();
   if (!places_.empty() && places_.back().first.eye == pose.eye && places_.back().first.target == pose.target) return;

@@ -9,6 +9,7 @@
 
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/camera.h"
+#include "sightline/apps/view/change_list.h"
 #include "sightline/apps/view/document.h"
 #include "sightline/apps/view/item_names.h"
 #include "sightline/apps/view/measuring.h"
@@ -102,6 +103,17 @@ class Session {
   /// Shows that again. Returns how many of its parts this model does not have.
   core::Expected<std::size_t> show(const Viewpoint& viewpoint);
 
+  /// Shows what has changed since an older revision, in place of another one, until end_comparison(). Meanwhile its
+  /// removed items are part of the scene. Undo, and what is hidden and selected, go on through both.
+  core::Expected<void> begin_comparison(std::unique_ptr<ChangeList> changes);
+  core::Expected<void> end_comparison();
+  ChangeList* changes() { return changes_.get(); }  ///< null while nothing is compared
+  const ChangeList* changes() const { return changes_.get(); }
+  /// Shows or hides what is in a state of the comparison.
+  core::Expected<void> show_changes(compare::State state, bool shown);
+  /// Selects what a row of the comparison names, and goes there.
+  core::Expected<void> go_to_change(std::size_t row);
+
   /// Puts the camera back to where it was before its last motions, each of which begins with remember().
   void camera_back();
   void remember();
@@ -119,6 +131,7 @@ class Session {
   core::Expected<void> resize(const std::array<int, 2>& size, bool coarse);
   bool smooths() const { return engine_.config().samples == 1; }
   const ItemNames& names() const;
+  core::Expected<void> edit_scene(const std::function<core::Expected<void>(core::Scene&)>& edit);
 
   Model model_;
   mutable std::optional<ItemNames> names_;  // made when first asked for
@@ -127,6 +140,7 @@ class Session {
   ModelTree tree_;
   Measuring measuring_;
   Sections sections_;
+  std::unique_ptr<ChangeList> changes_;
   core::FittedBounds bounds_;
   std::array<int, 2> size_;
   bool coarse_ = false;

@@ -14,6 +14,7 @@
 #include "sightline/apps/common/frame_words.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/view/commands.h"
+#include "sightline/apps/view/comparing.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/views.h"
 #include "sightline/image/image.h"
@@ -196,6 +197,7 @@ void Viewer::open(const std::vector<std::string>& files) {
     return {};
   };
   loader_ = std::make_unique<Loader>(model, &Window::wake, make_session);
+  found_.reset();
   shown.open = false;
   tell("reading " + name_of_files(files));
 }
@@ -213,6 +215,7 @@ core::Expected<void> Viewer::land() {
   loader_.reset();
   preview_.reset();
   redraws_ = kSettlingFrames;
+  if (found_) return land_comparison(std::move(*model), files.front()), core::Expected<void>();
   const bool first = !session_ && files == options_.model.files;
   const auto failed = [&](const core::Error& error) -> core::Expected<void> {
     if (first && (options_.frames > 0 || !options_.script.empty())) return tl::unexpected(error);
@@ -275,8 +278,9 @@ core::Expected<void> Viewer::frame(double seconds) {
   }
   if (shown.help) help_window(*this);
   if (shown.open) open_window(*this);
+  if (shown.compare) compare_window(*this);
   if (loader_) loading_window(*this);
-  if (session_ && session_->document().hovered() && !drag_ && !shown.measure)
+  if (session_ && session_->document().hovered() && !drag_ && !shown.measure && !ImGui::GetIO().WantCaptureMouse)
     item_tip(*this, *session_->document().hovered());
   draw_rectangle();
   measure_overlay(*this, viewport());
@@ -562,7 +566,7 @@ nlohmann::ordered_json Viewer::state() const {
   if (!session_) return json;
   const Document& document = session_->document();
   const core::Pose& pose = session_->camera().pose();
-  json.update({{"items", session_->engine().snapshot().size()},
+  json.update({{"items", session_->scene().item_count()},
                {"culler", name_of(session_->engine().plan().culler)},
                {"culled_by", name_of(session_->report().culler)},
                {"visible", session_->visible()},
@@ -578,6 +582,7 @@ nlohmann::ordered_json Viewer::state() const {
                {"undo_steps", document.undo_steps()},
                {"redo_steps", document.redo_steps()},
                {"frozen", session_->frozen()},
+               {"compare", compare_json(session_->changes())},
                {"budget_ms", session_->engine().config().budget_ms},
                {"contribution", session_->engine().config().contribution},
                {"camera",

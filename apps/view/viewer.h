@@ -52,6 +52,10 @@ class Viewer {
   Gui& gui() { return gui_; }
   ViewList& views() { return views_; }  ///< stays when another model is opened
   void open(const std::vector<std::string>& files);
+  /// Reads an older revision of the open model, and shows what has changed since.
+  void compare(const std::string& file);
+  /// Whether that is going on: somebody reads the scene.
+  bool reads_revision() const { return loader_ && found_; }
   void cancel_loading();
   /// Selects the items below nodes.
   core::Expected<void> select_nodes(const std::vector<core::NodeId>& nodes);
@@ -83,7 +87,7 @@ class Viewer {
 
   /// Switches of panels.
   struct Shown {
-    bool panels = true, help = false, open = false;
+    bool panels = true, help = false, open = false, compare = false;
     bool smooth = true;    ///< edges, while nothing moves
     bool relief = true;    ///< what has one colour
     bool lower = true;     ///< resolution, while the view moves and frames come late
@@ -104,6 +108,7 @@ class Viewer {
   bool lost() const { return context_lost_ || window_.context().lost(); }
   core::Expected<void> recover();
   core::Expected<void> land();
+  void land_comparison(core::Expected<Model> before, const std::string& file);
   core::Expected<void> step_script();
   core::Expected<void> carry_out(const ScriptStep& step);
   core::Expected<void> expect(const std::string& argument);
@@ -144,8 +149,9 @@ class Viewer {
   Window& window_;
   Gui gui_;
   std::unique_ptr<Preview> preview_;
-  std::unique_ptr<Session> session_, opened_;  // the second by the loader, until it has landed
-  std::unique_ptr<Loader> loader_;             // its thread uses those before
+  std::unique_ptr<Session> session_, opened_;   // the second by the loader, until it has landed
+  std::shared_ptr<compare::Comparison> found_;  // with what is read now; null where a model is read
+  std::unique_ptr<Loader> loader_;              // its thread uses those before
   ViewList views_;
   std::vector<std::string> files_;
   SettingsFile settings_;

@@ -1,7 +1,6 @@
 #include "sightline/apps/view/widgets.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace sightline::apps {
 
@@ -20,12 +19,6 @@ void begin_centred(const char* name, bool* open, float lines_wide, float at_heig
   ImGui::Begin(name, open, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
 }
 
-std::string grouped(std::int64_t number) {
-  std::string text = std::to_string(number);
-  for (int at = int(text.size()) - 3; at > (number < 0 ? 1 : 0); at -= 3) text.insert(std::size_t(at), ",");
-  return text;
-}
-
 void row(const char* name, const std::string& value) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
@@ -41,12 +34,6 @@ bool begin_rows(const char* name) {
   ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, 7.0f * ImGui::GetFontSize());
   ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
   return true;
-}
-
-std::string vector_text(const core::dvec3& v) {
-  char text[100];
-  std::snprintf(text, sizeof text, "%.3f  %.3f  %.3f", v.x + 0.0, v.y + 0.0, v.z + 0.0);  // no -0
-  return text;
 }
 
 void run(Viewer& viewer, const Command& command) {

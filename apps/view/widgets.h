@@ -7,6 +7,7 @@
 #include <imgui.h>
 
 #include "sightline/apps/view/commands.h"
+#include "sightline/apps/view/numbers.h"
 
 namespace sightline::apps {
 
@@ -18,9 +19,6 @@ void begin_centred(const char* name, bool* open, float lines_wide, float at_heig
 /// A table of names and values; ImGui::EndTable() ends it where this is true.
 bool begin_rows(const char* name);
 void row(const char* name, const std::string& value);
-
-std::string grouped(std::int64_t number);  ///< 1,234,567
-std::string vector_text(const core::dvec3& v);
 
 /// Runs a command and tells its error.
 void run(Viewer& viewer, const Command& command);

@@ -40,18 +40,29 @@ void help_window(Viewer& viewer) {
   ImGui::End();
 }
 
+/// A path to type, or one of the recent files. True once there is one.
+static bool path_entry(const Viewer& viewer, std::string& path) {
+  ImGui::SetNextItemWidth(-1.0f);
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  if (ImGui::InputText("##path", &path, ImGuiInputTextFlags_EnterReturnsTrue) && !path.empty()) return true;
+  for (const std::string& file : viewer.recent())
+    if (ImGui::Selectable(file.c_str())) return path = file, true;
+  return false;
+}
+
 void open_window(Viewer& viewer) {
   static std::string path;  // stays from time to time
   begin_centred("Open", &viewer.shown.open, 40.0f);
   ImGui::TextUnformatted("Path of a file; or drop files on the window:");
-  ImGui::SetNextItemWidth(-1.0f);
-  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  if (ImGui::InputText("##path", &path, ImGuiInputTextFlags_EnterReturnsTrue) && !path.empty()) viewer.open({path});
-  for (const std::string& file : viewer.recent())
-    if (ImGui::Selectable(file.c_str())) {
-      viewer.open({file});
-      break;  // the list has changed
-    }
+  if (path_entry(viewer, path)) viewer.open({path});
+  ImGui::End();
+}
+
+void compare_window(Viewer& viewer) {
+  static std::string path;  // stays from time to time
+  begin_centred("Compare with an older revision", &viewer.shown.compare, 40.0f);
+  ImGui::TextWrapped("What is open counts as the newer revision. Path of the older one:");
+  if (path_entry(viewer, path)) viewer.compare(path);
   ImGui::End();
 }
 

@@ -1,0 +1,287 @@
+#include "sightline/apps/view/change_list.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <unordered_map>
+#include <utility>
+
+#include "sightline/apps/view/numbers.h"
+#include "sightline/apps/view/tree_rows.h"
+
+namespace sightline::apps {
+namespace {
+
+using compare::Change;
+using compare::State;
+
+constexpr std::uint32_t kNoChange = ~std::uint32_t{0};
+constexpr double kTurned = 1e-4;  // radians; less is not worth telling
+
+bool is_attribute_file(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  return extension == ".txt" || extension == ".att";
+}
+
+core::Expected<core::NodeId> same_file(const Model& open, std::string_view name) {
+  const std::vector<core::NodeId>& files = open.report.nodes;
+  if (files.size() == 1) return files[0];
+  for (const core::NodeId file : files)
+    if (open.scene->name(file) == name) return file;
+  return core::fail("compare: expected a file with the name of one of the " + std::to_string(files.size()) +
+                    " that are open, found " + std::string(name));
+}
+
+/// Copies items and what lies between them and a node.
+class Copier {
+ public:
+  Copier(const core::Scene& from, core::NodeId top, core::Scene& to, core::NodeId copy_of_top)
+      : from_(from), to_(to), nodes_{{top.index, copy_of_top}} {}
+
+  core::Expected<core::ItemId> copy(core::ItemId item) {
+    const core::NodeId node = copy_node(from_.node_of(item));
+    core::ItemId copied = core::kNone;
+    if (int(from_.kind(item)) < core::kPrimitiveKindCount) {
+      copied = to_.add_primitive(node, from_.primitive(item), from_.placement(item));
+    } else {
+      const auto mesh = copy_mesh(from_.mesh_of(item));
+      if (!mesh) return tl::unexpected(mesh.error());
+      copied = to_.add_mesh_instance(node, *mesh, from_.placement(item));
+    }
+    to_.set_visible(copied, from_.item_visible(item));
+    return copied;
+  }
+  std::vector<core::MeshId> meshes() const {
+    std::vector<core::MeshId> all;
+    for (const auto& [old, mesh] : meshes_) all.push_back(mesh);
+    return all;
+  }
+
+ private:
+  core::NodeId copy_node(core::NodeId node) {
+    std::vector<core::NodeId> above;  // without a copy
+    for (; !nodes_.contains(node.index); node = from_.parent(node)) above.push_back(node);
+    core::NodeId copied = nodes_.at(node.index);
+    for (; !above.empty(); above.pop_back()) {
+      const core::NodeId next = above.back();
+      copied = to_.add_node(copied, from_.name(next), from_.transform(next));
+      to_.set_visible(copied, from_.visible(next));
+      to_.set_layers(copied, from_.layers(next));
+      for (const auto& [key, value] : from_.attributes(next)) to_.set_attribute(copied, key, value);
+      nodes_.emplace(next.index, copied);
+    }
+    return copied;
+  }
+  core::Expected<core::MeshId> copy_mesh(core::MeshId mesh) {
+    if (const auto known = meshes_.find(mesh.index); known != meshes_.end()) return known->second;
+    auto copied = to_.add_mesh(from_.mesh(mesh));
+    if (copied) meshes_.emplace(mesh.index, *copied);
+    return copied;
+  }
+
+  const core::Scene& from_;
+  core::Scene& to_;
+  std::unordered_map<std::uint32_t, core::NodeId> nodes_;  // by index of the original
+  std::unordered_map<std::uint32_t, core::MeshId> meshes_;
+};
+
+}  // namespace
+
+core::Expected<compare::Comparison> compare_models(const Model& before, const Model& open,
+                                                   const std::function<bool(double)>& progress) {
+  if (before.report.nodes.size() != 1)
+    return core::fail("compare: expected a file with a model, found attributes alone");
+  const core::NodeId old_file = before.report.nodes[0];
+  const auto new_file = same_file(open, before.scene->name(old_file));
+  if (!new_file) return tl::unexpected(new_file.error());
+  compare::Options options;
+  options.tolerance += before.report.sharing_error + open.report.sharing_error;
+  options.progress = progress;
+  return compare::revisions({before.scene.get(), old_file}, {open.scene.get(), *new_file}, options);
+}
+
+std::vector<std::string> older_files(const std::string& file, const std::vector<std::string>& open_files) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> files{file};
+  for (const fs::path open : open_files) {
+    if (!is_attribute_file(open)) continue;
+    const fs::path beside = fs::path(file).parent_path() / open.filename();
+    fs::path named = file;
+    named.replace_extension(open.extension());
+    std::error_code none;
+    for (const fs::path& place : {beside, named})
+      if (fs::exists(place, none) && std::find(files.begin(), files.end(), place.string()) == files.end()) {
+        files.push_back(place.string());
+        break;
+      }
+  }
+  return files;
+}
+
+ChangeList::ChangeList(std::string file, Model before, compare::Comparison found)
+    : file_(std::move(file)), before_(std::move(before)), found_(std::move(found)) {
+  shown_.fill(true);
+  list();
+}
+
+core::Expected<void> ChangeList::add_removed(core::Scene& scene) {
+  change_of_.assign(scene.item_slots() + found_.count(State::kRemoved), kNoChange);
+  for (std::size_t i = 0; i < first_removed(); ++i) change_of_[found_.items[i].after] = std::uint32_t(i);
+  if (found_.count(State::kRemoved) == 0) return {};
+  // Below the root, which moves all of a model, as the former root did.
+  const core::Scene& old = before();
+  const core::NodeId top = before_.report.nodes[0];
+  const core::Affine here = scene.transform(scene.root()), there = old.world_from_node(top);
+  const core::dmat3 back = glm::inverse(here.linear);
+  const std::string name = "removed (" + std::filesystem::path(file_).filename().string() + ")";
+  removed_ = scene.add_node(scene.root(), name, {back * there.linear, back * (there.origin - here.origin)});
+  Copier copier(old, top, scene, removed_);
+  for (std::size_t i = first_removed(); i < found_.items.size(); ++i) {
+    const auto copied = copier.copy(found_.items[i].before);
+    meshes_ = copier.meshes();
+    if (!copied) return take_removed(scene), tl::unexpected(copied.error());
+    copies_.push_back(*copied);
+    change_of_[*copied] = std::uint32_t(i);
+  }
+  return {};
+}
+
+void ChangeList::take_removed(core::Scene& scene) {
+  if (!removed_.valid()) return;
+  scene.remove_node(std::exchange(removed_, {}));
+  for (const core::MeshId mesh : std::exchange(meshes_, {})) scene.remove_mesh(mesh);
+  copies_.clear();
+}
+
+std::optional<core::vec3> ChangeList::colour(State state) {
+  // Of Okabe and Ito's palette, whose colours all kinds of colour blindness tell apart.
+  switch (state) {
+    case State::kAdded:
+      return core::vec3(0.0f, 158.0f, 115.0f) / 255.0f;
+    case State::kRemoved:
+      return core::vec3(213.0f, 94.0f, 0.0f) / 255.0f;
+    case State::kMoved:
+      return core::vec3(86.0f, 180.0f, 233.0f) / 255.0f;
+    case State::kChanged:
+      return core::vec3(240.0f, 228.0f, 66.0f) / 255.0f;
+    case State::kUnchanged:
+      break;
+  }
+  return std::nullopt;
+}
+
+void ChangeList::set_shown(State state, bool shown) {
+  shown_[std::size_t(state)] = shown;
+  list();
+}
+
+void ChangeList::list() {
+  const std::optional<std::uint32_t> was = current_ ? std::optional(rows_[*current_]) : std::nullopt;
+  rows_.clear();
+  for (std::size_t i = 0; i < found_.items.size(); ++i)
+    if (const State state = found_.items[i].state; state != State::kUnchanged && shown(state))
+      rows_.push_back(std::uint32_t(i));
+  if (shown(State::kChanged))
+    for (std::size_t i = 0; i < found_.nodes.size(); ++i) rows_.push_back(std::uint32_t(found_.items.size() + i));
+  current_.reset();
+  if (!was) return;
+  const auto same = std::lower_bound(rows_.begin(), rows_.end(), *was);
+  if (same != rows_.end() && *same == *was) current_ = std::size_t(same - rows_.begin());
+}
+
+Looks ChangeList::looks() const {
+  Looks looks;
+  for (std::size_t i = 0; i < compare::kStateCount; ++i) {
+    const std::optional<core::vec3> colour = ChangeList::colour(State(i));
+    looks.all.push_back({{.colour = colour, .ghost = !colour}, shown_[i]});
+  }
+  looks.which.resize(change_of_.size());
+  for (std::size_t item = 0; item < change_of_.size(); ++item)
+    if (change_of_[item] != kNoChange)
+      looks.which[item] = std::uint8_t(std::size_t(found_.items[change_of_[item]].state) + 1);
+  return looks;
+}
+
+core::ItemId ChangeList::item_of(std::size_t change) const {
+  return change < first_removed() ? found_.items[change].after : copies_[change - first_removed()];
+}
+
+State ChangeList::state(std::size_t row) const {
+  return is_item(row) ? found_.items[rows_[row]].state : State::kChanged;
+}
+
+core::NodeId ChangeList::node(const core::Scene& scene, std::size_t row) const {
+  return is_item(row) ? scene.node_of(item_of(rows_[row])) : found_.nodes[rows_[row] - found_.items.size()].after;
+}
+
+std::vector<core::ItemId> ChangeList::items(const core::Scene& scene, std::size_t row) const {
+  if (is_item(row)) return {item_of(rows_[row])};
+  std::vector<core::ItemId> items;
+  scene.for_each_node(node(scene, row), [&](core::NodeId below, const auto&...) {
+    for (core::ItemId item = scene.first_item(below); item != core::kNone; item = scene.next_item(item))
+      items.push_back(item);
+  });
+  std::sort(items.begin(), items.end());
+  return items;
+}
+
+std::string ChangeList::name(const core::Scene& scene, std::size_t row) const {
+  const core::NodeId own = node(scene, row);
+  core::NodeId named = own;
+  while (named.valid() && scene.name(named).empty()) named = scene.parent(named);
+  std::string text = label(scene, named.valid() ? named : own);
+  if (is_item(row)) text.append("  ").append(core::name_of(scene.kind(item_of(rows_[row]))));
+  return text;
+}
+
+std::string ChangeList::what(std::size_t row) const {
+  return is_item(row) ? describe(found_.items[rows_[row]]) : "changed: attributes of a group";
+}
+
+std::optional<std::size_t> ChangeList::step(int by) {
+  const std::size_t count = rows_.size();
+  if (count == 0) return current_ = std::nullopt;
+  if (current_)
+    current_ = (*current_ + (by > 0 ? 1 : count - 1)) % count;
+  else
+    current_ = by > 0 ? 0 : count - 1;
+  return current_;
+}
+
+const Change* ChangeList::of(core::ItemId item) const {
+  return item < change_of_.size() && change_of_[item] != kNoChange ? &found_.items[change_of_[item]] : nullptr;
+}
+
+std::vector<FactChange> ChangeList::differing_facts(const core::Scene& scene, core::ItemId item) const {
+  const Change* change = of(item);
+  if (!change || change->before == core::kNone || change->after == core::kNone) return {};
+  std::vector<FactChange> facts = differing(item_facts(before(), change->before), item_facts(scene, change->after));
+  const core::NodeId old = before().node_of(change->before), now = scene.node_of(change->after);
+  for (FactChange& fact : differing(attribute_facts(before(), old), attribute_facts(scene, now)))
+    facts.push_back(std::move(fact));
+  if (before().name(old) != scene.name(now))
+    facts.push_back({"name", std::string(before().name(old)), std::string(scene.name(now))});
+  return facts;
+}
+
+std::string describe(const Change& change) {
+  if (change.before == core::kNone || change.after == core::kNone) return std::string(compare::name_of(change.state));
+  std::string text;
+  for (const auto& [bit, name] : {std::pair(compare::kShape, "shape"), std::pair(compare::kMaterial, "material"),
+                                  std::pair(compare::kAttributes, "attributes")})
+    if (change.differences & bit) text.append(text.empty() ? "changed: " : ", ").append(name);
+  const auto add = [&](const std::string& words) { text.append(text.empty() ? "" : "; ").append(words); };
+  if (change.differences & compare::kPlace) {
+    add("moved by " + length_text(glm::length(change.offset)));
+    char turn[40];
+    std::snprintf(turn, sizeof turn, ", turned by %.1f°", glm::degrees(change.turn));
+    if (change.turn > kTurned) text += turn;
+  }
+  if (change.differences & compare::kPath) add("renamed");
+  return text.empty() ? std::string(compare::name_of(change.state)) : text;
+}
+
+}  // namespace sightline::apps

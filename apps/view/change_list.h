@@ -1,0 +1,91 @@
+// What has changed since an older revision of the open model, as the viewer shows it: colours, a list, and the items
+// that are no more. No window.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/view/document.h"
+#include "sightline/apps/view/item_facts.h"
+#include "sightline/compare/compare.h"
+
+namespace sightline::apps {
+
+/// Compares the file that `before` was read from with the same file of the open model: its only one, or the one of the
+/// same name. Fails where there is none, and as compare::revisions() does.
+core::Expected<compare::Comparison> compare_models(const Model& before, const Model& open,
+                                                   const std::function<bool(double)>& progress);
+
+/// An attribute file of the open model has an older revision beside `file`: of its own name, or of the name of `file`.
+/// Returns `file` and those that there are.
+std::vector<std::string> older_files(const std::string& file, const std::vector<std::string>& open_files);
+
+class ChangeList {
+ public:
+  /// `found` tells what has become of `before` in the open scene.
+  ChangeList(std::string file, Model before, compare::Comparison found);
+
+  /// Copies the removed items, with the nodes above them, to below a node "removed (FILE)" of the open scene's root.
+  /// They have the material of no item. Fails with nothing added.
+  core::Expected<void> add_removed(core::Scene& scene);
+  /// Takes them away again.
+  void take_removed(core::Scene& scene);
+
+  const std::string& file() const { return file_; }
+  const compare::Comparison& found() const { return found_; }
+  const core::Scene& before() const { return *before_.scene; }
+
+  /// Of a state's items: their colour (sRGB), none where they are faint.
+  static std::optional<core::vec3> colour(compare::State state);
+  bool shown(compare::State state) const { return shown_[std::size_t(state)]; }
+  void set_shown(compare::State state, bool shown);
+  Looks looks() const;
+
+  // The list: what has changed in states that are shown, items in the order of compare::Comparison, then groups, which
+  // are nodes with other attributes but without items of their own. An index must be below row_count().
+  std::size_t row_count() const { return rows_.size(); }
+  compare::State state(std::size_t row) const;
+  /// Of the open scene. Items of the row, in rising order.
+  core::NodeId node(const core::Scene& scene, std::size_t row) const;
+  std::vector<core::ItemId> items(const core::Scene& scene, std::size_t row) const;
+  std::string name(const core::Scene& scene, std::size_t row) const;
+  std::string what(std::size_t row) const;  ///< as describe()
+
+  std::optional<std::size_t> current() const { return current_; }
+  void set_current(std::size_t row) { current_ = row; }
+  /// The next row (1) or the one before (-1), from the end to the begin; none in an empty list. It becomes current.
+  std::optional<std::size_t> step(int by);
+
+  /// The change of an item of the open scene; null where it was not compared.
+  const compare::Change* of(core::ItemId item) const;
+  /// Facts and attributes that differ, where the item is in both revisions.
+  std::vector<FactChange> differing_facts(const core::Scene& scene, core::ItemId item) const;
+
+ private:
+  std::size_t first_removed() const { return found_.items.size() - found_.count(compare::State::kRemoved); }
+  bool is_item(std::size_t row) const { return rows_[row] < found_.items.size(); }
+  /// In the open scene: itself, or the copy.
+  core::ItemId item_of(std::size_t change) const;
+  void list();
+
+  std::string file_;
+  Model before_;
+  compare::Comparison found_;
+  std::array<bool, compare::kStateCount> shown_;
+  std::vector<std::uint32_t> rows_;       // indices of items, then of nodes beyond those
+  std::vector<std::uint32_t> change_of_;  // by item of the open scene
+  std::optional<std::size_t> current_;
+  core::NodeId removed_;              // invalid: not added
+  std::vector<core::ItemId> copies_;  // of removed items, in their order
+  std::vector<core::MeshId> meshes_;  // of the copies
+};
+
+/// "added", "changed: shape, material; moved by 0.250 m, turned by 12.0°; renamed", "unchanged", …
+std::string describe(const compare::Change& change);
+
+}  // namespace sightline::apps

@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <imgui.h>
+
+#include "sightline/apps/view/comparing.h"
+#include "sightline/apps/view/panels.h"
+#include "sightline/apps/view/widgets.h"
+
+namespace sightline::apps {
+namespace {
+
+using compare::State;
+
+void tell(Viewer& viewer, const core::Expected<void>& done) {
+  if (!done) viewer.tell(done.error().message, true);
+}
+
+/// A square in the colour of a state, as high as a line; faint states have a frame alone.
+void swatch(State state) {
+  const float side = ImGui::GetTextLineHeight();
+  const ImVec2 at = ImGui::GetCursorScreenPos(), end(at.x + side, at.y + side);
+  if (const auto colour = ChangeList::colour(state))
+    ImGui::GetWindowDrawList()->AddRectFilled(at, end, ImGui::GetColorU32({colour->r, colour->g, colour->b, 1.0f}));
+  else
+    ImGui::GetWindowDrawList()->AddRect(at, end, ImGui::GetColorU32(ImGuiCol_TextDisabled));
+  ImGui::Dummy({side, side});
+}
+
+/// The states with their colours, counts and switches.
+void legend(Viewer& viewer, const ChangeList& changes) {
+  if (!ImGui::BeginTable("##legend", 3)) return;
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed);
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed);
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
+  for (const State state : {State::kAdded, State::kRemoved, State::kMoved, State::kChanged, State::kUnchanged}) {
+    const std::string name(compare::name_of(state));
+    bool on = changes.shown(state);
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    if (ImGui::Checkbox(name.c_str(), &on)) tell(viewer, toggle_changes(viewer, name));
+    ImGui::TableNextColumn();
+    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + ImGui::GetStyle().FramePadding.y);
+    swatch(state);
+    ImGui::TableNextColumn();
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(grouped(std::int64_t(changes.found().count(state))).c_str());
+  }
+  ImGui::EndTable();
+  const auto also = [](std::size_t count, const char* what) {
+    if (count > 0) ImGui::TextWrapped("%s %s", grouped(std::int64_t(count)).c_str(), what);
+  };
+  also(changes.found().renamed, "of them renamed, or below other nodes");
+  also(changes.found().nodes.size(), "groups with other attributes");
+}
+
+/// Two lines: name, and what has become of it.
+void change_row(Viewer& viewer, const ChangeList& changes, std::size_t row, float height) {
+  const core::Scene& scene = viewer.session()->scene();
+  const ImVec2 at = ImGui::GetCursorPos();
+  ImGui::PushID(int(row));
+  if (ImGui::Selectable("##row", changes.current() == row, 0, {0.0f, height}))
+    tell(viewer, viewer.session()->go_to_change(row));
+  if (ImGui::IsItemHovered()) {
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(25.0f * ImGui::GetFontSize());
+    ImGui::Text("%s\n%s", scene.path(changes.node(scene, row)).c_str(), changes.what(row).c_str());
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+  }
+  ImGui::SetCursorPos(at);
+  swatch(changes.state(row));
+  const float indent = 1.4f * ImGui::GetTextLineHeight();
+  ImGui::SetCursorPos({at.x + indent, at.y});
+  ImGui::TextUnformatted(changes.name(scene, row).c_str());
+  ImGui::SetCursorPos({at.x + indent, at.y + ImGui::GetTextLineHeight()});
+  ImGui::TextDisabled("%s", changes.what(row).c_str());
+  ImGui::SetCursorPos({at.x, at.y + height + ImGui::GetStyle().ItemSpacing.y});
+  ImGui::PopID();
+}
+
+void list(Viewer& viewer, const ChangeList& changes) {
+  static std::optional<std::size_t> scrolled_to;
+  const float height = 2.0f * ImGui::GetTextLineHeight(), pitch = height + ImGui::GetStyle().ItemSpacing.y;
+  ImGui::BeginChild("##changes", {0.0f, 0.0f}, true);
+  if (const auto current = changes.current(); current && current != std::exchange(scrolled_to, current)) {
+    const float at = float(*current) * pitch, window = ImGui::GetWindowHeight();
+    if (at < ImGui::GetScrollY() || at + pitch > ImGui::GetScrollY() + window)
+      ImGui::SetScrollY(std::max(0.0f, at - 0.4f * window));
+  }
+  ImGuiListClipper clipper;
+  clipper.Begin(int(changes.row_count()), pitch);
+  while (clipper.Step())
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) change_row(viewer, changes, std::size_t(i), height);
+  clipper.End();
+  ImGui::EndChild();
+}
+
+}  // namespace
+
+void compare_tab(Viewer& viewer) {
+  const ChangeList& changes = *viewer.session()->changes();
+  ImGui::TextWrapped("What is open is the newer revision. The older one: %s",
+                     std::filesystem::path(changes.file()).filename().string().c_str());
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", changes.file().c_str());
+  legend(viewer, changes);
+  if (ImGui::Button("Previous")) tell(viewer, previous_change(viewer, ""));
+  ImGui::SameLine();
+  if (ImGui::Button("Next")) tell(viewer, next_change(viewer, ""));
+  ImGui::SameLine();
+  const std::string all = grouped(std::int64_t(changes.row_count()));
+  if (changes.current())
+    ImGui::Text("%s of %s", grouped(std::int64_t(*changes.current() + 1)).c_str(), all.c_str());
+  else
+    ImGui::TextUnformatted(all.c_str());
+  const bool ends = ImGui::Button("End the comparison");
+  list(viewer, changes);
+  if (ends) tell(viewer, end_comparison(viewer, ""));  // last: the list is gone then
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,23 @@
+// The viewer's comparison with an older revision, as its tab and its commands use it. All need an open model.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "sightline/apps/view/viewer.h"
+
+namespace sightline::apps {
+
+/// Without a name, asks for a file.
+core::Expected<void> compare_with(Viewer& viewer, const std::string& file);
+core::Expected<void> end_comparison(Viewer& viewer, const std::string&);
+/// Shows or hides items that are "added", "removed", …
+core::Expected<void> toggle_changes(Viewer& viewer, const std::string& state);
+core::Expected<void> next_change(Viewer& viewer, const std::string&);
+core::Expected<void> previous_change(Viewer& viewer, const std::string&);
+
+/// For Viewer::state(); null while nothing is compared.
+nlohmann::ordered_json compare_json(const ChangeList* changes);
+
+}  // namespace sightline::apps

@@ -1,0 +1,132 @@
+#include "sightline/apps/view/item_facts.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "sightline/apps/view/numbers.h"
+
+namespace sightline::apps {
+namespace {
+
+/// In the order of core::parameters().
+std::span<const char* const> parameter_names(core::Kind kind) {
+  static constexpr const char* kPyramid[] = {"bottom x", "bottom y", "top x", "top y",
+                                             "offset x", "offset y", "height"};
+  static constexpr const char* kBox[] = {"size x", "size y", "size z"};
+  static constexpr const char* kRectangularTorus[] = {"inner radius", "outer radius", "height", "angle"};
+  static constexpr const char* kCircularTorus[] = {"bend radius", "tube radius", "angle"};
+  static constexpr const char* kDish[] = {"base radius", "height"};
+  static constexpr const char* kSnout[] = {"bottom radius",  "top radius",     "height",      "offset x",   "offset y",
+                                           "bottom shear x", "bottom shear y", "top shear x", "top shear y"};
+  static constexpr const char* kCylinder[] = {"radius", "height"};
+  static constexpr const char* kSphere[] = {"diameter"};
+  static constexpr const char* kLine[] = {"from", "to"};
+  switch (kind) {
+    case core::Kind::kPyramid:
+      return kPyramid;
+    case core::Kind::kBox:
+      return kBox;
+    case core::Kind::kRectangularTorus:
+      return kRectangularTorus;
+    case core::Kind::kCircularTorus:
+      return kCircularTorus;
+    case core::Kind::kEllipticalDish:
+    case core::Kind::kSphericalDish:
+      return kDish;
+    case core::Kind::kSnout:
+      return kSnout;
+    case core::Kind::kCylinder:
+      return kCylinder;
+    case core::Kind::kSphere:
+      return kSphere;
+    case core::Kind::kLine:
+      return kLine;
+    case core::Kind::kFacetGroup:
+    case core::Kind::kMesh:
+      break;
+  }
+  return {};
+}
+
+bool is_angle(std::string_view name) {
+  return name.find("angle") != std::string_view::npos || name.find("shear") != std::string_view::npos;
+}
+
+/// How much larger a placement makes all lengths; none where it scales some more than others.
+std::optional<double> scale_of(const core::Affine& world_from_item) {
+  const core::dmat3& m = world_from_item.linear;
+  const double x = glm::length(m[0]), least = std::min({x, glm::length(m[1]), glm::length(m[2])}),
+               most = std::max({x, glm::length(m[1]), glm::length(m[2])});
+  return most - least <= 1e-5 * most ? std::optional(x) : std::nullopt;
+}
+
+/// A parameter in the world, or, where an item is stretched, in its own units.
+std::string quantity(std::string_view name, double value, const std::optional<double>& scale) {
+  char text[60];
+  if (is_angle(name))
+    std::snprintf(text, sizeof text, "%.6g°", glm::degrees(value));
+  else if (scale)
+    std::snprintf(text, sizeof text, "%.6g m", value * *scale);
+  else
+    std::snprintf(text, sizeof text, "%.6g units, stretched", value);
+  return text;
+}
+
+std::vector<Fact> shape_facts(const core::Scene& scene, core::ItemId item) {
+  const core::Kind kind = scene.kind(item);
+  std::vector<Fact> facts{{"kind", std::string(core::name_of(kind))}};
+  if (int(kind) >= core::kPrimitiveKindCount) {
+    const core::MeshId mesh = scene.mesh_of(item);
+    if (mesh.valid()) facts.push_back({"triangles", grouped(std::int64_t(scene.mesh(mesh).indices.size() / 3))});
+    return facts;
+  }
+  const core::Primitive primitive = scene.primitive(item);
+  const auto values = core::parameters(primitive);
+  const auto names = parameter_names(kind);
+  const std::optional<double> scale = scale_of(scene.state(item).world_from_item);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    facts.push_back({names[i], quantity(names[i], double(values[i]), scale)});
+  return facts;
+}
+
+const std::string* value_of(const std::vector<Fact>& facts, const std::string& name) {
+  const auto found = std::find_if(facts.begin(), facts.end(), [&](const Fact& fact) { return fact.name == name; });
+  return found == facts.end() ? nullptr : &found->value;
+}
+
+}  // namespace
+
+std::vector<Fact> item_facts(const core::Scene& scene, core::ItemId item) {
+  std::vector<Fact> facts = shape_facts(scene, item);
+  const core::Scene::ItemState state = scene.state(item);
+  const core::AabbD box = scene.bounds_under(item, state.world_from_item);
+  if (!box.empty()) {
+    facts.push_back({"from", vector_text(box.min)});
+    facts.push_back({"to", vector_text(box.max)});
+  }
+  if (const core::MaterialId material = scene.material_at(state.material); material.valid())
+    facts.push_back({"material", scene.material(material).name});
+  return facts;
+}
+
+std::vector<Fact> attribute_facts(const core::Scene& scene, core::NodeId node) {
+  std::vector<Fact> facts;
+  for (const auto& [key, value] : scene.attributes(node)) facts.push_back({key, value});
+  return facts;
+}
+
+std::vector<FactChange> differing(const std::vector<Fact>& before, const std::vector<Fact>& after) {
+  std::vector<FactChange> changes;
+  for (const Fact& fact : after) {
+    const std::string* old = value_of(before, fact.name);
+    if (!old || *old != fact.value) changes.push_back({fact.name, old ? *old : "", fact.value});
+  }
+  for (const Fact& fact : before)
+    if (!value_of(after, fact.name)) changes.push_back({fact.name, fact.value, ""});
+  return changes;
+}
+
+}  // namespace sightline::apps
