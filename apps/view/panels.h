@@ -26,6 +26,7 @@ void status_bar(Viewer& viewer);
 void help_window(Viewer& viewer);
 void open_window(Viewer& viewer);     ///< a path to type, or a file opened before
 void compare_window(Viewer& viewer);  ///< the same for an older revision
+void quit_window(Viewer& viewer);     ///< asks what becomes of views that no file has
 void loading_window(Viewer& viewer);  ///< progress, and a button that cancels
 void item_tip(Viewer& viewer, core::ItemId item);
 

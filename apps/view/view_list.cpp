@@ -113,11 +113,22 @@ void ViewList::merge(std::vector<Viewpoint> views) {
     const auto same = std::find_if(views_.begin(), views_.end(),
                                    [&](const Viewpoint& v) { return !view.guid.empty() && v.guid == view.guid; });
     if (view.guid.empty()) view.guid = new_guid();
+    saved_.insert(format_viewpoint(view));
     if (same != views_.end())
       *same = std::move(view);
     else
       views_.push_back(std::move(view));
   }
+}
+
+void ViewList::mark_saved() {
+  saved_.clear();
+  for (const Viewpoint& view : views_) saved_.insert(format_viewpoint(view));
+}
+
+std::size_t ViewList::unsaved() const {
+  return std::size_t(std::count_if(views_.begin(), views_.end(),
+                                   [&](const Viewpoint& view) { return !saved_.contains(format_viewpoint(view)); }));
 }
 
 bool is_bcf(const std::filesystem::path& file) {

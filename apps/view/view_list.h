@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "sightline/apps/view/viewpoint.h"
@@ -33,12 +34,18 @@ class ViewList {
   /// Adds views of a file. One with the GUID of a view of the list takes its place.
   void merge(std::vector<Viewpoint> views);
 
+  /// A file has all views as they are now.
+  void mark_saved();
+  /// How many views are as no file has them.
+  std::size_t unsaved() const;
+
  private:
   static constexpr std::size_t kNoView = std::size_t(-1);
 
   std::string free_name() const;
 
   std::vector<Viewpoint> views_;
+  std::unordered_set<std::string> saved_;  // views that some file has, as text
   std::size_t current_ = kNoView;
 };
 

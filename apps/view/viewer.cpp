@@ -93,12 +93,12 @@ core::Expected<int> Viewer::run() {
   if (!settings_.damage().empty()) std::fprintf(stderr, "sightline-view: %s\n", settings_.damage().c_str());
   if (!settings_.damage().empty() && !loader_) tell(settings_.damage(), true);
   double last = glfwGetTime();
-  while (!window_.closing() && (options_.frames == 0 || frames_ < options_.frames)) {
+  while (!closing() && (options_.frames == 0 || frames_ < options_.frames)) {
     const bool busy = !settled() || next_step_ < script_.size();
     if (!busy) keep_settings();
     if (release_ && glfwGetTime() >= wait_until_) gui_.push({*std::exchange(release_, std::nullopt)});
     gui_.push(window_.poll(loader_ ? kLoadingWait : busy ? 0.0 : kIdleWait));
-    if (window_.closing()) break;
+    if (closing()) break;
     if (lost()) {
       if (auto done = recover(); !done) return tl::unexpected(done.error());
       continue;
@@ -119,6 +119,16 @@ core::Expected<int> Viewer::run() {
   keep_settings();
   if (auto done = finish(); !done) return tl::unexpected(done.error());
   return kExitOk;
+}
+
+/// Whether the window is to be closed. Asks once, where views would be lost that no file has.
+bool Viewer::closing() {
+  if (!window_.closing()) return false;
+  if (shown.quit || !options_.script.empty() || options_.frames > 0 || views_.unsaved() == 0) return true;
+  window_.keep_open();
+  shown.quit = true;
+  redraws_ = kSettlingFrames;
+  return false;
 }
 
 /// Makes the window and all that lay in its context anew. Model, camera, sections and selection stay.
@@ -279,6 +289,7 @@ core::Expected<void> Viewer::frame(double seconds) {
   if (shown.help) help_window(*this);
   if (shown.open) open_window(*this);
   if (shown.compare) compare_window(*this);
+  if (shown.quit) quit_window(*this);
   if (loader_) loading_window(*this);
   if (session_ && session_->document().hovered() && !drag_ && !shown.measure && !ImGui::GetIO().WantCaptureMouse)
     item_tip(*this, *session_->document().hovered());

@@ -88,6 +88,7 @@ class Viewer {
   /// Switches of panels.
   struct Shown {
     bool panels = true, help = false, open = false, compare = false;
+    bool quit = false;     ///< asks before views are lost
     bool smooth = true;    ///< edges, while nothing moves
     bool relief = true;    ///< what has one colour
     bool lower = true;     ///< resolution, while the view moves and frames come late
@@ -109,6 +110,7 @@ class Viewer {
   core::Expected<void> recover();
   core::Expected<void> land();
   void land_comparison(core::Expected<Model> before, const std::string& file);
+  bool closing();
   core::Expected<void> step_script();
   core::Expected<void> carry_out(const ScriptStep& step);
   core::Expected<void> expect(const std::string& argument);

@@ -101,8 +101,10 @@ core::Expected<void> delete_view(Viewer& viewer, const std::string& which) {
 core::Expected<void> save_views(Viewer& viewer, const std::string& file) {
   if (file.empty()) return core::fail("name a file: .bcfzip, .bcf or .json");
   auto done = write_views(file, viewer.views().all());
-  if (done) viewer.tell(std::to_string(viewer.views().size()) + " views: " + file);
-  return done;
+  if (!done) return done;
+  viewer.views().mark_saved();
+  viewer.tell(std::to_string(viewer.views().size()) + " views: " + file);
+  return {};
 }
 
 core::Expected<void> load_views(Viewer& viewer, const std::string& file) {

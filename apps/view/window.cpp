@@ -233,6 +233,11 @@ void Window::close() {
   glfwSetWindowShouldClose(state_->window, GLFW_TRUE);
 }
 
+void Window::keep_open() {
+  glfwSetWindowShouldClose(state_->window, GLFW_FALSE);
+  if (glfwGetWindowAttrib(state_->window, GLFW_ICONIFIED) != 0) glfwRestoreWindow(state_->window);
+}
+
 std::vector<Event> Window::poll(double wait) {
   if (wait > 0.0)
     glfwWaitEventsTimeout(wait);

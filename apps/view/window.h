@@ -45,6 +45,7 @@ class Window {
 
   bool closing() const;
   void close();
+  void keep_open();  ///< somebody has tried to close it, and is asked
   /// What has happened since the last call. Waits for it for some seconds at most; while the window is minimised until
   /// it no longer is.
   std::vector<Event> poll(double wait);

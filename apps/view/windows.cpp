@@ -5,6 +5,7 @@
 #include <imgui_stdlib.h>
 
 #include "sightline/apps/view/panels.h"
+#include "sightline/apps/view/views.h"
 #include "sightline/apps/view/widgets.h"
 
 namespace sightline::apps {
@@ -63,6 +64,27 @@ void compare_window(Viewer& viewer) {
   begin_centred("Compare with an older revision", &viewer.shown.compare, 40.0f);
   ImGui::TextWrapped("What is open counts as the newer revision. Path of the older one:");
   if (path_entry(viewer, path)) viewer.compare(path);
+  ImGui::End();
+}
+
+void quit_window(Viewer& viewer) {
+  static std::string file = "views.bcfzip";  // stays from time to time
+  begin_centred("Quit", nullptr, 34.0f);
+  const std::size_t unsaved = viewer.views().unsaved();
+  ImGui::TextWrapped("%zu view%s of the list %s in no file, and would be lost. Save all views as:", unsaved,
+                     unsaved == 1 ? "" : "s", unsaved == 1 ? "is" : "are");
+  ImGui::SetNextItemWidth(-1.0f);
+  ImGui::InputText("##file", &file);
+  if (ImGui::Button("Save and quit")) {
+    if (auto done = save_views(viewer, file); !done)
+      viewer.tell(done.error().message, true);
+    else
+      viewer.quit();
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("Quit without them")) viewer.quit();
+  ImGui::SameLine();
+  if (ImGui::Button("Stay")) viewer.shown.quit = false;
   ImGui::End();
 }
 

@@ -707,5 +707,28 @@ TEST_F(ViewKeys, TheWindowShowsThePictureAtAnySize) {
   EXPECT_FALSE(kept.contains("panels")) << "nobody has switched them";
 }
 
+/// The first attempt asks, the second one quits.
+TEST_F(ViewKeys, QuittingAsksOnceForUnsavedViews) {
+  const auto runs = [&] {
+    siginfo_t ended{};
+    return waitid(P_PID, id_t(child_.pid), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0;
+  };
+  const auto shown = [&] { return read_screen(path("Xvfb_screen0"), 640, 480).rgb; };
+  open({plant(1000), "--size", "640x480", "--no-smooth"});
+  const auto empty = shown();
+  ASSERT_TRUE(comes_true([&] { return press("v"), shown() != empty; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const auto before = shown();
+  press("ctrl+q");
+  ASSERT_TRUE(comes_true([&] { return shown() != before; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  screen(640, 480);
+  ASSERT_TRUE(runs()) << "it asks";
+  press("ctrl+q");
+  const Outcome outcome = wait_for(child_);
+  child_.pid = 0;
+  EXPECT_EQ(outcome.code, 0) << outcome;
+}
+
 }  // namespace
 }  // namespace sightline::tests

@@ -257,5 +257,31 @@ TEST(ViewListTest, MissingFilesAreErrors) {
   EXPECT_FALSE(read_views("/"));
 }
 
+TEST(ViewList, KnowsWhatNoFileHas) {
+  ViewList views;
+  EXPECT_EQ(views.unsaved(), 0u);
+  views.add({}, "one");
+  views.add({}, "two");
+  EXPECT_EQ(views.unsaved(), 2u);
+  views.mark_saved();
+  EXPECT_EQ(views.unsaved(), 0u);
+  views.current()->comment = "look here";
+  EXPECT_EQ(views.unsaved(), 1u);
+  views.current()->comment.clear();
+  EXPECT_EQ(views.unsaved(), 0u) << "as it was saved";
+  views.move_current(-1);
+  views.remove(1);
+  EXPECT_EQ(views.unsaved(), 0u) << "the order and what was deleted are in the file";
+  Viewpoint read;
+  read.name = "three";
+  views.merge({read, read});
+  EXPECT_EQ(views.unsaved(), 0u) << "they are from a file";
+  views.set_current(1);
+  Viewpoint seen;
+  seen.pose.eye = {1, 2, 3};
+  views.update_current(seen);
+  EXPECT_EQ(views.unsaved(), 1u);
+}
+
 }  // namespace
 }  // namespace sightline::apps
