@@ -9,6 +9,19 @@
 #include "sightline/apps/view/widgets.h"
 
 namespace sightline::apps {
+namespace {
+
+/// A path to type, or one of the recent files. True once there is one.
+bool path_entry(const Viewer& viewer, std::string& path) {
+  ImGui::SetNextItemWidth(-1.0f);
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  if (ImGui::InputText("##path", &path, ImGuiInputTextFlags_EnterReturnsTrue) && !path.empty()) return true;
+  for (const std::string& file : viewer.recent())
+    if (ImGui::Selectable(file.c_str())) return path = file, true;
+  return false;
+}
+
+}  // namespace
 
 void help_window(Viewer& viewer) {
   const auto line = [](const char* how, const char* what) {
@@ -39,16 +52,6 @@ void help_window(Viewer& viewer) {
     if (left) ImGui::SameLine();
   }
   ImGui::End();
-}
-
-/// A path to type, or one of the recent files. True once there is one.
-static bool path_entry(const Viewer& viewer, std::string& path) {
-  ImGui::SetNextItemWidth(-1.0f);
-  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  if (ImGui::InputText("##path", &path, ImGuiInputTextFlags_EnterReturnsTrue) && !path.empty()) return true;
-  for (const std::string& file : viewer.recent())
-    if (ImGui::Selectable(file.c_str())) return path = file, true;
-  return false;
 }
 
 void open_window(Viewer& viewer) {
