@@ -155,7 +155,7 @@ bool Document::unseen(core::ItemId item, std::uint8_t flags, const Looks& looks)
 
 /// Lets the engine show these items with their new flags and looks.
 core::Expected<void> Document::show(const Changes& changes, const Looks& looks) {
-  constexpr std::size_t kStyles = 8;   // of each look, by style bits
+  constexpr std::size_t kStyles = 8;  // of each look, by style bits
   std::vector<std::vector<core::ItemId>> styled(kStyles * (looks.all.size() + 1));
   std::vector<core::ItemId> hide, show;
   for (const auto& [item, flags] : changes) {

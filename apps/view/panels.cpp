@@ -13,18 +13,52 @@
 namespace sightline::apps {
 namespace {
 
-constexpr float kTreeWidth = 19.0f, kSideWidth = 21.0f;  // in lines of text
+constexpr float kTreeWidth = 19.0f, kSideWidth = 21.0f, kLeastWidth = 8.0f;  // in lines of text
+constexpr float kTreeShare = 0.27f, kSideShare = 0.3f, kMostShare = 0.45f;   // of the window
+constexpr float kGrip = 0.4f;                                                // lines, of an edge that can be dragged
+
 float bar_height() {
   return ImGui::GetFrameHeight();
 }
 
+/// Of a panel, pixels. `chosen`: by the user, in lines of text; 0: not chosen.
+float panel_width(float chosen, float usual, float usual_share) {
+  const float font = ImGui::GetFontSize(), wide = ImGui::GetIO().DisplaySize.x;
+  if (chosen == 0.0f) return std::min(usual * font, usual_share * wide);
+  return std::min(std::max(chosen, kLeastWidth) * font, kMostShare * wide);
+}
+
+/// A vertical edge at `x`. Pixels by which it is dragged to the right.
+float drag_edge(const char* name, float x, float y, float height) {
+  const float grip = std::max(2.0f, kGrip * ImGui::GetFontSize());
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0f, 0.0f});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1.0f, 1.0f});
+  begin_fixed(name, x - 0.5f * grip, y, grip, height,
+              ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoScrollbar);
+  ImGui::InvisibleButton("##edge", {grip, height});
+  const bool dragged = ImGui::IsItemActive();
+  if (dragged || ImGui::IsItemHovered()) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+  return dragged ? ImGui::GetIO().MousePos.x - x : 0.0f;
+}
+
 }  // namespace
 
-Margins margins() {
-  const float font = ImGui::GetFontSize(), bar = bar_height();
-  const float wide = ImGui::GetIO().DisplaySize.x;
-  const float side = std::min(kSideWidth * font, 0.3f * wide), tree = std::min(kTreeWidth * font, 0.27f * wide);
-  return {int(tree), int(side), int(bar), int(bar)};
+Margins margins(const Viewer& viewer) {
+  const float bar = bar_height();
+  return {int(panel_width(viewer.shown.tree_width, kTreeWidth, kTreeShare)),
+          int(panel_width(viewer.shown.side_width, kSideWidth, kSideShare)), int(bar), int(bar)};
+}
+
+void splitters(Viewer& viewer) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const Margins m = margins(viewer);
+  const float height = size.y - float(m.top + m.bottom), font = ImGui::GetFontSize();
+  const float tree = drag_edge("##tree-edge", float(m.left), float(m.top), height),
+              side = drag_edge("##side-edge", size.x - float(m.right), float(m.top), height);
+  if (tree != 0.0f) viewer.shown.tree_width = std::max(kLeastWidth, (float(m.left) + tree) / font);
+  if (side != 0.0f) viewer.shown.side_width = std::max(kLeastWidth, (float(m.right) - side) / font);
 }
 
 void menu_bar(Viewer& viewer) {
@@ -50,7 +84,7 @@ void menu_bar(Viewer& viewer) {
 
 void side_panel(Viewer& viewer) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  const Margins m = margins();
+  const Margins m = margins(viewer);
   begin_fixed("##side", size.x - float(m.right), float(m.top), float(m.right), size.y - float(m.top + m.bottom),
               ImGuiWindowFlags_NoTitleBar);
   if (viewer.session() && ImGui::BeginTabBar("##tabs", ImGuiTabBarFlags_FittingPolicyScroll)) {

@@ -9,11 +9,12 @@ namespace sightline::apps {
 struct Margins {
   int left = 0, right = 0, top = 0, bottom = 0;
 };
-Margins margins();
+Margins margins(const Viewer& viewer);
 
 void menu_bar(Viewer& viewer);
 void tree_panel(Viewer& viewer);  ///< search and tree
 void side_panel(Viewer& viewer);  ///< has the tabs
+void splitters(Viewer& viewer);   ///< the panels' inner edges, which can be dragged
 void properties_tab(Viewer& viewer);
 void measure_tab(Viewer& viewer);
 void sections_tab(Viewer& viewer);

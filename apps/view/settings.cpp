@@ -66,6 +66,13 @@ std::optional<std::array<int, 2>> size_of(const Json& json) {
   return std::array{json[0].get<int>(), json[1].get<int>()};
 }
 
+/// Of a panel's width.
+std::optional<float> lines_of(const Json& json) {
+  constexpr float kMostLines = 1000.0f;
+  if (!json.is_number() || json < 0.0f || json > kMostLines) return std::nullopt;
+  return json.get<float>();
+}
+
 /// What an object says; keys whose values cannot be are in `bad`.
 Settings settings_of(const Json& json, std::string& bad) {
   Settings settings;
@@ -83,6 +90,8 @@ Settings settings_of(const Json& json, std::string& bad) {
   take("triad", settings.triad, flag_of);
   take("relief", settings.relief, flag_of);
   take("lower-resolution", settings.lower, flag_of);
+  take("tree-width", settings.tree_width, lines_of);
+  take("side-width", settings.side_width, lines_of);
   take("recent", settings.recent, files_of);
   take("window", settings.window, size_of);
   return settings;
@@ -104,6 +113,8 @@ void put_changes(const Settings& before, const Settings& now, Json& json) {
   if (now.triad != before.triad) json["triad"] = now.triad;
   if (now.relief != before.relief) json["relief"] = now.relief;
   if (now.lower != before.lower) json["lower-resolution"] = now.lower;
+  if (now.tree_width != before.tree_width) json["tree-width"] = now.tree_width;
+  if (now.side_width != before.side_width) json["side-width"] = now.side_width;
   if (now.recent != before.recent) json["recent"] = merged(now.recent, settings_of(json, bad).recent);
   if (now.window != before.window && size_of(now.window)) json["window"] = now.window;
 }

@@ -19,6 +19,8 @@ struct Settings {
   bool triad = true;                        ///< shown
   bool relief = true;                       ///< engine::Relief
   bool lower = true;                        ///< resolution while the view moves and frames come late
+  float tree_width = 0.0f;                  ///< of the left panel, in lines of text; 0: as the window's size suggests
+  float side_width = 0.0f;                  ///< of the right panel
   std::vector<std::string> recent;          ///< files opened, the last one first, with absolute paths
   std::array<int, 2> window = {1280, 720};  ///< screen units
 

@@ -111,7 +111,7 @@ void rows(Viewer& viewer, ModelTree& tree) {
 }  // namespace
 
 void tree_panel(Viewer& viewer) {
-  const Margins m = margins();
+  const Margins m = margins(viewer);
   begin_fixed("##tree", 0.0f, float(m.top), float(m.left), ImGui::GetIO().DisplaySize.y - float(m.top + m.bottom),
               ImGuiWindowFlags_NoTitleBar);
   if (Session* session = viewer.session()) {

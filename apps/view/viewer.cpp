@@ -74,6 +74,8 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   now_ = settings_.settings();
   shown.triad = now_.triad;
   shown.lower = now_.lower;
+  shown.tree_width = now_.tree_width;
+  shown.side_width = now_.side_width;
   shown.relief = options.shown.relief.any() || (now_.relief && options.remembers());
   if (!options.shown.relief.any()) options_.shown.relief = kRelief;
   take_settings();
@@ -284,6 +286,7 @@ core::Expected<void> Viewer::frame(double seconds) {
     menu_bar(*this);
     tree_panel(*this);
     side_panel(*this);
+    splitters(*this);
     status_bar(*this);
   }
   if (shown.help) help_window(*this);
@@ -360,7 +363,7 @@ void Viewer::note_picture() {
 Part Viewer::viewport() const {
   const std::array<int, 2> size = window_.size();
   if (!shown.panels) return {0, 0, size[0], size[1]};
-  const Margins m = margins();
+  const Margins m = margins(*this);
   return {m.left, m.bottom, std::max(1, size[0] - m.left - m.right), std::max(1, size[1] - m.top - m.bottom)};
 }
 
@@ -532,6 +535,8 @@ void Viewer::take_settings() {
   now_.triad = shown.triad;
   now_.relief = shown.relief;
   now_.lower = shown.lower;
+  now_.tree_width = shown.tree_width;
+  now_.side_width = shown.side_width;
   now_.window = window_.screen_size();
 }
 
@@ -570,6 +575,7 @@ nlohmann::ordered_json Viewer::state() const {
             {"smooth", shown.smooth},
             {"relief", shown.relief},
             {"lower", shown.lower},
+            {"picture", {{"width", part_.width}, {"height", part_.height}}},
             {"response_ms", response_ms_},
             {"recording", recording()},
             {"recovered", recovered_},

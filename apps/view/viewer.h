@@ -88,13 +88,14 @@ class Viewer {
   /// Switches of panels.
   struct Shown {
     bool panels = true, help = false, open = false, compare = false;
-    bool quit = false;     ///< asks before views are lost
-    bool smooth = true;    ///< edges, while nothing moves
-    bool relief = true;    ///< what has one colour
-    bool lower = true;     ///< resolution, while the view moves and frames come late
-    bool triad = true;     ///< beside panels
-    bool measure = false;  ///< clicks set marks
-    bool find = false;     ///< the search field gets the keyboard next
+    bool quit = false;                           ///< asks before views are lost
+    bool smooth = true;                          ///< edges, while nothing moves
+    bool relief = true;                          ///< what has one colour
+    bool lower = true;                           ///< resolution, while the view moves and frames come late
+    bool triad = true;                           ///< beside panels
+    bool measure = false;                        ///< clicks set marks
+    bool find = false;                           ///< the search field gets the keyboard next
+    float tree_width = 0.0f, side_width = 0.0f;  ///< of the panels, in lines of text; 0: as the window's size suggests
   } shown;
   const std::vector<std::string>& recent() const { return now_.recent; }
 
