@@ -160,8 +160,9 @@ std::vector<Event> Gui::take_events() {
     const Event& next = waiting_.front();
     const bool press = next.type == Event::Type::kKey || next.type == Event::Type::kButton;
     const auto clashes = [&](const Event& before) {
-      return press && (before.type == Event::Type::kCursor ? next.type == Event::Type::kButton
-                                                           : before.type == next.type && before.key == next.key);
+      const bool cursor = before.type == Event::Type::kCursor, pressed = before.type == Event::Type::kButton;
+      if ((cursor && next.type == Event::Type::kButton) || (pressed && next.type == Event::Type::kCursor)) return true;
+      return press && before.type == next.type && before.key == next.key;
     };
     if (std::any_of(events.begin(), events.end(), clashes)) break;
     feed(ImGui::GetIO(), next);

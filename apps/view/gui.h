@@ -27,7 +27,8 @@ class Gui {
   float line() const;
 
   void push(std::vector<Event> events);
-  /// The next frame's events, among which no key or button changes twice: widgets see each state once. More wait.
+  /// The next frame's events, among which no key or button changes twice, and the cursor is where a button changed:
+  /// widgets see each state once. More wait.
   std::vector<Event> take_events();
   bool has_events() const { return !waiting_.empty(); }
   /// Whether widgets use an event, as of the last frame.

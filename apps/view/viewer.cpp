@@ -284,9 +284,9 @@ core::Expected<void> Viewer::frame(double seconds) {
   gui_.begin(size, seconds);
   if (shown.panels) {
     menu_bar(*this);
+    splitters(*this);  // first: of windows that stay in their order, the one that was made first lies in front
     tree_panel(*this);
     side_panel(*this);
-    splitters(*this);
     status_bar(*this);
   }
   if (shown.help) help_window(*this);
