@@ -516,6 +516,53 @@ TEST_F(ViewScript, EdgesBecomeSmoothAtRest) {
   EXPECT_LT(smooth_error, 0.5 * sharp_error) << smooth_error << " of " << sharp_error;
 }
 
+/// A budget and pixels left out while the view moves leave the picture at rest as it is.
+TEST_F(ViewScript, MotionAtLessQualityEndsInTheSamePicture) {
+  const std::string model = plant(3000);
+  std::vector<Picture> pictures;
+  for (const char* budget : {"0", "1"}) {
+    const std::string file = path("at-rest.png");
+    expect_driven(
+        "smooth\nexpect /lower = true\ndrag 300 200 380 230\nexpect /response_ms > 0\nscreenshot " + file + "\n",
+        {model, "--size", kSize, "--no-panels", "--budget", budget});
+    pictures.push_back(read_png(file));
+  }
+  const std::string file = path("same.png");
+  expect_driven("smooth\nlower-resolution\nexpect /lower = false\ndrag 300 200 380 230\nscreenshot " + file + "\n",
+                {model, "--size", kSize, "--no-panels"});
+  EXPECT_EQ(read_png(file).rgb, pictures[0].rgb);
+  EXPECT_EQ(pictures[1].rgb, pictures[0].rgb);
+}
+
+/// What is under the cursor has a line in the window, and none in pictures that are written.
+TEST_F(ViewScript, HoveringLeavesThePicture) {
+  const std::string with = path("with.png"), without = path("without.png");
+  expect_driven("front\nmove 5 5\nexpect /hovered = -1\nwindow-shot " + without + "\nscreenshot " + path("a.png") +
+                    "\nmove 300 200\nexpect /hovered >= 0\nwindow-shot " + with + "\nscreenshot " + path("b.png") +
+                    "\nclick 300 200\nhide\nmove 300 201\nexpect /hovered >= 0\n",
+                {boxes(), "--size", kSize, "--no-panels"});
+  EXPECT_EQ(read_png(path("a.png")).rgb, read_png(path("b.png")).rgb);
+  EXPECT_EQ(read_png(path("a.png")).rgb, read_png(without).rgb);
+  const Picture lined = read_png(with), bare = read_png(without);
+  int changed = 0;
+  for (std::size_t i = 0; i < bare.rgb.size(); i += 3)
+    changed += lined.rgb[i] > bare.rgb[i] + 40 && lined.rgb[i + 2] + 40 < lined.rgb[i];  // orange
+  EXPECT_GT(changed, 300);
+  EXPECT_LT(changed, 2000);
+}
+
+/// Dragged at once or slowly, and not beyond what leaves room for the picture.
+TEST_F(ViewScript, PanelsAreAsWideAsOneDragsThem) {
+  const std::string settings = path("settings.json");
+  expect_driven(
+      "expect /picture/width = 387\ndrag 243 300 150 300\nexpect /picture/width = 480\n"
+      "drag 630 300 600 290\nexpect /picture/width = 450\n"
+      "drag 600 300 10 300\nexpect /picture/width = 345\ndrag 150 200 1 200\nexpect /picture/width = 375\n",
+      {plant(1000), "--size", "900x600", "--scale", "1", "--settings", settings});
+  expect_driven("expect /picture/width = 375\n",
+                {plant(1000), "--size", "900x600", "--scale", "1", "--settings", settings});
+}
+
 TEST_F(ViewScript, RecordsAPathThatCanBePlayed) {
   const std::string model = plant(3000), saved = path("walk.json");
   expect_driven("record\nexpect /recording = true\nfront\nwait 0.4\ntop\nrecord\nexpect /recording = false\n",
