@@ -23,6 +23,7 @@ struct ControllerConfig {
   Policy policy = Policy::kFrameCost;
   FrameCostConfig frame_cost;
   Policy2009Config policy_2009;
+  friend bool operator==(const ControllerConfig&, const ControllerConfig&) = default;
 };
 
 /// Deterministic: the same calls give the same paths. Allocates nothing; copies are independent. Starts on the CPU, and

@@ -29,6 +29,7 @@ struct FrameCostConfig {
   /// where the CPU's cores do the GPU's work: there such trials are only ever lost. With rendering off, GPU frames on
   /// these have no clock that could show otherwise, so the GPU path is then never taken.
   double presumed_gpu_excess = 0.0;
+  friend bool operator==(const FrameCostConfig&, const FrameCostConfig&) = default;
 };
 
 /// See Controller for what the functions promise. Each path has a table of log(cost) against visible items

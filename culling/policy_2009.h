@@ -24,6 +24,7 @@ struct Policy2009Config {
   std::uint32_t gpu_frames = 500;   ///< m: frames of the GPU's turn; doubled each time the CPU is still slow after it
   std::uint32_t probe_frames = 2;   ///< CPU frames of a trial; when all are slow, the GPU takes over again
   std::uint32_t most_gpu_frames = 1u << 20;  ///< limit of the doubling
+  friend bool operator==(const Policy2009Config&, const Policy2009Config&) = default;
 };
 
 /// See Controller for what the functions promise.

@@ -53,6 +53,11 @@ core::Expected<void> check(const EngineConfig& config) {
   return {};
 }
 
+/// Whether what a hybrid has learnt with one holds with the other, as far as settings go.
+bool cost_alike(const EngineConfig& a, const EngineConfig& b) {
+  return a.controller == b.controller && a.sample_test == b.sample_test && a.occlusion == b.occlusion;
+}
+
 /// The name of a setting in which they differ, though it needs a new engine; null where there is none.
 const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig& b) {
   if (a.draw != b.draw) return "draw";
@@ -300,6 +305,7 @@ core::Expected<void> Engine::Impl::land() {
   }
   new_tracer_.finish(live_);
   if (!rebuild_->exchange(live_)) return {};
+  live_.follow_plan(plan_request(config_, picks_));  // settings may have changed since the rebuild began
   overrides_.reorder(*live_.snapshot);
   return follow_order();
 }
@@ -335,7 +341,7 @@ core::Expected<void> Engine::Impl::configure(const EngineConfig& config) {
     return core::fail(std::string("engine: another engine is needed for another ") + fixed);
   const EngineConfig before = std::exchange(config_, config);
   config_.controller.frame_cost.rendering = config.draw;
-  rebuild_.reset();  // it would land with the former choice
+  const CullerChoice culler_before = live_.plan.culler;
   live_.follow_plan(plan_request(config_, picks_));
   if (auto done = make_drawing(false); !done) {
     config_ = before;
@@ -344,6 +350,9 @@ core::Expected<void> Engine::Impl::configure(const EngineConfig& config) {
     return done;
   }
   if (drawing_) drawing_->configure(config_);
+  const bool same_culler = live_.plan.culler == culler_before;
+  if (!same_culler) rebuild_.reset();  // it would land with the former culler
+  if (same_culler && cost_alike(before, config_)) return {};
   hybrid_.reset();
   follow_hybrid();
   return {};

@@ -223,15 +223,16 @@ class SIGHTLINE_API Engine {
   bool rebuilding() const;
 
   /// Uses another culler from the next frame on. Makes what that culler lacks. What the former culler had is kept until
-  /// the next new order, so that changing back costs next to nothing. A hybrid begins to learn anew. Stops a rebuild in
-  /// the background; the next commit() begins it again. Fails where create() would; then nothing has changed. The same
-  /// as configure() with that culler.
+  /// the next new order, so that changing back costs next to nothing. A hybrid that comes begins to learn anew. Stops a
+  /// rebuild in the background if the plan's culler changes; the next commit() begins it again. Fails where create()
+  /// would; then nothing has changed. The same as configure() with that culler.
   core::Expected<void> set_culler(CullerChoice choice);
   const EngineConfig& config() const;
   /// Uses other settings from the next frame on: culler, controller, sample_test, occlusion, contribution,
   /// contribution_way, budget_ms, hidden_colour, outline_colour and relief. The others must be as they are (config()).
-  /// What that needs is made, as in set_culler(); a hybrid begins to learn anew. Fails where create() would, and on
-  /// other changes; then nothing has changed.
+  /// What that needs is made, as in set_culler(). A rebuild in the background goes on unless the plan names another
+  /// culler. A hybrid keeps what it has learnt unless controller, sample_test, occlusion or the plan's culler change.
+  /// Fails where create() would, and on other changes; then nothing has changed.
   core::Expected<void> configure(const EngineConfig& config);
   /// Draws in another size, in pixels, from the next frame on. The old picture is gone. Fails on sizes that the context
   /// does not support; then nothing has changed.

@@ -214,6 +214,69 @@ TEST_F(HybridTest, AGpuCullerThatFails) {
   }
 }
 
+/// Looks cost both paths the same, so that a hybrid need not learn anew, nor a new order begin again.
+TEST_F(HybridTest, KeepsWhatItKnowsWhenOnlyLooksChange) {
+  core::Scene scene;
+  fill(scene, 22);
+  auto engine = Engine::create(scene, config(CullerChoice::kHybrid));
+  ASSERT_TRUE(engine) << engine.error().message;
+  const auto configure = [&](auto&& change) {
+    EngineConfig changed = engine->config();
+    change(changed);
+    const auto done = engine->configure(changed);
+    EXPECT_TRUE(done) << done.error().message;
+    return engine->controller() ? engine->controller()->frames() : 0;
+  };
+  const auto learn = [&] {
+    for (int frame = 0; frame < 8; ++frame) ASSERT_TRUE(engine->frame(view(0.1 * frame)));
+  };
+  ASSERT_NO_FATAL_FAILURE(learn());
+  EXPECT_EQ(configure([](EngineConfig& c) { c.outline_colour = {0, 1, 0}; }), 8u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.relief = {0.5f, 0.5f}; }), 8u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.hidden_colour = core::vec3(0, 0, 1); }), 8u);
+  EXPECT_EQ(configure([](EngineConfig&) {}), 8u);
+  EXPECT_EQ(configure([](EngineConfig& c) { c.controller.policy_2009.gpu_frames = 4; }), 0u);
+  ASSERT_NO_FATAL_FAILURE(learn());
+  EXPECT_EQ(configure([](EngineConfig& c) { c.sample_test = false; }), 0u);
+  ASSERT_NO_FATAL_FAILURE(learn());
+  EXPECT_EQ(configure([](EngineConfig& c) { c.occlusion = engine::OcclusionChoice::kOff; }), 0u);
+  ASSERT_NO_FATAL_FAILURE(learn());
+  EXPECT_EQ(configure([](EngineConfig& c) { c.contribution = 1.0f; }), 0u);
+  EXPECT_EQ(engine->controller(), nullptr);
+  configure([](EngineConfig& c) { c.contribution = 0.0f; });
+  EXPECT_NE(engine->controller(), nullptr);
+}
+
+/// What lands is as the settings say by then, though they have changed since the rebuild began.
+TEST_F(HybridTest, ARebuildGoesOnWhenOnlyLooksChange) {
+  core::Scene scene;
+  fill(scene, 30);
+  auto engine = Engine::create(scene, config(CullerChoice::kHybrid));
+  ASSERT_TRUE(engine) << engine.error().message;
+  const std::uint64_t generation = engine->snapshot().generation();
+  for (core::ItemId item = 0; item < 2000; ++item) scene.remove_item(item);
+  ASSERT_TRUE(engine->commit());
+  ASSERT_TRUE(engine->rebuilding());
+  EngineConfig changed = engine->config();
+  changed.relief = {0.5f, 0.0f};
+  changed.outline_colour = {0, 1, 0};
+  ASSERT_TRUE(engine->configure(changed));
+  while (engine->rebuilding()) ASSERT_TRUE(engine->frame(view(0)));
+  EXPECT_NE(engine->snapshot().generation(), generation) << "the new order has landed";
+  const auto used = [&](std::string_view feature) {
+    return std::any_of(engine->plan().entries.begin(), engine->plan().entries.end(),
+                       [&](const engine::PlanEntry& entry) { return entry.feature == feature && entry.used; });
+  };
+  EXPECT_TRUE(used("relief"));
+  EXPECT_EQ(engine->plan().culler, CullerChoice::kHybrid);
+
+  for (core::ItemId item = 2000; item < 6000; ++item) scene.remove_item(item);
+  ASSERT_TRUE(engine->commit());
+  ASSERT_TRUE(engine->rebuilding());
+  ASSERT_TRUE(engine->set_culler(CullerChoice::kLinear));
+  EXPECT_FALSE(engine->rebuilding()) << "it would bring another culler";
+}
+
 /// Nothing to cull with on the GPU: a hybrid that comes then begins on the CPU, and takes the GPU when it is there.
 TEST_F(HybridTest, AHybridWithoutAContextWaitsForOne) {
   core::Scene scene;
