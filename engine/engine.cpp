@@ -2,21 +2,13 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <deque>
 #include <limits>
 #include <tuple>
 #include <utility>
 
 #include "sightline/engine/internal/clock.h"
-#include "sightline/engine/internal/drawing_or_none.h"
-#include "sightline/engine/internal/hybrid.h"
-#include "sightline/engine/internal/overrides.h"
+#include "sightline/engine/internal/engine_impl.h"
 #include "sightline/engine/internal/picking.h"
-#include "sightline/engine/internal/rebuild.h"
-#if SIGHTLINE_HAS_RAYTRACE
-#include "sightline/engine/pick.h"
-#endif
 
 namespace sightline::engine {
 namespace {
@@ -75,98 +67,6 @@ const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig
 }
 
 }  // namespace
-
-/// Engine documents each function.
-class Engine::Impl {
- public:
-  Impl(core::Scene& scene, const EngineConfig& config);
-
-  /// Builds everything that the plan names. The scene must be committed.
-  core::Expected<void> build();
-  core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view,
-                                    const core::ExternalTarget* target);
-  std::optional<LateReport> take_late_report();
-  core::Expected<void> commit();
-  core::Expected<void> rebuild();
-  bool rebuilding() const { return rebuild_ && !rebuild_->finished(); }
-  const EngineConfig& config() const { return config_; }
-  core::Expected<void> configure(const EngineConfig& config);
-  core::Expected<void> resize(int width, int height);
-  core::Expected<void> set_override(std::span<const core::ItemId> items, const ItemStyle& style);
-  core::Expected<void> clear_override(std::span<const core::ItemId> items);
-  core::Expected<void> clear_overrides();
-  core::Expected<void> hide(std::span<const core::ItemId> items);
-  core::Expected<void> show(std::span<const core::ItemId> items);
-  core::Expected<void> isolate(std::span<const core::NodeId> nodes);
-  core::Expected<void> show_all();
-  void drop_context();
-  core::Expected<void> use_context(gl::Context& context);
-  void paused();
-  void finish();
-  const Plan& plan() const { return live_.plan; }
-  const core::Snapshot& snapshot() const { return *live_.snapshot; }
-  const gpuprims::Joints& joints() const { return live_.joints; }
-  const core::VisibleSet& visible() const { return visible_; }
-  const culling::Controller* controller() const { return hybrid_ ? &hybrid_->controller() : nullptr; }
-  Drawing* drawing();
-  MemoryReport memory() const;
-  core::Expected<std::vector<core::ItemId>> items_in(const core::View& view, const PixelRectangle& rectangle,
-                                                     culling::RegionRule rule) const;
-  std::vector<core::ItemId> items_in(const core::View& volume, culling::RegionRule rule) const;
-#if SIGHTLINE_HAS_RAYTRACE
-  core::Expected<std::vector<raytrace::VisibleItem>> visible_items_in(const core::View& view,
-                                                                      const PixelRectangle& rectangle, int samples);
-  void prepare_picks() {
-    picks_ = true;
-    new_tracer_.begin(live_);
-  }
-  core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y, Ghosts ghosts);
-  core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter, Ghosts ghosts);
-#endif
-
- private:
-  bool needs_gl() const {
-    return config_.draw || live_.plan.gpu_culls();
-  }
-  /// EngineConfig::gl_state: held where GL is called, so that calls which need no GL do not ask it.
-  Drawing::KeptState keep_state() const {
-    return drawing_ ? drawing_->keep_state() : Drawing::KeptState();
-  }
-  void follow_hybrid();
-  culling::ControllerConfig controller_config() const;
-  core::Expected<void> make_drawing(bool new_order);
-  void look_after_context();
-  core::Expected<void> fit_target(const core::ExternalTarget& target);
-  core::Expected<void> unless_lost(core::Expected<void> done) const;
-  core::Expected<void> land();
-  core::Expected<void> follow_order();
-  void note_gpu_variant();
-  core::Expected<void> known(const char* call, std::span<const core::ItemId> items) const;
-  template <class Edit>
-  core::Expected<void> override_items(const Edit& edit);
-  core::Expected<bool> cull(const core::View& cull_view, const core::View& view, bool on_cpu, FrameReport& report);
-  void cull_on_cpu(const core::View& view, FrameReport& report);
-  culling::FrameSample describe_walk() const;
-  void gather_late_reports();
-
-  core::Scene* scene_;
-  core::SceneSubscription edits_;
-  EngineConfig config_;
-  Order live_;
-  Overrides overrides_;
-  core::VisibleSet visible_;
-  core::VisibleSet overlaid_;  // what is visible where the GPU culls, for what is drawn over its picture
-  std::unique_ptr<Drawing> drawing_;
-  double next_try_ = -1.0;          // when to try to make a context, in seconds; below 0: none is missing
-  double last_frame_began_ = -1.0;  // seconds on the steady clock
-  std::uint64_t frames_ = 0;
-  bool picks_ = false;  // the application has picked
-  std::optional<Hybrid> hybrid_;
-  std::deque<LateReport> late_;
-  // Last: they read live_ until they are destroyed.
-  BackgroundTracer new_tracer_;
-  std::unique_ptr<BackgroundRebuild> rebuild_;
-};
 
 // --- public interface ------------------------------------------------------------------------------------------------
 
@@ -711,106 +611,5 @@ core::Expected<void> Engine::Impl::isolate(std::span<const core::NodeId> nodes) 
 core::Expected<void> Engine::Impl::show_all() {
   return override_items([&](core::Snapshot& snapshot) { return overrides_.show_all(snapshot); });
 }
-
-// --- regions ---------------------------------------------------------------------------------------------------------
-
-core::Expected<std::vector<core::ItemId>> Engine::Impl::items_in(const core::View& view,
-                                                                 const PixelRectangle& rectangle,
-                                                                 culling::RegionRule rule) const {
-  const auto volume = culling::rectangle_view(view, config_.width, config_.height, rectangle.x0, rectangle.y0,
-                                              rectangle.x1, rectangle.y1);
-  if (!volume) return tl::unexpected(volume.error());
-  return items_in(*volume, rule);
-}
-
-std::vector<core::ItemId> Engine::Impl::items_in(const core::View& volume, culling::RegionRule rule) const {
-  const core::Snapshot& snapshot = *live_.snapshot;
-  core::VisibleSet candidates;
-  if (live_.culler)
-    std::visit([&](const auto& culler) { culler.cull(volume, candidates); }, *live_.culler);
-  else
-    culling::LinearCuller(snapshot.bounds()).cull(volume, candidates);
-  std::vector<core::ItemId> items;
-  for (const core::Slot slot : culling::items_in_region(snapshot, volume, candidates, rule))
-    items.push_back(snapshot.item(slot));
-  std::sort(items.begin(), items.end());
-  return items;
-}
-
-core::Expected<std::vector<core::ItemId>> Engine::items_in(const core::View& view, const PixelRectangle& rectangle,
-                                                           culling::RegionRule rule) const {
-  return impl_->items_in(view, rectangle, rule);
-}
-core::Expected<std::vector<core::ItemId>> Engine::items_in(std::vector<core::Plane> planes, culling::RegionRule rule,
-                                                           std::uint32_t layers) const {
-  if (planes.size() > core::kMaxSectionPlanes)
-    return core::fail("region: expected at most " + std::to_string(core::kMaxSectionPlanes) + " planes");
-  return impl_->items_in(culling::region_view(std::move(planes), layers), rule);
-}
-
-#if SIGHTLINE_HAS_RAYTRACE
-
-void Engine::prepare_picks() {
-  impl_->prepare_picks();
-}
-
-// --- picking ---------------------------------------------------------------------------------------------------------
-
-core::Expected<std::optional<Pick>> Engine::Impl::pick(const core::View& view, double x, double y, Ghosts ghosts) {
-  const auto ray = raytrace::pixel_ray(view, config_.width, config_.height, x, y);
-  if (!ray) return tl::unexpected(ray.error());
-  return pick(*ray, raytrace::filter_of(view), ghosts);
-}
-
-core::Expected<std::optional<Pick>> Engine::Impl::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter,
-                                                       Ghosts ghosts) {
-  picks_ = true;
-  new_tracer_.finish(live_);
-  if (auto made = make_tracer(live_); !made) return tl::unexpected(made.error());
-  const auto hit = ghosts == Ghosts::kHit ? live_.tracer->nearest(ray, filter)
-                                          : raytrace::nearest_but(*live_.tracer, ray, filter, overrides_.ghosts());
-  if (!hit) return tl::unexpected(hit.error());
-  if (!*hit) return std::nullopt;
-  return Pick{**hit, scene_->contains_item((*hit)->item) ? scene_->node_of((*hit)->item) : core::NodeId()};
-}
-
-core::Expected<std::vector<raytrace::VisibleItem>> Engine::Impl::visible_items_in(const core::View& view,
-                                                                                  const PixelRectangle& rectangle,
-                                                                                  int samples) {
-  const auto asked = culling::rectangle_view(view, config_.width, config_.height, rectangle.x0, rectangle.y0,
-                                             rectangle.x1, rectangle.y1);
-  if (!asked) return tl::unexpected(asked.error());
-  const auto low = [](double a, double b) { return std::floor(std::min(a, b)); };
-  const auto high = [](double a, double b) { return std::ceil(std::max(a, b)); };
-  const double x0 = std::max(0.0, low(rectangle.x0, rectangle.x1)), y0 = std::max(0.0, low(rectangle.y0, rectangle.y1));
-  const double x1 = std::min(double(config_.width), high(rectangle.x0, rectangle.x1));
-  const double y1 = std::min(double(config_.height), high(rectangle.y0, rectangle.y1));
-  const auto cropped = culling::rectangle_view(view, config_.width, config_.height, x0, y0, x1, y1);
-  if (!cropped) return tl::unexpected(cropped.error());
-  if (!(x0 < x1 && y0 < y1)) return std::vector<raytrace::VisibleItem>();  // beside the picture
-  picks_ = true;
-  new_tracer_.finish(live_);
-  if (auto made = make_tracer(live_); !made) return tl::unexpected(made.error());
-  return raytrace::ExactVisibility(*live_.tracer)
-      .compute(*cropped, int(x1 - x0), int(y1 - y0), samples, 0, overrides_.ghosts());
-}
-
-core::Expected<std::vector<raytrace::VisibleItem>> Engine::visible_items_in(const core::View& view,
-                                                                            const PixelRectangle& rectangle,
-                                                                            int samples) {
-  return impl_->visible_items_in(view, rectangle, samples);
-}
-core::Expected<std::optional<Pick>> Engine::pick(const core::View& view, double x, double y, Ghosts ghosts) {
-  return impl_->pick(view, x, y, ghosts);
-}
-core::Expected<std::optional<Pick>> Engine::pick(const raytrace::Ray& ray) {
-  return impl_->pick(ray, {}, Ghosts::kPassed);
-}
-core::Expected<std::optional<Pick>> Engine::pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter,
-                                                 Ghosts ghosts) {
-  return impl_->pick(ray, filter, ghosts);
-}
-
-#endif
 
 }  // namespace sightline::engine

@@ -1,0 +1,113 @@
+// The engine behind Engine. Its functions are in engine.cpp, those that ask about pictures and regions in queries.cpp.
+// Internal to engine.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sightline/engine/engine.h"
+#include "sightline/engine/internal/drawing_or_none.h"
+#include "sightline/engine/internal/hybrid.h"
+#include "sightline/engine/internal/overrides.h"
+#include "sightline/engine/internal/picking.h"
+#include "sightline/engine/internal/rebuild.h"
+
+namespace sightline::engine {
+
+/// Engine documents each function.
+class Engine::Impl {
+ public:
+  Impl(core::Scene& scene, const EngineConfig& config);
+
+  /// Builds everything that the plan names. The scene must be committed.
+  core::Expected<void> build();
+  core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view,
+                                    const core::ExternalTarget* target);
+  std::optional<LateReport> take_late_report();
+  core::Expected<void> commit();
+  core::Expected<void> rebuild();
+  bool rebuilding() const { return rebuild_ && !rebuild_->finished(); }
+  const EngineConfig& config() const { return config_; }
+  core::Expected<void> configure(const EngineConfig& config);
+  core::Expected<void> resize(int width, int height);
+  core::Expected<void> set_override(std::span<const core::ItemId> items, const ItemStyle& style);
+  core::Expected<void> clear_override(std::span<const core::ItemId> items);
+  core::Expected<void> clear_overrides();
+  core::Expected<void> hide(std::span<const core::ItemId> items);
+  core::Expected<void> show(std::span<const core::ItemId> items);
+  core::Expected<void> isolate(std::span<const core::NodeId> nodes);
+  core::Expected<void> show_all();
+  void drop_context();
+  core::Expected<void> use_context(gl::Context& context);
+  void paused();
+  void finish();
+  const Plan& plan() const { return live_.plan; }
+  const core::Snapshot& snapshot() const { return *live_.snapshot; }
+  const gpuprims::Joints& joints() const { return live_.joints; }
+  const core::VisibleSet& visible() const { return visible_; }
+  const culling::Controller* controller() const { return hybrid_ ? &hybrid_->controller() : nullptr; }
+  Drawing* drawing();
+  MemoryReport memory() const;
+  core::Expected<std::vector<core::ItemId>> items_in(const core::View& view, const PixelRectangle& rectangle,
+                                                     culling::RegionRule rule) const;
+  std::vector<core::ItemId> items_in(const core::View& volume, culling::RegionRule rule) const;
+#if SIGHTLINE_HAS_RAYTRACE
+  core::Expected<std::vector<raytrace::VisibleItem>> visible_items_in(const core::View& view,
+                                                                      const PixelRectangle& rectangle, int samples);
+  void prepare_picks() {
+    picks_ = true;
+    new_tracer_.begin(live_);
+  }
+  core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y, Ghosts ghosts);
+  core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter, Ghosts ghosts);
+#endif
+
+ private:
+  bool needs_gl() const {
+    return config_.draw || live_.plan.gpu_culls();
+  }
+  /// EngineConfig::gl_state: held where GL is called, so that calls which need no GL do not ask it.
+  Drawing::KeptState keep_state() const {
+    return drawing_ ? drawing_->keep_state() : Drawing::KeptState();
+  }
+  void follow_hybrid();
+  culling::ControllerConfig controller_config() const;
+  core::Expected<void> make_drawing(bool new_order);
+  void look_after_context();
+  core::Expected<void> fit_target(const core::ExternalTarget& target);
+  core::Expected<void> unless_lost(core::Expected<void> done) const;
+  core::Expected<void> land();
+  core::Expected<void> follow_order();
+  void note_gpu_variant();
+  core::Expected<void> known(const char* call, std::span<const core::ItemId> items) const;
+  template <class Edit>
+  core::Expected<void> override_items(const Edit& edit);
+  core::Expected<bool> cull(const core::View& cull_view, const core::View& view, bool on_cpu, FrameReport& report);
+  void cull_on_cpu(const core::View& view, FrameReport& report);
+  culling::FrameSample describe_walk() const;
+  void gather_late_reports();
+
+  core::Scene* scene_;
+  core::SceneSubscription edits_;
+  EngineConfig config_;
+  Order live_;
+  Overrides overrides_;
+  core::VisibleSet visible_;
+  core::VisibleSet overlaid_;  // what is visible where the GPU culls, for what is drawn over its picture
+  std::unique_ptr<Drawing> drawing_;
+  double next_try_ = -1.0;          // when to try to make a context, in seconds; below 0: none is missing
+  double last_frame_began_ = -1.0;  // seconds on the steady clock
+  std::uint64_t frames_ = 0;
+  bool picks_ = false;  // the application has picked
+  std::optional<Hybrid> hybrid_;
+  std::deque<LateReport> late_;
+  // Last: they read live_ until they are destroyed.
+  BackgroundTracer new_tracer_;
+  std::unique_ptr<BackgroundRebuild> rebuild_;
+};
+
+}  // namespace sightline::engine
