@@ -20,6 +20,7 @@
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/controller.h"
+#include "sightline/culling/cull_states.h"
 #include "sightline/culling/gpu/gpu_culler_config.h"
 #include "sightline/culling/region_query.h"
 #include "sightline/engine/item_style.h"
@@ -159,6 +160,12 @@ struct LateReport {
   std::int64_t shown = -1;    ///< items drawn; -1 without drawing
 };
 
+/// What EngineConfig::contribution and budget_ms cost a picture: an estimate of its error.
+struct LossReport {
+  std::int64_t items = 0;  ///< left out, that may cover a sample and that nothing in the picture is known to hide
+  double pixels = 0.0;     ///< that these are expected to cover, at most all: see Engine::loss()
+};
+
 struct MemoryReport {
   std::size_t scene = 0, snapshot = 0, bvh = 0, gpu = 0;  ///< bytes
   std::size_t tracer = 0;                                 ///< 0 before the first pick
@@ -203,6 +210,16 @@ class SIGHTLINE_API Engine {
   /// while the context is lost, nothing is drawn.
   core::Expected<void> draw_outline(const core::View& view, std::span<const core::ItemId> items,
                                     const core::ExternalTarget& target);
+  /// What the last frame() has left out by EngineConfig::contribution and budget_ms, `view` being the one that it drew;
+  /// nothing without these. Squares drawn instead count as left out. The pixels are the sum of the items' areas as
+  /// culling/contribution.h measures them, so they are too many where items overlap or hide each other, or reach out of
+  /// the picture. A convex solid may cover twice its measure in an unlucky direction. Waits for the GPU and takes time
+  /// in proportion to the items left out: meant for pictures that stay.
+  core::Expected<LossReport> loss(const core::View& view);
+  /// What culling makes of each item in the view (culling/cull_states.h), by the slots of snapshot(): the culler, then
+  /// contribution, sample test and occlusion as configured, the latter two with `draw` alone. A budget does not count,
+  /// nor hysteresis. Draws a picture for that, so that the last frame's is gone. Time is in proportion to all slots.
+  core::Expected<culling::CullStates> cull_states(const core::View& view);
   /// The oldest result of the GPU culler that was not yet taken; results arrive some frames late. Nothing while none
   /// has arrived. Never waits. Keeps the newest 64 results.
   std::optional<LateReport> take_late_report();

@@ -1,4 +1,4 @@
-// Functions of Engine that ask what lies in a region or shows at a point, without drawing.
+// Functions of Engine that ask what lies in a region, what shows at a point, and what culling does, between frames.
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +8,41 @@
 #endif
 
 namespace sightline::engine {
+
+// --- what culling does -----------------------------------------------------------------------------------------------
+
+core::Expected<LossReport> Engine::Impl::loss(const core::View& view) {
+  if (!drawing_ || drawing_->lost()) return LossReport();
+  [[maybe_unused]] const auto kept = keep_state();
+  return drawing_->loss({view, *live_.snapshot, visible_, live_.lines, live_.hierarchy()});
+}
+
+core::Expected<culling::CullStates> Engine::Impl::cull_states(const core::View& view) {
+  [[maybe_unused]] const auto kept = keep_state();
+  if (auto landed = land(); !landed) return tl::unexpected(landed.error());
+  const core::Snapshot& snapshot = *live_.snapshot;
+  std::optional<culling::Hierarchy> own;  // what culls without one has none
+  const culling::Hierarchy* hierarchy = live_.hierarchy();
+  if (!hierarchy) hierarchy = &own.emplace(snapshot.bounds());
+  LeftOut out;
+  if (drawing_ && !drawing_->lost()) {
+    core::VisibleSet visible;
+    std::visit([&](const auto& culler) { culler.cull(view, visible); }, *live_.culler);
+    auto found = drawing_->left_out({view, snapshot, visible, live_.lines, hierarchy});
+    if (found)
+      out = std::move(*found);
+    else if (!drawing_->lost())
+      return tl::unexpected(found.error());
+  }
+  return culling::cull_states(view, snapshot.bounds(), *hierarchy, out.small, out.occluded);
+}
+
+core::Expected<LossReport> Engine::loss(const core::View& view) {
+  return impl_->loss(view);
+}
+core::Expected<culling::CullStates> Engine::cull_states(const core::View& view) {
+  return impl_->cull_states(view);
+}
 
 // --- regions ---------------------------------------------------------------------------------------------------------
 

@@ -21,4 +21,9 @@ struct Culled {
   Culled with(const core::VisibleSet& set) const { return {view, snapshot, set, lines, hierarchy}; }
 };
 
+/// Of what is visible, what a picture leaves out: a bit per slot, or no words where nothing is.
+struct LeftOut {
+  std::vector<std::uint64_t> small, occluded;
+};
+
 }  // namespace sightline::engine

@@ -70,6 +70,11 @@ class Drawing {
   const Counts& counts() const { return counts_; }
   /// Draws an outline of the visible items of `items` over a framebuffer: Engine::draw_outline(). The picture stays.
   core::Expected<void> put_outline(const Culled& items, const core::ExternalTarget& over);
+  /// What a picture of the view would leave out of what is visible. Draws it for the distances, so that the last
+  /// picture is gone. No history: the contribution's threshold has no hysteresis.
+  core::Expected<LeftOut> left_out(const Culled& culled);
+  /// What contribution and budget have left out of the last draw(), which must have shown that.
+  core::Expected<LossReport> loss(const Culled& culled);
   /// The next draw() shows something else, though its view may be that of the last one: a budget begins anew.
   void picture_changed() {
     budget_view_.reset();

@@ -1,4 +1,4 @@
-// The engine behind Engine. Its functions are in engine.cpp, those that ask about pictures and regions in queries.cpp.
+// The engine behind Engine. Its functions are in engine.cpp, those that ask something between frames in queries.cpp.
 // Internal to engine.
 #pragma once
 
@@ -27,6 +27,8 @@ class Engine::Impl {
   core::Expected<void> build();
   core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view,
                                     const core::ExternalTarget* target);
+  core::Expected<LossReport> loss(const core::View& view);
+  core::Expected<culling::CullStates> cull_states(const core::View& view);
   std::optional<LateReport> take_late_report();
   core::Expected<void> commit();
   core::Expected<void> rebuild();

@@ -32,6 +32,8 @@ class Drawing {
   };
   core::Expected<void> draw(const Culled&, std::uint64_t, double) { return {}; }
   core::Expected<void> draw_from_aside(const core::View&, const Culled&, std::uint64_t, double) { return {}; }
+  core::Expected<LeftOut> left_out(const Culled&) { return {}; }
+  core::Expected<LossReport> loss(const Culled&) { return {}; }
   void picture_changed() {}
   core::Expected<void> cull(const core::View&, const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
   bool has_overlays() const { return false; }

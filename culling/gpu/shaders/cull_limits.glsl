@@ -7,4 +7,4 @@ const int kMaxSamples = 32;           // of a pixel
 const int kMaxLevels = 16;            // of a depth pyramid
 const uint kPyramidGroup = 8u;        // a work group makes so many blocks of it along each axis
 const uint kRejected = 0xffffffffu;   // in place of the index of what is culled
-const uint kInside = 0x80000000u;     // set in the index of a cluster that no plane cuts
+const uint kInsideBit = 0x80000000u;  // set in the index of a cluster that no plane cuts

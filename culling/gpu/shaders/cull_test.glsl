@@ -50,11 +50,11 @@ bool inside(vec3 low, vec3 high) {
   return false;
 }
 
-// Returns the cluster, with kInside set where no plane cuts it, or kRejected. Empty clusters hold the inverted box.
+// Returns the cluster, with kInsideBit set where no plane cuts it, or kRejected. Empty clusters hold the inverted box.
 uint test_cluster(uint cluster) {
   vec3 low = texelFetch(cluster_boxes, 2 * int(cluster)).xyz, high = texelFetch(cluster_boxes, 2 * int(cluster) + 1).xyz;
   if (any(greaterThan(low, high))) return kRejected;
   if (cull.use_layers && (texelFetch(cluster_layers, int(cluster)).x & cull.view_layers) == 0u) return kRejected;
   if (outside(low, high) || !cluster_selected(low, high)) return kRejected;
-  return inside(low, high) ? cluster | kInside : cluster;
+  return inside(low, high) ? cluster | kInsideBit : cluster;
 }
