@@ -84,6 +84,18 @@ Done section_box(Viewer& viewer, const std::string&) {
   return {};
 }
 
+/// Of all states, or of the one that is named.
+Done toggle_boxes(Viewer& viewer, const std::string& state) {
+  CullingSwitches& switches = viewer.culling().switches;
+  if (state.empty()) return switches.boxes = !switches.boxes, Done();
+  for (int i = 0; i < culling::kCullStateCount; ++i) {
+    if (name_of(culling::CullState(i)) != state) continue;
+    bool& on = switches.states[std::size_t(i)];
+    return on = !on, Done();
+  }
+  return core::fail("boxes: expected inside, intersecting, outside, occluded or small, found \"" + state + "\"");
+}
+
 /// A setting of the engine, by a script.
 Done set_number(Viewer& viewer, const std::string& text, void (*set)(engine::EngineConfig&, double)) {
   const auto number = parse_finite(text);
@@ -236,7 +248,10 @@ const Command kCommands[] = {
     {"freeze", "Culling", "Freeze the culling camera", GLFW_KEY_C, 0, "C",
      "cull for this view from now on, and look from elsewhere: what it sees nothing of is magenta",
      [](Viewer& v, const std::string&) -> Done { return v.session()->set_frozen(!v.session()->frozen()), Done(); },
-     [](Viewer& v) { return v.session()->frozen(); }},
+     [](Viewer& v) { return v.session()->frozen() != nullptr; }},
+    {"boxes", "Culling", "Boxes of the frozen camera", GLFW_KEY_C, kShift, "Shift+C",
+     "show or hide the frozen camera's view and boxes of what it culls; by a script of one STATE alone", toggle_boxes,
+     [](Viewer& v) { return v.culling().switches.boxes; }, false},
     {"cull-auto", "Culling", "As the scene's size suggests", GLFW_KEY_0, kAlt, "Alt+0",
      "cull as the scene's size suggests", cull<CullerChoice::kAutomatic>},
     {"cull-cpu", "Culling", "On the CPU", GLFW_KEY_1, kAlt, "Alt+1", "cull on the CPU", cull<CullerChoice::kCpu>,

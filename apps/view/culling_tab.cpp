@@ -1,15 +1,34 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string_view>
 
 #include "sightline/apps/common/frame_words.h"
 #include "sightline/apps/view/panels.h"
+#include "sightline/apps/view/plots.h"
 #include "sightline/apps/view/widgets.h"
 
 namespace sightline::apps {
 
 namespace {
+
+/// What the sliders cost, beside them.
+void error_figures(Session& session) {
+  const engine::EngineConfig& now = session.engine().config();
+  if (now.budget_ms <= 0.0 && now.contribution <= 0.0f) return;
+  const auto loss = session.loss();
+  if (!loss) return ImGui::TextDisabled("error: known when nothing moves");
+  const double share = 100.0 * loss->pixels / (double(session.size()[0]) * session.size()[1]);
+  char text[120];
+  std::snprintf(text, sizeof text, "error: %s items, %s px, %.2f %%", grouped(loss->items).c_str(),
+                grouped(std::int64_t(std::ceil(loss->pixels))).c_str(), share);
+  ImGui::TextUnformatted(text);
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip(
+        "left out of the picture, and not known to be hidden;\n"
+        "pixels that these would cover if none hid another");
+}
 
 /// What the engine leaves out or puts off while the view moves, and when its hybrid changes the path.
 void settings_sliders(Viewer& viewer, Session& session) {
@@ -27,6 +46,7 @@ void settings_sliders(Viewer& viewer, Session& session) {
          [](auto& config, float ms) { config.budget_ms = std::round(ms); });
   slider("least area, px", "items that cover fewer pixels are left out; 0: none", now.contribution, 16.0, "%.1f",
          [](auto& config, float pixels) { config.contribution = pixels; });
+  error_figures(session);
   if (session.engine().plan().culler != engine::CullerChoice::kHybrid) return;
   const culling::FrameCostConfig& hybrid = now.controller.frame_cost;
   slider("margin, %", "the hybrid changes the path where the other one is cheaper by this share", 1e2 * hybrid.margin,
@@ -35,6 +55,54 @@ void settings_sliders(Viewer& viewer, Session& session) {
          [](auto& config, float share) { config.controller.frame_cost.dwell_margin = 1e-2 * double(share); });
   slider("soon, frames", "what counts as soon after a change", hybrid.dwell_frames, 100.0, "%.0f",
          [](auto& config, float frames) { config.controller.frame_cost.dwell_frames = std::uint32_t(frames + 0.5f); });
+}
+
+/// Legend, switches and counts of a frozen camera's items.
+void frozen_states(Viewer& viewer, const FrozenCamera& frozen) {
+  if (!frozen.states()) return;
+  constexpr const char* kWords[] = {"inside", "across its border", "outside", "hidden by others", "too small"};
+  CullingSwitches& switches = viewer.culling().switches;
+  ImGui::Separator();
+  ImGui::TextUnformatted("Items of the frozen camera");
+  ImGui::BeginDisabled(!switches.boxes);
+  for (int i = 0; i < culling::kCullStateCount; ++i) {
+    ImGui::PushID(i);
+    ImGui::Checkbox("##shown", &switches.states[std::size_t(i)]);
+    ImGui::SameLine(0.0f, 0.4f * ImGui::GetFontSize());
+    ImGui::AlignTextToFramePadding();
+    colour_square(CullingOverlay::colour(culling::CullState(i)), ImGui::GetStyle().FramePadding.y);
+    ImGui::TextUnformatted(kWords[i]);
+    const std::string count = grouped(frozen.states()->items[std::size_t(i)]);
+    ImGui::SameLine(std::max(0.0f, ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(count.c_str()).x));
+    ImGui::TextUnformatted(count.c_str());
+    ImGui::PopID();
+  }
+  ImGui::EndDisabled();
+  const CullingBoxes& boxes = viewer.culling().boxes();
+  if (switches.boxes)
+    ImGui::Text("%s of %s boxes shown", grouped(std::int64_t(boxes.drawn())).c_str(),
+                grouped(std::int64_t(boxes.wanted())).c_str());
+}
+
+template <int kDigits>
+std::string milliseconds(double ms) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*f ms", kDigits, ms);
+  return text;
+}
+
+/// Of the last pictures. Colours differ for all kinds of colour blindness.
+void plots(const std::vector<FrameFigures>& frames) {
+  const ImVec4 kFirst{0.0f, 0.62f, 0.45f, 1.0f}, kSecond{0.90f, 0.62f, 0.0f, 1.0f};
+  constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+  const auto culled = [&](bool on_gpu) {
+    return [&frames, on_gpu](std::size_t i) { return frames[i].on_gpu == on_gpu ? frames[i].cull_ms : kGap; };
+  };
+  plot("culling", milliseconds<3>, frames.size(), {{"CPU", kFirst, culled(false)}, {"GPU", kSecond, culled(true)}});
+  plot("pictures", milliseconds<1>, frames.size(), {{"", kFirst, [&](std::size_t i) { return frames[i].picture_ms; }}});
+  plot("items", [](double most) { return grouped(std::int64_t(most)); }, frames.size(),
+       {{"in view", kFirst, [&](std::size_t i) { return double(frames[i].visible); }},
+        {"drawn", kSecond, [&](std::size_t i) { return frames[i].shown < 0 ? kGap : double(frames[i].shown); }}});
 }
 
 }  // namespace
@@ -48,6 +116,9 @@ void culling_tab(Viewer& viewer) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", command.help);
   }
   settings_sliders(viewer, session);
+  if (session.frozen()) frozen_states(viewer, *session.frozen());
+  ImGui::Separator();
+  plots(viewer.history().frames());
   const engine::FrameReport& report = session.report();
   const auto known = [](std::int64_t count) { return count < 0 ? std::string("known to the GPU") : grouped(count); };
   ImGui::Separator();
@@ -61,23 +132,10 @@ void culling_tab(Viewer& viewer) {
     row("drawn", known(report.shown));
     row("too small", grouped(report.small));
     row("not yet drawn", grouped(report.pending));
-    char text[60];
-    std::snprintf(text, sizeof text, "%.3f ms", report.cull_ms);
-    row("culling", text);
-    std::snprintf(text, sizeof text, "%.1f ms", report.draw_ms);
-    row("drawing", text);
+    row("culling", milliseconds<3>(report.cull_ms));
+    row("drawing", milliseconds<1>(report.draw_ms));
     ImGui::EndTable();
   }
-  const std::vector<double>& times = viewer.frame_times();
-  if (times.empty()) return;
-  const auto value = [](void* data, int i) {
-    return float((*static_cast<const std::vector<double>*>(data))[std::size_t(i)]);
-  };
-  const double most = *std::max_element(times.begin(), times.end());
-  char label[60];
-  std::snprintf(label, sizeof label, "pictures, up to %.1f ms", most);
-  ImGui::PlotLines("##times", value, const_cast<std::vector<double>*>(&times), int(times.size()), 0, label, 0.0f,
-                   float(most), {-1.0f, 6.0f * ImGui::GetFontSize()});
   const engine::MemoryReport memory = session.engine().memory();
   if (begin_rows("memory")) {
     const auto mib = [](std::size_t bytes) {

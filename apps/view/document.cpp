@@ -181,17 +181,21 @@ core::Expected<Document::Changes> Document::apply(const Changes& changes) {
   if (auto done = show(changes, looks_); !done) return tl::unexpected(done.error());
   Changes before;
   before.reserve(changes.size());
-  bool selects = false;
+  bool selects = false, solids_change = false;
   for (const auto& [item, flags] : changes) {
+    const Look* look = looks_.of(item);
+    solids_change |= style_of(flags, look).ghost != style_of(flags_[item], look).ghost;
     const int turned = flags ^ flags_[item];
     before.push_back({item, flags_[item]});
     selects |= (turned & kSelected) != 0;
+    solids_change |= (turned & kHidden) != 0;
     if ((turned & kHidden) != 0) hidden_ += (flags & kHidden) != 0 ? 1 : std::size_t(-1);
     if ((turned & kGhost) != 0) ghosts_ += (flags & kGhost) != 0 ? 1 : std::size_t(-1);
     flags_[item] = flags;
   }
   if (selects) list_selection();
   ++version_;
+  if (solids_change) ++solid_version_;
   return before;
 }
 
@@ -209,6 +213,7 @@ core::Expected<void> Document::set_looks(Looks looks) {
   if (auto done = show(all, looks); !done) return done;
   looks_ = std::move(looks);
   ++version_;
+  ++solid_version_;
   return {};
 }
 
@@ -228,6 +233,7 @@ void Document::follow_scene() {
   if (hovered_ && gone(*hovered_)) hovered_.reset();
   list_selection();
   ++version_;
+  ++solid_version_;
 }
 
 }  // namespace sightline::apps

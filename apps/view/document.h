@@ -81,6 +81,8 @@ class Document {
 
   /// Rises whenever the picture changes.
   std::uint64_t version() const { return version_; }
+  /// Rises whenever other items hide something in the picture: with those that are hidden or faint.
+  std::uint64_t solid_version() const { return solid_version_; }
 
  private:
   struct Change {
@@ -108,7 +110,7 @@ class Document {
   std::optional<core::ItemId> hovered_;
   std::size_t hidden_ = 0, ghosts_ = 0;
   std::vector<Changes> done_, undone_;  // what brings back the state before, the last one last
-  std::uint64_t version_ = 0;
+  std::uint64_t version_ = 0, solid_version_ = 0;
 };
 
 }  // namespace sightline::apps

@@ -32,6 +32,7 @@ Session::Session(Model model, engine::Engine engine, const engine::EngineConfig&
 
 core::Expected<void> Session::use_context(gl::Context& context) {
   changed();
+  if (frozen_) frozen_->forget();
   return engine_.use_context(context);
 }
 
@@ -44,6 +45,7 @@ core::Expected<void> Session::set_coarse(bool coarse) {
 }
 
 core::Expected<void> Session::resize(const std::array<int, 2>& size, bool coarse) {
+  if (frozen_ && size != size_) frozen_->forget();
   const auto former = std::pair(size_, coarse_);
   std::tie(size_, coarse_) = std::tie(size, coarse);
   const std::array<int, 2> drawn = drawn_size();
@@ -73,12 +75,16 @@ core::Expected<bool> Session::draw() {
   if (!stale()) return false;
   const auto seen = view();
   if (!seen) return tl::unexpected(seen.error());
-  const auto report = engine_.frame(*seen, frozen_.value_or(*seen));
+  if (frozen_)
+    if (auto done = frozen_->follow(engine_, seen->sections, document_.solid_version()); !done)
+      return tl::unexpected(done.error());
+  const auto report = engine_.frame(*seen, frozen_ ? frozen_->view() : *seen);
   if (!report) return tl::unexpected(report.error());
   if (!report->drawn) return core::fail("the GL context was lost");
   drawn_ = *seen;
   drawn_version_ = document_.version();
   resting_.clear();
+  loss_.reset();
   report_ = *report;
   if (report->visible >= 0) visible_ = report->visible;
   while (const auto late = engine_.take_late_report()) visible_ = late->visible;
@@ -90,7 +96,7 @@ core::Expected<void> Session::refine() {
   const core::dvec2 shift = resting_.shift() / core::dvec2(size_[0], size_[1]);
   const auto view = this->view(shift);
   if (!view) return tl::unexpected(view.error());
-  const auto report = engine_.frame(*view, frozen_.value_or(*view));
+  const auto report = engine_.frame(*view, frozen_ ? frozen_->view() : *view);
   if (!report) return tl::unexpected(report.error());
   if (report->pending > 0) return {};
   const auto picture = engine_.read_colour();
@@ -276,8 +282,16 @@ void Session::camera_back() {
 }
 
 void Session::set_frozen(bool frozen) {
-  frozen_ = frozen ? drawn_ : std::nullopt;
+  frozen_.reset();
+  if (frozen && drawn_) frozen_.emplace(*drawn_);
   changed();
+}
+
+std::optional<engine::LossReport> Session::loss() {
+  if (stale() || frozen_) return std::nullopt;
+  if (!loss_)
+    if (const auto loss = engine_.loss(*drawn_)) loss_ = *loss;
+  return loss_;
 }
 
 core::Expected<void> Session::set_culler(engine::CullerChoice choice) {
@@ -289,6 +303,7 @@ core::Expected<void> Session::configure(const std::function<void(engine::EngineC
   change(config);
   auto done = engine_.configure(config);
   changed();
+  if (frozen_) frozen_->forget();
   return done;
 }
 

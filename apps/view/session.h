@@ -11,6 +11,7 @@
 #include "sightline/apps/view/camera.h"
 #include "sightline/apps/view/change_list.h"
 #include "sightline/apps/view/document.h"
+#include "sightline/apps/view/frozen_camera.h"
 #include "sightline/apps/view/item_names.h"
 #include "sightline/apps/view/measuring.h"
 #include "sightline/apps/view/model_tree.h"
@@ -118,7 +119,10 @@ class Session {
   void camera_back();
   void remember();
 
-  bool frozen() const { return frozen_.has_value(); }
+  /// The culling camera that stays where it is; null where it is the picture's.
+  const FrozenCamera* frozen() const { return frozen_ ? &*frozen_ : nullptr; }
+  /// What contribution and budget left out of the picture; nothing while it is stale, and while frozen().
+  std::optional<engine::LossReport> loss();
   /// Culls for this view from now on, or again for the camera's.
   void set_frozen(bool frozen);
   core::Expected<void> set_culler(engine::CullerChoice choice);
@@ -146,7 +150,9 @@ class Session {
   bool coarse_ = false;
   Camera camera_;
   std::vector<std::pair<core::Pose, bool>> places_;  // pose, orthographic
-  std::optional<core::View> drawn_, frozen_;
+  std::optional<core::View> drawn_;
+  std::optional<FrozenCamera> frozen_;
+  std::optional<engine::LossReport> loss_;  // of drawn_, once it was asked for
   std::uint64_t drawn_version_ = 0;
   RestingPicture resting_;
   image::Image mean_;

@@ -29,9 +29,8 @@ using Type = Event::Type;
 constexpr core::vec3 kHiddenColour{0.85f, 0.1f, 0.55f};
 constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 0.9f};
 constexpr engine::Relief kRelief{0.6f, 0.4f};
-constexpr double kLongestStep = 0.25;  // seconds: a hitch must not make the camera jump
-constexpr int kSettlingFrames = 3;     // after an event: widgets take some to come to rest
-constexpr std::size_t kRecentFrames = 240;
+constexpr double kLongestStep = 0.25;                          // seconds: a hitch must not make the camera jump
+constexpr int kSettlingFrames = 3;                             // after an event: widgets take some to come to rest
 constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;        // seconds
 constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a driver that resets its GPU
 
@@ -55,6 +54,18 @@ Json measure_json(const Measuring& measuring) {
   Json json{{"marks", measuring.marks().size()}, {"rows", Json::object()}};
   for (const auto& [what, value] : measuring.rows()) json["rows"][what] = value;
   if (measuring.distance()) json["distance"] = measuring.distance()->distance;
+  return json;
+}
+
+/// Items by what a frozen camera's culling makes of them, and its boxes.
+Json culling_json(Session& session, const CullingBoxes& boxes) {
+  Json json = Json::object();
+  if (const auto loss = session.loss()) json["loss"] = {{"items", loss->items}, {"pixels", loss->pixels}};
+  const culling::CullStates* states = session.frozen() ? session.frozen()->states() : nullptr;
+  if (!states) return json;
+  for (int i = 0; i < culling::kCullStateCount; ++i)
+    json[std::string(name_of(culling::CullState(i)))] = states->items[std::size_t(i)];
+  json.update({{"boxes", boxes.wanted()}, {"drawn", boxes.drawn()}});
   return json;
 }
 
@@ -301,6 +312,7 @@ core::Expected<void> Viewer::frame(double seconds) {
   triad_overlay(*this);
   window_.clear(gui_.theme() == Theme::kDark ? kEmptyDark : kEmptyLight);
   const auto drawn = draw_model(viewport());
+  if (session_) culling_.draw(*session_, viewport());
   gui_.end();
   if (!drawn) return drawn;
   if (!window_shot_.empty()) {
@@ -355,8 +367,7 @@ void Viewer::note_picture() {
     cull_ms_.push_back(report.cull_ms);
     if (report.frame_ms > 0.0) frame_ms_.push_back(report.frame_ms);
   }
-  recent_ms_.push_back(report.cull_ms + report.draw_ms);
-  if (recent_ms_.size() > kRecentFrames) recent_ms_.erase(recent_ms_.begin());
+  history_.add(report, session_->visible());
 }
 
 /// Where the model is drawn: between the panels.
@@ -598,8 +609,9 @@ nlohmann::ordered_json Viewer::state() const {
                {"rows", session_->tree().rows().row_count()},
                {"undo_steps", document.undo_steps()},
                {"redo_steps", document.redo_steps()},
-               {"frozen", session_->frozen()},
+               {"frozen", session_->frozen() != nullptr},
                {"compare", compare_json(session_->changes())},
+               {"culling", culling_json(*session_, culling_.boxes())},
                {"budget_ms", session_->engine().config().budget_ms},
                {"contribution", session_->engine().config().contribution},
                {"camera",

@@ -10,6 +10,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "sightline/apps/view/axis_triad.h"
+#include "sightline/apps/view/culling_overlay.h"
+#include "sightline/apps/view/frame_history.h"
 #include "sightline/apps/view/gui.h"
 #include "sightline/apps/view/loader.h"
 #include "sightline/apps/view/motion_resolution.h"
@@ -75,8 +77,9 @@ class Viewer {
   const std::optional<measure::Snap>& aimed() const { return aimed_; }
   /// The axes in the picture's corner; none beside hidden panels or in a small picture.
   std::optional<AxisTriad> triad() const;
-  std::optional<AxisTriad::End> triad_end() const;                       ///< under the cursor
-  const std::vector<double>& frame_times() const { return recent_ms_; }  ///< of the last pictures, milliseconds
+  std::optional<AxisTriad::End> triad_end() const;  ///< under the cursor
+  const FrameHistory& history() const { return history_; }
+  CullingOverlay& culling() { return culling_; }
   bool walking() const { return walker_.has_value(); }
   /// Motion stays on the floor, and walls stop it; or the camera flies again.
   void set_walking(bool walking);
@@ -186,7 +189,9 @@ class Viewer {
   double frame_seconds_ = 0.0;            // that it took
   double asked_at_ = -1.0;                // when the first event came that no frame has answered; below 0: none
   double response_ms_ = 0.0;              // of the last event: until the frame that answers it
-  std::vector<double> cull_ms_, frame_ms_, recent_ms_;
+  std::vector<double> cull_ms_, frame_ms_;
+  FrameHistory history_;
+  CullingOverlay culling_;
   int frames_ = 0;
 };
 

@@ -453,6 +453,48 @@ TEST_F(ViewScript, CullersAndTheFrozenCamera) {
   EXPECT_GT(magenta_pixels(read_png(shot)), 0) << "what the frozen camera sees nothing of";
 }
 
+/// Four boxes from a camera that is then left: shown, hidden, cut away; and its boxes come and go with their switches.
+TEST_F(ViewScript, AFrozenCameraIsSeenFromOutside) {
+  const std::string without = path("without.png"), with = path("with.png"), again = path("again.png");
+  expect_driven(
+      "front\n"
+      "press c\nexpect /culling/occluded = 1\nexpect /culling/inside = 3\nexpect /culling/outside = 0\n"
+      "expect /culling/small = 0\nexpect /culling/intersecting = 0\n"
+      "left\nzoom-out\nzoom-out\nzoom-out\nexpect /culling/occluded = 1\n"
+      "expect /culling/boxes = 3\nexpect /culling/drawn = 3\n"
+      "boxes occluded\nexpect /culling/boxes = 4\nboxes occluded\nexpect /culling/boxes = 3\nwindow-shot " +
+          with + "\npress shift+c\nexpect /culling/boxes = 0\nwindow-shot " + without +
+          "\npress shift+c\nexpect /culling/boxes = 3\nwindow-shot " + again +
+          "\nfind front\nselect-found\nhide\nexpect /culling/occluded = 0\nexpect /culling/inside = 3\n"
+          "undo\nexpect /culling/occluded = 1\n"
+          "section-box\nexpect /sections = 6\nexpect /culling/intersecting > 0\nsection-clear\n"
+          "contribution 1e9\nexpect /culling/small = 4\ncontribution 0\nexpect /culling/small = 0\n"
+          "resize 300x200\nexpect /culling/occluded = 1\n"
+          "lose-context\nwait 0.2\nexpect /culling/occluded = 1\n"
+          "press c\nexpect /frozen = false\nexpect /culling/loss/items = 0\n",
+      {boxes(), "--size", kSize, "--no-panels"});
+  const Picture lines = read_png(with), plain = read_png(without);
+  EXPECT_EQ(lines.rgb, read_png(again).rgb);
+  ASSERT_EQ(lines.rgb.size(), plain.rgb.size());
+  int changed = 0;
+  for (std::size_t i = 0; i < lines.rgb.size(); i += 3)
+    changed += !std::equal(lines.rgb.begin() + std::ptrdiff_t(i), lines.rgb.begin() + std::ptrdiff_t(i + 3),
+                           plain.rgb.begin() + std::ptrdiff_t(i));
+  EXPECT_GT(changed, 500);
+  EXPECT_LT(changed, 600 * 400 / 4);
+  EXPECT_NE(drive("boxes green\n", {boxes(), "--size", kSize}).code, 0);
+}
+
+/// What contribution and budget leave out is told at rest.
+TEST_F(ViewScript, TellsWhatIsLost) {
+  expect_driven(
+      "expect /culling/loss/items = 0\n"
+      "contribution 40\nexpect /culling/loss/items > 0\nexpect /culling/loss/pixels > 0\n"
+      "contribution 0\nexpect /culling/loss/items = 0\n"
+      "budget 5\nexpect /culling/loss/items = 0\n",  // complete, since nothing moves
+      {plant(12000), "--size", "200x150", "--no-panels"});
+}
+
 /// As sightline-render draws it with the same options, and as without it once it is switched off.
 TEST_F(ViewScript, ReliefAndWhatIsLeftOut) {
   const std::string model = plant(3000), with = path("with.png"), without = path("without.png");
