@@ -35,7 +35,7 @@ void settings_sliders(Viewer& viewer, Session& session) {
   const engine::EngineConfig& now = session.engine().config();
   const auto slider = [&](const char* name, const char* tip, double value, double most, const char* format, auto set) {
     float shown = float(value);
-    ImGui::SetNextItemWidth(9.0f * ImGui::GetFontSize());
+    ImGui::SetNextItemWidth(std::min(9.0f * ImGui::GetFontSize(), 0.42f * ImGui::GetContentRegionAvail().x));
     const bool moved = ImGui::SliderFloat(name, &shown, 0.0f, float(most), format, ImGuiSliderFlags_AlwaysClamp);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip);
     if (!moved || double(shown) == value) return;

@@ -5,6 +5,19 @@
 #include <limits>
 
 namespace sightline::apps {
+namespace {
+
+/// Beside what comes before, or below it where that leaves no room.
+void legend(const Curve& curve) {
+  const float font = ImGui::GetFontSize(), gap = 0.8f * font,
+              width = gap + 1.1f * font + ImGui::CalcTextSize(curve.name).x;
+  if (ImGui::GetItemRectMax().x + width < ImGui::GetWindowPos().x + ImGui::GetContentRegionMax().x)
+    ImGui::SameLine(0.0f, gap);
+  colour_square(curve.colour);
+  ImGui::TextUnformatted(curve.name);
+}
+
+}  // namespace
 
 void colour_square(const ImVec4& colour, float lower) {
   const float side = 0.7f * ImGui::GetFontSize();
@@ -18,19 +31,20 @@ void colour_square(const ImVec4& colour, float lower) {
 
 void plot(const char* title, const std::function<std::string(double)>& words, std::size_t count,
           std::initializer_list<Curve> curves) {
+  const auto has_value = [count](const Curve& curve) {
+    for (std::size_t i = 0; i < count; ++i)
+      if (!std::isnan(curve.value(i))) return true;
+    return false;
+  };
   double most = -std::numeric_limits<double>::infinity();
   for (const Curve& curve : curves)
     for (std::size_t i = 0; i < count; ++i)
       if (const double value = curve.value(i); value > most) most = value;
   if (!std::isfinite(most)) return;
   ImGui::Text("%s, up to %s", title, words(most).c_str());
-  if (curves.size() > 1) {
-    for (const Curve& curve : curves) {
-      ImGui::SameLine(0.0f, ImGui::GetFontSize());
-      colour_square(curve.colour);
-      ImGui::TextUnformatted(curve.name);
-    }
-  }
+  if (curves.size() > 1)
+    for (const Curve& curve : curves)
+      if (has_value(curve)) legend(curve);
   const ImVec2 low = ImGui::GetCursorScreenPos();
   const ImVec2 size{std::max(1.0f, ImGui::GetContentRegionAvail().x), 2.6f * ImGui::GetFontSize()};
   ImDrawList& list = *ImGui::GetWindowDrawList();

@@ -1,6 +1,9 @@
 // What a culler hands to what draws. Internal to engine.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 #include "sightline/core/visible_set.h"
