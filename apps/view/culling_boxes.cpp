@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sightline/culling/contribution.h"
-#include "sightline/culling/frustum_test.h"
+#include "sightline/culling/linear_culler.h"
 
 namespace sightline::apps {
 namespace {
@@ -110,31 +109,44 @@ void CullingBoxes::clear() {
   drawn_ = wanted_ = 0;
 }
 
+std::vector<CullingBoxes::SlotArea> CullingBoxes::in_picture(const core::View& view, const image::DepthImage& depth,
+                                                             const culling::CullStates& states,
+                                                             const CullingSwitches& switches) const {
+  core::VisibleSet seen, wanted;
+  culling::LinearCuller(boxes_).cull(view, seen);
+  seen.for_each_slot([&](core::Slot slot) {
+    if (switches.states[std::size_t(states.boxes[slot].state)]) wanted.items.push_back(slot);
+  });
+  std::vector<SlotArea> areas;
+  culling::ContributionTest(view, boxes_.origin, depth.width, depth.height).areas(boxes_, wanted, areas);
+  return areas;
+}
+
 void CullingBoxes::update(const core::View& view, const image::DepthImage& depth, const FrozenCamera& frozen,
-                          const core::ItemBounds& bounds, const core::AabbD& reach, const CullingSwitches& switches) {
+                          const core::dvec3& origin, const core::AabbD& reach, const CullingSwitches& switches) {
   clear();
   if (!switches.boxes || !frozen.states() || depth.metres.empty()) return;
-  core::View uncut = view;  // boxes of what is cut away show, too
-  uncut.sections.clear();
-  const culling::CullPlanes planes(uncut, bounds);
-  const culling::ContributionTest measure(uncut, bounds.origin, depth.width, depth.height);
-  struct Candidate {
-    float area;
-    const culling::CullBox* box;
-  };
-  std::vector<Candidate> candidates;
-  for (const culling::CullBox& box : frozen.states()->boxes)
-    if (switches.states[std::size_t(box.state)] && !planes.nothing_visible() && planes.visible(box.box, planes.all()))
-      candidates.push_back({measure.area(box.box), &box});
-  wanted_ = candidates.size();
+  const culling::CullStates& states = *frozen.states();
+  if (version_ != frozen.version()) {
+    version_ = frozen.version();
+    boxes_ = {};
+    boxes_.origin = origin;
+    boxes_.resize(states.boxes.size());
+    for (std::size_t i = 0; i < states.boxes.size(); ++i) boxes_.set(i, states.boxes[i].box);
+  }
+  core::View whole = view;  // boxes of what is cut away or on other layers show, too
+  whole.sections.clear();
+  whole.layers = ~0u;
+  std::vector<SlotArea> areas = in_picture(whole, depth, states, switches);
+  wanted_ = areas.size();
   drawn_ = std::min(wanted_, kMost);
-  const auto last = candidates.begin() + std::ptrdiff_t(drawn_);
+  const auto last = areas.begin() + std::ptrdiff_t(drawn_);
   if (drawn_ < wanted_)
-    std::nth_element(candidates.begin(), last, candidates.end(), [](const Candidate& a, const Candidate& b) {
-      return a.area != b.area ? a.area > b.area : a.box < b.box;
+    std::nth_element(areas.begin(), last, areas.end(), [](const SlotArea& a, const SlotArea& b) {
+      return a.area != b.area ? a.area > b.area : a.slot < b.slot;
     });
-  const Projection projection(uncut, depth, lines_);
-  for (auto it = candidates.begin(); it != last; ++it) draw_box(projection, bounds.origin, *it->box);
+  const Projection projection(whole, depth, lines_);
+  for (auto it = areas.begin(); it != last; ++it) draw_box(projection, origin, states.boxes[it->slot]);
   for (const WorldLine& line : outline(frozen.view(), reach))
     projection.draw(line.from, line.to, std::uint8_t(CullingLine::kVolume + std::uint8_t(line.part)));
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sightline/apps/view/frozen_camera.h"
+#include "sightline/culling/contribution.h"
 #include "sightline/image/image.h"
 
 namespace sightline::apps {
@@ -31,10 +32,10 @@ class CullingBoxes {
  public:
   static constexpr std::size_t kMost = 2000;  ///< boxes; of more the largest are drawn
 
-  /// Makes the lines anew. `depth`: of the picture of `view`. `bounds`: of the items, whose slots the states have.
-  /// `reach`: where the view volume may end.
+  /// Makes the lines anew. `depth`: of the picture of `view`. `origin`: of the boxes. `reach`: where the view volume
+  /// may end.
   void update(const core::View& view, const image::DepthImage& depth, const FrozenCamera& frozen,
-              const core::ItemBounds& bounds, const core::AabbD& reach, const CullingSwitches& switches);
+              const core::dvec3& origin, const core::AabbD& reach, const CullingSwitches& switches);
   void clear();
 
   const std::vector<CullingLine>& lines() const { return lines_; }
@@ -42,6 +43,12 @@ class CullingBoxes {
   std::size_t wanted() const { return wanted_; }  ///< boxes in the picture of states that are switched on
 
  private:
+  using SlotArea = culling::ContributionTest::SlotArea;
+  std::vector<SlotArea> in_picture(const core::View& view, const image::DepthImage& depth,
+                                   const culling::CullStates& states, const CullingSwitches& switches) const;
+
+  core::ItemBounds boxes_;     // those of the states, so that a culler finds and measures what a picture shows
+  std::uint64_t version_ = 0;  // of the camera that these are of
   std::vector<CullingLine> lines_;
   std::size_t drawn_ = 0, wanted_ = 0;
 };

@@ -29,7 +29,7 @@ ImVec4 CullingOverlay::colour(culling::CullState state) {
 void CullingOverlay::draw(Session& session, const Part& part) {
   const FrozenCamera* frozen = session.frozen();
   if (!frozen || !frozen->states() || !switches.boxes || !session.drawn()) {
-    boxes_.clear();
+    boxes_ = {};
     made_.reset();
     return;
   }
@@ -37,8 +37,8 @@ void CullingOverlay::draw(Session& session, const Part& part) {
   if (made_ != now) {
     const auto depth = session.engine().read_depth(*session.drawn());
     if (!depth) return;  // the context was lost: another frame follows
-    boxes_.update(*session.drawn(), *depth, *frozen, session.engine().snapshot().bounds(), session.bounds().bounds,
-                  switches);
+    boxes_.update(*session.drawn(), *depth, *frozen, session.engine().snapshot().bounds().origin,
+                  session.bounds().bounds, switches);
     made_ = now;
   }
   const ImVec2 corner{float(part.x), ImGui::GetIO().DisplaySize.y - float(part.y + part.height)};

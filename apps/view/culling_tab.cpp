@@ -20,10 +20,8 @@ void error_figures(Session& session) {
   const auto loss = session.loss();
   if (!loss) return ImGui::TextDisabled("error: known when nothing moves");
   const double share = 100.0 * loss->pixels / (double(session.size()[0]) * session.size()[1]);
-  char text[120];
-  std::snprintf(text, sizeof text, "error: %s items, %s px, %.2f %%", grouped(loss->items).c_str(),
-                grouped(std::int64_t(std::ceil(loss->pixels))).c_str(), share);
-  ImGui::TextUnformatted(text);
+  ImGui::TextWrapped("error: %s items, %s px, %.2f %%", grouped(loss->items).c_str(),
+                     grouped(std::int64_t(std::ceil(loss->pixels))).c_str(), share);
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip(
         "left out of the picture, and not known to be hidden;\n"

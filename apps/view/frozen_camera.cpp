@@ -11,6 +11,8 @@ using core::dvec3;
 using core::dvec4;
 using Part = WorldLine::Part;
 
+std::uint64_t latest_version = 0;
+
 constexpr double kBeyond = 1.02;     // of the distance to what lies farthest
 constexpr double kLeastDepth = 0.1;  // of the model's diagonal, where it lies behind the camera
 
@@ -113,7 +115,7 @@ core::Expected<void> FrozenCamera::follow(engine::Engine& engine, const std::vec
   view_ = now;
   states_ = std::move(*states);
   shown_ = shown;
-  ++version_;
+  version_ = ++latest_version;
   return {};
 }
 

@@ -15,7 +15,7 @@ class FrozenCamera {
   const core::View& view() const { return view_; }
   /// What culling makes of the items in that view; null before follow().
   const culling::CullStates* states() const { return states_ ? &*states_ : nullptr; }
-  /// Rises with each change of states().
+  /// Another one with each change of states(), and for each camera; 0 before the first.
   std::uint64_t version() const { return version_; }
 
   /// The next follow() finds out anew, for example after a change of settings.

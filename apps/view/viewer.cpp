@@ -309,10 +309,10 @@ core::Expected<void> Viewer::frame(double seconds) {
     item_tip(*this, *session_->document().hovered());
   draw_rectangle();
   measure_overlay(*this, viewport());
-  triad_overlay(*this);
   window_.clear(gui_.theme() == Theme::kDark ? kEmptyDark : kEmptyLight);
   const auto drawn = draw_model(viewport());
   if (session_) culling_.draw(*session_, viewport());
+  triad_overlay(*this);
   gui_.end();
   if (!drawn) return drawn;
   if (!window_shot_.empty()) {
