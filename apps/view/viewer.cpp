@@ -341,9 +341,11 @@ core::Expected<void> Viewer::draw_model(const Part& part) {
   const auto drawn = session_->draw();
   if (!drawn) return tl::unexpected(drawn.error());
   if (*drawn) note_picture();
+  const image::Image* smooth = shown.smooth ? session_->smooth() : nullptr;
   core::Expected<void> copied;
-  if (const image::Image* smooth = session_->smooth(); smooth && shown.smooth)
-    copied = window_.copy(*smooth, part);
+  if (!smooth || !window_.keeps_picture()) copied = window_.keep(smooth);
+  if (smooth && copied)
+    window_.copy_kept(part);
   else
     window_.copy(session_->engine().framebuffer().value_or(0), session_->drawn_size(), part);
   if (!copied || drag_) return copied;

@@ -126,6 +126,7 @@ void flip_rows(image::Image& picture) {
 }  // namespace
 
 Window::State::~State() {
+  kept = {};
   context.reset();
   if (window) glfwDestroyWindow(window);
   glfwTerminate();
@@ -186,6 +187,7 @@ core::Expected<void> Window::State::open(const std::array<int, 2>& size) {
 }
 
 core::Expected<void> Window::reopen() {
+  state_->kept = {};
   return state_->open(screen_size());
 }
 
@@ -262,19 +264,26 @@ void Window::copy(std::uint32_t framebuffer, const std::array<int, 2>& size, con
                           to.y + to.height, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
 }
 
-core::Expected<void> Window::copy(const image::Image& picture, const Part& to) {
+core::Expected<void> Window::keep(const image::Image* picture) {
+  state_->kept = {};
+  if (!picture) return {};
   const gl::Functions& gl = context().functions();
-  auto texture = gl::Texture2D::create(gl, picture.width, picture.height, GL_RGB8, "picture at rest");
+  auto texture = gl::Texture2D::create(gl, picture->width, picture->height, GL_RGB8, "picture at rest");
   if (!texture) return tl::unexpected(texture.error());
   const gl::Attachment attachment{GL_COLOR_ATTACHMENT0, &*texture};
   auto framebuffer = gl::Framebuffer::create(gl, {&attachment, 1}, "picture at rest");
   if (!framebuffer) return tl::unexpected(framebuffer.error());
-  image::Image rows = picture;
+  image::Image rows = *picture;
   flip_rows(rows);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   texture->write(GL_RGB, GL_UNSIGNED_BYTE, std::as_bytes(std::span(rows.pixels)));
-  copy(framebuffer->id(), {picture.width, picture.height}, to);
+  state_->kept = {std::move(*texture), std::move(*framebuffer)};
   return {};
+}
+
+void Window::copy_kept(const Part& to) {
+  const gl::Texture2D& texture = state_->kept.texture;
+  copy(state_->kept.framebuffer.id(), {texture.width(), texture.height()}, to);
 }
 
 void Window::clear(const core::vec3& colour) {

@@ -10,6 +10,8 @@
 #include "sightline/apps/view/events.h"
 #include "sightline/core/error.h"
 #include "sightline/gl/context.h"
+#include "sightline/gl/internal/framebuffer.h"
+#include "sightline/gl/internal/texture.h"
 #include "sightline/image/image.h"
 
 struct GLFWwindow;
@@ -55,8 +57,11 @@ class Window {
 
   /// Copies a framebuffer object of that size into the back buffer; stretched where the part has another size.
   void copy(std::uint32_t framebuffer, const std::array<int, 2>& size, const Part& to);
-  /// The same of a picture, of the part's size.
-  core::Expected<void> copy(const image::Image& picture, const Part& to);
+  /// Keeps a picture in the context, in place of another one; null: none.
+  core::Expected<void> keep(const image::Image* picture);
+  bool keeps_picture() const { return state_->kept.framebuffer.id() != 0; }
+  /// Copies the picture that is kept.
+  void copy_kept(const Part& to);
   void clear(const core::vec3& colour);
   image::Image read() const;  ///< the back buffer
   void present();
@@ -73,6 +78,10 @@ class Window {
     bool vsync = true;
     GLFWwindow* window = nullptr;
     std::optional<gl::Context> context;
+    struct Kept {
+      gl::Texture2D texture;
+      gl::Framebuffer framebuffer;
+    } kept;  // in the context
     std::vector<Event> events;
   };
   explicit Window(std::unique_ptr<State> state) : state_(std::move(state)) {}
