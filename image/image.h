@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "sightline/core/api.h"
@@ -45,6 +47,27 @@ SIGHTLINE_API core::Expected<std::vector<std::uint8_t>> encode_png(const Image& 
 /// Writers replace `path` only when complete (core/internal/atomic_file.h). Errors name the file and the reason.
 SIGHTLINE_API core::Expected<void> write_png(const Image& image, const std::filesystem::path& path);
 SIGHTLINE_API core::Expected<Image> read_png(const std::filesystem::path& path);
+/// A PNG file that is written row by row, so that no picture as large as it need be in memory. As write_png() does.
+class SIGHTLINE_API PngWriter {
+ public:
+  /// Fails where the file cannot be written, and on sizes that PNG does not have.
+  static core::Expected<PngWriter> create(const std::filesystem::path& path, int width, int height);
+  PngWriter(PngWriter&&) noexcept;
+  PngWriter& operator=(PngWriter&&) noexcept;
+  ~PngWriter();  ///< without finish() the file stays as it was
+
+  /// The next rows from the top, 3 bytes per pixel. Fails where there is no space left, and beyond the last row; no call
+  /// may follow a failure.
+  core::Expected<void> write_rows(std::span<const std::uint8_t> pixels);
+  /// Replaces the file. Fails unless all rows were written; no call may follow.
+  core::Expected<void> finish();
+
+ private:
+  struct State;
+  explicit PngWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
 /// Grey PFM, little-endian, rows bottom to top as the format wants.
 SIGHTLINE_API core::Expected<void> write_pfm(const DepthImage& image, const std::filesystem::path& path);
 /// Ids as 24-bit colour, R the low byte; an id above 0xffffff is an error.

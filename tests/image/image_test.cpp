@@ -1,6 +1,7 @@
 // PNG and PFM files, id colours and image comparison.
 #include "sightline/image/image.h"
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -43,6 +44,70 @@ TEST(Image, SmallPngsHoldTheSamePicture) {
   const auto back = read_png(file);
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_EQ(back->pixels, image.pixels);
+}
+
+std::string bytes_of(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(PngWriter, RowsMakeTheSamePicture) {
+  const Image image = gradient(37, 21);
+  const std::string file = temporary("rows.png");
+  for (const int rows : {1, 2, 5, 21}) {
+    SCOPED_TRACE(rows);
+    auto writer = PngWriter::create(file, image.width, image.height);
+    ASSERT_TRUE(writer) << writer.error().message;
+    for (int y = 0; y < image.height; y += rows) {
+      const std::size_t row = std::size_t(3 * image.width), count = std::size_t(std::min(rows, image.height - y));
+      ASSERT_TRUE(writer->write_rows(std::span(image.pixels).subspan(std::size_t(y) * row, count * row)));
+    }
+    ASSERT_TRUE(writer->finish());
+    const auto back = read_png(file);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->pixels, image.pixels);
+  }
+}
+
+TEST(PngWriter, AFileThatIsNotFinishedStaysAsItWas) {
+  const Image image = gradient(8, 4);
+  const std::string file = temporary("unfinished.png");
+  ASSERT_TRUE(write_png(image, file));
+  const std::string before = bytes_of(file);
+  {
+    auto writer = PngWriter::create(file, 8, 400);
+    ASSERT_TRUE(writer && writer->write_rows(image.pixels));
+  }
+  EXPECT_EQ(bytes_of(file), before);
+  auto early = PngWriter::create(file, 8, 5);
+  ASSERT_TRUE(early && early->write_rows(image.pixels));
+  const auto missing = early->finish();
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().message, file + ": PNG: 1 rows are missing");
+  EXPECT_EQ(bytes_of(file), before);
+}
+
+TEST(PngWriter, RefusesWhatCannotBeWritten) {
+  const Image image = gradient(8, 4);
+  EXPECT_FALSE(PngWriter::create("/nonexistent/image.png", 8, 4));
+  for (const auto& [width, height] : {std::pair(0, 4), {4, 0}, {-1, 4}, {2'000'000'000, 1}}) {
+    const auto writer = PngWriter::create(temporary("size.png"), width, height);
+    ASSERT_FALSE(writer) << width << "x" << height;
+    EXPECT_NE(writer.error().message.find("size.png: "), std::string::npos) << writer.error().message;
+  }
+  auto writer = PngWriter::create(temporary("many.png"), 8, 3);
+  ASSERT_TRUE(writer);
+  EXPECT_FALSE(writer->write_rows(image.pixels)) << "a row too many";
+  auto halves = PngWriter::create(temporary("halves.png"), 8, 3);
+  ASSERT_TRUE(halves);
+  EXPECT_FALSE(halves->write_rows(std::span(image.pixels).first(25))) << "no whole rows";
+  auto full = PngWriter::create("/dev/full", 800, 400);
+  ASSERT_TRUE(full) << full.error().message;
+  const Image large = gradient(800, 400);
+  core::Expected<void> done = full->write_rows(large.pixels);
+  if (done) done = full->finish();
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("/dev/full"), std::string::npos) << done.error().message;
 }
 
 TEST(Image, ErrorsNameTheFile) {
