@@ -92,6 +92,9 @@ core::Expected<FrameReport> Engine::frame(const core::View& view, const core::Vi
 core::Expected<FrameReport> Engine::frame(const core::View& view, const core::ExternalTarget& target) {
   return impl_->frame(view, view, &target);
 }
+core::Expected<FrameReport> Engine::frame_part(const core::View& whole, const PicturePart& part) {
+  return impl_->frame_part(whole, part);
+}
 std::optional<LateReport> Engine::take_late_report() {
   return impl_->take_late_report();
 }
@@ -390,6 +393,20 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
     }
   }
   if (hybrid_ && !shows_hidden) hybrid_->measured(report, describe_walk());
+  return report;
+}
+
+core::Expected<FrameReport> Engine::Impl::frame_part(const core::View& whole, const PicturePart& part) {
+  const auto view = culling::rectangle_view(whole, part.width, part.height, part.x, part.y, part.x + config_.width,
+                                            part.y + config_.height);
+  if (!view) return tl::unexpected(view.error());
+  if (!drawing_ || !drawing_->blends()) return frame(*view, *view, nullptr);
+  // Near surfaces weigh more than those behind them, as the whole picture says.
+  if (auto landed = land(); !landed) return tl::unexpected(landed.error());
+  std::visit([&](const auto& culler) { culler.cull(whole, overlaid_); }, *live_.culler);
+  drawing_->set_blend_range(drawing_->blend_range(whole, *live_.snapshot, overlaid_));
+  auto report = frame(*view, *view, nullptr);
+  if (drawing_) drawing_->set_blend_range({});
   return report;
 }
 

@@ -24,6 +24,7 @@
 #include "sightline/culling/gpu/gpu_culler_config.h"
 #include "sightline/culling/region_query.h"
 #include "sightline/engine/item_style.h"
+#include "sightline/engine/picture_tiles.h"
 #include "sightline/engine/plan.h"
 
 namespace sightline::gl {
@@ -220,6 +221,15 @@ class SIGHTLINE_API Engine {
   /// contribution, sample test and occlusion as configured, the latter two with `draw` alone. A budget does not count,
   /// nor hysteresis. Draws a picture for that, so that the last frame's is gone. Time is in proportion to all slots.
   core::Expected<culling::CullStates> cull_states(const core::View& view);
+  /// Draws a part of a picture of `whole` that may be larger than any framebuffer: the part has the engine's size, and
+  /// read_colour() and the like read it. picture_tiles() tells which parts join without seams.
+  ///
+  /// A pixel is as frame(whole) has it in one picture, but for rounding: corners of triangles move by up to two grains
+  /// of the rasteriser (1/256 of a pixel in most), and rays by units in the last place of float. So some pixels at
+  /// edges show the other side, and colours may differ in the last bit. `whole` is as wide as part.width / part.height
+  /// says. With a budget, a part is complete when FrameReport::pending is 0. Fails on numbers that are not finite, and
+  /// unless width and height are above 0.
+  core::Expected<FrameReport> frame_part(const core::View& whole, const PicturePart& part);
   /// The oldest result of the GPU culler that was not yet taken; results arrive some frames late. Nothing while none
   /// has arrived. Never waits. Keeps the newest 64 results.
   std::optional<LateReport> take_late_report();

@@ -9,8 +9,13 @@
 namespace sightline::engine {
 namespace {
 
+bool empty(const core::VisibleSet& set) {
+  return set.ranges.empty() && set.items.empty();
+}
+
 /// Eye depths between which the boxes of a set lie; none of them is negative in perspective views.
 glm::vec2 depth_range(const core::View& view, const core::ItemBounds& bounds, const core::VisibleSet& set) {
+  if (empty(set)) return {0.0f, 0.0f};
   const core::dmat4& eye = view.eye_from_world();
   const core::dvec3 axis(-eye[0][2], -eye[1][2], -eye[2][2]);
   const double at_origin = glm::dot(axis, bounds.origin) - eye[3][2];
@@ -26,10 +31,6 @@ glm::vec2 depth_range(const core::View& view, const core::ItemBounds& bounds, co
   });
   if (!view.orthographic()) nearest = std::max(nearest, 0.0);
   return {float(nearest), float(std::max(nearest, farthest))};
-}
-
-bool empty(const core::VisibleSet& set) {
-  return set.ranges.empty() && set.items.empty();
 }
 
 }  // namespace
@@ -59,6 +60,13 @@ core::Expected<void> Drawing::draw_overlays(const Culled& culled) {
   }
   if (auto done = draw_translucent(culled.with(over_)); !done) return done;
   return draw_outline(culled);
+}
+
+glm::vec2 Drawing::blend_range(const core::View& view, const core::Snapshot& snapshot,
+                               const core::VisibleSet& visible) {
+  part(visible, translucent_.bits(), over_, unused_);
+  part(over_, translucent_.ghosts(), ghosts_, blended_);
+  return depth_range(view, snapshot.bounds(), blended_);
 }
 
 /// Of what is drawn over the picture, what contributes enough to it and covers a sample, as far as the tests know.
@@ -93,6 +101,8 @@ core::Expected<void> Drawing::put_over(
 core::Expected<void> Drawing::draw_translucent(const Culled& culled) {
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   if (empty(visible)) return {};
+  part(visible, translucent_.ghosts(), ghosts_, blended_);
+  const glm::vec2 range = blend_range_ ? *blend_range_ : depth_range(view, snapshot.bounds(), blended_);
   const core::VisibleSet& shown = worth_drawing(culled);
   counts_.shown += std::int64_t(snapshot.count(shown));
   if (counts_.sampled >= 0) counts_.sampled += std::int64_t(snapshot.count(shown));
@@ -102,9 +112,7 @@ core::Expected<void> Drawing::draw_translucent(const Culled& culled) {
     const auto sums = overlays_->begin_sums(target_);
     if (!sums) return tl::unexpected(sums.error());
     auto done = lists_->update(snapshot, *scene_, blended_, &view);
-    if (done)
-      done = renderer_->draw_blended(view, snapshot, *scene_, *lists_, target_, **sums,
-                                     depth_range(view, snapshot.bounds(), blended_));
+    if (done) done = renderer_->draw_blended(view, snapshot, *scene_, *lists_, target_, **sums, range);
     if (done) done = overlays_->resolve_sums(context_, target_);
     if (done) done = put_over(put_layer);
     if (!done) return done;

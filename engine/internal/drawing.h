@@ -51,6 +51,12 @@ class Drawing {
   /// Whether any items are drawn over the picture. The CPU finds those that are visible, also where the GPU culls,
   /// which leaves out translucent ones.
   bool has_overlays() const { return renders_ && !(translucent_.bits().empty() && translucent_.outlined().empty()); }
+  /// Whether some of that may be blended.
+  bool blends() const { return renders_ && !translucent_.bits().empty(); }
+  /// Eye depths between which the blended items of a set lie.
+  glm::vec2 blend_range(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& visible);
+  /// From the next draw() on they weigh by these depths; none: by those of what it is given.
+  void set_blend_range(const std::optional<glm::vec2>& range) { blend_range_ = range; }
 
   /// Submits one frame that shows a visible set, without items that cover no sample of the picture (SampleTest) or that
   /// others hide (OcclusionTest). Waits first until at most one earlier frame is still being drawn. take_drawn()
@@ -235,6 +241,7 @@ class Drawing {
   TranslucentSlots translucent_;
   std::optional<render::Overlays> overlays_;                   // made with the first
   core::VisibleSet solid_, over_, blended_, ghosts_, unused_;  // parts of what is visible
+  std::optional<glm::vec2> blend_range_;
   core::VisibleSet outlined_, tested_;
   core::vec3 outline_colour_{0.0f};
   bool depth_known_ = false;   // pyramid_ is of the picture

@@ -29,6 +29,7 @@ class Engine::Impl {
                                     const core::ExternalTarget* target);
   core::Expected<LossReport> loss(const core::View& view);
   core::Expected<culling::CullStates> cull_states(const core::View& view);
+  core::Expected<FrameReport> frame_part(const core::View& whole, const PicturePart& part);
   std::optional<LateReport> take_late_report();
   core::Expected<void> commit();
   core::Expected<void> rebuild();

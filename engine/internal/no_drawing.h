@@ -37,6 +37,9 @@ class Drawing {
   void picture_changed() {}
   core::Expected<void> cull(const core::View&, const core::View&, const core::Snapshot&, std::uint64_t) { return {}; }
   bool has_overlays() const { return false; }
+  bool blends() const { return false; }
+  glm::vec2 blend_range(const core::View&, const core::Snapshot&, const core::VisibleSet&) { return {}; }
+  void set_blend_range(const std::optional<glm::vec2>&) {}
   core::Expected<void> draw_culled(const core::View&, const core::Snapshot&, std::uint64_t, const Culled*) {
     return {};
   }
