@@ -1,26 +1,40 @@
 // sightline-render: one image of a model, and a comparison that makes it a regression test.
 
 #include <cstdio>
-#include <fstream>
+#include <filesystem>
+#include <optional>
+#include <set>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/blank.h"
+#include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/style_options.h"
+#include "sightline/apps/common/tiled_picture.h"
 #include "sightline/apps/common/view_options.h"
 #include "sightline/engine/engine.h"
 #include "sightline/image/image_metrics.h"
+#include "sightline/importers/view_json.h"
 
 namespace {
 
 using namespace sightline;
 using nlohmann::json;
 
+constexpr int kLargestWhole = 4096;  // pixels
+
 struct Options {
   apps::ModelOptions model;
   apps::ViewOptions view;
-  std::string out, ids, ids_json, depth, reference, reference_ids, diff, json_file;
+  std::string out, ids, ids_json, depth, reference, reference_ids, diff, json_file, frames_folder;
+  double fps = 25.0;
+  int tile = 0;
+
+  bool wants_ids() const { return !ids.empty() || !ids_json.empty() || !reference_ids.empty(); }
+  int tile_side(const std::array<int, 2>& size) const {
+    if (tile > 0) return tile;
+    return std::max(size[0], size[1]) > kLargestWhole ? apps::kTileSide : kLargestWhole;
+  }
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   culling::GpuCullerConfig gpu_culler;
   int samples = 1;
@@ -37,7 +51,7 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--out", o.out, "Colour image, PNG");
   app.add_option("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
   app.add_option("--ids-json", o.ids_json, "Node path and kind of each item in the id image, JSON");
-  app.add_option("--depth", o.depth, "Depth image, PFM: metres along the view axis");
+  app.add_option("--depth", o.depth, "Depth image, PFM: metres along the view axis; takes 4 bytes a pixel of memory");
   auto* compare = app.add_option("--compare", o.reference,
                                  "Reference PNG; exit 1 when the image differs by more than --max or --mean. Prints "
                                  "PSNR, SSIM and FLIP too");
@@ -55,6 +69,20 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(1.0, 1000.0));
   app.add_option("--compare-ids", o.reference_ids, "Reference of --ids, PNG: counts the pixels that show another item");
   app.add_option("--diff", o.diff, "Difference image, PNG, four times amplified")->needs(compare);
+  auto* frames = app.add_option("--write-frames", o.frames_folder,
+                                "Write the whole --path as numbered pictures to this folder, which must be empty")
+                     ->needs(app.get_option("--path"));
+  for (const char* other : {"--out", "--ids", "--ids-json", "--depth", "--compare", "--compare-ids", "--frame"})
+    frames->excludes(app.get_option(other));
+  app.add_option("--fps", o.fps, "Frames of --write-frames per second of the path")
+      ->needs(frames)
+      ->capture_default_str()
+      ->check(CLI::Range(1e-3, apps::PathFrames::kMostPerSecond))
+      ->check(apps::accepted_by(apps::parse_finite));
+  app.add_option("--tile", o.tile,
+                 "Draw in tiles of at most so many pixels a side, for GPUs with little memory; without it pictures of "
+                 "more than 4096 are drawn in tiles of 1024")
+      ->check(CLI::Range(2 * engine::kLeastTileSide, 16384));
   apps::add_culler_option(app, o.culler);
   apps::add_gpu_pass_option(app, o.gpu_culler);
   apps::add_shown_options(app, o.shown);
@@ -67,10 +95,8 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
 }
 
-core::Expected<void> write_id_names(const std::string& file, const image::IdImage& ids, const core::Scene& scene) {
-  std::vector<std::uint32_t> seen = ids.ids;
-  std::sort(seen.begin(), seen.end());
-  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+core::Expected<void> write_id_names(const std::string& file, const std::set<std::uint32_t>& seen,
+                                    const core::Scene& scene) {
   json out = json::object();
   for (const std::uint32_t id : seen) {
     if (id == 0) continue;
@@ -111,95 +137,186 @@ core::Expected<bool> compare(const Options& o, const image::Image& image, json& 
   return same;
 }
 
-core::Expected<void> compare_ids(const Options& o, engine::Engine& engine, json& figures) {
+core::Expected<void> compare_ids(const Options& o, const image::IdImage& ids, json& figures) {
   auto reference = image::read_png(o.reference_ids);
   if (!reference) return tl::unexpected(reference.error());
-  const auto ids = engine.read_ids();
-  if (!ids) return tl::unexpected(ids.error());
-  const auto wrong = image::wrong_ids(image::ids_of_colours(*reference), *ids);
+  const auto wrong = image::wrong_ids(image::ids_of_colours(*reference), ids);
   if (!wrong) return core::fail(o.reference_ids + ": " + wrong.error().message);
   figures["wrong_ids"] = *wrong;
   std::fprintf(apps::table_stream(o.json_file), "pixels of another item %llu\n", (unsigned long long)*wrong);
   return {};
 }
 
-core::Expected<void> write_outputs(const Options& o, engine::Engine& engine, const core::View& view,
-                                   const core::Scene& scene, const image::Image& image) {
-  core::Expected<void> done;
-  if (!o.out.empty()) done = image::write_png(image, o.out);
-  if (done && !o.depth.empty()) {
-    const auto depth = engine.read_depth(view);
-    if (!depth) return tl::unexpected(depth.error());
-    done = image::write_pfm(*depth, o.depth);
+/// What becomes of a picture's rows: files, and in memory what is asked of the whole.
+class Outputs {
+ public:
+  static core::Expected<Outputs> open(const Options& o, const std::array<int, 2>& size) {
+    Outputs made(o, size);
+    const auto open_png = [&](const std::string& file,
+                              std::optional<image::PngWriter>& writer) -> core::Expected<void> {
+      if (file.empty()) return {};
+      auto opened = image::PngWriter::create(file, size[0], size[1]);
+      if (!opened) return tl::unexpected(opened.error());
+      writer = std::move(*opened);
+      return {};
+    };
+    auto done = open_png(o.out, made.colours_);
+    if (done) done = open_png(o.ids, made.ids_);
+    if (!done) return tl::unexpected(done.error());
+    return made;
   }
-  if (!done || (o.ids.empty() && o.ids_json.empty())) return done;
-  const auto ids = engine.read_ids();
-  if (!ids) return tl::unexpected(ids.error());
-  if (!o.ids.empty()) {
-    auto colours = image::id_colours(*ids);
-    if (!colours) return tl::unexpected(colours.error());
-    done = image::write_png(*colours, o.ids);
+
+  core::Expected<void> add(const apps::PictureRows& rows) {
+    const auto append = [](const auto& part, auto& all) { all.insert(all.end(), part.begin(), part.end()); };
+    if (!o_->reference.empty()) append(rows.colours, picture.pixels);
+    if (!o_->reference_ids.empty()) append(rows.ids, items.ids);
+    append(rows.metres, depth_.metres);
+    if (!o_->ids_json.empty()) seen_.insert(rows.ids.begin(), rows.ids.end());
+    if (colours_)
+      if (auto done = colours_->write_rows(rows.colours); !done) return done;
+    if (!ids_) return {};
+    const auto colours = image::id_colours({rows.width, rows.count, rows.ids});
+    return colours ? ids_->write_rows(colours->pixels) : tl::unexpected(colours.error());
   }
-  if (done && !o.ids_json.empty()) done = write_id_names(o.ids_json, *ids, scene);
-  return done;
+
+  core::Expected<void> finish(const core::Scene& scene) {
+    core::Expected<void> done;
+    if (colours_) done = colours_->finish();
+    if (done && !o_->depth.empty()) done = image::write_pfm(depth_, o_->depth);
+    if (done && ids_) done = ids_->finish();
+    if (done && !o_->ids_json.empty()) done = write_id_names(o_->ids_json, seen_, scene);
+    return done;
+  }
+
+  image::Image picture;  // of --compare
+  image::IdImage items;  // of --compare-ids
+
+ private:
+  Outputs(const Options& o, const std::array<int, 2>& size)
+      : picture{size[0], size[1], {}}, items{size[0], size[1], {}}, o_(&o), depth_{size[0], size[1], {}} {}
+
+  const Options* o_;
+  std::optional<image::PngWriter> colours_, ids_;
+  image::DepthImage depth_;
+  std::set<std::uint32_t> seen_;
+};
+
+core::Expected<void> draw(engine::Engine& engine, apps::TiledPicture& picture, Outputs& outputs,
+                          const std::function<void()>& after_step) {
+  while (!picture.complete()) {
+    const auto more = picture.step(engine);
+    if (!more) return tl::unexpected(more.error());
+    if (*more)
+      if (auto done = outputs.add(picture.rows()); !done) return done;
+    after_step();
+  }
+  for (const std::string& error : engine.take_gl_errors()) return core::fail("GL: " + error);
+  return {};
 }
 
-core::Expected<int> render_model(const Options& o) {
-  const auto size = apps::parse_size(o.view.size);
-  if (!size) return tl::unexpected(size.error());
-  auto model = apps::load_model(o.model);
-  if (!model) return tl::unexpected(model.error());
-  engine::EngineConfig config;
-  config.draw = true;
-  config.width = (*size)[0];
-  config.height = (*size)[1];
-  config.samples = o.samples;
-  o.shown.apply(config);
-  config.transparency = o.styles.transparency;
-  config.ids = !o.ids.empty() || !o.ids_json.empty() || !o.reference_ids.empty();
-  config.context_platform = o.platform;
-  config.gl_debug = o.gl_debug;
-  config.culler = o.culler;
-  config.gpu_culler = o.gpu_culler;
-  auto engine = engine::Engine::create(*model->scene, config);
-  if (!engine) return tl::unexpected(engine.error());
-  if (o.model.explain) apps::explain(engine->plan());
-  if (auto done = apps::apply_styles(o.styles, *model->scene, *engine); !done) return tl::unexpected(done.error());
+void warn_if_blank(const apps::TiledPicture& picture, const std::string& name) {
+  if (!picture.blank()) return;
+  const std::string count = picture.steps() == 1 ? std::to_string(picture.report().visible) + " " : "";
+  std::fprintf(stderr, "warning: %s: no pixel shows any of the %svisible items\n", name.c_str(), count.c_str());
+}
 
-  auto view = apps::choose_view(o.view, *model, engine->snapshot(), double(config.width) / config.height);
+core::Expected<int> render_picture(const Options& o, const apps::Model& model, engine::Engine& engine,
+                                   const std::array<int, 2>& size, const engine::PictureTiles& tiles) {
+  const auto view = apps::choose_view(o.view, model, engine.snapshot(), double(size[0]) / size[1]);
   if (!view) return tl::unexpected(view.error());
-  auto report = engine->frame(*view);
-  if (!report) return tl::unexpected(report.error());
-  if (!report->drawn) return core::fail("the GL context was lost before the image was drawn");
-  engine->finish();
-  if (const auto late = engine->take_late_report()) report->visible = late->visible;
-  for (const std::string& error : engine->take_gl_errors()) return core::fail("GL: " + error);
-
-  apps::warn_if_blank(*engine, report->visible, "the image");
-  const auto image = engine->read_colour();
-  if (!image) return tl::unexpected(image.error());
-  if (auto done = write_outputs(o, *engine, *view, *model->scene, *image); !done) return tl::unexpected(done.error());
-  json figures = {{"renderer", engine->renderer()},
-                  {"size", {config.width, config.height}},
-                  {"items", engine->snapshot().size()},
-                  {"visible", report->visible},
-                  {"sampled", report->sampled},
-                  {"shown", report->shown},
-                  {"small", report->small},
-                  {"pending", report->pending},
-                  {"squares", report->squares},
-                  {"tested", report->tested},
-                  {"culler", name_of(engine->plan().culler)}};
+  auto outputs = Outputs::open(o, size);
+  if (!outputs) return tl::unexpected(outputs.error());
+  const bool complete = tiles.tiles.size() > 1;  // a budget shows in a picture that is drawn at once
+  apps::TiledPicture picture(*view, tiles, {.ids = o.wants_ids(), .depth = !o.depth.empty(), .complete = complete});
+  {
+    apps::Progress progress("drawing", picture.steps());
+    const auto after_step = [&] { progress.advance(picture.steps_done()); };
+    if (auto done = draw(engine, picture, *outputs, after_step); !done) return tl::unexpected(done.error());
+  }
+  warn_if_blank(picture, "the image");
+  if (auto done = outputs->finish(*model.scene); !done) return tl::unexpected(done.error());
+  json figures = {{"renderer", engine.renderer()},
+                  {"size", size},
+                  {"tiles", tiles.tiles.size()},
+                  {"items", engine.snapshot().size()},
+                  {"culler", name_of(engine.plan().culler)}};
+  const engine::FrameReport& report = picture.report();
+  if (tiles.tiles.size() == 1)
+    figures.update({{"visible", report.visible},
+                    {"sampled", report.sampled},
+                    {"shown", report.shown},
+                    {"small", report.small},
+                    {"pending", report.pending},
+                    {"squares", report.squares},
+                    {"tested", report.tested}});
   if (!o.reference_ids.empty())
-    if (auto done = compare_ids(o, *engine, figures); !done) return tl::unexpected(done.error());
+    if (auto done = compare_ids(o, outputs->items, figures); !done) return tl::unexpected(done.error());
   bool same = true;
   if (!o.reference.empty()) {
-    auto compared = compare(o, *image, figures);
+    auto compared = compare(o, outputs->picture, figures);
     if (!compared) return tl::unexpected(compared.error());
     same = *compared;
   }
   if (auto done = apps::write_json(o.json_file, figures); !done) return tl::unexpected(done.error());
   return same ? apps::kExitOk : apps::kExitFailure;
+}
+
+core::Expected<int> render_frames(const Options& o, const apps::Model& model, engine::Engine& engine,
+                                  const std::array<int, 2>& size, const engine::PictureTiles& tiles) {
+  auto path = importers::read_path(o.view.path);
+  if (path) path = importers::translated(*path, model.offset);
+  if (!path) return tl::unexpected(path.error());
+  const auto frames = apps::PathFrames::create(*path, o.fps);
+  if (!frames) return tl::unexpected(frames.error());
+  if (auto done = apps::take_empty_folder(o.frames_folder); !done) return tl::unexpected(done.error());
+  apps::Progress progress("writing frames", std::size_t(frames->count()));
+  for (int frame = 0; frame < frames->count(); ++frame) {
+    const auto view = path->view(frames->time(frame), double(size[0]) / size[1]);
+    if (!view) return tl::unexpected(view.error());
+    Options file = o;
+    file.out = (std::filesystem::path(o.frames_folder) / apps::PathFrames::file_name(frame)).string();
+    auto outputs = Outputs::open(file, size);
+    if (!outputs) return tl::unexpected(outputs.error());
+    apps::TiledPicture picture(*view, tiles, {});
+    auto done = draw(engine, picture, *outputs, [] {});
+    if (done) done = outputs->finish(*model.scene);
+    if (!done) return tl::unexpected(done.error());
+    warn_if_blank(picture, apps::PathFrames::file_name(frame));
+    progress.advance(std::size_t(frame) + 1);
+  }
+  const json figures = {{"renderer", engine.renderer()},
+                        {"size", size},
+                        {"items", engine.snapshot().size()},
+                        {"frames", frames->count()},
+                        {"fps", o.fps}};
+  if (auto done = apps::write_json(o.json_file, figures); !done) return tl::unexpected(done.error());
+  return apps::kExitOk;
+}
+
+core::Expected<int> render_model(const Options& o) {
+  const auto size = apps::parse_size(o.view.size);
+  if (!size) return tl::unexpected(size.error());
+  engine::EngineConfig config;
+  config.draw = true;
+  config.samples = o.samples;
+  o.shown.apply(config);
+  config.transparency = o.styles.transparency;
+  config.ids = o.wants_ids();
+  config.context_platform = o.platform;
+  config.gl_debug = o.gl_debug;
+  config.culler = o.culler;
+  config.gpu_culler = o.gpu_culler;
+  const auto tiles = apps::tiles_for(*size, o.tile_side(*size), config);
+  if (!tiles) return tl::unexpected(tiles.error());
+  config.width = tiles->width;
+  config.height = tiles->height;
+  auto model = apps::load_model(o.model);
+  if (!model) return tl::unexpected(model.error());
+  auto engine = engine::Engine::create(*model->scene, config);
+  if (!engine) return tl::unexpected(engine.error());
+  if (o.model.explain) apps::explain(engine->plan());
+  if (auto done = apps::apply_styles(o.styles, *model->scene, *engine); !done) return tl::unexpected(done.error());
+  return (o.frames_folder.empty() ? render_picture : render_frames)(o, *model, *engine, *size, *tiles);
 }
 
 }  // namespace
@@ -211,7 +328,9 @@ int main(int argc, char** argv) {
       "  sightline-render plant.rvm --out plant.png\n"
       "  sightline-render plant.rvm --view view.json --size 640x360 --out a.png --depth a.pfm --ids ids.png\n"
       "  sightline-render plant.rvm --view view.json --compare reference.png --max 8 --mean 0.1 --diff d.png\n"
-      "  sightline-render plant.rvm --highlight PS-100 --ghost-others PS-100 --out selected.png");
+      "  sightline-render plant.rvm --highlight PS-100 --ghost-others PS-100 --out selected.png\n"
+      "  sightline-render plant.rvm --size 16384x9216 --samples 4 --out poster.png\n"
+      "  sightline-render plant.rvm --path flight.json --write-frames frames --fps 25 --size 1920x1080");
   Options options;
   add_options(app, options);
   return apps::run(app, argc, argv, [&] { return render_model(options); });

@@ -1,31 +1,31 @@
 // Smooth edges at rest: the mean of pictures that are shifted by parts of a pixel.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
+#include "sightline/apps/common/mean_picture.h"
 #include "sightline/core/conventions.h"
-#include "sightline/image/image.h"
 
 namespace sightline::apps {
 
 class RestingPicture {
  public:
   static constexpr int kSamples = 8;
+  /// Pixels by which the pictures are shifted, right and up; between -0.5 and 0.5.
+  static const std::vector<core::dvec2>& shifts();
 
-  int count() const { return count_; }
-  bool complete() const { return count_ == kSamples; }
-  void clear() { count_ = 0; }
-  /// Pixels by which the next picture should be shifted, right and up; between -0.5 and 0.5.
-  core::dvec2 shift() const;
+  int count() const { return sum_.count(); }
+  bool complete() const { return count() == kSamples; }
+  void clear() { sum_.clear(); }
+  /// Of the next picture.
+  core::dvec2 shift() const { return shifts()[std::size_t(count() % kSamples)]; }
   /// All must have one size, from clear() on.
-  void add(const image::Image& picture);
-  /// Of sRGB values, as multisampling has it. At least one picture must have been added.
-  image::Image mean() const;
+  void add(const image::Image& picture) { sum_.add(picture); }
+  /// At least one picture must have been added.
+  image::Image mean() const { return sum_.mean(); }
 
  private:
-  int count_ = 0, width_ = 0, height_ = 0;
-  std::vector<std::uint16_t> sums_;
+  MeanPicture sum_;
 };
 
 }  // namespace sightline::apps

@@ -366,5 +366,84 @@ TEST_F(Render, ReplayWritesTheFramesThatRenderDraws) {
   }
 }
 
+/// By tiles of several sizes the same picture comes out, its ids, names and depths too.
+TEST_F(Render, TilesMakeTheSamePicture) {
+  const auto files = [&](const std::string& name) {
+    return Args{"--out",   path(name + ".png"), "--ids",      path(name + "-ids.png"),
+                "--depth", path(name + ".pfm"), "--ids-json", path(name + ".json")};
+  };
+  for (const char* text : {kNearView, kOrthoView}) {
+    const std::string looked = write("looked.json", text);
+    const Args scene = {"--view", looked, "--shading", "0.6", "--lines", "0.4", "--highlight", "PIPE"};
+    const auto draw = [&](const std::string& name, Args more) {
+      Args args = with(scene);
+      for (const Args& part : {files(name), more, Args{"--json", "-"}})
+        args.insert(args.end(), part.begin(), part.end());
+      return Json::parse(render(args).out, nullptr, false);
+    };
+    const Json whole = draw("whole", {});
+    EXPECT_EQ(whole["tiles"], 1);
+    EXPECT_GT(whole["visible"], 0);
+    for (const char* tile : {"130", "200", "300"}) {
+      SCOPED_TRACE(tile);
+      const Json figures = draw("tiles", {"--tile", tile, "--compare", path("whole.png"), "--max", "255", "--mean",
+                                          "0.01", "--compare-ids", path("whole-ids.png")});
+      EXPECT_GE(figures["tiles"], 2);
+      EXPECT_FALSE(figures.contains("visible")) << "items in several tiles would count more than once";
+      EXPECT_LT(figures["compare"]["pixels"], kThousandth);
+      EXPECT_LT(figures["wrong_ids"], kThousandth);
+      EXPECT_EQ(read_bytes(path("tiles.pfm")).size(), read_bytes(path("whole.pfm")).size());
+      const Json names = Json::parse(read_bytes(path("whole.json"))),
+                 in_tiles = Json::parse(read_bytes(path("tiles.json")));
+      std::size_t same = 0;
+      for (const auto& [item, name] : names.items()) same += in_tiles.contains(item) && in_tiles[item] == name;
+      EXPECT_GT(10 * same, 9 * names.size());
+    }
+  }
+}
+
+TEST_F(Render, PicturesLargerThanWhatIsDrawnAtOnce) {
+  const std::string out = path("large.png");
+  const Json figures = run_json("render", {model, "--size", "16384x40", "--out", out});
+  EXPECT_EQ(figures["tiles"], 17);
+  const Picture picture = read_picture(out);
+  EXPECT_EQ(picture.width, 16384u);
+  EXPECT_EQ(picture.height, 40u);
+  EXPECT_GT(picture.colours(), 20u);
+  for (const char* size : {"0x0", "20000x20000", "16385x16384", "-5x5", "1e9x1"})
+    expect_usage_error("render", {model, "--size", size, "--out", out}, "between 1 and 16384");
+  expect_usage_error("render", {model, "--tile", "5", "--out", out}, "--tile");
+  expect_failure("render", {model, "--size", "300x200", "--out", path("no/such/folder.png")}, "folder.png", true);
+}
+
+/// Each frame is the picture of the path's camera at its time.
+TEST_F(Render, WritesThePathAsFrames) {
+  const std::string flight =
+      write("flight.json", R"({"keys":[{"t":2,"eye":[-30,-12,6],"target":[5,2,3],"up":[0,0,1],"fovy_deg":60},)"
+                           R"({"t":3.5,"eye":[-20,-18,9],"target":[5,2,3],"up":[0,0,1],"fovy_deg":50}],"near":0.1})");
+  const Args frames = {model, "--size", "200x120", "--path", flight};
+  const auto also = [&](const Args& more) {
+    Args args = frames;
+    args.insert(args.end(), more.begin(), more.end());
+    return args;
+  };
+  const std::string folder = path("frames"), tiled = path("tiled");
+  EXPECT_EQ(run_json("render", also({"--write-frames", folder, "--fps", "2"}))["frames"], 4);
+  render(also({"--write-frames", tiled, "--fps", "2", "--tile", "130"}));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 4);
+  for (int i = 0; i < 4; ++i) {
+    const std::string name = "/frame-00000" + std::to_string(i + 1) + ".png";
+    for (const std::string& in : {folder, tiled})
+      render(also(
+          {"--frame", std::to_string(i), "--frames", "4", "--compare", in + name, "--max", "255", "--mean", "0.01"}));
+  }
+  expect_failure("render", also({"--write-frames", folder}), "is not empty", true);
+  expect_failure("render", also({"--write-frames", flight}), "flight.json", true);
+  for (const char* fps : {"0", "-25", "nan", "1e9"})
+    expect_usage_error("render", also({"--write-frames", path("other"), "--fps", fps}), "--fps");
+  expect_usage_error("render", {model, "--write-frames", folder}, "--path");
+  expect_usage_error("render", also({"--write-frames", folder, "--out", path("a.png")}), "--out");
+}
+
 }  // namespace
 }  // namespace sightline::tests

@@ -1,0 +1,126 @@
+#include "sightline/apps/common/tiled_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "sightline/apps/common/cli.h"
+
+namespace sightline::apps {
+
+core::Expected<bool> TiledPicture::step(engine::Engine& engine) {
+  const engine::PictureTile& tile = tiles_.tiles[done_ / wanted_.shifts.size()];
+  const std::size_t shift = done_ % wanted_.shifts.size();
+  if (auto done = draw(engine, tile, wanted_.shifts[shift]); !done) return tl::unexpected(done.error());
+  if (shift == 0) {
+    begin_rows(tile);
+    if (auto done = take_ids_and_depth(engine, tile); !done) return tl::unexpected(done.error());
+  }
+  const auto picture = engine.read_colour();
+  if (!picture) return tl::unexpected(picture.error());
+  ++done_;
+  const bool last = shift + 1 == wanted_.shifts.size();
+  if (wanted_.shifts.size() == 1) {
+    take(tile, picture->pixels, rows_.colours, 3);
+  } else {
+    if (shift == 0) mean_.clear();
+    mean_.add(*picture);
+    if (last) take(tile, mean_.mean().pixels, rows_.colours, 3);
+  }
+  return last && tile.x1 == tile.part.width;
+}
+
+core::Expected<void> TiledPicture::draw(engine::Engine& engine, const engine::PictureTile& tile,
+                                        const core::dvec2& shift) {
+  engine::PicturePart part = tile.part;
+  part.x -= shift.x;
+  part.y += shift.y;
+  do {  // more than once with a budget
+    const auto report = engine.frame_part(whole_, part);
+    if (!report) return tl::unexpected(report.error());
+    if (!report->drawn) return core::fail("the GL context was lost before the picture was drawn");
+    report_ = *report;
+  } while (wanted_.complete && report_.pending > 0);
+  engine.finish();
+  while (const auto late = engine.take_late_report()) report_.visible = late->visible;
+  found_ |= report_.visible > 0;
+  if (!covered_ && report_.visible != 0) covered_ = engine.covered().value_or(true);
+  return {};
+}
+
+void TiledPicture::begin_rows(const engine::PictureTile& tile) {
+  if (tile.x0 > 0) return;
+  rows_.width = tile.part.width;
+  rows_.first = tile.y0;
+  rows_.count = tile.y1 - tile.y0;
+  const std::size_t pixels = std::size_t(rows_.width) * std::size_t(rows_.count);
+  rows_.colours.resize(3 * pixels);
+  rows_.ids.resize(wanted_.ids ? pixels : 0);
+  rows_.metres.resize(wanted_.depth ? pixels : 0);
+}
+
+core::Expected<void> TiledPicture::take_ids_and_depth(engine::Engine& engine, const engine::PictureTile& tile) {
+  if (wanted_.ids) {
+    const auto ids = engine.read_ids();
+    if (!ids) return tl::unexpected(ids.error());
+    take(tile, ids->ids, rows_.ids, 1);
+  }
+  if (wanted_.depth) {
+    const auto depth = engine.read_depth(whole_);
+    if (!depth) return tl::unexpected(depth.error());
+    take(tile, depth->metres, rows_.metres, 1);
+  }
+  return {};
+}
+
+template <class T>
+void TiledPicture::take(const engine::PictureTile& tile, const std::vector<T>& drawn, std::vector<T>& rows,
+                        std::size_t channels) {
+  const std::size_t left = std::size_t(tile.x0 - int(tile.part.x)), count = std::size_t(tile.x1 - tile.x0);
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    const std::size_t from = std::size_t(y - int(tile.part.y)) * std::size_t(tiles_.width) + left;
+    const std::size_t to = std::size_t(y - tile.y0) * std::size_t(rows_.width) + std::size_t(tile.x0);
+    std::copy_n(drawn.begin() + std::ptrdiff_t(channels * from), channels * count,
+                rows.begin() + std::ptrdiff_t(channels * to));
+  }
+}
+
+core::Expected<engine::PictureTiles> tiles_for(const std::array<int, 2>& size, int largest_side,
+                                               const engine::EngineConfig& config) {
+  const bool squares = config.contribution_way != engine::ContributionWay::kDrop;
+  const int side = squares ? int(std::ceil(std::sqrt(config.contribution))) : 0;
+  return engine::picture_tiles(size[0], size[1], largest_side, side);
+}
+
+core::Expected<PathFrames> PathFrames::create(const core::CameraPath& path, double per_second) {
+  if (!(per_second > 0.0 && per_second <= kMostPerSecond))
+    return core::fail("frames per second: expected a number above 0 and at most 1000");
+  const double rounding = 1e-9, frames = std::floor((path.end() - path.begin()) * per_second * (1.0 + rounding)) + 1.0;
+  if (frames > double(kMost))
+    return core::fail("a path of " + std::to_string(path.end() - path.begin()) + " seconds has more than " +
+                      std::to_string(kMost) + " frames at that rate");
+  PathFrames made;
+  made.begin_ = path.begin();
+  made.per_second_ = per_second;
+  made.count_ = int(frames);
+  return made;
+}
+
+std::string PathFrames::file_name(int frame) {
+  char name[32];
+  std::snprintf(name, sizeof name, "frame-%06d.png", frame + 1);
+  return name;
+}
+
+core::Expected<void> take_empty_folder(const std::string& folder) {
+  if (folder.empty()) return core::fail("expected the name of a folder");
+  if (auto made = make_directory(folder); !made) return made;
+  std::error_code reason;
+  const bool empty = std::filesystem::is_empty(folder, reason);
+  if (reason) return core::fail(folder + ": " + reason.message());
+  if (!empty) return core::fail(folder + ": is not empty; frames of two flights must not mix");
+  return {};
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,94 @@
+// Pictures of any size, drawn tile by tile; and camera paths as pictures.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sightline/apps/common/mean_picture.h"
+#include "sightline/core/camera_path.h"
+#include "sightline/engine/engine.h"
+
+namespace sightline::apps {
+
+/// Largest side of tiles, pixels: larger ones take more memory and are no faster.
+inline constexpr int kTileSide = 1024;
+
+/// Rows of a picture, from the top.
+struct PictureRows {
+  int width = 0, first = 0, count = 0;
+  std::vector<std::uint8_t> colours;  ///< RGB, 3 bytes per pixel
+  std::vector<std::uint32_t> ids;     ///< item + 1, 0 is background; where they are wanted
+  std::vector<float> metres;          ///< along the view axis; where they are wanted
+};
+
+/// Draws a picture in steps that are short, for progress and to be stopped between them.
+class TiledPicture {
+ public:
+  struct Wanted {
+    bool ids = false, depth = false;
+    bool complete = true;  ///< whatever EngineConfig::budget_ms; otherwise as one frame leaves it
+    /// Pixels right and up by which pictures are shifted whose mean is taken, MeanPicture::kMost at most; ids and depth
+    /// are those of the first.
+    std::vector<core::dvec2> shifts = {core::dvec2(0.0)};
+  };
+  /// `whole`: of the picture that the tiles make up.
+  TiledPicture(const core::View& whole, engine::PictureTiles tiles, Wanted wanted)
+      : whole_(whole), tiles_(std::move(tiles)), wanted_(std::move(wanted)) {}
+
+  std::size_t steps() const { return tiles_.tiles.size() * wanted_.shifts.size(); }
+  std::size_t steps_done() const { return done_; }
+  bool complete() const { return done_ == steps(); }
+  /// Draws one of the pictures that a tile is the mean of. The engine must have the tiles' size, and ids where they are
+  /// wanted. True where that completes rows.
+  core::Expected<bool> step(engine::Engine& engine);
+  /// The last rows that were completed.
+  const PictureRows& rows() const { return rows_; }
+  /// Of the last step.
+  const engine::FrameReport& report() const { return report_; }
+  /// Whether items were found in the view volume, but no pixel shows any so far.
+  bool blank() const { return found_ && !covered_; }
+
+ private:
+  core::Expected<void> draw(engine::Engine& engine, const engine::PictureTile& tile, const core::dvec2& shift);
+  core::Expected<void> take_ids_and_depth(engine::Engine& engine, const engine::PictureTile& tile);
+  void begin_rows(const engine::PictureTile& tile);
+  template <class T>
+  void take(const engine::PictureTile& tile, const std::vector<T>& drawn, std::vector<T>& rows, std::size_t channels);
+
+  core::View whole_;
+  engine::PictureTiles tiles_;
+  Wanted wanted_;
+  std::size_t done_ = 0;
+  MeanPicture mean_;
+  PictureRows rows_;
+  engine::FrameReport report_;
+  bool found_ = false, covered_ = false;
+};
+
+/// Tiles for a picture that an engine with these settings draws.
+core::Expected<engine::PictureTiles> tiles_for(const std::array<int, 2>& size, int largest_side,
+                                               const engine::EngineConfig& config);
+
+/// A camera path as numbered pictures at a constant rate in the path's own time, as programs that make videos read
+/// them.
+class PathFrames {
+ public:
+  static constexpr double kMostPerSecond = 1000.0;
+  static constexpr int kMost = 999'999;
+
+  /// Fails unless per_second is above 0 and at most kMostPerSecond, and where that makes more than kMost frames.
+  static core::Expected<PathFrames> create(const core::CameraPath& path, double per_second);
+  int count() const { return count_; }
+  double time(int frame) const { return begin_ + frame / per_second_; }  ///< on the path; frames from 0 on
+  static std::string file_name(int frame);                               ///< "frame-000001.png" is that of frame 0
+
+ private:
+  double begin_ = 0.0, per_second_ = 1.0;
+  int count_ = 1;
+};
+
+/// Makes a folder for these pictures where it is missing. Fails where it cannot be made, and where it holds anything.
+core::Expected<void> take_empty_folder(const std::string& folder);
+
+}  // namespace sightline::apps
