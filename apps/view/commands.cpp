@@ -6,6 +6,7 @@
 #include <GLFW/glfw3.h>
 
 #include "sightline/apps/view/comparing.h"
+#include "sightline/apps/view/exporting.h"
 #include "sightline/apps/view/views.h"
 
 namespace sightline::apps {
@@ -118,8 +119,11 @@ const Command kCommands[] = {
     {"compare-end", "File", "End the comparison", 0, 0, "", "show the model alone again", end_comparison},
     {"compare-toggle", nullptr, "", 0, 0, "",
      "show or hide items that are added, removed, moved, changed or unchanged: WHICH", toggle_changes},
-    {"screenshot", "File", "Save picture", GLFW_KEY_F12, 0, "F12", "write the picture, PNG: FILE",
-     [](Viewer& v, const std::string& file) { return v.write_screenshot(file); }},
+    {"screenshot", "File", "Save picture", GLFW_KEY_F12, 0, "F12",
+     "write the picture, PNG, in any size up to 16384x16384: FILE [WxH]", write_picture},
+    {"large-picture", "File", "Save large picture…", GLFW_KEY_F12, kShift, "Shift+F12",
+     "ask for a size and a file, and write the picture",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.path = false, v.shown.picture = true, Done(); }},
     {"save-view", "File", "Save view", GLFW_KEY_S, kCtrl, "Ctrl+S", "write what is seen and shown, JSON: FILE",
      [](Viewer& v, const std::string& file) { return v.save_view(file); }},
     {"load-view", nullptr, "", 0, 0, "", "see what a view file shows; or drop it on the window: FILE",
@@ -137,6 +141,16 @@ const Command kCommands[] = {
     {"record", "File", "Record camera path", GLFW_KEY_R, 0, "R",
      "begin to record a camera path; end and write it (--save-path)",
      [](Viewer& v, const std::string&) { return v.toggle_recording(); }, [](Viewer& v) { return v.recording(); }},
+    {"play-path", "File", "Play camera path", 0, 0, "",
+     "play a camera path, or that played or recorded last; or stop: FILE", play_path,
+     [](Viewer& v) { return v.player().playing(); }},
+    {"path-loop", nullptr, "", 0, 0, "", "play camera paths again and again, or once",
+     [](Viewer& v, const std::string&) -> Done { return v.player().loop = !v.player().loop, Done(); }},
+    {"path-speed", nullptr, "", 0, 0, "", "how fast camera paths play, times their own speed: FACTOR", set_path_speed},
+    {"write-frames", nullptr, "", 0, 0, "",
+     "write that path as pictures for a video, 25 a second unless told otherwise: FOLDER [FPS] [WxH]", write_frames},
+    {"camera-path", "File", "Camera path and video…", 0, 0, "", "ask for a camera path to play, and write its frames",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.picture = false, v.shown.path = true, Done(); }},
     {"lose-context", nullptr, "", 0, 0, "", "make window and graphics context anew, as after a reset of the driver",
      [](Viewer& v, const std::string&) -> Done { return v.lose_context(), Done(); }, nullptr, false},
     {"quit", "File", "Quit", GLFW_KEY_Q, kCtrl, "Ctrl+Q", "end",
@@ -190,17 +204,11 @@ const Command kCommands[] = {
        return look_along(v, {0, 1, 0});
      }},
     {"back", "View", "Back", GLFW_KEY_2, 0, "2", "look south",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {0, -1, 0});
-     }},
+     [](Viewer& v, const std::string&) { return look_along(v, {0, -1, 0}); }},
     {"left", "View", "Left", GLFW_KEY_3, 0, "3", "look east",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {1, 0, 0});
-     }},
+     [](Viewer& v, const std::string&) { return look_along(v, {1, 0, 0}); }},
     {"right", "View", "Right", GLFW_KEY_4, 0, "4", "look west",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {-1, 0, 0});
-     }},
+     [](Viewer& v, const std::string&) { return look_along(v, {-1, 0, 0}); }},
     {"top", "View", "Top", GLFW_KEY_5, 0, "5", "look down",
      [](Viewer& v, const std::string&) { return look_along(v, {0, 0, -1}); }},
     {"bottom", "View", "Bottom", GLFW_KEY_6, 0, "6", "look up",

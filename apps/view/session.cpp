@@ -60,7 +60,11 @@ std::array<int, 2> Session::drawn_size() const {
 }
 
 core::Expected<core::View> Session::view(const core::dvec2& shift) const {
-  auto view = camera_.view(aspect(), shift);
+  return view_of(camera_, aspect(), shift);
+}
+
+core::Expected<core::View> Session::view_of(const Camera& camera, double aspect, const core::dvec2& shift) const {
+  auto view = camera.view(aspect, shift);
   if (view) view->sections = sections_.planes();
   return view;
 }

@@ -53,6 +53,9 @@ class Session {
 
   /// What the picture shows now: the camera's view, cut by the sections; `shift` as Camera::view() has it.
   core::Expected<core::View> view(const core::dvec2& shift = core::dvec2(0.0)) const;
+  /// The same with another camera, of a picture of any shape.
+  core::Expected<core::View> view_of(const Camera& camera, double aspect,
+                                     const core::dvec2& shift = core::dvec2(0.0)) const;
   double aspect() const { return double(size_[0]) / size_[1]; }
   const std::array<int, 2>& size() const { return size_; }
   core::Expected<void> resize(const std::array<int, 2>& size);

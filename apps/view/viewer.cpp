@@ -15,6 +15,7 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/view/commands.h"
 #include "sightline/apps/view/comparing.h"
+#include "sightline/apps/view/exporting.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/views.h"
 #include "sightline/image/image.h"
@@ -31,14 +32,9 @@ constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 
 constexpr engine::Relief kRelief{0.6f, 0.4f};
 constexpr double kLongestStep = 0.25;                          // seconds: a hitch must not make the camera jump
 constexpr int kSettlingFrames = 3;                             // after an event: widgets take some to come to rest
+constexpr double kExportSlice = 0.05;                          // seconds between pictures of the window
 constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;        // seconds
 constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a driver that resets its GPU
-
-/// For example "screenshot-1.png", or the next number that no file has.
-std::string free_name(const std::string& stem, const std::string& extension) {
-  for (int i = 1;; ++i)
-    if (std::string name = stem + "-" + std::to_string(i) + extension; !std::filesystem::exists(name)) return name;
-}
 
 std::string name_of_files(const std::vector<std::string>& files) {
   std::string name = files.empty() ? "" : std::filesystem::path(files[0]).filename().string();
@@ -78,6 +74,11 @@ Json views_json(const ViewList& views) {
 
 }  // namespace
 
+std::string free_name(const std::string& stem, const std::string& extension) {
+  for (int i = 1;; ++i)
+    if (std::string name = stem + "-" + std::to_string(i) + extension; !std::filesystem::exists(name)) return name;
+}
+
 Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFile settings)
     : options_(options), window_(window), gui_(std::move(gui)), settings_(std::move(settings)) {
   shown.panels = options.panels && options.frames == 0;
@@ -107,7 +108,7 @@ core::Expected<int> Viewer::run() {
   if (!settings_.damage().empty() && !loader_) tell(settings_.damage(), true);
   double last = glfwGetTime();
   while (!closing() && (options_.frames == 0 || frames_ < options_.frames)) {
-    const bool busy = !settled() || next_step_ < script_.size();
+    const bool busy = !settled() || player_.playing() || next_step_ < script_.size();
     if (!busy) keep_settings();
     if (release_ && glfwGetTime() >= wait_until_) gui_.push({*std::exchange(release_, std::nullopt)});
     gui_.push(window_.poll(loader_ ? kLoadingWait : busy ? 0.0 : kIdleWait));
@@ -118,6 +119,7 @@ core::Expected<int> Viewer::run() {
     }
     if (!busy && !gui_.has_events()) continue;  // nothing to draw
     if (auto done = land(); !done) return tl::unexpected(done.error());
+    if (auto done = step_export(); !done && !lost()) return tl::unexpected(done.error());
     if (settled() && next_step_ < script_.size())
       if (auto done = step_script(); !done) return tl::unexpected(done.error());
     if (gui_.has_events() && asked_at_ < 0.0) asked_at_ = glfwGetTime();
@@ -146,6 +148,7 @@ bool Viewer::closing() {
 
 /// Makes the window and all that lay in its context anew. Model, camera, sections and selection stay.
 core::Expected<void> Viewer::recover() {
+  export_.reset();
   gui_.drop_context();
   auto opened = window_.reopen();
   for (const double end = glfwGetTime() + kContextPatience; !opened && glfwGetTime() < end && !window_.closing();) {
@@ -169,7 +172,7 @@ bool Viewer::settled() const {
 }
 
 bool Viewer::refining() const {
-  return shown.smooth && options_.frames == 0 && session_ && session_->refining();
+  return shown.smooth && options_.frames == 0 && !player_.playing() && !export_ && session_ && session_->refining();
 }
 
 bool Viewer::settled_but_for_edges() const {
@@ -177,8 +180,8 @@ bool Viewer::settled_but_for_edges() const {
     return key == GLFW_KEY_W || key == GLFW_KEY_A || key == GLFW_KEY_S || key == GLFW_KEY_D || key == GLFW_KEY_Q ||
            key == GLFW_KEY_E;
   });
-  if (loader_ || redraws_ > 0 || gui_.has_events() || playing_ || flies || (walker_ && walker_->falling()) ||
-      !window_shot_.empty())
+  if (loader_ || redraws_ > 0 || gui_.has_events() || export_ || (player_.playing() && !player_.loop) || flies ||
+      (walker_ && walker_->falling()) || !window_shot_.empty())
     return false;
   if (options_.frames > 0 || glfwGetTime() < wait_until_) return false;
   if (session_ && session_->coarse()) return false;
@@ -231,7 +234,7 @@ void Viewer::cancel_loading() {
 
 /// Shows the model that was being read, once it is there. What is open stays where the file cannot be read.
 core::Expected<void> Viewer::land() {
-  if (!loader_) return {};
+  if (!loader_ || export_) return {};
   auto model = loader_->take();
   if (!model) return {};
   const std::vector<std::string> files = loader_->options().files;
@@ -250,6 +253,7 @@ core::Expected<void> Viewer::land() {
   part_ = viewport();
   print_warnings(opened_->model().report.warnings);
   set_walking(false);
+  const bool another = session_ != nullptr;
   session_.reset();  // its memory first
   if (auto done = opened_->use_context(window_.context()); !done) return failed(done.error());
   session_ = std::move(opened_);
@@ -260,8 +264,10 @@ core::Expected<void> Viewer::land() {
   for (const std::string& file : files) now_.add_recent(file);
   warn_of_outliers(session_->bounds());
   if (options_.model.explain) explain(session_->engine().plan());
-  if (path_) session_->camera().set_planes(path_->near, path_->far);
-  playing_ = path_.has_value();
+  if (const auto& path = player_.path(); path && !another) {
+    session_->camera().set_planes(path->near, path->far);
+    player_.play();
+  }
   window_.set_title(name_of_files(files) + " - Sightline");
   if (first && !settings_.damage().empty())
     tell(settings_.damage(), true);
@@ -276,7 +282,7 @@ core::Expected<void> Viewer::read_path() {
   if (path && !options_.model.translate.empty())
     path = importers::translated(*path, *parse_vector(options_.model.translate));
   if (!path) return tl::unexpected(path.error());
-  path_ = std::move(*path);
+  player_.set_path(std::move(*path));
   return {};
 }
 
@@ -284,6 +290,10 @@ core::Expected<void> Viewer::frame(double seconds) {
   const double began = glfwGetTime();
   for (const Event& event : gui_.take_events()) {
     redraws_ = kSettlingFrames;
+    if (export_) {
+      export_cancelled_ |= event.type == Type::kKey && event.down && event.key == GLFW_KEY_ESCAPE;
+      continue;
+    }
     if (!gui_.uses(event) || event.type == Type::kDrop || (event.type == Type::kButton && !event.down) ||
         (event.type == Type::kKey && !event.down) || (event.type == Type::kCursor && drag_))
       handle(event);
@@ -304,7 +314,10 @@ core::Expected<void> Viewer::frame(double seconds) {
   if (shown.open) open_window(*this);
   if (shown.compare) compare_window(*this);
   if (shown.quit) quit_window(*this);
+  if (shown.picture && session_) picture_window(*this);
+  if (shown.path && session_) path_window(*this);
   if (loader_) loading_window(*this);
+  exporting_window(*this);
   if (session_ && session_->document().hovered() && !drag_ && !shown.measure && !ImGui::GetIO().WantCaptureMouse)
     item_tip(*this, *session_->document().hovered());
   draw_rectangle();
@@ -334,10 +347,16 @@ core::Expected<void> Viewer::draw_model(const Part& part) {
     if (framebuffer) window_.copy(*framebuffer, {part.width, part.height}, part);
   }
   if (!session_) return {};
+  if (export_) {
+    if (!window_.keeps_picture())
+      if (auto done = window_.keep(&export_->before()); !done) return done;
+    return window_.copy_kept(part), core::Expected<void>();
+  }
   part_ = part;
   if (auto done = session_->resize({part.width, part.height}); !done) return done;
   if (auto done = adapt_resolution(); !done) return done;
-  if (options_.frames > 0 || session_->partly_refined()) session_->changed();
+  const bool shifted = session_->partly_refined() || (session_->smooth() && !shown.smooth);
+  if (options_.frames > 0 || shifted) session_->changed();
   const auto drawn = session_->draw();
   if (!drawn) return tl::unexpected(drawn.error());
   if (*drawn) note_picture();
@@ -387,7 +406,7 @@ core::Expected<void> Viewer::step_script() {
   if (auto done = carry_out(step); !done)
     return core::fail(options_.script + ":" + std::to_string(step.line) + ": " + done.error().message);
   redraws_ = kSettlingFrames;
-  if (next_step_ == script_.size()) quit();
+  if (next_step_ == script_.size() && !export_) quit();
   return {};
 }
 
@@ -454,21 +473,46 @@ core::Expected<void> Viewer::expect(const std::string& argument) {
 // --- what moves by itself --------------------------------------------------------------------------------------------
 
 void Viewer::play() {
-  if (!session_ || !playing_) return;
-  double share = 1.0;
-  if (options_.frames > 0) {
-    share = options_.frames > 1 ? double(frames_) / (options_.frames - 1) : 0.0;
-  } else if (path_->end() > path_->begin()) {
-    if (play_began_ < 0.0) play_began_ = glfwGetTime();
-    share = std::min(1.0, (glfwGetTime() - play_began_) / (path_->end() - path_->begin()));
-  }
-  const core::CameraSample sample = path_->sample(path_->begin() + share * (path_->end() - path_->begin()));
-  session_->camera().set_pose(sample.pose);
-  session_->camera().set_fovy(sample.fovy);
-  playing_ = share < 1.0;
+  if (!session_ || export_) return;
+  Camera& camera = session_->camera();
+  const auto sample =
+      options_.frames > 0 ? player_.next_frame(frames_, options_.frames) : player_.next(glfwGetTime(), camera.pose());
+  if (!sample) return;
+  camera.set_pose(sample->pose);
+  camera.set_fovy(sample->fovy);
 }
 
 // --- what commands do ------------------------------------------------------------------------------------------------
+
+void Viewer::begin_export(std::unique_ptr<Export> work) {
+  export_ = std::move(work);
+  export_cancelled_ = false;
+  held_.clear();
+  drag_.reset();
+}
+
+/// A failure ends scripts; otherwise it is told.
+core::Expected<void> Viewer::step_export() {
+  if (!export_) return {};
+  core::Expected<void> done;
+  for (const double end = glfwGetTime() + kExportSlice;
+       done && !export_cancelled_ && !export_->complete() && glfwGetTime() < end;)
+    done = export_->step();
+  if (done && !export_cancelled_ && !export_->complete()) return {};
+  const std::string frames = export_->count() > 1 ? std::to_string(export_->frame()) + " frames: " : "picture: ";
+  const std::string target = export_->target();
+  const bool blank = export_->blank(), complete = export_->complete();
+  export_.reset();
+  if (!script_.empty() && next_step_ == script_.size()) quit();
+  if (!done && !script_.empty()) return done;
+  if (!done)
+    tell(done.error().message, true);
+  else if (!complete)
+    tell("cancelled, " + frames + target);
+  else
+    tell(frames + target + (blank ? " (no pixel shows any item)" : ""));
+  return {};
+}
 
 void Viewer::tell(std::string message, bool error) {
   message_ = std::move(message);
@@ -536,6 +580,7 @@ core::Expected<void> Viewer::toggle_recording() {
   recorder_.reset();
   const auto path = seen ? importers::translated(*seen, -session_->offset()) : seen;  // in the model's own frame
   if (!path) return tl::unexpected(path.error());
+  player_.set_path(*seen);
   if (auto done = importers::write_path(options_.save_path, *path); !done) return done;
   tell("path: " + options_.save_path);
   return {};
@@ -562,6 +607,7 @@ void Viewer::keep_settings() {
 }
 
 core::Expected<void> Viewer::finish() {
+  export_.reset();
   if (!session_) return options_.frames > 0 ? core::fail("no model was drawn") : core::Expected<void>();
   session_->engine().finish();
   core::Expected<void> done;
@@ -591,6 +637,7 @@ nlohmann::ordered_json Viewer::state() const {
             {"picture", {{"width", part_.width}, {"height", part_.height}}},
             {"response_ms", response_ms_},
             {"recording", recording()},
+            {"playing", player_.playing()},
             {"recovered", recovered_},
             {"views", views_json(views_)}};
   if (!session_) return json;

@@ -11,10 +11,12 @@
 
 #include "sightline/apps/view/axis_triad.h"
 #include "sightline/apps/view/culling_overlay.h"
+#include "sightline/apps/view/export.h"
 #include "sightline/apps/view/frame_history.h"
 #include "sightline/apps/view/gui.h"
 #include "sightline/apps/view/loader.h"
 #include "sightline/apps/view/motion_resolution.h"
+#include "sightline/apps/view/path_player.h"
 #include "sightline/apps/view/preview.h"
 #include "sightline/apps/view/script.h"
 #include "sightline/apps/view/session.h"
@@ -39,6 +41,9 @@ struct ViewerOptions {
   /// Whether there are settings to keep: scripts and --frames must do the same for everybody.
   bool remembers() const { return !settings.empty() || (script.empty() && frames == 0); }
 };
+
+/// For example "screenshot-1.png", or the next number that no file has.
+std::string free_name(const std::string& stem, const std::string& extension);
 
 class Viewer {
  public:
@@ -68,6 +73,11 @@ class Viewer {
   core::Expected<void> toggle_recording();
   core::Expected<void> toggle_relief();
   bool recording() const { return recorder_.has_value(); }
+  PathPlayer& player() { return player_; }
+  /// Draws and writes from now on, between pictures of the window, which takes nothing else until that is done.
+  void begin_export(std::unique_ptr<Export> work);
+  const Export* exporting() const { return export_.get(); }
+  void cancel_export() { export_cancelled_ = true; }
   void tell(std::string message, bool error = false);
   const std::string& message() const { return message_; }
   bool message_is_error() const { return message_is_error_; }
@@ -99,6 +109,7 @@ class Viewer {
     bool measure = false;                        ///< clicks set marks
     bool find = false;                           ///< the search field gets the keyboard next
     float tree_width = 0.0f, side_width = 0.0f;  ///< of the panels, in lines of text; 0: as the window's size suggests
+    bool picture = false, path = false;          ///< dialogs
   } shown;
   const std::vector<std::string>& recent() const { return now_.recent; }
 
@@ -141,6 +152,7 @@ class Viewer {
   void set_mark(const core::dvec2& at);
   void select_rectangle(const Drag& drag);
   void draw_rectangle() const;
+  core::Expected<void> step_export();
   void fly(double seconds);
   void walk(const core::dvec3& held, double seconds);
   void hover();
@@ -158,13 +170,13 @@ class Viewer {
   std::unique_ptr<Session> session_, opened_;   // the second by the loader, until it has landed
   std::shared_ptr<compare::Comparison> found_;  // with what is read now; null where a model is read
   std::unique_ptr<Loader> loader_;              // its thread uses those before
+  std::unique_ptr<Export> export_;              // with the session's engine
+  bool export_cancelled_ = false;
   ViewList views_;
   std::vector<std::string> files_;
   SettingsFile settings_;
   Settings now_;  // but for recent files as of the last keep_settings()
-  std::optional<core::CameraPath> path_;
-  double play_began_ = -1.0;  // GLFW's time
-  bool playing_ = false;
+  PathPlayer player_;
   std::optional<PathRecorder> recorder_;
   std::vector<ScriptStep> script_;
   std::size_t next_step_ = 0;

@@ -84,6 +84,7 @@ void Viewer::drop(const std::vector<std::string>& files) {
 void Viewer::press_key(const Event& event) {
   held_.insert(event.key);
   last_click_ = -1.0;
+  if (event.key == GLFW_KEY_ESCAPE && player_.playing()) return player_.stop();
   const Command* command = find_command(event.key, event.mods);
   if (command && (!command->needs_model || session_)) sightline::apps::run(*this, *command);
 }
@@ -175,14 +176,13 @@ void Viewer::draw_rectangle() const {
 }
 
 void Viewer::fly(double seconds) {
-  if (!session_ || gui_.has_text_cursor()) return;
+  if (!session_ || export_ || gui_.has_text_cursor()) return;
   const auto key = [&](int name) { return held_.contains(name) ? 1.0 : 0.0; };
   if (key(GLFW_KEY_LEFT_CONTROL) + key(GLFW_KEY_RIGHT_CONTROL) + key(GLFW_KEY_LEFT_ALT) > 0.0) return;
   const core::dvec3 move(key(GLFW_KEY_D) - key(GLFW_KEY_A), key(GLFW_KEY_W) - key(GLFW_KEY_S),
                          key(GLFW_KEY_E) - key(GLFW_KEY_Q));
   const bool falls = walker_ && walker_->falling() && !drag_;
   if (move == core::dvec3(0.0) && !falls) return;
-  playing_ = false;  // the user has taken over
   const bool fast = held_.contains(GLFW_KEY_LEFT_SHIFT) || held_.contains(GLFW_KEY_RIGHT_SHIFT);
   if (walker_) return walk((fast ? kFasterOnFoot : 1.0) * move, seconds);
   session_->camera().fly(move, seconds * (fast ? kFaster : 1.0));
@@ -219,7 +219,7 @@ void Viewer::walk(const core::dvec3& held, double seconds) {
 
 /// Finds what is under the resting cursor.
 void Viewer::hover() {
-  if (!session_ || drag_ || !std::exchange(cursor_moved_, false)) return;
+  if (!session_ || drag_ || export_ || !std::exchange(cursor_moved_, false)) return;
   std::optional<core::ItemId> item;
   const bool over_picture = in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end();
   aimed_.reset();

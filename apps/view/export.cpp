@@ -1,0 +1,111 @@
+#include "sightline/apps/view/export.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+namespace sightline::apps {
+namespace {
+
+constexpr int kLargestWhole = 2048;  // pixels: a step should be short
+
+}  // namespace
+
+Export::Export(Session& session, const Options& options, std::string target)
+    : session_(&session),
+      options_(options),
+      target_(std::move(target)),
+      budget_ms_(session.engine().config().budget_ms) {
+  if (options.smooth && session.engine().config().samples == 1)
+    shifts_ = RestingPicture::shifts();
+  else
+    shifts_ = {core::dvec2(0.0)};
+}
+
+/// The engine still is as it was.
+core::Expected<std::unique_ptr<Export>> Export::create(Session& session, const Options& options, std::string target) {
+  std::unique_ptr<Export> made(new Export(session, options, std::move(target)));
+  const int side = std::max(options.size[0], options.size[1]) > kLargestWhole ? kTileSide : kLargestWhole;
+  auto tiles = tiles_for(options.size, side, session.engine().config());
+  if (!tiles) return tl::unexpected(tiles.error());
+  made->tiles_ = std::move(*tiles);
+  if (auto drawn = session.draw(); !drawn) return tl::unexpected(drawn.error());
+  auto before = session.picture(options.smooth);
+  if (!before) return tl::unexpected(before.error());
+  made->before_ = std::move(*before);
+  return made;
+}
+
+core::Expected<std::unique_ptr<Export>> Export::picture(Session& session, const Options& options,
+                                                        const std::string& file) {
+  auto made = create(session, options, file);
+  if (!made) return made;
+  if (auto done = (*made)->begin_frame(); !done) return tl::unexpected(done.error());
+  return made;
+}
+
+core::Expected<std::unique_ptr<Export>> Export::frames(Session& session, const Options& options,
+                                                       const core::CameraPath& path, double per_second,
+                                                       const std::string& folder) {
+  const auto frames = PathFrames::create(path, per_second);
+  if (!frames) return tl::unexpected(frames.error());
+  if (auto empty = take_empty_folder(folder); !empty) return tl::unexpected(empty.error());
+  auto made = create(session, options, folder);
+  if (!made) return made;
+  (*made)->path_ = path;
+  (*made)->frames_ = *frames;
+  (*made)->count_ = frames->count();
+  if (auto done = (*made)->begin_frame(); !done) return tl::unexpected(done.error());
+  return made;
+}
+
+Export::~Export() {
+  file_.reset();
+  (void)session_->configure([this](engine::EngineConfig& config) { config.budget_ms = budget_ms_; });
+  (void)session_->engine().resize(session_->drawn_size()[0], session_->drawn_size()[1]);
+}
+
+core::Expected<void> Export::begin_frame() {
+  Camera camera = session_->camera();
+  std::filesystem::path file = target_;
+  if (path_) {
+    const core::CameraSample sample = path_->sample(frames_.time(frame_));
+    camera.set_pose(sample.pose);
+    camera.set_fovy(sample.fovy);
+    camera.set_planes(path_->near, path_->far);
+    camera.set_orthographic(false);
+    file /= PathFrames::file_name(frame_);
+  }
+  const auto view = session_->view_of(camera, double(options_.size[0]) / options_.size[1]);
+  if (!view) return tl::unexpected(view.error());
+  auto opened = image::PngWriter::create(file, options_.size[0], options_.size[1]);
+  if (!opened) return tl::unexpected(opened.error());
+  engine::Engine& engine = session_->engine();
+  if (engine.config().width != tiles_.width || engine.config().height != tiles_.height)
+    if (auto done = engine.resize(tiles_.width, tiles_.height); !done) return done;
+  if (engine.config().budget_ms > 0.0)
+    if (auto done = session_->configure([](engine::EngineConfig& config) { config.budget_ms = 0.0; }); !done)
+      return done;
+  file_ = std::move(*opened);
+  picture_.emplace(*view, tiles_, TiledPicture::Wanted{.shifts = shifts_});
+  return {};
+}
+
+core::Expected<void> Export::step() {
+  const auto more = picture_->step(session_->engine());
+  if (!more) return tl::unexpected(more.error());
+  if (*more)
+    if (auto done = file_->write_rows(picture_->rows().colours); !done) return done;
+  if (!picture_->complete()) return {};
+  if (auto done = file_->finish(); !done) return done;
+  blank_ |= picture_->blank();
+  ++frame_;
+  return complete() ? core::Expected<void>() : begin_frame();
+}
+
+double Export::progress() const {
+  if (complete()) return 1.0;
+  return (frame_ + double(picture_->steps_done()) / double(picture_->steps())) / count_;
+}
+
+}  // namespace sightline::apps
