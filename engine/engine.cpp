@@ -400,9 +400,10 @@ core::Expected<FrameReport> Engine::Impl::frame_part(const core::View& whole, co
   const auto view = culling::rectangle_view(whole, part.width, part.height, part.x, part.y, part.x + config_.width,
                                             part.y + config_.height);
   if (!view) return tl::unexpected(view.error());
+  [[maybe_unused]] const auto kept = keep_state();
+  if (auto landed = land(); !landed) return tl::unexpected(landed.error());
   if (!drawing_ || !drawing_->blends()) return frame(*view, *view, nullptr);
   // Near surfaces weigh more than those behind them, as the whole picture says.
-  if (auto landed = land(); !landed) return tl::unexpected(landed.error());
   std::visit([&](const auto& culler) { culler.cull(whole, overlaid_); }, *live_.culler);
   drawing_->set_blend_range(drawing_->blend_range(whole, *live_.snapshot, overlaid_));
   auto report = frame(*view, *view, nullptr);

@@ -98,6 +98,7 @@ TEST_P(KeptState, IsAsBeforeAfterEveryCall) {
     step("frame()", [&] { return engine->frame(cut()); });
     step("frame() again", [&] { return engine->frame(cut()); });
     step("frame() into a target", [&] { return engine->frame(cut(9), application.target()); });
+    step("frame_part()", [&] { return engine->frame_part(cut(9), {1000, 700, 100.0, 50.0}); });
     engine->finish();
     (void)engine->take_late_report();
     expect_unchanged(before, "take_late_report()");
