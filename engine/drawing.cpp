@@ -75,6 +75,8 @@ void Drawing::configure(const EngineConfig& config) {
   hidden_colour_ = config.hidden_colour.value_or(core::vec3(0.0f));
   outline_colour_ = config.outline_colour;
   relief_ = config.relief;
+  hatching_ = {config.hatching.strength, config.hatching.spacing};
+  if (renderer_) renderer_->hatching = hatching_;
   set_contribution(config.contribution, config.contribution_way);
 }
 
@@ -115,6 +117,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
     auto renderer = render::Renderer::create(context_, *scene, target_.format());
     if (!renderer) return tl::unexpected(renderer.error());
     renderer_ = std::move(*renderer);
+    renderer_->hatching = hatching_;
   }
   passes_.reset();
   was_large_.clear();

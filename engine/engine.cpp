@@ -20,8 +20,15 @@ constexpr double kSoftwareGpuExcess = 0.1;
 
 /// `picks`: the application has picked.
 PlanRequest plan_request(const EngineConfig& config, bool picks) {
-  return {config.culler,          config.draw,         config.ids, config.occlusion, config.contribution > 0.0f,
-          config.budget_ms > 0.0, config.relief.any(), picks};
+  return {config.culler,
+          config.draw,
+          config.ids,
+          config.occlusion,
+          config.contribution > 0.0f,
+          config.budget_ms > 0.0,
+          config.relief.any(),
+          config.hatching.any(),
+          picks};
 }
 
 /// Adds slots below `size`, so that each is there once.
@@ -40,6 +47,10 @@ core::Expected<void> check(const EngineConfig& config) {
   for (const float strength : {config.relief.shading, config.relief.lines})
     if (!(strength >= 0.0f && strength <= 1.0f))
       return core::fail("engine: shading and lines of relief must be between 0 and 1");
+  if (!(config.hatching.strength >= 0.0f && config.hatching.strength <= 1.0f))
+    return core::fail("engine: strength of hatching must be between 0 and 1");
+  if (!(config.hatching.spacing >= 2.0f) || !std::isfinite(config.hatching.spacing))
+    return core::fail("engine: spacing of hatching must be 2 or more pixels");
   if (config.culler == CullerChoice::kGpu && plan_request(config, false).needs_cpu())
     return core::fail("engine: contribution and budget_ms need a culler on the CPU, and culler is gpu");
   return {};

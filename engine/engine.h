@@ -65,6 +65,16 @@ struct Relief {
   bool any() const { return shading > 0.0f || lines > 0.0f; }
 };
 
+/// Lines at 45 degrees on the cut faces of section planes, as in drawings: in the plane of the section, where they lie
+/// still while the camera moves. Items whose ids are neighbours differ in the direction or the place of their lines.
+/// Costs nothing in views without sections, and where `strength` is 0.
+struct Hatching {
+  float strength = 0.0f;  ///< 0 … 1: darkness of the lines, lightness on dark faces
+  float spacing = 8.0f;   ///< pixels, 2 or more: their least distance; it is up to twice that
+
+  bool any() const { return strength > 0.0f; }
+};
+
 /// What becomes of the GL state of the application's context.
 enum class GlState : std::uint8_t {
   /// After each call it is as before, but for pending GL errors, which are dropped. What gl::reset_pipeline_state names
@@ -105,6 +115,7 @@ struct EngineConfig {
   /// out of the picture of cull_view; then these frames are culled on the CPU. None: such items look like all others.
   std::optional<core::vec3> hidden_colour = {};
   Relief relief = {};
+  Hatching hatching = {};
   int samples = 1;  ///< per pixel, 32 at most; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
@@ -256,8 +267,8 @@ class SIGHTLINE_API Engine {
   core::Expected<void> set_culler(CullerChoice choice);
   const EngineConfig& config() const;
   /// Uses other settings from the next frame on: culler, controller, sample_test, occlusion, contribution,
-  /// contribution_way, budget_ms, hidden_colour, outline_colour and relief. The others must be as they are (config()).
-  /// What that needs is made, as in set_culler(). A rebuild in the background goes on unless the plan names another
+  /// contribution_way, budget_ms, hidden_colour, outline_colour, relief and hatching. The others must be as they are
+  /// (config()). What that needs is made, as in set_culler(). A rebuild in the background goes on unless the plan names another
   /// culler. A hybrid keeps what it has learnt unless controller, sample_test, occlusion or the plan's culler change.
   /// Fails where create() would, and on other changes; then nothing has changed.
   core::Expected<void> configure(const EngineConfig& config);

@@ -97,6 +97,8 @@ Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, c
   plan_occlusion(plan, snapshot.size(), request);
   plan_losses(plan, request);
   plan.entries.push_back({"relief", request.draw && request.relief, request.relief ? "asked for" : "not asked for"});
+  plan.entries.push_back(
+      {"hatching", request.draw && request.hatching, request.hatching ? "asked for" : "not asked for"});
   plan.entries.push_back({"item-id target", request.draw && request.ids, request.ids ? "asked for" : "not asked for"});
   plan_tracer(plan, request.pick);
   return plan;

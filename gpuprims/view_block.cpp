@@ -22,6 +22,28 @@ double eye_depth(const dmat4& clip, double depth) {
   return numerator / denominator;
 }
 
+namespace {
+
+/// Coordinates in which hatching lines lie at whole numbers of their distance: the sum and the difference of the
+/// coordinates along the horizontal of a section plane and across it. So they rise and fall at 45 degrees as seen from
+/// the removed side. They are counted from the world's origin, in double, and only their small parts become float.
+/// `plane`: the section in eye space.
+void add_hatching(ViewBlock& block, int index, const core::dvec3& normal, const dvec4& plane,
+                  const dmat4& world_from_eye) {
+  const core::dvec3 n = glm::normalize(normal), level = glm::cross(core::dvec3(0.0, 0.0, 1.0), n);
+  const double length = glm::length(level);
+  const core::dvec3 along = length > 0.0 ? level / length : core::dvec3(1.0, 0.0, 0.0), up = glm::cross(n, along);
+  for (int i = 0; i < 2; ++i) {
+    dvec4 across = glm::transpose(world_from_eye) * dvec4(i == 0 ? up + along : up - along, 0.0);
+    if (block.flags.x == 0 && plane.z != 0.0) across -= across.z / plane.z * plane;  // the eye may be far from the face
+    const double whole = std::floor(across.w);
+    block.hatch_across[2 * index + i] = glm::vec4(core::dvec3(across), across.w - whole);
+    block.hatch_whole[index][i] = float(whole - kHatchPeriod * std::floor(whole / kHatchPeriod));
+  }
+}
+
+}  // namespace
+
 core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int height) {
   const dmat4 clip = reversed_clip_from_eye(view);
   const bool separable = clip[0][1] == 0.0 && clip[0][2] == 0.0 && clip[1][0] == 0.0 && clip[1][2] == 0.0 &&
@@ -50,10 +72,13 @@ core::Expected<ViewBlock> make_view_block(const core::View& view, int width, int
 
   // A world half-space n.p + d in eye coordinates, in double: only the small eye-relative numbers become float.
   const dmat4 world_from_eye = glm::inverse(eye);
+  block.flags.x = perspective ? 1 : 0;
   int count = 0;
   for (const core::Plane& plane : view.sections) {
     if (plane.normal == core::dvec3(0.0) || count == kMaxSections) continue;
-    block.sections[count++] = glm::vec4(glm::transpose(world_from_eye) * dvec4(plane.normal, plane.offset));
+    const dvec4 in_eye_space = glm::transpose(world_from_eye) * dvec4(plane.normal, plane.offset);
+    block.sections[count] = glm::vec4(in_eye_space);
+    add_hatching(block, count++, plane.normal, in_eye_space, world_from_eye);
   }
   block.flags = {perspective ? 1 : 0, count, view.section_mode == core::SectionMode::kUnion ? 1 : 0, 0};
   return block;

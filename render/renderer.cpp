@@ -116,8 +116,9 @@ core::Expected<Renderer::BatchPrograms> Renderer::make_programs(const gpuscene::
 
 core::Expected<void> Renderer::upload_view(const core::View& view, const core::Snapshot& snapshot,
                                            const RenderTarget& target) {
-  const auto block = gpuprims::make_view_block(view, target.width(), target.height());
+  auto block = gpuprims::make_view_block(view, target.width(), target.height());
   if (!block) return tl::unexpected(block.error());
+  block->hatching = {hatching, std::max(1.0f, hatching.y / 8.0f), 0.0f};
   view_block_.write(0, sizeof(*block), &*block);
 
   const core::dmat4& eye_from_world = view.eye_from_world();

@@ -148,6 +148,7 @@ void ShownOptions::apply(engine::EngineConfig& config) const {
   config.budget_ms = budget_ms;
   config.contribution_way = contribution_way;
   config.relief = relief;
+  config.hatching = hatching;
 }
 
 void add_way_option(CLI::App& app, const std::string& name, const std::string& help, engine::ContributionWay& to) {
@@ -195,6 +196,8 @@ void add_shown_options(CLI::App& app, ShownOptions& options) {
   };
   add_strength("--shading", options.relief.shading, "Darken corners and what lies behind edges: from 0, not, to 1");
   add_strength("--lines", options.relief.lines, "Draw lines along edges: from 0, none, to 1, black");
+  add_strength("--hatch", options.hatching.strength,
+               "Draw lines across what section planes cut: from 0, none, to 1, black");
 }
 
 void explain(const engine::Plan& plan) {

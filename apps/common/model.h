@@ -74,6 +74,7 @@ struct ShownOptions {
   engine::ContributionWay contribution_way = engine::ContributionWay::kDrop;
   double budget_ms = 0.0;
   engine::Relief relief;
+  engine::Hatching hatching;
 
   void apply(engine::EngineConfig& config) const;
 };
@@ -82,7 +83,7 @@ struct ShownOptions {
 void add_way_option(CLI::App& app, const std::string& name, const std::string& help, engine::ContributionWay& way);
 
 /// --sample-test on|off, --occlusion on|off|auto, --contribution PX, --contribution-way drop|points|stochastic,
-/// --budget MS, --shading X, --lines X
+/// --budget MS, --shading X, --lines X, --hatch X
 void add_shown_options(CLI::App& app, ShownOptions& options);
 
 /// Prints to stderr which features are used and which are left out.

@@ -33,7 +33,7 @@ struct PlanRequest {
   bool draw = false, ids = false;
   OcclusionChoice occlusion = OcclusionChoice::kAutomatic;
   bool contribution = false, budget = false;  // asked for; what draws must then be culled on the CPU
-  bool relief = false;
+  bool relief = false, hatching = false;
   bool pick = false;  // orders come with a tracer
 
   bool needs_cpu() const { return draw && (contribution || budget); }

@@ -22,15 +22,22 @@ struct ViewBlock {
   glm::vec4 up;
   glm::ivec4 flags;
   glm::vec4 sections[kMaxSections];
+  glm::vec4 hatching;  ///< for the renderer to fill; 0: none
+  glm::vec4 hatch_across[2 * kMaxSections];
+  glm::vec4 hatch_whole[kMaxSections];
 };
 static_assert(offsetof(ViewBlock, pixel_ray) == 96);
 static_assert(offsetof(ViewBlock, clip_from_eye) == 192);
 static_assert(offsetof(ViewBlock, flags) == 304);
 static_assert(offsetof(ViewBlock, sections) == 320);
-static_assert(sizeof(ViewBlock) == 320 + 16 * kMaxSections);
+static_assert(offsetof(ViewBlock, hatching) == 320 + 16 * kMaxSections);
+static_assert(sizeof(ViewBlock) == 336 + 64 * kMaxSections);
 
 /// Clip matrix with reversed zero-to-one depth, whatever convention the view was made for.
 core::dmat4 reversed_clip_from_eye(const core::View& view);
+
+/// Hatching repeats after so many metres along a plane, so that their number stays exact in float.
+constexpr double kHatchPeriod = 1048576.0;
 
 /// Fills the block for a viewport of width x height pixels. Views may be perspective (also off-axis) or orthographic; a
 /// projection with any other structure is an error.

@@ -33,12 +33,11 @@ float depth_at(float t) {
 
 // Sections are half-spaces. The kept part lies in all of them or, when they unite, in any of them. Along a ray, the
 // part that lies in all is one span. When they unite, the part that lies in none is left out, which is also one span.
-// `cut_normal`: outward normal of the face that cut solids show, in eye space. Compiled without SECTIONS for views that
-// have none.
-Search search_kept(vec3 start, vec3 direction, uint hidden, out vec3 cut_normal) {
+// `cut`: the section whose face cut solids show. Compiled without SECTIONS for views that have none.
+Search search_kept(vec3 start, vec3 direction, uint hidden, out int cut) {
   vec2 range = view.depth_range.xy + start.z;  // start.z is minus the depth of t = 0
   Search search = search_within(range, hidden);
-  cut_normal = vec3(0.0);
+  cut = 0;
 #ifdef SECTIONS
   int count = view.flags.y;
   bool unite = view.flags.z == 1;
@@ -50,21 +49,30 @@ Search search_kept(vec3 start, vec3 direction, uint hidden, out vec3 cut_normal)
   if (!unite) {
     search.first = vec2(max(range.x, span.from), min(range.y, span.to));
     search.cut_first = span.from > range.x;
-    cut_normal = -view.sections[span.from_face].xyz;
+    cut = span.from_face;
   } else if (!is_empty(span)) {
     search.first.y = min(range.y, span.from);
     search.second = vec2(max(range.x, span.to), range.y);
     search.cut_second = span.to > range.x;
-    cut_normal = -view.sections[span.to_face].xyz;
+    cut = span.to_face;
   }
 #endif
   return search;
 }
 
+// Outward normal of the faces that a section cuts, in eye space.
+vec3 cut_normal(int section) { return -view.sections[section].xyz; }
+
+// Eye depth where a pixel's ray meets the plane of a section.
+float depth_on(vec2 pixel, int section) {
+  vec4 plane = view.sections[section];
+  return -(dot(plane.xyz, eye_point(pixel, 0.0)) + plane.w) / dot(plane.xyz, eye_direction(pixel));
+}
+
 #ifdef SECTIONS
 // Eye depth, between the near and far plane, where the kept part begins on a pixel's ray; kNoHit where it does not.
-float section_entry(vec2 pixel, out vec3 cut_normal) {
-  Search search = search_kept(eye_point(pixel, 0.0), eye_direction(pixel), 0u, cut_normal);
+float section_entry(vec2 pixel, out int cut) {
+  Search search = search_kept(eye_point(pixel, 0.0), eye_direction(pixel), 0u, cut);
   if (search.cut_second && search.second.x <= search.second.y) return search.second.x;
   return search.cut_first && search.first.x <= search.first.y ? search.first.x : kNoHit;
 }

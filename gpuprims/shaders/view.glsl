@@ -12,6 +12,12 @@ layout(std140, binding = 0) uniform ViewBlock {
   vec4 up;                  // world up in eye space
   ivec4 flags;              // x: 1 perspective, 0 orthographic; y: number of sections; z: 1 when sections unite
   vec4 sections[kMaxSections];  // eye-space half-spaces
+  // Hatching of cut faces: x: strength, 0 none; y: least distance of lines, pixels; z: their width, pixels.
+  vec4 hatching;
+  // Two coordinates on each section plane, in metres, across the lines of either direction: dot(xyz, p_eye) + w, and
+  // whole metres beside.
+  vec4 hatch_across[2 * kMaxSections];
+  vec4 hatch_whole[kMaxSections];  // xy: of the two
 } view;
 
 bool perspective_view() { return view.flags.x == 1; }

@@ -6,6 +6,7 @@
 layout(depth_less) out float gl_FragDepth;
 #define SURFACE_DEPTH gl_FragDepth
 #include "shading.glsl"
+#include "hatching.glsl"
 
 layout(location = 0) flat in vec4 local_from_eye[3];
 layout(location = 3) flat in uvec4 anchor;
@@ -19,7 +20,7 @@ struct Sight {
   vec3 p;
   float depth;
   int face;
-  vec3 cut_normal;
+  int section;  // of a cut face
 };
 
 // Casts the ray through a pixel coordinate; false when it hits nothing.
@@ -33,7 +34,7 @@ bool cast_ray(vec2 pixel, mat3 rows, uint hidden, out Sight sight) {
   float start = -dot(o, d) / dot(d, d);
   o += start * d;
   start += anchor_depth;
-  Search search = search_kept(eye_point(pixel, start), direction, hidden, sight.cut_normal);
+  Search search = search_kept(eye_point(pixel, start), direction, hidden, sight.section);
   intersect_primitive(search, o, d);
   sight.p = o + search.t * d;
   sight.depth = start + search.t;
@@ -64,7 +65,11 @@ void main() {
 #else
   if (!cast_ray(gl_FragCoord.xy, rows, hidden, sight)) discard;
 #endif
+  // Solids that overlap have one depth, so that their lines do not mingle.
+  if (view.hatching.x > 0.0 && sight.face == kCut) sight.depth = depth_on(gl_FragCoord.xy, sight.section);
   gl_FragDepth = min(depth_at(sight.depth), gl_FragCoord.z);  // depth_less must hold despite rounding
-  vec3 normal = sight.face == kCut ? sight.cut_normal : rows * face_normal(sight.p, sight.face);
-  write_surface(normal, eye_direction(gl_FragCoord.xy), words.z, words.y);
+  bool cut = sight.face == kCut;
+  vec3 normal = cut ? cut_normal(sight.section) : rows * face_normal(sight.p, sight.face);
+  float hatch = cut ? hatch_cover(gl_FragCoord.xy, sight.section, words.y) : 0.0;
+  write_surface(normal, eye_direction(gl_FragCoord.xy), hatch, words.z, words.y);
 }

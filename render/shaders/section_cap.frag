@@ -4,6 +4,7 @@
 #include "section_cells.glsl"
 #define SURFACE_DEPTH gl_FragDepth
 #include "shading.glsl"
+#include "hatching.glsl"
 
 const int kLongestList = 256;
 
@@ -30,7 +31,8 @@ void main() {
   if (record == 0xffffffffu) discard;
   uvec4 words = payload_texel(record, 4, 3);  // chunk, item id, material and flags
   if (dithered_away(words.z, words.y)) discard;
-  vec3 normal;
-  gl_FragDepth = depth_at(section_entry(gl_FragCoord.xy, normal));
-  write_surface(normal, eye_direction(gl_FragCoord.xy), words.z, words.y);
+  int section;
+  gl_FragDepth = depth_at(section_entry(gl_FragCoord.xy, section));
+  float hatch = hatch_cover(gl_FragCoord.xy, section, words.y);
+  write_surface(cut_normal(section), eye_direction(gl_FragCoord.xy), hatch, words.z, words.y);
 }

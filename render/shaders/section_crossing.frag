@@ -6,8 +6,8 @@ in vec3 p_eye;
 flat in uvec2 crossing_words;  // record, and whether a ray leaves the mesh through front faces
 
 void main() {
-  vec3 normal;
-  float entry = section_entry(gl_FragCoord.xy, normal);
+  int section;
+  float entry = section_entry(gl_FragCoord.xy, section);
   if (!(entry < kNoHit) || !(-p_eye.z > entry)) discard;
   uint record = crossing_words.x;
   bool leaves = gl_FrontFacing == (crossing_words.y != 0u);

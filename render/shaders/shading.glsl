@@ -20,6 +20,9 @@ layout(location = 2) out vec4 out_normal;  // in eye space, towards the eye
 #define SURFACE_DEPTH gl_FragCoord.z
 #endif
 
+const vec3 kLuma = vec3(0.299, 0.587, 0.114);  // Rec. 601
+const float kDarkFace = 0.3;
+
 vec4 material_of(uint word) { return texelFetch(materials, int(word & kMaterialMask)); }
 
 // Screen-door transparency: needs no sorting, and every pixel shows exactly one item. The 4x4 pattern shifts from item
@@ -57,11 +60,12 @@ float ghost_alpha(float alpha, float head) {
 }
 
 // Lights a surface that faces `n`, with the mean of the head-light's cosine, of its power of 24 and of the sky's share
-// over what is shown.
-void write_lit(vec3 n, float head, float gloss, float sky, uint word, uint id) {
+// over what is shown. `hatch`: share of the pixel that lines cover, dark on light faces and light on dark ones.
+void write_lit(vec3 n, float head, float gloss, float sky, float hatch, uint word, uint id) {
   float light = 0.30 + 0.50 * head + 0.25 * sky;
   vec4 material = material_of(word);
   vec3 lit = min(material.rgb * light + 0.12 * gloss, vec3(1.0));
+  lit = mix(lit, vec3(dot(lit, kLuma) < kDarkFace ? 1.0 : 0.0), hatch);
 #ifdef BLENDED
   out_sum = vec4(lit * material.a, material.a) * weight_of(SURFACE_DEPTH);
   out_let_pass = 1.0 - material.a;
@@ -80,14 +84,14 @@ void write_lit(vec3 n, float head, float gloss, float sky, uint word, uint id) {
 #endif
 }
 
-void write_surface(vec3 normal, vec3 direction, uint word, uint id) {
+void write_surface(vec3 normal, vec3 direction, float hatch, uint word, uint id) {
   vec3 to_viewer = normalize(-direction);
   float square = dot(normal, normal);
   vec3 n = square > 0.0 && square < 3.0e38 ? normal * inversesqrt(square) : to_viewer;
   if (dot(n, to_viewer) < 0.0) n = -n;  // both sides are lit: open pipes and cut solids show their inside
   float head = dot(n, to_viewer);
   float square_head = head * head, eighth = square_head * square_head * square_head * square_head;
-  write_lit(n, head, eighth * eighth * eighth, 0.5 + 0.5 * dot(n, view.up.xyz), word, id);
+  write_lit(n, head, eighth * eighth * eighth, 0.5 + 0.5 * dot(n, view.up.xyz), hatch, word, id);
 }
 
 // One colour for a solid that is too small to show its shape: the mean over the disc that a ball shows. There the
@@ -95,5 +99,5 @@ void write_surface(vec3 normal, vec3 direction, uint word, uint id) {
 // viewer.
 void write_mean_surface(vec3 direction, uint word, uint id) {
   vec3 to_viewer = normalize(-direction);
-  write_lit(to_viewer, 2.0 / 3.0, 1.0 / 13.0, 0.5 + dot(to_viewer, view.up.xyz) / 3.0, word, id);
+  write_lit(to_viewer, 2.0 / 3.0, 1.0 / 13.0, 0.5 + dot(to_viewer, view.up.xyz) / 3.0, 0.0, word, id);
 }

@@ -10,5 +10,5 @@ flat in uvec2 item_words;
 void main() {
   if (!sections_keep(p_eye) || dithered_away(item_words.y, item_words.x)) discard;
   vec3 n = (item_words.y & kFlatShaded) != 0u ? cross(dFdx(p_eye), dFdy(p_eye)) : n_eye;
-  write_surface(n, perspective_view() ? p_eye : vec3(0.0, 0.0, -1.0), item_words.y, item_words.x);
+  write_surface(n, perspective_view() ? p_eye : vec3(0.0, 0.0, -1.0), 0.0, item_words.y, item_words.x);
 }
