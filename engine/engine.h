@@ -70,7 +70,7 @@ struct Relief {
 /// Costs nothing in views without sections, and where `strength` is 0.
 struct Hatching {
   float strength = 0.0f;  ///< 0 … 1: darkness of the lines, lightness on dark faces
-  float spacing = 8.0f;   ///< pixels, 2 or more: their least distance; it is up to twice that
+  float spacing = 6.0f;   ///< pixels, 2 or more: their least distance; it is up to twice that, and they a sixth wide
 
   bool any() const { return strength > 0.0f; }
 };
@@ -268,8 +268,8 @@ class SIGHTLINE_API Engine {
   const EngineConfig& config() const;
   /// Uses other settings from the next frame on: culler, controller, sample_test, occlusion, contribution,
   /// contribution_way, budget_ms, hidden_colour, outline_colour, relief and hatching. The others must be as they are
-  /// (config()). What that needs is made, as in set_culler(). A rebuild in the background goes on unless the plan names another
-  /// culler. A hybrid keeps what it has learnt unless controller, sample_test, occlusion or the plan's culler change.
+  /// (config()). What that needs is made, as in set_culler(). A rebuild in the background goes on unless the
+  /// plan names another culler. A hybrid keeps what it has learnt unless controller, sample_test, occlusion or the plan's culler change.
   /// Fails where create() would, and on other changes; then nothing has changed.
   core::Expected<void> configure(const EngineConfig& config);
   /// Draws in another size, in pixels, from the next frame on. The old picture is gone. Fails on sizes that the context

@@ -118,7 +118,7 @@ core::Expected<void> Renderer::upload_view(const core::View& view, const core::S
                                            const RenderTarget& target) {
   auto block = gpuprims::make_view_block(view, target.width(), target.height());
   if (!block) return tl::unexpected(block.error());
-  block->hatching = {hatching, std::max(1.0f, hatching.y / 8.0f), 0.0f};
+  block->hatching = {hatching, std::max(1.0f, hatching.y / 6.0f), 0.0f};
   view_block_.write(0, sizeof(*block), &*block);
 
   const core::dmat4& eye_from_world = view.eye_from_world();

@@ -7,6 +7,7 @@
 
 #include "sightline/apps/view/comparing.h"
 #include "sightline/apps/view/exporting.h"
+#include "sightline/apps/view/section_commands.h"
 #include "sightline/apps/view/views.h"
 
 namespace sightline::apps {
@@ -74,6 +75,7 @@ Done section_here(Viewer& viewer, const std::string&) {
   if (!*hit) return core::fail("there is no face under the cursor");
   if (!viewer.session()->sections().add((*hit)->point, (*hit)->normal))
     return core::fail("there are eight sections: take one away first");
+  viewer.session()->sections().select(viewer.session()->sections().all().size() - 1);
   return {};
 }
 
@@ -193,6 +195,16 @@ const Command kCommands[] = {
      "cut away what lies in front of the face under the cursor", section_here},
     {"section-box", "Section", "Cut around the selection", GLFW_KEY_B, 0, "B",
      "cut away what lies outside the box around what is selected, or around the model", section_box},
+    {"section-select", nullptr, "", 0, 0, "", "show all handles of a section: N, 0: of none", select_section},
+    {"section-flip", "Section", "Flip the selected section", 0, 0, "",
+     "keep the other side of a section: N, or the selected one", flip_section},
+    {"section-move", nullptr, "", 0, 0, "", "move a section out of what it keeps: N METRES, or the selected one",
+     move_section},
+    {"section-remove", "Section", "Remove the selected section", 0, 0, "",
+     "take a section away: N, or the selected one", remove_section},
+    {"section-handles", "Section", "Handles", 0, 0, "", "show or hide the handles of sections beside the panels",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.section_handles = !v.shown.section_handles, Done(); },
+     [](Viewer& v) { return v.shown.section_handles; }, false},
     {"section-clear", "Section", "No sections", GLFW_KEY_X, kShift, "Shift+X", "take all sections away",
      [](Viewer& v, const std::string&) -> Done { return v.session()->sections().clear(), Done(); }},
 
@@ -247,6 +259,9 @@ const Command kCommands[] = {
     {"relief", "View", "Shading and lines", GLFW_KEY_L, 0, "L",
      "switch the shading and the lines that make shapes of one colour legible on or off",
      [](Viewer& v, const std::string&) { return v.toggle_relief(); }, [](Viewer& v) { return v.shown.relief; }, false},
+    {"hatch", "View", "Hatching of cut faces", 0, 0, "", "switch the lines across what sections cut on or off",
+     [](Viewer& v, const std::string&) { return v.toggle_hatching(); }, [](Viewer& v) { return v.shown.hatching; },
+     false},
     {"theme", "View", "Light colours", 0, 0, "", "switch between light and dark",
      [](Viewer& v, const std::string&) -> Done {
        return v.gui().set_theme(v.gui().theme() == Theme::kDark ? Theme::kLight : Theme::kDark), Done();
@@ -292,6 +307,7 @@ constexpr Gesture kGestures[] = {
     {"click", "select; Ctrl adds or takes away, Shift adds"},
     {"Ctrl + left drag", "select what lies wholly in a rectangle; drawn from right to left: with any part in it"},
     {"double click", "focus on what is under the cursor"},
+    {"handles of sections", "arrows move, sides turn (Ctrl: by round steps, Shift: to the model), middle: click flips"},
 };
 
 }  // namespace

@@ -22,6 +22,7 @@ void views_tab(Viewer& viewer);
 void culling_tab(Viewer& viewer);
 void compare_tab(Viewer& viewer);  ///< while something is compared
 void measure_overlay(Viewer& viewer, const Part& part);
+void section_overlay(Viewer& viewer, const Part& part);
 void triad_overlay(Viewer& viewer);
 void status_bar(Viewer& viewer);
 void help_window(Viewer& viewer);

@@ -1,6 +1,54 @@
 #include "sightline/apps/view/sections.h"
 
+#include <cmath>
+
 namespace sightline::apps {
+namespace {
+
+/// A square on the plane that is as large as the bounds or larger, about the bounds' centre.
+std::vector<core::dvec3> square_on(const core::Plane& plane, const core::AabbD& bounds) {
+  const core::dvec3 n = plane.normal, centre = bounds.centre();
+  const core::dvec3 middle = centre - core::evaluate(plane, centre) * n;
+  const core::dvec3 aside =
+      glm::normalize(glm::cross(n, std::abs(n.z) < 0.7 ? core::dvec3(0, 0, 1) : core::dvec3(1, 0, 0)));
+  const core::dvec3 u = glm::length(bounds.size()) * aside, v = glm::cross(n, u);
+  return {middle + u + v, middle - u + v, middle - u - v, middle + u - v};
+}
+
+/// What a plane keeps of a convex polygon.
+std::vector<core::dvec3> clipped(const std::vector<core::dvec3>& polygon, const core::Plane& plane) {
+  std::vector<core::dvec3> kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const core::dvec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const double from = core::evaluate(plane, a), to = core::evaluate(plane, b);
+    if (from >= 0.0) kept.push_back(a);
+    if ((from >= 0.0) != (to >= 0.0)) kept.push_back(a + from / (from - to) * (b - a));
+  }
+  return kept;
+}
+
+/// A point of the plane in the middle of what the bounds and all planes keep of it, or nearest to their centre where
+/// that is nothing. Normals are of length 1.
+core::dvec3 middle_of(const core::Plane& plane, std::span<const core::Plane> all, const core::AabbD& bounds) {
+  if (bounds.empty()) return -plane.offset * plane.normal;
+  std::vector<core::Plane> sides(all.begin(), all.end());
+  for (int axis = 0; axis < 3; ++axis) {
+    core::dvec3 normal(0.0);
+    normal[axis] = 1.0;
+    sides.push_back({normal, -bounds.min[axis]});
+    sides.push_back({-normal, bounds.max[axis]});
+  }
+  std::vector<core::dvec3> polygon = square_on(plane, bounds);
+  for (const core::Plane& side : sides)
+    if (glm::length(glm::cross(side.normal, plane.normal)) > 1e-9) polygon = clipped(polygon, side);
+  if (polygon.empty()) polygon = {bounds.centre()};
+  core::dvec3 sum(0.0);
+  for (const core::dvec3& corner : polygon) sum += corner - polygon[0];
+  const core::dvec3 middle = polygon[0] + sum / double(polygon.size());
+  return middle - core::evaluate(plane, middle) * plane.normal;
+}
+
+}  // namespace
 
 bool Sections::add(const core::dvec3& point, const core::dvec3& outwards) {
   if (sections_.size() == kMost) return false;
@@ -9,26 +57,43 @@ bool Sections::add(const core::dvec3& point, const core::dvec3& outwards) {
 }
 
 void Sections::box(const core::AabbD& bounds) {
-  sections_.clear();
+  clear();
   for (int axis = 0; axis < 3; ++axis) {
-    core::dvec3 normal(0.0);
+    core::dvec3 normal(0.0), high = bounds.centre(), low = high;
     normal[axis] = 1.0;
-    add(bounds.max, normal);
-    add(bounds.min, -normal);
+    high[axis] = bounds.max[axis];
+    low[axis] = bounds.min[axis];
+    add(high, normal);
+    add(low, -normal);
   }
 }
 
-void Sections::set(std::span<const core::Plane> planes) {
+void Sections::set(std::span<const core::Plane> planes, const core::AabbD& bounds) {
+  clear();
+  std::vector<core::Plane> good;
+  for (const core::Plane& plane : planes)
+    if (const double length = glm::length(plane.normal); length > 0.0)
+      good.push_back({plane.normal / length, plane.offset / length});
+  for (const core::Plane& plane : good) add(middle_of(plane, good, bounds), -plane.normal);
+}
+
+void Sections::clear() {
   sections_.clear();
-  for (const core::Plane& plane : planes) {
-    const double length = glm::length(plane.normal);
-    if (length > 0.0) add(-plane.offset / (length * length) * plane.normal, -plane.normal);
-  }
+  selected_.reset();
+}
+
+void Sections::remove(std::size_t index) {
+  sections_.erase(sections_.begin() + std::ptrdiff_t(index));
+  if (!selected_ || *selected_ < index) return;
+  if (*selected_ == index)
+    selected_.reset();
+  else
+    --*selected_;
 }
 
 /// The other side is kept; the plane stays.
 void Sections::flip(Section& section) {
-  section.point += section.offset * section.normal;
+  section.point = section.place();
   section.normal = -section.normal;
   section.offset = 0.0;
 }
@@ -36,7 +101,7 @@ void Sections::flip(Section& section) {
 std::vector<core::Plane> Sections::planes() const {
   std::vector<core::Plane> planes;
   for (const Section& section : sections_)
-    if (section.on) planes.push_back({-section.normal, glm::dot(section.normal, section.point) + section.offset});
+    if (section.on) planes.push_back(section.plane());
   return planes;
 }
 

@@ -1,6 +1,7 @@
 // Section planes as the user moves them: each keeps one side of the model.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,9 @@ class Sections {
     core::dvec3 point, normal;  ///< normal: unit, out of what is kept
     double offset = 0.0;        ///< metres along the normal by which it was moved
     bool on = true;
+
+    core::dvec3 place() const { return point + offset * normal; }
+    core::Plane plane() const { return {-normal, glm::dot(normal, point) + offset}; }
   };
   static constexpr std::size_t kMost = core::kMaxSectionPlanes;
 
@@ -22,19 +26,24 @@ class Sections {
   bool add(const core::dvec3& point, const core::dvec3& outwards);
   /// The six sides of a box, in place of all others. Must not be empty.
   void box(const core::AabbD& bounds);
-  /// These planes, at most kMost, in place of all others. Those with a zero normal cut nothing, and are left out.
-  void set(std::span<const core::Plane> planes);
-  void clear() { sections_.clear(); }
-  void remove(std::size_t index) { sections_.erase(sections_.begin() + std::ptrdiff_t(index)); }
+  /// These planes, at most kMost, in place of all others. Those with a zero normal cut nothing, and are left out. Their
+  /// points are in the middle of what the others keep of each within the bounds.
+  void set(std::span<const core::Plane> planes, const core::AabbD& bounds = {});
+  void clear();
+  void remove(std::size_t index);
   static void flip(Section& section);
 
   std::vector<Section>& all() { return sections_; }
   const std::vector<Section>& all() const { return sections_; }
+  /// The one whose handles the picture shows; none unless select() says so. It stays the same when others go.
+  std::optional<std::size_t> selected() const { return selected_; }
+  void select(std::optional<std::size_t> index) { selected_ = index; }
   /// As View::sections has them.
   std::vector<core::Plane> planes() const;
 
  private:
   std::vector<Section> sections_;
+  std::optional<std::size_t> selected_;
 };
 
 }  // namespace sightline::apps

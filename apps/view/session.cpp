@@ -204,7 +204,7 @@ core::Expected<std::size_t> Session::show(const Viewpoint& viewpoint) {
   camera_.set_fovy(there.fovy);
   camera_.set_orthographic(there.orthographic);
   if (!there.orthographic && there.near > 0.0) camera_.set_planes(there.near, core::kInfiniteFar);
-  sections_.set(there.sections);
+  sections_.set(there.sections, bounds_.bounds);
   if (!there.shown) return 0;
   const Viewpoint::Shown& shown = *there.shown;
   const auto hidden = names().find(shown.hidden), ghosts = names().find(shown.ghosts),

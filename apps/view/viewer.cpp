@@ -30,6 +30,7 @@ using Type = Event::Type;
 constexpr core::vec3 kHiddenColour{0.85f, 0.1f, 0.55f};
 constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 0.9f};
 constexpr engine::Relief kRelief{0.6f, 0.4f};
+constexpr engine::Hatching kHatching{0.6f, 6.0f};
 constexpr double kLongestStep = 0.25;                          // seconds: a hitch must not make the camera jump
 constexpr int kSettlingFrames = 3;                             // after an event: widgets take some to come to rest
 constexpr double kExportSlice = 0.05;                          // seconds between pictures of the window
@@ -65,6 +66,16 @@ Json culling_json(Session& session, const CullingBoxes& boxes) {
   return json;
 }
 
+Json sections_json(const Sections& sections) {
+  Json json = Json::array();
+  for (const Sections::Section& section : sections.all())
+    json.push_back({{"on", section.on},
+                    {"at", vector_json(section.place())},
+                    {"normal", vector_json(section.normal)},
+                    {"moved", section.offset}});
+  return json;
+}
+
 Json views_json(const ViewList& views) {
   Json json{{"count", views.size()}, {"current", views.current_index() + 1}};
   if (const Viewpoint* view = views.current())
@@ -90,6 +101,9 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   shown.side_width = now_.side_width;
   shown.relief = options.shown.relief.any() || (now_.relief && options.remembers());
   if (!options.shown.relief.any()) options_.shown.relief = kRelief;
+  shown.hatching = options.shown.hatching.any() || (now_.hatching && options.remembers());
+  if (!options.shown.hatching.any()) options_.shown.hatching = kHatching;
+  options_.shown.hatching.spacing = float(kHatching.spacing * std::max(1.0, gui_.scale()));
   take_settings();
   settings_.begin(now_);
   if (!options.model.files.empty()) open(options.model.files);
@@ -162,6 +176,7 @@ core::Expected<void> Viewer::recover() {
   ++recovered_;
   held_.clear();  // their releases went to the former window
   drag_.reset();
+  section_handles_.forget();
   tell("the lost graphics context was made anew");
   return {};
 }
@@ -200,6 +215,7 @@ engine::EngineConfig Viewer::picture_config() const {
   config.samples = options_.samples;
   options_.shown.apply(config);
   if (!shown.relief) config.relief = {};
+  if (!shown.hatching) config.hatching = {};
   config.hidden_colour = kHiddenColour;
   config.context_later = true;
   return config;
@@ -253,13 +269,15 @@ core::Expected<void> Viewer::land() {
   part_ = viewport();
   print_warnings(opened_->model().report.warnings);
   set_walking(false);
+  section_handles_.forget();
   const bool another = session_ != nullptr;
   session_.reset();  // its memory first
   if (auto done = opened_->use_context(window_.context()); !done) return failed(done.error());
   session_ = std::move(opened_);
   shown_view_.reset();
-  if (shown.relief != session_->engine().config().relief.any())
-    if (auto done = apply_relief(); !done) return done;
+  if (const engine::EngineConfig& config = session_->engine().config();
+      shown.relief != config.relief.any() || shown.hatching != config.hatching.any())  // switched meanwhile
+    if (auto done = apply_looks(); !done) return done;
   files_ = files;
   for (const std::string& file : files) now_.add_recent(file);
   warn_of_outliers(session_->bounds());
@@ -318,10 +336,12 @@ core::Expected<void> Viewer::frame(double seconds) {
   if (shown.path && session_) path_window(*this);
   if (loader_) loading_window(*this);
   exporting_window(*this);
-  if (session_ && session_->document().hovered() && !drag_ && !shown.measure && !ImGui::GetIO().WantCaptureMouse)
+  if (session_ && session_->document().hovered() && !drag_ && !shown.measure && !ImGui::GetIO().WantCaptureMouse &&
+      !section_target())
     item_tip(*this, *session_->document().hovered());
   draw_rectangle();
   measure_overlay(*this, viewport());
+  section_overlay(*this, viewport());
   window_.clear(gui_.theme() == Theme::kDark ? kEmptyDark : kEmptyLight);
   const auto drawn = draw_model(viewport());
   if (session_) culling_.draw(*session_, viewport());
@@ -522,13 +542,21 @@ void Viewer::tell(std::string message, bool error) {
 
 core::Expected<void> Viewer::toggle_relief() {
   shown.relief = !shown.relief;
-  redraws_ = kSettlingFrames;
-  return session_ ? apply_relief() : core::Expected<void>();
+  return apply_looks();
 }
 
-core::Expected<void> Viewer::apply_relief() {
-  return session_->configure(
-      [&](engine::EngineConfig& config) { config.relief = shown.relief ? options_.shown.relief : engine::Relief(); });
+core::Expected<void> Viewer::toggle_hatching() {
+  shown.hatching = !shown.hatching;
+  return apply_looks();
+}
+
+core::Expected<void> Viewer::apply_looks() {
+  redraws_ = kSettlingFrames;
+  if (!session_) return {};
+  return session_->configure([&](engine::EngineConfig& config) {
+    config.relief = shown.relief ? options_.shown.relief : engine::Relief();
+    config.hatching = shown.hatching ? options_.shown.hatching : engine::Hatching();
+  });
 }
 
 core::Expected<std::optional<engine::Pick>> Viewer::under_cursor() {
@@ -592,6 +620,7 @@ void Viewer::take_settings() {
   now_.panels = shown.panels;
   now_.triad = shown.triad;
   now_.relief = shown.relief;
+  now_.hatching = shown.hatching;
   now_.lower = shown.lower;
   now_.tree_width = shown.tree_width;
   now_.side_width = shown.side_width;
@@ -633,6 +662,7 @@ nlohmann::ordered_json Viewer::state() const {
             {"triad", shown.triad},
             {"smooth", shown.smooth},
             {"relief", shown.relief},
+            {"hatching", shown.hatching},
             {"lower", shown.lower},
             {"picture", {{"width", part_.width}, {"height", part_.height}}},
             {"response_ms", response_ms_},
@@ -643,6 +673,15 @@ nlohmann::ordered_json Viewer::state() const {
   if (!session_) return json;
   const Document& document = session_->document();
   const core::Pose& pose = session_->camera().pose();
+  const Sections& sections = session_->sections();
+  json["section_list"] = sections_json(sections);
+  if (shows_section_handles())
+    for (const SectionHandles::Shown& one : SectionHandles::shown(*session_, gui_.scale()))
+      for (const SectionGizmo::Handle& handle : one.gizmo.handles()) {
+        const core::dvec2 at = handle.at - in_picture({0.0, 0.0});
+        json["section_list"][one.section]["handles"][SectionGizmo::name_of(handle.part)] = {at.x, at.y};
+      }
+  json["section_selected"] = sections.selected() ? *sections.selected() + 1 : 0;
   json.update({{"items", session_->scene().item_count()},
                {"culler", name_of(session_->engine().plan().culler)},
                {"culled_by", name_of(session_->report().culler)},

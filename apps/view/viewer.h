@@ -19,6 +19,7 @@
 #include "sightline/apps/view/path_player.h"
 #include "sightline/apps/view/preview.h"
 #include "sightline/apps/view/script.h"
+#include "sightline/apps/view/section_handles.h"
 #include "sightline/apps/view/session.h"
 #include "sightline/apps/view/settings.h"
 #include "sightline/apps/view/view_list.h"
@@ -72,6 +73,7 @@ class Viewer {
   core::Expected<void> load_view(const std::string& file);
   core::Expected<void> toggle_recording();
   core::Expected<void> toggle_relief();
+  core::Expected<void> toggle_hatching();
   bool recording() const { return recorder_.has_value(); }
   PathPlayer& player() { return player_; }
   /// Draws and writes from now on, between pictures of the window, which takes nothing else until that is done.
@@ -88,6 +90,10 @@ class Viewer {
   /// The axes in the picture's corner; none beside hidden panels or in a small picture.
   std::optional<AxisTriad> triad() const;
   std::optional<AxisTriad::End> triad_end() const;  ///< under the cursor
+  /// Handles of sections show beside panels.
+  bool shows_section_handles() const { return session_ && shown.section_handles && shown.panels; }
+  const SectionHandles& section_handles() const { return section_handles_; }
+  std::optional<SectionHandles::Target> section_target() const;          ///< dragged, or else under the cursor
   const FrameHistory& history() const { return history_; }
   CullingOverlay& culling() { return culling_; }
   bool walking() const { return walker_.has_value(); }
@@ -104,6 +110,8 @@ class Viewer {
     bool quit = false;                           ///< asks before views are lost
     bool smooth = true;                          ///< edges, while nothing moves
     bool relief = true;                          ///< what has one colour
+    bool hatching = true;                        ///< of cut faces
+    bool section_handles = true;
     bool lower = true;                           ///< resolution, while the view moves and frames come late
     bool triad = true;                           ///< beside panels
     bool measure = false;                        ///< clicks set marks
@@ -135,7 +143,7 @@ class Viewer {
   core::Expected<void> frame(double seconds);
   core::Expected<void> draw_model(const Part& part);
   engine::EngineConfig picture_config() const;
-  core::Expected<void> apply_relief();
+  core::Expected<void> apply_looks();
   core::Expected<void> adapt_resolution();
   void note_picture();
   Part viewport() const;
@@ -186,7 +194,8 @@ class Viewer {
   std::set<int> held_;            // keys
   std::optional<Walker> walker_;
   std::optional<Drag> drag_;
-  double last_click_ = -1.0;  // GLFW's time, of one without modifiers
+  SectionHandles section_handles_;  // while one is dragged, drag_ is that motion
+  double last_click_ = -1.0;        // GLFW's time, of one without modifiers
   core::dvec2 cursor_{-1.0};
   bool cursor_moved_ = false;
   bool context_lost_ = false;

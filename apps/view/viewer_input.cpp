@@ -48,6 +48,13 @@ std::optional<AxisTriad::End> Viewer::triad_end() const {
   return shows ? shows->end_at(cursor_) : std::nullopt;
 }
 
+std::optional<SectionHandles::Target> Viewer::section_target() const {
+  if (section_handles_.dragging()) return section_handles_.dragged();
+  if (drag_ || !shows_section_handles() || !in_viewport(cursor_) || ImGui::GetIO().WantCaptureMouse)
+    return std::nullopt;
+  return SectionHandles::at(*session_, in_picture(cursor_), gui_.scale());
+}
+
 void Viewer::handle(const Event& event) {
   switch (event.type) {
     case Type::kKey:
@@ -60,7 +67,7 @@ void Viewer::handle(const Event& event) {
       move_cursor(event.at);
       break;
     case Type::kWheel:
-      if (!session_ || !in_viewport(event.at)) break;
+      if (!session_ || !in_viewport(event.at) || section_handles_.dragging()) break;
       session_->remember();
       session_->camera().zoom(event.wheel, session_->point_at(in_picture(event.at)));
       break;
@@ -85,6 +92,10 @@ void Viewer::press_key(const Event& event) {
   held_.insert(event.key);
   last_click_ = -1.0;
   if (event.key == GLFW_KEY_ESCAPE && player_.playing()) return player_.stop();
+  if (event.key == GLFW_KEY_ESCAPE && section_handles_.dragging()) {
+    drag_.reset();
+    return section_handles_.cancel(*session_);
+  }
   const Command* command = find_command(event.key, event.mods);
   if (command && (!command->needs_model || session_)) sightline::apps::run(*this, *command);
 }
@@ -94,6 +105,11 @@ void Viewer::press_button(const Event& event) {
   cursor_ = event.at;
   if (const auto end = triad_end(); end && event.key == GLFW_MOUSE_BUTTON_LEFT)
     return sightline::apps::run(*this, *find_command(AxisTriad::view_from(*end)));
+  if (event.key == GLFW_MOUSE_BUTTON_LEFT && shows_section_handles() &&
+      section_handles_.press(*session_, in_picture(event.at), gui_.scale())) {
+    drag_ = {event.key, event.mods, event.at, event.at};
+    return;
+  }
   drag_ = {event.key, event.mods, event.at, event.at, session_->point_at(in_picture(event.at))};
   session_->remember();
 }
@@ -102,6 +118,7 @@ void Viewer::release_button(const Event& event) {
   if (!session_ || !drag_ || drag_->button != event.key) return;
   move_cursor(event.at);
   const Drag drag = *std::exchange(drag_, std::nullopt);
+  if (section_handles_.dragging()) return section_handles_.release(*session_, !drag.moves);
   if (!drag.moves && drag.button == GLFW_MOUSE_BUTTON_LEFT)
     click(drag);
   else if (drag.button == GLFW_MOUSE_BUTTON_LEFT && (drag.mods & GLFW_MOD_CONTROL) != 0)
@@ -116,6 +133,14 @@ void Viewer::move_cursor(const core::dvec2& to) {
   drag_->last = to;
   drag_->moves |= glm::length(to - drag_->from) > kClickPixels * gui_.scale();
   if (!drag_->moves) return;
+  if (section_handles_.dragging()) {
+    const auto holds = [&](int mod, int left, int right) {
+      return (drag_->mods & mod) != 0 || held_.contains(left) || held_.contains(right);
+    };
+    return section_handles_.drag(*session_, in_picture(to),
+                                 {.round = holds(GLFW_MOD_CONTROL, GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL),
+                                  .model = holds(GLFW_MOD_SHIFT, GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT)});
+  }
   Camera& camera = session_->camera();
   const core::dvec2 turn = kRadiansPerHeight * core::dvec2(by.x, -by.y);
   const bool left = drag_->button == GLFW_MOUSE_BUTTON_LEFT;
@@ -221,7 +246,8 @@ void Viewer::walk(const core::dvec3& held, double seconds) {
 void Viewer::hover() {
   if (!session_ || drag_ || export_ || !std::exchange(cursor_moved_, false)) return;
   std::optional<core::ItemId> item;
-  const bool over_picture = in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end();
+  const bool over_picture =
+      in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end() && !section_target();
   aimed_.reset();
   if (over_picture && shown.measure) {
     if (const auto aimed = session_->aim(in_picture(cursor_), kReach * gui_.scale()); aimed && *aimed)

@@ -51,9 +51,9 @@ class Renderer {
                                     const RenderTarget& picture, const BlendedSums& sums, const glm::vec2& range);
 
   std::array<float, 3> background{0.86f, 0.88f, 0.91f};  ///< sRGB
-  /// Lines on cut faces: their strength, 0 … 1, and their least distance in pixels; an eighth of that, or one pixel, is
+  /// Lines on cut faces: their strength, 0 … 1, and their least distance in pixels; a sixth of that, or one pixel, is
   /// their width. 0: none.
-  glm::vec2 hatching{0.0f, 8.0f};
+  glm::vec2 hatching{0.0f, 6.0f};
 
   std::size_t memory_bytes() const;
 

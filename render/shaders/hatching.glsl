@@ -11,7 +11,7 @@ float hatch_cover(vec2 pixel, int section, uint id) {
 #ifdef SECTIONS
   if (view.hatching.x == 0.0) return 0.0;
   uint kind = ((id * 0x9e3779b1u >> 16) * 6u) >> 16;  // by the golden ratio: the next id is two kinds away or more
-  int direction = int(kind & 1u);
+  int direction = int(kind / 3u);
   vec4 across = view.hatch_across[2 * section + direction], plane = view.sections[section];
   vec3 start = eye_point(pixel, 0.0), ray = eye_direction(pixel);
   float slope = dot(plane.xyz, ray), t = depth_on(pixel, section);
@@ -24,7 +24,7 @@ float hatch_cover(vec2 pixel, int section, uint id) {
   int power = max(int(ceil(level)), kLeastPower);
   float wide = ldexp(1.0, power);
   // Every second line is a line of the next power, also where items shift them by a third or two of their distance.
-  uint third = kind >> 1;
+  uint third = kind % 3u;
   float shift = third == 0u ? 0.0 : 2.0 / 3.0 * ((third == 1u) == ((power & 1) == 0) ? 2.0 : 1.0);
   float place = (dot(across.xyz, start + t * ray) + across.w) / wide +
                 2.0 * fract(0.5 * view.hatch_whole[section][direction] / wide) + shift;

@@ -19,7 +19,7 @@ using engine::Hatching;
 
 constexpr int kWidth = 160, kHeight = 120;
 constexpr double kAspect = double(kWidth) / kHeight, kNear = 0.05, kPeriod = 1048576.0;
-constexpr Hatching kHatching{0.8f, 8.0f};
+constexpr Hatching kHatching{0.8f, 6.0f};
 
 /// Where a ray meets a plane.
 dvec3 meeting(const PixelRay& ray, const core::Plane& plane) {
@@ -31,15 +31,15 @@ double cover(const View& view, const core::Plane& plane, core::ItemId item, int 
   const dvec3 n = glm::normalize(plane.normal), level = glm::cross(dvec3(0, 0, 1), n);
   const dvec3 along = glm::length(level) > 0.0 ? glm::normalize(level) : dvec3(1, 0, 0), up = glm::cross(n, along);
   const auto kind = int((item * 0x9e3779b1u >> 16) * 6u >> 16);
-  const dvec3 across = kind % 2 == 0 ? up + along : up - along;
+  const dvec3 across = kind / 3 == 0 ? up + along : up - along;
   const auto place = [&](double px, double py) {
     return glm::dot(across, meeting(pixel_ray(view, kWidth, kHeight, px, py), plane));
   };
   const double metres = std::hypot(place(x + 0.5, y) - place(x - 0.5, y), place(x, y + 0.5) - place(x, y - 0.5));
   double wide = std::pow(2.0, -24);
   while (wide < metres * hatching.spacing) wide *= 2.0;
-  const double at = (place(x, y) + kind / 2 * kPeriod / 3.0) / wide, line = std::round(at);
-  const double width = std::max(1.0, hatching.spacing / 8.0);
+  const double at = (place(x, y) + kind % 3 * kPeriod / 3.0) / wide, line = std::round(at);
+  const double width = std::max(1.0, hatching.spacing / 6.0);
   const double covered = std::clamp(0.5 * width + 0.5 - std::abs(at - line) * wide / metres, 0.0, 1.0);
   if (std::fmod(line, 2.0) == 0.0) return covered;
   const double t = std::clamp(std::log2(wide / (metres * hatching.spacing)) / 0.3, 0.0, 1.0);
@@ -212,7 +212,7 @@ TEST_F(HatchingTest, ConfigureSwitchesIt) {
   View view = *View::perspective({{2.0, -5.0, 3.0}, {0, 0, 0}, {0, 0, 1}}, 0.7, kAspect, kNear);
   view.sections = {{{0, 1, 0}, 0.1}};
   const image::Image before = picture(*engine, view);
-  for (const Hatching& hatching : {Hatching{1.0f, 8.0f}, {0.4f, 24.0f}, {0.7f, 4.0f}}) {
+  for (const Hatching& hatching : {Hatching{1.0f, 6.0f}, {0.4f, 24.0f}, {0.7f, 4.0f}}) {
     EngineConfig changed = engine->config();
     changed.hatching = hatching;
     ASSERT_TRUE(engine->configure(changed));

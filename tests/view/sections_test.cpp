@@ -54,5 +54,44 @@ TEST(SectionsTest, PlanesComeBack) {
   EXPECT_FALSE(sections.add({0, 0, 0}, {1, 0, 0}));
 }
 
+TEST(SectionsTest, PointsLieInTheMiddleOfWhatIsShown) {
+  const core::AabbD model{{1e7, 0, 0}, {1e7 + 100, 60, 30}}, part{{1e7 + 10, 20, 5}, {1e7 + 14, 30, 8}};
+  Sections box, again;
+  box.box(part);
+  again.set(box.planes(), model);
+  ASSERT_EQ(again.all().size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const core::dvec3 at = box.all()[i].place();
+    EXPECT_NEAR(std::abs(glm::dot(at - part.centre(), box.all()[i].normal)),
+                0.5 * glm::dot(part.size(), glm::abs(box.all()[i].normal)), 1e-9);
+    EXPECT_NEAR(glm::length(again.all()[i].place() - at), 0.0, 1e-6) << i;
+  }
+  const core::Plane alone{{0, 3, 0}, -120.0}, outside{{1, 0, 0}, 0.0}, slanting{{1, -1, 0}, -1e7};
+  Sections one;
+  one.set({&alone, 1}, model);
+  EXPECT_NEAR(glm::length(one.all()[0].place() - core::dvec3(1e7 + 50, 40, 15)), 0.0, 1e-6);
+  one.set({&outside, 1}, model);
+  EXPECT_NEAR(one.all()[0].place().x, 0.0, 1e-6) << "on the plane, although the model is elsewhere";
+  one.set({&slanting, 1}, model);
+  EXPECT_NEAR(glm::length(one.all()[0].place() - core::dvec3(1e7 + 30, 30, 15)), 0.0, 1e-6);
+}
+
+TEST(SectionsTest, TheSelectedOneStaysSelected) {
+  Sections sections;
+  for (double x : {1.0, 2.0, 3.0}) ASSERT_TRUE(sections.add({x, 0, 0}, {1, 0, 0}));
+  EXPECT_FALSE(sections.selected());
+  sections.select(1);
+  sections.remove(2);
+  EXPECT_EQ(sections.selected(), 1u);
+  sections.remove(0);
+  EXPECT_EQ(sections.selected(), 0u);
+  sections.remove(0);
+  EXPECT_FALSE(sections.selected());
+  sections.add({0, 0, 0}, {1, 0, 0});
+  sections.select(0);
+  sections.box({{0, 0, 0}, {1, 1, 1}});
+  EXPECT_FALSE(sections.selected());
+}
+
 }  // namespace
 }  // namespace sightline::apps
