@@ -12,7 +12,8 @@ using core::dvec3;
 
 constexpr double kArrow = 64.0, kLeastArrow = 54.0, kSquare = 34.0;  // pixels from the middle
 constexpr double kMiddleRadius = 8.0, kArrowRadius = 9.0, kTurnRadius = 6.0, kShaft = 5.0, kSlack = 2.0;
-constexpr double kMargin = 76.0, kBottomMargin = 118.0;  // where no middle is: below are the axes
+constexpr double kOwnMargin = 28.0;                      // pixels where no middle is
+constexpr double kMargin = 76.0, kBottomMargin = 118.0;  // nor one that is moved into the picture: below are the axes
 constexpr double kMarginShare = 0.3;                     // of the picture at most
 constexpr double kNoDirection = 8.0;                     // pixels of an arrow
 constexpr double kAlongSight = 0.97;                     // cosine: an axis that is seen from its end
@@ -29,8 +30,8 @@ dvec2 clamped(const dvec2& at, const dvec2& size, double scale) {
 std::optional<dvec3> anchor_of(const PictureFrame& frame, const Sections::Section& section, double scale) {
   const dvec3 place = section.place();
   if (const auto at = frame.project(place)) {
-    const dvec2 room = clamped(*at, frame.size(), scale);
-    if (room == *at) return place;
+    const dvec2 room = clamped(*at, frame.size(), scale), own(kOwnMargin * scale);
+    if (glm::all(glm::greaterThan(*at, own)) && glm::all(glm::lessThan(*at, frame.size() - own))) return place;
     if (const auto there = frame.on_plane(room, place, section.normal)) return there;
   }
   std::optional<dvec3> nearest;
@@ -175,8 +176,10 @@ std::optional<SectionGizmo::Part> SectionGizmo::part_at(const dvec2& point) cons
   };
   for (const Handle& handle : handles_) {
     offer(handle.part, glm::length(point - handle.at), radius(handle.part) + kSlack * scale_);
-    if (handle.part == Part::kOut || handle.part == Part::kIn)
-      offer(handle.part, distance_to_segment(point, middle(), handle.at), kShaft * scale_);
+    if (handle.part != Part::kOut && handle.part != Part::kIn) continue;
+    const dvec2 shaft = glm::normalize(handle.at - middle());  // from the middle's rim on
+    offer(handle.part, distance_to_segment(point, middle() + radius(Part::kMiddle) * shaft, handle.at),
+          kShaft * scale_);
   }
   return found;
 }

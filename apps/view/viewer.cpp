@@ -313,7 +313,7 @@ core::Expected<void> Viewer::frame(double seconds) {
       continue;
     }
     if (!gui_.uses(event) || event.type == Type::kDrop || (event.type == Type::kButton && !event.down) ||
-        (event.type == Type::kKey && !event.down) || (event.type == Type::kCursor && drag_))
+        (event.type == Type::kKey && !event.down) || event.type == Type::kCursor)
       handle(event);
   }
   fly(std::min(seconds, kLongestStep));

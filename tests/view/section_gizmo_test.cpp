@@ -183,7 +183,7 @@ TEST_P(SectionGizmoTest, HandlesHaveRoomInThePicture) {
     if (!gizmo) continue;
     ++shown;
     const dvec2 at = gizmo->middle();
-    EXPECT_TRUE(at.x > 75.9 && at.y > 75.9 && at.x < kWidth - 75.9 && at.y < kHeight - 117.9) << at.x << ' ' << at.y;
+    EXPECT_TRUE(at.x > 27.9 && at.y > 27.9 && at.x < kWidth - 27.9 && at.y < kHeight - 27.9) << at.x << ' ' << at.y;
     const auto point = frame.on_plane(at, c.section.place(), c.section.normal);
     ASSERT_TRUE(point);
     EXPECT_GT(frame.pixel_at(*point), 0.0);
@@ -213,7 +213,8 @@ TEST(SectionGizmo, UnselectedOnesHaveOneArrow) {
   const auto gizmo = SectionGizmo::create(frame, {{0, 0, 0}, {0, -1, 0}, 0.0, true}, false, 2.0);
   ASSERT_TRUE(gizmo);
   ASSERT_EQ(gizmo->handles().size(), 2u);
-  EXPECT_EQ(gizmo->part_at(gizmo->middle()), Part::kMiddle);
+  for (const dvec2& off : {dvec2(0, 0), dvec2(0.2, 0.1), dvec2(9, 0), dvec2(-7, 7), dvec2(0, -9)})
+    EXPECT_EQ(gizmo->part_at(gizmo->middle() + off), Part::kMiddle) << off.x << ' ' << off.y;
   EXPECT_EQ(gizmo->part_at(gizmo->handles()[1].at), Part::kOut);
   EXPECT_EQ(gizmo->part_at(0.5 * (gizmo->middle() + gizmo->handles()[1].at)), Part::kOut) << "the shaft";
   EXPECT_FALSE(gizmo->part_at(2.0 * gizmo->middle() - gizmo->handles()[1].at));
