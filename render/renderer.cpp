@@ -1,6 +1,7 @@
 #include "sightline/render/internal/renderer.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gpuprims/internal/shaders.h"
@@ -42,23 +43,23 @@ void describe_mesh(const gl::Functions& gl, GLuint array) {
 
 }  // namespace
 
-/// Context of all shaders for targets of a format. `sections`: for views with section planes.
-gl::ShaderContext Renderer::shader_context(const TargetFormat& format, bool sections, Surface surface) {
+/// Context of all shaders for targets of a format.
+gl::ShaderContext Renderer::shader_context(const TargetFormat& format, Cut cut, Surface surface) {
   gl::ShaderContext context;
   context.tables = {shaders(), gpuprims::shaders()};
   if (format.normals) context.defines.emplace_back("NORMALS");
   if (format.samples > 1) context.defines.push_back("SAMPLES " + std::to_string(format.samples));
-  if (sections) context.defines.emplace_back("SECTIONS");
+  if (cut != Cut::kNone) context.defines.emplace_back("SECTIONS");
+  if (cut == Cut::kHatched) context.defines.emplace_back("HATCHING");
   if (surface == Surface::kGhost) context.defines.emplace_back("GHOST");
   if (surface == Surface::kBlended) context.defines.emplace_back("BLENDED");
   return context;
 }
 
-gl::ProgramDescription Renderer::describe_batch(BatchKind kind, const TargetFormat& format, bool sections,
-                                                Surface surface) {
+gl::ProgramDescription Renderer::describe_batch(BatchKind kind, const TargetFormat& format, Cut cut, Surface surface) {
   gl::ProgramDescription description;
   description.name = gpuscene::name_of(kind);
-  description.shaders = shader_context(format, sections, surface);
+  description.shaders = shader_context(format, cut, surface);
   for (std::string& define : gpuscene::batch_defines(kind)) description.shaders.defines.push_back(std::move(define));
   if (gpuscene::is_ray_cast(kind)) {
     description.stages = {{GL_FRAGMENT_SHADER, {"primitive.frag"}}};
@@ -75,7 +76,7 @@ core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpus
   const gl::Functions& gl = context.functions();
   Renderer renderer;
   renderer.gl_ = &gl;
-  auto programs = renderer.make_programs(scene, format, false, Surface::kSolid);
+  auto programs = renderer.make_programs(scene, format, Cut::kNone, Surface::kSolid);
   if (!programs) return tl::unexpected(programs.error());
   renderer.programs_[0].plain = std::move(*programs);
   renderer.record_array_ = gl::VertexArray(gl);
@@ -89,12 +90,10 @@ core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpus
 
 /// Makes the programs of all batches, and on the first call the program that ray-cast batches share.
 core::Expected<Renderer::BatchPrograms> Renderer::make_programs(const gpuscene::GpuScene& scene,
-                                                                const TargetFormat& format, bool sections,
-                                                                Surface surface) {
+                                                                const TargetFormat& format, Cut cut, Surface surface) {
   const std::vector<gpuscene::Batch>& batches = scene.batches();
   std::vector<gl::ProgramDescription> descriptions;
-  for (const gpuscene::Batch& batch : batches)
-    descriptions.push_back(describe_batch(batch.kind, format, sections, surface));
+  for (const gpuscene::Batch& batch : batches) descriptions.push_back(describe_batch(batch.kind, format, cut, surface));
   const bool proxies = proxy_program_.id() == 0 && std::any_of(batches.begin(), batches.end(), [](const auto& batch) {
                          return gpuscene::is_ray_cast(batch.kind);
                        });
@@ -188,9 +187,14 @@ core::Expected<void> Renderer::draw_surfaces(const core::View& view, const core:
   const gl::Functions& gl = *gl_;
   const bool sections = !view.sections.empty();
   SurfacePrograms& all = programs_[std::size_t(surface)];
+  const Cut cut = !sections ? Cut::kNone : hatching.x > 0.0f ? Cut::kHatched : Cut::kPlain;
+  if (sections && std::exchange(all.cut, cut) != cut) {
+    all.sections.reset();
+    all.caps.reset();
+  }
   std::optional<BatchPrograms>& programs = sections ? all.sections : all.plain;
   if (!programs) {
-    auto made = make_programs(scene, target.format(), sections, surface);
+    auto made = make_programs(scene, target.format(), cut, surface);
     if (!made) return tl::unexpected(made.error());
     programs = std::move(*made);
   }
@@ -222,9 +226,10 @@ core::Expected<void> Renderer::draw_surfaces(const core::View& view, const core:
 core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot, const gpuscene::Batch& meshes,
                                                  const gpuscene::GpuScene& scene, const gpuscene::DrawLists& lists,
                                                  const RenderTarget& target, Surface surface, const glm::vec2& range) {
-  std::optional<SectionCaps>& section_caps = programs_[std::size_t(surface)].caps;
+  SurfacePrograms& programs = programs_[std::size_t(surface)];
+  std::optional<SectionCaps>& section_caps = programs.caps;
   if (!section_caps) {
-    auto caps = SectionCaps::create(*gl_, shader_context(target.format(), true, surface));
+    auto caps = SectionCaps::create(*gl_, shader_context(target.format(), programs.cut, surface));
     if (!caps) return tl::unexpected(caps.error());
     section_caps = std::move(*caps);
   }

@@ -61,7 +61,13 @@ Search search_kept(vec3 start, vec3 direction, uint hidden, out int cut) {
 }
 
 // Outward normal of the faces that a section cuts, in eye space.
-vec3 cut_normal(int section) { return -view.sections[section].xyz; }
+vec3 cut_normal(int section) {
+#ifdef SECTIONS
+  return -view.sections[section].xyz;
+#else
+  return vec3(0.0);
+#endif
+}
 
 // Eye depth where a pixel's ray meets the plane of a section.
 float depth_on(vec2 pixel, int section) {

@@ -68,13 +68,16 @@ class Renderer {
   /// What a program makes of surfaces: pixels, pixels of a ghost, sums.
   enum class Surface { kSolid, kGhost, kBlended };
   static constexpr std::size_t kSurfaces = 3;
-  static gl::ShaderContext shader_context(const TargetFormat& format, bool sections, Surface surface);
-  static gl::ProgramDescription describe_batch(gpuscene::BatchKind kind, const TargetFormat& format, bool sections,
+  /// What views have that programs are compiled for.
+  enum class Cut { kNone, kPlain, kHatched };
+  static gl::ShaderContext shader_context(const TargetFormat& format, Cut cut, Surface surface);
+  static gl::ProgramDescription describe_batch(gpuscene::BatchKind kind, const TargetFormat& format, Cut cut,
                                                Surface surface);
   /// Programs for a kind of surface, made when first used.
   struct SurfacePrograms {
     std::optional<BatchPrograms> plain, sections;
     std::optional<SectionCaps> caps;  // if there are meshes
+    Cut cut = Cut::kPlain;            // what `sections` and `caps` are made for
   };
 
   core::Expected<void> upload_view(const core::View& view, const core::Snapshot& snapshot, const RenderTarget& target);
@@ -90,8 +93,8 @@ class Renderer {
                                      const RenderTarget& target, Surface surface, const gl::TextureBuffer& materials,
                                      const BlendedSums* sums = nullptr, const glm::vec2& range = {});
 
-  core::Expected<BatchPrograms> make_programs(const gpuscene::GpuScene& scene, const TargetFormat& format,
-                                              bool sections, Surface surface);
+  core::Expected<BatchPrograms> make_programs(const gpuscene::GpuScene& scene, const TargetFormat& format, Cut cut,
+                                              Surface surface);
 
   const gl::Functions* gl_ = nullptr;
   gl::Program proxy_program_;  // vertex and geometry stage of all ray-cast batches; empty without such batches

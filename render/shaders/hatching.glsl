@@ -1,6 +1,7 @@
 // Hatching of cut faces, as drawing offices do it: lines at 45 degrees that lie still in the section plane. Their
 // distance is a power of two of metres along the plane's coordinates, between one and two of the least distance in the
-// picture. Where they come too near to each other every second line fades. Needs kept_ray.glsl.
+// picture. Where they come too near to each other every second line fades. Needs kept_ray.glsl. HATCHING: compiled for
+// pictures that have it, since a branch alone would cost a tenth of a picture on a CPU.
 
 const float kFadeRange = 0.3;         // in powers of two of the distance
 const int kLeastPower = -24, kMostPower = 19;  // of metres; half of kHatchPeriod
@@ -8,8 +9,7 @@ const int kLeastPower = -24, kMostPower = 19;  // of metres; half of kHatchPerio
 // Share of the pixel that lines cover, times their strength. `id`: items whose ids are neighbours differ in the
 // direction of their lines or in their place.
 float hatch_cover(vec2 pixel, int section, uint id) {
-#ifdef SECTIONS
-  if (view.hatching.x == 0.0) return 0.0;
+#ifdef HATCHING
   uint kind = ((id * 0x9e3779b1u >> 16) * 6u) >> 16;  // by the golden ratio: the next id is two kinds away or more
   int direction = int(kind / 3u);
   vec4 across = view.hatch_across[2 * section + direction], plane = view.sections[section];

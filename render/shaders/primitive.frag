@@ -65,8 +65,10 @@ void main() {
 #else
   if (!cast_ray(gl_FragCoord.xy, rows, hidden, sight)) discard;
 #endif
+#ifdef HATCHING
   // Solids that overlap have one depth, so that their lines do not mingle.
-  if (view.hatching.x > 0.0 && sight.face == kCut) sight.depth = depth_on(gl_FragCoord.xy, sight.section);
+  if (sight.face == kCut) sight.depth = depth_on(gl_FragCoord.xy, sight.section);
+#endif
   gl_FragDepth = min(depth_at(sight.depth), gl_FragCoord.z);  // depth_less must hold despite rounding
   bool cut = sight.face == kCut;
   vec3 normal = cut ? cut_normal(sight.section) : rows * face_normal(sight.p, sight.face);

@@ -65,7 +65,9 @@ void write_lit(vec3 n, float head, float gloss, float sky, float hatch, uint wor
   float light = 0.30 + 0.50 * head + 0.25 * sky;
   vec4 material = material_of(word);
   vec3 lit = min(material.rgb * light + 0.12 * gloss, vec3(1.0));
+#ifdef HATCHING
   lit = mix(lit, vec3(dot(lit, kLuma) < kDarkFace ? 1.0 : 0.0), hatch);
+#endif
 #ifdef BLENDED
   out_sum = vec4(lit * material.a, material.a) * weight_of(SURFACE_DEPTH);
   out_let_pass = 1.0 - material.a;
