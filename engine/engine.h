@@ -269,8 +269,8 @@ class SIGHTLINE_API Engine {
   /// Uses other settings from the next frame on: culler, controller, sample_test, occlusion, contribution,
   /// contribution_way, budget_ms, hidden_colour, outline_colour, relief and hatching. The others must be as they are
   /// (config()). What that needs is made, as in set_culler(). A rebuild in the background goes on unless the
-  /// plan names another culler. A hybrid keeps what it has learnt unless controller, sample_test, occlusion or the plan's culler change.
-  /// Fails where create() would, and on other changes; then nothing has changed.
+  /// plan names another culler. A hybrid keeps what it has learnt unless controller, sample_test, occlusion or the
+  /// plan's culler change. Fails where create() would, and on other changes; then nothing has changed.
   core::Expected<void> configure(const EngineConfig& config);
   /// Draws in another size, in pixels, from the next frame on. The old picture is gone. Fails on sizes that the context
   /// does not support; then nothing has changed.

@@ -212,9 +212,7 @@ const Command kCommands[] = {
     {"fit", "View", "Fit all", GLFW_KEY_HOME, 0, "Home", "see the whole model from above",
      [](Viewer& v, const std::string&) { return look_along(v, core::kOverviewDirection); }},
     {"front", "View", "Front", GLFW_KEY_1, 0, "1", "look north",
-     [](Viewer& v, const std::string&) {
-       return look_along(v, {0, 1, 0});
-     }},
+     [](Viewer& v, const std::string&) { return look_along(v, {0, 1, 0}); }},
     {"back", "View", "Back", GLFW_KEY_2, 0, "2", "look south",
      [](Viewer& v, const std::string&) { return look_along(v, {0, -1, 0}); }},
     {"left", "View", "Left", GLFW_KEY_3, 0, "3", "look east",

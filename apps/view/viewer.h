@@ -93,7 +93,7 @@ class Viewer {
   /// Handles of sections show beside panels.
   bool shows_section_handles() const { return session_ && shown.section_handles && shown.panels; }
   const SectionHandles& section_handles() const { return section_handles_; }
-  std::optional<SectionHandles::Target> section_target() const;          ///< dragged, or else under the cursor
+  std::optional<SectionHandles::Target> section_target() const;  ///< dragged, or else under the cursor
   const FrameHistory& history() const { return history_; }
   CullingOverlay& culling() { return culling_; }
   bool walking() const { return walker_.has_value(); }
@@ -107,10 +107,10 @@ class Viewer {
   /// Switches of panels.
   struct Shown {
     bool panels = true, help = false, open = false, compare = false;
-    bool quit = false;                           ///< asks before views are lost
-    bool smooth = true;                          ///< edges, while nothing moves
-    bool relief = true;                          ///< what has one colour
-    bool hatching = true;                        ///< of cut faces
+    bool quit = false;     ///< asks before views are lost
+    bool smooth = true;    ///< edges, while nothing moves
+    bool relief = true;    ///< what has one colour
+    bool hatching = true;  ///< of cut faces
     bool section_handles = true;
     bool lower = true;                           ///< resolution, while the view moves and frames come late
     bool triad = true;                           ///< beside panels

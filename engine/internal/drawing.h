@@ -217,7 +217,7 @@ class Drawing {
   SolidAreas solid_areas_;
   core::vec3 hidden_colour_{0.0f};
   Relief relief_;
-  glm::vec2 hatching_{0.0f};  // Renderer::hatching
+  glm::vec2 hatching_{0.0f};                       // Renderer::hatching
   std::optional<render::ReliefPass> relief_pass_;  // made with the first relief
   std::optional<core::View> split_view_;           // what its picture shows, and what the tests leave out of it
   core::VisibleSet shown_, hidden_;
