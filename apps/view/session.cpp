@@ -30,6 +30,13 @@ Session::Session(Model model, engine::Engine engine, const engine::EngineConfig&
       size_{config.width, config.height},
       camera_(bounds_.bounds, kFovy, aspect()) {}
 
+core::Expected<void> Session::begin(gl::Context& context, const std::array<int, 2>& size) {
+  if (auto done = use_context(context); !done) return done;
+  if (auto done = resize(size); !done) return done;
+  camera_ = Camera(bounds_.bounds, kFovy, aspect());
+  return {};
+}
+
 core::Expected<void> Session::use_context(gl::Context& context) {
   changed();
   if (frozen_) frozen_->forget();

@@ -25,8 +25,8 @@ namespace sightline::apps {
 
 class Session {
  public:
-  /// `config`: of the picture, with its size. By any thread where the context comes later. The engine's tracer is then
-  /// on its way, so that picks need not wait long.
+  /// `config`: of the picture. By any thread where the context comes later (begin()). The engine's tracer is then on its
+  /// way, so that picks need not wait long.
   static core::Expected<std::unique_ptr<Session>> open(Model model, const engine::EngineConfig& config);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -36,6 +36,8 @@ class Session {
   const core::dvec3& offset() const { return model_.offset; }
   engine::Engine& engine() { return engine_; }
   const engine::Engine& engine() const { return engine_; }
+  /// Draws in that context, which is current, for the first time: all of the model, in a picture of that size.
+  core::Expected<void> begin(gl::Context& context, const std::array<int, 2>& size);
   /// Draws in that context from now on, which is current; a former one is lost. All else stays.
   core::Expected<void> use_context(gl::Context& context);
   Document& document() { return document_; }

@@ -203,13 +203,10 @@ bool Viewer::settled_but_for_edges() const {
   return !session_ || !session_->stale();
 }
 
-/// Of the pictures; their context comes later.
+/// Of the pictures; their context and size come later.
 engine::EngineConfig Viewer::picture_config() const {
-  const Part part = viewport();
   engine::EngineConfig config;
   config.draw = true;
-  config.width = part.width;
-  config.height = part.height;
   config.culler = options_.culler;
   config.gpu_culler = options_.gpu_culler;
   config.samples = options_.samples;
@@ -272,7 +269,7 @@ core::Expected<void> Viewer::land() {
   section_handles_.forget();
   const bool another = session_ != nullptr;
   session_.reset();  // its memory first
-  if (auto done = opened_->use_context(window_.context()); !done) return failed(done.error());
+  if (auto done = opened_->begin(window_.context(), {part_.width, part_.height}); !done) return failed(done.error());
   session_ = std::move(opened_);
   shown_view_.reset();
   if (const engine::EngineConfig& config = session_->engine().config();
