@@ -66,6 +66,7 @@ Done measure_selected(Viewer& viewer, const std::string&) {
   Session& session = *viewer.session();
   const auto selection = session.document().selection();
   if (selection.size() != 2) return core::fail("select two items first, the second one with Ctrl");
+  viewer.shown.tab = "Measure";
   return session.measuring().between(session.scene(), selection[0], selection[1]);
 }
 
@@ -76,6 +77,7 @@ Done section_here(Viewer& viewer, const std::string&) {
   if (!viewer.session()->sections().add((*hit)->point, (*hit)->normal))
     return core::fail("there are eight sections: take one away first");
   viewer.session()->sections().select(viewer.session()->sections().all().size() - 1);
+  viewer.shown.tab = "Sections";
   return {};
 }
 
@@ -84,6 +86,7 @@ Done section_box(Viewer& viewer, const std::string&) {
   const auto selection = session.document().selection();
   const core::AabbD bounds = selection.empty() ? session.bounds().bounds : session.document().bounds(selection);
   if (!bounds.empty()) session.sections().box(bounds);
+  viewer.shown.tab = "Sections";
   return {};
 }
 
@@ -168,9 +171,9 @@ const Command kCommands[] = {
     {"find", "Edit", "Find", GLFW_KEY_F, kCtrl, "Ctrl+F",
      "show the nodes whose names or attributes hold a text: TEXT or ATTRIBUTE:TEXT",
      [](Viewer& v, const std::string& text) -> Done {
-       v.shown.find = text.empty();
+       v.shown.find = text.empty();  // what was searched for last stays, to be changed
        v.shown.panels |= text.empty();
-       v.session()->tree().find({text});
+       if (!text.empty()) v.session()->tree().find({text});
        return {};
      }},
     {"select-found", "Edit", "Select what was found", 0, 0, "", "select what is below the nodes that were found",
@@ -184,7 +187,11 @@ const Command kCommands[] = {
      [](Viewer& v, const std::string&) { return v.session()->document().show_all(); }},
 
     {"measure", "Measure", "Set marks", GLFW_KEY_M, 0, "M", "clicks set marks, which snap, and measure between them",
-     [](Viewer& v, const std::string&) -> Done { return v.shown.measure = !v.shown.measure, Done(); },
+     [](Viewer& v, const std::string&) -> Done {
+       v.shown.measure = !v.shown.measure;
+       if (v.shown.measure) v.shown.tab = "Measure";
+       return {};
+     },
      [](Viewer& v) { return v.shown.measure; }},
     {"measure-selected", "Measure", "Distance of selected items", 0, 0, "",
      "the shortest distance of two selected items", measure_selected},

@@ -1,4 +1,6 @@
 // Marks and distances over the picture.
+#include <algorithm>
+
 #include <imgui.h>
 
 #include "sightline/apps/view/panels.h"
@@ -29,8 +31,9 @@ void measure_overlay(Viewer& viewer, const Part& part) {
   ImDrawList& list = *ImGui::GetForegroundDrawList();
   const ImU32 colour = ImGui::GetColorU32({0.95f, 0.45f, 0.05f, 1.0f}), shade = ImGui::GetColorU32({0, 0, 0, 0.75f});
   const auto screen = [&](const core::dvec3& point) { return on_screen(*view, part, height, point); };
-  const auto text = [&](const ImVec2& at, const std::string& words) {
+  const auto text = [&](ImVec2 at, const std::string& words) {
     const ImVec2 size = ImGui::CalcTextSize(words.c_str());
+    at.x = std::max(float(part.x), std::min(at.x, float(part.x + part.width) - size.x - 6.0f));  // not over the panels
     list.AddRectFilled({at.x - 3.0f, at.y - 2.0f}, {at.x + size.x + 3.0f, at.y + size.y + 2.0f}, shade);
     list.AddText(at, ImGui::GetColorU32({1, 1, 1, 1}), words.c_str());
   };

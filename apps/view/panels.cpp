@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <imgui.h>
@@ -88,34 +89,22 @@ void side_panel(Viewer& viewer) {
   begin_fixed("##side", size.x - float(m.right), float(m.top), float(m.right), size.y - float(m.top + m.bottom),
               ImGuiWindowFlags_NoTitleBar);
   if (viewer.session() && ImGui::BeginTabBar("##tabs", ImGuiTabBarFlags_FittingPolicyScroll)) {
-    if (ImGui::BeginTabItem("Item")) {
-      properties_tab(viewer);
-      ImGui::EndTabItem();
-    }
-    if (ImGui::BeginTabItem("Measure")) {
-      measure_tab(viewer);
-      ImGui::EndTabItem();
-    }
-    if (ImGui::BeginTabItem("Sections")) {
-      sections_tab(viewer);
-      ImGui::EndTabItem();
-    }
-    if (ImGui::BeginTabItem("Views")) {
-      views_tab(viewer);
-      ImGui::EndTabItem();
-    }
-    if (ImGui::BeginTabItem("Culling")) {
-      culling_tab(viewer);
-      ImGui::EndTabItem();
-    }
     static const ChangeList* known = nullptr;
     const ChangeList* changes = viewer.session()->changes();
-    const bool fresh = std::exchange(known, changes) != changes;  // a new comparison brings its tab to the front
-    if (changes && ImGui::BeginTabItem("Compare", nullptr,
-                                       ImGuiTabItemFlags_Leading | (fresh ? ImGuiTabItemFlags_SetSelected : 0))) {
-      compare_tab(viewer);
+    if (std::exchange(known, changes) != changes && changes) viewer.shown.tab = "Compare";
+    const std::string_view front = std::exchange(viewer.shown.tab, "");
+    const auto tab = [&](const char* name, void (*draw)(Viewer&), ImGuiTabItemFlags flags = 0) {
+      if (front == name) flags |= ImGuiTabItemFlags_SetSelected;
+      if (!ImGui::BeginTabItem(name, nullptr, flags)) return;
+      draw(viewer);
       ImGui::EndTabItem();
-    }
+    };
+    tab("Item", properties_tab);
+    tab("Measure", measure_tab);
+    tab("Sections", sections_tab);
+    tab("Views", views_tab);
+    tab("Culling", culling_tab);
+    if (changes) tab("Compare", compare_tab, ImGuiTabItemFlags_Leading);
     ImGui::EndTabBar();
   }
   ImGui::End();

@@ -118,6 +118,7 @@ class Viewer {
     bool find = false;                           ///< the search field gets the keyboard next
     float tree_width = 0.0f, side_width = 0.0f;  ///< of the panels, in lines of text; 0: as the window's size suggests
     bool picture = false, path = false;          ///< dialogs
+    const char* tab = "";                        ///< of the right panel, that comes to the front next; "": as it is
   } shown;
   const std::vector<std::string>& recent() const { return now_.recent; }
 

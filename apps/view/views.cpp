@@ -51,6 +51,7 @@ core::Expected<void> add_view(Viewer& viewer, const std::string& name) {
   auto seen = seen_now(viewer);
   if (!seen) return tl::unexpected(seen.error());
   viewer.views().add(std::move(*seen), name);
+  viewer.shown.tab = "Views";
   return {};
 }
 
