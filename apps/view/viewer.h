@@ -197,6 +197,7 @@ class Viewer {
   std::optional<Drag> drag_;
   SectionHandles section_handles_;  // while one is dragged, drag_ is that motion
   double last_click_ = -1.0;        // GLFW's time, of one without modifiers
+  core::dvec2 last_click_at_{0.0};
   core::dvec2 cursor_{-1.0};
   bool cursor_moved_ = false;
   bool context_lost_ = false;

@@ -172,7 +172,9 @@ void Viewer::click(const Drag& drag) {
   std::vector<core::ItemId> items;
   if (*hit) items.push_back((*hit)->item);
   const double now = drag.mods == 0 ? glfwGetTime() : -1.0;
-  const bool again = drag.mods == 0 && now - last_click_ < kDoubleClick;
+  const bool again = drag.mods == 0 && now - last_click_ < kDoubleClick &&
+                     glm::length(drag.from - last_click_at_) <= kClickPixels * gui_.scale();
+  last_click_at_ = drag.from;
   last_click_ = now;
   if (again && !items.empty()) {
     session_->camera().fit(session_->document().bounds(items), session_->aspect());

@@ -237,6 +237,7 @@ TEST_F(ViewScript, TheMouseMovesTheCamera) {
   expect_driven(
       "front\n"
       "expect /camera/eye/1 < -5\n"
+      "click 10 10\nclick 300 200\nexpect /camera/eye/1 < -5\nselect-none\n"  // no double click: elsewhere
       "move 300 200\nwheel 5\nexpect /camera/eye/1 > -5\n"
       "press backspace\nexpect /camera/eye/1 < -5\n"
       "drag 300 200 500 200\nexpect /camera/eye/0 < -3\n"  // the model follows the hand to the right
