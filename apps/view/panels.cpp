@@ -29,19 +29,20 @@ float panel_width(float chosen, float usual, float usual_share) {
   return std::min(std::max(chosen, kLeastWidth) * font, kMostShare * wide);
 }
 
-/// A vertical edge at `x`. Pixels by which it is dragged to the right.
-float drag_edge(const char* name, float x, float y, float height) {
+/// A panel's vertical edge at `x`, held within the panel, which lies to the left or right of it: the picture has
+/// handles of its own. Pixels by which it is dragged to the right.
+float drag_edge(const char* name, float x, float y, float height, bool panel_left) {
   const float grip = std::max(2.0f, kGrip * ImGui::GetFontSize());
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.0f, 0.0f});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1.0f, 1.0f});
-  begin_fixed(name, x - 0.5f * grip, y, grip, height,
+  begin_fixed(name, panel_left ? x - grip : x, y, grip, height,
               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoScrollbar);
   ImGui::InvisibleButton("##edge", {grip, height});
   const bool dragged = ImGui::IsItemActive();
   if (dragged || ImGui::IsItemHovered()) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
   ImGui::End();
   ImGui::PopStyleVar(2);
-  return dragged ? ImGui::GetIO().MousePos.x - x : 0.0f;
+  return dragged ? ImGui::GetIO().MouseDelta.x : 0.0f;
 }
 
 }  // namespace
@@ -56,8 +57,8 @@ void splitters(Viewer& viewer) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const Margins m = margins(viewer);
   const float height = size.y - float(m.top + m.bottom), font = ImGui::GetFontSize();
-  const float tree = drag_edge("##tree-edge", float(m.left), float(m.top), height),
-              side = drag_edge("##side-edge", size.x - float(m.right), float(m.top), height);
+  const float tree = drag_edge("##tree-edge", float(m.left), float(m.top), height, true),
+              side = drag_edge("##side-edge", size.x - float(m.right), float(m.top), height, false);
   if (tree != 0.0f) viewer.shown.tree_width = std::max(kLeastWidth, (float(m.left) + tree) / font);
   if (side != 0.0f) viewer.shown.side_width = std::max(kLeastWidth, (float(m.right) - side) / font);
 }

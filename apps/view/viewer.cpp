@@ -199,7 +199,7 @@ bool Viewer::settled_but_for_edges() const {
       (walker_ && walker_->falling()) || !window_shot_.empty())
     return false;
   if (options_.frames > 0 || glfwGetTime() < wait_until_) return false;
-  if (session_ && session_->coarse()) return false;
+  if (session_ && session_->coarse() && !player_.playing()) return false;
   return !session_ || !session_->stale();
 }
 

@@ -664,7 +664,7 @@ TEST_F(ViewScript, HoveringLeavesThePicture) {
   const Picture lined = read_png(with), bare = read_png(without);
   int changed = 0;
   for (std::size_t i = 0; i < bare.rgb.size(); i += 3)
-    changed += lined.rgb[i] > bare.rgb[i] + 40 && lined.rgb[i + 2] + 40 < lined.rgb[i];  // orange
+    changed += lined.rgb[i + 2] + 100 < bare.rgb[i + 2] && lined.rgb[i] > 240;  // orange
   EXPECT_GT(changed, 300);
   EXPECT_LT(changed, 2000);
 }
@@ -673,9 +673,9 @@ TEST_F(ViewScript, HoveringLeavesThePicture) {
 TEST_F(ViewScript, PanelsAreAsWideAsOneDragsThem) {
   const std::string settings = path("settings.json");
   expect_driven(
-      "expect /picture/width = 387\ndrag 243 300 150 300\nexpect /picture/width = 480\n"
-      "drag 630 300 600 290\nexpect /picture/width = 450\n"
-      "drag 600 300 10 300\nexpect /picture/width = 345\ndrag 150 200 1 200\nexpect /picture/width = 375\n",
+      "expect /picture/width = 387\ndrag 241 300 148 300\nexpect /picture/width = 480\n"
+      "drag 632 300 602 290\nexpect /picture/width = 450\n"
+      "drag 602 300 12 300\nexpect /picture/width = 345\ndrag 148 200 1 200\nexpect /picture/width = 375\n",
       {plant(1000), "--size", "900x600", "--scale", "1", "--settings", settings});
   expect_driven("expect /picture/width = 375\n",
                 {plant(1000), "--size", "900x600", "--scale", "1", "--settings", settings});
