@@ -9,6 +9,36 @@
 namespace sightline::engine {
 namespace {
 
+/// Pixels in which an outline of these items may lie: around their boxes. All pixels where one reaches behind the eye,
+/// and for so many items that drawing them takes longer than the outline.
+render::PixelBox pixels_around(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& items,
+                               int width, int height) {
+  constexpr std::size_t kMostItems = 10'000;
+  constexpr double kMargin = 4.0;  // pixels: the line, and what rounding may do to the boxes
+  const render::PixelBox all{0, 0, width, height};
+  const core::ItemBounds& bounds = snapshot.bounds();
+  if (snapshot.count(items) > kMostItems) return all;
+  core::dvec2 low(std::numeric_limits<double>::max()), high(-low);
+  bool behind = false;
+  items.for_each_slot([&](core::Slot slot) {
+    if (bounds.vacant(slot)) return;
+    const core::Aabb box = bounds.box(slot);
+    for (int corner = 0; corner < 8; ++corner) {
+      const core::dvec3 at((corner & 1 ? box.max : box.min).x, (corner & 2 ? box.max : box.min).y,
+                           (corner & 4 ? box.max : box.min).z);
+      const core::dvec4 clip = view.clip_from_world() * core::dvec4(bounds.origin + at, 1.0);
+      behind |= !(clip.w > 0.0);
+      const core::dvec2 place = 0.5 * (core::dvec2(clip.x, clip.y) / clip.w + 1.0) * core::dvec2(width, height);
+      low = glm::min(low, place);
+      high = glm::max(high, place);
+    }
+  });
+  if (behind || !(low.x <= high.x && low.y <= high.y)) return all;
+  const core::dvec2 from = glm::clamp(glm::floor(low - kMargin), core::dvec2(0.0), core::dvec2(width, height)),
+                    to = glm::clamp(glm::ceil(high + kMargin), from, core::dvec2(width, height));
+  return {int(from.x), int(from.y), int(to.x - from.x), int(to.y - from.y)};
+}
+
 bool empty(const core::VisibleSet& set) {
   return set.ranges.empty() && set.items.empty();
 }
@@ -131,8 +161,10 @@ core::Expected<void> Drawing::draw_outline(const Culled& culled) {
   part(culled.visible, translucent_.outlined(), outlined_, unused_);
   if (empty(outlined_)) return {};
   if (auto done = draw_outlined(culled.with(outlined_)); !done) return done;
+  const render::PixelBox within =
+      pixels_around(culled.view, culled.snapshot, outlined_, target_.width(), target_.height());
   return put_over(
-      [&](const core::ExternalTarget& over) { return overlays_->put_outline(target_, outline_colour_, over); });
+      [&](const core::ExternalTarget& over) { return overlays_->put_outline(target_, outline_colour_, within, over); });
 }
 
 /// Into the layer, as put_outline() needs it.
@@ -146,7 +178,9 @@ core::Expected<void> Drawing::draw_outlined(const Culled& items) {
 core::Expected<void> Drawing::put_outline(const Culled& items, const core::ExternalTarget& over) {
   if (!overlays_) overlays_.emplace(context_.functions());
   if (auto done = draw_outlined(items); !done) return done;
-  return overlays_->put_outline(target_, outline_colour_, over);
+  const render::PixelBox within =
+      pixels_around(items.view, items.snapshot, items.visible, target_.width(), target_.height());
+  return overlays_->put_outline(target_, outline_colour_, within, over);
 }
 
 }  // namespace sightline::engine

@@ -123,12 +123,14 @@ core::Expected<void> Overlays::put_layer(const core::ExternalTarget& over) {
 }
 
 core::Expected<void> Overlays::put_outline(const RenderTarget& picture, const core::vec3& colour,
-                                           const core::ExternalTarget& over) {
+                                           const PixelBox& within, const core::ExternalTarget& over) {
   const auto made = pass_.program(outline_, "outline.frag", picture.format().samples);
   if (!made) return tl::unexpected(made.error());
   pass_.begin(**made, over);
   gl_->DepthMask(GL_FALSE);
   pass_.blend();
+  gl_->Enable(GL_SCISSOR_TEST);
+  gl_->Scissor(over.x + within.x, over.y + within.y, within.width, within.height);
   gl_->ProgramUniform3f((*made)->id(), kLineColourUniform, colour.r, colour.g, colour.b);
   pass_.draw(**made, std::array{layer_->colour().id(), layer_->depth().id(), picture.depth().id()},
              layer_->texture_target());

@@ -352,7 +352,8 @@ core::Expected<void> Viewer::frame(double seconds) {
   window_.present();
   const double now = glfwGetTime();
   frame_seconds_ = now - began;
-  if (asked_at_ >= 0.0 && !gui_.has_events()) response_ms_ = 1e3 * (now - std::exchange(asked_at_, -1.0));
+  if (asked_at_ > 0.0) response_ms_ = 1e3 * (now - std::exchange(asked_at_, 0.0));
+  if (!gui_.has_events()) asked_at_ = -1.0;
   redraws_ = std::max(0, redraws_ - 1);
   return {};
 }

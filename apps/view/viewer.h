@@ -210,8 +210,8 @@ class Viewer {
   MotionResolution motion_;
   std::optional<core::View> shown_view_;  // of the last frame
   double frame_seconds_ = 0.0;            // that it took
-  double asked_at_ = -1.0;                // when the first event came that no frame has answered; below 0: none
-  double response_ms_ = 0.0;              // of the last event: until the frame that answers it
+  double asked_at_ = -1.0;                // when the first of the events came that wait; 0: answered; below 0: none
+  double response_ms_ = 0.0;              // from then until the end of the frame that answered it
   std::vector<double> cull_ms_, frame_ms_;
   FrameHistory history_;
   CullingOverlay culling_;

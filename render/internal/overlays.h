@@ -8,6 +8,11 @@
 
 namespace sightline::render {
 
+/// Pixels of a picture, from its lower left corner.
+struct PixelBox {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
 /// Sums over the transparent surfaces of each sample, in any order: weighted blended transparency (M. McGuire, L.
 /// Bavoil, "Weighted Blended Order-Independent Transparency", JCGT 2013). The share of light that all of them let pass
 /// is exact; of their colours there is a mean, in which near surfaces weigh more. So one surface is exact, and surfaces
@@ -46,8 +51,9 @@ class Overlays {
   /// Blends the layer over a framebuffer, where nothing there is nearer.
   core::Expected<void> put_layer(const core::ExternalTarget& over);
   /// Draws a line of that colour (sRGB) around the surfaces in the layer, two pixels wide. It is fainter around what
-  /// the picture hides. No depth is tested.
-  core::Expected<void> put_outline(const RenderTarget& picture, const core::vec3& colour,
+  /// the picture hides. No depth is tested. Looks for the line `within` these pixels of the picture alone: a whole
+  /// picture takes longer than most frames.
+  core::Expected<void> put_outline(const RenderTarget& picture, const core::vec3& colour, const PixelBox& within,
                                    const core::ExternalTarget& over);
 
   std::size_t memory_bytes() const;
