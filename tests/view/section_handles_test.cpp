@@ -33,7 +33,8 @@ class SectionHandlesTest : public testing::Test {
   }
   dvec3 place(const dvec3& in_model) const { return in_model + dvec3(1e6, 0.25, 0.0); }
   dvec2 handle(SectionGizmo::Part part) const {
-    for (const SectionGizmo::Handle& one : SectionHandles::shown(*session, kScale).back().gizmo.handles())
+    const auto all = SectionHandles::shown(*session, kScale);
+    for (const SectionGizmo::Handle& one : all.back().gizmo.handles())
       if (one.part == part) return one.at;
     ADD_FAILURE() << "no handle " << SectionGizmo::name_of(part);
     return {};
