@@ -229,9 +229,11 @@ void Viewer::open(const std::vector<std::string>& files) {
     };
   }
   // The window goes on while the engine is made.
-  const auto make_session = [this, config = picture_config()](Model& read, const auto&) -> core::Expected<void> {
+  const auto make_session = [this, config = picture_config()](Model& read, const auto& go_on) -> core::Expected<void> {
+    if (!go_on(0.0)) return core::fail(std::string(importers::kCancelled));
     auto session = Session::open(std::move(read), config);
     if (!session) return tl::unexpected(session.error());
+    if (!go_on(1.0)) return core::fail(std::string(importers::kCancelled));
     opened_ = std::move(*session);
     return {};
   };
