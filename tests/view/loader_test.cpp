@@ -16,7 +16,9 @@ namespace {
 class LoaderTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    file = std::filesystem::path(testing::TempDir()) / "loader_test.obj";
+    // Of its own: the tests run at the same time.
+    file = std::filesystem::path(testing::TempDir()) /
+           ("loader_test_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + ".obj");
     std::ofstream(file) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     options.files = {file.string()};
   }
