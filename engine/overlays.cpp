@@ -160,27 +160,28 @@ core::Expected<void> Drawing::draw_outline(const Culled& culled) {
   if (translucent_.outlined().empty()) return {};
   part(culled.visible, translucent_.outlined(), outlined_, unused_);
   if (empty(outlined_)) return {};
-  if (auto done = draw_outlined(culled.with(outlined_)); !done) return done;
-  const render::PixelBox within =
-      pixels_around(culled.view, culled.snapshot, outlined_, target_.width(), target_.height());
-  return put_over(
-      [&](const core::ExternalTarget& over) { return overlays_->put_outline(target_, outline_colour_, within, over); });
+  const auto within = draw_outlined(culled.with(outlined_));
+  if (!within) return tl::unexpected(within.error());
+  return put_over([&](const core::ExternalTarget& over) {
+    return overlays_->put_outline(target_, outline_colour_, *within, over);
+  });
 }
 
-/// Into the layer, as put_outline() needs it.
-core::Expected<void> Drawing::draw_outlined(const Culled& items) {
+/// Into the layer, as put_outline() needs it, and where the outline may lie.
+core::Expected<render::PixelBox> Drawing::draw_outlined(const Culled& items) {
   const auto layer = overlays_->begin_layer(context_, target_, false);
   if (!layer) return tl::unexpected(layer.error());
-  if (auto done = lists_->update(items.snapshot, *scene_, items.visible, &items.view); !done) return done;
-  return renderer_->draw_ghosts(items.view, items.snapshot, *scene_, *lists_, **layer);
+  auto done = lists_->update(items.snapshot, *scene_, items.visible, &items.view);
+  if (done) done = renderer_->draw_ghosts(items.view, items.snapshot, *scene_, *lists_, **layer);
+  if (!done) return tl::unexpected(done.error());
+  return pixels_around(items.view, items.snapshot, items.visible, target_.width(), target_.height());
 }
 
 core::Expected<void> Drawing::put_outline(const Culled& items, const core::ExternalTarget& over) {
   if (!overlays_) overlays_.emplace(context_.functions());
-  if (auto done = draw_outlined(items); !done) return done;
-  const render::PixelBox within =
-      pixels_around(items.view, items.snapshot, items.visible, target_.width(), target_.height());
-  return overlays_->put_outline(target_, outline_colour_, within, over);
+  const auto within = draw_outlined(items);
+  if (!within) return tl::unexpected(within.error());
+  return overlays_->put_outline(target_, outline_colour_, *within, over);
 }
 
 }  // namespace sightline::engine

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "sightline/engine/internal/drawing.h"
+#include "sightline/engine/internal/engine_impl.h"
 
 namespace sightline::engine {
 namespace {
@@ -60,14 +60,11 @@ core::Expected<void> Engine::draw_outline(const core::View& view, std::span<cons
     return core::fail("engine: an outline needs EngineConfig::draw and the application's EngineConfig::context");
   if (target.width != config().width || target.height != config().height)
     return core::fail("engine: the target of an outline must have the size of the picture");
+  if (auto good = impl_->known("draw_outline", items); !good) return good;
   core::VisibleSet shown;
   shown.generation = snapshot().generation();
-  for (const core::ItemId item : items) {
-    const core::Slot slot = snapshot().slot(item);
-    if (slot == core::kNone)
-      return core::fail("engine: draw_outline: no item " + std::to_string(item) + " as of the last commit");
-    if (!snapshot().bounds().vacant(slot)) shown.items.push_back(slot);
-  }
+  for (const core::ItemId item : items)
+    if (const core::Slot slot = snapshot().slot(item); !snapshot().bounds().vacant(slot)) shown.items.push_back(slot);
   std::sort(shown.items.begin(), shown.items.end());
   if (shown.items.empty() || !drawing() || drawing()->lost()) return {};
   [[maybe_unused]] const Drawing::KeptState kept = drawing()->keep_state();

@@ -76,6 +76,8 @@ struct ImportReport {
 
 /// Extensions that import_file() knows in this build, with dots, in lower case.
 SIGHTLINE_API std::span<const std::string_view> known_extensions();
+/// Whether a file has attributes alone (.txt, .att; any case), which belong to the groups of a model.
+SIGHTLINE_API bool is_attribute_file(const std::filesystem::path& file);
 
 /// Imports one file as a new child of `parent`, named after it. Its format follows from the extension (any case). An
 /// attribute file (.txt, .att) adds no node: it adds attributes to RVM groups that are in the scene already

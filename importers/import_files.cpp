@@ -30,13 +30,6 @@ void append(ImportReport& total, ImportReport&& one) {
   total.bytes += one.bytes;
 }
 
-bool is_attribute_file(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return extension == ".txt" || extension == ".att";
-}
-
 /// At least one byte, so that every file counts for something.
 double size_of(const std::filesystem::path& path) {
   std::error_code code;
@@ -194,6 +187,13 @@ core::Expected<ImportReport> import_models(std::span<const std::filesystem::path
 }
 
 }  // namespace
+
+bool is_attribute_file(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return extension == ".txt" || extension == ".att";
+}
 
 core::Expected<ImportReport> import_files(std::span<const std::filesystem::path> paths, core::Scene& scene,
                                           core::NodeId parent, const ImportOptions& options) {

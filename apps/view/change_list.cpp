@@ -1,7 +1,6 @@
 #include "sightline/apps/view/change_list.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <unordered_map>
@@ -18,13 +17,6 @@ using compare::State;
 
 constexpr std::uint32_t kNoChange = ~std::uint32_t{0};
 constexpr double kTurned = 1e-4;  // radians; less is not worth telling
-
-bool is_attribute_file(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return extension == ".txt" || extension == ".att";
-}
 
 core::Expected<core::NodeId> same_file(const Model& open, std::string_view name) {
   const std::vector<core::NodeId>& files = open.report.nodes;
@@ -107,7 +99,7 @@ std::vector<std::string> older_files(const std::string& file, const std::vector<
   namespace fs = std::filesystem;
   std::vector<std::string> files{file};
   for (const fs::path open : open_files) {
-    if (!is_attribute_file(open)) continue;
+    if (!importers::is_attribute_file(open)) continue;
     const fs::path beside = fs::path(file).parent_path() / open.filename();
     fs::path named = file;
     named.replace_extension(open.extension());

@@ -21,6 +21,14 @@ double round_step(double least) {
   return 10.0 * power;
 }
 
+/// The handle at a point, that in front of others.
+std::optional<std::pair<SectionHandles::Shown, SectionGizmo::Part>> felt(const std::vector<SectionHandles::Shown>& all,
+                                                                         const core::dvec2& at) {
+  for (auto one = all.rbegin(); one != all.rend(); ++one)
+    if (const auto part = one->gizmo.part_at(at)) return std::pair(*one, *part);
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<SectionHandles::Shown> SectionHandles::shown(const Session& session, double scale) {
@@ -42,10 +50,8 @@ std::vector<SectionHandles::Shown> SectionHandles::shown(const Session& session,
 }
 
 std::optional<SectionHandles::Target> SectionHandles::at(const Session& session, const core::dvec2& at, double scale) {
-  const std::vector<Shown> all = shown(session, scale);
-  for (auto one = all.rbegin(); one != all.rend(); ++one)
-    if (const auto part = one->gizmo.part_at(at)) return Target{one->section, *part};
-  return std::nullopt;
+  const auto found = felt(shown(session, scale), at);
+  return found ? std::optional(Target{found->first.section, found->second}) : std::nullopt;
 }
 
 Sections::Section* SectionHandles::section(Session& session) const {
@@ -54,23 +60,20 @@ Sections::Section* SectionHandles::section(Session& session) const {
 }
 
 bool SectionHandles::press(Session& session, const core::dvec2& at, double scale) {
-  const std::vector<Shown> all = shown(session, scale);
-  for (auto one = all.rbegin(); one != all.rend(); ++one) {
-    const auto part = one->gizmo.part_at(at);
-    if (!part) continue;
-    Sections& sections = session.sections();
-    const Sections::Section& section = sections.all()[one->section];
-    drag_ = Drag{{one->section, *part},
-                 one->gizmo,
-                 section,
-                 at,
-                 sections.selected() == one->section,
-                 0.0,
-                 section.place() - session.offset()};
-    sections.select(one->section);
-    return true;
-  }
-  return false;
+  const auto found = felt(shown(session, scale), at);
+  if (!found) return false;
+  const auto& [one, part] = *found;
+  Sections& sections = session.sections();
+  const Sections::Section& section = sections.all()[one.section];
+  drag_ = Drag{{one.section, part},
+               one.gizmo,
+               section,
+               at,
+               sections.selected() == one.section,
+               0.0,
+               section.place() - session.offset()};
+  sections.select(one.section);
+  return true;
 }
 
 double SectionHandles::snapped(Session& session, double by, const core::dvec2& to, const Snapping& snapping) const {

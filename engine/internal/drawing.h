@@ -169,7 +169,7 @@ class Drawing {
   core::Expected<void> draw_overlays(const Culled& culled);
   core::Expected<void> draw_translucent(const Culled& culled);
   core::Expected<void> draw_outline(const Culled& culled);
-  core::Expected<void> draw_outlined(const Culled& items);
+  core::Expected<render::PixelBox> draw_outlined(const Culled& items);
   core::Expected<void> put_over(const std::function<core::Expected<void>(const core::ExternalTarget&)>& put) const;
   const core::VisibleSet& worth_drawing(const Culled& culled);
   core::Expected<void> split(const Culled& culled);

@@ -55,6 +55,8 @@ class Engine::Impl {
   const culling::Controller* controller() const { return hybrid_ ? &hybrid_->controller() : nullptr; }
   Drawing* drawing();
   MemoryReport memory() const;
+  /// Fails, naming the call, where an item is unknown as of the last commit().
+  core::Expected<void> known(const char* call, std::span<const core::ItemId> items) const;
   core::Expected<std::vector<core::ItemId>> items_in(const core::View& view, const PixelRectangle& rectangle,
                                                      culling::RegionRule rule) const;
   std::vector<core::ItemId> items_in(const core::View& volume, culling::RegionRule rule) const;
@@ -86,7 +88,6 @@ class Engine::Impl {
   core::Expected<void> land();
   core::Expected<void> follow_order();
   void note_gpu_variant();
-  core::Expected<void> known(const char* call, std::span<const core::ItemId> items) const;
   template <class Edit>
   core::Expected<void> override_items(const Edit& edit);
   core::Expected<bool> cull(const core::View& cull_view, const core::View& view, bool on_cpu, FrameReport& report);
