@@ -7,19 +7,13 @@
 #include <memory>
 #include <numbers>
 
-#include "sightline/bench/stability/reference.h"
-#include "sightline/bench/stability/shapes.h"
-#include "sightline/core/scene.h"
-#include "sightline/gpuprims/internal/primitives.h"
-#include "sightline/gpuprims/internal/tessellation.h"
-#include "sightline/raytrace/tracer.h"
+#include "sightline/bench/stability/traced_scenes.h"
 
 namespace sightline::bench {
 namespace {
 
 using core::dmat3;
 using core::dvec3;
-using core::Kind;
 using core::Primitive;
 using core::Slot;
 using raytrace::Hit;
@@ -27,265 +21,6 @@ using raytrace::Ray;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kRaysPerScene = 1000;
-constexpr float kWhole = 6.2831855f;  // the float next above 2 pi
-constexpr Kind kSolids[] = {Kind::kCylinder,         Kind::kSnout,  Kind::kCircularTorus,
-                            Kind::kRectangularTorus, Kind::kSphere, Kind::kSphericalDish,
-                            Kind::kEllipticalDish,   Kind::kBox,    Kind::kPyramid};
-
-// --- scenes ----------------------------------------------------------------------------------------------------------
-
-/// Up to 1, often much less.
-float length(Random& random, double decades) {
-  return float(random.below(3) ? random.log_uniform(-decades, 0.0) : random.uniform(0.3, 1.0));
-}
-float sweep(Random& random) {
-  return random.below(3) ? float(random.uniform(0.001, 6.28)) : random.below(4) ? kWhole : length(random, 4.0);
-}
-
-/// Thin, flat, needles, near the horn, leaning: of size 1 or a few.
-Primitive extreme_shape(Kind kind, Random& random) {
-  const auto shift = [&](double most) { return random.below(2) ? float(random.uniform(-most, most)) : 0.0f; };
-  switch (kind) {
-    case Kind::kPyramid: {
-      const bool apex = random.below(4) == 0;
-      return core::Pyramid{length(random, 4),
-                           length(random, 4),
-                           apex ? 0.0f : length(random, 4),
-                           apex ? 0.0f : length(random, 4),
-                           shift(3.0),
-                           shift(3.0),
-                           length(random, 5)};
-    }
-    case Kind::kBox:
-      return core::Box{length(random, 6), length(random, 6), length(random, 6)};
-    case Kind::kRectangularTorus: {
-      const float wall = length(random, 6);
-      return core::RectangularTorus{float(1.0 - wall), 1.0f, length(random, 5), sweep(random)};
-    }
-    case Kind::kCircularTorus: {
-      const float tube = length(random, 4);
-      if (random.below(2)) return core::CircularTorus{1.0f, tube, sweep(random)};
-      return core::CircularTorus{float(0.5 * (1.0 + random.sign() * random.log_uniform(-7.0, -0.5))), 0.5f,
-                                 sweep(random)};  // near the horn
-    }
-    case Kind::kEllipticalDish:
-      return core::EllipticalDish{length(random, 3), length(random, 6)};
-    case Kind::kSphericalDish:
-      return core::SphericalDish{length(random, 3), length(random, 6)};
-    case Kind::kSnout: {
-      const float top = random.below(3) ? length(random, 6) : 0.0f;
-      const bool slanted = random.below(3) == 0;
-      return core::Snout{length(random, 4),
-                         top,
-                         length(random, 4),
-                         shift(3.0),
-                         shift(3.0),
-                         slanted ? shift(1.3) : 0.0f,
-                         slanted ? shift(1.3) : 0.0f,
-                         slanted ? shift(1.3) : 0.0f,
-                         slanted ? shift(1.3) : 0.0f};
-    }
-    case Kind::kCylinder:
-      return core::Cylinder{length(random, 5), length(random, 5)};
-    default:
-      return core::Sphere{length(random, 6)};
-  }
-}
-
-/// Solids of eight sides, and loose triangles of bad shape: needles, slivers, large beside small, without area.
-core::Mesh extreme_mesh(Random& random) {
-  if (random.below(2)) {
-    core::Mesh mesh;
-    while (mesh.indices.empty())
-      mesh = gpuprims::tessellate(extreme_shape(kSolids[random.below(9)], random),
-                                  {.fixed_segments = 3 + random.below(6)});
-    return mesh;
-  }
-  core::Mesh mesh;
-  for (int i = 4 + random.below(20); i > 0; --i) {
-    const dvec3 a = random.unit() * random.direction(), along = random.log_uniform(-5.0, 0.0) * random.direction();
-    dvec3 b = a + along, c = a + random.log_uniform(-7.0, 0.0) * random.direction();
-    if (random.below(4) == 0)
-      c = a + random.uniform(-1.0, 2.0) * along + random.log_uniform(-8.0, -1.0) * random.direction();
-    if (random.below(50) == 0) c = a;
-    for (const dvec3& p : {a, b, c}) {
-      mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
-      mesh.positions.emplace_back(p);
-    }
-  }
-  return mesh;
-}
-
-dmat3 rotation(Random& random) {
-  const dvec3 z = random.direction(),
-              x = glm::normalize(glm::cross(z, std::fabs(z.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
-  const double turn = random.uniform(0.0, 2.0 * std::numbers::pi);
-  const dvec3 turned = std::cos(turn) * x + std::sin(turn) * glm::cross(z, x);
-  return {turned, glm::cross(z, turned), z};
-}
-
-/// Rotated, often mirrored, sometimes stretched or sheared.
-core::Affine placement(const dvec3& centre, double half, double scale, Random& random) {
-  const double stretch = random.below(3) ? 1.0 : random.log_uniform(-3.0, 0.0);
-  dmat3 linear = rotation(random) * dmat3{{scale * random.sign(), 0, 0}, {0, scale, 0}, {0, 0, scale * stretch}};
-  if (random.below(4) == 0) linear = linear * rotation(random);
-  return {linear, centre + half * random.unit() * random.direction()};
-}
-
-/// What one item is, for the reference.
-struct Item {
-  Slot slot = core::kNone;
-  core::Affine frame;
-  dmat3 item_from_world;
-  core::AabbD box;        // in its frame
-  double diagonal = 0.0;  // of its box in the world
-  dvec3 inside{0.0};      // a solid, if it is convex; in the world
-  std::optional<Primitive> solid;
-  std::optional<ReferenceSolid> reference;
-  const core::Mesh* mesh = nullptr;
-  bool closed = false;
-  double mesh_size = 0.0;  // as tracer.h has it, in the mesh's units
-};
-
-struct World {
-  core::Scene scene;
-  std::unique_ptr<core::Snapshot> snapshot;
-  std::unique_ptr<raytrace::Tracer> tracer;
-  std::vector<Item> items;  // by slot
-  dvec3 centre{0.0};
-  double half = 1.0;
-};
-
-Item item_of(const core::Snapshot& snapshot, Slot slot) {
-  Item item;
-  item.slot = slot;
-  item.frame = snapshot.world_from_item(slot);
-  item.item_from_world = glm::inverse(item.frame.linear);
-  core::AabbD box;
-  if (snapshot.kind(slot) == Kind::kMesh) {
-    item.mesh = &snapshot.mesh(slot);
-    item.closed = core::enclosure(*item.mesh) != core::Enclosure::kNothing;
-    for (const core::vec3& p : item.mesh->positions) {
-      item.box.grow(dvec3(p));
-      box.grow(core::transform_point(item.frame, dvec3(p)));
-    }
-    const dvec3 reach = glm::max(glm::abs(item.box.min), glm::abs(item.box.max));
-    item.mesh_size = std::max({reach.x, reach.y, reach.z, 2.0 * glm::length(item.box.size())});
-  } else {
-    item.solid = snapshot.primitive(slot);
-    item.reference.emplace(*item.solid);
-    item.box = core::bounds(*item.solid, {});
-    box = core::bounds(*item.solid, item.frame);
-    Random random(1);
-    constexpr int kPoints = 16;
-    for (int i = 0; i < kPoints; ++i) item.inside += surface_point(*item.solid, random).point / double(kPoints);
-    item.inside = core::transform_point(item.frame, item.inside);
-  }
-  item.diagonal = glm::length(box.size());
-  return item;
-}
-
-std::unique_ptr<World> make_world(TracedKind kind, Random& random) {
-  auto world = std::make_unique<World>();
-  world->half = random.log_uniform(-3.0, 4.0);
-  if (random.below(4)) world->centre = random.log_uniform(0.0, 7.0) * random.direction();
-  for (int i = 3 + random.below(6); i > 0; --i) {
-    const Kind own = kind ? *kind : random.below(4) ? kSolids[random.below(9)] : Kind::kMesh;
-    const double scale = world->half * random.log_uniform(-2.0, 0.0);
-    const core::Affine placed = placement(world->centre, world->half, scale, random);
-    if (own == Kind::kMesh) {
-      const auto mesh = world->scene.add_mesh(extreme_mesh(random));
-      if (mesh) world->scene.add_mesh_instance(world->scene.root(), *mesh, placed);
-    } else {
-      world->scene.add_primitive(world->scene.root(), extreme_shape(own, random), placed);
-    }
-  }
-  if (!world->scene.commit()) return nullptr;
-  world->snapshot = std::make_unique<core::Snapshot>(world->scene);
-  auto tracer = raytrace::Tracer::create(*world->snapshot);
-  if (!tracer) return nullptr;
-  world->tracer = std::make_unique<raytrace::Tracer>(std::move(*tracer));
-  for (Slot slot = 0; slot < world->snapshot->size(); ++slot)
-    if (!world->snapshot->vacant(slot)) world->items.push_back(item_of(*world->snapshot, slot));
-  return world;
-}
-
-// --- rays ------------------------------------------------------------------------------------------------------------
-
-/// A point on the item's surface, or near an edge of it, and a direction along the surface; in the world.
-struct Target {
-  dvec3 point, along;
-};
-Target target_on(const Item& item, Random& random) {
-  dvec3 point, along;
-  if (item.mesh) {
-    const auto& mesh = *item.mesh;
-    const std::size_t triangle = std::size_t(random.below(int(mesh.indices.size() / 3)));
-    const auto corner = [&](std::size_t i) { return dvec3(mesh.positions[mesh.indices[3 * triangle + i]]); };
-    double u = random.unit(), v = random.unit();
-    if (random.below(5) == 0) v = random.below(2) ? 0.0 : double(random.below(2));  // on an edge, or a corner
-    if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
-    along = corner(1) - corner(0);
-    point = corner(0) + u * along + v * (corner(2) - corner(0));
-  } else {
-    const SurfacePoint p = random.below(5) ? surface_point(*item.solid, random) : edge_point(*item.solid, random);
-    point = p.point;
-    along = p.along;
-  }
-  if (random.below(3) == 0)
-    point += item.item_from_world * (0.5 * item.diagonal * random.log_uniform(-12.0, 0.0) * random.direction());
-  return {core::transform_point(item.frame, point), item.frame.linear * along};
-}
-
-/// Ends of a ray that meets its target at t: up to twice as far, or just before or behind it.
-void set_ends(Ray& ray, double t, Random& random) {
-  const auto end = [&] {
-    return t * (random.below(2) ? random.uniform(0.0, 2.0) : 1.0 + random.sign() * random.log_uniform(-12.0, 0.0));
-  };
-  if (random.below(3)) ray.t_max = end();
-  if (random.below(3) == 0) ray.t_min = end();
-}
-
-Ray make_ray(const World& world, Random& random) {
-  const Item& item = world.items[std::size_t(random.below(int(world.items.size())))];
-  const Target target = target_on(item, random);
-  dvec3 direction = random.direction();
-  if (random.below(5) == 0) {  // nearly along the surface
-    const double size = glm::length(target.along);
-    if (size > 0.0) direction = glm::normalize(target.along / size + random.log_uniform(-8.0, -1.0) * direction);
-  } else if (random.below(4) == 0) {  // across what is thin
-    const Target other = target_on(item, random);
-    const double size = glm::length(other.point - target.point);
-    if (size > 0.0) direction = (other.point - target.point) / size;
-  } else if (random.below(10) == 0) {
-    direction = dvec3(0.0);
-    direction[random.below(3)] = random.sign();
-  }
-  if (!core::is_finite(direction) || direction == dvec3(0.0)) direction = {0.0, 0.0, 1.0};
-  const double far = world.half * random.log_uniform(random.below(4) ? -1.0 : -4.0, random.below(4) ? 1.0 : 4.0);
-  Ray ray{target.point - far * direction, random.log_uniform(-2.0, 2.0) * direction};
-  if (!core::is_finite(ray.origin)) ray.origin = world.centre;
-  if (random.below(4) == 0) set_ends(ray, far / glm::length(ray.direction), random);
-  return ray;
-}
-
-/// The largest axis of the direction, and its signs. Rays that are traced side by side have them in common.
-int direction_class(const Ray& ray) {
-  const dvec3 size = glm::abs(ray.direction);
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  return 8 * axis + 4 * std::signbit(ray.direction.x) + 2 * std::signbit(ray.direction.y) +
-         std::signbit(ray.direction.z);
-}
-
-std::vector<Ray> rays_at(const World& world, std::int64_t count, Random& random) {
-  std::vector<Ray> rays;
-  while (std::int64_t(rays.size()) < count) rays.push_back(make_ray(world, random));
-  std::stable_sort(rays.begin(), rays.end(),
-                   [](const Ray& a, const Ray& b) { return direction_class(a) < direction_class(b); });
-  return rays;
-}
-
-// --- judging ---------------------------------------------------------------------------------------------------------
 
 /// Where an item may be crossed: low … high are right.
 struct Expected {
@@ -309,7 +44,7 @@ struct ManyAnswer {
 
 class Judge {
  public:
-  Judge(const World& world, std::string place, TracedFigures& figures)
+  Judge(const TracedScene& world, std::string place, TracedFigures& figures)
       : world_(world), place_(std::move(place)), figures_(figures) {}
 
   /// `of_many`: nothing if they were refused.
@@ -343,21 +78,21 @@ class Judge {
                   ray_.direction.z, ray_.t_min, ray_.t_max);
     figures_.examples.emplace_back(text);
   }
-  std::string name(const Item& item) const {
+  std::string name(const TracedItem& item) const {
     return std::string(core::name_of(world_.snapshot->kind(item.slot))) + " in slot " + std::to_string(item.slot);
   }
-  static std::string described(const Item& item) {
+  static std::string described(const TracedItem& item) {
     std::string text = "parameters";
     for (const float v : core::parameters(*item.solid)) text += " " + digits(v);
     return text;
   }
   /// The coordinates involved, in metres.
-  double size(const Item& item) const {
+  double size(const TracedItem& item) const {
     return glm::length(ray_.origin) + glm::length(item.frame.origin) + item.diagonal;
   }
 
   /// Whether the line comes near the item's box, in its frame. The margin is far above double's rounding.
-  bool comes_near(const Item& item) const {
+  bool comes_near(const TracedItem& item) const {
     const dvec3 origin = item.item_from_world * (ray_.origin - item.frame.origin);
     const dvec3 direction = item.item_from_world * ray_.direction;
     const double loss = per_metre(item) * size(item);
@@ -377,7 +112,7 @@ class Judge {
     return from <= to;
   }
   /// The most that lengths grow from the world into the item's frame.
-  static double per_metre(const Item& item) {
+  static double per_metre(const TracedItem& item) {
     const dmat3& inverse = item.item_from_world;
     return std::sqrt(glm::dot(inverse[0], inverse[0]) + glm::dot(inverse[1], inverse[1]) +
                      glm::dot(inverse[2], inverse[2]));
@@ -385,7 +120,7 @@ class Judge {
 
   void judge_all() {
     figures_.crossings += std::int64_t(all_.size());
-    for (const Item& item : world_.items) {
+    for (const TracedItem& item : world_.items) {
       found_.clear();
       for (const Hit& hit : all_)
         if (hit.slot == item.slot) found_.push_back(hit);
@@ -393,7 +128,7 @@ class Judge {
     }
   }
 
-  void judge_item(const Item& item) {
+  void judge_item(const TracedItem& item) {
     if (!comes_near(item)) {
       if (!found_.empty()) fail(name(item) + " is hit from beside");
       return;
@@ -407,7 +142,7 @@ class Judge {
 
   // --- solids ---
 
-  double sine(const Item& item, const dvec3& local_normal) const {
+  double sine(const TracedItem& item, const dvec3& local_normal) const {
     const dvec3 n = glm::transpose(item.item_from_world) * local_normal;
     const double size = glm::length(n);
     return size > 0.0 ? std::fabs(glm::dot(n, ray_.direction)) / (size * length_) : 0.0;
@@ -420,7 +155,7 @@ class Judge {
     return p && (p->bottom_x * p->bottom_y == 0.0f || p->top_x * p->top_y == 0.0f);
   }
   /// The reference knows sides and two ends, level or of a sweep.
-  static bool same_face(const Item& item, const Hit& hit, const Crossing& crossing) {
+  static bool same_face(const TracedItem& item, const Hit& hit, const Crossing& crossing) {
     if (has_apex(*item.solid)) return true;
     switch (hit.face) {
       case raytrace::Face::kBottom:
@@ -436,7 +171,7 @@ class Judge {
     }
   }
 
-  void judge_solid(const Item& item, const QuadRay& local) {
+  void judge_solid(const TracedItem& item, const QuadRay& local) {
     const std::vector<Crossing> base = item.reference->crossings(local);
     const double shift = raytrace::kSolidError * size(item), step = shift / length_;
     bool right = base.size() == found_.size();
@@ -456,24 +191,48 @@ class Judge {
     judge_graze(item, base, shift);
   }
 
+  /// Unit vectors across the ray. Evenly spread ones alone miss what is narrow: the few ways into a solid whose
+  /// placement is nearly flat, which are spread evenly in its frame; and the two ways along a surface that the ray
+  /// grazes where it touches another one.
+  std::vector<dvec3> ways_aside(const TracedItem& item, const std::vector<Crossing>& base) const {
+    std::vector<dvec3> ways;
+    const dvec3 along = ray_.direction / length_;
+    const auto add = [&](const dvec3& way) {
+      const dvec3 across = way - glm::dot(way, along) * along;
+      if (const double size = glm::length(across); size > 0.0) ways.push_back(across / size);
+    };
+    const auto add_circle = [&](const dvec3& axis, const dmat3& to_world) {
+      const dvec3 u = glm::normalize(glm::cross(axis, std::fabs(axis.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
+      const dvec3 v = glm::cross(axis, u);
+      for (int j = 0; j < 16; ++j) {
+        const double angle = std::numbers::pi / 8.0 * j;
+        add(to_world * (std::cos(angle) * u + std::sin(angle) * v));
+      }
+    };
+    const auto add_along_surface = [&](const dvec3& normal) {
+      for (const double sign : {1.0, -1.0}) add(sign * glm::cross(along, normal));
+    };
+    add_circle(along, dmat3(1.0));
+    add_circle(glm::normalize(item.item_from_world * along), item.frame.linear);
+    for (const Crossing& c : base) add_along_surface(glm::transpose(item.item_from_world) * c.normal);
+    for (const Hit& hit : found_) add_along_surface(hit.normal);
+    return ways;
+  }
+
   /// Rays displaced by no more than the bound have other crossings, and so may this. The steps go down to about
   /// double's rounding, since solids may be as thin.
   static constexpr int kSteps = 9;
-  void judge_graze(const Item& item, const std::vector<Crossing>& base, double shift) {
+  void judge_graze(const TracedItem& item, const std::vector<Crossing>& base, double shift) {
     const dvec3 along = ray_.direction / length_;
-    const dvec3 u = glm::normalize(glm::cross(along, std::fabs(along.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
-    const dvec3 v = glm::cross(along, u);
     const dvec3 inwards = item.inside - ray_.origin, across = inwards - glm::dot(inwards, along) * along;
+    const std::vector<dvec3> ways = ways_aside(item, base);
     Neighbours beside;
     const auto displace = [&](const dvec3& by) {
       beside.push_back(item.reference->crossings(in_item_frame(item.frame, {ray_.origin + by, ray_.direction})));
     };
     for (int i = 0; i < kSteps; ++i) {
       const double by = shift * std::pow(0.25, i);
-      for (int j = 0; j < 16; ++j) {
-        const double angle = std::numbers::pi / 8.0 * j;
-        displace(by * (std::cos(angle) * u + std::sin(angle) * v));
-      }
+      for (const dvec3& way : ways) displace(by * way);
       if (glm::length(across) > by) displace(by * glm::normalize(across));  // finds apexes of any sharpness
     }
     graze_ = true;
@@ -502,7 +261,7 @@ class Judge {
   }
 
   /// All displaced rays meet the same faces, but some so flatly that t moves far.
-  void judge_each(const Item& item, const std::vector<Crossing>& base, const Neighbours& beside, double step) {
+  void judge_each(const TracedItem& item, const std::vector<Crossing>& base, const Neighbours& beside, double step) {
     for (std::size_t i = 0; i < base.size(); ++i) {
       Expected expected{item.slot, core::kNone, double(base[i].t), double(base[i].t), true};
       for (const std::vector<Crossing>& there : beside) {
@@ -530,7 +289,7 @@ class Judge {
     Quad x[3], y[3], t[3];
   };
 
-  void judge_mesh(const Item& item, const QuadRay& local) {
+  void judge_mesh(const TracedItem& item, const QuadRay& local) {
     const QuadVec& d = local.direction;
     const Quad square = dot(d, d), size_of_d = sqrtq(square);
     const QuadVec side = cross(d, fabsq(d.x) < size_of_d / 2 ? QuadVec(1, 0, 0) : QuadVec(0, 1, 0));
@@ -565,7 +324,7 @@ class Judge {
   }
 
   /// Nothing where the ray passes the triangle.
-  std::optional<Expected> judge_triangle(const Item& item, const Seen& s, std::uint32_t triangle, double shift,
+  std::optional<Expected> judge_triangle(const TracedItem& item, const Seen& s, std::uint32_t triangle, double shift,
                                          double lost, double unit) const {
     Quad area[3], most = 0, edge[3];
     double gap = kInfinity;  // to the nearest edge, above 0 inside
@@ -621,7 +380,7 @@ class Judge {
   }
 
   /// Whether all() has reported the triangle, once, and where it is.
-  bool match(const Item& item, const Expected& expected) {
+  bool match(const TracedItem& item, const Expected& expected) {
     const Hit* found = nullptr;
     for (const Hit& hit : found_) {
       if (hit.triangle != expected.triangle) continue;
@@ -680,12 +439,12 @@ class Judge {
   /// Along the ray meshes are known to kMeshError, too.
   double mesh_slack(Slot slot) const {
     const auto item =
-        std::find_if(world_.items.begin(), world_.items.end(), [&](const Item& i) { return i.slot == slot; });
+        std::find_if(world_.items.begin(), world_.items.end(), [&](const TracedItem& i) { return i.slot == slot; });
     if (!item->mesh) return 0.0;
     return raytrace::kMeshError * item->mesh_size / glm::length(item->item_from_world * ray_.direction);
   }
 
-  const World& world_;
+  const TracedScene& world_;
   std::string place_;
   TracedFigures& figures_;
   Ray ray_;
@@ -696,7 +455,8 @@ class Judge {
 };
 
 /// Traces the rays each by itself and all together.
-void judge_rays(const World& world, const std::string& place, const std::vector<Ray>& rays, TracedFigures& figures) {
+void judge_rays(const TracedScene& world, const std::string& place, const std::vector<Ray>& rays,
+                TracedFigures& figures) {
   std::vector<Hit> hits(rays.size());
   const auto any = std::make_unique<bool[]>(rays.size());
   const bool traced = world.tracer->nearest(rays, hits) && world.tracer->any(rays, {any.get(), rays.size()});
@@ -726,7 +486,7 @@ TracedFigures trace_rays(TracedKind kind, std::int64_t rays, std::uint64_t seed)
   Random seeds(seed);
   while (figures.rays < rays) {
     Random random(seeds.bits());
-    const auto world = make_world(kind, random);
+    const auto world = make_traced_scene(kind, random);
     if (!world || world->items.empty()) continue;
     const std::string place = "seed " + std::to_string(seed) + ", scene " + std::to_string(figures.scenes);
     ++figures.scenes;

@@ -46,6 +46,13 @@ INSTANTIATE_TEST_SUITE_P(Kinds, TracedRays,
                                                           core::Kind::kPyramid, core::Kind::kMesh),
                                           testing::Values(1u)),
                          shard_name);
+// Each has a ray that the judge misjudged: one that grazes a surface where it touches another, or meets a solid whose
+// placement is nearly flat.
+INSTANTIATE_TEST_SUITE_P(NarrowGrazes, TracedRays,
+                         testing::Values(Shard(core::Kind::kRectangularTorus, 5085),
+                                         Shard(core::Kind::kRectangularTorus, 5445),
+                                         Shard(core::Kind::kCircularTorus, 5527)),
+                         shard_name);
 INSTANTIATE_TEST_SUITE_P(Everything, TracedRays,
                          testing::Combine(testing::Values(TracedKind()), testing::Range<std::uint64_t>(1, 11)),
                          shard_name);
