@@ -278,6 +278,11 @@ Viewpoint::Shown shown_of(const Node& root) {
   return shown;
 }
 
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return text;
+}
+
 /// The text of all comments that name a viewpoint, and for the first viewpoint of those that name none.
 std::string comments_of(const Node& markup, const std::string& viewpoint, bool first) {
   std::string text;
@@ -286,14 +291,20 @@ std::string comments_of(const Node& markup, const std::string& viewpoint, bool f
     for (const Node& node : list.children("Comment")) {
       const std::string of = node.child("Viewpoint").attribute("Guid").value();
       const std::string words = node.child("Comment").text().get();
-      if (!words.empty() && (of.empty() ? first : of == viewpoint)) text += (text.empty() ? "" : "\n") + words;
+      if (!words.empty() && (of.empty() ? first : lower(of) == lower(viewpoint)))
+        text += (text.empty() ? "" : "\n") + words;
     }
   return text;
 }
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
+/// In the order of their indices; those without one follow as they stand.
+std::vector<Node> viewpoints_of(const Node& markup) {
+  std::vector<Node> nodes;
+  const auto topic = markup.child("Topic").child("Viewpoints").children("ViewPoint");  // of BCF 3.0
+  for (const auto& list : {markup.children("Viewpoints"), topic}) nodes.insert(nodes.end(), list.begin(), list.end());
+  const auto index = [](const Node& node) { return number_of(node.child("Index")).value_or(HUGE_VAL); };
+  std::stable_sort(nodes.begin(), nodes.end(), [&](const Node& a, const Node& b) { return index(a) < index(b); });
+  return nodes;
 }
 
 class Reader {
@@ -364,25 +375,19 @@ core::Expected<void> Reader::topic(const std::string& markup_path, const std::st
   pugi::xml_document document;
   if (auto parsed = parse(document, markup_path, markup_bytes); !parsed) return parsed;
   const Node markup = document.child("Markup");
-  std::size_t index = 0, seen = 0;
-  const auto read = [&](const std::string& guid, const std::string& name, const std::string& snapshot) {
-    ++seen;
-    const auto shown = viewpoint(markup, guid, name, snapshot, index);
-    if (shown && *shown)
-      ++index;
-    else
-      ++left_out_;
-    return shown ? core::Expected<void>() : tl::unexpected(shown.error());
-  };
-  // BCF 3.0 has a list below the topic.
-  for (const auto& [list, element] :
-       {std::pair(markup, "Viewpoints"), {markup.child("Topic").child("Viewpoints"), "ViewPoint"}})
-    for (const Node& node : list.children(element)) {
-      auto done = read(node.attribute("Guid").value(), node.child("Viewpoint").text().get(),
-                       node.child("Snapshot").text().get());
-      if (!done) return done;
-    }
-  if (seen == 0) return read("", "viewpoint.bcfv", "snapshot.png");  // BCF 1.0 names neither
+  std::vector<Node> nodes = viewpoints_of(markup);
+  if (nodes.empty()) {  // BCF 1.0 names neither
+    const Node& node = nodes.emplace_back(document.append_child("Viewpoints"));
+    add_text(node, "Viewpoint", "viewpoint.bcfv");
+    add_text(node, "Snapshot", "snapshot.png");
+  }
+  std::size_t index = 0;
+  for (const Node& node : nodes) {
+    const auto shown = viewpoint(markup, node.attribute("Guid").value(), node.child("Viewpoint").text().get(),
+                                 node.child("Snapshot").text().get(), index);
+    if (!shown) return tl::unexpected(shown.error());
+    *shown ? ++index : ++left_out_;
+  }
   return {};
 }
 

@@ -201,6 +201,38 @@ TEST(ViewListTest, ReadsWhatOtherProgramsWrite) {
   EXPECT_NEAR(2.0 * glm::length(second.pose.target - second.pose.eye) * std::tan(0.5 * second.fovy), 12.0, 1e-9);
 }
 
+/// Libraries for .NET write a byte order mark, list viewpoints in any order with an index, and change the case of
+/// GUIDs.
+TEST(ViewListTest, ViewpointsStandInTheOrderOfTheirIndices) {
+  const std::string camera = R"(<PerspectiveCamera><CameraViewPoint><X>%</X><Y>0</Y><Z>0</Z></CameraViewPoint>
+   <CameraDirection><X>0</X><Y>1</Y><Z>0</Z></CameraDirection><FieldOfView>45</FieldOfView></PerspectiveCamera>)";
+  ZipEntries entries;
+  std::string list;
+  const std::pair<const char*, const char*> parts[] = {
+      {"c", "<Index>7</Index>"}, {"none", ""}, {"b", "<Index>3</Index>"}, {"a", "<Index>0</Index>"}};
+  for (std::size_t i = 0; i < std::size(parts); ++i) {
+    const std::string name = parts[i].first;
+    std::string own = camera;
+    entries["t/" + name + ".bcfv"] =
+        "\xef\xbb\xbf<VisualizationInfo>" + own.replace(own.find('%'), 1, std::to_string(i)) + "</VisualizationInfo>";
+    list += "<Viewpoints Guid=\"" + name + "\"><Viewpoint>" + name + ".bcfv</Viewpoint>" + parts[i].second +
+            "</Viewpoints>";
+  }
+  entries["t/markup.bcf"] =
+      "\xef\xbb\xbf<Markup><Topic Guid=\"T\"><Title>Pump</Title></Topic><Comment Guid=\"1\"><Comment>Of b</Comment>"
+      "<Viewpoint Guid=\"B\"/></Comment><Comment Guid=\"2\"><Comment>Of all</Comment></Comment>" +
+      list + "</Markup>";
+  const auto read = parse_bcf(*zip(entries), "file");
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->views.size(), 4u);
+  const double eyes[] = {3.0, 2.0, 0.0, 1.0};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(read->views[i].pose.eye.x, eyes[i]) << i;
+  EXPECT_EQ(read->views[0].name, "Pump");
+  EXPECT_EQ(read->views[0].comment, "Of all");
+  EXPECT_EQ(read->views[1].comment, "Of b");
+  EXPECT_EQ(read->views[2].comment, "");
+}
+
 TEST(ViewListTest, HostileArchivesAreErrors) {
   const std::string good = *format_bcf(std::vector{view_of(0, false), view_of(1, true)});
   for (std::size_t length = 0; length < good.size(); length += 1 + length / 40)
