@@ -3,7 +3,8 @@
 // triangles, whose chords deviate by a quarter of a pixel at the median distance, and as user geometry that calls our
 // reference intersectors.
 //
-// The rays exist before the clock runs. Figures are the least of interleaved passes, in processor time.
+// The rays exist before the clock runs, by default in the cache, where those of a picture are that makes them tile by
+// tile. Figures are the least of interleaved passes, in processor time.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -42,6 +43,7 @@ struct Options {
   std::uint64_t items = 0;
   double zoom = 1.0;
   int width = 1408, height = 768, passes = 5, threads = 1;
+  std::size_t chunk = 0;
   std::string only, json;
 };
 
@@ -83,7 +85,7 @@ core::Expected<std::vector<raytrace::Ray>> primary_rays(const core::View& view, 
 /// One way to trace all rays: its least time, and the distances of the last pass.
 struct Way {
   std::string name;
-  std::function<void(std::span<float>)> trace;
+  std::function<void(std::size_t first, std::span<float> t)> trace;  ///< some rays, from `first` on
   double ms = std::numeric_limits<double>::infinity();
   std::vector<float> t = {};
   std::size_t hits() const {
@@ -144,10 +146,12 @@ void add_peer(const std::string& name, const core::Mesh& mesh, std::vector<PeerS
       peers.scenes.emplace_back(std::make_unique<EmbreePeer>(mesh, std::move(solids), robust, threads)).get();
   json["builds"].push_back(
       {{"name", name}, {"ms", peer->build_ms()}, {"bytes", peer->bytes()}, {"triangles", mesh.indices.size() / 3}});
-  ways.push_back(
-      {.name = name + ", single", .trace = [peer, &peers](std::span<float> t) { peer->single(peers.rays, t); }});
-  ways.push_back({.name = name + ", packets of 16",
-                  .trace = [peer, &peers](std::span<float> t) { peer->packets(peers.rays, t); }});
+  ways.push_back({.name = name + ", single", .trace = [peer, &peers](std::size_t first, std::span<float> t) {
+                    peer->single(std::span(peers.rays).subspan(first, t.size()), t);
+                  }});
+  ways.push_back({.name = name + ", packets of 16", .trace = [peer, &peers](std::size_t first, std::span<float> t) {
+                    peer->packets(std::span(peers.rays).subspan(first, t.size()), t);
+                  }});
 }
 
 /// A chord tolerance that a picture shows as a quarter of a pixel at the median distance of what it hits; metres.
@@ -201,6 +205,49 @@ core::Expected<core::Scene> scene_of(const Options& options) {
   return scene;
 }
 
+float distance_of(const raytrace::Hit* hit) {
+  return hit && hit->slot != core::kNone ? float(hit->t) : std::numeric_limits<float>::infinity();
+}
+
+std::vector<Way> own_ways(const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays) {
+  const auto single = [&tracer, rays](std::size_t first, std::span<float> t) {
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      const auto hit = tracer.nearest(rays[first + i]);
+      t[i] = distance_of(*hit ? &**hit : nullptr);
+    }
+  };
+  const auto streams = [&tracer, rays](std::size_t first, std::span<float> t) {
+    std::array<raytrace::Hit, 256> hits;
+    for (std::size_t at = 0; at < t.size(); at += hits.size()) {
+      const std::size_t count = std::min(hits.size(), t.size() - at);
+      if (!tracer.nearest(rays.subspan(first + at, count), std::span(hits).first(count))) return;
+      for (std::size_t i = 0; i < count; ++i) t[at + i] = distance_of(&hits[i]);
+    }
+  };
+  return {{.name = "Sightline, single", .trace = single}, {.name = "Sightline, streams", .trace = streams}};
+}
+
+/// Reads what is there, so that it is in the cache.
+void read(std::span<const std::byte> bytes) {
+  for (std::size_t i = 0; i < bytes.size(); i += 64) {
+    [[maybe_unused]] const volatile std::byte one = bytes[i];
+  }
+}
+
+/// All rays once; `fetch` brings some into the cache.
+double pass_ms(const Way& way, std::size_t chunk, std::span<float> t,
+               const std::function<void(std::size_t first, std::size_t count)>& fetch) {
+  double ms = 0.0;
+  for (std::size_t first = 0; first < t.size(); first += chunk) {
+    const std::size_t count = std::min(chunk, t.size() - first);
+    if (count < t.size()) fetch(first, count);
+    const double start = processor_ms();
+    way.trace(first, t.subspan(first, count));
+    ms += processor_ms() - start;
+  }
+  return ms;
+}
+
 core::Expected<int> run(const Options& options) {
   std::unique_ptr<core::Scene> scene;
   if (!options.model.files.empty()) {
@@ -240,24 +287,7 @@ core::Expected<int> run(const Options& options) {
   if (!tracer) return tl::unexpected(tracer.error());
   json["builds"].push_back({{"name", "Sightline"}, {"ms", build_ms}, {"bytes", tracer->memory().total()}});
 
-  std::vector<Way> ways;
-  ways.push_back({.name = "Sightline, single", .trace = [&](std::span<float> t) {
-                    for (std::size_t i = 0; i < rays->size(); ++i) {
-                      const auto hit = tracer->nearest((*rays)[i]);
-                      t[i] = *hit ? float((*hit)->t) : std::numeric_limits<float>::infinity();
-                    }
-                  }});
-  ways.push_back({.name = "Sightline, streams", .trace = [&](std::span<float> t) {
-                    std::array<raytrace::Hit, 256> hits;
-                    for (std::size_t first = 0; first < rays->size(); first += hits.size()) {
-                      const std::size_t count = std::min(hits.size(), rays->size() - first);
-                      if (!tracer->nearest(std::span(*rays).subspan(first, count), std::span(hits).first(count)))
-                        return;
-                      for (std::size_t i = 0; i < count; ++i)
-                        t[first + i] =
-                            hits[i].slot != core::kNone ? float(hits[i].t) : std::numeric_limits<float>::infinity();
-                    }
-                  }});
+  std::vector<Way> ways = own_ways(*tracer, *rays);
 #if SIGHTLINE_HAS_EMBREE
   Peers peers;
   if (!options.only.starts_with("Sightline")) add_peers(snapshot, *tracer, *rays, options, peers, ways, json);
@@ -266,12 +296,15 @@ core::Expected<int> run(const Options& options) {
     std::erase_if(ways, [&](const Way& way) { return way.name.find(options.only) == std::string::npos; });
   if (ways.empty()) return core::fail("--only " + options.only + ": no tracer has such a name");
   for (Way& way : ways) way.t.resize(rays->size());
+  const auto fetch = [&](std::size_t first, std::size_t count) {
+    read(std::as_bytes(std::span(*rays).subspan(first, count)));
+#if SIGHTLINE_HAS_EMBREE
+    if (!peers.rays.empty()) read(std::as_bytes(std::span(peers.rays).subspan(first, count)));
+#endif
+  };
+  const std::size_t chunk = options.chunk > 0 ? options.chunk : rays->size();
   for (int pass = 0; pass < options.passes; ++pass)
-    for (Way& way : ways) {
-      const double start = processor_ms();
-      way.trace(way.t);
-      way.ms = std::min(way.ms, processor_ms() - start);
-    }
+    for (Way& way : ways) way.ms = std::min(way.ms, pass_ms(way, chunk, way.t, fetch));
   for (const Way& way : ways) {
     std::size_t different = 0;
     for (std::size_t i = 0; i < rays->size(); ++i) {
@@ -302,6 +335,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--passes", options.passes, "Times that each tracer traces all rays")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
+  app.add_option("--chunk", options.chunk, "Rays that are in the cache when they are traced; 0: all are in memory")
+      ->default_val(4096)
+      ->check(CLI::Range(std::size_t(0), std::size_t(1) << 30));
   app.add_option("--only", options.only, "Only tracers whose name has this text, as \"Sightline, streams\"");
   app.add_option("--threads", options.threads, "Threads that build; one traces")
       ->capture_default_str()

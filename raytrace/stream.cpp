@@ -197,18 +197,21 @@ class Tracer::Impl::Packet {
     for (int i = 0; i < kPacket; ++i) best_.t[i] = world_.to[i], best_.slot[i] = kNoSlot;
   }
 
+  /// The lanes whose nearest hit so far is with this item; kNone: that have none.
+  unsigned rays_with(Slot slot) const {
+    unsigned rays = 0;
+    for (int i = 0; i < kPacket; ++i) rays |= unsigned(best_.slot[i] == slot) << i;
+    return rays;
+  }
+
   /// Writes hits. Returns the rays that have none.
   unsigned finish(unsigned rays, std::span<Hit> hits) {
-    unsigned missing = 0, hit = 0;
-    for (; rays != 0; rays &= rays - 1) {
-      const int ray = lowest(rays);
-      (best_.slot[ray] == core::kNone ? missing : hit) |= 1u << ray;
-      hits[std::size_t(ray)].slot = core::kNone;
-    }
+    const unsigned missing = rays & rays_with(core::kNone);
+    for (unsigned rest = missing; rest != 0; rest &= rest - 1) hits[std::size_t(lowest(rest))].slot = core::kNone;
+    unsigned hit = rays & ~missing;
     while (hit != 0) {
       const Slot slot = best_.slot[lowest(hit)];
-      unsigned same = 0;
-      for (int i = 0; i < kPacket; ++i) same |= unsigned(best_.slot[i] == slot) << i;
+      const unsigned same = rays_with(slot);
       finish(slot, same & hit, hits);
       hit &= ~same;
     }
@@ -445,8 +448,8 @@ class Tracer::Impl::Packet {
   PreparedSolid& prepared_;
   std::span<const Ray> rays_;
   unsigned all_ = 0;
-  RayLanes world_{};
-  NearestLanes best_{};
+  RayLanes world_;     // of load()
+  NearestLanes best_;  // of start()
   bool any_;
   bool walking_ = false;  // through the items' hierarchy, with
   PacketFrame frame_;

@@ -45,7 +45,8 @@ unsigned load_lanes(const double* rays, int count, RayLanes& out) {
     for (int i = 0; i < kPacket; ++i)
       for (int column = 0; column < 8; ++column) columns[column][i] = rays[8 * (i < count ? i : count - 1) + column];
   }
-  float doubt[kPacket];  // 0: none
+  using Wide = typename Form::Wide;
+  alignas(64) float doubt[kPacket];  // 0: none
   for (int i = 0; i < kPacket; ++i) {
     const double ox = out.origin[0][i], oy = out.origin[1][i], oz = out.origin[2][i];
     const double dx = out.direction[0][i], dy = out.direction[1][i], dz = out.direction[2][i];
@@ -54,9 +55,7 @@ unsigned load_lanes(const double* rays, int count, RayLanes& out) {
     const double from = out.from[i] == out.from[i] ? 0.0 : 1.0, to = out.to[i] == out.to[i] ? 0.0 : 1.0;
     doubt[i] = float(((not_finite + without) + from) + to);
   }
-  unsigned good = 0;
-  for (int i = 0; i < kPacket; ++i) good |= unsigned(doubt[i] == 0.0f) << i;
-  return good & ((1u << count) - 1);
+  return equal(Wide::load(doubt), Wide::spread(0.0f)) & ((1u << count) - 1);
 }
 
 inline void lanes_to_item(const RayLanes& rays, const LaneMap& m, RayLanes& out) {
@@ -199,15 +198,17 @@ struct alignas(64) CornerLanes {
 };
 
 /// ray_frame.cpp, crossing(), with the same roundings.
-inline unsigned cross_lanes(const PacketFrame& f, const TriangleBlock* blocks, const PacketHits& hits, unsigned rays,
-                            double* t) {
+template <class Form>
+unsigned cross_lanes(const PacketFrame& f, const TriangleBlock* blocks, const PacketHits& hits, unsigned rays,
+                     double* t) {
   const CornerLanes corners(blocks, hits.place, rays);
   unsigned outside = 0;
   for (int az = 0; az < 3; ++az) {
     const unsigned these = rays & f.largest[az];
     if (these == 0) continue;
     const int ax = (az + 1) % 3, ay = (az + 2) % 3;
-    alignas(64) double answer[kPacket], passes[kPacket];  // 1: it passes outside
+    alignas(64) double answer[kPacket];
+    alignas(64) float passes[kPacket];  // 0: not outside
     const double *const dx = f.direction[ax], *const dy = f.direction[ay], *const dz = f.direction[az];
     const double *const ox = f.origin[ax], *const oy = f.origin[ay], *const oz = f.origin[az];
     for (int i = 0; i < kPacket; ++i) {
@@ -226,12 +227,16 @@ inline unsigned cross_lanes(const PacketFrame& f, const TriangleBlock* blocks, c
       const double low = smaller(u, smaller(v, w)), high = larger(u, larger(v, w));
       const double not_above = low >= 0.0 ? 0.0 : 1.0, not_inside = high <= 0.0 ? 0.0 : not_above;
       answer[i] = (f.begin[i] + s) * f.factor[i];
-      passes[i] = sum != 0.0 ? not_inside : 1.0;
+      passes[i] = float(sum != 0.0 ? not_inside : 1.0);
     }
-    for (int i = 0; i < kPacket; ++i) {
-      if ((these >> i & 1u) == 0) continue;
-      t[i] = answer[i];
-      outside |= unsigned(passes[i] != 0.0) << i;
+    outside |= these & ~equal(Form::Wide::load(passes), Form::Wide::spread(0.0f));
+    if (these == rays) {
+      for (int i = 0; i < kPacket; ++i) t[i] = answer[i];
+      return outside;
+    }
+    for (unsigned rest = these; rest != 0; rest &= rest - 1) {
+      const auto ray = core::lowest_bit(rest);
+      t[ray] = answer[ray];
     }
   }
   return outside;
@@ -657,8 +662,8 @@ struct Packets {
 
 template <class Form>
 constexpr PacketKernels make_packet_kernels() {
-  return {load_lanes<Form>,           lanes_to_item,          near_lanes<Form>, enter_lanes<Form>, Packets<Form>::walk,
-          Packets<Form>::walk_as_one, Packets<Form>::nearest, cross_lanes,      find_normals,      turn_normals,
+  return {load_lanes<Form>,           lanes_to_item,          near_lanes<Form>,  enter_lanes<Form>, Packets<Form>::walk,
+          Packets<Form>::walk_as_one, Packets<Form>::nearest, cross_lanes<Form>, find_normals,      turn_normals,
           Solids<Form>::nearest,      shorten_limits};
 }
 }  // namespace
