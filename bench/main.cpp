@@ -32,6 +32,7 @@ constexpr Subcommand kSubcommands[] = {
 #if SIGHTLINE_HAS_RAYTRACE
     {"calls", "what calls take that do little: a frame that is only culled, a pick, a query of boxes",
      bench::add_calls},
+    {"scaling", "how stages that use several threads scale, and what more processors would bring", bench::add_scaling},
     {"trace", "rays of a picture through the ray tracer, beside Embree where there is one", bench::add_trace},
 #endif
 #if SIGHTLINE_HAS_GOOGLE_BENCHMARK

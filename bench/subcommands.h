@@ -27,6 +27,7 @@ Run add_capi(CLI::App& app);
 
 // Built if the ray tracer is.
 Run add_calls(CLI::App& app);
+Run add_scaling(CLI::App& app);
 Run add_trace(CLI::App& app);
 
 // Built if Google Benchmark is found.
