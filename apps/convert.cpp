@@ -1,4 +1,4 @@
-// sightline-convert: model files into one RVM or OBJ file.
+// sightline-convert: model files into one RVM or OBJ file, or into a scene cache.
 
 #include <cctype>
 #include <cstdio>
@@ -13,6 +13,7 @@
 #include "sightline/apps/common/report_json.h"
 #include "sightline/importers/obj/obj_writer.h"
 #include "sightline/importers/rvm/rvm_writer.h"
+#include "sightline/importers/slc/slc_writer.h"
 
 namespace {
 
@@ -38,8 +39,8 @@ std::string take_output(std::vector<std::string>& files) {
   std::string output = std::move(files.back());
   files.pop_back();
   const std::string extension = extension_of(output);
-  if (extension != ".rvm" && extension != ".obj")
-    throw CLI::ValidationError("OUTPUT", "expected a name ending in .rvm or .obj, found \"" + output + "\"");
+  if (extension != ".rvm" && extension != ".obj" && extension != ".slc")
+    throw CLI::ValidationError("OUTPUT", "expected a name ending in .rvm, .obj or .slc, found \"" + output + "\"");
   return output;
 }
 
@@ -49,15 +50,28 @@ core::Expected<double> parse_tolerance(const std::string& text) {
   return tolerance;
 }
 
-core::Expected<Written> write_as_rvm(const core::Scene& scene, core::NodeId top, const std::string& output) {
-  apps::Progress bar("writing");
-  if (auto done = importers::write_rvm(scene, top, output, bar.callback()); !done) return tl::unexpected(done.error());
+/// All items of the scene, and the size of the file.
+Written whole(const core::Scene& scene, const std::string& output) {
   Written written;
   for (core::ItemId item = 0; item < scene.item_slots(); ++item)
     if (scene.contains_item(item)) ++written.items[std::size_t(scene.kind(item))];
   std::error_code ignored;
   written.bytes = std::filesystem::file_size(output, ignored);
   return written;
+}
+
+core::Expected<Written> write_as_rvm(const core::Scene& scene, core::NodeId top, const std::string& output) {
+  apps::Progress bar("writing");
+  if (auto done = importers::write_rvm(scene, top, output, bar.callback()); !done) return tl::unexpected(done.error());
+  return whole(scene, output);
+}
+
+core::Expected<Written> write_as_slc(const core::Scene& scene, const importers::ImportReport& read,
+                                     const std::string& output) {
+  apps::Progress bar("writing");
+  if (auto done = importers::write_slc(scene, output, &read, bar.callback()); !done)
+    return tl::unexpected(done.error());
+  return whole(scene, output);
 }
 
 core::Expected<Written> write_as_obj(const core::Scene& scene, core::NodeId top, const std::string& output,
@@ -105,11 +119,14 @@ void print(const importers::ImportReport& read, const std::string& output, const
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Reads model files and writes them into one: RVM keeps analytic primitives, OBJ gets triangles",
-               "sightline-convert");
+  CLI::App app(
+      "Reads model files and writes them into one: RVM keeps analytic primitives, OBJ gets triangles, SLC is a scene "
+      "cache that every tool starts from fast",
+      "sightline-convert");
   apps::describe(app,
                  "  sightline-convert plant.rvm plant.obj --tolerance 0.005\n"
                  "  sightline-convert a.rvm b.rvm both.rvm\n"
+                 "  sightline-convert plant.rvm plant.txt plant.slc\n"
                  "  sightline-convert --units mm part.stl part.rvm\n"
                  "  sightline-convert --lenient damaged.rvm repaired.rvm --json -");
   apps::ModelOptions options;
@@ -120,8 +137,11 @@ int main(int argc, char** argv) {
   app.get_option("MODEL")
       ->expected(2, CLI::detail::expected_max_vector_size)
       ->option_text("... OUTPUT REQUIRED")
-      ->description("Model files, then the file to write: .rvm or .obj (with .mtl beside it)");
-  app.final_callback([&] { output = take_output(options.files); });
+      ->description("Model files, then the file to write: .rvm, .obj (with .mtl beside it) or .slc");
+  app.final_callback([&] {
+    output = take_output(options.files);
+    if (extension_of(output) == ".slc") options.import.copies = importers::ImportOptions{}.copies;  // as tools read
+  });
   app.add_option("--tolerance", tolerance, "Largest distance of OBJ triangles from analytic primitives, metres")
       ->capture_default_str()
       ->check(apps::accepted_by(parse_tolerance));
@@ -134,8 +154,10 @@ int main(int argc, char** argv) {
     if (options.explain) apps::explain(scene);
     // One input file is written as itself; several become the groups of one file.
     const core::NodeId top = model->report.nodes.size() == 1 ? model->report.nodes[0] : scene.root();
-    const auto written =
-        extension_of(output) == ".rvm" ? write_as_rvm(scene, top, output) : write_as_obj(scene, top, output, tolerance);
+    const std::string extension = extension_of(output);
+    const auto written = extension == ".rvm"   ? write_as_rvm(scene, top, output)
+                         : extension == ".slc" ? write_as_slc(scene, model->report, output)
+                                               : write_as_obj(scene, top, output, tolerance);
     if (!written) return tl::unexpected(written.error());
     if (json_file != "-") print(model->report, output, *written);
     if (json_file.empty()) return apps::kExitOk;

@@ -29,6 +29,12 @@ if(SIGHTLINE_GLTF AND SIGHTLINE_IMPORTERS)
   sightline_need(SIGHTLINE_GLTF SIGHTLINE_STB_INCLUDE "stb_image.h not found (libstb-dev)")
 endif()
 
+if(SIGHTLINE_SLC AND SIGHTLINE_IMPORTERS)
+  find_path(SIGHTLINE_XXHASH_INCLUDE xxhash.h)
+  sightline_need(SIGHTLINE_SLC SIGHTLINE_XXHASH_INCLUDE "xxhash.h not found (libxxhash-dev)")
+  sightline_need(SIGHTLINE_SLC UNIX "it maps files with mmap()")
+endif()
+
 if(SIGHTLINE_VTK AND SIGHTLINE_IMPORTERS)
   # By component, since all of a packaged VTK requires Qt, Java and more. Only tests need its writers, only an example its
   # render window.

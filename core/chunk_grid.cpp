@@ -45,9 +45,21 @@ std::vector<std::uint32_t> ChunkGrid::cut(const std::vector<dvec3>& points) {
   std::vector<std::uint32_t> chunk_of(points.size());
   size_ = kSize;
   while ((origins_ = cut_into_runs(points, size_, chunk_of)).size() > kMaxChunks) size_ *= 2.0;
+  index();
+  return chunk_of;
+}
+
+ChunkGrid ChunkGrid::restored(double size, std::vector<dvec3> origins) {
+  ChunkGrid grid;
+  grid.size_ = size;
+  grid.origins_ = std::move(origins);
+  grid.index();
+  return grid;
+}
+
+void ChunkGrid::index() {
   cells_.clear();
   for (std::uint32_t c = 0; c < origins_.size(); ++c) cells_.emplace(cell_of(origins_[c]), c);
-  return chunk_of;
 }
 
 bool ChunkGrid::reaches(std::uint32_t chunk, const dvec3& place) const {

@@ -63,6 +63,7 @@ class SIGHTLINE_API ItemBounds {
   std::size_t memory_bytes() const;
 
  private:
+  friend class Storage;
   bool shown(std::size_t i, std::uint32_t mask) const { return !vacant(i) && (layers(i) & mask) != 0; }
   AabbD in_world(const Aabb& box) const;
   LargeArray<float> coordinates_[6];

@@ -141,7 +141,10 @@ void Scene::remove_node(NodeId node) {
     for (std::uint32_t c = nodes_[subtree[i]].first_child; c != kNone; c = nodes_[c].next) subtree.push_back(c);
   for (const std::uint32_t index : subtree) {
     for (ItemId item = nodes_[index].first_item; item != kNone; item = items_[item].next) erase_item(item);
-    attributes_.erase(index);
+    if (stored_attributes_.has(index))
+      attributes_[index].clear();  // another node may get the index
+    else
+      attributes_.erase(index);
     dead_name_bytes_ += nodes_[index].name_length;
     nodes_[index].alive = nodes_[index].dirty = false;
     ++nodes_[index].generation;
@@ -185,12 +188,12 @@ void Scene::set_name(NodeId node, std::string_view name) {
   Node& n = live(node);
   if (name.size() <= n.name_length) {
     dead_name_bytes_ += n.name_length - name.size();
-    std::char_traits<char>::move(names_.data() + n.name_offset, name.data(), name.size());
+    if (!name.empty()) std::char_traits<char>::move(names_.data() + n.name_offset, name.data(), name.size());
   } else {
     assert(names_.size() + name.size() < kNone && "more than 4 GiB of names");
     dead_name_bytes_ += n.name_length;
     n.name_offset = std::uint32_t(names_.size());
-    names_.append(name);
+    names_.insert(names_.end(), name.begin(), name.end());
   }
   n.name_length = std::uint32_t(name.size());
   compact_names();
@@ -200,12 +203,13 @@ void Scene::set_name(NodeId node, std::string_view name) {
 void Scene::compact_names() {
   constexpr std::size_t kWorthwhile = 4096;
   if (dead_name_bytes_ < nodes_.size() + kWorthwhile || 2 * dead_name_bytes_ < names_.size()) return;
-  std::string kept;
+  LargeArray<char> kept;
   kept.reserve(names_.size() - dead_name_bytes_);
   for (Node& n : nodes_) {
     if (!n.alive) continue;
     const std::uint32_t offset = std::uint32_t(kept.size());
-    kept.append(names_, n.name_offset, n.name_length);
+    const char* const name = names_.data() + n.name_offset;
+    kept.insert(kept.end(), name, name + n.name_length);
     n.name_offset = offset;
   }
   names_ = std::move(kept);
@@ -213,7 +217,9 @@ void Scene::compact_names() {
 }
 void Scene::set_attribute(NodeId node, std::string_view key, std::string_view value) {
   (void)live(node);
-  Attributes& list = attributes_[node.index];
+  const auto [entry, fresh] = attributes_.try_emplace(node.index);
+  Attributes& list = entry->second;
+  if (const Attributes* stored = fresh ? stored_attributes_.find(node.index) : nullptr) list = *stored;
   const auto found = std::find_if(list.begin(), list.end(), [&](const auto& a) { return a.first == key; });
   if (found != list.end()) {
     found->second = value;
@@ -224,7 +230,7 @@ void Scene::set_attribute(NodeId node, std::string_view key, std::string_view va
 
 std::string_view Scene::name(NodeId node) const {
   const Node& n = live(node);
-  return std::string_view(names_).substr(n.name_offset, n.name_length);
+  return n.name_length == 0 ? std::string_view() : std::string_view(names_.data() + n.name_offset, n.name_length);
 }
 MaterialId Scene::material(NodeId node) const {
   return material_at(live(node).material);
@@ -233,8 +239,17 @@ MaterialId Scene::material(NodeId node) const {
 const Scene::Attributes& Scene::attributes(NodeId node) const {
   static const Attributes kNoAttributes;
   (void)live(node);
-  const auto found = attributes_.find(node.index);
-  return found == attributes_.end() ? kNoAttributes : found->second;
+  if (const auto found = attributes_.find(node.index); found != attributes_.end()) return found->second;
+  const Attributes* stored = stored_attributes_.find(node.index);
+  return stored ? *stored : kNoAttributes;
+}
+
+void Scene::read_all_attributes() {
+  const StoredAttributes* stored = stored_attributes_.stored();
+  if (!stored) return;
+  for (std::size_t i = 0; i < stored->nodes.size(); ++i)
+    if (const auto [entry, fresh] = attributes_.try_emplace(stored->nodes[i]); fresh) entry->second = stored->list(i);
+  stored_attributes_ = {};
 }
 
 Affine Scene::world_from_node(NodeId node) const {
@@ -373,6 +388,7 @@ ItemId Scene::append_item(NodeId node, Item item) {
   item.alive = true;
   item.previous = owner.last_item;
   items_.push_back(item);
+  item_states_.push_back(0);
   (owner.last_item == kNone ? owner.first_item : items_[owner.last_item].next) = id;
   owner.last_item = id;
   ++live_items_;
@@ -408,7 +424,9 @@ void Scene::erase_item(ItemId id) {
   if (!item.alive) return;
   item.alive = false;
   --live_items_;
-  if (item.committed) removed_items_.push_back(id);
+  stored_snapshot_.reset();
+  item_states_[id] &= std::uint8_t(~kFit);
+  if (item_states_[id] & kCommitted) removed_items_.push_back(id);
 }
 
 void Scene::remove_item(ItemId id) {
@@ -484,8 +502,54 @@ Scene::ItemState Scene::state(ItemId id) const {
 
 // --- joining ---------------------------------------------------------------------------------------------------------
 
+/// Whether this scene is nothing but a root, so that append() can take the arrays instead of copying them.
+bool Scene::takes_over(NodeId parent, const Scene& other) const {
+  const bool bare = parent == root_ && nodes_.size() == 1 && items_.empty() && parameters_.empty() && meshes_.empty() &&
+                    materials_.empty() && names_.empty() && attributes_.empty() &&
+                    stored_attributes_.stored() == nullptr && removed_items_.empty();
+  return bare && this != &other;
+}
+
+std::vector<NodeId> Scene::take_over(Scene&& other) {
+  // What is known of the other's items holds below a root that places and shows them alike.
+  const Node root = nodes_[0], left = other.nodes_[0];
+  const bool alike = root.transform.linear == left.transform.linear && root.transform.origin == left.transform.origin &&
+                     root.layers == left.layers && root.visible == left.visible && left.material == kNone;
+  dirty_nodes_.reserve(dirty_nodes_.size() + other.dirty_nodes_.size());
+  dirty_materials_.reserve(other.materials_.size());
+  std::vector<NodeId> added;
+  for (std::uint32_t i = left.first_child; i != kNone; i = other.nodes_[i].next) added.push_back(other.handle(i));
+
+  nodes_ = std::move(other.nodes_);
+  nodes_[0] = root;
+  nodes_[0].first_child = left.first_child, nodes_[0].last_child = left.last_child;
+  free_nodes_ = std::move(other.free_nodes_);
+  items_ = std::move(other.items_), item_states_ = std::move(other.item_states_);
+  parameters_ = std::move(other.parameters_), names_ = std::move(other.names_);
+  meshes_ = std::move(other.meshes_), materials_ = std::move(other.materials_);
+  for (MeshEntry& entry : meshes_)
+    if (entry.generation != kNone) entry.generation = generation_;
+  for (MaterialEntry& entry : materials_)
+    if (entry.generation != kNone) entry.generation = generation_;
+  dead_name_bytes_ = other.dead_name_bytes_;
+  attributes_ = std::move(other.attributes_), stored_attributes_ = std::move(other.stored_attributes_);
+  stored_snapshot_ = alike ? std::move(other.stored_snapshot_) : nullptr;
+  if (!alike)
+    for (std::uint8_t& state : item_states_) state &= std::uint8_t(~kFit);
+  for (const std::uint32_t node : other.dirty_nodes_)
+    if (node != 0) dirty_nodes_.push_back(node);
+  dirty_items_ = std::move(other.dirty_items_);
+  dirty_materials_.clear();
+  for (std::uint32_t i = 0; i < materials_.size(); ++i) dirty_materials_.push_back(i);
+  live_nodes_ = other.live_nodes_, live_items_ = other.live_items_;
+  return added;
+}
+
 std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
   assert(other.removed_items_.empty() && other.nodes_[0].first_item == kNone);
+  if (takes_over(parent, other)) return take_over(std::move(other));
+  other.read_all_attributes();
+  stored_snapshot_.reset();
   assert(names_.size() + other.names_.size() < kNone && "more than 4 GiB of names");
   const auto nodes = std::uint32_t(nodes_.size() - 1);  // the other root is left behind, so node i becomes nodes + i
   const auto items = std::uint32_t(items_.size()), values = std::uint32_t(parameters_.size());
@@ -503,6 +567,7 @@ std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
     if (size > array.capacity()) array.reserve(std::max(size, 2 * array.capacity()));
   };
   make_room(nodes_, other.nodes_), make_room(items_, other.items_), make_room(parameters_, other.parameters_);
+  make_room(item_states_, other.item_states_);
   make_room(meshes_, other.meshes_), make_room(materials_, other.materials_), make_room(names_, other.names_);
   make_room(free_nodes_, other.free_nodes_), make_room(dirty_nodes_, other.dirty_nodes_);
   make_room(dirty_items_, other.dirty_items_), make_room(dirty_materials_, other.materials_);
@@ -520,12 +585,15 @@ std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
     nodes_.push_back(node);
   }
   for (Item item : other.items_) {
-    assert(!item.committed);
     shift(item.node, nodes);
     shift(item.next, items), shift(item.previous, items);
     shift(item.material, materials);
     item.payload += int(item.kind) < kPrimitiveKindCount ? values : meshes;
     items_.push_back(item);
+  }
+  for (const std::uint8_t state : other.item_states_) {
+    assert((state & kCommitted) == 0);
+    item_states_.push_back(state & kDirty);
   }
   parameters_.insert(parameters_.end(), other.parameters_.begin(), other.parameters_.end());
   const auto take_over = [&](auto& own, auto& entry) {
@@ -537,7 +605,7 @@ std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
     dirty_materials_.push_back(std::uint32_t(materials_.size()));
     take_over(materials_, entry);
   }
-  names_ += other.names_;
+  names_.insert(names_.end(), other.names_.begin(), other.names_.end());
   dead_name_bytes_ += other.dead_name_bytes_;
   while (!other.attributes_.empty()) {
     auto entry = other.attributes_.extract(other.attributes_.begin());
@@ -562,10 +630,12 @@ std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
 void Scene::take_back(const Mark& mark, std::span<const NodeId> added) {
   for (const NodeId node : added) remove_node(node);
   assert(std::all_of(items_.begin() + std::ptrdiff_t(mark.items), items_.end(),
-                     [](const Item& item) { return !item.alive && !item.committed; }));
+                     [](const Item& item) { return !item.alive; }));
   std::erase_if(dirty_items_, [&](ItemId item) { return item >= mark.items; });
   std::erase_if(dirty_materials_, [&](std::uint32_t material) { return material >= mark.materials; });
   items_.resize(mark.items);
+  item_states_.resize(mark.items);
+  stored_snapshot_.reset();
   parameters_.resize(mark.parameters);
   meshes_.resize(mark.meshes);
   materials_.resize(mark.materials);
@@ -575,14 +645,18 @@ void Scene::take_back(const Mark& mark, std::span<const NodeId> added) {
 // --- publishing ------------------------------------------------------------------------------------------------------
 
 void Scene::touch_node(std::uint32_t index) {
+  stored_snapshot_.reset();
   if (nodes_[index].dirty) return;
   nodes_[index].dirty = true;
   dirty_nodes_.push_back(index);
 }
 
 void Scene::touch_item(ItemId id) {
-  if (items_[id].dirty) return;
-  items_[id].dirty = true;
+  stored_snapshot_.reset();
+  std::uint8_t& state = item_states_[id];
+  state &= std::uint8_t(~kFit);
+  if (state & kDirty) return;
+  state |= kDirty;
   dirty_items_.push_back(id);
 }
 
@@ -603,7 +677,7 @@ std::vector<ItemId> Scene::collect_dirty_items() {
     for (ItemId item = node.first_item; item != kNone; item = items_[item].next) touch_item(item);
   }
   std::vector<ItemId> items = dirty_items_;
-  radix_sort(items);
+  if (!std::is_sorted(items.begin(), items.end())) radix_sort(items);
   return items;
 }
 
@@ -619,10 +693,18 @@ bool Scene::can_commit(ItemId item, const Affine& world_from_item) const {
 Expected<SceneDelta> Scene::validated(std::span<const ItemId> items) const {
   SceneDelta delta;
   ItemId bad = kNone;
+  const auto accept = [&](ItemId id) {
+    (item_states_[id] & kCommitted ? delta.changed : delta.inserted).push_back(id);
+  };
+  if (std::all_of(items.begin(), items.end(), [&](ItemId id) { return (item_states_[id] & kFit) != 0; })) {
+    delta.inserted.reserve(items.size());
+    for (const ItemId id : items) accept(id);  // not removed since: that would have taken its bit
+    return delta;
+  }
   for_each_state(items, [&](ItemId id, const ItemState& state) {
     if (bad != kNone) return;
-    if (can_commit(id, state.world_from_item)) {
-      (items_[id].committed ? delta.changed : delta.inserted).push_back(id);
+    if (item_states_[id] & kFit || can_commit(id, state.world_from_item)) {
+      accept(id);
     } else {
       bad = id;
     }
@@ -637,7 +719,7 @@ Expected<SceneDelta> Scene::commit() {
   const std::vector<ItemId> items = collect_dirty_items();
   auto delta = validated(items);
   if (!delta) return delta;
-  for (const ItemId id : items) items_[id].dirty = false, items_[id].committed = true;
+  for (const ItemId id : items) item_states_[id] = kCommitted;
   for (const std::uint32_t node : dirty_nodes_) nodes_[node].dirty = false;
   radix_sort(removed_items_);
   delta->removed = std::move(removed_items_);
@@ -663,7 +745,7 @@ SceneSubscription Scene::subscribe() {
 }
 
 std::size_t Scene::memory_bytes() const {
-  std::size_t bytes = nodes_.capacity() * sizeof(Node) + items_.capacity() * sizeof(Item) +
+  std::size_t bytes = nodes_.capacity() * sizeof(Node) + items_.capacity() * (sizeof(Item) + sizeof(item_states_[0])) +
                       parameters_.capacity() * sizeof(float) + names_.capacity() +
                       dirty_items_.capacity() * sizeof(ItemId);
   for (const auto& [m, bounds, generation] : meshes_)

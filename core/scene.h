@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -24,6 +25,7 @@
 #include "sightline/core/error.h"
 #include "sightline/core/internal/large_array.h"
 #include "sightline/core/internal/prefetch.h"
+#include "sightline/core/internal/stored_attributes.h"
 #include "sightline/core/mesh.h"
 #include "sightline/core/primitive.h"
 #include "sightline/core/scene_delta.h"
@@ -48,6 +50,8 @@ struct Material {
   float alpha = 1.0f;             ///< 1 opaque, 0 invisible; drawn by screen-door dithering
   std::uint32_t code = 0;         ///< the source file's own number (RVM colour index), for writing back
 };
+
+class Snapshot;
 
 class SIGHTLINE_API Scene {
  public:
@@ -209,8 +213,11 @@ class SIGHTLINE_API Scene {
     std::uint32_t node = kNone, payload = kNone, material = kNone;
     ItemId next = kNone, previous = kNone;
     Kind kind = Kind::kMesh;
-    bool alive : 1 = false, visible : 1 = true, committed : 1 = false, dirty : 1 = false;
+    bool alive : 1 = false, visible : 1 = true;
   };
+  /// Bits of item_states_. They are apart from the items, so that a commit of all items writes no item.
+  static constexpr std::uint8_t kDirty = 1, kCommitted = 2;
+  static constexpr std::uint8_t kFit = 4;  // commit() would accept it: known from the file that it was stored in
   /// A mesh or material at its index. Generation kNone: removed.
   struct MeshEntry {
     Mesh mesh;
@@ -255,21 +262,32 @@ class SIGHTLINE_API Scene {
   void touch_node(std::uint32_t node);
   void touch_item(ItemId item);
   void compact_names();
+  void read_all_attributes();
+  bool takes_over(NodeId parent, const Scene& other) const;
+  std::vector<NodeId> take_over(Scene&& other);
   void erase_item(ItemId item);
   ItemId append_item(NodeId node, Item item);
   Expected<SceneDelta> validated(std::span<const ItemId> items) const;
   std::vector<ItemId> collect_dirty_items();
 
+  friend class Storage;
+  friend class Snapshot;
+
   LargeArray<Node> nodes_;
-  std::vector<std::uint32_t> free_nodes_;
+  LargeArray<std::uint32_t> free_nodes_;
   LargeArray<Item> items_;
+  LargeArray<std::uint8_t> item_states_;
   LargeArray<float> parameters_;  // of primitives, at Item::payload
   std::vector<MeshEntry> meshes_;
   std::vector<MaterialEntry> materials_;
   std::uint32_t generation_ = 0;  // given to meshes and materials added from now on
-  std::string names_;
-  std::size_t dead_name_bytes_ = 0;  // bytes of names_ that no node uses any more
-  std::unordered_map<std::uint32_t, Attributes> attributes_;
+  LargeArray<char> names_;
+  std::size_t dead_name_bytes_ = 0;                           // bytes of names_ that no node uses any more
+  std::unordered_map<std::uint32_t, Attributes> attributes_;  // hide those that are stored
+  AttributeReader stored_attributes_;
+  /// Makes a new snapshot what Snapshot(scene) would build. False: it cannot. Null: nothing is stored, or the scene was
+  /// edited since.
+  std::shared_ptr<const std::function<bool(Snapshot&)>> stored_snapshot_;
   std::vector<std::uint32_t> dirty_nodes_;
   std::vector<ItemId> dirty_items_, removed_items_;  // removed_items_: only those that a commit had published
   std::vector<std::uint32_t> dirty_materials_;

@@ -33,6 +33,13 @@ glm::vec4 look_of(const Scene& scene, std::size_t material) {
 // --- construction ----------------------------------------------------------------------------------------------------
 
 Snapshot::Snapshot(const Scene& scene, int threads) : scene_(&scene), generation_(next_generation()) {
+  if (const auto stored = scene.stored_snapshot_; stored && (*stored)(*this))
+    table_ = updated({}, scene, {});
+  else
+    build(scene, threads);
+}
+
+void Snapshot::build(const Scene& scene, int threads) {
   Items all;
   all.materials = updated({}, scene, {});
   all.records.reserve(scene.item_count());

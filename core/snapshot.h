@@ -149,6 +149,8 @@ class SIGHTLINE_API Snapshot {
   std::size_t memory_bytes() const;
 
  private:
+  friend class Storage;
+  Snapshot() = default;
   /// A record that gets a new slot, and its chunk; kNone when it has no chunk yet.
   struct Newcomer {
     std::uint32_t record, chunk;
@@ -159,6 +161,7 @@ class SIGHTLINE_API Snapshot {
     std::size_t of_scene = 0, first_look = 0;
     void move_looks();
   };
+  void build(const Scene& scene, int threads);
   void build(Items&& items, int threads);
   static float size_of(const Aabb& box);
   static std::shared_ptr<Table> updated(const Table& former, const Scene& scene,
@@ -179,7 +182,7 @@ class SIGHTLINE_API Snapshot {
   std::uint32_t vacant_below(Slot slot) const;
   Slot first_where(bool vacant, Slot first, Slot end) const;
 
-  const Scene* scene_;
+  const Scene* scene_ = nullptr;
   std::uint64_t generation_ = 0;
   ItemBounds bounds_;
   std::size_t ordered_size_ = 0, given_up_ = 0;
@@ -189,10 +192,10 @@ class SIGHTLINE_API Snapshot {
   LargeArray<Slot> slots_;
   LargeArray<std::uint32_t> materials_;
   std::array<KindItems, kKindCount> kind_items_;
-  std::vector<std::array<std::uint32_t, kKindCount>> ranks_;  // per 64 slots: number of items of each kind before
-  LargeArray<float> block_sizes_;                             // per 32 slots: width + depth + height when ordered
-  LargeArray<std::uint64_t> vacant_;                          // a bit per slot; empty while no slot is vacant
-  std::vector<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
+  LargeArray<std::array<std::uint32_t, kKindCount>> ranks_;  // per 64 slots: number of items of each kind before
+  LargeArray<float> block_sizes_;                            // per 32 slots: width + depth + height when ordered
+  LargeArray<std::uint64_t> vacant_;                         // a bit per slot; empty while no slot is vacant
+  LargeArray<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
   ChunkGrid chunks_;
   std::shared_ptr<Table> table_ = std::make_shared<Table>();  // shared with Items: not changed while it is
 };

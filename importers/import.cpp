@@ -15,9 +15,13 @@
 #ifdef SIGHTLINE_HAVE_GLTF
 #include "sightline/importers/gltf/internal/gltf_reader.h"
 #endif
+#include "sightline/importers/internal/side_files.h"
 #include "sightline/importers/ply/internal/ply_reader.h"
 #include "sightline/importers/rvm/internal/rvm_reader.h"
 #include "sightline/importers/stl/internal/stl_reader.h"
+#ifdef SIGHTLINE_HAVE_SLC
+#include "sightline/importers/slc/internal/slc_scene.h"
+#endif
 #ifdef SIGHTLINE_HAVE_OBJ
 #include "sightline/importers/obj/internal/obj_reader.h"
 #endif
@@ -44,6 +48,9 @@ constexpr Format kFormats[] = {
     {".att", read_rvm_attributes},
     {".ply", read_ply},
     {".stl", read_stl},
+#ifdef SIGHTLINE_HAVE_SLC
+    {".slc", nullptr},  // mapped, not read
+#endif
 #ifdef SIGHTLINE_HAVE_OBJ
     {".obj", read_obj},
 #endif
@@ -64,9 +71,9 @@ constexpr Format kFormats[] = {
 struct Optional {
   std::string_view extension, option;
 };
-constexpr Optional kOptional[] = {{".obj", "SIGHTLINE_OBJ"}, {".gltf", "SIGHTLINE_GLTF"}, {".glb", "SIGHTLINE_GLTF"},
-                                  {".vtk", "SIGHTLINE_VTK"}, {".vtm", "SIGHTLINE_VTK"},   {".vtmb", "SIGHTLINE_VTK"},
-                                  {".vtp", "SIGHTLINE_VTK"}, {".vtu", "SIGHTLINE_VTK"}};
+constexpr Optional kOptional[] = {{".slc", "SIGHTLINE_SLC"},  {".obj", "SIGHTLINE_OBJ"}, {".gltf", "SIGHTLINE_GLTF"},
+                                  {".glb", "SIGHTLINE_GLTF"}, {".vtk", "SIGHTLINE_VTK"}, {".vtm", "SIGHTLINE_VTK"},
+                                  {".vtmb", "SIGHTLINE_VTK"}, {".vtp", "SIGHTLINE_VTK"}, {".vtu", "SIGHTLINE_VTK"}};
 
 constexpr auto kExtensions = [] {
   std::array<std::string_view, std::size(kFormats)> all;
@@ -94,9 +101,16 @@ core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path
     return core::fail(fmt::format("{}: unknown extension '{}', expected {}", path.string(), path.extension().string(),
                                   fmt::join(kExtensions, ", ")));
   }
+#ifdef SIGHTLINE_HAVE_SLC
+  if (format->read == nullptr) return read_slc(path, scene, parent, options);
+#endif
   const auto bytes = read_file_bytes(path);
   if (!bytes) return tl::unexpected(bytes.error());
+  std::vector<std::filesystem::path> side_files;
+  side_files_asked_for = &side_files;
   auto report = format->read(*bytes, path, scene, parent, options);
+  side_files_asked_for = nullptr;
+  if (report) report->side_files = std::move(side_files);
   if (!report && report.error().message != kCancelled && path.has_parent_path())
     report.error().message = (path.parent_path() / report.error().message).string();
   return report;

@@ -49,6 +49,12 @@ struct ImportOptions {
   MeshCopies copies = MeshCopies::kSimilar;
   /// Threads for several files; 0: one for each processor.
   int threads = 0;
+  /// Where import_files() keeps scene caches (docs/scene-cache.md), made when absent; empty: none. An import of the
+  /// same unchanged files with the same options then reads the cache instead, with the same result. A cache that is
+  /// missing, older than a file, damaged or of another version is written anew. What goes wrong with it becomes a
+  /// warning, never an error. Has no effect below a parent that is moved, on attribute files for groups that are in the
+  /// scene already, and on indexes of several VTK files.
+  std::filesystem::path cache_folder = {};
   /// Called now and then by the importing thread with the share that is done, rising from 0 to 1. Returning false
   /// cancels the import, which then fails with kCancelled as its message; at 1, when all is done, it has no effect.
   std::function<bool(double)> progress = {};
@@ -61,17 +67,19 @@ inline constexpr std::size_t kMaxWarnings = 1000;
 
 struct ImportReport {
   std::vector<core::NodeId>
-      nodes;  ///< one per model file, in order: children of the given parent, named after the file
+      nodes;  ///< one per model file, in order: children of the given parent, named after the file (.slc: as written)
   std::vector<ImportWarning> warnings;
   /// Items by kind as found in the file (an empty facet group counts as one), degenerate ones included.
   std::array<std::uint64_t, core::kKindCount> items{};
   std::uint64_t degenerate = 0;     ///< items without volume: no length for lines, no area for facets
   std::uint64_t shared_meshes = 0;  ///< mesh items that use a mesh which another item brought
   std::uint64_t attributed = 0;     ///< groups that an attribute file gave attributes to
-  double sharing_error = 0.0;    ///< metres: no vertex of those meshes lies farther from where the file has it (a scale
-                                 ///< of glTF instances is not counted)
-  std::uint64_t bytes = 0;       ///< read from files
-  double metres_per_unit = 1.0;  ///< of the last file's coordinates; the scene is in metres
+  double sharing_error = 0.0;  ///< metres: no vertex of those meshes lies farther from where the file has it (a scale
+                               ///< of glTF instances is not counted)
+  std::uint64_t bytes = 0;     ///< read from files
+  std::vector<std::filesystem::path> side_files;  ///< that the model files name: there or not, each once or more
+  bool from_cache = false;                        ///< a scene cache was read instead of the files
+  double metres_per_unit = 1.0;                   ///< of the last file's coordinates; the scene is in metres
 };
 
 /// Extensions that import_file() knows in this build, with dots, in lower case.
@@ -81,8 +89,8 @@ SIGHTLINE_API bool is_attribute_file(const std::filesystem::path& file);
 
 /// Imports one file as a new child of `parent`, named after it. Its format follows from the extension (any case). An
 /// attribute file (.txt, .att) adds no node: it adds attributes to RVM groups that are in the scene already
-/// (rvm/rvm_attributes.h). Errors name the file: unknown extension, missing, a directory, empty, unreadable, damaged,
-/// or a metres_per_unit out of its range.
+/// (rvm/rvm_attributes.h). A scene cache (.slc) gives the nodes that were written, under their names. Errors name the
+/// file: unknown extension, missing, a directory, empty, unreadable, damaged, or a metres_per_unit out of its range.
 SIGHTLINE_API core::Expected<ImportReport> import_file(const std::filesystem::path& path, core::Scene& scene,
                                                        core::NodeId parent, const ImportOptions& options = {});
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sightline/importers/import.h"
+#include "sightline/importers/internal/scene_cache.h"
 
 namespace sightline::importers {
 namespace {
@@ -28,6 +29,7 @@ void append(ImportReport& total, ImportReport&& one) {
   total.shared_meshes += one.shared_meshes;
   total.sharing_error = std::max(total.sharing_error, one.sharing_error);
   total.bytes += one.bytes;
+  total.side_files.insert(total.side_files.end(), one.side_files.begin(), one.side_files.end());
 }
 
 /// At least one byte, so that every file counts for something.
@@ -197,6 +199,12 @@ bool is_attribute_file(const std::filesystem::path& file) {
 
 core::Expected<ImportReport> import_files(std::span<const std::filesystem::path> paths, core::Scene& scene,
                                           core::NodeId parent, const ImportOptions& options) {
+  return options.cache_folder.empty() ? read_files(paths, scene, parent, options)
+                                      : import_with_cache(paths, scene, parent, options);
+}
+
+core::Expected<ImportReport> read_files(std::span<const std::filesystem::path> paths, core::Scene& scene,
+                                        core::NodeId parent, const ImportOptions& options) {
   std::vector<std::filesystem::path> ordered(paths.begin(), paths.end());
   const auto attributes =
       std::stable_partition(ordered.begin(), ordered.end(), [](const auto& path) { return !is_attribute_file(path); });

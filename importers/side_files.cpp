@@ -22,6 +22,7 @@ core::Expected<fs::path> find_side_file(const fs::path& model, std::string_view 
   const fs::path relative = path.lexically_relative(root);
   if (relative.empty() || *relative.begin() == "..")
     return core::fail(fmt::format("'{}' refused: it lies outside the model's directory", name));
+  if (side_files_asked_for != nullptr) side_files_asked_for->push_back(path);
   if (!fs::is_regular_file(path, code)) return core::fail(fmt::format("'{}' not found", name));
   return path;
 }

@@ -38,6 +38,9 @@ void add_import_options(CLI::App& app, importers::ImportOptions& options) {
          "Axis that points up in files that do not say: y or z")
       ->check(CLI::IsMember({"y", "z"}))
       ->default_str("z");
+  app.add_option_function<std::string>(
+      "--cache", [&options](const std::string& folder) { options.cache_folder = folder; },
+      "Keep scene caches in this folder, and start from them while the files are unchanged");
 }
 
 std::string import_arguments(const importers::ImportOptions& options) {

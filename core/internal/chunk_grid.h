@@ -28,9 +28,12 @@ class SIGHTLINE_API ChunkGrid {
   /// another: float resolves 2^-24 of a chunk, and everything is a multiple of that.
   const std::vector<dvec3>& origins() const { return origins_; }
   double size() const { return size_; }  ///< metres
+  /// As cut() left a grid with this size and these origins.
+  static ChunkGrid restored(double size, std::vector<dvec3> origins);
   std::size_t memory_bytes() const { return origins_.capacity() * sizeof(dvec3) + cells_.size() * 32; }
 
  private:
+  void index();
   bool reaches(std::uint32_t chunk, const dvec3& place) const;
   std::uint64_t cell_of(const dvec3& place, const dvec3& step = dvec3(0.0)) const;
 

@@ -1,8 +1,13 @@
 // Vectors with one value or more per item.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
-#include <vector>
+#include <cstring>
+#include <iterator>
+#include <memory>
+#include <type_traits>
+#include <utility>
 
 #include "sightline/core/api.h"
 
@@ -14,18 +19,142 @@ namespace sightline::core {
 SIGHTLINE_API void* allocate_lines(std::size_t bytes);
 SIGHTLINE_API void release_lines(void* memory, std::size_t bytes);
 
+/// A vector of values that may be copied byte by byte, with the interface of std::vector as far as it is used. Its
+/// values may lie in memory that somebody else keeps, such as a mapped file, until the array grows out of it. A copy of
+/// an array always has memory of its own.
 template <class T>
-struct LineAllocator {
-  using value_type = T;
-  LineAllocator() = default;
-  template <class U>
-  explicit LineAllocator(const LineAllocator<U>&) {}
-  T* allocate(std::size_t n) { return static_cast<T*>(allocate_lines(n * sizeof(T))); }
-  void deallocate(T* p, std::size_t n) { release_lines(p, n * sizeof(T)); }
-  friend bool operator==(const LineAllocator&, const LineAllocator&) { return true; }
-};
+class LargeArray {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
 
-template <class T>
-using LargeArray = std::vector<T, LineAllocator<T>>;
+ public:
+  using value_type = T;
+  using iterator = T*;
+  using const_iterator = const T*;
+
+  LargeArray() = default;
+  explicit LargeArray(std::size_t count, const T& value = T()) { resize(count, value); }
+  template <std::input_iterator Iterator>
+  LargeArray(Iterator first, Iterator last) {
+    insert(end(), first, last);
+  }
+  LargeArray(const LargeArray& other) : LargeArray(other.begin(), other.end()) {}
+  LargeArray(LargeArray&& other) noexcept { swap(other); }
+  LargeArray& operator=(const LargeArray& other) {
+    if (this != &other) assign(other.begin(), other.end());
+    return *this;
+  }
+  LargeArray& operator=(LargeArray&& other) noexcept {
+    LargeArray(std::move(other)).swap(*this);
+    return *this;
+  }
+  ~LargeArray() { release(); }
+  void swap(LargeArray& other) noexcept {
+    std::swap(data_, other.data_), std::swap(size_, other.size_), std::swap(capacity_, other.capacity_);
+    std::swap(keeper_, other.keeper_);
+  }
+
+  /// An array of the `count` values at `values`, which `keeper` keeps there. They may be written to.
+  static LargeArray kept(std::shared_ptr<const void> keeper, T* values, std::size_t count) {
+    LargeArray array;
+    array.data_ = values, array.size_ = array.capacity_ = count;
+    array.keeper_ = std::move(keeper);
+    return array;
+  }
+  /// Whether somebody else keeps the memory.
+  bool is_kept() const { return keeper_ != nullptr; }
+
+  std::size_t size() const { return size_; }
+  std::size_t capacity() const { return capacity_; }
+  bool empty() const { return size_ == 0; }
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  iterator begin() { return data_; }
+  iterator end() { return data_ + size_; }
+  const_iterator begin() const { return data_; }
+  const_iterator end() const { return data_ + size_; }
+  T& operator[](std::size_t i) { return data_[i]; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+  T& front() { return data_[0]; }
+  const T& front() const { return data_[0]; }
+  T& back() { return data_[size_ - 1]; }
+  const T& back() const { return data_[size_ - 1]; }
+
+  void reserve(std::size_t capacity) {
+    if (capacity > capacity_) grow(capacity);
+  }
+  void resize(std::size_t count) { resize(count, T()); }
+  void resize(std::size_t count, const T& value) {
+    if (count > size_) {
+      const T kept = value;  // it may lie in the array
+      if (count > capacity_) grow(std::max(count, 2 * capacity_));
+      std::uninitialized_fill(data_ + size_, data_ + count, kept);
+    }
+    size_ = count;
+  }
+  void assign(std::size_t count, const T& value) {
+    const T kept = value;
+    clear();
+    if (count > capacity_) *this = LargeArray();
+    resize(count, kept);
+  }
+  template <std::input_iterator Iterator>
+  void assign(Iterator first, Iterator last) {
+    clear();
+    insert(end(), first, last);
+  }
+  void clear() { size_ = 0; }
+  void pop_back() { --size_; }
+  void push_back(const T& value) { emplace_back(value); }
+  template <class... Arguments>
+  T& emplace_back(Arguments&&... arguments) {
+    const T value{std::forward<Arguments>(arguments)...};  // made before growing: an argument may lie in the array
+    if (size_ == capacity_) grow(std::max(kFirst, 2 * capacity_));
+    return *std::construct_at(data_ + size_++, value);
+  }
+  /// At the end only.
+  template <std::input_iterator Iterator>
+  void insert(const_iterator, Iterator first, Iterator last) {
+    if constexpr (std::random_access_iterator<Iterator>) {
+      const auto count = std::size_t(last - first);
+      if (size_ + count > capacity_) {
+        // Copies before it releases: the range may lie in the array.
+        LargeArray larger;
+        larger.grow(std::max(size_ + count, 2 * capacity_));
+        std::uninitialized_copy(begin(), end(), larger.data_);
+        std::uninitialized_copy(first, last, larger.data_ + size_);
+        larger.size_ = size_ + count;
+        swap(larger);
+      } else if (count > 0) {
+        std::uninitialized_copy(first, last, data_ + size_);
+        size_ += count;
+      }
+    } else {
+      for (; first != last; ++first) push_back(*first);
+    }
+  }
+
+  friend bool operator==(const LargeArray& a, const LargeArray& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end());
+  }
+
+ private:
+  static constexpr std::size_t kFirst = 1;
+
+  void grow(std::size_t capacity) {
+    T* const larger = static_cast<T*>(allocate_lines(capacity * sizeof(T)));
+    if (size_ > 0) std::memcpy(static_cast<void*>(larger), data_, size_ * sizeof(T));
+    release();
+    data_ = larger, capacity_ = capacity;
+  }
+  void release() {
+    if (!keeper_ && data_ != nullptr) release_lines(data_, capacity_ * sizeof(T));
+    keeper_.reset();
+    data_ = nullptr, capacity_ = 0;
+  }
+
+  T* data_ = nullptr;
+  std::size_t size_ = 0, capacity_ = 0;
+  std::shared_ptr<const void> keeper_;  // null: the memory is the array's own
+};
 
 }  // namespace sightline::core

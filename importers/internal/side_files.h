@@ -11,6 +11,9 @@
 
 namespace sightline::importers {
 
+/// Where the calling thread notes the side files that it looks for, there or not; null: nowhere.
+inline thread_local std::vector<std::filesystem::path>* side_files_asked_for = nullptr;
+
 /// The path of the file. `model` is the model file's path. Errors: "'NAME' refused: it lies outside the model's
 /// directory", "'NAME' not found".
 core::Expected<std::filesystem::path> find_side_file(const std::filesystem::path& model, std::string_view name);

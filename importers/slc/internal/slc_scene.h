@@ -1,0 +1,41 @@
+// Scenes in and out of the container of a scene cache. Internal to the importers.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "sightline/importers/import.h"
+#include "sightline/importers/slc/internal/slc_file.h"
+
+namespace sightline::importers {
+
+/// write_slc() with what the content was read from (scene_cache.cpp), as text; empty: unknown.
+core::Expected<void> write_slc(const core::Scene& scene, const std::filesystem::path& path, const ImportReport* report,
+                               const std::function<bool(double)>& progress, std::string_view sources);
+
+struct SlcScene {
+  core::Scene scene;  ///< nothing is committed
+  ImportReport report;
+};
+/// All of it. `verified`: checksums are compared; without, only what memory safety needs is checked.
+SlcExpected<SlcScene> load(std::shared_ptr<const SlcFile> file, bool verified = true);
+
+/// Makes the snapshot in the file that of the scene, which must be what the file was written from.
+SlcExpected<void> attach_snapshot(std::shared_ptr<const SlcFile> file, core::Scene& scene, bool verified = true);
+
+/// Whether what lies below the node lies where its own transforms say.
+bool is_unmoved(const core::Scene& scene, core::NodeId node);
+
+/// The text of kSlcSources, verified.
+SlcExpected<std::string> sources_of(const SlcFile& file);
+
+/// The reader of import_file().
+core::Expected<ImportReport> read_slc(const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
+                                      const ImportOptions& options);
+/// The same from bytes in memory, for tests and the fuzzer. `name` stands for the file.
+core::Expected<ImportReport> read_slc(std::span<const std::byte> bytes, const std::filesystem::path& name,
+                                      core::Scene& scene, core::NodeId parent, const ImportOptions& options);
+
+}  // namespace sightline::importers

@@ -1,0 +1,23 @@
+// Scene caches in a build without them.
+#include <fmt/format.h>
+
+#include "sightline/importers/internal/scene_cache.h"
+#include "sightline/importers/slc/slc_writer.h"
+
+namespace sightline::importers {
+
+core::Expected<void> write_slc(const core::Scene&, const std::filesystem::path& path, const ImportReport*,
+                               const std::function<bool(double)>&) {
+  return core::fail(fmt::format("{}: this build writes no .slc files (SIGHTLINE_SLC is off)", path.string()));
+}
+
+core::Expected<ImportReport> import_with_cache(std::span<const std::filesystem::path> paths, core::Scene& scene,
+                                               core::NodeId parent, const ImportOptions& options) {
+  auto report = read_files(paths, scene, parent, options);
+  if (report)
+    report->warnings.push_back(
+        {options.cache_folder.string(), 0, "not used: this build has no scene cache (SIGHTLINE_SLC is off)"});
+  return report;
+}
+
+}  // namespace sightline::importers
