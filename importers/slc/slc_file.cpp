@@ -178,7 +178,7 @@ SlcExpected<std::shared_ptr<const SlcFile>> SlcFile::open(const std::filesystem:
   struct stat status {};
   if (file->descriptor_ < 0 || fstat(file->descriptor_, &status) != 0)
     return tl::unexpected<SlcProblem>(
-        SlcProblem{errno == ENOENT ? SlcProblem::Kind::kMissing : SlcProblem::Kind::kDamaged,
+        SlcProblem{errno == ENOENT || errno == ENOTDIR ? SlcProblem::Kind::kMissing : SlcProblem::Kind::kDamaged,
                    fmt::format("cannot open: {}", std::strerror(errno))});
   if (!S_ISREG(status.st_mode)) return damaged("not a regular file");
   file->size_ = std::size_t(status.st_size);

@@ -1,0 +1,507 @@
+// Scene caches: what is written is what is read, and a cache never gives what its files would not.
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "sightline/core/internal/storage.h"
+#include "sightline/core/snapshot.h"
+#include "sightline/importers/obj/obj_writer.h"
+#include "sightline/importers/plant/plant_generator.h"
+#include "sightline/importers/rvm/rvm_writer.h"
+#include "sightline/importers/slc/internal/slc_scene.h"
+#include "sightline/tests/importers/scene_compare.h"
+#include "sightline/tests/importers/slc_bytes.h"
+#include "sightline/tests/support/test_data.h"
+
+namespace sightline::importers {
+namespace {
+
+namespace fs = std::filesystem;
+using core::ItemId;
+using core::Scene;
+using core::Snapshot;
+
+bool same_bytes(const auto& a, const auto& b) {
+  return a.size() == b.size() &&
+         (a.size() == 0 || std::memcmp(a.data(), b.data(), a.size() * sizeof(a.data()[0])) == 0);
+}
+
+void expect_same_snapshot(const Snapshot& a, const Snapshot& b) {
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_EQ(a.bounds().origin, b.bounds().origin);
+  EXPECT_EQ(a.bounds().extent().min, b.bounds().extent().min);
+  EXPECT_EQ(a.bounds().extent().max, b.bounds().extent().max);
+  EXPECT_EQ(a.bounds().uses_layers(), b.bounds().uses_layers());
+  EXPECT_EQ(a.chunk_origins(), b.chunk_origins());
+  EXPECT_EQ(a.vacant_count(), b.vacant_count());
+  EXPECT_EQ(a.disorder(), b.disorder());
+  EXPECT_EQ(a.materials(), b.materials());
+  int arrays = 0;
+  std::vector<std::vector<std::byte>> of_a;
+  core::Storage::for_each_snapshot_array(a, [&](std::uint64_t, const auto& array) {
+    const auto bytes = std::as_bytes(std::span(array.data(), array.size()));
+    of_a.emplace_back(bytes.begin(), bytes.end());
+  });
+  core::Storage::for_each_snapshot_array(b, [&](std::uint64_t number, const auto& array) {
+    EXPECT_TRUE(same_bytes(of_a[std::size_t(arrays++)], std::as_bytes(std::span(array.data(), array.size()))))
+        << number;
+  });
+}
+
+/// Bit for bit, with the same ids everywhere.
+void expect_same(const Scene& a, const Scene& b) {
+  EXPECT_EQ(tests::scene_difference(a, a.root(), b, b.root()), "");
+  ASSERT_EQ(a.node_count(), b.node_count());
+  ASSERT_EQ(a.item_slots(), b.item_slots());
+  ASSERT_EQ(a.item_count(), b.item_count());
+  ASSERT_EQ(a.mesh_slots(), b.mesh_slots());
+  ASSERT_EQ(a.material_slots(), b.material_slots());
+  for (ItemId i = 0; i < a.item_slots(); ++i) {
+    ASSERT_EQ(a.contains_item(i), b.contains_item(i)) << i;
+    if (!a.contains_item(i)) continue;
+    EXPECT_TRUE(tests::same_item(a, i, b, i)) << i;
+    EXPECT_EQ(a.node_of(i), b.node_of(i)) << i;
+    EXPECT_EQ(a.item_visible(i), b.item_visible(i)) << i;
+  }
+  for (std::size_t i = 0; i < a.mesh_slots(); ++i) {
+    ASSERT_EQ(a.mesh_at(i).valid(), b.mesh_at(i).valid());
+    if (!a.mesh_at(i).valid()) continue;
+    EXPECT_TRUE(tests::same_mesh(a.mesh(a.mesh_at(i)), b.mesh(b.mesh_at(i))));
+    EXPECT_EQ(a.mesh(a.mesh_at(i)).name, b.mesh(b.mesh_at(i)).name);
+  }
+  for (std::size_t i = 0; i < a.material_slots(); ++i)
+    EXPECT_TRUE(tests::same_material(a, a.material_at(i), b, b.material_at(i)));
+  a.for_each_node(a.root(), [&](core::NodeId node, auto&&...) {
+    ASSERT_TRUE(b.contains(node));
+    EXPECT_EQ(a.visible(node), b.visible(node));
+  });
+  expect_same_snapshot(Snapshot(a), Snapshot(b));
+}
+
+class SlcTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    static int count = 0;
+    const auto now = std::chrono::system_clock::now().time_since_epoch().count();
+    folder_ = fs::path(testing::TempDir()) / ("sightline-slc-" + std::to_string(now) + "-" + std::to_string(count++));
+    fs::create_directories(folder_);
+    options_.cache_folder = folder_ / "cache";
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::permissions(folder_, fs::perms::owner_all, ignored);
+    fs::remove_all(folder_);
+  }
+
+  static Scene read(const fs::path& file) {
+    Scene scene;
+    const auto report = import_file(file, scene, scene.root());
+    EXPECT_TRUE(report) << (report ? "" : report.error().message);
+    return scene;
+  }
+
+  /// A plant as a file.
+  fs::path plant(std::uint64_t items = 1500, const char* name = "plant.rvm", std::uint64_t seed = 1) const {
+    Scene scene;
+    PlantConfig config;
+    config.items = items;
+    config.seed = seed;
+    const auto made = generate_plant(config, scene);
+    EXPECT_TRUE(made) << (made ? "" : made.error().message);
+    EXPECT_TRUE(write_rvm(scene, scene.root(), folder_ / name));
+    return folder_ / name;
+  }
+
+  core::Expected<ImportReport> import(std::vector<fs::path> paths, Scene& scene) const {
+    return import_files(paths, scene, scene.root(), options_);
+  }
+  /// Imports, expects what the files give without a cache, and tells whether the cache was read.
+  bool was_cached(const std::vector<fs::path>& paths, std::size_t warnings = 0) const {
+    Scene scene, plain;
+    const auto report = import(paths, scene);
+    EXPECT_TRUE(report) << (report ? "" : report.error().message);
+    ImportOptions without = options_;
+    without.cache_folder.clear();
+    const auto twin = import_files(paths, plain, plain.root(), without);
+    EXPECT_TRUE(twin) << (twin ? "" : twin.error().message);
+    if (!report || !twin) return false;
+    EXPECT_EQ(report->warnings.size(), twin->warnings.size() + warnings);
+    EXPECT_EQ(report->items, twin->items);
+    EXPECT_EQ(report->bytes, twin->bytes);
+    EXPECT_EQ(report->attributed, twin->attributed);
+    EXPECT_EQ(report->nodes.size(), twin->nodes.size());
+    for (std::size_t i = 0; i < report->nodes.size(); ++i) EXPECT_EQ(report->nodes[i], twin->nodes[i]);
+    expect_same(plain, scene);
+    const auto committed = scene.commit(), plainly = plain.commit();
+    EXPECT_TRUE(committed && plainly);
+    EXPECT_EQ(committed->inserted, plainly->inserted);
+    EXPECT_EQ(committed->materials, plainly->materials);
+    return report->from_cache;
+  }
+  std::vector<fs::path> caches() const {
+    std::vector<fs::path> found;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(options_.cache_folder, none)) found.push_back(entry.path());
+    return found;
+  }
+
+  fs::path folder_;
+  ImportOptions options_;
+};
+
+TEST_F(SlcTest, EveryContentComesBackBitForBit) {
+  const Scene scene = tests::scene_with_everything();
+  ASSERT_TRUE(write_slc(scene, folder_ / "a.slc"));
+  Scene again = read(folder_ / "a.slc");
+  EXPECT_TRUE(core::Storage::has_snapshot(again));
+  expect_same(scene, again);
+  // And once more from what was read.
+  ASSERT_TRUE(write_slc(again, folder_ / "b.slc"));
+  expect_same(scene, read(folder_ / "b.slc"));
+  EXPECT_EQ(tests::bytes_of_file(folder_ / "a.slc"), tests::bytes_of_file(folder_ / "b.slc"));
+}
+
+TEST_F(SlcTest, AnEmptySceneComesBack) {
+  ASSERT_TRUE(write_slc(Scene(), folder_ / "empty.slc"));
+  const Scene again = read(folder_ / "empty.slc");
+  EXPECT_EQ(again.node_count(), 1u);
+  EXPECT_EQ(Snapshot(again).size(), 0u);
+}
+
+TEST_F(SlcTest, ARootGivesItsChildrenWhatItHas) {
+  Scene scene;
+  scene.set_transform(scene.root(), core::translation({1e7, 2, 3}));
+  scene.set_layers(scene.root(), core::kLayerInsulation);
+  const auto node = scene.add_node(scene.root(), "a", core::translation({1, 0, 0}));
+  scene.add_primitive(node, core::Box{1, 1, 1});
+  ASSERT_TRUE(write_slc(scene, folder_ / "a.slc"));
+  const Scene again = read(folder_ / "a.slc");
+  EXPECT_EQ(again.world_from_node(again.first_child(again.root())).origin, core::dvec3(1e7 + 1, 2, 3));
+  EXPECT_EQ(again.state(0).layers, core::kLayerInsulation);
+  scene.add_primitive(scene.root(), core::Box{1, 1, 1});
+  EXPECT_FALSE(write_slc(scene, folder_ / "a.slc"));
+}
+
+TEST_F(SlcTest, EditsOfWhatWasReadGiveTheSameAsEditsOfTheSource) {
+  ASSERT_TRUE(write_slc(tests::scene_with_everything(), folder_ / "a.slc"));
+  Scene source = tests::scene_with_everything(), cached = read(folder_ / "a.slc");
+  const Scene copy = cached;
+  const auto edit = [](Scene& scene) {
+    const auto top = scene.first_child(scene.root());
+    const auto child = scene.first_child(top);
+    EXPECT_TRUE(scene.commit());
+    Snapshot snapshot(scene);
+    scene.set_transform(child, core::translation({5, 6, 7}));
+    scene.set_name(child, "a longer name than the one that it had before");
+    scene.set_attribute(child, "Tag", "new");
+    scene.remove_item(0);
+    const auto added = scene.add_node(top, "added");
+    scene.add_primitive(added, core::Cylinder{1, 2});
+    for (core::NodeId n = scene.next_sibling(child); n.valid() && scene.name(n) != "added";) {
+      const auto next = scene.next_sibling(n);
+      scene.remove_node(n);  // with its attributes, and the next node gets its place
+      EXPECT_TRUE(scene.attributes(scene.add_node(added, "again")).empty());
+      n = next;
+    }
+    const auto delta = scene.commit();
+    EXPECT_TRUE(delta);
+    snapshot.apply(*delta);
+    return snapshot;
+  };
+  const Snapshot a = edit(source), b = edit(cached);
+  expect_same_snapshot(a, b);
+  expect_same(source, cached);
+  expect_same(tests::scene_with_everything(), copy);
+}
+
+TEST_F(SlcTest, SnapshotsOfOneSceneDoNotShareTheirMemory) {
+  ASSERT_TRUE(write_slc(tests::scene_with_everything(), folder_ / "a.slc"));
+  const Scene scene = read(folder_ / "a.slc");
+  Snapshot first(scene);
+  const Snapshot second(scene);
+  const core::Slot slots[] = {0, 1, 2, 3};
+  first.hide(slots);
+  expect_same_snapshot(second, Snapshot(tests::scene_with_everything()));
+}
+
+TEST_F(SlcTest, ThreadsMayReadAttributesAtOnce) {
+  ASSERT_TRUE(write_slc(tests::scene_with_everything(), folder_ / "a.slc"));
+  const Scene scene = read(folder_ / "a.slc"), twin = tests::scene_with_everything();
+  std::atomic<int> wrong{0};
+  {
+    std::vector<std::jthread> readers;
+    for (int t = 0; t < 4; ++t)
+      readers.emplace_back([&] {
+        scene.for_each_node(scene.root(), [&](core::NodeId node, auto&&...) {
+          wrong += scene.attributes(node) != twin.attributes(node) || scene.name(node) != twin.name(node);
+        });
+      });
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST_F(SlcTest, ItemsThatAParentMovesOutOfReachAreDropped) {
+  ASSERT_TRUE(write_slc(tests::scene_with_everything(), folder_ / "a.slc"));
+  Scene scene;
+  core::Affine huge;
+  huge.linear *= 1e36;
+  const auto parent = scene.add_node(scene.root(), "far", huge);
+  const auto report = import_file(folder_ / "a.slc", scene, parent);
+  ASSERT_TRUE(report);
+  EXPECT_FALSE(report->warnings.empty());
+  EXPECT_TRUE(scene.commit());
+}
+
+TEST_F(SlcTest, ASecondImportReadsTheCache) {
+  const fs::path model = plant();
+  EXPECT_FALSE(was_cached({model}));
+  EXPECT_EQ(caches().size(), 1u);
+  EXPECT_TRUE(was_cached({model}));
+  // Below another node of a scene that holds something.
+  Scene scene;
+  scene.add_primitive(scene.add_node(scene.root(), "kept"), core::Sphere{1});
+  const auto parent = scene.add_node(scene.root(), "parent");
+  const auto report = import_files(std::span(&model, 1), scene, parent, options_);
+  ASSERT_TRUE(report);
+  EXPECT_TRUE(report->from_cache);
+  EXPECT_EQ(scene.parent(report->nodes.at(0)), parent);
+  const Scene plain = read(model);
+  scene.set_name(report->nodes[0], "another");  // nodes below tops of the same name are compared by their paths
+  EXPECT_EQ(tests::scene_difference(plain, plain.first_child(plain.root()), scene, report->nodes[0]), "");
+  // A moved parent bypasses it.
+  const auto moved = scene.add_node(scene.root(), "moved", core::translation({1, 2, 3}));
+  EXPECT_FALSE(import_files(std::span(&model, 1), scene, moved, options_)->from_cache);
+}
+
+TEST_F(SlcTest, ChangesOfTheSourcesAreFound) {
+  const fs::path model = plant();
+  EXPECT_FALSE(was_cached({model}));
+  // Another content, and the same with another time.
+  const auto time = fs::last_write_time(model);
+  plant(1200);
+  fs::last_write_time(model, time);
+  EXPECT_FALSE(was_cached({model}));
+  EXPECT_TRUE(was_cached({model}));
+  fs::last_write_time(model, fs::last_write_time(model) + std::chrono::hours(5));
+  EXPECT_TRUE(was_cached({model}));
+  // The same size, another content, another time.
+  auto bytes = tests::bytes_of_file(model);
+  const char name[] = "SITE";
+  const auto at =
+      std::search(bytes.begin(), bytes.end(), name, name + 4, [](std::byte x, char c) { return char(x) == c; });
+  ASSERT_NE(at, bytes.end());
+  *at = std::byte{'s'};
+  tests::write_bytes(model, bytes);
+  fs::last_write_time(model, time + std::chrono::seconds(1));
+  EXPECT_FALSE(was_cached({model}));
+  // Other options, other files.
+  plant(1200);
+  EXPECT_FALSE(was_cached({model}));
+  options_.copies = MeshCopies::kApart;
+  EXPECT_FALSE(was_cached({model}));
+  const fs::path second = plant(1000, "second.rvm", 2);
+  EXPECT_FALSE(was_cached({model, second}));
+  EXPECT_TRUE(was_cached({model, second}));
+  EXPECT_FALSE(was_cached({second, model}));
+}
+
+TEST_F(SlcTest, AttributesBelongToTheCache) {
+  const fs::path model = plant();
+  const std::string group = "SITE";
+  const fs::path attributes = folder_ / "plant.txt";
+  constexpr const char* kHeader = "CADC_Attributes_File v1.0 , start: NEW , end: END , name_end: := , sep: &end&\n";
+  std::ofstream(attributes) << kHeader << "NEW " << group << "\nType:= VALVE\nEND\n";
+  const bool first = was_cached({model, attributes});
+  EXPECT_FALSE(first);
+  EXPECT_TRUE(was_cached({model, attributes}));
+  std::ofstream(attributes) << kHeader << "NEW " << group << "\nType:= PIPE !\nEND\n";
+  EXPECT_FALSE(was_cached({model, attributes}));
+}
+
+TEST_F(SlcTest, SideFilesBelongToTheSources) {
+  std::ofstream(folder_ / "a.obj") << "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+  const fs::path model = folder_ / "a.obj";
+  Scene probe;
+  if (!import_file(model, probe, probe.root(), {.lenient = true})) GTEST_SKIP() << "no OBJ in this build";
+  options_.lenient = true;
+  EXPECT_FALSE(was_cached({model}));
+  EXPECT_TRUE(was_cached({model}));
+  std::ofstream(folder_ / "a.mtl") << "newmtl m\nKd 1 0 0\n";  // was missing before
+  EXPECT_FALSE(was_cached({model}));
+  EXPECT_TRUE(was_cached({model}));
+  std::ofstream(folder_ / "a.mtl") << "newmtl m\nKd 0 1 0\n";
+  fs::last_write_time(folder_ / "a.mtl", fs::last_write_time(folder_ / "a.mtl") + std::chrono::seconds(2));
+  EXPECT_FALSE(was_cached({model}));
+}
+
+TEST_F(SlcTest, DamagedCachesAreMadeAnewWithAWarning) {
+  const fs::path model = plant(1000);
+  ASSERT_FALSE(was_cached({model}));
+  const fs::path cache = caches().at(0);
+  const auto whole = tests::bytes_of_file(cache);
+  const auto damage = [&](std::vector<std::byte> bytes) {
+    tests::write_bytes(cache, bytes);
+    Scene scene;
+    const auto report = import({model}, scene);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_FALSE(report->from_cache);
+    ASSERT_EQ(report->warnings.size(), 1u);
+    EXPECT_NE(report->warnings[0].message.find("scene cache made anew"), std::string::npos);
+    expect_same(read(model), scene);
+    EXPECT_EQ(tests::bytes_of_file(cache), whole);
+  };
+  for (std::size_t at = 3; at < whole.size(); at += whole.size() / 60) {
+    auto bytes = whole;
+    bytes[at] ^= std::byte{4};
+    damage(bytes);
+    damage({whole.begin(), whole.begin() + std::ptrdiff_t(at)});
+  }
+  damage({});
+  damage(std::vector<std::byte>(whole.size()));
+  EXPECT_TRUE(was_cached({model}));
+  // Another version is no damage.
+  auto bytes = whole;
+  bytes[8] = std::byte{99};
+  tests::reseal(bytes);
+  tests::write_bytes(cache, bytes);
+  EXPECT_FALSE(was_cached({model}));
+  EXPECT_TRUE(was_cached({model}));
+}
+
+TEST_F(SlcTest, WhereNothingCanBeWrittenTheImportGoesOn) {
+  const fs::path model = plant(1000);
+  std::ofstream(folder_ / "file") << "no folder";
+  options_.cache_folder = folder_ / "file";
+  EXPECT_FALSE(was_cached({model}, 1));
+  if (geteuid() == 0) return;  // root may write anywhere
+  options_.cache_folder = folder_ / "read-only";
+  fs::create_directories(options_.cache_folder);
+  fs::permissions(options_.cache_folder, fs::perms::owner_read | fs::perms::owner_exec);
+  EXPECT_FALSE(was_cached({model}, 1));
+  fs::permissions(options_.cache_folder, fs::perms::owner_all);
+}
+
+TEST_F(SlcTest, ACacheCannotBeADirectory) {
+  const fs::path model = plant(1000);
+  ASSERT_FALSE(was_cached({model}));
+  const fs::path cache = caches().at(0);
+  fs::remove(cache);
+  fs::create_directory(cache);
+  EXPECT_FALSE(was_cached({model}, 2));  // it is no file, and none can be written
+}
+
+TEST_F(SlcTest, AFullDiskLeavesTheOldCache) {
+  const fs::path model = plant(1000);
+  ASSERT_FALSE(was_cached({model}));
+  const fs::path cache = caches().at(0);
+  const auto old = tests::bytes_of_file(cache);
+  plant(3000);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit limit = before;
+  limit.rlim_cur = 20'000;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  EXPECT_FALSE(was_cached({model}, 1));
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  (void)std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(tests::bytes_of_file(cache), old);
+  EXPECT_EQ(caches().size(), 1u);
+  EXPECT_FALSE(was_cached({model}));
+  EXPECT_TRUE(was_cached({model}));
+}
+
+TEST_F(SlcTest, AnEndInTheMiddleOfWritingLeavesTheOldCache) {
+  const fs::path model = plant(1000);
+  ASSERT_FALSE(was_cached({model}));
+  const auto old = tests::bytes_of_file(caches().at(0));
+  plant(3000);
+  const pid_t child = fork();
+  if (child == 0) {
+    rlimit limit{20'000, 20'000};
+    (void)setrlimit(RLIMIT_FSIZE, &limit);
+    (void)std::signal(SIGXFSZ, SIG_DFL);  // ends the process in the middle
+    const rlimit no_core{0, 0};
+    (void)setrlimit(RLIMIT_CORE, &no_core);
+    Scene scene;
+    (void)import({model}, scene);
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  std::vector<fs::path> left;
+  for (const fs::path& path : caches())
+    if (path.extension() == ".part")
+      left.push_back(path);
+    else
+      EXPECT_EQ(tests::bytes_of_file(path), old);
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_FALSE(was_cached({model}));
+  EXPECT_TRUE(fs::exists(left[0]));  // it might still be being written
+  fs::last_write_time(left[0], fs::file_time_type::clock::now() - std::chrono::hours(2));
+  plant(1200);
+  EXPECT_FALSE(was_cached({model}));
+  EXPECT_FALSE(fs::exists(left[0]));
+}
+
+TEST_F(SlcTest, ProcessesMayWriteAndReadAtOnce) {
+  const fs::path model = plant(2000);
+  std::vector<pid_t> children;
+  for (int i = 0; i < 4; ++i) {
+    const pid_t child = fork();
+    if (child == 0) {
+      int wrong = 0;
+      for (int round = 0; round < 5; ++round) {
+        Scene scene;
+        const auto report = import({model}, scene);
+        wrong += !report || !report->warnings.empty() || scene.item_count() != 2000;
+        if (round % 2 == 1)
+          for (const fs::path& cache : caches())
+            if (std::error_code ignored; cache.extension() == ".slc") fs::remove(cache, ignored);
+      }
+      _exit(wrong == 0 ? 0 : 1);
+    }
+    children.push_back(child);
+  }
+  for (const pid_t child : children) {
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  }
+  (void)was_cached({model});
+  EXPECT_TRUE(was_cached({model}));
+}
+
+TEST_F(SlcTest, ReplacingAFileLeavesItsReadersAlone) {
+  ASSERT_TRUE(write_slc(tests::scene_with_everything(), folder_ / "a.slc"));
+  const Scene scene = read(folder_ / "a.slc");
+  Scene other;
+  other.add_primitive(other.add_node(other.root(), "other"), core::Sphere{1});
+  ASSERT_TRUE(write_slc(other, folder_ / "a.slc"));
+  expect_same(tests::scene_with_everything(), scene);
+  expect_same(other, read(folder_ / "a.slc"));
+}
+
+TEST_F(SlcTest, ACancelledImportLeavesTheSceneAsItWas) {
+  const fs::path model = plant();
+  ASSERT_FALSE(was_cached({model}));
+  options_.progress = [](double) { return false; };
+  Scene scene;
+  const auto report = import({model}, scene);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().message, kCancelled);
+  EXPECT_EQ(scene.node_count(), 1u);
+  EXPECT_EQ(write_slc(read(model), folder_ / "b.slc", nullptr, [](double) { return false; }).error().message,
+            kCancelled);
+  EXPECT_FALSE(fs::exists(folder_ / "b.slc"));
+}
+
+}  // namespace
+}  // namespace sightline::importers
