@@ -17,6 +17,7 @@ Run add_controller(CLI::App& app);
 Run add_cull(CLI::App& app);
 Run add_edit(CLI::App& app);
 Run add_import(CLI::App& app);
+Run add_start(CLI::App& app);
 Run add_compare(CLI::App& app);
 Run add_measure(CLI::App& app);
 Run add_occlusion(CLI::App& app);

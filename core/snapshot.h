@@ -15,6 +15,7 @@
 #include "sightline/core/api.h"
 #include "sightline/core/internal/chunk_grid.h"
 #include "sightline/core/internal/large_array.h"
+#include "sightline/core/internal/stored_joints.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/visible_set.h"
@@ -100,7 +101,10 @@ class SIGHTLINE_API Snapshot {
   /// Makes slots show what shown() returned before they were hidden.
   void show(std::span<const Slot> slots, std::span<const Shown> as);
   /// `material`: of the scene, kNone, or first_look() + the number of a look.
-  void set_material(Slot slot, std::uint32_t material) { materials_[slot] = material; }
+  void set_material(Slot slot, std::uint32_t material) {
+    stored_joints_.reset();
+    materials_[slot] = material;
+  }
   /// Sets a look, colour and alpha, beside the scene's materials. Numbers should be small: lower ones take memory, too.
   void set_look(std::uint32_t number, const glm::vec4& look);
   /// Material index of the first look; 0 before the first set_look(). apply() changes it when the scene has got many
@@ -145,6 +149,9 @@ class SIGHTLINE_API Snapshot {
   const std::vector<dvec3>& chunk_origins() const { return chunks_.origins(); }
   Affine world_from_item(Slot slot) const;
   Primitive primitive(Slot slot) const;
+
+  /// The joints that a scene cache has of this snapshot; null: unknown, or the snapshot was changed since.
+  const StoredJoints* stored_joints() const { return stored_joints_.get(); }
 
   std::size_t memory_bytes() const;
 
@@ -197,6 +204,7 @@ class SIGHTLINE_API Snapshot {
   LargeArray<std::uint64_t> vacant_;                         // a bit per slot; empty while no slot is vacant
   LargeArray<std::uint32_t> vacant_before_;                  // per 64 slots and at the end; empty while none is
   ChunkGrid chunks_;
+  std::shared_ptr<const StoredJoints> stored_joints_;
   std::shared_ptr<Table> table_ = std::make_shared<Table>();  // shared with Items: not changed while it is
 };
 

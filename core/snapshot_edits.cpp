@@ -55,6 +55,7 @@ std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
 }
 
 std::vector<Slot> Snapshot::apply(const Items& items) {
+  stored_joints_.reset();
   if (items.materials) table_ = items.materials;
   std::vector<Slot> touched;
   touched.reserve(items.removed.size() + items.records.size());

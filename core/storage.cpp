@@ -267,7 +267,7 @@ void Storage::mark_fit(Scene& scene) {
   std::vector<std::uint8_t> small_mesh(scene.meshes_.size());
   for (std::size_t i = 0; i < small_mesh.size(); ++i) {
     const AabbD& box = scene.meshes_[i].bounds;
-    small_mesh[i] = !box.empty() && small(box.min) && small(box.max);
+    small_mesh[i] = scene.meshes_[i].mesh.positions.empty() || (small(box.min) && small(box.max));
   }
   const auto fit = [&](const Scene::Item& item) {
     if (!small_node[item.node] || !small(dvec3(item.linear[0])) || !small(dvec3(item.linear[1])) ||
@@ -295,9 +295,11 @@ void Storage::mark_fit(Scene& scene) {
   std::sort(scene.dirty_materials_.begin(), scene.dirty_materials_.end());
 }
 
-bool Storage::is_fit(const Scene& scene) {
-  return std::all_of(scene.dirty_items_.begin(), scene.dirty_items_.end(),
-                     [&](ItemId item) { return (scene.item_states_[item] & Scene::kFit) != 0; });
+std::vector<ItemId> Storage::not_surely_fit(const Scene& scene) {
+  std::vector<ItemId> found;
+  for (const ItemId item : scene.dirty_items_)
+    if ((scene.item_states_[item] & Scene::kFit) == 0) found.push_back(item);
+  return found;
 }
 
 // --- snapshots -------------------------------------------------------------------------------------------------------
@@ -306,7 +308,8 @@ Storage::SnapshotState Storage::state(const Snapshot& snapshot) {
   return {snapshot.bounds_.origin, snapshot.bounds_.extent_, snapshot.chunks_.size(), snapshot.chunks_.origins()};
 }
 
-void Storage::set_state(Snapshot& snapshot, SnapshotState state) {
+void Storage::set_state(Snapshot& snapshot, SnapshotState state, std::shared_ptr<const StoredJoints> joints) {
+  snapshot.stored_joints_ = std::move(joints);
   snapshot.bounds_.origin = state.origin;
   snapshot.bounds_.extent_ = state.extent;
   snapshot.bounds_.size_ = snapshot.kinds_.size();
@@ -324,6 +327,14 @@ Expected<void> Storage::try_snapshot(const Scene& scene, const std::function<boo
   snapshot.scene_ = &scene;
   if (!fill(snapshot)) return fail("the arrays of its snapshot have elements of another size");
   return check(scene, snapshot);
+}
+
+/// Whether nothing in them leads outside of arrays.
+bool Storage::are_safe(const StoredJoints& joints, std::size_t item_slots) {
+  const auto& first = joints.first;
+  return joints.bits.size() <= item_slots / 32 + 1 && first.size() <= item_slots / 32 + 2 &&
+         (first.empty() ? joints.covers.empty() : first.back() == joints.covers.size()) &&
+         std::is_sorted(first.begin(), first.end());
 }
 
 Expected<void> Storage::check(const Scene& scene, const Snapshot& snapshot) {
@@ -348,6 +359,15 @@ Expected<void> Storage::check(const Scene& scene, const Snapshot& snapshot) {
   }
   if (!sizes || members != n) return fail("the arrays of its snapshot have different sizes");
 
+  if (snapshot.stored_joints_ && !are_safe(*snapshot.stored_joints_, scene.item_slots()))
+    return fail("the joints of its snapshot are inconsistent");
+
+  // Slots are far from the order of items: a byte for each item takes less of the cache than the items.
+  constexpr std::uint8_t kNoItem = 255;
+  std::vector<std::uint8_t> kinds(scene.items_.size());
+  for (std::size_t i = 0; i < kinds.size(); ++i)
+    kinds[i] = scene.items_[i].alive ? std::uint8_t(scene.items_[i].kind) : kNoItem;
+
   const std::size_t chunks = snapshot.chunks_.origins().size();
   for (const dvec3& origin : snapshot.chunks_.origins())
     if (!is_finite(origin)) return fail("the chunks of its snapshot are not finite");
@@ -362,7 +382,7 @@ Expected<void> Storage::check(const Scene& scene, const Snapshot& snapshot) {
     const std::size_t i = snapshot.index_in_kind_[s];
     const ItemId item = snapshot.items_[s];
     if (i >= list.members.size() || list.members[i] != s || item >= snapshot.slots_.size() ||
-        snapshot.slots_[item] != s || scene.kind(item) != kind)
+        snapshot.slots_[item] != s || kinds[item] != std::uint8_t(kind))
       return false;
     if (list.placements[i].chunk >= chunks) return false;
     if (int(kind) >= kPrimitiveKindCount && list.meshes[i] != scene.items_[item].payload) return false;
@@ -377,15 +397,12 @@ Expected<void> Storage::check(const Scene& scene, const Snapshot& snapshot) {
     return !box.empty() && glm::all(glm::lessThanEqual(bounds.extent_.min, box.min)) &&
            glm::all(glm::lessThanEqual(box.max, bounds.extent_.max));
   };
-  // The items are looked up by id, which must be alive.
-  const auto known = [&](std::size_t s) { return scene.contains_item(snapshot.items_[s]); };
-  if (const std::size_t wrong = first_wrong(n, [&](std::size_t s) { return known(s) && holds(s); }); wrong < n)
-    return inconsistent("slot", wrong);
+  if (const std::size_t wrong = first_wrong(n, holds); wrong < n) return inconsistent("slot", wrong);
   for (const auto& c : bounds.coordinates_)
     for (std::size_t i = n; i < c.size(); ++i)
       if (std::abs(c[i]) != Aabb::kFar) return fail("the padding of its bounds is inconsistent");
   const auto item_holds = [&](std::size_t item) {
-    return scene.items_[item].alive ? snapshot.slots_[item] < n : snapshot.slots_[item] == kNone;
+    return kinds[item] != kNoItem ? snapshot.slots_[item] < n : snapshot.slots_[item] == kNone;
   };
   if (const std::size_t wrong = first_wrong(scene.item_slots(), item_holds); wrong < scene.item_slots())
     return inconsistent("slot of item", wrong);

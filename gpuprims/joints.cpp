@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -361,8 +362,27 @@ class JointSearch {
 // --- answers ---------------------------------------------------------------------------------------------------------
 
 Joints::Joints(const Snapshot& snapshot) {
+  const core::StoredJoints* stored = snapshot.stored_joints();
+  const std::vector<bool> opaque = opaque_materials(snapshot);
+  if (stored && std::equal(opaque.begin(), opaque.end(), stored->opaque.begin(), stored->opaque.end(),
+                           [](bool a, std::uint8_t b) { return a == (b != 0); })) {
+    bits_.assign(stored->bits.begin(), stored->bits.end());
+    covers_.assign(stored->covers.begin(), stored->covers.end());
+    first_.assign(stored->first.begin(), stored->first.end());
+    for (const std::uint64_t word : bits_) count_ += std::size_t(std::popcount(word));
+    if (count_ > 0) opaque_ = opaque;
+    return;
+  }
   JointSearch(snapshot, *this).run();
   if (count_ > 0) opaque_ = opaque_materials(snapshot);
+}
+
+core::StoredJoints Joints::stored(const Snapshot& snapshot) const {
+  const std::vector<bool> opaque = opaque_materials(snapshot);
+  return {{bits_.begin(), bits_.end()},
+          {covers_.begin(), covers_.end()},
+          {first_.begin(), first_.end()},
+          {opaque.begin(), opaque.end()}};
 }
 
 /// Returns false when nothing changed.

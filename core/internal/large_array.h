@@ -82,6 +82,9 @@ class LargeArray {
   void reserve(std::size_t capacity) {
     if (capacity > capacity_) grow(capacity);
   }
+  void shrink_to_fit() {
+    if (size_ < capacity_ && !keeper_) *this = LargeArray(begin(), end());
+  }
   void resize(std::size_t count) { resize(count, T()); }
   void resize(std::size_t count, const T& value) {
     if (count > size_) {

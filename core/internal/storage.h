@@ -88,8 +88,8 @@ class SIGHTLINE_API Storage {
     std::vector<dvec3> chunk_origins;
   };
   static SnapshotState state(const Snapshot& snapshot);
-  /// `snapshot` must have its arrays.
-  static void set_state(Snapshot& snapshot, SnapshotState state);
+  /// `snapshot` must have its arrays. No `joints`: they are unknown.
+  static void set_state(Snapshot& snapshot, SnapshotState state, std::shared_ptr<const StoredJoints> joints);
 
   /// Appends the place of a mesh or material that was removed.
   static void add_removed_mesh(Scene& scene);
@@ -100,8 +100,8 @@ class SIGHTLINE_API Storage {
   /// Checks a scene whose arrays, meshes and materials were read, and makes it as it is after an import: nothing is
   /// committed. The root must have no items.
   static Expected<void> finish(Scene& scene, std::shared_ptr<const StoredAttributes> attributes);
-  /// Whether it is known of all items that commit() would accept them.
-  static bool is_fit(const Scene& scene);
+  /// Items of which it is not known that commit() would accept them.
+  static std::vector<ItemId> not_surely_fit(const Scene& scene);
   /// A snapshot of the scene that `fill` makes what it should be, checked.
   static Expected<void> try_snapshot(const Scene& scene, const std::function<bool(Snapshot&)>& fill);
   /// From now on Snapshot(scene) asks `source`, which makes a new snapshot what would be built, until the scene is
@@ -114,6 +114,7 @@ class SIGHTLINE_API Storage {
   static Expected<void> check_items(const Scene& scene);
   static bool is_one_tree(const Scene& scene);
   static Expected<void> check(const Scene& scene, const Snapshot& snapshot);
+  static bool are_safe(const StoredJoints& joints, std::size_t item_slots);
   static void mark_fit(Scene& scene);
 };
 

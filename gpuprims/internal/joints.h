@@ -56,7 +56,10 @@ class Joints {
   /// Time linear in the number of ends. Where more ends meet in one place than in any sound model, some joints may be
   /// overlooked; their ends are then drawn. Faces more than fifty times the usual size are held to the tolerance of
   /// fifty times the usual size.
+  /// Those that a scene cache has of the snapshot are not looked for.
   explicit Joints(const core::Snapshot& snapshot);
+  /// For a scene cache, as made from `snapshot`.
+  core::StoredJoints stored(const core::Snapshot& snapshot) const;
 
   /// Covered ends of an item.
   Ends covered(core::ItemId item) const;

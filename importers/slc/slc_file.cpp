@@ -213,6 +213,15 @@ SlcExpected<SlcFile::Mapping> SlcFile::map() const {
   return Mapping{std::shared_ptr<const void>(memory, Unmap{size_}), static_cast<std::byte*>(memory)};
 }
 
+void SlcFile::set_aside(const Mapping& mapping, std::uint64_t number) const {
+  const Section* section = find(number);
+  if (descriptor_ < 0 || !section) return;
+  const std::uint64_t page = std::uint64_t(sysconf(_SC_PAGESIZE));
+  const std::uint64_t begin = (section->offset + page - 1) / page * page;
+  const std::uint64_t end = (section->offset + section->count * section->element_size) / page * page;
+  if (begin < end) (void)madvise(mapping.data + begin, std::size_t(end - begin), MADV_DONTNEED);
+}
+
 const SlcFile::Section* SlcFile::find(std::uint64_t number) const {
   const auto found =
       std::find_if(sections_.begin(), sections_.end(), [&](const Section& s) { return s.number == number; });

@@ -17,7 +17,7 @@ using core::Storage;
 
 bool is_of_snapshot(const SlcFile::Section& section) {
   return (section.number >= Storage::kCoordinates && section.number < 1000) || section.number == kSlcSnapshotState ||
-         section.number == kSlcChunkOrigins;
+         section.number == kSlcChunkOrigins || (section.number >= kSlcJointBits && section.number <= kSlcJointOpaque);
 }
 
 SlcExpected<void> verify_where(const SlcFile& file, const SlcFile::Mapping& mapping, bool of_snapshot) {
@@ -117,13 +117,18 @@ class StoredSnapshot {
     LargeArray<SlcSnapshotState> rows;
     LargeArray<core::dvec3> origins;
     good = good && file.adopt(mapping, kSlcSnapshotState, rows) && file.adopt(mapping, kSlcChunkOrigins, origins);
+    const auto joints = std::make_shared<core::StoredJoints>();
+    good = good && file.adopt(mapping, kSlcJointBits, joints->bits) &&
+           file.adopt(mapping, kSlcJointCovers, joints->covers) && file.adopt(mapping, kSlcJointFirst, joints->first) &&
+           file.adopt(mapping, kSlcJointOpaque, joints->opaque);
     if (!good || rows.size() != 1) return false;
     const SlcSnapshotState& row = rows[0];
     Storage::set_state(snapshot,
                        {{row.origin[0], row.origin[1], row.origin[2]},
                         {{row.extent[0], row.extent[1], row.extent[2]}, {row.extent[3], row.extent[4], row.extent[5]}},
                         row.chunk_size,
-                        {origins.begin(), origins.end()}});
+                        {origins.begin(), origins.end()}},
+                       joints);
     return true;
   }
 
@@ -132,6 +137,22 @@ class StoredSnapshot {
   std::mutex mutex_;
   SlcFile::Mapping mapping_;
 };
+
+/// Removes those that commit() would not accept.
+void drop_what_cannot_be_committed(core::Scene& scene, std::span<const core::ItemId> items, ImportReport& report) {
+  std::vector<core::ItemId> bad;
+  scene.for_each_state(items, [&](core::ItemId item, const core::Scene::ItemState& state) {
+    if (!scene.can_commit(item, state.world_from_item)) bad.push_back(item);
+  });
+  for (const core::ItemId item : bad) {
+    if (report.warnings.size() < kMaxWarnings)
+      report.warnings.push_back({{},
+                                 0,
+                                 fmt::format("{}: item dropped: its place or size is not finite or beyond any site",
+                                             scene.path(scene.node_of(item)))});
+    scene.remove_item(item);
+  }
+}
 
 SlcExpected<SlcScene> load_all(const std::shared_ptr<const SlcFile>& file, bool verified) {
   const auto mapping = file->map();
@@ -158,23 +179,15 @@ SlcExpected<SlcScene> load_all(const std::shared_ptr<const SlcFile>& file, bool 
   if (!good) return damaged("an array has elements of another size");
   if (auto done = Storage::finish(scene, attributes); !done) return damaged(done.error().message);
   if (auto done = attach_snapshot(file, scene, verified); !done) return tl::unexpected(done.error());
-  return loaded;
-}
-
-/// Removes what the place of `parent` moves beyond what commit() accepts.
-void drop_what_cannot_be_committed(core::Scene& scene, std::span<const core::ItemId> items, ImportReport& report) {
-  std::vector<core::ItemId> bad;
-  scene.for_each_state(items, [&](core::ItemId item, const core::Scene::ItemState& state) {
-    if (!scene.can_commit(item, state.world_from_item)) bad.push_back(item);
-  });
-  for (const core::ItemId item : bad) {
-    if (report.warnings.size() < kMaxWarnings)
-      report.warnings.push_back({{},
-                                 0,
-                                 fmt::format("{}: item dropped: its place or size is not finite or beyond any site",
-                                             scene.path(scene.node_of(item)))});
-    scene.remove_item(item);
+  if (const auto open = Storage::not_surely_fit(scene); !open.empty()) {
+    drop_what_cannot_be_committed(scene, open, loaded.report);
+  } else {
+    // Read for the checks alone.
+    for (const std::uint64_t number : {std::uint64_t(Storage::kItems), std::uint64_t(Storage::kNames),
+                                       std::uint64_t(kSlcMeshValues), std::uint64_t(kSlcAttributeText)})
+      file->set_aside(*mapping, number);
   }
+  return loaded;
 }
 
 core::Expected<ImportReport> read(const std::string& name, SlcExpected<std::shared_ptr<const SlcFile>> file,
@@ -191,9 +204,9 @@ core::Expected<ImportReport> read(const std::string& name, SlcExpected<std::shar
   ImportReport report = std::move(loaded->report);
   report.bytes = (*file)->size();
   const core::ItemId first = core::ItemId(scene.item_slots());
-  const bool fit = Storage::is_fit(loaded->scene) && is_unmoved(scene, parent);
+  const bool moved = !is_unmoved(scene, parent);
   report.nodes = scene.append(parent, std::move(loaded->scene));
-  if (!fit) {
+  if (moved) {
     std::vector<core::ItemId> added;
     for (core::ItemId item = first; item < scene.item_slots(); ++item) added.push_back(item);
     drop_what_cannot_be_committed(scene, added, report);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/gpuprims/internal/joints.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
 
@@ -65,6 +66,7 @@ class SceneWriter {
     // What a picture needs first, and last the names.
     Storage::for_each_snapshot_array(snapshot_, [&](std::uint64_t number, const auto& array) { add(number, array); });
     snapshot_state();
+    joints();
     if (!tell(0.5)) return false;
     Storage::for_each_scene_array(scene_, [&](std::uint64_t number, const auto& array) { add(number, array); });
     attributes();
@@ -163,6 +165,14 @@ class SceneWriter {
         s.chunk_size};
     out_.add(kSlcSnapshotState, std::span(&row, 1));
     out_.add(kSlcChunkOrigins, s.chunk_origins);
+  }
+
+  void joints() {
+    const core::StoredJoints all = gpuprims::Joints(snapshot_).stored(snapshot_);
+    out_.add(kSlcJointBits, all.bits);
+    out_.add(kSlcJointCovers, all.covers);
+    out_.add(kSlcJointFirst, all.first);
+    out_.add(kSlcJointOpaque, all.opaque);
   }
 
   void attributes() {

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/importers/slc/internal/slc_file.h"
 #include "sightline/importers/slc/slc_writer.h"
+#include "sightline/tests/importers/slc_seal.h"
 
 namespace sightline::tests {
 
@@ -97,25 +97,6 @@ inline std::vector<std::byte> slc_of(const core::Scene& scene) {
   auto bytes = bytes_of_file(file);
   std::filesystem::remove(file);
   return bytes;
-}
-
-/// Makes the checksums of header, table and end right again, so that a change gets past them.
-inline void reseal(std::span<std::byte> bytes) {
-  constexpr std::size_t kEnd = 64, kSum = 56;
-  if (bytes.size() < 2 * kEnd) return;
-  const auto put = [](std::span<std::byte> at, std::uint64_t value) { std::memcpy(at.data(), &value, sizeof value); };
-  const auto get = [](std::span<std::byte> at) {
-    std::uint64_t value = 0;
-    std::memcpy(&value, at.data(), sizeof value);
-    return value;
-  };
-  put(bytes.subspan(kSum), importers::slc_checksum(bytes.first(kSum)));
-  const auto end = bytes.last(kEnd);
-  const std::uint64_t offset = get(end), size = get(end.subspan(8));
-  if (offset <= bytes.size() && size <= bytes.size() - offset)
-    put(end.subspan(16), importers::slc_checksum(bytes.subspan(std::size_t(offset), std::size_t(size))));
-  put(end.subspan(24), bytes.size());
-  put(end.subspan(kSum), importers::slc_checksum(end.first(kSum)));
 }
 
 }  // namespace sightline::tests

@@ -34,6 +34,10 @@ enum SlcArray : std::uint64_t {
   kSlcAttributeNodes,
   kSlcAttributeEnds,
   kSlcAttributeText,
+  kSlcJointBits,
+  kSlcJointCovers,
+  kSlcJointFirst,
+  kSlcJointOpaque,
 };
 
 /// Why a cache cannot be used.
@@ -113,6 +117,9 @@ class SlcFile {
                                         std::size_t(section->count));
     return true;
   }
+
+  /// Gives the memory of an array back to the system until somebody reads it. Nobody may have written to it.
+  void set_aside(const Mapping& mapping, std::uint64_t number) const;
 
   /// Compares checksums of the sections, in the mapping where they will be used, with all processors.
   struct Verified {
