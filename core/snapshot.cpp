@@ -215,14 +215,14 @@ void Snapshot::Table::move_looks() {
 // --- overrides -------------------------------------------------------------------------------------------------------
 
 void Snapshot::hide(std::span<const Slot> slots) {
-  stored_joints_.reset();
+  if (!slots.empty()) stored_joints_.reset();
   for (const Slot s : slots) show(s, {}, 0);
   count_vacant();
 }
 
 void Snapshot::show(std::span<const Slot> slots, std::span<const Shown> as) {
   assert(slots.size() == as.size());
-  stored_joints_.reset();
+  if (!slots.empty()) stored_joints_.reset();
   for (std::size_t i = 0; i < slots.size(); ++i) show(slots[i], as[i].box, as[i].layers);
   count_vacant();
 }
