@@ -33,11 +33,11 @@ bool same(const Aabb& a, const Aabb& b) {
 
 }  // namespace
 
-ItemTrees::ItemTrees(const core::ItemBounds& bounds, int threads) {
+ItemTrees::ItemTrees(const core::ItemBounds& bounds, int threads, const std::stop_token& stop) {
   places_.resize(bounds.size(), kNone);
   std::vector<Slot> slots(bounds.size());
   std::iota(slots.begin(), slots.end(), 0u);
-  add(bounds, std::move(slots), threads);
+  add(bounds, std::move(slots), threads, stop);
 }
 
 void ItemTrees::update(const core::ItemBounds& bounds, std::span<const Slot> changed) {
@@ -61,10 +61,11 @@ void ItemTrees::update(const core::ItemBounds& bounds, std::span<const Slot> cha
 }
 
 /// Adds a tree over those of the slots that are not vacant.
-void ItemTrees::add(const core::ItemBounds& bounds, std::vector<Slot> slots, int threads) {
+void ItemTrees::add(const core::ItemBounds& bounds, std::vector<Slot> slots, int threads, const std::stop_token& stop) {
   core::LargeArray<BoxRef> refs;
   refs.reserve(slots.size());
   for (const Slot slot : slots) {
+    if (looks_for_stop(slot) && stop.stop_requested()) return;
     if (bounds.vacant(slot)) continue;
     const Aabb box = bounds.box(slot);
     refs.push_back({{box.min.x, box.min.y, box.min.z}, slot, {box.max.x, box.max.y, box.max.z}});
@@ -72,7 +73,8 @@ void ItemTrees::add(const core::ItemBounds& bounds, std::vector<Slot> slots, int
   if (refs.empty()) return;
   // Copying all nodes because an edit appends some would take a hundred times as long as the edit.
   const std::size_t spare_nodes = nodes_.empty() ? refs.size() / 50 : 0;
-  BuiltTree built = build_wide_tree(refs, 1, threads, spare_nodes);
+  BuiltTree built = build_wide_tree(refs, 1, threads, spare_nodes, stop);
+  if (stop.stop_requested()) return;
   if (built.nodes.empty()) {  // one box
     WideNode& node = built.nodes.emplace_back();
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) set_lane_box(node, lane, Aabb{});
@@ -83,6 +85,7 @@ void ItemTrees::add(const core::ItemBounds& bounds, std::vector<Slot> slots, int
   }
   const auto first = std::uint32_t(nodes_.size());
   for (std::uint32_t i = 0; i < built.nodes.size(); ++i) {
+    if (looks_for_stop(i) && stop.stop_requested()) return;
     WideNode& node = built.nodes[i];
     if (node.parent != kNone) node.parent += first * kLanes;
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) {

@@ -54,7 +54,7 @@ core::Enclosure enclosure_of(const MeshTree& tree) {
   return core::enclosure(mesh);
 }
 
-MeshTree build_mesh_tree(const core::Mesh& mesh, [[maybe_unused]] int threads) {
+MeshTree build_mesh_tree(const core::Mesh& mesh, [[maybe_unused]] int threads, const std::stop_token& stop) {
   MeshTree result;
   const std::size_t count = mesh.indices.size() / 3;
   double size = 0.0;
@@ -67,6 +67,7 @@ MeshTree build_mesh_tree(const core::Mesh& mesh, [[maybe_unused]] int threads) {
   refs.reserve(count);
   core::AabbD bounds;
   for (std::size_t i = 0; i < count; ++i) {
+    if (looks_for_stop(i) && stop.stop_requested()) return result;
     const std::uint32_t* corner = &mesh.indices[3 * i];
     const vec3 a = per_unit * mesh.positions[corner[0]], b = per_unit * mesh.positions[corner[1]],
                c = per_unit * mesh.positions[corner[2]];
@@ -76,9 +77,10 @@ MeshTree build_mesh_tree(const core::Mesh& mesh, [[maybe_unused]] int threads) {
     bounds.grow({dvec3(low), dvec3(high)});
   }
   if (refs.empty()) return result;
+  BuiltTree tree = build_wide_tree(refs, kLanes, threads, 0, stop);
+  if (stop.stop_requested()) return result;
   result.empty = false;
   result.space = space_around(bounds);
-  BuiltTree tree = build_wide_tree(refs, kLanes, threads);
   result.root = tree.nodes.empty() ? kLeafBit : 0;
   result.nodes = std::move(tree.nodes);
   result.blocks.resize(tree.leaves.size());

@@ -154,7 +154,8 @@ RayFilter filter_of(const core::View& view) {
 
 // --- building --------------------------------------------------------------------------------------------------------
 
-core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_unused]] int threads) {
+core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_unused]] int threads,
+                                              const std::stop_token& stop) {
   std::vector<Slot> firsts;  // one for each new mesh
   for (const Slot slot : slots) {
     const std::uint32_t index = mesh_index(slot);
@@ -172,7 +173,8 @@ core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_u
   std::sort(firsts.begin(), firsts.end(), by_mesh);
   firsts.erase(std::unique(firsts.begin(), firsts.end(), same_mesh), firsts.end());
   const auto build_one = [&](Slot slot, int with) {
-    meshes_[mesh_index(slot)] = std::make_unique<const MeshTree>(build_mesh_tree(snapshot_->mesh(slot), with));
+    if (stop.stop_requested()) return;
+    meshes_[mesh_index(slot)] = std::make_unique<const MeshTree>(build_mesh_tree(snapshot_->mesh(slot), with, stop));
   };
   const auto large = std::partition(firsts.begin(), firsts.end(),
                                     [&](Slot slot) { return snapshot_->mesh(slot).indices.size() / 3 < kLargeMesh; });
@@ -186,14 +188,15 @@ core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_u
   return {};
 }
 
-core::Expected<void> Tracer::Impl::build(int threads) {
+core::Expected<void> Tracer::Impl::build(int threads, const std::stop_token& stop) {
   std::vector<Slot> slots;
   for (const Kind kind : {Kind::kFacetGroup, Kind::kMesh}) {
     const auto& of_kind = snapshot_->of_kind(kind).members;
     slots.insert(slots.end(), of_kind.begin(), of_kind.end());
   }
-  if (auto done = add_meshes(std::move(slots), threads); !done) return done;
-  items_ = ItemTrees(snapshot_->bounds(), threads);
+  if (auto done = add_meshes(std::move(slots), threads, stop); !done) return done;
+  if (!stop.stop_requested()) items_ = ItemTrees(snapshot_->bounds(), threads, stop);
+  if (stop.stop_requested()) return core::fail("tracer: stopped");
   return {};
 }
 
@@ -471,9 +474,9 @@ void Tracer::Impl::all(const Ray& ray, const RayFilter& filter, std::vector<Hit>
 
 // --- public interface ------------------------------------------------------------------------------------------------
 
-core::Expected<Tracer> Tracer::create(const core::Snapshot& snapshot, int threads) {
+core::Expected<Tracer> Tracer::create(const core::Snapshot& snapshot, int threads, const std::stop_token& stop) {
   auto impl = std::make_unique<Impl>(snapshot);
-  if (auto done = impl->build(threads); !done) return tl::unexpected(done.error());
+  if (auto done = impl->build(threads, stop); !done) return tl::unexpected(done.error());
   return Tracer(std::move(impl));
 }
 

@@ -24,6 +24,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string_view>
 #include <vector>
 
@@ -106,8 +107,9 @@ struct TracerMemory {
 class SIGHTLINE_API Tracer {
  public:
   /// The snapshot must outlive the tracer and stay at its address. `threads` build; 0: all that OpenMP offers. Fails
-  /// for a mesh of 2^28 triangles or more.
-  static core::Expected<Tracer> create(const core::Snapshot& snapshot, int threads = 0);
+  /// for a mesh of 2^28 triangles or more, and soon, within milliseconds, after `stop` was requested.
+  static core::Expected<Tracer> create(const core::Snapshot& snapshot, int threads = 0,
+                                       const std::stop_token& stop = {});
   Tracer(Tracer&&) noexcept;
   Tracer& operator=(Tracer&&) noexcept;
   ~Tracer();

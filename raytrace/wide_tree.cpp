@@ -18,6 +18,7 @@ constexpr int kBins = 16;
 constexpr std::uint32_t kJobs = 64, kSmallestJob = 4096;
 /// Below this level parts are halved by number, which bounds the depth (kMostLevels).
 constexpr int kDeepLevel = 20;
+constexpr std::uint32_t kUnstopped = 1024;  // boxes of parts that are built without asking whether to stop
 
 struct Box {
   Float4 low = Float4::spread(core::Aabb::kFar), high = Float4::spread(-core::Aabb::kFar);
@@ -71,12 +72,13 @@ struct Binning {
   void bins(const Box& box, std::int32_t out[4]) const { ((centre_of(box) - origin) * scale).store_whole(out); }
 };
 
-Split best_split(std::span<const BoxRef> refs, const Binning& binning) {
+Split best_split(std::span<const BoxRef> refs, const Binning& binning, const std::stop_token& stop) {
   struct Bins {
     Box box[kBins];
     std::uint32_t count[kBins] = {};
   } axes[3];
   for (const BoxRef& ref : refs) {
+    if (looks_for_stop(std::size_t(&ref - refs.data())) && stop.stop_requested()) break;
     const Box box = box_of(ref);
     alignas(16) std::int32_t bins[4];
     binning.bins(box, bins);
@@ -111,7 +113,8 @@ Split best_split(std::span<const BoxRef> refs, const Binning& binning) {
 
 class Builder {
  public:
-  Builder(std::span<BoxRef> refs, std::uint32_t largest_leaf) : refs_(refs), largest_leaf_(largest_leaf) {}
+  Builder(std::span<BoxRef> refs, std::uint32_t largest_leaf, const std::stop_token& stop)
+      : refs_(refs), largest_leaf_(largest_leaf), stop_(stop) {}
 
   Part whole() const { return measured(0, std::uint32_t(refs_.size())); }
 
@@ -124,8 +127,10 @@ class Builder {
   /// Builds the node of a part that is no leaf. Parts of at most `job_size` are left to `jobs`.
   std::uint32_t build(const Part& part, std::uint32_t parent, int level, BuiltTree& tree, std::uint32_t job_size = 0,
                       std::vector<Job>* jobs = nullptr) const {
+    if (stopped(part)) return core::kNone;
     Part children[kLanes];
     const int count = split_into_children(part, level, children);
+    if (stopped(part)) return core::kNone;  // a child's boxes may not hold what is in it
     const auto index = std::uint32_t(tree.nodes.size());
     tree.nodes.emplace_back();
     set_boxes(tree.nodes[index], children, count);
@@ -150,7 +155,10 @@ class Builder {
  private:
   Part measured(std::uint32_t first, std::uint32_t end) const {
     Part part;
-    for (std::uint32_t i = first; i < end; ++i) part.grow(box_of(refs_[i]));
+    for (std::uint32_t i = first; i < end; ++i) {
+      if (looks_for_stop(i) && stop_.stop_requested()) break;
+      part.grow(box_of(refs_[i]));
+    }
     finish(part, first, end);
     return part;
   }
@@ -168,7 +176,7 @@ class Builder {
     const auto size = [&](const Part& p) { return deep ? double(p.count) : p.area; };
     children[0] = part;
     int count = 1;
-    while (count < kLanes) {
+    while (count < kLanes && !stopped(part)) {
       int widest = -1;
       for (int i = 0; i < count; ++i)
         if (!children[i].leaf && (widest < 0 || size(children[i]) > size(children[widest]))) widest = i;
@@ -184,7 +192,7 @@ class Builder {
   void split(const Part& part, bool deep, Part& left, Part& right) const {
     const auto refs = refs_.subspan(part.first, part.count);
     const Binning binning(part);
-    const Split best = deep ? Split{} : best_split(refs, binning);
+    const Split best = deep ? Split{} : best_split(refs, binning, stop_);
     if (best.axis < 0) return halve(part, left, right);
     const BoxRef* const middle = partition(refs, binning, best, left, right);
     const auto at = std::uint32_t(middle - refs_.data());
@@ -192,11 +200,11 @@ class Builder {
     finish(right, at, part.first + part.count);
   }
 
-  static BoxRef* partition(std::span<BoxRef> refs, const Binning& binning, const Split& split, Part& left,
-                           Part& right) {
+  BoxRef* partition(std::span<BoxRef> refs, const Binning& binning, const Split& split, Part& left, Part& right) const {
     BoxRef *begin = refs.data(), *end = begin + refs.size();
     alignas(16) std::int32_t bins[4];
     while (begin < end) {
+      if (looks_for_stop(std::size_t(end - begin)) && stop_.stop_requested()) break;
       const Box box = box_of(*begin);
       binning.bins(box, bins);
       if (bins[split.axis] <= split.bin) {
@@ -231,8 +239,12 @@ class Builder {
     }
   }
 
+  /// Small parts are not worth the question.
+  bool stopped(const Part& part) const { return part.count > kUnstopped && stop_.stop_requested(); }
+
   std::span<BoxRef> refs_;
   std::uint32_t largest_leaf_;
+  const std::stop_token& stop_;
 };
 
 /// Appends a tree that was built by itself, below the lane `parent`.
@@ -251,10 +263,10 @@ void append(BuiltTree& tree, const BuiltTree& part, std::uint32_t parent) {
 }  // namespace
 
 BuiltTree build_wide_tree(std::span<BoxRef> refs, std::uint32_t largest_leaf, [[maybe_unused]] int threads,
-                          std::size_t spare_nodes) {
+                          std::size_t spare_nodes, const std::stop_token& stop) {
   assert(largest_leaf > 0);
   BuiltTree tree;
-  const Builder builder(refs, largest_leaf);
+  const Builder builder(refs, largest_leaf, stop);
   const Part whole = builder.whole();
   if (whole.count <= largest_leaf) {
     if (whole.count > 0) tree.leaves.push_back({0, whole.count});
@@ -272,11 +284,12 @@ BuiltTree build_wide_tree(std::span<BoxRef> refs, std::uint32_t largest_leaf, [[
     builder.build(jobs[i].part, core::kNone, jobs[i].level, parts[i]);
   }
 
+  if (stop.stop_requested()) return {};
   std::size_t nodes = tree.nodes.size(), leaves = tree.leaves.size();
   for (const BuiltTree& part : parts) nodes += part.nodes.size(), leaves += part.leaves.size();
   tree.nodes.reserve(nodes + spare_nodes);
   tree.leaves.reserve(leaves);
-  for (std::size_t i = 0; i < jobs.size(); ++i) {
+  for (std::size_t i = 0; i < jobs.size() && !stop.stop_requested(); ++i) {
     append(tree, parts[i], jobs[i].parent);
     parts[i] = {};
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "sightline/core/internal/large_array.h"
@@ -23,7 +24,8 @@ class ItemTrees {
   };
 
   ItemTrees() = default;
-  ItemTrees(const core::ItemBounds& bounds, int threads);
+  /// `threads`, `stop`: see build_wide_tree(); there is then no tree.
+  ItemTrees(const core::ItemBounds& bounds, int threads, const std::stop_token& stop = {});
   /// After changes of the boxes of `changed` slots, and after slots were appended.
   void update(const core::ItemBounds& bounds, std::span<const core::Slot> changed);
 
@@ -33,7 +35,8 @@ class ItemTrees {
   std::size_t memory_bytes() const { return nodes_.size() * sizeof(WideNode) + places_.size() * 4; }
 
  private:
-  void add(const core::ItemBounds& bounds, std::vector<core::Slot> slots, int threads);
+  void add(const core::ItemBounds& bounds, std::vector<core::Slot> slots, int threads,
+           const std::stop_token& stop = {});
   void take_apart_last(std::vector<core::Slot>& slots);
   void refit(std::uint32_t place, const core::Aabb& box);
   void measure(Tree& tree) const;

@@ -1,6 +1,8 @@
 // The hierarchy over the triangles of one mesh. Internal to raytrace.
 #pragma once
 
+#include <stop_token>
+
 #include "sightline/core/internal/large_array.h"
 #include "sightline/core/mesh.h"
 #include "sightline/raytrace/internal/ray_frame.h"
@@ -35,7 +37,8 @@ struct MeshTree {
 /// What the triangles enclose: see core::enclosure().
 core::Enclosure enclosure_of(const MeshTree& tree);
 
-/// Triangles with a corner that is not finite are left out. `threads`: see build_wide_tree().
-MeshTree build_mesh_tree(const core::Mesh& mesh, int threads);
+/// Triangles with a corner that is not finite are left out. `threads`, `stop`: see build_wide_tree(); the result is
+/// then empty.
+MeshTree build_mesh_tree(const core::Mesh& mesh, int threads, const std::stop_token& stop = {});
 
 }  // namespace sightline::raytrace

@@ -94,7 +94,7 @@ class Tracer::Impl {
  public:
   explicit Impl(const core::Snapshot& snapshot) : snapshot_(&snapshot) {}
 
-  core::Expected<void> build(int threads);
+  core::Expected<void> build(int threads, const std::stop_token& stop);
   core::Expected<void> update(std::span<const Slot> touched);
   void nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
     filter.sections.empty() ? nearest_in(ray, ray.t_min, ray.t_max, filter, hit) : nearest_kept(ray, filter, hit);
@@ -151,7 +151,7 @@ class Tracer::Impl {
   std::uint32_t mesh_index(Slot slot) const {
     return snapshot_->of_kind(snapshot_->kind(slot)).meshes[snapshot_->index_in_kind(slot)];
   }
-  core::Expected<void> add_meshes(std::vector<Slot> slots, int threads);
+  core::Expected<void> add_meshes(std::vector<Slot> slots, int threads, const std::stop_token& stop = {});
 
   const core::Snapshot* snapshot_;
   ItemTrees items_;

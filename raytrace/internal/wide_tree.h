@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "sightline/core/aabb.h"
@@ -31,7 +32,14 @@ struct BuiltTree {
 
 /// Orders `refs` so that each leaf is a range of at most `largest_leaf` (1 or more). No box may be empty or hold
 /// anything that is not finite. The tree does not depend on the number of `threads`; 0: all that OpenMP offers.
-/// `spare_nodes`: that `nodes` has room for besides its own.
-BuiltTree build_wide_tree(std::span<BoxRef> refs, std::uint32_t largest_leaf, int threads, std::size_t spare_nodes = 0);
+/// `spare_nodes`: that `nodes` has room for besides its own. Once `stop` was requested it ends within milliseconds, and
+/// the result says nothing.
+BuiltTree build_wide_tree(std::span<BoxRef> refs, std::uint32_t largest_leaf, int threads, std::size_t spare_nodes = 0,
+                          const std::stop_token& stop = {});
+
+/// Whether to look for a stop after so many steps of a loop, some nanoseconds each.
+constexpr bool looks_for_stop(std::size_t step) {
+  return step % 32768 == 0;
+}
 
 }  // namespace sightline::raytrace

@@ -2,7 +2,10 @@
 #include "sightline/raytrace/internal/wide_tree.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -103,6 +106,33 @@ TEST(WideTree, DoesNotDependOnThreads) {
   for (std::size_t i = 0; i < one.nodes.size(); ++i)
     for (int lane = 0; lane < kLanes; ++lane) ASSERT_EQ(one.nodes[i].children[lane], four.nodes[i].children[lane]);
   for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i].id, b[i].id);
+}
+
+/// A stop may come anywhere: then the result says nothing, and else it is right.
+TEST(WideTree, MayBeStopped) {
+  Random random(4);
+  const std::vector<BoxRef> boxes = boxes_of(Shape::kSpread, 200'000, random);
+  int stopped = 0, complete = 0;
+  for (int round = 0; round < 40; ++round) {
+    std::vector<BoxRef> refs = boxes;
+    std::stop_source stop;
+    if (round == 0) stop.request_stop();
+    std::jthread stopper([&, us = round * round * 100] {
+      std::this_thread::sleep_for(std::chrono::microseconds(us));
+      stop.request_stop();
+    });
+    const BuiltTree tree = build_wide_tree(refs, 1, 2, 0, stop.get_token());
+    if (stop.stop_requested()) {
+      ++stopped;
+      continue;
+    }
+    ++complete;
+    std::vector<int> seen(refs.size());
+    check_below(tree, 0, core::kNone, refs, seen);
+    EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), std::ptrdiff_t(refs.size()));
+  }
+  EXPECT_GT(stopped, 0);
+  std::printf("%d stopped, %d complete\n", stopped, complete);
 }
 
 TEST(WideTree, NothingIsAnEmptyTree) {
