@@ -1,5 +1,6 @@
 #include "sightline/gpuscene/internal/gpu_scene.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 
@@ -10,13 +11,17 @@
 namespace sightline::gpuscene {
 namespace {
 
+using core::Deadline;
 using core::Kind;
+using core::kNoDeadline;
 using core::kPrefetchAhead;
+using core::over;
 using core::Slot;
 using core::Snapshot;
 using gpuprims::Texel;
 
 constexpr std::uint32_t kHeadroom = 64;  // spare records, besides an eighth of the present ones
+constexpr std::size_t kPiece = 4096;     // records packed at a time, which takes less than a millisecond
 
 /// What a record says of an item besides its placement and shape.
 std::uint32_t material_word(const Snapshot& snapshot, const gpuprims::Joints& joints, Slot slot) {
@@ -29,11 +34,11 @@ std::uint32_t material_word(const Snapshot& snapshot, const gpuprims::Joints& jo
   return word;
 }
 
-/// Packs the records of `slots`. The result has room for `capacity` records.
+/// Packs the records of `slots`.
 std::vector<Texel> pack_slots(const Snapshot& snapshot, const gpuprims::Joints& joints, BatchKind kind,
-                              std::span<const Slot> slots, std::size_t capacity) {
+                              std::span<const Slot> slots) {
   const std::size_t stride = std::size_t(texels_per_record(kind));
-  std::vector<Texel> texels(capacity * stride);
+  std::vector<Texel> texels(slots.size() * stride);
   for (std::size_t i = 0; i < slots.size(); ++i) {
     if (i + kPrefetchAhead < slots.size()) snapshot.prefetch_record(slots[i + kPrefetchAhead]);
     GpuScene::pack(snapshot, joints, slots[i], std::span(texels).subspan(i * stride, stride));
@@ -46,15 +51,15 @@ std::uint32_t mesh_index(const Snapshot& snapshot, Slot slot) {
   return snapshot.of_kind(snapshot.kind(slot)).meshes[snapshot.index_in_kind(slot)];
 }
 
-core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, const Snapshot& snapshot,
-                                 const gpuprims::Joints& joints, std::span<const Slot> slots) {
+/// A batch with room for some more than `count` records.
+core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, std::size_t count) {
   Batch batch;
   batch.kind = kind;
-  batch.count = std::uint32_t(slots.size());
+  batch.count = std::uint32_t(count);
   batch.capacity = batch.count + batch.count / 8 + kHeadroom;
-  const std::vector<Texel> texels = pack_slots(snapshot, joints, kind, slots, batch.capacity);
   const std::string what = "records of the " + std::string(name_of(kind)) + " batch";
-  auto buffer = gl::Buffer::create(gl, std::span(texels), GL_DYNAMIC_STORAGE_BIT, what);
+  const std::size_t bytes = batch.capacity * record_bytes(kind);
+  auto buffer = gl::Buffer::create(gl, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, what);
   if (!buffer) return tl::unexpected(buffer.error());
   batch.records = std::move(*buffer);
   auto view = gl::TextureBuffer::create(gl, batch.records, GL_RGBA32UI, what);
@@ -98,31 +103,95 @@ void GpuScene::pack(const Snapshot& snapshot, const gpuprims::Joints& joints, Sl
                  out);
 }
 
+// --- uploading -------------------------------------------------------------------------------------------------------
+
+struct GpuScene::Upload {
+  std::size_t kind = 0;     // of the batch that is uploaded
+  std::vector<Slot> slots;  // of its records
+  std::size_t next = 0;     // of these
+  bool batch_made = false;
+  std::optional<MeshPoolBuilder> meshes;
+};
+
+GpuScene::GpuScene() = default;
+GpuScene::GpuScene(GpuScene&&) noexcept = default;
+GpuScene& GpuScene::operator=(GpuScene&&) noexcept = default;
+GpuScene::~GpuScene() = default;
+
 core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snapshot& snapshot,
                                           const gpuprims::Joints& joints) {
-  const gl::Functions& gl = context.functions();
+  GpuScene scene = begin(context, snapshot);
+  if (auto done = scene.advance(context, snapshot, joints, kNoDeadline); !done) return tl::unexpected(done.error());
+  return scene;
+}
+
+GpuScene GpuScene::begin(const gl::Context& context, const Snapshot& snapshot) {
   GpuScene scene;
   scene.writer_ = ElementWriter(context);
-  std::array<std::vector<Slot>, kBatchKindCount> slots;
-  for (Slot slot = 0; slot < snapshot.size(); ++slot) slots[std::size_t(batch_of(snapshot.kind(slot)))].push_back(slot);
-  for (std::size_t i = 0; i < slots.size(); ++i) {
-    if (slots[i].empty()) continue;
-    auto batch = make_batch(gl, BatchKind(i), snapshot, joints, slots[i]);
-    if (!batch) return tl::unexpected(batch.error());
-    scene.batches_.push_back(std::move(*batch));
-  }
-  const auto& mesh_slots = slots[std::size_t(BatchKind::kMesh)];
-  if (!mesh_slots.empty()) {
-    auto pool = build_mesh_pool(gl, snapshot, mesh_slots);
-    if (!pool) return tl::unexpected(pool.error());
-    scene.meshes_ = std::move(*pool);
-    for (std::uint32_t i = 0; i < mesh_slots.size(); ++i)
-      scene.record_of_mesh_.emplace(mesh_index(snapshot, mesh_slots[i]), i);
-  }
   scene.slot_count_ = Slot(snapshot.size());
-
-  if (auto done = scene.make_materials(gl, snapshot); !done) return tl::unexpected(done.error());
+  scene.upload_ = std::make_unique<Upload>();
   return scene;
+}
+
+core::Expected<bool> GpuScene::advance(const gl::Context& context, const Snapshot& snapshot,
+                                       const gpuprims::Joints& joints, Deadline deadline) {
+  const gl::Functions& gl = context.functions();
+  for (; upload_->kind < std::size_t(kBatchKindCount); ++upload_->kind) {
+    const auto done = advance_batch(gl, snapshot, joints, deadline);
+    if (!done || !*done) return done;
+  }
+  if (auto done = make_materials(gl, snapshot); !done) return tl::unexpected(done.error());
+  upload_.reset();
+  return true;
+}
+
+/// Of the batch that comes next: its records, and with them its meshes.
+core::Expected<bool> GpuScene::advance_batch(const gl::Functions& gl, const Snapshot& snapshot,
+                                             const gpuprims::Joints& joints, Deadline deadline) {
+  const auto kind = BatchKind(upload_->kind);
+  if (!upload_->batch_made) {
+    upload_->slots = slots_of(snapshot, kind, slot_count_);
+    if (upload_->slots.empty()) return true;
+    auto batch = make_batch(gl, kind, upload_->slots.size());
+    if (!batch) return tl::unexpected(batch.error());
+    batches_.push_back(std::move(*batch));
+    upload_->batch_made = true;
+    upload_->next = 0;
+    if (kind == BatchKind::kMesh) upload_->meshes.emplace(snapshot);
+  }
+  while (upload_->next < upload_->slots.size()) {
+    const std::size_t first = upload_->next, count = std::min(kPiece, upload_->slots.size() - first);
+    const auto piece = std::span<const Slot>(upload_->slots).subspan(first, count);
+    const std::vector<Texel> texels = pack_slots(snapshot, joints, kind, piece);
+    batches_.back().records.write(first * record_bytes(kind), texels.size() * sizeof(Texel), texels.data());
+    upload_->next += count;
+    if (over(deadline)) return false;
+  }
+  if (kind == BatchKind::kMesh) {
+    while (upload_->meshes->gathered() < upload_->slots.size()) {
+      const std::size_t record = upload_->meshes->gathered();
+      record_of_mesh_.emplace(mesh_index(snapshot, upload_->slots[record]), std::uint32_t(record));
+      upload_->meshes->gather(upload_->slots[record]);
+      if (over(deadline)) return false;
+    }
+    auto pool = upload_->meshes->upload(gl);
+    if (!pool) return tl::unexpected(pool.error());
+    meshes_ = std::move(*pool);
+  }
+  upload_->batch_made = false;
+  return true;
+}
+
+std::vector<Slot> GpuScene::slots_of(const Snapshot& snapshot, BatchKind kind, Slot end) {
+  std::vector<Slot> slots;
+  for (int k = 0; k < core::kKindCount; ++k) {
+    if (batch_of(Kind(k)) != kind) continue;
+    const auto& members = snapshot.of_kind(Kind(k)).members;
+    const auto middle = std::ptrdiff_t(slots.size());
+    slots.insert(slots.end(), members.begin(), std::lower_bound(members.begin(), members.end(), end));
+    std::inplace_merge(slots.begin(), slots.begin() + middle, slots.end());
+  }
+  return slots;
 }
 
 /// Row 0 is for items that name no material; the snapshot's table follows.
@@ -173,7 +242,7 @@ bool GpuScene::append(const Snapshot& snapshot, const gpuprims::Joints& joints) 
   for (Batch& b : batches_) {
     const auto& fresh = slots[std::size_t(b.kind)];
     if (fresh.empty()) continue;
-    const std::vector<Texel> texels = pack_slots(snapshot, joints, b.kind, fresh, fresh.size());
+    const std::vector<Texel> texels = pack_slots(snapshot, joints, b.kind, fresh);
     b.records.write(b.count * record_bytes(b.kind), texels.size() * sizeof(Texel), texels.data());
     b.count += std::uint32_t(fresh.size());
   }
@@ -183,7 +252,7 @@ bool GpuScene::append(const Snapshot& snapshot, const gpuprims::Joints& joints) 
 
 void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed, const gpuprims::Joints& joints) {
   for_each_batch(snapshot, changed, [&](const Batch& target, const Changed& now) {
-    const std::vector<Texel> texels = pack_slots(snapshot, joints, target.kind, now.slots, now.slots.size());
+    const std::vector<Texel> texels = pack_slots(snapshot, joints, target.kind, now.slots);
     writer_.write(target.records, record_bytes(target.kind), now.records, texels.data());
   });
 }

@@ -73,12 +73,16 @@ gl::ProgramDescription Renderer::describe_batch(BatchKind kind, const TargetForm
 
 core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpuscene::GpuScene& scene,
                                           const TargetFormat& format) {
+  auto renderer = begin(context);
+  if (!renderer) return renderer;
+  if (auto done = renderer->advance(scene, format, core::kNoDeadline); !done) return tl::unexpected(done.error());
+  return renderer;
+}
+
+core::Expected<Renderer> Renderer::begin(const gl::Context& context) {
   const gl::Functions& gl = context.functions();
   Renderer renderer;
   renderer.gl_ = &gl;
-  auto programs = renderer.make_programs(scene, format, Cut::kNone, Surface::kSolid);
-  if (!programs) return tl::unexpected(programs.error());
-  renderer.programs_[0].plain = std::move(*programs);
   renderer.record_array_ = gl::VertexArray(gl);
   renderer.mesh_array_ = gl::VertexArray(gl);
   describe_mesh(gl, renderer.mesh_array_.id());
@@ -88,10 +92,24 @@ core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpus
   return renderer;
 }
 
-/// Makes the programs of all batches, and on the first call the program that ray-cast batches share.
-core::Expected<Renderer::BatchPrograms> Renderer::make_programs(const gpuscene::GpuScene& scene,
-                                                                const TargetFormat& format, Cut cut, Surface surface) {
-  const std::vector<gpuscene::Batch>& batches = scene.batches();
+core::Expected<bool> Renderer::advance(const gpuscene::GpuScene& scene, const TargetFormat& format,
+                                       core::Deadline deadline) {
+  std::optional<BatchPrograms>& plain = programs_[std::size_t(Surface::kSolid)].plain;
+  if (!plain) plain.emplace();
+  const std::span<const gpuscene::Batch> batches = scene.batches();
+  while (compiled_ < batches.size()) {
+    const std::size_t count = deadline == core::kNoDeadline ? batches.size() - compiled_ : 1;
+    auto done = make_programs(batches.subspan(compiled_, count), format, Cut::kNone, Surface::kSolid, *plain);
+    if (!done) return tl::unexpected(done.error());
+    compiled_ += count;
+    if (core::over(deadline)) break;
+  }
+  return compiled_ == batches.size();
+}
+
+/// Makes the programs of batches, and the program that ray-cast batches share unless there is one.
+core::Expected<void> Renderer::make_programs(std::span<const gpuscene::Batch> batches, const TargetFormat& format,
+                                             Cut cut, Surface surface, BatchPrograms& made) {
   std::vector<gl::ProgramDescription> descriptions;
   for (const gpuscene::Batch& batch : batches) descriptions.push_back(describe_batch(batch.kind, format, cut, surface));
   const bool proxies = proxy_program_.id() == 0 && std::any_of(batches.begin(), batches.end(), [](const auto& batch) {
@@ -101,16 +119,15 @@ core::Expected<Renderer::BatchPrograms> Renderer::make_programs(const gpuscene::
   auto programs = gl::Program::create_all(*gl_, descriptions);
   if (!programs) return tl::unexpected(programs.error());
   if (proxies) proxy_program_ = std::move(programs->back());
-  BatchPrograms all;
   for (std::size_t i = 0; i < batches.size(); ++i) {
-    BatchProgram& made = all[std::size_t(batches[i].kind)];
-    made.program = std::move((*programs)[i]);
+    BatchProgram& one = made[std::size_t(batches[i].kind)];
+    one.program = std::move((*programs)[i]);
     if (!gpuscene::is_ray_cast(batches[i].kind)) continue;
-    made.pipeline = gl::ProgramPipeline(*gl_);
-    made.pipeline.set_stages(GL_VERTEX_SHADER_BIT | GL_GEOMETRY_SHADER_BIT, proxy_program_);
-    made.pipeline.set_stages(GL_FRAGMENT_SHADER_BIT, made.program);
+    one.pipeline = gl::ProgramPipeline(*gl_);
+    one.pipeline.set_stages(GL_VERTEX_SHADER_BIT | GL_GEOMETRY_SHADER_BIT, proxy_program_);
+    one.pipeline.set_stages(GL_FRAGMENT_SHADER_BIT, one.program);
   }
-  return all;
+  return {};
 }
 
 core::Expected<void> Renderer::upload_view(const core::View& view, const core::Snapshot& snapshot,
@@ -194,9 +211,9 @@ core::Expected<void> Renderer::draw_surfaces(const core::View& view, const core:
   }
   std::optional<BatchPrograms>& programs = sections ? all.sections : all.plain;
   if (!programs) {
-    auto made = make_programs(scene, target.format(), cut, surface);
-    if (!made) return tl::unexpected(made.error());
-    programs = std::move(*made);
+    BatchPrograms made;
+    if (auto done = make_programs(scene.batches(), target.format(), cut, surface, made); !done) return done;
+    programs = std::move(made);
   }
   sums ? sums->begin_drawing() : target.begin_drawing();
 

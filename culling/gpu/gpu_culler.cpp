@@ -39,14 +39,6 @@ float rounded_up(double band) {
   return std::min(core::round_up(band), std::numeric_limits<float>::max());
 }
 
-/// Slots of each batch's records.
-std::array<std::vector<Slot>, gpuscene::kBatchKindCount> slots_by_batch(const Snapshot& snapshot) {
-  std::array<std::vector<Slot>, gpuscene::kBatchKindCount> slots;
-  for (Slot slot = 0; slot < snapshot.size(); ++slot)
-    slots[std::size_t(gpuscene::batch_of(snapshot.kind(slot)))].push_back(slot);
-  return slots;
-}
-
 }  // namespace
 
 // --- data on the GPU -------------------------------------------------------------------------------------------------
@@ -85,9 +77,9 @@ GpuVariant GpuCuller::variant() const {
 
 core::Expected<void> GpuCuller::make_batches(const Snapshot& snapshot, const gpuscene::GpuScene& scene) {
   batches_.clear();
-  auto slots = slots_by_batch(snapshot);
   for (const Batch& batch : scene.batches())
-    if (auto done = add_batch(snapshot, scene, batch, std::move(slots[std::size_t(batch.kind)])); !done) return done;
+    if (auto done = add_batch(snapshot, scene, batch, gpuscene::GpuScene::slots_of(snapshot, batch.kind)); !done)
+      return done;
   slot_count_ = Slot(snapshot.size());
   uses_layers_ = snapshot.bounds().uses_layers();
   return {};

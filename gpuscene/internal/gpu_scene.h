@@ -4,11 +4,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "sightline/core/internal/deadline.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/gl/context.h"
 #include "sightline/gl/internal/buffer.h"
@@ -52,6 +54,17 @@ class GpuScene {
   /// snapshot. Fails when the GPU has not enough memory. The context must be current, here and in all other calls.
   static core::Expected<GpuScene> create(const gl::Context& context, const core::Snapshot& snapshot,
                                          const gpuprims::Joints& joints = {});
+  /// The same in portions: begin(), which uploads nothing, and advance() until it returns true. Each call does at least
+  /// a little, and ends a millisecond or so after the deadline; but a mesh is worked up as a whole. The snapshot may be
+  /// edited in between: once all is uploaded, call append() and update() with everything that was touched meanwhile.
+  /// After a failure the scene is of no use.
+  static GpuScene begin(const gl::Context& context, const core::Snapshot& snapshot);
+  core::Expected<bool> advance(const gl::Context& context, const core::Snapshot& snapshot,
+                               const gpuprims::Joints& joints, core::Deadline deadline);
+
+  GpuScene(GpuScene&&) noexcept;
+  GpuScene& operator=(GpuScene&&) noexcept;
+  ~GpuScene();
 
   /// Rewrites the records of changed slots: placement and material, and for vacant slots, which ranges may contain,
   /// nothing to draw. Call append() for appended slots first. Needs at most one GL call per run of neighbours, and
@@ -83,8 +96,12 @@ class GpuScene {
   static std::uint32_t rank(const core::Snapshot& snapshot, BatchKind kind, core::Slot slot);
   /// Place of an item's record in its batch. Equals rank() of its own slot, but is faster.
   static std::uint32_t record_of(const core::Snapshot& snapshot, core::Slot slot);
+  /// Slots below `end` of the records of a batch, in order.
+  static std::vector<core::Slot> slots_of(const core::Snapshot& snapshot, BatchKind kind, core::Slot end = core::kNone);
 
  private:
+  struct Upload;
+  GpuScene();
   /// Slots of one batch, and their records, which rise.
   struct Changed {
     std::vector<std::uint32_t> records;
@@ -92,6 +109,8 @@ class GpuScene {
   };
   template <class Visit>
   void for_each_batch(const core::Snapshot& snapshot, std::span<const core::Slot> changed, const Visit& visit);
+  core::Expected<bool> advance_batch(const gl::Functions& gl, const core::Snapshot& snapshot,
+                                     const gpuprims::Joints& joints, core::Deadline deadline);
   core::Expected<void> make_materials(const gl::Functions& gl, const core::Snapshot& snapshot);
 
   std::vector<Batch> batches_;
@@ -101,6 +120,7 @@ class GpuScene {
   ElementWriter writer_;
   core::Slot slot_count_ = 0;
   std::unordered_map<std::uint32_t, std::uint32_t> record_of_mesh_;  // by mesh: the record of some item with that mesh
+  std::unique_ptr<Upload> upload_;                                   // until everything is uploaded
 };
 
 }  // namespace sightline::gpuscene

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
+#include "sightline/core/internal/deadline.h"
 #include "sightline/core/view.h"
 #include "sightline/gl/internal/program.h"
 #include "sightline/gl/internal/program_pipeline.h"
@@ -22,6 +24,10 @@ class Renderer {
   /// driver's log. Programs for section planes are compiled with the first view that has some.
   static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene,
                                          const TargetFormat& format = {});
+  /// The same in portions: begin(), and advance() until it returns true. Each call compiles at least one program, and
+  /// ends after the one that is late.
+  static core::Expected<Renderer> begin(const gl::Context& context);
+  core::Expected<bool> advance(const gpuscene::GpuScene& scene, const TargetFormat& format, core::Deadline deadline);
 
   /// Clears the target and draws the records in the lists. All analytic primitives are ray-cast and exact up to float
   /// arithmetic. With several samples per pixel, a primitive covers the samples whose rays hit it, with the colour and
@@ -93,12 +99,13 @@ class Renderer {
                                      const RenderTarget& target, Surface surface, const gl::TextureBuffer& materials,
                                      const BlendedSums* sums = nullptr, const glm::vec2& range = {});
 
-  core::Expected<BatchPrograms> make_programs(const gpuscene::GpuScene& scene, const TargetFormat& format, Cut cut,
-                                              Surface surface);
+  core::Expected<void> make_programs(std::span<const gpuscene::Batch> batches, const TargetFormat& format, Cut cut,
+                                     Surface surface, BatchPrograms& made);
 
   const gl::Functions* gl_ = nullptr;
   gl::Program proxy_program_;  // vertex and geometry stage of all ray-cast batches; empty without such batches
   std::array<SurfacePrograms, kSurfaces> programs_;
+  std::size_t compiled_ = 0;  // batches whose first programs are made
   gl::VertexArray record_array_, mesh_array_;
   gl::Buffer view_block_, chunk_rows_;
   gl::TextureBuffer chunk_texels_;
