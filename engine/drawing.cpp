@@ -39,6 +39,14 @@ void Drawing::plan_programs(Plan& plan, const core::Snapshot& snapshot, bool dra
 core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                                                          const EngineConfig& config, const Overrides& overrides,
                                                          bool gpu_culls) {
+  auto drawing = begin(config, overrides);
+  if (!drawing) return drawing;
+  [[maybe_unused]] const KeptState kept = (*drawing)->keep_state();
+  if (auto done = (*drawing)->rebuild(snapshot, joints, gpu_culls); !done) return tl::unexpected(done.error());
+  return drawing;
+}
+
+core::Expected<std::unique_ptr<Drawing>> Drawing::begin(const EngineConfig& config, const Overrides& overrides) {
   std::optional<gl::Context> own;
   if (!config.context) {
     gl::ContextOptions options;
@@ -64,8 +72,24 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::create(const core::Snapshot& s
     if (!target) return tl::unexpected(target.error());
     drawing->target_ = std::move(*target);
   }
-  if (auto done = drawing->rebuild(snapshot, joints, gpu_culls); !done) return tl::unexpected(done.error());
+  drawing->upload_.emplace();
   return drawing;
+}
+
+void Drawing::follow_later(std::span<const core::Slot> touched, std::span<const std::uint32_t> materials) {
+  later_.touched.insert(later_.touched.end(), touched.begin(), touched.end());
+  later_.materials.insert(later_.materials.end(), materials.begin(), materials.end());
+}
+
+/// In rising order, each once.
+Drawing::Edits Drawing::take_later() {
+  const auto settle = [](auto& list) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  };
+  settle(later_.touched);
+  settle(later_.materials);
+  return std::exchange(later_, {});
 }
 
 void Drawing::configure(const EngineConfig& config) {
@@ -77,6 +101,7 @@ void Drawing::configure(const EngineConfig& config) {
   relief_ = config.relief;
   hatching_ = {config.hatching.strength, config.hatching.spacing};
   if (renderer_) renderer_->hatching = hatching_;
+  if (upload_ && upload_->renderer) upload_->renderer->hatching = hatching_;
   set_contribution(config.contribution, config.contribution_way);
 }
 
@@ -102,31 +127,108 @@ std::vector<std::string> Drawing::take_gl_errors() {
 
 core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls) {
   if (auto current = make_current(); !current) return current;
-  auto scene = gpuscene::GpuScene::create(context_, snapshot, joints);
-  if (!scene) return tl::unexpected(scene.error());
-  auto lists = gpuscene::DrawLists::create(context_, *scene);
-  if (!lists) return tl::unexpected(lists.error());
-  translucent_.reset(snapshot);
-  std::optional<culling::GpuCuller> culler;
-  if (gpu_culls) {
-    auto made = make_culler(snapshot, *scene);
-    if (!made) return tl::unexpected(made.error());
-    culler = std::move(*made);
+  upload_.reset();
+  Upload upload;
+  auto done = advance(upload, snapshot, joints, gpu_culls, core::kNoDeadline);
+  if (!done) return tl::unexpected(done.error());
+  take(std::move(upload));
+  return {};
+}
+
+core::Expected<bool> Drawing::advance(Upload& upload, const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                      bool gpu_culls, core::Deadline deadline) {
+  if (!upload.lists) {
+    if (!upload.scene) upload.scene = gpuscene::GpuScene::begin(context_, snapshot);
+    const auto done = upload.scene->advance(context_, snapshot, joints, deadline);
+    if (!done || !*done) return done;
+    const auto [touched, materials] = take_later();
+    if (!upload.scene->append(snapshot, joints)) {
+      upload = {};
+      return false;
+    }
+    upload.scene->update(snapshot, touched, joints);
+    if (auto kept = upload.scene->update_materials(context_, snapshot, materials); !kept)
+      return tl::unexpected(kept.error());
+    auto lists = gpuscene::DrawLists::create(context_, *upload.scene);
+    if (!lists) return tl::unexpected(lists.error());
+    upload.lists = std::move(*lists);
+    translucent_.reset(snapshot);
+    if (gpu_culls) {
+      auto culler = make_culler(snapshot, *upload.scene);
+      if (!culler) return tl::unexpected(culler.error());
+      upload.culler = std::move(*culler);
+    }
+    if (core::over(deadline)) return false;
   }
-  if (renders_) {
-    auto renderer = render::Renderer::create(context_, *scene, target_.format());
+  if (!renders_) return true;
+  if (!upload.renderer) {
+    auto renderer = render::Renderer::begin(context_);
     if (!renderer) return tl::unexpected(renderer.error());
-    renderer_ = std::move(*renderer);
-    renderer_->hatching = hatching_;
+    upload.renderer = std::move(*renderer);
+    upload.renderer->hatching = hatching_;
   }
+  return upload.renderer->advance(*upload.scene, target_.format(), deadline);
+}
+
+void Drawing::take(Upload upload) {
   passes_.reset();
   was_large_.clear();
   budget_.reset();
   picture_changed();
   solid_areas_.reset();
-  culler_ = std::move(culler);
-  scene_ = std::move(*scene);
-  lists_ = std::move(*lists);
+  culler_ = std::move(upload.culler);
+  scene_ = std::move(*upload.scene);
+  lists_ = std::move(*upload.lists);
+  if (upload.renderer) renderer_ = std::move(*upload.renderer);
+}
+
+core::Expected<bool> Drawing::advance(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
+                                      core::Deadline deadline) {
+  if (auto current = make_current(); !current) return tl::unexpected(current.error());
+  [[maybe_unused]] const KeptState kept = keep_state();
+  if (upload_) {
+    const auto done = advance(*upload_, snapshot, joints, gpu_culls, deadline);
+    if (!done || !*done) return done;
+    Upload upload = std::move(*upload_);
+    upload_.reset();
+    take(std::move(upload));
+  }
+  if (const auto done = warm_up(snapshot, deadline); !done || !*done) return done;
+  const auto [touched, materials] = take_later();
+  if (auto done = update(snapshot, joints, touched, materials); !done) return tl::unexpected(done.error());
+  return true;
+}
+
+core::Expected<bool> Drawing::warm_up(const core::Snapshot& snapshot, core::Deadline deadline) {
+  while (renderer_ && warmed_up_ < scene_->batches().size()) {
+    if (auto done = draw_one(snapshot, scene_->batches()[warmed_up_++]); !done) return tl::unexpected(done.error());
+    if (core::over(deadline)) return false;
+  }
+  return (contribution_ <= 0.0f && budget_ms_ <= 0.0) || solid_areas_.measure(snapshot, deadline);
+}
+
+/// The first item that shows, from near.
+core::Expected<void> Drawing::draw_one(const core::Snapshot& snapshot, const gpuscene::Batch& batch) {
+  core::VisibleSet one;
+  one.generation = snapshot.generation();
+  std::vector<core::Slot> slots = gpuscene::GpuScene::slots_of(snapshot, batch.kind);
+  slots.resize(batch.count);  // those that came later have no records yet
+  const auto shows = [&](core::Slot slot) { return !snapshot.vacant(slot); };
+  const auto first = std::find_if(slots.begin(), slots.end(), shows);
+  if (first == slots.end()) return {};
+  one.items = {*first};
+  const core::Aabb box = snapshot.bounds().box(one.items[0]);
+  const core::dvec3 origin = snapshot.bounds().origin;
+  const auto view = core::View::fit({origin + core::dvec3(box.min), origin + core::dvec3(box.max)},
+                                    core::kOverviewDirection, 0.9, double(target_.width()) / target_.height());
+  if (!view) return {};
+  if (auto done = lists_->update(snapshot, *scene_, one, &*view); !done) return done;
+  if (auto done = renderer_->draw(*view, snapshot, *scene_, *lists_, target_); !done) return done;
+  if (relief_.any()) {
+    if (!relief_pass_) relief_pass_.emplace(context_.functions());
+    if (auto done = relief_pass_->draw(target_, *view, relief_.shading, relief_.lines); !done) return done;
+  }
+  context_.functions().Finish();
   return {};
 }
 
@@ -147,7 +249,7 @@ core::Expected<culling::GpuCuller> Drawing::make_culler(const core::Snapshot& sn
 }
 
 core::Expected<void> Drawing::add_culler(const core::Snapshot& snapshot) {
-  if (culler_) return {};
+  if (culler_ || upload_) return {};
   if (auto current = make_current(); !current) return current;
   auto culler = make_culler(snapshot, *scene_);
   if (!culler) return tl::unexpected(culler.error());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <chrono>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -13,8 +14,10 @@
 namespace sightline::engine {
 namespace {
 
-constexpr double kFewSlots = 256.0;  // fewer are not worth a thread
-constexpr double kTryAgain = 0.5;    // seconds between tries to make a context
+constexpr double kFewSlots = 256.0;         // fewer are not worth a thread
+constexpr double kShareOfSnapshot = 0.75;   // of the time that making an engine takes
+constexpr double kTryAgain = 0.5;           // seconds between tries to make a context
+constexpr double kLongestPortion = 3600.0;  // seconds
 // Measured on llvmpipe: 1.15 to 1.2 times the frame of the CPU's path (docs/hybrid-culling.md).
 constexpr double kSoftwareGpuExcess = 0.1;
 
@@ -81,11 +84,12 @@ const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig
 
 // --- public interface ------------------------------------------------------------------------------------------------
 
-core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config) {
+core::Expected<Engine> Engine::create(core::Scene& scene, const EngineConfig& config, const Progress& progress) {
   if (auto good = check(config); !good) return tl::unexpected(good.error());
   if (auto delta = scene.commit(); !delta) return tl::unexpected(delta.error());
   auto impl = std::make_unique<Impl>(scene, config);
-  if (auto done = impl->build(); !done) return tl::unexpected(done.error());
+  if (auto done = impl->build(progress); !done) return tl::unexpected(done.error());
+  if (progress) progress(1.0);
   return Engine(std::move(impl));
 }
 
@@ -159,6 +163,9 @@ void Engine::drop_context() {
 core::Expected<void> Engine::use_context(gl::Context& context) {
   return impl_->use_context(context);
 }
+core::Expected<bool> Engine::use_context(gl::Context& context, double seconds) {
+  return impl_->use_context(context, seconds);
+}
 void Engine::paused() {
   impl_->paused();
 }
@@ -203,8 +210,9 @@ Engine::Impl::Impl(core::Scene& scene, const EngineConfig& config)
   if (config.context_later) next_try_ = std::numeric_limits<double>::infinity();
 }
 
-core::Expected<void> Engine::Impl::build() {
+core::Expected<void> Engine::Impl::build(const Progress& progress) {
   auto snapshot = std::make_unique<core::Snapshot>(*scene_);
+  if (progress && !progress(kShareOfSnapshot)) return core::fail("engine: cancelled");
   overrides_.restore(*snapshot);
   live_ = make_order(std::move(snapshot), plan_request(config_, picks_));
   return follow_order();
@@ -217,8 +225,9 @@ core::Expected<void> Engine::Impl::land() {
     rebuild_.reset();
     return {};
   }
-  new_tracer_.finish(live_);
-  if (!rebuild_->exchange(live_)) return {};
+  if (!rebuild_->ready()) return {};
+  new_tracer_.interrupt(live_);
+  if (!rebuild_->exchange(live_)) return new_tracer_.follow(live_), core::Expected<void>();
   live_.follow_plan(plan_request(config_, picks_));  // settings may have changed since the rebuild began
   overrides_.reorder(*live_.snapshot);
   return follow_order();
@@ -263,7 +272,8 @@ core::Expected<void> Engine::Impl::configure(const EngineConfig& config) {
     note_gpu_variant();
     return done;
   }
-  if (drawing_) drawing_->configure(config_);
+  for (Drawing* drawing : {drawing_.get(), coming_.get()})
+    if (drawing) drawing->configure(config_);
   const bool same_culler = live_.plan.culler == culler_before;
   if (!same_culler) rebuild_.reset();  // it would land with the former culler
   if (same_culler && cost_alike(before, config_)) return {};
@@ -284,6 +294,12 @@ core::Expected<void> Engine::Impl::resize(int width, int height) {
   [[maybe_unused]] const auto kept = keep_state();
   if (drawing_ && config_.draw)
     if (auto done = unless_lost(drawing_->resize(width, height)); !done) return done;
+  if (coming_ && config_.draw)
+    if (auto done = coming_->resize(width, height); !done) {
+      const bool lost = coming_->lost();
+      coming_.reset();
+      if (!lost) return done;
+    }
   config_.width = width;
   config_.height = height;
   return {};
@@ -292,6 +308,7 @@ core::Expected<void> Engine::Impl::resize(int width, int height) {
 /// Makes what the plan needs in the context: everything for a new order of the items or a new context, otherwise what
 /// is missing. Does nothing while the context is lost.
 core::Expected<void> Engine::Impl::make_drawing(bool new_order) {
+  if (new_order) coming_.reset();
   if (!needs_gl()) {
     drawing_.reset();
     return {};
@@ -333,6 +350,7 @@ core::Expected<void> Engine::Impl::unless_lost(core::Expected<void> done) const 
 
 void Engine::Impl::drop_context() {
   drawing_.reset();
+  coming_.reset();
   next_try_ = 0.0;
   if (hybrid_) hybrid_->gpu_lost();
 }
@@ -340,10 +358,53 @@ void Engine::Impl::drop_context() {
 core::Expected<void> Engine::Impl::use_context(gl::Context& context) {
   if (drawing_ && drawing_->lost()) drop_context();
   assert(!drawing_ && "the other context is still in use: drop_context()");
+  return take_context(context, nullptr);
+}
+
+core::Expected<bool> Engine::Impl::use_context(gl::Context& context, double seconds) {
+  if (drawing_ && drawing_->lost()) drop_context();
+  assert(!drawing_ && "the other context is still in use: drop_context()");
+  if (coming_ && (coming_in_ != &context || coming_->lost())) coming_.reset();
+  if (!needs_gl()) {
+    auto done = take_context(context, nullptr);
+    return done ? core::Expected<bool>(true) : tl::unexpected(done.error());
+  }
+  const auto deadline =
+      std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                             std::chrono::duration<double>(std::clamp(seconds, 0.0, kLongestPortion)));
+  if (!coming_) {
+    EngineConfig config = config_;
+    config.context = &context;
+    auto begun = Drawing::begin(config, overrides_);
+    if (!begun) return tl::unexpected(begun.error());
+    coming_ = std::move(*begun);
+    coming_in_ = &context;
+    if (coming_->lost()) {
+      coming_.reset();
+      return core::fail("engine: the context is lost");
+    }
+  }
+  auto done = coming_->advance(*live_.snapshot, live_.joints, live_.plan.gpu_culls(), deadline);
+  if (done && !*done) return false;
+  if (done && coming_->lost()) done = core::fail("engine: the context is lost");
+  if (!done) {
+    coming_.reset();
+    return done;
+  }
+  auto taken = take_context(context, std::move(coming_));
+  return taken ? core::Expected<bool>(true) : tl::unexpected(taken.error());
+}
+
+/// `made`: all that there is to draw; null: it is made now.
+core::Expected<void> Engine::Impl::take_context(gl::Context& context, std::unique_ptr<Drawing> made) {
+  coming_.reset();
   const auto before = std::pair(config_.context, next_try_);
   config_.context = &context;
   next_try_ = -1.0;
-  if (auto done = make_drawing(true); !done) {
+  const bool new_order = !made;
+  drawing_ = std::move(made);
+  if (auto done = make_drawing(new_order); !done) {
+    drawing_.reset();
     std::tie(config_.context, next_try_) = before;
     return done;
   }
@@ -502,7 +563,7 @@ core::Expected<void> Engine::Impl::commit() {
   if (auto published = scene_->commit(); !published) return tl::unexpected(published.error());
   core::SceneDelta delta = edits_.take();
   if (delta.empty()) return {};
-  new_tracer_.finish(live_);
+  new_tracer_.interrupt(live_);
   const std::size_t former_size = live_.snapshot->size();
   std::vector<core::Slot> touched;
   Overrides::Change overridden;
@@ -515,6 +576,7 @@ core::Expected<void> Engine::Impl::commit() {
   if (!overridden.touched.empty()) add_slots(overridden.touched, former_size, touched);
   live_.follow({delta.removed, delta.changed, delta.inserted, overridden.uncovered}, !delta.materials.empty(),
                former_size, touched);
+  new_tracer_.follow(live_);
   const bool items_edited = delta.size() > delta.materials.size();  // materials do not change what frames cost
   if (hybrid_ && items_edited) hybrid_->scene_changed(live_.snapshot->size());
   const double disorder = double(live_.snapshot->disorder());
@@ -522,6 +584,7 @@ core::Expected<void> Engine::Impl::commit() {
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
     rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_, picks_));
   delta.materials.insert(delta.materials.end(), overridden.materials.begin(), overridden.materials.end());
+  if (coming_) coming_->follow_later(touched, delta.materials);
   if (!drawing_) return {};
   [[maybe_unused]] const auto kept = keep_state();
   return unless_lost(drawing_->update(*live_.snapshot, live_.joints, touched, delta.materials));
@@ -530,7 +593,7 @@ core::Expected<void> Engine::Impl::commit() {
 core::Expected<void> Engine::Impl::rebuild() {
   if (auto delta = scene_->commit(); !delta) return tl::unexpected(delta.error());
   edits_ = scene_->subscribe();  // the new snapshot shows all edits
-  new_tracer_.finish(live_);
+  new_tracer_.interrupt(live_);
   rebuild_.reset();
   return build();
 }
@@ -572,7 +635,7 @@ core::Expected<void> Engine::Impl::known(const char* call, std::span<const core:
 /// Lets `edit` change the overrides and the snapshot, and everything follow that depends on them.
 template <class Edit>
 core::Expected<void> Engine::Impl::override_items(const Edit& edit) {
-  new_tracer_.finish(live_);
+  new_tracer_.interrupt(live_);
   Overrides::Change change;
   core::SceneDelta edited;
   const auto apply = [&] {
@@ -581,9 +644,11 @@ core::Expected<void> Engine::Impl::override_items(const Edit& edit) {
       for (const core::Slot slot : change.touched) edited.changed.push_back(live_.snapshot->item(slot));
   };
   rebuild_ ? rebuild_->edit(edited, apply) : apply();
+  if (!change.touched.empty()) live_.follow_overrides(change.uncovered, change.boxes, change.touched);
+  new_tracer_.follow(live_);
   if (change.touched.empty()) return {};
-  live_.follow_overrides(change.uncovered, change.boxes, change.touched);
   if (hybrid_ && change.boxes) hybrid_->scene_changed(live_.snapshot->size());
+  if (coming_) coming_->follow_later(change.touched, change.materials);
   if (!drawing_) return {};
   [[maybe_unused]] const auto kept = keep_state();
   return unless_lost(drawing_->update_looks(*live_.snapshot, live_.joints, change.touched, change.materials));

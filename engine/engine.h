@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -123,8 +124,8 @@ struct EngineConfig {
   /// Null: the engine makes an offscreen context. Calls that need that one make it current on the calling thread and
   /// leave it current.
   gl::Context* context = nullptr;
-  /// The engine is as while its context is lost, until use_context(): so it can be made by another thread than the one
-  /// that draws. Not with a `context`.
+  /// The engine is as while its context is lost, until use_context(), which may work in portions: so it can be made by
+  /// another thread than the one that draws. Not with a `context`.
   bool context_later = false;
   GlState gl_state = GlState::kRestore;       ///< of the application's context
   gl::ContextPlatform context_platform = {};  ///< of the offscreen context (gl/context.h); ContextOptions' default
@@ -185,9 +186,13 @@ struct MemoryReport {
 
 class SIGHTLINE_API Engine {
  public:
+  /// Told the share that is done, rising to 1, now and then by the thread that calls create(). Returning false before 1
+  /// makes that fail.
+  using Progress = std::function<bool(double)>;
   /// Commits the scene's pending edits and builds everything the plan names. The scene must outlive the engine. Fails
   /// with the scene's error, or GL's when drawing was asked for (also when this build has no GL).
-  static core::Expected<Engine> create(core::Scene& scene, const EngineConfig& config = {});
+  static core::Expected<Engine> create(core::Scene& scene, const EngineConfig& config = {},
+                                       const Progress& progress = {});
 
   Engine(Engine&&) noexcept;
   Engine& operator=(Engine&&) noexcept;
@@ -306,9 +311,12 @@ class SIGHTLINE_API Engine {
   core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter,
                                            Ghosts ghosts = Ghosts::kPassed);
 
-  /// Begins to build the tracer on another thread, unless there is one. Until it is there, picks, commits and overrides
-  /// wait for it; frames do not, unless a new order lands.
+  /// Begins to build the tracer on another thread, unless there is one. Until it is there, picks wait for it; frames do
+  /// not. Commits and overrides stop it, which takes some milliseconds, and begin it anew; after the eighth time they
+  /// wait for it. The engine's end stops it, too.
   void prepare_picks();
+  /// Whether that is going on, so that a pick would wait.
+  bool preparing_picks() const;
 
   /// Items in a rectangle of the picture, in rising order, hidden behind others or not: those with any part in it, or
   /// those wholly in it, as culling/region_query.h promises. The view's layers and section planes count. Needs no
@@ -329,6 +337,15 @@ class SIGHTLINE_API Engine {
   /// Makes everything anew in another context of the application's, in place of a lost or dropped one. It must be
   /// current. Fails with GL's error; then nothing has changed.
   core::Expected<void> use_context(gl::Context& context);
+  /// The same in portions, for a thread that must not stop: works for about `seconds` and returns whether everything is
+  /// made. While it is not, call it again with the same context, with frames of other engines or the application's own
+  /// in between; until then this engine is as it was, and everything may be asked of it. Longer than that take single
+  /// steps: compiling a program, the corners of one mesh, making the GPU culler. The first frame is then no slower than
+  /// others, even where drivers compile late.
+  ///
+  /// Edits in between are followed. New kinds of items or new meshes, and a new order, make it begin anew. Fails as
+  /// above, and when the context is lost meanwhile; the next call then begins anew.
+  core::Expected<bool> use_context(gl::Context& context, double seconds);
 
   /// Tells that the application drew nothing for a while (a pause, a dialog): the next frame_ms does not count that
   /// time, and a hybrid does not learn from the next frame.

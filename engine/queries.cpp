@@ -85,6 +85,9 @@ core::Expected<std::vector<core::ItemId>> Engine::items_in(std::vector<core::Pla
 void Engine::prepare_picks() {
   impl_->prepare_picks();
 }
+bool Engine::preparing_picks() const {
+  return impl_->preparing_picks();
+}
 
 // --- picking ---------------------------------------------------------------------------------------------------------
 

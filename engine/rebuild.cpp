@@ -51,13 +51,13 @@ void Order::follow_plan(const PlanRequest& request) {
     culler = std::make_unique<Culler>(std::in_place_type<culling::LinearCuller>, snapshot->bounds());
 }
 
-Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request) {
+Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request, const std::stop_token& stop) {
   Order order;
   order.snapshot = std::move(snapshot);
   if (request.draw) order.joints = gpuprims::Joints(*order.snapshot);
   order.lines = slots_of_lines(*order.snapshot);
   order.follow_plan(request);
-  if (request.pick) (void)make_tracer(order);  // where that fails, the next pick says why
+  if (request.pick) (void)make_tracer(order, stop);  // where that fails, the next pick says why
   return order;
 }
 
@@ -77,6 +77,11 @@ void BackgroundRebuild::edit(const core::SceneDelta& delta, const std::function<
     editing_ = false;
   }
   changed_.notify_one();
+}
+
+bool BackgroundRebuild::ready() {
+  const std::unique_lock<std::mutex> held(mutex_, std::try_to_lock);
+  return held && state_ == State::kReady && !behind_;
 }
 
 bool BackgroundRebuild::exchange(Order& live) {
@@ -131,7 +136,7 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
   core::Snapshot::Items items;
   if (!copy_all(stop, items)) return;
   constexpr int kThreads = 1;  // the others are the application's
-  Order order = make_order(std::make_unique<core::Snapshot>(*live_, std::move(items), kThreads), request);
+  Order order = make_order(std::make_unique<core::Snapshot>(*live_, std::move(items), kThreads), request, stop);
   for (;;) {
     std::vector<core::ItemId> missed;
     {

@@ -9,6 +9,8 @@
 namespace sightline::engine {
 namespace {
 
+constexpr std::size_t kPiece = 4096;  // slots between looks at the clock
+
 double surface_of(const core::Snapshot& snapshot, core::Slot slot) {
   return int(snapshot.kind(slot)) >= core::kPrimitiveKindCount ? core::surface_area(snapshot.mesh(slot))
                                                                : core::surface_area(snapshot.primitive(slot));
@@ -48,10 +50,18 @@ float mean_projected_area(const core::Snapshot& snapshot, core::Slot slot) {
 }
 
 std::span<const float> SolidAreas::of(const core::Snapshot& snapshot) {
+  measure(snapshot, core::kNoDeadline);
+  return areas_;
+}
+
+bool SolidAreas::measure(const core::Snapshot& snapshot, core::Deadline deadline) {
   Measure measure(snapshot);
   if (areas_.empty()) areas_.reserve(snapshot.size());
-  while (areas_.size() < snapshot.size()) areas_.push_back(measure(core::Slot(areas_.size())));
-  return areas_;
+  while (areas_.size() < snapshot.size()) {
+    areas_.push_back(measure(core::Slot(areas_.size())));
+    if (areas_.size() % kPiece == 0 && core::over(deadline)) break;
+  }
+  return areas_.size() == snapshot.size();
 }
 
 void SolidAreas::update(const core::Snapshot& snapshot, std::span<const core::Slot> touched) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 
+#include "sightline/core/internal/deadline.h"
 #include "sightline/culling/contribution.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/culling/sample_test.h"
@@ -32,6 +33,16 @@ class Drawing {
   static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                                                          const EngineConfig& config, const Overrides& overrides,
                                                          bool gpu_culls);
+  /// The same in portions: begin(), and advance() until it returns true. Each call of it does at least a little, and
+  /// ends a few milliseconds after the deadline, but for single programs, meshes and the GPU culler. It also draws an
+  /// item of each batch, since some drivers compile when a program first draws, and does once what the first frame
+  /// otherwise does. Meanwhile resize(), configure(), follow_later() and lost() may be called. Items in another order
+  /// need another Drawing. It is of no use after a failure.
+  static core::Expected<std::unique_ptr<Drawing>> begin(const EngineConfig& config, const Overrides& overrides);
+  core::Expected<bool> advance(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
+                               core::Deadline deadline);
+  /// As update(), before advance() has returned true.
+  void follow_later(std::span<const core::Slot> touched, std::span<const std::uint32_t> materials);
   ~Drawing();
   /// Adds a plan entry for the program of each batch kind.
   static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
@@ -144,8 +155,27 @@ class Drawing {
   std::size_t memory_bytes() const;
 
  private:
+  /// As update() takes them, in rising order.
+  struct Edits {
+    std::vector<core::Slot> touched;
+    std::vector<std::uint32_t> materials;
+  };
+  /// What is made for one order of the items, in this order; culler and renderer only where they are needed.
+  struct Upload {
+    std::optional<gpuscene::GpuScene> scene;
+    std::optional<gpuscene::DrawLists> lists;  // none: the scene is not complete
+    std::optional<culling::GpuCuller> culler;
+    std::optional<render::Renderer> renderer;
+  };
+
   Drawing(std::optional<gl::Context> own, gl::Context context)
       : context_(std::move(context)), own_context_(std::move(own)) {}
+  core::Expected<bool> advance(Upload& upload, const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                               bool gpu_culls, core::Deadline deadline);
+  void take(Upload upload);
+  Edits take_later();
+  core::Expected<bool> warm_up(const core::Snapshot& snapshot, core::Deadline deadline);
+  core::Expected<void> draw_one(const core::Snapshot& snapshot, const gpuscene::Batch& batch);
   core::Expected<culling::GpuCuller> make_culler(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   core::Expected<void> follow_edit(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
                                    std::span<const std::uint32_t> materials, bool moved);
@@ -199,6 +229,9 @@ class Drawing {
   bool renders_ = true;
   culling::GpuCullerConfig cull_config_;  // names the variant once it is known
   std::string why_gpu_variant_;
+  std::optional<Upload> upload_;  // until advance() has uploaded all
+  Edits later_;                   // that advance() has not followed yet
+  std::size_t warmed_up_ = 0;     // batches of which advance() has drawn an item
   std::optional<gpuscene::GpuScene> scene_;
   std::optional<gpuscene::DrawLists> lists_;
   bool sample_test_ = true;

@@ -24,7 +24,7 @@ class Engine::Impl {
   Impl(core::Scene& scene, const EngineConfig& config);
 
   /// Builds everything that the plan names. The scene must be committed.
-  core::Expected<void> build();
+  core::Expected<void> build(const Progress& progress = {});
   core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view,
                                     const core::ExternalTarget* target);
   core::Expected<LossReport> loss(const core::View& view);
@@ -46,6 +46,7 @@ class Engine::Impl {
   core::Expected<void> show_all();
   void drop_context();
   core::Expected<void> use_context(gl::Context& context);
+  core::Expected<bool> use_context(gl::Context& context, double seconds);
   void paused();
   void finish();
   const Plan& plan() const { return live_.plan; }
@@ -67,6 +68,9 @@ class Engine::Impl {
     picks_ = true;
     new_tracer_.begin(live_);
   }
+  bool preparing_picks() const {
+    return !new_tracer_.ready();
+  }
   core::Expected<std::optional<Pick>> pick(const core::View& view, double x, double y, Ghosts ghosts);
   core::Expected<std::optional<Pick>> pick(const raytrace::Ray& ray, const raytrace::RayFilter& filter, Ghosts ghosts);
 #endif
@@ -87,6 +91,7 @@ class Engine::Impl {
   core::Expected<void> unless_lost(core::Expected<void> done) const;
   core::Expected<void> land();
   core::Expected<void> follow_order();
+  core::Expected<void> take_context(gl::Context& context, std::unique_ptr<Drawing> made);
   void note_gpu_variant();
   template <class Edit>
   core::Expected<void> override_items(const Edit& edit);
@@ -103,8 +108,10 @@ class Engine::Impl {
   core::VisibleSet visible_;
   core::VisibleSet overlaid_;  // what is visible where the GPU culls, for what is drawn over its picture
   std::unique_ptr<Drawing> drawing_;
-  double next_try_ = -1.0;          // when to try to make a context, in seconds; below 0: none is missing
-  double last_frame_began_ = -1.0;  // seconds on the steady clock
+  std::unique_ptr<Drawing> coming_;         // that use_context() makes in portions, while there is no drawing_
+  const gl::Context* coming_in_ = nullptr;  // the context of it
+  double next_try_ = -1.0;                  // when to try to make a context, in seconds; below 0: none is missing
+  double last_frame_began_ = -1.0;          // seconds on the steady clock
   std::uint64_t frames_ = 0;
   bool picks_ = false;  // the application has picked
   std::optional<Hybrid> hybrid_;

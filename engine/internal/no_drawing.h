@@ -1,6 +1,7 @@
 // Stand-in for drawing.h in builds without GL: create() always fails. Internal to engine.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,6 +19,14 @@ class Drawing {
                                                          const EngineConfig&, const Overrides&, bool) {
     return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
   }
+  static core::Expected<std::unique_ptr<Drawing>> begin(const EngineConfig& config, const Overrides& overrides) {
+    return create({}, {}, config, overrides, false);
+  }
+  core::Expected<bool> advance(const core::Snapshot&, const gpuprims::Joints&, bool,
+                               std::chrono::steady_clock::time_point) {
+    return true;
+  }
+  void follow_later(std::span<const core::Slot>, std::span<const std::uint32_t>) {}
   static void plan_programs(Plan&, const core::Snapshot&, bool) {}
 
   // None of these is ever called.

@@ -4,6 +4,7 @@
 #include <future>
 #include <memory>
 #include <span>
+#include <stop_token>
 
 #include "sightline/core/error.h"
 #include "sightline/engine/internal/rebuild.h"
@@ -12,8 +13,8 @@ namespace sightline::engine {
 
 #if SIGHTLINE_HAS_RAYTRACE
 
-/// Makes the tracer unless there is one.
-core::Expected<void> make_tracer(Order& order);
+/// Makes the tracer unless there is one. Fails soon after a stop was requested.
+core::Expected<void> make_tracer(Order& order, const std::stop_token& stop = {});
 /// Updates the tracer, if there is one, after an edit of the snapshot. Where that fails it is dropped.
 void follow_tracer(Order& order, std::span<const core::Slot> touched);
 std::size_t tracer_bytes(const Order& order);
@@ -21,18 +22,35 @@ std::size_t tracer_bytes(const Order& order);
 /// The tracer of an order, made on another thread. The order's snapshot must not be edited meanwhile.
 class BackgroundTracer {
  public:
+  BackgroundTracer() = default;
+  /// Stops it, which takes some milliseconds.
+  ~BackgroundTracer() { stop_.request_stop(); }
+  BackgroundTracer(const BackgroundTracer&) = delete;
+  BackgroundTracer& operator=(const BackgroundTracer&) = delete;
+
   /// Unless the order has one or it is being made. Does nothing where the system gives no thread.
   void begin(const Order& order);
+  /// Whether finish() would not wait.
+  bool ready() const;
   /// Waits for it, and gives it to that order. Where it could not be made, make_tracer() says why.
   void finish(Order& order);
+  /// Gives it to that order if it is made, and stops it if not: the snapshot will be edited. After that follow()
+  /// begins it anew. It is stopped a few times and waited for then, so that edits cannot keep it from ending.
+  void interrupt(Order& order);
+  void follow(const Order& order);
 
  private:
+  static constexpr int kMostStops = 8;
+
+  std::stop_source stop_;
+  int stops_ = 0;
+  bool stopped_ = false;
   std::future<std::shared_ptr<raytrace::Tracer>> made_;  // destroying it waits
 };
 
 #else
 
-inline core::Expected<void> make_tracer(Order&) {
+inline core::Expected<void> make_tracer(Order&, const std::stop_token& = {}) {
   return {};
 }
 inline void follow_tracer(Order&, std::span<const core::Slot>) {}
@@ -42,6 +60,8 @@ inline std::size_t tracer_bytes(const Order&) {
 class BackgroundTracer {
  public:
   void finish(Order&) {}
+  void interrupt(Order&) {}
+  void follow(const Order&) {}
 };
 
 #endif

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <stop_token>
 #include <thread>
 #include <variant>
 #include <vector>
@@ -72,7 +73,9 @@ struct Order {
 };
 
 Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, const PlanRequest& request);
-Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request);
+/// `stop`: the result may then lack a tracer.
+Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request,
+                 const std::stop_token& stop = {});
 
 /// One rebuild. Its thread copies the live snapshot in pieces, builds from the copy, catches up with the edits made
 /// meanwhile, and waits for exchange(). It never reads the scene. All calls must come from the thread that edits the
@@ -90,6 +93,8 @@ class BackgroundRebuild {
   /// millisecond.
   void edit(const core::SceneDelta& delta, const std::function<void()>& apply);
 
+  /// Whether exchange() would do so now.
+  bool ready();
   /// Swaps the new order with the live one if it is ready and shows all edits. The background thread frees the old
   /// one. Never waits for the build.
   bool exchange(Order& live);

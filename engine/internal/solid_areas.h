@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "sightline/core/internal/deadline.h"
 #include "sightline/core/snapshot.h"
 
 namespace sightline::engine {
@@ -19,6 +20,8 @@ class SolidAreas {
  public:
   /// mean_projected_area() of all slots, 0 where they are vacant.
   std::span<const float> of(const core::Snapshot& snapshot);
+  /// Begins what the next of() would do, and pauses when the deadline is over. True once nothing is left of it.
+  bool measure(const core::Snapshot& snapshot, core::Deadline deadline);
   /// Follows an edit of the snapshot: Drawing::update().
   void update(const core::Snapshot& snapshot, std::span<const core::Slot> touched);
   /// Forgets them: another order of the items.

@@ -14,16 +14,6 @@ using engine::CullerChoice;
 using engine::Engine;
 using engine::EngineConfig;
 
-GLenum reset_in_frame() {
-  return GL_UNKNOWN_CONTEXT_RESET;
-}
-
-/// What a driver does that resets a context: it says so. Whatever is done to its objects after that has no effect.
-void lose(const gl::Context& context) {
-  const_cast<gl::Capabilities&>(context.capabilities()).reset_notification = true;
-  const_cast<gl::Functions&>(context.functions()).GetGraphicsResetStatus = reset_in_frame;
-}
-
 class ContextLossTest : public DrawnGrid {
  protected:
   void SetUp() override {

@@ -10,6 +10,16 @@
 
 namespace sightline::tests {
 
+inline GLenum reset_in_frame() {
+  return GL_UNKNOWN_CONTEXT_RESET;
+}
+
+/// What a driver does that resets a context: it says so. Whatever is done to its objects after that has no effect.
+inline void lose(const gl::Context& context) {
+  const_cast<gl::Capabilities&>(context.capabilities()).reset_notification = true;
+  const_cast<gl::Functions&>(context.functions()).GetGraphicsResetStatus = reset_in_frame;
+}
+
 class DrawnGrid : public GlTest {
  protected:
   /// Cylinders and boxes, n^3 of them, one metre apart.

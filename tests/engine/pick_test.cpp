@@ -121,6 +121,40 @@ TEST(Pick, MayBePreparedInTheBackground) {
   }
 }
 
+/// Edits stop the tracer that is being made, and in the end there is one that knows them all. So does the engine's end.
+TEST(Pick, EditsInterruptThePreparation) {
+  constexpr unsigned kSeed = 12;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937 random{kSeed};
+  for (int round = 0; round < 12; ++round) {
+    SCOPED_TRACE(round);
+    Balls balls(200);
+    auto engine = Engine::create(balls.scene, balls.config());
+    ASSERT_TRUE(engine);
+    EXPECT_FALSE(engine->preparing_picks());
+    engine->prepare_picks();
+    std::vector<std::size_t> hidden;
+    for (auto edits = random() % 12; edits > 0; --edits) {
+      std::this_thread::sleep_for(std::chrono::microseconds(random() % 4000));
+      const std::size_t place = random() % balls.items.size();
+      hidden.push_back(place);
+      if (edits % 2 == 0) {
+        balls.scene.set_visible(balls.items[place], false);
+        ASSERT_TRUE(engine->commit());
+      } else {
+        ASSERT_TRUE(engine->hide({&balls.items[place], 1}));
+      }
+    }
+    if (round % 4 == 3) continue;  // destroyed while it is made
+    while (engine->preparing_picks()) std::this_thread::yield();
+    for (int i = 0; i < 2000; ++i) {
+      const std::size_t place = i < int(hidden.size()) ? hidden[std::size_t(i)] : random() % balls.items.size();
+      const bool gone = std::find(hidden.begin(), hidden.end(), place) != hidden.end();
+      EXPECT_EQ(balls.pick(*engine, int(place % 200), int(place / 200)), gone ? core::kNone : balls.items[place]);
+    }
+  }
+}
+
 TEST(Pick, TellsNodeAndFace) {
   Balls balls(1);
   const core::NodeId node = balls.scene.add_node(balls.scene.root(), "shelf");
