@@ -31,7 +31,8 @@ PlanRequest plan_request(const EngineConfig& config, bool picks) {
           config.budget_ms > 0.0,
           config.relief.any(),
           config.hatching.any(),
-          picks};
+          picks,
+          config.part};
 }
 
 /// Adds slots below `size`, so that each is there once.
@@ -54,6 +55,8 @@ core::Expected<void> check(const EngineConfig& config) {
     return core::fail("engine: strength of hatching must be between 0 and 1");
   if (!(config.hatching.spacing >= 2.0f) || !std::isfinite(config.hatching.spacing))
     return core::fail("engine: spacing of hatching must be 2 or more pixels");
+  if (config.part.count < 1 || config.part.index < 0 || config.part.index >= config.part.count)
+    return core::fail("engine: part must have an index from 0 on and below its count");
   if (config.culler == CullerChoice::kGpu && plan_request(config, false).needs_cpu())
     return core::fail("engine: contribution and budget_ms need a culler on the CPU, and culler is gpu");
   return {};
@@ -71,6 +74,7 @@ const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig
   if (a.ids != b.ids) return "ids";
   if (a.transparency != b.transparency) return "transparency";
   if (a.samples != b.samples) return "samples";
+  if (a.part.index != b.part.index || a.part.count != b.part.count) return "part";
   if (a.gl_debug != b.gl_debug) return "gl_debug";
   if (a.context != b.context || a.context_platform != b.context_platform) return "context (see use_context())";
   if (a.gl_state != b.gl_state) return "gl_state";
@@ -564,6 +568,7 @@ core::Expected<void> Engine::Impl::commit() {
   core::SceneDelta delta = edits_.take();
   if (delta.empty()) return {};
   new_tracer_.interrupt(live_);
+  if (config_.part.count > 1) return build();
   const std::size_t former_size = live_.snapshot->size();
   std::vector<core::Slot> touched;
   Overrides::Change overridden;

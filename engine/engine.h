@@ -117,6 +117,11 @@ struct EngineConfig {
   std::optional<core::vec3> hidden_colour = {};
   Relief relief = {};
   Hatching hatching = {};
+  /// Draws, culls and finds this part of the scene alone, so that several engines, in several processes, share a
+  /// picture. A pixel is as in a picture of the whole where this part shows there. Of other parts no meshes are in GPU
+  /// memory; main memory has the whole scene. commit() makes everything anew where there were edits. Functions that
+  /// take items know those of the part alone.
+  ScenePart part = {};
   int samples = 1;  ///< per pixel, 32 at most; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it

@@ -12,6 +12,12 @@
 
 namespace sightline::engine {
 
+/// A part of a scene: of `count` parts that hold about the same number of items, each of items that lie near one
+/// another, and that together are the scene. Parts are the same in all processes that have read the same scene.
+struct ScenePart {
+  int index = 0, count = 1;  ///< 0 ≤ index < count
+};
+
 /// The culler that an application requests.
 enum class CullerChoice : std::uint8_t {
   kAutomatic,  ///< linear for small scenes, the hierarchy for all others

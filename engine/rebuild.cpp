@@ -10,6 +10,20 @@ namespace {
 
 constexpr std::size_t kPiece = 2048;  // slots copied at a time, while edits wait
 
+/// Items whose slots lie outside a part. Parts are made of whole blocks, so that cullers find the same ranges of slots
+/// in a part as in the whole.
+std::vector<core::ItemId> items_outside(const core::Snapshot& snapshot, const ScenePart& part) {
+  const std::size_t blocks = (snapshot.size() + core::kBlockSlots - 1) / core::kBlockSlots;
+  const auto begin = [&](int index) {
+    return std::min(snapshot.size(), blocks * std::size_t(index) / std::size_t(part.count) * core::kBlockSlots);
+  };
+  std::vector<core::ItemId> items;
+  for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
+    if ((slot < begin(part.index) || slot >= begin(part.index + 1)) && snapshot.item(slot) != core::kNone)
+      items.push_back(snapshot.item(slot));
+  return items;
+}
+
 }  // namespace
 
 std::vector<std::uint64_t> slots_of_lines(const core::Snapshot& snapshot) {
@@ -55,6 +69,11 @@ Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& re
   Order order;
   order.snapshot = std::move(snapshot);
   if (request.draw) order.joints = gpuprims::Joints(*order.snapshot);
+  if (request.part.count > 1) {  // ends that another part covers stay as they are in the whole
+    core::Snapshot::Items others;
+    others.removed = items_outside(*order.snapshot, request.part);
+    order.snapshot->apply(others);
+  }
   order.lines = slots_of_lines(*order.snapshot);
   order.follow_plan(request);
   if (request.pick) (void)make_tracer(order, stop);  // where that fails, the next pick says why

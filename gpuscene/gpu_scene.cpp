@@ -170,8 +170,10 @@ core::Expected<bool> GpuScene::advance_batch(const gl::Functions& gl, const Snap
   if (kind == BatchKind::kMesh) {
     while (upload_->meshes->gathered() < upload_->slots.size()) {
       const std::size_t record = upload_->meshes->gathered();
-      record_of_mesh_.emplace(mesh_index(snapshot, upload_->slots[record]), std::uint32_t(record));
-      upload_->meshes->gather(upload_->slots[record]);
+      const Slot slot = upload_->slots[record];
+      if (snapshot.item(slot) != core::kNone)
+        record_of_mesh_.emplace(mesh_index(snapshot, slot), std::uint32_t(record));
+      upload_->meshes->gather(slot);
       if (over(deadline)) return false;
     }
     auto pool = upload_->meshes->upload(gl);

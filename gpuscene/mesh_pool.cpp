@@ -30,7 +30,8 @@ bool flat_shaded(const Snapshot& snapshot, Slot slot) {
 }
 
 void MeshPoolBuilder::gather(Slot slot) {
-  const Shape shape = shape_of(slot);
+  const bool given_up = snapshot_->item(slot) == core::kNone;  // it never shows again
+  const Shape shape = given_up ? Shape{} : shape_of(slot);
   pool_.commands.push_back({shape.index_count, snapshot_->vacant(slot) ? 0u : 1u, shape.first_index, shape.base_vertex,
                             std::uint32_t(pool_.commands.size())});
   pool_.solid_indices.push_back(shape.solid_indices);

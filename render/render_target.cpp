@@ -145,6 +145,10 @@ bool RenderTarget::covered() const {
   return std::any_of(depths.begin(), depths.end(), [](float depth) { return depth > 0.0f; });
 }
 
+std::vector<float> RenderTarget::read_reversed_depths() const {
+  return read_flipped<float>(resolved_attachments().depth, GL_DEPTH_COMPONENT, GL_FLOAT, 1);
+}
+
 image::DepthImage RenderTarget::read_depth(const core::View& view) const {
   image::DepthImage image{width(), height(),
                           read_flipped<float>(resolved_attachments().depth, GL_DEPTH_COMPONENT, GL_FLOAT, 1)};

@@ -36,6 +36,7 @@ struct PlanRequest {
   bool contribution = false, budget = false;  // asked for; what draws must then be culled on the CPU
   bool relief = false, hatching = false;
   bool pick = false;  // orders come with a tracer
+  ScenePart part = {};
 
   bool needs_cpu() const { return draw && (contribution || budget); }
 };

@@ -59,6 +59,8 @@ class RenderTarget {
   bool covered() const;
   /// Depth as distance along the axis of `view`, which must be the view that was drawn.
   image::DepthImage read_depth(const core::View& view) const;
+  /// As they are stored: 0 where nothing was drawn, and the larger the nearer. Rows from the top.
+  std::vector<float> read_reversed_depths() const;
   /// The same for occlusion tests between two passes of a frame: row by row from the bottom up. Only for a target with
   /// one sample per pixel. In orthographic views distances are off by orthographic_error() at most, in perspective ones
   /// by a few units in the last place.
