@@ -86,6 +86,11 @@ if(SIGHTLINE_APPS)
   sightline_need(SIGHTLINE_APPS SIGHTLINE_IMPORTERS "the importers are off")
 endif()
 
+if(SIGHTLINE_MPI AND SIGHTLINE_APPS)
+  find_package(MPI QUIET COMPONENTS C)
+  sightline_need(SIGHTLINE_MPI MPI_C_FOUND "MPI not found (libopenmpi-dev)")
+endif()
+
 if(SIGHTLINE_VIEW AND SIGHTLINE_APPS)
   find_package(glfw3 3.3 QUIET)
   sightline_need(SIGHTLINE_VIEW SIGHTLINE_GL "SIGHTLINE_GL is off")

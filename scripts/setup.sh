@@ -16,7 +16,7 @@ if [ "$preset" = packages ]; then
   packages+=(libglfw3-dev libimgui-dev libpcre2-dev libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy)
 elif [ $# -eq 0 ] || [[ $* == *_tests* ]]; then
   packages+=(ccache fonts-dejavu-core libglfw3-dev libimgui-dev libpcre2-dev libgtest-dev libgmp-dev libosmesa6 pkg-config xvfb xdotool
-    libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen)
+    libopenmpi-dev openmpi-bin parallel libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen)
 fi
 if [ "$preset" = packages ] || [[ ${SIGHTLINE_CMAKE_ARGS:-} == *SIGHTLINE_PACKAGE_TESTS=ON* ]]; then
   packages+=(dpkg-dev file help2man)

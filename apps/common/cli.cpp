@@ -39,6 +39,7 @@ int run(CLI::App& app, int argc, char** argv, const std::function<core::Expected
   try {
     const core::Expected<int> result = body();
     if (result) return *result;
+    if (result.error().message.empty()) return kExitOk;
     std::fprintf(stderr, "%s: %s\n", tool.c_str(), result.error().message.c_str());
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "%s: not enough memory\n", tool.c_str());
@@ -92,6 +93,14 @@ core::Expected<void> write_text(const std::string& file, const std::string& text
 
 std::FILE* table_stream(const std::string& file) {
   return file == "-" ? stderr : stdout;
+}
+
+std::string shell_word(const std::string& word) {
+  constexpr const char* kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,:=+-";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? "'\\''" : std::string(1, c);
+  return out + "'";
 }
 
 }  // namespace sightline::apps

@@ -26,7 +26,9 @@ void describe(CLI::App& app, const std::string& examples);
 /// --json FILE, into `file`.
 void add_json_option(CLI::App& app, std::string& file);
 
-/// Parses the command line and runs a tool. Its error becomes one line on stderr and exit 1. Bad usage gives exit 2. An
+/// Parses the command line and runs a tool. Its error becomes one line on stderr and exit 1. One
+/// without a message is that of another process, which tells it: exit 0, or mpirun would end that one before it can.
+/// Bad usage gives exit 2. An
 /// exception of a library (no memory) gives exit 1.
 int run(CLI::App& app, int argc, char** argv, const std::function<core::Expected<int>()>& body);
 
@@ -67,5 +69,8 @@ core::Expected<void> write_json(const std::string& file, const Json& json) {
 
 /// Stream for output that people read: stdout, or stderr if `file` is "-" and other output goes to stdout.
 std::FILE* table_stream(const std::string& file);
+
+/// A word as a shell takes it, quoted where that is needed.
+std::string shell_word(const std::string& word);
 
 }  // namespace sightline::apps

@@ -23,6 +23,11 @@ const std::map<std::string, double>& lengths() {
 
 }  // namespace
 
+std::optional<double> metres_of(const std::string& unit) {
+  const auto found = lengths().find(unit);
+  return found == lengths().end() ? std::nullopt : std::optional(found->second);
+}
+
 void add_import_options(CLI::App& app, importers::ImportOptions& options) {
   app.add_flag("--lenient", options.lenient, "Keep what can be read of damaged files and list the damage");
   app.add_option_function<std::string>(

@@ -27,6 +27,9 @@ struct ModelOptions {
   std::function<void(const core::Scene&)> follow = {};
 };
 
+/// Metres of mm, cm, m, km, in or ft; nothing for other names.
+std::optional<double> metres_of(const std::string& unit);
+
 /// --lenient, --units, --up: how files are read.
 void add_import_options(CLI::App& app, importers::ImportOptions& options);
 /// The arguments that give these options, each after a space.

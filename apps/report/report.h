@@ -8,9 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/html_page.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/svg_plot.h"
-#include "sightline/apps/report/html_page.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
@@ -131,8 +131,6 @@ inline constexpr const char* kNothing = "the scene has nothing to draw";
 std::vector<core::ItemId> owners(const image::IdImage& picture);
 /// WIDTHxHEIGHT, large enough for the measures of errors.
 core::Expected<std::array<int, 2>> parse_report_size(const std::string& text);
-/// A word of a shell command, quoted where necessary.
-std::string shell_word(const std::string& word);
 /// Steady clock, milliseconds.
 double now_ms();
 /// "12,345,678"

@@ -11,6 +11,7 @@ class EveryTool : public ToolTest, public ::testing::WithParamInterface<std::str
     if (GetParam() == "compare") return {path("old.rvm"), path("new.rvm")};
     if (GetParam() == "convert") return {path("model.rvm"), path("out.rvm")};
     if (GetParam() == "report") return {path("model.rvm"), "--out", path("report.html")};
+    if (GetParam() == "regress") return {path("suite.json")};
     return {path("model.rvm")};
   }
   Args required_and(const Args& more) const {

@@ -37,8 +37,8 @@ class HtmlBody {
   /// The same with text in all columns.
   void text_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows,
                   const Caption& caption);
-  /// Pictures side by side, two in a row.
-  core::Expected<void> pictures(std::span<const LabelledPicture> pictures, const Caption& caption);
+  /// Pictures side by side, so many in a row, 1 to 4.
+  core::Expected<void> pictures(std::span<const LabelledPicture> pictures, const Caption& caption, int columns = 2);
   /// `svg`: a picture by SvgCanvas, which is not escaped again.
   void plot(const std::string& svg, const Caption& caption);
 

@@ -1,4 +1,4 @@
-#include "sightline/apps/report/html_page.h"
+#include "sightline/apps/common/html_page.h"
 
 #include "sightline/apps/common/markup.h"
 
@@ -20,7 +20,7 @@ code { display: block; margin-top: 0.2rem; white-space: pre-wrap; overflow-wrap:
        font-family: "Liberation Mono", Consolas, monospace; }
 img, svg { display: block; max-width: 100%; height: auto; }
 img { width: 100%; border: 1px solid #999; box-sizing: border-box; }
-.pictures { display: grid; grid-template-columns: 1fr 1fr; gap: 0.8rem; }
+.pictures { display: grid; grid-template-columns: repeat(var(--columns), minmax(0, 1fr)); gap: 0.8rem; }
 .pictures > div { font-size: 0.85rem; }
 table { border-collapse: collapse; width: 100%; font-size: 0.9rem; }
 th, td { padding: 0.15rem 0.5rem; border-bottom: 1px solid #ccc; text-align: left; vertical-align: top; }
@@ -95,8 +95,9 @@ void HtmlBody::table_of(const char* style, const std::vector<std::string>& head,
   close_figure(caption);
 }
 
-core::Expected<void> HtmlBody::pictures(std::span<const LabelledPicture> pictures, const Caption& caption) {
-  html_ += "<figure>\n<div class=\"pictures\">\n";
+core::Expected<void> HtmlBody::pictures(std::span<const LabelledPicture> pictures, const Caption& caption,
+                                        int columns) {
+  html_ += "<figure>\n<div class=\"pictures\" style=\"--columns: " + std::to_string(columns) + "\">\n";
   for (const auto& [label, picture] : pictures) {
     const auto png = image::encode_png(picture, image::PngSize::kSmall);
     if (!png) return tl::unexpected(png.error());

@@ -1,0 +1,293 @@
+// sightline-regress: pictures of many views of many models against references, by many processes.
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include "sightline/apps/common/progress.h"
+#include "sightline/apps/mpi/session.h"
+#include "sightline/apps/regress/farm.h"
+#include "sightline/apps/regress/reports.h"
+#include "sightline/apps/regress/task_drawer.h"
+#if SIGHTLINE_HAS_MPI
+#include "sightline/apps/regress/mpi_farm.h"
+#endif
+
+namespace {
+
+using namespace sightline;
+namespace fs = std::filesystem;
+
+constexpr int kMostWorkers = 256;
+
+struct Options {
+  std::string suite, out = "regress", shard, pictures = "failed", html, junit, json_file;
+  std::vector<std::string> only, from;
+  int workers = 1;
+  double timeout = 0.0, silence = 15.0;
+  bool mpi = false, resume = false, merge = false, accept = false, list = false, quiet = false, worker = false;
+  apps::Limits limits;
+  gl::ContextPlatform platform = {};
+};
+
+/// "2/5" as {1, 5}.
+core::Expected<std::array<std::size_t, 2>> parse_shard(const std::string& text) {
+  unsigned i = 0, n = 0;
+  int used = 0;
+  const bool parsed = std::sscanf(text.c_str(), "%6u/%6u%n", &i, &n, &used) == 2 && used == int(text.size());
+  if (!parsed || i < 1 || i > n) return core::fail("expected I/N, both from 1 on, I at most N, found \"" + text + "\"");
+  return std::array<std::size_t, 2>{i - 1, n};
+}
+
+template <class T>
+void add_limit(CLI::App& app, const char* name, std::optional<T>& limit, double most, const std::string& help) {
+  app.add_option_function<T>(
+         name, [&limit](const T& value) { limit = value; }, help + ", instead of the suite's")
+      ->check(CLI::Range(0.0, most))
+      ->check(apps::accepted_by(apps::parse_finite));
+}
+
+void add_options(CLI::App& app, Options& o) {
+  app.add_option("SUITE", o.suite, "Suite JSON file (docs/regress.md)")->required();
+  app.add_option("--out", o.out, "Folder for pictures and results, report.html and junit.xml")->capture_default_str();
+  auto* workers = app.add_option("-j,--jobs", o.workers, "Worker processes")
+                      ->capture_default_str()
+                      ->check(CLI::Range(1, kMostWorkers));
+  auto* mpi = app.add_flag("--mpi", o.mpi, "Under mpirun: rank 0 hands out tasks, each rank draws with one worker")
+                  ->excludes(workers);
+  auto* shard = app.add_option("--shard", o.shard, "I/N: draw the I-th of N parts, for Slurm arrays and GNU parallel")
+                    ->excludes(mpi)
+                    ->check(apps::accepted_by(parse_shard));
+  app.add_option("--only", o.only, "Only tasks MODEL/VIEW that fit this pattern, with * and ?")
+      ->allow_extra_args(false);
+  auto* resume = app.add_flag("--resume", o.resume,
+                              "Keep results of the same tasks whose files did not change; errors are drawn again");
+  auto* merge = app.add_option("--merge", o.from,
+                               "Draw nothing: report on the results in --out, and in these folders, which are copied")
+                    ->option_text("[DIR …]")
+                    ->expected(0, 10000)
+                    ->excludes(workers)
+                    ->excludes(mpi)
+                    ->excludes(shard)
+                    ->excludes(resume);
+  app.add_flag("--accept", o.accept, "Make references of the pictures that fail or have none");
+  auto* list =
+      app.add_flag("--list", o.list, "Print the names of the tasks, one a line, and draw nothing")->excludes(merge);
+  for (auto* other : {workers, mpi, resume}) list->excludes(other);
+  add_limit(app, "--max", o.limits.max, 255.0, "Largest difference of a channel, 0 to 255");
+  add_limit(app, "--mean", o.limits.mean, 255.0, "Largest mean difference, 0 to 255");
+  add_limit(app, "--flip", o.limits.flip, 1.0, "Largest mean FLIP, 0 to 1");
+  add_limit(app, "--ids", o.limits.ids, 16384.0 * 16384.0,
+            "Most pixels that may show another item, where ids have a limit");
+  app.add_option("--timeout", o.timeout, "Seconds for a task, then its worker is killed; 0: any time")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--silence", o.silence, "With --mpi: seconds after which a silent rank is given up")
+      ->capture_default_str()
+      ->needs(mpi)
+      ->check(CLI::Range(1.0, 1e6));
+  app.add_option("--pictures", o.pictures, "Pictures in report.html: failed, all or none")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"failed", "all", "none"}));
+  app.add_option("--html", o.html, "Write the page to FILE (default: report.html in --out)")->option_text("FILE");
+  app.add_option("--junit", o.junit, "Write JUnit XML to FILE (default: junit.xml in --out)")->option_text("FILE");
+  apps::add_context_option(app, o.platform);
+  apps::add_json_option(app, o.json_file);
+  app.add_flag("--quiet", o.quiet, "No progress bar and no table");
+  app.add_flag("--worker", o.worker)->group("");  // how the tool starts its workers
+  app.callback([&o, merge] {
+    o.merge = merge->count() > 0;
+    std::erase(o.from, "");  // what CLI11 makes of no folder
+  });
+}
+
+/// Tasks of the shard that fit.
+core::Expected<std::vector<std::size_t>> choose_tasks(const Options& o, const apps::Suite& suite) {
+  std::vector<std::size_t> fitting;
+  for (std::size_t i = 0; i < suite.tasks.size(); ++i) {
+    const auto fits = [&](const std::string& pattern) { return apps::fits(suite.tasks[i].name, pattern); };
+    if (o.only.empty() || std::any_of(o.only.begin(), o.only.end(), fits)) fitting.push_back(i);
+  }
+  if (fitting.empty()) return core::fail(o.suite + ": no task fits --only");
+  if (o.shard.empty()) return fitting;
+  const auto [i, n] = parse_shard(o.shard).value();
+  // Neighbours belong together: most are of one model, which is then read in one shard.
+  const auto begin = [&](std::size_t part) { return fitting.begin() + std::ptrdiff_t(part * fitting.size() / n); };
+  return std::vector<std::size_t>(begin(i), begin(i + 1));
+}
+
+/// Those without a result that may be kept; old results of these are removed.
+core::Expected<std::vector<std::size_t>> tasks_to_draw(const Options& o, const apps::Suite& suite,
+                                                       const apps::ResultFolder& results,
+                                                       const std::vector<std::size_t>& tasks) {
+  std::vector<std::size_t> left;
+  for (const std::size_t task : tasks) {
+    const auto old = o.resume ? results.read(suite.tasks[task]) : std::nullopt;
+    if (old && old->error.empty() && old->files_key == suite.files_key(suite.tasks[task])) continue;
+    if (auto done = results.remove(suite.tasks[task]); !done) return tl::unexpected(done.error());
+    left.push_back(task);
+  }
+  return left;
+}
+
+/// The program that runs, and arguments that make it a worker of this run.
+std::vector<std::string> worker_command(const Options& o, int argc, char** argv) {
+  std::error_code none;
+  const fs::path self = fs::read_symlink("/proc/self/exe", none);
+  std::vector<std::string> command = {none ? argv[0] : self.string(), o.suite, "--worker", "--out", o.out};
+  const std::string option = "--context";  // as it was given
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == option && i + 1 < argc) command.insert(command.end(), {option, argv[i + 1]});
+    if (argument.rfind(option + "=", 0) == 0) command.push_back(argument);
+  }
+  return command;
+}
+
+core::Expected<int> serve(const Options& o, const apps::Suite& suite) {
+  apps::TaskDrawer drawer(suite, apps::ResultFolder(o.out), o.platform);
+  return apps::serve_tasks(apps::kAnswers, [&](std::size_t task, const std::string& key) -> core::Expected<void> {
+    if (task >= suite.tasks.size() || suite.tasks[task].key != key)
+      return core::fail(o.suite + ": was changed while its tasks were drawn");
+    return drawer.run(suite.tasks[task]);
+  });
+}
+
+/// Pictures of accepted tasks become references.
+core::Expected<void> copy_accepted(const apps::Suite& suite, const apps::ResultFolder& results,
+                                   const std::vector<apps::Outcome>& outcomes) {
+  for (const apps::Outcome& o : outcomes) {
+    if (o.status != apps::Status::kAccepted) continue;
+    if (auto done = apps::copy_whole(results.picture(*o.task), suite.reference(*o.task)); !done) return done;
+    if (!o.task->limits.ids) continue;
+    if (auto done = apps::copy_whole(results.ids(*o.task), suite.id_reference(*o.task)); !done) return done;
+  }
+  return {};
+}
+
+core::Expected<void> write_pages(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
+                                 const std::vector<apps::Outcome>& outcomes) {
+  using apps::ShownPictures;
+  const ShownPictures shown = o.pictures == "all"    ? ShownPictures::kAll
+                              : o.pictures == "none" ? ShownPictures::kNone
+                                                     : ShownPictures::kFailed;
+  const auto in_folder = [&](const std::string& file, const char* name) {
+    return file.empty() ? (results.path() / name).string() : file;
+  };
+  const auto page = html_report(suite, results, outcomes, shown, o.suite);
+  if (!page) return tl::unexpected(page.error());
+  if (auto done = apps::write_text(in_folder(o.html, "report.html"), *page); !done) return done;
+  return apps::write_text(in_folder(o.junit, "junit.xml"), junit_xml(suite, outcomes));
+}
+
+void print(const Options& o, const std::vector<apps::Outcome>& outcomes) {
+  if (o.quiet) return;
+  std::FILE* out = apps::table_stream(o.json_file);
+  for (const apps::Outcome& outcome : outcomes)
+    if (outcome.status != apps::Status::kPassed)
+      std::fprintf(out, "%-8s %s: %s\n", name_of(outcome.status).data(), outcome.task->name.c_str(),
+                   outcome.reason.c_str());
+  std::fprintf(out, "%s\n", summary(outcomes).c_str());
+}
+
+/// Of a shard no pages are written: --merge makes those of all.
+core::Expected<int> report(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
+                           const std::vector<std::size_t>& tasks) {
+  auto outcomes = apps::outcomes(suite, results, tasks);
+  if (o.accept)
+    for (apps::Outcome& outcome : outcomes)
+      if (outcome.status == apps::Status::kFailed) outcome.status = apps::Status::kAccepted;
+  if (o.shard.empty())  // with the references as they were
+    if (auto done = write_pages(o, suite, results, outcomes); !done) return tl::unexpected(done.error());
+  if (auto done = copy_accepted(suite, results, outcomes); !done) return tl::unexpected(done.error());
+  if (auto done = apps::write_json(o.json_file, to_json(suite, outcomes)); !done) return tl::unexpected(done.error());
+  print(o, outcomes);
+  return all_good(outcomes) ? apps::kExitOk : apps::kExitFailure;
+}
+
+core::Expected<void> merge(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
+                           const std::vector<std::size_t>& tasks) {
+  for (const std::string& folder : o.from) {
+    std::error_code none;
+    if (!fs::is_directory(folder, none)) return core::fail(folder + ": is no folder");
+    for (const std::size_t task : tasks)
+      if (auto taken = results.take(suite.tasks[task], apps::ResultFolder(folder)); !taken)
+        return tl::unexpected(taken.error());
+  }
+  return {};
+}
+
+/// On rank 0 and without MPI.
+core::Expected<int> run_suite(const Options& o, const apps::Suite& suite, std::vector<apps::Worker>& workers,
+                              const std::vector<std::size_t>& tasks) {
+  const apps::ResultFolder results(o.out);
+  if (auto made = apps::make_directory(o.out); !made) return tl::unexpected(made.error());
+  if (o.merge) {
+    if (auto done = merge(o, suite, results, tasks); !done) return tl::unexpected(done.error());
+    return report(o, suite, results, tasks);
+  }
+  const auto left = tasks_to_draw(o, suite, results, tasks);
+  if (!left) return tl::unexpected(left.error());
+  {
+    std::optional<apps::Progress> bar;
+    if (!o.quiet) bar.emplace("drawing", left->size());
+    apps::Farm farm(suite, results, *left, [&](std::size_t finished) {
+      if (bar) bar->advance(finished);
+    });
+    core::Expected<void> done;
+#if SIGHTLINE_HAS_MPI
+    done = o.mpi ? run_mpi_farm(farm, workers.front(), o.silence) : farm.run(workers);
+#else
+    done = farm.run(workers);
+#endif
+    if (!done) return tl::unexpected(done.error());
+  }
+  return report(o, suite, results, tasks);
+}
+
+core::Expected<int> regress(const Options& o, const std::vector<std::string>& worker_command) {
+  const auto suite = apps::read_suite(o.suite, o.limits);
+  if (!suite) return tl::unexpected(suite.error());
+  if (o.worker) return serve(o, *suite);
+  const auto tasks = choose_tasks(o, *suite);
+  if (!tasks) return tl::unexpected(tasks.error());
+  if (o.list) {
+    for (const std::size_t task : *tasks) std::printf("%s\n", suite->tasks[task].name.c_str());
+    return apps::kExitOk;
+  }
+  std::signal(SIGPIPE, SIG_IGN);  // of workers that died
+  std::vector<apps::Worker> workers;
+  const std::size_t count = std::min(std::size_t(o.workers), tasks->size());
+  for (std::size_t i = 0; i < std::max<std::size_t>(count, 1); ++i) workers.emplace_back(worker_command, o.timeout);
+  if (!o.mpi) return run_suite(o, *suite, workers, *tasks);
+  const auto session = apps::MpiSession::begin();
+  if (!session) return tl::unexpected(session.error());
+#if SIGHTLINE_HAS_MPI
+  if (session->rank() > 0) {
+    const auto served = serve_mpi_farm(*suite, workers.front());
+    return served ? core::Expected<int>(apps::kExitOk) : tl::unexpected(served.error());
+  }
+#endif
+  return run_suite(o, *suite, workers, *tasks);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Pictures of many views of many models against references, by many processes", "sightline-regress");
+  apps::describe(app,
+                 "  sightline-regress suite.json --accept          # the first references\n"
+                 "  sightline-regress suite.json -j 4 --out results\n"
+                 "  sightline-regress suite.json --only 'plant/*' --max 8 --pictures all\n"
+                 "  sightline-regress suite.json --resume --accept # takes what the last run drew\n"
+                 "  mpirun --enable-recovery -np 8 sightline-regress suite.json --mpi\n"
+                 "  seq 4 | parallel sightline-regress suite.json --out results --shard {}/4\n"
+                 "  sightline-regress suite.json --out results --merge");
+  Options options;
+  add_options(app, options);
+  return apps::run(app, argc, argv, [&] { return regress(options, worker_command(options, argc, argv)); });
+}

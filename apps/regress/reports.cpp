@@ -1,0 +1,203 @@
+#include "sightline/apps/regress/reports.h"
+
+#include <algorithm>
+#include <set>
+
+#include "sightline/apps/common/html_page.h"
+#include "sightline/apps/common/markup.h"
+
+namespace sightline::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string number(double value, const char* format = "%.4g") {
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string view_of(const Task& task) {
+  return task.name.substr(task.name.find('/') + 1);
+}
+
+double seconds(const Outcome& outcome) {
+  return outcome.result ? outcome.result->seconds : 0.0;
+}
+
+std::string renderers(const std::vector<Outcome>& outcomes) {
+  std::set<std::string> names;
+  for (const Outcome& o : outcomes)
+    if (o.result && !o.result->renderer.empty()) names.insert(o.result->renderer);
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : "; ") + name;
+  return text;
+}
+
+/// White where two pictures of the same size show different colours.
+image::Image mask(const image::Image& a, const image::Image& b) {
+  image::Image out{a.width, a.height, std::vector<std::uint8_t>(a.pixels.size())};
+  for (std::size_t i = 0; i + 2 < a.pixels.size(); i += 3)
+    if (!std::equal(&a.pixels[i], &a.pixels[i] + 3, &b.pixels[i])) std::fill_n(&out.pixels[i], 3, std::uint8_t(255));
+  return out;
+}
+
+bool same_size(const core::Expected<image::Image>& a, const core::Expected<image::Image>& b) {
+  return a && b && a->width == b->width && a->height == b->height;
+}
+
+/// Reference, picture and difference, as far as they are there; of ids where they differ.
+std::vector<LabelledPicture> pictures_of(const Suite& suite, const ResultFolder& results, const Outcome& outcome) {
+  std::vector<LabelledPicture> out;
+  const auto reference = image::read_png(suite.reference(*outcome.task));
+  const auto picture = image::read_png(results.picture(*outcome.task));
+  if (reference) out.push_back({outcome.status == Status::kAccepted ? "reference, accepted" : "reference", *reference});
+  if (picture) out.push_back({"picture", *picture});
+  if (same_size(reference, picture))
+    out.push_back({"difference, four times amplified", image::difference_image(*picture, *reference)});
+  if (!outcome.result || outcome.result->wrong_ids == 0) return out;
+  const auto ids = image::read_png(results.ids(*outcome.task));
+  const auto reference_ids = image::read_png(suite.id_reference(*outcome.task));
+  if (same_size(reference_ids, ids)) out.push_back({"pixels of another item", mask(*ids, *reference_ids)});
+  return out;
+}
+
+std::vector<std::string> table_row(const Outcome& o) {
+  const bool compared = o.result && o.result->error.empty() && o.result->unlike.empty();
+  const auto figure = [&](const std::string& text, bool there) { return compared && there ? text : "-"; };
+  const TaskResult& r = o.result ? *o.result : TaskResult();
+  return {o.task->name,
+          std::string(name_of(o.status)),
+          figure(std::to_string(r.difference.max), true),
+          figure(number(r.difference.mean), true),
+          figure(number(r.flip), true),
+          figure(std::to_string(r.difference.pixels), true),
+          figure(std::to_string(r.wrong_ids), o.task->limits.ids.has_value()),
+          number(r.seconds, "%.2f")};
+}
+
+}  // namespace
+
+std::vector<Outcome> outcomes(const Suite& suite, const ResultFolder& results, const std::vector<std::size_t>& tasks) {
+  std::vector<Outcome> out;
+  for (const std::size_t index : tasks) {
+    const Task& task = suite.tasks[index];
+    auto result = results.read(task);
+    const Status status = judge(result, task.limits);
+    std::string why = status == Status::kPassed ? "" : reason(result, task.limits);
+    out.push_back({&task, std::move(result), status, std::move(why)});
+  }
+  return out;
+}
+
+std::size_t count(const std::vector<Outcome>& outcomes, Status status) {
+  return std::size_t(
+      std::count_if(outcomes.begin(), outcomes.end(), [&](const Outcome& o) { return o.status == status; }));
+}
+
+bool all_good(const std::vector<Outcome>& outcomes) {
+  return count(outcomes, Status::kPassed) + count(outcomes, Status::kAccepted) == outcomes.size();
+}
+
+std::string summary(const std::vector<Outcome>& outcomes) {
+  std::string text = std::to_string(outcomes.size()) + (outcomes.size() == 1 ? " picture" : " pictures");
+  const char* separator = ": ";
+  for (const Status status : {Status::kPassed, Status::kAccepted, Status::kFailed, Status::kError, Status::kMissing}) {
+    if (count(outcomes, status) == 0) continue;
+    text += separator + std::to_string(count(outcomes, status)) + " " + std::string(name_of(status));
+    separator = ", ";
+  }
+  return text;
+}
+
+json to_json(const Suite& suite, const std::vector<Outcome>& outcomes) {
+  json out = {{"suite", suite.name}, {"count", outcomes.size()}, {"ok", all_good(outcomes)}, {"tasks", json::array()}};
+  for (const Status status : {Status::kPassed, Status::kAccepted, Status::kFailed, Status::kError, Status::kMissing})
+    out[std::string(name_of(status))] = count(outcomes, status);
+  for (const Outcome& o : outcomes) {
+    json task = {{"name", o.task->name},
+                 {"status", std::string(name_of(o.status))},
+                 {"reason", o.reason},
+                 {"limits", limits_json(o.task->limits)},
+                 {"seconds", seconds(o)}};
+    if (o.result && o.result->error.empty()) {
+      task["renderer"] = o.result->renderer;
+      if (o.result->unlike.empty()) {
+        task.update({{"max", o.result->difference.max},
+                     {"mean", o.result->difference.mean},
+                     {"pixels", o.result->difference.pixels},
+                     {"flip", o.result->flip}});
+        if (o.task->limits.ids) task["ids"] = o.result->wrong_ids;
+      }
+    }
+    out["tasks"].push_back(std::move(task));
+  }
+  return out;
+}
+
+std::string junit_xml(const Suite& suite, const std::vector<Outcome>& outcomes) {
+  const auto head = [](const char* element, const std::string& name, const std::vector<Outcome>& of) {
+    double time = 0.0;
+    for (const Outcome& o : of) time += seconds(o);
+    return std::string("<") + element + " name=\"" + escaped(name) + "\" tests=\"" + std::to_string(of.size()) +
+           "\" failures=\"" + std::to_string(count(of, Status::kFailed)) + "\" errors=\"" +
+           std::to_string(count(of, Status::kError) + count(of, Status::kMissing)) + "\" time=\"" +
+           number(time, "%.3f") + "\">\n";
+  };
+  std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + head("testsuites", suite.name, outcomes);
+  for (std::size_t model = 0; model < suite.models.size(); ++model) {
+    std::vector<Outcome> of;
+    std::copy_if(outcomes.begin(), outcomes.end(), std::back_inserter(of),
+                 [&](const Outcome& o) { return o.task->model == model; });
+    if (of.empty()) continue;
+    xml += " " + head("testsuite", suite.models[model].name, of);
+    for (const Outcome& o : of) {
+      xml += "  <testcase classname=\"" + escaped(suite.name + "." + suite.models[model].name) + "\" name=\"" +
+             escaped(view_of(*o.task)) + "\" time=\"" + number(seconds(o), "%.3f") + "\"";
+      const std::string message = " message=\"" + escaped(o.reason) + "\"";
+      if (o.status == Status::kPassed)
+        xml += "/>\n";
+      else if (o.status == Status::kAccepted)
+        xml += ">\n   <system-out>" + escaped("accepted: " + o.reason) + "</system-out>\n  </testcase>\n";
+      else if (o.status == Status::kFailed)
+        xml += ">\n   <failure type=\"difference\"" + message + "/>\n  </testcase>\n";
+      else
+        xml += ">\n   <error type=\"" + std::string(name_of(o.status)) + "\"" + message + "/>\n  </testcase>\n";
+    }
+    xml += " </testsuite>\n";
+  }
+  return xml + "</testsuites>\n";
+}
+
+core::Expected<std::string> html_report(const Suite& suite, const ResultFolder& results,
+                                        const std::vector<Outcome>& outcomes, ShownPictures shown,
+                                        const std::string& suite_file) {
+  const std::string command = "sightline-regress " + shell_word(suite_file);
+  std::vector<PageSection> sections;
+  std::vector<std::vector<std::string>> rows;
+  for (const Outcome& o : outcomes) rows.push_back(table_row(o));
+  HtmlBody table;
+  table.table({"picture", "", "max", "mean", "FLIP", "pixels that differ", "of another item", "seconds"}, rows,
+              {"All pictures. Differences of a channel are 0 to 255, mean FLIP 0 to 1.", command});
+  sections.push_back({"all", "All pictures", summary(outcomes), table.text()});
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    const Outcome& o = outcomes[i];
+    if (shown == ShownPictures::kNone || (shown == ShownPictures::kFailed && o.status == Status::kPassed)) continue;
+    HtmlBody body;
+    if (!o.reason.empty()) body.paragraph(std::string(name_of(o.status)) + ": " + o.reason);
+    const auto pictures = pictures_of(suite, results, o);
+    const Caption caption{o.task->name + ", " + std::to_string(o.task->size[0]) + "x" +
+                              std::to_string(o.task->size[1]) + ", limits " + limits_json(o.task->limits).dump(),
+                          command + " --only " + o.task->name + " --pictures all"};
+    if (!pictures.empty())
+      if (auto done = body.pictures(pictures, caption, int(std::max<std::size_t>(3, pictures.size()))); !done)
+        return tl::unexpected(done.error());
+    sections.push_back({"task" + std::to_string(i), o.task->name, std::string(name_of(o.status)), body.text()});
+  }
+  std::vector<std::string> intro = {summary(outcomes) + "."};
+  if (const std::string names = renderers(outcomes); !names.empty()) intro.push_back("Drawn by " + names + ".");
+  return html_page("Regression: " + suite.name, intro, sections);
+}
+
+}  // namespace sightline::apps

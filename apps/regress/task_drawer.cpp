@@ -1,0 +1,138 @@
+#include "sightline/apps/regress/task_drawer.h"
+
+#include <chrono>
+
+#include "sightline/apps/common/tiled_picture.h"
+#include "sightline/image/image_metrics.h"
+
+namespace sightline::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kLargestWhole = 4096;  // pixels
+constexpr int kLeastForMetrics = 11;
+
+/// Colours or ids of a reference. What is wrong with it goes to `unlike`.
+std::optional<image::Image> read_reference(const fs::path& file, const image::Image& picture, std::string& unlike) {
+  std::error_code none;
+  if (!fs::exists(file, none)) {
+    unlike = "no reference: " + file.string();
+    return std::nullopt;
+  }
+  auto reference = image::read_png(file);
+  if (!reference) {
+    unlike = reference.error().message;
+    return std::nullopt;
+  }
+  if (reference->width == picture.width && reference->height == picture.height) return std::move(*reference);
+  const auto size = [](const image::Image& image) {
+    return std::to_string(image.width) + "x" + std::to_string(image.height);
+  };
+  unlike = file.string() + ": has " + size(*reference) + " pixels, the picture " + size(picture);
+  return std::nullopt;
+}
+
+void compare(const Suite& suite, const Task& task, const image::Image& picture, const image::Image& ids,
+             TaskResult& result) {
+  const auto reference = read_reference(suite.reference(task), picture, result.unlike);
+  if (!reference) return;
+  result.difference = image::compare(picture, *reference).value();
+  if (result.difference.max > 0 && std::min(picture.width, picture.height) >= kLeastForMetrics)
+    if (const auto metrics = image::image_metrics(*reference, picture)) result.flip = metrics->flip_mean;
+  if (!task.limits.ids) return;
+  const auto other = read_reference(suite.id_reference(task), ids, result.unlike);
+  if (other) result.wrong_ids = image::wrong_ids(image::ids_of_colours(*other), image::ids_of_colours(ids)).value();
+}
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+core::Expected<engine::PictureTiles> TaskDrawer::prepare(const Task& task) {
+  if (model_ != task.model) {
+    engine_.reset();
+    read_.reset();
+    model_.reset();
+    auto model = load_model(suite_.models[task.model].options);
+    if (!model) return tl::unexpected(model.error());
+    read_ = std::move(*model);
+    model_ = task.model;
+  }
+  engine::EngineConfig config;
+  config.draw = true;
+  config.samples = task.samples;
+  config.ids = task.limits.ids.has_value();
+  config.context_platform = platform_;
+  config.culler = engine::CullerChoice::kCpu;
+  config.occlusion = engine::OcclusionChoice::kOff;  // what it draws first depends on the frame before
+  const bool whole = std::max(task.size[0], task.size[1]) <= kLargestWhole;
+  auto tiles = tiles_for(task.size, whole ? kLargestWhole : kTileSide, config);
+  if (!tiles) return tiles;
+  if (engine_ && engine_->config().samples == config.samples && engine_->config().ids == config.ids) {
+    const auto done = engine_->resize(tiles->width, tiles->height);
+    return done ? tiles : tl::unexpected(done.error());
+  }
+  config.width = tiles->width;
+  config.height = tiles->height;
+  engine_.reset();
+  auto engine = engine::Engine::create(*read_->scene, config);
+  if (!engine) return tl::unexpected(engine.error());
+  engine_ = std::move(*engine);
+  return tiles;
+}
+
+core::Expected<void> TaskDrawer::draw(const Task& task, image::Image& picture, image::IdImage& ids) {
+  auto tiles = prepare(task);
+  if (!tiles) return tl::unexpected(tiles.error());
+  const double aspect = double(task.size[0]) / task.size[1];
+  const auto view = task.view ? core::Expected<core::View>(*task.view)
+                              : core::View::fit(engine_->snapshot().bounds().fitted_bounds().bounds,
+                                                core::kOverviewDirection, kFovy, aspect);
+  if (!view) return tl::unexpected(view.error());
+  TiledPicture drawn(*view, std::move(*tiles), {.ids = engine_->config().ids});
+  picture = {task.size[0], task.size[1], {}};
+  ids = {task.size[0], task.size[1], {}};
+  while (!drawn.complete()) {
+    const auto rows = drawn.step(*engine_);
+    if (!rows) return tl::unexpected(rows.error());
+    if (!*rows) continue;
+    const PictureRows& more = drawn.rows();
+    picture.pixels.insert(picture.pixels.end(), more.colours.begin(), more.colours.end());
+    ids.ids.insert(ids.ids.end(), more.ids.begin(), more.ids.end());
+  }
+  return {};
+}
+
+core::Expected<void> TaskDrawer::run(const Task& task) {
+  const double begin = now();
+  if (auto done = results_.make_place(task); !done) return done;
+  TaskResult result;
+  result.key = task.key;
+  result.files_key = suite_.files_key(task);
+  image::Image picture, id_colours;
+  image::IdImage ids;
+  if (auto drawn = draw(task, picture, ids); !drawn) {
+    model_.reset();  // the next task begins anew
+    result.error = drawn.error().message;
+    return results_.write(task, result);
+  }
+  result.renderer = engine_->renderer();
+  if (auto done = image::write_png(picture, results_.picture(task)); !done) return done;
+  if (task.limits.ids) {
+    auto colours = image::id_colours(ids);
+    if (!colours) {
+      result.error = colours.error().message;
+      return results_.write(task, result);
+    }
+    id_colours = std::move(*colours);
+    if (auto done = image::write_png(id_colours, results_.ids(task)); !done) return done;
+  }
+  compare(suite_, task, picture, id_colours, result);
+  result.seconds = now() - begin;
+  return results_.write(task, result);
+}
+
+}  // namespace sightline::apps

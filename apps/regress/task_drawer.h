@@ -1,0 +1,31 @@
+// Draws tasks of a suite and compares the pictures with their references.
+#pragma once
+
+#include "sightline/apps/regress/task_result.h"
+#include "sightline/engine/engine.h"
+
+namespace sightline::apps {
+
+/// Keeps the model of the last task, so that tasks of one model in a row read it once. The picture of a task does not
+/// depend on those before it: nothing is on that learns from earlier frames.
+class TaskDrawer {
+ public:
+  TaskDrawer(const Suite& suite, ResultFolder results, gl::ContextPlatform platform)
+      : suite_(suite), results_(std::move(results)), platform_(platform) {}
+
+  /// Draws, compares and writes the result; TaskResult::error is part of that. Fails where nothing can be written.
+  core::Expected<void> run(const Task& task);
+
+ private:
+  core::Expected<engine::PictureTiles> prepare(const Task& task);
+  core::Expected<void> draw(const Task& task, image::Image& picture, image::IdImage& ids);
+
+  const Suite& suite_;
+  ResultFolder results_;
+  gl::ContextPlatform platform_;
+  std::optional<std::size_t> model_;  // in the suite, that is read
+  std::optional<Model> read_;
+  std::optional<engine::Engine> engine_;
+};
+
+}  // namespace sightline::apps
