@@ -12,6 +12,10 @@
 #include "sightline/apps/common/style_options.h"
 #include "sightline/apps/common/tiled_picture.h"
 #include "sightline/apps/common/view_options.h"
+#include "sightline/apps/mpi/session.h"
+#if SIGHTLINE_HAS_MPI
+#include "sightline/apps/mpi/composer.h"
+#endif
 #include "sightline/engine/engine.h"
 #include "sightline/image/image_metrics.h"
 #include "sightline/importers/view_json.h"
@@ -41,7 +45,7 @@ struct Options {
   apps::ShownOptions shown;
   apps::StyleOptions styles;
   gl::ContextPlatform platform = {};
-  bool gl_debug = false;
+  bool gl_debug = false, mpi = false;
   double max = -1.0, mean = -1.0, pixels_per_degree = image::kPixelsPerDegree;
 };
 
@@ -93,6 +97,11 @@ void add_options(CLI::App& app, Options& o) {
   apps::add_context_option(app, o.platform);
   app.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
   app.add_option("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
+  auto* mpi = app.add_flag(
+      "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 writes the picture of all");
+  for (const char* other : {"--samples", "--shading", "--lines", "--hide", "--isolate", "--ghost", "--ghost-others",
+                            "--fade", "--highlight", "--transparency", "--contribution", "--budget", "--write-frames"})
+    mpi->excludes(app.get_option(other));
 }
 
 core::Expected<void> write_id_names(const std::string& file, const std::set<std::uint32_t>& seen,
@@ -201,17 +210,18 @@ class Outputs {
   std::set<std::uint32_t> seen_;
 };
 
+/// Draws to the end even where rows cannot be written: other processes may wait for the parts of this one.
 core::Expected<void> draw(engine::Engine& engine, apps::TiledPicture& picture, Outputs& outputs,
                           const std::function<void()>& after_step) {
+  core::Expected<void> written;
   while (!picture.complete()) {
     const auto more = picture.step(engine);
     if (!more) return tl::unexpected(more.error());
-    if (*more)
-      if (auto done = outputs.add(picture.rows()); !done) return done;
+    if (*more && written) written = outputs.add(picture.rows());
     after_step();
   }
   for (const std::string& error : engine.take_gl_errors()) return core::fail("GL: " + error);
-  return {};
+  return written;
 }
 
 void warn_if_blank(const apps::TiledPicture& picture, const std::string& name) {
@@ -220,40 +230,48 @@ void warn_if_blank(const apps::TiledPicture& picture, const std::string& name) {
   std::fprintf(stderr, "warning: %s: no pixel shows any of the %svisible items\n", name.c_str(), count.c_str());
 }
 
-core::Expected<int> render_picture(const Options& o, const apps::Model& model, engine::Engine& engine,
-                                   const std::array<int, 2>& size, const engine::PictureTiles& tiles) {
-  const auto view = apps::choose_view(o.view, model, engine.snapshot(), double(size[0]) / size[1]);
+/// What pictures are made with.
+struct Studio {
+  apps::Model model;
+  std::optional<engine::Engine> engine;
+  std::array<int, 2> size{};
+  engine::PictureTiles tiles;
+};
+
+/// A picture that is about to be drawn.
+struct Begun {
+  core::View view;
+  Outputs outputs;
+};
+
+core::Expected<Begun> begin_picture(const Options& o, const Studio& studio) {
+  // A part of a model is fitted as the whole is.
+  std::optional<core::Snapshot> whole;
+  if (o.mpi) whole.emplace(*studio.model.scene);
+  auto view = apps::choose_view(o.view, studio.model, whole ? *whole : studio.engine->snapshot(),
+                                double(studio.size[0]) / studio.size[1]);
   if (!view) return tl::unexpected(view.error());
-  auto outputs = Outputs::open(o, size);
+  auto outputs = Outputs::open(o, studio.size);
   if (!outputs) return tl::unexpected(outputs.error());
-  const bool complete = tiles.tiles.size() > 1;  // a budget shows in a picture that is drawn at once
-  apps::TiledPicture picture(*view, tiles, {.ids = o.wants_ids(), .depth = !o.depth.empty(), .complete = complete});
-  {
-    apps::Progress progress("drawing", picture.steps());
-    const auto after_step = [&] { progress.advance(picture.steps_done()); };
-    if (auto done = draw(engine, picture, *outputs, after_step); !done) return tl::unexpected(done.error());
-  }
-  warn_if_blank(picture, "the image");
-  if (auto done = outputs->finish(*model.scene); !done) return tl::unexpected(done.error());
-  json figures = {{"renderer", engine.renderer()},
-                  {"size", size},
-                  {"tiles", tiles.tiles.size()},
-                  {"items", engine.snapshot().size()},
-                  {"culler", name_of(engine.plan().culler)}};
-  const engine::FrameReport& report = picture.report();
-  if (tiles.tiles.size() == 1)
-    figures.update({{"visible", report.visible},
-                    {"sampled", report.sampled},
-                    {"shown", report.shown},
-                    {"small", report.small},
-                    {"pending", report.pending},
-                    {"squares", report.squares},
-                    {"tested", report.tested}});
+  return Begun{*view, std::move(*outputs)};
+}
+
+json figures_of(Studio& studio) {
+  return {{"renderer", studio.engine->renderer()},
+          {"size", studio.size},
+          {"tiles", studio.tiles.tiles.size()},
+          {"items", studio.engine->snapshot().size()},
+          {"culler", name_of(studio.engine->plan().culler)}};
+}
+
+/// Writes and compares what was drawn.
+core::Expected<int> finish_picture(const Options& o, const Studio& studio, Outputs& outputs, json figures) {
+  if (auto done = outputs.finish(*studio.model.scene); !done) return tl::unexpected(done.error());
   if (!o.reference_ids.empty())
-    if (auto done = compare_ids(o, outputs->items, figures); !done) return tl::unexpected(done.error());
+    if (auto done = compare_ids(o, outputs.items, figures); !done) return tl::unexpected(done.error());
   bool same = true;
   if (!o.reference.empty()) {
-    auto compared = compare(o, outputs->picture, figures);
+    auto compared = compare(o, outputs.picture, figures);
     if (!compared) return tl::unexpected(compared.error());
     same = *compared;
   }
@@ -261,8 +279,36 @@ core::Expected<int> render_picture(const Options& o, const apps::Model& model, e
   return same ? apps::kExitOk : apps::kExitFailure;
 }
 
-core::Expected<int> render_frames(const Options& o, const apps::Model& model, engine::Engine& engine,
-                                  const std::array<int, 2>& size, const engine::PictureTiles& tiles) {
+core::Expected<void> draw_with_bar(Studio& studio, apps::TiledPicture& picture, Outputs& outputs) {
+  apps::Progress progress("drawing", picture.steps());
+  return draw(*studio.engine, picture, outputs, [&] { progress.advance(picture.steps_done()); });
+}
+
+core::Expected<int> render_picture(const Options& o, Studio& studio) {
+  auto begun = begin_picture(o, studio);
+  if (!begun) return tl::unexpected(begun.error());
+  const bool complete = studio.tiles.tiles.size() > 1;  // a budget shows in a picture that is drawn at once
+  apps::TiledPicture picture(begun->view, studio.tiles,
+                             {.ids = o.wants_ids(), .depth = !o.depth.empty(), .complete = complete});
+  if (auto done = draw_with_bar(studio, picture, begun->outputs); !done) return tl::unexpected(done.error());
+  warn_if_blank(picture, "the image");
+  json figures = figures_of(studio);
+  const engine::FrameReport& report = picture.report();
+  if (studio.tiles.tiles.size() == 1)
+    figures.update({{"visible", report.visible},
+                    {"sampled", report.sampled},
+                    {"shown", report.shown},
+                    {"small", report.small},
+                    {"pending", report.pending},
+                    {"squares", report.squares},
+                    {"tested", report.tested}});
+  return finish_picture(o, studio, begun->outputs, std::move(figures));
+}
+
+core::Expected<int> render_frames(const Options& o, Studio& studio) {
+  const apps::Model& model = studio.model;
+  engine::Engine& engine = *studio.engine;
+  const auto& [width, height] = studio.size;
   auto path = importers::read_path(o.view.path);
   if (path) path = importers::translated(*path, model.offset);
   if (!path) return tl::unexpected(path.error());
@@ -271,13 +317,13 @@ core::Expected<int> render_frames(const Options& o, const apps::Model& model, en
   if (auto done = apps::take_empty_folder(o.frames_folder); !done) return tl::unexpected(done.error());
   apps::Progress progress("writing frames", std::size_t(frames->count()));
   for (int frame = 0; frame < frames->count(); ++frame) {
-    const auto view = path->view(frames->time(frame), double(size[0]) / size[1]);
+    const auto view = path->view(frames->time(frame), double(width) / height);
     if (!view) return tl::unexpected(view.error());
     Options file = o;
     file.out = (std::filesystem::path(o.frames_folder) / apps::PathFrames::file_name(frame)).string();
-    auto outputs = Outputs::open(file, size);
+    auto outputs = Outputs::open(file, studio.size);
     if (!outputs) return tl::unexpected(outputs.error());
-    apps::TiledPicture picture(*view, tiles, {});
+    apps::TiledPicture picture(*view, studio.tiles, {});
     auto done = draw(engine, picture, *outputs, [] {});
     if (done) done = outputs->finish(*model.scene);
     if (!done) return tl::unexpected(done.error());
@@ -285,7 +331,7 @@ core::Expected<int> render_frames(const Options& o, const apps::Model& model, en
     progress.advance(std::size_t(frame) + 1);
   }
   const json figures = {{"renderer", engine.renderer()},
-                        {"size", size},
+                        {"size", studio.size},
                         {"items", engine.snapshot().size()},
                         {"frames", frames->count()},
                         {"fps", o.fps}};
@@ -293,7 +339,7 @@ core::Expected<int> render_frames(const Options& o, const apps::Model& model, en
   return apps::kExitOk;
 }
 
-core::Expected<int> render_model(const Options& o) {
+core::Expected<Studio> make_studio(const Options& o, const engine::ScenePart& part) {
   const auto size = apps::parse_size(o.view.size);
   if (!size) return tl::unexpected(size.error());
   engine::EngineConfig config;
@@ -301,12 +347,13 @@ core::Expected<int> render_model(const Options& o) {
   config.samples = o.samples;
   o.shown.apply(config);
   config.transparency = o.styles.transparency;
-  config.ids = o.wants_ids();
+  config.ids = o.wants_ids() || o.mpi;
+  config.part = part;
   config.context_platform = o.platform;
   config.gl_debug = o.gl_debug;
   config.culler = o.culler;
   config.gpu_culler = o.gpu_culler;
-  const auto tiles = apps::tiles_for(*size, o.tile_side(*size), config);
+  auto tiles = apps::tiles_for(*size, o.tile_side(*size), config);
   if (!tiles) return tl::unexpected(tiles.error());
   config.width = tiles->width;
   config.height = tiles->height;
@@ -316,7 +363,51 @@ core::Expected<int> render_model(const Options& o) {
   if (!engine) return tl::unexpected(engine.error());
   if (o.model.explain) apps::explain(engine->plan());
   if (auto done = apps::apply_styles(o.styles, *model->scene, *engine); !done) return tl::unexpected(done.error());
-  return (o.frames_folder.empty() ? render_picture : render_frames)(o, *model, *engine, *size, *tiles);
+  return Studio{std::move(*model), std::move(*engine), *size, std::move(*tiles)};
+}
+
+core::Expected<int> render_alone(const Options& o) {
+  auto studio = make_studio(o, {});
+  if (!studio) return tl::unexpected(studio.error());
+  return (o.frames_folder.empty() ? render_picture : render_frames)(o, *studio);
+}
+
+/// One of the processes that draw a picture together. Rank 0 writes it.
+core::Expected<int> render_parts([[maybe_unused]] Options o) {
+  const auto session = apps::MpiSession::begin();
+  if (!session) return tl::unexpected(session.error());
+#if SIGHTLINE_HAS_MPI
+  const bool root = session->rank() == 0;
+  if (!root) {
+    o.out = o.ids = o.ids_json = o.depth = o.reference = o.reference_ids = o.diff = o.json_file = "";
+    o.model.quiet = o.view.quiet = true;
+    o.model.explain = false;
+  }
+  apps::Composer composer(*session);
+  auto studio = session->agreed(make_studio(o, composer.part()));
+  if (!studio) return tl::unexpected(studio.error());
+  auto begun = session->agreed(begin_picture(o, *studio));
+  if (!begun) return tl::unexpected(begun.error());
+  const auto read = [&](auto&... drawn) { return composer.read(drawn...); };
+  apps::TiledPicture picture(begun->view, studio->tiles,
+                             {.ids = o.wants_ids(), .depth = !o.depth.empty(), .read = read});
+  auto drawn =
+      root ? draw_with_bar(*studio, picture, begun->outputs) : draw(*studio->engine, picture, begun->outputs, [] {});
+  if (drawn = session->agreed(std::move(drawn)); !drawn) return tl::unexpected(drawn.error());
+  json figures = figures_of(*studio);
+  const engine::Engine& engine = *studio->engine;
+  const double own = double(engine.snapshot().size() - engine.snapshot().vacant_count());
+  figures.update({{"processes", session->size()},
+                  {"drawing", composer.drawing()},
+                  {"visible", composer.visible()},
+                  {"part_items", composer.gather(own)},
+                  {"part_gpu_bytes", composer.gather(double(engine.memory().gpu))}});
+  if (!root) return apps::kExitOk;
+  warn_if_blank(picture, "the image");
+  return finish_picture(o, *studio, begun->outputs, std::move(figures));
+#else
+  return apps::kExitFailure;
+#endif
 }
 
 }  // namespace
@@ -330,8 +421,9 @@ int main(int argc, char** argv) {
       "  sightline-render plant.rvm --view view.json --compare reference.png --max 8 --mean 0.1 --diff d.png\n"
       "  sightline-render plant.rvm --highlight PS-100 --ghost-others PS-100 --out selected.png\n"
       "  sightline-render plant.rvm --size 16384x9216 --samples 4 --out poster.png\n"
+      "  mpirun -np 4 sightline-render plant.rvm --mpi --out plant.png\n"
       "  sightline-render plant.rvm --path flight.json --write-frames frames --fps 25 --size 1920x1080");
   Options options;
   add_options(app, options);
-  return apps::run(app, argc, argv, [&] { return render_model(options); });
+  return apps::run(app, argc, argv, [&] { return options.mpi ? render_parts(options) : render_alone(options); });
 }

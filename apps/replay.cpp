@@ -13,11 +13,15 @@
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/common/svg_plot.h"
+#include "sightline/apps/mpi/session.h"
 #include "sightline/engine/engine.h"
 #include "sightline/importers/view_json.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/apps/common/blank.h"
 #include "sightline/image/image.h"
+#endif
+#if SIGHTLINE_HAS_GL && SIGHTLINE_HAS_MPI
+#include "sightline/apps/mpi/composer.h"
 #endif
 
 namespace {
@@ -34,7 +38,7 @@ struct Options {
   apps::ShownOptions shown;
   int frames = 300, every = 30;
   gl::ContextPlatform platform = {};
-  bool no_render = false;
+  bool no_render = false, mpi = false;
   std::string record_both, controller_trace, policy = "frame-cost", rendering = "on";
 };
 
@@ -82,6 +86,11 @@ void add_options(CLI::App& app, Options& o) {
       ->needs(images)
       ->check(CLI::PositiveNumber);
   add_controller_options(app, o);
+  auto* mpi = app.add_flag("--mpi", o.mpi,
+                           "Under mpirun: each process draws a part of the model, and rank 0 gets the pictures of all");
+  for (const char* other : {"--no-render", "--samples", "--shading", "--lines", "--contribution", "--budget",
+                            "--record-both", "--controller-only"})
+    mpi->excludes(app.get_option(other));
 }
 
 using apps::Flight, apps::FlownFrame;
@@ -90,18 +99,23 @@ core::Expected<core::CameraPath> choose_path(const Options& o, const apps::Model
                                              const core::Snapshot& snapshot) {
   if (o.path.empty()) {
     const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
-    apps::warn_of_outliers(fitted);
+    if (!o.model.quiet) apps::warn_of_outliers(fitted);
     return core::make_tour(snapshot.bounds(), fitted);  // of the model where --translate put it
   }
   auto path = importers::read_path(o.path);
   return path ? importers::translated(*path, model.offset) : path;
 }
 
+std::string image_name(int frame) {
+  char name[32];
+  std::snprintf(name, sizeof name, "frame_%05d.png", frame);
+  return name;
+}
+
 /// Saves the last frame of the flight.
 core::Expected<void> save_image(engine::Engine& engine, const std::string& folder, Flight& flight) {
 #if SIGHTLINE_HAS_GL
-  char name[32];
-  std::snprintf(name, sizeof name, "frame_%05d.png", int(flight.frames.size()) - 1);
+  const std::string name = image_name(int(flight.frames.size()) - 1);
   const auto picture = engine.read_colour();
   if (!picture) return tl::unexpected(picture.error());
   auto done = image::write_png(*picture, std::filesystem::path(folder) / name);
@@ -299,16 +313,12 @@ core::Expected<int> replay_controller(const Options& o) {
   return apps::kExitOk;
 }
 
-core::Expected<int> replay(const Options& o) {
-  if (!o.controller_trace.empty()) return replay_controller(o);
+core::Expected<engine::EngineConfig> engine_config(const Options& o) {
   const auto size = apps::parse_size(o.size);
   if (!size) return tl::unexpected(size.error());
-  if (!o.images.empty())
-    if (auto made = apps::make_directory(o.images); !made) return tl::unexpected(made.error());
-  auto model = apps::load_model(o.model);
-  if (!model) return tl::unexpected(model.error());
   engine::EngineConfig config;
   config.draw = !o.no_render;
+  config.ids = o.mpi;
   config.context_platform = o.platform;
   config.width = (*size)[0];
   config.height = (*size)[1];
@@ -317,19 +327,99 @@ core::Expected<int> replay(const Options& o) {
   config.samples = o.samples;
   o.shown.apply(config);
   config.controller.policy = policy_of(o);
-  if (!o.record_both.empty()) return record_both(o, *model, config);
-  auto engine = engine::Engine::create(*model->scene, config);
+  return config;
+}
+
+/// What a flight needs.
+struct Flown {
+  apps::Model model;
+  std::optional<engine::Engine> engine;
+  core::CameraPath path;
+  std::array<int, 2> size;
+};
+
+core::Expected<Flown> prepare(const Options& o, const engine::ScenePart& part) {
+  auto config = engine_config(o);
+  if (!config) return tl::unexpected(config.error());
+  config->part = part;
+  if (!o.images.empty())
+    if (auto made = apps::make_directory(o.images); !made) return tl::unexpected(made.error());
+  auto model = apps::load_model(o.model);
+  if (!model) return tl::unexpected(model.error());
+  auto engine = engine::Engine::create(*model->scene, *config);
   if (!engine) return tl::unexpected(engine.error());
   if (o.model.explain) apps::explain(engine->plan());
-
-  auto path = choose_path(o, *model, engine->snapshot());
+  std::optional<core::Snapshot> whole;  // the tour is that of the whole
+  if (part.count > 1) whole.emplace(*model->scene);
+  auto path = choose_path(o, *model, whole ? *whole : engine->snapshot());
   if (!path) return tl::unexpected(path.error());
   if (!o.save_path.empty())
     if (auto done = importers::write_path(o.save_path, *path); !done) return tl::unexpected(done.error());
-  auto flight = fly(o, *engine, *path, double(config.width) / config.height);
+  return Flown{std::move(*model), std::move(*engine), std::move(*path), {config->width, config->height}};
+}
+
+/// One of the processes that draw every frame together. Rank 0 has the pictures and writes all figures.
+core::Expected<int> replay_parts([[maybe_unused]] Options o) {
+  const auto session = apps::MpiSession::begin();
+  if (!session) return tl::unexpected(session.error());
+#if SIGHTLINE_HAS_GL && SIGHTLINE_HAS_MPI
+  const bool root = session->rank() == 0;
+  if (!root) {
+    o.json_file = o.csv = o.plot = o.images = o.save_path = "";
+    o.model.quiet = true;
+    o.model.explain = false;
+  }
+  apps::Composer composer(*session);
+  auto flown = session->agreed(prepare(o, composer.part()));
+  if (!flown) return tl::unexpected(flown.error());
+  const double aspect = double(flown->size[0]) / flown->size[1];
+  std::optional<apps::Progress> bar;
+  if (root) bar.emplace("flying", std::size_t(o.frames));
+  bool agreed = true;
+  core::Expected<void> saved;
+  const auto after_frame = [&](Flight& flight) -> core::Expected<void> {
+    FlownFrame& frame = flight.frames.back();
+    const auto view = flown->path.view(frame.time, aspect);
+    if (!view) return tl::unexpected(view.error());
+    const auto picture = composer.read(*flown->engine, *view, frame.report);
+    agreed = picture.has_value();
+    if (!picture) return tl::unexpected(picture.error());
+    frame.report.visible = composer.visible();
+    if (bar) bar->advance(flight.frames.size());
+    const int number = int(flight.frames.size()) - 1;
+    if (saved && !o.images.empty() && number % o.every == 0)
+      saved = image::write_png(picture->colours, std::filesystem::path(o.images) / image_name(number));
+    return {};  // other processes wait for the parts of this one, whatever becomes of its files
+  };
+  auto flight = apps::fly(*flown->engine, flown->path, {o.frames, aspect, true}, after_frame);
+  if (!flight && agreed) session->first_failing(false);  // for which the others wait in read()
   if (!flight) return tl::unexpected(flight.error());
-  if (auto done = write_reports(o, *engine, *flight, *size); !done) return tl::unexpected(done.error());
-  print_table(*engine, *flight, apps::table_stream(o.json_file));
+  if (!root) return apps::kExitOk;
+  if (!saved) return tl::unexpected(saved.error());
+  if (auto done = write_reports(o, *flown->engine, *flight, flown->size); !done) return tl::unexpected(done.error());
+  std::FILE* out = apps::table_stream(o.json_file);
+  std::fprintf(out, "%d processes; figures of rank 0, but for visible items and frame times, which are of all\n",
+               session->size());
+  print_table(*flown->engine, *flight, out);
+#endif
+  return apps::kExitOk;
+}
+
+core::Expected<int> replay(const Options& o) {
+  if (!o.controller_trace.empty()) return replay_controller(o);
+  if (o.mpi) return replay_parts(o);
+  if (!o.record_both.empty()) {
+    const auto config = engine_config(o);
+    if (!config) return tl::unexpected(config.error());
+    const auto model = apps::load_model(o.model);
+    return model ? record_both(o, *model, *config) : tl::unexpected(model.error());
+  }
+  auto flown = prepare(o, {});
+  if (!flown) return tl::unexpected(flown.error());
+  const auto flight = fly(o, *flown->engine, flown->path, double(flown->size[0]) / flown->size[1]);
+  if (!flight) return tl::unexpected(flight.error());
+  if (auto done = write_reports(o, *flown->engine, *flight, flown->size); !done) return tl::unexpected(done.error());
+  print_table(*flown->engine, *flight, apps::table_stream(o.json_file));
   return apps::kExitOk;
 }
 
@@ -343,6 +433,7 @@ int main(int argc, char** argv) {
                  "  sightline-replay plant.rvm --frames 500 --no-render --json out.json --plot out.svg\n"
                  "  sightline-replay a.rvm b.rvm --path flight.json --images frames --every 10\n"
                  "  sightline-replay plant.rvm --culler hybrid --policy frame-cost --trace out.csv\n"
+                 "  mpirun -np 4 sightline-replay plant.rvm --mpi --frames 60 --images frames\n"
                  "  sightline-replay plant.rvm --record-both trace.csv\n"
                  "  sightline-replay --controller-only trace.csv --policy 2009 --rendering off --json -");
   Options options;

@@ -12,20 +12,22 @@ namespace sightline::apps {
 core::Expected<bool> TiledPicture::step(engine::Engine& engine) {
   const engine::PictureTile& tile = tiles_.tiles[done_ / wanted_.shifts.size()];
   const std::size_t shift = done_ % wanted_.shifts.size();
-  if (auto done = draw(engine, tile, wanted_.shifts[shift]); !done) return tl::unexpected(done.error());
+  const auto drawn = read(engine, draw(engine, tile, wanted_.shifts[shift]), shift == 0);
+  if (!drawn) return tl::unexpected(drawn.error());
+  covered_ |= drawn->covered;
   if (shift == 0) {
     begin_rows(tile);
-    if (auto done = take_ids_and_depth(engine, tile); !done) return tl::unexpected(done.error());
+    if (wanted_.ids) take(tile, drawn->ids.ids, rows_.ids, 1);
+    if (wanted_.depth) take(tile, drawn->depth.metres, rows_.metres, 1);
   }
-  const auto picture = engine.read_colour();
-  if (!picture) return tl::unexpected(picture.error());
+  const image::Image& picture = drawn->colours;
   ++done_;
   const bool last = shift + 1 == wanted_.shifts.size();
   if (wanted_.shifts.size() == 1) {
-    take(tile, picture->pixels, rows_.colours, 3);
+    take(tile, picture.pixels, rows_.colours, 3);
   } else {
     if (shift == 0) mean_.clear();
-    mean_.add(*picture);
+    mean_.add(picture);
     if (last) take(tile, mean_.mean().pixels, rows_.colours, 3);
   }
   return last && tile.x1 == tile.part.width;
@@ -45,7 +47,6 @@ core::Expected<void> TiledPicture::draw(engine::Engine& engine, const engine::Pi
   engine.finish();
   while (const auto late = engine.take_late_report()) report_.visible = late->visible;
   found_ |= report_.visible > 0;
-  if (!covered_ && report_.visible != 0) covered_ = engine.covered().value_or(true);
   return {};
 }
 
@@ -60,18 +61,27 @@ void TiledPicture::begin_rows(const engine::PictureTile& tile) {
   rows_.metres.resize(wanted_.depth ? pixels : 0);
 }
 
-core::Expected<void> TiledPicture::take_ids_and_depth(engine::Engine& engine, const engine::PictureTile& tile) {
-  if (wanted_.ids) {
-    const auto ids = engine.read_ids();
+core::Expected<ReadPicture> TiledPicture::read(engine::Engine& engine, const core::Expected<void>& drawn,
+                                               bool ids_and_depth) {
+  using Report = core::Expected<engine::FrameReport>;
+  if (wanted_.read) return wanted_.read(engine, whole_, drawn ? Report(report_) : tl::unexpected(drawn.error()));
+  if (!drawn) return tl::unexpected(drawn.error());
+  ReadPicture out;
+  if (ids_and_depth && wanted_.ids) {
+    auto ids = engine.read_ids();
     if (!ids) return tl::unexpected(ids.error());
-    take(tile, ids->ids, rows_.ids, 1);
+    out.ids = std::move(*ids);
   }
-  if (wanted_.depth) {
-    const auto depth = engine.read_depth(whole_);
+  if (ids_and_depth && wanted_.depth) {
+    auto depth = engine.read_depth(whole_);
     if (!depth) return tl::unexpected(depth.error());
-    take(tile, depth->metres, rows_.metres, 1);
+    out.depth = std::move(*depth);
   }
-  return {};
+  auto colours = engine.read_colour();
+  if (!colours) return tl::unexpected(colours.error());
+  out.colours = std::move(*colours);
+  out.covered = report_.visible != 0 && (covered_ || engine.covered().value_or(true));
+  return out;
 }
 
 template <class T>

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "sightline/apps/common/mean_picture.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/engine/engine.h"
+#include "sightline/image/image.h"
 
 namespace sightline::apps {
 
@@ -22,6 +24,14 @@ struct PictureRows {
   std::vector<float> metres;          ///< along the view axis; where they are wanted
 };
 
+/// What was drawn last, as it is read back.
+struct ReadPicture {
+  image::Image colours;
+  image::IdImage ids;       ///< where they are wanted
+  image::DepthImage depth;  ///< where it is wanted
+  bool covered = true;      ///< whether any pixel shows anything
+};
+
 /// Draws a picture in steps that are short, for progress and to be stopped between them.
 class TiledPicture {
  public:
@@ -31,6 +41,11 @@ class TiledPicture {
     /// Pixels right and up by which pictures are shifted whose mean is taken, MeanPicture::kMost at most; ids and depth
     /// are those of the first.
     std::vector<core::dvec2> shifts = {core::dvec2(0.0)};
+    /// Reads what was drawn, where that is not the engine's alone: see Composer.
+    /// It is called after failures to draw, too, and then fails.
+    std::function<core::Expected<ReadPicture>(engine::Engine&, const core::View& whole,
+                                              const core::Expected<engine::FrameReport>& drawn)>
+        read = {};
   };
   /// `whole`: of the picture that the tiles make up.
   TiledPicture(const core::View& whole, engine::PictureTiles tiles, Wanted wanted)
@@ -51,7 +66,7 @@ class TiledPicture {
 
  private:
   core::Expected<void> draw(engine::Engine& engine, const engine::PictureTile& tile, const core::dvec2& shift);
-  core::Expected<void> take_ids_and_depth(engine::Engine& engine, const engine::PictureTile& tile);
+  core::Expected<ReadPicture> read(engine::Engine& engine, const core::Expected<void>& drawn, bool ids_and_depth);
   void begin_rows(const engine::PictureTile& tile);
   template <class T>
   void take(const engine::PictureTile& tile, const std::vector<T>& drawn, std::vector<T>& rows, std::size_t channels);

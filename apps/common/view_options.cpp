@@ -39,7 +39,7 @@ core::Expected<core::View> choose_view(const ViewOptions& options, const Model& 
     return path->view(path->time_of(options.frame, options.frames), aspect);
   }
   const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
-  warn_of_outliers(fitted);
+  if (!options.quiet) warn_of_outliers(fitted);
   return core::View::fit(fitted.bounds, core::kOverviewDirection, kFovy, aspect);
 }
 

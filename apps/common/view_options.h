@@ -11,6 +11,7 @@ struct ViewOptions {
   std::string size = "1280x720", view, path;
   int frame = 0, frames = 300;
   bool fit = false;
+  bool quiet = false;  ///< choose_view() prints nothing
 };
 
 /// --size, --view, --path with --frame and --frames, --fit
