@@ -663,6 +663,7 @@ void Scene::touch_item(ItemId id) {
 /// Returns the touched items in rising order, removed ones included. Everything below a touched node becomes a touched
 /// item. Linear time: a node is entered once, no matter how many nodes above it were touched.
 std::vector<ItemId> Scene::collect_dirty_items() {
+  const auto stored_snapshot = stored_snapshot_;  // edits have dropped it where they had to
   std::vector<std::uint32_t> below;
   std::vector<bool> entered(dirty_nodes_.empty() ? 0 : nodes_.size());
   const auto enter = [&](std::uint32_t node) {
@@ -676,6 +677,7 @@ std::vector<ItemId> Scene::collect_dirty_items() {
     for (std::uint32_t c = node.first_child; c != kNone; c = nodes_[c].next) enter(c);
     for (ItemId item = node.first_item; item != kNone; item = items_[item].next) touch_item(item);
   }
+  stored_snapshot_ = stored_snapshot;
   std::vector<ItemId> items = dirty_items_;
   if (!std::is_sorted(items.begin(), items.end())) radix_sort(items);
   return items;

@@ -140,6 +140,8 @@ class SlcTest : public ::testing::Test {
     expect_same(plain, scene);
     const auto committed = scene.commit(), plainly = plain.commit();
     EXPECT_TRUE(committed && plainly);
+    // In the first start, too, it is read from what was written.
+    EXPECT_EQ(core::Storage::has_snapshot(scene), caches_are_kept_);
     EXPECT_EQ(committed->inserted, plainly->inserted);
     EXPECT_EQ(committed->materials, plainly->materials);
     return report->from_cache;
@@ -153,6 +155,7 @@ class SlcTest : public ::testing::Test {
 
   fs::path folder_;
   ImportOptions options_;
+  bool caches_are_kept_ = true;
 };
 
 TEST_F(SlcTest, EveryContentComesBackBitForBit) {
@@ -378,6 +381,7 @@ TEST_F(SlcTest, WhereNothingCanBeWrittenTheImportGoesOn) {
   const fs::path model = plant(1000);
   std::ofstream(folder_ / "file") << "no folder";
   options_.cache_folder = folder_ / "file";
+  caches_are_kept_ = false;
   EXPECT_FALSE(was_cached({model}, 1));
   if (geteuid() == 0) return;  // root may write anywhere
   options_.cache_folder = folder_ / "read-only";
@@ -393,6 +397,7 @@ TEST_F(SlcTest, ACacheCannotBeADirectory) {
   const fs::path cache = caches().at(0);
   fs::remove(cache);
   fs::create_directory(cache);
+  caches_are_kept_ = false;
   EXPECT_FALSE(was_cached({model}, 2));  // it is no file, and none can be written
 }
 
@@ -407,9 +412,11 @@ TEST_F(SlcTest, AFullDiskLeavesTheOldCache) {
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
   rlimit limit = before;
   limit.rlim_cur = 20'000;
+  caches_are_kept_ = false;
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
   EXPECT_FALSE(was_cached({model}, 1));
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  caches_are_kept_ = true;
   (void)std::signal(SIGXFSZ, handler);
   EXPECT_EQ(tests::bytes_of_file(cache), old);
   EXPECT_EQ(caches().size(), 1u);
