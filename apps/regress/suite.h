@@ -53,7 +53,8 @@ struct Suite {
   std::string files_key(const Task& task) const;
 };
 
-/// `instead`: limits that are used in place of the suite's, for ids where there is one. Errors name the file and the place in it.
+/// `instead`: limits that are used in place of the suite's, for ids where there is one. Errors name the file and the
+/// place in it.
 core::Expected<Suite> read_suite(const std::filesystem::path& file, const Limits& instead);
 
 nlohmann::json limits_json(const Limits& limits);
