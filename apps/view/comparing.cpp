@@ -47,6 +47,7 @@ void Viewer::compare(const std::string& file) {
     *found = std::move(*comparison);
     return core::Expected<void>();
   };
+  drop_loading();
   loader_ = std::make_unique<Loader>(older, &Window::wake, work);
   found_ = std::move(found);
   shown.compare = false;

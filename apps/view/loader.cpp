@@ -24,7 +24,7 @@ core::Expected<Model> Loader::read(const Work& work) {
       return !cancelled_;
     };
   };
-  const double share_of_reading = work ? 0.6 : 1.0;
+  const double share_of_reading = work ? 0.5 : 1.0;
   ModelOptions reading = options_;
   reading.quiet = true;
   reading.import.progress = progress_within(0.0, share_of_reading);

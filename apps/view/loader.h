@@ -27,6 +27,7 @@ class Loader {
   const ModelOptions& options() const { return options_; }
   double progress() const { return progress_; }  ///< 0 to 1
   void cancel() { cancelled_ = true; }
+  bool cancelled() const { return cancelled_; }
   /// The model, committed, once it is ready.
   std::optional<core::Expected<Model>> take();
 

@@ -7,6 +7,7 @@
 
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/camera.h"
+#include "sightline/apps/view/portion.h"
 
 namespace sightline::apps {
 namespace {
@@ -68,7 +69,7 @@ Preview::Preview(const engine::EngineConfig& config) : config_(config), next_(Cl
   config_.culler = engine::CullerChoice::kCpu;
   config_.context = nullptr;
   config_.context_later = true;
-  config_.budget_ms = 0.0;
+  config_.budget_ms = 1e3 * kPortion;
 }
 
 /// Lets only those into the heap that are larger than its smallest.
@@ -121,25 +122,44 @@ bool Preview::follow(const core::Scene& scene, Clock::time_point now) {
 }
 
 std::optional<std::uint32_t> Preview::draw(gl::Context& context, const std::array<int, 2>& size) {
-  {
+  if (!coming_) {
     const std::lock_guard lock(mutex_);
-    if (fresh_) shown_ = std::move(fresh_);
+    coming_ = std::move(fresh_);
   }
+  bool failed = false;
+  if (coming_ && advance(*coming_, context, size, failed)) shown_ = std::move(coming_);
+  if (failed) coming_.reset();
   if (!shown_) return std::nullopt;
-  Shown& now = *shown_;
-  if (!std::exchange(now.in_context, true))
-    if (!now.engine.use_context(context)) return std::nullopt;
-  if (!now.drawn || now.size != size) {
-    if (!now.engine.resize(size[0], size[1])) return std::nullopt;
-    const double aspect = double(size[0]) / size[1];
-    const auto view = Camera(now.bounds.bounds, kFovy, aspect).view(aspect);
-    const auto report = view ? now.engine.frame(*view) : tl::unexpected(view.error());
-    if (!report || !report->drawn) return std::nullopt;
-    now.drawn = true;
-    now.size = size;
-  }
-  const auto framebuffer = now.engine.framebuffer();
+  failed = false;
+  if (!shown_->complete || shown_->size != size) advance(*shown_, context, size, failed);
+  const auto framebuffer = failed ? tl::unexpected(core::Error{}) : shown_->engine.framebuffer();
   return framebuffer ? std::optional(*framebuffer) : std::nullopt;
+}
+
+bool Preview::drawing() const {
+  const std::lock_guard lock(mutex_);
+  return fresh_ || coming_ || (shown_ && !shown_->complete);
+}
+
+/// True once it is complete in that size.
+bool Preview::advance(Shown& shown, gl::Context& context, const std::array<int, 2>& size, bool& failed) {
+  if (!shown.in_context) {
+    const auto used = shown.engine.use_context(context, kPortion);
+    failed = !used;
+    shown.in_context = used && *used;
+    return false;
+  }
+  if (shown.size != size && !shown.engine.resize(size[0], size[1])) {
+    failed = true;
+    return false;
+  }
+  shown.size = size;
+  const double aspect = double(size[0]) / size[1];
+  const auto view = Camera(shown.bounds.bounds, kFovy, aspect).view(aspect);
+  const auto report = view ? shown.engine.frame(*view) : tl::unexpected(view.error());
+  failed = !report || !report->drawn;
+  shown.complete = !failed && report->pending == 0;
+  return shown.complete;
 }
 
 }  // namespace sightline::apps

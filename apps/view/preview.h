@@ -31,9 +31,12 @@ class Preview {
   /// added. True: there is more to draw. `now` must not go back.
   bool follow(const core::Scene& scene, Clock::time_point now = Clock::now());
 
-  /// By the thread that draws, in that context, which is current: the framebuffer with the newest picture, of that
-  /// size. None while there is nothing to see, and where it cannot be drawn.
+  /// By the thread that draws, in that context, which is current: the framebuffer with the newest picture that is
+  /// complete, of that size. Each call goes on for about kPortion with the next one. None while there is nothing to
+  /// see, and where it cannot be drawn.
   std::optional<std::uint32_t> draw(gl::Context& context, const std::array<int, 2>& size);
+  /// Whether another draw() would go on with a picture.
+  bool drawing() const;
   /// How many items that picture shows.
   std::size_t items() const { return shown_ ? shown_->scene->item_count() : 0; }
 
@@ -52,9 +55,10 @@ class Preview {
     std::unique_ptr<core::Scene> scene;
     engine::Engine engine;
     core::FittedBounds bounds;
-    bool in_context = false, drawn = false;
+    bool in_context = false, complete = false;
     std::array<int, 2> size{};
   };
+  static bool advance(Shown& shown, gl::Context& context, const std::array<int, 2>& size, bool& failed);
 
   void look_at(const core::Scene& scene);
   std::unique_ptr<core::Scene> copy(const core::Scene& scene) const;
@@ -65,9 +69,9 @@ class Preview {
   core::ItemId seen_ = 0;
   bool more_ = false;  // than was last shown
   Clock::time_point next_;
-  std::mutex mutex_;
-  std::unique_ptr<Shown> fresh_;  // guarded by it
-  std::unique_ptr<Shown> shown_;  // the drawing thread's
+  mutable std::mutex mutex_;
+  std::unique_ptr<Shown> fresh_;           // guarded by it
+  std::unique_ptr<Shown> coming_, shown_;  // the drawing thread's
 };
 
 }  // namespace sightline::apps

@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "sightline/apps/view/portion.h"
 #include "sightline/raytrace/tracer.h"
 
 namespace sightline::apps {
@@ -14,8 +15,9 @@ constexpr std::size_t kMostPlaces = 200;
 
 }  // namespace
 
-core::Expected<std::unique_ptr<Session>> Session::open(Model model, const engine::EngineConfig& config) {
-  auto engine = engine::Engine::create(*model.scene, config);
+core::Expected<std::unique_ptr<Session>> Session::open(Model model, const engine::EngineConfig& config,
+                                                       const engine::Engine::Progress& progress) {
+  auto engine = engine::Engine::create(*model.scene, config, progress);
   if (!engine) return tl::unexpected(engine.error());
   engine->prepare_picks();
   return std::unique_ptr<Session>(new Session(std::move(model), std::move(*engine), config));
@@ -30,11 +32,22 @@ Session::Session(Model model, engine::Engine engine, const engine::EngineConfig&
       size_{config.width, config.height},
       camera_(bounds_.bounds, kFovy, aspect()) {}
 
-core::Expected<void> Session::begin(gl::Context& context, const std::array<int, 2>& size) {
-  if (auto done = use_context(context); !done) return done;
-  if (auto done = resize(size); !done) return done;
+core::Expected<bool> Session::begin(gl::Context& context, const std::array<int, 2>& size) {
+  if (!budget_ms_) {
+    engine::EngineConfig config = engine_.config();
+    budget_ms_ = config.budget_ms;
+    config.budget_ms = 1e3 * kPortion;
+    (void)engine_.configure(config);  // it cannot while the GPU must cull: then the first picture is drawn at once
+  }
+  if (auto done = resize(size); !done) return tl::unexpected(done.error());
+  if (!engine_.drawing()) return engine_.use_context(context, kPortion).map([](bool) { return false; });
   camera_ = Camera(bounds_.bounds, kFovy, aspect());
-  return {};
+  if (const auto drawn = draw(); !drawn) return engine_.drawing() ? drawn : core::Expected<bool>(false);
+  if (report_.pending > 0) return false;
+  engine::EngineConfig config = engine_.config();
+  config.budget_ms = *std::exchange(budget_ms_, std::nullopt);
+  if (auto done = engine_.configure(config); !done) return tl::unexpected(done.error());
+  return true;
 }
 
 core::Expected<void> Session::use_context(gl::Context& context) {
@@ -170,7 +183,8 @@ core::dvec3 Session::point_at(const core::dvec2& at) {
   const core::Pose& pose = camera_.pose();
   const auto seen = view();
   if (!seen) return pose.target;
-  if (const auto hit = pick(at); hit && *hit) return (*hit)->point;
+  if (!engine_.preparing_picks())
+    if (const auto hit = pick(at); hit && *hit) return (*hit)->point;
   const core::dvec3 ahead = glm::normalize(pose.target - pose.eye);
   const auto ray = raytrace::pixel_ray(*seen, size_[0], size_[1], at.x, at.y);
   const double along = ray ? glm::dot(ray->direction, ahead) : 0.0;

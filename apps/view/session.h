@@ -25,9 +25,10 @@ namespace sightline::apps {
 
 class Session {
  public:
-  /// `config`: of the picture. By any thread where the context comes later (begin()). The engine's tracer is then on its
-  /// way, so that picks need not wait long.
-  static core::Expected<std::unique_ptr<Session>> open(Model model, const engine::EngineConfig& config);
+  /// `config`: of the picture. By any thread where the context comes later (begin()). The engine's tracer is then on
+  /// its way, so that picks need not wait long.
+  static core::Expected<std::unique_ptr<Session>> open(Model model, const engine::EngineConfig& config,
+                                                       const engine::Engine::Progress& progress = {});
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
@@ -36,8 +37,10 @@ class Session {
   const core::dvec3& offset() const { return model_.offset; }
   engine::Engine& engine() { return engine_; }
   const engine::Engine& engine() const { return engine_; }
-  /// Draws in that context, which is current, for the first time: all of the model, in a picture of that size.
-  core::Expected<void> begin(gl::Context& context, const std::array<int, 2>& size);
+  /// Draws in that context, which is current, for the first time: all of the model, in a picture of that size. In
+  /// portions of about kPortion: to be called, with other work in between, until it returns true. Begins anew after a
+  /// loss of the context.
+  core::Expected<bool> begin(gl::Context& context, const std::array<int, 2>& size);
   /// Draws in that context from now on, which is current; a former one is lost. All else stays.
   core::Expected<void> use_context(gl::Context& context);
   Document& document() { return document_; }
@@ -101,7 +104,7 @@ class Session {
     measure::Snap snap;
   };
   core::Expected<std::optional<Aimed>> aim(const core::dvec2& at, double reach);
-  /// That point in the world, or where nothing is one as far away as the camera's target.
+  /// That point in the world, or one as far away as the camera's target where nothing is, and while picks would wait.
   core::dvec3 point_at(const core::dvec2& at);
 
   /// What is seen and shown now, in the model's own frame; without a name.
@@ -153,6 +156,7 @@ class Session {
   core::FittedBounds bounds_;
   std::array<int, 2> size_;
   bool coarse_ = false;
+  std::optional<double> budget_ms_;  // while begin() draws with another one
   Camera camera_;
   std::vector<std::pair<core::Pose, bool>> places_;  // pose, orthographic
   std::optional<core::View> drawn_;

@@ -34,6 +34,7 @@ constexpr engine::Hatching kHatching{0.6f, 6.0f};
 constexpr double kLongestStep = 0.25;                          // seconds: a hitch must not make the camera jump
 constexpr int kSettlingFrames = 3;                             // after an event: widgets take some to come to rest
 constexpr double kExportSlice = 0.05;                          // seconds between pictures of the window
+constexpr double kShareOfEngine = 0.9;                         // of the progress after reading; the rest is landing
 constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;        // seconds
 constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a driver that resets its GPU
 
@@ -120,12 +121,18 @@ core::Expected<int> Viewer::run() {
   }
   if (!settings_.damage().empty()) std::fprintf(stderr, "sightline-view: %s\n", settings_.damage().c_str());
   if (!settings_.damage().empty() && !loader_) tell(settings_.damage(), true);
-  double last = glfwGetTime();
+  double last = glfwGetTime(), looked = 0.0;
   while (!closing() && (options_.frames == 0 || frames_ < options_.frames)) {
     const bool busy = !settled() || player_.playing() || next_step_ < script_.size();
     if (!busy) keep_settings();
     if (release_ && glfwGetTime() >= wait_until_) gui_.push({*std::exchange(release_, std::nullopt)});
-    gui_.push(window_.poll(loader_ ? kLoadingWait : busy ? 0.0 : kIdleWait));
+    if (script_ended()) {
+      quit();
+      continue;
+    }
+    if (looked > 0.0) pause_ms_ = std::max(pause_ms_, 1e3 * (glfwGetTime() - looked));
+    gui_.push(window_.poll(patience()));
+    looked = glfwGetTime();
     if (closing()) break;
     if (lost()) {
       if (auto done = recover(); !done) return tl::unexpected(done.error());
@@ -148,6 +155,19 @@ core::Expected<int> Viewer::run() {
   keep_settings();
   if (auto done = finish(); !done) return tl::unexpected(done.error());
   return kExitOk;
+}
+
+/// Seconds to wait for events before the loop goes on without.
+double Viewer::patience() const {
+  if (landing_ || (preview_ && preview_->drawing())) return 0.0;
+  if (loader_) return kLoadingWait;
+  if (!at_rest() || refining() || player_.playing() || next_step_ < script_.size()) return 0.0;
+  return waits_for_picks() ? kLoadingWait : kIdleWait;
+}
+
+bool Viewer::script_ended() const {
+  return !script_.empty() && next_step_ == script_.size() && !export_ && window_shot_.empty() &&
+         glfwGetTime() >= wait_until_;
 }
 
 /// Whether the window is to be closed. Asks once, where views would be lost that no file has.
@@ -181,6 +201,11 @@ core::Expected<void> Viewer::recover() {
   return {};
 }
 
+/// The pointer has moved or clicked, and what is below it is not known yet.
+bool Viewer::waits_for_picks() const {
+  return session_ && (cursor_moved_ || click_) && !drag_ && session_->engine().preparing_picks();
+}
+
 /// Nothing will change by itself.
 bool Viewer::settled() const {
   return settled_but_for_edges() && !refining();
@@ -191,6 +216,10 @@ bool Viewer::refining() const {
 }
 
 bool Viewer::settled_but_for_edges() const {
+  return at_rest() && !waits_for_picks();
+}
+
+bool Viewer::at_rest() const {
   const bool flies = std::any_of(held_.begin(), held_.end(), [](int key) {
     return key == GLFW_KEY_W || key == GLFW_KEY_A || key == GLFW_KEY_S || key == GLFW_KEY_D || key == GLFW_KEY_Q ||
            key == GLFW_KEY_E;
@@ -219,7 +248,7 @@ engine::EngineConfig Viewer::picture_config() const {
 }
 
 void Viewer::open(const std::vector<std::string>& files) {
-  loader_.reset();  // it uses the preview
+  drop_loading();
   ModelOptions model = options_.model;
   model.files = files;
   if (!session_) {
@@ -230,10 +259,11 @@ void Viewer::open(const std::vector<std::string>& files) {
   }
   // The window goes on while the engine is made.
   const auto make_session = [this, config = picture_config()](Model& read, const auto& go_on) -> core::Expected<void> {
-    if (!go_on(0.0)) return core::fail(std::string(importers::kCancelled));
-    auto session = Session::open(std::move(read), config);
+    const auto part = [&](double share) { return go_on(kShareOfEngine * share); };
+    if (!part(0.0)) return core::fail(std::string(importers::kCancelled));
+    auto session = Session::open(std::move(read), config, part);
+    if (!part(1.0)) return core::fail(std::string(importers::kCancelled));
     if (!session) return tl::unexpected(session.error());
-    if (!go_on(1.0)) return core::fail(std::string(importers::kCancelled));
     opened_ = std::move(*session);
     return {};
   };
@@ -243,35 +273,60 @@ void Viewer::open(const std::vector<std::string>& files) {
   tell("reading " + name_of_files(files));
 }
 
+void Viewer::drop_loading() {
+  loader_.reset();  // first: its thread uses preview and model
+  opened_.reset();
+  landing_ = false;
+}
+
 void Viewer::cancel_loading() {
   if (loader_) loader_->cancel();
 }
 
-/// Shows the model that was being read, once it is there. What is open stays where the file cannot be read.
+/// Shows the model that was being read, once it is there: portion by portion, while the window goes on. What is open
+/// stays where the file cannot be read.
 core::Expected<void> Viewer::land() {
   if (!loader_ || export_) return {};
-  auto model = loader_->take();
-  if (!model) return {};
-  const std::vector<std::string> files = loader_->options().files;
-  loader_.reset();
+  if (!landing_) {
+    auto model = loader_->take();
+    if (!model) return {};
+    if (found_) {
+      const std::string file = loader_->options().files.front();
+      loader_.reset();
+      redraws_ = kSettlingFrames;
+      return land_comparison(std::move(*model), file), core::Expected<void>();
+    }
+    if (!*model) return not_landed(model->error());
+    landing_ = true;
+  }
+  if (loader_->cancelled()) return not_landed({std::string(importers::kCancelled)});
+  part_ = viewport();
+  const auto done = opened_->begin(window_.context(), {part_.width, part_.height});
+  if (!done) return lost() ? core::Expected<void>() : not_landed(done.error());
+  return *done ? landed() : core::Expected<void>();
+}
+
+core::Expected<void> Viewer::not_landed(const core::Error& error) {
+  const bool first = !session_ && loader_->options().files == options_.model.files;
+  drop_loading();
   preview_.reset();
   redraws_ = kSettlingFrames;
-  if (found_) return land_comparison(std::move(*model), files.front()), core::Expected<void>();
-  const bool first = !session_ && files == options_.model.files;
-  const auto failed = [&](const core::Error& error) -> core::Expected<void> {
-    if (first && (options_.frames > 0 || !options_.script.empty())) return tl::unexpected(error);
-    tell(error.message, true);
-    if (first) std::fprintf(stderr, "sightline-view: %s\n", error.message.c_str());
-    return {};
-  };
-  if (!*model) return failed(model->error());
-  part_ = viewport();
+  if (first && (options_.frames > 0 || !options_.script.empty())) return tl::unexpected(error);
+  tell(error.message, true);
+  if (first) std::fprintf(stderr, "sightline-view: %s\n", error.message.c_str());
+  return {};
+}
+
+core::Expected<void> Viewer::landed() {
+  const std::vector<std::string> files = loader_->options().files;
+  const bool another = session_ != nullptr, first = !another && files == options_.model.files;
+  loader_.reset();
+  preview_.reset();
+  landing_ = false;
+  redraws_ = kSettlingFrames;
   print_warnings(opened_->model().report.warnings);
   set_walking(false);
   section_handles_.forget();
-  const bool another = session_ != nullptr;
-  session_.reset();  // its memory first
-  if (auto done = opened_->begin(window_.context(), {part_.width, part_.height}); !done) return failed(done.error());
   session_ = std::move(opened_);
   shown_view_.reset();
   if (const engine::EngineConfig& config = session_->engine().config();
@@ -422,11 +477,13 @@ Part Viewer::viewport() const {
 // --- the script ------------------------------------------------------------------------------------------------------
 
 core::Expected<void> Viewer::step_script() {
-  const ScriptStep& step = script_[next_step_++];
+  const ScriptStep& step = script_[next_step_];
+  const bool at_point = step.name == "wheel" || step.name == "drag";  // of the model, where picks do not wait
+  if (at_point && session_ && session_->engine().preparing_picks()) return {};
+  ++next_step_;
   if (auto done = carry_out(step); !done)
     return core::fail(options_.script + ":" + std::to_string(step.line) + ": " + done.error().message);
   redraws_ = kSettlingFrames;
-  if (next_step_ == script_.size() && !export_) quit();
   return {};
 }
 
@@ -523,7 +580,6 @@ core::Expected<void> Viewer::step_export() {
   const std::string target = export_->target();
   const bool blank = export_->blank(), complete = export_->complete();
   export_.reset();
-  if (!script_.empty() && next_step_ == script_.size()) quit();
   if (!done && !script_.empty()) return done;
   if (!done)
     tell(done.error().message, true);
@@ -666,6 +722,7 @@ nlohmann::ordered_json Viewer::state() const {
             {"lower", shown.lower},
             {"picture", {{"width", part_.width}, {"height", part_.height}}},
             {"response_ms", response_ms_},
+            {"pause_ms", pause_ms_},
             {"recording", recording()},
             {"playing", player_.playing()},
             {"recovered", recovered_},

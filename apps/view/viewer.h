@@ -133,6 +133,9 @@ class Viewer {
   bool lost() const { return context_lost_ || window_.context().lost(); }
   core::Expected<void> recover();
   core::Expected<void> land();
+  core::Expected<void> landed();
+  void drop_loading();
+  core::Expected<void> not_landed(const core::Error& error);
   void land_comparison(core::Expected<Model> before, const std::string& file);
   bool closing();
   core::Expected<void> step_script();
@@ -140,6 +143,10 @@ class Viewer {
   core::Expected<void> expect(const std::string& argument);
   bool settled() const;
   bool settled_but_for_edges() const;
+  bool at_rest() const;
+  bool waits_for_picks() const;
+  double patience() const;
+  bool script_ended() const;
   bool refining() const;
   core::Expected<void> frame(double seconds);
   core::Expected<void> draw_model(const Part& part);
@@ -179,6 +186,7 @@ class Viewer {
   std::unique_ptr<Session> session_, opened_;   // the second by the loader, until it has landed
   std::shared_ptr<compare::Comparison> found_;  // with what is read now; null where a model is read
   std::unique_ptr<Loader> loader_;              // its thread uses those before
+  bool landing_ = false;                        // it is done, and opened_ is brought into the window's context
   std::unique_ptr<Export> export_;              // with the session's engine
   bool export_cancelled_ = false;
   ViewList views_;
@@ -194,9 +202,9 @@ class Viewer {
   std::string window_shot_;       // file for the next frame's picture of the window
   std::set<int> held_;            // keys
   std::optional<Walker> walker_;
-  std::optional<Drag> drag_;
-  SectionHandles section_handles_;  // while one is dragged, drag_ is that motion
-  double last_click_ = -1.0;        // GLFW's time, of one without modifiers
+  std::optional<Drag> drag_, click_;  // the second until picks do not wait
+  SectionHandles section_handles_;    // while one is dragged, drag_ is that motion
+  double last_click_ = -1.0;          // GLFW's time, of one without modifiers
   core::dvec2 last_click_at_{0.0};
   core::dvec2 cursor_{-1.0};
   bool cursor_moved_ = false;
@@ -212,6 +220,7 @@ class Viewer {
   double frame_seconds_ = 0.0;            // that it took
   double asked_at_ = -1.0;                // when the first of the events came that wait; 0: answered; below 0: none
   double response_ms_ = 0.0;              // from then until the end of the frame that answered it
+  double pause_ms_ = 0.0;                 // the longest time that events have waited for the loop
   std::vector<double> cull_ms_, frame_ms_;
   FrameHistory history_;
   CullingOverlay culling_;

@@ -120,7 +120,7 @@ void Viewer::release_button(const Event& event) {
   const Drag drag = *std::exchange(drag_, std::nullopt);
   if (section_handles_.dragging()) return section_handles_.release(*session_, !drag.moves);
   if (!drag.moves && drag.button == GLFW_MOUSE_BUTTON_LEFT)
-    click(drag);
+    session_->engine().preparing_picks() ? void(click_ = drag) : click(drag);
   else if (drag.button == GLFW_MOUSE_BUTTON_LEFT && (drag.mods & GLFW_MOD_CONTROL) != 0)
     select_rectangle(drag);
 }
@@ -246,7 +246,9 @@ void Viewer::walk(const core::dvec3& held, double seconds) {
 
 /// Finds what is under the resting cursor.
 void Viewer::hover() {
-  if (!session_ || drag_ || export_ || !std::exchange(cursor_moved_, false)) return;
+  if (!session_ || drag_ || export_ || session_->engine().preparing_picks()) return;
+  if (click_) click(*std::exchange(click_, std::nullopt));
+  if (!std::exchange(cursor_moved_, false)) return;
   std::optional<core::ItemId> item;
   const bool over_picture =
       in_viewport(cursor_) && !ImGui::GetIO().WantCaptureMouse && !triad_end() && !section_target();

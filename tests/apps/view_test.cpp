@@ -1,6 +1,7 @@
 // sightline-view in a window of a virtual display: pictures, scripts, real keys. Skipped without Xvfb; keys without
 // xdotool.
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <optional>
 
@@ -679,6 +680,28 @@ TEST_F(ViewScript, PanelsAreAsWideAsOneDragsThem) {
       {plant(1000), "--size", "900x600", "--scale", "1", "--settings", settings});
   expect_driven("expect /picture/width = 375\n",
                 {plant(1000), "--size", "900x600", "--scale", "1", "--settings", settings});
+}
+
+/// Its last line is carried out, too.
+TEST_F(ViewScript, WaitsInItsLastLine) {
+  const auto begin = std::chrono::steady_clock::now();
+  expect_driven("expect /pause_ms >= 0\nwait 1.5", {boxes(), "--size", kSize});
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1500));
+}
+
+/// Clicks, drags and turns of the wheel that come before picks are ready are carried out, and another model lands while
+/// one is open.
+TEST_F(ViewScript, AModelIsThereOnceItHasLanded) {
+  const std::string model = plant(30'000), first = path("first.png"), other = path("other.png"),
+                    twin = path("twin.png");
+  expect_driven("screenshot " + first + "\nclick 300 200\nexpect /selection/count = 1\nopen " + boxes() +
+                    "\nexpect /items = 4\nexpect /selection/count = 0\nopen " + model +
+                    "\nexpect /items > 20000\nscreenshot " + other +
+                    "\nselect-all\nhide\nundo\nselect-none\nscreenshot " + twin +
+                    "\nlose-context\nwait 0.2\nexpect /recovered = 1\nexpect /items > 20000\n",
+                {model, "--size", kSize, "--no-panels"});
+  EXPECT_EQ(read_png(first).rgb, read_png(other).rgb);
+  EXPECT_EQ(read_png(first).rgb, read_png(twin).rgb);
 }
 
 TEST_F(ViewScript, RecordsAPathThatCanBePlayed) {

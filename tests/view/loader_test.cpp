@@ -1,6 +1,7 @@
 // Reading in the background, with work on what was read.
 #include "sightline/apps/view/loader.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/engine/engine.h"
 #include "sightline/importers/import.h"
 
 namespace sightline::apps {
@@ -49,6 +51,30 @@ TEST_F(LoaderTest, WorksOnTheCommittedModel) {
   EXPECT_GT(at_work, 0.5);
   EXPECT_LT(at_work, 1.0);
   EXPECT_FALSE(loader.take()) << "only once";
+}
+
+/// While the engine is made, too.
+TEST_F(LoaderTest, ProgressGoesOnWithTheWork) {
+  std::vector<double> shares;
+  std::atomic<Loader*> self = nullptr;
+  Loader loader(options, tell, [&](Model& model, const std::function<bool(double)>& progress) {
+    while (!self) std::this_thread::yield();
+    const auto engine = engine::Engine::create(*model.scene, {}, [&](double share) {
+      const bool go_on = progress(share);
+      shares.push_back(self.load()->progress());
+      return go_on;
+    });
+    return engine ? core::Expected<void>() : tl::unexpected(engine.error());
+  });
+  self = &loader;
+  ready.get_future().wait();
+  ASSERT_TRUE(*loader.take());
+  ASSERT_GE(shares.size(), 2u);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_LT(shares.front(), shares.back());
+  EXPECT_EQ(shares.back(), 1.0);
+  core::Scene empty;
+  EXPECT_FALSE(engine::Engine::create(empty, {}, [](double) { return false; })) << "cancelled";
 }
 
 TEST_F(LoaderTest, WorkThatFailsFailsTheLoader) {

@@ -38,6 +38,13 @@ class PreviewTest : public tests::GlTest {
       std::copy_n(picture.pixels.begin() + y * row, row, flipped.pixels.begin() + (height - 1 - y) * row);
     return flipped;
   }
+  /// Once it is complete.
+  std::optional<std::uint32_t> draw(Preview& preview, const std::array<int, 2>& size) {
+    std::optional<std::uint32_t> framebuffer;
+    do framebuffer = preview.draw(*context, size);
+    while (preview.drawing());
+    return framebuffer;
+  }
   Preview::Clock::time_point later() { return now += std::chrono::hours(1); }
 
   core::Scene scene;
@@ -98,14 +105,18 @@ TEST_F(PreviewTest, ShowsWhatTheSceneShows) {
       scene.add_primitive(node, core::Cylinder{0.4f, 1.5f}, {}, material);
     if (i == 150) {
       ASSERT_TRUE(preview.follow(scene, later()));
-      ASSERT_TRUE(preview.draw(*context, {60, 40}));
+      EXPECT_TRUE(preview.drawing());
+      EXPECT_FALSE(preview.draw(*context, {60, 40})) << "not yet";
+      ASSERT_TRUE(draw(preview, {60, 40}));
       EXPECT_EQ(preview.items(), 151u);
     }
   }
   ASSERT_TRUE(preview.follow(scene, later()));
   EXPECT_FALSE(preview.follow(scene, later())) << "nothing is new";
-  ASSERT_TRUE(preview.draw(*context, {90, 60}));
-  const auto framebuffer = preview.draw(*context, {120, 80});
+  ASSERT_TRUE(preview.draw(*context, {90, 60})) << "the former one";
+  EXPECT_EQ(preview.items(), 151u);
+  ASSERT_TRUE(draw(preview, {90, 60}));
+  const auto framebuffer = draw(preview, {120, 80});
   ASSERT_TRUE(framebuffer);
   const image::Image seen = read(*framebuffer, 120, 80);
   EXPECT_EQ(preview.items(), 300u);
@@ -132,7 +143,7 @@ TEST_F(PreviewTest, HasBoxesForHugeMeshes) {
   scene.add_mesh_instance(scene.root(), *scene.add_mesh({}));
   Preview preview(config());
   ASSERT_TRUE(preview.follow(scene, later()));
-  ASSERT_TRUE(preview.draw(*context, {60, 40}));
+  ASSERT_TRUE(draw(preview, {60, 40}));
   EXPECT_EQ(preview.items(), 2u);
 }
 
