@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -22,6 +24,69 @@ TEST(LargeArray, StartsAtALineAndHoldsWhatItIsGiven) {
     array.push_back(2.0f);
     EXPECT_EQ(std::count(array.begin(), array.end(), 1.0f), std::ptrdiff_t(count));
     EXPECT_EQ(array.back(), 2.0f);
+  }
+}
+
+TEST(LargeArray, LiesInMemoryOfOthersUntilItGrows) {
+  const auto memory = std::make_shared<std::vector<int>>(std::vector<int>{1, 2, 3, 4});
+  const std::weak_ptr<const void> keeper = memory;
+  int* const values = memory->data();
+  auto array = LargeArray<int>::kept(memory, values, 4);
+  EXPECT_TRUE(array.is_kept());
+  array[1] = 20;
+  EXPECT_EQ(values[1], 20);
+  LargeArray<int> copy = array;
+  copy[0] = 7;
+  EXPECT_FALSE(copy.is_kept());
+  EXPECT_EQ(values[0], 1);
+  const LargeArray<int> moved = std::move(array);
+  EXPECT_EQ(moved.data(), values);
+  array = LargeArray<int>::kept(memory, values, 4);
+  array.push_back(array[3]);
+  EXPECT_FALSE(array.is_kept());
+  EXPECT_EQ(std::vector<int>(array.begin(), array.end()), (std::vector<int>{1, 20, 3, 4, 4}));
+  array = {};
+  copy = {};
+  memory->clear();
+  EXPECT_FALSE(keeper.expired());  // `moved` still needs it
+}
+
+TEST(LargeArray, DoesAsStdVectorDoes) {
+  std::mt19937 random(3);
+  LargeArray<int> array;
+  std::vector<int> twin;
+  for (int step = 0; step < 20'000; ++step) {
+    const int value = int(random());
+    const std::size_t count = random() % (twin.size() + 10);
+    switch (random() % 8) {
+      case 0:
+        array.resize(count, value), twin.resize(count, value);
+        break;
+      case 1:
+        array.resize(count), twin.resize(count);
+        break;
+      case 2:
+        array.assign(count % 50, value), twin.assign(count % 50, value);
+        break;
+      case 3: {
+        const std::vector<int> own = twin;
+        const std::size_t some = std::min<std::size_t>(own.size(), 20);
+        array.insert(array.end(), array.begin(), array.begin() + some);  // of its own values
+        twin.insert(twin.end(), own.begin(), own.begin() + std::ptrdiff_t(some));
+        break;
+      }
+      case 4:
+        array.reserve(count), twin.reserve(count);
+        break;
+      case 5:
+        array.shrink_to_fit();
+        break;
+      default:
+        array.push_back(array.empty() ? value : array.front());
+        twin.push_back(twin.empty() ? value : int(twin.front()));
+    }
+    if (twin.size() > 500) array.resize(9), twin.resize(9);
+    ASSERT_EQ(std::vector<int>(array.begin(), array.end()), twin) << step;
   }
 }
 

@@ -11,7 +11,7 @@
 
 #include "sightline/core/internal/storage.h"
 #include "sightline/core/snapshot.h"
-#include "sightline/importers/obj/obj_writer.h"
+#include "sightline/gpuprims/internal/joints.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
@@ -231,6 +231,38 @@ TEST_F(SlcTest, SnapshotsOfOneSceneDoNotShareTheirMemory) {
   const core::Slot slots[] = {0, 1, 2, 3};
   first.hide(slots);
   expect_same_snapshot(second, Snapshot(tests::scene_with_everything()));
+}
+
+TEST_F(SlcTest, HiddenEndsAreThoseThatWouldBeFound) {
+  const fs::path model = plant();
+  const Scene source = read(model);
+  ASSERT_TRUE(write_slc(source, folder_ / "a.slc"));
+  Scene cached = read(folder_ / "a.slc");
+  const auto expect_same_ends = [&](const Snapshot& snapshot, const gpuprims::Joints& found) {
+    const gpuprims::Joints joints(snapshot);
+    EXPECT_EQ(joints.count(), found.count());
+    for (ItemId item = 0; item < cached.item_slots(); ++item)
+      ASSERT_EQ(joints.covered(item), found.covered(item)) << item;
+  };
+  Snapshot snapshot(cached);
+  ASSERT_NE(snapshot.stored_joints(), nullptr);
+  const gpuprims::Joints found{Snapshot(source)};
+  EXPECT_GT(found.count(), 100u);
+  expect_same_ends(snapshot, found);
+  // Not those of a snapshot that was changed since, or of materials that were.
+  const core::Slot slots[] = {0, 1, 2};
+  snapshot.hide(slots);
+  EXPECT_EQ(snapshot.stored_joints(), nullptr);
+  for (std::size_t i = 0; i < cached.material_slots(); ++i) {
+    core::Material glass = cached.material(cached.material_at(i));
+    glass.alpha = 0.5f;
+    cached.update_material(cached.material_at(i), glass);
+  }
+  const Snapshot changed(cached);
+  Scene twin = read(model);
+  for (std::size_t i = 0; i < twin.material_slots(); ++i)
+    twin.update_material(twin.material_at(i), cached.material(cached.material_at(i)));
+  expect_same_ends(changed, gpuprims::Joints{Snapshot(twin)});
 }
 
 TEST_F(SlcTest, ThreadsMayReadAttributesAtOnce) {
