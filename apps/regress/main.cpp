@@ -221,58 +221,64 @@ core::Expected<void> merge(const Options& o, const apps::Suite& suite, const app
   return {};
 }
 
-/// On rank 0 and without MPI.
-core::Expected<int> run_suite(const Options& o, const apps::Suite& suite, std::vector<apps::Worker>& workers,
-                              const std::vector<std::size_t>& tasks) {
-  const apps::ResultFolder results(o.out);
+/// Tasks that are left to draw.
+core::Expected<std::vector<std::size_t>> begin_run(const Options& o, const apps::Suite& suite,
+                                                   const apps::ResultFolder& results,
+                                                   const std::vector<std::size_t>& tasks) {
   if (auto made = apps::make_directory(o.out); !made) return tl::unexpected(made.error());
-  if (o.merge) {
-    if (auto done = merge(o, suite, results, tasks); !done) return tl::unexpected(done.error());
-    return report(o, suite, results, tasks);
-  }
-  const auto left = tasks_to_draw(o, suite, results, tasks);
-  if (!left) return tl::unexpected(left.error());
-  {
-    std::optional<apps::Progress> bar;
-    if (!o.quiet) bar.emplace("drawing", left->size());
-    apps::Farm farm(suite, results, *left, [&](std::size_t finished) {
-      if (bar) bar->advance(finished);
-    });
-    core::Expected<void> done;
+  if (!o.merge) return tasks_to_draw(o, suite, results, tasks);
+  if (auto done = merge(o, suite, results, tasks); !done) return tl::unexpected(done.error());
+  return std::vector<std::size_t>();
+}
+
+/// On rank 0 and without MPI.
+core::Expected<void> draw(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
+                          const std::vector<std::size_t>& left, std::vector<apps::Worker>& workers) {
+  std::optional<apps::Progress> bar;
+  if (!o.quiet) bar.emplace("drawing", left.size());
+  apps::Farm farm(suite, results, left, [&](std::size_t finished) {
+    if (bar) bar->advance(finished);
+  });
 #if SIGHTLINE_HAS_MPI
-    done = o.mpi ? run_mpi_farm(farm, workers.front(), o.silence) : farm.run(workers);
-#else
-    done = farm.run(workers);
+  if (o.mpi) return run_mpi_farm(farm, workers.front(), o.silence);
 #endif
-    if (!done) return tl::unexpected(done.error());
-  }
-  return report(o, suite, results, tasks);
+  return farm.run(workers);
 }
 
 core::Expected<int> regress(const Options& o, const std::vector<std::string>& worker_command) {
-  const auto suite = apps::read_suite(o.suite, o.limits);
+  std::optional<apps::MpiSession> session;
+  if (o.mpi) {
+    auto begun = apps::MpiSession::begin();
+    if (!begun) return tl::unexpected(begun.error());
+    session.emplace(std::move(*begun));
+  }
+  const auto agreed = [&](auto own) { return session ? session->agreed(std::move(own)) : own; };
+  const auto suite = agreed(apps::read_suite(o.suite, o.limits));
   if (!suite) return tl::unexpected(suite.error());
   if (o.worker) return serve(o, *suite);
-  const auto tasks = choose_tasks(o, *suite);
+  const auto tasks = agreed(choose_tasks(o, *suite));
   if (!tasks) return tl::unexpected(tasks.error());
   if (o.list) {
     for (const std::size_t task : *tasks) std::printf("%s\n", suite->tasks[task].name.c_str());
     return apps::kExitOk;
   }
+  const apps::ResultFolder results(o.out);
+  const bool leads = !session || session->rank() == 0;
+  using Tasks = core::Expected<std::vector<std::size_t>>;
+  const auto left = agreed(leads ? begin_run(o, *suite, results, *tasks) : Tasks());
+  if (!left) return tl::unexpected(left.error());
   std::signal(SIGPIPE, SIG_IGN);  // of workers that died
   std::vector<apps::Worker> workers;
-  const std::size_t count = std::min(std::size_t(o.workers), tasks->size());
-  for (std::size_t i = 0; i < std::max<std::size_t>(count, 1); ++i) workers.emplace_back(worker_command, o.timeout);
-  if (!o.mpi) return run_suite(o, *suite, workers, *tasks);
-  const auto session = apps::MpiSession::begin();
-  if (!session) return tl::unexpected(session.error());
+  const std::size_t count = std::clamp<std::size_t>(left->size(), 1, std::size_t(o.workers));
+  for (std::size_t i = 0; i < count; ++i) workers.emplace_back(worker_command, o.timeout);
 #if SIGHTLINE_HAS_MPI
-  if (session->rank() > 0) {
+  if (!leads) {
     const auto served = serve_mpi_farm(*suite, workers.front());
     return served ? core::Expected<int>(apps::kExitOk) : tl::unexpected(served.error());
   }
 #endif
-  return run_suite(o, *suite, workers, *tasks);
+  if (auto done = draw(o, *suite, results, *left, workers); !done) return tl::unexpected(done.error());
+  return report(o, *suite, results, *tasks);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // sightline-regress: the same pictures and verdicts however the work is shared out, and whoever dies meanwhile.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <map>
@@ -313,6 +314,22 @@ TEST_F(RegressMpi, RanksDrawWhatOneProcessDraws) {
   }
   fs::remove(path("references/b/whole.png"));
   EXPECT_EQ(run_program("env", mpi_command("2", {"-np", "2"})).code, 1);
+}
+
+TEST_F(RegressMpi, AnErrorIsToldOnceAndEndsAll) {
+  const auto expect_one = [&](const Args& command, const std::string& named) {
+    const Outcome outcome = run_program("env", command);
+    EXPECT_NE(outcome.code, 0) << outcome;
+    const auto lines = outcome.error_lines();
+    const auto is_ours = [](const std::string& line) { return line.rfind("sightline-regress: ", 0) == 0; };
+    EXPECT_EQ(std::count_if(lines.begin(), lines.end(), is_ours), 1) << outcome;
+    EXPECT_NE(outcome.err.find(named), std::string::npos) << outcome;
+  };
+  expect_one(mpi_command("out", {"-np", "3"}, {"--only", "nothing"}), "--only");
+  write("out-file", "");
+  expect_one(mpi_command("out-file", {"-np", "3"}), "out-file");
+  suite = write("broken.json", "{");
+  expect_one(mpi_command("out", {"-np", "3"}), "broken.json");
 }
 
 /// Ranks are the children of mpirun, which env has become; each has one worker.
