@@ -11,10 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/blank.h"
-#include "sightline/apps/common/frame_words.h"
-#include "sightline/apps/common/statistics.h"
-#include "sightline/apps/view/commands.h"
-#include "sightline/apps/view/comparing.h"
 #include "sightline/apps/view/exporting.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/views.h"
@@ -24,7 +20,6 @@
 namespace sightline::apps {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Type = Event::Type;
 
 constexpr core::vec3 kHiddenColour{0.85f, 0.1f, 0.55f};
@@ -32,57 +27,9 @@ constexpr core::vec3 kEmptyDark{0.11f, 0.12f, 0.13f}, kEmptyLight{0.86f, 0.88f, 
 constexpr engine::Relief kRelief{0.6f, 0.4f};
 constexpr engine::Hatching kHatching{0.6f, 6.0f};
 constexpr double kLongestStep = 0.25;                          // seconds: a hitch must not make the camera jump
-constexpr int kSettlingFrames = 3;                             // after an event: widgets take some to come to rest
 constexpr double kExportSlice = 0.05;                          // seconds between pictures of the window
-constexpr double kShareOfEngine = 0.9;                         // of the progress after reading; the rest is landing
 constexpr double kIdleWait = 10.0, kLoadingWait = 0.05;        // seconds
 constexpr double kContextPatience = 20.0, kContextWait = 0.5;  // seconds: for a driver that resets its GPU
-
-std::string name_of_files(const std::vector<std::string>& files) {
-  std::string name = files.empty() ? "" : std::filesystem::path(files[0]).filename().string();
-  if (files.size() > 1) name += " and " + std::to_string(files.size() - 1) + " more";
-  return name;
-}
-
-Json vector_json(const core::dvec3& v) {
-  return Json::array({v.x, v.y, v.z});
-}
-
-Json measure_json(const Measuring& measuring) {
-  Json json{{"marks", measuring.marks().size()}, {"rows", Json::object()}};
-  for (const auto& [what, value] : measuring.rows()) json["rows"][what] = value;
-  if (measuring.distance()) json["distance"] = measuring.distance()->distance;
-  return json;
-}
-
-/// Items by what a frozen camera's culling makes of them, and its boxes.
-Json culling_json(Session& session, const CullingBoxes& boxes) {
-  Json json = Json::object();
-  if (const auto loss = session.loss()) json["loss"] = {{"items", loss->items}, {"pixels", loss->pixels}};
-  const culling::CullStates* states = session.frozen() ? session.frozen()->states() : nullptr;
-  if (!states) return json;
-  for (int i = 0; i < culling::kCullStateCount; ++i)
-    json[std::string(name_of(culling::CullState(i)))] = states->items[std::size_t(i)];
-  json.update({{"boxes", boxes.wanted()}, {"drawn", boxes.drawn()}});
-  return json;
-}
-
-Json sections_json(const Sections& sections) {
-  Json json = Json::array();
-  for (const Sections::Section& section : sections.all())
-    json.push_back({{"on", section.on},
-                    {"at", vector_json(section.place())},
-                    {"normal", vector_json(section.normal)},
-                    {"moved", section.offset}});
-  return json;
-}
-
-Json views_json(const ViewList& views) {
-  Json json{{"count", views.size()}, {"current", views.current_index() + 1}};
-  if (const Viewpoint* view = views.current())
-    json.update({{"name", view->name}, {"comment", view->comment}, {"guid", view->guid}});
-  return json;
-}
 
 }  // namespace
 
@@ -247,117 +194,6 @@ engine::EngineConfig Viewer::picture_config() const {
   return config;
 }
 
-void Viewer::open(const std::vector<std::string>& files) {
-  drop_loading();
-  ModelOptions model = options_.model;
-  model.files = files;
-  if (!session_) {
-    preview_ = std::make_unique<Preview>(picture_config());
-    model.follow = [preview = preview_.get()](const core::Scene& scene) {
-      if (preview->follow(scene)) Window::wake();
-    };
-  }
-  // The window goes on while the engine is made.
-  const auto make_session = [this, config = picture_config()](Model& read, const auto& go_on) -> core::Expected<void> {
-    const auto part = [&](double share) { return go_on(kShareOfEngine * share); };
-    if (!part(0.0)) return core::fail(std::string(importers::kCancelled));
-    auto session = Session::open(std::move(read), config, part);
-    if (!part(1.0)) return core::fail(std::string(importers::kCancelled));
-    if (!session) return tl::unexpected(session.error());
-    opened_ = std::move(*session);
-    return {};
-  };
-  loader_ = std::make_unique<Loader>(model, &Window::wake, make_session);
-  found_.reset();
-  shown.open = false;
-  tell("reading " + name_of_files(files));
-}
-
-void Viewer::drop_loading() {
-  loader_.reset();  // first: its thread uses preview and model
-  opened_.reset();
-  landing_ = false;
-}
-
-void Viewer::cancel_loading() {
-  if (loader_) loader_->cancel();
-}
-
-/// Shows the model that was being read, once it is there: portion by portion, while the window goes on. What is open
-/// stays where the file cannot be read.
-core::Expected<void> Viewer::land() {
-  if (!loader_ || export_) return {};
-  if (!landing_) {
-    auto model = loader_->take();
-    if (!model) return {};
-    if (found_) {
-      const std::string file = loader_->options().files.front();
-      loader_.reset();
-      redraws_ = kSettlingFrames;
-      return land_comparison(std::move(*model), file), core::Expected<void>();
-    }
-    if (!*model) return not_landed(model->error());
-    landing_ = true;
-  }
-  if (loader_->cancelled()) return not_landed({std::string(importers::kCancelled)});
-  part_ = viewport();
-  const auto done = opened_->begin(window_.context(), {part_.width, part_.height});
-  if (!done) return lost() ? core::Expected<void>() : not_landed(done.error());
-  return *done ? landed() : core::Expected<void>();
-}
-
-core::Expected<void> Viewer::not_landed(const core::Error& error) {
-  const bool first = !session_ && loader_->options().files == options_.model.files;
-  drop_loading();
-  preview_.reset();
-  redraws_ = kSettlingFrames;
-  if (first && (options_.frames > 0 || !options_.script.empty())) return tl::unexpected(error);
-  tell(error.message, true);
-  if (first) std::fprintf(stderr, "sightline-view: %s\n", error.message.c_str());
-  return {};
-}
-
-core::Expected<void> Viewer::landed() {
-  const std::vector<std::string> files = loader_->options().files;
-  const bool another = session_ != nullptr, first = !another && files == options_.model.files;
-  loader_.reset();
-  preview_.reset();
-  landing_ = false;
-  redraws_ = kSettlingFrames;
-  print_warnings(opened_->model().report.warnings);
-  set_walking(false);
-  section_handles_.forget();
-  session_ = std::move(opened_);
-  shown_view_.reset();
-  if (const engine::EngineConfig& config = session_->engine().config();
-      shown.relief != config.relief.any() || shown.hatching != config.hatching.any())  // switched meanwhile
-    if (auto done = apply_looks(); !done) return done;
-  files_ = files;
-  for (const std::string& file : files) now_.add_recent(file);
-  warn_of_outliers(session_->bounds());
-  if (options_.model.explain) explain(session_->engine().plan());
-  if (const auto& path = player_.path(); path && !another) {
-    session_->camera().set_planes(path->near, path->far);
-    player_.play();
-  }
-  window_.set_title(name_of_files(files) + " - Sightline");
-  if (first && !settings_.damage().empty())
-    tell(settings_.damage(), true);
-  else
-    tell(std::to_string(session_->scene().item_count()) + " items");
-  return {};
-}
-
-core::Expected<void> Viewer::read_path() {
-  if (options_.path.empty()) return {};
-  auto path = importers::read_path(options_.path);
-  if (path && !options_.model.translate.empty())
-    path = importers::translated(*path, *parse_vector(options_.model.translate));
-  if (!path) return tl::unexpected(path.error());
-  player_.set_path(std::move(*path));
-  return {};
-}
-
 core::Expected<void> Viewer::frame(double seconds) {
   const double began = glfwGetTime();
   for (const Event& event : gui_.take_events()) {
@@ -472,79 +308,6 @@ Part Viewer::viewport() const {
   if (!shown.panels) return {0, 0, size[0], size[1]};
   const Margins m = margins(*this);
   return {m.left, m.bottom, std::max(1, size[0] - m.left - m.right), std::max(1, size[1] - m.top - m.bottom)};
-}
-
-// --- the script ------------------------------------------------------------------------------------------------------
-
-core::Expected<void> Viewer::step_script() {
-  const ScriptStep& step = script_[next_step_];
-  const bool at_point = step.name == "wheel" || step.name == "drag";  // of the model, where picks do not wait
-  if (at_point && session_ && session_->engine().preparing_picks()) return {};
-  ++next_step_;
-  if (auto done = carry_out(step); !done)
-    return core::fail(options_.script + ":" + std::to_string(step.line) + ": " + done.error().message);
-  redraws_ = kSettlingFrames;
-  return {};
-}
-
-core::Expected<void> Viewer::carry_out(const ScriptStep& step) {
-  auto events = events_of(step);
-  if (!events) return tl::unexpected(events.error());
-  if (!events->empty()) {
-    if (step.name == "wheel") events->front().at = cursor_;
-    gui_.push(std::move(*events));
-    return {};
-  }
-  if (step.name == "expect") return expect(step.argument);
-  if (step.name == "window-shot") {
-    window_shot_ = step.argument;
-    return {};
-  }
-  if (step.name == "resize") {
-    const auto size = parse_size(step.argument);
-    if (!size) return tl::unexpected(size.error());
-    window_.resize(*size);
-    wait_until_ = glfwGetTime() + 0.2;  // the window system answers later
-    return {};
-  }
-  if (step.name == "hold") {
-    const std::size_t space = step.argument.rfind(' ');
-    const auto seconds = parse_finite(space == std::string::npos ? "" : step.argument.substr(space + 1));
-    if (!seconds) return core::fail("hold: expected a key and seconds, found \"" + step.argument + "\"");
-    auto pressed = events_of({step.line, "press", step.argument.substr(0, space)});
-    if (!pressed) return tl::unexpected(pressed.error());
-    release_ = pressed->back();
-    gui_.push({pressed->front()});
-    wait_until_ = glfwGetTime() + *seconds;
-    return {};
-  }
-  if (step.name == "wait") {
-    const auto seconds = parse_finite(step.argument);
-    if (!seconds) return tl::unexpected(seconds.error());
-    wait_until_ = glfwGetTime() + *seconds;
-    return {};
-  }
-  const Command* command = find_command(step.name);
-  if (!command) return core::fail("no command " + step.name);
-  if (command->needs_model && !session_) return core::fail(step.name + ": no model is open");
-  return command->run(*this, step.argument);
-}
-
-core::Expected<void> Viewer::expect(const std::string& argument) {
-  const std::size_t space = argument.find(' ');
-  const std::string pointer = argument.substr(0, space),
-                    demand = space == std::string::npos ? "" : argument.substr(space + 1);
-  const Json all = state();
-  Json value;
-  try {
-    value = all.at(Json::json_pointer(pointer));
-  } catch (const Json::exception&) {
-    return core::fail("expect: the state has no " + pointer);
-  }
-  const auto good = fulfils(value.dump(), demand);
-  if (!good) return tl::unexpected(good.error());
-  if (!*good) return core::fail("expected " + argument + ", found " + value.dump());
-  return {};
 }
 
 // --- what moves by itself --------------------------------------------------------------------------------------------
@@ -701,71 +464,6 @@ core::Expected<void> Viewer::finish() {
   if (done && !options_.screenshot.empty()) done = write_screenshot(options_.screenshot);
   if (done && !options_.json_file.empty()) done = write_text(options_.json_file, to_text(state()));
   return done;
-}
-
-nlohmann::ordered_json Viewer::state() const {
-  Json json{{"model", files_},
-            {"renderer", window_.context().renderer()},
-            {"size", {part_.width, part_.height}},
-            {"window", window_.size()},
-            {"frames", frames_},
-            {"message", message_},
-            {"panels", shown.panels},
-            {"help", shown.help},
-            {"theme", gui_.theme() == Theme::kLight ? "light" : "dark"},
-            {"recent", now_.recent},
-            {"walk", walking()},
-            {"triad", shown.triad},
-            {"smooth", shown.smooth},
-            {"relief", shown.relief},
-            {"hatching", shown.hatching},
-            {"lower", shown.lower},
-            {"picture", {{"width", part_.width}, {"height", part_.height}}},
-            {"response_ms", response_ms_},
-            {"pause_ms", pause_ms_},
-            {"recording", recording()},
-            {"playing", player_.playing()},
-            {"recovered", recovered_},
-            {"views", views_json(views_)}};
-  if (!session_) return json;
-  const Document& document = session_->document();
-  const core::Pose& pose = session_->camera().pose();
-  const Sections& sections = session_->sections();
-  json["section_list"] = sections_json(sections);
-  if (shows_section_handles())
-    for (const SectionHandles::Shown& one : SectionHandles::shown(*session_, gui_.scale()))
-      for (const SectionGizmo::Handle& handle : one.gizmo.handles()) {
-        const core::dvec2 at = handle.at - in_picture({0.0, 0.0});
-        json["section_list"][one.section]["handles"][SectionGizmo::name_of(handle.part)] = {at.x, at.y};
-      }
-  json["section_selected"] = sections.selected() ? *sections.selected() + 1 : 0;
-  json.update({{"items", session_->scene().item_count()},
-               {"culler", name_of(session_->engine().plan().culler)},
-               {"culled_by", name_of(session_->report().culler)},
-               {"visible", session_->visible()},
-               {"drawn", session_->report().shown},
-               {"selection", {{"count", document.selection().size()}}},
-               {"hidden", document.hidden()},
-               {"ghosts", document.ghosts()},
-               {"hovered", document.hovered() ? std::int64_t(*document.hovered()) : -1},
-               {"sections", session_->sections().planes().size()},
-               {"measure", measure_json(session_->measuring())},
-               {"found", session_->tree().match_count()},
-               {"rows", session_->tree().rows().row_count()},
-               {"undo_steps", document.undo_steps()},
-               {"redo_steps", document.redo_steps()},
-               {"frozen", session_->frozen() != nullptr},
-               {"compare", compare_json(session_->changes())},
-               {"culling", culling_json(*session_, culling_.boxes())},
-               {"budget_ms", session_->engine().config().budget_ms},
-               {"contribution", session_->engine().config().contribution},
-               {"camera",
-                {{"eye", vector_json(pose.eye)},
-                 {"target", vector_json(pose.target)},
-                 {"orthographic", session_->camera().orthographic()}}},
-               {"summary",
-                {{"cull_ms", to_json<Json>(summarise(cull_ms_))}, {"frame_ms", to_json<Json>(summarise(frame_ms_))}}}});
-  return json;
 }
 
 }  // namespace sightline::apps

@@ -123,6 +123,8 @@ class Viewer {
   const std::vector<std::string>& recent() const { return now_.recent; }
 
  private:
+  static constexpr int kSettlingFrames = 3;  // after an event: widgets take some to come to rest
+
   struct Drag {
     int button = 0, mods = 0;
     core::dvec2 from{0.0}, last{0.0};
@@ -211,7 +213,7 @@ class Viewer {
   bool context_lost_ = false;
   int recovered_ = 0;  // times that the context was made anew
   std::optional<measure::Snap> aimed_;
-  int redraws_ = 3;  // frames to draw though nothing has happened
+  int redraws_ = kSettlingFrames;  // frames to draw though nothing has happened
   Part part_;
   std::string message_;
   bool message_is_error_ = false;

@@ -1,0 +1,134 @@
+// Models, from a file's name to the picture: reading, landing in the window, and what becomes of it where that fails.
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include "sightline/apps/common/model.h"
+#include "sightline/apps/view/viewer.h"
+#include "sightline/importers/view_json.h"
+
+namespace sightline::apps {
+namespace {
+
+constexpr double kShareOfEngine = 0.9;  // of the progress after reading; the rest is landing
+
+std::string name_of_files(const std::vector<std::string>& files) {
+  std::string name = files.empty() ? "" : std::filesystem::path(files[0]).filename().string();
+  if (files.size() > 1) name += " and " + std::to_string(files.size() - 1) + " more";
+  return name;
+}
+
+}  // namespace
+
+void Viewer::open(const std::vector<std::string>& files) {
+  drop_loading();
+  ModelOptions model = options_.model;
+  model.files = files;
+  if (!session_) {
+    preview_ = std::make_unique<Preview>(picture_config());
+    model.follow = [preview = preview_.get()](const core::Scene& scene) {
+      if (preview->follow(scene)) Window::wake();
+    };
+  }
+  // The window goes on while the engine is made.
+  const auto make_session = [this, config = picture_config()](Model& read, const auto& go_on) -> core::Expected<void> {
+    const auto part = [&](double share) { return go_on(kShareOfEngine * share); };
+    if (!part(0.0)) return core::fail(std::string(importers::kCancelled));
+    auto session = Session::open(std::move(read), config, part);
+    if (!part(1.0)) return core::fail(std::string(importers::kCancelled));
+    if (!session) return tl::unexpected(session.error());
+    opened_ = std::move(*session);
+    return {};
+  };
+  loader_ = std::make_unique<Loader>(model, &Window::wake, make_session);
+  found_.reset();
+  shown.open = false;
+  tell("reading " + name_of_files(files));
+}
+
+void Viewer::drop_loading() {
+  loader_.reset();  // first: its thread uses preview and model
+  opened_.reset();
+  landing_ = false;
+}
+
+void Viewer::cancel_loading() {
+  if (loader_) loader_->cancel();
+}
+
+/// Shows the model that was being read, once it is there: portion by portion, while the window goes on. What is open
+/// stays where the file cannot be read.
+core::Expected<void> Viewer::land() {
+  if (!loader_ || export_) return {};
+  if (!landing_) {
+    auto model = loader_->take();
+    if (!model) return {};
+    if (found_) {
+      const std::string file = loader_->options().files.front();
+      loader_.reset();
+      redraws_ = kSettlingFrames;
+      return land_comparison(std::move(*model), file), core::Expected<void>();
+    }
+    if (!*model) return not_landed(model->error());
+    landing_ = true;
+  }
+  if (loader_->cancelled()) return not_landed({std::string(importers::kCancelled)});
+  part_ = viewport();
+  const auto done = opened_->begin(window_.context(), {part_.width, part_.height});
+  if (!done) return lost() ? core::Expected<void>() : not_landed(done.error());
+  return *done ? landed() : core::Expected<void>();
+}
+
+core::Expected<void> Viewer::not_landed(const core::Error& error) {
+  const bool first = !session_ && loader_->options().files == options_.model.files;
+  drop_loading();
+  preview_.reset();
+  redraws_ = kSettlingFrames;
+  if (first && (options_.frames > 0 || !options_.script.empty())) return tl::unexpected(error);
+  tell(error.message, true);
+  if (first) std::fprintf(stderr, "sightline-view: %s\n", error.message.c_str());
+  return {};
+}
+
+core::Expected<void> Viewer::landed() {
+  const std::vector<std::string> files = loader_->options().files;
+  const bool another = session_ != nullptr, first = !another && files == options_.model.files;
+  loader_.reset();
+  preview_.reset();
+  landing_ = false;
+  redraws_ = kSettlingFrames;
+  print_warnings(opened_->model().report.warnings);
+  set_walking(false);
+  section_handles_.forget();
+  session_ = std::move(opened_);
+  shown_view_.reset();
+  if (const engine::EngineConfig& config = session_->engine().config();
+      shown.relief != config.relief.any() || shown.hatching != config.hatching.any())  // switched meanwhile
+    if (auto done = apply_looks(); !done) return done;
+  files_ = files;
+  for (const std::string& file : files) now_.add_recent(file);
+  warn_of_outliers(session_->bounds());
+  if (options_.model.explain) explain(session_->engine().plan());
+  if (const auto& path = player_.path(); path && !another) {
+    session_->camera().set_planes(path->near, path->far);
+    player_.play();
+  }
+  window_.set_title(name_of_files(files) + " - Sightline");
+  if (first && !settings_.damage().empty())
+    tell(settings_.damage(), true);
+  else
+    tell(std::to_string(session_->scene().item_count()) + " items");
+  return {};
+}
+
+core::Expected<void> Viewer::read_path() {
+  if (options_.path.empty()) return {};
+  auto path = importers::read_path(options_.path);
+  if (path && !options_.model.translate.empty())
+    path = importers::translated(*path, *parse_vector(options_.model.translate));
+  if (!path) return tl::unexpected(path.error());
+  player_.set_path(std::move(*path));
+  return {};
+}
+
+}  // namespace sightline::apps
