@@ -156,10 +156,14 @@ Expected<void> Storage::check_nodes(const Scene& scene) {
   const auto holds_item = [&](std::uint32_t i, std::uint32_t node) {
     return i < items && scene.items_[i].alive && scene.items_[i].node == node;
   };
+  // Of all nodes first: links are checked by the flags of others, and a byte that is no flag may not be read as one.
+  const auto has_flags = [&](std::size_t i) {
+    return is_flag(nodes[i].visible) && is_flag(nodes[i].alive) && is_flag(nodes[i].dirty) && !nodes[i].dirty;
+  };
+  if (const std::size_t wrong = first_wrong(count, has_flags); wrong < count) return inconsistent("node", wrong);
   const auto holds = [&](std::size_t index) {
     const Scene::Node& node = nodes[index];
     const auto i = std::uint32_t(index);
-    if (!is_flag(node.visible) || !is_flag(node.alive) || !is_flag(node.dirty) || node.dirty) return false;
     if (!node.alive) return true;
     if (index == 0) {
       if (node.parent != kNone || node.previous != kNone || node.next != kNone || node.generation != 0 ||

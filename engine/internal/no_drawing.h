@@ -15,12 +15,12 @@ namespace sightline::engine {
 
 class Drawing {
  public:
-  static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot&, const gpuprims::Joints&,
-                                                         const EngineConfig&, const Overrides&, bool) {
+  static core::Expected<std::unique_ptr<Drawing>> begin(const EngineConfig&, const Overrides&) {
     return core::fail("drawing and the GPU culler need OpenGL, and this build was made without it (SIGHTLINE_GL)");
   }
-  static core::Expected<std::unique_ptr<Drawing>> begin(const EngineConfig& config, const Overrides& overrides) {
-    return create({}, {}, config, overrides, false);
+  static core::Expected<std::unique_ptr<Drawing>> create(const core::Snapshot&, const gpuprims::Joints&,
+                                                         const EngineConfig& config, const Overrides& overrides, bool) {
+    return begin(config, overrides);
   }
   core::Expected<bool> advance(const core::Snapshot&, const gpuprims::Joints&, bool,
                                std::chrono::steady_clock::time_point) {

@@ -9,13 +9,17 @@ namespace {
 thread_local int successes_left = -1;  // below 0: none fails
 thread_local bool any_failed = false;
 
-void* allocate(std::size_t size) noexcept {
+bool may_allocate() noexcept {
   if (successes_left == 0) {
     any_failed = true;
-    return nullptr;
+    return false;
   }
   if (successes_left > 0) --successes_left;
-  return std::malloc(size ? size : 1);
+  return true;
+}
+
+void* allocate(std::size_t size) noexcept {
+  return may_allocate() ? std::malloc(size ? size : 1) : nullptr;
 }
 
 void* allocate_or_throw(std::size_t size) {
@@ -49,6 +53,18 @@ void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
 }
 void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
   return sightline::tests::allocate(size);
+}
+/// Of the arrays of scenes and snapshots.
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  void* p = nullptr;
+  if (sightline::tests::may_allocate() && posix_memalign(&p, std::size_t(alignment), size ? size : 1) == 0) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+  std::free(p);
 }
 void operator delete(void* p) noexcept {
   std::free(p);
