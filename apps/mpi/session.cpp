@@ -1,5 +1,6 @@
 #include "sightline/apps/mpi/session.h"
 
+#include <cstdio>
 #include <utility>
 
 #include <mpi.h>
@@ -23,7 +24,14 @@ int MpiSession::first_failing(bool good) const {
   return first < size_ ? first : -1;
 }
 
-MpiSession::MpiSession(MpiSession&& other) noexcept : rank_(other.rank_), size_(std::exchange(other.size_, 0)) {}
+void MpiSession::end_if_ranks_lost(int code) {
+  if (!ranks_lost_) return;
+  std::fflush(nullptr);
+  MPI_Abort(MPI_COMM_WORLD, code);
+}
+
+MpiSession::MpiSession(MpiSession&& other) noexcept
+    : rank_(other.rank_), size_(std::exchange(other.size_, 0)), ranks_lost_(other.ranks_lost_) {}
 
 MpiSession::~MpiSession() {
   if (size_ > 0) MPI_Finalize();

@@ -233,20 +233,22 @@ core::Expected<std::vector<std::size_t>> begin_run(const Options& o, const apps:
 
 /// On rank 0 and without MPI.
 core::Expected<void> draw(const Options& o, const apps::Suite& suite, const apps::ResultFolder& results,
-                          const std::vector<std::size_t>& left, std::vector<apps::Worker>& workers) {
+                          const std::vector<std::size_t>& left, std::vector<apps::Worker>& workers,
+                          [[maybe_unused]] std::optional<apps::MpiSession>& session) {
   std::optional<apps::Progress> bar;
   if (!o.quiet) bar.emplace("drawing", left.size());
   apps::Farm farm(suite, results, left, [&](std::size_t finished) {
     if (bar) bar->advance(finished);
   });
 #if SIGHTLINE_HAS_MPI
-  if (o.mpi) return run_mpi_farm(farm, workers.front(), o.silence);
+  if (o.mpi) return run_mpi_farm(farm, workers.front(), o.silence, *session);
 #endif
   return farm.run(workers);
 }
 
-core::Expected<int> regress(const Options& o, const std::vector<std::string>& worker_command) {
-  std::optional<apps::MpiSession> session;
+/// `session`: gets that of --mpi.
+core::Expected<int> regress(const Options& o, const std::vector<std::string>& worker_command,
+                            std::optional<apps::MpiSession>& session) {
   if (o.mpi) {
     auto begun = apps::MpiSession::begin();
     if (!begun) return tl::unexpected(begun.error());
@@ -277,7 +279,7 @@ core::Expected<int> regress(const Options& o, const std::vector<std::string>& wo
     return served ? core::Expected<int>(apps::kExitOk) : tl::unexpected(served.error());
   }
 #endif
-  if (auto done = draw(o, *suite, results, *left, workers); !done) return tl::unexpected(done.error());
+  if (auto done = draw(o, *suite, results, *left, workers, session); !done) return tl::unexpected(done.error());
   return report(o, *suite, results, *tasks);
 }
 
@@ -295,5 +297,9 @@ int main(int argc, char** argv) {
                  "  sightline-regress suite.json --out results --merge");
   Options options;
   add_options(app, options);
-  return apps::run(app, argc, argv, [&] { return regress(options, worker_command(options, argc, argv)); });
+  std::optional<apps::MpiSession> session;
+  const int code =
+      apps::run(app, argc, argv, [&] { return regress(options, worker_command(options, argc, argv), session); });
+  if (session) session->end_if_ranks_lost(code);
+  return code;
 }

@@ -1,6 +1,6 @@
 #include "sightline/apps/regress/mpi_farm.h"
 
-#include <map>
+#include <algorithm>
 #include <thread>
 
 #include <mpi.h>
@@ -71,6 +71,11 @@ class Master {
     int size = 1;
     MPI_Comm_size(MPI_COMM_WORLD, &size);
     ranks_.resize(std::size_t(size));
+  }
+
+  /// False: ranks were lost.
+  bool all_live() const {
+    return std::none_of(ranks_.begin(), ranks_.end(), [](const Rank& rank) { return rank.gone; });
   }
 
   core::Expected<void> run() {
@@ -158,8 +163,11 @@ TaskEnd draw(Worker& worker) {
 
 }  // namespace
 
-core::Expected<void> run_mpi_farm(Farm& farm, Worker& worker, double silence) {
-  return Master(farm, worker, silence).run();
+core::Expected<void> run_mpi_farm(Farm& farm, Worker& worker, double silence, MpiSession& session) {
+  Master master(farm, worker, silence);
+  auto done = master.run();
+  if (!master.all_live()) session.set_ranks_lost();
+  return done;
 }
 
 core::Expected<void> serve_mpi_farm(const Suite& suite, Worker& worker) {
