@@ -1,6 +1,7 @@
 // One view by several processes of mpirun: the picture of one.
 #include <algorithm>
 
+#include "sightline/tests/apps/mpi_launcher.h"
 #include "sightline/tests/apps/render_test.h"
 
 namespace sightline::tests {
@@ -18,13 +19,7 @@ class MpiRender : public RenderTest {
   }
 
   Outcome mpirun(int ranks, const std::string& tool, const Args& args) const {
-    Args all = {"OMPI_ALLOW_RUN_AS_ROOT=1",
-                "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
-                "mpirun",
-                "--oversubscribe",
-                "-np",
-                std::to_string(ranks),
-                program_of(tool)};
+    Args all = joined(mpirun_here(), {"-np", std::to_string(ranks), program_of(tool)});
     all.insert(all.end(), args.begin(), args.end());
     all.push_back("--mpi");
     return run_program("env", all);

@@ -5,6 +5,7 @@
 #include <map>
 #include <thread>
 
+#include "sightline/tests/apps/mpi_launcher.h"
 #include "sightline/tests/apps/render_test.h"
 
 namespace sightline::tests {
@@ -287,7 +288,7 @@ class RegressMpi : public Regress {
     if (run_program("mpirun", {"--version"}).code != 0) GTEST_SKIP() << "no mpirun (openmpi-bin)";
   }
   Args mpi_command(const std::string& out, const Args& launcher, const Args& more = {}) const {
-    Args args = {"OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "mpirun", "--oversubscribe"};
+    Args args = mpirun_here();
     args.insert(args.end(), launcher.begin(), launcher.end());
     args.push_back(program_of("regress"));
     const Args rest = command(out, {"--mpi", "--json", path(out + ".json")});
