@@ -15,6 +15,7 @@
 #ifdef SIGHTLINE_HAVE_GLTF
 #include "sightline/importers/gltf/internal/gltf_reader.h"
 #endif
+#include "sightline/importers/internal/extension.h"
 #include "sightline/importers/internal/side_files.h"
 #include "sightline/importers/ply/internal/ply_reader.h"
 #include "sightline/importers/rvm/internal/rvm_reader.h"
@@ -81,13 +82,6 @@ constexpr auto kExtensions = [] {
   return all;
 }();
 
-std::string lower_case_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return extension;
-}
-
 core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path, core::Scene& scene,
                                                core::NodeId parent, const ImportOptions& options) {
   const std::string extension = lower_case_extension(path);
@@ -107,9 +101,10 @@ core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path
   const auto bytes = read_file_bytes(path);
   if (!bytes) return tl::unexpected(bytes.error());
   std::vector<std::filesystem::path> side_files;
-  side_files_asked_for = &side_files;
-  auto report = format->read(*bytes, path, scene, parent, options);
-  side_files_asked_for = nullptr;
+  auto report = [&] {
+    const SideFileNotes notes(side_files);
+    return format->read(*bytes, path, scene, parent, options);
+  }();
   if (report) report->side_files = std::move(side_files);
   if (!report && report.error().message != kCancelled && path.has_parent_path())
     report.error().message = (path.parent_path() / report.error().message).string();

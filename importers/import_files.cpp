@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "sightline/importers/import.h"
+#include "sightline/importers/internal/extension.h"
 #include "sightline/importers/internal/scene_cache.h"
 
 namespace sightline::importers {
@@ -191,9 +192,7 @@ core::Expected<ImportReport> import_models(std::span<const std::filesystem::path
 }  // namespace
 
 bool is_attribute_file(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  const std::string extension = lower_case_extension(file);
   return extension == ".txt" || extension == ".att";
 }
 

@@ -14,6 +14,15 @@ namespace sightline::importers {
 /// Where the calling thread notes the side files that it looks for, there or not; null: nowhere.
 inline thread_local std::vector<std::filesystem::path>* side_files_asked_for = nullptr;
 
+/// Notes them there while it lives.
+class SideFileNotes {
+ public:
+  explicit SideFileNotes(std::vector<std::filesystem::path>& into) { side_files_asked_for = &into; }
+  ~SideFileNotes() { side_files_asked_for = nullptr; }
+  SideFileNotes(const SideFileNotes&) = delete;
+  SideFileNotes& operator=(const SideFileNotes&) = delete;
+};
+
 /// The path of the file. `model` is the model file's path. Errors: "'NAME' refused: it lies outside the model's
 /// directory", "'NAME' not found".
 core::Expected<std::filesystem::path> find_side_file(const std::filesystem::path& model, std::string_view name);

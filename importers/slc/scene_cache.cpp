@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/importers/internal/extension.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
 #include "sightline/importers/slc/slc_writer.h"
@@ -20,13 +21,6 @@ using nlohmann::json;
 
 /// Raised when a reader makes something else of the same file.
 constexpr int kReaders = 1;
-
-std::string lower_case_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return extension;
-}
 
 /// Size and time of a file that may be missing: then both are -1.
 struct Stamp {

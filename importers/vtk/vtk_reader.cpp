@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/importers/internal/extension.h"
 #include "sightline/importers/internal/file_bytes.h"
 #include "sightline/importers/internal/import_job.h"
 #include "sightline/importers/internal/side_files.h"
@@ -22,13 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Done = core::Expected<void>;
-
-std::string lower_case_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return extension;
-}
 
 bool is_index(const fs::path& path) {
   const std::string extension = lower_case_extension(path);
