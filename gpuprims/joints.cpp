@@ -377,6 +377,10 @@ Joints::Joints(const Snapshot& snapshot) {
   if (count_ > 0) opaque_ = opaque_materials(snapshot);
 }
 
+Joints::Joints(ItemId first_item, std::vector<std::uint64_t> bits) : first_item_(first_item), bits_(std::move(bits)) {
+  for (const std::uint64_t word : bits_) count_ += std::size_t(std::popcount(word));
+}
+
 core::StoredJoints Joints::stored(const Snapshot& snapshot) const {
   const std::vector<bool> opaque = opaque_materials(snapshot);
   return {{bits_.begin(), bits_.end()},
@@ -400,8 +404,8 @@ bool Joints::set(ItemId item, Ends end, bool covered) {
 }
 
 Ends Joints::covered(ItemId item) const {
-  const std::size_t word = item / kItemsPerWord;
-  return word < bits_.size() ? Ends(bits_[word] >> 2 * (item % kItemsPerWord) & 3u) : kNoEnd;
+  const std::size_t i = ItemId(item - first_item_), word = i / kItemsPerWord;
+  return word < bits_.size() ? Ends(bits_[word] >> 2 * (i % kItemsPerWord) & 3u) : kNoEnd;
 }
 
 void Joints::dissolve(const Snapshot& snapshot, std::initializer_list<std::span<const ItemId>> edited,

@@ -304,6 +304,7 @@ const Batch* GpuScene::batch(BatchKind kind) const {
 
 std::size_t GpuScene::memory_bytes() const {
   std::size_t bytes = meshes_.vertices.size() + meshes_.indices.size() + material_rows_.size();
+  bytes += meshes_.enclosures->bytes.size();
   for (const Batch& b : batches_) bytes += b.records.size();
   return bytes;
 }

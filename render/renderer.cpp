@@ -79,6 +79,18 @@ core::Expected<Renderer> Renderer::create(const gl::Context& context, const gpus
   return renderer;
 }
 
+core::Expected<Renderer> Renderer::create(const gl::Context& context, std::span<const BatchKind> kinds,
+                                          const TargetFormat& format) {
+  auto renderer = begin(context);
+  if (!renderer) return renderer;
+  renderer->kinds_.assign(kinds.begin(), kinds.end());
+  renderer->compiled_ = kinds.size();
+  BatchPrograms& plain = renderer->programs_[std::size_t(Surface::kSolid)].plain.emplace();
+  if (auto done = renderer->make_programs(kinds, format, Cut::kNone, Surface::kSolid, plain); !done)
+    return tl::unexpected(done.error());
+  return renderer;
+}
+
 core::Expected<Renderer> Renderer::begin(const gl::Context& context) {
   const gl::Functions& gl = context.functions();
   Renderer renderer;
@@ -95,34 +107,35 @@ core::Expected<Renderer> Renderer::begin(const gl::Context& context) {
 core::Expected<bool> Renderer::advance(const gpuscene::GpuScene& scene, const TargetFormat& format,
                                        core::Deadline deadline) {
   std::optional<BatchPrograms>& plain = programs_[std::size_t(Surface::kSolid)].plain;
-  if (!plain) plain.emplace();
-  const std::span<const gpuscene::Batch> batches = scene.batches();
-  while (compiled_ < batches.size()) {
-    const std::size_t count = deadline == core::kNoDeadline ? batches.size() - compiled_ : 1;
-    auto done = make_programs(batches.subspan(compiled_, count), format, Cut::kNone, Surface::kSolid, *plain);
+  if (!plain) {
+    plain.emplace();
+    for (const gpuscene::Batch& batch : scene.batches()) kinds_.push_back(batch.kind);
+  }
+  const std::span<const BatchKind> kinds = kinds_;
+  while (compiled_ < kinds.size()) {
+    const std::size_t count = deadline == core::kNoDeadline ? kinds.size() - compiled_ : 1;
+    auto done = make_programs(kinds.subspan(compiled_, count), format, Cut::kNone, Surface::kSolid, *plain);
     if (!done) return tl::unexpected(done.error());
     compiled_ += count;
     if (core::over(deadline)) break;
   }
-  return compiled_ == batches.size();
+  return compiled_ == kinds.size();
 }
 
 /// Makes the programs of batches, and the program that ray-cast batches share unless there is one.
-core::Expected<void> Renderer::make_programs(std::span<const gpuscene::Batch> batches, const TargetFormat& format,
-                                             Cut cut, Surface surface, BatchPrograms& made) {
+core::Expected<void> Renderer::make_programs(std::span<const BatchKind> kinds, const TargetFormat& format, Cut cut,
+                                             Surface surface, BatchPrograms& made) {
   std::vector<gl::ProgramDescription> descriptions;
-  for (const gpuscene::Batch& batch : batches) descriptions.push_back(describe_batch(batch.kind, format, cut, surface));
-  const bool proxies = proxy_program_.id() == 0 && std::any_of(batches.begin(), batches.end(), [](const auto& batch) {
-                         return gpuscene::is_ray_cast(batch.kind);
-                       });
+  for (const BatchKind kind : kinds) descriptions.push_back(describe_batch(kind, format, cut, surface));
+  const bool proxies = proxy_program_.id() == 0 && std::any_of(kinds.begin(), kinds.end(), gpuscene::is_ray_cast);
   if (proxies) descriptions.push_back(describe_proxies(format));
   auto programs = gl::Program::create_all(*gl_, descriptions);
   if (!programs) return tl::unexpected(programs.error());
   if (proxies) proxy_program_ = std::move(programs->back());
-  for (std::size_t i = 0; i < batches.size(); ++i) {
-    BatchProgram& one = made[std::size_t(batches[i].kind)];
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    BatchProgram& one = made[std::size_t(kinds[i])];
     one.program = std::move((*programs)[i]);
-    if (!gpuscene::is_ray_cast(batches[i].kind)) continue;
+    if (!gpuscene::is_ray_cast(kinds[i])) continue;
     one.pipeline = gl::ProgramPipeline(*gl_);
     one.pipeline.set_stages(GL_VERTEX_SHADER_BIT | GL_GEOMETRY_SHADER_BIT, proxy_program_);
     one.pipeline.set_stages(GL_FRAGMENT_SHADER_BIT, one.program);
@@ -212,7 +225,7 @@ core::Expected<void> Renderer::draw_surfaces(const core::View& view, const core:
   std::optional<BatchPrograms>& programs = sections ? all.sections : all.plain;
   if (!programs) {
     BatchPrograms made;
-    if (auto done = make_programs(scene.batches(), target.format(), cut, surface, made); !done) return done;
+    if (auto done = make_programs(kinds_, target.format(), cut, surface, made); !done) return done;
     programs = std::move(made);
   }
   sums ? sums->begin_drawing() : target.begin_drawing();
@@ -252,7 +265,7 @@ core::Expected<void> Renderer::draw_section_caps(const core::Snapshot& snapshot,
   }
   if (surface == Surface::kBlended)
     gl_->ProgramUniform2f(section_caps->caps().id(), kBlendRangeUniform, range.x, range.y);
-  if (auto done = section_caps->prepare(snapshot, meshes, target.width(), target.height()); !done) return done;
+  if (auto done = section_caps->prepare(snapshot, scene, target.width(), target.height()); !done) return done;
   gl_->BindTextureUnit(kPayloadUnit, meshes.texels.id());
   gl_->Disable(GL_CULL_FACE);
   section_caps->draw([&] { submit_batch(meshes, scene, lists, 0, lists.section(BatchKind::kMesh).count); });

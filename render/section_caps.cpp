@@ -53,7 +53,7 @@ core::Expected<SectionCaps> SectionCaps::create(const gl::Functions& gl, const g
   return caps;
 }
 
-core::Expected<void> SectionCaps::prepare(const core::Snapshot& snapshot, const gpuscene::Batch& meshes, int width,
+core::Expected<void> SectionCaps::prepare(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene, int width,
                                           int height) {
   if (width != width_ || height != height_) {
     const std::size_t pixels = std::size_t(width) * std::size_t(height);
@@ -67,15 +67,18 @@ core::Expected<void> SectionCaps::prepare(const core::Snapshot& snapshot, const 
     width_ = width;
     height_ = height;
   }
-  if (mesh_count_ == meshes.count) return {};
+  gpuscene::MeshPool::Enclosures& known = *scene.meshes().enclosures;
+  enclosures_ = scene.meshes().enclosures;
+  const gpuscene::Batch& meshes = *scene.batch(gpuscene::BatchKind::kMesh);
+  if (known.records == meshes.count) return {};
   const std::vector<std::uint8_t> of_record = enclosures(snapshot);
   auto buffer = gl::Buffer::create(*gl_, std::span(of_record), 0, "what meshes enclose");
   if (!buffer) return tl::unexpected(buffer.error());
   auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_R8UI, "what meshes enclose");
   if (!texels) return tl::unexpected(texels.error());
-  enclosures_ = std::move(*buffer);
-  enclosure_texels_ = std::move(*texels);
-  mesh_count_ = meshes.count;
+  known.texels = std::move(*texels);
+  known.bytes = std::move(*buffer);
+  known.records = meshes.count;
   return {};
 }
 
@@ -86,7 +89,7 @@ void SectionCaps::begin_counting() const {
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kCellBinding, cells_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, kNodeBinding, nodes_.id());
-  gl.BindTextureUnit(kEnclosureUnit, enclosure_texels_.id());
+  gl.BindTextureUnit(kEnclosureUnit, enclosures_->texels.id());
   for (const gl::Program* program : {&count_, &list_, &caps_})
     gl.ProgramUniform1i(program->id(), kWidthUniform, width_);
   // Every crossing counts, even if it is hidden or lies behind the far plane.

@@ -58,6 +58,8 @@ class Joints {
   /// fifty times the usual size.
   /// Those that a scene cache has of the snapshot are not looked for.
   explicit Joints(const core::Snapshot& snapshot);
+  /// Of items from `first_item` on, two bits each: those of a core::Page. They cannot follow edits.
+  Joints(core::ItemId first_item, std::vector<std::uint64_t> bits);
   /// For a scene cache, as made from `snapshot`.
   core::StoredJoints stored(const core::Snapshot& snapshot) const;
 
@@ -85,6 +87,7 @@ class Joints {
   void prefetch(core::ItemId item) const;
   void dissolve(core::ItemId item, std::vector<core::ItemId>& uncovered);
 
+  core::ItemId first_item_ = 0;        // of bits_; others than 0 only without covers_
   std::vector<std::uint64_t> bits_;    // two per item
   std::vector<std::uint64_t> covers_;  // sorted: covering item << 32 | covered item << 1 | its end is the top
   std::vector<std::uint32_t> first_;   // per 32 items: index of the first entry in covers_

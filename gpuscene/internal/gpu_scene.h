@@ -46,6 +46,14 @@ struct MeshPool {
   /// Number of a command's first indices that belong to solid shells, whose back faces cannot be seen from outside.
   std::vector<std::uint32_t> solid_indices;
   static constexpr int kVertexBytes = 16;
+
+  /// What the meshes of records enclose (core::Enclosure), a byte each. Made by who first needs it.
+  struct Enclosures {
+    std::size_t records = 0;
+    gl::Buffer bytes;
+    gl::TextureBuffer texels;
+  };
+  std::shared_ptr<Enclosures> enclosures = std::make_shared<Enclosures>();
 };
 
 class GpuScene {

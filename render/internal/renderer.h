@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "sightline/core/internal/deadline.h"
 #include "sightline/core/view.h"
@@ -24,6 +25,9 @@ class Renderer {
   /// driver's log. Programs for section planes are compiled with the first view that has some.
   static core::Expected<Renderer> create(const gl::Context& context, const gpuscene::GpuScene& scene,
                                          const TargetFormat& format = {});
+  /// The same for any scene that has batches of these kinds alone.
+  static core::Expected<Renderer> create(const gl::Context& context, std::span<const gpuscene::BatchKind> kinds,
+                                         const TargetFormat& format);
   /// The same in portions: begin(), and advance() until it returns true. Each call compiles at least one program, and
   /// ends after the one that is late.
   static core::Expected<Renderer> begin(const gl::Context& context);
@@ -99,13 +103,14 @@ class Renderer {
                                      const RenderTarget& target, Surface surface, const gl::TextureBuffer& materials,
                                      const BlendedSums* sums = nullptr, const glm::vec2& range = {});
 
-  core::Expected<void> make_programs(std::span<const gpuscene::Batch> batches, const TargetFormat& format, Cut cut,
+  core::Expected<void> make_programs(std::span<const gpuscene::BatchKind> kinds, const TargetFormat& format, Cut cut,
                                      Surface surface, BatchPrograms& made);
 
   const gl::Functions* gl_ = nullptr;
   gl::Program proxy_program_;  // vertex and geometry stage of all ray-cast batches; empty without such batches
   std::array<SurfacePrograms, kSurfaces> programs_;
-  std::size_t compiled_ = 0;  // batches whose first programs are made
+  std::vector<gpuscene::BatchKind> kinds_;  // of the batches
+  std::size_t compiled_ = 0;                // of these, whose first programs are made
   gl::VertexArray record_array_, mesh_array_;
   gl::Buffer view_block_, chunk_rows_;
   gl::TextureBuffer chunk_texels_;

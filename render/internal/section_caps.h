@@ -31,8 +31,8 @@ class SectionCaps {
 
   static core::Expected<SectionCaps> create(const gl::Functions& gl, const gl::ShaderContext& shaders);
 
-  /// Makes room for a target of that size and finds which meshes are closed.
-  core::Expected<void> prepare(const core::Snapshot& snapshot, const gpuscene::Batch& meshes, int width, int height);
+  /// Makes room for a target of that size and finds which meshes are closed, once for each scene.
+  core::Expected<void> prepare(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene, int width, int height);
 
   /// Counts crossings, then draws the caps into the bound framebuffer with depth test. `draw_meshes` must draw the
   /// batch of meshes with the program in use, without writing depth or colour.
@@ -47,7 +47,7 @@ class SectionCaps {
 
   /// The program that draws caps, for uniforms of its shading.
   const gl::Program& caps() const { return caps_; }
-  std::size_t memory_bytes() const { return cells_.size() + nodes_.size() + enclosures_.size(); }
+  std::size_t memory_bytes() const { return cells_.size() + nodes_.size(); }
 
  private:
   void begin_counting() const;
@@ -57,10 +57,9 @@ class SectionCaps {
   const gl::Functions* gl_ = nullptr;
   gl::Program count_, list_, caps_;
   gl::VertexArray no_attributes_;
-  gl::Buffer cells_, nodes_, enclosures_;
-  gl::TextureBuffer enclosure_texels_;
+  gl::Buffer cells_, nodes_;
+  std::shared_ptr<const gpuscene::MeshPool::Enclosures> enclosures_;  // of the scene that is drawn
   int width_ = 0, height_ = 0;
-  std::size_t mesh_count_ = 0;
 };
 
 }  // namespace sightline::render
