@@ -13,6 +13,7 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
+#include "sightline/core/paged_scene.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/snapshot.h"
 
@@ -109,11 +110,23 @@ class SIGHTLINE_API Storage {
   static void set_snapshot(Scene& scene, std::function<bool(Snapshot&)> source);
   static bool has_snapshot(const Scene& scene) { return scene.stored_snapshot_ != nullptr; }
 
+  /// What is read of a page's snapshot, beside what it has by kind but for members. The other arrays follow from these.
+  static constexpr std::uint64_t kPageArrays[] = {
+      kCoordinates,     kCoordinates + 1, kCoordinates + 2, kCoordinates + 3, kCoordinates + 4,
+      kCoordinates + 5, kLayers,          kKinds,           kSlotItems,       kSlotMaterials};
+  /// Makes a page's snapshot whole, which must have arrays of the right sizes. Those named above hold what was read,
+  /// but for the padding of coordinates; members, kIndexInKind and kRanks hold anything. `materials`: the snapshot
+  /// whose table it shares. Fails on what would not be safe to use.
+  static Expected<void> finish_page(Page& page, SnapshotState state, const Snapshot& materials);
+  static void drop_records(Snapshot& snapshot);
+
  private:
   static Expected<void> check_nodes(const Scene& scene);
   static Expected<void> check_items(const Scene& scene);
   static bool is_one_tree(const Scene& scene);
   static Expected<void> check(const Scene& scene, const Snapshot& snapshot);
+  static Expected<void> count_kinds(Snapshot& snapshot);
+  static Expected<void> check_page(const Page& page);
   static bool are_safe(const StoredJoints& joints, std::size_t item_slots);
   static void mark_fit(Scene& scene);
 };

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "sightline/importers/internal/scene_cache.h"
+#include "sightline/importers/slc/paged_scene.h"
 #include "sightline/importers/slc/slc_writer.h"
 
 namespace sightline::importers {
@@ -9,6 +10,11 @@ namespace sightline::importers {
 core::Expected<void> write_slc(const core::Scene&, const std::filesystem::path& path, const ImportReport*,
                                const std::function<bool(double)>&) {
   return core::fail(fmt::format("{}: this build writes no .slc files (SIGHTLINE_SLC is off)", path.string()));
+}
+
+core::Expected<core::PagedScene> open_paged_scene(const std::filesystem::path& path,
+                                                  const std::function<bool(double)>&) {
+  return core::fail(fmt::format("{}: this build reads no .slc files (SIGHTLINE_SLC is off)", path.string()));
 }
 
 core::Expected<ImportReport> import_with_cache(std::span<const std::filesystem::path> paths, core::Scene& scene,

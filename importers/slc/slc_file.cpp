@@ -213,6 +213,22 @@ SlcExpected<SlcFile::Mapping> SlcFile::map() const {
   return Mapping{std::shared_ptr<const void>(memory, Unmap{size_}), static_cast<std::byte*>(memory)};
 }
 
+SlcExpected<void> SlcFile::read(std::uint64_t offset, std::span<std::byte> to) const {
+  if (descriptor_ < 0) {
+    std::copy_n(memory_.begin() + std::ptrdiff_t(offset), to.size(), to.begin());
+    return {};
+  }
+  while (!to.empty()) {
+    const ssize_t got = pread(descriptor_, to.data(), to.size(), off_t(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return damaged(fmt::format("cannot be read: {}", std::strerror(errno)));
+    if (got == 0) return damaged("it was cut short while it was open");
+    offset += std::uint64_t(got);
+    to = to.subspan(std::size_t(got));
+  }
+  return {};
+}
+
 void SlcFile::set_aside(const Mapping& mapping, std::uint64_t number) const {
   const Section* section = find(number);
   if (descriptor_ < 0 || !section) return;

@@ -27,27 +27,6 @@ SlcExpected<void> verify_where(const SlcFile& file, const SlcFile::Mapping& mapp
   return file.verify(what);
 }
 
-SlcExpected<void> read_materials(const SlcFile& file, const SlcFile::Mapping& mapping, core::Scene& scene) {
-  LargeArray<SlcMaterial> rows;
-  LargeArray<char> names;
-  if (!file.adopt(mapping, kSlcMaterials, rows) || !file.adopt(mapping, kSlcMaterialNames, names))
-    return damaged("its materials have another size");
-  std::uint64_t begin = 0;
-  for (const SlcMaterial& row : rows) {
-    if (row.name_end < begin || row.name_end > names.size())
-      return damaged("the names of its materials are inconsistent");
-    if (row.removed != 0)
-      Storage::add_removed_material(scene);
-    else
-      scene.add_material({std::string(names.begin() + begin, names.begin() + row.name_end),
-                          {row.red, row.green, row.blue},
-                          row.alpha,
-                          row.code});
-    begin = row.name_end;
-  }
-  return {};
-}
-
 /// Takes arrays off the values of a mesh.
 template <class T>
 bool take(const LargeArray<std::byte>& values, std::uint64_t& at, std::uint32_t count, std::vector<T>& out) {
@@ -216,6 +195,27 @@ core::Expected<ImportReport> read(const std::string& name, SlcExpected<std::shar
 }
 
 }  // namespace
+
+SlcExpected<void> read_materials(const SlcFile& file, const SlcFile::Mapping& mapping, core::Scene& scene) {
+  LargeArray<SlcMaterial> rows;
+  LargeArray<char> names;
+  if (!file.adopt(mapping, kSlcMaterials, rows) || !file.adopt(mapping, kSlcMaterialNames, names))
+    return damaged("its materials have another size");
+  std::uint64_t begin = 0;
+  for (const SlcMaterial& row : rows) {
+    if (row.name_end < begin || row.name_end > names.size())
+      return damaged("the names of its materials are inconsistent");
+    if (row.removed != 0)
+      Storage::add_removed_material(scene);
+    else
+      scene.add_material({std::string(names.begin() + begin, names.begin() + row.name_end),
+                          {row.red, row.green, row.blue},
+                          row.alpha,
+                          row.code});
+    begin = row.name_end;
+  }
+  return {};
+}
 
 SlcExpected<SlcScene> load(std::shared_ptr<const SlcFile> file, bool verified) {
   try {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sightline/gpuprims/internal/joints.h"
+#include "sightline/importers/slc/internal/page_table.h"
 #include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
 
@@ -66,7 +67,7 @@ class SceneWriter {
     // What a picture needs first, and last the names.
     Storage::for_each_snapshot_array(snapshot_, [&](std::uint64_t number, const auto& array) { add(number, array); });
     snapshot_state();
-    joints();
+    joints_and_pages();
     if (!tell(0.5)) return false;
     Storage::for_each_scene_array(scene_, [&](std::uint64_t number, const auto& array) { add(number, array); });
     attributes();
@@ -126,7 +127,8 @@ class SceneWriter {
   }
 
   void meshes() {
-    std::vector<SlcMesh> rows(scene_.mesh_slots());
+    std::vector<SlcMesh>& rows = mesh_rows_;
+    rows.resize(scene_.mesh_slots());
     std::string names;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const core::MeshId id = scene_.mesh_at(i);
@@ -159,20 +161,29 @@ class SceneWriter {
 
   void snapshot_state() {
     const Storage::SnapshotState s = Storage::state(snapshot_);
+    const core::FittedBounds fitted = snapshot_.bounds().fitted_bounds();
     const SlcSnapshotState row{
         {s.origin.x, s.origin.y, s.origin.z},
         {s.extent.min.x, s.extent.min.y, s.extent.min.z, s.extent.max.x, s.extent.max.y, s.extent.max.z},
-        s.chunk_size};
+        s.chunk_size,
+        {fitted.bounds.min.x, fitted.bounds.min.y, fitted.bounds.min.z, fitted.bounds.max.x, fitted.bounds.max.y,
+         fitted.bounds.max.z},
+        fitted.outliers};
     out_.add(kSlcSnapshotState, std::span(&row, 1));
     out_.add(kSlcChunkOrigins, s.chunk_origins);
   }
 
-  void joints() {
+  void joints_and_pages() {
     const core::StoredJoints all = gpuprims::Joints(snapshot_).stored(snapshot_);
     out_.add(kSlcJointBits, all.bits);
     out_.add(kSlcJointCovers, all.covers);
     out_.add(kSlcJointFirst, all.first);
     out_.add(kSlcJointOpaque, all.opaque);
+    const PageTable table = make_page_table(scene_, snapshot_, all, mesh_rows_);
+    out_.add(kSlcLeafBoxes, table.boxes);
+    out_.add(kSlcLeafColours, table.colours);
+    out_.add(kSlcSlotEnds, table.ends);
+    out_.add(kSlcPages, table.pages);
   }
 
   void attributes() {
@@ -187,6 +198,7 @@ class SceneWriter {
   const std::function<bool(double)>& progress_;
   SlcWriter out_;
   std::vector<std::byte> piece_;
+  std::vector<SlcMesh> mesh_rows_;
 };
 
 }  // namespace

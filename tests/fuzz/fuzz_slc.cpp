@@ -42,6 +42,27 @@ void use(core::Scene& scene) {
   if (const auto delta = scene.commit()) snapshot.apply(*delta);
 }
 
+/// Uses all pages.
+void use(const core::PagedScene& scene) {
+  for (std::uint32_t number = 0; number < scene.pages.size(); ++number) {
+    const auto page = scene.load(number);
+    if (!page) continue;
+    const core::Snapshot& snapshot = (*page)->snapshot;
+    fuzz::require(snapshot.size() == scene.pages[number].slots, "as many slots as the page says");
+    const gpuprims::Joints joints((*page)->first_item, (*page)->hidden_ends);
+    for (core::Slot slot = 0; slot < snapshot.size(); ++slot) {
+      (void)joints.covered(snapshot.item(slot));
+      (void)snapshot.opaque(slot);
+      (void)snapshot.world_from_item(slot);
+      if (int(snapshot.kind(slot)) < core::kPrimitiveKindCount)
+        (void)snapshot.primitive(slot);
+      else
+        (void)snapshot.mesh(slot).indices.size();
+    }
+    (*page)->drop_records();
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -56,6 +77,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     scene.append(scene.root(), std::move(loaded->scene));
     use(scene);
   }
+  if (const auto paged = importers::open_paged_scene(*file, "fuzz.slc", false)) use(*paged);
   core::Scene scene;
   const core::NodeId parent = scene.add_node(scene.root(), "kept", core::translation({1e6, 0.0, 0.0}));
   scene.add_primitive(parent, core::Sphere{1.0f});

@@ -18,7 +18,7 @@
 
 namespace sightline::importers {
 
-inline constexpr std::uint32_t kSlcVersion = 1;
+inline constexpr std::uint32_t kSlcVersion = 2;
 
 /// Numbers of arrays beside those of core/internal/storage.h.
 enum SlcArray : std::uint64_t {
@@ -38,6 +38,10 @@ enum SlcArray : std::uint64_t {
   kSlcJointCovers,
   kSlcJointFirst,
   kSlcJointOpaque,
+  kSlcLeafBoxes,
+  kSlcLeafColours,
+  kSlcSlotEnds,
+  kSlcPages,
 };
 
 /// Why a cache cannot be used.
@@ -117,6 +121,10 @@ class SlcFile {
                                         std::size_t(section->count));
     return true;
   }
+
+  /// Copies bytes of the file, without a mapping: they count as memory of whom they are copied to, and of nobody else.
+  /// `offset` and their number must lie in a section.
+  SlcExpected<void> read(std::uint64_t offset, std::span<std::byte> to) const;
 
   /// Gives the memory of an array back to the system until somebody reads it. Nobody may have written to it.
   void set_aside(const Mapping& mapping, std::uint64_t number) const;

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "sightline/core/internal/storage.h"
 #include "sightline/importers/import.h"
+#include "sightline/importers/slc/internal/slc_file.h"
 
 namespace sightline::importers {
 
@@ -27,7 +29,26 @@ struct SlcSnapshotState {
   double origin[3];
   float extent[6];
   double chunk_size;
+  double fitted[6];  // core::FittedBounds
+  std::uint64_t outliers;
 };
+
+/// Slots that are read together (core/paged_scene.h). Pages follow each other; each begins at a multiple of kPageStep.
+struct SlcPage {
+  std::uint32_t first, count;                                                // slots
+  std::uint32_t kind_first[core::kKindCount], kind_count[core::kKindCount];  // in the arrays by kind
+  std::uint64_t mesh_positions, mesh_indices, mesh_bytes;                    // of all meshes that it uses, each once
+  std::uint64_t checksum;                                                    // of slices() and these meshes
+};
+static_assert(sizeof(SlcPage) == 8 * (1 + core::kKindCount + 4));
+inline constexpr std::uint32_t kPageStep = 64;
+
+/// Elements of an array that belong to a page.
+struct SlcSlice {
+  std::uint64_t number, first, count;
+};
+/// In the order in which they are summed up. `layers`: whether the snapshot has some.
+std::vector<SlcSlice> slices(const SlcPage& page, bool layers);
 
 /// As text, without the nodes. Bytes that are no UTF-8 are replaced.
 std::string to_text(const ImportReport& report);

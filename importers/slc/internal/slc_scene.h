@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "sightline/core/paged_scene.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/slc/internal/slc_file.h"
 
@@ -24,6 +25,13 @@ SlcExpected<SlcScene> load(std::shared_ptr<const SlcFile> file, bool verified = 
 
 /// Makes the snapshot in the file that of the scene, which must be what the file was written from.
 SlcExpected<void> attach_snapshot(std::shared_ptr<const SlcFile> file, core::Scene& scene, bool verified = true);
+
+/// Adds the materials in the file to an empty scene. They must be verified.
+SlcExpected<void> read_materials(const SlcFile& file, const SlcFile::Mapping& mapping, core::Scene& scene);
+
+/// open_paged_scene() of one file. `verified`: as load(). `name` stands for the file.
+core::Expected<core::PagedScene> open_paged_scene(std::shared_ptr<const SlcFile> file,
+                                                  const std::filesystem::path& name, bool verified = true);
 
 /// Whether what lies below the node lies where its own transforms say.
 bool is_unmoved(const core::Scene& scene, core::NodeId node);

@@ -1,0 +1,527 @@
+#include "sightline/importers/slc/paged_scene.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <utility>
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "sightline/importers/import.h"
+#include "sightline/importers/internal/extension.h"
+#include "sightline/importers/slc/internal/page_table.h"
+#include "sightline/importers/slc/internal/slc_scene.h"
+
+namespace sightline::importers {
+namespace {
+
+namespace fs = std::filesystem;
+using core::LargeArray;
+using core::Page;
+using core::PagedScene;
+using core::Storage;
+
+constexpr std::size_t kLine = 64;
+
+std::size_t in_lines(std::size_t bytes) {
+  return (bytes + kLine - 1) / kLine * kLine;
+}
+
+/// Memory for arrays that go back to the system together, at once.
+class Arena {
+ public:
+  /// Null where the system has no more.
+  static std::unique_ptr<Arena> create(std::size_t bytes) {
+    void* const memory =
+        mmap(nullptr, std::max(bytes, kLine), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) return nullptr;
+    const std::size_t size = std::max(bytes, kLine);
+    return std::unique_ptr<Arena>(new Arena(std::shared_ptr<void>(memory, [size](void* m) { munmap(m, size); }),
+                                            static_cast<std::byte*>(memory)));
+  }
+  template <class T>
+  void take(std::size_t count, LargeArray<T>& array) {
+    array = LargeArray<T>::kept(memory_, reinterpret_cast<T*>(next_), count);
+    next_ += in_lines(count * sizeof(T));
+  }
+
+ private:
+  Arena(std::shared_ptr<void> memory, std::byte* next) : memory_(std::move(memory)), next_(next) {}
+  std::shared_ptr<void> memory_;
+  std::byte* next_;
+};
+
+class Checksum {
+ public:
+  Checksum() : state_(XXH3_createState()) { XXH3_64bits_reset(state_.get()); }
+  void add(std::span<const std::byte> bytes) { XXH3_64bits_update(state_.get(), bytes.data(), bytes.size()); }
+  std::uint64_t value() const { return XXH3_64bits_digest(state_.get()); }
+
+ private:
+  struct Free {
+    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+  };
+  std::unique_ptr<XXH3_state_t, Free> state_;
+};
+
+/// One file.
+class Part {
+ public:
+  /// `verified`: checksums are compared.
+  static SlcExpected<std::shared_ptr<const Part>> open(SlcExpected<std::shared_ptr<const SlcFile>> file,
+                                                       core::ItemId first_item, bool verified = true) {
+    if (!file) return tl::unexpected(file.error());
+    const std::shared_ptr<Part> part(new Part);
+    part->file_ = std::move(*file);
+    part->first_item_ = first_item;
+    part->verified_ = verified;
+    if (auto done = part->read_resident(); !done) return tl::unexpected(done.error());
+    return part;
+  }
+
+  std::size_t item_slots() const { return count(Storage::kItemSlots); }
+  std::size_t slots() const { return count(Storage::kKinds); }
+  core::FittedBounds fitted() const {
+    const double* const f = state_.fitted;
+    return {{{f[0], f[1], f[2]}, {f[3], f[4], f[5]}}, std::size_t(state_.outliers)};
+  }
+  std::span<const SlcPage> pages() const { return pages_; }
+  std::span<const std::array<float, 6>> boxes() const { return boxes_; }
+  std::span<const std::uint32_t> colours() const { return colours_; }
+  core::dvec3 origin() const { return {state_.origin[0], state_.origin[1], state_.origin[2]}; }
+  /// What only opening needs.
+  void drop_leaves() const { boxes_ = {}, colours_ = {}; }
+
+  PagedScene::PageInfo info(const SlcPage& row) const {
+    PagedScene::PageInfo info;
+    info.slots = row.count;
+    info.material_rows = std::uint32_t(materials_->snapshot.materials().size());
+    std::copy(std::begin(row.kind_count), std::end(row.kind_count), info.of_kind.begin());
+    info.mesh_positions = row.mesh_positions;
+    info.mesh_indices = row.mesh_indices;
+    // Chunks and hidden ends are small beside the rest: a word per slot is more than they take.
+    info.memory_bytes = kept_bytes(row) + record_bytes(row) + row.mesh_bytes + row.count * sizeof(std::uint64_t);
+    return info;
+  }
+
+  SlcExpected<std::unique_ptr<Page>> load(std::uint32_t number) const {
+    const SlcPage& row = pages_[number];
+    auto page = std::make_unique<Page>();
+    Checksum sum;
+    if (auto done = read_arrays(row, *page, sum); !done) return tl::unexpected(done.error());
+    if (auto done = read_meshes(row, *page, sum); !done) return tl::unexpected(done.error());
+    if (verified_ && sum.value() != row.checksum) return damaged("it does not match its checksum");
+    Storage::SnapshotState state = snapshot_state();
+    if (auto done = keep_used_chunks(*page, state.chunk_origins); !done) return tl::unexpected(done.error());
+    if (auto done = Storage::finish_page(*page, std::move(state), materials_->snapshot); !done)
+      return damaged(done.error().message);
+    if (!number_items(*page)) return damaged("its items are inconsistent");
+    return page;
+  }
+
+ private:
+  struct Materials {
+    core::Scene scene;
+    core::Snapshot snapshot{scene};
+  };
+
+  std::size_t count(std::uint64_t number) const {
+    const SlcFile::Section* section = file_->find(number);
+    return section ? std::size_t(section->count) : 0;
+  }
+
+  template <class T>
+  bool copy(const SlcFile::Mapping& mapping, std::uint64_t number, std::vector<T>& out) {
+    LargeArray<T> mapped;
+    if (!file_->adopt(mapping, number, mapped)) return false;
+    out.assign(mapped.begin(), mapped.end());
+    return true;
+  }
+
+  SlcExpected<void> read_resident() {
+    const auto mapping = file_->map();
+    if (!mapping) return tl::unexpected(mapping.error());
+    std::vector<SlcFile::Verified> what;
+    for (const std::uint64_t number : {kSlcSnapshotState, kSlcChunkOrigins, kSlcMaterials, kSlcMaterialNames,
+                                       kSlcLeafBoxes, kSlcLeafColours, kSlcPages})
+      if (const SlcFile::Section* section = file_->find(number)) what.push_back({section, &*mapping});
+    if (verified_)
+      if (auto good = file_->verify(what); !good) return good;
+    std::vector<SlcSnapshotState> state;
+    if (!copy(*mapping, kSlcSnapshotState, state) || state.size() != 1 ||
+        !copy(*mapping, kSlcChunkOrigins, chunk_origins_) || !copy(*mapping, kSlcLeafBoxes, boxes_) ||
+        !copy(*mapping, kSlcLeafColours, colours_) || !copy(*mapping, kSlcPages, pages_))
+      return damaged("its pages have another size");
+    state_ = state[0];
+    core::Scene scene;
+    if (auto done = read_materials(*file_, *mapping, scene); !done) return done;
+    materials_ = std::make_unique<Materials>();
+    materials_->scene = std::move(scene);
+    materials_->snapshot = core::Snapshot(materials_->scene);
+    return check();
+  }
+
+  /// That pages, arrays and leaves agree, so that all slices lie within their arrays.
+  SlcExpected<void> check() const {
+    const std::size_t n = slots(), leaves = (n + core::kBlockSlots - 1) / core::kBlockSlots;
+    if (n >= core::kNone || boxes_.size() != leaves || colours_.size() != leaves)
+      return damaged("its leaves are inconsistent");
+    for (const auto& box : boxes_)
+      for (const float x : box)
+        if (!std::isfinite(x)) return damaged("its leaves are inconsistent");
+    std::uint64_t slot = 0;
+    std::array<std::uint64_t, core::kKindCount> rank{};
+    for (const SlcPage& page : pages_) {
+      std::uint64_t members = 0;
+      bool good = page.first == slot && page.first % kPageStep == 0 && page.count > 0;
+      for (std::size_t k = 0; k < rank.size(); ++k) {
+        good = good && page.kind_first[k] == rank[k];
+        rank[k] += page.kind_count[k];
+        members += page.kind_count[k];
+      }
+      if (!good || members != page.count) return damaged("its pages are inconsistent");
+      slot += page.count;
+    }
+    const SlcPage all = whole(slot, rank);
+    bool good = slot == n;
+    for (const SlcSlice& slice : slices(all, has_layers())) {
+      const SlcFile::Section* section = file_->find(slice.number);
+      good = good && (slice.count == 0 || (section && section->count >= slice.count &&
+                                           section->element_size == element_size(slice.number)));
+    }
+    if (!good) return damaged("its pages are inconsistent");
+    if (!core::is_finite(origin()) || !(state_.chunk_size >= 0.0)) return damaged("its origin is not finite");
+    for (const core::dvec3& chunk : chunk_origins_)
+      if (!core::is_finite(chunk)) return damaged("its chunks are not finite");
+    return {};
+  }
+
+  static SlcPage whole(std::uint64_t slots, const std::array<std::uint64_t, core::kKindCount>& rank) {
+    SlcPage all{};
+    all.count = std::uint32_t(slots);
+    for (std::size_t k = 0; k < rank.size(); ++k) all.kind_count[k] = std::uint32_t(rank[k]);
+    return all;
+  }
+
+  static std::size_t element_size(std::uint64_t number) {
+    if (number == kSlcSlotEnds) return sizeof(std::uint64_t);
+    std::size_t size = 0;
+    core::Scene none;
+    core::Snapshot empty(none);
+    Storage::for_each_snapshot_array(empty, [&](std::uint64_t of, const auto& array) {
+      if (of == number) size = sizeof(array.data()[0]);
+    });
+    return size;
+  }
+
+  bool has_layers() const { return count(Storage::kLayers) > 0; }
+
+  /// Of what stays until the page goes.
+  std::size_t kept_bytes(const SlcPage& row) const {
+    const std::size_t n = row.count;
+    std::size_t bytes = 6 * in_lines((n + core::ItemBounds::kPadding) * sizeof(float)) + in_lines(n) +
+                        in_lines((n / 64 + 1) * sizeof(std::array<std::uint32_t, core::kKindCount>));
+    bytes += (has_layers() ? 4 : 3) * in_lines(n * sizeof(std::uint32_t));  // layers, items, materials, indices
+    for (int kind = 0; kind < core::kKindCount; ++kind) {
+      const std::size_t members = row.kind_count[kind];
+      bytes += in_lines(members * sizeof(core::Slot));
+      if (kind >= core::kPrimitiveKindCount)
+        bytes += in_lines(members * sizeof(core::Placement)) + in_lines(members * sizeof(std::uint32_t));
+    }
+    return bytes;
+  }
+  /// Of what goes after uploading.
+  static std::size_t record_bytes(const SlcPage& row) {
+    std::size_t bytes = 0;
+    for (int kind = 0; kind < core::kPrimitiveKindCount; ++kind) {
+      const std::size_t members = row.kind_count[kind];
+      bytes += in_lines(members * sizeof(core::Placement)) +
+               in_lines(members * std::size_t(core::parameter_count(core::Kind(kind))) * sizeof(float));
+    }
+    return bytes;
+  }
+
+  /// Gives the arrays of a page their sizes.
+  bool allocate(const SlcPage& row, core::Snapshot& snapshot) const {
+    const auto kept = Arena::create(kept_bytes(row)), records = Arena::create(record_bytes(row));
+    if (!kept || !records) return false;
+    const std::size_t n = row.count;
+    Storage::for_each_snapshot_array(snapshot, [&](std::uint64_t number, auto& array) {
+      if (number >= Storage::kKindArrays) {
+        const std::uint64_t kind = (number - Storage::kKindArrays) / 4, which = (number - Storage::kKindArrays) % 4;
+        const std::size_t members = row.kind_count[kind];
+        const bool primitive = int(kind) < core::kPrimitiveKindCount;
+        const std::size_t values = primitive ? std::size_t(core::parameter_count(core::Kind(kind))) : 0;
+        const std::size_t sizes[] = {members, members, members * values, primitive ? 0 : members};
+        if (sizes[which] > 0) (primitive && which != 0 ? records : kept)->take(sizes[which], array);
+      } else if (number < Storage::kLayers) {
+        kept->take(n + core::ItemBounds::kPadding, array);
+      } else if (number == Storage::kRanks) {
+        kept->take(n / 64 + 1, array);
+      } else if (number == Storage::kKinds || number == Storage::kIndexInKind || number == Storage::kSlotItems ||
+                 number == Storage::kSlotMaterials || (number == Storage::kLayers && has_layers())) {
+        kept->take(n, array);
+      }
+    });
+    return true;
+  }
+
+  SlcExpected<void> read(std::uint64_t number, std::uint64_t first, std::span<std::byte> to, std::size_t element,
+                         Checksum& sum) const {
+    if (to.empty()) return {};
+    if (auto done = file_->read(file_->find(number)->offset + first * element, to); !done) return done;
+    sum.add(to);
+    return {};
+  }
+
+  SlcExpected<void> read_arrays(const SlcPage& row, Page& page, Checksum& sum) const {
+    if (!allocate(row, page.snapshot)) return damaged("not enough memory");
+    SlcExpected<void> done;
+    for (const SlcSlice& slice : slices(row, has_layers())) {
+      if (slice.number == kSlcSlotEnds) {
+        page.hidden_ends.resize(std::size_t(slice.count));
+        done = read(slice.number, slice.first, std::as_writable_bytes(std::span(page.hidden_ends)),
+                    sizeof(std::uint64_t), sum);
+      }
+      Storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t number, auto& array) {
+        if (number != slice.number || !done) return;
+        const auto bytes = std::as_writable_bytes(std::span(array.data(), std::size_t(slice.count)));
+        done = read(number, slice.first, bytes, sizeof(array.data()[0]), sum);
+      });
+      if (!done) return done;
+    }
+    return done;
+  }
+
+  /// The page's meshes, numbered anew in the order in which the file numbers them.
+  SlcExpected<void> read_meshes(const SlcPage& row, Page& page, Checksum& sum) const {
+    std::vector<std::uint32_t> used;
+    for_each_mesh(page, [&](std::uint32_t& mesh) { used.push_back(mesh); });
+    if (used.empty()) return {};
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    const SlcFile::Section *rows = file_->find(kSlcMeshes), *values = file_->find(kSlcMeshValues);
+    if (!rows || !values || rows->element_size != sizeof(SlcMesh) || values->element_size != 1 ||
+        used.back() >= rows->count)
+      return damaged("its meshes are inconsistent");
+    std::uint64_t read_bytes = 0;
+    std::vector<std::byte> bytes;
+    for (const std::uint32_t number : used) {
+      SlcMesh mesh;
+      if (auto done = read(kSlcMeshes, number, std::as_writable_bytes(std::span(&mesh, 1)), sizeof mesh, sum); !done)
+        return done;
+      const std::uint64_t size = value_bytes(mesh);
+      // What the page says of its size bounds what a damaged file may ask for.
+      if (mesh.removed != 0 || size > values->count || mesh.first > values->count - size ||
+          (read_bytes += size) > row.mesh_bytes)
+        return damaged("its meshes are inconsistent");
+      bytes.resize(std::size_t(size));
+      if (auto done = read(kSlcMeshValues, mesh.first, bytes, 1, sum); !done) return done;
+      if (auto added = page.meshes.add_mesh(mesh_of(mesh, bytes)); !added)
+        return damaged("a mesh: " + added.error().message);
+    }
+    for_each_mesh(page, [&](std::uint32_t& mesh) {
+      mesh = std::uint32_t(std::lower_bound(used.begin(), used.end(), mesh) - used.begin());
+    });
+    return {};
+  }
+
+  static core::Mesh mesh_of(const SlcMesh& row, const std::vector<std::byte>& bytes) {
+    core::Mesh mesh;
+    const std::byte* at = bytes.data();
+    const auto take = [&at](auto& to, std::uint32_t count) {
+      to.resize(count);
+      if (count > 0) std::memcpy(static_cast<void*>(to.data()), at, count * sizeof(to[0]));
+      at += count * sizeof(to[0]);
+    };
+    take(mesh.positions, row.positions);
+    take(mesh.normals, row.normals);
+    take(mesh.indices, row.indices);
+    take(mesh.contour_sizes, row.contours);
+    take(mesh.polygon_contours, row.polygons);
+    return mesh;
+  }
+
+  template <class Visit>
+  static void for_each_mesh(Page& page, const Visit& visit) {
+    Storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t number, auto& array) {
+      if constexpr (std::is_same_v<std::remove_reference_t<decltype(array.data()[0])>, std::uint32_t>)
+        if (number >= Storage::kKindArrays && (number - Storage::kKindArrays) % 4 == 3)
+          for (std::uint32_t& mesh : array) visit(mesh);
+    });
+  }
+
+  Storage::SnapshotState snapshot_state() const {
+    const float* const e = state_.extent;
+    return {origin(), {{e[0], e[1], e[2]}, {e[3], e[4], e[5]}}, state_.chunk_size, {}};
+  }
+
+  /// Each draw uploads the origins of its chunks: a page has those alone that it uses.
+  SlcExpected<void> keep_used_chunks(Page& page, std::vector<core::dvec3>& origins) const {
+    std::vector<std::uint32_t> own(chunk_origins_.size(), core::kNone);
+    bool good = true;
+    Storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t, auto& array) {
+      if constexpr (std::is_same_v<std::remove_reference_t<decltype(array.data()[0])>, core::Placement>)
+        for (core::Placement& p : array) {
+          if (p.chunk >= own.size()) {
+            good = false;
+            return;
+          }
+          if (own[p.chunk] == core::kNone) {
+            own[p.chunk] = std::uint32_t(origins.size());
+            origins.push_back(chunk_origins_[p.chunk]);
+          }
+          p.chunk = own[p.chunk];
+        }
+    });
+    if (!good) return damaged("its placements are inconsistent");
+    return {};
+  }
+
+  /// Makes ids unique among parts, and sorts hidden ends by them. False where the file has no such items.
+  bool number_items(Page& page) const {
+    LargeArray<core::ItemId>* items = nullptr;
+    Storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t number, auto& array) {
+      if constexpr (std::is_same_v<std::remove_reference_t<decltype(array.data()[0])>, core::ItemId>)
+        if (number == Storage::kSlotItems) items = &array;
+    });
+    const auto [first, last] = std::minmax_element(items->begin(), items->end());
+    const core::ItemId least = *first, most = *last;
+    if (most >= item_slots()) return false;
+    page.first_item = least + first_item_;
+    std::vector<std::uint64_t> by_item((most - least) / 32 + 1);
+    for (std::size_t slot = 0; slot < items->size(); ++slot) {
+      const std::uint64_t ends = page.hidden_ends[slot / 32] >> 2 * (slot % 32) & 3u, item = (*items)[slot] - least;
+      by_item[item / 32] |= ends << 2 * (item % 32);
+      (*items)[slot] += first_item_;
+    }
+    page.hidden_ends = std::move(by_item);
+    return true;
+  }
+
+  std::shared_ptr<const SlcFile> file_;
+  core::ItemId first_item_ = 0;
+  bool verified_ = true;
+  SlcSnapshotState state_{};
+  std::vector<core::dvec3> chunk_origins_;
+  std::vector<SlcPage> pages_;
+  mutable std::vector<std::array<float, 6>> boxes_;
+  mutable std::vector<std::uint32_t> colours_;
+  std::unique_ptr<Materials> materials_;
+};
+
+core::Expected<std::vector<fs::path>> files_of(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return std::vector<fs::path>{path};
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path, error))
+    if (lower_case_extension(entry.path()) == ".slc" && entry.is_regular_file(error)) files.push_back(entry.path());
+  if (error) return core::fail(fmt::format("{}: {}", path.string(), error.message()));
+  if (files.empty())
+    return core::fail(fmt::format("{}: expected .slc files in this folder, found none", path.string()));
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+using Parts = std::vector<std::pair<fs::path, std::shared_ptr<const Part>>>;
+
+core::Expected<Parts> open_parts(const std::vector<fs::path>& files, const std::function<bool(double)>& progress) {
+  Parts parts;
+  std::uint64_t items = 0;
+  for (const fs::path& file : files) {
+    if (progress && !progress(double(parts.size()) / double(files.size()))) return core::fail(std::string(kCancelled));
+    auto part = Part::open(SlcFile::open(file), core::ItemId(items));
+    if (!part) return core::fail(fmt::format("{}: {}", file.string(), part.error().message));
+    items += (*part)->item_slots();
+    if (items >= core::kNone) return core::fail(fmt::format("{}: more items than ids", file.string()));
+    parts.emplace_back(file, std::move(*part));
+  }
+  return parts;
+}
+
+/// Where leaves are relative to. That of a single part is kept: its boxes then are as they are.
+core::dvec3 common_origin(const Parts& parts) {
+  if (parts.size() == 1) return parts[0].second->origin();
+  core::AabbD all;
+  for (const auto& [file, part] : parts) all.grow(part->origin());
+  return glm::round(all.centre());
+}
+
+core::Aabb moved(const std::array<float, 6>& c, const core::dvec3& from, const core::dvec3& to) {
+  const core::Aabb box{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
+  if (box.empty() || from == to) return box;
+  return core::round_outwards({core::dvec3(box.min) + from, core::dvec3(box.max) + from}, to);
+}
+
+void add_part(const Part& part, PagedScene& scene, std::size_t& leaf) {
+  for (const SlcPage& row : part.pages()) {
+    scene.pages.push_back(part.info(row));
+    scene.pages.back().first_leaf = std::uint32_t(leaf + row.first / core::kBlockSlots);
+  }
+  for (std::size_t i = 0; i < part.boxes().size(); ++i)
+    scene.leaves.set(leaf + i, moved(part.boxes()[i], part.origin(), scene.leaves.origin));
+  scene.colours.insert(scene.colours.end(), part.colours().begin(), part.colours().end());
+  leaf += part.boxes().size();
+  scene.items += part.slots();
+  const core::FittedBounds fitted = part.fitted();
+  if (!fitted.bounds.empty()) {
+    scene.fitted.bounds.grow(fitted.bounds.min);
+    scene.fitted.bounds.grow(fitted.bounds.max);
+  }
+  scene.fitted.outliers += fitted.outliers;
+  part.drop_leaves();
+}
+
+core::Expected<PagedScene> join(const Parts& parts) {
+  PagedScene scene;
+  scene.leaves.origin = common_origin(parts);
+  std::size_t leaves = 0, leaf = 0;
+  for (const auto& [file, part] : parts) leaves += part->boxes().size();
+  scene.leaves.resize(leaves);
+  scene.colours.reserve(leaves);
+  std::vector<std::uint32_t> first_page;
+  for (const auto& [file, part] : parts) {
+    first_page.push_back(std::uint32_t(scene.pages.size()));
+    add_part(*part, scene, leaf);
+  }
+  scene.load = [parts, first_page](std::uint32_t page) -> core::Expected<std::unique_ptr<Page>> {
+    const auto after = std::upper_bound(first_page.begin(), first_page.end(), page);
+    const std::size_t i = std::size_t(after - first_page.begin()) - 1;
+    const auto& [file, part] = parts[i];
+    try {
+      auto loaded = part->load(page - first_page[i]);
+      if (loaded) return std::move(*loaded);
+      return core::fail(fmt::format("{}: page {}: {}", file.string(), page - first_page[i], loaded.error().message));
+    } catch (const std::bad_alloc&) {
+      return core::fail(fmt::format("{}: page {}: not enough memory", file.string(), page - first_page[i]));
+    }
+  };
+  return scene;
+}
+
+}  // namespace
+
+core::Expected<PagedScene> open_paged_scene(std::shared_ptr<const SlcFile> file, const fs::path& name, bool verified) {
+  auto part = Part::open(std::move(file), 0, verified);
+  if (!part) return core::fail(fmt::format("{}: {}", name.string(), part.error().message));
+  return join({{name, std::move(*part)}});
+}
+
+core::Expected<PagedScene> open_paged_scene(const fs::path& path, const std::function<bool(double)>& progress) {
+  try {
+    const auto files = files_of(path);
+    if (!files) return tl::unexpected(files.error());
+    const auto parts = open_parts(*files, progress);
+    if (!parts) return tl::unexpected(parts.error());
+    return join(*parts);
+  } catch (const std::bad_alloc&) {
+    return core::fail(fmt::format("{}: not enough memory", path.string()));
+  }
+}
+
+}  // namespace sightline::importers
