@@ -1,0 +1,128 @@
+// Which pages are in memory, in CPU and GPU, and which come and go. Internal to engine.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "sightline/core/paged_scene.h"
+#include "sightline/gl/context.h"
+#include "sightline/gpuscene/internal/draw_lists.h"
+#include "sightline/gpuscene/internal/gpu_scene.h"
+
+namespace sightline::engine {
+
+/// Bytes that the process has in memory; 0 where the system does not say.
+std::size_t process_memory();
+
+/// Reads pages on a thread of its own, in the order in which they are asked for.
+class PageLoader {
+ public:
+  struct Loaded {
+    std::uint32_t page;
+    core::Expected<std::unique_ptr<core::Page>> content;
+  };
+  /// The scene must outlive it.
+  explicit PageLoader(const core::PagedScene& scene);
+  ~PageLoader();
+
+  void ask_for(std::uint32_t page);
+  std::vector<Loaded> take();
+  /// Until take() has something, at most so long. False when there is nothing to wait for.
+  bool wait(double seconds);
+  std::size_t on_their_way() const { return on_their_way_; }  ///< asked for and not taken
+
+ private:
+  void run();
+
+  const core::PagedScene& scene_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::uint32_t> asked_;
+  std::vector<Loaded> loaded_;
+  bool stop_ = false;
+  std::size_t on_their_way_ = 0;
+  std::thread thread_;
+};
+
+/// A page that can be drawn.
+struct ResidentPage {
+  std::unique_ptr<core::Page> content;
+  gpuscene::GpuScene scene;
+  gpuscene::DrawLists lists;
+  std::vector<std::uint64_t> lines;  ///< a bit per slot; empty where the page has no lines
+  std::size_t bytes = 0;             ///< as counted against the limit
+  std::uint64_t used = 0;            ///< frame that last drew it
+  float area = 0.0f;                 ///< pixels of its leaves in that frame
+  bool needed = false;               ///< whether a picture has needed it
+
+  std::size_t memory_bytes() const;
+};
+
+/// Keeps pages within a number of bytes. What a page will take is counted from when it is asked for.
+class PageStore {
+ public:
+  /// A page that should come, and how much of the picture waits for it. `now`: or only foreseen.
+  struct Wanted {
+    std::uint32_t page;
+    float area;
+    bool now;
+  };
+  struct Counts {
+    std::uint32_t resident = 0;
+    std::uint64_t loaded = 0, evicted = 0, prefetched = 0, failed = 0;
+  };
+
+  PageStore(const core::PagedScene& scene, std::size_t limit);
+
+  /// Bytes that the largest page takes while it is uploaded.
+  static std::size_t largest_page(const core::PagedScene& scene);
+
+  /// Pages asked for at a time: few, so that what is asked for next is what the newest picture needs.
+  static constexpr std::size_t kMostAsked = 12;
+
+  std::span<const std::uint32_t> resident() const { return resident_; }
+  ResidentPage* find(std::uint32_t page) { return pages_[page].get(); }
+  bool failed(std::uint32_t page) const { return failed_[page]; }
+  /// Uploads what was read. `context` must be current.
+  core::Expected<void> take_loaded(const gl::Context& context, std::uint64_t frame);
+  /// Asks for pages, first things first, as long as there is room or pages can go: those that were used longest ago,
+  /// and the smallest of them. Where `stays`, what this frame's picture has drawn may go, too; else only for what is
+  /// larger.
+  void ask_for(std::span<const Wanted> wanted, std::uint64_t frame, bool stays);
+  /// Gives up pages until no more than so many bytes are in use.
+  void shrink(std::size_t limit);
+  /// A page has drawn: what it takes may have grown.
+  void count_again(std::uint32_t page);
+
+  bool wait(double seconds) { return loader_.wait(seconds); }
+  const Counts& counts() const { return counts_; }
+  std::size_t bytes() const { return bytes_; }
+  std::size_t limit() const { return limit_; }
+  std::vector<std::string> take_errors() { return std::exchange(errors_, {}); }
+
+ private:
+  static std::size_t bytes_while_uploading(const core::PagedScene::PageInfo& info);
+  core::Expected<void> upload(const gl::Context& context, std::uint32_t page, std::unique_ptr<core::Page> content);
+  bool make_room(std::size_t bytes, const Wanted& wanted, std::uint64_t frame, bool stays);
+  std::uint32_t first_to_go() const;
+  void evict(std::uint32_t page);
+
+  const core::PagedScene& scene_;
+  std::size_t limit_, bytes_ = 0;
+  std::vector<std::unique_ptr<ResidentPage>> pages_;  // by page; null: not in memory
+  std::vector<std::uint32_t> resident_;               // in any order
+  std::vector<bool> asked_, failed_;
+  std::vector<std::string> errors_;
+  Counts counts_;
+  PageLoader loader_;
+};
+
+}  // namespace sightline::engine

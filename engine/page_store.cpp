@@ -1,0 +1,220 @@
+#include "sightline/engine/internal/page_store.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+
+#include <unistd.h>
+
+#include "sightline/culling/sample_test.h"
+#include "sightline/gpuprims/internal/joints.h"
+
+namespace sightline::engine {
+namespace {
+
+/// What draw lists take for a record, and for a mesh item: single ids of three frames, or commands of three frames, of
+/// the pool and of the list that is written.
+constexpr std::size_t kListBytes = 16, kMeshListBytes = 128;
+
+}  // namespace
+
+std::size_t process_memory() {
+  std::FILE* const file = std::fopen("/proc/self/statm", "r");
+  if (!file) return 0;
+  unsigned long total = 0, resident = 0;
+  const int read = std::fscanf(file, "%lu %lu", &total, &resident);
+  std::fclose(file);
+  return read == 2 ? std::size_t(resident) * std::size_t(sysconf(_SC_PAGESIZE)) : 0;
+}
+
+// --- reading ---------------------------------------------------------------------------------------------------------
+
+PageLoader::PageLoader(const core::PagedScene& scene) : scene_(scene), thread_([this] { run(); }) {}
+
+PageLoader::~PageLoader() {
+  {
+    const std::lock_guard held(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void PageLoader::ask_for(std::uint32_t page) {
+  {
+    const std::lock_guard held(mutex_);
+    asked_.push_back(page);
+  }
+  ++on_their_way_;
+  changed_.notify_all();
+}
+
+std::vector<PageLoader::Loaded> PageLoader::take() {
+  const std::lock_guard held(mutex_);
+  on_their_way_ -= loaded_.size();
+  return std::exchange(loaded_, {});
+}
+
+bool PageLoader::wait(double seconds) {
+  if (on_their_way_ == 0) return false;
+  std::unique_lock held(mutex_);
+  changed_.wait_for(held, std::chrono::duration<double>(seconds), [this] { return !loaded_.empty(); });
+  return true;
+}
+
+void PageLoader::run() {
+  std::unique_lock held(mutex_);
+  while (true) {
+    changed_.wait(held, [this] { return stop_ || !asked_.empty(); });
+    if (stop_) return;
+    const std::uint32_t page = asked_.front();
+    asked_.pop_front();
+    held.unlock();
+    Loaded loaded{page, scene_.load(page)};
+    held.lock();
+    loaded_.push_back(std::move(loaded));
+    changed_.notify_all();
+  }
+}
+
+// --- pages in memory -------------------------------------------------------------------------------------------------
+
+std::size_t ResidentPage::memory_bytes() const {
+  std::size_t meshes = 0;
+  for (std::size_t i = 0; i < content->meshes.mesh_slots(); ++i) {
+    const core::Mesh& mesh = content->meshes.mesh(content->meshes.mesh_at(i));
+    meshes += (mesh.positions.size() + mesh.normals.size()) * sizeof(core::vec3) +
+              (mesh.indices.size() + mesh.contour_sizes.size() + mesh.polygon_contours.size()) * sizeof(std::uint32_t);
+  }
+  const std::size_t mesh_items = scene.meshes().commands.size();
+  return meshes + content->snapshot.memory_bytes() + scene.memory_bytes() + lists.memory_bytes() + mesh_items * kMeshListBytes +
+         content->snapshot.size() * kListBytes;
+}
+
+PageStore::PageStore(const core::PagedScene& scene, std::size_t limit)
+    : scene_(scene),
+      limit_(limit),
+      pages_(scene.pages.size()),
+      asked_(scene.pages.size()),
+      failed_(scene.pages.size()),
+      loader_(scene) {}
+
+/// Meshes are gathered once more before they are uploaded.
+std::size_t PageStore::bytes_while_uploading(const core::PagedScene::PageInfo& info) {
+  std::array<std::size_t, gpuscene::kBatchKindCount> records{};
+  for (int kind = 0; kind < core::kKindCount; ++kind)
+    records[std::size_t(gpuscene::batch_of(core::Kind(kind)))] += info.of_kind[std::size_t(kind)];
+  std::size_t bytes = info.memory_bytes + (std::size_t(info.material_rows) + 64) * 9 / 8 * sizeof(glm::vec4);
+  for (std::size_t batch = 0; batch < records.size(); ++batch) {
+    if (records[batch] == 0) continue;
+    bytes += (records[batch] * 9 / 8 + 64) * gpuscene::record_bytes(gpuscene::BatchKind(batch)) +
+             records[batch] * kListBytes;
+  }
+  bytes += records[std::size_t(gpuscene::BatchKind::kMesh)] * kMeshListBytes;
+  return bytes +
+         2 * (info.mesh_positions * gpuscene::MeshPool::kVertexBytes + info.mesh_indices * sizeof(std::uint32_t));
+}
+
+std::size_t PageStore::largest_page(const core::PagedScene& scene) {
+  std::size_t most = 0;
+  for (const auto& info : scene.pages) most = std::max(most, bytes_while_uploading(info));
+  return most;
+}
+
+core::Expected<void> PageStore::take_loaded(const gl::Context& context, std::uint64_t frame) {
+  for (PageLoader::Loaded& loaded : loader_.take()) {
+    ++counts_.loaded;
+    asked_[loaded.page] = false;
+    if (!loaded.content) {
+      bytes_ -= bytes_while_uploading(scene_.pages[loaded.page]);
+      failed_[loaded.page] = true;
+      ++counts_.failed;
+      errors_.push_back(loaded.content.error().message);
+      continue;
+    }
+    if (auto done = upload(context, loaded.page, std::move(*loaded.content)); !done) return done;
+    pages_[loaded.page]->used = frame;
+    ++counts_.prefetched;  // until a picture needs it
+  }
+  return {};
+}
+
+core::Expected<void> PageStore::upload(const gl::Context& context, std::uint32_t page,
+                                       std::unique_ptr<core::Page> content) {
+  const gpuprims::Joints joints(content->first_item, std::move(content->hidden_ends));
+  const core::Snapshot& snapshot = content->snapshot;
+  auto scene = gpuscene::GpuScene::create(context, snapshot, joints);
+  if (!scene) return tl::unexpected(scene.error());
+  auto lists = gpuscene::DrawLists::create(context, *scene);
+  if (!lists) return tl::unexpected(lists.error());
+  content->drop_records();
+  std::vector<std::uint64_t> lines;
+  if (const auto& members = snapshot.of_kind(core::Kind::kLine).members; !members.empty()) {
+    lines.resize(culling::bit_words(snapshot.size()));
+    for (const core::Slot slot : members) lines[slot / 64] |= std::uint64_t(1) << slot % 64;
+  }
+  pages_[page] = std::unique_ptr<ResidentPage>(
+      new ResidentPage{std::move(content), std::move(*scene), std::move(*lists), std::move(lines)});
+  resident_.push_back(page);
+  counts_.resident = std::uint32_t(resident_.size());
+  bytes_ -= bytes_while_uploading(scene_.pages[page]);
+  pages_[page]->bytes = pages_[page]->memory_bytes();
+  bytes_ += pages_[page]->bytes;
+  return {};
+}
+
+void PageStore::count_again(std::uint32_t page) {
+  ResidentPage& resident = *pages_[page];
+  bytes_ -= resident.bytes;
+  resident.bytes = resident.memory_bytes();
+  bytes_ += resident.bytes;
+  if (!std::exchange(resident.needed, true)) --counts_.prefetched;
+}
+
+void PageStore::ask_for(std::span<const Wanted> wanted, std::uint64_t frame, bool stays) {
+  for (const Wanted& next : wanted) {
+    if (loader_.on_their_way() >= kMostAsked) return;
+    if (pages_[next.page] || asked_[next.page] || failed_[next.page]) continue;
+    const std::size_t bytes = bytes_while_uploading(scene_.pages[next.page]);
+    if (!make_room(bytes, next, frame, stays)) return;
+    bytes_ += bytes;
+    asked_[next.page] = true;
+    loader_.ask_for(next.page);
+  }
+}
+
+bool PageStore::make_room(std::size_t bytes, const Wanted& wanted, std::uint64_t frame, bool stays) {
+  while (bytes_ + bytes > limit_) {
+    const std::uint32_t page = first_to_go();
+    if (page == core::kNone) return false;
+    const ResidentPage& victim = *pages_[page];
+    if (victim.used >= frame && !(wanted.now && (stays || victim.area < wanted.area))) return false;
+    evict(page);
+  }
+  return true;
+}
+
+std::uint32_t PageStore::first_to_go() const {
+  std::uint32_t found = core::kNone;
+  for (const std::uint32_t page : resident_) {
+    const auto rank = [&](std::uint32_t p) { return std::pair(pages_[p]->used, pages_[p]->area); };
+    if (found == core::kNone || rank(page) < rank(found)) found = page;
+  }
+  return found;
+}
+
+void PageStore::evict(std::uint32_t page) {
+  bytes_ -= pages_[page]->bytes;
+  pages_[page].reset();
+  std::erase(resident_, page);
+  counts_.resident = std::uint32_t(resident_.size());
+  ++counts_.evicted;
+}
+
+void PageStore::shrink(std::size_t limit) {
+  limit_ = limit;
+  while (bytes_ > limit_ && !resident_.empty()) evict(first_to_go());
+}
+
+}  // namespace sightline::engine

@@ -1,0 +1,117 @@
+// Draws scenes that are larger than memory (core/paged_scene.h), within a limit for CPU and GPU together.
+//
+//   auto scene = importers::open_paged_scene("plant.slc");
+//   auto engine = engine::PagedEngine::create(std::move(*scene), {.memory_limit = 2ull << 30});
+//   do { report = engine->frame(view); } while (report && !report->complete);
+//   image::write_png(engine->read_colour(), "out.png");
+//
+// Each frame shows what is in memory, and a square for each leaf that is not. Pages are read by the size that their
+// leaves have in the picture, and ahead of the camera. A view that stays is completed frame by frame, page after page,
+// also where it needs more than memory holds: what is drawn stays in the picture when its page goes. Complete pictures
+// are to the bit what Engine draws of the same scene, but where two items have the very same surface: there either
+// shows.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sightline/core/api.h"
+#include "sightline/core/error.h"
+#include "sightline/core/paged_scene.h"
+#include "sightline/core/view.h"
+
+namespace sightline::gl {
+enum class ContextPlatform : std::uint8_t;
+}
+namespace sightline::image {
+struct DepthImage;
+struct IdImage;
+struct Image;
+}  // namespace sightline::image
+
+namespace sightline::engine {
+
+struct PagedConfig {
+  int width = 1280, height = 720;  ///< pixels
+  bool ids = false;                ///< item-id image beside colour and depth
+  /// Bytes that the whole process may have in memory, buffers of the GPU included. Pages get what the program, its
+  /// drivers and the boxes of all leaves leave of it, less a tenth for what drivers take while they draw. The files
+  /// that pages are read from do not count: they stay with the system, which takes their memory back when it is needed.
+  std::size_t memory_limit = 0;
+  /// Milliseconds for which a frame of a view that stays takes in pages as they arrive, before it shows what it has.
+  double refine_ms = 100.0;
+  /// A bar at the lower left of pictures that are not complete: the share of their leaves that are drawn.
+  bool loading_bar = true;
+  gl::ContextPlatform context_platform = {};                ///< of the offscreen context (gl/context.h)
+  bool gl_debug = false;                                    ///< collect driver messages; slower
+  std::optional<std::filesystem::path> program_cache = {};  ///< as EngineConfig::program_cache
+};
+
+struct PagedReport {
+  std::uint64_t frame = 0;       ///< calls of frame() before this one
+  double frame_ms = 0.0;         ///< of wall clock, until all was drawn
+  std::int64_t leaves = 0;       ///< in the view volume that may cover a sample
+  std::int64_t pending = 0;      ///< of these, not drawn yet and not known to be hidden: their pages are not in memory
+  std::int64_t stand_ins = 0;    ///< squares drawn for them
+  std::int64_t shown = 0;        ///< items drawn into the picture so far
+  bool complete = false;         ///< nothing is pending; with failed pages, nothing that can be read
+  std::uint32_t resident = 0;    ///< pages in memory
+  std::uint64_t loaded = 0;      ///< pages read since the start
+  std::uint64_t evicted = 0;     ///< pages given up since the start
+  std::uint64_t prefetched = 0;  ///< of those read, pages that no picture needed yet
+  std::uint64_t failed = 0;      ///< pages that cannot be read: take_errors()
+  std::size_t memory = 0;        ///< bytes of the process now
+};
+
+/// Not thread-safe; reads pages on a thread of its own.
+class SIGHTLINE_API PagedEngine {
+ public:
+  /// Makes an offscreen context and compiles programs for the kinds of items that the scene has. Fails as
+  /// Engine::create() does, on sizes that the context does not support, and when the limit leaves no room for the
+  /// largest page: the message says how much is needed.
+  static core::Expected<PagedEngine> create(core::PagedScene scene, const PagedConfig& config);
+  PagedEngine(PagedEngine&&) noexcept;
+  PagedEngine& operator=(PagedEngine&&) noexcept;
+  ~PagedEngine();
+
+  /// Draws what is in memory of the view, and asks for what is not. The same view again goes on with the picture. Fails
+  /// for views that cannot be drawn, when GL fails, and when the context is lost; the engine is of no use then.
+  core::Expected<PagedReport> frame(const core::View& view);
+  /// Waits until a page has arrived for the next frame, at most so long. False where none is on its way.
+  bool wait(double seconds);
+  /// Told now and then how far a picture is. Returning false stops.
+  using Progress = std::function<bool(const PagedReport&)>;
+  /// As frame() until the picture is complete, without showing what comes between.
+  core::Expected<PagedReport> settle(const core::View& view, const Progress& progress = {});
+
+  /// Why pages could not be read, each once.
+  std::vector<std::string> take_errors();
+  /// Messages of the driver; only with gl_debug.
+  std::vector<std::string> take_gl_errors();
+
+  /// Of the last frame; wait for the GPU. Stand-ins have the id of the background.
+  image::Image read_colour() const;
+  image::IdImage read_ids() const;  ///< only with PagedConfig::ids
+  image::DepthImage read_depth() const;
+
+  const core::PagedScene& scene() const;
+  std::string renderer() const;
+  /// Bytes of pages in memory and on their way, and what they may come to.
+  struct Memory {
+    std::size_t pages = 0, limit = 0;
+  };
+  Memory memory() const;
+
+ private:
+  class Impl;
+  explicit PagedEngine(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sightline::engine

@@ -1,0 +1,288 @@
+// Pictures drawn page by page are those of an engine that has everything in memory.
+#include "sightline/engine/paged_engine.h"
+
+#include <cstring>
+#include <fstream>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "sightline/engine/engine.h"
+#include "sightline/engine/internal/page_store.h"
+#include "sightline/image/image.h"
+#include "sightline/importers/import.h"
+#include "sightline/importers/plant/plant_generator.h"
+#include "sightline/importers/slc/paged_scene.h"
+#include "sightline/importers/slc/slc_writer.h"
+#include "sightline/tests/support/gl_test.h"
+
+namespace sightline::engine {
+namespace {
+
+namespace fs = std::filesystem;
+using core::dvec3;
+using core::View;
+
+constexpr int kWidth = 320, kHeight = 180;
+constexpr std::size_t kMany = std::size_t(8) << 30;
+
+class PagedEngineTest : public tests::GlTest {
+ protected:
+  void SetUp() override {
+    tests::GlTest::SetUp();
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(testing::TempDir()) /
+              ("sightline-paged-engine-" + std::string(info->name()) + "-" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override {
+    fs::remove_all(folder_);
+    tests::GlTest::TearDown();
+  }
+
+  std::string write(const core::Scene& scene) const {
+    EXPECT_TRUE(importers::write_slc(scene, folder_ / "scene.slc"));
+    return (folder_ / "scene.slc").string();
+  }
+  static core::PagedScene open(const std::string& file) {
+    auto scene = importers::open_paged_scene(file);
+    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+    return scene ? std::move(*scene) : core::PagedScene();
+  }
+  static core::Expected<PagedEngine> engine(const std::string& file, std::size_t limit = kMany) {
+    return PagedEngine::create(open(file), {.width = kWidth, .height = kHeight, .ids = true, .memory_limit = limit});
+  }
+  /// Little more than the largest page, so that pages come and go all the time.
+  static std::size_t least_limit(const std::string& file) {
+    const auto refused = engine(file, 1);
+    EXPECT_FALSE(refused);
+    const std::string text = refused ? "0" : refused.error().message;
+    const std::size_t at = text.find("expected ");
+    EXPECT_NE(at, std::string::npos) << text;
+    return std::size_t(std::atoll(text.c_str() + at + 9) + 8) << 20;
+  }
+
+  /// Colours and depths to the bit. Ids, too, but where two items are at the same depth.
+  static void expect_same_picture(PagedEngine& paged, Engine& whole, const View& view) {
+    const auto report = paged.settle(view);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->complete);
+    EXPECT_EQ(report->pending, 0);
+    EXPECT_EQ(report->stand_ins, 0);
+    ASSERT_TRUE(whole.frame(view));
+    const auto depth = whole.read_depth(view);
+    const auto ids = whole.read_ids();
+    const auto colours = whole.read_colour();
+    ASSERT_TRUE(depth && ids && colours);
+    EXPECT_EQ(paged.read_depth().metres, depth->metres);
+    const image::IdImage own = paged.read_ids();
+    std::size_t others = 0;
+    for (std::size_t i = 0; i < own.ids.size(); ++i) others += own.ids[i] != ids->ids[i];
+    EXPECT_LE(others, own.ids.size() / 2000);
+    const auto difference = image::compare(paged.read_colour(), *colours);
+    ASSERT_TRUE(difference);
+    EXPECT_LE(difference->pixels, others);
+  }
+
+  fs::path folder_;
+};
+
+/// All kinds of items, in layers, some hidden, some transparent, near and far.
+core::Scene mixed_scene(std::mt19937& random, int items) {
+  core::Scene scene;
+  std::uniform_real_distribution<double> place(-20.0, 20.0), size(0.02, 0.8);
+  const core::MaterialId glass = scene.add_material({.name = "glass", .colour = {0.2f, 0.5f, 0.9f}, .alpha = 0.5f});
+  core::Mesh tetrahedron;
+  tetrahedron.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  tetrahedron.indices = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+  const core::MeshId mesh = *scene.add_mesh(tetrahedron);
+  for (int i = 0; i < items; ++i) {
+    core::Affine where = core::translation(dvec3(1e6, 2e5, 0) + dvec3(place(random), place(random), place(random)));
+    where.linear = core::dmat3(size(random));
+    const auto node = scene.add_node(scene.root(), "n", where);
+    if (i % 11 == 0) scene.set_layers(node, core::kLayerInsulation);
+    if (i % 13 == 0) scene.set_visible(node, false);
+    if (i % 7 == 0) scene.set_material(node, glass);
+    switch (i % 6) {
+      case 0:
+        scene.add_primitive(node, core::Box{1, 2, 3});
+        break;
+      case 1:
+        scene.add_primitive(node, core::CircularTorus{2, 0.5f, 2});
+        break;
+      case 2:
+        scene.add_primitive(node, core::Snout{1, 0.5f, 2, 0.3f, 0, 0, 0, 0, 0});
+        break;
+      case 3:
+        scene.add_mesh_instance(node, mesh);
+        break;
+      case 4:
+        scene.add_primitive(node, core::Line{-1, 1});
+        break;
+      default:
+        scene.add_primitive(node, core::Cylinder{0.3f, 3});
+    }
+  }
+  return scene;
+}
+
+core::Scene plant(std::uint64_t items) {
+  core::Scene scene;
+  EXPECT_TRUE(importers::generate_plant({items, 5}, scene));
+  return scene;
+}
+
+core::Expected<Engine> whole_engine(core::Scene& scene) {
+  return Engine::create(scene,
+                        {.culler = CullerChoice::kCpu, .draw = true, .width = kWidth, .height = kHeight, .ids = true});
+}
+
+TEST_F(PagedEngineTest, SettledPicturesAreThoseOfTheWhole) {
+  const std::string file = write(plant(200'000));
+  core::Scene scene;
+  ASSERT_TRUE(importers::import_file(file, scene, scene.root()));
+  auto whole = whole_engine(scene);
+  ASSERT_TRUE(whole) << whole.error().message;
+  const double aspect = double(kWidth) / kHeight;
+  std::vector<View> views{*View::fit(whole->snapshot().bounds().world_bounds(), {1, 1, -0.7}, 0.8, aspect),
+                          *View::perspective({{-30, -12, 6}, {5, 2, 3}, {0, 0, 1}}, 1.0, aspect, 0.1),
+                          *View::perspective({{20, 4, 2}, {60, 10, 5}, {0, 0, 1}}, 1.2, aspect, 0.01, 500.0),
+                          *View::orthographic({{0, 0, 100}, {0, 0, 0}, {0, 1, 0}}, 60.0, aspect, 1.0, 300.0)};
+  View cut = views[1];
+  cut.sections = {{{0, 1, 0}, -1.0}};
+  views.push_back(cut);
+  for (const bool tight : {false, true}) {
+    auto paged = engine(file, tight ? least_limit(file) : kMany);
+    ASSERT_TRUE(paged) << paged.error().message;
+    for (const View& view : views) expect_same_picture(*paged, *whole, view);
+    for (const std::string& error : paged->take_errors()) ADD_FAILURE() << error;
+    EXPECT_LE(paged->memory().pages, paged->memory().limit);
+  }
+}
+
+TEST_F(PagedEngineTest, AllKindsOfItemsLayersAndMaterials) {
+  std::mt19937 random(11);
+  const std::string file = write(mixed_scene(random, 40'000));
+  core::Scene scene;
+  ASSERT_TRUE(importers::import_file(file, scene, scene.root()));
+  auto whole = whole_engine(scene);
+  ASSERT_TRUE(whole) << whole.error().message;
+  auto paged = engine(file);
+  ASSERT_TRUE(paged) << paged.error().message;
+  EXPECT_GT(paged->scene().pages.size(), 1u);
+  std::uniform_real_distribution<double> place(-25.0, 25.0);
+  for (int i = 0; i < 12; ++i) {
+    SCOPED_TRACE("seed 11, view " + std::to_string(i));
+    const dvec3 middle(1e6, 2e5, 0);
+    const core::Pose pose{middle + dvec3(place(random), place(random), place(random)),
+                          middle + 0.3 * dvec3(place(random), place(random), place(random)),
+                          {0, 0, 1}};
+    View view = *View::perspective(pose, 1.0, double(kWidth) / kHeight, 0.05);
+    if (i % 3 == 1) view.layers = core::kLayerInsulation;
+    if (i % 3 == 2) view.layers = core::kLayerModel | core::kLayerInsulation;
+    expect_same_picture(*paged, *whole, view);
+  }
+}
+
+TEST_F(PagedEngineTest, ASmallLimitGivesUpPagesAndLosesNothing) {
+  const std::string file = write(plant(300'000));
+  auto small = engine(file, least_limit(file)), large = engine(file);
+  ASSERT_TRUE(small && large);
+  const View view = *View::fit(small->scene().fitted.bounds, {1, 1, -0.7}, 0.8, double(kWidth) / kHeight);
+  const auto least = small->settle(view), most = large->settle(view);
+  ASSERT_TRUE(least && most);
+  EXPECT_GT(least->evicted, 0u);
+  EXPECT_EQ(most->evicted, 0u);
+  EXPECT_EQ(small->read_colour().pixels, large->read_colour().pixels);
+  EXPECT_LE(small->memory().pages, small->memory().limit);
+  // Complete pictures stay as they are, and ask for nothing.
+  const auto again = small->frame(view);
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(again->complete);
+  EXPECT_EQ(again->loaded, least->loaded);
+  EXPECT_FALSE(small->wait(0.0));
+}
+
+TEST_F(PagedEngineTest, WhatIsMissingIsStoodInFor) {
+  const std::string file = write(plant(100'000));
+  auto paged = engine(file);
+  ASSERT_TRUE(paged);
+  const View view = *View::fit(paged->scene().fitted.bounds, {1, 1, -0.7}, 0.8, double(kWidth) / kHeight);
+  const auto first = paged->frame(view);
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(first->complete);
+  EXPECT_EQ(first->pending, first->leaves);
+  EXPECT_GT(first->stand_ins, 100);
+  EXPECT_EQ(first->shown, 0);
+  const image::Image coarse = paged->read_colour();
+  for (const std::uint32_t id : paged->read_ids().ids) ASSERT_EQ(id, 0u);
+  // Stand-ins cover about what the model does.
+  ASSERT_TRUE(paged->settle(view));
+  const image::Image fine = paged->read_colour();
+  const auto is_background = [](const image::Image& picture, std::size_t pixel) {
+    return std::memcmp(&picture.pixels[3 * pixel], &picture.pixels[0], 3) == 0;
+  };
+  std::size_t covered = 0, both = 0;
+  for (std::size_t i = 0; i < fine.pixels.size() / 3; ++i) {
+    covered += !is_background(fine, i);
+    both += !is_background(fine, i) && !is_background(coarse, i);
+  }
+  EXPECT_GT(both, covered * 9 / 10);
+}
+
+TEST_F(PagedEngineTest, PagesAreReadAheadOfTheCamera) {
+  const std::string file = write(plant(400'000));
+  auto paged = engine(file);
+  ASSERT_TRUE(paged);
+  // Sideways along the plant with a narrow view: what comes into view next is not in view now.
+  std::uint64_t ahead = 0;
+  for (int i = 0; i < 40; ++i) {
+    const dvec3 eye(-180.0 + 4.0 * i, -40.0, 10.0);
+    const auto report =
+        paged->frame(*View::perspective({eye, eye + dvec3(0, 1, -0.1), {0, 0, 1}}, 0.3, double(kWidth) / kHeight, 0.1));
+    ASSERT_TRUE(report);
+    ahead = std::max(ahead, report->prefetched);
+    (void)paged->wait(0.2);
+  }
+  EXPECT_GT(ahead, 0u);
+}
+
+TEST_F(PagedEngineTest, ALimitThatIsTooLowSaysWhatIsNeeded) {
+  const std::string file = write(plant(50'000));
+  const auto refused = engine(file, std::size_t(1) << 20);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("memory limit of 1 MiB is too low"), std::string::npos);
+  EXPECT_TRUE(engine(file, least_limit(file)));
+}
+
+TEST_F(PagedEngineTest, ADamagedPageIsToldAndTheOthersAreDrawn) {
+  const std::string file = write(plant(150'000));
+  auto paged = engine(file);
+  ASSERT_TRUE(paged);
+  // In the middle of the file lie arrays of pages.
+  std::fstream damage(file, std::ios::in | std::ios::out | std::ios::binary);
+  damage.seekp(std::streamoff(fs::file_size(file) / 3));
+  damage.write("damage", 6);
+  damage.close();
+  const View view = *View::fit(paged->scene().fitted.bounds, {1, 1, -0.7}, 0.8, double(kWidth) / kHeight);
+  const auto report = paged->settle(view);
+  ASSERT_TRUE(report);
+  EXPECT_TRUE(report->complete);
+  EXPECT_EQ(report->failed, 1u);
+  EXPECT_GT(report->shown, 1000);
+  EXPECT_GT(report->stand_ins, 0);
+  const auto errors = paged->take_errors();
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_NE(errors[0].find("it does not match its checksum"), std::string::npos) << errors[0];
+}
+
+TEST_F(PagedEngineTest, AnEmptySceneIsComplete) {
+  auto paged = engine(write(core::Scene()));
+  ASSERT_TRUE(paged) << paged.error().message;
+  const auto report = paged->frame(*View::perspective({{0, 0, 5}, {0, 0, 0}, {0, 1, 0}}, 1.0, 16.0 / 9.0, 0.1));
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->complete);
+}
+
+}  // namespace
+}  // namespace sightline::engine
