@@ -1,14 +1,19 @@
-// sightline-generate: a synthetic process plant as an RVM file.
+// sightline-generate: a synthetic process plant as an RVM file or scene caches.
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/progress.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/rvm/rvm_writer.h"
+#include "sightline/importers/slc/slc_writer.h"
 
 namespace {
 
@@ -24,30 +29,83 @@ core::Expected<std::uint64_t> parse_seed(const std::string& text) {
   return seed;
 }
 
+struct Options {
+  importers::PlantConfig config;
+  int parts = 1;
+  std::string output, json_file;
+};
+
+/// Plants stand side by side on a ground of about equal sides; each is at most 400 x 100 m.
+core::dvec3 place_of_part(int part, int parts) {
+  constexpr double kPitchX = 420.0, kPitchY = 120.0;
+  const int columns = std::max(1, int(std::lround(std::sqrt(parts * kPitchY / kPitchX))));
+  return {kPitchX * (part % columns), kPitchY * (part / columns), 0.0};
+}
+
+core::Expected<std::size_t> write_plant(const importers::PlantConfig& config, const core::dvec3& place,
+                                        const std::string& output) {
+  core::Scene scene;
+  if (auto done = importers::generate_plant(config, scene); !done) return tl::unexpected(done.error());
+  core::Affine moved;
+  moved.origin = place;
+  scene.set_transform(scene.root(), moved);
+  const bool cache = std::filesystem::path(output).extension() == ".slc";
+  auto done = cache ? importers::write_slc(scene, output) : importers::write_rvm(scene, scene.root(), output);
+  if (!done) return tl::unexpected(done.error());
+  return scene.item_count();
+}
+
+/// Plant by plant, so that memory holds one of them alone.
+core::Expected<std::size_t> write_parts(const Options& o) {
+  if (auto made = apps::make_directory(o.output); !made) return tl::unexpected(made.error());
+  apps::Progress progress("generating", std::size_t(o.parts));
+  std::size_t items = 0;
+  for (int part = 0; part < o.parts; ++part) {
+    importers::PlantConfig config = o.config;
+    config.items = o.config.items / std::uint64_t(o.parts) +
+                   (std::uint64_t(part) < o.config.items % std::uint64_t(o.parts) ? 1 : 0);
+    config.seed = o.config.seed + std::uint64_t(part);
+    char name[32];
+    std::snprintf(name, sizeof name, "part-%05d.slc", part + 1);
+    const auto written =
+        write_plant(config, place_of_part(part, o.parts), (std::filesystem::path(o.output) / name).string());
+    if (!written) return written;
+    items += *written;
+    progress.advance(std::size_t(part) + 1);
+  }
+  return items;
+}
+
+core::Expected<int> generate(const Options& o) {
+  const auto items = o.parts > 1 ? write_parts(o) : write_plant(o.config, core::dvec3(0.0), o.output);
+  if (!items) return tl::unexpected(items.error());
+  if (o.json_file != "-") std::printf("%s: %zu items\n", o.output.c_str(), *items);
+  const nlohmann::json facts = {{"file", o.output}, {"items", *items}, {"seed", o.config.seed}, {"parts", o.parts}};
+  if (auto done = apps::write_json(o.json_file, facts); !done) return tl::unexpected(done.error());
+  return apps::kExitOk;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("Generates a process plant (pipe racks, vessels, steel, handrails), the same for the same seed",
                "sightline-generate");
-  apps::describe(
-      app, "  sightline-generate --items 100000 plant.rvm\n  sightline-generate --items 1000000 --seed 7 big.rvm");
-  importers::PlantConfig config;
-  std::string output, json_file;
-  app.add_option("OUTPUT", output, "RVM file to write")->required();
-  app.add_option("--items", config.items, "Number of items, 1000 to 10000000")
+  apps::describe(app,
+                 "  sightline-generate --items 100000 plant.rvm\n"
+                 "  sightline-generate --items 1000000 --seed 7 big.rvm\n"
+                 "  sightline-generate --items 100000000 --parts 100 huge    # a folder of .slc, for --memory");
+  Options o;
+  app.add_option("OUTPUT", o.output, "RVM file or scene cache (.slc) to write; with --parts a folder of caches")
+      ->required();
+  app.add_option("--items", o.config.items, "Number of items, 1000 to 10000000 for each part")
       ->capture_default_str()
-      ->check(CLI::Range(1000, 10000000));
-  app.add_option("--seed", config.seed, "Another seed gives another plant")
+      ->check(CLI::Range(std::uint64_t(1000), std::uint64_t(4'000'000'000)));
+  app.add_option("--parts", o.parts, "Plants side by side, each a scene cache, which are made one after the other")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 99999));
+  app.add_option("--seed", o.config.seed, "Another seed gives another plant")
       ->capture_default_str()
       ->check(apps::accepted_by(parse_seed));
-  app.add_option("--json", json_file, "Write what was generated as JSON to FILE, or - for stdout");
-  return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
-    core::Scene scene;
-    if (auto done = importers::generate_plant(config, scene); !done) return tl::unexpected(done.error());
-    if (auto done = importers::write_rvm(scene, scene.root(), output); !done) return tl::unexpected(done.error());
-    if (json_file != "-") std::printf("%s: %zu items\n", output.c_str(), scene.item_count());
-    const nlohmann::json facts = {{"file", output}, {"items", scene.item_count()}, {"seed", config.seed}};
-    if (auto done = apps::write_json(json_file, facts); !done) return tl::unexpected(done.error());
-    return apps::kExitOk;
-  });
+  apps::add_json_option(app, o.json_file);
+  return apps::run(app, argc, argv, [&] { return generate(o); });
 }

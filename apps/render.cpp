@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/paged_model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/style_options.h"
 #include "sightline/apps/common/tiled_picture.h"
@@ -30,6 +31,7 @@ constexpr int kLargestWhole = 4096;  // pixels
 struct Options {
   apps::ModelOptions model;
   apps::ViewOptions view;
+  std::string memory;
   std::string out, ids, ids_json, depth, reference, reference_ids, diff, json_file, frames_folder;
   double fps = 25.0;
   int tile = 0;
@@ -102,6 +104,13 @@ void add_options(CLI::App& app, Options& o) {
   for (const char* other : {"--samples", "--shading", "--lines", "--hide", "--isolate", "--ghost", "--ghost-others",
                             "--fade", "--highlight", "--transparency", "--contribution", "--budget", "--write-frames"})
     mpi->excludes(app.get_option(other));
+  apps::add_memory_option(app, o.memory,
+                          {"--translate",    "--explain",      "--ids-json",  "--tile",         "--culler",
+                           "--gpu-pass",     "--sample-test",  "--occlusion", "--samples",      "--shading",
+                           "--lines",        "--hatch",        "--hide",      "--isolate",      "--ghost",
+                           "--fade",         "--ghost-others", "--highlight", "--transparency", "--mpi",
+                           "--contribution", "--budget",       "--cache",     "--lenient",      "--contribution-way",
+                           "--write-frames"});
 }
 
 core::Expected<void> write_id_names(const std::string& file, const std::set<std::uint32_t>& seen,
@@ -265,8 +274,8 @@ json figures_of(Studio& studio) {
 }
 
 /// Writes and compares what was drawn.
-core::Expected<int> finish_picture(const Options& o, const Studio& studio, Outputs& outputs, json figures) {
-  if (auto done = outputs.finish(*studio.model.scene); !done) return tl::unexpected(done.error());
+core::Expected<int> finish_picture(const Options& o, const core::Scene& scene, Outputs& outputs, json figures) {
+  if (auto done = outputs.finish(scene); !done) return tl::unexpected(done.error());
   if (!o.reference_ids.empty())
     if (auto done = compare_ids(o, outputs.items, figures); !done) return tl::unexpected(done.error());
   bool same = true;
@@ -302,7 +311,7 @@ core::Expected<int> render_picture(const Options& o, Studio& studio) {
                     {"pending", report.pending},
                     {"squares", report.squares},
                     {"tested", report.tested}});
-  return finish_picture(o, studio, begun->outputs, std::move(figures));
+  return finish_picture(o, *studio.model.scene, begun->outputs, std::move(figures));
 }
 
 core::Expected<int> render_frames(const Options& o, Studio& studio) {
@@ -372,6 +381,59 @@ core::Expected<int> render_alone(const Options& o) {
   return (o.frames_folder.empty() ? render_picture : render_frames)(o, *studio);
 }
 
+apps::PictureRows rows_of(const Options& o, const engine::PagedEngine& engine) {
+  image::Image colours = engine.read_colour();
+  apps::PictureRows rows{colours.width, 0, colours.height, std::move(colours.pixels), {}, {}};
+  if (o.wants_ids()) rows.ids = engine.read_ids().ids;
+  if (!o.depth.empty()) rows.metres = engine.read_depth().metres;
+  return rows;
+}
+
+core::Expected<engine::PagedReport> settle(engine::PagedEngine& engine, const core::View& view) {
+  apps::Progress progress("drawing", 1000);
+  return engine.settle(view, [&](const engine::PagedReport& report) {
+    progress.advance(std::size_t(1000 * (report.leaves - report.pending) / std::max<std::int64_t>(1, report.leaves)));
+    return true;
+  });
+}
+
+core::Expected<int> render_paged(const Options& o) {
+  const auto size = apps::parse_size(o.view.size);
+  if (!size) return tl::unexpected(size.error());
+  auto engine = apps::open_paged(o.model, o.memory,
+                                 {.width = (*size)[0],
+                                  .height = (*size)[1],
+                                  .ids = o.wants_ids(),
+                                  .context_platform = o.platform,
+                                  .gl_debug = o.gl_debug});
+  if (!engine) return tl::unexpected(engine.error());
+  const auto view =
+      apps::choose_view(o.view, core::dvec3(0.0), engine->scene().fitted, double((*size)[0]) / (*size)[1]);
+  if (!view) return tl::unexpected(view.error());
+  auto outputs = Outputs::open(o, *size);
+  if (!outputs) return tl::unexpected(outputs.error());
+  const auto report = settle(*engine, *view);
+  if (!report) return tl::unexpected(report.error());
+  if (auto done = apps::page_errors(*engine); !done) return tl::unexpected(done.error());
+  for (const std::string& error : engine->take_gl_errors()) return core::fail("GL: " + error);
+  if (auto done = outputs->add(rows_of(o, *engine)); !done) return tl::unexpected(done.error());
+  const json figures = {{"renderer", engine->renderer()},
+                        {"size", *size},
+                        {"items", engine->scene().items},
+                        {"pages", engine->scene().pages.size()},
+                        {"leaves", report->leaves},
+                        {"shown", report->shown},
+                        {"frames", report->frame + 1},
+                        {"loaded", report->loaded},
+                        {"evicted", report->evicted},
+                        {"memory",
+                         {{"limit", *apps::parse_bytes(o.memory)},
+                          {"pages", engine->memory().limit},
+                          {"scene", engine->scene().memory_bytes()},
+                          {"peak", apps::peak_memory()}}}};
+  return finish_picture(o, core::Scene(), *outputs, figures);
+}
+
 /// One of the processes that draw a picture together. Rank 0 writes it.
 core::Expected<int> render_parts([[maybe_unused]] Options o) {
   const auto session = apps::MpiSession::begin();
@@ -404,7 +466,7 @@ core::Expected<int> render_parts([[maybe_unused]] Options o) {
                   {"part_gpu_bytes", composer.gather(double(engine.memory().gpu))}});
   if (!root) return apps::kExitOk;
   warn_if_blank(picture, "the image");
-  return finish_picture(o, *studio, begun->outputs, std::move(figures));
+  return finish_picture(o, *studio->model.scene, begun->outputs, std::move(figures));
 #else
   return apps::kExitFailure;
 #endif
@@ -421,9 +483,13 @@ int main(int argc, char** argv) {
       "  sightline-render plant.rvm --view view.json --compare reference.png --max 8 --mean 0.1 --diff d.png\n"
       "  sightline-render plant.rvm --highlight PS-100 --ghost-others PS-100 --out selected.png\n"
       "  sightline-render plant.rvm --size 16384x9216 --samples 4 --out poster.png\n"
+      "  sightline-render plant.slc --memory 2G --out plant.png\n"
       "  mpirun -np 4 sightline-render plant.rvm --mpi --out plant.png\n"
       "  sightline-render plant.rvm --path flight.json --write-frames frames --fps 25 --size 1920x1080");
   Options options;
   add_options(app, options);
-  return apps::run(app, argc, argv, [&] { return options.mpi ? render_parts(options) : render_alone(options); });
+  return apps::run(app, argc, argv, [&] {
+    if (!options.memory.empty()) return render_paged(options);
+    return options.mpi ? render_parts(options) : render_alone(options);
+  });
 }

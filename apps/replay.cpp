@@ -18,6 +18,8 @@
 #include "sightline/importers/view_json.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/apps/common/blank.h"
+#include "sightline/apps/common/paged_model.h"
+#include "sightline/apps/paged_replay.h"
 #include "sightline/image/image.h"
 #endif
 #if SIGHTLINE_HAS_GL && SIGHTLINE_HAS_MPI
@@ -38,8 +40,8 @@ struct Options {
   apps::ShownOptions shown;
   int frames = 300, every = 30;
   gl::ContextPlatform platform = {};
-  bool no_render = false, mpi = false;
-  std::string record_both, controller_trace, policy = "frame-cost", rendering = "on";
+  bool no_render = false, mpi = false, settle = false;
+  std::string memory, record_both, controller_trace, policy = "frame-cost", rendering = "on";
 };
 
 void add_controller_options(CLI::App& app, Options& o) {
@@ -91,6 +93,15 @@ void add_options(CLI::App& app, Options& o) {
   for (const char* other : {"--no-render", "--samples", "--shading", "--lines", "--contribution", "--budget",
                             "--record-both", "--controller-only"})
     mpi->excludes(app.get_option(other));
+#if SIGHTLINE_HAS_GL
+  apps::add_memory_option(app, o.memory, {"--translate",      "--explain",   "--culler",  "--gpu-pass",
+                                          "--sample-test",    "--occlusion", "--samples", "--shading",
+                                          "--lines",          "--hatch",     "--mpi",     "--contribution",
+                                          "--budget",         "--cache",     "--lenient", "--contribution-way",
+                                          "--no-render",      "--csv",       "--plot",    "--record-both",
+                                          "--controller-only"});
+  app.add_flag("--settle", o.settle, "Each frame waits until all of its pages are drawn")->needs("--memory");
+#endif
 }
 
 using apps::Flight, apps::FlownFrame;
@@ -408,6 +419,20 @@ core::Expected<int> replay_parts([[maybe_unused]] Options o) {
 core::Expected<int> replay(const Options& o) {
   if (!o.controller_trace.empty()) return replay_controller(o);
   if (o.mpi) return replay_parts(o);
+#if SIGHTLINE_HAS_GL
+  if (!o.memory.empty())
+    return apps::replay_paged({.model = o.model,
+                               .memory = o.memory,
+                               .path = o.path,
+                               .save_path = o.save_path,
+                               .size = o.size,
+                               .json_file = o.json_file,
+                               .images = o.images,
+                               .frames = o.frames,
+                               .every = o.every,
+                               .settle = o.settle,
+                               .platform = o.platform});
+#endif
   if (!o.record_both.empty()) {
     const auto config = engine_config(o);
     if (!config) return tl::unexpected(config.error());
@@ -433,6 +458,7 @@ int main(int argc, char** argv) {
                  "  sightline-replay plant.rvm --frames 500 --no-render --json out.json --plot out.svg\n"
                  "  sightline-replay a.rvm b.rvm --path flight.json --images frames --every 10\n"
                  "  sightline-replay plant.rvm --culler hybrid --policy frame-cost --trace out.csv\n"
+                 "  sightline-replay huge.slc --memory 4G --frames 100 --images frames\n"
                  "  mpirun -np 4 sightline-replay plant.rvm --mpi --frames 60 --images frames\n"
                  "  sightline-replay plant.rvm --record-both trace.csv\n"
                  "  sightline-replay --controller-only trace.csv --policy 2009 --rendering off --json -");

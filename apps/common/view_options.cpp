@@ -28,17 +28,22 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
 
 core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,
                                        double aspect) {
+  const bool whole = options.view.empty() && options.path.empty();
+  return choose_view(options, model.offset, whole ? snapshot.bounds().fitted_bounds() : core::FittedBounds(), aspect);
+}
+
+core::Expected<core::View> choose_view(const ViewOptions& options, const core::dvec3& offset,
+                                       const core::FittedBounds& fitted, double aspect) {
   if (!options.view.empty()) {
     auto view = importers::read_view(options.view, aspect);
-    return view ? importers::translated(*view, model.offset) : view;
+    return view ? importers::translated(*view, offset) : view;
   }
   if (!options.path.empty()) {
     auto path = importers::read_path(options.path);
-    if (path) path = importers::translated(*path, model.offset);
+    if (path) path = importers::translated(*path, offset);
     if (!path) return tl::unexpected(path.error());
     return path->view(path->time_of(options.frame, options.frames), aspect);
   }
-  const core::FittedBounds fitted = snapshot.bounds().fitted_bounds();
   if (!options.quiet) warn_of_outliers(fitted);
   return core::View::fit(fitted.bounds, core::kOverviewDirection, kFovy, aspect);
 }

@@ -1,0 +1,70 @@
+#include "sightline/apps/common/paged_model.h"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+#include <sys/resource.h>
+
+#include "sightline/apps/common/progress.h"
+#include "sightline/importers/slc/paged_scene.h"
+
+namespace sightline::apps {
+
+core::Expected<std::size_t> parse_bytes(const std::string& text) {
+  const char* const end = text.data() + text.size();
+  double number = 0.0;
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  const std::string unit(stop, end);
+  constexpr std::string_view kUnits = "KMGT";
+  const auto power = unit.empty() ? std::size_t(0) : kUnits.find(unit[0]) + 1;
+  const double bytes = std::ldexp(number, int(10 * power));
+  if (error != std::errc() || unit.size() > 1 || power > kUnits.size() || !(bytes >= 1.0) || bytes > 0x1p60)
+    return core::fail("expected bytes such as 800M or 2G, found \"" + text + "\"");
+  return std::size_t(bytes);
+}
+
+void add_memory_option(CLI::App& app, std::string& text, std::initializer_list<const char*> others) {
+  auto* memory = app.add_option("--memory", text,
+                                "Draw a scene cache (.slc, or a folder of them) page by page, and keep the process and "
+                                "the GPU's buffers below this, such as 2G")
+                     ->type_name("LIMIT")
+                     ->check(accepted_by(parse_bytes));
+  for (const char* other : others) memory->excludes(app.get_option(other));
+}
+
+core::Expected<engine::PagedEngine> open_paged(const ModelOptions& model, const std::string& memory,
+                                               const engine::PagedConfig& config) {
+  const auto limit = parse_bytes(memory);
+  if (!limit) return tl::unexpected(limit.error());
+  const std::string& file = model.files.front();
+  const bool folder = std::filesystem::is_directory(file);
+  if (model.files.size() != 1 || (!folder && std::filesystem::path(file).extension() != ".slc"))
+    return core::fail("--memory: expected one scene cache or a folder of them, found " +
+                      (model.files.size() != 1 ? std::to_string(model.files.size()) + " files" : file) +
+                      "; sightline-convert writes .slc");
+  Progress progress("opening", 100);
+  auto scene = importers::open_paged_scene(file, [&](double share) {
+    progress.advance(std::size_t(100.0 * share));
+    return true;
+  });
+  if (!scene) return tl::unexpected(scene.error());
+  engine::PagedConfig limited = config;
+  limited.memory_limit = *limit;
+  return engine::PagedEngine::create(std::move(*scene), limited);
+}
+
+core::Expected<void> page_errors(engine::PagedEngine& engine) {
+  const auto errors = engine.take_errors();
+  if (errors.empty()) return {};
+  return core::fail(errors.front() +
+                    (errors.size() > 1 ? "; and " + std::to_string(errors.size() - 1) + " more pages" : std::string()));
+}
+
+std::size_t peak_memory() {
+  rusage usage{};
+  return getrusage(RUSAGE_SELF, &usage) == 0 ? std::size_t(usage.ru_maxrss) * 1024 : 0;
+}
+
+}  // namespace sightline::apps

@@ -1,0 +1,174 @@
+#include "sightline/apps/paged_replay.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "sightline/apps/common/paged_model.h"
+#include "sightline/apps/common/progress.h"
+#include "sightline/apps/common/statistics.h"
+#include "sightline/image/image.h"
+#include "sightline/importers/view_json.h"
+
+namespace sightline::apps {
+namespace {
+
+using nlohmann::json;
+
+struct Flown {
+  double time = 0.0;       // on the path
+  double settle_ms = 0.0;  // until the picture was complete; 0 where nobody waited for that
+  engine::PagedReport report;
+};
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+core::Expected<core::CameraPath> choose_path(const PagedReplayOptions& o, const core::PagedScene& scene) {
+  if (!o.path.empty()) return importers::read_path(o.path);
+  if (!o.model.quiet) warn_of_outliers(scene.fitted);
+  return core::make_tour(scene.leaves, scene.fitted);
+}
+
+core::Expected<void> save_image(const PagedReplayOptions& o, const engine::PagedEngine& engine, std::size_t frame) {
+  char name[32];
+  std::snprintf(name, sizeof name, "frame_%05zu.png", frame);
+  return image::write_png(engine.read_colour(), std::filesystem::path(o.images) / name);
+}
+
+core::Expected<Flown> draw(engine::PagedEngine& engine, const core::View& view, double time, bool settle) {
+  const double began = seconds();
+  const auto report = settle ? engine.settle(view) : engine.frame(view);
+  if (!report) return tl::unexpected(report.error());
+  return Flown{time, settle ? 1e3 * (seconds() - began) : 0.0, *report};
+}
+
+core::Expected<std::vector<Flown>> fly(const PagedReplayOptions& o, engine::PagedEngine& engine,
+                                       const core::CameraPath& path, double aspect) {
+  Progress progress("flying", std::size_t(o.frames));
+  std::vector<Flown> flight;
+  for (int frame = 0; frame < o.frames; ++frame) {
+    const double time = path.time_of(frame, o.frames);
+    const auto view = path.view(time, aspect);
+    if (!view) return tl::unexpected(view.error());
+    const auto flown = draw(engine, *view, time, o.settle);
+    if (!flown) return tl::unexpected(flown.error());
+    flight.push_back(*flown);
+    if (!o.images.empty() && frame % o.every == 0)
+      if (auto done = save_image(o, engine, std::size_t(frame)); !done) return tl::unexpected(done.error());
+    progress.advance(std::size_t(frame) + 1);
+  }
+  return flight;
+}
+
+std::vector<double> collect(const std::vector<Flown>& flight, double (*pick)(const Flown&)) {
+  std::vector<double> values;
+  for (const Flown& f : flight) values.push_back(pick(f));
+  return values;
+}
+
+struct Row {
+  const char *name, *key;
+  double (*pick)(const Flown&);
+  int decimals;
+};
+constexpr Row kRows[] = {
+    {"frame ms", "frame_ms", [](const Flown& f) { return f.report.frame_ms; }, 3},
+    {"settle ms", "settle_ms", [](const Flown& f) { return f.settle_ms; }, 3},
+    {"leaves", "leaves", [](const Flown& f) { return double(f.report.leaves); }, 0},
+    {"pending leaves", "pending", [](const Flown& f) { return double(f.report.pending); }, 0},
+    {"stand-ins", "stand_ins", [](const Flown& f) { return double(f.report.stand_ins); }, 0},
+    {"drawn items", "shown", [](const Flown& f) { return double(f.report.shown); }, 0},
+    {"memory MiB", "memory_mib", [](const Flown& f) { return double(f.report.memory) / (1 << 20); }, 1},
+};
+
+std::size_t complete(const std::vector<Flown>& flight) {
+  return std::size_t(std::count_if(flight.begin(), flight.end(), [](const Flown& f) { return f.report.complete; }));
+}
+
+json to_json(const PagedReplayOptions& o, const engine::PagedEngine& engine, const std::vector<Flown>& flight,
+             const Flown& rest, const std::array<int, 2>& size) {
+  json out = {{"model", o.model.files},
+              {"items", engine.scene().items},
+              {"pages", engine.scene().pages.size()},
+              {"renderer", engine.renderer()},
+              {"size", size},
+              {"complete_frames", complete(flight)},
+              {"settle_ms_at_the_end", rest.settle_ms},
+              {"loaded", rest.report.loaded},
+              {"evicted", rest.report.evicted},
+              {"prefetched_in_vain", rest.report.prefetched},
+              {"memory",
+               {{"limit", *parse_bytes(o.memory)},
+                {"pages", engine.memory().limit},
+                {"scene", engine.scene().memory_bytes()},
+                {"peak", peak_memory()}}}};
+  out["frames"] = json::array();
+  for (const Flown& f : flight) {
+    json row = {{"t", f.time}, {"complete", f.report.complete}, {"resident", f.report.resident}};
+    for (const Row& r : kRows) row[r.key] = r.pick(f);
+    out["frames"].push_back(std::move(row));
+  }
+  for (const Row& r : kRows) out["summary"][r.key] = apps::to_json<json>(summarise(collect(flight, r.pick)));
+  return out;
+}
+
+void print_table(const PagedReplayOptions& o, const engine::PagedEngine& engine, const std::vector<Flown>& flight,
+                 const Flown& rest) {
+  std::FILE* const out = table_stream(o.json_file);
+  std::fprintf(out, "%zu frames, %llu items in %zu pages, renderer %s\n\n", flight.size(),
+               (unsigned long long)engine.scene().items, engine.scene().pages.size(), engine.renderer().c_str());
+  std::fprintf(out, "%-16s %12s %12s %12s %12s\n", "", "mean", "median", "p99", "max");
+  for (const Row& r : kRows) {
+    if (std::string_view(r.key) == "settle_ms" && !o.settle) continue;
+    const Summary s = summarise(collect(flight, r.pick));
+    std::fprintf(out, "%-16s %12.*f %12.*f %12.*f %12.*f\n", r.name, r.decimals, s.mean, r.decimals, s.median,
+                 r.decimals, s.p99, r.decimals, s.max);
+  }
+  constexpr double kMiB = 1024.0 * 1024.0;
+  std::fprintf(out, "\n%zu frames complete; the last view took %.0f ms more\n", complete(flight), rest.settle_ms);
+  std::fprintf(out, "pages: %llu read, %llu given up, %llu of those read ahead not needed\n",
+               (unsigned long long)rest.report.loaded, (unsigned long long)rest.report.evicted,
+               (unsigned long long)rest.report.prefetched);
+  std::fprintf(out, "memory MiB: peak %.1f of %.1f, boxes of all leaves %.1f, pages at most %.1f\n",
+               double(peak_memory()) / kMiB, double(*parse_bytes(o.memory)) / kMiB,
+               double(engine.scene().memory_bytes()) / kMiB, double(engine.memory().limit) / kMiB);
+}
+
+}  // namespace
+
+core::Expected<int> replay_paged(const PagedReplayOptions& o) {
+  const auto size = parse_size(o.size);
+  if (!size) return tl::unexpected(size.error());
+  if (!o.images.empty())
+    if (auto made = make_directory(o.images); !made) return tl::unexpected(made.error());
+  auto engine =
+      open_paged(o.model, o.memory, {.width = (*size)[0], .height = (*size)[1], .context_platform = o.platform});
+  if (!engine) return tl::unexpected(engine.error());
+  const auto path = choose_path(o, engine->scene());
+  if (!path) return tl::unexpected(path.error());
+  if (!o.save_path.empty())
+    if (auto done = importers::write_path(o.save_path, *path); !done) return tl::unexpected(done.error());
+  const double aspect = double((*size)[0]) / (*size)[1];
+  const auto flight = fly(o, *engine, *path, aspect);
+  if (!flight) return tl::unexpected(flight.error());
+  const double last = flight->back().time;
+  const auto view = path->view(last, aspect);
+  if (!view) return tl::unexpected(view.error());
+  const auto rest = draw(*engine, *view, last, true);
+  if (!rest) return tl::unexpected(rest.error());
+  if (!o.images.empty())
+    if (auto done = save_image(o, *engine, flight->size()); !done) return tl::unexpected(done.error());
+  if (auto done = page_errors(*engine); !done) return tl::unexpected(done.error());
+  if (auto done = write_json(o.json_file, to_json(o, *engine, *flight, *rest, *size)); !done)
+    return tl::unexpected(done.error());
+  print_table(o, *engine, *flight, *rest);
+  return kExitOk;
+}
+
+}  // namespace sightline::apps
