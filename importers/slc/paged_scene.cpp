@@ -144,7 +144,7 @@ class Part {
   }
 
   SlcExpected<void> read_resident() {
-    const auto mapping = file_->map();
+    const auto mapping = file_->map_to_read();
     if (!mapping) return tl::unexpected(mapping.error());
     std::vector<SlcFile::Verified> what;
     for (const std::uint64_t number : {kSlcSnapshotState, kSlcChunkOrigins, kSlcMaterials, kSlcMaterialNames,

@@ -184,7 +184,7 @@ SlcExpected<std::shared_ptr<const SlcFile>> SlcFile::open(const std::filesystem:
   file->size_ = std::size_t(status.st_size);
   if (file->size_ < sizeof(Header) + sizeof(Trailer))
     return damaged(fmt::format("{} bytes are no scene cache", file->size_));
-  const auto mapping = file->map();
+  const auto mapping = file->map_to_read();
   if (!mapping) return tl::unexpected(mapping.error());
   if (auto read = file->read_table(mapping->data); !read) return tl::unexpected(read.error());
   return file;
@@ -201,6 +201,13 @@ SlcExpected<std::shared_ptr<const SlcFile>> SlcFile::of_bytes(std::span<const st
 }
 
 SlcExpected<SlcFile::Mapping> SlcFile::map() const {
+  return mapped(PROT_READ | PROT_WRITE);
+}
+SlcExpected<SlcFile::Mapping> SlcFile::map_to_read() const {
+  return mapped(PROT_READ);
+}
+
+SlcExpected<SlcFile::Mapping> SlcFile::mapped(int protection) const {
   if (descriptor_ < 0) {
     void* const memory = core::allocate_lines(size_);
     std::memcpy(memory, memory_.data(), size_);
@@ -208,7 +215,7 @@ SlcExpected<SlcFile::Mapping> SlcFile::map() const {
     return Mapping{std::shared_ptr<const void>(memory, [size](void* m) { core::release_lines(m, size); }),
                    static_cast<std::byte*>(memory)};
   }
-  void* const memory = mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE, descriptor_, 0);
+  void* const memory = mmap(nullptr, size_, protection, MAP_PRIVATE, descriptor_, 0);
   if (memory == MAP_FAILED) return damaged(fmt::format("cannot be mapped: {}", std::strerror(errno)));
   return Mapping{std::shared_ptr<const void>(memory, Unmap{size_}), static_cast<std::byte*>(memory)};
 }

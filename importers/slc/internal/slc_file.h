@@ -109,6 +109,8 @@ class SlcFile {
     std::byte* data = nullptr;
   };
   SlcExpected<Mapping> map() const;
+  /// The same to read from alone: limits on memory count nothing of it.
+  SlcExpected<Mapping> map_to_read() const;
   /// The array lies in the mapping. False when its elements have another size. An absent one becomes empty.
   template <class T>
   bool adopt(const Mapping& mapping, std::uint64_t number, core::LargeArray<T>& array) const {
@@ -138,6 +140,7 @@ class SlcFile {
 
  private:
   SlcFile() = default;
+  SlcExpected<Mapping> mapped(int protection) const;
   SlcExpected<void> read_table(const std::byte* data);
   int descriptor_ = -1;
   std::vector<std::byte> memory_;  // where there is no file
