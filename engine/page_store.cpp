@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include "sightline/culling/sample_test.h"
@@ -26,6 +27,12 @@ std::size_t process_memory() {
   const int read = std::fscanf(file, "%lu %lu", &total, &resident);
   std::fclose(file);
   return read == 2 ? std::size_t(resident) * std::size_t(sysconf(_SC_PAGESIZE)) : 0;
+}
+
+void give_back_free_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
 }
 
 // --- reading ---------------------------------------------------------------------------------------------------------
@@ -88,13 +95,14 @@ std::size_t ResidentPage::memory_bytes() const {
               (mesh.indices.size() + mesh.contour_sizes.size() + mesh.polygon_contours.size()) * sizeof(std::uint32_t);
   }
   const std::size_t mesh_items = scene.meshes().commands.size();
-  return meshes + content->snapshot.memory_bytes() + scene.memory_bytes() + lists.memory_bytes() + mesh_items * kMeshListBytes +
-         content->snapshot.size() * kListBytes;
+  return meshes + content->snapshot.memory_bytes() + scene.memory_bytes() + lists.memory_bytes() +
+         mesh_items * kMeshListBytes + content->snapshot.size() * kListBytes;
 }
 
 PageStore::PageStore(const core::PagedScene& scene, std::size_t limit)
     : scene_(scene),
-      limit_(limit),
+      largest_page_(largest_page(scene)),
+      limit_(std::max(limit, largest_page_)),
       pages_(scene.pages.size()),
       asked_(scene.pages.size()),
       failed_(scene.pages.size()),
@@ -159,16 +167,19 @@ core::Expected<void> PageStore::upload(const gl::Context& context, std::uint32_t
   resident_.push_back(page);
   counts_.resident = std::uint32_t(resident_.size());
   bytes_ -= bytes_while_uploading(scene_.pages[page]);
-  pages_[page]->bytes = pages_[page]->memory_bytes();
-  bytes_ += pages_[page]->bytes;
+  recount(*pages_[page]);
   return {};
+}
+
+void PageStore::recount(ResidentPage& page) {
+  const std::size_t before = std::exchange(page.bytes, page.memory_bytes());
+  bytes_ += page.bytes - before;
+  resident_bytes_ += page.bytes - before;
 }
 
 void PageStore::count_again(std::uint32_t page) {
   ResidentPage& resident = *pages_[page];
-  bytes_ -= resident.bytes;
-  resident.bytes = resident.memory_bytes();
-  bytes_ += resident.bytes;
+  recount(resident);
   if (!std::exchange(resident.needed, true)) --counts_.prefetched;
 }
 
@@ -206,14 +217,15 @@ std::uint32_t PageStore::first_to_go() const {
 
 void PageStore::evict(std::uint32_t page) {
   bytes_ -= pages_[page]->bytes;
+  resident_bytes_ -= pages_[page]->bytes;
   pages_[page].reset();
   std::erase(resident_, page);
   counts_.resident = std::uint32_t(resident_.size());
   ++counts_.evicted;
 }
 
-void PageStore::shrink(std::size_t limit) {
-  limit_ = limit;
+void PageStore::set_limit(std::size_t limit) {
+  limit_ = std::max(limit, largest_page_);
   while (bytes_ > limit_ && !resident_.empty()) evict(first_to_go());
 }
 

@@ -20,13 +20,13 @@
 namespace sightline::engine {
 namespace {
 
-constexpr std::size_t kReserveShare = 10;      // of the limit: one part in so many is left to drivers
 constexpr std::uint64_t kFirstPass = 1 << 15;  // items to draw before depth is read back; each pass has twice as many
 constexpr std::uint32_t kShortestRange = 16;   // leaves
 constexpr int kForeseen = 3;                   // the camera's motion is doubled so often: frames ahead
 constexpr double kLongestWait = 1.0;           // seconds
 constexpr float kBarShare = 0.2f;              // of the picture's width
 constexpr std::size_t kMegabyte = std::size_t(1) << 20;
+constexpr std::size_t kReserveShare = 10, kLeastReserve = 32 * kMegabyte;  // see reserve_of()
 
 /// The motion of a camera between two views, kept up for 2^kForeseen frames.
 std::optional<core::View> foreseen(const core::View& before, const core::View& now) {
@@ -57,6 +57,11 @@ void to_set(culling::SlotBits bits, core::VisibleSet& set) {
     else
       for (core::Slot s = first; s < slot; ++s) set.items.push_back(s);
   }
+}
+
+/// What is left to drivers and the allocator while they draw: one part in so many of the limit, but not too little.
+std::size_t reserve_of(std::size_t limit) {
+  return std::max(limit / kReserveShare, kLeastReserve);
 }
 
 std::string in_megabytes(std::size_t bytes) {
@@ -119,6 +124,7 @@ class PagedEngine::Impl {
   render::RenderTarget target_, canvas_;
   std::optional<render::Renderer> renderer_;
   std::optional<StandIns> stand_ins_;
+  std::size_t page_limit_ = 0;  // bytes for pages, where drivers take what was foreseen
   std::unique_ptr<PageStore> store_;
 
   // The picture that is being drawn.
@@ -204,23 +210,25 @@ core::Expected<void> PagedEngine::Impl::warm_up() {
 }
 
 core::Expected<void> PagedEngine::Impl::make_store() {
-  const std::size_t used = process_memory(), reserve = config_.memory_limit / kReserveShare;
+  const std::size_t used = process_memory(), reserve = reserve_of(config_.memory_limit);
   const std::size_t least = PageStore::largest_page(scene_);
   if (config_.memory_limit < used + reserve + least)
-    return core::fail("engine: a memory limit of " + in_megabytes(config_.memory_limit) +
-                      " is too low: " + in_megabytes(used) +
-                      " are in use without any page, and the largest page takes " + in_megabytes(least) +
-                      "; expected " + in_megabytes((used + least) * kReserveShare / (kReserveShare - 1)) + " or more");
-  store_ = std::make_unique<PageStore>(scene_, config_.memory_limit - used - reserve);
+    return core::fail(
+        "engine: a memory limit of " + in_megabytes(config_.memory_limit) + " is too low: " + in_megabytes(used) +
+        " are in use without any page, and the largest page takes " + in_megabytes(least) + "; expected " +
+        in_megabytes(std::max((used + least) * kReserveShare / (kReserveShare - 1), used + least + kLeastReserve)) +
+        " or more");
+  page_limit_ = config_.memory_limit - used - reserve;
+  store_ = std::make_unique<PageStore>(scene_, page_limit_);
   return {};
 }
 
-/// Drivers and the allocator may take more than was foreseen. Then pages get less.
+/// Drivers and the allocator may take more than was foreseen. Then pages get less, until these take less again.
 void PagedEngine::Impl::keep_within_limit() {
-  const std::size_t guard = config_.memory_limit / (2 * kReserveShare), used = process_memory();
-  if (used + guard <= config_.memory_limit) return;
-  const std::size_t excess = used + guard - config_.memory_limit;
-  store_->shrink(store_->bytes() > excess ? store_->bytes() - excess : 0);
+  const std::size_t most = config_.memory_limit - reserve_of(config_.memory_limit) / 2;
+  if (process_memory() > most) give_back_free_memory();
+  const std::size_t used = process_memory(), pages = store_->resident_bytes();
+  store_->set_limit(std::min(page_limit_, most + pages > used ? most + pages - used : 0));
 }
 
 // --- frames ----------------------------------------------------------------------------------------------------------

@@ -41,8 +41,10 @@ struct PagedConfig {
   int width = 1280, height = 720;  ///< pixels
   bool ids = false;                ///< item-id image beside colour and depth
   /// Bytes that the whole process may have in memory, buffers of the GPU included. Pages get what the program, its
-  /// drivers and the boxes of all leaves leave of it, less a tenth for what drivers take while they draw. The files
-  /// that pages are read from do not count: they stay with the system, which takes their memory back when it is needed.
+  /// drivers and the boxes of all leaves leave of it, less a tenth, and 32 MiB at least, for what drivers take while
+  /// they draw. Where drivers take more than that, pages get less, down to one at a time; PagedReport::memory says what
+  /// all takes. The files that pages are read from do not count: they stay with the system, which takes their memory
+  /// back when it is needed.
   std::size_t memory_limit = 0;
   /// Milliseconds for which a frame of a view that stays takes in pages as they arrive, before it shows what it has.
   double refine_ms = 100.0;

@@ -21,6 +21,8 @@ namespace sightline::engine {
 
 /// Bytes that the process has in memory; 0 where the system does not say.
 std::size_t process_memory();
+/// Has the allocator return to the system what it keeps for later.
+void give_back_free_memory();
 
 /// Reads pages on a thread of its own, in the order in which they are asked for.
 class PageLoader {
@@ -97,14 +99,16 @@ class PageStore {
   /// and the smallest of them. Where `stays`, what this frame's picture has drawn may go, too; else only for what is
   /// larger.
   void ask_for(std::span<const Wanted> wanted, std::uint64_t frame, bool stays);
-  /// Gives up pages until no more than so many bytes are in use.
-  void shrink(std::size_t limit);
+  /// Gives up pages until no more than so many bytes are in use. Room for the largest page stays in any case: else no
+  /// picture could be completed.
+  void set_limit(std::size_t limit);
   /// A page has drawn: what it takes may have grown.
   void count_again(std::uint32_t page);
 
   bool wait(double seconds) { return loader_.wait(seconds); }
   const Counts& counts() const { return counts_; }
   std::size_t bytes() const { return bytes_; }
+  std::size_t resident_bytes() const { return resident_bytes_; }  ///< of these, what is not on its way
   std::size_t limit() const { return limit_; }
   std::vector<std::string> take_errors() { return std::exchange(errors_, {}); }
 
@@ -114,9 +118,12 @@ class PageStore {
   bool make_room(std::size_t bytes, const Wanted& wanted, std::uint64_t frame, bool stays);
   std::uint32_t first_to_go() const;
   void evict(std::uint32_t page);
+  /// What a resident page takes was so much, and is measured again.
+  void recount(ResidentPage& page);
 
   const core::PagedScene& scene_;
-  std::size_t limit_, bytes_ = 0;
+  const std::size_t largest_page_;
+  std::size_t limit_, bytes_ = 0, resident_bytes_ = 0;
   std::vector<std::unique_ptr<ResidentPage>> pages_;  // by page; null: not in memory
   std::vector<std::uint32_t> resident_;               // in any order
   std::vector<bool> asked_, failed_;
