@@ -74,10 +74,29 @@ void print_warnings(const std::vector<importers::ImportWarning>& warnings) {
   if (warnings.size() > kShown) std::fprintf(stderr, "warning: and %zu more\n", warnings.size() - kShown);
 }
 
+namespace {
+
+/// A folder of scene caches stands for them, in the order in which --memory reads them.
+std::vector<std::filesystem::path> with_caches_of_folders(const std::vector<std::string>& files) {
+  std::vector<std::filesystem::path> paths;
+  for (const std::string& file : files) {
+    std::vector<std::filesystem::path> caches;
+    std::error_code none;
+    for (const auto& entry : std::filesystem::directory_iterator(file, none))
+      if (entry.path().extension() == ".slc") caches.push_back(entry.path());
+    std::sort(caches.begin(), caches.end());
+    if (caches.empty()) caches.emplace_back(file);
+    paths.insert(paths.end(), caches.begin(), caches.end());
+  }
+  return paths;
+}
+
+}  // namespace
+
 core::Expected<Model> load_model(const ModelOptions& options) {
   Model model;
   model.scene = std::make_unique<core::Scene>();
-  const std::vector<std::filesystem::path> paths(options.files.begin(), options.files.end());
+  const std::vector<std::filesystem::path> paths = with_caches_of_folders(options.files);
   importers::ImportOptions reading = options.import;
   {
     std::optional<Progress> progress;
