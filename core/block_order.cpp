@@ -7,6 +7,8 @@
 #include <memory>
 #include <numeric>
 
+#include "sightline/core/internal/large_array.h"
+
 #ifdef _OPENMP
 #include <omp.h>
 #endif
@@ -37,12 +39,9 @@ std::uint32_t block_size(std::uint32_t count) {
 class BlockOrder {
  public:
   BlockOrder(std::span<const Aabb> boxes, const BlockOrderConfig& config)
-      : boxes_(boxes),
-        config_(config),
-        // Not zeroed: the threads that fill them take the page faults.
-        points_{std::make_unique_for_overwrite<Point[]>(boxes.size()),
-                std::make_unique_for_overwrite<Point[]>(boxes.size())},
-        order_(boxes.size()) {}
+      : boxes_(boxes), config_(config), order_(boxes.size()) {
+    for (auto& points : points_) points.resize_for_overwrite(boxes.size());
+  }
 
   std::vector<std::uint32_t> run() {
     const std::uint32_t count = std::uint32_t(boxes_.size());
@@ -99,13 +98,13 @@ class BlockOrder {
 
   // Recursion depth is at most the bit width of the count.
   void sort(std::uint32_t first, std::uint32_t count, int side) {
-    Point* points = points_[side].get() + first;
+    Point* points = points_[side].data() + first;
     if (count <= config_.smallest_block) {
       for (std::uint32_t i = 0; i < count; ++i) order_[first + i] = points[i].index;
       return;
     }
     const std::uint32_t left_count = block_size(count), mid = first + left_count;
-    if (divide(points, points_[side ^ 1].get() + first, count, left_count)) side ^= 1;
+    if (divide(points, points_[side ^ 1].data() + first, count, left_count)) side ^= 1;
 #ifdef _OPENMP
     if (left_count > kTaskSize) {
       // Only the end of the parallel region waits for it: at a taskwait a thread takes nobody else's tasks.
@@ -212,7 +211,7 @@ class BlockOrder {
 
   std::span<const Aabb> boxes_;
   BlockOrderConfig config_;
-  std::unique_ptr<Point[]> points_[2];
+  LargeArray<Point> points_[2];
   std::vector<std::uint32_t> order_;
 };
 

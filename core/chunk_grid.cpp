@@ -16,7 +16,7 @@ dvec3 coarse(const dvec3& place, double size) {
 }
 
 /// Cuts the points into runs that fit into chunks of `size`. Returns the runs' origins.
-std::vector<dvec3> cut_into_runs(const std::vector<dvec3>& points, double size, std::vector<std::uint32_t>& chunk_of) {
+std::vector<dvec3> cut_into_runs(std::span<const dvec3> points, double size, std::vector<std::uint32_t>& chunk_of) {
   const double limit = size * (1.0 - 1.0 / 512.0);
   std::vector<dvec3> origins;
   AabbD run;
@@ -41,7 +41,7 @@ std::vector<dvec3> cut_into_runs(const std::vector<dvec3>& points, double size, 
 
 }  // namespace
 
-std::vector<std::uint32_t> ChunkGrid::cut(const std::vector<dvec3>& points) {
+std::vector<std::uint32_t> ChunkGrid::cut(std::span<const dvec3> points) {
   std::vector<std::uint32_t> chunk_of(points.size());
   size_ = kSize;
   while ((origins_ = cut_into_runs(points, size_, chunk_of)).size() > kMaxChunks) size_ *= 2.0;

@@ -28,14 +28,27 @@ void ItemBounds::reserve(std::size_t count) {
   for (auto& c : coordinates_) c.reserve(count + kPadding);
 }
 
+/// Leaves boxes and layers unset, all but the padding.
+void ItemBounds::resize_for_overwrite(std::size_t count, bool with_layers) {
+  size_ = 0;
+  for (auto& c : coordinates_) c.resize_for_overwrite(count);
+  resize(count);
+  uses_layers_ = with_layers;
+  if (with_layers) layers_.resize_for_overwrite(count);
+}
+
 void ItemBounds::set(std::size_t i, const Aabb& box) {
-  assert(i < size());
   const Aabb kept = surely_empty(box) ? Aabb{} : box;
-  for (int axis = 0; axis < 3; ++axis) {
-    coordinates_[axis][i] = kept.min[axis];
-    coordinates_[axis + 3][i] = kept.max[axis];
-  }
+  store(i, kept);
   if (!kept.empty()) extent_.grow(kept);
+}
+
+void ItemBounds::store(std::size_t i, const Aabb& box) {
+  assert(i < size());
+  for (int axis = 0; axis < 3; ++axis) {
+    coordinates_[axis][i] = box.min[axis];
+    coordinates_[axis + 3][i] = box.max[axis];
+  }
 }
 
 Aabb ItemBounds::box(std::size_t i) const {

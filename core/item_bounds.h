@@ -64,6 +64,9 @@ class SIGHTLINE_API ItemBounds {
 
  private:
   friend class Storage;
+  friend class Snapshot;  // fills by several threads: each stores boxes of its own, and all share the extent
+  void store(std::size_t i, const Aabb& box);
+  void resize_for_overwrite(std::size_t count, bool with_layers);
   bool shown(std::size_t i, std::uint32_t mask) const { return !vacant(i) && (layers(i) & mask) != 0; }
   AabbD in_world(const Aabb& box) const;
   LargeArray<float> coordinates_[6];

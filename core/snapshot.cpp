@@ -1,26 +1,11 @@
 #include "sightline/core/snapshot.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cassert>
 
-#include "sightline/core/internal/block_order.h"
-
 namespace sightline::core {
 namespace {
-
-constexpr std::uint32_t kRankStride = 64;
-
-std::uint64_t next_generation() {
-  static std::atomic<std::uint64_t> counter{0};
-  return ++counter;
-}
-
-/// Capacity with headroom, so that an edit that grows arrays of a million items does not copy them.
-std::size_t with_headroom(std::size_t count) {
-  return count + count * 3 / 8;
-}
 
 glm::vec4 look_of(const Scene& scene, std::size_t material) {
   const MaterialId id = scene.material_at(material);
@@ -30,124 +15,11 @@ glm::vec4 look_of(const Scene& scene, std::size_t material) {
 
 }  // namespace
 
-// --- construction ----------------------------------------------------------------------------------------------------
-
-Snapshot::Snapshot(const Scene& scene, int threads) : scene_(&scene), generation_(next_generation()) {
-  if (const auto stored = scene.stored_snapshot_; stored && (*stored)(*this))
-    table_ = updated({}, scene, {});
-  else
-    build(scene, threads);
-}
-
-void Snapshot::build(const Scene& scene, int threads) {
-  Items all;
-  all.materials = updated({}, scene, {});
-  all.records.reserve(scene.item_count());
-  std::vector<AabbD> boxes;
-  boxes.reserve(scene.item_count());
-  AabbD origins;
-  scene.for_each_node(scene.root(),
-                      [&](NodeId node, const Affine& world, bool visible, std::uint32_t layers, MaterialId m) {
-                        for (ItemId item = scene.first_item(node); item != kNone; item = scene.next_item(item)) {
-                          const Scene::ItemState state = scene.state(item, world, visible, layers, m);
-                          origins.grow(state.world_from_item.origin);
-                          boxes.push_back(gather(scene, state, item, all));
-                        }
-                      });
-  // Whole metres, so that the origin itself is exact in float while it is small.
-  if (!origins.empty()) bounds_.origin = glm::round(origins.centre());
-  for (std::size_t i = 0; i < boxes.size(); ++i) all.records[i].box = round_outwards(boxes[i], bounds_.origin);
-  boxes = {};
-  slots_.reserve(with_headroom(scene.item_slots()));
-  slots_.assign(scene.item_slots(), kNone);
-  build(std::move(all), threads);
-}
-
-Snapshot::Snapshot(const Snapshot& like, Items&& items, int threads)
-    : scene_(like.scene_), generation_(next_generation()) {
-  bounds_.origin = like.bounds_.origin;
-  auto& records = items.records;
-  ItemId end = 0;
-  for (const Items::Record& r : records) end = std::max(end, r.item + 1);
-  slots_.reserve(with_headroom(end));
-  slots_.assign(end, kNone);
-  for (std::size_t i = 0; i < records.size(); ++i) slots_[records[i].item] = Slot(i);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    if (slots_[records[i].item] != i) continue;
-    Items::Record& r = records[kept++] = records[i];
-    if (r.layers != 0) continue;
-    // Hidden items are ordered by where they will reappear. That is exact for primitives, whose parameters are here; a
-    // mesh lies in the scene, so the origin of its item must do.
-    const Affine world{dmat3(r.linear), r.origin};
-    AabbD box{r.origin, r.origin};
-    if (int(r.kind) < kPrimitiveKindCount)
-      box = core::bounds(
-          make_primitive(r.kind, std::span(items.parameters).subspan(r.payload, std::size_t(parameter_count(r.kind)))),
-          world);
-    r.box = round_outwards(box, bounds_.origin);
-  }
-  records.resize(kept);
-  std::fill(slots_.begin(), slots_.end(), kNone);
-  build(std::move(items), threads);
-}
-
-void Snapshot::build(Items&& items, int threads) {
-  const std::size_t n = items.records.size();
-  std::vector<std::uint32_t> order;
-  {
-    std::vector<Aabb> boxes(n);
-    for (std::size_t i = 0; i < n; ++i) boxes[i] = items.records[i].box;
-    // Only the order is kept. A subtree is a range of slots, and code that traverses the hierarchy builds the nodes it
-    // needs.
-    order = block_order(boxes, {.threads = threads});
-  }
-  std::vector<dvec3> places(n);
-  for (std::size_t s = 0; s < n; ++s) places[s] = items.records[order[s]].origin;
-  const std::vector<std::uint32_t> chunk_of = chunks_.cut(places);
-
-  reserve(items);
-  if (items.materials) table_ = items.materials;
-  bounds_.resize(n);
-  block_sizes_.resize((n + kBlockSlots - 1) / kBlockSlots);
-  Aabb block;
-  for (std::size_t s = 0; s < n; ++s) {
-    append(items, order[s], chunk_of[s]);
-    block.grow(items.records[order[s]].box);
-    if ((s + 1) % kBlockSlots != 0 && s + 1 != n) continue;
-    block_sizes_[s / kBlockSlots] = size_of(block);
-    block = {};
-  }
-  ordered_size_ = n;
-  extend_ranks();
-  count_vacant();
-}
+// --- slots -----------------------------------------------------------------------------------------------------------
 
 /// Width + depth + height.
 float Snapshot::size_of(const Aabb& box) {
   return box.empty() ? 0.0f : box.max.x - box.min.x + (box.max.y - box.min.y) + (box.max.z - box.min.z);
-}
-
-void Snapshot::reserve(const Items& items) {
-  const std::size_t n = with_headroom(items.records.size());
-  bounds_.reserve(n);
-  kinds_.reserve(n);
-  index_in_kind_.reserve(n);
-  items_.reserve(n);
-  materials_.reserve(n);
-  ranks_.reserve(n / kRankStride + 2);
-  block_sizes_.reserve(n / kBlockSlots + 2);
-  std::array<std::size_t, kKindCount> counts{};
-  for (const Items::Record& r : items.records) ++counts[std::size_t(r.kind)];
-  for (std::size_t k = 0; k < counts.size(); ++k) {
-    const std::size_t count = with_headroom(counts[k]);
-    kind_items_[k].members.reserve(count);
-    kind_items_[k].placements.reserve(count);
-    if (int(k) < kPrimitiveKindCount)
-      kind_items_[k].parameters.reserve(count * std::size_t(parameter_count(Kind(k))));
-    else
-      kind_items_[k].meshes.reserve(count);
-  }
 }
 
 void Snapshot::append(const Items& items, std::uint32_t record, std::uint32_t chunk) {
@@ -236,25 +108,6 @@ void Snapshot::set_look(std::uint32_t number, const glm::vec4& look) {
 }
 
 // --- copies of items -------------------------------------------------------------------------------------------------
-
-/// Appends a record without a box; returns the box in the world.
-AabbD Snapshot::gather(const Scene& scene, const Scene::ItemState& state, ItemId item, Items& out) {
-  Items::Record r;
-  r.item = item;
-  r.kind = scene.kind(item);
-  r.layers = state.layers;
-  r.material = state.material;
-  r.linear = mat3(state.world_from_item.linear);
-  r.origin = state.world_from_item.origin;
-  const bool mesh = int(r.kind) >= kPrimitiveKindCount;
-  r.payload = mesh ? scene.mesh_of(item).index : std::uint32_t(out.parameters.size());
-  out.records.push_back(r);
-  if (mesh) return scene.bounds_under(item, state.world_from_item);
-  const Primitive primitive = scene.primitive(item);
-  const auto values = parameters(primitive);
-  out.parameters.insert(out.parameters.end(), values.begin(), values.end());
-  return core::bounds(primitive, state.world_from_item);
-}
 
 void Snapshot::Items::append(const Items& other) {
   const std::size_t first = records.size();

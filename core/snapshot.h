@@ -46,8 +46,8 @@ using MaterialTable = std::vector<glm::vec4>;
 class SIGHTLINE_API Snapshot {
  public:
   /// Builds a generation from the committed scene. Mesh data stays in the scene, which must outlive the snapshot.
-  /// Snapshots of scenes with pending edits show the edits (commit first to have them validated). `threads` order the
-  /// items; 0: all that OpenMP offers. The order does not depend on them.
+  /// Snapshots of scenes with pending edits show the edits (commit first to have them validated). `threads` share the
+  /// work; 0: all that OpenMP offers, for few items one. The result does not depend on them.
   explicit Snapshot(const Scene& scene, int threads = 0);
 
   /// Applies the edits of a commit. Returns the slots below the former size() whose boxes, layers or items changed,
@@ -158,6 +158,7 @@ class SIGHTLINE_API Snapshot {
  private:
   friend class Storage;
   Snapshot() = default;
+  static constexpr std::uint32_t kRankStride = 64;
   /// A record that gets a new slot, and its chunk; kNone when it has no chunk yet.
   struct Newcomer {
     std::uint32_t record, chunk;
@@ -168,12 +169,18 @@ class SIGHTLINE_API Snapshot {
     std::size_t of_scene = 0, first_look = 0;
     void move_looks();
   };
-  void build(const Scene& scene, int threads);
-  void build(Items&& items, int threads);
+  class SceneItems;
+  class CopiedItems;
+  /// Source: one of the two.
+  template <class Source>
+  void build(const Source& source, int threads);
+  template <class Source>
+  Aabb write(const Source& source, std::span<const std::uint32_t> order, const LargeArray<Aabb>& boxes,
+             std::size_t first, std::size_t end, LargeArray<dvec3>& places);
+  void make_room(bool with_layers);
   static float size_of(const Aabb& box);
   static std::shared_ptr<Table> updated(const Table& former, const Scene& scene,
                                         std::span<const std::uint32_t> materials);
-  void reserve(const Items& items);
   static AabbD gather(const Scene& scene, const Scene::ItemState& state, ItemId item, Items& out);
   void stay_or_go(const Items& items, std::span<const std::uint64_t> known, std::vector<Slot>& touched,
                   std::vector<Newcomer>& appended);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -17,7 +18,7 @@ class SIGHTLINE_API ChunkGrid {
   /// Starts anew. Cuts a sequence of points, in which neighbours should lie near each other, into runs that fit into a
   /// chunk. Returns the chunk of each point. Chunks are 16 m wide, which resolves a micrometre; the width doubles until
   /// there are few enough chunks.
-  std::vector<std::uint32_t> cut(const std::vector<dvec3>& points);
+  std::vector<std::uint32_t> cut(std::span<const dvec3> points);
 
   /// A chunk within reach of `place`. Tries `own`, then `likely` (either may be kNone), then all others. Then adds a
   /// chunk about `fresh`, which must lie within reach of `place`. Once too many chunks were added, returns one that is

@@ -94,6 +94,12 @@ class LargeArray {
     }
     size_ = count;
   }
+  /// Leaves new values unset. For threads that each fill a part: the system clears new memory at the first touch, which
+  /// takes longer than filling it.
+  void resize_for_overwrite(std::size_t count) {
+    if (count > capacity_) grow(std::max(count, 2 * capacity_));
+    size_ = count;
+  }
   void assign(std::size_t count, const T& value) {
     const T kept = value;
     clear();

@@ -51,6 +51,17 @@ TEST(LargeArray, LiesInMemoryOfOthersUntilItGrows) {
   EXPECT_FALSE(keeper.expired());  // `moved` still needs it
 }
 
+TEST(LargeArray, KeepsItsValuesWhenItGrowsWithoutNewOnes) {
+  LargeArray<int> array(3, 7);
+  array.resize_for_overwrite(1'000'000);
+  ASSERT_EQ(array.size(), 1'000'000u);
+  EXPECT_EQ(std::vector<int>(array.begin(), array.begin() + 3), std::vector<int>(3, 7));
+  array[999'999] = 8;
+  EXPECT_EQ(array.back(), 8);
+  array.resize_for_overwrite(2);
+  EXPECT_EQ(std::vector<int>(array.begin(), array.end()), std::vector<int>(2, 7));
+}
+
 TEST(LargeArray, DoesAsStdVectorDoes) {
   std::mt19937 random(3);
   LargeArray<int> array;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <set>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -350,11 +352,66 @@ TEST(Snapshot, AMovedSiteIsTheSameSite) {
   }
 }
 
+template <class T>
+bool same_bytes(std::span<const T> a, std::span<const T> b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
+/// Every array, bit for bit.
+void expect_identical(const Snapshot& a, const Snapshot& b) {
+  const std::size_t n = a.size();
+  ASSERT_EQ(n, b.size());
+  for (int axis = 0; axis < 6; ++axis)
+    ASSERT_TRUE(same_bytes(std::span(a.bounds().coordinate(axis), n + ItemBounds::kPadding),
+                           std::span(b.bounds().coordinate(axis), n + ItemBounds::kPadding)));
+  ASSERT_EQ(a.bounds().origin, b.bounds().origin);
+  ASSERT_EQ(a.bounds().extent().min, b.bounds().extent().min);
+  ASSERT_EQ(a.bounds().extent().max, b.bounds().extent().max);
+  ASSERT_EQ(a.bounds().uses_layers(), b.bounds().uses_layers());
+  ASSERT_TRUE(same_bytes(a.bounds().layers(), b.bounds().layers()));
+  ASSERT_EQ(a.vacant_count(), b.vacant_count());
+  ASSERT_EQ(a.chunk_origins(), b.chunk_origins());
+  for (Slot s = 0; s < n; ++s) {
+    ASSERT_EQ(a.item(s), b.item(s)) << "slot " << s;
+    ASSERT_EQ(a.kind(s), b.kind(s)) << "slot " << s;
+    ASSERT_EQ(a.index_in_kind(s), b.index_in_kind(s)) << "slot " << s;
+    ASSERT_EQ(a.material(s), b.material(s)) << "slot " << s;
+    ASSERT_EQ(a.slot(a.item(s)), b.slot(a.item(s))) << "slot " << s;
+    ASSERT_EQ(a.first_vacant(s, Slot(n)), b.first_vacant(s, Slot(n))) << "slot " << s;
+  }
+  for (int k = 0; k < kKindCount; ++k) {
+    const KindItems &p = a.of_kind(static_cast<Kind>(k)), &q = b.of_kind(static_cast<Kind>(k));
+    ASSERT_TRUE(same_bytes<Slot>(p.members, q.members));
+    ASSERT_TRUE(same_bytes<Placement>(p.placements, q.placements));
+    ASSERT_TRUE(same_bytes<float>(p.parameters, q.parameters));
+    ASSERT_TRUE(same_bytes<std::uint32_t>(p.meshes, q.meshes));
+  }
+}
+
+Snapshot::Items copies_of(const Snapshot& snapshot) {
+  Snapshot::Items items;
+  snapshot.copy(0, Slot(snapshot.size()), items);
+  return items;
+}
+
 TEST(Snapshot, DoesNotDependOnThreads) {
-  RandomPlant plant(8, 30'000, 200.0);
-  ASSERT_TRUE(plant.scene.commit());
-  const Snapshot one(plant.scene, 1), three(plant.scene, 3);
-  for (Slot s = 0; s < one.size(); ++s) ASSERT_EQ(one.item(s), three.item(s));
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(seed);
+    // With many edits and with none: hidden and removed items and layers of their own, or none of these.
+    RandomPlant plant(seed, seed % 4 == 3 ? 30'000 : 1'500 + 700 * int(seed), 200.0);
+    for (int i = 0; i < 300 && seed % 2 == 0; ++i) plant.edit();
+    ASSERT_TRUE(plant.scene.commit());
+    const Snapshot one(plant.scene, 1);
+    ASSERT_NO_FATAL_FAILURE(expect_consistent(one));
+    ASSERT_NO_FATAL_FAILURE(expect_shows(one, plant.scene));
+    const Snapshot copied(one, copies_of(one), 1);
+    ASSERT_NO_FATAL_FAILURE(expect_consistent(copied));
+    for (const int threads : {2, 3, 8}) {
+      SCOPED_TRACE(testing::Message() << threads << " threads");
+      ASSERT_NO_FATAL_FAILURE(expect_identical(one, Snapshot(plant.scene, threads)));
+      ASSERT_NO_FATAL_FAILURE(expect_identical(copied, Snapshot(one, copies_of(one), threads)));
+    }
+  }
 }
 
 // --- deltas ----------------------------------------------------------------------------------------------------------
