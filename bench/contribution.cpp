@@ -20,7 +20,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -45,7 +44,6 @@
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/engine/internal/rebuild.h"
 #include "sightline/image/image_metrics.h"
-#include "sightline/importers/plant/plant_generator.h"
 
 namespace sightline::bench {
 namespace {
@@ -214,11 +212,6 @@ struct Took {
   double ms, processor_ms;
 };
 
-/// Of all threads of this process.
-double processor_ms() {
-  return 1e3 * double(std::clock()) / CLOCKS_PER_SEC;
-}
-
 class Subject {
  public:
   static core::Expected<std::unique_ptr<Subject>> create(core::Scene& scene, const Options& o, int width, int height) {
@@ -244,7 +237,7 @@ class Subject {
     const bool by_engine = rule.measure == Rule::Measure::kNone || rule.measure == Rule::Measure::kSolid;
     drawing.set_contribution(by_engine ? float(rule.threshold) : 0.0f, rule.way);
     drawing.finish();
-    const Took begin{milliseconds(), processor_ms()};
+    const Took begin{milliseconds(), processor_milliseconds()};
     culler_.cull(view, visible_);
     visible_.generation = snapshot.generation();
     const core::VisibleSet* shown = &visible_;
@@ -260,7 +253,7 @@ class Subject {
     if (auto done = drawing.draw({view, snapshot, *shown, lines_, &culler_.hierarchy()}, 0); !done)
       return tl::unexpected(done.error());
     drawing.finish();
-    return Took{milliseconds() - begin.ms, processor_ms() - begin.processor_ms};
+    return Took{milliseconds() - begin.ms, processor_milliseconds() - begin.processor_ms};
   }
 
   /// The same after a frame that does not count, which tells the passes of occlusion what was open.
@@ -281,8 +274,7 @@ class Subject {
   std::vector<std::uint64_t> lines_;  // a bit per slot
 };
 
-core::Expected<std::vector<ViewPair>> views_of(core::Scene& scene, const Options& o, double aspect) {
-  if (auto done = scene.commit(); !done) return tl::unexpected(done.error());
+core::Expected<std::vector<ViewPair>> views_of(const core::Scene& scene, const Options& o, double aspect) {
   const core::Snapshot snapshot(scene);
   const core::CameraPath path = core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
   std::vector<ViewPair> views;
@@ -440,23 +432,16 @@ core::Expected<void> write_plot(const std::vector<Figures>& all, const std::stri
 }
 
 core::Expected<int> run(const Options& o) {
-  std::unique_ptr<core::Scene> scene;
-  std::string name;
-  if (o.items > 0) {
-    scene = std::make_unique<core::Scene>();
-    if (auto made = importers::generate_plant({o.items, 1}, *scene); !made) return tl::unexpected(made.error());
-    name = "generated plant of " + engine::count_text(o.items);
-  } else {
-    auto model = apps::load_model(o.model);
-    if (!model) return tl::unexpected(model.error());
-    scene = std::move(model->scene);
-    for (const std::string& file : o.model.files)
-      name += (name.empty() ? "" : ", ") + std::filesystem::path(file).filename().string();
-  }
+  const auto made = model_or_plant(o.model, o.items);
+  if (!made) return tl::unexpected(made.error());
+  core::Scene& scene = **made;
+  std::string name = o.items > 0 ? "generated plant of " + engine::count_text(o.items) : "";
+  for (const std::string& file : o.model.files)
+    name += (name.empty() ? "" : ", ") + std::filesystem::path(file).filename().string();
   const auto [width, height] = *apps::parse_size(o.size);
-  const auto views = views_of(*scene, o, double(width) / height);
+  const auto views = views_of(scene, o, double(width) / height);
   if (!views) return tl::unexpected(views.error());
-  auto subject = Subject::create(*scene, o, width, height);
+  auto subject = Subject::create(scene, o, width, height);
   if (!subject) return tl::unexpected(subject.error());
   const gl::Context& context = (*subject)->engine().drawing()->context();
   std::FILE* out = apps::table_stream(o.json);

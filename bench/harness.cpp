@@ -8,9 +8,11 @@
 
 #include <CLI/CLI.hpp>
 
+#include "sightline/apps/common/model.h"
 #include "sightline/bench/models/plant_boxes.h"
 #include "sightline/core/internal/block_order.h"
 #include "sightline/culling/hierarchy.h"
+#include "sightline/importers/plant/plant_generator.h"
 
 static_assert(std::endian::native == std::endian::little, "the file formats are read as they lie in memory");
 
@@ -94,6 +96,19 @@ core::ItemBounds in_production_order(std::span<const core::Aabb> boxes) {
 void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order) {
   bounds.resize(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) bounds.set(i, boxes[order.empty() ? i : order[i]]);
+}
+
+core::Expected<std::unique_ptr<core::Scene>> model_or_plant(const apps::ModelOptions& options, std::uint64_t items) {
+  auto scene = std::make_unique<core::Scene>();
+  if (!options.files.empty()) {
+    auto model = apps::load_model(options);
+    if (!model) return tl::unexpected(model.error());
+    scene = std::move(model->scene);
+  } else if (auto made = importers::generate_plant({.items = items}, *scene); !made) {
+    return tl::unexpected(made.error());
+  }
+  if (auto done = scene->commit(); !done) return tl::unexpected(done.error());
+  return scene;
 }
 
 }  // namespace sightline::bench

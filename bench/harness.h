@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <ctime>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,12 +12,17 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/core/error.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/scene.h"
 #include "sightline/core/view.h"
 
 namespace CLI {
 class App;
 class Option;
 }  // namespace CLI
+
+namespace sightline::apps {
+struct ModelOptions;
+}
 
 namespace sightline::bench {
 
@@ -41,10 +48,18 @@ core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input);
 /// Boxes in the given order (empty: in their own order).
 void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span<const std::uint32_t> order);
 
+/// The model, or without files a generated plant of `items`; committed.
+core::Expected<std::unique_ptr<core::Scene>> model_or_plant(const apps::ModelOptions& model, std::uint64_t items);
+
 /// Time since an arbitrary moment.
 inline double milliseconds() {
   using Clock = std::chrono::steady_clock;
   return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
+}
+
+/// Time that all threads of the process have run.
+inline double processor_milliseconds() {
+  return 1e3 * double(std::clock()) / CLOCKS_PER_SEC;
 }
 
 /// Boxes in the order in which production culls them.

@@ -7,7 +7,6 @@
 // for one another or for memory; the fit counts that as serial, too.
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <functional>
 #include <limits>
 #include <map>
@@ -25,7 +24,6 @@
 #include "sightline/bench/subcommands.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/culling/cpu_culler.h"
-#include "sightline/importers/plant/plant_generator.h"
 #include "sightline/raytrace/exact_visibility.h"
 
 namespace sightline::bench {
@@ -88,13 +86,12 @@ core::Expected<Json> measure(const Stage& stage, const std::vector<int>& counts,
   for (const int threads : counts) times.push_back({.threads = threads});
   for (int pass = 0; pass < passes; ++pass)
     for (Timed& t : times) {
-      const std::clock_t clock = std::clock();
-      const double start = milliseconds();
+      const double start = milliseconds(), processor = processor_milliseconds();
       if (auto done = stage.run(t.threads); !done) return tl::unexpected(done.error());
       const double wall = milliseconds() - start;
       if (wall >= t.wall) continue;
       t.wall = wall;
-      t.processor = 1e3 * double(std::clock() - clock) / CLOCKS_PER_SEC;
+      t.processor = processor_milliseconds() - processor;
     }
   const double serial = serial_share(times);
   Json row{{"stage", stage.name}, {"serial_share", serial}};
@@ -133,21 +130,6 @@ core::Expected<std::vector<core::View>> views_of(const core::Snapshot& snapshot)
   return views;
 }
 
-core::Expected<std::unique_ptr<core::Scene>> scene_of(const Options& options) {
-  std::unique_ptr<core::Scene> scene;
-  if (!options.model.files.empty()) {
-    auto model = apps::load_model(options.model);
-    if (!model) return tl::unexpected(model.error());
-    scene = std::move(model->scene);
-  } else {
-    scene = std::make_unique<core::Scene>();
-    if (auto made = importers::generate_plant({.items = options.items}, *scene); !made)
-      return tl::unexpected(made.error());
-  }
-  if (auto done = scene->commit(); !done) return tl::unexpected(done.error());
-  return scene;
-}
-
 Stage reading(const Options& options) {
   return {"read " + std::to_string(options.model.files.size()) + " files",
           [&options](int threads) -> core::Expected<void> {
@@ -161,7 +143,7 @@ Stage reading(const Options& options) {
 }
 
 core::Expected<int> run(const Options& options) {
-  auto scene = scene_of(options);
+  auto scene = model_or_plant(options.model, options.items);
   if (!scene) return tl::unexpected(scene.error());
   const core::Snapshot snapshot(**scene);
   const culling::CpuCuller culler(snapshot.bounds());

@@ -11,7 +11,6 @@
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <sys/resource.h>
 
 #include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/model.h"
@@ -29,13 +28,6 @@ struct Options {
   std::string file, json;
   importers::ImportOptions import;
 };
-
-double processor_milliseconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto ms = [](const timeval& t) { return double(t.tv_sec) * 1e3 + double(t.tv_usec) * 1e-3; };
-  return ms(usage.ru_utime) + ms(usage.ru_stime);
-}
 
 /// A row of /proc/self/status in bytes; 0 where there is none.
 double status_bytes(const std::string& name) {

@@ -2,7 +2,6 @@
 // and graph 6-9 of the dissertation about RT² (2011), and beside them the error, which it does not tell.
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/view_options.h"
+#include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/image/image_metrics.h"
 #include "sightline/raytrace/whitted.h"
@@ -103,10 +103,10 @@ core::Expected<int> run(const Options& o) {
     for (Variant& variant : variants) {
       whitted.samples = variant.samples;
       whitted.edge_threshold = variant.threshold;
-      const std::clock_t start = std::clock();
+      const double start = processor_milliseconds();
       auto picture = raytrace::render_whitted(*tracer, *view, width, height, whitted);
       if (!picture) return tl::unexpected(picture.error());
-      variant.seconds = std::min(variant.seconds, double(std::clock() - start) / CLOCKS_PER_SEC);
+      variant.seconds = std::min(variant.seconds, 1e-3 * (processor_milliseconds() - start));
       variant.picture = std::move(*picture);
     }
 

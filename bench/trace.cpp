@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -24,7 +23,6 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
-#include "sightline/importers/plant/plant_generator.h"
 #include "sightline/raytrace/pixel_rays.h"
 #if SIGHTLINE_HAS_EMBREE
 #include "sightline/bench/embree_peer.h"
@@ -46,10 +44,6 @@ struct Options {
   std::size_t chunk = 0;
   std::string only, json;
 };
-
-double processor_ms() {
-  return 1e3 * double(std::clock()) / CLOCKS_PER_SEC;
-}
 
 /// A ball of radius 1 with bumps, of about as many triangles.
 core::Mesh bumpy_ball(std::size_t triangles) {
@@ -196,12 +190,12 @@ void print_table(const nlohmann::json& json, std::FILE* out) {
                  way["mrays_per_s"].get<double>(), way["hits"].get<std::size_t>(), way["different"].get<std::size_t>());
 }
 
-core::Expected<core::Scene> scene_of(const Options& options) {
-  core::Scene scene;
-  const auto mesh = scene.add_mesh(bumpy_ball(options.triangles));
+core::Expected<std::unique_ptr<core::Scene>> ball_of(std::size_t triangles) {
+  auto scene = std::make_unique<core::Scene>();
+  const auto mesh = scene->add_mesh(bumpy_ball(triangles));
   if (!mesh) return tl::unexpected(mesh.error());
-  scene.add_mesh_instance(scene.root(), *mesh);
-  if (auto done = scene.commit(); !done) return tl::unexpected(done.error());
+  scene->add_mesh_instance(scene->root(), *mesh);
+  if (auto done = scene->commit(); !done) return tl::unexpected(done.error());
   return scene;
 }
 
@@ -241,31 +235,19 @@ double pass_ms(const Way& way, std::size_t chunk, std::span<float> t,
   for (std::size_t first = 0; first < t.size(); first += chunk) {
     const std::size_t count = std::min(chunk, t.size() - first);
     if (count < t.size()) fetch(first, count);
-    const double start = processor_ms();
+    const double start = processor_milliseconds();
     way.trace(first, t.subspan(first, count));
-    ms += processor_ms() - start;
+    ms += processor_milliseconds() - start;
   }
   return ms;
 }
 
 core::Expected<int> run(const Options& options) {
-  std::unique_ptr<core::Scene> scene;
-  if (!options.model.files.empty()) {
-    auto model = apps::load_model(options.model);
-    if (!model) return tl::unexpected(model.error());
-    scene = std::move(model->scene);
-    if (auto done = scene->commit(); !done) return tl::unexpected(done.error());
-  } else if (options.items > 0) {
-    scene = std::make_unique<core::Scene>();
-    if (auto made = importers::generate_plant({.items = options.items}, *scene); !made)
-      return tl::unexpected(made.error());
-    if (auto done = scene->commit(); !done) return tl::unexpected(done.error());
-  } else {
-    auto made = scene_of(options);
-    if (!made) return tl::unexpected(made.error());
-    scene = std::make_unique<core::Scene>(std::move(*made));
-  }
-  const core::Snapshot snapshot(*scene);
+  const bool ball = options.model.files.empty() && options.items == 0;
+  const auto made = ball ? ball_of(options.triangles) : model_or_plant(options.model, options.items);
+  if (!made) return tl::unexpected(made.error());
+  const core::Scene& scene = **made;
+  const core::Snapshot snapshot(scene);
   std::size_t triangles = 0;
   for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
     if (!snapshot.vacant(slot) && int(snapshot.kind(slot)) >= core::kPrimitiveKindCount)

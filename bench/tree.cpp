@@ -4,7 +4,6 @@
 // a search with the filter of the tree for each text. A search uses several threads, so processor time is given, too.
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <random>
 #include <string>
@@ -101,11 +100,10 @@ Times measured(int repeats, const Prepare& prepare, const Call& call) {
   std::vector<double> wall, processor;
   for (int i = 0; i < repeats; ++i) {
     prepare();
-    const std::clock_t clock = std::clock();
-    const double start = milliseconds();
+    const double start = milliseconds(), used = processor_milliseconds();
     call();
     wall.push_back(milliseconds() - start);
-    processor.push_back(1e3 * double(std::clock() - clock) / CLOCKS_PER_SEC);
+    processor.push_back(processor_milliseconds() - used);
   }
   return {apps::median(std::move(wall)), apps::median(std::move(processor))};
 }
