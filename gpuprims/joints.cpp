@@ -363,18 +363,17 @@ class JointSearch {
 
 Joints::Joints(const Snapshot& snapshot) {
   const core::StoredJoints* stored = snapshot.stored_joints();
-  const std::vector<bool> opaque = opaque_materials(snapshot);
+  std::vector<bool> opaque = opaque_materials(snapshot);
   if (stored && std::equal(opaque.begin(), opaque.end(), stored->opaque.begin(), stored->opaque.end(),
                            [](bool a, std::uint8_t b) { return a == (b != 0); })) {
     bits_.assign(stored->bits.begin(), stored->bits.end());
     covers_.assign(stored->covers.begin(), stored->covers.end());
     first_.assign(stored->first.begin(), stored->first.end());
     for (const std::uint64_t word : bits_) count_ += std::size_t(std::popcount(word));
-    if (count_ > 0) opaque_ = opaque;
-    return;
+  } else {
+    JointSearch(snapshot, *this).run();
   }
-  JointSearch(snapshot, *this).run();
-  if (count_ > 0) opaque_ = opaque_materials(snapshot);
+  if (count_ > 0) opaque_ = std::move(opaque);
 }
 
 Joints::Joints(ItemId first_item, std::vector<std::uint64_t> bits) : first_item_(first_item), bits_(std::move(bits)) {
