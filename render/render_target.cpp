@@ -150,8 +150,7 @@ std::vector<float> RenderTarget::read_reversed_depths() const {
 }
 
 image::DepthImage RenderTarget::read_depth(const core::View& view) const {
-  image::DepthImage image{width(), height(),
-                          read_flipped<float>(resolved_attachments().depth, GL_DEPTH_COMPONENT, GL_FLOAT, 1)};
+  image::DepthImage image{width(), height(), read_reversed_depths()};
   const core::dmat4 clip = gpuprims::reversed_clip_from_eye(view);
   for (float& depth : image.metres)
     depth = depth == 0.0f ? std::numeric_limits<float>::infinity() : float(gpuprims::eye_depth(clip, depth));
