@@ -14,13 +14,13 @@ constexpr std::size_t kPiece = 2048;  // slots copied at a time, while edits wai
 /// in a part as in the whole.
 std::vector<core::ItemId> items_outside(const core::Snapshot& snapshot, const ScenePart& part) {
   const std::size_t blocks = (snapshot.size() + core::kBlockSlots - 1) / core::kBlockSlots;
-  const auto begin = [&](int index) {
+  const auto begin_of = [&](int index) {
     return std::min(snapshot.size(), blocks * std::size_t(index) / std::size_t(part.count) * core::kBlockSlots);
   };
+  const std::size_t first = begin_of(part.index), end = begin_of(part.index + 1);
   std::vector<core::ItemId> items;
   for (core::Slot slot = 0; slot < snapshot.size(); ++slot)
-    if ((slot < begin(part.index) || slot >= begin(part.index + 1)) && snapshot.item(slot) != core::kNone)
-      items.push_back(snapshot.item(slot));
+    if ((slot < first || slot >= end) && snapshot.item(slot) != core::kNone) items.push_back(snapshot.item(slot));
   return items;
 }
 
@@ -100,12 +100,12 @@ void BackgroundRebuild::edit(const core::SceneDelta& delta, const std::function<
 
 bool BackgroundRebuild::ready() {
   const std::unique_lock<std::mutex> held(mutex_, std::try_to_lock);
-  return held && state_ == State::kReady && !behind_;
+  return exchangeable(held);
 }
 
 bool BackgroundRebuild::exchange(Order& live) {
   std::unique_lock<std::mutex> held(mutex_, std::try_to_lock);
-  if (!held || state_ != State::kReady || behind_) return false;
+  if (!exchangeable(held)) return false;
   std::swap(live, order_);
   state_ = State::kExchanged;
   held.unlock();

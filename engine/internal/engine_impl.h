@@ -1,5 +1,5 @@
-// The engine behind Engine. Its functions are in engine.cpp, those that ask something between frames in queries.cpp.
-// Internal to engine.
+// The engine behind Engine. Its functions are in engine.cpp, those about contexts in contexts.cpp, and those that ask
+// something between frames in queries.cpp. Internal to engine.
 #pragma once
 
 #include <cstdint>

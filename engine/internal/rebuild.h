@@ -108,6 +108,10 @@ class BackgroundRebuild {
   void run(const std::stop_token& stop, const PlanRequest& request);
   bool copy_all(const std::stop_token& stop, core::Snapshot::Items& items);
   bool copy_missed(const std::stop_token& stop, std::span<const core::ItemId> missed, core::Snapshot::Items& items);
+  /// Whether `held` is the mutex, and the new order is ready and shows all edits.
+  bool exchangeable(const std::unique_lock<std::mutex>& held) const {
+    return held.owns_lock() && state_ == State::kReady && !behind_;
+  }
   /// Locks the mutex as soon as no edit is under way. False: the thread must stop.
   bool lock(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
 
