@@ -26,10 +26,9 @@ void describe(CLI::App& app, const std::string& examples);
 /// --json FILE, into `file`.
 void add_json_option(CLI::App& app, std::string& file);
 
-/// Parses the command line and runs a tool. Its error becomes one line on stderr and exit 1. One
-/// without a message is that of another process, which tells it: exit 0, or mpirun would end that one before it can.
-/// Bad usage gives exit 2. An
-/// exception of a library (no memory) gives exit 1.
+/// Parses the command line and runs a tool. Its error becomes one line on stderr and exit 1. One without a message is
+/// that of another process, which tells it: exit 0, or mpirun would end that one before it can. Bad usage gives exit 2.
+/// An exception of a library (no memory) gives exit 1.
 int run(CLI::App& app, int argc, char** argv, const std::function<core::Expected<int>()>& body);
 
 /// "640x360", both 1 … 16384.
