@@ -7,65 +7,10 @@
 
 #include <png.h>
 
-#include "sightline/tests/apps/window_test.h"
+#include "sightline/tests/apps/view_window.h"
 
 namespace sightline::tests {
 namespace {
-
-/// 8-bit RGB, rows top to bottom.
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;
-};
-
-void write_png(const Picture& picture, const std::string& file) {
-  png_image header{};
-  header.version = PNG_IMAGE_VERSION;
-  header.width = png_uint_32(picture.width);
-  header.height = png_uint_32(picture.height);
-  header.format = PNG_FORMAT_RGB;
-  EXPECT_TRUE(png_image_write_to_file(&header, file.c_str(), 0, picture.rgb.data(), 0, nullptr)) << header.message;
-}
-
-/// The upper left corner of a screen that Xvfb keeps as a file: an X window dump (XWDFile.h, version 7) of 32 bits per
-/// pixel, blue first.
-Picture read_screen(const std::string& file, int width, int height) {
-  const std::string bytes = read_bytes(file);
-  const auto word = [&](std::size_t index) {
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | std::uint8_t(bytes.at(4 * index + i));
-    return std::size_t(value);
-  };
-  constexpr std::size_t kHeaderBytes = 0, kBytesPerLine = 12, kColours = 19, kBytesPerColour = 12;
-  const std::size_t first = word(kHeaderBytes) + kBytesPerColour * word(kColours);
-  Picture picture{width, height, {}};
-  for (std::size_t y = 0; y < std::size_t(height); ++y)
-    for (std::size_t x = 0; x < std::size_t(width); ++x)
-      for (const std::size_t channel : {2, 1, 0})
-        picture.rgb.push_back(std::uint8_t(bytes.at(first + y * word(kBytesPerLine) + 4 * x + channel)));
-  return picture;
-}
-
-class View : public WindowTest {
- protected:
-  /// sightline-view must succeed.
-  Outcome view(const Args& args) const {
-    Outcome outcome = run("view", args);
-    EXPECT_EQ(outcome.code, 0) << outcome;
-    return outcome;
-  }
-  /// The window's part of the screen, the window being the only one there.
-  std::string screen(int width, int height) const {
-    std::string file = path("screen.png");
-    write_png(read_screen(path("Xvfb_screen0"), width, height), file);
-    return file;
-  }
-  /// Other drivers make the same picture but for a few pixels on edges.
-  Outcome compare(const std::string& picture, Args render_args) const {
-    render_args.insert(render_args.end(), {"--compare", picture, "--max", "255", "--mean", "0.05"});
-    return run("render", render_args);
-  }
-};
 
 int magenta_pixels(const Picture& picture) {
   int count = 0;
@@ -74,19 +19,6 @@ int magenta_pixels(const Picture& picture) {
     count += red > 60 && 5 * green < 2 * blue && 5 * blue > 2 * red && red > blue;
   }
   return count;
-}
-
-Picture read_png(const std::string& file) {
-  png_image header{};
-  header.version = PNG_IMAGE_VERSION;
-  Picture picture;
-  EXPECT_TRUE(png_image_begin_read_from_file(&header, file.c_str())) << file << ": " << header.message;
-  header.format = PNG_FORMAT_RGB;
-  picture.rgb.resize(PNG_IMAGE_SIZE(header));
-  EXPECT_TRUE(png_image_finish_read(&header, nullptr, picture.rgb.data(), 0, nullptr)) << header.message;
-  picture.width = int(header.width);
-  picture.height = int(header.height);
-  return picture;
 }
 
 /// Items against the sky: without them the picture would be of one colour.
@@ -157,51 +89,6 @@ TEST_F(View, RefusesWhatIsNoModel) {
   expect_failure("view", {good, "--translate", "1e300,0,0", "--frames", "1"}, "beyond", true);
 }
 
-/// sightline-view driven by a script. Any expectation that it does not meet makes it fail.
-class ViewScript : public View {
- protected:
-  Outcome drive(const std::string& text, Args args) const {
-    args.insert(args.end(), {"--script", write("script.txt", text)});
-    return run("view", args);
-  }
-  void expect_driven(const std::string& text, const Args& args) const {
-    const Outcome outcome = drive(text, args);
-    EXPECT_EQ(outcome.code, 0) << outcome;
-  }
-  /// The state at the end.
-  Json state_after(const std::string& text, Args args) const {
-    args.insert(args.end(), {"--script", write("script.txt", text + "wait 0\n")});
-    return run_json("view", args);
-  }
-  struct Box {
-    const char* name;
-    double x, y, z, half;
-  };
-  std::string write_boxes(const std::string& file, const std::vector<Box>& boxes) const {
-    std::string text;
-    int vertex = 0;
-    for (const Box& b : boxes) {
-      text += std::string("o ") + b.name + "\n";
-      for (int i = 0; i < 8; ++i)
-        text += "v " + std::to_string(b.x + (i & 1 ? b.half : -b.half)) + " " +
-                std::to_string(b.y + (i & 2 ? b.half : -b.half)) + " " +
-                std::to_string(b.z + (i & 4 ? b.half : -b.half)) + "\n";
-      for (const auto& f :
-           {std::array{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5}, {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}})
-        text += "f " + std::to_string(vertex + f[0]) + " " + std::to_string(vertex + f[1]) + " " +
-                std::to_string(vertex + f[2]) + " " + std::to_string(vertex + f[3]) + "\n";
-      vertex += 8;
-    }
-    return write(file, text);
-  }
-  /// Four boxes: one behind another, and two beside them.
-  std::string boxes() const {
-    return write_boxes("boxes.obj",
-                       {{"front", 0, 0, 0, 1}, {"behind", 0, 10, 0, 1}, {"left", -6, 5, 0, 1}, {"right", 6, 5, 0, 1}});
-  }
-  static constexpr const char* kSize = "600x400";
-};
-
 TEST_F(ViewScript, SelectsHidesAndUndoes) {
   const std::string model = boxes();
   expect_driven(
@@ -266,91 +153,6 @@ TEST_F(ViewScript, MeasuresBetweenMarksAndItems) {
       {boxes(), "--size", kSize, "--no-panels"});
 }
 
-TEST_F(ViewScript, SectionsCutThePictureAndPicks) {
-  expect_driven(
-      "front\n"
-      "move 300 200\npress x\nexpect /sections = 1\n"  // at the front box's face: nothing is gone
-      "click 300 200\nexpect /selection/count = 1\n"
-      "press b\nexpect /sections = 6\npress escape\n"
-      "drag 1 1 599 399 ctrl\nexpect /selection/count = 1\n"
-      "move 300 200\npress x\npress x\nexpect /sections = 8\npress x\n"
-      "expect /message = \"there are eight sections: take one away first\"\n"
-      "section-clear\nexpect /sections = 0\n"
-      "drag 1 1 599 399 ctrl\nexpect /selection/count = 4\n",
-      {boxes(), "--size", kSize, "--no-panels"});
-}
-
-TEST_F(ViewScript, HandlesOfSectionsMoveTurnAndFlip) {
-  const std::string model = boxes(), before = path("before.png"), after = path("after.png");
-  const Args args{model, "--size", "1000x600", "--theme", "light"};
-  // The front box's face to the south, seen from the east: the arrow out points to the left.
-  const std::string begin =
-      "front\nmove 485 300\nsection-here\nexpect /section_selected = 1\nsection-move -0.25\nright\n";
-  const Json seen = state_after(begin + "screenshot " + before + "\n", args);
-  const Json section = seen.at("section_list").at(0);
-  EXPECT_EQ(section.at("normal"), Json::array({0.0, -1.0, 0.0}));
-  EXPECT_EQ(section.at("at").at(1), -0.75);
-  ASSERT_EQ(section.at("handles").size(), 5u) << "of the plane's sides, two lie behind the middle: " << section;
-  const auto drag = [&](const char* handle, int x, int y, const std::string& with = "") {
-    const Json& at = section.at("handles").at(handle);
-    const double from[] = {at.at(0), at.at(1)};
-    return "drag " + std::to_string(from[0]) + ' ' + std::to_string(from[1]) + ' ' + std::to_string(from[0] + x) + ' ' +
-           std::to_string(from[1] + y) + ' ' + with + '\n';
-  };
-  const auto dragged = [&](const char* handle, int x, int y, const std::string& with = "", const char* then = "") {
-    return state_after(begin + drag(handle, x, y, with) + then, args).at("section_list").at(0);
-  };
-  const double depth = double(seen.at("camera").at("eye").at(0)) - double(section.at("at").at(0)),
-               pixel = 2.0 * depth * std::tan(0.125 * 3.14159265358979) / double(seen.at("size").at(1));
-
-  // Moved by as much as the cursor, along the normal alone; the picture changes, camera and selection do not.
-  const Json whole = state_after(begin + drag("out", 60, 30) + "screenshot " + after + "\n", args),
-             moved = whole.at("section_list").at(0);
-  EXPECT_NEAR(double(moved.at("moved")), -0.25 - 60.0 * pixel, pixel);
-  EXPECT_EQ(moved.at("normal"), section.at("normal"));
-  EXPECT_EQ(whole.at("camera"), seen.at("camera"));
-  EXPECT_EQ(whole.at("selection").at("count"), 0);
-  EXPECT_NE(read_png(before).rgb, read_png(after).rgb);
-  EXPECT_NEAR(double(dragged("in", -20, 0).at("moved")), -0.25 + 20.0 * pixel, pixel);
-  EXPECT_NEAR(double(dragged("middle", 20, 0).at("moved")), -0.25 - 20.0 * pixel, pixel);
-
-  // With Ctrl at round places, by whole steps of angle; with Shift at what the model has there.
-  const double round = dragged("out", 57, 0, "ctrl").at("at").at(1);
-  EXPECT_NEAR(round, 0.05 * std::round(round / 0.05), 1e-9);
-  EXPECT_GT(round, -0.75);
-  const Json turned = dragged("up", -20, 2, "ctrl");
-  EXPECT_NEAR(double(turned.at("normal").at(1)), -std::sqrt(0.75), 1e-9);
-  EXPECT_NEAR(double(turned.at("normal").at(2)), -0.5, 1e-9);
-
-  // A click on the middle flips the selected section, or selects; without handles, and beside them, all is as ever.
-  const Json& at = section.at("handles").at("middle");
-  const std::string click = "click " + std::to_string(double(at.at(0))) + ' ' + std::to_string(double(at.at(1))) + '\n';
-  expect_driven(begin + click + "expect /section_list/0/normal/1 = 1\n" + click +
-                    "expect /section_list/0/normal/1 = -1\nexpect /selection/count = 0\nsection-select 0\n" + click +
-                    "expect /section_selected = 1\nexpect /section_list/0/normal/1 = -1\nsection-handles\n" + click +
-                    "expect /section_list/0/normal/1 = -1\nexpect /selection/count = 1\n" + drag("out", 60, 0) +
-                    "expect /section_list/0/at/1 = -0.75\n",
-                args);
-}
-
-TEST_F(ViewScript, SectionsHaveCommands) {
-  const std::string model = boxes();
-  const Args args{model, "--size", kSize, "--no-panels"};
-  expect_driven(
-      "front\nsection-box\nexpect /section_selected = 0\nexpect /section_list/5/normal/2 = -1\n"
-      "section-flip 6\nexpect /section_list/5/normal/2 = 1\nsection-move 2 1.5\n"
-      "expect /section_list/1/moved = 1.5\nsection-select 3\nsection-remove 2\nexpect /sections = 5\n"
-      "expect /section_selected = 2\nsection-move 0.5\nexpect /section_list/1/moved = 0.5\n"
-      "section-remove\nexpect /sections = 4\nexpect /section_selected = 0\n"
-      "hatch\nexpect /hatching = true\nhatch\nexpect /hatching = false\n",
-      args);
-  for (const char* wrong : {"section-flip 3", "section-remove", "section-move 1 far", "section-select x"}) {
-    const Outcome refused = drive(std::string(wrong) + "\n", args);
-    EXPECT_EQ(refused.code, 1) << wrong << refused;
-  }
-}
-
-/// What the viewer saved, other tools draw, and the viewer shows again.
 TEST_F(ViewScript, ViewsAreSavedAndComeBack) {
   const std::string view = path("saved.json"), shot = path("shot.png"), again = path("again.png"), model = boxes();
   for (const char* projection : {"", "orthographic\n"}) {
@@ -396,124 +198,6 @@ TEST_F(ViewScript, KeepsAListOfViews) {
   }
   EXPECT_NE(drive("view-show nothing\n", args).code, 0);
   EXPECT_NE(drive("views-load " + garbage + "\n", args).code, 0);
-}
-
-/// Boxes in a row from left to right, and what became of them. From the front a metre is 20 pixels.
-class ViewComparison : public ViewScript {
- protected:
-  void SetUp() override {
-    ViewScript::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    old_ = write_boxes(
-        "old.obj", {{"gone", -8, 0, 0, 0.8}, {"moved", -4, 0, 0, 1}, {"changed", 0, 0, 0, 1}, {"same", 4, 0, 0, 1}});
-    new_ = write_boxes(
-        "new.obj",
-        {{"moved", -4, 0, 1.5, 1}, {"changed", 0, 0, 0, 1.5}, {"same", 4, 0, 0, 1}, {"added", 8, 0, 0, 0.9}});
-    front_ = "load-view " +
-             write("front.json",
-                   R"({"eye": [0, -100, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fovy_deg": 11.4212, "near": 1})") +
-             "\n";
-  }
-  /// The shares of red, green and blue in a pixel, which shading leaves as they are.
-  static std::array<double, 3> hue(const Picture& picture, int x, int y) {
-    const std::size_t at = 3 * (std::size_t(y) * std::size_t(picture.width) + std::size_t(x));
-    const double sum = picture.rgb.at(at) + picture.rgb.at(at + 1) + picture.rgb.at(at + 2);
-    return {picture.rgb[at] / sum, picture.rgb[at + 1] / sum, picture.rgb[at + 2] / sum};
-  }
-  static void expect_hue(const Picture& picture, int x, int y, const std::array<int, 3>& rgb) {
-    const std::array<double, 3> found = hue(picture, x, y);
-    for (std::size_t c = 0; c < 3; ++c)
-      EXPECT_NEAR(found[c], double(rgb[c]) / (rgb[0] + rgb[1] + rgb[2]), 0.1) << x << ", " << y << ": " << c;
-  }
-
-  std::string old_, new_, front_;
-};
-
-TEST_F(ViewComparison, ColoursWhatChanged) {
-  const std::string before = path("before.png"), during = path("during.png"), some = path("some.png"),
-                    after = path("after.png");
-  expect_driven(front_ + "expect /compare = null\nexpect /items = 4\nscreenshot " + before + "\ncompare " + old_ +
-                    "\nexpect /compare/added = 1\nexpect /compare/removed = 1\nexpect /compare/moved = 1\n"
-                    "expect /compare/changed = 1\nexpect /compare/unchanged = 1\nexpect /compare/rows = 4\n"
-                    "expect /items = 5\nexpect /undo_steps = 0\nscreenshot " +
-                    during +
-                    "\ncompare-toggle changed\ncompare-toggle unchanged\nexpect /compare/shown/changed = false\n"
-                    "expect /compare/rows = 3\nscreenshot " +
-                    some + "\ncompare-end\nexpect /compare = null\nexpect /items = 4\nscreenshot " + after + "\n",
-                {new_, "--size", kSize, "--no-panels"});
-  const Picture old = read_png(before), all = read_png(during), three = read_png(some), end = read_png(after);
-  EXPECT_EQ(old.rgb, end.rgb) << "all is as it was";
-  const std::array<double, 3> sky = hue(old, 140, 200);
-  for (const Picture* picture : {&all, &three}) {
-    expect_hue(*picture, 140, 200, {213, 94, 0});
-    expect_hue(*picture, 220, 170, {86, 180, 233});
-    expect_hue(*picture, 460, 200, {0, 158, 115});
-  }
-  expect_hue(all, 300, 200, {240, 228, 66});
-  EXPECT_EQ(hue(three, 300, 200), sky);
-  EXPECT_EQ(hue(three, 380, 200), sky);
-  EXPECT_NE(hue(all, 380, 200), sky) << "faint, but there";
-}
-
-/// Removed items are picked, hidden, cut, found and undone like others, and leave nothing behind.
-TEST_F(ViewComparison, RemovedItemsTakePart) {
-  expect_driven(front_ + "click 380 200\nexpect /selection/count = 1\nhide\nexpect /hidden = 1\nselect-none\ncompare " +
-                    old_ +
-                    "\nexpect /hidden = 1\nclick 380 200\nexpect /selection/count = 0\n"
-                    "wait 0.5\nclick 140 200\nexpect /selection/count = 1\nsection-box\nexpect /sections = 6\n"
-                    "drag 1 1 599 399 ctrl\nexpect /selection/count = 1\nsection-clear\n"
-                    "hide\nexpect /hidden = 2\nundo\nexpect /hidden = 1\nexpect /selection/count = 1\n"
-                    "find gone\nexpect /found = 1\nselect-none\nselect-found\nexpect /selection/count = 1\nhide\n"
-                    "compare-end\nexpect /hidden = 1\nexpect /found = 0\nexpect /items = 4\n"
-                    "expect /selection/count = 0\nundo\nexpect /hidden = 0\nexpect /selection/count = 1\n"
-                    "undo\nexpect /undo_steps = 0\nredo\nredo\nexpect /hidden = 1\n",
-                {new_, "--size", kSize, "--no-panels"});
-}
-
-TEST_F(ViewComparison, GoesFromChangeToChange) {
-  const std::string shot = path("tab.png");
-  expect_driven("compare " + old_ +
-                    "\npress n\nexpect /compare/current = 1\nexpect /selection/count = 1\n"
-                    "expect /camera/target/0 > -5\nexpect /camera/target/0 < -3\nexpect /camera/target/2 > 0.5\n"
-                    "press shift+n\nexpect /compare/current = 4\nexpect /camera/target/0 < -7\nwindow-shot " +
-                    shot +
-                    "\npress n\npress n\nexpect /compare/current = 2\npress backspace\npress backspace\n"
-                    "expect /camera/target/0 < -7\n",
-                {new_, "--size", "800x600"});
-  const Picture picture = read_png(shot);
-  for (const std::array<int, 3>& colour : {std::array{0, 158, 115}, {213, 94, 0}, {86, 180, 233}, {240, 228, 66}}) {
-    int pixels = 0;
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 570; x < picture.width; ++x) {
-        const std::size_t at = 3 * (std::size_t(y) * std::size_t(picture.width) + std::size_t(x));
-        pixels += picture.rgb[at] == colour[0] && picture.rgb[at + 1] == colour[1] && picture.rgb[at + 2] == colour[2];
-      }
-    EXPECT_GT(pixels, 2 * 100) << "the legend and a row have squares of it: " << colour[0];
-  }
-}
-
-/// What cannot be read or is not there changes nothing; another model ends the comparison, a broken one does not.
-TEST_F(ViewComparison, EndsWithTheModelAlone) {
-  const std::string broken = write("broken.rvm", "no model"), other = boxes();
-  const Args args{new_, "--size", kSize};
-  expect_driven("compare " + broken +
-                    "\nexpect /compare = null\nexpect /message != comparing\nexpect /items = 4\ncompare " + old_ +
-                    "\ncompare " + broken + "\nexpect /compare/added = 1\nopen " + broken +
-                    "\nexpect /compare/added = 1\ncompare " + new_ +
-                    "\nexpect /compare/added = 0\nexpect /compare/unchanged = 4\nexpect /items = 4\n"
-                    "expect /message = nothing has changed since new.obj\ncompare " +
-                    old_ + "\nexpect /items = 5\nlose-context\nexpect /compare/removed = 1\nexpect /items = 5\nopen " +
-                    other + "\nexpect /compare = null\nexpect /items = 4\n",
-                args);
-  for (const auto& [script, message] :
-       {std::pair<std::string, std::string>{"compare-end\n", "compare with an older revision first"},
-        {"compare-next\n", "compare with an older revision first"},
-        {"compare " + old_ + "\ncompare-toggle blue\n", "expected added, removed"},
-        {"compare " + new_ + "\ncompare-next\n", "no changes"}}) {
-    const Outcome outcome = drive(script, args);
-    EXPECT_EQ(outcome.code, 1) << outcome;
-    EXPECT_NE(outcome.err.find(message), std::string::npos) << outcome;
-  }
 }
 
 TEST_F(ViewScript, CullersAndTheFrozenCamera) {
