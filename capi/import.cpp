@@ -18,6 +18,7 @@ importers::ImportOptions options_of(const sl_import_options& from) {
   options.up = enum_of<importers::UpAxis>(from.up, 2, "up");
   options.copies = enum_of<importers::MeshCopies>(from.copies, 3, "copies");
   options.threads = from.threads;
+  if (from.cache_folder) options.cache_folder = path_of(from.cache_folder);
   if (from.progress)
     options.progress = [progress = from.progress, user = from.user](double share) {
       try {
@@ -40,6 +41,7 @@ sl_import_report report_of(const importers::ImportReport& from) {
   report.warnings = from.warnings.size();
   report.sharing_error = from.sharing_error;
   report.metres_per_unit = from.metres_per_unit;
+  report.from_cache = from.from_cache;
   return report;
 }
 

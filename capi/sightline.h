@@ -356,9 +356,13 @@ typedef struct sl_import_options {
   /* Called on the importing thread before sl_import() returns, for each problem that did not stop it. May be null. */
   void (*warning)(const char* file, uint64_t offset, const char* message, void* user);
   void* user; /* passed to both */
+  /* Where scene caches are kept (docs/scene-cache.md), made when absent; null or empty: none. An import of the same
+   * unchanged files with the same options then reads the cache instead, with the same result. What goes wrong with it
+   * is a warning, never an error. */
+  const char* cache_folder;
 } sl_import_options;
 #define SL_IMPORT_OPTIONS_INIT \
-  { sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL }
+  { sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL, NULL }
 
 typedef struct sl_import_report {
   uint32_t size;
@@ -371,9 +375,10 @@ typedef struct sl_import_report {
   uint64_t warnings;
   double sharing_error;   /* metres: no vertex of those meshes lies farther from where the file has it */
   double metres_per_unit; /* of the last file */
+  int32_t from_cache;     /* a scene cache was read instead of the files */
 } sl_import_report;
 #define SL_IMPORT_REPORT_INIT \
-  { sizeof(sl_import_report), 0, {0}, 0, 0, 0, 0, 0, 0.0, 0.0 }
+  { sizeof(sl_import_report), 0, {0}, 0, 0, 0, 0, 0, 0.0, 0.0, 0 }
 
 /* Reads files into new children of `parent`, one for each model file. All or nothing. `options` may be null, and so may
  * `nodes` (room for path_count) and `report`. */

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <exception>
 #include <optional>
+#include <span>
 
 #include "sightline/importers/import.h"
 #include "sightline/importers/rvm/rvm_writer.h"
@@ -55,7 +56,8 @@ struct Imported {
 
 /// What options import_file() and import_files() share.
 importers::ImportOptions options_of(bool lenient, double metres_per_unit, const std::string& up,
-                                    const std::string& copies, int threads) {
+                                    const std::string& copies, int threads,
+                                    const std::optional<std::filesystem::path>& cache) {
   importers::ImportOptions options;
   options.lenient = lenient;
   options.metres_per_unit = metres_per_unit;
@@ -63,6 +65,7 @@ importers::ImportOptions options_of(bool lenient, double metres_per_unit, const 
   options.copies = importers::MeshCopies(one_of("copies", copies, {"apart", "exact", "similar"}));
   if (threads < 0) fail("threads: expected 0 or more, found " + std::to_string(threads));
   options.threads = threads;
+  options.cache_folder = cache.value_or("");
   return options;
 }
 
@@ -138,6 +141,9 @@ void bind_report(py::module_& m) {
       .def_property_readonly(
           "bytes", [](const Imported& r) { return r.report.bytes; }, "Read from files.")
       .def_property_readonly(
+          "from_cache", [](const Imported& r) { return r.report.from_cache; },
+          "Whether a scene cache was read instead of the files.")
+      .def_property_readonly(
           "metres_per_unit", [](const Imported& r) { return r.report.metres_per_unit; },
           "Of the last file's coordinates.");
 }
@@ -149,7 +155,9 @@ void bind_import(py::module_& m, SceneClass& scene) {
   constexpr const char* kOptions =
       " A failed or cancelled import leaves the scene as it was. `lenient`: import what a damaged file holds. "
       "`metres_per_unit`, `up` (\"y\" or \"z\"): for formats that do not say. `copies` (\"apart\", \"exact\", "
-      "\"similar\"): which meshes are kept once. `progress`: called with the share done, 0 to 1; False cancels, and so "
+      "\"similar\"): which meshes are kept once. `cache`: a folder of scene caches, so that the next import of the "
+      "same "
+      "unchanged files is fast. `progress`: called with the share done, 0 to 1; False cancels, and so "
       "do exceptions and Ctrl-C.";
   static const std::string file_doc =
       std::string("Imports a model file of any known format below `parent`, or the root.") + kOptions;
@@ -159,26 +167,27 @@ void bind_import(py::module_& m, SceneClass& scene) {
   scene.def(
       "import_file",
       [](const ScenePtr& s, const std::filesystem::path& path, const std::optional<Node>& parent, bool lenient,
-         double metres_per_unit, const std::string& up, const std::string& copies, const py::object& progress) {
-        return run(s, parent, options_of(lenient, metres_per_unit, up, copies, 0), progress,
+         double metres_per_unit, const std::string& up, const std::string& copies,
+         const std::optional<std::filesystem::path>& cache, const py::object& progress) {
+        return run(s, parent, options_of(lenient, metres_per_unit, up, copies, 0, cache), progress,
                    [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
-                     return importers::import_file(path, to, below, options);
+                     return importers::import_files(std::span(&path, 1), to, below, options);
                    });
       },
       "path"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
-      "copies"_a = "similar", "progress"_a = py::none(), file_doc.c_str());
+      "copies"_a = "similar", "cache"_a = py::none(), "progress"_a = py::none(), file_doc.c_str());
   scene.def(
       "import_files",
       [](const ScenePtr& s, const std::vector<std::filesystem::path>& paths, const std::optional<Node>& parent,
          bool lenient, double metres_per_unit, const std::string& up, const std::string& copies, int threads,
-         const py::object& progress) {
-        return run(s, parent, options_of(lenient, metres_per_unit, up, copies, threads), progress,
+         const std::optional<std::filesystem::path>& cache, const py::object& progress) {
+        return run(s, parent, options_of(lenient, metres_per_unit, up, copies, threads, cache), progress,
                    [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
                      return importers::import_files(paths, to, below, options);
                    });
       },
       "paths"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
-      "copies"_a = "similar", "threads"_a = 0, "progress"_a = py::none(), files_doc.c_str());
+      "copies"_a = "similar", "threads"_a = 0, "cache"_a = py::none(), "progress"_a = py::none(), files_doc.c_str());
   scene.def("write_rvm", &write_rvm, "path"_a, "node"_a = py::none(), py::kw_only(), "progress"_a = py::none(),
             "Writes what is below a node, or the root, as an RVM file. `progress` as in import_file().");
   m.def(

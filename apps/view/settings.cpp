@@ -66,6 +66,12 @@ std::optional<std::array<int, 2>> size_of(const Json& json) {
   return std::array{json[0].get<int>(), json[1].get<int>()};
 }
 
+std::optional<std::string> folder_of(const Json& json) {
+  if (!json.is_string()) return std::nullopt;
+  auto folder = json.get<std::string>();
+  return folder.empty() || fs::path(folder).is_absolute() ? std::optional(std::move(folder)) : std::nullopt;
+}
+
 /// Of a panel's width.
 std::optional<float> lines_of(const Json& json) {
   constexpr float kMostLines = 1000.0f;
@@ -95,6 +101,7 @@ Settings settings_of(const Json& json, std::string& bad) {
   take("side-width", settings.side_width, lines_of);
   take("recent", settings.recent, files_of);
   take("window", settings.window, size_of);
+  take("cache", settings.cache, folder_of);
   return settings;
 }
 
@@ -119,6 +126,7 @@ void put_changes(const Settings& before, const Settings& now, Json& json) {
   if (now.side_width != before.side_width) json["side-width"] = now.side_width;
   if (now.recent != before.recent) json["recent"] = merged(now.recent, settings_of(json, bad).recent);
   if (now.window != before.window && size_of(now.window)) json["window"] = now.window;
+  if (now.cache != before.cache) json["cache"] = now.cache;
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ struct Settings {
   float side_width = 0.0f;                  ///< of the right panel
   std::vector<std::string> recent;          ///< files opened, the last one first, with absolute paths
   std::array<int, 2> window = {1280, 720};  ///< screen units
+  std::string cache;                        ///< folder of scene caches, with an absolute path; empty: none
 
   /// Puts a file that was opened first.
   void add_recent(const std::string& file);

@@ -20,6 +20,10 @@ namespace sightline::capi {
 /// Size of a struct when it first came out: no program has a smaller one.
 template <class T>
 inline constexpr std::size_t kFirstSize = sizeof(T);
+template <>
+inline constexpr std::size_t kFirstSize<sl_import_options> = offsetof(sl_import_options, cache_folder);
+template <>
+inline constexpr std::size_t kFirstSize<sl_import_report> = offsetof(sl_import_report, from_cache);
 
 template <class T>
 std::size_t checked_size(const T* from) {

@@ -450,6 +450,7 @@ class Scene:
         metres_per_unit: float = ...,
         up: Literal["y", "z"] = ...,
         copies: Literal["apart", "exact", "similar"] = ...,
+        cache: Optional[_Path] = ...,
         progress: _Progress = ...,
     ) -> ImportReport: ...
     def import_files(
@@ -462,6 +463,7 @@ class Scene:
         up: Literal["y", "z"] = ...,
         copies: Literal["apart", "exact", "similar"] = ...,
         threads: int = ...,
+        cache: Optional[_Path] = ...,
         progress: _Progress = ...,
     ) -> ImportReport: ...
     def write_rvm(self, path: _Path, node: Optional[Node] = ..., *, progress: _Progress = ...) -> None: ...
@@ -491,6 +493,8 @@ class ImportReport:
     def sharing_error(self) -> float: ...
     @property
     def bytes(self) -> int: ...
+    @property
+    def from_cache(self) -> bool: ...
     @property
     def metres_per_unit(self) -> float: ...
 

@@ -593,6 +593,21 @@ TEST_F(ViewScript, SettingsAreKeptInTheNamedFileAlone) {
   unsetenv("XDG_CONFIG_HOME");
 }
 
+TEST_F(ViewScript, SettingsNameAFolderOfCaches) {
+  const std::string model = boxes(), folder = path("caches"), other = path("others");
+  Args args = {model, "--settings", write("mine.json", Json({{"cache", folder}}).dump())};
+  const auto count = [](const std::string& where) {
+    return fs::exists(where) ? std::distance(fs::directory_iterator(where), fs::directory_iterator()) : 0;
+  };
+  expect_driven("wait 0\n", args);
+  EXPECT_EQ(count(folder), SIGHTLINE_HAS_SLC);
+  fs::remove_all(folder);
+  args.insert(args.end(), {"--cache", other});
+  expect_driven("wait 0\n", args);
+  EXPECT_EQ(count(folder), 0) << "the command line goes before";
+  EXPECT_EQ(count(other), SIGHTLINE_HAS_SLC);
+}
+
 /// A window that stays open, and somebody at its keyboard.
 class ViewKeys : public View {
  protected:

@@ -1,5 +1,6 @@
 // Imports in C: reports, progress, cancelling, warnings; and calls from within a callback.
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -169,6 +170,40 @@ TEST_F(CapiImport, WarningsOfDamageAreHeard) {
   ASSERT_FALSE(heard.warnings.empty());
   EXPECT_EQ(heard.warnings[0].rfind("capi_damaged.rvm: ", 0), 0u) << heard.warnings[0];
   std::filesystem::remove(damaged);
+}
+
+TEST_F(CapiImport, ACacheGivesTheSameTheSecondTime) {
+  if (std::string(sl_import_extensions()).find(".slc") == std::string::npos) GTEST_SKIP() << "built without caches";
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "capi_caches";
+  std::filesystem::remove_all(folder);
+  const std::string name = folder.string();
+  sl_import_options options = SL_IMPORT_OPTIONS_INIT;
+  options.cache_folder = name.c_str();
+  sl_scene_info first = SL_SCENE_INFO_INIT, second = SL_SCENE_INFO_INIT;
+  sl_import_report report = SL_IMPORT_REPORT_INIT;
+  for (sl_scene_info* info : {&first, &second}) {
+    const CScene c;
+    ASSERT_OK(import(c, {plant, attributes}, &options, nullptr, &report));
+    EXPECT_EQ(report.warnings, 0u);
+    EXPECT_EQ(report.from_cache, info == &second);
+    ASSERT_OK(sl_scene_get(c.scene, info));
+  }
+  EXPECT_EQ(first.nodes, second.nodes);
+  EXPECT_EQ(first.items, second.items);
+  std::filesystem::remove_all(folder);
+}
+
+/// Of a program made before there were caches.
+TEST_F(CapiImport, OptionsWithoutACacheFolderHaveNone) {
+  const CScene c;
+  sl_import_options options = SL_IMPORT_OPTIONS_INIT;
+  options.size = std::uint32_t(offsetof(sl_import_options, cache_folder));
+  options.cache_folder = reinterpret_cast<const char*>(1);  // no memory of theirs
+  sl_import_report report = SL_IMPORT_REPORT_INIT;
+  report.size = std::uint32_t(offsetof(sl_import_report, from_cache));
+  report.from_cache = 42;
+  EXPECT_OK(import(c, {plant}, &options, nullptr, &report));
+  EXPECT_EQ(report.from_cache, 42);
 }
 
 TEST_F(CapiImport, ExtensionsAreListed) {

@@ -27,6 +27,25 @@ class Import(Case):
         self.assertEqual(site.children, report.nodes)
         self.assertEqual(len(report.nodes), 2)
 
+    def test_a_cache_gives_the_same_the_second_time(self):
+        if ".slc" not in sightline.known_extensions():
+            self.skipTest("built without caches")
+        caches = self.folder / "caches"
+        for files in (lambda scene: scene.import_file(SMALL_PLANT, cache=caches),
+                      lambda scene: scene.import_files([SMALL_PLANT, SMALL_PLANT], cache=str(caches))):
+            scenes = [sightline.Scene(), sightline.Scene()]
+            reports = [files(scene) for scene in scenes]
+            self.assertEqual([r.from_cache for r in reports], [False, True])
+            self.assertEqual([r.warnings for r in reports], [[], []])
+            self.assertEqual(reports[0].items, reports[1].items)
+            written = []
+            for scene in scenes:
+                scene.write_rvm(self.folder / "again.rvm")
+                written.append((self.folder / "again.rvm").read_bytes())
+            self.assertEqual(*written)
+        self.assertEqual(len(list(caches.iterdir())), 2)
+        self.assertFalse(sightline.Scene().import_file(SMALL_PLANT).from_cache)
+
     def test_what_is_written_is_read_again(self):
         scene = plant(2000)
         scene.write_rvm(self.folder / "plant.rvm")
