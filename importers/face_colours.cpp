@@ -106,17 +106,21 @@ PackedColour ColourSum::average() const {
   return pack_colour(mean(0), mean(1), mean(2), channels[3] > 0 ? mean(3) : 255);
 }
 
+std::string colour_name(PackedColour colour) {
+  return channel(colour, 3) == 255 ? fmt::format("#{:06x}", colour >> 8) : fmt::format("#{:08x}", colour);
+}
+
 core::MaterialId add_colour_material(core::Scene& scene, PackedColour colour) {
   if (colour == kNoColour) return {};
   core::Material material;
   for (int i = 0; i < 3; ++i) material.colour[i] = float(channel(colour, i)) / 255.0f;
   material.alpha = float(channel(colour, 3)) / 255.0f;
-  material.name = channel(colour, 3) == 255 ? fmt::format("#{:06x}", colour >> 8) : fmt::format("#{:08x}", colour);
+  material.name = colour_name(colour);
   return scene.add_material(std::move(material));
 }
 
-void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& polygons,
-                         const std::vector<PackedColour>& colours, std::string_view name) {
+void for_each_colour(ImportJob& job, const PolygonMesh& polygons, const std::vector<PackedColour>& colours,
+                     const std::function<void(const PolygonMesh&, PackedColour)>& visit) {
   ColourTable table;
   ColourSum sum;
   bool few = true;
@@ -126,20 +130,26 @@ void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& p
   }
   if (!few) {
     job.warn(0, fmt::format("more than {} colours of faces: their average is shown", kMostFaceColours));
-    job.add_mesh(node, polygons, name, {}, add_colour_material(job.scene(), sum.average()));
+    visit(polygons, sum.average());
     return;
   }
-  const auto material = [&](PackedColour colour) {
+  const auto shown = [&](PackedColour colour) {
     const bool no_alpha = sum.channels[3] == 0 && colour != kNoColour;
-    return add_colour_material(job.scene(), no_alpha ? colour | 255 : colour);
+    return no_alpha ? colour | 255 : colour;
   };
-  if (table.distinct.size() == 1) {
-    job.add_mesh(node, polygons, name, {}, material(table.distinct[0]));
+  if (table.distinct.size() <= 1) {
+    visit(polygons, table.distinct.empty() ? kNoColour : shown(table.distinct[0]));
     return;
   }
   Splitter splitter(polygons, colours, table);
-  for (std::size_t i = 0; i < splitter.parts(); ++i)
-    job.add_mesh(node, splitter.part(i), name, {}, material(table.distinct[i]));
+  for (std::size_t i = 0; i < splitter.parts(); ++i) visit(splitter.part(i), shown(table.distinct[i]));
+}
+
+void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& polygons,
+                         const std::vector<PackedColour>& colours, std::string_view name) {
+  for_each_colour(job, polygons, colours, [&](const PolygonMesh& part, PackedColour colour) {
+    job.add_mesh(node, part, name, {}, add_colour_material(job.scene(), colour));
+  });
 }
 
 }  // namespace sightline::importers

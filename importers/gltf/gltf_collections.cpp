@@ -304,17 +304,11 @@ std::optional<std::uint32_t> part_of(const double* tree_index) {
   return std::uint32_t(*tree_index);
 }
 
-/// Red, green and blue as bytes. Older writers leave the accessor's bytes without `normalized`.
+/// Red, green and blue as bytes.
 std::uint32_t bytes_of(const double* colour, const GltfAccessor& accessor) {
-  using Type = GltfAccessor::Type;
-  double most = 1.0;
-  if (!accessor.normalized && accessor.type == Type::kUnsignedByte) most = 255.0;
-  if (!accessor.normalized && accessor.type == Type::kUnsignedShort) most = 65535.0;
   std::uint32_t bytes = 0;
-  for (int i = 0; i < 3; ++i) {
-    const double channel = std::clamp(std::isfinite(colour[i]) ? colour[i] / most : 1.0, 0.0, 1.0);
-    bytes |= std::uint32_t(std::lround(255.0 * channel)) << (8 * i);
-  }
+  for (int i = 0; i < 3; ++i)
+    bytes |= std::uint32_t(std::lround(255.0 * gltf_colour_channel(colour[i], accessor))) << (8 * i);
   return bytes;
 }
 

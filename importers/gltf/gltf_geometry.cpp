@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/srgb.h"
+
 namespace sightline::importers {
 namespace {
 
@@ -92,10 +94,11 @@ core::Expected<GltfSources> gltf_sources(const Json& primitive, const std::strin
   if (!attributes) return core::fail(where + "/attributes: expected an object, which is missing");
   const auto positions = gltf_index(*attributes, "POSITION", where + "/attributes");
   const auto normals = gltf_index(*attributes, "NORMAL", where + "/attributes", core::kNone);
+  const auto colours = gltf_index(*attributes, "COLOR_0", where + "/attributes", core::kNone);
   const auto indices = gltf_index(primitive, "indices", where, core::kNone);
-  for (const auto* value : {&positions, &normals, &indices})
+  for (const auto* value : {&positions, &normals, &colours, &indices})
     if (!*value) return tl::unexpected(value->error());
-  return GltfSources{*positions, *normals, *indices, *mode};
+  return GltfSources{*positions, *normals, *colours, *indices, *mode};
 }
 
 core::Expected<std::vector<std::uint32_t>> gltf_triangles(ImportJob& job, GltfDocument& document,
@@ -122,6 +125,47 @@ core::Expected<std::vector<std::uint32_t>> gltf_triangles(ImportJob& job, GltfDo
   if (!message.empty() && !job.options().lenient) return core::fail(message);
   if (!message.empty()) job.warn(0, message);
   return corners;
+}
+
+double gltf_colour_channel(double value, const GltfAccessor& of) {
+  using Type = GltfAccessor::Type;
+  double most = 1.0;
+  if (!of.normalized && of.type == Type::kUnsignedByte) most = 255.0;
+  if (!of.normalized && of.type == Type::kUnsignedShort) most = 65535.0;
+  return std::clamp(std::isfinite(value) ? value / most : 1.0, 0.0, 1.0);
+}
+
+core::Expected<std::vector<PackedColour>> gltf_face_colours(GltfDocument& document, const GltfSources& sources,
+                                                            const std::vector<std::uint32_t>& corners,
+                                                            const std::string& where) {
+  std::vector<PackedColour> colours;
+  if (sources.colours == core::kNone) return colours;
+  const std::string here = where + "/attributes/COLOR_0";
+  const auto found = document.accessor(sources.colours, here);
+  const auto positions = document.accessor(sources.positions, where + "/attributes/POSITION");
+  for (const auto* accessor : {&found, &positions})
+    if (!*accessor) return tl::unexpected(accessor->error());
+  const GltfAccessor& accessor = **found;
+  if (accessor.components != 3 && accessor.components != 4)
+    return core::fail(here + ": expected VEC3 or VEC4, found another type");
+  if (accessor.count != (*positions)->count)
+    return core::fail(fmt::format("{}: expected {} colours, found {}", here, (*positions)->count, accessor.count));
+  colours.reserve(corners.size() / 3);
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    for (std::size_t k = i; k < i + 3; ++k) {
+      double colour[4] = {1.0, 1.0, 1.0, 1.0};
+      accessor.read(corners[k], 1, colour);
+      for (int c = 0; c < accessor.components; ++c) sum[c] += gltf_colour_channel(colour[c], accessor);
+      if (accessor.components == 3) sum[3] += 1.0;
+    }
+    std::uint32_t bytes[4];
+    for (int c = 0; c < 4; ++c)
+      bytes[c] = std::uint32_t(std::lround(255.0 * (c < 3 ? core::srgb_from_linear(sum[c] / 3.0) : sum[c] / 3.0)));
+    // Invisible black would stand for no colour.
+    colours.push_back(pack_colour(bytes[0], bytes[1], bytes[2], std::max(bytes[3], 1u)));
+  }
+  return colours;
 }
 
 core::Expected<PolygonMesh> gltf_mesh(GltfDocument& document, const GltfSources& sources,

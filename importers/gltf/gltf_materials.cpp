@@ -8,16 +8,24 @@
 
 namespace sightline::importers {
 
-core::Expected<core::MaterialId> GltfMaterials::material(std::uint64_t index, const std::string& from) {
-  if (const auto known = made_.find(index); known != made_.end()) return known->second;
-  const auto element = document_.element("materials", index, from);
-  if (!element) return tl::unexpected(element.error());
-  const auto made = make(*element);
-  if (made) made_[index] = *made;
-  return made;
+core::Expected<core::MaterialId> GltfMaterials::material(std::uint64_t index, PackedColour tint,
+                                                         const std::string& from) {
+  if (index == core::kNone && tint == kNoColour) return core::MaterialId{};
+  if (const auto known = made_.find({index, tint}); known != made_.end()) return known->second;
+  if (index != core::kNone && !looks_.contains(index)) {
+    const auto element = document_.element("materials", index, from);
+    if (!element) return tl::unexpected(element.error());
+    auto look = make(*element);
+    if (!look) return tl::unexpected(look.error());
+    looks_[index] = std::move(*look);
+  }
+  Look look;
+  look.material.colour = core::vec3(1.0f);
+  if (index != core::kNone) look = looks_[index];
+  return made_[{index, tint}] = job_.scene().add_material(tinted(std::move(look), tint));
 }
 
-core::Expected<core::MaterialId> GltfMaterials::make(const GltfElement& element) {
+core::Expected<GltfMaterials::Look> GltfMaterials::make(const GltfElement& element) {
   const std::string where = element.where();
   const Json empty = Json::object();
   const Json* pbr = gltf_find(*element.json, "pbrMetallicRoughness");
@@ -38,12 +46,13 @@ core::Expected<core::MaterialId> GltfMaterials::make(const GltfElement& element)
     else
       job_.warn(0, found.error().message + "; texture left out");
   }
-  core::Material material;
+  Look look{{}, mode == "BLEND"};
+  core::Material& material = look.material;
   material.name = gltf_text(*element.json, "name");
   for (int i = 0; i < 3; ++i)
     material.colour[i] = float(core::srgb_from_linear(std::clamp(factor[i] * mean.colour[i], 0.0, 1.0)));
-  if (mode == "BLEND") material.alpha = float(std::clamp(factor[3] * mean.alpha, 0.0, 1.0));
-  return job_.scene().add_material(std::move(material));
+  if (look.blended) material.alpha = float(std::clamp(factor[3] * mean.alpha, 0.0, 1.0));
+  return look;
 }
 
 core::Expected<ImageMean> GltfMaterials::texture_mean(std::uint64_t texture, const std::string& from, bool weigh) {
@@ -77,6 +86,24 @@ core::Expected<ImageMean> GltfMaterials::texture_mean(std::uint64_t texture, con
   if (!embedded) document_.release(held);
   if (!mean) mean.error().message.insert(0, where + ": ");
   return means_.emplace(key, std::move(mean)).first->second;
+}
+
+core::Material GltfMaterials::tinted(Look look, PackedColour tint) {
+  core::Material& material = look.material;
+  if (tint == kNoColour) return std::move(material);
+  if (!look.blended) tint |= 255;  // an opaque material ignores all alphas (glTF 2.0, 3.9.4)
+  if (tint == pack_colour(255, 255, 255) && !material.name.empty()) return std::move(material);
+  const auto channel = [&](int i) { return double(tint >> (24 - 8 * i) & 255) / 255.0; };
+  for (int i = 0; i < 3; ++i) {
+    const double factor = core::linear_from_srgb(double(material.colour[i]));
+    // White leaves the tint exact.
+    material.colour[i] =
+        factor == 1.0 ? float(channel(i)) : float(core::srgb_from_linear(factor * core::linear_from_srgb(channel(i))));
+  }
+  material.alpha *= float(channel(3));
+  if (!material.name.empty()) material.name += ' ';
+  material.name += colour_name(tint);
+  return std::move(material);
 }
 
 }  // namespace sightline::importers

@@ -47,12 +47,16 @@ class Reading {
     Affine file_from_node;
     std::string where;
   };
-  struct SharedMesh {
-    bool drawn = false;    // else it has no triangles, or was reported as unreadable
+  /// The triangles of one colour.
+  struct SharedPart {
+    PackedColour colour = kNoColour;
     PolygonMesh polygons;  // until the first item
+    core::MeshId mesh;     // from then on
+    Affine placement;      // where its coordinates lie
+  };
+  struct SharedMesh {
     std::string name;
-    core::MeshId mesh;  // from then on
-    Affine placement;   // where its coordinates lie
+    std::vector<SharedPart> parts;  // none: it has no triangles, or was reported as unreadable
   };
 
   // Errors from here on say where in the file, but not which file.
@@ -321,11 +325,14 @@ class Reading {
       if (sources->draws_triangles() && gltf_find(*attributes, "_treeIndex"))
         return collections_.add_triangles(*sources, *attributes, node.id, node.file_from_node, where,
                                           [this](double share) { return progress(share); });
-      const auto material = material_of(primitive, where);
-      if (!material) return tl::unexpected(material.error());
       const auto shared = shared_mesh(*sources, mesh, where);
       if (!shared) return tl::unexpected(shared.error());
-      if ((*shared)->drawn) add_item(**shared, node.id, {}, *material);
+      if (auto taken = take_parts(**shared, 1, where); !taken) return taken;
+      for (SharedPart& part : (*shared)->parts) {
+        const auto material = material_of(primitive, part.colour, where);
+        if (!material) return tl::unexpected(material.error());
+        add_item(part, (*shared)->name, node.id, {}, *material);
+      }
       return {};
     });
   }
@@ -340,12 +347,17 @@ class Reading {
     return for_each_primitive(mesh, [&](const Json& primitive, const std::string& at) -> Expected<void> {
       const auto sources = gltf_sources(primitive, at);
       if (!sources) return tl::unexpected(sources.error());
-      const auto material = material_of(primitive, at);
-      if (!material) return tl::unexpected(material.error());
       const auto shared = shared_mesh(*sources, mesh, at);
       if (!shared) return tl::unexpected(shared.error());
-      if (!(*shared)->drawn) return {};
+      if ((*shared)->parts.empty()) return {};
       if (auto taken = take_items(table.count(), at); !taken) return taken;
+      if (auto taken = take_parts(**shared, table.count(), at); !taken) return taken;
+      std::vector<core::MaterialId> materials;
+      for (const SharedPart& part : (*shared)->parts) {
+        const auto material = material_of(primitive, part.colour, at);
+        if (!material) return tl::unexpected(material.error());
+        materials.push_back(*material);
+      }
       for (std::uint64_t first = 0; first < table.count(); first += GltfTable::kBlock) {
         if (auto asked = progress(double(first) / double(table.count())); !asked) return asked;
         const std::uint64_t n = table.load(first);
@@ -356,20 +368,26 @@ class Reading {
                      : gltf_affine(table.row(kTranslation, i), table.row(kRotation, i), table.row(kScale, i));
           const auto place = collections_.place(table.row(kTree, i), node.id, node.file_from_node, from_copy);
           const bool coloured = table.has(kColour);
-          const core::MaterialId colour =
-              coloured ? collections_.material(table.row(kColour, i), &table.accessor(kColour)) : *material;
-          add_item(**shared, place.node, place.from_item, colour);
+          for (std::size_t p = 0; p < materials.size(); ++p) {
+            const core::MaterialId colour =
+                coloured ? collections_.material(table.row(kColour, i), &table.accessor(kColour)) : materials[p];
+            add_item((*shared)->parts[p], (*shared)->name, place.node, place.from_item, colour);
+          }
         }
       }
       return {};
     });
   }
 
-  Expected<core::MaterialId> material_of(const Json& primitive, const std::string& where) {
-    if (!gltf_find(primitive, "material")) return core::MaterialId{};
-    const auto index = gltf_index(primitive, "material", where);
+  Expected<core::MaterialId> material_of(const Json& primitive, PackedColour tint, const std::string& where) {
+    const auto index = gltf_index(primitive, "material", where, core::kNone);
     if (!index) return tl::unexpected(index.error());
-    return materials_.material(*index, where + "/material");
+    return materials_.material(*index, tint, where + "/material");
+  }
+
+  /// Counts the items of a mesh's parts beyond the first one, which are items that the file does not list.
+  Expected<void> take_parts(const SharedMesh& shared, std::uint64_t copies, const std::string& where) {
+    return shared.parts.size() < 2 ? Expected<void>{} : take_items(copies * (shared.parts.size() - 1), where);
   }
 
   Expected<void> take_items(std::uint64_t count, const std::string& where) {
@@ -377,19 +395,20 @@ class Reading {
     return core::fail(fmt::format("{}: more items than a file of {} bytes may hold", where, document_.bytes_read()));
   }
 
-  void add_item(SharedMesh& shared, NodeId node, const Affine& node_from_copy, core::MaterialId material) {
+  void add_item(SharedPart& shared, const std::string& name, NodeId node, const Affine& node_from_copy,
+                core::MaterialId material) {
     if (shared.mesh.valid()) return job_.add_instance(node, shared.mesh, node_from_copy * shared.placement, material);
     // The job decides what the mesh becomes and where its coordinates lie.
     core::Scene& scene = job_.scene();
     const auto item = core::ItemId(scene.item_slots());
-    if (!job_.add_mesh(node, shared.polygons, shared.name, {}, material)) return;
+    if (!job_.add_mesh(node, shared.polygons, name, {}, material)) return;
     shared.polygons = {};
     shared.mesh = scene.mesh_of(item);
     shared.placement = scene.placement(item);
     scene.set_placement(item, node_from_copy * shared.placement);
   }
 
-  /// The mesh of a primitive, read when it is first asked for.
+  /// The mesh of a primitive, read when it is first asked for. One mesh for each colour of its vertices.
   Expected<SharedMesh*> shared_mesh(const GltfSources& sources, const GltfElement& mesh, const std::string& where) {
     const auto [known, added] = meshes_.try_emplace(sources);
     SharedMesh& shared = known->second;
@@ -400,11 +419,20 @@ class Reading {
     }
     auto corners = gltf_triangles(job_, document_, sources, where);
     if (!corners) return tl::unexpected(corners.error());
+    const auto colours = gltf_face_colours(document_, sources, *corners, where);
+    if (!colours) return tl::unexpected(colours.error());
     auto polygons = gltf_mesh(document_, sources, std::move(*corners), where);
     if (!polygons) return tl::unexpected(polygons.error());
-    shared.drawn = true;
-    shared.polygons = std::move(*polygons);
     shared.name = gltf_text(*mesh.json, "name");
+    if (colours->empty())
+      shared.parts.push_back({kNoColour, std::move(*polygons), {}, {}});
+    else
+      for_each_colour(job_, *polygons, *colours, [&](const PolygonMesh& part, PackedColour colour) {
+        shared.parts.push_back({colour, part, {}, {}});
+      });
+    // A mesh takes as much memory as several items.
+    constexpr std::uint64_t kItemsPerMesh = 16;
+    if (auto taken = take_parts(shared, kItemsPerMesh, where); !taken) return tl::unexpected(taken.error());
     return &shared;
   }
 

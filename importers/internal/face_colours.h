@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -27,14 +29,22 @@ struct ColourSum {
   PackedColour average() const;
 };
 
-/// A material named "#rrggbb" (with alpha "#rrggbbaa"); none for kNoColour.
+/// "#rrggbb", with alpha "#rrggbbaa".
+std::string colour_name(PackedColour colour);
+
+/// A material with the colour's name; none for kNoColour.
 core::MaterialId add_colour_material(core::Scene& scene, PackedColour colour);
 
 /// More distinct colours than this become their average: the shades of a scan are no parts.
 inline constexpr std::size_t kMostFaceColours = 256;
 
-/// Adds one item per distinct colour, in order of first appearance. Colours are opaque when all alphas are 0.
-/// `colours`: one per face.
+/// Calls visit(polygons, colour) for the faces of each distinct colour, in order of first appearance, each with
+/// vertices of its own. Faces of one colour keep their mesh; so does a mesh of too many colours, whose average counts,
+/// with a warning. Colours are opaque when all alphas are 0. `colours`: one per face.
+void for_each_colour(ImportJob& job, const PolygonMesh& polygons, const std::vector<PackedColour>& colours,
+                     const std::function<void(const PolygonMesh&, PackedColour)>& visit);
+
+/// Adds one item for each call of for_each_colour().
 void add_coloured_meshes(ImportJob& job, core::NodeId node, const PolygonMesh& polygons,
                          const std::vector<PackedColour>& colours, std::string_view name);
 

@@ -103,7 +103,7 @@ inline GltfBytes triangle_gltf() {
 }
 
 /// One instance of everything: hierarchy, indexed mesh with normals and material, sparse accessor, instances, extras,
-/// a texture and two collections of primitives.
+/// a texture, colours of vertices and two collections of primitives.
 inline GltfBytes small_gltf() {
   GltfBytes g;
   const int positions = g.floats({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, "VEC3");
@@ -152,6 +152,8 @@ inline GltfBytes small_gltf() {
                 {"_vertex2", ones},
                 {"_vertex3", corner},
                 {"_vertex4", ones}}}}}}}});
+  const int shades = g.accessor<std::uint8_t>({255, 0, 0, 0, 255, 0, 0, 0, 255, 9, 9, 9}, "VEC3", true);
+  g.root({{"mesh", g.mesh({{"attributes", {{"POSITION", positions}, {"COLOR_0", shades}}}, {"mode", 5}})}});
   return g;
 }
 

@@ -262,7 +262,23 @@ TEST(GltfHostile, MemoryOfTheWorstInputs) {
                 {"extensions",
                  {{"EXT_mesh_gpu_instancing",
                    {{"attributes", {{"_instanceMatrix", matrix}, {"_treeIndex", tree}, {"_color", colour}}}}}}}});
-  for (const GltfBytes* file : {&strip, &plain, &parts}) {
+  // Each primitive of some forty bytes splits into many meshes.
+  GltfBytes shades;
+  std::vector<std::uint8_t> of_vertices;
+  for (int i = 0; i < 255; ++i)
+    for (int c = 0; c < 3; ++c) of_vertices.push_back(std::uint8_t(i * (c + 1) * 7));
+  const int colours_of = shades.accessor(of_vertices, "VEC3");
+  const int zeros = shades.add("accessors", {{"componentType", 5126}, {"type", "VEC3"}, {"count", 255}});
+  Json primitives = Json::array();
+  for (int i = 0; i < 2000 / kLess; ++i)
+    primitives.push_back({{"attributes", {{"POSITION", zeros}, {"COLOR_0", colours_of}}}, {"mode", 4}});
+  for (int i = 0; i < 2000 / kLess; ++i) {
+    const int other = shades.add("accessors", {{"componentType", 5126}, {"type", "VEC3"}, {"count", 255}});
+    primitives[std::size_t(i)]["attributes"]["POSITION"] = other;
+  }
+  shades.add("meshes", {{"primitives", primitives}});
+  shades.root({{"mesh", 0}});
+  for (const GltfBytes* file : {&strip, &plain, &parts, &shades}) {
     double factor = 0.0;
     survives(file->glb(), true, &factor);
     std::printf("buffer %33.1f\n", factor);

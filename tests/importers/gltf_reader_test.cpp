@@ -265,13 +265,13 @@ TEST_F(GltfReader, IndicesOutOfRangeAreDamage) {
     expect_damage(bad, message);
   };
   expect("/scene", 7, "/scene: expected one of the 1 scenes, found 7");
-  expect("/scenes/0/nodes/0", 99, "/scenes/0/nodes: expected one of the 5 nodes, found 99");
+  expect("/scenes/0/nodes/0", 99, "/scenes/0/nodes: expected one of the 6 nodes, found 99");
   expect("/scenes/0/nodes", "none", "/scenes/0/nodes: expected an array");
-  expect("/nodes/1/children/0", 99, "/nodes/1/children: expected one of the 5 nodes, found 99");
+  expect("/nodes/1/children/0", 99, "/nodes/1/children: expected one of the 6 nodes, found 99");
   expect("/nodes/1/children/0", -1, "/nodes/1/children: expected whole numbers");
   expect("/nodes/1/scale", {1, 2}, "/nodes/1/scale: expected an array of 3 finite numbers");
   expect("/nodes/1/matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2}, "/nodes/1/matrix: expected 0 0 0 1");
-  expect("/nodes/0/mesh", 99, "/nodes/0/mesh: expected one of the 2 meshes, found 99");
+  expect("/nodes/0/mesh", 99, "/nodes/0/mesh: expected one of the 3 meshes, found 99");
   expect("/nodes/0/mesh", 0.5, "/nodes/0/mesh: expected a whole number");
   expect("/meshes/0/primitives", 3, "/meshes/0/primitives: expected an array");
   expect("/meshes/0/primitives/0/attributes/POSITION", 99,

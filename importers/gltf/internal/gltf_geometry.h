@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "sightline/importers/gltf/internal/gltf_document.h"
+#include "sightline/importers/internal/face_colours.h"
 
 namespace sightline::importers {
 
 /// What a mesh primitive draws. Two primitives with equal sources are the same geometry.
 struct GltfSources {
-  std::uint64_t positions = 0, normals = core::kNone, indices = core::kNone, mode = 4;
+  std::uint64_t positions = 0, normals = core::kNone, colours = core::kNone, indices = core::kNone, mode = 4;
   bool draws_triangles() const { return mode >= 4; }
   friend auto operator<=>(const GltfSources&, const GltfSources&) = default;
 };
@@ -23,6 +24,16 @@ core::Expected<GltfSources> gltf_sources(const Json& primitive, const std::strin
 /// Corners of the primitive's triangles, three each, all within its positions.
 core::Expected<std::vector<std::uint32_t>> gltf_triangles(ImportJob& job, GltfDocument& document,
                                                           const GltfSources& sources, const std::string& where);
+
+/// The colour of each triangle, the mean of its corners' COLOR_0, as sRGB; none when the primitive has no such
+/// attribute. COLOR_0 is in linear light; integers without `normalized` count as normalised, since older writers leave
+/// it out. `corners` as gltf_triangles() gave them.
+core::Expected<std::vector<PackedColour>> gltf_face_colours(GltfDocument& document, const GltfSources& sources,
+                                                            const std::vector<std::uint32_t>& corners,
+                                                            const std::string& where);
+
+/// What one number of a colour counts as: 1 for all that is not finite.
+double gltf_colour_channel(double value, const GltfAccessor& of);
 
 /// A mesh of the vertices that `corners` refer to, in order of their indices.
 core::Expected<PolygonMesh> gltf_mesh(GltfDocument& document, const GltfSources& sources,

@@ -6,8 +6,10 @@
 #include <span>
 #include <string>
 #include <unordered_map>
+#include <utility>
 
 #include "sightline/importers/gltf/internal/gltf_document.h"
+#include "sightline/importers/internal/face_colours.h"
 
 namespace sightline::importers {
 
@@ -29,15 +31,23 @@ inline constexpr std::uint64_t kPixelsPerByte = 1024;
 class GltfMaterials {
  public:
   GltfMaterials(ImportJob& job, GltfDocument& document) : job_(job), document_(document) {}
-  core::Expected<core::MaterialId> material(std::uint64_t index, const std::string& from);
+  /// `index` kNone: the default one of glTF, white. `tint`: colour of vertices, which multiplies; kNoColour: none.
+  core::Expected<core::MaterialId> material(std::uint64_t index, PackedColour tint, const std::string& from);
 
  private:
-  core::Expected<core::MaterialId> make(const GltfElement& element);
+  /// The material as the file has it, and whether it is blended.
+  struct Look {
+    core::Material material;
+    bool blended = false;
+  };
+  core::Expected<Look> make(const GltfElement& element);
+  static core::Material tinted(Look look, PackedColour tint);
   core::Expected<ImageMean> texture_mean(std::uint64_t texture, const std::string& from, bool weigh);
 
   ImportJob& job_;
   GltfDocument& document_;
-  std::unordered_map<std::uint64_t, core::MaterialId> made_;
+  std::unordered_map<std::uint64_t, Look> looks_;
+  std::map<std::pair<std::uint64_t, PackedColour>, core::MaterialId> made_;
   std::map<std::string, core::Expected<ImageMean>> means_;
   std::uint64_t pixels_taken_ = 0;
 };

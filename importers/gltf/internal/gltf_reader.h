@@ -9,8 +9,10 @@
 //
 // Materials keep name, base colour and, when blended, alpha. A base colour texture counts as its mean. The texture is
 // decoded (PNG, JPEG; one at a time, and only when something uses it), averaged in linear light, and multiplied with
-// the factor. A texture that is missing, damaged or above 64 Mpixel is a warning. Skins, morph targets, animations,
-// cameras, lights and vertex colours are ignored. A required extension that is not known is damage; Draco and meshopt
+// the factor. A texture that is missing, damaged or above 64 Mpixel is a warning. Colours of vertices (COLOR_0)
+// multiply the base colour. A triangle shows the mean of its corners, and the triangles of each colour become a mesh of
+// their own, shared as the whole would be. Of more than kMostFaceColours colours (a smooth shade, say) the average
+// counts, with a warning. Skins, morph targets, animations, cameras and lights are ignored. A required extension that is not known is damage; Draco and meshopt
 // compression are not known.
 //
 // Plant models in the open convention of web viewers for industry (gltf_collections.h) keep their primitives analytic.
