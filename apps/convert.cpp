@@ -1,4 +1,4 @@
-// sightline-convert: model files into one RVM or OBJ file, or into a scene cache.
+// sightline-convert: model files into one RVM, OBJ or glTF file, or into a scene cache.
 
 #include <cctype>
 #include <cstdio>
@@ -11,6 +11,7 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/report_json.h"
+#include "sightline/importers/gltf/gltf_writer.h"
 #include "sightline/importers/obj/obj_writer.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/importers/slc/slc_writer.h"
@@ -21,11 +22,18 @@ using namespace sightline;
 using nlohmann::json;
 using ItemCounts = std::array<std::uint64_t, core::kKindCount>;
 
-/// Report of a written file, in either format.
+/// Triangles that stand for primitives.
+struct Tessellated {
+  std::uint64_t triangles = 0, vertices = 0;
+  double largest_chord_error = 0.0;
+};
+
+/// Report of a written file, in any format.
 struct Written {
   ItemCounts items{};
   std::uint64_t left_out = 0, bytes = 0;
-  std::optional<importers::ObjWriteReport> triangles;  ///< none in RVM, which keeps primitives
+  std::optional<Tessellated> triangles;   ///< none in RVM, which keeps primitives
+  std::optional<std::uint64_t> analytic;  ///< of glTF
 };
 
 std::string extension_of(const std::string& file) {
@@ -39,8 +47,9 @@ std::string take_output(std::vector<std::string>& files) {
   std::string output = std::move(files.back());
   files.pop_back();
   const std::string extension = extension_of(output);
-  if (extension != ".rvm" && extension != ".obj" && extension != ".slc")
-    throw CLI::ValidationError("OUTPUT", "expected a name ending in .rvm, .obj or .slc, found \"" + output + "\"");
+  if (extension != ".rvm" && extension != ".obj" && extension != ".glb" && extension != ".gltf" && extension != ".slc")
+    throw CLI::ValidationError("OUTPUT",
+                               "expected a name ending in .rvm, .obj, .glb, .gltf or .slc, found \"" + output + "\"");
   return output;
 }
 
@@ -79,7 +88,21 @@ core::Expected<Written> write_as_obj(const core::Scene& scene, core::NodeId top,
   apps::Progress bar("writing");
   const auto report = importers::write_obj(scene, top, output, {.tolerance = tolerance, .progress = bar.callback()});
   if (!report) return tl::unexpected(report.error());
-  return Written{report->items, report->left_out, report->bytes, *report};
+  return Written{report->items,
+                 report->left_out,
+                 report->bytes,
+                 Tessellated{report->triangles, report->vertices, report->largest_chord_error},
+                 {}};
+}
+
+core::Expected<Written> write_as_gltf(const core::Scene& scene, core::NodeId top, const std::string& output,
+                                      double tolerance, bool collections) {
+  apps::Progress bar("writing");
+  const auto report = importers::write_gltf(
+      scene, top, output, {.tolerance = tolerance, .collections = collections, .progress = bar.callback()});
+  if (!report) return tl::unexpected(report.error());
+  return Written{report->items, report->left_out, report->bytes,
+                 Tessellated{report->triangles, report->vertices, report->largest_chord_error}, report->analytic};
 }
 
 std::uint64_t total(const ItemCounts& items) {
@@ -104,6 +127,7 @@ json to_json(const apps::ModelOptions& options, const importers::ImportReport& r
           {"bytes_in", read.bytes},
           {"bytes_out", written.bytes},
           {"tessellation", tessellation},
+          {"analytic", written.analytic ? json(*written.analytic) : json()},
           {"warnings", apps::warnings_json(read.warnings)}};
 }
 
@@ -120,11 +144,12 @@ void print(const importers::ImportReport& read, const std::string& output, const
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Reads model files and writes them into one: RVM keeps analytic primitives, OBJ gets triangles, SLC is a scene "
-      "cache that every tool starts from fast",
+      "Reads model files and writes them into one: RVM keeps analytic primitives, OBJ and glTF get triangles, SLC is a "
+      "scene cache that every tool starts from fast",
       "sightline-convert");
   apps::describe(app,
                  "  sightline-convert plant.rvm plant.obj --tolerance 0.005\n"
+                 "  sightline-convert plant.rvm plant.glb --collections\n"
                  "  sightline-convert a.rvm b.rvm both.rvm\n"
                  "  sightline-convert plant.rvm plant.txt plant.slc\n"
                  "  sightline-convert --units mm part.stl part.rvm\n"
@@ -132,19 +157,28 @@ int main(int argc, char** argv) {
   apps::ModelOptions options;
   std::string output, json_file;
   double tolerance = importers::ObjWriteOptions{}.tolerance;
+  bool collections = false;
   options.import.copies = importers::MeshCopies::kExact;  // meshes are written as they came
   apps::add_model_options(app, options);
   app.get_option("MODEL")
       ->expected(2, CLI::detail::expected_max_vector_size)
       ->option_text("... OUTPUT REQUIRED")
-      ->description("Model files, then the file to write: .rvm, .obj (with .mtl beside it) or .slc");
+      ->description(
+          "Model files, then the file to write: .rvm, .obj (with .mtl beside it), .glb, .gltf (with .bin beside it) or "
+          ".slc");
   app.final_callback([&] {
     output = take_output(options.files);
+    if (collections && extension_of(output) != ".glb" && extension_of(output) != ".gltf")
+      throw CLI::ValidationError("--collections",
+                                 "expected an output ending in .glb or .gltf, found \"" + output + "\"");
     if (extension_of(output) == ".slc") options.import.copies = importers::ImportOptions{}.copies;  // as tools read
   });
-  app.add_option("--tolerance", tolerance, "Largest distance of OBJ triangles from analytic primitives, metres")
+  app.add_option("--tolerance", tolerance,
+                 "Largest distance of OBJ and glTF triangles from analytic primitives, metres")
       ->capture_default_str()
       ->check(apps::accepted_by(parse_tolerance));
+  app.add_flag("--collections", collections,
+               "Keep analytic primitives in glTF, as rows of parameters for web viewers that know them");
   app.add_option("--json", json_file, "Write what was read and written as JSON to FILE, or - for stdout");
   return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
     auto model = apps::load_model(options);
@@ -157,7 +191,8 @@ int main(int argc, char** argv) {
     const std::string extension = extension_of(output);
     const auto written = extension == ".rvm"   ? write_as_rvm(scene, top, output)
                          : extension == ".slc" ? write_as_slc(scene, model->report, output)
-                                               : write_as_obj(scene, top, output, tolerance);
+                         : extension == ".obj" ? write_as_obj(scene, top, output, tolerance)
+                                               : write_as_gltf(scene, top, output, tolerance, collections);
     if (!written) return tl::unexpected(written.error());
     if (json_file != "-") print(model->report, output, *written);
     if (json_file.empty()) return apps::kExitOk;

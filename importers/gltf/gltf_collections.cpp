@@ -340,9 +340,16 @@ GltfCollections::Place GltfCollections::place(const double* tree_index, core::No
                                               const core::Affine& file_from_node, const core::Affine& node_from_item) {
   const auto part = part_of(tree_index);
   if (!part) return {fallback, node_from_item};
-  core::NodeId& node = parts_[*part];
-  if (!node.valid()) node = job_.scene().add_node(job_.file_node(), std::to_string(*part));
-  return {node, file_from_node * node_from_item};
+  Part& known = parts_[*part];
+  if (!known.node.valid()) known.node = job_.scene().add_node(job_.file_node(), std::to_string(*part));
+  return {known.node, known.node_from_file * file_from_node * node_from_item};
+}
+
+void GltfCollections::name_part(std::uint32_t tree_index, core::NodeId node, const core::Affine& file_from_node) {
+  const double determinant = glm::determinant(file_from_node.linear);
+  if (determinant == 0.0 || !std::isfinite(1.0 / determinant)) return;
+  const core::dmat3 inverse = glm::inverse(file_from_node.linear);
+  parts_.try_emplace(tree_index, Part{node, {inverse, -(inverse * file_from_node.origin)}});
 }
 
 core::MaterialId GltfCollections::material(const double* colour, const GltfAccessor* accessor) {

@@ -24,6 +24,8 @@ constexpr std::string_view kKnownExtensions[] = {
     "KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_texture_transform",  "KHR_lights_punctual",
     "KHR_animation_pointer", "KHR_xmp_json_ld",         "KHR_materials_variants", "KHR_node_visibility"};
 
+constexpr std::string_view kTreeIndex = "treeIndex";
+
 class Reading {
  public:
   Reading(ImportJob& job, const std::filesystem::path& path)
@@ -255,8 +257,12 @@ class Reading {
       return tl::unexpected(asked.error());
     }
     const NodeId id = job_.scene().add_node(visit.parent, name_of(element), parent_from_node);
+    const Affine file_from_node = visit.file_from_parent * parent_from_node;
     add_attributes(*element.json, id);
-    return Node{id, visit.file_from_parent * parent_from_node, element.where()};
+    if (const Json* tree = follows_convention_ ? extra(*element.json, kTreeIndex) : nullptr)
+      if (tree->is_number_unsigned() && tree->get<std::uint64_t>() < core::kNone)
+        collections_.name_part(tree->get<std::uint32_t>(), id, file_from_node);
+    return Node{id, file_from_node, element.where()};
   }
 
   std::string name_of(const GltfElement& element) const {
@@ -277,7 +283,13 @@ class Reading {
         job_.scene().set_attribute(id, key, value.dump());
     };
     if (!extras->is_object()) return add("extras", *extras);
-    for (const auto& [key, value] : extras->items()) add(key, value);
+    for (const auto& [key, value] : extras->items())
+      if (!follows_convention_ || key != kTreeIndex) add(key, value);
+  }
+
+  static const Json* extra(const Json& node, std::string_view key) {
+    const Json* extras = gltf_find(node, "extras");
+    return extras ? gltf_find(*extras, key) : nullptr;
   }
 
   Expected<void> add_items(const GltfElement& element, const Node& node) {
@@ -288,7 +300,9 @@ class Reading {
     const std::string where = node.where + "/extensions/EXT_mesh_gpu_instancing/attributes";
     if (instancing && !attributes) return core::fail(where + ": expected an object, which is missing");
     const std::string name = gltf_text(json, "name");
-    if (attributes && follows_convention_ && GltfCollections::is_collection(name))
+    const bool collection = attributes && follows_convention_ && GltfCollections::is_collection(name);
+    if (const Json* caps = collection ? extra(json, "caps") : nullptr; caps && *caps == true) return {};
+    if (collection)
       return collections_.add(name, *attributes, node.id, node.file_from_node, where,
                               [this](double share) { return progress(share); });
     if (!gltf_find(json, "mesh")) return {};

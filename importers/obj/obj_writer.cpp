@@ -17,6 +17,7 @@
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/internal/file_bytes.h"
+#include "sightline/importers/internal/tessellated.h"
 
 namespace sightline::importers {
 namespace {
@@ -35,34 +36,6 @@ std::string on_one_line(std::string_view name, bool spaces) {
   for (char& c : line)
     if ((c >= 0 && c < ' ') || c == 127 || (c == ' ' && !spaces)) c = '_';
   return line;
-}
-
-/// The largest stretch of the map: exact when its axes stay at right angles, else an upper bound.
-double largest_scale(const dmat3& linear) {
-  const dmat3 gram = glm::transpose(linear) * linear;
-  double most = 0.0;
-  for (int i = 0; i < 3; ++i) most = std::max(most, std::abs(gram[i].x) + std::abs(gram[i].y) + std::abs(gram[i].z));
-  return std::sqrt(most);
-}
-
-/// Height of the arc over an edge whose ends have these unit normals. Only the part of the edge along the difference of
-/// the normals is bent: a cylinder's rulings do not count.
-double arc_height(const dvec3& edge, const dvec3& from, const dvec3& to) {
-  const dvec3 turn = to - from;
-  const double sine = 0.5 * glm::length(turn);  // of half the angle between them
-  if (sine < 1e-9) return 0.0;
-  const double bent = std::abs(glm::dot(edge, turn)) / (2.0 * sine);
-  return 0.5 * bent * std::tan(0.5 * std::asin(std::min(1.0, sine)));
-}
-
-double chord_error(const core::Mesh& mesh) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
-    const std::uint32_t a = mesh.indices[i], b = mesh.indices[i % 3 == 2 ? i - 2 : i + 1];
-    most = std::max(most, arc_height(dvec3(mesh.positions[b]) - dvec3(mesh.positions[a]), dvec3(mesh.normals[a]),
-                                     dvec3(mesh.normals[b])));
-  }
-  return most;
 }
 
 /// Buffers text for a file.
@@ -245,12 +218,10 @@ class ObjWriter {
     use_material(state.material);
     const core::Affine& world = state.world_from_item;
     for (const core::vec3& p : mesh.positions) out_ << 'v', out_.put(core::transform_point(world, dvec3(p)));
-    // Normals are mapped by the cofactors, which are the inverse transpose except for the determinant.
-    const dmat3& m = world.linear;
-    const dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
-    const bool mirrored = glm::dot(m[0], cofactors[0]) < 0.0;
+    const dmat3 map_normal = normal_map(world.linear);
+    const bool mirrored = glm::determinant(world.linear) < 0.0;
     for (const core::vec3& n : mesh.normals) {
-      const dvec3 normal = (mirrored ? -cofactors : cofactors) * dvec3(n);
+      const dvec3 normal = map_normal * dvec3(n);
       const double length = glm::length(normal);
       out_ << "vn", out_.put(length > 0.0 ? core::vec3(normal / length) : core::vec3(0.0f, 0.0f, 1.0f));
     }

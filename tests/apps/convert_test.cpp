@@ -1,5 +1,8 @@
 // sightline-convert: what goes in comes out, and nothing half-written is left.
-#include "sightline/tests/apps/tool_test.h"
+#include <algorithm>
+
+#include "sightline/importers/import.h"
+#include "sightline/tests/apps/render_test.h"
 
 namespace sightline::tests {
 namespace {
@@ -73,7 +76,8 @@ TEST_F(Convert, SpeaksBesideJson) {
 TEST_F(Convert, RefusesBadUsage) {
   expect_usage_error("convert", {path("only.rvm")}, "required");
   expect_usage_error("convert", {path("in.rvm"), path("out.stl")}, "out.stl");
-  expect_usage_error("convert", {path("in.rvm"), path("out")}, ".rvm, .obj or .slc");
+  expect_usage_error("convert", {path("in.rvm"), path("out")}, ".rvm, .obj, .glb, .gltf or .slc");
+  expect_usage_error("convert", {path("in.rvm"), path("out.obj"), "--collections"}, "--collections");
   for (const char* bad : {"0", "-1", "nan", "inf", "fine"})
     expect_usage_error("convert", {path("in.rvm"), path("out.obj"), "--tolerance", bad}, bad);
 }
@@ -89,6 +93,34 @@ TEST_F(Convert, RefusesBadFilesAndLeavesNothing) {
   expect_failure("convert", {model, unwritable("a.rvm")}, "a.rvm");
   ASSERT_EQ(run("convert", {"--lenient", path("damaged.stl"), path("out/a.obj")}).code, 0);
   EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), fs::directory_iterator()), 1);
+}
+
+class ConvertPictures : public RenderTest {};
+
+/// What is read back shows the same items. Collections change their order, so that only the picture can be compared.
+TEST_F(ConvertPictures, GltfShowsWhatRvmShows) {
+  const auto known = importers::known_extensions();
+  if (std::find(known.begin(), known.end(), ".glb") == known.end()) GTEST_SKIP() << "a build without glTF";
+  const std::string model = plant(1000), picture = path("before.png"), ids = path("before_ids.png");
+  render({model, "--size", "600x400", "--out", picture, "--ids", ids});
+  const auto compared = [&](const Args& extra, const std::string& name) {
+    Args args = {model, path(name)};
+    args.insert(args.end(), extra.begin(), extra.end());
+    const Json facts = run_json("convert", args);
+    EXPECT_EQ(facts["left_out"], 0) << name;
+    EXPECT_EQ(facts["analytic"], extra.size() == 1 ? 999 : 0) << name;  // all but a rectangular torus
+    return run_json("render",
+                    {path(name), "--size", "600x400", "--out", path("after.png"), "--ids", path("after_ids.png"),
+                     "--compare", picture, "--compare-ids", ids, "--max", "255", "--mean", "255"});
+  };
+  for (const char* name : {"plant.glb", "plant.gltf"}) {
+    const Json facts = compared({"--tolerance", "0.0005"}, name);
+    EXPECT_LE(facts["wrong_ids"], 100);  // of 240,000: silhouettes
+    EXPECT_LE(facts["compare"]["flip"]["mean"], 0.002);
+  }
+  const Json facts = compared({"--collections"}, "parts.glb");
+  EXPECT_LE(facts["compare"]["pixels"], 100);
+  EXPECT_LE(facts["compare"]["flip"]["mean"], 1e-4);
 }
 
 }  // namespace

@@ -153,7 +153,8 @@ inline GltfBytes small_gltf() {
                 {"_vertex3", corner},
                 {"_vertex4", ones}}}}}}}});
   const int shades = g.accessor<std::uint8_t>({255, 0, 0, 0, 255, 0, 0, 0, 255, 9, 9, 9}, "VEC3", true);
-  g.root({{"mesh", g.mesh({{"attributes", {{"POSITION", positions}, {"COLOR_0", shades}}}, {"mode", 5}})}});
+  g.root({{"mesh", g.mesh({{"attributes", {{"POSITION", positions}, {"COLOR_0", shades}}}, {"mode", 5}})},
+          {"extras", {{"treeIndex", 8}}}});
   return g;
 }
 

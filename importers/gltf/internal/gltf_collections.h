@@ -30,6 +30,10 @@
 // exact meshes. A part of a cone, or of a cylinder with slanted ends, becomes flat facets within kFacetError of its
 // radius. One node named with the tree index holds all items of that part, over all collections. One material stands
 // for each colour.
+//
+// Our own writer (gltf_writer.h) adds two things in extras, which others ignore: "treeIndex" of a node that is the part
+// itself, with its name and attributes, and "caps" of a collection that closes the walls of others, which solids do
+// not need.
 #pragma once
 
 #include <functional>
@@ -49,6 +53,9 @@ class GltfCollections {
   /// Whether the file follows the convention: some attribute is called _treeIndex.
   static bool follows_convention(const GltfDocument& document);
   static bool is_collection(std::string_view node_name);
+
+  /// Makes `node`, at `file_from_node`, the node of a part. Nothing changes when the map has no inverse.
+  void name_part(std::uint32_t tree_index, core::NodeId node, const core::Affine& file_from_node);
 
   using Progress = std::function<core::Expected<void>(double)>;  ///< receives the share of one node that is done
   /// Adds the primitives of a node. `node` holds those that belong to no part.
@@ -72,7 +79,11 @@ class GltfCollections {
  private:
   ImportJob& job_;
   GltfDocument& document_;
-  std::unordered_map<std::uint32_t, core::NodeId> parts_;
+  struct Part {
+    core::NodeId node;
+    core::Affine node_from_file;
+  };
+  std::unordered_map<std::uint32_t, Part> parts_;
   std::unordered_map<std::uint32_t, core::MaterialId> materials_;
   core::MeshId nut_;
 };

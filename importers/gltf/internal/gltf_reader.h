@@ -12,8 +12,8 @@
 // the factor. A texture that is missing, damaged or above 64 Mpixel is a warning. Colours of vertices (COLOR_0)
 // multiply the base colour. A triangle shows the mean of its corners, and the triangles of each colour become a mesh of
 // their own, shared as the whole would be. Of more than kMostFaceColours colours (a smooth shade, say) the average
-// counts, with a warning. Skins, morph targets, animations, cameras and lights are ignored. A required extension that is not known is damage; Draco and meshopt
-// compression are not known.
+// counts, with a warning. Skins, morph targets, animations, cameras and lights are ignored. A required extension that
+// is not known is damage; Draco and meshopt compression are not known.
 //
 // Plant models in the open convention of web viewers for industry (gltf_collections.h) keep their primitives analytic.
 //
