@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "sightline/importers/gltf/internal/gltf_compression.h"
 #include "sightline/importers/internal/side_files.h"
 
 namespace sightline::importers {
@@ -313,13 +314,13 @@ core::Expected<Bytes> GltfDocument::uri_bytes(std::string_view uri) {
 
 bool GltfDocument::take_corners(std::uint64_t corners) {
   corners_ += corners;
-  overdrawn_ = overdrawn_ || corners_ > kNumbersPerByte * bytes_read_ + kSpareNumbers;
+  overdrawn_ = overdrawn_ || corners_ > kNumbersPerByte * allowance() + kSpareNumbers;
   return !overdrawn_;
 }
 
 bool GltfDocument::take_items(std::uint64_t items) {
   items_ += items;
-  overdrawn_ = overdrawn_ || items_ > bytes_read_ + kSpareNumbers;
+  overdrawn_ = overdrawn_ || items_ > allowance() + kSpareNumbers;
   return !overdrawn_;
 }
 
@@ -352,24 +353,159 @@ core::Expected<Bytes> GltfDocument::buffer(std::uint64_t index, std::string_view
   return buffers_[index] = bytes.first(std::min<std::uint64_t>(*length, bytes.size()));
 }
 
-core::Expected<GltfDocument::View> GltfDocument::view(std::uint64_t index, std::string_view from) {
-  const auto found = element("bufferViews", index, from);
-  if (!found) return tl::unexpected(found.error());
-  const std::string where = found->where();
-  const auto of = gltf_index(*found->json, "buffer", where);
-  if (!of) return tl::unexpected(of.error());
-  const auto offset = gltf_index(*found->json, "byteOffset", where, 0);
-  if (!offset) return tl::unexpected(offset.error());
-  const auto length = gltf_index(*found->json, "byteLength", where);
-  if (!length) return tl::unexpected(length.error());
-  const auto stride = gltf_index(*found->json, "byteStride", where, 0);
-  if (!stride) return tl::unexpected(stride.error());
+core::Expected<Bytes> GltfDocument::part_of_buffer(const Json& json, const std::string& where) {
+  const auto of = gltf_index(json, "buffer", where);
+  const auto offset = gltf_index(json, "byteOffset", where, 0);
+  const auto length = gltf_index(json, "byteLength", where);
+  for (const auto* value : {&of, &offset, &length})
+    if (!*value) return tl::unexpected(value->error());
   const auto bytes = buffer(*of, where + "/buffer");
   if (!bytes) return tl::unexpected(bytes.error());
   if (!fits(*offset, *length, 1, 1, bytes->size()))
     return core::fail(fmt::format("{}: expected {} bytes from {} within the {} of buffer {}", where, *length, *offset,
                                   bytes->size(), *of));
-  return View{bytes->subspan(*offset, *length), *stride};
+  return bytes->subspan(*offset, *length);
+}
+
+core::Expected<GltfDocument::View> GltfDocument::view(std::uint64_t index, std::string_view from) {
+  const auto found = element("bufferViews", index, from);
+  if (!found) return tl::unexpected(found.error());
+  const std::string where = found->where();
+  const auto stride = gltf_index(*found->json, "byteStride", where, 0);
+  if (!stride) return tl::unexpected(stride.error());
+  const Json* extensions = gltf_find(*found->json, "extensions");
+  const Json* meshopt = extensions ? gltf_find(*extensions, kMeshopt) : nullptr;
+  if (!meshopt || (!can_decompress(kMeshopt) && !is_fallback(*found->json))) {
+    const auto bytes = part_of_buffer(*found->json, where);
+    if (!bytes) return tl::unexpected(bytes.error());
+    return View{*bytes, *stride};
+  }
+  const auto known_view = meshopt_views_.find(index);
+  if (known_view != meshopt_views_.end()) return View{known_view->second, *stride};
+  const auto length = gltf_index(*found->json, "byteLength", where);
+  if (!length) return tl::unexpected(length.error());
+  auto bytes = inflated_view(*meshopt, *length, fmt::format("{}/extensions/{}", where, kMeshopt));
+  if (!bytes) return tl::unexpected(bytes.error());
+  return View{meshopt_views_[index] = std::move(*bytes), *stride};
+}
+
+bool GltfDocument::is_fallback(const Json& view) const {
+  const Json* index = gltf_find(view, "buffer");
+  if (!index || !index->is_number_unsigned()) return false;
+  const auto found = element("buffers", index->get<std::uint64_t>(), "");
+  const Json* extensions = found ? gltf_find(*found->json, "extensions") : nullptr;
+  const Json* meshopt = extensions ? gltf_find(*extensions, kMeshopt) : nullptr;
+  const Json* fallback = meshopt ? gltf_find(*meshopt, "fallback") : nullptr;
+  return fallback && *fallback == true && !gltf_find(*found->json, "uri");
+}
+
+core::Expected<std::vector<std::byte>> GltfDocument::inflated_view(const Json& extension, std::uint64_t length,
+                                                                   const std::string& where) {
+  const auto count_of = gltf_index(extension, "count", where), stride = gltf_index(extension, "byteStride", where);
+  for (const auto* value : {&count_of, &stride})
+    if (!*value) return tl::unexpected(value->error());
+  if (*stride > 256 || *count_of >= core::kNone || *count_of * *stride != length)
+    return core::fail(fmt::format("{}: expected {} elements of {} bytes to be the view's {} bytes", where, *count_of,
+                                  *stride, length));
+  const auto bytes = part_of_buffer(extension, where);
+  if (!bytes) return tl::unexpected(bytes.error());
+  if (auto taken = take_inflated(length, where); !taken) return tl::unexpected(taken.error());
+  auto inflated =
+      decompress_meshopt(*bytes, {*count_of, *stride, gltf_text(extension, "mode"), gltf_text(extension, "filter")});
+  if (!inflated) inflated.error().message.insert(0, where + ": ");
+  return inflated;
+}
+
+core::Expected<void> GltfDocument::take_inflated(std::uint64_t bytes, const std::string& where) {
+  const std::uint64_t most = kInflatedPerByte * bytes_read_ + kSpareInflated;
+  if (bytes > most - std::min(most, inflated_))
+    return core::fail(
+        fmt::format("{}: holds more than {} times the {} bytes of the file", where, kInflatedPerByte, bytes_read_));
+  inflated_ += bytes;
+  return {};
+}
+
+core::Expected<void> GltfDocument::decompress(const Json& primitive, const std::string& where) {
+  const Json* extensions = gltf_find(primitive, "extensions");
+  const Json* draco = extensions ? gltf_find(*extensions, kDraco) : nullptr;
+  const Json* attributes = gltf_find(primitive, "attributes");
+  if (!draco || !attributes) return {};
+  const std::string here = fmt::format("{}/extensions/{}", where, kDraco);
+  const auto positions = gltf_index(*attributes, "POSITION", where + "/attributes");
+  if (!positions) return tl::unexpected(positions.error());
+  if (auto can = can_decompress(kDraco); !can) {
+    const auto found = element("accessors", *positions, where + "/attributes/POSITION");
+    if (found && gltf_find(*found->json, "bufferView")) return {};
+    return core::fail(fmt::format("{}: {}", here, can.error().message));
+  }
+  const auto mode = gltf_index(primitive, "mode", where, 4);
+  const auto indices = gltf_index(primitive, "indices", where), view_of = gltf_index(*draco, "bufferView", here);
+  for (const auto* value : {&mode, &indices, &view_of})
+    if (!*value) return tl::unexpected(value->error());
+  if (*mode != 4) return core::fail(fmt::format("{}: expected triangles (mode 4), found mode {}", here, *mode));
+  const Json* ids = gltf_find(*draco, "attributes");
+  if (!ids || !ids->is_object()) return core::fail(here + "/attributes: expected an object");
+
+  // Accessors that get their numbers, those of the attributes first.
+  std::vector<std::uint64_t> targets;
+  std::vector<GltfAccessor> made;
+  std::vector<DracoAttribute> wanted;
+  bool all_known = true;
+  const auto want = [&](std::uint64_t accessor, const std::string& from) -> core::Expected<void> {
+    const auto found = element("accessors", accessor, from);
+    if (!found) return tl::unexpected(found.error());
+    auto plain = make_accessor(*found);
+    if (!plain) return tl::unexpected(plain.error());
+    const auto known_view = draco_views_.find(accessor);
+    if (known_view != draco_views_.end() && known_view->second != *view_of)
+      return core::fail(fmt::format("{}: expected accessor {} to be that of one compressed mesh", from, accessor));
+    all_known = all_known && known_view != draco_views_.end();
+    targets.push_back(accessor);
+    made.push_back(std::move(*plain));
+    return {};
+  };
+  for (const auto& [name, id] : ids->items()) {
+    if (!gltf_find(*attributes, name)) continue;
+    const auto number = gltf_index(*ids, name, here + "/attributes");
+    const auto accessor = gltf_index(*attributes, name, where + "/attributes");
+    for (const auto* value : {&number, &accessor})
+      if (!*value) return tl::unexpected(value->error());
+    if (auto done = want(*accessor, where + "/attributes/" + name); !done) return done;
+    wanted.push_back({std::uint32_t(*number), std::uint16_t(made.back().type), made.back().components});
+  }
+  if (auto done = want(*indices, where + "/indices"); !done) return done;
+  if (all_known) return {};
+
+  const auto bytes = view_bytes(*view_of, here + "/bufferView");
+  if (!bytes) return tl::unexpected(bytes.error());
+  const auto counts = draco_counts(*bytes);
+  if (!counts) return core::fail(fmt::format("{}: {}", here, counts.error().message));
+  constexpr std::uint64_t kBytesPerFace = 12;
+  std::uint64_t bytes_per_vertex = 0;
+  for (const GltfAccessor& accessor : made)
+    bytes_per_vertex += std::uint64_t(component_bytes(accessor.type) * accessor.components);
+  if (counts->faces >= core::kNone || counts->vertices >= core::kNone)
+    return core::fail(fmt::format("{}: expected counts below {}", here, core::kNone));
+  if (auto taken = take_inflated(kBytesPerFace * counts->faces + bytes_per_vertex * counts->vertices, here); !taken)
+    return taken;
+  auto mesh = decompress_draco(*bytes, wanted);
+  if (!mesh) return core::fail(fmt::format("{}: {}", here, mesh.error().message));
+  std::vector<std::byte> corners(mesh->corners.size() * sizeof(std::uint32_t));
+  if (!corners.empty()) std::memcpy(corners.data(), mesh->corners.data(), corners.size());
+  mesh->attributes.push_back(std::move(corners));
+  made.back().type = Type::kUnsignedInt;
+  made.back().components = 1;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    GltfAccessor& accessor = made[i];
+    std::vector<std::byte>& numbers = draco_numbers_[targets[i]] = std::move(mesh->attributes[i]);
+    accessor.data = numbers.data();
+    accessor.stride = std::uint64_t(component_bytes(accessor.type) * accessor.components);
+    accessor.count = i + 1 < targets.size() ? mesh->vertices : mesh->corners.size();
+    accessor.sparse.reset();
+    draco_views_[targets[i]] = *view_of;
+    accessors_[targets[i]] = accessor;
+  }
+  return {};
 }
 
 core::Expected<Bytes> GltfDocument::view_bytes(std::uint64_t index, std::string_view from) {
@@ -464,7 +600,7 @@ core::Expected<GltfAccessor::Sparse> GltfDocument::read_sparse(const Json& json,
   if (!value_bytes) return tl::unexpected(value_bytes.error());
 
   sparse_ += *changed;
-  if (sparse_ > kNumbersPerByte * bytes_read_ + kSpareNumbers)
+  if (sparse_ > kNumbersPerByte * allowance() + kSpareNumbers)
     return core::fail(fmt::format("{}: more sparse values than a file of {} bytes may hold", where, bytes_read_));
   GltfAccessor::Sparse sparse{std::vector<std::uint32_t>(*changed), value_bytes->data()};
   for (std::uint64_t i = 0; i < *changed; ++i) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sightline/importers/gltf/internal/gltf_collections.h"
+#include "sightline/importers/gltf/internal/gltf_compression.h"
 #include "sightline/importers/gltf/internal/gltf_document.h"
 #include "sightline/importers/gltf/internal/gltf_geometry.h"
 #include "sightline/importers/gltf/internal/gltf_materials.h"
@@ -90,6 +91,11 @@ class Reading {
     if (!required || !required->is_array()) return {};
     for (const Json& extension : *required) {
       const std::string name = extension.is_string() ? extension.get<std::string>() : describe(extension);
+      if (is_gltf_compression(name)) {
+        if (auto can = can_decompress(name); !can)
+          if (auto asked = left_out({"/extensionsRequired: " + can.error().message}); !asked) return asked;
+        continue;
+      }
       const bool look = name.starts_with("KHR_materials_") || name.find("texture") != std::string::npos;
       if (look ||
           std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) != std::end(kKnownExtensions))
@@ -324,6 +330,7 @@ class Reading {
     for (std::size_t i = 0; i < primitives->size(); ++i) {
       const std::string where = fmt::format("{}/primitives/{}", mesh.where(), i);
       auto done = take_items(1, where);  // even a primitive that draws nothing takes time under each node
+      if (done) done = document_.decompress((*primitives)[i], where);
       if (done) done = visit((*primitives)[i], where);
       if (done) continue;
       if (auto asked = left_out(done.error()); !asked) return tl::unexpected(asked.error());

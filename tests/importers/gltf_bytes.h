@@ -57,9 +57,16 @@ struct GltfBytes {
     return index;
   }
 
+  /// The buffer of `binary`, then those of the JSON.
+  Json buffers(Json own) const {
+    Json all = Json::array({std::move(own)});
+    if (json.contains("buffers"))
+      for (const Json& other : json["buffers"]) all.push_back(other);
+    return all;
+  }
   std::vector<std::byte> glb() const {
     Json with = json;
-    if (!binary.empty()) with["buffers"] = Json::array({{{"byteLength", binary.size()}}});
+    if (!binary.empty()) with["buffers"] = buffers({{"byteLength", binary.size()}});
     std::string text = with.dump();
     while (text.size() % 4) text += ' ';
     std::vector<std::byte> bytes;
@@ -79,7 +86,7 @@ struct GltfBytes {
   /// The same as text, its buffer in a file or data URI named `uri`.
   std::string gltf(const std::string& uri) const {
     Json with = json;
-    with["buffers"] = Json::array({{{"byteLength", binary.size()}, {"uri", uri}}});
+    with["buffers"] = buffers({{"byteLength", binary.size()}, {"uri", uri}});
     return with.dump(1);
   }
 };

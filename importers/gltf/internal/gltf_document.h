@@ -53,8 +53,12 @@ struct GltfAccessor {
 };
 
 /// Most numbers per byte of a file: corners of triangles (a strip of bytes has three a byte), or sparse values. Items
-/// are limited to one a byte. The spare ones let small files repeat a mesh often.
+/// are limited to one a byte. The spare ones let small files repeat a mesh often. Bytes that decompression makes count
+/// as the file's.
 inline constexpr std::uint64_t kNumbersPerByte = 3, kSpareNumbers = 65536;
+/// Most bytes that decompression may make of each byte of the file, and spare ones: meshes of long rows of equal
+/// numbers shrink that far.
+inline constexpr std::uint64_t kInflatedPerByte = 64, kSpareInflated = std::uint64_t{1} << 20;
 
 class GltfDocument {
  public:
@@ -69,6 +73,9 @@ class GltfDocument {
   core::Expected<GltfElement> element(std::string_view array, std::uint64_t index, std::string_view from) const;
 
   core::Expected<const GltfAccessor*> accessor(std::uint64_t index, std::string_view from);
+  /// Gives the accessors of a primitive with KHR_draco_mesh_compression their numbers. Nothing to do for others, and
+  /// for those that this build cannot decompress but that hold the same uncompressed. `where` is the primitive's place.
+  core::Expected<void> decompress(const Json& primitive, const std::string& where);
   /// The bytes of a buffer view, of an image say.
   core::Expected<std::span<const std::byte>> view_bytes(std::uint64_t index, std::string_view from);
   /// The bytes behind a URI, from the text itself or from a file beside the model, held by the document.
@@ -94,6 +101,12 @@ class GltfDocument {
   core::Expected<void> check_asset() const;
   core::Expected<std::span<const std::byte>> buffer(std::uint64_t index, std::string_view from);
   core::Expected<View> view(std::uint64_t index, std::string_view from);
+  core::Expected<std::vector<std::byte>> inflated_view(const Json& extension, std::uint64_t length,
+                                                       const std::string& where);
+  bool is_fallback(const Json& view) const;  ///< of a buffer that stands for compressed data and holds nothing
+  core::Expected<std::span<const std::byte>> part_of_buffer(const Json& json, const std::string& where);
+  core::Expected<void> take_inflated(std::uint64_t bytes, const std::string& where);
+  std::uint64_t allowance() const { return bytes_read_ + inflated_; }
   core::Expected<GltfAccessor> make_accessor(const GltfElement& element);
   core::Expected<GltfAccessor::Sparse> read_sparse(const Json& json, const GltfAccessor& of, const std::string& where);
 
@@ -102,10 +115,13 @@ class GltfDocument {
   Json root_;
   std::span<const std::byte> binary_;
   bool overdrawn_ = false;
-  std::uint64_t bytes_read_ = 0, corners_ = 0, items_ = 0, sparse_ = 0;
+  std::uint64_t bytes_read_ = 0, inflated_ = 0, corners_ = 0, items_ = 0, sparse_ = 0;
   std::unordered_map<std::uint64_t, GltfAccessor> accessors_;
   std::unordered_map<std::uint64_t, std::span<const std::byte>> buffers_;
   std::vector<std::vector<std::byte>> held_;
+  std::unordered_map<std::uint64_t, std::vector<std::byte>> meshopt_views_;
+  std::unordered_map<std::uint64_t, std::vector<std::byte>> draco_numbers_;  // of accessors
+  std::unordered_map<std::uint64_t, std::uint64_t> draco_views_;             // that these came from
   std::map<std::string, std::span<const std::byte>, std::less<>> files_;
 };
 

@@ -13,7 +13,8 @@
 // multiply the base colour. A triangle shows the mean of its corners, and the triangles of each colour become a mesh of
 // their own, shared as the whole would be. Of more than kMostFaceColours colours (a smooth shade, say) the average
 // counts, with a warning. Skins, morph targets, animations, cameras and lights are ignored. A required extension that
-// is not known is damage; Draco and meshopt compression are not known.
+// is not known is damage. EXT_meshopt_compression and KHR_draco_mesh_compression are known where the build has their
+// libraries; elsewhere data without an uncompressed twin is damage that names the extension.
 //
 // Plant models in the open convention of web viewers for industry (gltf_collections.h) keep their primitives analytic.
 //
@@ -34,8 +35,9 @@
 namespace sightline::importers {
 
 /// Peak memory of read_gltf, the scene's included, stays below this many times the bytes of the file and of the files
-/// that it names, plus kGltfMemoryConstant. A texture adds 4 bytes per pixel while it is averaged. Files that ask for
-/// more (one accessor drawn a million times) are refused, lenient or not.
+/// that it names and of those that decompression makes of them (at most 64 for each byte of the file and 1 MiB), plus
+/// kGltfMemoryConstant and what the libraries take while they decompress. A texture adds 4 bytes per pixel while it is
+/// averaged. Files that ask for more (one accessor drawn a million times) are refused, lenient or not.
 inline constexpr std::size_t kGltfMemoryFactor = 256;
 inline constexpr std::size_t kGltfMemoryConstant = std::size_t{32} << 20;
 
