@@ -41,10 +41,14 @@ struct Format {
                                        const ImportOptions&);
 };
 
+core::Expected<ImportReport> read_rvm_file(Bytes bytes, const std::filesystem::path& path, core::Scene& scene,
+                                           core::NodeId parent, const ImportOptions& options) {
+  return read_rvm(bytes, path.filename().string(), scene, parent, options);
+}
+
 constexpr Format kFormats[] = {
-    {".rvm",
-     [](Bytes bytes, const std::filesystem::path& path, core::Scene& scene, core::NodeId parent,
-        const ImportOptions& options) { return read_rvm(bytes, path.filename().string(), scene, parent, options); }},
+    {".rvm", read_rvm_file},
+    {".rev", read_rvm_file},
     {".txt", read_rvm_attributes},
     {".att", read_rvm_attributes},
     {".ply", read_ply},

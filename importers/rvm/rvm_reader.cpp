@@ -1,11 +1,13 @@
 #include "sightline/importers/rvm/internal/rvm_reader.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "sightline/importers/rvm/internal/rvm_chunks.h"
 #include "sightline/importers/rvm/internal/rvm_scene_builder.h"
+#include "sightline/importers/rvm/internal/rvm_text.h"
 
 namespace sightline::importers {
 namespace {
@@ -13,7 +15,9 @@ namespace {
 /// Walks the chunks.
 class RvmWalk {
  public:
-  RvmWalk(std::span<const std::byte> bytes, ImportJob& job) : bytes_(bytes), job_(job), builder_(job) {}
+  /// `places`: of a text, where its chunks stand; none for a binary file.
+  RvmWalk(std::span<const std::byte> bytes, ImportJob& job, std::span<const RvmTextPlace> places = {})
+      : bytes_(bytes), job_(job), places_(places), builder_(job) {}
 
   core::Expected<void> run() {
     job_.report().bytes = bytes_.size();
@@ -22,7 +26,8 @@ class RvmWalk {
     if (auto begun = begin(); !begun) return begun;
     while (!ended_) {
       if (auto stepped = step(); !stepped) return stepped;
-      if (auto asked = job_.progress(double(at_) / double(bytes_.size())); !asked) return asked;
+      const double share = double(at_) / double(bytes_.size());
+      if (auto asked = job_.progress(places_.empty() ? share : 0.5 + 0.5 * share); !asked) return asked;
     }
     builder_.finish();
     return {};
@@ -30,12 +35,26 @@ class RvmWalk {
 
  private:
   core::Error error(std::uint64_t offset, std::string_view tag, std::string_view message) const {
-    if (tag.empty()) return {fmt::format("{}: byte {}: {}", job_.file(), offset, message)};
-    return {fmt::format("{}: byte {}: {} chunk: {}", job_.file(), offset, tag, message)};
+    const RvmTextPlace* place = place_of(offset);
+    const std::string where = place ? fmt::format("line {}", place->line) : fmt::format("byte {}", offset);
+    if (tag.empty()) return {fmt::format("{}: {}: {}", job_.file(), where, message)};
+    return {fmt::format("{}: {}: {} chunk: {}", job_.file(), where, tag, message)};
+  }
+
+  /// The chunk of a text that the offset lies in.
+  const RvmTextPlace* place_of(std::uint64_t offset) const {
+    if (places_.empty()) return nullptr;
+    const auto behind =
+        std::upper_bound(places_.begin(), places_.end(), offset,
+                         [](std::uint64_t at, const RvmTextPlace& place) { return at < place.image_offset; });
+    return behind == places_.begin() ? &places_[0] : &*(behind - 1);
   }
 
   void warn(std::uint64_t offset, std::string_view tag, std::string_view message) {
-    job_.warn(offset, tag.empty() ? std::string(message) : fmt::format("{} chunk: {}", tag, message));
+    const RvmTextPlace* place = place_of(offset);
+    const std::string line = place ? fmt::format("line {}: ", place->line) : "";
+    job_.warn(place ? place->text_offset : offset,
+              tag.empty() ? line + std::string(message) : fmt::format("{}{} chunk: {}", line, tag, message));
   }
 
   /// Damage: an error when strict, a warning when lenient.
@@ -168,6 +187,7 @@ class RvmWalk {
 
   std::span<const std::byte> bytes_;
   ImportJob& job_;
+  std::span<const RvmTextPlace> places_;
   RvmSceneBuilder builder_;
   std::uint64_t at_ = 0, depth_ = 0;
   bool ended_ = false;
@@ -179,8 +199,14 @@ core::Expected<ImportReport> read_rvm(std::span<const std::byte> bytes, std::str
                                       core::NodeId parent, const ImportOptions& options) {
   if (bytes.empty()) return core::fail(fmt::format("{}: the file is empty", file_name));
   // The file's matrices map to metres with z up already; its unit is that of the parameters.
-  return run_import(file_name, scene, parent, options, {1.0, UpAxis::kZ},
-                    [&](ImportJob& job) { return RvmWalk(bytes, job).run(); });
+  return run_import(file_name, scene, parent, options, {1.0, UpAxis::kZ}, [&](ImportJob& job) -> core::Expected<void> {
+    if (!is_rvm_text(bytes)) return RvmWalk(bytes, job).run();
+    const auto image = image_of_rvm_text(job, bytes);
+    if (!image) return tl::unexpected(image.error());
+    auto done = RvmWalk(image->bytes, job, image->places).run();
+    job.report().bytes = bytes.size();
+    return done;
+  });
 }
 
 }  // namespace sightline::importers

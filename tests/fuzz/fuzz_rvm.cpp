@@ -1,5 +1,6 @@
-// RVM files; what was read is written and read again, and must be the same.
+// RVM files, binary and text; what was read is written and read again, and must be the same.
 #include "sightline/importers/rvm/internal/rvm_reader.h"
+#include "sightline/importers/rvm/internal/rvm_text.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/tests/fuzz/fuzz_target.h"
 #include "sightline/tests/importers/scene_compare.h"
@@ -44,8 +45,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                        core::NodeId parent, const importers::ImportOptions& options) {
     return importers::read_rvm(bytes, path.string(), scene, parent, options);
   };
-  fuzz::check_reader(read, "fuzz.rvm", fuzz::bytes_of(data, size),
-                     {importers::kRvmMemoryFactor, importers::kRvmMemoryConstant}, write_and_check);
+  const bool text = importers::is_rvm_text(fuzz::bytes_of(data, size));
+  fuzz::check_reader(
+      read, "fuzz.rvm", fuzz::bytes_of(data, size),
+      {text ? importers::kRvmTextMemoryFactor : importers::kRvmMemoryFactor, importers::kRvmMemoryConstant},
+      write_and_check);
   check_writing(fuzz::bytes_of(data, size));
   return 0;
 }

@@ -1,4 +1,5 @@
-// Reader of AVEVA review models (RVM): all eleven primitive kinds, groups, colours, obstruction and insulation volumes.
+// Reader of AVEVA review models (RVM), binary and as text (rvm_text.h): all eleven primitive kinds, groups, colours,
+// obstruction and insulation volumes.
 //
 // What becomes what. A node named after the file holds the file's groups as nodes. The strings of HEAD and MODL and the
 // reference point of each group stay as attributes (rvm_chunks.h lists the keys). PRIM becomes an item with the chunk's
@@ -26,11 +27,14 @@ namespace sightline::importers {
 /// Peak memory of read_rvm, the scene's included, stays below this many times the file's size plus kRvmMemoryConstant,
 /// whatever counts the file claims.
 inline constexpr std::size_t kRvmMemoryFactor = 32;
+/// The same for files of text, whose numbers may take two bytes each.
+inline constexpr std::size_t kRvmTextMemoryFactor = 128;
 inline constexpr std::size_t kRvmMemoryConstant = std::size_t{1} << 20;
 
 /// Reads a whole file image. `file_name` names the node and appears in messages. On error the scene is untouched.
 /// Nesting depth is bounded by memory alone. Time is linear in the file's size, except for facet polygons (see
-/// triangulate_polygon). A file that does not begin with a readable HEAD is not an RVM file: an error, lenient or not.
+/// triangulate_polygon). Messages about a text name lines where those about a binary file name bytes. A file that does
+/// not begin with a readable HEAD is not an RVM file: an error, lenient or not.
 core::Expected<ImportReport> read_rvm(std::span<const std::byte> bytes, std::string_view file_name, core::Scene& scene,
                                       core::NodeId parent, const ImportOptions& options = {});
 

@@ -1,0 +1,207 @@
+// The text form of RVM against the binary form of the same model, and damage with its line.
+#include "sightline/importers/rvm/internal/rvm_text.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "sightline/importers/import.h"
+#include "sightline/importers/internal/file_bytes.h"
+#include "sightline/importers/plant/plant_generator.h"
+#include "sightline/importers/rvm/internal/rvm_reader.h"
+#include "sightline/importers/rvm/rvm_writer.h"
+#include "sightline/tests/importers/hostile.h"
+#include "sightline/tests/importers/rvm_bytes.h"
+#include "sightline/tests/importers/rvm_text.h"
+#include "sightline/tests/importers/scene_compare.h"
+
+namespace sightline::importers {
+namespace {
+
+using tests::rvm_as_text;
+using tests::RvmBytes;
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
+
+core::Expected<ImportReport> read(std::span<const std::byte> bytes, core::Scene& scene, bool lenient = false) {
+  scene = core::Scene();
+  return read_rvm(bytes, "model.rvm", scene, scene.root(), {.lenient = lenient, .copies = MeshCopies::kExact});
+}
+
+/// The text reads as the binary file does.
+void expect_same(std::span<const std::byte> binary, const std::string& text) {
+  core::Scene wanted, found;
+  ASSERT_TRUE(read(binary, wanted));
+  const auto report = read(bytes_of(text), found);
+  ASSERT_TRUE(report) << report.error().message;
+  for (const ImportWarning& warning : report->warnings) ADD_FAILURE() << warning.message;
+  EXPECT_EQ(report->bytes, text.size());
+  EXPECT_EQ(report->metres_per_unit, 0.001);
+  EXPECT_EQ(tests::scene_difference(wanted, wanted.root(), found, found.root()), "");
+}
+
+TEST(RvmText, ReadsAsTheBinaryFileDoes) {
+  const auto binary = tests::small_rvm();
+  for (const bool first : {false, true})
+    for (const char* newline : {"\n", "\r\n"})
+      expect_same(binary, rvm_as_text(binary, {.extra_first = first, .newline = newline}));
+  expect_same(binary, "\xEF\xBB\xBF" + rvm_as_text(binary));
+  expect_same(binary, "\n  " + rvm_as_text(binary) + "\nwhat follows is nobody's\n");
+}
+
+TEST(RvmText, PlantsComeBackToTheBit) {
+  for (const std::uint64_t seed : {1, 2}) {
+    core::Scene plant;
+    ASSERT_TRUE(generate_plant({.items = 2000, .seed = seed}, plant));
+    const auto binary = write_rvm(plant, plant.root());
+    ASSERT_TRUE(binary);
+    expect_same(*binary, rvm_as_text(*binary));
+  }
+}
+
+/// What converters write has five digits behind the point: placements of 0.001 keep one.
+TEST(RvmText, NumbersOfFixedWidth) {
+  RvmBytes b;
+  b.head().group("", 2, {-123456.5f, 0.25f, 3}).prim(8, {2, 9});
+  b.item(11).u32(1).u32(1).u32(3);
+  for (const float x : {-1234567.f, -7654321.f, 5.f}) b.floats({x, -1234567.5f, -x, 0, 0, 1});  // columns that touch
+  b.end().group_end().finish();
+  const std::string text = rvm_as_text(b.bytes, {.fixed = true});
+  EXPECT_NE(text.find("-1234567.00000-1234567.50000"), std::string::npos) << text;
+  expect_same(b.bytes, text);
+}
+
+TEST(RvmText, HeadersOfVersionOneHaveNoEncoding) {
+  core::Scene scene;
+  ASSERT_TRUE(read(bytes_of("HEAD\n1 1\ninfo\n\ndate\nuser\nMODL\n1 1\nP\nM\nCNTB\n1 2\nA b \n0 0 0\n4\nPRIM\n1 1\n8\n"
+                            ".001 0 0 1\n0 .001 0 2\n0 0 .001 3\n-1 -1 -1\n1 1 1\n2 3\nCNTE\n1 2\nEND:\n1 1\n"),
+                   scene));
+  const core::NodeId file = scene.first_child(scene.root()), group = scene.first_child(file);
+  EXPECT_EQ(scene.name(group), "A b");
+  EXPECT_EQ(
+      scene.attributes(file),
+      (core::Scene::Attributes{
+          {"rvm.info", "info"}, {"rvm.date", "date"}, {"rvm.user", "user"}, {"rvm.project", "P"}, {"rvm.model", "M"}}));
+  EXPECT_EQ(scene.placement(scene.first_item(group)).origin, core::dvec3(1, 2, 3));
+}
+
+TEST(RvmText, ExtensionsOfFiles) {
+  const std::string text = rvm_as_text(tests::small_rvm());
+  for (const char* name : {"sightline_text.rvm", "sightline_text.REV"}) {
+    const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / name;
+    ASSERT_TRUE(core::write_file(path, {bytes_of(text)}));
+    core::Scene scene;
+    const auto report = import_file(path, scene, scene.root());
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(scene.item_count(), 15u);
+    std::filesystem::remove(path);
+  }
+}
+
+/// Replaces the first `from` and expects an error and a warning that begin so.
+void expect_damage(const std::string& from, const std::string& to, const std::string& message, std::size_t items_left) {
+  std::string text = rvm_as_text(tests::small_rvm());
+  const std::size_t at = text.find(from);
+  ASSERT_NE(at, std::string::npos) << from;
+  text.replace(at, from.size(), to);
+  core::Scene scene;
+  const auto strict = read(bytes_of(text), scene);
+  ASSERT_FALSE(strict) << message;
+  EXPECT_EQ(strict.error().message.find("model.rvm: " + message), 0u) << strict.error().message;
+  const auto lenient = read(bytes_of(text), scene, true);
+  ASSERT_TRUE(lenient) << lenient.error().message;
+  ASSERT_FALSE(lenient->warnings.empty());
+  EXPECT_EQ(lenient->warnings[0].message.find(message), 0u) << lenient->warnings[0].message;
+  EXPECT_EQ(scene.item_count(), items_left) << message;
+}
+
+TEST(RvmText, DamageSaysItsLine) {
+  const std::string cylinder = "     1     1\n     8\n";  // the first one
+  expect_damage("PRIM\n" + cylinder, "PRIM\n     1     1\n     12\n", "line 80: PRIM chunk: expected a primitive kind",
+                14);
+  expect_damage(" 2 9\n", " 2\n", "line 80: PRIM chunk: expected 21 numbers, found 20", 14);
+  expect_damage(" 2 9\n", " 2 9 4\n", "line 80: PRIM chunk: expected 21, found 22 numbers", 14);
+  expect_damage(" 2 9\n", " 2 9x\n", "line 80: PRIM chunk: expected 21 numbers, found 19 before line 88: \"2 9x\"", 14);
+  expect_damage("CNTB\n     1     2\n", "CNTB\n", "line 12: CNTB chunk: expected two numbers", 15);
+  expect_damage("     3\nPRIM", "     -3\nPRIM", "line 143: CNTB chunk: expected a reference point and a colour", 15);
+  expect_damage("PRIM\n", "PRIMUS\n", "line 17: expected a chunk's tag, found \"PRIMUS\"", 14);
+  expect_damage("16 32 48", "16 32 480", "line 198: COLR chunk: expected an index and red, green, blue", 15);
+  expect_damage("END:", "END", "line 202: expected a chunk's tag, found \"END\"", 15);
+  // What only the binary reader finds: a group that stays open.
+  const std::string text = rvm_as_text(tests::small_rvm());
+  const std::size_t last = text.rfind("CNTE\n     1     2\n");
+  ASSERT_NE(last, std::string::npos);
+  core::Scene scene;
+  std::string open = text;
+  open.erase(last, 18);
+  const auto report = read(bytes_of(open), scene);
+  ASSERT_FALSE(report);
+  EXPECT_NE(report.error().message.find("END: chunk: expected 1 more CNTE"), std::string::npos)
+      << report.error().message;
+  EXPECT_EQ(report.error().message.find("model.rvm: line "), 0u) << report.error().message;
+}
+
+bool survives(std::span<const std::byte> content, bool lenient) {
+  const auto reader = [&](std::span<const std::byte> bytes, core::Scene& scene, core::NodeId parent) {
+    return read_rvm(bytes, "hostile.rvm", scene, parent, {.lenient = lenient});
+  };
+  return tests::survives(content, reader, kRvmTextMemoryFactor, kRvmMemoryConstant);
+}
+
+TEST(RvmText, EveryTruncation) {
+  const std::string whole = rvm_as_text(tests::small_rvm());
+  const std::size_t tag = whole.find("END:");
+  for (std::size_t size = 0; size <= whole.size(); ++size) {
+    SCOPED_TRACE(testing::Message() << "truncated to " << size << " of " << whole.size());
+    ASSERT_EQ(survives(bytes_of(whole).first(size), false), size >= tag + 4);
+    survives(bytes_of(whole).first(size), true);
+    ASSERT_FALSE(testing::Test::HasFailure());
+  }
+}
+
+TEST(RvmText, RandomMutations) {
+#ifdef __SANITIZE_ADDRESS__
+  constexpr unsigned kSeeds = 2000;
+#else
+  constexpr unsigned kSeeds = 10000;
+#endif
+  const std::string whole = rvm_as_text(tests::small_rvm());
+  const char* const words[] = {
+      "nan",  "inf",  "-1",   "4294967295", "4294967296", "1e39", "1e400", "-1e-400", "11",   "12",  "PRIM",
+      "CNTB", "CNTE", "END:", "HEAD",       "\n",         "",     "0",     "1e9",     "OBST", "COLR"};
+  int strict = 0, lenient = 0;
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
+    std::mt19937 random(seed);
+    std::string text = whole;
+    for (auto t = 0ul, n = 1 + random() % 3; t < n; ++t) {
+      const std::size_t at = random() % text.size();
+      if (random() % 2) {
+        text[at] = char(random());
+        continue;
+      }
+      const std::size_t from = text.find_last_of(" \n", at) + 1;
+      text.replace(from, std::min(text.find_first_of(" \n", from), text.size()) - from,
+                   words[random() % std::size(words)]);
+    }
+    strict += survives(bytes_of(text), false);
+    lenient += survives(bytes_of(text), true);
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+  }
+  EXPECT_GT(lenient, strict);
+}
+
+TEST(RvmText, MemoryOfTheWorstInputs) {
+  std::string groups = "HEAD\n1 1\n\n\n\n\nMODL\n1 1\n\n\n", counts = groups, nested = groups;
+  for (int i = 0; i < 30000; ++i) groups += "CNTB\n1 2\nA\n0 0 0\n1\nCNTE\n1 2\n";
+  for (int i = 0; i < 30000; ++i) nested += "CNTB\n1 2\n\n0 0 0\n1\n";
+  counts += "CNTB\n1 2\nA\n0 0 0\n1\nPRIM\n1 1\n11\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1 1 1\n250000\n";
+  for (int i = 0; i < 250000; ++i) counts += "0\n";
+  survives(bytes_of(groups + "END:\n"), true);
+  survives(bytes_of(nested + "END:\n"), true);
+  survives(bytes_of(counts + "CNTE\n1 1\nEND:\n"), false);
+}
+
+}  // namespace
+}  // namespace sightline::importers
