@@ -219,6 +219,41 @@ TEST_F(GltfCompression, MeshoptComesBack) {
   }
 }
 
+/// Rotations of instances, which the quaternion filter is for.
+TEST_F(GltfCompression, MeshoptTurnsInstances) {
+  std::mt19937 random(5);
+  std::normal_distribution<float> normal;
+  const std::size_t count = 60;
+  std::vector<float> turns;
+  for (std::size_t i = 0; i < count; ++i) {
+    float q[4], length = 0.0f;
+    for (float& x : q) x = normal(random), length += x * x;
+    for (const float x : q) turns.push_back(x / std::sqrt(length));
+  }
+  std::vector<std::int16_t> encoded(4 * count);
+  meshopt_encodeFilterQuat(encoded.data(), count, 8, 16, turns.data());
+  GltfBytes packed = tests::triangle_gltf(), plain = packed;
+  const int rotation =
+      packed.add("accessors", {{"bufferView", meshopt_view(packed, encoded_vertices(encoded.data(), count, 8), count, 8,
+                                                           "ATTRIBUTES", "QUATERNION")},
+                               {"componentType", 5122},
+                               {"count", count},
+                               {"type", "VEC4"},
+                               {"normalized", true}});
+  const auto with = [](GltfBytes& g, int rotations) {
+    g.add("buffers", {{"byteLength", 480}, {"extensions", {{std::string(kMeshopt), {{"fallback", true}}}}}});
+    g.root({{"mesh", 0}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"ROTATION", rotations}}}}}}}});
+  };
+  with(packed, rotation), with(plain, plain.floats(turns, "VEC4"));
+  ASSERT_TRUE(read(plain));
+  std::vector<std::vector<dvec3>> wanted;
+  for (core::ItemId item = 0; item < count; ++item) wanted.push_back(corners(item));
+  const auto report = read(packed);
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(scene_.item_count(), count);
+  for (core::ItemId item = 0; item < count; ++item) expect_corners(item, wanted[item], 1e-3);
+}
+
 TEST_F(GltfCompression, MeshoptStreamsThatAreCut) {
   std::mt19937 random(1);
   const Sheet sheet(5, random);
