@@ -178,9 +178,10 @@ class CollectionsWriter {
       if (row) return true;
     }
     if (scene_.kind(id) == core::Kind::kLine) return false;
-    const std::uint32_t shape = shapes_.shape(id, state.world_from_item);
-    if (shape == kNone) return false;
-    add(meshes_[shape], {matrix(world)});
+    const GltfShapes::Scaled scaled = shapes_.shape(id, state.world_from_item);
+    if (scaled.shape == kNone) return false;
+    for (int c = 0; c < 3; ++c) world.linear[c] *= scaled.scale[c];
+    add(meshes_[scaled.shape], {matrix(world)});
     return true;
   }
 

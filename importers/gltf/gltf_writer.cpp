@@ -154,7 +154,9 @@ class TreeWriter {
       Item item{id, state.material, kNone, scene_.placement(id)};
       if ((state.layers & core::kDefaultLayerMask) != 0) {
         if (is_decomposable(item.node_from_shape.linear)) {
-          item.shape = shapes_.shape(id, state.world_from_item);
+          const GltfShapes::Scaled scaled = shapes_.shape(id, state.world_from_item);
+          item.shape = scaled.shape;
+          for (int c = 0; c < 3; ++c) item.node_from_shape.linear[c] *= scaled.scale[c];
         } else {
           item.shape = shapes_.baked(id, item.node_from_shape.linear, state.world_from_item);
           item.node_from_shape.linear = dmat3(1.0);

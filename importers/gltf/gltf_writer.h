@@ -6,14 +6,16 @@
 // it can be its node's own mesh. kGltfInstancesFrom or more items of one node that share mesh and material become one
 // node with EXT_mesh_gpu_instancing. A mesh is written once, with its normals, in its own coordinates, and every item
 // refers to it. Analytic primitives are written as triangles within a chord tolerance, once for all that have the same
-// parameters at nearly the same scale. Lines become lines. Materials have base colour, alpha and both sides. A
-// placement that shears is baked into a mesh of its own, since glTF has no shear. Transforms keep all digits, those of
-// instances some seven, relative to the node's extent.
+// parameters at nearly the same scale, and boxes, spheres and cylinders once for all with as many segments. Lines
+// become lines. Materials have base colour, alpha and both sides. A placement that shears is baked into a mesh of its
+// own, since glTF has no shear. Transforms keep all digits, those of instances some seven, relative to the node's
+// extent.
 //
 // With `collections` the file follows the convention of web viewers for industry instead (internal/gltf_collections.h
 // describes it): boxes, cylinders, cones, tori, dishes, spheres and slanted cylinders are rows of parameters, with z
 // up, and come back as analytic items of the same shape. A cylinder that is stretched across, a cone with slanted ends
-// and other primitives that the convention has no row for become triangles, one "InstanceMesh" for each shape. Caps are
+// and other primitives that the convention has no row for become triangles, one "InstanceMesh" for each shape. Lines
+// are left out. Caps are
 // rows of their own, as viewers of the convention want them. Their nodes have {"caps": true} in their extras, by which
 // the reader knows that its solids have them already. Nodes are written without transforms, and those with items have
 // their tree index in their extras, by which the reader finds names and attributes again. Numbers are floats about a

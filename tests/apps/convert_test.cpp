@@ -115,7 +115,8 @@ TEST_F(ConvertPictures, GltfShowsWhatRvmShows) {
   };
   for (const char* name : {"plant.glb", "plant.gltf"}) {
     const Json facts = compared({"--tolerance", "0.0005"}, name);
-    EXPECT_LE(facts["wrong_ids"], 100);  // of 240,000: silhouettes
+    // Of 240,000. Items that become instances change places with others of their node, and silhouettes are polygons.
+    EXPECT_LE(facts["wrong_ids"], 2400);
     EXPECT_LE(facts["compare"]["flip"]["mean"], 0.002);
   }
   const Json facts = compared({"--collections"}, "parts.glb");

@@ -19,9 +19,15 @@ class GltfShapes {
   GltfShapes(const core::Scene& scene, double tolerance, GltfOutput& output, GltfWriteReport& report)
       : scene_(scene), tolerance_(tolerance), output_(output), report_(report) {}
 
+  /// A shape, and the scale along the item's own axes that makes the item of it.
+  struct Scaled {
+    std::uint32_t shape = core::kNone;
+    core::dvec3 scale{1.0};
+  };
   /// The shape of an item that is placed by `world_from_item`; kNone when there is nothing to draw. Primitives of the
-  /// same parameters share a shape when their scales lie within the same eighth of an octave.
-  std::uint32_t shape(core::ItemId item, const core::Affine& world_from_item);
+  /// same parameters share a shape when their scales lie within the same eighth of an octave. Cylinders, spheres and
+  /// boxes are of size 1, so that all of them with as many segments share one.
+  Scaled shape(core::ItemId item, const core::Affine& world_from_item);
   /// The shape under `linear`, for a placement that glTF cannot hold. Mirrored triangles are turned to face outwards.
   std::uint32_t baked(core::ItemId item, const core::dmat3& linear, const core::Affine& world_from_item);
   /// The file's mesh of a shape in a material of the scene; kNone: without one.
@@ -36,7 +42,7 @@ class GltfShapes {
   /// Kind, bits of the parameters, step of the scale.
   using PrimitiveKey = std::array<std::uint32_t, 11>;
 
-  core::Mesh triangles(core::ItemId item, double scale) const;
+  core::Mesh triangles(const core::Primitive& primitive, double scale) const;
   std::uint32_t add(const core::Mesh& mesh, std::string_view name, double chord_error);
   std::uint32_t add_line(const core::Line& line);
   std::uint32_t note_error(std::uint32_t shape, double scale);
