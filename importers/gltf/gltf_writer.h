@@ -15,11 +15,10 @@
 // describes it): boxes, cylinders, cones, tori, dishes, spheres and slanted cylinders are rows of parameters, with z
 // up, and come back as analytic items of the same shape. A cylinder that is stretched across, a cone with slanted ends
 // and other primitives that the convention has no row for become triangles, one "InstanceMesh" for each shape. Lines
-// are left out. Caps are
-// rows of their own, as viewers of the convention want them. Their nodes have {"caps": true} in their extras, by which
-// the reader knows that its solids have them already. Nodes are written without transforms, and those with items have
-// their tree index in their extras, by which the reader finds names and attributes again. Numbers are floats about a
-// centre; alpha is lost.
+// are left out. Caps are rows of their own, as viewers of the convention want them. Their nodes have {"caps": true} in
+// their extras, by which the reader knows that its solids have them already. Nodes are written without transforms, and
+// those with items have their tree index in their extras, by which the reader finds names and attributes again. Numbers
+// are floats, about a centre of their own where the model lies beyond 4 km; alpha is lost.
 //
 // As in OBJ, items that are hidden, or on no layer but those hidden by default (obstruction and insulation volumes),
 // are left out, and nodes that held nothing else; so are meshes without triangles or with vertices that are not finite.
