@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
+#include <new>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -18,6 +20,7 @@
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/internal/side_files.h"
 #include "sightline/importers/ply/internal/ply_reader.h"
+#include "sightline/importers/recognise/internal/recognise.h"
 #include "sightline/importers/rvm/internal/rvm_reader.h"
 #include "sightline/importers/stl/internal/stl_reader.h"
 #ifdef SIGHTLINE_HAVE_SLC
@@ -115,7 +118,43 @@ core::Expected<ImportReport> read_by_extension(const std::filesystem::path& path
   return report;
 }
 
+/// Reads, and then recognises what was read. Fails, with the scene as it was, when that is cancelled.
+core::Expected<ImportReport> read_and_recognise(const std::filesystem::path& path, core::Scene& scene,
+                                                core::NodeId parent, const ImportOptions& options) {
+  if (!(options.recognise_tolerance >= 0.0 && std::isfinite(options.recognise_tolerance)))
+    return core::fail(fmt::format("{}: recognise_tolerance: expected a finite number of at least 0, found {}",
+                                  path.string(), options.recognise_tolerance));
+  constexpr double kReading = 0.5;  // share of the time
+  const auto part = [&](double begin, double share) -> std::function<bool(double)> {
+    if (!options.progress) return {};
+    return [&options, begin, share](double done) { return options.progress(begin + share * done); };
+  };
+  const core::Scene::Mark mark = scene.mark();
+  ImportOptions reading = options;
+  reading.progress = part(0.0, kReading);
+  auto report = read_by_extension(path, scene, parent, reading);
+  if (!report) return report;
+  core::Error error{std::string(kCancelled)};
+  try {
+    if (recognise_items(scene, core::ItemId(mark.items), options.recognise_tolerance, part(kReading, 1.0 - kReading),
+                        report->recognition)) {
+      if (options.progress) (void)options.progress(1.0);
+      return report;
+    }
+  } catch (const std::bad_alloc&) {
+    error.message = fmt::format("{}: not enough memory", path.string());
+  }
+  scene.take_back(mark, report->nodes);
+  return tl::unexpected(std::move(error));
+}
+
 }  // namespace
+
+std::string_view name_of(Refusal refusal) {
+  constexpr std::array<std::string_view, kRefusalCount> kNames = {"open", "cavity", "no structure", "off surface",
+                                                                  "broken"};
+  return kNames[std::size_t(refusal)];
+}
 
 std::span<const std::string_view> known_extensions() {
   return kExtensions;
@@ -130,7 +169,8 @@ core::Expected<ImportReport> import_file(const std::filesystem::path& path, core
     return core::fail(fmt::format("{}: is a directory, expected a model file", path.string()));
   if (!std::filesystem::is_regular_file(status))
     return core::fail(fmt::format("{}: not a regular file", path.string()));
-  return read_by_extension(path, scene, parent, options);
+  return options.recognise ? read_and_recognise(path, scene, parent, options)
+                           : read_by_extension(path, scene, parent, options);
 }
 
 }  // namespace sightline::importers

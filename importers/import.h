@@ -47,6 +47,12 @@ struct ImportOptions {
   UpAxis up = UpAxis::kZ;
   /// Which meshes are kept only once (mesh_sharing.h). Costs a few nanoseconds per vertex.
   MeshCopies copies = MeshCopies::kSimilar;
+  /// Whether meshes become analytic primitives where they are the triangles of some: cylinders, snouts, tori, dishes,
+  /// spheres, boxes, pyramids (docs/recognition.md). What is not recognised stays a mesh.
+  bool recognise = false;
+  /// How far vertices may lie from a recognised surface, in metres, finite and >= 0; 0: what each mesh's own size,
+  /// tessellation and rounding tell.
+  double recognise_tolerance = 0.0;
   /// Threads for several files; 0: one for each processor.
   int threads = 0;
   /// Where import_files() keeps scene caches (docs/scene-cache.md), made when absent; empty: none. An import of the
@@ -65,6 +71,28 @@ inline constexpr std::string_view kCancelled = "cancelled";
 /// Most warnings kept per import. One more tells how many were left out.
 inline constexpr std::size_t kMaxWarnings = 1000;
 
+/// Why a solid of a mesh, or a part of one, stayed triangles.
+enum class Refusal : std::uint8_t {
+  kOpen,         ///< not closed: some edge has no neighbour of the other direction
+  kCavity,       ///< inside out, unlike the mesh as a whole
+  kNoStructure,  ///< neither rings of vertices nor faces of a box or pyramid
+  kOffSurface,   ///< rings, but of no primitive within the tolerance
+  kBroken,       ///< triangles (not solids) with two equal corners or one that is not finite
+};
+inline constexpr std::size_t kRefusalCount = 5;
+/// "open", "cavity", "no structure", "off surface", "broken".
+SIGHTLINE_API std::string_view name_of(Refusal refusal);
+
+/// What ImportOptions::recognise did. Meshes count once, however many items share them.
+struct RecognitionReport {
+  std::uint64_t meshes = 0;                                      ///< looked at
+  std::array<std::uint64_t, core::kPrimitiveKindCount> items{};  ///< primitive items made, by kind
+  std::uint64_t triangles_before = 0, triangles_after = 0;
+  std::uint64_t bytes_before = 0, bytes_after = 0;     ///< of vertices, normals, indices; of parameters afterwards
+  double largest_deviation = 0.0;                      ///< metres between triangles and the surfaces that replace them
+  std::array<std::uint64_t, kRefusalCount> refused{};  ///< solids by Refusal, those recognised in part included
+};
+
 struct ImportReport {
   std::vector<core::NodeId>
       nodes;  ///< one per model file, in order: children of the given parent, named after the file (.slc: as written)
@@ -78,6 +106,7 @@ struct ImportReport {
                                ///< of glTF instances is not counted)
   std::uint64_t bytes = 0;     ///< read from files
   std::vector<std::filesystem::path> side_files;  ///< that the model files name: there or not, each once or more
+  RecognitionReport recognition;                  ///< with ImportOptions::recognise
   bool from_cache = false;                        ///< a scene cache was read instead of the files
   double metres_per_unit = 1.0;                   ///< of the last file's coordinates; the scene is in metres
 };

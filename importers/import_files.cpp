@@ -20,6 +20,15 @@
 namespace sightline::importers {
 namespace {
 
+void append(RecognitionReport& total, const RecognitionReport& one) {
+  total.meshes += one.meshes;
+  for (std::size_t k = 0; k < total.items.size(); ++k) total.items[k] += one.items[k];
+  total.triangles_before += one.triangles_before, total.triangles_after += one.triangles_after;
+  total.bytes_before += one.bytes_before, total.bytes_after += one.bytes_after;
+  total.largest_deviation = std::max(total.largest_deviation, one.largest_deviation);
+  for (std::size_t k = 0; k < total.refused.size(); ++k) total.refused[k] += one.refused[k];
+}
+
 void append(ImportReport& total, ImportReport&& one) {
   if (!one.nodes.empty()) total.metres_per_unit = one.metres_per_unit;
   total.nodes.insert(total.nodes.end(), one.nodes.begin(), one.nodes.end());
@@ -30,6 +39,7 @@ void append(ImportReport& total, ImportReport&& one) {
   total.shared_meshes += one.shared_meshes;
   total.sharing_error = std::max(total.sharing_error, one.sharing_error);
   total.bytes += one.bytes;
+  append(total.recognition, one.recognition);
   total.side_files.insert(total.side_files.end(), one.side_files.begin(), one.side_files.end());
 }
 

@@ -66,6 +66,8 @@ json settings_of(const ImportOptions& options) {
           {"metres_per_unit", options.metres_per_unit},
           {"up", int(options.up)},
           {"copies", int(options.copies)},
+          {"recognise", options.recognise},
+          {"recognise_tolerance", options.recognise ? options.recognise_tolerance : 0.0},
           {"readers", kReaders}};
 }
 

@@ -15,6 +15,13 @@ std::string to_text(const ImportReport& report) {
                       {"sharing_error", report.sharing_error},
                       {"bytes", report.bytes},
                       {"metres_per_unit", report.metres_per_unit},
+                      {"recognition",
+                       {{"meshes", report.recognition.meshes},
+                        {"items", report.recognition.items},
+                        {"triangles", {report.recognition.triangles_before, report.recognition.triangles_after}},
+                        {"bytes", {report.recognition.bytes_before, report.recognition.bytes_after}},
+                        {"largest_deviation", report.recognition.largest_deviation},
+                        {"refused", report.recognition.refused}}},
                       {"warnings", warnings}});
 }
 
@@ -29,6 +36,17 @@ core::Expected<ImportReport> report_from(std::string_view text) {
     from.at("sharing_error").get_to(report.sharing_error);
     from.at("bytes").get_to(report.bytes);
     from.at("metres_per_unit").get_to(report.metres_per_unit);
+    if (const auto found = from.find("recognition"); found != from.end()) {  // older files have none
+      RecognitionReport& recognition = report.recognition;
+      found->at("meshes").get_to(recognition.meshes);
+      found->at("items").get_to(recognition.items);
+      found->at("triangles").at(0).get_to(recognition.triangles_before);
+      found->at("triangles").at(1).get_to(recognition.triangles_after);
+      found->at("bytes").at(0).get_to(recognition.bytes_before);
+      found->at("bytes").at(1).get_to(recognition.bytes_after);
+      found->at("largest_deviation").get_to(recognition.largest_deviation);
+      found->at("refused").get_to(recognition.refused);
+    }
     for (const json& w : from.at("warnings")) {
       if (report.warnings.size() > kMaxWarnings) break;
       report.warnings.push_back({w.at(0).get<std::string>(), w.at(1).get<std::uint64_t>(), w.at(2).get<std::string>()});
