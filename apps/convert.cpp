@@ -53,12 +53,6 @@ std::string take_output(std::vector<std::string>& files) {
   return output;
 }
 
-core::Expected<double> parse_tolerance(const std::string& text) {
-  auto tolerance = apps::parse_finite(text);
-  if (tolerance && *tolerance <= 0.0) return core::fail("expected a tolerance above 0, found \"" + text + "\"");
-  return tolerance;
-}
-
 /// All items of the scene, and the size of the file.
 Written whole(const core::Scene& scene, const std::string& output) {
   Written written;
@@ -128,6 +122,7 @@ json to_json(const apps::ModelOptions& options, const importers::ImportReport& r
           {"bytes_out", written.bytes},
           {"tessellation", tessellation},
           {"analytic", written.analytic ? json(*written.analytic) : json()},
+          {"recognition", options.import.recognise ? apps::recognition_json(read.recognition) : json()},
           {"warnings", apps::warnings_json(read.warnings)}};
 }
 
@@ -153,6 +148,7 @@ int main(int argc, char** argv) {
                  "  sightline-convert a.rvm b.rvm both.rvm\n"
                  "  sightline-convert plant.rvm plant.txt plant.slc\n"
                  "  sightline-convert --units mm part.stl part.rvm\n"
+                 "  sightline-convert --recognise triangles.obj primitives.rvm\n"
                  "  sightline-convert --lenient damaged.rvm repaired.rvm --json -");
   apps::ModelOptions options;
   std::string output, json_file;
@@ -176,7 +172,7 @@ int main(int argc, char** argv) {
   app.add_option("--tolerance", tolerance,
                  "Largest distance of OBJ and glTF triangles from analytic primitives, metres")
       ->capture_default_str()
-      ->check(apps::accepted_by(parse_tolerance));
+      ->check(apps::accepted_by(apps::parse_tolerance));
   app.add_flag("--collections", collections,
                "Keep analytic primitives in glTF, as rows of parameters for web viewers that know them");
   app.add_option("--json", json_file, "Write what was read and written as JSON to FILE, or - for stdout");
@@ -195,6 +191,8 @@ int main(int argc, char** argv) {
                                                : write_as_gltf(scene, top, output, tolerance, collections);
     if (!written) return tl::unexpected(written.error());
     if (json_file != "-") print(model->report, output, *written);
+    if (json_file != "-" && options.import.recognise)
+      std::printf("%s\n", apps::recognition_words(model->report.recognition).c_str());
     if (json_file.empty()) return apps::kExitOk;
     if (auto done =
             apps::write_text(json_file, apps::to_text(to_json(options, model->report, output, tolerance, *written)));

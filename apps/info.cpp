@@ -88,6 +88,7 @@ json to_json(const importers::ImportReport& report, const Facts& facts) {
   out["attributed"] = report.attributed;
   out["shared_meshes"] = report.shared_meshes;
   out["sharing_error"] = report.sharing_error;
+  if (report.recognition.meshes > 0) out["recognition"] = apps::recognition_json(report.recognition);
   out["warnings"] = apps::warnings_json(report.warnings);
   return out;
 }
@@ -117,6 +118,7 @@ void print(const importers::ImportReport& report, const Facts& facts) {
   }
   std::printf("%-18s %g m\n", "file unit", report.metres_per_unit);
   std::printf("%-18s %zu\n", "warnings", report.warnings.size());
+  if (report.recognition.meshes > 0) std::printf("%s\n", apps::recognition_words(report.recognition).c_str());
 }
 
 }  // namespace

@@ -23,6 +23,12 @@ const std::map<std::string, double>& lengths() {
 
 }  // namespace
 
+core::Expected<double> parse_tolerance(const std::string& text) {
+  auto tolerance = parse_finite(text);
+  if (tolerance && *tolerance <= 0.0) return core::fail("expected a tolerance above 0, found \"" + text + "\"");
+  return tolerance;
+}
+
 std::optional<double> metres_of(const std::string& unit) {
   const auto found = lengths().find(unit);
   return found == lengths().end() ? std::nullopt : std::optional(found->second);
@@ -43,6 +49,17 @@ void add_import_options(CLI::App& app, importers::ImportOptions& options) {
          "Axis that points up in files that do not say: y or z")
       ->check(CLI::IsMember({"y", "z"}))
       ->default_str("z");
+  app.add_flag(
+      "--recognise", options.recognise,
+      "Take cylinders, snouts, tori, dishes, spheres, boxes and pyramids out of meshes that are the triangles of "
+      "some");
+  app.add_option_function<std::string>(
+         "--recognise-tolerance",
+         [&options](const std::string& text) { options.recognise_tolerance = parse_tolerance(text).value(); },
+         "How far vertices may lie from a recognised surface, metres; without it, what each mesh's own tessellation "
+         "and rounding tell")
+      ->check(accepted_by(parse_tolerance))
+      ->needs("--recognise");
   app.add_option_function<std::string>(
       "--cache", [&options](const std::string& folder) { options.cache_folder = folder; },
       "Keep scene caches in this folder, and start from them while the files are unchanged");
@@ -52,6 +69,12 @@ std::string import_arguments(const importers::ImportOptions& options) {
   std::string arguments = options.lenient ? " --lenient" : "";
   for (const auto& [name, metres] : lengths())
     if (metres == options.metres_per_unit && metres != 1.0) arguments += " --units " + name;
+  if (options.recognise) arguments += " --recognise";
+  if (options.recognise && options.recognise_tolerance > 0.0) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.17g", options.recognise_tolerance);
+    arguments += std::string(" --recognise-tolerance ") + text;
+  }
   return arguments + (options.up == importers::UpAxis::kY ? " --up y" : "");
 }
 
@@ -92,6 +115,23 @@ std::vector<std::filesystem::path> with_caches_of_folders(const std::vector<std:
 }
 
 }  // namespace
+
+std::string recognition_words(const importers::RecognitionReport& report) {
+  std::string kinds, refused;
+  const auto add = [](std::string& to, std::uint64_t count, std::string_view name) {
+    if (count > 0) to.append(to.empty() ? "" : ", ").append(std::to_string(count)).append(" ").append(name);
+  };
+  for (int k = 0; k < core::kPrimitiveKindCount; ++k)
+    add(kinds, report.items[std::size_t(k)], core::name_of(core::Kind(k)));
+  for (std::size_t k = 0; k < importers::kRefusalCount; ++k)
+    add(refused, report.refused[k], name_of(importers::Refusal(k)));
+  char text[256];
+  std::snprintf(text, sizeof text, "; %llu of %llu mesh triangles left, %.1f of %.1f kB, at most %.3g m off",
+                (unsigned long long)report.triangles_after, (unsigned long long)report.triangles_before,
+                1e-3 * double(report.bytes_after), 1e-3 * double(report.bytes_before), report.largest_deviation);
+  return "recognised " + (kinds.empty() ? std::string("nothing") : kinds) + text +
+         (refused.empty() ? "" : "; refused: " + refused);
+}
 
 core::Expected<Model> load_model(const ModelOptions& options) {
   Model model;

@@ -30,7 +30,10 @@ struct ModelOptions {
 /// Metres of mm, cm, m, km, in or ft; nothing for other names.
 std::optional<double> metres_of(const std::string& unit);
 
-/// --lenient, --units, --up: how files are read.
+/// A finite number above 0.
+core::Expected<double> parse_tolerance(const std::string& text);
+
+/// --lenient, --units, --up, --recognise, --recognise-tolerance, --cache: how files are read.
 void add_import_options(CLI::App& app, importers::ImportOptions& options);
 /// The arguments that give these options, each after a space.
 std::string import_arguments(const importers::ImportOptions& options);
@@ -46,6 +49,9 @@ struct Model {
 
 /// Prints the first few in full to stderr.
 void print_warnings(const std::vector<importers::ImportWarning>& warnings);
+
+/// One line for people: what was recognised, and what was not, why.
+std::string recognition_words(const importers::RecognitionReport& report);
 
 /// Imports all files below the root, whose transform is --translate. Prints warnings and progress to stderr
 /// unless ModelOptions::quiet.

@@ -19,4 +19,20 @@ inline nlohmann::json warnings_json(const std::vector<importers::ImportWarning>&
   return out;
 }
 
+inline nlohmann::json recognition_json(const importers::RecognitionReport& report) {
+  nlohmann::json items, refused;
+  for (int k = 0; k < core::kPrimitiveKindCount; ++k)
+    items[std::string(core::name_of(core::Kind(k)))] = report.items[std::size_t(k)];
+  for (std::size_t k = 0; k < importers::kRefusalCount; ++k)
+    refused[std::string(name_of(importers::Refusal(k)))] = report.refused[k];
+  return {{"meshes", report.meshes},
+          {"items", items},
+          {"triangles_before", report.triangles_before},
+          {"triangles_after", report.triangles_after},
+          {"bytes_before", report.bytes_before},
+          {"bytes_after", report.bytes_after},
+          {"largest_deviation", report.largest_deviation},
+          {"refused", refused}};
+}
+
 }  // namespace sightline::apps

@@ -170,8 +170,8 @@ class SuiteReader {
 
  private:
   core::Expected<void> read_model(const Place& at, Settings settings) {
-    if (auto done = check_keys(
-            at, {"name", "files", "translate", "units", "up", "lenient", "size", "samples", "limits", "views"});
+    if (auto done = check_keys(at, {"name", "files", "translate", "units", "up", "lenient", "recognise", "size",
+                                    "samples", "limits", "views"});
         !done)
       return done;
     const auto name = name_at(at);
@@ -218,6 +218,10 @@ class SuiteReader {
     if (at.has("lenient")) {
       if (!at.value["lenient"].is_boolean()) return at.at("lenient").expected("true or false");
       options.import.lenient = at.value["lenient"].get<bool>();
+    }
+    if (at.has("recognise")) {
+      if (!at.value["recognise"].is_boolean()) return at.at("recognise").expected("true or false");
+      options.import.recognise = at.value["recognise"].get<bool>();
     }
     return {};
   }

@@ -60,6 +60,30 @@ TEST_F(Convert, ToleranceDecidesTheTriangles) {
   EXPECT_FALSE(read_bytes(path("coarse.mtl")).empty());
 }
 
+TEST_F(Convert, PrimitivesAreRecognised) {
+  const std::string model = plant(1000), triangles = path("triangles.obj");
+  ASSERT_EQ(run("convert", {model, triangles, "--tolerance", "0.001"}).code, 0);
+  const Json without = run_json("convert", {triangles, path("meshes.rvm")});
+  EXPECT_EQ(without["recognition"], nullptr);
+  EXPECT_EQ(total(without["items_out"]),
+            without["items_out"]["facet_group"].get<int>() + without["items_out"]["mesh"].get<int>());
+  const Json facts = run_json("convert", {"--recognise", triangles, path("again.rvm")});
+  const Json found = facts["recognition"]["items"];
+  EXPECT_LE(facts["recognition"]["triangles_after"].get<int>(), 100);  // pavings
+  EXPECT_LT(facts["recognition"]["bytes_after"].get<int>(), facts["recognition"]["bytes_before"].get<int>() / 10);
+  EXPECT_LE(facts["recognition"]["largest_deviation"].get<double>(), 0.0011);
+  const Json wanted = run_json("info", {model})["items"], there = run_json("info", {path("again.rvm")})["items"];
+  for (const char* kind : {"cylinder", "circular_torus", "snout", "box", "sphere", "elliptical_dish"}) {
+    EXPECT_EQ(found[kind], wanted[kind]) << kind;
+    EXPECT_EQ(there[kind], wanted[kind]) << kind;
+  }
+  const Outcome spoken = run("convert", {"--recognise", triangles, path("again.rvm")});
+  EXPECT_NE(spoken.out.find("recognised "), std::string::npos) << spoken;
+  expect_usage_error("convert", {path("in.rvm"), path("out.rvm"), "--recognise-tolerance", "0.1"}, "--recognise");
+  expect_usage_error("convert", {path("in.rvm"), path("out.rvm"), "--recognise", "--recognise-tolerance", "0"},
+                     "above 0");
+}
+
 TEST_F(Convert, UnitsAndAxesAreApplied) {
   const std::string part = write("part.stl", kStlText);
   ASSERT_EQ(run("convert", {part, path("part.obj"), "--units", "mm", "--up", "y"}).code, 0);
