@@ -21,7 +21,8 @@ struct RingShape {
   double radius = 0.0;    ///< 0 for a pole
   double residual = 0.0;  ///< farthest vertex from the circle
   double sagitta = 0.0;   ///< of its widest gap
-  bool circle = false;
+  bool round = false;     ///< once around, without wide gaps
+  bool circle = false;    ///< round, and within its own allowance
 };
 
 dvec3 mean_of(const Solid& solid, const std::vector<std::uint32_t>& vertices) {
@@ -72,8 +73,8 @@ RingShape shape_of(const Solid& solid, const Ring& ring, const Allowance& allowa
     around += step;
   }
   shape.sagitta = shape.radius * (1.0 - std::cos(0.5 * widest));
-  shape.circle = forward && widest <= kWidestGap && std::fabs(around - core::kFullTurn) < 1e-3 &&
-                 shape.residual <= allowance.vertex(shape.radius, shape.sagitta);
+  shape.round = forward && widest <= kWidestGap && std::fabs(around - core::kFullTurn) < 1e-3;
+  shape.circle = shape.round && shape.residual <= allowance.vertex(shape.radius, shape.sagitta);
   return shape;
 }
 
@@ -418,54 +419,87 @@ class ChainFit {
     return {};
   }
 
+  /// A ring of a dome: its radius, its height above the base, and how many vertices it has.
+  struct Level {
+    double rho, z, weight;
+  };
+
+  /// The levels from the base's on up to the pole; nothing where they do not lie one above the other.
+  std::optional<std::vector<Level>> levels_of(std::size_t pole_ring, std::size_t base_ring, const dvec3& axis) const {
+    const RingShape& base = shapes_[base_ring];
+    const double slack = vertex_allowance(base);  // for small rings near the pole, too
+    std::vector<Level> levels = {{base.radius, 0.0, double(segments(base_ring))}};
+    for (std::size_t k = base_ring; k != pole_ring;) {
+      k = pole_ring > base_ring ? k + 1 : k - 1;
+      const RingShape& ring = shapes_[k];
+      const dvec3 up = ring.centre - base.centre;
+      const double z = glm::dot(up, axis);
+      if (!pole(k) && !(ring.round && ring.residual <= slack)) return {};
+      if (!(z > levels.back().z) || glm::length(up - z * axis) > 2.0 * slack) return {};
+      levels.push_back({ring.radius, z, double(segments(k))});
+    }
+    return levels;
+  }
+
   std::optional<Found> dome(std::size_t pole_ring, std::size_t base_ring) {
     const RingShape& base = shapes_[base_ring];
     if (!base.circle || ++dome_trials_ > kMostDomeTrials) return {};
-    const std::size_t begin = std::min(pole_ring, base_ring), end = std::max(pole_ring, base_ring);
     const dvec3 way = shapes_[pole_ring].centre - base.centre;
     const dvec3 axis = glm::dot(way, base.normal) < 0.0 ? -base.normal : base.normal;
-    const double height = glm::dot(way, axis), radius = base.radius;
-    if (!(height > same(base)) || glm::length(way - height * axis) > same(base) * (1.0 + height / radius)) return {};
-    const double sphere = 0.5 * (radius * radius / height + height);
-    bool spherical = true, elliptical = true;
-    double deepest = 0.0;
-    double z_before = 0.0, rho_before = radius;
-    for (std::size_t step = 1; step <= end - begin; ++step) {
-      const std::size_t k = pole_ring > base_ring ? base_ring + step : base_ring - step;
-      const RingShape& ring = shapes_[k];
-      if (!ring.circle && !pole(k)) return {};
-      const double z = glm::dot(ring.centre - base.centre, axis), rho = ring.radius, slack = vertex_allowance(base);
-      if (!(z > z_before) || glm::length(ring.centre - base.centre - z * axis) > 2.0 * slack) return {};
-      if (!pole(k)) {
-        spherical = spherical && std::fabs(std::hypot(rho, z - height + sphere) - sphere) <= slack;
-        const double unit = std::hypot(rho / radius, z / height);
-        const double slope = std::hypot(rho / (radius * radius), z / (height * height));
-        elliptical = elliptical && std::fabs(unit * (unit - 1.0) / slope) <= slack;
-        if (!spherical && !elliptical) return {};
-      }
-      // The chord of the meridian, whose depth the tessellation explains as long as it is not a cut.
-      deepest = std::max(deepest, std::hypot(z - z_before, rho - rho_before));
-      z_before = z, rho_before = rho;
+    const auto levels = levels_of(pole_ring, base_ring, axis);
+    if (!levels) return {};
+    // The longest chord of the meridian, whose depth the tessellation explains as long as it is not a cut.
+    double chord = 0.0;
+    for (std::size_t k = 1; k < levels->size(); ++k) {
+      const Level &a = (*levels)[k - 1], &b = (*levels)[k];
+      chord = std::max(chord, std::hypot(b.z - a.z, b.rho - a.rho));
     }
-    const double size = std::max(radius, height), bend = spherical ? sphere : size;
-    if (deepest > bend) return {};
-    const double explained = bend - std::sqrt(bend * bend - 0.25 * deepest * deepest) + base.sagitta;
+    const std::size_t begin = std::min(pole_ring, base_ring), end = std::max(pole_ring, base_ring);
     Found found;
     found.mesh_from_primitive = {axes_along(axis, solid_.points[chain_.rings[base_ring].vertices[0]] - base.centre),
                                  base.centre};
-    if (spherical) {
+    const double radius = base.radius, vertex = vertex_allowance(base);
+    const auto depth = [chord](double bend) {
+      return chord <= 2.0 * bend ? bend - std::sqrt(bend * bend - 0.25 * chord * chord) : bend;
+    };
+    if (const double height = spherical_height(*levels); height > same(base)) {
       found.primitive = core::SphericalDish{float(radius), float(height)};
-      if (auto done = checked(found, begin, end, vertex_allowance(base), explained)) return done;
+      const double bend = 0.5 * (radius * radius / height + height), explained = depth(bend) + base.sagitta;
+      if (chord <= bend)
+        if (auto done = checked(found, begin, end, vertex, explained)) return done;
     }
-    if (!elliptical) return {};
-    found.primitive = core::EllipticalDish{float(radius), float(height)};
-    const double flat = std::min(radius, height), curved = size * size / flat;  // the largest radius of curvature
-    const double flat_depth =
-        deepest < curved ? curved - std::sqrt(curved * curved - 0.25 * deepest * deepest) : curved;
-    return checked(
-        std::move(found), begin, end, vertex_allowance(base),
-        std::max(explained,
-                 std::min(0.2 * size, flat_depth + size * (1.0 - std::cos(kPi / double(segments(base_ring)))))));
+    if (const double height = elliptical_height(*levels); height > same(base)) {
+      found.primitive = core::EllipticalDish{float(radius), float(height)};
+      const double large = std::max(radius, height), most_bend = large * large / std::min(radius, height);
+      const double coarse = large * (1.0 - std::cos(kPi / double(segments(base_ring))));
+      const double explained = std::max(depth(large) + base.sagitta, std::min(0.2 * large, depth(most_bend) + coarse));
+      if (chord <= large) return checked(std::move(found), begin, end, vertex, explained);
+    }
+    return {};
+  }
+
+  /// Of the sphere through the base whose other levels are off by the least algebraic error; 0 for none.
+  static double spherical_height(const std::vector<Level>& levels) {
+    const double squared = levels[0].rho * levels[0].rho;
+    double above = 0.0, below = 0.0;
+    for (const Level& level : levels) {
+      above += level.weight * level.z * (level.rho * level.rho + level.z * level.z - squared);
+      below += level.weight * level.z * level.z;
+    }
+    if (!(below > 0.0)) return 0.0;
+    const double centre = 0.5 * above / below;
+    return centre + std::sqrt(squared + centre * centre);
+  }
+
+  /// The same of an ellipse whose widest place is the base: z^2 = h^2 (1 - rho^2 / r^2).
+  static double elliptical_height(const std::vector<Level>& levels) {
+    double above = 0.0, below = 0.0;
+    for (const Level& level : levels) {
+      const double share = 1.0 - level.rho * level.rho / (levels[0].rho * levels[0].rho);
+      above += level.weight * level.z * level.z * share;
+      below += level.weight * share * share;
+    }
+    return below > 0.0 && above > 0.0 ? std::sqrt(above / below) : 0.0;
   }
 
   // --- slices of rectangular tori ------------------------------------------------------------------------------------
@@ -473,72 +507,104 @@ class ChainFit {
   /// A prism over a sector of a ring: two arcs about one centre, joined by two radial edges.
   std::optional<Found> curved_prism() const {
     if (!chain_.whole || chain_.rings.size() != 2 || chain_.last_cap.empty()) return {};
-    const auto &low = chain_.rings[0].vertices, &high = chain_.rings[1].vertices;
-    const std::size_t n = low.size();
-    if (n < 6 || n % 2 != 0 || high.size() != n || shapes_[0].circle) return {};
+    const auto& low = chain_.rings[0].vertices;
     const RingShape &a = shapes_[0], &b = shapes_[1];
     const dvec3 normal = a.normal + b.normal;
+    if (low.size() < 5 || chain_.rings[1].vertices.size() != low.size() || a.circle) return {};
     if (!(glm::dot(normal, normal) > 1.0)) return {};
-    const dvec3 axis = glm::normalize(normal);
-    const dmat3 axes = axes_along(axis, solid_.points[low[0]] - a.centre), turn = glm::transpose(axes);
+    const dvec3 way = b.centre - a.centre, reach = solid_.points[low[0]] - a.centre;
+    const bool is_long = glm::dot(way, way) > glm::dot(reach, reach);  // as for cylinders
+    const dvec3 axis = glm::normalize(is_long ? way : normal);
+    const dmat3 axes = axes_along(axis, reach), turn = glm::transpose(axes);
     std::vector<dvec2> flat;
     for (const std::uint32_t v : low) {
       const dvec3 q = turn * (solid_.points[v] - a.centre);
       flat.emplace_back(q.x, q.y);
     }
-    // Arcs turn a little at each vertex, and much at the four corners.
-    std::vector<std::size_t> corners;
-    for (std::size_t i = 0; i < n; ++i) {
-      const dvec2 p = flat[i] - flat[(i + n - 1) % n], q = flat[(i + 1) % n] - flat[i];
-      if (glm::dot(p, q) < 0.5 * glm::length(p) * glm::length(q)) corners.push_back(i);
-    }
-    if (corners.size() != 4) return {};
-    // Radial edges join neighbouring corners: 0-1 and 2-3, or 1-2 and 3-0.
-    const std::size_t half = n / 2;
-    std::size_t begin = n;
-    for (const std::size_t c : corners) {
-      const auto is_corner = [&](std::size_t v) {
-        return std::find(corners.begin(), corners.end(), v % n) != corners.end();
-      };
-      if (is_corner(c + half - 1) && is_corner(c + half) && is_corner(c + n - 1)) {
-        begin = c;
-        break;
-      }
-    }
-    if (begin == n) return {};
-    // Two arcs of n / 2 vertices, the second one backwards, with one centre.
-    std::vector<dvec2> arcs[2];
-    for (std::size_t k = 0; k < half; ++k) {
-      arcs[0].push_back(flat[(begin + k) % n]);
-      arcs[1].push_back(flat[(begin + n - 1 - k) % n]);
-    }
-    const auto centre = common_centre(arcs[0], arcs[1]);
-    if (!centre) return {};
-    double radii[2] = {0.0, 0.0}, widest = 0.0, sweep = 0.0;
-    for (int arc = 0; arc < 2; ++arc)
-      for (const dvec2& p : arcs[arc]) radii[arc] += glm::length(p - *centre) / double(half);
-    if (radii[1] > radii[0]) {
-      std::swap(arcs[0], arcs[1]);
-      std::swap(radii[0], radii[1]);
-    }
-    for (std::size_t k = 0; k + 1 < half; ++k) {
-      const dvec2 p = arcs[0][k] - *centre, q = arcs[0][k + 1] - *centre;
+    auto sector = sector_of(flat);
+    if (!sector) return {};
+    double widest = 0.0, sweep = 0.0;
+    for (std::size_t k = 0; k + 1 < sector->arc.size(); ++k) {
+      const dvec2 p = sector->arc[k] - sector->centre, q = sector->arc[k + 1] - sector->centre;
       const double step = std::atan2(p.x * q.y - p.y * q.x, glm::dot(p, q));
       sweep += step, widest = std::max(widest, std::fabs(step));
     }
-    if (sweep < 0.0) std::reverse(arcs[0].begin(), arcs[0].end()), sweep = -sweep;
-    if (widest > kWidestGap || !(radii[0] > radii[1])) return {};
-    const double height = glm::dot(b.centre - a.centre, axis);
-    const double thin = std::min(radii[0] - radii[1], std::fabs(height)),
-                 sagitta = radii[0] * (1.0 - std::cos(0.5 * widest));
-    if (!(thin > 0.0)) return {};
-    const dvec2 start = glm::normalize(arcs[0].front() - *centre);
-    Found found;
-    found.primitive = core::RectangularTorus{float(radii[1]), float(radii[0]), float(std::fabs(height)), float(sweep)};
+    if (sweep < 0.0) std::reverse(sector->arc.begin(), sector->arc.end()), sweep = -sweep;
     // Both rings' planes give the middle; their centroids lie one above the other.
-    const double z = glm::dot(b.centre - a.centre, axis);
-    found.mesh_from_primitive = {axes_along(axis, axes * dvec3(start, 0.0)), a.centre + axes * dvec3(*centre, 0.5 * z)};
+    const double rise = glm::dot(b.centre - a.centre, axis), height = std::fabs(rise);
+    const double thin = std::min(sector->outer - sector->inner, height);
+    if (widest > kWidestGap || !(thin > 0.0)) return {};
+    const double sagitta = sector->outer * (1.0 - std::cos(0.5 * widest));
+    const dvec2 start = glm::normalize(sector->arc.front() - sector->centre);
+    Found found;
+    found.primitive = core::RectangularTorus{float(sector->inner), float(sector->outer), float(height), float(sweep)};
+    found.mesh_from_primitive = {axes_along(axis, axes * dvec3(start, 0.0)),
+                                 a.centre + axes * dvec3(sector->centre, 0.5 * rise)};
     return checked(std::move(found), 0, 1, allowance_.vertex(thin, sagitta), sagitta);
+  }
+
+  /// A sector of a ring, or of a disc with inner radius 0.
+  struct Sector {
+    dvec2 centre;
+    double inner, outer;
+    std::vector<dvec2> arc;  ///< the outer one
+  };
+
+  static std::optional<Sector> sector_of(const std::vector<dvec2>& outline) {
+    // Arcs turn a little at each vertex, and much at the corners: four, or those of a disc's sector, its centre in
+    // their middle.
+    const std::size_t n = outline.size();
+    std::vector<bool> corner(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const dvec2 p = outline[i] - outline[(i + n - 1) % n], q = outline[(i + 1) % n] - outline[i];
+      corner[i] = glm::dot(p, q) < 0.5 * glm::length(p) * glm::length(q);
+    }
+    const auto corners = std::count(corner.begin(), corner.end(), true);
+    const auto walk = [&](std::size_t from, std::size_t count) {
+      std::vector<dvec2> points;
+      for (std::size_t k = 0; k < count; ++k) points.push_back(outline[(from + k) % n]);
+      return points;
+    };
+    for (std::size_t i = 0; i < n && corners == 3; ++i) {
+      if (!corner[i] || !corner[(i + 1) % n] || !corner[(i + n - 1) % n]) continue;
+      Sector sector{outline[i], 0.0, 0.0, walk(i + 1, n - 1)};
+      sector.centre = evened(sector.centre, sector.arc);
+      for (const dvec2& p : sector.arc) sector.outer += glm::length(p - sector.centre) / double(n - 1);
+      return sector;
+    }
+    const std::size_t half = n / 2;
+    for (std::size_t i = 0; i < n && corners == 4 && n % 2 == 0; ++i) {
+      if (!corner[i] || !corner[(i + half - 1) % n] || !corner[(i + half) % n] || !corner[(i + n - 1) % n]) continue;
+      std::vector<dvec2> arcs[2] = {walk(i, half), walk(i + half, half)};
+      const auto centre = common_centre(arcs[0], arcs[1]);
+      if (!centre) return {};
+      double radii[2] = {0.0, 0.0};
+      for (int arc = 0; arc < 2; ++arc)
+        for (const dvec2& p : arcs[arc]) radii[arc] += glm::length(p - *centre) / double(half);
+      const int outer = radii[0] >= radii[1] ? 0 : 1;
+      return Sector{*centre, radii[1 - outer], radii[outer], std::move(arcs[outer])};
+    }
+    return {};
+  }
+
+  /// Moves the vertex at the centre of an arc so that it and the arc's vertices are off by the least squares: one step
+  /// of Gauss and Newton.
+  static dvec2 evened(const dvec2& centre, const std::vector<dvec2>& arc) {
+    dvec2 mean(0.0);
+    double radius = 0.0;
+    for (const dvec2& p : arc) {
+      mean += glm::normalize(p - centre) / double(arc.size());
+      radius += glm::length(p - centre) / double(arc.size());
+    }
+    double xx = 1.0, xy = 0.0, yy = 1.0;
+    dvec2 right(0.0);
+    for (const dvec2& p : arc) {
+      const dvec2 u = glm::normalize(p - centre) - mean;
+      xx += u.x * u.x, xy += u.x * u.y, yy += u.y * u.y;
+      right += (glm::length(p - centre) - radius) * u;
+    }
+    const double det = xx * yy - xy * xy;  // at least 1
+    return centre + dvec2(right.x * yy - right.y * xy, right.y * xx - right.x * xy) / det;
   }
 
   /// Of two concentric circles: |p|^2 - 2 p.c is the same for all points of each.

@@ -50,7 +50,7 @@ SurfaceDistance swept(double sweep, const Profile& profile) {
     const double beyond = std::min(azimuth - sweep, core::kFullTurn - azimuth);
     constexpr double kSquare = 0.5 * std::numbers::pi;
     if (azimuth > sweep) {
-      if (beyond >= kSquare) return std::hypot(rho, p.z);
+      if (beyond >= kSquare) return std::hypot(rho, std::max(0.0, profile(0.0, p.z)));  // from the axis
       return std::hypot(rho * std::sin(beyond), std::max(0.0, profile(rho * std::cos(beyond), p.z)));
     }
     const double within = std::min({azimuth, sweep - azimuth, kSquare});

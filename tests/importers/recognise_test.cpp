@@ -69,6 +69,8 @@ std::vector<Primitive> samples(Random& random) {
       core::CircularTorus{3.0f * r, r, float(2.0 * kPi)},
       core::RectangularTorus{r, 1.8f * r, h, 1.6f + 0.5f * angle},
       core::RectangularTorus{r, 1.8f * r, h, float(2.0 * kPi)},
+      core::RectangularTorus{0.0f, r, h, 2.0f},
+      core::RectangularTorus{0.0f, r, h, 4.5f},
       core::Sphere{r},
       core::SphericalDish{r, 0.7f * r},
       core::EllipticalDish{r, 0.5f * r},
