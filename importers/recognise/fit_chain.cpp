@@ -119,13 +119,18 @@ class ChainFit {
       if (auto found = dome_from_first_pole(end)) return found;
     const std::size_t straight = straight_run(i), bent = torus_run(i);
     for (const std::size_t j : {bent, i + 1})
-      if (j > i && bent > straight)
-        if (auto found = torus(i, j)) return end = j, found;
+      if (bent > straight)
+        if (auto found = torus(i, j)) return end = j, j == i + 1 ? closer(std::move(found), slanted(i)) : found;
     for (const std::size_t j : {straight, i + 1})
       if (j > i && straight > i)
         if (auto found = straight_between(i, j)) return end = j, found;
     if (auto found = slanted(i)) return end = i + 1, found;
     return {};
+  }
+
+  /// Two circles a little out of parallel are almost the ends of a cylinder cut askew: what fits its vertices better.
+  static std::optional<Found> closer(std::optional<Found> torus, std::optional<Found> snout) {
+    return snout && snout->residual < torus->residual ? snout : torus;
   }
 
   /// Triangles of bands begin … end - 1, and the caps that close them. Adds the area of ends without caps to `bare`.

@@ -41,14 +41,14 @@ bool verify(const Solid& solid, double vertex, double explained, double covered,
   const core::dmat3 turn = glm::transpose(place.linear);  // a rotation
   const auto local = [&](const dvec3& p) { return turn * (p - place.origin); };
   const SurfaceDistance distance = surface_distance(found.primitive);
-  double worst = 0.0, area = 0.0;
+  double worst = 0.0, residual = 0.0, area = 0.0;
   for (const std::uint32_t t : found.triangles) {
     const dvec3 a = local(solid.points[solid.corners[3 * t]]), b = local(solid.points[solid.corners[3 * t + 1]]),
                 c = local(solid.points[solid.corners[3 * t + 2]]);
     for (const dvec3& p : {a, b, c}) {
       const double off = distance(p);
       if (!(off <= vertex)) return false;
-      worst = std::max(worst, off);
+      residual = std::max(residual, off);
     }
     for (const dvec3& p : {0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (a + b + c) / 3.0}) {
       const double off = distance(p);
@@ -57,7 +57,8 @@ bool verify(const Solid& solid, double vertex, double explained, double covered,
     }
     area += 0.5 * glm::length(glm::cross(b - a, c - a));
   }
-  found.deviation = worst;
+  found.deviation = std::max(worst, residual);
+  found.residual = residual;
   const double whole = core::surface_area(found.primitive);
   return area + covered >= kLeastArea * whole && area + covered <= kMostArea * whole;
 }

@@ -64,6 +64,7 @@ std::vector<Primitive> samples(Random& random) {
       core::Snout{r, 1.5f * r, h, 0.4f * r, 0.3f * r, 0, 0, 0, 0},
       core::Snout{r, r, 4.0f * r, 0, 0, 0.2f, 0.1f, -0.3f, 0.15f},
       core::Snout{r, 0.7f * r, 4.0f * r, 0, 0, 0.2f, 0.1f, -0.1f, 0.15f},
+      core::Snout{r, r, 4.0f * r, 0, 0, 0.02f, 0, -0.01f, 0},
       core::CircularTorus{3.0f * r, r, angle},
       core::CircularTorus{1.2f * r, r, float(0.5 * kPi)},
       core::CircularTorus{3.0f * r, r, float(2.0 * kPi)},

@@ -29,14 +29,15 @@ struct Found {
   core::Affine mesh_from_primitive;
   std::vector<std::uint32_t> triangles;
   double deviation = 0.0;  ///< largest distance between triangles and surface
+  double residual = 0.0;   ///< largest distance of a vertex from the surface
 };
 
 /// The fewest segments of a circle that count as one. Hexagons are heads of bolts.
 inline constexpr std::size_t kLeastSegments = 8;
 
-/// Checks a candidate against its triangles and sets its deviation. Vertices must lie within `vertex` of the surface,
-/// centres and edges' middles within `explained` more, and the area must agree. `covered`: area of the primitive where
-/// it needs no triangles.
+/// Checks a candidate against its triangles and sets its deviation and residual. Vertices must lie within `vertex` of
+/// the surface, centres and edges' middles within `explained` more, and the area must agree. `covered`: area of the
+/// primitive where it needs no triangles.
 bool verify(const Solid& solid, double vertex, double explained, double covered, Found& found);
 
 /// A sphere, a closed torus, a box or a pyramid that is the whole of a closed solid.
