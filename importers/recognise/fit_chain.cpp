@@ -326,9 +326,7 @@ class ChainFit {
       tangents[end][0] = -normal.x / normal.z, tangents[end][1] = -normal.y / normal.z;
     }
     const double height = heights[1] - heights[0];
-    if (!(height > 0.0) || heights[0] * heights[1] < 0.0) {
-      if (!(height > 0.0)) return {};
-    }
+    if (!(height > 0.0)) return {};
     const double bottom = radius_at(heights[0]), top = radius_at(heights[1]), wider = std::max(bottom, top);
     Found found;
     found.primitive = core::Snout{float(bottom),

@@ -48,7 +48,8 @@ struct Solid {
 /// triangle that opens a wedge of material is joined with the one that closes it, the first opened with the first
 /// closed. Triangles with a corner that is not finite, or with two equal ones, belong to no solid.
 ///
-/// Time is linear but for the sorting of edges that many triangles share; memory is at most 120 bytes per triangle.
+/// Time is linear but for the sorting of edges that many triangles share; memory is at most 250 bytes per triangle,
+/// most of which soup needs for its vertices.
 class Solids {
  public:
   Solids(const core::Mesh& mesh, const CoordinateNoise& noise);
