@@ -185,6 +185,7 @@ TEST_F(PagedEngineTest, AllKindsOfItemsLayersAndMaterials) {
     View view = *View::perspective(pose, 1.0, double(kWidth) / kHeight, 0.05);
     if (i % 3 == 1) view.layers = core::kLayerInsulation;
     if (i % 3 == 2) view.layers = core::kLayerModel | core::kLayerInsulation;
+    if (i % 4 == 3) view.sections = {{{0, 0.6, 0.8}, -0.6 * middle.y}, {{1, 0, 0}, 5.0 - middle.x}};
     expect_same_picture(*paged, *whole, view);
   }
 }
