@@ -1,7 +1,9 @@
 #include "sightline/core/item_bounds.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <numeric>
 #include <vector>
 
 namespace sightline::core {
@@ -10,6 +12,43 @@ namespace {
 bool surely_empty(const Aabb& box) {
   return box.min.x > box.max.x || box.min.y > box.max.y || box.min.z > box.max.z;
 }
+
+/// Finds the nth smallest of many values in two passes over them. The first shares them out among equal intervals; the
+/// second keeps those of the interval that holds the answer, a few thousandths of all as a rule.
+class Selection {
+ public:
+  /// Values lie between these, or count as the nearer one does.
+  Selection(float least, float most) : least_(least), scale_(float(kIntervals) / (most - least)) {}
+
+  void count(float value) { ++counts_[interval(value)]; }
+  std::size_t counted() const { return std::accumulate(counts_.begin(), counts_.end(), std::size_t(0)); }
+  /// After all are counted, n from 0. Makes room for what keep() keeps.
+  void choose(std::size_t n) {
+    for (rank_ = n; rank_ >= counts_[chosen_]; ++chosen_) rank_ -= counts_[chosen_];
+    kept_.reserve(counts_[chosen_]);
+  }
+  void keep(float value) {
+    if (interval(value) == chosen_) kept_.push_back(value);
+  }
+  float value() {
+    const auto place = kept_.begin() + std::ptrdiff_t(rank_);
+    std::nth_element(kept_.begin(), place, kept_.end());
+    return *place;
+  }
+
+ private:
+  static constexpr std::size_t kIntervals = 4096;
+  /// Grows with the value, whatever is rounded.
+  std::size_t interval(float value) const {
+    const float place = (value - least_) * scale_;
+    return place > 0.0f ? std::size_t(std::min(place, float(kIntervals - 1))) : std::size_t(0);
+  }
+
+  float least_, scale_;
+  std::array<std::size_t, kIntervals> counts_{};
+  std::size_t chosen_ = 0, rank_ = 0;
+  std::vector<float> kept_;
+};
 
 }  // namespace
 
@@ -81,40 +120,44 @@ AabbD ItemBounds::world_bounds(std::uint32_t mask) const {
 FittedBounds ItemBounds::fitted_bounds(std::uint32_t mask) const {
   constexpr std::size_t kShare = 100;  // one box of so many may be an outlier
   constexpr double kStretch = 4.0;
-  std::vector<float> values;
-  const auto gather = [&](auto value_of) {
-    values.clear();
+  const auto for_each_shown = [&](const auto& visit) {
     for (std::size_t i = 0; i < size(); ++i)
-      if (shown(i, mask)) values.push_back(value_of(i));
+      if (shown(i, mask)) visit(i);
   };
-  const auto smallest = [&](std::size_t n) {
-    const auto place = values.begin() + std::ptrdiff_t(n);
-    std::nth_element(values.begin(), place, values.end());
-    return *place;
+  std::array<Selection, 3> centres{Selection(extent_.min.x, extent_.max.x), Selection(extent_.min.y, extent_.max.y),
+                                   Selection(extent_.min.z, extent_.max.z)};
+  const auto for_each_centre = [&](const auto& visit) {
+#pragma omp parallel for schedule(static, 1) if (size() > 65536)
+    for (int axis = 0; axis < 3; ++axis) {
+      const float *low = coordinate(axis), *high = coordinate(axis + 3);
+      for_each_shown([&](std::size_t i) { visit(centres[std::size_t(axis)], 0.5f * low[i] + 0.5f * high[i]); });
+    }
   };
-  vec3 middle{0.0f};
-  for (int axis = 0; axis < 3; ++axis) {
-    const float *low = coordinate(axis), *high = coordinate(axis + 3);
-    gather([&](std::size_t i) { return 0.5f * low[i] + 0.5f * high[i]; });
-    if (values.size() < kShare) return {world_bounds(mask), 0};
-    middle[axis] = smallest(values.size() / 2);
-  }
-  const auto reach = [&](std::size_t i) {
-    const Aabb b = box(i);
+  for_each_centre([](Selection& selection, float centre) { selection.count(centre); });
+  const std::size_t count = centres[0].counted();
+  if (count < kShare) return {world_bounds(mask), 0};
+  for (Selection& selection : centres) selection.choose(count / 2);
+  for_each_centre([](Selection& selection, float centre) { selection.keep(centre); });
+  const vec3 middle(centres[0].value(), centres[1].value(), centres[2].value());
+
+  const auto reach_of = [&](const Aabb& b) {
     const vec3 far = glm::max(middle - b.min, b.max - middle);
     return std::max({far.x, far.y, far.z});
   };
-  gather(reach);
-  const double limit = kStretch * double(smallest(values.size() - values.size() / kShare - 1));
+  Selection reaches(0.0f, reach_of(extent_));
+  for_each_shown([&](std::size_t i) { reaches.count(reach_of(box(i))); });
+  reaches.choose(count - count / kShare - 1);
+  for_each_shown([&](std::size_t i) { reaches.keep(reach_of(box(i))); });
+  const double limit = kStretch * double(reaches.value());
   Aabb rest;
   std::size_t outliers = 0;
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (!shown(i, mask)) continue;
-    if (limit > 0.0 && double(reach(i)) > limit)
+  for_each_shown([&](std::size_t i) {
+    const Aabb b = box(i);
+    if (limit > 0.0 && double(reach_of(b)) > limit)
       ++outliers;
     else
-      rest.grow(box(i));
-  }
+      rest.grow(b);
+  });
   return {in_world(rest), outliers};
 }
 

@@ -53,7 +53,7 @@ class SIGHTLINE_API ItemBounds {
   /// from the middle along any axis. R is the reach that 99 % of the boxes (of n boxes, n - floor(n / 100)) do not
   /// exceed. A box is an outlier when its reach exceeds 4 R: together with the others of its hundredth it would stretch
   /// the view more than fourfold. So at most 1 % of the boxes are outliers, and no box of fewer than a hundred is one.
-  /// Where R is 0 there are no outliers. Expected time is linear in the number of boxes, with four bytes of temporary
+  /// Where R is 0 there are no outliers. Expected time is linear in the number of boxes, with up to twelve bytes of
   /// memory per box.
   FittedBounds fitted_bounds(std::uint32_t layers = kDefaultLayerMask) const;
 
