@@ -1,12 +1,21 @@
 #include "sightline/gl/internal/buffer.h"
 
 #include <cassert>
+#include <cstring>
 #include <limits>
+#include <new>
 
 #include <fmt/format.h>
 
+#include "sightline/core/internal/large_array.h"
+
 namespace sightline::gl {
 namespace {
+
+constexpr GLenum kExternalMemory = 0x9160;  // GL_EXTERNAL_VIRTUAL_MEMORY_BUFFER_AMD, which glcorearb.h does not have
+constexpr std::size_t kLeastPinned = std::size_t(4) << 20, kMostPinned = std::size_t(1) << 36;  // bytes
+constexpr std::size_t kOverRead = 256;  // bytes after the end that a rasteriser may read in vain
+constexpr GLbitfield kWriteAndMap = GL_DYNAMIC_STORAGE_BIT | GL_MAP_READ_BIT | GL_MAP_WRITE_BIT;
 
 /// Bytes of a texel of the formats that texture buffers allow (OpenGL 4.5 core, table 8.23); 0 for others.
 std::size_t texel_bytes(GLenum format) {
@@ -61,6 +70,30 @@ void label(const Functions& gl, GLenum kind, GLuint name, std::string_view what)
 
 }  // namespace
 
+/// What was submitted may still read the memory.
+void Buffer::ReleasePinned::operator()(void* memory) const {
+  if (gl->pinned_memory) gl->Finish();
+  core::release_lines(memory, bytes);
+}
+
+/// Gives the object memory of ours. False where that cannot be had; the driver's is to be taken then.
+bool Buffer::pin(const Functions& gl, std::size_t bytes, const void* data) {
+  void* memory = nullptr;
+  try {
+    memory = core::allocate_lines(bytes + kOverRead);
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+  memory_ = {memory, ReleasePinned{&gl, bytes + kOverRead}};
+  if (data) std::memcpy(memory, data, bytes);
+  gl.BindBuffer(kExternalMemory, handle_.name());
+  gl.BufferData(kExternalMemory, static_cast<GLsizeiptr>(bytes), memory, GL_DYNAMIC_DRAW);
+  gl.BindBuffer(kExternalMemory, 0);
+  if (check_error(gl) == GL_NO_ERROR) return true;
+  memory_.reset();
+  return false;
+}
+
 core::Expected<Buffer> Buffer::create(const Functions& gl, std::size_t bytes, const void* data, GLbitfield flags,
                                       std::string_view what) {
   if (bytes == 0 || bytes > static_cast<std::size_t>(std::numeric_limits<GLsizeiptr>::max())) {
@@ -70,7 +103,9 @@ core::Expected<Buffer> Buffer::create(const Functions& gl, std::size_t bytes, co
   const GLuint name = create_name<&Functions::CreateBuffers>(gl);
   Buffer buffer;
   buffer.handle_ = Handle<&Functions::DeleteBuffers>(gl, name);
-  gl.NamedBufferStorage(name, static_cast<GLsizeiptr>(bytes), data, flags);
+  const bool pinned = gl.pinned_memory && bytes >= kLeastPinned && bytes <= kMostPinned &&
+                      (flags & ~kWriteAndMap) == 0 && buffer.pin(gl, bytes, data);
+  if (!pinned) gl.NamedBufferStorage(name, static_cast<GLsizeiptr>(bytes), data, flags);
   if (const GLenum error = check_error(gl); error != GL_NO_ERROR) {
     return core::fail(fmt::format("GL buffer '{}': {} bytes wanted: {}", what, bytes, error_name(error)));
   }

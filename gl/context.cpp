@@ -57,14 +57,15 @@ bool names_software(const std::string& renderer) {
   return false;
 }
 
-Capabilities query_capabilities(const Functions& gl) {
+bool lists(const Functions& gl, const char* extension) {
   const std::vector<std::string> extensions = list_extensions(gl);
-  const auto listed = [&](const char* name) {
-    return std::find(extensions.begin(), extensions.end(), name) != extensions.end();
-  };
+  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+}
+
+Capabilities query_capabilities(const Functions& gl) {
   Capabilities caps;
   caps.indirect_count = gl.MultiDrawArraysIndirectCountARB && gl.MultiDrawElementsIndirectCountARB;
-  caps.shader_draw_parameters = listed("GL_ARB_shader_draw_parameters");
+  caps.shader_draw_parameters = lists(gl, "GL_ARB_shader_draw_parameters");
   caps.robust_access = (get_int(gl, GL_CONTEXT_FLAGS) & GL_CONTEXT_FLAG_ROBUST_ACCESS_BIT) != 0;
   caps.reset_notification = get_int(gl, GL_RESET_NOTIFICATION_STRATEGY) == GL_LOSE_CONTEXT_ON_RESET;
   caps.software = names_software(get_string(gl, GL_RENDERER));
@@ -198,6 +199,7 @@ core::Expected<Context> Context::adopt(GetProc get_proc, void* user) {
   state->renderer = get_string(state->gl, GL_RENDERER);
   state->version = get_string(state->gl, GL_VERSION);
   state->capabilities = query_capabilities(state->gl);
+  state->gl.pinned_memory = state->capabilities.software && lists(state->gl, "GL_AMD_pinned_memory");
   return Context(std::move(state), false);
 }
 

@@ -100,6 +100,7 @@ void stop_freeing(Functions& gl) {
     *entry = free_none;
   gl.DeleteProgram = gl.DeleteShader = free_not;
   gl.DeleteSync = [](GLsync) {};
+  gl.pinned_memory = false;  // nothing is left that may read it
 }
 
 void discard_errors(const Functions& gl) {

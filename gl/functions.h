@@ -34,6 +34,9 @@ struct Functions {
 
   /// Not an entry point: the cache that Program searches before it compiles, see Context::cache_programs(). Null: none.
   const ProgramCache* program_cache = nullptr;
+  /// Not an entry point: whether large buffers lie in memory of ours (GL_AMD_pinned_memory), see Buffer. Contexts of
+  /// software rasterisers that list the extension set it.
+  bool pinned_memory = false;
 };
 
 /// Loads the table for the context that is current on this thread. Fails when none is, when it is older than 4.5 (with

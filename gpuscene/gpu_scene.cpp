@@ -34,15 +34,21 @@ std::uint32_t material_word(const Snapshot& snapshot, const gpuprims::Joints& jo
   return word;
 }
 
-/// Packs the records of `slots`.
-std::vector<Texel> pack_slots(const Snapshot& snapshot, const gpuprims::Joints& joints, BatchKind kind,
-                              std::span<const Slot> slots) {
+/// Packs the records of `slots`, by several threads where they are many.
+void pack_slots(const Snapshot& snapshot, const gpuprims::Joints& joints, BatchKind kind, std::span<const Slot> slots,
+                Texel* records) {
   const std::size_t stride = std::size_t(texels_per_record(kind));
-  std::vector<Texel> texels(slots.size() * stride);
+#pragma omp parallel for schedule(static) if (slots.size() >= kPiece)
   for (std::size_t i = 0; i < slots.size(); ++i) {
     if (i + kPrefetchAhead < slots.size()) snapshot.prefetch_record(slots[i + kPrefetchAhead]);
-    GpuScene::pack(snapshot, joints, slots[i], std::span(texels).subspan(i * stride, stride));
+    GpuScene::pack(snapshot, joints, slots[i], {records + i * stride, stride});
   }
+}
+
+std::vector<Texel> pack_slots(const Snapshot& snapshot, const gpuprims::Joints& joints, BatchKind kind,
+                              std::span<const Slot> slots) {
+  std::vector<Texel> texels(slots.size() * std::size_t(texels_per_record(kind)));
+  pack_slots(snapshot, joints, kind, slots, texels.data());
   return texels;
 }
 
@@ -162,8 +168,14 @@ core::Expected<bool> GpuScene::advance_batch(const gl::Functions& gl, const Snap
   while (upload_->next < upload_->slots.size()) {
     const std::size_t first = upload_->next, count = std::min(kPiece, upload_->slots.size() - first);
     const auto piece = std::span<const Slot>(upload_->slots).subspan(first, count);
-    const std::vector<Texel> texels = pack_slots(snapshot, joints, kind, piece);
-    batches_.back().records.write(first * record_bytes(kind), texels.size() * sizeof(Texel), texels.data());
+    const gl::Buffer& records = batches_.back().records;
+    if (records.memory()) {
+      pack_slots(snapshot, joints, kind, piece,
+                 static_cast<Texel*>(records.memory()) + first * std::size_t(texels_per_record(kind)));
+    } else {
+      const std::vector<Texel> texels = pack_slots(snapshot, joints, kind, piece);
+      records.write(first * record_bytes(kind), texels.size() * sizeof(Texel), texels.data());
+    }
     upload_->next += count;
     if (over(deadline)) return false;
   }

@@ -39,6 +39,41 @@ TEST_F(ObjectsTest, BufferRoundTrip) {
   EXPECT_EQ(back, expected);
 }
 
+TEST_F(ObjectsTest, LargeBuffersWorkInMemoryOfOursAndOfTheDriver) {
+  for (const bool pinned : {false, gl().pinned_memory}) {
+    SCOPED_TRACE(pinned ? "memory of ours" : "memory of the driver");
+    Functions table = gl();
+    table.pinned_memory = pinned;
+    std::vector<std::uint32_t> values = counting(2'000'000);
+    const GLbitfield access = GL_DYNAMIC_STORAGE_BIT | GL_MAP_READ_BIT | GL_MAP_WRITE_BIT;
+    auto made = Buffer::create(table, std::span(values), access, "many numbers");
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ(made->memory() != nullptr, pinned);
+    auto other = Buffer::create(table, values.size() * 4, nullptr, access, "more numbers");
+    ASSERT_TRUE(other) << other.error().message;
+    Buffer buffer = std::move(*other);
+    gl().CopyNamedBufferSubData(made->id(), buffer.id(), 0, 0, GLsizeiptr(made->size()));
+    values[7] = 70;
+    buffer.write(28, 4, &values[7]);
+    buffer.fill(4'000'000, 400, 0xab);
+    std::fill_n(values.begin() + 1'000'000, 100, 0xababababu);
+    if (pinned) static_cast<std::uint32_t*>(buffer.memory())[1'999'999] = values[1'999'999] = 5;
+    std::vector<std::uint32_t> back(values.size());
+    buffer.read(0, buffer.size(), back.data());
+    EXPECT_TRUE(back == values);
+    const auto* mapped = static_cast<const std::uint32_t*>(buffer.map(0, buffer.size(), GL_MAP_READ_BIT));
+    ASSERT_NE(mapped, nullptr);
+    EXPECT_TRUE(std::equal(values.begin(), values.end(), mapped));
+    EXPECT_TRUE(buffer.unmap());
+    const GLuint id = buffer.id();
+    buffer = std::move(*made);  // frees the other one
+    EXPECT_EQ(gl().IsBuffer(id), GL_FALSE);
+    EXPECT_EQ(buffer.memory() != nullptr, pinned);
+    buffer.read(0, 4, back.data());
+    EXPECT_EQ(back[0], 1000u);
+  }
+}
+
 TEST_F(ObjectsTest, BufferStaysMapped) {
   const GLbitfield access = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
   auto buffer = Buffer::create(gl(), 64, nullptr, access, "mapped");
