@@ -29,6 +29,8 @@ core::Expected<std::uint64_t> parse_seed(const std::string& text) {
   return seed;
 }
 
+constexpr std::uint64_t kFewestItems = 1000, kMostItems = 10'000'000, kMostParts = 99'999;  // items of each part
+
 struct Options {
   importers::PlantConfig config;
   int parts = 1;
@@ -99,13 +101,20 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--items", o.config.items, "Number of items, 1000 to 10000000 for each part")
       ->capture_default_str()
-      ->check(CLI::Range(std::uint64_t(1000), std::uint64_t(4'000'000'000)));
+      ->check(CLI::Range(kFewestItems, kMostItems * kMostParts));
   app.add_option("--parts", o.parts, "Plants side by side, each a scene cache, which are made one after the other")
       ->capture_default_str()
-      ->check(CLI::Range(1, 99999));
+      ->check(CLI::Range(1, int(kMostParts)));
   app.add_option("--seed", o.config.seed, "Another seed gives another plant")
       ->capture_default_str()
       ->check(apps::accepted_by(parse_seed));
   apps::add_json_option(app, o.json_file);
+  app.callback([&] {
+    const auto parts = std::uint64_t(o.parts);
+    if (o.config.items < parts * kFewestItems || o.config.items > parts * kMostItems)
+      throw CLI::ValidationError("--items", "expected " + std::to_string(parts * kFewestItems) + " to " +
+                                                std::to_string(parts * kMostItems) + " for " + std::to_string(parts) +
+                                                (parts > 1 ? " parts" : " part"));
+  });
   return apps::run(app, argc, argv, [&] { return generate(o); });
 }

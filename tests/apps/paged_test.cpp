@@ -125,6 +125,8 @@ TEST_F(Paged, PartsAreTheSameForTheSameSeed) {
     ++files;
   }
   EXPECT_EQ(files, 3);
+  expect_usage_error("generate", {path("few"), "--items", "1999", "--parts", "2"}, "--items");
+  expect_usage_error("generate", {path("many"), "--items", "20000001", "--parts", "2"}, "--items");
   expect_failure("generate", {unwritable("parts"), "--items", "5000", "--parts", "2"}, "parts");
 }
 
