@@ -261,6 +261,23 @@ TEST_F(PagedEngineTest, ALimitThatIsTooLowSaysWhatIsNeeded) {
   EXPECT_TRUE(tight_engine(file));
 }
 
+TEST_F(PagedEngineTest, RoomForOnePageStaysInAnyCase) {
+  const core::PagedScene scene = open(write(plant(50'000)));
+  PageStore store(scene, 1);
+  EXPECT_EQ(store.limit(), PageStore::largest_page(scene));
+  const PageStore::Wanted wanted{0, 1.0f, true};
+  store.ask_for({&wanted, 1}, 0, true);
+  EXPECT_TRUE(store.wait(60.0));
+  ASSERT_TRUE(store.take_loaded(*context, 0));
+  ASSERT_TRUE(store.find(0));
+  EXPECT_EQ(store.bytes(), store.resident_bytes());
+  store.set_limit(0);
+  EXPECT_EQ(store.limit(), PageStore::largest_page(scene));
+  EXPECT_LE(store.bytes(), store.limit());
+  store.set_limit(std::size_t(1) << 40);
+  EXPECT_EQ(store.limit(), std::size_t(1) << 40);
+}
+
 TEST_F(PagedEngineTest, ADamagedPageIsToldAndTheOthersAreDrawn) {
   const std::string file = write(plant(150'000));
   auto paged = engine(file);
