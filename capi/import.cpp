@@ -19,6 +19,10 @@ importers::ImportOptions options_of(const sl_import_options& from) {
   options.copies = enum_of<importers::MeshCopies>(from.copies, 3, "copies");
   options.threads = from.threads;
   if (from.cache_folder) options.cache_folder = path_of(from.cache_folder);
+  options.recognise = from.recognise != 0;
+  require(from.recognise_tolerance >= 0.0 && std::isfinite(from.recognise_tolerance),
+          "recognise_tolerance of 0 or more");
+  options.recognise_tolerance = from.recognise_tolerance;
   if (from.progress)
     options.progress = [progress = from.progress, user = from.user](double share) {
       try {
@@ -42,6 +46,14 @@ sl_import_report report_of(const importers::ImportReport& from) {
   report.sharing_error = from.sharing_error;
   report.metres_per_unit = from.metres_per_unit;
   report.from_cache = from.from_cache;
+  const importers::RecognitionReport& recognition = from.recognition;
+  std::copy(recognition.items.begin(), recognition.items.end(), report.recognised);
+  report.meshes_examined = recognition.meshes;
+  report.triangles_before = recognition.triangles_before, report.triangles_after = recognition.triangles_after;
+  report.mesh_bytes_before = recognition.bytes_before, report.mesh_bytes_after = recognition.bytes_after;
+  report.largest_deviation = recognition.largest_deviation;
+  static_assert(importers::kRefusalCount == SL_REFUSED_COUNT);
+  std::copy(recognition.refused.begin(), recognition.refused.end(), report.refused);
   return report;
 }
 

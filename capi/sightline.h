@@ -343,6 +343,15 @@ SL_API sl_status sl_item_get(sl_scene scene, sl_item item, sl_item_info* info);
 
 enum { SL_UP_Y = 0, SL_UP_Z = 1 };
 enum { SL_COPIES_APART = 0, SL_COPIES_EXACT = 1, SL_COPIES_SIMILAR = 2 };
+/* Why a solid of a mesh, or a part of one, stayed triangles. */
+enum {
+  SL_REFUSED_OPEN = 0,         /* not closed */
+  SL_REFUSED_CAVITY = 1,       /* inside out, unlike the mesh as a whole */
+  SL_REFUSED_NO_STRUCTURE = 2, /* neither rings of vertices nor faces of a box or pyramid */
+  SL_REFUSED_OFF_SURFACE = 3,  /* rings, but of no primitive within the tolerance */
+  SL_REFUSED_BROKEN = 4        /* triangles, not solids, with two equal corners or one that is not finite */
+};
+#define SL_REFUSED_COUNT 5
 
 typedef struct sl_import_options {
   uint32_t size;
@@ -360,9 +369,13 @@ typedef struct sl_import_options {
    * unchanged files with the same options then reads the cache instead, with the same result. What goes wrong with it
    * is a warning, never an error. */
   const char* cache_folder;
+  /* Whether meshes become primitives where they are the triangles of some (docs/recognition.md). */
+  int32_t recognise;
+  /* How far vertices may lie from a recognised surface, in metres; 0: what each mesh's own tessellation tells. */
+  double recognise_tolerance;
 } sl_import_options;
 #define SL_IMPORT_OPTIONS_INIT \
-  { sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL, NULL }
+  { sizeof(sl_import_options), 0, 1.0, SL_UP_Z, SL_COPIES_SIMILAR, 0, NULL, NULL, NULL, NULL, 0, 0.0 }
 
 typedef struct sl_import_report {
   uint32_t size;
@@ -376,9 +389,20 @@ typedef struct sl_import_report {
   double sharing_error;   /* metres: no vertex of those meshes lies farther from where the file has it */
   double metres_per_unit; /* of the last file */
   int32_t from_cache;     /* a scene cache was read instead of the files */
+  /* What sl_import_options.recognise did. Meshes count once, however many items share them. */
+  uint64_t recognised[SL_KIND_COUNT]; /* items of primitives made, by kind */
+  uint64_t meshes_examined;
+  uint64_t triangles_before, triangles_after;   /* of those meshes */
+  uint64_t mesh_bytes_before, mesh_bytes_after; /* of vertices, normals, indices; of parameters afterwards */
+  double largest_deviation;                     /* metres between triangles and surfaces that replace them */
+  uint64_t refused[SL_REFUSED_COUNT];           /* solids by SL_REFUSED_..., those recognised in part included */
 } sl_import_report;
-#define SL_IMPORT_REPORT_INIT \
-  { sizeof(sl_import_report), 0, {0}, 0, 0, 0, 0, 0, 0.0, 0.0, 0 }
+#define SL_IMPORT_REPORT_INIT                                                                \
+  {                                                                                          \
+    sizeof(sl_import_report), 0, {0}, 0, 0, 0, 0, 0, 0.0, 0.0, 0, {0}, 0, 0, 0, 0, 0, 0.0, { \
+      0                                                                                      \
+    }                                                                                        \
+  }
 
 /* Reads files into new children of `parent`, one for each model file. All or nothing. `options` may be null, and so may
  * `nodes` (room for path_count) and `report`. */

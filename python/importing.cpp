@@ -1,5 +1,7 @@
 // Import with progress, cancellation and Ctrl-C; writing RVM files.
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <optional>
 #include <span>
@@ -57,7 +59,8 @@ struct Imported {
 /// What options import_file() and import_files() share.
 importers::ImportOptions options_of(bool lenient, double metres_per_unit, const std::string& up,
                                     const std::string& copies, int threads,
-                                    const std::optional<std::filesystem::path>& cache) {
+                                    const std::optional<std::filesystem::path>& cache, bool recognise,
+                                    double recognise_tolerance) {
   importers::ImportOptions options;
   options.lenient = lenient;
   options.metres_per_unit = metres_per_unit;
@@ -66,6 +69,10 @@ importers::ImportOptions options_of(bool lenient, double metres_per_unit, const 
   if (threads < 0) fail("threads: expected 0 or more, found " + std::to_string(threads));
   options.threads = threads;
   options.cache_folder = cache.value_or("");
+  options.recognise = recognise;
+  if (!(recognise_tolerance >= 0.0 && std::isfinite(recognise_tolerance)))
+    fail("recognise_tolerance: expected a finite number of at least 0, found " + std::to_string(recognise_tolerance));
+  options.recognise_tolerance = recognise_tolerance;
   return options;
 }
 
@@ -100,6 +107,33 @@ void write_rvm(const ScenePtr& scene, const std::filesystem::path& path, const s
   unwrap(std::move(done));
 }
 
+/// A dict from names of an enumeration to counts.
+template <class Name, std::size_t N>
+py::dict counts_by_name(const std::array<std::uint64_t, N>& counts) {
+  py::dict named;
+  for (std::size_t i = 0; i < N; ++i) named[py::str(std::string(name_of(Name(i))))] = counts[i];
+  return named;
+}
+
+void bind_recognition(py::module_& m) {
+  using Report = importers::RecognitionReport;
+  py::class_<Report>(m, "Recognition",
+                     "Primitives recognised in meshes, which count once, however many items share them.")
+      .def_readonly("meshes", &Report::meshes, "Looked at.")
+      .def_property_readonly(
+          "items", [](const Report& r) { return counts_by_name<core::Kind>(r.items); },
+          "Items of primitives made, by kind, a dict.")
+      .def_readonly("triangles_before", &Report::triangles_before, "Of the meshes.")
+      .def_readonly("triangles_after", &Report::triangles_after, "Of what is left of them.")
+      .def_readonly("bytes_before", &Report::bytes_before, "Of vertices, normals and indices.")
+      .def_readonly("bytes_after", &Report::bytes_after, "Of what is left of them, and of parameters.")
+      .def_readonly("largest_deviation", &Report::largest_deviation,
+                    "Metres between triangles and the surfaces that replace them.")
+      .def_property_readonly(
+          "refused", [](const Report& r) { return counts_by_name<importers::Refusal>(r.refused); },
+          "Solids that stayed triangles, in part or wholly, by reason, a dict.");
+}
+
 void bind_report(py::module_& m) {
   py::class_<importers::ImportWarning>(m, "ImportWarning", "Something that a reader noticed and went on.")
       .def_property_readonly(
@@ -107,6 +141,7 @@ void bind_report(py::module_& m) {
       .def_readonly("offset", &importers::ImportWarning::offset, "Bytes from the file's begin.")
       .def_property_readonly(
           "message", [](const importers::ImportWarning& w) { return to_text(w.message); }, "One line.");
+  bind_recognition(m);
   py::class_<Imported>(m, "ImportReport", "What an import brought.")
       .def_property_readonly(
           "nodes",
@@ -119,13 +154,7 @@ void bind_report(py::module_& m) {
       .def_property_readonly(
           "warnings", [](const Imported& r) { return r.report.warnings; }, "What was noticed, at most 1,001.")
       .def_property_readonly(
-          "items",
-          [](const Imported& r) {
-            py::dict counts;
-            for (int kind = 0; kind < core::kKindCount; ++kind)
-              counts[py::str(std::string(name_of(core::Kind(kind))))] = r.report.items[std::size_t(kind)];
-            return counts;
-          },
+          "items", [](const Imported& r) { return counts_by_name<core::Kind>(r.report.items); },
           "Items by kind, a dict.")
       .def_property_readonly(
           "degenerate", [](const Imported& r) { return r.report.degenerate; }, "Items without volume, length or area.")
@@ -144,6 +173,8 @@ void bind_report(py::module_& m) {
           "from_cache", [](const Imported& r) { return r.report.from_cache; },
           "Whether a scene cache was read instead of the files.")
       .def_property_readonly(
+          "recognition", [](const Imported& r) { return r.report.recognition; }, "What `recognise` did.")
+      .def_property_readonly(
           "metres_per_unit", [](const Imported& r) { return r.report.metres_per_unit; },
           "Of the last file's coordinates.");
 }
@@ -156,9 +187,9 @@ void bind_import(py::module_& m, SceneClass& scene) {
       " A failed or cancelled import leaves the scene as it was. `lenient`: import what a damaged file holds. "
       "`metres_per_unit`, `up` (\"y\" or \"z\"): for formats that do not say. `copies` (\"apart\", \"exact\", "
       "\"similar\"): which meshes are kept once. `cache`: a folder of scene caches, so that the next import of the "
-      "same "
-      "unchanged files is fast. `progress`: called with the share done, 0 to 1; False cancels, and so "
-      "do exceptions and Ctrl-C.";
+      "same unchanged files is fast. `recognise`: meshes become primitives where they are the triangles of some, whose "
+      "vertices lie within `recognise_tolerance` metres, or, where this is 0, as near as each mesh's own tessellation "
+      "tells. `progress`: called with the share done, 0 to 1; False cancels, and so do exceptions and Ctrl-C.";
   static const std::string file_doc =
       std::string("Imports a model file of any known format below `parent`, or the root.") + kOptions;
   static const std::string files_doc =
@@ -168,26 +199,32 @@ void bind_import(py::module_& m, SceneClass& scene) {
       "import_file",
       [](const ScenePtr& s, const std::filesystem::path& path, const std::optional<Node>& parent, bool lenient,
          double metres_per_unit, const std::string& up, const std::string& copies,
-         const std::optional<std::filesystem::path>& cache, const py::object& progress) {
-        return run(s, parent, options_of(lenient, metres_per_unit, up, copies, 0, cache), progress,
+         const std::optional<std::filesystem::path>& cache, bool recognise, double recognise_tolerance,
+         const py::object& progress) {
+        return run(s, parent,
+                   options_of(lenient, metres_per_unit, up, copies, 0, cache, recognise, recognise_tolerance), progress,
                    [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
                      return importers::import_files(std::span(&path, 1), to, below, options);
                    });
       },
       "path"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
-      "copies"_a = "similar", "cache"_a = py::none(), "progress"_a = py::none(), file_doc.c_str());
+      "copies"_a = "similar", "cache"_a = py::none(), "recognise"_a = false, "recognise_tolerance"_a = 0.0,
+      "progress"_a = py::none(), file_doc.c_str());
   scene.def(
       "import_files",
       [](const ScenePtr& s, const std::vector<std::filesystem::path>& paths, const std::optional<Node>& parent,
          bool lenient, double metres_per_unit, const std::string& up, const std::string& copies, int threads,
-         const std::optional<std::filesystem::path>& cache, const py::object& progress) {
-        return run(s, parent, options_of(lenient, metres_per_unit, up, copies, threads, cache), progress,
-                   [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
+         const std::optional<std::filesystem::path>& cache, bool recognise, double recognise_tolerance,
+         const py::object& progress) {
+        return run(s, parent,
+                   options_of(lenient, metres_per_unit, up, copies, threads, cache, recognise, recognise_tolerance),
+                   progress, [&](core::Scene& to, core::NodeId below, const importers::ImportOptions& options) {
                      return importers::import_files(paths, to, below, options);
                    });
       },
       "paths"_a, "parent"_a = py::none(), py::kw_only(), "lenient"_a = false, "metres_per_unit"_a = 1.0, "up"_a = "z",
-      "copies"_a = "similar", "threads"_a = 0, "cache"_a = py::none(), "progress"_a = py::none(), files_doc.c_str());
+      "copies"_a = "similar", "threads"_a = 0, "cache"_a = py::none(), "recognise"_a = false,
+      "recognise_tolerance"_a = 0.0, "progress"_a = py::none(), files_doc.c_str());
   scene.def("write_rvm", &write_rvm, "path"_a, "node"_a = py::none(), py::kw_only(), "progress"_a = py::none(),
             "Writes what is below a node, or the root, as an RVM file. `progress` as in import_file().");
   m.def(

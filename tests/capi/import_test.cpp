@@ -206,6 +206,62 @@ TEST_F(CapiImport, OptionsWithoutACacheFolderHaveNone) {
   EXPECT_EQ(report.from_cache, 42);
 }
 
+/// A box of 2 x 4 x 6 m, an open square, and nothing else.
+constexpr const char* kBoxAndSquare =
+    "v 0 0 0\nv 2 0 0\nv 2 4 0\nv 0 4 0\nv 0 0 6\nv 2 0 6\nv 2 4 6\nv 0 4 6\n"
+    "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
+    "v 9 0 0\nv 10 0 0\nv 10 1 0\nv 9 1 0\nf 9 10 11 12\n";
+
+TEST_F(CapiImport, PrimitivesAreRecognised) {
+  if (std::string(sl_import_extensions()).find(".obj") == std::string::npos) GTEST_SKIP() << "built without OBJ";
+  const auto file = std::filesystem::path(::testing::TempDir()) / "capi_box.obj";
+  std::ofstream(file) << kBoxAndSquare;
+  sl_import_options options = SL_IMPORT_OPTIONS_INIT;
+  sl_import_report report = SL_IMPORT_REPORT_INIT;
+  const auto items_of_kind = [&](sl_kind kind) {
+    const CScene c;
+    EXPECT_OK(import(c, {file.string()}, &options, nullptr, &report));
+    int count = 0;
+    for (sl_item item = 0; item < 10; ++item) {
+      sl_item_info info = SL_ITEM_INFO_INIT;
+      count += sl_item_get(c.scene, item, &info) == SL_OK && info.primitive.kind == kind;
+    }
+    return count;
+  };
+  EXPECT_EQ(items_of_kind(SL_BOX), 0);
+  EXPECT_EQ(report.meshes_examined, 0u);
+  EXPECT_EQ(report.recognised[SL_BOX], 0u);
+  options.recognise = 1;
+  EXPECT_EQ(items_of_kind(SL_BOX), 1);
+  EXPECT_EQ(report.recognised[SL_BOX], 1u);
+  EXPECT_EQ(report.meshes_examined, 1u);
+  EXPECT_EQ(report.triangles_before, 14u);
+  EXPECT_EQ(report.triangles_after, 2u);
+  EXPECT_LT(report.mesh_bytes_after, report.mesh_bytes_before);
+  EXPECT_LT(report.largest_deviation, 1e-6);
+  EXPECT_EQ(report.refused[SL_REFUSED_OPEN], 1u);
+  for (const double bad : {-1.0, std::nan(""), double(INFINITY)}) {
+    options.recognise_tolerance = bad;
+    EXPECT_EQ(import(CScene(), {file.string()}, &options), SL_ERROR_ARGUMENT) << bad;
+    EXPECT_NE(std::string(sl_last_error()).find("recognise_tolerance"), std::string::npos) << sl_last_error();
+  }
+  std::filesystem::remove(file);
+}
+
+/// Of a program made when there were caches but no recognition.
+TEST_F(CapiImport, OptionsWithoutRecognitionHaveNone) {
+  const CScene c;
+  sl_import_options options = SL_IMPORT_OPTIONS_INIT;
+  options.size = std::uint32_t(offsetof(sl_import_options, recognise));
+  options.recognise = 1;
+  options.recognise_tolerance = -1.0;  // no memory of theirs
+  sl_import_report report = SL_IMPORT_REPORT_INIT;
+  report.size = std::uint32_t(offsetof(sl_import_report, recognised));
+  report.meshes_examined = 42;
+  EXPECT_OK(import(c, {plant}, &options, nullptr, &report));
+  EXPECT_EQ(report.meshes_examined, 42u);
+}
+
 TEST_F(CapiImport, ExtensionsAreListed) {
   std::string expected;
   for (const std::string_view extension : importers::known_extensions())

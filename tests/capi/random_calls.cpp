@@ -260,6 +260,7 @@ class Sequence {
     options.progress = progress, options.user = this;
     options.lenient = in_.integer(), options.up = in_.integer(), options.copies = in_.integer();
     options.metres_per_unit = in_.number();
+    options.recognise = in_.integer(), options.recognise_tolerance = in_.number();
     importing_ = to;
     sl_node nodes[2];
     check(sl_import(to, node(), paths, in_.below(3), sized(options), nodes, nullptr), to);

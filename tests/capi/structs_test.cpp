@@ -111,9 +111,11 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(sizeof(sl_primitive), 40u);
     EXPECT_EQ(sizeof(sl_item_info), 208u);
     EXPECT_EQ(capi::kFirstSize<sl_import_options>, 56u);
-    EXPECT_EQ(sizeof(sl_import_options), 64u);
+    EXPECT_EQ(offsetof(sl_import_options, recognise), 64u);
+    EXPECT_EQ(sizeof(sl_import_options), 80u);
     EXPECT_EQ(capi::kFirstSize<sl_import_report>, 160u);
-    EXPECT_EQ(sizeof(sl_import_report), 168u);
+    EXPECT_EQ(offsetof(sl_import_report, recognised), 168u);
+    EXPECT_EQ(sizeof(sl_import_report), 352u);
     EXPECT_EQ(sizeof(sl_view), 536u);
     EXPECT_EQ(sizeof(sl_frame_report), 112u);
     EXPECT_EQ(sizeof(sl_late_report), 40u);

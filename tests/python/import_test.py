@@ -46,6 +46,31 @@ class Import(Case):
         self.assertEqual(len(list(caches.iterdir())), 2)
         self.assertFalse(sightline.Scene().import_file(SMALL_PLANT).from_cache)
 
+    def test_primitives_are_recognised(self):
+        if ".obj" not in sightline.known_extensions():
+            self.skipTest("built without OBJ")
+        file = self.folder / "box.obj"
+        corners = [f"v {x} {y} {z}" for z in (0, 6) for x, y in ((0, 0), (2, 0), (2, 4), (0, 4))]
+        faces = ["f 4 3 2 1", "f 5 6 7 8", "f 1 2 6 5", "f 2 3 7 6", "f 3 4 8 7", "f 4 1 5 8"]
+        square = ["v 9 0 0", "v 10 0 0", "v 10 1 0", "v 9 1 0", "f 9 10 11 12"]
+        file.write_text("\n".join(corners + faces + square))
+        for files in (lambda scene, **options: scene.import_file(file, **options),
+                      lambda scene, **options: scene.import_files([file], **options)):
+            scene = sightline.Scene()
+            none = files(scene).recognition
+            self.assertEqual((none.meshes, none.items["box"]), (0, 0))
+            self.assertEqual([scene.item(i).kind for i in scene.items], ["mesh"] * scene.item_count)
+            scene = sightline.Scene()
+            found = files(scene, recognise=True, recognise_tolerance=1e-4).recognition
+            self.assertEqual((found.meshes, found.items["box"], sum(found.items.values())), (1, 1, 1))
+            self.assertEqual((found.triangles_before, found.triangles_after), (14, 2))
+            self.assertLess(found.bytes_after, found.bytes_before)
+            self.assertLess(found.largest_deviation, 1e-6)
+            self.assertEqual((found.refused["open"], sum(found.refused.values())), (1, 1))
+            self.assertIn("box", [scene.item(i).kind for i in scene.items])
+            for bad in (-1.0, float("nan"), float("inf")):
+                self.assert_error("recognise_tolerance", files, scene, recognise=True, recognise_tolerance=bad)
+
     def test_what_is_written_is_read_again(self):
         scene = plant(2000)
         scene.write_rvm(self.folder / "plant.rvm")
