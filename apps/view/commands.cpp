@@ -119,6 +119,10 @@ const Command kCommands[] = {
        return {};
      },
      nullptr, false},
+    {"recognise", "File", "Recognise primitives", 0, 0, "",
+     "switch whether cylinders, boxes and their like are taken out of the meshes of files that are opened from now on",
+     [](Viewer& v, const std::string&) -> Done { return v.shown.recognise = !v.shown.recognise, Done(); },
+     [](Viewer& v) { return v.shown.recognise; }, false},
     {"compare", "File", "Compare with…", 0, 0, "",
      "show what has changed since an older revision of what is open: FILE", compare_with},
     {"compare-end", "File", "End the comparison", 0, 0, "", "show the model alone again", end_comparison},

@@ -39,6 +39,7 @@ std::string summary(const ChangeList& changes) {
 void Viewer::compare(const std::string& file) {
   ModelOptions older = options_.model;
   older.files = older_files(file, files_);
+  older.import.recognise = recognised_;
   older.import.copies = importers::MeshCopies::kExact;  // similar copies may be moved by a little
   auto found = std::make_shared<compare::Comparison>();
   const auto work = [found, open = &session_->model()](Model& model, const std::function<bool(double)>& progress) {

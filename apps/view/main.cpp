@@ -52,6 +52,7 @@ void apply(const apps::Settings& settings, const CLI::App& app, apps::ViewerOpti
   if (unsaid("--no-smooth")) o.smooth = settings.smooth;
   if (unsaid("--no-panels")) o.panels = settings.panels;
   if (unsaid("--cache")) o.model.import.cache_folder = settings.cache;
+  if (unsaid("--recognise")) o.model.import.recognise = settings.recognise;
   if (unsaid("--size")) o.size = std::to_string(settings.window[0]) + "x" + std::to_string(settings.window[1]);
 }
 

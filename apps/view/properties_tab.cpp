@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "sightline/apps/common/model.h"
 #include "sightline/apps/view/item_facts.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
@@ -58,6 +59,8 @@ void properties_tab(Viewer& viewer) {
   const auto selection = session.document().selection();
   if (selection.empty()) {
     ImGui::TextWrapped("Nothing is selected. Click on something, or press F1 for keys and mouse.");
+    if (const auto& recognition = session.model().report.recognition; recognition.meshes > 0)
+      ImGui::TextWrapped("\n%s.", recognition_words(recognition).c_str());
     return;
   }
   ImGui::Text("%s item%s selected", grouped(std::int64_t(selection.size())).c_str(), selection.size() == 1 ? "" : "s");

@@ -102,6 +102,7 @@ Settings settings_of(const Json& json, std::string& bad) {
   take("recent", settings.recent, files_of);
   take("window", settings.window, size_of);
   take("cache", settings.cache, folder_of);
+  take("recognise", settings.recognise, flag_of);
   return settings;
 }
 
@@ -127,6 +128,7 @@ void put_changes(const Settings& before, const Settings& now, Json& json) {
   if (now.recent != before.recent) json["recent"] = merged(now.recent, settings_of(json, bad).recent);
   if (now.window != before.window && size_of(now.window)) json["window"] = now.window;
   if (now.cache != before.cache) json["cache"] = now.cache;
+  if (now.recognise != before.recognise) json["recognise"] = now.recognise;
 }
 
 }  // namespace

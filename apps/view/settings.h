@@ -25,6 +25,7 @@ struct Settings {
   std::vector<std::string> recent;          ///< files opened, the last one first, with absolute paths
   std::array<int, 2> window = {1280, 720};  ///< screen units
   std::string cache;                        ///< folder of scene caches, with an absolute path; empty: none
+  bool recognise = false;                   ///< primitives, in meshes of files that are opened
 
   /// Puts a file that was opened first.
   void add_recent(const std::string& file);

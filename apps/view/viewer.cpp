@@ -52,6 +52,7 @@ Viewer::Viewer(const ViewerOptions& options, Window& window, Gui gui, SettingsFi
   shown.hatching = options.shown.hatching.any() || (now_.hatching && options.remembers());
   if (!options.shown.hatching.any()) options_.shown.hatching = kHatching;
   options_.shown.hatching.spacing = float(kHatching.spacing * std::max(1.0, gui_.scale()));
+  shown.recognise = options.model.import.recognise;
   take_settings();
   settings_.begin(now_);
   if (!options.model.files.empty()) open(options.model.files);
@@ -441,6 +442,7 @@ void Viewer::take_settings() {
   now_.relief = shown.relief;
   now_.hatching = shown.hatching;
   now_.lower = shown.lower;
+  now_.recognise = shown.recognise;
   now_.tree_width = shown.tree_width;
   now_.side_width = shown.side_width;
   now_.window = window_.screen_size();

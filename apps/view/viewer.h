@@ -114,6 +114,7 @@ class Viewer {
     bool section_handles = true;
     bool lower = true;                           ///< resolution, while the view moves and frames come late
     bool triad = true;                           ///< beside panels
+    bool recognise = false;                      ///< primitives, in meshes of files that are opened
     bool measure = false;                        ///< clicks set marks
     bool find = false;                           ///< the search field gets the keyboard next
     float tree_width = 0.0f, side_width = 0.0f;  ///< of the panels, in lines of text; 0: as the window's size suggests
@@ -193,6 +194,7 @@ class Viewer {
   bool export_cancelled_ = false;
   ViewList views_;
   std::vector<std::string> files_;
+  bool recognised_ = false;  // whether primitives were, when these were read
   SettingsFile settings_;
   Settings now_;  // but for recent files as of the last keep_settings()
   PathPlayer player_;

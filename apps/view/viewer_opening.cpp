@@ -1,6 +1,7 @@
 // Models, from a file's name to the picture: reading, landing in the window, and what becomes of it where that fails.
 #include <cstdio>
 #include <filesystem>
+#include <numeric>
 #include <utility>
 
 #include "sightline/apps/common/model.h"
@@ -18,12 +19,20 @@ std::string name_of_files(const std::vector<std::string>& files) {
   return name;
 }
 
+/// Of the bottom line; all of the report is in the tab Item.
+std::string recognised_items(const importers::RecognitionReport& report) {
+  if (report.meshes == 0) return "";
+  const std::uint64_t items = std::accumulate(report.items.begin(), report.items.end(), std::uint64_t{0});
+  return ", " + std::to_string(items) + " of them recognised in meshes";
+}
+
 }  // namespace
 
 void Viewer::open(const std::vector<std::string>& files) {
   drop_loading();
   ModelOptions model = options_.model;
   model.files = files;
+  model.import.recognise = shown.recognise;
   if (!session_) {
     preview_ = std::make_unique<Preview>(picture_config());
     model.follow = [preview = preview_.get()](const core::Scene& scene) {
@@ -93,8 +102,10 @@ core::Expected<void> Viewer::not_landed(const core::Error& error) {
 core::Expected<void> Viewer::landed() {
   const std::vector<std::string> files = loader_->options().files;
   const bool another = session_ != nullptr, first = !another && files == options_.model.files;
+  const bool recognised = loader_->options().import.recognise;
   loader_.reset();
   preview_.reset();
+  recognised_ = recognised;
   landing_ = false;
   redraws_ = kSettlingFrames;
   print_warnings(opened_->model().report.warnings);
@@ -117,7 +128,8 @@ core::Expected<void> Viewer::landed() {
   if (first && !settings_.damage().empty())
     tell(settings_.damage(), true);
   else
-    tell(std::to_string(session_->scene().item_count()) + " items");
+    tell(std::to_string(session_->scene().item_count()) + " items" +
+         recognised_items(session_->model().report.recognition));
   return {};
 }
 

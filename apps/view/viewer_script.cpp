@@ -5,6 +5,7 @@
 #include <GLFW/glfw3.h>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/report_json.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/view/commands.h"
 #include "sightline/apps/view/comparing.h"
@@ -145,6 +146,7 @@ nlohmann::ordered_json Viewer::state() const {
             {"relief", shown.relief},
             {"hatching", shown.hatching},
             {"lower", shown.lower},
+            {"recognise", shown.recognise},
             {"picture", {{"width", part_.width}, {"height", part_.height}}},
             {"response_ms", response_ms_},
             {"pause_ms", pause_ms_},
@@ -165,6 +167,7 @@ nlohmann::ordered_json Viewer::state() const {
       }
   json["section_selected"] = sections.selected() ? *sections.selected() + 1 : 0;
   json.update({{"items", session_->scene().item_count()},
+               {"recognition", recognition_json(session_->model().report.recognition)},
                {"culler", name_of(session_->engine().plan().culler)},
                {"culled_by", name_of(session_->report().culler)},
                {"visible", session_->visible()},

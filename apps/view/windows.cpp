@@ -58,7 +58,9 @@ void open_window(Viewer& viewer) {
   static std::string path;  // stays from time to time
   begin_centred("Open", &viewer.shown.open, 40.0f);
   ImGui::TextUnformatted("Path of a file; or drop files on the window:");
-  if (path_entry(viewer, path)) viewer.open({path});
+  const bool chosen = path_entry(viewer, path);
+  ImGui::Checkbox("Recognise primitives in meshes", &viewer.shown.recognise);
+  if (chosen) viewer.open({path});
   ImGui::End();
 }
 

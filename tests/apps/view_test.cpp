@@ -608,6 +608,25 @@ TEST_F(ViewScript, SettingsNameAFolderOfCaches) {
   EXPECT_EQ(count(other), SIGHTLINE_HAS_SLC);
 }
 
+TEST_F(ViewScript, PrimitivesAreRecognisedWhereThatIsSwitchedOn) {
+  const std::string model = boxes(),
+                    same = "compare " + model + "\nexpect /message = \"nothing has changed since boxes.obj\"\n";
+  const std::string found = "expect /recognition/items/box = 4\n", none = "expect /recognition/meshes = 0\n";
+  const Args named = {model, "--settings", path("mine.json")};
+  expect_driven("expect /recognise = false\n" + none + "recognise\n" + none + "open " + model + "\n" + found +
+                    "expect /message = \"4 items, 4 of them recognised in meshes\"\n" +
+                    "expect /recognition/triangles_after = 0\n",
+                named);
+  expect_driven("expect /recognise = true\n" + found, named);
+  // What is open is compared as it was read, however the switch is now.
+  expect_driven("recognise\n" + same + "open " + model + "\n" + none + "recognise\n" + same, named);
+  const std::string kept = read_bytes(path("mine.json"));
+  EXPECT_EQ(Json::parse(kept)["recognise"], true);
+  expect_driven("expect /recognise = true\n" + found, {model, "--recognise"});
+  expect_driven("expect /recognise = false\n" + none, {model});
+  EXPECT_EQ(read_bytes(path("mine.json")), kept);
+}
+
 /// A window that stays open, and somebody at its keyboard.
 class ViewKeys : public View {
  protected:

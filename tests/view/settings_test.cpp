@@ -44,9 +44,9 @@ TEST_F(SettingsTest, ComeBack) {
   EXPECT_EQ(file.damage(), "");
   ASSERT_TRUE(file.keep(Settings()));
   EXPECT_FALSE(fs::exists(file_)) << "nothing has changed";
-  const Settings wanted{true,       false,    false, false, false,
-                        false,      false,    12.5f, 30.0f, {"/a/b.rvm", "/ü \"c\".obj"},
-                        {800, 601}, "/caches"};
+  const Settings wanted{true,       false,     false, false, false,
+                        false,      false,     12.5f, 30.0f, {"/a/b.rvm", "/ü \"c\".obj"},
+                        {800, 601}, "/caches", true};
   ASSERT_TRUE(file.keep(wanted));
   const SettingsFile again(file_);
   EXPECT_EQ(again.settings(), wanted);
@@ -92,12 +92,13 @@ TEST_F(SettingsTest, DamageIsSaidAndStaysUntilSomethingChanges) {
 
 TEST_F(SettingsTest, ABadValueCountsAsMissing) {
   write(
-      R"({"theme": "blue", "smooth": 1, "panels": false, "recent": ["/a", 2], "window": [1e9, 200], "cache": "caches"})");
+      R"({"theme": "blue", "smooth": 1, "panels": false, "recent": ["/a", 2], "window": [1e9, 200], "cache": "caches",
+         "recognise": "yes"})");
   const SettingsFile file(file_);
   Settings wanted;
   wanted.panels = false;
   EXPECT_EQ(file.settings(), wanted);
-  for (const char* key : {"theme", "smooth", "recent", "window", "cache"})
+  for (const char* key : {"theme", "smooth", "recent", "window", "cache", "recognise"})
     EXPECT_NE(file.damage().find(key), std::string::npos) << file.damage();
   for (const char* window :
        {"[100]", "[99, 200]", "[-300, 200]", "[300.5, 200]", "[18446744073709551615, 200]", "{}"}) {
