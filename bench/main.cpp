@@ -24,6 +24,7 @@ constexpr Subcommand kSubcommands[] = {
      bench::add_controller},
     {"occlusion", "occlusion culling without a renderer: occluder raster and test", bench::add_occlusion},
     {"import", "how fast model files are imported", bench::add_import},
+    {"recognise", "error against time of primitives recognised in triangles", bench::add_recognise},
     {"start", "how long from a model file to the first cull or picture, and the memory then", bench::add_start},
     {"compare", "what it takes to tell two revisions of a plant apart", bench::add_compare},
     {"measure", "what a distance between two items and a snap cost", bench::add_measure},

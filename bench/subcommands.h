@@ -21,6 +21,7 @@ Run add_start(CLI::App& app);
 Run add_compare(CLI::App& app);
 Run add_measure(CLI::App& app);
 Run add_occlusion(CLI::App& app);
+Run add_recognise(CLI::App& app);
 Run add_views(CLI::App& app);
 
 // Built if the C API is.

@@ -28,7 +28,7 @@ class Bench : public ToolTest {
 
 TEST_F(Bench, ListsItsSubcommands) {
   const std::vector<std::string> names = subcommands();
-  for (const char* name : {"cull", "views", "edit", "controller", "occlusion", "import"})
+  for (const char* name : {"cull", "views", "edit", "controller", "occlusion", "import", "recognise"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
   const auto with_gl = std::count(names.begin(), names.end(), "hybrid");
   for (const char* name : {"gpu-cull", "error-time", "proxies"})
@@ -73,6 +73,36 @@ TEST_F(Bench, MeasuresImports) {
   ASSERT_EQ(json.size(), 1u);
   EXPECT_EQ(json[0]["items"], 1000);
   expect_failure("bench", {"import", path("none.rvm")}, "none.rvm");
+}
+
+TEST_F(Bench, MeasuresRecognition) {
+  const Json json = run_json("bench", {"recognise", "--items", "1000", "--passes", "1", "--segments", "12", "--chords",
+                                       "0.02", "--tolerances", "0,0.001", "--plot", path("recognise.svg")});
+  ASSERT_EQ(json["rows"].size(), 6u);  // two tessellations, three roundings
+  for (const Json& row : json["rows"]) {
+    SCOPED_TRACE(row.dump());
+    const double rounding = row["rounding"], of_triangles = row["error_of_triangles"]["mean"];
+    ASSERT_EQ(row["tolerances"].size(), 2u);
+    for (const Json& outcome : row["tolerances"]) {
+      EXPECT_GT(outcome["triangles_per_s"], 0.0);
+      EXPECT_LE(outcome["surface_error"]["mean"], 1.01 * of_triangles);
+    }
+    if (rounding > 0.0) continue;
+    const Json& automatic = row["tolerances"][0];
+    EXPECT_GE(automatic["recovered"], 0.99);
+    EXPECT_GE(automatic["items_of_the_kind"], 0.99);
+    EXPECT_LT(automatic["surface_error"]["median"], 1e-6);
+    EXPECT_LT(automatic["length_error"]["mean"], 1e-6);
+    EXPECT_GT(automatic["reported_deviation"], of_triangles);
+  }
+  // Coordinates in whole millimetres: only with a tolerance as wide is most recognised.
+  const Json& rounded = json["rows"][4];
+  EXPECT_EQ(rounded["rounding"], 0.001);
+  EXPECT_GT(rounded["tolerances"][1]["recovered"], rounded["tolerances"][0]["recovered"]);
+  EXPECT_GT(read_bytes(path("recognise.svg")).size(), 500u);
+  expect_failure("bench", {"recognise", write("triangle.stl", stl_text({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}))},
+                 "has no primitives");
+  expect_usage_error("bench", {"recognise", "--tolerances", "-1"}, "--tolerances");
 }
 
 TEST_F(Bench, MeasuresComparisons) {
