@@ -127,7 +127,9 @@ FittedBounds ItemBounds::fitted_bounds(std::uint32_t mask) const {
   std::array<Selection, 3> centres{Selection(extent_.min.x, extent_.max.x), Selection(extent_.min.y, extent_.max.y),
                                    Selection(extent_.min.z, extent_.max.z)};
   const auto for_each_centre = [&](const auto& visit) {
+#ifdef _OPENMP
 #pragma omp parallel for schedule(static, 1) if (size() > 65536)
+#endif
     for (int axis = 0; axis < 3; ++axis) {
       const float *low = coordinate(axis), *high = coordinate(axis + 3);
       for_each_shown([&](std::size_t i) { visit(centres[std::size_t(axis)], 0.5f * low[i] + 0.5f * high[i]); });

@@ -38,7 +38,9 @@ std::uint32_t material_word(const Snapshot& snapshot, const gpuprims::Joints& jo
 void pack_slots(const Snapshot& snapshot, const gpuprims::Joints& joints, BatchKind kind, std::span<const Slot> slots,
                 Texel* records) {
   const std::size_t stride = std::size_t(texels_per_record(kind));
+#ifdef _OPENMP
 #pragma omp parallel for schedule(static) if (slots.size() >= kPiece)
+#endif
   for (std::size_t i = 0; i < slots.size(); ++i) {
     if (i + kPrefetchAhead < slots.size()) snapshot.prefetch_record(slots[i + kPrefetchAhead]);
     GpuScene::pack(snapshot, joints, slots[i], {records + i * stride, stride});
