@@ -191,7 +191,7 @@ TEST_F(PagedEngineTest, AllKindsOfItemsLayersAndMaterials) {
 }
 
 TEST_F(PagedEngineTest, ASmallLimitGivesUpPagesAndLosesNothing) {
-  const std::string file = write(plant(300'000));
+  const std::string file = write(plant(600'000));
   auto small = tight_engine(file), large = engine(file);
   ASSERT_TRUE(small && large);
   const View view = *View::fit(small->scene().fitted.bounds, {1, 1, -0.7}, 0.8, double(kWidth) / kHeight);
