@@ -89,7 +89,7 @@ struct RecognitionReport {
   std::array<std::uint64_t, core::kPrimitiveKindCount> items{};  ///< primitive items made, by kind
   std::uint64_t triangles_before = 0, triangles_after = 0;
   std::uint64_t bytes_before = 0, bytes_after = 0;     ///< of vertices, normals, indices; of parameters afterwards
-  double largest_deviation = 0.0;                      ///< metres between triangles and the surfaces that replace them
+  double largest_deviation = 0.0;                      ///< metres, at most, from triangles to what replaces them
   std::array<std::uint64_t, kRefusalCount> refused{};  ///< solids by Refusal, those recognised in part included
 };
 

@@ -75,17 +75,20 @@ class ItemRecogniser {
       if (!added) return keep(triangles, bytes);
       rest = *added;
     }
-    bool all_replaced = true;
-    for (std::size_t i = 0; i < use.items.size(); ++i)
-      all_replaced = replace_item(use.items[i], worlds[i], found, rest) && all_replaced;
-    if (!all_replaced) return keep(triangles, bytes);
+    std::size_t replaced = 0;
+    for (std::size_t i = 0; i < use.items.size(); ++i) replaced += replace_item(use.items[i], worlds[i], found, rest);
+    if (replaced < use.items.size()) keep(triangles, bytes);
+    if (replaced == 0) {
+      if (rest.valid()) scene_.remove_mesh(rest);
+      return;
+    }
     for (const RecognisedPrimitive& p : found.primitives)
       report_.largest_deviation = std::max(report_.largest_deviation, p.deviation * stretch);
     report_.triangles_after += found.rest.indices.size() / 3;
     report_.bytes_after += bytes_of(found.rest);
     for (const RecognisedPrimitive& p : found.primitives)
       report_.bytes_after += core::parameters(p.primitive).size_bytes();
-    scene_.remove_mesh(use.mesh);
+    if (replaced == use.items.size()) scene_.remove_mesh(use.mesh);
   }
 
   void keep(std::uint64_t triangles, std::uint64_t bytes) {

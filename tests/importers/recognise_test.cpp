@@ -536,6 +536,36 @@ TEST(Recognise, SharedMeshesStayShared) {
   EXPECT_TRUE(scene.commit());
 }
 
+TEST(Recognise, WhatACommitWouldRefuseStaysAMesh) {
+  // Turned, the polygon ends below the largest coordinate, and the circle beyond it.
+  const double angle = glm::radians(15.0), large = 1.02e37;
+  core::Mesh mesh = prism(polygon(12), 2.0);
+  append(mesh, placed(lathe(12, 6, [](double u, double v) { return (1.0 + 0.1 * std::sin(3 * u)) * on_sphere(u, v); }),
+                      dmat3(0.1), {0, 0, 9}));
+  core::Affine turned;
+  turned.linear = dmat3(large, 0, 0, 0, large, 0, 0, 0, 1) *
+                  dmat3(std::cos(angle), std::sin(angle), 0, -std::sin(angle), std::cos(angle), 0, 0, 0, 1);
+  for (const bool with_another : {false, true}) {
+    SCOPED_TRACE(with_another);
+    core::Scene scene;
+    const core::MeshId id = scene.add_mesh(mesh).value();
+    scene.add_mesh_instance(scene.root(), id, turned);
+    if (with_another) scene.add_mesh_instance(scene.root(), id);
+    RecognitionReport report;
+    ASSERT_TRUE(recognise_items(scene, 0, 0.0, {}, report));
+    EXPECT_TRUE(scene.contains(id));
+    EXPECT_EQ(report.items[std::size_t(Kind::kCylinder)], with_another ? 1u : 0u);
+    EXPECT_EQ(scene.item_count(), with_another ? 3u : 1u);
+    std::size_t triangles = 0, meshes = 0;
+    for (std::size_t i = 0; i < scene.mesh_slots(); ++i)
+      if (const core::MeshId left = scene.mesh_at(i); left.valid())
+        triangles += scene.mesh(left).indices.size() / 3, ++meshes;
+    EXPECT_EQ(meshes, with_another ? 2u : 1u);
+    EXPECT_EQ(report.triangles_after, triangles);
+    EXPECT_TRUE(scene.commit());
+  }
+}
+
 TEST(Recognise, SameMeshSameResult) {
   Random random(5);
   core::Mesh mesh;
