@@ -19,7 +19,6 @@
 #include "sightline/bench/harness.h"
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
-#include "sightline/core/camera_path.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image_metrics.h"
@@ -231,17 +230,6 @@ core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, double 
   return Engine::create(scene, config);
 }
 
-core::Expected<std::vector<core::View>> views_of(const core::Snapshot& snapshot, int frames, double aspect) {
-  const core::CameraPath path = core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
-  std::vector<core::View> views;
-  for (int i = 0; i < frames; ++i) {
-    auto view = path.view(path.time_of(i, frames), aspect);
-    if (!view) return tl::unexpected(view.error());
-    views.push_back(std::move(*view));
-  }
-  return views;
-}
-
 // --- report --------------------------------------------------------------------------------------------------------
 
 template <class Item, class Get>
@@ -314,7 +302,7 @@ core::Expected<int> run(const Options& o) {
   auto full = make_engine(*model->scene, o, 0.0);
   if (!full) return tl::unexpected(full.error());
   const auto [width, height] = *apps::parse_size(o.size);
-  auto views = views_of(full->snapshot(), o.frames, double(width) / height);
+  auto views = tour_views(full->snapshot(), o.frames, double(width) / height);
   if (!views) return tl::unexpected(views.error());
   const gl::Context& context = full->drawing()->context();
   Json json = renderer_json(context);

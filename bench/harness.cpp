@@ -10,6 +10,7 @@
 
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/models/plant_boxes.h"
+#include "sightline/core/camera_path.h"
 #include "sightline/core/internal/block_order.h"
 #include "sightline/culling/hierarchy.h"
 #include "sightline/importers/plant/plant_generator.h"
@@ -85,6 +86,17 @@ void add_input_options(CLI::App& app, Input& input) {
 core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input) {
   if (input.generate > 0) return PlantBoxes(1).make(input.generate);
   return read_boxes(input.boxes);
+}
+
+core::Expected<std::vector<core::View>> tour_views(const core::Snapshot& snapshot, int frames, double aspect) {
+  const core::CameraPath path = core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
+  std::vector<core::View> views;
+  for (int i = 0; i < frames; ++i) {
+    auto view = path.view(path.time_of(i, std::max(2, frames)), aspect);
+    if (!view) return tl::unexpected(view.error());
+    views.push_back(std::move(*view));
+  }
+  return views;
 }
 
 core::ItemBounds in_production_order(std::span<const core::Aabb> boxes) {

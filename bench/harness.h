@@ -13,6 +13,7 @@
 #include "sightline/core/error.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/scene.h"
+#include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 
 namespace CLI {
@@ -50,6 +51,9 @@ void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span
 
 /// The model, or without files a generated plant of `items`; committed.
 core::Expected<std::unique_ptr<core::Scene>> model_or_plant(const apps::ModelOptions& model, std::uint64_t items);
+
+/// `frames` evenly spaced views of the flight through a model; a single one is its start.
+core::Expected<std::vector<core::View>> tour_views(const core::Snapshot& snapshot, int frames, double aspect);
 
 /// Time since an arbitrary moment.
 inline double milliseconds() {

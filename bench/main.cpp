@@ -47,6 +47,7 @@ constexpr Subcommand kSubcommands[] = {
 #endif
 #if SIGHTLINE_HAS_GL
     {"gpu-cull", "the forms of the GPU culler against each other", bench::add_gpu_cull},
+    {"limit", "frames of a tour beside drawing nothing but what owns a pixel", bench::add_limit},
     {"hybrid", "frames culled by the CPU, the GPU and the hybrid, in turns: rendering off and on", bench::add_hybrid},
     {"embedding", "what frames cost more in the context of an application", bench::add_embedding},
     {"error-time", "error of tessellated and ray-cast primitives against their run time", bench::add_error_time},

@@ -22,7 +22,6 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
-#include "sightline/core/camera_path.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/raytrace/exact_visibility.h"
 
@@ -118,18 +117,6 @@ void print_table(const Json& json, std::FILE* out) {
   std::fprintf(out, "\n");
 }
 
-/// Of a flight through the model.
-core::Expected<std::vector<core::View>> views_of(const core::Snapshot& snapshot) {
-  const core::CameraPath path = core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
-  std::vector<core::View> views;
-  for (int i = 0; i < kViews; ++i) {
-    auto view = path.view(path.time_of(i, kViews), double(kWidth) / kHeight);
-    if (!view) return tl::unexpected(view.error());
-    views.push_back(*view);
-  }
-  return views;
-}
-
 Stage reading(const Options& options) {
   return {"read " + std::to_string(options.model.files.size()) + " files",
           [&options](int threads) -> core::Expected<void> {
@@ -147,7 +134,7 @@ core::Expected<int> run(const Options& options) {
   if (!scene) return tl::unexpected(scene.error());
   const core::Snapshot snapshot(**scene);
   const culling::CpuCuller culler(snapshot.bounds());
-  const auto views = views_of(snapshot);
+  const auto views = tour_views(snapshot, kViews, double(kWidth) / kHeight);
   if (!views) return tl::unexpected(views.error());
   auto tracer = raytrace::Tracer::create(snapshot);
   if (!tracer) return tl::unexpected(tracer.error());

@@ -46,6 +46,7 @@ Run add_embedding(CLI::App& app);
 Run add_error_time(CLI::App& app);
 Run add_gpu_cull(CLI::App& app);
 Run add_hybrid(CLI::App& app);
+Run add_limit(CLI::App& app);
 Run add_overrides(CLI::App& app);
 Run add_proxies(CLI::App& app);
 Run add_transparency(CLI::App& app);

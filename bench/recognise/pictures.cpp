@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "sightline/apps/common/tessellated_scene.h"
-#include "sightline/core/camera_path.h"
+#include "sightline/bench/harness.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image_metrics.h"
@@ -56,12 +56,9 @@ core::Expected<Pictures> Pictures::create(core::Scene& scene, std::span<const Or
                                           gl::ContextPlatform platform) {
   Pictures made(scene, originals, platform);
   const core::Snapshot snapshot(scene);
-  const core::CameraPath path = core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
-  for (int i = 0; i < frames; ++i) {
-    auto view = path.view(path.time_of(i, std::max(2, frames)), double(kWidth) / kHeight);
-    if (!view) return tl::unexpected(view.error());
-    made.views_.push_back(std::move(*view));
-  }
+  auto views = tour_views(snapshot, frames, double(kWidth) / kHeight);
+  if (!views) return tl::unexpected(views.error());
+  made.views_ = std::move(*views);
   auto reference = made.draw(scene);
   if (!reference) return tl::unexpected(reference.error());
   made.reference_ = std::move(*reference);
