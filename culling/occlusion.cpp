@@ -111,31 +111,49 @@ bool OcclusionTest::hides(const BoxCoordinates& box, const PixelRectangle& pixel
   return all_hidden(span, pixels, std::min(level, pyramid_->level_count() - 1), rows);
 }
 
+/// For looks at these blocks of a level.
+BlockTile OcclusionTest::tile_of(const PixelRectangle& blocks, int level) const {
+  const float step = float(1 << level);
+  return {TileShape(blocks.x1 - blocks.x0 + 1),
+          0.0f,
+          0.0f,
+          step,
+          0.5f * (step - 1.0f) + view_.snap,
+          nullptr,
+          0,
+          0,
+          {kDistanceMargin, error_},
+          rays_.parallel()};
+}
+
+/// To the block x, y, the first of those to look at.
+void OcclusionTest::move(BlockTile& tile, const PixelRectangle& blocks, int level, int x, int y) const {
+  tile.x = (float(x) + 0.5f) * tile.step - 0.5f;
+  tile.y = (float(y) + 0.5f) * tile.step - 0.5f;
+  tile.farthest = pyramid_->row(level, y) + x;
+  tile.pitch = pyramid_->row(level, 1) - pyramid_->row(level, 0);
+  tile.rows = blocks.y1 - y + 1;
+}
+
 /// Whether no ray of these pixels meets the box in front of what the pixel holds. Looks at blocks of a level, and into
 /// those that do not answer for all of their pixels.
 bool OcclusionTest::all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const {
-  const float step = float(1 << level);
-  const int x0 = pixels.x0 >> level, x1 = pixels.x1 >> level;
-  BlockRow row{(float(x0) + 0.5f) * step - 0.5f,
-               0.0f,
-               step,
-               0.5f * (step - 1.0f) + view_.snap,
-               nullptr,
-               {kDistanceMargin, error_},
-               rays_.parallel()};
+  const PixelRectangle blocks{pixels.x0 >> level, pixels.y0 >> level, pixels.x1 >> level, pixels.y1 >> level};
+  BlockTile tile = tile_of(blocks, level);
+  const TileShape shape = tile.shape;
   alignas(64) float entries[kLanes];
-  const unsigned lanes = (1u << std::min(x1 - x0 + 1, kLanes)) - 1u;
-  for (int y = pixels.y0 >> level; y <= pixels.y1 >> level; ++y) {
-    if (++rows > kMostRows) return false;
-    row.y = (float(y) + 0.5f) * step - 0.5f;
-    row.farthest = pyramid_->row(level, y) + x0;
-    unsigned open = kernels().open_blocks(box, row, entries) & lanes;
+  for (int y = blocks.y0; y <= blocks.y1; y += shape.rows()) {
+    rows += std::min(shape.rows(), blocks.y1 - y + 1);
+    if (rows > kMostRows) return false;
+    move(tile, blocks, level, blocks.x0, y);
+    unsigned open =
+        kernels().open_blocks(box, tile, entries) & shape.lanes(blocks.x1 - blocks.x0 + 1, blocks.y1 - y + 1);
     if (open != 0 && level == 0) return false;
     for (; open != 0; open &= open - 1) {
-      const int x = x0 + std::countr_zero(open);
-      const PixelRectangle inside{std::max(pixels.x0, x << level), std::max(pixels.y0, y << level),
-                                  std::min(pixels.x1, ((x + 1) << level) - 1),
-                                  std::min(pixels.y1, ((y + 1) << level) - 1)};
+      const int lane = std::countr_zero(open), at_x = blocks.x0 + shape.x(lane), at_y = y + shape.y(lane);
+      const PixelRectangle inside{std::max(pixels.x0, at_x << level), std::max(pixels.y0, at_y << level),
+                                  std::min(pixels.x1, ((at_x + 1) << level) - 1),
+                                  std::min(pixels.y1, ((at_y + 1) << level) - 1)};
       if (!all_hidden(box, inside, std::max(0, level - kLevels), rows)) return false;
     }
   }
@@ -209,17 +227,18 @@ OcclusionTest::Found OcclusionTest::enter(core::Slot slot, const BoxCoordinates&
   const int columns = (pixels.x1 - pixels.x0) / kLanes + 1;
   if (columns * (pixels.y1 - pixels.y0 + 1) > kMostRows || !rays_.span(box, span))
     return hides(box, pixels, nearest) ? Found::kHidden : Found::kNotJudged;
-  BlockRow row{0.0f, 0.0f, 1.0f, view_.snap, nullptr, {kDistanceMargin, error_}, rays_.parallel()};
+  BlockTile tile = tile_of(pixels, 0);
+  const TileShape shape = tile.shape;
   alignas(64) float entries[kLanes];
   Found found = Found::kHidden;
-  for (int y = pixels.y0; y <= pixels.y1; ++y)
-    for (int x = pixels.x0; x <= pixels.x1; x += kLanes) {
-      row.x = float(x), row.y = float(y);
-      row.farthest = pyramid_->row(0, y) + x;
-      const unsigned lanes = (1u << std::min(pixels.x1 - x + 1, kLanes)) - 1u;
-      for (unsigned open = kernels().open_blocks(span, row, entries) & lanes; open != 0; open &= open - 1) {
-        const int i = std::countr_zero(open);
-        layer.enter(std::size_t(y) * std::size_t(pyramid_->width()) + std::size_t(x + i), entries[i], slot);
+  for (int y = pixels.y0; y <= pixels.y1; y += shape.rows())
+    for (int x = pixels.x0; x <= pixels.x1; x += shape.columns()) {
+      move(tile, pixels, 0, x, y);
+      const unsigned lanes = shape.lanes(pixels.x1 - x + 1, pixels.y1 - y + 1);
+      for (unsigned open = kernels().open_blocks(span, tile, entries) & lanes; open != 0; open &= open - 1) {
+        const int lane = std::countr_zero(open);
+        const std::size_t row = std::size_t(y + shape.y(lane)) * std::size_t(pyramid_->width());
+        layer.enter(row + std::size_t(x + shape.x(lane)), entries[lane], slot);
         found = Found::kEntered;
       }
     }

@@ -75,6 +75,7 @@ class SIGHTLINE_API DepthPyramid {
   std::vector<float> texels_;
 };
 
+struct BlockTile;
 struct FrontLayer;
 
 class SIGHTLINE_API OcclusionTest {
@@ -118,6 +119,8 @@ class SIGHTLINE_API OcclusionTest {
   unsigned open_nodes(const float* const (&coordinates)[6]) const;
   unsigned hidden_of(const float* const (&coordinates)[6]) const;
   bool hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const;
+  BlockTile tile_of(const PixelRectangle& blocks, int level) const;
+  void move(BlockTile& tile, const PixelRectangle& blocks, int level, int x, int y) const;
   bool all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const;
 
   ScreenView view_;

@@ -53,13 +53,16 @@ bool SampleTest::rays_meet(const BoxCoordinates& box, const BoxRectangles& recta
       rectangles.top[i] - rectangles.bottom[i] > float(kLanes - 1) || !rays_.span(box, span))
     return true;
   alignas(64) float entries[kLanes];
-  BlockRow row{0.0f, 0.0f, 1.0f, view_.snap, kNothingDrawn.data(), {}, rays_.parallel()};
   for (const auto& [x, y] : samples_.offsets) {
     const PixelRectangle pixels = pixels_of(view_, rectangles, i, x, y);
-    const unsigned lanes = (1u << std::max(pixels.x1 - pixels.x0 + 1, 0)) - 1u;
-    for (int at = pixels.y0; at <= pixels.y1; ++at) {
-      row.x = float(pixels.x0) + x, row.y = float(at) + y;
-      if ((kernels().open_blocks(span, row, entries) & lanes) != 0) return true;
+    const int width = pixels.x1 - pixels.x0 + 1;
+    if (width <= 0) continue;
+    const TileShape shape(width);
+    BlockTile tile{shape, float(pixels.x0) + x, 0.0f, 1.0f, view_.snap, kNothingDrawn.data(), 0, shape.rows(),
+                   {},    rays_.parallel()};
+    for (int at = pixels.y0; at <= pixels.y1; at += shape.rows()) {
+      tile.y = float(at) + y;
+      if ((kernels().open_blocks(span, tile, entries) & shape.lanes(width, pixels.y1 - at + 1)) != 0) return true;
     }
   }
   return false;

@@ -489,13 +489,57 @@ void cull_items(const ItemTest& test, PlaneMask mask, std::size_t first, std::si
   found = {items, edges};
 }
 
-/// The keys of a face in sixteen blocks of a row, at the place of a block where they are greatest (sign 1) or least.
+/// Places of lanes in a tile, from its first block's, by the binary logarithm of its columns.
+struct TilePlaces {
+  alignas(64) float x[5][kLanes], y[5][kLanes];
+};
+inline constexpr TilePlaces kTilePlaces = [] {
+  TilePlaces places{};
+  for (int columns_log2 = 0; columns_log2 < 5; ++columns_log2)
+    for (int lane = 0; lane < kLanes; ++lane) {
+      places.x[columns_log2][lane] = float(lane & ((1 << columns_log2) - 1));
+      places.y[columns_log2][lane] = float(lane >> columns_log2);
+    }
+  return places;
+}();
+
+/// The keys of a face in the sixteen blocks of a tile, at the place of a block where they are greatest (sign 1) or
+/// least.
 template <class Simd>
-typename Simd::Lanes keys_of_face(const PictureFunction& f, const BlockRow& row, const typename Simd::Lanes& x,
-                                  float sign) {
+typename Simd::Lanes keys_of_face(const PictureFunction& f, float reach, const typename Simd::Lanes& x,
+                                  const typename Simd::Lanes& y, float sign) {
   const float slope = (f.x < 0.0f ? -f.x : f.x) + (f.y < 0.0f ? -f.y : f.y);
-  const float constant = (f.constant + f.y * row.y) + sign * row.reach * slope;
-  return Simd::add(Simd::spread(constant), Simd::multiply(Simd::spread(f.x), x));
+  const auto in_row = Simd::add(Simd::spread(f.constant), Simd::multiply(Simd::spread(f.y), y));
+  return Simd::add(Simd::add(in_row, Simd::spread(sign * reach * slope)), Simd::multiply(Simd::spread(f.x), x));
+}
+
+template <class Simd, int kColumns>
+void copy_rows(const BlockTile& tile, float* out) {
+  for (int y = 0; y < kLanes / kColumns; ++y) {
+    const float* const row = tile.farthest + (y < tile.rows ? y : tile.rows - 1) * tile.pitch;
+    std::memcpy(out + y * kColumns, row, kColumns * sizeof(float));
+  }
+}
+
+/// What the blocks of a tile hold.
+template <class Simd>
+typename Simd::Lanes held_by(const BlockTile& tile) {
+  if (tile.shape.columns_log2 == 4) return Simd::load(tile.farthest);
+  alignas(64) float held[kLanes];
+  switch (tile.shape.columns_log2) {
+    case 3:
+      copy_rows<Simd, 8>(tile, held);
+      break;
+    case 2:
+      copy_rows<Simd, 4>(tile, held);
+      break;
+    case 1:
+      copy_rows<Simd, 2>(tile, held);
+      break;
+    default:
+      copy_rows<Simd, 1>(tile, held);
+  }
+  return Simd::load(held);
 }
 
 /// Distances less their margins.
@@ -506,18 +550,23 @@ typename Simd::Lanes in_front(const typename Simd::Lanes& distance, const Distan
 }
 
 template <class Simd>
-unsigned open_blocks(const BoxSpan& box, const BlockRow& row, float* entries) {
+unsigned open_blocks(const BoxSpan& box, const BlockTile& tile, float* entries) {
   using Lanes = typename Simd::Lanes;
-  const Lanes x = Simd::add(Simd::spread(row.x), Simd::multiply(Simd::spread(row.step), Simd::ramp()));
-  Lanes entry = keys_of_face<Simd>(box.near[0], row, x, 1.0f);
-  for (int i = 1; i < box.near_count; ++i) entry = Simd::least(entry, keys_of_face<Simd>(box.near[i], row, x, 1.0f));
-  Lanes exit = keys_of_face<Simd>(box.far[0], row, x, -1.0f);
-  for (int i = 1; i < box.far_count; ++i) exit = Simd::most(exit, keys_of_face<Simd>(box.far[i], row, x, -1.0f));
+  const auto places = [&](float first, const float(&of)[kLanes]) {
+    return Simd::add(Simd::spread(first), Simd::multiply(Simd::spread(tile.step), Simd::load(of)));
+  };
+  const Lanes x = places(tile.x, kTilePlaces.x[tile.shape.columns_log2]);
+  const Lanes y = places(tile.y, kTilePlaces.y[tile.shape.columns_log2]);
+  const auto keys = [&](const PictureFunction& f, float sign) { return keys_of_face<Simd>(f, tile.reach, x, y, sign); };
+  Lanes entry = keys(box.near[0], 1.0f);
+  for (int i = 1; i < box.near_count; ++i) entry = Simd::least(entry, keys(box.near[i], 1.0f));
+  Lanes exit = keys(box.far[0], -1.0f);
+  for (int i = 1; i < box.far_count; ++i) exit = Simd::most(exit, keys(box.far[i], -1.0f));
   const Lanes distance =
-      row.parallel ? Simd::subtract(Simd::spread(0.0f), entry) : Simd::divide(Simd::spread(1.0f), entry);
-  const Lanes least = in_front<Simd>(distance, row.margin);
+      tile.parallel ? Simd::subtract(Simd::spread(0.0f), entry) : Simd::divide(Simd::spread(1.0f), entry);
+  const Lanes least = in_front<Simd>(distance, tile.margin);
   Simd::store(entries, distance);
-  return Simd::at_most(exit, entry) & ~Simd::less(Simd::load(row.farthest), least) & 0xffffu;
+  return Simd::at_most(exit, entry) & ~Simd::less(held_by<Simd>(tile), least) & 0xffffu;
 }
 
 /// The finest level at which 2 x 2 blocks contain a rectangle's pixels: 2^level exceeds the difference of their places.

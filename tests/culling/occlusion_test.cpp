@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "exact_samples.h"
+#include "sightline/culling/internal/kernels.h"
 
 namespace sightline::tests {
 namespace {
@@ -125,6 +126,24 @@ std::vector<core::Slot> merged(const std::vector<core::Slot>& a, const std::vect
   std::vector<core::Slot> both(a.size() + b.size());
   std::merge(a.begin(), a.end(), b.begin(), b.end(), both.begin());
   return both;
+}
+
+/// Each lane has a place of its own, and those within a rectangle have their bits.
+TEST(OcclusionTest, TilesFitTheirRectangles) {
+  for (int width = 1; width <= 20; ++width)
+    for (int height = 1; height <= 20; ++height) {
+      SCOPED_TRACE(testing::Message() << width << " x " << height);
+      const culling::TileShape shape(width);
+      ASSERT_EQ(shape.columns() * shape.rows(), culling::kLanes);
+      ASSERT_GE(shape.columns(), std::min(width, culling::kLanes));
+      ASSERT_LT(shape.columns(), 2 * width);
+      for (int lane = 0; lane < culling::kLanes; ++lane) {
+        ASSERT_EQ(shape.y(lane) * shape.columns() + shape.x(lane), lane);
+        ASSERT_LT(shape.x(lane), shape.columns());
+        const bool within = shape.x(lane) < width && shape.y(lane) < height;
+        ASSERT_EQ(shape.lanes(width, height) >> lane & 1u, unsigned(within)) << "lane " << lane;
+      }
+    }
 }
 
 /// Where a ray meets a box that is left behind, it meets one of the front before that.
