@@ -31,9 +31,8 @@ struct SIGHTLINE_API Page {
   /// Slot s of the page is slot 32 * first_leaf + s of all leaves. Items have ids that are unique among all pages, but
   /// slot() knows none of them.
   Snapshot snapshot{meshes};
-  /// Ends hidden at joints (gpuprims/internal/joints.h): two bits per item, from item `first_item` on.
+  /// Ends hidden at joints (gpuprims/internal/joints.h): two bits per slot.
   std::vector<std::uint64_t> hidden_ends;
-  ItemId first_item = 0;
 
   /// Gives back what only uploading needs: placements and parameters of primitives.
   void drop_records();
@@ -56,8 +55,8 @@ struct PagedScene {
   std::vector<PageInfo> pages;  ///< in the order of their leaves
   FittedBounds fitted;          ///< of all items
   std::uint64_t items = 0;
-  /// Reads a page, verified. Any thread may call it, several at once. Fails where the file cannot be read, is damaged
-  /// or does not fit into memory.
+  /// Reads a page, verified; `page` must be one of pages. Any thread may call it, several at once. Fails where the file
+  /// cannot be read, is damaged, or the page does not fit into memory.
   std::function<Expected<std::unique_ptr<Page>>(std::uint32_t page)> load;
 
   std::uint32_t leaf_end(std::uint32_t page) const {

@@ -150,7 +150,7 @@ core::Expected<void> PageStore::take_loaded(const gl::Context& context, std::uin
 
 core::Expected<void> PageStore::upload(const gl::Context& context, std::uint32_t page,
                                        std::unique_ptr<core::Page> content) {
-  const gpuprims::Joints joints(content->first_item, std::move(content->hidden_ends));
+  const auto joints = gpuprims::Joints::of_slots(std::move(content->hidden_ends));
   const core::Snapshot& snapshot = content->snapshot;
   auto scene = gpuscene::GpuScene::create(context, snapshot, joints);
   if (!scene) return tl::unexpected(scene.error());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 
@@ -376,8 +377,12 @@ Joints::Joints(const Snapshot& snapshot) {
   if (count_ > 0) opaque_ = std::move(opaque);
 }
 
-Joints::Joints(ItemId first_item, std::vector<std::uint64_t> bits) : first_item_(first_item), bits_(std::move(bits)) {
-  for (const std::uint64_t word : bits_) count_ += std::size_t(std::popcount(word));
+Joints Joints::of_slots(std::vector<std::uint64_t> bits) {
+  Joints joints;
+  joints.of_slots_ = true;
+  joints.bits_ = std::move(bits);
+  for (const std::uint64_t word : joints.bits_) joints.count_ += std::size_t(std::popcount(word));
+  return joints;
 }
 
 core::StoredJoints Joints::stored(const Snapshot& snapshot) const {
@@ -403,8 +408,13 @@ bool Joints::set(ItemId item, Ends end, bool covered) {
 }
 
 Ends Joints::covered(ItemId item) const {
-  const std::size_t i = ItemId(item - first_item_), word = i / kItemsPerWord;
-  return word < bits_.size() ? Ends(bits_[word] >> 2 * (i % kItemsPerWord) & 3u) : kNoEnd;
+  assert(!of_slots_);
+  return covered_at(item);
+}
+
+Ends Joints::covered_at(std::uint32_t index) const {
+  const std::size_t word = index / kItemsPerWord;
+  return word < bits_.size() ? Ends(bits_[word] >> 2 * (index % kItemsPerWord) & 3u) : kNoEnd;
 }
 
 void Joints::dissolve(const Snapshot& snapshot, std::initializer_list<std::span<const ItemId>> edited,

@@ -25,7 +25,7 @@ constexpr std::size_t kPiece = 4096;     // records packed at a time, which take
 
 /// What a record says of an item besides its placement and shape.
 std::uint32_t material_word(const Snapshot& snapshot, const gpuprims::Joints& joints, Slot slot) {
-  const gpuprims::Ends covered = joints.covered(snapshot.item(slot));
+  const gpuprims::Ends covered = joints.covered(snapshot, slot);
   std::uint32_t word = GpuScene::material_row(snapshot, slot);
   if (flat_shaded(snapshot, slot)) word |= gpuprims::kFlatShaded;
   if ((covered & gpuprims::kBottomEnd) != 0) word |= gpuprims::kBottomOpen;

@@ -58,13 +58,17 @@ class Joints {
   /// fifty times the usual size.
   /// Those that a scene cache has of the snapshot are not looked for.
   explicit Joints(const core::Snapshot& snapshot);
-  /// Of items from `first_item` on, two bits each: those of a core::Page. They cannot follow edits.
-  Joints(core::ItemId first_item, std::vector<std::uint64_t> bits);
+  /// Of slots, two bits each: those of a core::Page. They know no items and cannot follow edits.
+  static Joints of_slots(std::vector<std::uint64_t> bits);
   /// For a scene cache, as made from `snapshot`.
   core::StoredJoints stored(const core::Snapshot& snapshot) const;
 
   /// Covered ends of an item.
   Ends covered(core::ItemId item) const;
+  /// Of a slot's item, for any Joints.
+  Ends covered(const core::Snapshot& snapshot, core::Slot slot) const {
+    return covered_at(of_slots_ ? slot : snapshot.item(slot));
+  }
   /// Covered ends of all items.
   std::size_t count() const { return count_; }
 
@@ -84,10 +88,11 @@ class Joints {
  private:
   friend class JointSearch;
   bool set(core::ItemId item, Ends end, bool covered);
+  Ends covered_at(std::uint32_t index) const;
   void prefetch(core::ItemId item) const;
   void dissolve(core::ItemId item, std::vector<core::ItemId>& uncovered);
 
-  core::ItemId first_item_ = 0;        // of bits_; others than 0 only without covers_
+  bool of_slots_ = false;              // bits_ are by slot; only without covers_
   std::vector<std::uint64_t> bits_;    // two per item
   std::vector<std::uint64_t> covers_;  // sorted: covering item << 32 | covered item << 1 | its end is the top
   std::vector<std::uint32_t> first_;   // per 32 items: index of the first entry in covers_

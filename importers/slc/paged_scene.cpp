@@ -94,8 +94,8 @@ class Part {
   std::span<const std::array<float, 6>> boxes() const { return boxes_; }
   std::span<const std::uint32_t> colours() const { return colours_; }
   core::dvec3 origin() const { return {state_.origin[0], state_.origin[1], state_.origin[2]}; }
-  /// What only opening needs.
-  void drop_leaves() const { boxes_ = {}, colours_ = {}; }
+  /// What only opening needs. Vectors that `= {}` is assigned to would keep their memory.
+  void drop_leaves() const { boxes_ = decltype(boxes_)(), colours_ = decltype(colours_)(); }
 
   PagedScene::PageInfo info(const SlcPage& row) const {
     PagedScene::PageInfo info;
@@ -169,7 +169,7 @@ class Part {
   /// That pages, arrays and leaves agree, so that all slices lie within their arrays.
   SlcExpected<void> check() const {
     const std::size_t n = slots(), leaves = (n + core::kBlockSlots - 1) / core::kBlockSlots;
-    if (n >= core::kNone || boxes_.size() != leaves || colours_.size() != leaves)
+    if (n > item_slots() || n >= core::kNone || boxes_.size() != leaves || colours_.size() != leaves)
       return damaged("its leaves are inconsistent");
     for (const auto& box : boxes_)
       for (const float x : box)
@@ -184,7 +184,7 @@ class Part {
         rank[k] += page.kind_count[k];
         members += page.kind_count[k];
       }
-      if (!good || members != page.count) return damaged("its pages are inconsistent");
+      if (!good || members != page.count || !has_values_of(page)) return damaged("its pages are inconsistent");
       slot += page.count;
     }
     const SlcPage all = whole(slot, rank);
@@ -199,6 +199,13 @@ class Part {
     for (const core::dvec3& chunk : chunk_origins_)
       if (!core::is_finite(chunk)) return damaged("its chunks are not finite");
     return {};
+  }
+
+  /// Limits on memory count on what a page says of its meshes: it must be in the file.
+  bool has_values_of(const SlcPage& page) const {
+    const std::uint64_t most = std::min<std::uint64_t>(page.mesh_bytes, count(kSlcMeshValues));
+    return page.mesh_bytes == most && page.mesh_positions <= most / sizeof(core::vec3) &&
+           page.mesh_indices <= most / sizeof(std::uint32_t);
   }
 
   static SlcPage whole(std::uint64_t slots, const std::array<std::uint64_t, core::kKindCount>& rank) {
@@ -309,7 +316,7 @@ class Part {
     if (!rows || !values || rows->element_size != sizeof(SlcMesh) || values->element_size != 1 ||
         used.back() >= rows->count)
       return damaged("its meshes are inconsistent");
-    std::uint64_t read_bytes = 0;
+    std::uint64_t read_bytes = 0, positions = 0, indices = 0;
     std::vector<std::byte> bytes;
     for (const std::uint32_t number : used) {
       SlcMesh mesh;
@@ -318,7 +325,8 @@ class Part {
       const std::uint64_t size = value_bytes(mesh);
       // What the page says of its size bounds what a damaged file may ask for.
       if (mesh.removed != 0 || size > values->count || mesh.first > values->count - size ||
-          (read_bytes += size) > row.mesh_bytes)
+          (read_bytes += size) > row.mesh_bytes || (positions += mesh.positions) > row.mesh_positions ||
+          (indices += mesh.indices) > row.mesh_indices)
         return damaged("its meshes are inconsistent");
       bytes.resize(std::size_t(size));
       if (auto done = read(kSlcMeshValues, mesh.first, bytes, 1, sum); !done) return done;
@@ -383,25 +391,19 @@ class Part {
     return {};
   }
 
-  /// Makes ids unique among parts, and sorts hidden ends by them. False where the file has no such items.
+  /// Makes ids unique among parts. False where the file has no such items.
   bool number_items(Page& page) const {
-    LargeArray<core::ItemId>* items = nullptr;
+    const std::size_t known = item_slots();
+    bool good = true;
     Storage::for_each_snapshot_array(page.snapshot, [&](std::uint64_t number, auto& array) {
       if constexpr (std::is_same_v<std::remove_reference_t<decltype(array.data()[0])>, core::ItemId>)
-        if (number == Storage::kSlotItems) items = &array;
+        if (number == Storage::kSlotItems)
+          for (core::ItemId& item : array) {
+            good = good && item < known;
+            item += first_item_;
+          }
     });
-    const auto [first, last] = std::minmax_element(items->begin(), items->end());
-    const core::ItemId least = *first, most = *last;
-    if (most >= item_slots()) return false;
-    page.first_item = least + first_item_;
-    std::vector<std::uint64_t> by_item((most - least) / 32 + 1);
-    for (std::size_t slot = 0; slot < items->size(); ++slot) {
-      const std::uint64_t ends = page.hidden_ends[slot / 32] >> 2 * (slot % 32) & 3u, item = (*items)[slot] - least;
-      by_item[item / 32] |= ends << 2 * (item % 32);
-      (*items)[slot] += first_item_;
-    }
-    page.hidden_ends = std::move(by_item);
-    return true;
+    return good;
   }
 
   std::shared_ptr<const SlcFile> file_;
@@ -414,19 +416,6 @@ class Part {
   mutable std::vector<std::uint32_t> colours_;
   std::unique_ptr<Materials> materials_;
 };
-
-core::Expected<std::vector<fs::path>> files_of(const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_directory(path, error)) return std::vector<fs::path>{path};
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(path, error))
-    if (lower_case_extension(entry.path()) == ".slc" && entry.is_regular_file(error)) files.push_back(entry.path());
-  if (error) return core::fail(fmt::format("{}: {}", path.string(), error.message()));
-  if (files.empty())
-    return core::fail(fmt::format("{}: expected .slc files in this folder, found none", path.string()));
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 using Parts = std::vector<std::pair<fs::path, std::shared_ptr<const Part>>>;
 
@@ -504,7 +493,30 @@ core::Expected<PagedScene> join(const Parts& parts) {
   return scene;
 }
 
+core::Expected<std::vector<fs::path>> caches_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error, unknown;
+  // What cannot be looked at stays in the list, such as a link that leads nowhere: no part may be missing in silence.
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+    if (lower_case_extension(at->path()) == ".slc" && !at->is_directory(unknown)) files.push_back(at->path());
+  if (error) return core::fail(fmt::format("{}: {}", folder.string(), error.message()));
+  if (files.empty())
+    return core::fail(fmt::format("{}: expected .slc files in this folder, found none", folder.string()));
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 }  // namespace
+
+core::Expected<std::vector<fs::path>> scene_caches_of(const fs::path& path) {
+  try {
+    std::error_code unknown;
+    if (fs::is_directory(path, unknown)) return caches_in(path);
+    return std::vector<fs::path>{path};
+  } catch (const std::bad_alloc&) {
+    return core::fail(fmt::format("{}: not enough memory", path.string()));
+  }
+}
 
 core::Expected<PagedScene> open_paged_scene(std::shared_ptr<const SlcFile> file, const fs::path& name, bool verified) {
   auto part = Part::open(std::move(file), 0, verified);
@@ -514,7 +526,7 @@ core::Expected<PagedScene> open_paged_scene(std::shared_ptr<const SlcFile> file,
 
 core::Expected<PagedScene> open_paged_scene(const fs::path& path, const std::function<bool(double)>& progress) {
   try {
-    const auto files = files_of(path);
+    const auto files = scene_caches_of(path);
     if (!files) return tl::unexpected(files.error());
     const auto parts = open_parts(*files, progress);
     if (!parts) return tl::unexpected(parts.error());

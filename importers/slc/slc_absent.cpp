@@ -12,6 +12,10 @@ core::Expected<void> write_slc(const core::Scene&, const std::filesystem::path& 
   return core::fail(fmt::format("{}: this build writes no .slc files (SIGHTLINE_SLC is off)", path.string()));
 }
 
+core::Expected<std::vector<std::filesystem::path>> scene_caches_of(const std::filesystem::path& path) {
+  return std::vector<std::filesystem::path>{path};
+}
+
 core::Expected<core::PagedScene> open_paged_scene(const std::filesystem::path& path,
                                                   const std::function<bool(double)>&) {
   return core::fail(fmt::format("{}: this build reads no .slc files (SIGHTLINE_SLC is off)", path.string()));

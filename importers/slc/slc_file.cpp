@@ -174,7 +174,8 @@ SlcFile::~SlcFile() {
 
 SlcExpected<std::shared_ptr<const SlcFile>> SlcFile::open(const std::filesystem::path& path) {
   const std::shared_ptr<SlcFile> file(new SlcFile);
-  file->descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // Opening a pipe must not wait for a writer.
+  file->descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat status {};
   if (file->descriptor_ < 0 || fstat(file->descriptor_, &status) != 0)
     return tl::unexpected<SlcProblem>(

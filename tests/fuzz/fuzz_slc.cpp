@@ -49,9 +49,9 @@ void use(const core::PagedScene& scene) {
     if (!page) continue;
     const core::Snapshot& snapshot = (*page)->snapshot;
     fuzz::require(snapshot.size() == scene.pages[number].slots, "as many slots as the page says");
-    const gpuprims::Joints joints((*page)->first_item, (*page)->hidden_ends);
+    const auto joints = gpuprims::Joints::of_slots((*page)->hidden_ends);
     for (core::Slot slot = 0; slot < snapshot.size(); ++slot) {
-      (void)joints.covered(snapshot.item(slot));
+      (void)joints.covered(snapshot, slot);
       (void)snapshot.opaque(slot);
       (void)snapshot.world_from_item(slot);
       if (int(snapshot.kind(slot)) < core::kPrimitiveKindCount)

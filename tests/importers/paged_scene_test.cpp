@@ -3,17 +3,22 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <cstring>
 #include <set>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "sightline/core/internal/storage.h"
 #include "sightline/gpuprims/internal/joints.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/plant/plant_generator.h"
+#include "sightline/importers/slc/internal/slc_rows.h"
 #include "sightline/importers/slc/internal/slc_scene.h"
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/importers/slc_bytes.h"
+#include "sightline/tests/support/counted_memory.h"
 
 namespace sightline::importers {
 namespace {
@@ -85,8 +90,10 @@ void expect_same(const PagedScene& paged, const Scene& scene) {
     const auto page = paged.load(number);
     ASSERT_TRUE(page) << page.error().message;
     const Snapshot& snapshot = (*page)->snapshot;
-    const gpuprims::Joints hidden((*page)->first_item, (*page)->hidden_ends);
+    const auto hidden = gpuprims::Joints::of_slots((*page)->hidden_ends);
     ASSERT_EQ(snapshot.size(), paged.pages[number].slots);
+    // However far apart the ids of its items are.
+    EXPECT_EQ((*page)->hidden_ends.size(), (snapshot.size() + 31) / 32);
     EXPECT_EQ(snapshot.materials(), whole.materials());
     EXPECT_EQ(snapshot.bounds().origin, whole.bounds().origin);
     EXPECT_EQ(paged.pages[number].first_leaf, slot / core::kBlockSlots);
@@ -94,7 +101,7 @@ void expect_same(const PagedScene& paged, const Scene& scene) {
     std::size_t vacant = 0;
     for (Slot s = 0; s < snapshot.size(); ++s, ++slot) {
       expect_same_slot(snapshot, s, whole, slot);
-      EXPECT_EQ(hidden.covered(snapshot.item(s)), joints.covered(whole.item(slot)));
+      EXPECT_EQ(hidden.covered(snapshot, s), joints.covered(whole.item(slot)));
       EXPECT_EQ(snapshot.rank(snapshot.kind(s), s), kinds[std::size_t(snapshot.kind(s))]++);
       vacant += snapshot.vacant(s);
     }
@@ -135,6 +142,15 @@ TEST_F(PagedSceneTest, PagesAreTheSnapshotOfTheWhole) {
     expect_same(opened, scene);
     expect_leaves_fit(opened, scene);
   }
+}
+
+TEST_F(PagedSceneTest, BoxesOfLeavesAreInMemoryOnce) {
+  ASSERT_TRUE(write_slc(plant(300'000), folder_ / "a.slc"));
+  const std::size_t before = tests::live_bytes;
+  const auto opened = open_paged_scene(folder_ / "a.slc");
+  ASSERT_TRUE(opened) << opened.error().message;
+  // The boxes are no vectors, and all else is small: operator new has given out less than they take.
+  EXPECT_LT(tests::live_bytes - before, opened->leaves.memory_bytes() / 2);
 }
 
 TEST_F(PagedSceneTest, AnEmptySceneHasNoPages) {
@@ -205,14 +221,50 @@ TEST_F(PagedSceneTest, BadInputIsToldWhere) {
     return opened ? std::string() : opened.error().message;
   };
   EXPECT_NE(message(open_paged_scene(folder_)).find("expected .slc files"), std::string::npos);
+  fs::create_directory(folder_ / "folder.slc");
+  EXPECT_NE(message(open_paged_scene(folder_)).find("expected .slc files"), std::string::npos);
+  EXPECT_NE(message(open_paged_scene(folder_ / std::string(300, 'a'))).find("too long"), std::string::npos);
   EXPECT_NE(message(open_paged_scene(folder_ / "none.slc")).find("none.slc: cannot open"), std::string::npos);
   std::ofstream(folder_ / "text.slc") << "this is no cache, but it is longer than a header and an end are together, as "
                                          "a text may be, or any file that has the wrong name";
   EXPECT_NE(message(open_paged_scene(folder_ / "text.slc")).find("text.slc: "), std::string::npos);
 }
 
-/// Every third byte of a small file, changed. What stays in memory is found at once, and pages when they are read; or the byte
-/// belongs to what pages do not have, such as names.
+/// A part that cannot be read must not be missing in silence, nor hold up the others for ever.
+TEST_F(PagedSceneTest, PartsThatAreNoFilesAreTold) {
+  for (const char* name : {"a.slc", "c.slc", "d.slc"}) ASSERT_TRUE(write_slc(plant(1000), folder_ / name));
+  ASSERT_TRUE(open_paged_scene(folder_));
+  // The order in which a folder lists its entries is its own affair.
+  for (const char* name : {"0.slc", "b.slc", "e.SLC"}) {
+    fs::create_symlink(folder_ / "gone.slc", folder_ / name);
+    const auto linked = open_paged_scene(folder_);
+    ASSERT_FALSE(linked);
+    EXPECT_NE(linked.error().message.find(std::string(name) + ": cannot open"), std::string::npos)
+        << linked.error().message;
+    fs::remove(folder_ / name);
+  }
+  ASSERT_EQ(mkfifo((folder_ / "b.slc").c_str(), 0600), 0);
+  const auto piped = open_paged_scene(folder_);
+  ASSERT_FALSE(piped);
+  EXPECT_NE(piped.error().message.find("b.slc: not a regular file"), std::string::npos) << piped.error().message;
+}
+
+/// Limits on memory count on these numbers.
+TEST_F(PagedSceneTest, PagesWithMoreValuesThanTheFileAreRefused) {
+  (void)paged(tests::scene_with_everything());
+  const std::vector<std::byte> whole = tests::bytes_of_file(folder_ / "a.slc");
+  const std::size_t row = (*SlcFile::of_bytes(whole))->find(kSlcPages)->offset;
+  for (const std::size_t field :
+       {offsetof(SlcPage, mesh_positions), offsetof(SlcPage, mesh_indices), offsetof(SlcPage, mesh_bytes)})
+    for (const std::uint64_t claim : {std::uint64_t(whole.size()), std::uint64_t(1) << 60, ~std::uint64_t(0)}) {
+      std::vector<std::byte> bytes = whole;
+      std::memcpy(bytes.data() + row + field, &claim, sizeof claim);
+      EXPECT_FALSE(open_paged_scene(*SlcFile::of_bytes(bytes), "claim.slc", false)) << field << " " << claim;
+    }
+}
+
+/// Every third byte of a small file, changed. What stays in memory is found at once, and pages when they are read; or
+/// the byte belongs to what pages do not have, such as names.
 TEST_F(PagedSceneTest, EveryChangedByteIsFoundOrDoesNotMatter) {
   Scene scene = tests::scene_with_everything();
   const PagedScene before = paged(scene);
