@@ -397,7 +397,14 @@ core::Expected<engine::PagedReport> settle(engine::PagedEngine& engine, const co
   });
 }
 
-core::Expected<int> render_paged(const Options& o) {
+struct PagedPicture {
+  Outputs outputs;
+  apps::PictureRows rows;
+  json figures;
+};
+
+/// The engine is gone when its picture is written and compared: that takes memory, too.
+core::Expected<PagedPicture> draw_paged(const Options& o) {
   const auto size = apps::parse_size(o.view.size);
   if (!size) return tl::unexpected(size.error());
   auto engine = apps::open_paged(o.model, o.memory,
@@ -416,22 +423,29 @@ core::Expected<int> render_paged(const Options& o) {
   if (!report) return tl::unexpected(report.error());
   if (auto done = apps::page_errors(*engine); !done) return tl::unexpected(done.error());
   for (const std::string& error : engine->take_gl_errors()) return core::fail("GL: " + error);
-  if (auto done = outputs->add(rows_of(o, *engine)); !done) return tl::unexpected(done.error());
-  const json figures = {{"renderer", engine->renderer()},
-                        {"size", *size},
-                        {"items", engine->scene().items},
-                        {"pages", engine->scene().pages.size()},
-                        {"leaves", report->leaves},
-                        {"shown", report->shown},
-                        {"frames", report->frame + 1},
-                        {"loaded", report->loaded},
-                        {"evicted", report->evicted},
-                        {"memory",
-                         {{"limit", *apps::parse_bytes(o.memory)},
-                          {"pages", engine->memory().limit},
-                          {"scene", engine->scene().memory_bytes()},
-                          {"peak", apps::peak_memory()}}}};
-  return finish_picture(o, core::Scene(), *outputs, figures);
+  json figures = {{"renderer", engine->renderer()},
+                  {"size", *size},
+                  {"items", engine->scene().items},
+                  {"pages", engine->scene().pages.size()},
+                  {"leaves", report->leaves},
+                  {"shown", report->shown},
+                  {"frames", report->frame + 1},
+                  {"loaded", report->loaded},
+                  {"evicted", report->evicted},
+                  {"memory",
+                   {{"limit", *apps::parse_bytes(o.memory)},
+                    {"pages", engine->memory().limit},
+                    {"scene", engine->scene().memory_bytes()}}}};
+  return PagedPicture{std::move(*outputs), rows_of(o, *engine), std::move(figures)};
+}
+
+core::Expected<int> render_paged(const Options& o) {
+  auto drawn = draw_paged(o);
+  if (!drawn) return tl::unexpected(drawn.error());
+  if (auto done = drawn->outputs.add(drawn->rows); !done) return tl::unexpected(done.error());
+  drawn->rows = {};
+  drawn->figures["memory"]["peak"] = apps::peak_memory();
+  return finish_picture(o, core::Scene(), drawn->outputs, std::move(drawn->figures));
 }
 
 /// One of the processes that draw a picture together. Rank 0 writes it.

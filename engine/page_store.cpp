@@ -4,6 +4,8 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <exception>
+#include <new>
 
 #include <malloc.h>
 #include <unistd.h>
@@ -17,6 +19,7 @@ namespace {
 /// What draw lists take for a record, and for a mesh item: single ids of three frames, or commands of three frames, of
 /// the pool and of the list that is written.
 constexpr std::size_t kListBytes = 16, kMeshListBytes = 128;
+constexpr double kLongestWait = 1e6;  // seconds; clocks cannot count to infinity
 
 }  // namespace
 
@@ -51,6 +54,7 @@ PageLoader::~PageLoader() {
 void PageLoader::ask_for(std::uint32_t page) {
   {
     const std::lock_guard held(mutex_);
+    loaded_.reserve(on_their_way_ + 1);  // so that the thread need not
     asked_.push_back(page);
   }
   ++on_their_way_;
@@ -58,16 +62,31 @@ void PageLoader::ask_for(std::uint32_t page) {
 }
 
 std::vector<PageLoader::Loaded> PageLoader::take() {
+  std::vector<Loaded> taken;
+  taken.reserve(on_their_way_);
   const std::lock_guard held(mutex_);
-  on_their_way_ -= loaded_.size();
-  return std::exchange(loaded_, {});
+  taken.swap(loaded_);
+  on_their_way_ -= taken.size();
+  return taken;
 }
 
 bool PageLoader::wait(double seconds) {
   if (on_their_way_ == 0) return false;
+  const std::chrono::duration<double> most(seconds > 0.0 ? std::min(seconds, kLongestWait) : 0.0);
   std::unique_lock held(mutex_);
-  changed_.wait_for(held, std::chrono::duration<double>(seconds), [this] { return !loaded_.empty(); });
+  changed_.wait_for(held, most, [this] { return !loaded_.empty(); });
   return true;
+}
+
+/// Nobody above this thread would catch what a loader throws.
+core::Expected<std::unique_ptr<core::Page>> PageLoader::load(std::uint32_t page) const {
+  try {
+    return scene_.load(page);
+  } catch (const std::bad_alloc&) {
+    return core::fail("out of memory");  // short enough to need none
+  } catch (const std::exception& error) {
+    return core::fail(error.what());
+  }
 }
 
 void PageLoader::run() {
@@ -78,7 +97,7 @@ void PageLoader::run() {
     const std::uint32_t page = asked_.front();
     asked_.pop_front();
     held.unlock();
-    Loaded loaded{page, scene_.load(page)};
+    Loaded loaded{page, load(page)};
     held.lock();
     loaded_.push_back(std::move(loaded));
     changed_.notify_all();
@@ -109,7 +128,7 @@ PageStore::PageStore(const core::PagedScene& scene, std::size_t limit)
       loader_(scene) {}
 
 /// Meshes are gathered once more before they are uploaded.
-std::size_t PageStore::bytes_while_uploading(const core::PagedScene::PageInfo& info) {
+std::size_t PageStore::bytes_of(const core::PagedScene::PageInfo& info) {
   std::array<std::size_t, gpuscene::kBatchKindCount> records{};
   for (int kind = 0; kind < core::kKindCount; ++kind)
     records[std::size_t(gpuscene::batch_of(core::Kind(kind)))] += info.of_kind[std::size_t(kind)];
@@ -126,7 +145,7 @@ std::size_t PageStore::bytes_while_uploading(const core::PagedScene::PageInfo& i
 
 std::size_t PageStore::largest_page(const core::PagedScene& scene) {
   std::size_t most = 0;
-  for (const auto& info : scene.pages) most = std::max(most, bytes_while_uploading(info));
+  for (const auto& info : scene.pages) most = std::max(most, bytes_of(info));
   return most;
 }
 
@@ -135,7 +154,7 @@ core::Expected<void> PageStore::take_loaded(const gl::Context& context, std::uin
     ++counts_.loaded;
     asked_[loaded.page] = false;
     if (!loaded.content) {
-      bytes_ -= bytes_while_uploading(scene_.pages[loaded.page]);
+      bytes_ -= bytes_of(scene_.pages[loaded.page]);
       failed_[loaded.page] = true;
       ++counts_.failed;
       errors_.push_back(loaded.content.error().message);
@@ -166,7 +185,7 @@ core::Expected<void> PageStore::upload(const gl::Context& context, std::uint32_t
       new ResidentPage{std::move(content), std::move(*scene), std::move(*lists), std::move(lines)});
   resident_.push_back(page);
   counts_.resident = std::uint32_t(resident_.size());
-  bytes_ -= bytes_while_uploading(scene_.pages[page]);
+  bytes_ -= bytes_of(scene_.pages[page]);
   recount(*pages_[page]);
   return {};
 }
@@ -187,7 +206,7 @@ void PageStore::ask_for(std::span<const Wanted> wanted, std::uint64_t frame, boo
   for (const Wanted& next : wanted) {
     if (loader_.on_their_way() >= kMostAsked) return;
     if (pages_[next.page] || asked_[next.page] || failed_[next.page]) continue;
-    const std::size_t bytes = bytes_while_uploading(scene_.pages[next.page]);
+    const std::size_t bytes = bytes_of(scene_.pages[next.page]);
     if (!make_room(bytes, next, frame, stays)) return;
     bytes_ += bytes;
     asked_[next.page] = true;

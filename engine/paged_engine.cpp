@@ -4,6 +4,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <new>
+#include <system_error>
 #include <utility>
 
 #include "sightline/culling/cpu_culler.h"
@@ -23,7 +25,7 @@ namespace {
 constexpr std::uint64_t kFirstPass = 1 << 15;  // items to draw before depth is read back; each pass has twice as many
 constexpr std::uint32_t kShortestRange = 16;   // leaves
 constexpr int kForeseen = 3;                   // the camera's motion is doubled so often: frames ahead
-constexpr double kLongestWait = 1.0;           // seconds
+constexpr double kLongestTrial = 10.0;         // seconds
 constexpr float kBarShare = 0.2f;              // of the picture's width
 constexpr std::size_t kMegabyte = std::size_t(1) << 20;
 constexpr std::size_t kReserveShare = 10, kLeastReserve = 32 * kMegabyte;  // see reserve_of()
@@ -64,6 +66,29 @@ std::size_t reserve_of(std::size_t limit) {
   return std::max(limit / kReserveShare, kLeastReserve);
 }
 
+/// What it takes to read a picture and keep it: three bytes a pixel of colours, four each of depths and ids, and four
+/// more while one of these is turned upside down.
+std::size_t bytes_to_read(const PagedConfig& config) {
+  return std::size_t(config.width) * std::size_t(config.height) * std::size_t(3 + 4 + 4 + (config.ids ? 4 : 0));
+}
+
+/// More than drivers are known to take when they draw for the first time.
+std::size_t bytes_of_drivers(const PagedConfig& config) {
+  return 64 * kMegabyte + 8 * std::size_t(config.width) * std::size_t(config.height);
+}
+
+/// What the standard library throws becomes an error.
+template <class Call>
+auto without_throwing(const Call& call) -> decltype(call()) {
+  try {
+    return call();
+  } catch (const std::bad_alloc&) {
+    return core::fail("engine: not enough memory");
+  } catch (const std::system_error& error) {
+    return core::fail(std::string("engine: ") + error.what());
+  }
+}
+
 std::string in_megabytes(std::size_t bytes) {
   return std::to_string((bytes + kMegabyte - 1) / kMegabyte) + " MiB";
 }
@@ -97,9 +122,12 @@ class PagedEngine::Impl {
       : context_(std::move(context)), scene_(std::move(scene)), config_(config), culler_(scene_.leaves) {}
   core::Expected<void> prepare();
   core::Expected<void> warm_up();
+  core::Expected<void> draw_trial();
+  std::size_t room_for_pages() const;
   core::Expected<void> make_store();
   void keep_within_limit();
 
+  core::Expected<void> take_context();
   PagedReport begin(const core::View& view);
   void open_leaves();
   core::Expected<void> refine(double until, bool stays);
@@ -205,27 +233,63 @@ core::Expected<void> PagedEngine::Impl::warm_up() {
   canvas_.copy_to(target_);
   pyramid_.clear(config_.width, config_.height);
   distances_.resize(std::size_t(config_.width) * std::size_t(config_.height));
+  stand_ins_->forget(config_.width, config_.height);
   context_.functions().Finish();
-  return {};
+  return room_for_pages() < bytes_of_drivers(config_) ? draw_trial() : core::Expected<void>();
+}
+
+/// Drivers compile and allocate when they draw for the first time. Where pages could not give that back later, one is
+/// drawn now, as large as the picture is.
+core::Expected<void> PagedEngine::Impl::draw_trial() {
+  const auto largest = std::max_element(scene_.pages.begin(), scene_.pages.end(), [](const auto& a, const auto& b) {
+    return PageStore::bytes_of(a) < PageStore::bytes_of(b);
+  });
+  if (largest == scene_.pages.end()) return {};
+  const PageStore::Wanted first{std::uint32_t(largest - scene_.pages.begin()), 1.0f, true};
+  core::AabbD place;
+  if (const core::Aabb& box = page_boxes_[first.page]; !box.empty())
+    place = {core::dvec3(box.min) + scene_.leaves.origin, core::dvec3(box.max) + scene_.leaves.origin};
+  const auto view =
+      core::View::fit(place, core::kOverviewDirection, 0.8, double(config_.width) / double(config_.height));
+  if (!view) return {};
+  report_ = begin(*view);
+  store_ = std::make_unique<PageStore>(scene_, 0);
+  store_->ask_for({&first, 1}, 0, true);
+  (void)store_->wait(kLongestTrial);
+  auto done = store_->take_loaded(context_, 0);
+  if (done) done = draw_resident();
+  report_.pending = report_.leaves;
+  if (done) done = show();
+  store_.reset();
+  view_.reset();
+  return done;
+}
+
+/// What the limit leaves; 0 where that is less than a page.
+std::size_t PagedEngine::Impl::room_for_pages() const {
+  const std::size_t taken = process_memory() + bytes_to_read(config_) + reserve_of(config_.memory_limit);
+  const std::size_t least = PageStore::largest_page(scene_);
+  return config_.memory_limit < taken + least ? 0 : config_.memory_limit - taken;
 }
 
 core::Expected<void> PagedEngine::Impl::make_store() {
-  const std::size_t used = process_memory(), reserve = reserve_of(config_.memory_limit);
-  const std::size_t least = PageStore::largest_page(scene_);
-  if (config_.memory_limit < used + reserve + least)
+  give_back_free_memory();
+  page_limit_ = room_for_pages();
+  if (page_limit_ == 0) {
+    const std::size_t used = process_memory() + bytes_to_read(config_), least = PageStore::largest_page(scene_);
     return core::fail(
         "engine: a memory limit of " + in_megabytes(config_.memory_limit) + " is too low: " + in_megabytes(used) +
-        " are in use without any page, and the largest page takes " + in_megabytes(least) + "; expected " +
+        " are taken without any page, and the largest page takes " + in_megabytes(least) + "; expected " +
         in_megabytes(std::max((used + least) * kReserveShare / (kReserveShare - 1), used + least + kLeastReserve)) +
         " or more");
-  page_limit_ = config_.memory_limit - used - reserve;
+  }
   store_ = std::make_unique<PageStore>(scene_, page_limit_);
   return {};
 }
 
 /// Drivers and the allocator may take more than was foreseen. Then pages get less, until these take less again.
 void PagedEngine::Impl::keep_within_limit() {
-  const std::size_t most = config_.memory_limit - reserve_of(config_.memory_limit) / 2;
+  const std::size_t most = config_.memory_limit - reserve_of(config_.memory_limit) / 2 - bytes_to_read(config_);
   if (process_memory() > most) give_back_free_memory();
   const std::size_t used = process_memory(), pages = store_->resident_bytes();
   store_->set_limit(std::min(page_limit_, most + pages > used ? most + pages - used : 0));
@@ -233,15 +297,20 @@ void PagedEngine::Impl::keep_within_limit() {
 
 // --- frames ----------------------------------------------------------------------------------------------------------
 
+core::Expected<void> PagedEngine::Impl::take_context() {
+  if (auto current = context_.make_current(); !current) return current;
+  return context_.lost() ? core::fail("engine: the context is lost") : core::Expected<void>();
+}
+
 core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
   const double began = now_seconds();
-  if (auto current = context_.make_current(); !current) return tl::unexpected(current.error());
-  if (context_.lost()) return core::fail("engine: the context is lost");
+  if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());
   const bool stays = view_ && core::same_picture(*view_, view);
   if (!stays) report_ = begin(view);
   report_.frame = frames_++;
   if (auto done = refine(began + 1e-3 * config_.refine_ms, stays); !done) return tl::unexpected(done.error());
   if (auto done = show(); !done) return tl::unexpected(done.error());
+  if (auto kept = take_context(); !kept) return tl::unexpected(kept.error());  // else nothing of this was drawn
   report_.frame_ms = 1e3 * (now_seconds() - began);
   return report_;
 }
@@ -251,6 +320,7 @@ core::Expected<PagedReport> PagedEngine::Impl::settle(const core::View& view, co
   auto report = frame(view);
   while (report && !report_.complete) {
     if (progress && !progress(report_)) return report_;
+    if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());
     if (auto done = refine(now_seconds() + 1e-3 * config_.refine_ms, true); !done) return tl::unexpected(done.error());
     if (!report_.complete) continue;
     report = frame(view);
@@ -506,19 +576,21 @@ PagedEngine& PagedEngine::operator=(PagedEngine&&) noexcept = default;
 PagedEngine::~PagedEngine() = default;
 
 core::Expected<PagedEngine> PagedEngine::create(core::PagedScene scene, const PagedConfig& config) {
-  auto impl = Impl::create(std::move(scene), config);
-  if (!impl) return tl::unexpected(impl.error());
-  return PagedEngine(std::move(*impl));
+  return without_throwing([&]() -> core::Expected<PagedEngine> {
+    auto impl = Impl::create(std::move(scene), config);
+    if (!impl) return tl::unexpected(impl.error());
+    return PagedEngine(std::move(*impl));
+  });
 }
 
 core::Expected<PagedReport> PagedEngine::frame(const core::View& view) {
-  return impl_->frame(view);
+  return without_throwing([&] { return impl_->frame(view); });
 }
 bool PagedEngine::wait(double seconds) {
   return impl_->wait(seconds);
 }
 core::Expected<PagedReport> PagedEngine::settle(const core::View& view, const Progress& progress) {
-  return impl_->settle(view, progress);
+  return without_throwing([&] { return impl_->settle(view, progress); });
 }
 std::vector<std::string> PagedEngine::take_errors() {
   return impl_->take_errors();

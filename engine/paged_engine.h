@@ -8,8 +8,9 @@
 // Each frame shows what is in memory, and a square for each leaf that is not. Pages are read by the size that their
 // leaves have in the picture, and ahead of the camera. A view that stays is completed frame by frame, page after page,
 // also where it needs more than memory holds: what is drawn stays in the picture when its page goes. Complete pictures
-// are to the bit what Engine draws of the same scene, but where two items have the very same surface: there either
-// shows.
+// of one scene cache are to the bit what Engine draws of it, but where two items have the very same surface: there
+// either shows. Parts of a folder keep the origins that they were written with. Those of a scene that was joined in
+// memory are others, so last bits of depths and of colours on edges may differ.
 #pragma once
 
 #include <cstddef>
@@ -40,11 +41,13 @@ namespace sightline::engine {
 struct PagedConfig {
   int width = 1280, height = 720;  ///< pixels
   bool ids = false;                ///< item-id image beside colour and depth
-  /// Bytes that the whole process may have in memory, buffers of the GPU included. Pages get what the program, its
-  /// drivers and the boxes of all leaves leave of it, less a tenth, and 32 MiB at least, for what drivers take while
-  /// they draw. Where drivers take more than that, pages get less, down to one at a time; PagedReport::memory says what
-  /// all takes. The files that pages are read from do not count: they stay with the system, which takes their memory
-  /// back when it is needed.
+  /// Bytes that the whole process may have in memory, and its buffers on a GPU where that is main memory. Pages get what
+  /// the program, its drivers and the boxes of all leaves leave of it, less room to read each image once (11 bytes a
+  /// pixel, 15 with ids), less a tenth, and 32 MiB at least, for what changes while frames are drawn. Where more than
+  /// that is taken, by drivers or the application, pages get less, down to one at a time: nothing else can be given
+  /// back. PagedReport::memory says what all takes. A GPU with memory of its own is not asked: pages count what they
+  /// take there, but pictures and drivers are not seen. The files that pages are read from do not count: they stay with
+  /// the system, which takes their memory back when it is needed.
   std::size_t memory_limit = 0;
   /// Milliseconds for which a frame of a view that stays takes in pages as they arrive, before it shows what it has.
   double refine_ms = 100.0;
@@ -68,24 +71,28 @@ struct PagedReport {
   std::uint64_t evicted = 0;     ///< pages given up since the start
   std::uint64_t prefetched = 0;  ///< of those read, pages that no picture needed yet
   std::uint64_t failed = 0;      ///< pages that cannot be read: take_errors()
-  std::size_t memory = 0;        ///< bytes of the process now
+  std::size_t memory = 0;        ///< bytes of the process now; 0 where the system does not say
 };
 
-/// Not thread-safe; reads pages on a thread of its own.
+/// Not thread-safe; reads pages on a thread of its own. The destructor waits for the page that is being read. Other
+/// contexts may be current between calls and in Progress. PagedScene::load must not use the engine.
 class SIGHTLINE_API PagedEngine {
  public:
-  /// Makes an offscreen context and compiles programs for the kinds of items that the scene has. Fails as
-  /// Engine::create() does, on sizes that the context does not support, and when the limit leaves no room for the
-  /// largest page: the message says how much is needed.
+  /// Makes an offscreen context and compiles programs for the kinds of items that the scene has. Where the limit leaves
+  /// little, it also reads and draws the largest page once, to see what drivers take. Fails as Engine::create() does, on sizes that the context does not
+  /// support, when memory runs out, and when the limit leaves no room for the largest page: the message says how much is
+  /// needed.
   static core::Expected<PagedEngine> create(core::PagedScene scene, const PagedConfig& config);
   PagedEngine(PagedEngine&&) noexcept;
   PagedEngine& operator=(PagedEngine&&) noexcept;
   ~PagedEngine();
 
   /// Draws what is in memory of the view, and asks for what is not. The same view again goes on with the picture. Fails
-  /// for views that cannot be drawn, when GL fails, and when the context is lost; the engine is of no use then.
+  /// for views that cannot be drawn; when GL fails, memory runs out or the context is lost, the engine is of no use from
+  /// then on. A page that cannot be read is no failure: see PagedReport::failed. It is not asked for again.
   core::Expected<PagedReport> frame(const core::View& view);
-  /// Waits until a page has arrived for the next frame, at most so long. False where none is on its way.
+  /// Waits until a page has arrived for the next frame, at most so long; may be infinite. False, at once, where none is
+  /// on its way.
   bool wait(double seconds);
   /// Told now and then how far a picture is. Returning false stops.
   using Progress = std::function<bool(const PagedReport&)>;
@@ -97,7 +104,8 @@ class SIGHTLINE_API PagedEngine {
   /// Messages of the driver; only with gl_debug.
   std::vector<std::string> take_gl_errors();
 
-  /// Of the last frame; wait for the GPU. Stand-ins have the id of the background.
+  /// Of the last frame, which there must have been; wait for the GPU. Stand-ins have the id of the background, and no
+  /// depth.
   image::Image read_colour() const;
   image::IdImage read_ids() const;  ///< only with PagedConfig::ids
   image::DepthImage read_depth() const;

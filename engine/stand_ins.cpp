@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace sightline::engine {
 namespace {
 
 constexpr int kLevels = 16;  // of each channel in the palette
 constexpr std::uint32_t kPart = 1 << 15;
-constexpr float kFarthest = std::numeric_limits<float>::infinity();
 
 std::uint32_t palette_row(std::uint32_t colour) {
   const auto level = [&](int shift) { return (colour >> shift & 255u) * (kLevels - 1) / 255u; };
@@ -38,7 +36,7 @@ void StandIns::find(const core::PagedScene& scene, const core::View& view, const
                     const render::RenderTarget& target) {
   const int width = target.width(), height = target.height();
   const culling::ContributionTest test(view, scene.leaves.origin, width, height);
-  nearest_.assign(std::size_t(width) * std::size_t(height), {kFarthest, core::kNone, 0.0f});
+  forget(width, height);
   parts_.split(leaves, kPart);
   for (std::uint32_t i = 0; i < parts_.count(); ++i) {
     test.squares(scene.leaves, parts_[i], {}, 0.0f, culling::ContributionTest::SquareRule::kOnPixelCentres, squares_);

@@ -43,6 +43,7 @@ class PageLoader {
 
  private:
   void run();
+  core::Expected<std::unique_ptr<core::Page>> load(std::uint32_t page) const;
 
   const core::PagedScene& scene_;
   std::mutex mutex_;
@@ -84,7 +85,8 @@ class PageStore {
 
   PageStore(const core::PagedScene& scene, std::size_t limit);
 
-  /// Bytes that the largest page takes while it is uploaded.
+  /// Bytes that a page takes while it is uploaded, and the largest one.
+  static std::size_t bytes_of(const core::PagedScene::PageInfo& info);
   static std::size_t largest_page(const core::PagedScene& scene);
 
   /// Pages asked for at a time: few, so that what is asked for next is what the newest picture needs.
@@ -113,7 +115,6 @@ class PageStore {
   std::vector<std::string> take_errors() { return std::exchange(errors_, {}); }
 
  private:
-  static std::size_t bytes_while_uploading(const core::PagedScene::PageInfo& info);
   core::Expected<void> upload(const gl::Context& context, std::uint32_t page, std::unique_ptr<core::Page> content);
   bool make_room(std::size_t bytes, const Wanted& wanted, std::uint64_t frame, bool stays);
   std::uint32_t first_to_go() const;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -16,6 +17,10 @@ class StandIns {
  public:
   static core::Expected<StandIns> create(const gl::Context& context, const render::TargetFormat& format);
 
+  /// Takes the memory that pictures of this size need.
+  void forget(int width, int height) {
+    nearest_.assign(std::size_t(width) * std::size_t(height), {kFarthest, core::kNone, 0.0f});
+  }
   /// Draws a square of the leaf's mean colour for each of these leaves, at most one a pixel: the nearest. Large ones
   /// are as large as points can be.
   core::Expected<void> draw(const core::PagedScene& scene, const core::View& view, const core::VisibleSet& leaves,
@@ -23,6 +28,7 @@ class StandIns {
   std::size_t drawn() const { return splats_.size(); }
 
  private:
+  static constexpr float kFarthest = std::numeric_limits<float>::infinity();
   struct Nearest {
     float distance;
     core::Slot leaf;

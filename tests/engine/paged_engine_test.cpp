@@ -1,9 +1,18 @@
 // Pictures drawn page by page are those of an engine that has everything in memory.
 #include "sightline/engine/paged_engine.h"
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
 #include <cstring>
 #include <fstream>
+#include <future>
+#include <limits>
+#include <new>
 #include <random>
+#include <stdexcept>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -65,6 +74,10 @@ class PagedEngineTest : public tests::GlTest {
       made = engine(file, megabytes << 20);
     }
     return made;
+  }
+
+  static View overview(const PagedEngine& paged) {
+    return *View::fit(paged.scene().fitted.bounds, {1, 1, -0.7}, 0.8, double(kWidth) / kHeight);
   }
 
   /// Colours and depths to the bit. Ids, too, but where two items are at the same depth.
@@ -190,6 +203,51 @@ TEST_F(PagedEngineTest, AllKindsOfItemsLayersAndMaterials) {
   }
 }
 
+/// One with layers, glass and lines, one without, far from each other's origins. Last bits may differ.
+TEST_F(PagedEngineTest, PartsOfAFolderKeepWhatEachHas) {
+  std::mt19937 random(12);
+  const core::Scene layered = mixed_scene(random, 6000);
+  core::Scene plain;
+  std::uniform_real_distribution<double> place(-20.0, 20.0);
+  for (int i = 0; i < 3000; ++i) {
+    const dvec3 at = dvec3(1e6, 2e5, 0) + dvec3(place(random), place(random), place(random));
+    plain.add_primitive(plain.add_node(plain.root(), "s", core::translation(at)), core::Sphere{0.5f});
+  }
+  plain.add_primitive(plain.add_node(plain.root(), "far", core::translation({0, 0, 0})), core::Box{1, 1, 1});
+  const fs::path folder = folder_ / "parts";
+  fs::create_directory(folder);
+  core::Scene scene;
+  for (const auto& [name, part] : {std::pair("a.slc", &layered), {"b.slc", &std::as_const(plain)}}) {
+    ASSERT_TRUE(importers::write_slc(*part, folder / name));
+    ASSERT_TRUE(importers::import_file(folder / name, scene, scene.root()));
+  }
+  auto whole = whole_engine(scene);
+  auto paged = engine(folder.string());
+  ASSERT_TRUE(whole && paged);
+  const dvec3 middle(1e6, 2e5, 0);
+  View view = *View::perspective({middle + dvec3(30, -30, 12), middle, {0, 0, 1}}, 0.9, double(kWidth) / kHeight, 0.1);
+  for (const std::uint32_t layers :
+       {core::kDefaultLayerMask, core::kLayerInsulation, std::uint32_t(core::kLayerModel)}) {
+    SCOPED_TRACE(layers);
+    view.layers = layers;
+    const auto report = paged->settle(view);
+    ASSERT_TRUE(report && whole->frame(view));
+    EXPECT_TRUE(report->complete);
+    const auto ids = whole->read_ids();
+    const image::IdImage own = paged->read_ids();
+    std::size_t others = 0, plain_pixels = 0;
+    for (std::size_t i = 0; i < own.ids.size(); ++i) {
+      others += own.ids[i] != ids->ids[i];
+      plain_pixels += own.ids[i] > 6000;
+    }
+    EXPECT_LE(others, own.ids.size() / 500);
+    EXPECT_EQ(plain_pixels > 0, layers != core::kLayerInsulation);
+    const auto difference = image::compare(paged->read_colour(), *whole->read_colour());
+    ASSERT_TRUE(difference);
+    EXPECT_LE(difference->mean, 0.05);
+  }
+}
+
 TEST_F(PagedEngineTest, ASmallLimitGivesUpPagesAndLosesNothing) {
   const std::string file = write(plant(600'000));
   auto small = tight_engine(file), large = engine(file);
@@ -201,11 +259,14 @@ TEST_F(PagedEngineTest, ASmallLimitGivesUpPagesAndLosesNothing) {
   EXPECT_EQ(most->evicted, 0u);
   EXPECT_EQ(small->read_colour().pixels, large->read_colour().pixels);
   EXPECT_LE(small->memory().pages, small->memory().limit);
-  // Complete pictures stay as they are, and ask for nothing.
+  // Complete pictures stay as they are, and ask for nothing. A page that what came before it hides may be under way.
+  auto rest = least;
+  while (small->wait(60.0)) rest = small->frame(view);
   const auto again = small->frame(view);
-  ASSERT_TRUE(again);
+  ASSERT_TRUE(rest && again);
   EXPECT_TRUE(again->complete);
-  EXPECT_EQ(again->loaded, least->loaded);
+  EXPECT_EQ(again->loaded, rest->loaded);
+  EXPECT_EQ(again->shown, least->shown);
   EXPECT_FALSE(small->wait(0.0));
 }
 
@@ -248,7 +309,7 @@ TEST_F(PagedEngineTest, PagesAreReadAheadOfTheCamera) {
         paged->frame(*View::perspective({eye, eye + dvec3(0, 1, -0.1), {0, 0, 1}}, 0.3, double(kWidth) / kHeight, 0.1));
     ASSERT_TRUE(report);
     ahead = std::max(ahead, report->prefetched);
-    (void)paged->wait(0.2);
+    (void)paged->wait(10.0);
   }
   EXPECT_GT(ahead, 0u);
 }
@@ -297,6 +358,74 @@ TEST_F(PagedEngineTest, ADamagedPageIsToldAndTheOthersAreDrawn) {
   const auto errors = paged->take_errors();
   ASSERT_EQ(errors.size(), 1u);
   EXPECT_NE(errors[0].find("it does not match its checksum"), std::string::npos) << errors[0];
+}
+
+TEST_F(PagedEngineTest, ALoaderThatThrowsLosesItsPagesAlone) {
+  core::PagedScene scene = open(write(plant(150'000)));
+  scene.load = [read = scene.load](std::uint32_t page) {
+    if (page == 1) throw std::bad_alloc();
+    if (page == 2) throw std::runtime_error("no disk");
+    return read(page);
+  };
+  auto paged =
+      PagedEngine::create(std::move(scene), {.width = kWidth, .height = kHeight, .ids = true, .memory_limit = kMany});
+  ASSERT_TRUE(paged) << paged.error().message;
+  const auto report = paged->settle(overview(*paged));
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->complete);
+  EXPECT_EQ(report->failed, 2u);
+  std::vector<std::string> errors = paged->take_errors();
+  std::sort(errors.begin(), errors.end());
+  EXPECT_EQ(errors, (std::vector<std::string>{"no disk", "out of memory"}));
+}
+
+TEST_F(PagedEngineTest, ProgressMayUseAnotherContext) {
+  const std::string file = write(plant(150'000));
+  auto alone = engine(file), among = engine(file);
+  ASSERT_TRUE(alone && among);
+  const View view = overview(*alone);
+  ASSERT_TRUE(alone->settle(view));
+  int told = 0;
+  const auto report = among->settle(view, [&](const PagedReport&) {
+    EXPECT_TRUE(context->make_current());
+    return ++told > 0;
+  });
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_GT(told, 0);
+  EXPECT_EQ(among->read_colour().pixels, alone->read_colour().pixels);
+  EXPECT_TRUE(context->make_current());
+}
+
+TEST_F(PagedEngineTest, NoMemoryIsAnError) {
+  auto paged = engine(write(plant(50'000)));
+  ASSERT_TRUE(paged);
+  const auto report = paged->settle(overview(*paged), [](const PagedReport&) -> bool { throw std::bad_alloc(); });
+  ASSERT_FALSE(report);
+  EXPECT_NE(report.error().message.find("not enough memory"), std::string::npos) << report.error().message;
+}
+
+TEST_F(PagedEngineTest, WaitsForEverWhenAsked) {
+  core::PagedScene scene = open(write(plant(50'000)));
+  std::promise<void> go;
+  std::atomic<int> asked{0};
+  scene.load = [&asked, read = scene.load, may_go = go.get_future().share()](std::uint32_t page) {
+    ++asked;
+    may_go.wait();
+    return read(page);
+  };
+  const std::jthread later([&](const std::stop_token& stop) {
+    while (asked == 0 && !stop.stop_requested()) std::this_thread::yield();
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    go.set_value();
+  });
+  auto paged = PagedEngine::create(std::move(scene), {.width = kWidth, .height = kHeight, .memory_limit = kMany});
+  ASSERT_TRUE(paged) << paged.error().message;
+  const View view = overview(*paged);
+  ASSERT_TRUE(paged->frame(view));
+  for (const double none : {0.0, -1.0, -std::numeric_limits<double>::infinity(), std::nan("")})
+    EXPECT_TRUE(paged->wait(none));
+  EXPECT_TRUE(paged->wait(std::numeric_limits<double>::infinity()));
+  EXPECT_GE(paged->frame(view)->loaded, 1u);
 }
 
 TEST_F(PagedEngineTest, AnEmptySceneIsComplete) {
