@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <set>
+#include <string>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -13,6 +15,7 @@
 #include "sightline/apps/common/progress.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/rvm/rvm_writer.h"
+#include "sightline/importers/slc/paged_scene.h"
 #include "sightline/importers/slc/slc_writer.h"
 
 namespace {
@@ -57,9 +60,28 @@ core::Expected<std::size_t> write_plant(const importers::PlantConfig& config, co
   return scene.item_count();
 }
 
+std::string name_of_part(int part) {
+  char name[32];
+  std::snprintf(name, sizeof name, "part-%05d.slc", part + 1);
+  return name;
+}
+
+/// All caches of a folder are one model: those of another one must not stay among them.
+core::Expected<void> take_folder(const Options& o) {
+  if (auto made = apps::make_directory(o.output); !made) return made;
+  std::set<std::string> own;
+  for (int part = 0; part < o.parts; ++part) own.insert(name_of_part(part));
+  const auto caches = importers::scene_caches_of(o.output);
+  if (!caches) return {};  // there is none
+  for (const std::filesystem::path& cache : *caches)
+    if (!own.contains(cache.filename().string()))
+      return core::fail(cache.string() + ": expected a folder without scene caches of another model");
+  return {};
+}
+
 /// Plant by plant, so that memory holds one of them alone.
 core::Expected<std::size_t> write_parts(const Options& o) {
-  if (auto made = apps::make_directory(o.output); !made) return tl::unexpected(made.error());
+  if (auto taken = take_folder(o); !taken) return tl::unexpected(taken.error());
   apps::Progress progress("generating", std::size_t(o.parts));
   std::size_t items = 0;
   for (int part = 0; part < o.parts; ++part) {
@@ -67,10 +89,8 @@ core::Expected<std::size_t> write_parts(const Options& o) {
     config.items = o.config.items / std::uint64_t(o.parts) +
                    (std::uint64_t(part) < o.config.items % std::uint64_t(o.parts) ? 1 : 0);
     config.seed = o.config.seed + std::uint64_t(part);
-    char name[32];
-    std::snprintf(name, sizeof name, "part-%05d.slc", part + 1);
-    const auto written =
-        write_plant(config, place_of_part(part, o.parts), (std::filesystem::path(o.output) / name).string());
+    const auto written = write_plant(config, place_of_part(part, o.parts),
+                                     (std::filesystem::path(o.output) / name_of_part(part)).string());
     if (!written) return written;
     items += *written;
     progress.advance(std::size_t(part) + 1);

@@ -10,6 +10,7 @@
 #if SIGHTLINE_HAS_GL
 #include "sightline/gl/context.h"
 #endif
+#include "sightline/importers/slc/paged_scene.h"
 
 namespace sightline::apps {
 
@@ -100,16 +101,12 @@ void print_warnings(const std::vector<importers::ImportWarning>& warnings) {
 namespace {
 
 /// A folder of scene caches stands for them, in the order in which --memory reads them.
-std::vector<std::filesystem::path> with_caches_of_folders(const std::vector<std::string>& files) {
+core::Expected<std::vector<std::filesystem::path>> with_caches_of_folders(const std::vector<std::string>& files) {
   std::vector<std::filesystem::path> paths;
   for (const std::string& file : files) {
-    std::vector<std::filesystem::path> caches;
-    std::error_code none;
-    for (const auto& entry : std::filesystem::directory_iterator(file, none))
-      if (entry.path().extension() == ".slc") caches.push_back(entry.path());
-    std::sort(caches.begin(), caches.end());
-    if (caches.empty()) caches.emplace_back(file);
-    paths.insert(paths.end(), caches.begin(), caches.end());
+    const auto caches = importers::scene_caches_of(file);
+    if (!caches) return tl::unexpected(caches.error());
+    paths.insert(paths.end(), caches->begin(), caches->end());
   }
   return paths;
 }
@@ -136,7 +133,8 @@ std::string recognition_words(const importers::RecognitionReport& report) {
 core::Expected<Model> load_model(const ModelOptions& options) {
   Model model;
   model.scene = std::make_unique<core::Scene>();
-  const std::vector<std::filesystem::path> paths = with_caches_of_folders(options.files);
+  const auto paths = with_caches_of_folders(options.files);
+  if (!paths) return tl::unexpected(paths.error());
   importers::ImportOptions reading = options.import;
   {
     std::optional<Progress> progress;
@@ -146,7 +144,7 @@ core::Expected<Model> load_model(const ModelOptions& options) {
         options.follow(*model.scene);
         return !told || told(share);
       };
-    auto report = importers::import_files(paths, *model.scene, model.scene->root(), reading);
+    auto report = importers::import_files(*paths, *model.scene, model.scene->root(), reading);
     if (!report) return tl::unexpected(report.error());
     model.report = std::move(*report);
   }

@@ -1,8 +1,11 @@
 #include "sightline/apps/common/paged_model.h"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <sys/resource.h>
@@ -34,16 +37,37 @@ void add_memory_option(CLI::App& app, std::string& text, std::initializer_list<c
   for (const char* other : others) memory->excludes(app.get_option(other));
 }
 
+namespace {
+
+/// The many parts of a folder are open at once.
+void allow_many_files() {
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  (void)setrlimit(RLIMIT_NOFILE, &files);
+}
+
+bool is_cache_or_folder(const std::string& file) {
+  std::error_code unknown;
+  if (std::filesystem::is_directory(file, unknown)) return true;
+  std::string extension = std::filesystem::path(file).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".slc";
+}
+
+}  // namespace
+
 core::Expected<engine::PagedEngine> open_paged(const ModelOptions& model, const std::string& memory,
                                                const engine::PagedConfig& config) {
   const auto limit = parse_bytes(memory);
   if (!limit) return tl::unexpected(limit.error());
   const std::string& file = model.files.front();
-  const bool folder = std::filesystem::is_directory(file);
-  if (model.files.size() != 1 || (!folder && std::filesystem::path(file).extension() != ".slc"))
+  if (model.files.size() != 1 || !is_cache_or_folder(file))
     return core::fail("--memory: expected one scene cache or a folder of them, found " +
                       (model.files.size() != 1 ? std::to_string(model.files.size()) + " files" : file) +
                       "; sightline-convert writes .slc");
+  allow_many_files();
   Progress progress("opening", 100);
   auto scene = importers::open_paged_scene(file, [&](double share) {
     progress.advance(std::size_t(100.0 * share));

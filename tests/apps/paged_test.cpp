@@ -22,24 +22,31 @@ class Paged : public RenderTest {
     return path(name);
   }
 
-  /// Little more than what is asked for at least, MiB.
-  int least_limit(const std::string& model) const {
-    const Outcome refused = run("render", {model, "--size", "320x180", "--memory", "1M"});
-    EXPECT_EQ(refused.code, 1) << refused;
-    const std::size_t at = refused.err.find("expected ");
-    EXPECT_NE(at, std::string::npos) << refused;
-    return at == std::string::npos ? 0 : std::atoi(refused.err.c_str() + at + 9) + 24;
-  }
-
   /// Runs a tool with so many MiB. The kernel gives it no more but for stacks, of which threads touch next to nothing.
-  Json run_limited(const std::string& tool, Args args, int megabytes) const {
+  Outcome run_with(int megabytes, const std::string& tool, Args args) const {
     args.insert(args.end(), {"--memory", std::to_string(megabytes) + "M", "--json", path("figures.json")});
     // Of the heap, and of anonymous and private writable mappings.
     constexpr int kStacks = 128;
     const std::string limit = kSanitized ? "" : "ulimit -d " + std::to_string((megabytes + kStacks) * 1024) + " && ";
     Args all = {"-c", limit + "exec \"$0\" \"$@\"", program_of(tool)};
     all.insert(all.end(), args.begin(), args.end());
-    const Outcome outcome = run_program("bash", all);
+    return run_program("bash", all);
+  }
+
+  /// Runs a tool with little more than it asks for at least. What drivers have in use changes from run to run, and so
+  /// does what is asked for.
+  Json run_limited(const std::string& tool, const Args& args) const {
+    int megabytes = 0;
+    Args refused = args;
+    refused.insert(refused.end(), {"--memory", "1M"});
+    Outcome outcome = run(tool, refused);
+    EXPECT_EQ(outcome.code, 1) << outcome;
+    for (int tries = 0; tries < 5 && outcome.code == 1; ++tries) {
+      const std::size_t at = outcome.err.find("expected ");
+      if (outcome.err.find("is too low") == std::string::npos || at == std::string::npos) break;
+      megabytes = std::atoi(outcome.err.c_str() + at + 9) + 24;
+      outcome = run_with(megabytes, tool, args);
+    }
     EXPECT_EQ(outcome.code, 0) << outcome;
     Json figures = Json::parse(read_bytes(path("figures.json")), nullptr, false);
     EXPECT_TRUE(figures.is_object()) << outcome;
@@ -57,10 +64,50 @@ TEST_F(Paged, TheLimitHoldsAndThePictureIsTheSame) {
   tight.push_back(path("tight.png"));
   loose.insert(loose.end(), {path("loose.png"), "--memory", "8G"});
   render(loose);
-  const Json figures = run_limited("render", tight, least_limit(model));
+  const Json figures = run_limited("render", tight);
   EXPECT_EQ(figures["items"], 240'000);
   EXPECT_GT(figures["evicted"], 0);
   EXPECT_TRUE(read_bytes(path("tight.png")) == read_bytes(path("loose.png")));
+}
+
+/// Memory that grows with the picture counts: of squares that stand in, of drivers, and of pictures that are read.
+TEST_F(Paged, TheLimitHoldsForLargePictures) {
+  const std::string model = parts(40'000, 2);
+  const Args picture = {model, "--size", "2400x1500"};
+  Args first = picture, second = picture;
+  first.insert(first.end(), {"--out", path("first.png")});
+  second.insert(second.end(), {"--out", path("second.png"), "--ids", path("ids.png"), "--depth", path("depth.pfm")});
+  run_limited("render", first);
+  run_limited("render", second);
+  EXPECT_TRUE(read_bytes(path("first.png")) == read_bytes(path("second.png")));
+}
+
+/// A folder stands for the same files whether it is drawn page by page or not, and none is missing in silence.
+TEST_F(Paged, AFolderIsAllOfItsParts) {
+  const std::string model = parts(3000, 3);
+  fs::rename(path("parts/part-00002.slc"), path("parts/b.SLC"));
+  fs::create_directory(path("parts/folder.slc"));
+  const auto items = [&](const std::string& of, const Args& more) {
+    Args args = {of, "--size", "64x36"};
+    args.insert(args.end(), more.begin(), more.end());
+    return run_json("render", args)["items"];
+  };
+  EXPECT_EQ(items(model, {}), 3000);
+  EXPECT_EQ(items(model, {"--memory", "4G"}), 3000);
+  EXPECT_EQ(items(path("parts/b.SLC"), {"--memory", "4G"}), 1000);
+  fs::create_symlink(path("gone"), path("parts/c.slc"));
+  expect_failure("render", {model, "--size", "64x36"}, "c.slc", true);
+  expect_failure("render", {model, "--size", "64x36", "--memory", "4G"}, "c.slc", true);
+}
+
+/// Each part is an open file, and shells allow 1024 of them unless told otherwise.
+TEST_F(Paged, AFolderMayHaveMorePartsThanAShellAllowsFiles) {
+  const std::string model = parts(2000, 2);
+  for (int i = 3; i < 120; ++i)
+    fs::create_hard_link(path("parts/part-00001.slc"), path("parts/" + std::to_string(i) + ".slc"));
+  const Outcome drawn = run_program("bash", {"-c", "ulimit -S -n 64 && exec \"$0\" \"$@\"", program_of("render"), model,
+                                             "--size", "64x36", "--memory", "4G"});
+  EXPECT_EQ(drawn.code, 0) << drawn;
 }
 
 TEST_F(Paged, APictureIsThatOfTheWholeInMemory) {
@@ -83,10 +130,8 @@ TEST_F(Paged, APictureIsThatOfTheWholeInMemory) {
 
 TEST_F(Paged, AFlightStaysBelowTheLimitAndComesToRest) {
   const std::string model = parts(200'000, 2);
-  const Json figures = run_limited("replay",
-                                   {model, "--size", "320x180", "--frames", "24", "--images", path("images"), "--every",
-                                    "24", "--save-path", path("path.json")},
-                                   least_limit(model));
+  const Json figures = run_limited("replay", {model, "--size", "320x180", "--frames", "24", "--images", path("images"),
+                                              "--every", "24", "--save-path", path("path.json")});
   ASSERT_EQ(figures["frames"].size(), 24u);
   EXPECT_GT(figures["frames"][0]["stand_ins"], 0);
   EXPECT_GT(figures["loaded"], 0);
@@ -125,6 +170,10 @@ TEST_F(Paged, PartsAreTheSameForTheSameSeed) {
     ++files;
   }
   EXPECT_EQ(files, 3);
+  // Again into the same folder, but not beside parts of another model.
+  EXPECT_EQ(run("generate", {a, "--items", "5000", "--parts", "3"}).code, 0);
+  expect_failure("generate", {a, "--items", "4000", "--parts", "2"}, "part-00003.slc");
+  EXPECT_TRUE(read_bytes(fs::path(a) / "part-00001.slc") == read_bytes(fs::path(b) / "part-00001.slc"));
   expect_usage_error("generate", {path("few"), "--items", "1999", "--parts", "2"}, "--items");
   expect_usage_error("generate", {path("many"), "--items", "20000001", "--parts", "2"}, "--items");
   expect_failure("generate", {unwritable("parts"), "--items", "5000", "--parts", "2"}, "parts");
