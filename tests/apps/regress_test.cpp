@@ -3,6 +3,7 @@
 #include <chrono>
 #include <csignal>
 #include <map>
+#include <set>
 #include <thread>
 
 #include "sightline/tests/apps/mpi_launcher.h"
@@ -75,16 +76,18 @@ class Regress : public RenderTest {
     EXPECT_EQ(a, b);
   }
 
-  /// Starts a run and kills what `victim` picks, until one was killed; then waits.
+  /// Kills what `victim` picks of a run, so many processes, unless the run ends before; then waits for its end.
   template <class Victim>
-  Outcome run_and_kill(const Child& child, int times, const Victim& victim) const {
-    for (int killed = 0; killed < times;) {
+  Outcome run_and_kill(const Child& child, std::size_t times, const Victim& victim) const {
+    std::set<pid_t> killed;
+    while (killed.size() < times) {
       std::this_thread::sleep_for(2ms);
       siginfo_t info{};
       if (waitid(P_PID, id_t(child.pid), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != 0) break;
       const pid_t pid = victim(children_of(child.pid));
-      if (pid <= 0 || kill(pid, SIGKILL) != 0) continue;
-      ++killed;
+      // One that was killed stays a child until its parent asks for it.
+      if (pid <= 0 || killed.contains(pid) || kill(pid, SIGKILL) != 0) continue;
+      killed.insert(pid);
       std::this_thread::sleep_for(30ms);
     }
     return wait_for(child);
@@ -232,9 +235,18 @@ TEST_F(Regress, AKilledWorkersTaskIsDoneByAnother) {
 TEST_F(Regress, ATaskThatKillsTwoWorkersFailsWithTheReason) {
   suite = write_suite("2000x2000", 1);
   const Args args = command("out", {"--only", "b/whole", "--json", path("out.json")});
-  const Child child = start_program(program_of("regress"), args);
-  ASSERT_GT(child.pid, 0);
-  const Outcome outcome = run_and_kill(child, 2, [](const auto& workers) { return workers.empty() ? 0 : workers[0]; });
+  Outcome outcome;
+  const auto reason = [&] {
+    const Json json = Json::parse(read_bytes(path("out.json")), nullptr, false);
+    return json.is_object() ? json["tasks"][0]["reason"].get<std::string>() : std::string();
+  };
+  // A worker may be done before this process comes to kill it: then the run is tried again.
+  for (int tries = 0; tries < 5 && reason().find("signal 9") == std::string::npos; ++tries) {
+    fs::remove_all(path("out"));
+    const Child child = start_program(program_of("regress"), args);
+    ASSERT_GT(child.pid, 0);
+    outcome = run_and_kill(child, 2, [](const auto& workers) { return workers.empty() ? 0 : workers.back(); });
+  }
   EXPECT_EQ(outcome.code, 1) << outcome;
   const Json json = Json::parse(read_bytes(path("out.json")), nullptr, false);
   ASSERT_TRUE(json.is_object()) << outcome;
@@ -351,12 +363,18 @@ TEST_F(RegressMpi, AKilledWorkerOfARankIsReplaced) {
 TEST_F(RegressMpi, AKilledRanksTasksAreDoneByOthers) {
   suite = write_suite("1000x600", 4);
   EXPECT_EQ(run("regress", command("first", {"--accept"})).code, 0);
-  const Child child = start_program("env", mpi_command("out", {"--enable-recovery", "-np", "3"}, {"--silence", "2"}));
-  const Outcome outcome = run_and_kill(
-      child, 1, [](const auto& ranks) { return ranks.size() < 3 || children_of(ranks[2]).empty() ? 0 : ranks[2]; });
-  EXPECT_EQ(figures("out")["passed"], 12) << outcome;
-  EXPECT_EQ(pictures_in(path("out")), pictures_in(path("first")));
-  EXPECT_NE(outcome.err.find("rank 2 is silent"), std::string::npos) << outcome;
+  Outcome outcome;
+  const auto missed = [&] { return outcome.err.find("rank 2 is silent") != std::string::npos; };
+  // Killed between its tasks or after the last one, a rank is not missed: then the run is tried again.
+  for (int tries = 0; tries < 5 && !missed(); ++tries) {
+    fs::remove_all(path("out"));
+    const Child child = start_program("env", mpi_command("out", {"--enable-recovery", "-np", "3"}, {"--silence", "2"}));
+    outcome = run_and_kill(
+        child, 1, [](const auto& ranks) { return ranks.size() < 3 || children_of(ranks[2]).empty() ? 0 : ranks[2]; });
+    EXPECT_EQ(figures("out")["passed"], 12) << outcome;
+    EXPECT_EQ(pictures_in(path("out")), pictures_in(path("first")));
+  }
+  EXPECT_TRUE(missed()) << outcome;
   EXPECT_EQ(regress("out", 0, {"--merge"})["passed"], 12);
 }
 
