@@ -532,10 +532,12 @@ void PagedEngine::Impl::ask_for_pages(bool stays) {
     if (open_count_[page] == 0) continue;
     by_area_[left++] = page;
     if (store_->failed(page)) continue;
+    if (wanted.size() < PageStore::kMostAsked) {
+      close_hidden(page);
+      if (open_count_[page] == 0) continue;
+      wanted.push_back({page, area_[page], true});
+    }
     complete = false;
-    if (wanted.size() >= PageStore::kMostAsked) continue;
-    close_hidden(page);
-    if (open_count_[page] > 0) wanted.push_back({page, area_[page], true});
   }
   by_area_.resize(left);
   report_.complete = complete;

@@ -82,7 +82,11 @@ class PagedEngineTest : public tests::GlTest {
 
   /// Colours and depths to the bit. Ids, too, but where two items are at the same depth.
   static void expect_same_picture(PagedEngine& paged, Engine& whole, const View& view) {
-    const auto report = paged.settle(view);
+    const auto report = paged.settle(view, [](const PagedReport& so_far) {
+      EXPECT_FALSE(so_far.complete);
+      EXPECT_GT(so_far.pending, 0);
+      return true;
+    });
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->complete);
     EXPECT_EQ(report->pending, 0);
@@ -402,6 +406,72 @@ TEST_F(PagedEngineTest, NoMemoryIsAnError) {
   const auto report = paged->settle(overview(*paged), [](const PagedReport&) -> bool { throw std::bad_alloc(); });
   ASSERT_FALSE(report);
   EXPECT_NE(report.error().message.find("not enough memory"), std::string::npos) << report.error().message;
+}
+
+TEST_F(PagedEngineTest, AFrameOfAViewThatStaysTakesItsTime) {
+  auto paged = PagedEngine::create(open(write(plant(150'000))), {.width = kWidth,
+                                                                 .height = kHeight,
+                                                                 .memory_limit = kMany,
+                                                                 .refine_ms = std::numeric_limits<double>::infinity()});
+  ASSERT_TRUE(paged) << paged.error().message;
+  const View view = overview(*paged);
+  const auto first = paged->frame(view), second = paged->frame(view);
+  ASSERT_TRUE(first && second);
+  EXPECT_FALSE(first->complete);
+  EXPECT_TRUE(second->complete);
+  EXPECT_EQ(first->frame + 1, second->frame);
+}
+
+TEST_F(PagedEngineTest, ABarSaysThatThePictureIsNotComplete) {
+  const std::string file = write(plant(50'000));
+  std::vector<image::Image> pictures;
+  for (const bool bar : {false, true}) {
+    auto paged = PagedEngine::create(
+        open(file), {.width = kWidth, .height = kHeight, .memory_limit = kMany, .refine_ms = 0.0, .loading_bar = bar});
+    ASSERT_TRUE(paged) << paged.error().message;
+    const auto first = paged->frame(overview(*paged));
+    ASSERT_TRUE(first);
+    ASSERT_FALSE(first->complete);
+    pictures.push_back(paged->read_colour());
+  }
+  ASSERT_EQ(pictures[0].pixels.size(), pictures[1].pixels.size());
+  int changed = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const std::size_t at = 3 * (std::size_t(y) * kWidth + std::size_t(x));
+      if (std::memcmp(&pictures[0].pixels[at], &pictures[1].pixels[at], 3) == 0) continue;
+      ++changed;
+      EXPECT_GT(y, kHeight * 9 / 10);
+      EXPECT_LT(x, kWidth / 4);
+    }
+  EXPECT_GT(changed, 100);
+}
+
+TEST_F(PagedEngineTest, AViewThatCannotBeDrawnIsRefusedAndTheNextIsDrawn) {
+  auto paged = engine(write(plant(50'000)));
+  ASSERT_TRUE(paged);
+  const View good = overview(*paged);
+  ASSERT_TRUE(paged->settle(good));
+  const image::Image before = paged->read_colour();
+  const View combined = *View::from_matrices(core::dmat4(1.0), good.clip_from_world(), good.clip_depth());
+  EXPECT_FALSE(paged->settle(combined));
+  ASSERT_TRUE(paged->settle(good));
+  EXPECT_EQ(paged->read_colour().pixels, before.pixels);
+}
+
+TEST_F(PagedEngineTest, EndsWhilePagesAreReadAndMoves) {
+  const std::string file = write(plant(150'000));
+  for (int i = 0; i < 5; ++i) {
+    auto paged = engine(file);
+    ASSERT_TRUE(paged);
+    const View view = overview(*paged);
+    ASSERT_TRUE(paged->frame(view));
+    if (i % 2 == 0) continue;
+    PagedEngine moved = std::move(*paged);
+    ASSERT_TRUE(moved.frame(view));
+    *paged = std::move(moved);
+    ASSERT_TRUE(paged->settle(view)->complete);
+  }
 }
 
 TEST_F(PagedEngineTest, WaitsForEverWhenAsked) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstring>
 #include <set>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -214,6 +215,48 @@ TEST_F(PagedSceneTest, FoldersJoinTheirFiles) {
   }
   EXPECT_EQ(ids.size(), 48'000u);
   EXPECT_EQ(*ids.rbegin(), 47'999u);
+}
+
+/// By several threads at once, as one does.
+TEST_F(PagedSceneTest, AnyThreadMayReadPages) {
+  ASSERT_TRUE(write_slc(plant(70'000), folder_ / "a.slc"));
+  ASSERT_TRUE(write_slc(tests::scene_with_everything(), folder_ / "b.slc"));
+  const auto opened = open_paged_scene(folder_);
+  ASSERT_TRUE(opened) << opened.error().message;
+  std::vector<std::unique_ptr<core::Page>> alone;
+  for (std::uint32_t number = 0; number < opened->pages.size(); ++number) alone.push_back(*opened->load(number));
+  ASSERT_GE(alone.size(), 4u);
+  std::array<std::vector<std::unique_ptr<core::Page>>, 4> shared;
+  {
+    std::vector<std::jthread> threads;
+    for (auto& pages : shared)
+      threads.emplace_back([&] {
+        for (std::uint32_t number = 0; number < opened->pages.size(); ++number) pages.push_back(*opened->load(number));
+      });
+  }
+  std::set<std::uint64_t> generations;
+  for (const auto& pages : shared)
+    for (std::size_t number = 0; number < alone.size(); ++number) {
+      EXPECT_TRUE(generations.insert(pages[number]->snapshot.generation()).second);
+      EXPECT_EQ(pages[number]->hidden_ends, alone[number]->hidden_ends);
+      for (Slot s = 0; s < alone[number]->snapshot.size(); s += 17)
+        expect_same_slot(pages[number]->snapshot, s, alone[number]->snapshot, s);
+    }
+}
+
+TEST_F(PagedSceneTest, FilesMayBeReplacedAndRemovedMeanwhile) {
+  const PagedScene opened = paged(plant(3000, 1));
+  const auto before = opened.load(0);
+  ASSERT_TRUE(before);
+  ASSERT_TRUE(write_slc(plant(2000, 2), folder_ / "a.slc"));
+  const auto replaced = opened.load(0);
+  fs::remove(folder_ / "a.slc");
+  const auto removed = opened.load(0);
+  ASSERT_TRUE(replaced && removed);
+  for (Slot s = 0; s < (*before)->snapshot.size(); ++s) {
+    expect_same_slot((*replaced)->snapshot, s, (*before)->snapshot, s);
+    expect_same_slot((*removed)->snapshot, s, (*before)->snapshot, s);
+  }
 }
 
 TEST_F(PagedSceneTest, BadInputIsToldWhere) {
