@@ -110,7 +110,7 @@ void add_options(CLI::App& app, Options& o) {
                            "--lines",        "--hatch",        "--hide",      "--isolate",      "--ghost",
                            "--fade",         "--ghost-others", "--highlight", "--transparency", "--mpi",
                            "--contribution", "--budget",       "--cache",     "--lenient",      "--contribution-way",
-                           "--write-frames"});
+                           "--write-frames", "--recognise"});
 }
 
 core::Expected<void> write_id_names(const std::string& file, const std::set<std::uint32_t>& seen,

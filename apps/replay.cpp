@@ -94,12 +94,12 @@ void add_options(CLI::App& app, Options& o) {
                             "--record-both", "--controller-only"})
     mpi->excludes(app.get_option(other));
 #if SIGHTLINE_HAS_GL
-  apps::add_memory_option(app, o.memory, {"--translate",      "--explain",   "--culler",  "--gpu-pass",
-                                          "--sample-test",    "--occlusion", "--samples", "--shading",
-                                          "--lines",          "--hatch",     "--mpi",     "--contribution",
-                                          "--budget",         "--cache",     "--lenient", "--contribution-way",
-                                          "--no-render",      "--csv",       "--plot",    "--record-both",
-                                          "--controller-only"});
+  apps::add_memory_option(app, o.memory, {"--translate",       "--explain",   "--culler",    "--gpu-pass",
+                                          "--sample-test",     "--occlusion", "--samples",   "--shading",
+                                          "--lines",           "--hatch",     "--mpi",       "--contribution",
+                                          "--budget",          "--cache",     "--lenient",   "--contribution-way",
+                                          "--no-render",       "--csv",       "--plot",      "--record-both",
+                                          "--controller-only", "--recognise", "--rendering", "--policy"});
   app.add_flag("--settle", o.settle, "Each frame waits until all of its pages are drawn")->needs("--memory");
 #endif
 }

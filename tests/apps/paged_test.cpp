@@ -152,6 +152,8 @@ TEST_F(Paged, BadInputIsRefused) {
   expect_usage_error("render", {rvm, "--memory", "much"}, "expected bytes such as 800M or 2G");
   expect_usage_error("render", {rvm, "--memory", "-1G"}, "expected bytes");
   expect_usage_error("render", {rvm, "--memory", "2G", "--samples", "4"}, "--samples");
+  expect_usage_error("render", {rvm, "--memory", "2G", "--recognise"}, "--recognise");
+  expect_usage_error("replay", {rvm, "--memory", "2G", "--rendering", "off"}, "--rendering");
   expect_usage_error("replay", {rvm, "--settle"}, "--memory");
   ASSERT_EQ(run("generate", {path("plant.slc"), "--items", "40000"}).code, 0);
   std::fstream damage(path("plant.slc"), std::ios::in | std::ios::out | std::ios::binary);
