@@ -1,0 +1,36 @@
+// sightline-bench recognise --pictures as a user runs it. All else of it is tested without GL (bench_test.cpp).
+#include "sightline/tests/apps/render_test.h"
+
+namespace sightline::tests {
+namespace {
+
+class BenchRecognise : public RenderTest {};
+
+TEST_F(BenchRecognise, WhatIsRecognisedLooksLikeTheOriginal) {
+  const Json json = run_json("bench", {"recognise", "--items", "1000", "--passes", "1", "--segments", "8,64",
+                                       "--roundings", "0", "--tolerances", "0", "--pictures", "3"});
+  ASSERT_EQ(json["rows"].size(), 2u);
+  for (const Json& row : json["rows"]) {
+    SCOPED_TRACE(row.dump());
+    const Json &triangles = row["pictures"]["triangles"], &recognised = row["pictures"]["recognised"];
+    EXPECT_GT(triangles["flip"], 0.0);
+    EXPECT_GT(triangles["wrong_ids"], 0.0);
+    EXPECT_LT(triangles["flip"], 0.5);  // the same plant from the same places
+    EXPECT_LT(recognised["flip"].get<double>(), 0.1 * triangles["flip"].get<double>());
+    EXPECT_LT(recognised["wrong_ids"].get<double>(), 0.1 * triangles["wrong_ids"].get<double>());
+  }
+  const Json &coarse = json["rows"][0]["pictures"], &fine = json["rows"][1]["pictures"];
+  EXPECT_GT(coarse["triangles"]["flip"], fine["triangles"]["flip"]);
+  EXPECT_GT(coarse["triangles"]["wrong_ids"], fine["triangles"]["wrong_ids"]);
+}
+
+TEST_F(BenchRecognise, PicturesAreOnlyTakenWhenAskedFor) {
+  const std::vector<std::string> arguments = {"recognise", "--items",     "1000", "--passes",     "1", "--segments",
+                                              "8",         "--roundings", "0",    "--tolerances", "0"};
+  EXPECT_FALSE(run_json("bench", arguments)["rows"][0].contains("pictures"));
+  expect_usage_error("bench", {"recognise", "--pictures", "-1"}, "--pictures");
+  expect_usage_error("bench", {"recognise", "--pictures", "many"}, "--pictures");
+}
+
+}  // namespace
+}  // namespace sightline::tests
