@@ -88,8 +88,9 @@ struct RecognitionReport {
   std::uint64_t meshes = 0;                                      ///< looked at
   std::array<std::uint64_t, core::kPrimitiveKindCount> items{};  ///< primitive items made, by kind
   std::uint64_t triangles_before = 0, triangles_after = 0;
-  std::uint64_t bytes_before = 0, bytes_after = 0;     ///< of vertices, normals, indices; of parameters afterwards
-  double largest_deviation = 0.0;                      ///< metres, at most, from triangles to what replaces them
+  std::uint64_t bytes_before = 0, bytes_after = 0;  ///< of vertices, normals, indices; of parameters afterwards
+  double largest_deviation = 0.0;  ///< metres between triangles and what replaces them, both ways, in the scene; exact
+                                   ///< to 5 % where placements are similarities, elsewhere a bound
   std::array<std::uint64_t, kRefusalCount> refused{};  ///< solids by Refusal, those recognised in part included
 };
 

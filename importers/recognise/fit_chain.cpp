@@ -13,6 +13,8 @@ using core::dvec2;
 constexpr double kPi = std::numbers::pi;
 /// Neighbours on a ring, or rings of a torus, may be this far apart as seen from the centre.
 constexpr double kWidestGap = kPi / 3.0 + 1e-6;
+/// Slope of a slanted end, as a share of that of the cone that it cuts.
+constexpr double kMostAlongCone = 0.5;
 constexpr int kMostDomeTrials = 64;  // per chain: keeps the time linear
 
 /// What a ring looks like.
@@ -150,10 +152,11 @@ class ChainFit {
     return triangles;
   }
 
-  std::optional<Found> checked(Found found, std::size_t begin, std::size_t end, double vertex, double explained) const {
+  std::optional<Found> checked(Found found, std::size_t begin, std::size_t end, double vertex, double explained,
+                               double rim) const {
     double bare = 0.0;
     found.triangles = part(begin, end, bare);
-    if (!verify(solid_, vertex, explained, bare, found)) return {};
+    if (!verify(solid_, vertex, explained, bare, rim, found)) return {};
     return found;
   }
 
@@ -234,7 +237,8 @@ class ChainFit {
       found.primitive =
           core::Snout{float(a.radius), float(b.radius), float(height), float(glm::length(aside)), 0, 0, 0, 0, 0};
     }
-    return checked(std::move(found), i, j, largest_allowance(i, j), largest_sagitta(i, j));
+    const double sagitta = largest_sagitta(i, j);
+    return checked(std::move(found), i, j, largest_allowance(i, j), sagitta, sagitta);
   }
 
   /// A straight cone or cylinder between two slanted ends. Its generators join the vertices of both rings.
@@ -317,17 +321,33 @@ class ChainFit {
   std::optional<Found> slanted_snout(std::size_t i, const dmat3& axes, const dvec3& origin,
                                      const Radius& radius_at) const {
     const dmat3 turn = glm::transpose(axes);
-    double heights[2], tangents[2][2];
+    double heights[2], tangents[2][2], steepest = 1.0;  // cosine of the steepest end's slope
     for (int end = 0; end < 2; ++end) {
       const RingShape& shape = shapes_[i + std::size_t(end)];
       const dvec3 normal = turn * shape.normal, at = turn * (shape.centre - origin);
       if (std::fabs(normal.z) < 0.2) return {};
+      steepest = std::min(steepest, std::fabs(normal.z));
       heights[end] = at.z + (normal.x * at.x + normal.y * at.y) / normal.z;
       tangents[end][0] = -normal.x / normal.z, tangents[end][1] = -normal.y / normal.z;
     }
     const double height = heights[1] - heights[0];
-    if (!(height > 0.0)) return {};
+    if (!(height > std::max(same(shapes_[i]), same(shapes_[i + 1])))) return {};
     const double bottom = radius_at(heights[0]), top = radius_at(heights[1]), wider = std::max(bottom, top);
+    const double sagitta = wider * (1.0 - std::cos(kPi / double(segments(i))));
+    const double vertex = allowance_.vertex(std::min(bottom, top), sagitta);
+    // Where an end cuts a flat cone almost along its surface, vertices may be close to both and yet far from the rim.
+    const double widening = (top - bottom) / height;
+    double off_rim = 0.0;
+    for (std::size_t end = 0; end < 2; ++end) {
+      const dvec2 tangent(tangents[end][0], tangents[end][1]);
+      if (std::fabs(widening) * glm::length(tangent) > kMostAlongCone) return {};
+      for (const std::uint32_t v : chain_.rings[i + end].vertices) {
+        const dvec3 q = turn * (solid_.points[v] - origin);
+        const double rho = std::hypot(q.x, q.y), slope = rho > 0.0 ? glm::dot(tangent, dvec2(q)) / rho : 0.0;
+        off_rim = std::max(off_rim, std::fabs((end == 0 ? bottom : top) / (1.0 - widening * slope) - rho));
+      }
+    }
+    if (!(off_rim <= vertex + sagitta)) return {};
     Found found;
     found.primitive = core::Snout{float(bottom),
                                   float(top),
@@ -339,8 +359,7 @@ class ChainFit {
                                   float(std::atan(tangents[1][0])),
                                   float(std::atan(tangents[1][1]))};
     found.mesh_from_primitive = {axes, origin + 0.5 * (heights[0] + heights[1]) * axes[2]};
-    const double sagitta = wider * (1.0 - std::cos(kPi / double(segments(i))));
-    return checked(std::move(found), i, i + 1, allowance_.vertex(std::min(bottom, top), sagitta), 1.5 * sagitta);
+    return checked(std::move(found), i, i + 1, vertex, 1.5 * sagitta, off_rim + sagitta / steepest);
   }
 
   // --- tori ----------------------------------------------------------------------------------------------------------
@@ -386,7 +405,7 @@ class ChainFit {
     found.primitive = core::CircularTorus{float(major), float(tube), float(sweep)};
     found.mesh_from_primitive = {axes_along(axis, shapes_[i].centre - *origin), *origin};
     const double explained = largest_sagitta(i, j) + (major + tube) * (1.0 - std::cos(0.5 * widest));
-    return checked(std::move(found), i, j, largest_allowance(i, j), explained);
+    return checked(std::move(found), i, j, largest_allowance(i, j), explained, largest_sagitta(i, j));
   }
 
   /// Where the planes of the rings meet, at the mean height of their centres. Three rings or more have it from the
@@ -469,14 +488,14 @@ class ChainFit {
       found.primitive = core::SphericalDish{float(radius), float(height)};
       const double bend = 0.5 * (radius * radius / height + height), explained = depth(bend) + base.sagitta;
       if (chord <= bend)
-        if (auto done = checked(found, begin, end, vertex, explained)) return done;
+        if (auto done = checked(found, begin, end, vertex, explained, base.sagitta)) return done;
     }
     if (const double height = elliptical_height(*levels); height > same(base)) {
       found.primitive = core::EllipticalDish{float(radius), float(height)};
       const double large = std::max(radius, height), most_bend = large * large / std::min(radius, height);
       const double coarse = large * (1.0 - std::cos(kPi / double(segments(base_ring))));
       const double explained = std::max(depth(large) + base.sagitta, std::min(0.2 * large, depth(most_bend) + coarse));
-      if (chord <= large) return checked(std::move(found), begin, end, vertex, explained);
+      if (chord <= large) return checked(std::move(found), begin, end, vertex, explained, base.sagitta);
     }
     return {};
   }
@@ -543,7 +562,7 @@ class ChainFit {
     found.primitive = core::RectangularTorus{float(sector->inner), float(sector->outer), float(height), float(sweep)};
     found.mesh_from_primitive = {axes_along(axis, axes * dvec3(start, 0.0)),
                                  a.centre + axes * dvec3(sector->centre, 0.5 * rise)};
-    return checked(std::move(found), 0, 1, allowance_.vertex(thin, sagitta), sagitta);
+    return checked(std::move(found), 0, 1, allowance_.vertex(thin, sagitta), sagitta, sagitta);
   }
 
   /// A sector of a ring, or of a disc with inner radius 0.

@@ -45,6 +45,22 @@ bool is_cut(const Faces& faces, double radius, double noise) {
   return face > 1.5 * facet + noise;
 }
 
+/// Whether all triangles but slivers turn the same side to a point, as those of a sphere do to its centre.
+bool is_seen_whole(const Solid& solid, const dvec3& from, double noise) {
+  int side = 0;
+  for (std::uint32_t t = 0; t < solid.triangle_count(); ++t) {
+    const dvec3 normal = solid.area_vector(t);
+    double longest = 0.0;
+    for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)
+      longest = std::max(longest, glm::distance(solid.points[solid.from(h)], solid.points[solid.to(h)]));
+    if (glm::length(normal) <= noise * longest) continue;
+    const int own = glm::dot(normal, solid.points[solid.corners[3 * t]] - from) > 0.0 ? 1 : -1;
+    if (side == -own) return false;
+    side = own;
+  }
+  return true;
+}
+
 std::optional<Found> fit_sphere(const Solid& solid, const Faces& faces, const Allowance& allowance) {
   if (solid.points.size() < 12 || euler(solid) != 2) return {};
   const dvec3 middle = centroid(solid);
@@ -66,11 +82,11 @@ std::optional<Found> fit_sphere(const Solid& solid, const Faces& faces, const Al
   const double deepest = kDeepestFacet * radius, vertex = allowance.vertex(radius, 0.5 * deepest);
   for (std::size_t i = 0; i < solid.points.size(); i += stride)  // most solids end here
     if (std::fabs(glm::length(solid.points[i] - found.mesh_from_primitive.origin) - radius) > vertex) return {};
-  if (is_cut(faces, radius, vertex)) return {};
+  if (is_cut(faces, radius, vertex) || !is_seen_whole(solid, found.mesh_from_primitive.origin, vertex)) return {};
   found.triangles = all_triangles(solid);
-  if (!verify(solid, vertex, deepest, 0.0, found)) return {};
+  if (!verify(solid, vertex, deepest, 0.0, 0.0, found)) return {};
   // The vertices' own allowance follows from the facets that they belong to.
-  if (!verify(solid, allowance.vertex(radius, found.deviation), deepest, 0.0, found)) return {};
+  if (!verify(solid, allowance.vertex(radius, found.deviation), deepest, 0.0, 0.0, found)) return {};
   return found;
 }
 
@@ -167,7 +183,7 @@ std::optional<Found> fit_closed_rectangular_torus(const Solid& solid, const Face
               all_triangles(solid),
               0.0};
   const double vertex = allowance.vertex(std::min(width, height), outline.sagitta);
-  return verify(solid, vertex, outline.sagitta, 0.0, found) ? std::optional(found) : std::nullopt;
+  return verify(solid, vertex, outline.sagitta, 0.0, outline.sagitta, found) ? std::optional(found) : std::nullopt;
 }
 
 std::optional<Found> fit_closed_circular_torus(const Solid& solid, const dvec3& middle, const Allowance& allowance) {
@@ -180,9 +196,10 @@ std::optional<Found> fit_closed_circular_torus(const Solid& solid, const dvec3& 
               all_triangles(solid),
               0.0};
   const double coarsest = tube * (1.0 - std::cos(0.5 * core::kFullTurn / double(kLeastSegments)));
-  if (!verify(solid, allowance.vertex(tube, coarsest), kDeepestFacet * tube + outline.sagitta, 0.0, found)) return {};
+  if (!verify(solid, allowance.vertex(tube, coarsest), kDeepestFacet * tube + outline.sagitta, 0.0, 0.0, found))
+    return {};
   // The vertices' own allowance follows from the facets that they belong to.
-  if (!verify(solid, allowance.vertex(tube, found.deviation), found.deviation, 0.0, found)) return {};
+  if (!verify(solid, allowance.vertex(tube, found.deviation), found.deviation, 0.0, 0.0, found)) return {};
   return found;
 }
 
@@ -277,27 +294,31 @@ std::optional<Found> fit_pyramid(const Solid& solid, const Faces& faces, std::ui
       allowance.chosen > 0.0 ? std::min(allowance.chosen, 0.1 * least) : std::min(4.0 * noise, kFaceNoise * least);
   const auto bottom = end_of(points[0], vertex), above = end_of(points[1], vertex);
   if (!bottom || !above || bottom->size.x == 0.0 || bottom->size.y == 0.0) return {};
-  const dvec2 offset = above->middle - bottom->middle;
+  dvec2 offset = above->middle - bottom->middle, sizes[2] = {bottom->size, above->size};
   const double h = std::fabs(top) - base_z;
   Found found;
   const bool straight = std::max({std::fabs(offset.x), std::fabs(offset.y), std::fabs(bottom->size.x - above->size.x),
                                   std::fabs(bottom->size.y - above->size.y)}) <= vertex;
   if (straight) {
-    const dvec2 size = 0.5 * (bottom->size + above->size);
-    found.primitive = core::Box{float(size.x), float(size.y), float(h)};
+    offset = dvec2(0.0), sizes[0] = sizes[1] = 0.5 * (bottom->size + above->size);
+    found.primitive = core::Box{float(sizes[0].x), float(sizes[0].y), float(h)};
   } else {
-    found.primitive = core::Pyramid{float(bottom->size.x),
-                                    float(bottom->size.y),
-                                    float(above->size.x),
-                                    float(above->size.y),
-                                    float(offset.x),
-                                    float(offset.y),
-                                    float(h)};
+    found.primitive = core::Pyramid{float(sizes[0].x), float(sizes[0].y), float(sizes[1].x), float(sizes[1].y),
+                                    float(offset.x),   float(offset.y),   float(h)};
   }
   const dvec2 middle = 0.5 * (bottom->middle + above->middle);
   found.mesh_from_primitive = {axes, at + axes * dvec3(middle, base_z + 0.5 * h)};
   found.triangles = all_triangles(solid);
-  if (!verify(solid, vertex, 0.0, 0.0, found)) return {};
+  if (!verify(solid, vertex, 0.0, 0.0, 0.0, found)) return {};
+  // Near a sharp edge, corners that lie close to all faces may be far apart.
+  double apart = 0.0;
+  for (int end = 0; end < 2; ++end)
+    for (const std::uint32_t v : end == 0 ? low : high) {
+      const dvec3 q = turn * (solid.points[v] - found.mesh_from_primitive.origin);
+      const dvec2 across = glm::abs(dvec2(q) - (end - 0.5) * offset) - 0.5 * sizes[end];
+      apart = std::max(apart, glm::length(dvec3(across, std::fabs(q.z) - 0.5 * h)));
+    }
+  found.along = found.deviation = std::max(found.deviation, apart);
   return found;
 }
 

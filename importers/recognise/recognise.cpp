@@ -151,8 +151,8 @@ RecognisedMesh recognise(const core::Mesh& mesh, double tolerance) {
       continue;
     }
     for (const Found& found : candidate.found) {
-      out.primitives.push_back(
-          {found.primitive, found.mesh_from_primitive, std::uint32_t(found.triangles.size()), found.deviation});
+      out.primitives.push_back({found.primitive, found.mesh_from_primitive, std::uint32_t(found.triangles.size()),
+                                found.deviation, found.along});
       for (const std::uint32_t t : found.triangles) taken[candidate.origin[t]] = true;
     }
   }

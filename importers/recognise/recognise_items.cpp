@@ -1,5 +1,6 @@
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "sightline/importers/recognise/internal/recognise.h"
 
@@ -22,6 +23,19 @@ double largest_stretch(const core::Affine& map) {
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r) off = std::max(off, std::fabs(product[c][r] - (c == r ? mean : 0.0)));
   return std::sqrt(off <= 1e-5 * mean ? mean : squares);
+}
+
+/// The longest that a map makes a deviation. With u across z and w along it, |map v|^2 is at most xx u^2 + 2 xz u w +
+/// zz w^2, which turns around once between u and w.
+double stretched(const core::dmat3& map, const RecognisedPrimitive& p) {
+  const core::dmat3 products = glm::transpose(map) * map;
+  const double x = products[0][0], y = products[1][1], zz = products[2][2];
+  const double xx = 0.5 * (x + y + std::hypot(x - y, 2.0 * products[0][1]));
+  const double xz = std::hypot(products[0][2], products[1][2]);
+  const double steepest = p.along < p.deviation ? std::asin(p.along / p.deviation) : 0.5 * std::numbers::pi;
+  const double angle = std::min(0.5 * std::atan2(2.0 * xz, xx - zz), steepest);
+  const double u = std::cos(angle), w = std::sin(angle);
+  return p.deviation * std::sqrt(xx * u * u + 2.0 * xz * u * w + zz * w * w);
 }
 
 class ItemRecogniser {
@@ -82,8 +96,6 @@ class ItemRecogniser {
       if (rest.valid()) scene_.remove_mesh(rest);
       return;
     }
-    for (const RecognisedPrimitive& p : found.primitives)
-      report_.largest_deviation = std::max(report_.largest_deviation, p.deviation * stretch);
     report_.triangles_after += found.rest.indices.size() / 3;
     report_.bytes_after += bytes_of(found.rest);
     for (const RecognisedPrimitive& p : found.primitives)
@@ -115,7 +127,11 @@ class ItemRecogniser {
     }
     if (!visible)
       for (const core::ItemId a : added) scene_.set_visible(a, false);
-    for (const RecognisedPrimitive& p : found.primitives) ++report_.items[std::size_t(core::kind_of(p.primitive))];
+    for (const RecognisedPrimitive& p : found.primitives) {
+      ++report_.items[std::size_t(core::kind_of(p.primitive))];
+      report_.largest_deviation =
+          std::max(report_.largest_deviation, stretched(world.linear * p.mesh_from_primitive.linear, p));
+    }
     scene_.remove_item(item);
     return true;
   }

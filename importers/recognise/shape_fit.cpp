@@ -33,7 +33,7 @@ double Allowance::same(double radius, double sagitta, double residual) const {
   return 2.0 * std::max({noise.rounding, residual, grid});
 }
 
-bool verify(const Solid& solid, double vertex, double explained, double covered, Found& found) {
+bool verify(const Solid& solid, double vertex, double explained, double covered, double rim, Found& found) {
   for (const float value : core::parameters(found.primitive))
     if (!std::isfinite(value)) return false;
   const core::Affine& place = found.mesh_from_primitive;
@@ -57,7 +57,11 @@ bool verify(const Solid& solid, double vertex, double explained, double covered,
     }
     area += 0.5 * glm::length(glm::cross(b - a, c - a));
   }
-  found.deviation = std::max(worst, residual);
+  found.deviation = std::max(worst, residual + rim);
+  // Chords are off across the axis alone where all sides are parallel to it.
+  const bool prism = std::holds_alternative<core::Cylinder>(found.primitive) ||
+                     std::holds_alternative<core::RectangularTorus>(found.primitive);
+  found.along = prism ? residual : found.deviation;
   found.residual = residual;
   const double whole = core::surface_area(found.primitive);
   return area + covered >= kLeastArea * whole && area + covered <= kMostArea * whole;

@@ -14,6 +14,7 @@
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/importers/obj/obj_writer.h"
 #include "sightline/importers/plant/plant_generator.h"
+#include "sightline/tests/importers/random_recognition.h"
 #include "sightline/tests/support/test_data.h"
 
 namespace sightline::importers {
@@ -396,6 +397,14 @@ TEST(Recognise, ToleranceWidensIt) {
   EXPECT_LE(found.primitives[0].deviation, 0.02 + 1.0 - std::cos(kPi / 12));
 }
 
+/// Found by the fuzzer. A ring between spheres a little larger and smaller, with a slit: all its triangles are near.
+TEST(Recognise, ToleranceMakesNoSphereOfARing) {
+  const core::Mesh ring = tessellated(core::RectangularTorus{1.45f, 1.55f, 1.9f, 5.9f}, 18);
+  for (const double tolerance : {0.0, 0.11})
+    for (const RecognisedPrimitive& one : recognise(ring, tolerance).primitives)
+      EXPECT_NE(core::kind_of(one.primitive), Kind::kSphere) << tolerance;
+}
+
 TEST(Recognise, NothingInScansAndNoise) {
   Random random(1);
   core::Mesh noise;
@@ -631,6 +640,130 @@ TEST(Recognise, HostileMeshes) {
   core::Mesh twice = good;
   append(twice, good);
   EXPECT_LE(recognise(twice).primitives.size(), 2u);
+}
+
+double distance_to_triangle(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
+  const auto to_edge = [&](const dvec3& from, const dvec3& to) {
+    const dvec3 way = to - from;
+    return glm::length(p - from - std::clamp(glm::dot(p - from, way) / glm::dot(way, way), 0.0, 1.0) * way);
+  };
+  const dvec3 n = glm::cross(b - a, c - a);
+  const auto inside = [&](const dvec3& from, const dvec3& to) {
+    return glm::dot(glm::cross(to - from, p - from), n) >= 0.0;
+  };
+  if (inside(a, b) && inside(b, c) && inside(c, a)) return std::fabs(glm::dot(p - a, n)) / glm::length(n);
+  return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
+}
+
+/// The largest distance of points of one mesh's triangles, `steps` to an edge, from the other's.
+double farthest(const core::Mesh& from, const core::Mesh& to, int steps) {
+  const auto corner = [](const core::Mesh& mesh, std::size_t i) { return dvec3(mesh.positions[mesh.indices[i]]); };
+  double most = 0.0;
+  for (std::size_t t = 0; t < from.indices.size(); t += 3)
+    for (int i = 0; i <= steps; ++i)
+      for (int j = 0; i + j <= steps; ++j) {
+        const dvec3 p = (double(i) * corner(from, t) + double(j) * corner(from, t + 1) +
+                         double(steps - i - j) * corner(from, t + 2)) /
+                        double(steps);
+        double nearest = std::numeric_limits<double>::infinity();
+        for (std::size_t u = 0; u < to.indices.size() && nearest > most; u += 3)
+          nearest = std::min(nearest, distance_to_triangle(p, corner(to, u), corner(to, u + 1), corner(to, u + 2)));
+        most = std::max(most, nearest);
+      }
+  return most;
+}
+
+/// Found by the fuzzer: corners that are close to all faces of a flat pyramid may be far from its own corners.
+TEST(Recognise, DeviationsOfPyramidsAreThoseOfTheirCorners) {
+  double most = 0.0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    Random random(seed);
+    const double step = 1e-4;
+    core::Mesh mesh = placed(tessellated(core::Pyramid{1.7f, 0.98f, 1.6f, 0.8f, 0.4f, -0.12f, 0.06f}, 8),
+                             random.rotation(), {1, 2, 3});
+    for (core::vec3& p : mesh.positions) p = core::vec3(step * glm::round(dvec3(p) / step));
+    for (const RecognisedPrimitive& one : recognise(mesh).primitives) {
+      const core::Mesh own =
+          placed(tessellated(one.primitive, 8), one.mesh_from_primitive.linear, one.mesh_from_primitive.origin);
+      for (const core::vec3& corner : own.positions) {
+        double nearest = 1.0;
+        for (const core::vec3& p : mesh.positions) nearest = std::min(nearest, double(glm::distance(p, corner)));
+        EXPECT_LE(nearest, one.deviation + 1e-6) << "seed " << seed;
+        most = std::max(most, nearest);
+      }
+    }
+  }
+  EXPECT_GT(most, 1e-4) << "a test of something";
+}
+
+/// Found by the fuzzer: between two circles a step of a float apart lies a cone whose ends are anywhere.
+TEST(Recognise, StepsOfNoHeightAreNoSnouts) {
+  const std::uint32_t n = 24;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    Random random(seed);
+    const core::Affine place{random.rotation(), {random.between(-9, 9), 2, 3}};
+    const double step = random.between(0.0, 1e-6);
+    core::Mesh mesh;
+    for (const core::dvec2 ring : {core::dvec2(0.7, 0.0), {0.7, 2.0}, {0.3, 2.0 + step}, {0.3, 4.0}})
+      for (std::uint32_t i = 0; i < n; ++i)
+        mesh.positions.push_back(core::vec3(core::transform_point(
+            place, {ring.x * std::cos(2 * kPi * i / n), ring.x * std::sin(2 * kPi * i / n), ring.y})));
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint32_t k = (i + 1) % n;
+      for (std::uint32_t j = 0; j < 3 * n; j += n)
+        mesh.indices.insert(mesh.indices.end(), {j + i, j + k, j + n + k, j + i, j + n + k, j + n + i});
+      if (i > 0 && i + 1 < n) mesh.indices.insert(mesh.indices.end(), {0, i + 1, i, 3 * n, 3 * n + i, 3 * n + i + 1});
+    }
+    const RecognisedMesh found = recognise(mesh);
+    EXPECT_EQ(found.primitives.size(), 2u) << "seed " << seed;
+    for (const RecognisedPrimitive& one : found.primitives)
+      EXPECT_EQ(core::kind_of(one.primitive), Kind::kCylinder) << "seed " << seed << ": " << told(one.primitive);
+  }
+}
+
+/// Against many points of the triangles and of the surfaces, under maps that stretch in any direction.
+TEST(Recognise, TheLargestDeviationIsOneBothWays) {
+  for (unsigned seed = 0; seed < 2; ++seed) {
+    Random random(seed);
+    for (const Primitive& primitive : samples(random))
+      for (int shape = 0; shape < 3; ++shape) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed << ", map " << shape << ", " << told(primitive));
+        core::Affine map{random.rotation(), {1, 2, 3}};
+        if (shape == 1) map.linear = map.linear * dmat3(0.1, 0, 0, 0, 0.1, 0, 0, 0, 8);  // a pipe from a unit cylinder
+        if (shape == 2) map.linear = map.linear * dmat3(2, 0, 0, 0.5, 1, 0.2, 0, -0.7, 0.4) * random.rotation();
+        core::Mesh mesh = tessellated(primitive, 8);
+        mesh.normals.clear();
+        core::Scene scene;
+        scene.add_mesh_instance(scene.root(), scene.add_mesh(mesh).value(), map);
+        RecognitionReport report;
+        ASSERT_TRUE(recognise_items(scene, 0, 0.0, {}, report));
+        ASSERT_EQ(report.triangles_after, 0u);
+        const core::Mesh coarse = placed(mesh, map.linear, map.origin);
+        core::Mesh fine = tessellated(primitive, 48);
+        fine.normals.clear();
+        fine = placed(fine, map.linear, map.origin);
+        const double true_one = std::max(farthest(coarse, fine, 6), farthest(fine, coarse, 1));
+        EXPECT_GE(report.largest_deviation, 0.95 * true_one - 1e-5);
+        if (true_one < 1e-4) continue;
+        if (shape == 0 || core::kind_of(primitive) == Kind::kCylinder) {  // of others a bound alone
+          EXPECT_LE(report.largest_deviation, (shape == 2 ? 1.6 : 1.05) * true_one);
+        }
+      }
+  }
+}
+
+TEST(Recognise, KeepsItsPromisesForAnyMesh) {
+  std::uint64_t recognised = 0;
+  for (unsigned seed = 0; seed < 3000; ++seed) {
+    std::mt19937 engine(seed);
+    std::vector<std::uint8_t> bytes(300);
+    for (std::uint8_t& byte : bytes) byte = std::uint8_t(engine());
+    const tests::RecognitionInput input = tests::recognition_input(bytes.data(), bytes.size());
+    ASSERT_EQ(tests::check_mesh(input), "") << "seed " << seed;
+    ASSERT_EQ(tests::check_items(input), "") << "seed " << seed;
+    recognised += recognise(input.mesh, input.tolerance).primitives.size();
+  }
+  EXPECT_GT(recognised, 1000u);
 }
 
 TEST(Recognise, ManyFacets) {

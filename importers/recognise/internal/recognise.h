@@ -21,7 +21,11 @@ struct RecognisedPrimitive {
   core::Primitive primitive;
   core::Affine mesh_from_primitive;  ///< a rotation and a translation
   std::uint32_t triangles = 0;       ///< that it replaces
-  double deviation = 0.0;            ///< largest distance between these and its surface
+  /// Largest distance between these and its surface, both ways: measured at corners, edges' middles and centres, and
+  /// across the ends as far as their polygons are within the circles. Vertices closer than 2^-22 of the mesh's largest
+  /// coordinate count as one.
+  double deviation = 0.0;
+  double along = 0.0;  ///< no such distance goes farther than this along the primitive's z axis
 };
 
 struct RecognisedMesh {

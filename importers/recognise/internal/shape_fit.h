@@ -28,7 +28,8 @@ struct Found {
   core::Primitive primitive;
   core::Affine mesh_from_primitive;
   std::vector<std::uint32_t> triangles;
-  double deviation = 0.0;  ///< largest distance between triangles and surface
+  double deviation = 0.0;  ///< largest distance between triangles and surface, both ways
+  double along = 0.0;      ///< the most that it goes along the primitive's z axis
   double residual = 0.0;   ///< largest distance of a vertex from the surface
 };
 
@@ -37,8 +38,9 @@ inline constexpr std::size_t kLeastSegments = 8;
 
 /// Checks a candidate against its triangles and sets its deviation and residual. Vertices must lie within `vertex` of
 /// the surface, centres and edges' middles within `explained` more, and the area must agree. `covered`: area of the
-/// primitive where it needs no triangles.
-bool verify(const Solid& solid, double vertex, double explained, double covered, Found& found);
+/// primitive where it needs no triangles. `rim`: how far the chords at its ends lie within its circles. There it may
+/// be beyond its triangles although all of these are close to it: in the plane of a flat end.
+bool verify(const Solid& solid, double vertex, double explained, double covered, double rim, Found& found);
 
 /// A sphere, a closed torus, a box or a pyramid that is the whole of a closed solid.
 std::optional<Found> fit_whole(const Solid& solid, const Faces& faces, const Allowance& allowance);
