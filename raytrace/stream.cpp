@@ -254,14 +254,16 @@ class Tracer::Impl::Packet {
     }
   }
 
+  /// Of the lane, only what its hit has is set.
   Found found(int ray) const {
     const Slot slot = best_.slot[ray];
-    const bool mesh = slot != core::kNone && is_mesh(impl_.snapshot_->kind(slot));
+    if (slot == kNoSlot) return {best_.t[ray], slot};
+    if (is_mesh(impl_.snapshot_->kind(slot))) return {best_.t[ray], slot, best_.place[ray]};
     return {best_.t[ray],
             slot,
-            mesh ? best_.place[ray] : core::kNone,
+            core::kNone,
             {best_.normal[0][ray], best_.normal[1][ray], best_.normal[2][ray]},
-            mesh ? Face::kTriangle : Face(int(best_.face[ray]))};
+            Face(int(best_.face[ray]))};
   }
 
   static void walk(std::span<Packet* const> packets) {
