@@ -255,7 +255,8 @@ class Sequence {
 
   void import_file() {
     const sl_scene to = scene();
-    const char* paths[2] = {in_.one_in(4) ? text() : "no_such_file.rvm", "."};
+    constexpr const char* kFiles[] = {"no_such_file.rvm", SIGHTLINE_SOURCE_DIR "/tests/data/box.stl", "."};
+    const char* paths[2] = {in_.one_in(4) ? text() : kFiles[in_.below(3)], kFiles[in_.below(3)]};
     sl_import_options options = SL_IMPORT_OPTIONS_INIT;
     options.progress = progress, options.user = this;
     options.lenient = in_.integer(), options.up = in_.integer(), options.copies = in_.integer();
@@ -263,7 +264,9 @@ class Sequence {
     options.recognise = in_.integer(), options.recognise_tolerance = in_.number();
     importing_ = to;
     sl_node nodes[2];
-    check(sl_import(to, node(), paths, in_.below(3), sized(options), nodes, nullptr), to);
+    sl_import_report report = SL_IMPORT_REPORT_INIT;
+    if (check(sl_import(to, node(), paths, in_.below(3), sized(options), nodes, sized(report)), to) == SL_OK)
+      expect(report.triangles_after <= report.triangles_before, "no more triangles than there were");
   }
 
   /// A call on another thread. Live scenes and engines belong to this one.
