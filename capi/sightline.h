@@ -394,8 +394,8 @@ typedef struct sl_import_report {
   uint64_t meshes_examined;
   uint64_t triangles_before, triangles_after;   /* of those meshes */
   uint64_t mesh_bytes_before, mesh_bytes_after; /* of vertices, normals, indices; of parameters afterwards */
-  double largest_deviation;                     /* metres between triangles and surfaces that replace them */
-  uint64_t refused[SL_REFUSED_COUNT];           /* solids by SL_REFUSED_..., those recognised in part included */
+  double largest_deviation; /* metres between triangles and surfaces that replace them, both ways, in the scene */
+  uint64_t refused[SL_REFUSED_COUNT]; /* solids by SL_REFUSED_..., those recognised in part included */
 } sl_import_report;
 #define SL_IMPORT_REPORT_INIT                                                                \
   {                                                                                          \

@@ -128,7 +128,7 @@ void bind_recognition(py::module_& m) {
       .def_readonly("bytes_before", &Report::bytes_before, "Of vertices, normals and indices.")
       .def_readonly("bytes_after", &Report::bytes_after, "Of what is left of them, and of parameters.")
       .def_readonly("largest_deviation", &Report::largest_deviation,
-                    "Metres between triangles and the surfaces that replace them.")
+                    "Metres between triangles and the surfaces that replace them, both ways, in the scene.")
       .def_property_readonly(
           "refused", [](const Report& r) { return counts_by_name<importers::Refusal>(r.refused); },
           "Solids that stayed triangles, in part or wholly, by reason, a dict.");
