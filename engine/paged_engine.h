@@ -41,9 +41,9 @@ namespace sightline::engine {
 struct PagedConfig {
   int width = 1280, height = 720;  ///< pixels
   bool ids = false;                ///< item-id image beside colour and depth
-  /// Bytes that the whole process may have in memory, and its buffers on a GPU where that is main memory. Pages get what
-  /// the program, its drivers and the boxes of all leaves leave of it, less room to read each image once (11 bytes a
-  /// pixel, 15 with ids), less a tenth, and 32 MiB at least, for what changes while frames are drawn. Where more than
+  /// Bytes that the whole process may have in memory, and its buffers on a GPU where that is main memory. Pages get
+  /// what the program, its drivers and the boxes of all leaves leave of it, less room to read each image once (11 bytes
+  /// a pixel, 15 with ids), less a tenth, and 32 MiB at least, for what changes while frames are drawn. Where more than
   /// that is taken, by drivers or the application, pages get less, down to one at a time: nothing else can be given
   /// back. PagedReport::memory says what all takes. A GPU with memory of its own is not asked: pages count what they
   /// take there, but pictures and drivers are not seen. The files that pages are read from do not count: they stay with
@@ -79,17 +79,17 @@ struct PagedReport {
 class SIGHTLINE_API PagedEngine {
  public:
   /// Makes an offscreen context and compiles programs for the kinds of items that the scene has. Where the limit leaves
-  /// little, it also reads and draws the largest page once, to see what drivers take. Fails as Engine::create() does, on sizes that the context does not
-  /// support, when memory runs out, and when the limit leaves no room for the largest page: the message says how much is
-  /// needed.
+  /// little, it also reads and draws the largest page once, to see what drivers take. Fails as Engine::create() does,
+  /// on sizes that the context does not support, when memory runs out, and when the limit leaves no room for the
+  /// largest page: the message says how much is needed.
   static core::Expected<PagedEngine> create(core::PagedScene scene, const PagedConfig& config);
   PagedEngine(PagedEngine&&) noexcept;
   PagedEngine& operator=(PagedEngine&&) noexcept;
   ~PagedEngine();
 
   /// Draws what is in memory of the view, and asks for what is not. The same view again goes on with the picture. Fails
-  /// for views that cannot be drawn; when GL fails, memory runs out or the context is lost, the engine is of no use from
-  /// then on. A page that cannot be read is no failure: see PagedReport::failed. It is not asked for again.
+  /// for views that cannot be drawn; when GL fails, memory runs out or the context is lost, the engine is of no use
+  /// from then on. A page that cannot be read is no failure: see PagedReport::failed. It is not asked for again.
   core::Expected<PagedReport> frame(const core::View& view);
   /// Waits until a page has arrived for the next frame, at most so long; may be infinite. False, at once, where none is
   /// on its way.
