@@ -10,6 +10,7 @@
 #include "sightline/culling/internal/front_layer.h"
 #include "sightline/culling/internal/kernels.h"
 #include "sightline/culling/internal/set_parts.h"
+#include "sightline/culling/internal/tile_shape.h"
 
 namespace sightline::culling {
 namespace {
@@ -111,41 +112,38 @@ bool OcclusionTest::hides(const BoxCoordinates& box, const PixelRectangle& pixel
   return all_hidden(span, pixels, std::min(level, pyramid_->level_count() - 1), rows);
 }
 
-/// For looks at these blocks of a level.
-BlockTile OcclusionTest::tile_of(const PixelRectangle& blocks, int level) const {
+/// For looks at blocks of a level.
+BlockTile OcclusionTest::tile_of(const TileShape& shape, int level) const {
   const float step = float(1 << level);
-  return {TileShape(blocks.x1 - blocks.x0 + 1),
-          0.0f,
-          0.0f,
-          step,
-          0.5f * (step - 1.0f) + view_.snap,
-          nullptr,
-          0,
-          0,
-          {kDistanceMargin, error_},
-          rays_.parallel()};
+  BlockTile tile{};
+  tile.columns_log2 = shape.columns_log2;
+  tile.step = step;
+  tile.reach = 0.5f * (step - 1.0f) + view_.snap;
+  tile.pitch = pyramid_->row(level, 1) - pyramid_->row(level, 0);
+  tile.margin = {kDistanceMargin, error_};
+  tile.parallel = rays_.parallel();
+  return tile;
 }
 
-/// To the block x, y, the first of those to look at.
-void OcclusionTest::move(BlockTile& tile, const PixelRectangle& blocks, int level, int x, int y) const {
+/// To the block x, y, the first of those to look at, which go up to the row `last`.
+void OcclusionTest::move(BlockTile& tile, int level, int x, int y, int last) const {
   tile.x = (float(x) + 0.5f) * tile.step - 0.5f;
   tile.y = (float(y) + 0.5f) * tile.step - 0.5f;
   tile.farthest = pyramid_->row(level, y) + x;
-  tile.pitch = pyramid_->row(level, 1) - pyramid_->row(level, 0);
-  tile.rows = blocks.y1 - y + 1;
+  tile.rows = last - y + 1;
 }
 
 /// Whether no ray of these pixels meets the box in front of what the pixel holds. Looks at blocks of a level, and into
 /// those that do not answer for all of their pixels.
 bool OcclusionTest::all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const {
   const PixelRectangle blocks{pixels.x0 >> level, pixels.y0 >> level, pixels.x1 >> level, pixels.y1 >> level};
-  BlockTile tile = tile_of(blocks, level);
-  const TileShape shape = tile.shape;
+  const TileShape shape(blocks.x1 - blocks.x0 + 1);
+  BlockTile tile = tile_of(shape, level);
   alignas(64) float entries[kLanes];
   for (int y = blocks.y0; y <= blocks.y1; y += shape.rows()) {
     rows += std::min(shape.rows(), blocks.y1 - y + 1);
     if (rows > kMostRows) return false;
-    move(tile, blocks, level, blocks.x0, y);
+    move(tile, level, blocks.x0, y, blocks.y1);
     unsigned open =
         kernels().open_blocks(box, tile, entries) & shape.lanes(blocks.x1 - blocks.x0 + 1, blocks.y1 - y + 1);
     if (open != 0 && level == 0) return false;
@@ -227,13 +225,13 @@ OcclusionTest::Found OcclusionTest::enter(core::Slot slot, const BoxCoordinates&
   const int columns = (pixels.x1 - pixels.x0) / kLanes + 1;
   if (columns * (pixels.y1 - pixels.y0 + 1) > kMostRows || !rays_.span(box, span))
     return hides(box, pixels, nearest) ? Found::kHidden : Found::kNotJudged;
-  BlockTile tile = tile_of(pixels, 0);
-  const TileShape shape = tile.shape;
+  const TileShape shape(pixels.x1 - pixels.x0 + 1);
+  BlockTile tile = tile_of(shape, 0);
   alignas(64) float entries[kLanes];
   Found found = Found::kHidden;
   for (int y = pixels.y0; y <= pixels.y1; y += shape.rows())
     for (int x = pixels.x0; x <= pixels.x1; x += shape.columns()) {
-      move(tile, pixels, 0, x, y);
+      move(tile, 0, x, y, pixels.y1);
       const unsigned lanes = shape.lanes(pixels.x1 - x + 1, pixels.y1 - y + 1);
       for (unsigned open = kernels().open_blocks(span, tile, entries) & lanes; open != 0; open &= open - 1) {
         const int lane = std::countr_zero(open);

@@ -77,6 +77,7 @@ class SIGHTLINE_API DepthPyramid {
 
 struct BlockTile;
 struct FrontLayer;
+struct TileShape;
 
 class SIGHTLINE_API OcclusionTest {
  public:
@@ -119,8 +120,8 @@ class SIGHTLINE_API OcclusionTest {
   unsigned open_nodes(const float* const (&coordinates)[6]) const;
   unsigned hidden_of(const float* const (&coordinates)[6]) const;
   bool hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const;
-  BlockTile tile_of(const PixelRectangle& blocks, int level) const;
-  void move(BlockTile& tile, const PixelRectangle& blocks, int level, int x, int y) const;
+  BlockTile tile_of(const TileShape& shape, int level) const;
+  void move(BlockTile& tile, int level, int x, int y, int last) const;
   bool all_hidden(const BoxSpan& box, const PixelRectangle& pixels, int level, int& rows) const;
 
   ScreenView view_;

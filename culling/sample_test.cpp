@@ -7,6 +7,7 @@
 
 #include "sightline/culling/internal/filter_slots.h"
 #include "sightline/culling/internal/kernels.h"
+#include "sightline/culling/internal/tile_shape.h"
 
 namespace sightline::culling {
 namespace {
@@ -53,13 +54,19 @@ bool SampleTest::rays_meet(const BoxCoordinates& box, const BoxRectangles& recta
       rectangles.top[i] - rectangles.bottom[i] > float(kLanes - 1) || !rays_.span(box, span))
     return true;
   alignas(64) float entries[kLanes];
+  BlockTile tile{};
+  tile.step = 1.0f;
+  tile.reach = view_.snap;
+  tile.farthest = kNothingDrawn.data();
+  tile.parallel = rays_.parallel();
   for (const auto& [x, y] : samples_.offsets) {
     const PixelRectangle pixels = pixels_of(view_, rectangles, i, x, y);
     const int width = pixels.x1 - pixels.x0 + 1;
     if (width <= 0) continue;
     const TileShape shape(width);
-    BlockTile tile{shape, float(pixels.x0) + x, 0.0f, 1.0f, view_.snap, kNothingDrawn.data(), 0, shape.rows(),
-                   {},    rays_.parallel()};
+    tile.columns_log2 = shape.columns_log2;
+    tile.rows = shape.rows();
+    tile.x = float(pixels.x0) + x;
     for (int at = pixels.y0; at <= pixels.y1; at += shape.rows()) {
       tile.y = float(at) + y;
       if ((kernels().open_blocks(span, tile, entries) & shape.lanes(width, pixels.y1 - at + 1)) != 0) return true;

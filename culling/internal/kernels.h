@@ -3,7 +3,6 @@
 // might use their copy in code for every processor.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -96,33 +95,14 @@ struct BoxSquares {
                      // in the picture
 };
 
-/// How sixteen blocks of pixels lie: in rows of 1, 2, 4, 8 or 16, so that few lanes look beside a narrow rectangle.
-struct TileShape {
-  /// For rectangles of that width, in blocks.
-  explicit TileShape(int width) : columns_log2(width > 8 ? 4 : width > 4 ? 3 : width > 2 ? 2 : width > 1 ? 1 : 0) {}
-  int columns() const { return 1 << columns_log2; }
-  int rows() const { return kLanes >> columns_log2; }
-  /// Bits of the lanes in the lower left width x height blocks of the tile, both positive.
-  unsigned lanes(int width, int height) const {
-    const unsigned row = (1u << std::min(width, columns())) - 1u;
-    unsigned bits = 0;
-    for (int y = 0; y < std::min(height, rows()); ++y) bits |= row << (y << columns_log2);
-    return bits;
-  }
-  int x(int lane) const { return lane & (columns() - 1); }
-  int y(int lane) const { return lane >> columns_log2; }
-
-  int columns_log2;
-};
-
 /// Sixteen blocks of pixels, and how what they hold is compared.
 struct BlockTile {
-  TileShape shape;
+  int columns_log2;       // blocks of a row: 1, 2, 4, 8 or 16
   float x, y, step;       // middle of the first block, and the way to the next ones'
   float reach;            // from a block's middle to the last place that belongs to it, along both axes
   const float* farthest;  // distances that the blocks of the first row hold
   std::ptrdiff_t pitch;   // from these to the next row's
-  int rows;               // that may be read, at least one; where the shape has more, lanes of the others mean nothing
+  int rows;               // that may be read, at least one; lanes of rows beyond mean nothing
   DistanceMargin margin;
   bool parallel;  // keys are -t, not 1 / t
 };

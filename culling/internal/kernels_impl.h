@@ -524,9 +524,9 @@ void copy_rows(const BlockTile& tile, float* out) {
 /// What the blocks of a tile hold.
 template <class Simd>
 typename Simd::Lanes held_by(const BlockTile& tile) {
-  if (tile.shape.columns_log2 == 4) return Simd::load(tile.farthest);
+  if (tile.columns_log2 == 4) return Simd::load(tile.farthest);
   alignas(64) float held[kLanes];
-  switch (tile.shape.columns_log2) {
+  switch (tile.columns_log2) {
     case 3:
       copy_rows<Simd, 8>(tile, held);
       break;
@@ -555,8 +555,8 @@ unsigned open_blocks(const BoxSpan& box, const BlockTile& tile, float* entries) 
   const auto places = [&](float first, const float(&of)[kLanes]) {
     return Simd::add(Simd::spread(first), Simd::multiply(Simd::spread(tile.step), Simd::load(of)));
   };
-  const Lanes x = places(tile.x, kTilePlaces.x[tile.shape.columns_log2]);
-  const Lanes y = places(tile.y, kTilePlaces.y[tile.shape.columns_log2]);
+  const Lanes x = places(tile.x, kTilePlaces.x[tile.columns_log2]);
+  const Lanes y = places(tile.y, kTilePlaces.y[tile.columns_log2]);
   const auto keys = [&](const PictureFunction& f, float sign) { return keys_of_face<Simd>(f, tile.reach, x, y, sign); };
   Lanes entry = keys(box.near[0], 1.0f);
   for (int i = 1; i < box.near_count; ++i) entry = Simd::least(entry, keys(box.near[i], 1.0f));

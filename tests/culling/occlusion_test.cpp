@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "exact_samples.h"
-#include "sightline/culling/internal/kernels.h"
+#include "sightline/culling/internal/tile_shape.h"
 
 namespace sightline::tests {
 namespace {
