@@ -49,9 +49,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(apps::accepted_by(apps::parse_finite))
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--frames", o.frames, "Of the tour, evenly spaced")
-      ->check(CLI::Range(2, 10'000))
-      ->capture_default_str();
+  add_frames_option(app, o.frames, 2);
   app.add_option("--compared", o.compared, "Frames whose pictures are compared, evenly spaced")
       ->check(CLI::Range(1, 10'000))
       ->capture_default_str();
@@ -217,14 +215,9 @@ class Bench {
 };
 
 core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, double budget_ms) {
-  engine::EngineConfig config;
-  config.draw = config.ids = true;
-  config.culler = engine::CullerChoice::kCpu;
-  config.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
   const auto [width, height] = *apps::parse_size(o.size);
-  config.width = width;
-  config.height = height;
-  config.context_platform = o.platform;
+  engine::EngineConfig config = drawing_config(width, height, o.platform);
+  config.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
   config.budget_ms = budget_ms;
   config.contribution_way = o.way;
   return Engine::create(scene, config);

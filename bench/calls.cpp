@@ -6,7 +6,6 @@
 
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
-#include "sightline/core/camera_path.h"
 #include "sightline/culling/box_culler.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/pick.h"
@@ -51,11 +50,9 @@ core::Expected<int> measure(const Options& o) {
   if (auto made = importers::generate_plant({o.items, 1}, scene); !made) return tl::unexpected(made.error());
   auto engine = engine::Engine::create(scene);
   if (!engine) return tl::unexpected(engine.error());
-  const core::ItemBounds& bounds = engine->snapshot().bounds();
-  const core::CameraPath path = core::make_tour(bounds, bounds.fitted_bounds());
-  std::vector<core::View> views;
-  views.reserve(std::size_t(o.frames));
-  for (int i = 0; i < o.frames; ++i) views.push_back(*path.view(path.time_of(i, o.frames), 1280.0 / 720.0));
+  const auto tour = tour_views(engine->snapshot(), o.frames, 1280.0 / 720.0);
+  if (!tour) return tl::unexpected(tour.error());
+  const std::vector<core::View>& views = *tour;
   std::vector<core::AabbD> boxes;
   boxes.reserve(scene.item_slots());
   for (core::ItemId item = 0; item < scene.item_slots(); ++item)

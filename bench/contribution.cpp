@@ -70,9 +70,7 @@ void add_options(CLI::App& app, Options& o) {
   app.callback([&o] {
     if (o.model.files.empty() && o.items == 0) throw CLI::RequiredError("MODEL or --items");
   });
-  app.add_option("--frames", o.frames, "Of the tour, evenly spaced")
-      ->check(CLI::Range(1, 10'000))
-      ->capture_default_str();
+  add_frames_option(app, o.frames, 1);
   app.add_option("--step", o.step, "Seconds of the tour between the two pictures that show flicker")
       ->check(apps::accepted_by(apps::parse_finite))
       ->check(CLI::Range(1e-6, 1.0))
@@ -215,13 +213,8 @@ struct Took {
 class Subject {
  public:
   static core::Expected<std::unique_ptr<Subject>> create(core::Scene& scene, const Options& o, int width, int height) {
-    engine::EngineConfig config;
-    config.draw = config.ids = true;
-    config.culler = engine::CullerChoice::kCpu;
+    engine::EngineConfig config = drawing_config(width, height, o.platform);
     config.occlusion = engine::OcclusionChoice::kOn;  // without the trials of kAutomatic
-    config.context_platform = o.platform;
-    config.width = width;
-    config.height = height;
     auto engine = engine::Engine::create(scene, config);
     if (!engine) return tl::unexpected(engine.error());
     return std::unique_ptr<Subject>(new Subject(std::move(*engine)));

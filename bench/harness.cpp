@@ -88,6 +88,12 @@ core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input) {
   return read_boxes(input.boxes);
 }
 
+CLI::Option* add_frames_option(CLI::App& app, int& frames, int least) {
+  return app.add_option("--frames", frames, "Of the tour, evenly spaced")
+      ->check(CLI::Range(least, 10'000))
+      ->capture_default_str();
+}
+
 core::Expected<std::vector<core::View>> tour_views(const core::Snapshot& snapshot, int frames, double aspect) {
   const core::CameraPath path = core::make_tour(snapshot.bounds(), snapshot.bounds().fitted_bounds());
   std::vector<core::View> views;

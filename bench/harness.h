@@ -52,6 +52,8 @@ void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span
 /// The model, or without files a generated plant of `items`; committed.
 core::Expected<std::unique_ptr<core::Scene>> model_or_plant(const apps::ModelOptions& model, std::uint64_t items);
 
+/// --frames, at least so many, into `frames`.
+CLI::Option* add_frames_option(CLI::App& app, int& frames, int least);
 /// `frames` evenly spaced views of the flight through a model; a single one is its start.
 core::Expected<std::vector<core::View>> tour_views(const core::Snapshot& snapshot, int frames, double aspect);
 

@@ -37,9 +37,7 @@ struct Options {
 
 void add_options(CLI::App& app, Options& o) {
   apps::add_model_options(app, o.model);
-  app.add_option("--frames", o.frames, "Of the tour, evenly spaced")
-      ->check(CLI::Range(2, 10'000))
-      ->capture_default_str();
+  add_frames_option(app, o.frames, 2);
   app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
   apps::add_context_option(app, o.platform);
   apps::add_json_option(app, o.json);
@@ -72,7 +70,7 @@ class Bench {
   Json figures() const;
 
  private:
-  /// The ways of drawing by tests, in the order of `engines`; the last engine has none, and draws the limit, too.
+  /// The ways of drawing, in the order of `engines`. That of the limit has no tests.
   enum : std::size_t { kSamples, kBoth, kLimit };
 
   struct Frame {
@@ -129,8 +127,7 @@ class Bench {
     std::sort(owners.items.begin(), owners.items.end());
     owners.items.erase(std::unique(owners.items.begin(), owners.items.end()), owners.items.end());
     return timed(engine, [&]() -> core::Expected<std::int64_t> {
-      engine.drawing()->picture_changed();
-      const auto drawn = engine.drawing()->draw({view, snapshot, owners}, ++frame_);
+      const auto drawn = engine.drawing()->draw({view, snapshot, owners}, 0);
       if (!drawn) return tl::unexpected(drawn.error());
       return std::int64_t(owners.items.size());
     });
@@ -147,7 +144,6 @@ class Bench {
   std::vector<Engine> engines_;
   Way ways_[3] = {
       {"samples", "sample test", {}, {}, {}}, {"both", "both tests", {}, {}, {}}, {"limit", "the limit", {}, {}, {}}};
-  std::uint64_t frame_ = 0;
   std::uint64_t different_ = 0;  // pixels whose item is another in the limit's pictures
 };
 
@@ -186,15 +182,10 @@ void print(const Json& json, std::FILE* out) {
 }
 
 core::Expected<Engine> make_engine(core::Scene& scene, const Options& o, bool samples, bool occlusion) {
-  engine::EngineConfig config;
-  config.draw = config.ids = true;
-  config.culler = engine::CullerChoice::kCpu;
+  const auto [width, height] = *apps::parse_size(o.size);
+  engine::EngineConfig config = drawing_config(width, height, o.platform);
   config.sample_test = samples;
   config.occlusion = occlusion ? engine::OcclusionChoice::kOn : engine::OcclusionChoice::kOff;
-  const auto [width, height] = *apps::parse_size(o.size);
-  config.width = width;
-  config.height = height;
-  config.context_platform = o.platform;
   return Engine::create(scene, config);
 }
 

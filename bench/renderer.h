@@ -1,13 +1,25 @@
-// Describes the machine in benchmarks that draw.
+// Shared by benchmarks that draw: their engines, and the machine in words.
 #pragma once
 
 #include <string>
 
 #include <nlohmann/json.hpp>
 
+#include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
 
 namespace sightline::bench {
+
+/// Pictures with ids. Culled by the CPU, so that no frame is culled another way than the one before.
+inline engine::EngineConfig drawing_config(int width, int height, gl::ContextPlatform platform) {
+  engine::EngineConfig config;
+  config.draw = config.ids = true;
+  config.culler = engine::CullerChoice::kCpu;
+  config.width = width;
+  config.height = height;
+  config.context_platform = platform;
+  return config;
+}
 
 inline std::string renderer_line(const gl::Context& context) {
   return "renderer " + context.renderer() + ", " + context.version();

@@ -5,6 +5,7 @@
 
 #include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/bench/harness.h"
+#include "sightline/bench/renderer.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image_metrics.h"
@@ -66,13 +67,7 @@ core::Expected<Pictures> Pictures::create(core::Scene& scene, std::span<const Or
 }
 
 core::Expected<std::vector<Pictures::Picture>> Pictures::draw(core::Scene& scene) const {
-  engine::EngineConfig config;
-  config.draw = config.ids = true;
-  config.culler = engine::CullerChoice::kCpu;
-  config.context_platform = platform_;
-  config.width = kWidth;
-  config.height = kHeight;
-  auto engine = engine::Engine::create(scene, config);
+  auto engine = engine::Engine::create(scene, drawing_config(kWidth, kHeight, platform_));
   if (!engine) return tl::unexpected(engine.error());
   std::vector<Picture> pictures;
   for (const core::View& view : views_) {
