@@ -1,7 +1,5 @@
 #include "sightline/apps/common/paged_model.h"
 
-#include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -11,6 +9,7 @@
 #include <sys/resource.h>
 
 #include "sightline/apps/common/progress.h"
+#include "sightline/importers/internal/extension.h"
 #include "sightline/importers/slc/paged_scene.h"
 
 namespace sightline::apps {
@@ -50,10 +49,7 @@ void allow_many_files() {
 bool is_cache_or_folder(const std::string& file) {
   std::error_code unknown;
   if (std::filesystem::is_directory(file, unknown)) return true;
-  std::string extension = std::filesystem::path(file).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == ".slc";
+  return importers::lower_case_extension(file) == ".slc";
 }
 
 }  // namespace
