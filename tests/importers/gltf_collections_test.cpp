@@ -2,6 +2,7 @@
 // formulas, must lie on what was imported.
 #include "sightline/importers/gltf/internal/gltf_collections.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -9,6 +10,7 @@
 
 #include "sightline/importers/gltf/internal/gltf_reader.h"
 #include "sightline/tests/importers/gltf_bytes.h"
+#include "sightline/tests/importers/triangle_distance.h"
 
 namespace sightline::importers {
 namespace {
@@ -72,22 +74,6 @@ struct Distance {
     return 1e9;
   }
 };
-
-/// Distance of a point to the triangles of a mesh, through the nearest point of each (Ericson, "Real-Time Collision
-/// Detection", 5.1.5, by clamping the barycentric coordinates of edges and face).
-double distance_to_triangle(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
-  const auto edge = [&](const dvec3& u, const dvec3& v) {
-    const double length2 = glm::dot(v - u, v - u);
-    const double t = length2 > 0.0 ? std::clamp(glm::dot(p - u, v - u) / length2, 0.0, 1.0) : 0.0;
-    return glm::length(p - (u + t * (v - u)));
-  };
-  double best = std::min({edge(a, b), edge(b, c), edge(c, a)});
-  const dvec3 n = glm::cross(b - a, c - a);
-  if (glm::dot(n, n) == 0.0) return best;
-  const bool inside = glm::dot(glm::cross(b - a, p - a), n) >= 0 && glm::dot(glm::cross(c - b, p - b), n) >= 0 &&
-                      glm::dot(glm::cross(a - c, p - c), n) >= 0;
-  return inside ? std::min(best, std::abs(glm::dot(p - a, n)) / glm::length(n)) : best;
-}
 
 class GltfCollectionsTest : public testing::Test {
  protected:
@@ -162,7 +148,7 @@ class GltfCollectionsTest : public testing::Test {
         return core::transform_point(item, dvec3(mesh.positions[mesh.indices[i]]));
       };
       for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
-        distance = std::min(distance, distance_to_triangle(world, at(i), at(i + 1), at(i + 2)));
+        distance = std::min(distance, tests::distance_to_triangle(world, {at(i), at(i + 1), at(i + 2)}));
     }
     return distance;
   }

@@ -15,6 +15,7 @@
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/importers/recognise/internal/recognise.h"
 #include "sightline/importers/recognise/internal/surface_distance.h"
+#include "sightline/tests/importers/triangle_distance.h"
 
 namespace sightline::tests {
 namespace {
@@ -324,23 +325,6 @@ std::optional<std::vector<std::uint32_t>> removed_from(const Mesh& mesh, const M
       removed.push_back(std::uint32_t(i / 3));
   }
   return kept == rest.indices.size() ? std::optional(std::move(removed)) : std::nullopt;
-}
-
-/// The closest point of a triangle, by projection on it and on its edges.
-double distance_to_triangle(const dvec3& p, const std::array<dvec3, 3>& t) {
-  const auto to_edge = [&](const dvec3& a, const dvec3& b) {
-    const dvec3 way = b - a;
-    const double squared = glm::dot(way, way);
-    const double s = squared > 0.0 ? std::clamp(glm::dot(p - a, way) / squared, 0.0, 1.0) : 0.0;
-    return glm::length(p - (a + s * way));
-  };
-  const double edges = std::min({to_edge(t[0], t[1]), to_edge(t[1], t[2]), to_edge(t[2], t[0])});
-  const dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
-  const double length = glm::length(normal);
-  if (!(length > 0.0)) return edges;
-  for (std::size_t k = 0; k < 3; ++k)
-    if (glm::dot(glm::cross(t[(k + 1) % 3] - t[k], p - t[k]), normal) < 0.0) return edges;
-  return std::fabs(glm::dot(p - t[0], normal)) / length;
 }
 
 /// What is left of the surface without ends that need no triangles: those between two pieces of a pipe.

@@ -15,6 +15,7 @@
 #include "sightline/importers/obj/obj_writer.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/tests/importers/random_recognition.h"
+#include "sightline/tests/importers/triangle_distance.h"
 #include "sightline/tests/support/test_data.h"
 
 namespace sightline::importers {
@@ -642,19 +643,6 @@ TEST(Recognise, HostileMeshes) {
   EXPECT_LE(recognise(twice).primitives.size(), 2u);
 }
 
-double distance_to_triangle(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
-  const auto to_edge = [&](const dvec3& from, const dvec3& to) {
-    const dvec3 way = to - from;
-    return glm::length(p - from - std::clamp(glm::dot(p - from, way) / glm::dot(way, way), 0.0, 1.0) * way);
-  };
-  const dvec3 n = glm::cross(b - a, c - a);
-  const auto inside = [&](const dvec3& from, const dvec3& to) {
-    return glm::dot(glm::cross(to - from, p - from), n) >= 0.0;
-  };
-  if (inside(a, b) && inside(b, c) && inside(c, a)) return std::fabs(glm::dot(p - a, n)) / glm::length(n);
-  return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
-}
-
 /// The largest distance of points of one mesh's triangles, `steps` to an edge, from the other's.
 double farthest(const core::Mesh& from, const core::Mesh& to, int steps) {
   const auto corner = [](const core::Mesh& mesh, std::size_t i) { return dvec3(mesh.positions[mesh.indices[i]]); };
@@ -667,7 +655,8 @@ double farthest(const core::Mesh& from, const core::Mesh& to, int steps) {
                         double(steps);
         double nearest = std::numeric_limits<double>::infinity();
         for (std::size_t u = 0; u < to.indices.size() && nearest > most; u += 3)
-          nearest = std::min(nearest, distance_to_triangle(p, corner(to, u), corner(to, u + 1), corner(to, u + 2)));
+          nearest =
+              std::min(nearest, tests::distance_to_triangle(p, {corner(to, u), corner(to, u + 1), corner(to, u + 2)}));
         most = std::max(most, nearest);
       }
   return most;
