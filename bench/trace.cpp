@@ -1,7 +1,7 @@
 // sightline-bench trace: primary rays of one picture through the ray tracer, on one thread, and beside Embree 3 where
 // the build has found it. Embree gets all meshes as one mesh in world coordinates. It gets solids in two ways: as
-// triangles, whose chords deviate by a quarter of a pixel at the median distance, and as user geometry that calls our
-// reference intersectors.
+// triangles, whose chords deviate by a quarter of a pixel at the median distance unless --chord says otherwise, and as
+// user geometry that calls our reference intersectors.
 //
 // The rays exist before the clock runs, by default in the cache, where those of a picture are that makes them tile by
 // tile. Figures are the least of interleaved passes, in processor time.
@@ -42,6 +42,7 @@ struct Options {
   double zoom = 1.0;
   int width = 1408, height = 768, passes = 5, threads = 1;
   std::size_t chunk = 0;
+  double chord = 0.25;
   std::string only, json;
 };
 
@@ -148,15 +149,15 @@ void add_peer(const std::string& name, const core::Mesh& mesh, std::vector<PeerS
                   }});
 }
 
-/// A chord tolerance that a picture shows as a quarter of a pixel at the median distance of what it hits; metres.
-double quarter_pixel(const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays, int height) {
+/// A chord tolerance that a picture shows as one pixel at the median distance of what it hits; metres.
+double one_pixel(const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays, int height) {
   std::vector<double> distances;
   for (std::size_t i = 0; i < rays.size(); i += 97)
     if (const auto hit = tracer.nearest(rays[i]); *hit) distances.push_back((*hit)->t);
-  if (distances.empty()) return 1.0;
+  if (distances.empty()) return 4.0;
   const auto middle = distances.begin() + std::ptrdiff_t(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());
-  return 0.25 * 2.0 * std::tan(0.5 * apps::kFovy) / height * *middle;
+  return 2.0 * std::tan(0.5 * apps::kFovy) / height * *middle;
 }
 
 void add_peers(const core::Snapshot& snapshot, const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays,
@@ -170,7 +171,7 @@ void add_peers(const core::Snapshot& snapshot, const raytrace::Tracer& tracer, s
     add_peer("Embree default", mesh, {}, false, options.threads, peers, ways, json);
     return;
   }
-  const double tolerance = quarter_pixel(tracer, rays, options.height);
+  const double tolerance = options.chord * one_pixel(tracer, rays, options.height);
   json["chord_tolerance_m"] = tolerance;
   add_peer("Embree robust, tessellated", joined(snapshot, tolerance), {}, true, options.threads, peers, ways, json);
   add_peer("Embree, our intersectors", mesh, solids, true, options.threads, peers, ways, json);
@@ -199,26 +200,39 @@ core::Expected<std::unique_ptr<core::Scene>> ball_of(std::size_t triangles) {
   return scene;
 }
 
-float distance_of(const raytrace::Hit* hit) {
-  return hit && hit->slot != core::kNone ? float(hit->t) : std::numeric_limits<float>::infinity();
+/// Answer: Hit or FirstHit.
+template <class Answer>
+float distance_of(const Answer& hit) {
+  return hit.slot != core::kNone ? float(hit.t) : std::numeric_limits<float>::infinity();
+}
+
+/// Streams of 256 rays.
+template <class Answer>
+Way stream_way(const char* name, const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays) {
+  return {.name = name, .trace = [&tracer, rays](std::size_t first, std::span<float> t) {
+            std::array<Answer, 256> hits;
+            for (std::size_t at = 0; at < t.size(); at += hits.size()) {
+              const auto some = std::span(hits).first(std::min(hits.size(), t.size() - at));
+              if (!tracer.nearest(rays.subspan(first + at, some.size()), some)) return;
+              for (std::size_t i = 0; i < some.size(); ++i) t[at + i] = distance_of(some[i]);
+            }
+          }};
 }
 
 std::vector<Way> own_ways(const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays) {
   const auto single = [&tracer, rays](std::size_t first, std::span<float> t) {
     for (std::size_t i = 0; i < t.size(); ++i) {
       const auto hit = tracer.nearest(rays[first + i]);
-      t[i] = distance_of(*hit ? &**hit : nullptr);
+      t[i] = *hit ? distance_of(**hit) : std::numeric_limits<float>::infinity();
     }
   };
-  const auto streams = [&tracer, rays](std::size_t first, std::span<float> t) {
-    std::array<raytrace::Hit, 256> hits;
-    for (std::size_t at = 0; at < t.size(); at += hits.size()) {
-      const std::size_t count = std::min(hits.size(), t.size() - at);
-      if (!tracer.nearest(rays.subspan(first + at, count), std::span(hits).first(count))) return;
-      for (std::size_t i = 0; i < count; ++i) t[at + i] = distance_of(&hits[i]);
-    }
+  const auto first_hits = [&tracer, rays](std::size_t first, std::span<float> t) {
+    for (std::size_t i = 0; i < t.size(); ++i) t[i] = distance_of(*tracer.first(rays[first + i]));
   };
-  return {{.name = "Sightline, single", .trace = single}, {.name = "Sightline, streams", .trace = streams}};
+  return {{.name = "Sightline, single", .trace = single},
+          {.name = "Sightline, single first hits", .trace = first_hits},
+          stream_way<raytrace::Hit>("Sightline, streams", tracer, rays),
+          stream_way<raytrace::FirstHit>("Sightline, streams of first hits", tracer, rays)};
 }
 
 /// Reads what is there, so that it is in the cache.
@@ -320,15 +334,20 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--chunk", options.chunk, "Rays that are in the cache when they are traced; 0: all are in memory")
       ->default_val(4096)
       ->check(CLI::Range(std::size_t(0), std::size_t(1) << 30));
+  app.add_option("--chord", options.chord, "Deviation of the chords of solids that Embree gets as triangles, pixels")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-4, 10.0));
   app.add_option("--only", options.only, "Only tracers whose name has this text, as \"Sightline, streams\"");
   app.add_option("--threads", options.threads, "Threads that build; one traces")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
   apps::add_json_option(app, options.json);
-  apps::add_examples(app,
-                     "  sightline-bench trace bunny.ply\n"
-                     "  sightline-bench trace --triangles 3600000 --threads 2\n"
-                     "  sightline-bench trace --items 100000 --zoom 4");
+  apps::add_examples(
+      app,
+      "  sightline-bench trace bunny.ply\n"
+      "  sightline-bench trace --triangles 3600000 --threads 2\n"
+      "  sightline-bench trace --items 100000 --zoom 4\n"
+      "  sightline-bench trace --items 10000 --zoom 4 --chord 0.015625    # Embree with finer triangles");
 }
 
 }  // namespace

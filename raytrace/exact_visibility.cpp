@@ -28,7 +28,7 @@ std::optional<core::Error> count_rows(const Tracer& tracer, const PixelRays& pix
                                       int height, std::span<const core::dvec2> samples, int top,
                                       std::span<const std::uint64_t> ignored, std::vector<std::uint64_t>& counts) {
   std::vector<Ray> rays;
-  std::vector<Hit> hits;
+  std::vector<FirstHit> hits;
   for (int left = 0; left < width; left += kTile) {
     rays.clear();
     for (const core::dvec2& at : samples)

@@ -1,5 +1,6 @@
 // The nearest hits of many rays: Tracer::Impl::nearest() for packets, with the same answers bit for bit.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -138,8 +139,9 @@ class Tracer::Impl::Packet {
 
   std::span<const Ray> rays() const { return rays_; }
 
-  /// The nearest hits of packets without sections.
-  static void nearest(std::span<Packet* const> packets, std::span<Hit> hits) {
+  /// The nearest hits of packets without sections. Answer: Hit or FirstHit.
+  template <class Answer>
+  static void nearest(std::span<Packet* const> packets, std::span<Answer> hits) {
     for (Packet* const packet : packets) packet->start();
     walk(packets);
     for (Packet* const packet : packets) {
@@ -159,6 +161,11 @@ class Tracer::Impl::Packet {
   }
 
   /// The nearest hits with sections.
+  void nearest_of_parts(std::span<FirstHit> hits) {
+    std::array<Hit, kPacket> whole;
+    nearest_of_parts(std::span(whole).first(hits.size()));
+    for (std::size_t i = 0; i < hits.size(); ++i) hits[i] = {whole[i].slot, whole[i].t};
+  }
   void nearest_of_parts(std::span<Hit> hits) {
     const auto count = int(rays_.size());
     KeptParts parts[kPacket];
@@ -202,6 +209,11 @@ class Tracer::Impl::Packet {
     unsigned rays = 0;
     for (int i = 0; i < kPacket; ++i) rays |= unsigned(best_.slot[i] == slot) << i;
     return rays;
+  }
+
+  /// Writes the hits of all rays.
+  void finish(unsigned, std::span<FirstHit> hits) const {
+    for (std::size_t i = 0; i < hits.size(); ++i) hits[i] = {best_.slot[i], best_.t[i]};
   }
 
   /// Writes hits. Returns the rays that have none.
@@ -343,6 +355,7 @@ class Tracer::Impl::Packet {
       for (int i = 0; i < 3; ++i) out.column[axis][i] = map.column[axis][i];
     }
     out.scale = scale;
+    out.moves_only = is_unity(placement.linear);
     return true;
   }
 
@@ -488,7 +501,8 @@ std::size_t Tracer::Impl::by_packets(std::span<const Ray> rays, const RayFilter&
   return rays.size();
 }
 
-std::size_t Tracer::Impl::nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Hit> hits) const {
+template <class Answer>
+std::size_t Tracer::Impl::nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Answer> hits) const {
   return by_packets(rays, filter, false, [&](std::span<Packet* const> packets, std::size_t first, std::size_t count) {
     auto of_these = hits.subspan(first, count);
     if (filter.sections.empty()) return Packet::nearest(packets, of_these);
@@ -498,6 +512,9 @@ std::size_t Tracer::Impl::nearest(std::span<const Ray> rays, const RayFilter& fi
     }
   });
 }
+
+template std::size_t Tracer::Impl::nearest(std::span<const Ray>, const RayFilter&, std::span<Hit>) const;
+template std::size_t Tracer::Impl::nearest(std::span<const Ray>, const RayFilter&, std::span<FirstHit>) const;
 
 std::size_t Tracer::Impl::any(std::span<const Ray> rays, const RayFilter& filter, std::span<bool> hit) const {
   return by_packets(rays, filter, true, [&](std::span<Packet* const> packets, std::size_t first, std::size_t count) {

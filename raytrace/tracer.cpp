@@ -371,15 +371,30 @@ Slot Tracer::Impl::cut_at(const Ray& ray, double t, const core::Plane* plane, co
   return cut;
 }
 
-void Tracer::Impl::nearest_in(const Ray& ray, double from, double to, const RayFilter& filter,
-                              std::optional<Hit>& hit) const {
+Tracer::Impl::Found Tracer::Impl::find_nearest(const Ray& ray, double from, double to, const RayFilter& filter) const {
   Found found;
   found.t = to;
   walk(ray, from, to, filter, [&](Slot slot) {
     nearest_of(slot, ray, from, found);
     return found.t;
   });
+  return found;
+}
+
+void Tracer::Impl::nearest_in(const Ray& ray, double from, double to, const RayFilter& filter,
+                              std::optional<Hit>& hit) const {
+  const Found found = find_nearest(ray, from, to, filter);
   if (found.slot != core::kNone) hit = finish(ray, found);
+}
+
+FirstHit Tracer::Impl::first(const Ray& ray, const RayFilter& filter) const {
+  if (filter.sections.empty()) {
+    const Found found = find_nearest(ray, ray.t_min, ray.t_max, filter);
+    return {found.slot, found.t};
+  }
+  std::optional<Hit> hit;
+  nearest_kept(ray, filter, hit);
+  return hit ? FirstHit{hit->slot, hit->t} : FirstHit();
 }
 
 void Tracer::Impl::nearest_kept(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
@@ -496,11 +511,24 @@ core::Expected<std::optional<Hit>> Tracer::nearest(const Ray& ray, const RayFilt
     result = tl::unexpected(fault(ray));
   return result;
 }
-core::Expected<void> Tracer::nearest(std::span<const Ray> rays, std::span<Hit> hits, const RayFilter& filter) const {
+core::Expected<FirstHit> Tracer::first(const Ray& ray, const RayFilter& filter) const {
+  if (!good(ray)) return tl::unexpected(fault(ray));
+  return impl_->first(ray, filter);
+}
+template <class Answer>
+core::Expected<void> Tracer::nearest_of(std::span<const Ray> rays, std::span<Answer> hits,
+                                        const RayFilter& filter) const {
   if (hits.size() != rays.size()) return core::fail("nearest: there must be as many hits as rays");
   const std::size_t done = impl_->nearest(rays, filter, hits);
   if (done != rays.size()) return core::fail("rays[" + std::to_string(done) + "]: " + fault(rays[done]).message);
   return {};
+}
+core::Expected<void> Tracer::nearest(std::span<const Ray> rays, std::span<Hit> hits, const RayFilter& filter) const {
+  return nearest_of(rays, hits, filter);
+}
+core::Expected<void> Tracer::nearest(std::span<const Ray> rays, std::span<FirstHit> hits,
+                                     const RayFilter& filter) const {
+  return nearest_of(rays, hits, filter);
 }
 core::Expected<bool> Tracer::any(const Ray& ray, const RayFilter& filter) const {
   if (!good(ray)) return tl::unexpected(fault(ray));

@@ -95,6 +95,12 @@ struct Hit {
   Face face = Face::kTriangle;
 };
 
+/// Of the nearest hit, what pictures of ids and of distances need.
+struct FirstHit {
+  core::Slot slot = core::kNone;  ///< kNone: nothing is hit, and t says nothing
+  double t = 0.0;
+};
+
 /// Bytes held, and what for.
 struct TracerMemory {
   std::size_t items = 0;   ///< hierarchy over the items
@@ -124,12 +130,16 @@ class SIGHTLINE_API Tracer {
 
   /// The hit with the least t; of several at the very same t, that in the lowest slot.
   core::Expected<std::optional<Hit>> nearest(const Ray& ray, const RayFilter& filter = {}) const;
-  /// The same for many rays, for pictures: hits[i] is what nearest(rays[i]) answers, bit for bit. Only of surfaces that
-  /// are nearer to one another than their errors may it be another. Its slot is kNone where nothing is hit; the rest
-  /// then says nothing. Rays that follow one another should be near to each other, as those of 4 x 4 pixels are:
+  /// Its slot and t alone, in less time: for distances and lines of sight.
+  core::Expected<FirstHit> first(const Ray& ray, const RayFilter& filter = {}) const;
+  /// nearest() for many rays, for pictures: hits[i] is what nearest(rays[i]) answers, bit for bit. Only of surfaces
+  /// that are nearer to one another than their errors may it be another. Its slot is kNone where nothing is hit; the
+  /// rest then says nothing. Rays that follow one another should be near to each other, as those of 4 x 4 pixels are:
   /// sixteen at a time are traced together. Fails as nearest() does, naming the first such ray, and unless there are as
   /// many hits as rays; then `hits` may hold anything.
   core::Expected<void> nearest(std::span<const Ray> rays, std::span<Hit> hits, const RayFilter& filter = {}) const;
+  /// The same without points, normals and faces, which take a tenth to a fifth of the time.
+  core::Expected<void> nearest(std::span<const Ray> rays, std::span<FirstHit> hits, const RayFilter& filter = {}) const;
   /// Whether anything is hit. Faster than nearest().
   core::Expected<bool> any(const Ray& ray, const RayFilter& filter = {}) const;
   /// The same for many rays, as for shadows: hit[i] is what any(rays[i]) answers. Fails as nearest() of many rays does.
@@ -143,6 +153,8 @@ class SIGHTLINE_API Tracer {
 
  private:
   class Impl;
+  template <class Answer>
+  core::Expected<void> nearest_of(std::span<const Ray> rays, std::span<Answer> hits, const RayFilter& filter) const;
   explicit Tracer(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

@@ -15,9 +15,10 @@ struct alignas(64) RayLanes {
 };
 
 /// Into an item's coordinates: subtracts both shifts from origins, then multiplies by the transposed columns times
-/// `inverse`, then by `scale`.
+/// `inverse`, then by `scale`. `moves_only`: the columns times `inverse` are the identity.
 struct LaneMap {
   double shift[2][3], column[3][3], inverse, scale;
+  bool moves_only;
 };
 
 /// TreeSpace, and what to subtract from origins first.

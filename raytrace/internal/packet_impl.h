@@ -64,6 +64,15 @@ inline void lanes_to_item(const RayLanes& rays, const LaneMap& m, RayLanes& out)
     const double first = m.shift[0][axis], second = m.shift[1][axis];
     for (int i = 0; i < kPacket; ++i) o[axis][i] = (rays.origin[axis][i] - first) - second;
   }
+  for (int i = 0; i < kPacket; ++i) out.from[i] = rays.from[i], out.to[i] = rays.to[i];
+  if (m.moves_only) {
+    for (int axis = 0; axis < 3; ++axis)
+      for (int i = 0; i < kPacket; ++i) {
+        out.origin[axis][i] = m.scale * (o[axis][i] + 0.0);  // what the map would give: -0 becomes 0
+        out.direction[axis][i] = m.scale * (rays.direction[axis][i] + 0.0);
+      }
+    return;
+  }
   for (int axis = 0; axis < 3; ++axis) {
     const double x = m.column[axis][0], y = m.column[axis][1], z = m.column[axis][2];
     for (int i = 0; i < kPacket; ++i) {
@@ -73,7 +82,6 @@ inline void lanes_to_item(const RayLanes& rays, const LaneMap& m, RayLanes& out)
       out.direction[axis][i] = m.scale * (m.inverse * along);
     }
   }
-  for (int i = 0; i < kPacket; ++i) out.from[i] = rays.from[i], out.to[i] = rays.to[i];
 }
 
 /// The power of two in (x / 2, x], and 1 / that.

@@ -99,8 +99,10 @@ class Tracer::Impl {
   void nearest(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const {
     filter.sections.empty() ? nearest_in(ray, ray.t_min, ray.t_max, filter, hit) : nearest_kept(ray, filter, hit);
   }
-  /// Returns the first ray that is none, or their number. In stream.cpp.
-  std::size_t nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Hit> hits) const;
+  FirstHit first(const Ray& ray, const RayFilter& filter) const;
+  /// Returns the first ray that is none, or their number. In stream.cpp, for Hit and FirstHit.
+  template <class Answer>
+  std::size_t nearest(std::span<const Ray> rays, const RayFilter& filter, std::span<Answer> hits) const;
   bool any(const Ray& ray, const RayFilter& filter) const;
   std::size_t any(std::span<const Ray> rays, const RayFilter& filter, std::span<bool> hit) const;
   void all(const Ray& ray, const RayFilter& filter, std::vector<Hit>& hits) const;
@@ -124,6 +126,7 @@ class Tracer::Impl {
   template <class Meet>
   void walk(const Ray& ray, double from, double to, const RayFilter& filter, const Meet& meet) const;
   bool nearest_of(Slot slot, const Ray& ray, double from, Found& found) const;
+  Found find_nearest(const Ray& ray, double from, double to, const RayFilter& filter) const;
   void nearest_kept(const Ray& ray, const RayFilter& filter, std::optional<Hit>& hit) const;
   void nearest_in(const Ray& ray, double from, double to, const RayFilter& filter, std::optional<Hit>& hit) const;
   template <class Visit>

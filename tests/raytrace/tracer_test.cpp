@@ -258,18 +258,33 @@ std::vector<Ray> random_stream(const World& world, Random& random, std::size_t c
   return rays;
 }
 
+/// First hits are those of whole hits, bit for bit.
+void check_first_hits(const Tracer& tracer, const std::vector<Ray>& rays, const std::vector<Hit>& hits,
+                      const RayFilter& filter) {
+  std::vector<FirstHit> first(rays.size(), FirstHit{.slot = 12345});
+  ASSERT_TRUE(tracer.nearest(rays, first, filter));
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_EQ(first[i].slot, hits[i].slot) << "ray " << i;
+    if (hits[i].slot != core::kNone) ASSERT_EQ(first[i].t, hits[i].t) << "ray " << i;
+  }
+}
+
 /// The stream's answers are those of single rays, bit for bit.
 void check_streams(const World& world, const Tracer& tracer, Random& random, std::size_t count, int most = 40) {
   const std::vector<Ray> rays = random_stream(world, random, count, most);
   std::vector<Hit> hits(count, Hit{.slot = 12345});
   const RayFilter filter = random_filter(world, random);
   ASSERT_TRUE(tracer.nearest(rays, hits, filter));
+  ASSERT_NO_FATAL_FAILURE(check_first_hits(tracer, rays, hits, filter));
   const auto any = std::make_unique<bool[]>(count);
   ASSERT_TRUE(tracer.any(rays, {any.get(), count}, filter));
   for (std::size_t i = 0; i < count; ++i) {
     SCOPED_TRACE(testing::Message() << "ray " << i);
     ASSERT_EQ(any[i], *tracer.any(rays[i], filter));
     const std::optional<Hit> alone = *tracer.nearest(rays[i], filter);
+    const FirstHit first = *tracer.first(rays[i], filter);
+    ASSERT_EQ(first.slot, alone ? alone->slot : core::kNone);
+    if (alone) ASSERT_EQ(first.t, alone->t);
     // Two meshes in one place.
     if (alone && hits[i].slot != alone->slot && hits[i].t == alone->t && hits[i].triangle != core::kNone) continue;
     ASSERT_EQ(hits[i].slot, alone ? alone->slot : core::kNone);
@@ -671,6 +686,7 @@ TEST(Tracer, RefusesRaysThatAreNone) {
   std::vector<Hit> hits;
   for (const Ray& ray : bad) {
     EXPECT_FALSE(tracer.nearest(ray));
+    EXPECT_FALSE(tracer.first(ray));
     EXPECT_FALSE(tracer.any(ray));
     EXPECT_FALSE(tracer.all(ray, hits));
   }
@@ -684,6 +700,10 @@ TEST(Tracer, RefusesRaysThatAreNone) {
     ASSERT_FALSE(traced);
     EXPECT_EQ(traced.error().message.rfind("rays[" + std::to_string(at) + "]: ", 0), 0u) << traced.error().message;
     EXPECT_FALSE(tracer.nearest(rays, std::span(of_rays).first(3)));
+    std::vector<FirstHit> first(rays.size());
+    const auto firsts = tracer.nearest(rays, first);
+    ASSERT_FALSE(firsts);
+    EXPECT_EQ(firsts.error().message, traced.error().message);
     bool hit[37];
     const auto any = tracer.any(rays, hit);
     ASSERT_FALSE(any);
