@@ -18,15 +18,40 @@ bool finite(const Ray& ray) {
 }  // namespace
 
 PixelRays::PixelRays(const core::View& view, int width, int height)
-    : eye_from_clip_(glm::inverse(view.clip_from_eye())),
-      world_from_eye_(glm::inverse(view.eye_from_world())),
-      width_(width),
-      height_(height),
-      orthographic_(view.orthographic()),
-      reversed_(view.clip_depth() == core::ClipDepth::kReversedZeroToOne) {
-  const dvec4 eye = eye_from_clip_ * dvec4(0.0, 0.0, 1.0, 0.0);
-  if (eye.w != 0.0) centre_ = dvec3(eye) / eye.w;
-  eye_ = dvec3(world_from_eye_ * dvec4(centre_, 1.0));
+    : width_(width), height_(height), orthographic_(view.orthographic()) {
+  const core::dmat4 rows = glm::transpose(view.clip_from_eye()), eye_from_clip = glm::inverse(view.clip_from_eye());
+  const core::dmat4 world_from_eye = glm::inverse(view.eye_from_world());
+  const bool reversed = view.clip_depth() == core::ClipDepth::kReversedZeroToOne;
+  const dvec4 near = reversed ? rows[2] - rows[3] : rows[2] + rows[3], far = reversed ? rows[2] : rows[2] - rows[3];
+  const dvec3 x(rows[0]), y(rows[1]), w(rows[3]);
+  Linear<dvec3> along{glm::cross(x, y), glm::cross(y, w), glm::cross(w, x)};
+  // Forwards is where w grows, or from the near to the far plane.
+  const double forwards =
+      orthographic_ ? glm::dot(dvec3(rows[2]), along.constant) * (reversed ? -1.0 : 1.0) : glm::dot(w, along.constant);
+  const double scale = std::copysign(1.0 / glm::length(along.constant), forwards);
+  for (dvec3* part : {&along.constant, &along.per_x, &along.per_y}) *part *= scale;
+  const auto turned = [&](const dvec3& direction) { return core::dmat3(world_from_eye) * direction; };
+  direction_ = {turned(along.constant), turned(along.per_x), turned(along.per_y)};
+  if (orthographic_) {
+    const auto on_near = [&](double at_x, double at_y) {
+      const dvec4 place = eye_from_clip * dvec4(at_x, at_y, reversed ? 1.0 : -1.0, 1.0);
+      return dvec3(place) / place.w;
+    };
+    const dvec3 middle = on_near(0.0, 0.0);
+    origin_ = {dvec3(world_from_eye * dvec4(middle, 1.0)), turned(on_near(1.0, 0.0) - middle),
+               turned(on_near(0.0, 1.0) - middle)};
+    depth_ = -glm::dot(far, dvec4(middle, 1.0)) / glm::dot(dvec3(far), along.constant);
+    return;
+  }
+  const dvec4 homogeneous = eye_from_clip * dvec4(0.0, 0.0, 1.0, 0.0);
+  const dvec3 eye = dvec3(homogeneous) / homogeneous.w;
+  eye_ = dvec3(world_from_eye * dvec4(eye, 1.0));
+  const auto per_step = [&](const dvec4& plane) {
+    const dvec3 rate = dvec3(plane) / -glm::dot(plane, dvec4(eye, 1.0));
+    return Linear<double>{glm::dot(rate, along.constant), glm::dot(rate, along.per_x), glm::dot(rate, along.per_y)};
+  };
+  per_near_ = per_step(near);
+  per_far_ = per_step(far);
 }
 
 core::Expected<PixelRays> PixelRays::create(const core::View& view, int width, int height) {
@@ -37,29 +62,20 @@ core::Expected<PixelRays> PixelRays::create(const core::View& view, int width, i
 }
 
 Ray PixelRays::through(double x, double y) const {
-  const double sx = 2.0 * x / width_ - 1.0, sy = 1.0 - 2.0 * y / height_;
-  const dvec4 near = eye_from_clip_ * dvec4(sx, sy, reversed_ ? 1.0 : -1.0, 1.0);
-  const dvec4 far = eye_from_clip_ * dvec4(sx, sy, reversed_ ? 0.0 : 1.0, 1.0);
-  // The homogeneous points' difference points along the ray even if one of them is infinitely far away.
-  dvec3 along = dvec3(far) * near.w - dvec3(near) * far.w;
-  if (near.w * far.w < 0.0) along = -along;
-  along = glm::normalize(along);
-  const dvec3 start = dvec3(near) / near.w;
-  const double depth =
-      far.w == 0.0 ? std::numeric_limits<double>::infinity() : glm::dot(dvec3(far) / far.w - start, along);
-  const dvec3 in_world = core::dmat3(world_from_eye_) * along;
-  const double scale = glm::length(in_world);
+  const double at_x = 2.0 * x / width_ - 1.0, at_y = 1.0 - 2.0 * y / height_;
+  const dvec3 along = direction_.at(at_x, at_y);
+  const double length = glm::length(along);
   Ray ray;
-  ray.direction = glm::normalize(in_world);
+  ray.direction = along / length;
   if (orthographic_) {
-    ray.origin = dvec3(world_from_eye_ * dvec4(start, 1.0));
-    ray.t_max = depth * scale;
-  } else {
-    const double to_start = glm::dot(start - centre_, along);
-    ray.origin = eye_;
-    ray.t_min = to_start * scale;
-    ray.t_max = (to_start + depth) * scale;
+    ray.origin = origin_.at(at_x, at_y);
+    ray.t_max = depth_ * length;
+    return ray;
   }
+  const double per_far = per_far_.at(at_x, at_y);
+  ray.origin = eye_;
+  ray.t_min = length / per_near_.at(at_x, at_y);
+  ray.t_max = per_far > 0.0 ? length / per_far : std::numeric_limits<double>::infinity();
   return ray;
 }
 
