@@ -46,8 +46,11 @@ if [ ${#missing[@]} -gt 0 ]; then
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 fi
 
-# With relative paths trees of the same depth, such as build/release and build/packages, share compiled objects.
-if command -v ccache >/dev/null && [ -z "$(ccache --get-config base_dir)" ]; then export CCACHE_BASEDIR=$PWD; fi
+# With relative paths trees of the same depth, such as build/release and build/packages, share compiled objects; so do
+# checkouts, whose folder only debug information would name.
+if command -v ccache >/dev/null && [ -z "$(ccache --get-config base_dir)" ]; then
+  export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
+fi
 # The launcher is chosen once: a change would recompile everything.
 launcher=()
 if [ ! -e "build/$preset/CMakeCache.txt" ] && command -v ccache >/dev/null; then
