@@ -34,7 +34,7 @@ ItemTest make_item_test(const core::ItemBounds& bounds, const CullPlanes& planes
 
 const Kernels& kernels() {
 #ifdef SIGHTLINE_X86_KERNELS
-  return core::form_in_use(scalar_kernels(), avx2_kernels(), avx512_kernels());
+  return core::form_in_use(scalar_kernels, avx2_kernels, avx512_kernels)();
 #else
   return scalar_kernels();
 #endif

@@ -114,6 +114,10 @@ struct Avx2 {
   static Places place_below(const Lanes& a) {
     return {_mm256_cvtps_epi32(_mm256_floor_ps(a.low)), _mm256_cvtps_epi32(_mm256_floor_ps(a.high))};
   }
+  static Places load_places(const std::int32_t* a) {
+    const auto half = [&](int first) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(a + first)); };
+    return {half(0), half(8)};
+  }
   static Places spread_place(int a) { return {_mm256_set1_epi32(a), _mm256_set1_epi32(a)}; }
   static Places plus(const Places& a, const Places& b) {
     return {_mm256_add_epi32(a.low, b.low), _mm256_add_epi32(a.high, b.high)};
@@ -148,6 +152,15 @@ struct Avx2 {
   }
   static Lanes look_up(const float* table, const Places& at) {
     return {_mm256_i32gather_ps(table, at.low, 4), _mm256_i32gather_ps(table, at.high, 4)};
+  }
+  static __m256 choose_half(unsigned bits, __m256 a, __m256 b) {
+    const __m256i own = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    const __m256i set = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(int(bits)), own), own);
+    return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(set));
+  }
+  /// a where bits are set, else b.
+  static Lanes choose(unsigned bits, const Lanes& a, const Lanes& b) {
+    return {choose_half(bits, a.low, b.low), choose_half(bits >> 8, a.high, b.high)};
   }
 
   static float least(const float* a) { return least_of_leaf(a); }

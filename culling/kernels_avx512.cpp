@@ -67,6 +67,7 @@ struct Avx512 {
   static Places place_below(const Lanes& a) {
     return _mm512_maskz_cvt_roundps_epi32(kAll, a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
   }
+  static Places load_places(const std::int32_t* a) { return _mm512_loadu_si512(a); }
   static Places spread_place(int a) { return _mm512_set1_epi32(a); }
   static Places plus(const Places& a, const Places& b) { return _mm512_add_epi32(a, b); }
   static Places minus(const Places& a, const Places& b) { return _mm512_sub_epi32(a, b); }
@@ -85,6 +86,10 @@ struct Avx512 {
   }
   static Lanes look_up(const float* table, const Places& at) {
     return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), kAll, at, table, 4);
+  }
+  /// a where bits are set, else b.
+  static Lanes choose(unsigned bits, const Lanes& a, const Lanes& b) {
+    return _mm512_mask_blend_ps(__mmask16(bits), b, a);
   }
 
   static __m512i places(std::uint32_t base) {

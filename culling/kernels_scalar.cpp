@@ -138,6 +138,9 @@ struct Scalar {
   static Places place_below(const Lanes& a) {
     return each_place([&](int i) { return int(a.v[i]); });
   }
+  static Places load_places(const std::int32_t* a) {
+    return each_place([&](int i) { return a[i]; });
+  }
   static Places spread_place(int a) {
     return each_place([&](int) { return a; });
   }
@@ -175,6 +178,10 @@ struct Scalar {
   }
   static Lanes look_up(const float* table, const Places& at) {
     return each([&](int i) { return table[at.v[i]]; });
+  }
+  /// a where bits are set, else b.
+  static Lanes choose(unsigned bits, const Lanes& a, const Lanes& b) {
+    return each([&](int i) { return (bits >> i & 1u) != 0 ? a.v[i] : b.v[i]; });
   }
 
   static unsigned share(const std::uint32_t* layers, std::uint32_t mask) {

@@ -74,13 +74,9 @@ bool DepthPyramid::all_nearer(int x0, int y0, int x1, int y1, float distance) co
   // The finest level at which the pixels lie in 9 x 9 blocks at most.
   const unsigned span = unsigned(std::max(x1 - x0, y1 - y0));
   const std::size_t level = std::min(levels_.size() - 1, std::size_t(std::max(3, int(std::bit_width(span))) - 3));
-  const Level& blocks = levels_[level];
-  for (int y = y0 >> level; y <= y1 >> level; ++y) {
-    const float* row = texels_.data() + blocks.first + std::size_t(y) * std::size_t(blocks.width);
-    for (int x = x0 >> level; x <= x1 >> level; ++x)
-      if (!(row[x] < distance)) return false;
-  }
-  return true;
+  const int left = x0 >> level, bottom = y0 >> level;
+  return kernels().all_less(row(int(level), bottom) + left, levels_[level].width, (x1 >> level) - left + 1,
+                            (y1 >> level) - bottom + 1, distance);
 }
 
 OcclusionTest::OcclusionTest(const core::View& view, const core::dvec3& origin, int width, int height,
@@ -170,11 +166,11 @@ unsigned OcclusionTest::maybe_open(const float* const (&coordinates)[6], BoxRect
   return r.covering & ~(judged & kernels().behind(view_, r, pyramid_->blocks(), {kDistanceMargin, error_}));
 }
 
-/// Of sixteen boxes those whose rays are worth testing: not hidden by all their pixels alike, nor seen at the middle
-/// one.
+/// Of sixteen boxes those whose rays are worth testing: not hidden by all their pixels alike, nor seen at one of three.
 unsigned OcclusionTest::undecided(const float* const (&coordinates)[6], const BoxRectangles& r, unsigned open) const {
   unsigned judged = open & r.projects;
-  if (judged != 0 && rays_.usable()) judged &= ~kernels().seen(view_, ray_field_, coordinates, r, pyramid_->blocks());
+  if (judged != 0 && rays_.usable())
+    judged &= ~kernels().seen(view_, ray_field_, coordinates, r, judged, pyramid_->blocks());
   return judged;
 }
 

@@ -7,7 +7,7 @@ namespace sightline::raytrace {
 
 const Kernels& kernels() {
 #ifdef SIGHTLINE_X86_KERNELS
-  return core::form_in_use(scalar_kernels(), avx2_kernels(), avx512_kernels());
+  return core::form_in_use(scalar_kernels, avx2_kernels, avx512_kernels)();
 #else
   return scalar_kernels();
 #endif
@@ -15,7 +15,7 @@ const Kernels& kernels() {
 
 const PacketKernels& packet_kernels() {
 #ifdef SIGHTLINE_X86_KERNELS
-  return core::form_in_use(scalar_packet_kernels(), avx2_packet_kernels(), avx512_packet_kernels());
+  return core::form_in_use(scalar_packet_kernels, avx2_packet_kernels, avx512_packet_kernels)();
 #else
   return scalar_packet_kernels();
 #endif

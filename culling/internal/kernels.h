@@ -131,10 +131,11 @@ struct Kernels {
   /// at 2 x 2 blocks of the pyramid, so it may be 0 for boxes that are behind.
   unsigned (*behind)(const ScreenView& view, const BoxRectangles& boxes, const PyramidBlocks& pyramid,
                      const DistanceMargin& margin);
-  /// Bit i: the ray of the pixel in the middle of box i's rectangle meets the box in front of what the pixel holds, but
-  /// for rounding. So most boxes that are not hidden are known without a look at all of their pixels.
+  /// Bit i: the ray of a pixel in box i's rectangle meets the box in front of what the pixel holds, but for rounding.
+  /// So most boxes that are not hidden are known without a look at all of their pixels. Looks at three pixels along the
+  /// rectangle's longer side, at the middle one alone where that answers for all boxes in `asked`.
   unsigned (*seen)(const ScreenView& view, const RayField& rays, const float* const (&coordinates)[6],
-                   const BoxRectangles& boxes, const PyramidBlocks& pyramid);
+                   const BoxRectangles& boxes, unsigned asked, const PyramidBlocks& pyramid);
   /// Areas of the boxes' outlines in the picture, sixteen floats: infinite for boxes that do not project, 0 for empty
   /// ones. `solids`: null, or of each box an area in square metres; where that faces the eye at the box's centre and
   /// takes fewer pixels, these.
@@ -146,6 +147,9 @@ struct Kernels {
   /// Bit i: at some place of block i a ray may meet the box, no farther than the block's distance. Writes at what
   /// distance it enters the box, at least: sixteen floats, which mean something where the bit is set.
   unsigned (*open_blocks)(const BoxSpan& box, const BlockTile& tile, float* entries);
+  /// Whether all of `height` rows of `width` floats, both at most kLanes, are less than a limit. The first floats of
+  /// rows are `pitch` apart, and kLanes of each row may be read.
+  bool (*all_less)(const float* first, std::ptrdiff_t pitch, int width, int height, float limit);
   /// Raises the nearness that the pixels of an area hold to that of the area. `stride`: a multiple of kLanes.
   void (*fill_area)(const OccluderArea& area, float* image, int stride);
 };

@@ -492,13 +492,15 @@ void cull_items(const ItemTest& test, PlaneMask mask, std::size_t first, std::si
 /// Places of lanes in a tile, from its first block's, by the binary logarithm of its columns.
 struct TilePlaces {
   alignas(64) float x[5][kLanes], y[5][kLanes];
+  alignas(64) std::int32_t column[5][kLanes], row[5][kLanes];
 };
 inline constexpr TilePlaces kTilePlaces = [] {
   TilePlaces places{};
   for (int columns_log2 = 0; columns_log2 < 5; ++columns_log2)
     for (int lane = 0; lane < kLanes; ++lane) {
-      places.x[columns_log2][lane] = float(lane & ((1 << columns_log2) - 1));
-      places.y[columns_log2][lane] = float(lane >> columns_log2);
+      const int column = lane & ((1 << columns_log2) - 1), row = lane >> columns_log2;
+      places.x[columns_log2][lane] = float(column), places.y[columns_log2][lane] = float(row);
+      places.column[columns_log2][lane] = column, places.row[columns_log2][lane] = row;
     }
   return places;
 }();
@@ -513,33 +515,14 @@ typename Simd::Lanes keys_of_face(const PictureFunction& f, float reach, const t
   return Simd::add(Simd::add(in_row, Simd::spread(sign * reach * slope)), Simd::multiply(Simd::spread(f.x), x));
 }
 
-template <class Simd, int kColumns>
-void copy_rows(const BlockTile& tile, float* out) {
-  for (int y = 0; y < kLanes / kColumns; ++y) {
-    const float* const row = tile.farthest + (y < tile.rows ? y : tile.rows - 1) * tile.pitch;
-    std::memcpy(out + y * kColumns, row, kColumns * sizeof(float));
-  }
-}
-
 /// What the blocks of a tile hold.
 template <class Simd>
 typename Simd::Lanes held_by(const BlockTile& tile) {
   if (tile.columns_log2 == 4) return Simd::load(tile.farthest);
-  alignas(64) float held[kLanes];
-  switch (tile.columns_log2) {
-    case 3:
-      copy_rows<Simd, 8>(tile, held);
-      break;
-    case 2:
-      copy_rows<Simd, 4>(tile, held);
-      break;
-    case 1:
-      copy_rows<Simd, 2>(tile, held);
-      break;
-    default:
-      copy_rows<Simd, 1>(tile, held);
-  }
-  return Simd::load(held);
+  const auto x = Simd::load_places(kTilePlaces.column[tile.columns_log2]);
+  const auto y =
+      Simd::smaller(Simd::load_places(kTilePlaces.row[tile.columns_log2]), Simd::spread_place(tile.rows - 1));
+  return Simd::look_up(tile.farthest, Simd::plus(x, Simd::times(y, Simd::spread_place(int(tile.pitch)))));
 }
 
 /// Distances less their margins.
@@ -599,25 +582,21 @@ unsigned behind(const ScreenView& view, const BoxRectangles& boxes, const Pyrami
   return Simd::less(held, in_front<Simd>(Simd::load(boxes.nearest), margin)) & Simd::equal(wanted, level);
 }
 
+/// Of sixteen boxes those that the rays of these pixels, one for each box, meet in front of what the pixels hold.
 template <class Simd>
-unsigned seen(const ScreenView& view, const RayField& rays, const float* const (&coordinates)[6],
-              const BoxRectangles& boxes, const PyramidBlocks& pyramid) {
+unsigned seen_at(const typename Simd::Lanes& x, const typename Simd::Lanes& y, const RayField& rays,
+                 const float* const (&coordinates)[6], const PyramidBlocks& pyramid) {
   using Lanes = typename Simd::Lanes;
-  const Lanes zero = Simd::spread(0.0f), half = Simd::spread(0.5f);
-  const auto middle = [&](const float* low, const float* high, float last) {
-    const Lanes at = Simd::add(Simd::multiply(half, Simd::add(Simd::load(low), Simd::load(high))), half);
-    return Simd::whole(Simd::least(Simd::spread(last), Simd::most(zero, at)));
-  };
-  const Lanes x = middle(boxes.left, boxes.right, view.last_x), y = middle(boxes.bottom, boxes.top, view.last_y);
-  Lanes enter = zero, leave = zero;
+  Lanes enter = Simd::spread(0.0f), leave = enter;
   for (int axis = 0; axis < 3; ++axis) {
     const Lanes of_pixel =
         Simd::add(Simd::spread(rays.constant[axis]), Simd::add(Simd::multiply(Simd::spread(rays.per_x[axis]), x),
                                                                Simd::multiply(Simd::spread(rays.per_y[axis]), y)));
     const Lanes along = rays.parallel ? Simd::spread(rays.along[axis]) : of_pixel;
     const Lanes from = rays.parallel ? of_pixel : Simd::spread(rays.from[axis]);
-    const Lanes a = Simd::divide(Simd::subtract(Simd::load(coordinates[axis]), from), along);
-    const Lanes b = Simd::divide(Simd::subtract(Simd::load(coordinates[axis + 3]), from), along);
+    const Lanes per_metre = Simd::divide(Simd::spread(1.0f), along);
+    const Lanes a = Simd::multiply(Simd::subtract(Simd::load(coordinates[axis]), from), per_metre);
+    const Lanes b = Simd::multiply(Simd::subtract(Simd::load(coordinates[axis + 3]), from), per_metre);
     const Lanes first = Simd::least(a, b), last = Simd::most(a, b);
     enter = axis == 0 ? first : Simd::most(enter, first);
     leave = axis == 0 ? last : Simd::least(leave, last);
@@ -625,6 +604,31 @@ unsigned seen(const ScreenView& view, const RayField& rays, const float* const (
   const typename Simd::Places pixel =
       Simd::plus(Simd::place_below(x), Simd::times(Simd::place_below(y), Simd::spread_place(pyramid.levels[0])));
   return Simd::at_most(enter, leave) & Simd::less(enter, Simd::look_up(pyramid.farthest, pixel));
+}
+
+/// See Kernels::seen.
+template <class Simd>
+unsigned seen(const ScreenView& view, const RayField& rays, const float* const (&coordinates)[6],
+              const BoxRectangles& boxes, unsigned asked, const PyramidBlocks& pyramid) {
+  using Lanes = typename Simd::Lanes;
+  const Lanes zero = Simd::spread(0.0f), half = Simd::spread(0.5f);
+  const Lanes left = Simd::load(boxes.left), right = Simd::load(boxes.right);
+  const Lanes bottom = Simd::load(boxes.bottom), top = Simd::load(boxes.top);
+  const Lanes width = Simd::subtract(right, left), height = Simd::subtract(top, bottom);
+  const unsigned wide = Simd::less(height, width);
+  const auto pixel = [&](const Lanes& low, const Lanes& size, const Lanes& share, float last) {
+    const Lanes at = Simd::add(Simd::add(low, Simd::multiply(share, size)), half);
+    return Simd::whole(Simd::least(Simd::spread(last), Simd::most(zero, at)));
+  };
+  unsigned found = 0;
+  for (const float share : {0.5f, 0.25f, 0.75f}) {
+    const Lanes along = Simd::spread(share);
+    const Lanes x = pixel(left, width, Simd::choose(wide, along, half), view.last_x);
+    const Lanes y = pixel(bottom, height, Simd::choose(wide, half, along), view.last_y);
+    found |= seen_at<Simd>(x, y, rays, coordinates, pyramid);
+    if ((asked & ~found) == 0) break;
+  }
+  return found;
 }
 
 template <class Simd>
@@ -663,6 +667,13 @@ constexpr Kernels make_kernels() {
   k.areas = ScreenBoxes<Simd>::store_areas;
   k.squares = ScreenBoxes<Simd>::store_squares;
   k.open_blocks = open_blocks<Simd>;
+  k.all_less = [](const float* first, std::ptrdiff_t pitch, int width, int height, float limit) {
+    const unsigned looked_at = (1u << width) - 1u;
+    const auto most = Simd::spread(limit);
+    for (const float* row = first; height > 0; --height, row += pitch)
+      if ((~Simd::less(Simd::load(row), most) & looked_at) != 0) return false;
+    return true;
+  };
   k.fill_area = fill_area<Simd>;
   return k;
 }
