@@ -114,10 +114,6 @@ struct Avx2 {
   static Places place_below(const Lanes& a) {
     return {_mm256_cvtps_epi32(_mm256_floor_ps(a.low)), _mm256_cvtps_epi32(_mm256_floor_ps(a.high))};
   }
-  static Places load_places(const std::int32_t* a) {
-    const auto half = [&](int first) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(a + first)); };
-    return {half(0), half(8)};
-  }
   static Places spread_place(int a) { return {_mm256_set1_epi32(a), _mm256_set1_epi32(a)}; }
   static Places plus(const Places& a, const Places& b) {
     return {_mm256_add_epi32(a.low, b.low), _mm256_add_epi32(a.high, b.high)};

@@ -67,7 +67,6 @@ struct Avx512 {
   static Places place_below(const Lanes& a) {
     return _mm512_maskz_cvt_roundps_epi32(kAll, a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
   }
-  static Places load_places(const std::int32_t* a) { return _mm512_loadu_si512(a); }
   static Places spread_place(int a) { return _mm512_set1_epi32(a); }
   static Places plus(const Places& a, const Places& b) { return _mm512_add_epi32(a, b); }
   static Places minus(const Places& a, const Places& b) { return _mm512_sub_epi32(a, b); }

@@ -138,9 +138,6 @@ struct Scalar {
   static Places place_below(const Lanes& a) {
     return each_place([&](int i) { return int(a.v[i]); });
   }
-  static Places load_places(const std::int32_t* a) {
-    return each_place([&](int i) { return a[i]; });
-  }
   static Places spread_place(int a) {
     return each_place([&](int) { return a; });
   }

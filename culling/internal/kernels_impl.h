@@ -492,15 +492,13 @@ void cull_items(const ItemTest& test, PlaneMask mask, std::size_t first, std::si
 /// Places of lanes in a tile, from its first block's, by the binary logarithm of its columns.
 struct TilePlaces {
   alignas(64) float x[5][kLanes], y[5][kLanes];
-  alignas(64) std::int32_t column[5][kLanes], row[5][kLanes];
 };
 inline constexpr TilePlaces kTilePlaces = [] {
   TilePlaces places{};
   for (int columns_log2 = 0; columns_log2 < 5; ++columns_log2)
     for (int lane = 0; lane < kLanes; ++lane) {
-      const int column = lane & ((1 << columns_log2) - 1), row = lane >> columns_log2;
-      places.x[columns_log2][lane] = float(column), places.y[columns_log2][lane] = float(row);
-      places.column[columns_log2][lane] = column, places.row[columns_log2][lane] = row;
+      places.x[columns_log2][lane] = float(lane & ((1 << columns_log2) - 1));
+      places.y[columns_log2][lane] = float(lane >> columns_log2);
     }
   return places;
 }();
@@ -519,9 +517,9 @@ typename Simd::Lanes keys_of_face(const PictureFunction& f, float reach, const t
 template <class Simd>
 typename Simd::Lanes held_by(const BlockTile& tile) {
   if (tile.columns_log2 == 4) return Simd::load(tile.farthest);
-  const auto x = Simd::load_places(kTilePlaces.column[tile.columns_log2]);
-  const auto y =
-      Simd::smaller(Simd::load_places(kTilePlaces.row[tile.columns_log2]), Simd::spread_place(tile.rows - 1));
+  const auto places = [&](const float(&of)[kLanes]) { return Simd::place_below(Simd::load(of)); };
+  const auto x = places(kTilePlaces.x[tile.columns_log2]);
+  const auto y = Simd::smaller(places(kTilePlaces.y[tile.columns_log2]), Simd::spread_place(tile.rows - 1));
   return Simd::look_up(tile.farthest, Simd::plus(x, Simd::times(y, Simd::spread_place(int(tile.pitch)))));
 }
 
