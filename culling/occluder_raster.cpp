@@ -46,7 +46,16 @@ struct Form {
     size = glm::dot(form.sizes, coordinates) + std::abs(form.at_eye);
     lost = kLost * size + form.lost;
   }
+  /// Of coordinates relative to the eye.
+  Form(const EyeForm& form, const dvec3& reach)
+      : row(form.normal, form.at_eye),
+        size(glm::dot(form.sizes, reach) + std::abs(form.at_eye)),
+        lost(kLost * size + form.lost) {}
   double operator()(const dvec3& p) const { return row.x * p.x + row.y * p.y + row.z * p.z + row.w; }
+  /// The least value in a box.
+  double least(const dvec3& low, const dvec3& high) const {
+    return (*this)({row.x > 0.0 ? low.x : high.x, row.y > 0.0 ? low.y : high.y, row.z > 0.0 ? low.z : high.z});
+  }
 };
 
 struct Point {
@@ -62,15 +71,11 @@ struct Corner {
 /// An occluder's own coordinates in a view.
 class Placement {
  public:
+  /// Of coordinates relative to the eye.
+  Placement(const OccluderImage& view, const dvec3& reach)
+      : Placement(view, reach, [](const EyeForm& form, const dvec3& most) { return Form(form, most); }) {}
   Placement(const OccluderImage& view, const Affine& eye_from_own, const dvec3& reach)
-      : perspective_(view.perspective),
-        section_mode_(view.section_mode),
-        x_(view.x, eye_from_own, reach),
-        y_(view.y, eye_from_own, reach),
-        z_(view.z, eye_from_own, reach),
-        near_(view.near, eye_from_own, reach),
-        least_{2.0 * near_.lost, least_z()} {
-    for (const EyeForm& section : view.sections) sections_[section_count_++] = Form(section, eye_from_own, reach);
+      : Placement(view, reach, [&](const EyeForm& form, const dvec3& most) { return Form(form, eye_from_own, most); }) {
   }
 
   Point operator()(const dvec3& p) const { return {x_(p), y_(p), z_(p), near_(p)}; }
@@ -93,6 +98,15 @@ class Placement {
   double inside(int k, const Point& p) const { return (k == 0 ? p.near : p.z) - least_[k]; }
   bool in_front(const Point& p) const { return inside(0, p) > 0.0 && inside(1, p) > 0.0; }
 
+  /// Whether all of a box is kept and in front.
+  bool leaves_whole(const dvec3& low, const dvec3& high) const {
+    if (!(near_.least(low, high) > least_[0] && z_.least(low, high) > least_[1])) return false;
+    unsigned bits = 0;
+    for (unsigned i = 0; i < section_count_; ++i)
+      bits |= unsigned(sections_[i].least(low, high) > sections_[i].lost) << i;
+    return whole(bits);
+  }
+
   /// Of a point in front.
   Corner project(const Point& p) const {
     const double lost = std::max(x_.lost, y_.lost);
@@ -110,6 +124,17 @@ class Placement {
   double handedness() const { return glm::dot(dvec3(x_.row), glm::cross(dvec3(y_.row), dvec3(z_.row))); }
 
  private:
+  template <class Make>
+  Placement(const OccluderImage& view, const dvec3& reach, const Make& form)
+      : perspective_(view.perspective),
+        section_mode_(view.section_mode),
+        x_(form(view.x, reach)),
+        y_(form(view.y, reach)),
+        z_(form(view.z, reach)),
+        near_(form(view.near, reach)),
+        least_{2.0 * near_.lost, least_z()} {
+    for (const EyeForm& section : view.sections) sections_[section_count_++] = form(section, reach);
+  }
   /// At this distance x / z is off by some 2^-8 pixels because of z.
   double least_z() const {
     return perspective_ ? 16.0 * std::sqrt(kLost) * std::sqrt(std::max(x_.size, y_.size) * z_.size)
@@ -356,10 +381,10 @@ bool cover_polygon(OccluderImage& image, std::span<const Corner> corners, int tu
 // --- occluders -------------------------------------------------------------------------------------------------------
 
 /// Whether a face lies so near to a side of the outline, or outside, that no pixel which the polygon covers can see it.
-bool at_outline(const Polygon& polygon, const Polygon::Face& face) {
+bool at_outline(const Polygon& polygon, const Polygon::Face& face, double snap) {
   const auto beyond = [&](const Polygon::Side& side) {
     const Corner &p = polygon.corners[side.from], &q = polygon.corners[side.to];
-    const double dx = q.x - p.x, dy = q.y - p.y, most = 0.5 * kCoarsestSnap * (std::abs(dx) + std::abs(dy));
+    const double dx = q.x - p.x, dy = q.y - p.y, most = 0.5 * snap * (std::abs(dx) + std::abs(dy));
     for (int i = 0; i < face.count; ++i) {
       const Corner& c = polygon.corners[face.corners[i]];
       if (!(dx * (c.y - p.y) - dy * (c.x - p.x) <= most)) return false;
@@ -387,8 +412,8 @@ bool cover_whole(OccluderImage& image, const Solid& solid, std::span<const Corne
     left == (turn > 0) ? polygon.add_side(edge.from, edge.to) : polygon.add_side(edge.to, edge.from);
   }
   for (std::size_t i = 0; i < solid.faces.size(); ++i)
-    if (turns[i] == 0 && !at_outline(polygon, face_of(i))) polygon.face_count = 0;
-  return cover(image, polygon, kCoarsestSnap);
+    if (turns[i] == 0 && !at_outline(polygon, face_of(i), image.snap)) polygon.face_count = 0;
+  return cover(image, polygon, image.snap);
 }
 
 /// What lies in front of a polygon, in the picture. Changes the polygon.
@@ -428,20 +453,19 @@ bool cover_cut(OccluderImage& image, const Solid& solid, const Placement& placem
     }
     clip(placement, polygon, corners);
     if (corners.size() < 3) continue;
-    if (turn_of(corners, all_of(corners)) == turn) covers |= cover_polygon(image, corners, turn, kCoarsestSnap);
+    if (turn_of(corners, all_of(corners)) == turn) covers |= cover_polygon(image, corners, turn, image.snap);
   }
   return covers;
 }
 
-bool add_solid(OccluderImage& image, const Solid& solid, const Affine& eye_from_solid) {
-  if (!image.usable) return false;
-  const Placement placement(image, eye_from_solid, dvec3(solid.bulges.empty() ? 1.0 : Solid::kMostBulge));
+/// `own`: the solid's corners.
+bool add_solid(OccluderImage& image, const Solid& solid, std::span<const dvec3> own, const Placement& placement) {
   std::array<Point, 4 * Solid::kMostSides> points;
-  const std::size_t count = solid.corners.size(), all = count + solid.bulges.size();
+  const std::size_t count = own.size(), all = count + solid.bulges.size();
   std::size_t in_front = 0;
   unsigned kept = ~0u;
   for (std::size_t i = 0; i < all; ++i) {
-    const dvec3& p = i < count ? solid.corners[i] : solid.bulges[i - count];
+    const dvec3& p = i < count ? own[i] : solid.bulges[i - count];
     points[i] = placement(p);
     in_front += placement.in_front(points[i]);
     kept &= placement.kept(p);
@@ -452,6 +476,18 @@ bool add_solid(OccluderImage& image, const Solid& solid, const Affine& eye_from_
   std::array<Corner, 2 * Solid::kMostSides> corners;
   for (std::size_t i = 0; i < count; ++i) corners[i] = placement.project(points[i]);
   return cover_whole(image, solid, std::span(corners).first(count), turn);
+}
+
+bool add_solid(OccluderImage& image, const Solid& solid, const Affine& eye_from_solid) {
+  if (!image.usable) return false;
+  const dvec3 reach(solid.bulges.empty() ? 1.0 : Solid::kMostBulge);
+  return add_solid(image, solid, solid.corners, Placement(image, eye_from_solid, reach));
+}
+
+dvec3 reach_of(std::span<const dvec3> points) {
+  dvec3 reach(0.0);
+  for (const dvec3& p : points) reach = glm::max(reach, glm::abs(p));
+  return reach;
 }
 
 /// How large a box looks: the solid angle of the faces towards the eye, or their projected area; roughly. 0: not at
@@ -508,10 +544,11 @@ Affine from(const dvec3& eye, const Affine& world_from_own) {
 
 }  // namespace
 
-void OccluderRaster::begin(const core::View& view, int width, int height) {
+void OccluderRaster::begin(const core::View& view, int width, int height, float snap) {
   assert(width > 0 && width <= kMostPixels && height > 0 && height <= kMostPixels);
   OccluderImage& image = image_;
   image.width = width, image.height = height;
+  image.snap = double(snap);
   image.stride = (width + kLanes - 1) / kLanes * kLanes;
   image.perspective = !view.orthographic();
   image.nearness.assign(std::size_t(image.stride) * std::size_t(height),
@@ -557,6 +594,42 @@ bool OccluderRaster::add_box(const Affine& world_from_cube) {
 bool OccluderRaster::add_cylinder(const Affine& world_from_cylinder, int sides) {
   assert(sides >= 3 && sides <= Solid::kMostSides);
   return add_solid(image_, prism(sides), from(image_.eye, world_from_cylinder));
+}
+
+bool OccluderRaster::add_polygon(std::span<const dvec3> corners) {
+  assert(corners.size() >= 3 && corners.size() <= std::size_t(kMostCorners));
+  if (!image_.usable) return false;
+  const Placement placement(image_, reach_of(corners));
+  std::array<Corner, kMostCorners> projected;
+  unsigned kept = ~0u;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Point p = placement(corners[i]);
+    if (!placement.in_front(p)) return false;
+    kept &= placement.kept(corners[i]);
+    projected[i] = placement.project(p);
+  }
+  if (!placement.whole(kept)) return false;
+  const std::span<const Corner> polygon = std::span(projected).first(corners.size());
+  const int turn = turn_of(polygon, all_of(polygon));
+  return turn != 0 && cover_polygon(image_, polygon, turn, image_.snap);
+}
+
+bool OccluderRaster::add_hexahedron(std::span<const dvec3, 8> corners) {
+  return image_.usable && add_solid(image_, cube(), corners, Placement(image_, reach_of(corners)));
+}
+
+bool OccluderRaster::leaves_whole(const core::AabbD& box) const {
+  if (!image_.usable) return false;
+  const std::array<dvec3, 2> ends{box.min, box.max};
+  return Placement(image_, reach_of(ends)).leaves_whole(box.min, box.max);
+}
+
+void OccluderRaster::merge(const OccluderRaster& other) {
+  assert(image_.width == other.image_.width && image_.height == other.image_.height);
+  float* const to = image_.nearness.data();
+  const float* const from = other.image_.nearness.data();
+  const std::size_t count = std::size_t(image_.stride) * std::size_t(image_.height);
+  for (std::size_t i = 0; i < count; ++i) to[i] = std::max(to[i], from[i]);
 }
 
 void OccluderRaster::add_mesh(std::span<const core::vec3> positions, std::span<const std::uint32_t> indices,

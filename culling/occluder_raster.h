@@ -59,11 +59,11 @@ class SIGHTLINE_API OccluderRaster {
  public:
   /// Empties the image, for occluders of this view in a picture of width x height pixels, 1 … kMostPixels each. The
   /// view must know its eye; in one made from a combined matrix, or whose depth is not a function of the distance along
-  /// the viewing direction, nothing is covered.
-  void begin(const core::View& view, int width, int height);
+  /// the viewing direction, nothing is covered. `snap`: of the rasteriser that draws the occluders (rasteriser_snap).
+  void begin(const core::View& view, int width, int height, float snap = kCoarsestSnap);
   static constexpr int kMostPixels = 16384;
 
-  /// The next three return false when the occluder certainly hides nothing: it covers no pixel centre, or a section
+  /// The next five return false when the occluder certainly hides nothing: it covers no pixel centre, or a section
   /// plane cuts it, or the eye is in it, or its numbers are not finite.
 
   /// A solid box in the world. Empty ones hide nothing.
@@ -74,6 +74,18 @@ class SIGHTLINE_API OccluderRaster {
   /// cost more. Sides that the near plane cuts hide nothing: it opens the cylinder before it meets the prism.
   bool add_cylinder(const core::Affine& world_from_cylinder, int sides = 8);
 
+  // Corners of the next two are places relative to the eye, with the axes of the world.
+
+  /// A convex polygon of 3 … kMostCorners corners, seen from both sides. It must lie within a solid that the near plane
+  /// does not cut. Four corners need not be in one plane: both triangles over one diagonal must lie within the solid.
+  bool add_polygon(std::span<const core::dvec3> corners);
+  static constexpr int kMostCorners = 8;
+  /// A convex solid between two faces of four corners: corners 0 to 3 turn left as seen from the other face, and 4 to 7
+  /// lie over these. Its six faces must be plane.
+  bool add_hexahedron(std::span<const core::dvec3, 8> corners);
+  /// Whether the near plane and the section planes surely leave a box whole, which is given as the other two are.
+  bool leaves_whole(const core::AabbD& box) const;
+
   /// Triangles of any winding, seen from both sides; three indices each, all below positions.size().
   void add_mesh(std::span<const core::vec3> positions, std::span<const std::uint32_t> indices,
                 const core::Affine& world_from_mesh);
@@ -83,6 +95,8 @@ class SIGHTLINE_API OccluderRaster {
   /// in the number of solids: hand in hundreds or thousands, not every box of a plant.
   std::size_t add_largest(std::span<const core::AabbD> solids, std::size_t count);
 
+  /// Adds all occluders of another image of the same view and size.
+  void merge(const OccluderRaster& other);
   /// Hands the image to the pyramid, which has its size then. More occluders may follow.
   void build(DepthPyramid& pyramid) const;
   /// The image row by row from the bottom up, as DepthPyramid::build() takes it.

@@ -316,8 +316,9 @@ void Drawing::wait_for_oldest() {
   last_drawn_ = now;
 }
 
-core::Expected<void> Drawing::draw(const Culled& culled, std::uint64_t frame, double began) {
+core::Expected<void> Drawing::draw(const Culled& culled, std::uint64_t frame, double began, bool all) {
   waited_ms_ = 0.0;
+  all_visible_ = all;
   if (!renderer_) return {};
   if (auto current = make_current(); !current) return current;
   if (split_view_) picture_changed();
@@ -342,7 +343,8 @@ core::Expected<void> Drawing::draw_solid(const Culled& culled, double began) {
   const std::int64_t count = std::int64_t(culled.snapshot.count(large));
   const bool tested = tests_occlusion(count);
   if (tested) {
-    if (auto done = draw_in_passes(culled.with(large)); !done) return done;
+    const bool rehearses = &large == &culled.visible && may_rehearse(culled);
+    if (auto done = rehearses ? draw_rehearsed(culled) : draw_in_passes(culled.with(large)); !done) return done;
   } else {
     passes_.reset();
     if (auto done = draw_at_once(culled.with(large)); !done) return done;
@@ -360,6 +362,7 @@ culling::ContributionTest Drawing::contribution_test(const core::View& view, con
 core::Expected<void> Drawing::draw_from_aside(const core::View& view, const Culled& culled, std::uint64_t frame,
                                               double began) {
   waited_ms_ = 0.0;
+  all_visible_ = false;
   if (auto current = make_current(); !current) return current;
   wait_for_room();
   const core::VisibleSet& solid = has_overlays() ? part_overlays(culled.visible) : culled.visible;

@@ -336,7 +336,7 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
     if (overlays) std::visit([&](const auto& culler) { culler.cull(cull_view, overlaid_); }, *live_.culler);
     auto done = *on_gpu        ? drawing_->draw_culled(view, *live_.snapshot, report.frame, overlays ? &over : nullptr)
                 : shows_hidden ? drawing_->draw_from_aside(view, visible_in(cull_view), report.frame, begin)
-                               : drawing_->draw(visible_in(view), report.frame, begin);
+                               : drawing_->draw(visible_in(view), report.frame, begin, !aside);
     report.drawn = config_.draw && done;
     if (done = unless_lost(std::move(done)); !done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);

@@ -1,13 +1,13 @@
 #include "sightline/engine/internal/occlusion_passes.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace sightline::engine {
 namespace {
 
 constexpr std::uint32_t kShortestRange = 16;  // slots; fewer neighbours are single slots
 constexpr std::size_t kFew = 2048;            // slots that are not worth another pass
-constexpr int kMostPasses = 6;
 
 /// Appends slots first … end - 1, which lie behind all that `set` has in ranges.
 void append(core::VisibleSet& set, std::vector<core::Slot>& singles, core::Slot first, core::Slot end) {
@@ -27,23 +27,30 @@ void merge_singles(core::VisibleSet& set, std::vector<core::Slot>& of_ranges) {
 }  // namespace
 
 void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBits lines,
-                            const culling::Hierarchy* hierarchy, culling::CullThreads& threads) {
+                            const culling::Hierarchy* hierarchy, culling::CullThreads& threads, int most_passes) {
   lines_ = lines;
   hierarchy_ = hierarchy;
   threads_ = &threads;
+  most_passes_ = most_passes;
   count_ = 0;
   drawn_count_ = 0;
   pass_.clear();
   pending_.clear();
   pass_.generation = pending_.generation = candidates.generation;
-  const auto is_first = [&](core::Slot s) { return culling::contains(open_, s) || culling::contains(lines, s); };
+  const auto word_of = [](culling::SlotBits bits, std::size_t word) { return word < bits.size() ? bits[word] : 0; };
+  const auto firsts_of = [&](std::size_t word) { return word_of(open_, word) | word_of(lines, word); };
+  const auto is_first = [&](core::Slot s) { return (firsts_of(s / 64) >> s % 64 & 1u) != 0; };
   for (const core::Slot s : candidates.items) (is_first(s) ? pass_ : pending_).items.push_back(s);
   thread_local std::vector<core::Slot> firsts, others;
   for (const core::SlotRange& range : candidates.ranges) {
     const core::Slot end = range.first + range.count;
     for (core::Slot s = range.first, run = s; run < end; run = s) {
       const bool first = is_first(run);
-      while (s < end && is_first(s) == first) ++s;
+      while (s < end) {  // to the end of the run, or of the word
+        const std::uint64_t others_left = (first ? ~firsts_of(s / 64) : firsts_of(s / 64)) >> s % 64;
+        s = std::min(end, others_left == 0 ? (s / 64 + 1) * 64 : s + core::Slot(std::countr_zero(others_left)));
+        if (others_left != 0) break;
+      }
       append(first ? pass_ : pending_, first ? firsts : others, run, s);
     }
   }
@@ -73,7 +80,7 @@ void OcclusionPasses::find_first(const culling::OcclusionTest& test, const core:
 void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
   test.split_front(bounds, hierarchy_, pending_, found_, others_, threads_);
   std::swap(pending_, others_);
-  if (found_.count() + pending_.count() <= kFew || count_ == kMostPasses - 1) {
+  if (found_.count() + pending_.count() <= kFew || count_ == most_passes_ - 1) {
     merge_singles(found_, pending_.items);
   }
   std::swap(pass_, found_);

@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <memory>
-#include <mutex>
-#include <span>
 #include <vector>
 
 #include "sightline/core/visible_set.h"
+#include "sightline/culling/internal/lent.h"
 
 namespace sightline::culling {
 
@@ -36,29 +34,16 @@ class FrontLayers {
  public:
   void begin(std::size_t pixels) {
     pixels_ = pixels;
-    begun_ = 0;
-    idle_.clear();
+    layers_.begin();
   }
   FrontLayer& take() {
-    const std::lock_guard lock(mutex_);
-    if (!idle_.empty()) {
-      FrontLayer& layer = *idle_.back();
-      idle_.pop_back();
-      return layer;
-    }
-    if (begun_ == layers_.size()) layers_.push_back(std::make_unique<FrontLayer>());
-    FrontLayer& layer = *layers_[begun_++];
-    layer.clear(pixels_);
-    return layer;
+    return layers_.take([&](FrontLayer& layer) { layer.clear(pixels_); });
   }
-  void give_back(FrontLayer& layer) {
-    const std::lock_guard lock(mutex_);
-    idle_.push_back(&layer);
-  }
+  void give_back(FrontLayer& layer) { layers_.give_back(layer); }
   /// Sets the bits of the slots that belong to the front. Afterwards the layers hold nothing of use.
   void mark_front(std::vector<std::uint64_t>& bits) {
     const auto mark = [&](core::Slot s) { bits[s / 64] |= std::uint64_t(1) << s % 64; };
-    const std::span layers = std::span(layers_).first(begun_);
+    const auto layers = layers_.used();
     for (const auto& layer : layers) std::for_each(layer->not_judged.begin(), layer->not_judged.end(), mark);
     for (std::size_t pixel = 0; pixel < pixels_ && !layers.empty(); ++pixel) {
       FrontLayer& first = *layers[0];
@@ -69,10 +54,8 @@ class FrontLayers {
   }
 
  private:
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<FrontLayer>> layers_;  // the first begun_ of them belong to this set
-  std::vector<FrontLayer*> idle_;
-  std::size_t begun_ = 0, pixels_ = 0;
+  Lent<FrontLayer> layers_;
+  std::size_t pixels_ = 0;
 };
 
 }  // namespace sightline::culling

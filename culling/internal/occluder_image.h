@@ -22,6 +22,7 @@ struct OccluderImage {
   core::LargeArray<float> nearness;  // row by row
   bool perspective = true;
   bool usable = false;  // else nothing can be covered
+  double snap = 0.0;    // pixels by which a rasteriser may move a corner
   // x, y: place in the picture, in pixels with centres at integers; times z in perspective views. z: distance along the
   // viewing direction. near: 0 or more where the near plane leaves a point.
   EyeForm x, y, z, near;

@@ -10,6 +10,7 @@
 #include "sightline/culling/contribution.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/culling/sample_test.h"
+#include "sightline/culling/solid_occluders.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/budget_passes.h"
 #include "sightline/engine/internal/culled.h"
@@ -72,8 +73,8 @@ class Drawing {
   /// Submits one frame that shows a visible set, without items that cover no sample of the picture (SampleTest) or that
   /// others hide (OcclusionTest). Waits first until at most one earlier frame is still being drawn. take_drawn()
   /// returns `frame`. `began`: when the frame's budget began to run, seconds on the steady clock. Does nothing when
-  /// there is nothing to render.
-  core::Expected<void> draw(const Culled& culled, std::uint64_t frame, double began = 0.0);
+  /// there is nothing to render. `all`: whether the set has all that is visible in its view, and not in another one.
+  core::Expected<void> draw(const Culled& culled, std::uint64_t frame, double began = 0.0, bool all = false);
   /// The same, but seen in `view`. What the two rules leave out of the picture of the view that was culled for is drawn
   /// in EngineConfig::hidden_colour, and needs no budget.
   core::Expected<void> draw_from_aside(const core::View& view, const Culled& culled, std::uint64_t frame, double began);
@@ -207,6 +208,9 @@ class Drawing {
   core::Expected<void> draw_hidden(const core::View& view, const core::Snapshot& snapshot);
   core::Expected<void> draw_at_once(const Culled& culled);
   core::Expected<void> draw_in_passes(const Culled& culled);
+  bool may_rehearse(const Culled& culled);
+  core::Expected<void> draw_rehearsed(const Culled& culled);
+  core::Expected<void> draw_unsolid(const Culled& culled);
   core::Expected<void> draw_in_budget(const Culled& culled, double deadline);
   core::Expected<void> draw_pass(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& pass,
                                  const render::RenderTarget& target);
@@ -259,6 +263,9 @@ class Drawing {
   core::VisibleSet sampled_, large_, large_leaves_;
   std::vector<std::uint64_t> was_large_;  // a bit per slot, of the last frame
   OcclusionPasses passes_;
+  culling::SolidOccluders solids_;
+  core::VisibleSet unsolid_, left_;  // of a rehearsed frame: drawn before it, and after it
+  std::vector<core::Slot> at_near_plane_;
   culling::CullThreads threads_;  // for the occlusion test; none begins before the first large set
   OcclusionSwitch occlusion_switch_;
   bool switched_ = false;  // the last draw() was as the switch says
@@ -278,7 +285,8 @@ class Drawing {
   std::optional<glm::vec2> blend_range_;
   core::VisibleSet outlined_, tested_;
   core::vec3 outline_colour_{0.0f};
-  bool depth_known_ = false;   // pyramid_ is of the picture
+  bool all_visible_ = false;   // is in the set to draw
+  bool depth_known_ = false;   // pyramid_ is of the picture, or nowhere nearer
   bool picture_kept_ = false;  // the last draw() drew nothing: the picture was complete
   bool composed_ = false;      // external_ has got the picture
   std::optional<core::ExternalTarget> external_;

@@ -17,14 +17,18 @@ namespace sightline::engine {
 class OcclusionPasses {
  public:
   /// Begins a frame with its candidates. Slots of `lines` are not tested. `hierarchy`: that of the candidates, or null;
-  /// it makes large sets fast. `threads` share in the tests of the frame.
+  /// it makes large sets fast. `threads` share in the tests of the frame. The last of `most_passes` has all that is
+  /// open then.
   void begin(const core::VisibleSet& candidates, culling::SlotBits lines, const culling::Hierarchy* hierarchy,
-             culling::CullThreads& threads);
+             culling::CullThreads& threads, int most_passes = 6);
   /// Finds the next pass. `test`: against the depth of all passes so far, at first of none. False when all that may be
   /// seen is drawn; then the frame is remembered.
   bool next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   /// What to draw now; may be empty.
   const core::VisibleSet& pass() const { return passes_[std::size_t(count_ - 1)]; }
+  /// After next() has returned false: of what was drawn, what the depth of all passes does not hide, and lines. A bit
+  /// per slot.
+  culling::SlotBits open() const { return open_; }
   /// Slots that were drawn in this frame.
   std::size_t drawn() const { return drawn_count_; }
 
@@ -42,7 +46,7 @@ class OcclusionPasses {
   const culling::Hierarchy* hierarchy_ = nullptr;
   culling::CullThreads* threads_ = nullptr;
   core::VisibleSet pass_, pending_, found_, others_;  // pass_: the one to come
-  int count_ = 0;
+  int count_ = 0, most_passes_ = 0;
   std::size_t drawn_count_ = 0;
 };
 

@@ -1,4 +1,5 @@
-// The occluder raster beside the depth of the same items drawn: nowhere nearer, and hardly less.
+// The occluder raster, and figures within solids, beside the depth of the same items drawn: nowhere nearer, and hardly
+// less.
 #include <cmath>
 #include <cstdint>
 
@@ -6,6 +7,7 @@
 
 #include "sightline/core/scene.h"
 #include "sightline/culling/occluder_raster.h"
+#include "sightline/culling/solid_occluders.h"
 #include "sightline/engine/engine.h"
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/image/image.h"
@@ -106,6 +108,60 @@ TEST_F(OccluderDepth, IsNowhereNearerThanWhatIsDrawn) {
   EXPECT_LT(moved, covered / 20'000) << "a rasteriser moves outlines of meshes by parts of a pixel";
   EXPECT_GT(drawn, 100'000);
   EXPECT_GT(covered, drawn * 85 / 100);
+}
+
+/// Solids of all kinds, far from the world's origin too, seen by shaders in float.
+TEST_F(OccluderDepth, OfFiguresWithinSolidsIsNowhereNearerThanTheSolids) {
+  std::int64_t drawn = 0, covered = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const dvec3 middle = seed % 2 == 0 ? dvec3(0.0) : dvec3(4e5, 6e6, 100.0);
+    core::Scene scene;
+    for (int i = 0; i < 60; ++i) {
+      const auto length = [&] { return float(std::pow(10.0, uniform(random, -2.0, 0.5))); };
+      const auto shift = [&] { return float(uniform(random, -0.5, 0.5)); };
+      const auto angle = [&] { return float(uniform(random, 0.1, 6.2)); };
+      Affine place = random_placement(random);
+      place.origin += middle;
+      scene.add_primitive(scene.root(), primitive_of(core::Kind(i % 9), length, shift, angle), place);
+    }
+    engine::EngineConfig config;
+    config.draw = true;
+    config.width = 130 + int(seed), config.height = 90;
+    config.context = &*context;
+    auto engine = engine::Engine::create(scene, config);
+    ASSERT_TRUE(engine) << engine.error().message;
+    culling::SolidOccluders solids;
+    culling::DepthPyramid pyramid;
+    core::VisibleSet all;
+    all.ranges.push_back({0, core::Slot(engine->snapshot().size())});
+    for (int i = 0; i < 5; ++i) {
+      const dvec3 aside(uniform(random, -20, 20), uniform(random, -20, 20), uniform(random, -20, 20));
+      const core::Pose pose{middle + aside, middle + 0.1 * aside};
+      const double aspect = double(config.width) / config.height;
+      const View view = i == 0 ? *View::orthographic(pose, 14.0, aspect, -3.0, 60.0)
+                               : *View::perspective(pose, uniform(random, 0.2, 1.2), aspect, 0.05);
+      ASSERT_TRUE(engine->frame(view));
+      const image::DepthImage depth = *engine->read_depth(view);
+      solids.begin(engine->snapshot(), view, config.width, config.height, 0x1p-8f + 0x1p-12f);
+      solids.add(all);
+      solids.build(pyramid);
+      for (int y = 0; y < config.height; ++y)
+        for (int x = 0; x < config.width; ++x) {
+          const float exact = depth.metres[std::size_t((config.height - 1 - y) * config.width + x)];
+          const float found = pyramid.row(0, y)[x];
+          const float margin = culling::OcclusionTest::kDistanceMargin * std::abs(found) + (i == 0 ? 1e-5f : 0.0f);
+          ASSERT_FALSE(std::isfinite(found) && !(exact <= found + margin))
+              << "view " << i << ", pixel " << x << " " << y << ": " << found << " and " << exact;
+          drawn += std::isfinite(exact);
+          covered += std::isfinite(found);
+        }
+    }
+  }
+  EXPECT_GT(drawn, 100'000);
+  EXPECT_GT(covered, drawn * 65 / 100);
+  RecordProperty("percent_covered", int(100 * covered / drawn));
 }
 
 }  // namespace

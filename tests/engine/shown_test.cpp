@@ -37,7 +37,8 @@ void fill(Random& random, core::Scene& scene, const dvec3& middle) {
     place.linear = core::dmat3(size);
     const core::MaterialId material = chance(random, 0.1) ? glass : core::MaterialId{};
     const auto add = [&](const core::Primitive& p) { scene.add_primitive(scene.root(), p, place, material); };
-    switch (whole(random, 0, 7)) {
+    if (chance(random, 0.5)) place.linear = size * tests::random_rotation(random);
+    switch (whole(random, 0, 11)) {
       case 0:
         add(core::Box{1, 2, 3});
         break;
@@ -56,8 +57,43 @@ void fill(Random& random, core::Scene& scene, const dvec3& middle) {
       case 5:
         add(core::Line{-1, 1});
         break;
+      case 6:
+        add(core::Pyramid{1, 2, 2, 1, 0.5f, 0, 2});
+        break;
+      case 7:
+        add(core::RectangularTorus{1, 2, 1, 2});
+        break;
+      case 8:
+        add(core::EllipticalDish{2, 1});
+        break;
+      case 9:
+        add(core::SphericalDish{2, 1});
+        break;
       default:  // a long pipe, much thinner than a pixel more often than not
         add(core::Cylinder{float(magnitude(random, 1e-3, 0.3)), 12.0f});
+    }
+  }
+}
+
+/// Runs of pipes and elbows that cover each other's ends, some of them so wide that the eye is in them now and then.
+void add_pipes(Random& random, core::Scene& scene, const dvec3& middle) {
+  for (int run = 0; run < 8; ++run) {
+    const float radius = float(magnitude(random, 0.02, 2.0)), length = float(uniform(random, 1.0, 5.0));
+    core::Affine end{tests::random_rotation(random),
+                     middle + point(random, 8.0)};  // the next item begins there, along z
+    for (int i = 0; i < 12; ++i) {
+      if (i % 2 == 0) {
+        scene.add_primitive(scene.root(), core::Cylinder{radius, length},
+                            end * core::translation({0, 0, 0.5 * length}));
+        end = end * core::translation({0, 0, length});
+        continue;
+      }
+      const float bend = 3.0f * radius, angle = float(uniform(random, 0.3, 1.6));
+      // The elbow's sweep begins on its x axis, towards its y axis.
+      const core::Affine elbow = end * core::Affine{{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {-bend, 0, 0}};
+      scene.add_primitive(scene.root(), core::CircularTorus{bend, radius, angle}, elbow);
+      const double c = std::cos(angle), s = std::sin(angle);
+      end = elbow * core::Affine{{{c, s, 0}, {0, 0, -1}, {-s, c, 0}}, {bend * c, bend * s, 0}};
     }
   }
 }
@@ -451,6 +487,44 @@ TEST_F(HiddenColour, WithABudgetAndSeveralSamples) {
   EXPECT_TRUE(items_by_colour(*smooth)[1].empty()) << "occlusion is tested with one sample only";
 }
 
+/// An elbow shows its inside where the eye is in the pipe before it, or where that pipe is not drawn: the end that it
+/// covers is not drawn. So the elbow's centre line hides nothing then.
+TEST_F(Shown, ShowsTheInsideOfOpenPipes) {
+  core::Scene scene;
+  scene.add_primitive(scene.root(), core::Cylinder{1, 10}, core::translation({0, 0, 5}));
+  scene.add_primitive(scene.root(), core::CircularTorus{3, 1, 1.5f},
+                      {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {-3, 0, 10}});  // towards -x
+  const core::Box cube{0.15f, 0.15f, 0.15f};                               // behind the centre line, before the wall
+  const core::ItemId inside = scene.add_primitive(scene.root(), cube, core::translation({-0.92, 0.0, 12.7}));
+  EngineConfig with = config(kPaths[0], 120, 90), without = with;
+  with.occlusion = OcclusionChoice::kOn;
+  without.occlusion = OcclusionChoice::kOff;
+  auto tested = Engine::create(scene, with), all = Engine::create(scene, without);
+  ASSERT_TRUE(tested && all);
+  const auto from = [](const dvec3& eye, const dvec3& target) {
+    return *View::perspective({eye, target, {0, 1, 0.1}}, 0.15, 4.0 / 3.0, 0.1);
+  };
+  const View in_pipe = from({0, 0, 1}, {-0.92, 0, 12.7}), before = from({0.5, 0, -5}, {-0.92, 0, 12.7});
+  const View at_elbow = from({-2, -20, 12}, {-2, 0, 12});
+  struct {
+    const View &view, &cull_view;
+    bool open;
+  } const cases[] = {
+      {in_pipe, in_pipe, true}, {before, before, false}, {before, at_elbow, true}, {before, before, false}};
+  for (const auto& [view, cull_view, open] : cases) {
+    for (int frame = 0; frame < 3; ++frame) {
+      const auto report = tested->frame(view, cull_view);
+      ASSERT_TRUE(report && all->frame(view, cull_view));
+      const std::vector<std::uint32_t> expected = all->read_ids()->ids;
+      EXPECT_EQ(tested->read_ids()->ids, expected);
+      EXPECT_EQ(std::count(expected.begin(), expected.end(), inside + 1) > 5, open);
+      if (!open) {
+        EXPECT_EQ(report->shown, 1) << "the pipe hides all the rest";
+      }
+    }
+  }
+}
+
 /// By path and seed: 250 views of each of ten scenes.
 class OcclusionShown : public Shown, public testing::WithParamInterface<std::tuple<Path, int>> {};
 
@@ -468,6 +542,7 @@ TEST_P(OcclusionShown, LosesNoPixel) {
     core::Scene scene;
     fill(random, scene, middle);
     add_walls(random, scene, middle);
+    if (chance(random, 0.5)) add_pipes(random, scene, middle);
     int width = whole(random, 1, 90), height = whole(random, 1, 70);
     EngineConfig with = config(path, width, height), without = with;
     with.occlusion = OcclusionChoice::kOn;

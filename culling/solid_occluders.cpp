@@ -1,0 +1,105 @@
+#include "sightline/culling/solid_occluders.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "sightline/culling/internal/set_parts.h"
+#include "sightline/culling/internal/solid_figures.h"
+
+namespace sightline::culling {
+namespace {
+
+constexpr std::uint32_t kItemsOfPart = 512;  // for a thread
+constexpr std::size_t kSolidsAtOnce = 64;
+
+}  // namespace
+
+/// What a snapshot knows of an item.
+struct SolidOccluders::Solid {
+  core::Kind kind;
+  std::uint32_t index;  // among those of its kind
+  core::Aabb box;
+  core::Placement placement;
+  std::array<float, 9> parameters;
+};
+
+void SolidOccluders::begin(const core::Snapshot& snapshot, const core::View& view, int width, int height, float snap) {
+  snapshot_ = &snapshot;
+  width_ = width, height_ = height;
+  eye_ = view.eye();
+  perspective_ = !view.orthographic();
+  const core::dmat4 world_from_eye = glm::transpose(view.eye_from_world());
+  forward_ = -core::dvec3(world_from_eye[2]);
+  empty_.begin(view, width, height, snap + float(kLostPixels));
+  of_threads_.begin();
+}
+
+void SolidOccluders::add(const core::VisibleSet& items, CullThreads* threads) {
+  thread_local SetParts parts;
+  parts.split(items, kItemsOfPart);
+  parts.for_each(threads, [&](const core::VisibleSet& part, std::uint32_t) {
+    thread_local std::vector<core::Slot> slots;
+    slots.clear();
+    part.for_each_slot([&](core::Slot slot) { slots.push_back(slot); });
+    OccluderRaster& raster = of_threads_.take([&](OccluderRaster& fresh) { fresh = empty_; });
+    add(slots, raster);
+    of_threads_.give_back(raster);
+  });
+}
+
+/// Items lie all over arrays of hundreds of megabytes. To copy many of them first takes little more time than the
+/// slowest access to one: the processor has the others under way meanwhile.
+void SolidOccluders::add(std::span<const core::Slot> slots, OccluderRaster& raster) const {
+  thread_local std::vector<Solid> solids;
+  while (!slots.empty()) {
+    const auto some = slots.first(std::min(kSolidsAtOnce, slots.size()));
+    slots = slots.subspan(some.size());
+    solids.clear();
+    for (const core::Slot slot : some) {
+      const core::Kind kind = snapshot_->kind(slot);
+      if (int(kind) >= core::kPrimitiveKindCount || snapshot_->bounds().vacant(slot) || !snapshot_->opaque(slot))
+        continue;
+      solids.push_back({kind, snapshot_->index_in_kind(slot), snapshot_->bounds().box(slot), {}, {}});
+    }
+    for (Solid& solid : solids) {
+      const core::KindItems& items = snapshot_->of_kind(solid.kind);
+      const auto count = std::size_t(core::parameter_count(solid.kind));
+      solid.placement = items.placements[solid.index];
+      std::copy_n(items.parameters.data() + solid.index * count, count, solid.parameters.begin());
+    }
+    for (const Solid& solid : solids) add(solid, raster);
+  }
+}
+
+void SolidOccluders::add(const Solid& solid, OccluderRaster& raster) const {
+  const core::dvec3 to_eye = snapshot_->bounds().origin - eye_;
+  const core::AabbD box{to_eye + core::dvec3(solid.box.min), to_eye + core::dvec3(solid.box.max)};
+  // A neighbour that covers an end must be there, too: what is cut off in a joint leaves the solid open.
+  const double size = glm::length(box.size());
+  const core::dvec3 joint(kLostOfRadius * size);
+  if (!raster.leaves_whole({box.min - joint, box.max + joint})) return;
+  const core::Placement& placement = solid.placement;
+  const core::dvec3 origin = (snapshot_->chunk_origins()[placement.chunk] - eye_) + core::dvec3(placement.origin);
+  thread_local std::vector<SolidFigure> figures;
+  figures.clear();
+  add_figures(solid.kind, solid.parameters.data(), {core::dmat3(placement.linear), origin}, {perspective_, forward_},
+              kLostOfRadius, kLostOfBox * size, figures);
+  for (const SolidFigure& figure : figures) {
+    if (figure.hexahedron)
+      raster.add_hexahedron(figure.corners);
+    else
+      raster.add_polygon(figure.polygon());
+  }
+}
+
+void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn) {
+  const auto used = of_threads_.used();
+  for (std::size_t i = 1; i < used.size(); ++i) used[0]->merge(*used[i]);
+  (used.empty() ? empty_ : *used[0]).distances(distances_);
+  assert(drawn.empty() || drawn.size() == distances_.size());
+  for (std::size_t i = 0; i < drawn.size(); ++i) distances_[i] = std::min(distances_[i], drawn[i]);
+  pyramid.build(distances_, width_, height_);
+}
+
+}  // namespace sightline::culling

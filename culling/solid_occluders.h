@@ -1,0 +1,54 @@
+// Occluders within the analytic solids of a snapshot: a depth image of pipes, vessels, elbows and beams before anything
+// is drawn, in a fraction of the time that drawing them takes.
+//
+//   culling::SolidOccluders solids;
+//   solids.begin(snapshot, view, 640, 360);
+//   solids.add(visible, &threads);
+//   solids.build(pyramid);
+//
+// A round solid hides what the flat figures in it hide that face the eye: a cylinder or a snout its section along the
+// axis, and its end where that is seen; a torus a strip along its centre line; a sphere or a dish a polygon. Boxes and
+// pyramids are rasterised as wholes. A figure within a solid lies behind its surface. So the image is nowhere nearer
+// than the solids, and their outlines are covered up to a few thousandths of their radius.
+//
+// Promise: inner-conservative, as OccluderRaster, for solids that are drawn opaque. Figures are smaller than the solids
+// by more than a renderer loses whose rays are float: by kLostPixels, kLostOfBox of the box's diagonal, and
+// kLostOfRadius of the radius (for thin tori more). Items that are no solids, are not opaque, or that the near plane or
+// a section plane cuts, hide nothing.
+#pragma once
+
+#include "sightline/core/snapshot.h"
+#include "sightline/culling/cull_threads.h"
+#include "sightline/culling/internal/lent.h"
+#include "sightline/culling/occluder_raster.h"
+
+namespace sightline::culling {
+
+/// Reuse one from frame to frame: it keeps its memory.
+class SIGHTLINE_API SolidOccluders {
+ public:
+  static constexpr double kLostPixels = 0x1p-8, kLostOfBox = 1e-5, kLostOfRadius = 1e-3;
+
+  /// Empties the image. Borrows the snapshot until the last add(). The rest is as for OccluderRaster::begin().
+  void begin(const core::Snapshot& snapshot, const core::View& view, int width, int height, float snap = kCoarsestSnap);
+  /// Adds items of the snapshot. Large sets are shared out among `threads`, if there are any.
+  void add(const core::VisibleSet& items, CullThreads* threads = nullptr);
+  /// Hands the image to the pyramid, which has its size then. `drawn`: distances of what is drawn already, as
+  /// DepthPyramid::build() takes them, or none; where they are nearer, they count. More items may follow.
+  void build(DepthPyramid& pyramid, std::span<const float> drawn = {});
+
+ private:
+  struct Solid;
+  void add(std::span<const core::Slot> slots, OccluderRaster& raster) const;
+  void add(const Solid& solid, OccluderRaster& raster) const;
+
+  const core::Snapshot* snapshot_ = nullptr;
+  int width_ = 0, height_ = 0;
+  core::dvec3 eye_{0.0}, forward_{0.0};
+  bool perspective_ = true;
+  OccluderRaster empty_;  // of this view
+  Lent<OccluderRaster> of_threads_;
+  std::vector<float> distances_;
+};
+
+}  // namespace sightline::culling

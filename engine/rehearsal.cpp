@@ -1,0 +1,106 @@
+// Frames of which most is solid: which items are hidden is found out before they are drawn. Figures within the solids
+// take the place of the solids in the passes of the occlusion test. They are rasterised in a small part of the time
+// that drawing the solids takes. What the figures leave open is drawn in one pass.
+#include <algorithm>
+#include <bit>
+
+#include "sightline/culling/spatial_queries.h"
+#include "sightline/engine/internal/drawing.h"
+
+namespace sightline::engine {
+namespace {
+
+using core::Kind;
+
+constexpr int kMostPasses = 3;  // figures cost little, so what is open after two passes needs no choice
+
+bool is_solid(Kind kind) {
+  return int(kind) < core::kPrimitiveKindCount && kind != Kind::kLine;
+}
+
+/// Whether a neighbour may cover an end, which then is not drawn (gpuprims/internal/joints.h).
+bool has_ends(Kind kind) {
+  return is_solid(kind) && kind != Kind::kBox && kind != Kind::kPyramid && kind != Kind::kRectangularTorus &&
+         kind != Kind::kSphere;
+}
+
+bool mostly_solid(const core::Snapshot& snapshot) {
+  std::size_t solids = 0;
+  for (int kind = 0; kind < core::kKindCount; ++kind)
+    if (is_solid(Kind(kind))) solids += snapshot.of_kind(Kind(kind)).size();
+  return 2 * solids >= snapshot.size();
+}
+
+/// What a view shows of its near plane.
+core::AabbD near_rectangle(const core::View& view) {
+  const core::dmat4 world_from_clip = glm::inverse(view.clip_from_world());
+  const double z = view.clip_depth() == core::ClipDepth::kReversedZeroToOne ? 1.0 : -1.0;
+  core::AabbD box;
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0}) {
+      const core::dvec4 p = world_from_clip * core::dvec4(x, y, z, 1.0);
+      box.grow(core::dvec3(p) / p.w);
+    }
+  const core::dvec3 margin = 1e-3 * box.size() + 1e-9 * (glm::abs(box.min) + glm::abs(box.max));
+  return {box.min - margin, box.max + margin};
+}
+
+}  // namespace
+
+/// Ends that neighbours cover are not drawn. Where a neighbour is missing, or the near plane opens it, a solid is seen
+/// from inside, and shows what lies behind the figures in it. Otherwise each ray enters a row of neighbours through a
+/// face that is drawn.
+bool Drawing::may_rehearse(const Culled& culled) {
+  const core::Snapshot& snapshot = culled.snapshot;
+  if (!all_visible_ || !culled.hierarchy || !mostly_solid(snapshot)) return false;
+  const culling::SpatialQueries queries(snapshot.bounds(), *culled.hierarchy);
+  queries.intersecting(near_rectangle(culled.view), ~0u, at_near_plane_);
+  return std::none_of(at_near_plane_.begin(), at_near_plane_.end(),
+                      [&](core::Slot slot) { return has_ends(snapshot.kind(slot)); });
+}
+
+/// Of the first pass, what has no figures but may hide something.
+core::Expected<void> Drawing::draw_unsolid(const Culled& culled) {
+  unsolid_.clear();
+  unsolid_.generation = culled.visible.generation;
+  passes_.pass().for_each_slot([&](core::Slot slot) {
+    const Kind kind = culled.snapshot.kind(slot);
+    if (!is_solid(kind) && kind != Kind::kLine) unsolid_.items.push_back(slot);
+  });
+  std::sort(unsolid_.items.begin(), unsolid_.items.end());
+  distances_.clear();
+  if (unsolid_.items.empty()) return {};
+  if (auto done = draw_pass(culled.view, culled.snapshot, unsolid_, target_); !done) return done;
+  target_.read_distances(culled.view, distances_);
+  return {};
+}
+
+core::Expected<void> Drawing::draw_rehearsed(const Culled& culled) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+  const core::ItemBounds& bounds = snapshot.bounds();
+  const culling::OcclusionTest test = occlusion_test(view, bounds.origin);
+  pyramid_.clear(target_.width(), target_.height());
+  solids_.begin(snapshot, view, target_.width(), target_.height(), snap());
+  passes_.begin(visible, lines, hierarchy, threads_, kMostPasses);
+  renderer_->clear(target_);
+  for (bool first = true; passes_.next(test, bounds); first = false) {
+    if (first)
+      if (auto done = draw_unsolid(culled); !done) return done;
+    solids_.add(passes_.pass(), &threads_);
+    solids_.build(pyramid_, distances_);
+  }
+  left_.clear();
+  left_.generation = visible.generation;
+  const culling::SlotBits open = passes_.open();
+  for (std::size_t word = 0; word < open.size(); ++word)
+    for (std::uint64_t bits = open[word]; bits != 0; bits &= bits - 1)
+      left_.items.push_back(core::Slot(64 * word) + core::Slot(std::countr_zero(bits)));
+  std::erase_if(left_.items, [&](core::Slot slot) {
+    return std::binary_search(unsolid_.items.begin(), unsolid_.items.end(), slot);
+  });
+  counts_ = {-1, std::int64_t(unsolid_.items.size() + left_.items.size())};
+  depth_known_ = true;
+  return draw_pass(view, snapshot, left_, target_);
+}
+
+}  // namespace sightline::engine

@@ -1,0 +1,280 @@
+// Occluders within solids against the reference intersections: what a pixel holds, its line of sight meets.
+#include "sightline/culling/solid_occluders.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+#include <gtest/gtest.h>
+
+#include "scenes.h"
+#include "sightline/core/scene.h"
+#include "sightline/culling/internal/solid_figures.h"
+#include "sightline/gpuprims/internal/primitives.h"
+
+namespace sightline::tests {
+namespace {
+
+using core::Affine;
+using core::dmat3;
+using core::dvec3;
+using core::Kind;
+using core::Primitive;
+using core::View;
+using culling::SolidOccluders;
+
+constexpr int kWidth = 72, kHeight = 48;
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+
+/// About 1 in size, with needles and plates among them, slanted snouts, full turns, lengths below 0.
+Primitive random_solid(Kind kind, Random& random) {
+  const auto length = [&] { return float(magnitude(random, chance(random, 0.2) ? 1e-2 : 0.2, 2.0)); };
+  const auto shift = [&] { return chance(random, 0.5) ? 0.0f : float(uniform(random, -1.0, 1.0)); };
+  const auto angle = [&] { return chance(random, 0.1) ? 6.2831855f : float(uniform(random, 0.05, 6.3)); };
+  Primitive made = primitive_of(kind, length, shift, angle);
+  if (auto* torus = std::get_if<core::CircularTorus>(&made); torus && chance(random, 0.8))
+    torus->tube_radius = torus->major_radius * float(uniform(random, 0.05, 1.0));
+  if (auto* snout = std::get_if<core::Snout>(&made); snout && chance(random, 0.3)) {
+    snout->bottom_shear_x = float(uniform(random, -0.5, 0.5));
+    snout->top_shear_y = float(uniform(random, -0.5, 0.5));
+  }
+  if (auto* cylinder = std::get_if<core::Cylinder>(&made); cylinder && chance(random, 0.1)) cylinder->radius *= -1.0f;
+  return made;
+}
+
+dmat3 random_linear(Random& random) {
+  dmat3 linear = magnitude(random, 0.3, 3.0) * random_rotation(random);
+  if (chance(random, 0.3)) linear[whole(random, 0, 2)] *= -uniform(random, 0.3, 2.0);  // uneven, mirrored
+  return linear;
+}
+
+View random_sight(Random& random, const dvec3& target) {
+  const dvec3 eye = target + magnitude(random, 2.0, 40.0) * random_direction(random);
+  const core::Pose pose{eye, target + point(random, 0.7), {0.1, 0.2, 1.0}};
+  const double aspect = double(kWidth) / kHeight;
+  return chance(random, 0.3)
+             ? *View::orthographic(pose, magnitude(random, 2.0, 10.0), aspect, -2.0, 100.0)
+             : *View::perspective(pose, uniform(random, 0.2, 1.2), aspect, magnitude(random, 1e-3, 1.0));
+}
+
+/// Distances at which lines of sight enter a solid, of the picture above.
+class Reference {
+ public:
+  Reference(const View& view, const Primitive& solid, const Affine& world_from_item)
+      : world_from_clip_(glm::inverse(view.clip_from_world())),
+        forward_(-dvec3(glm::transpose(view.eye_from_world())[2])),
+        eye_(view.eye()),
+        solid_(solid),
+        item_from_world_(glm::inverse(world_from_item.linear)),
+        origin_(world_from_item.origin) {}
+
+  /// Infinity: it passes by.
+  double entry(int x, int y) const {
+    const dvec3 near = at(x, y, 1.0), far = at(x, y, 0.25);
+    const double start = glm::dot(forward_, near - eye_), rate = glm::dot(forward_, far - near);
+    const gpuprims::Hits hits =
+        gpuprims::intersect(solid_, {item_from_world_ * (near - origin_), item_from_world_ * (far - near)});
+    for (int i = 0; i < hits.count; ++i)
+      if (hits.hit[std::size_t(i)].t >= 0.0) return start + rate * hits.hit[std::size_t(i)].t;
+    return kNothing;
+  }
+
+ private:
+  dvec3 at(int x, int y, double z) const {
+    const core::dvec4 p =
+        world_from_clip_ * core::dvec4((2.0 * x + 1.0) / kWidth - 1.0, (2.0 * y + 1.0) / kHeight - 1.0, z, 1.0);
+    return dvec3(p) / p.w;
+  }
+  core::dmat4 world_from_clip_;
+  dvec3 forward_, eye_;
+  const Primitive& solid_;
+  dmat3 item_from_world_;
+  dvec3 origin_;
+};
+
+core::VisibleSet all_of(const core::Snapshot& snapshot) {
+  core::VisibleSet all;
+  all.generation = snapshot.generation();
+  all.ranges.push_back({0, core::Slot(snapshot.size())});
+  return all;
+}
+
+std::vector<float> distances_of(const core::Snapshot& snapshot, const View& view,
+                                culling::CullThreads* threads = nullptr, std::span<const float> drawn = {}) {
+  SolidOccluders solids;
+  culling::DepthPyramid pyramid;
+  solids.begin(snapshot, view, kWidth, kHeight);
+  solids.add(all_of(snapshot), threads);
+  solids.build(pyramid, drawn);
+  std::vector<float> distances;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) distances.push_back(pyramid.row(0, y)[x]);
+  return distances;
+}
+
+std::size_t covered(const std::vector<float>& distances) {
+  return std::size_t(std::count_if(distances.begin(), distances.end(), [](float d) { return d < kNothing; }));
+}
+
+/// By kind.
+class SolidOccludersOf : public testing::TestWithParam<Kind> {};
+
+TEST_P(SolidOccludersOf, CoverOnlyWhatIsMetAndNoNearer) {
+  std::size_t met = 0, found = 0;
+  for (std::uint64_t seed = 1; seed <= 250; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const dvec3 middle = chance(random, 0.5) ? dvec3(0.0) : dvec3(4e5, 6e6, 100.0);
+    core::Scene scene;
+    const Affine place{random_linear(random), middle + point(random, 1.0)};
+    const Primitive solid = random_solid(GetParam(), random);
+    scene.add_primitive(scene.root(), solid, place);
+    const core::Snapshot snapshot(scene);
+    const View view = random_sight(random, middle);
+    const std::vector<float> distances = distances_of(snapshot, view);
+    const Reference reference(view, solid, place);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const double exact = reference.entry(x, y);
+        const float distance = distances[std::size_t(y * kWidth + x)];
+        if (distance < kNothing) {
+          ASSERT_GE(distance, exact - 1e-7 * (1.0 + std::abs(exact))) << "pixel " << x << " " << y;
+        }
+        met += exact < kNothing;
+        found += distance < kNothing;
+      }
+  }
+  EXPECT_GT(met, 20'000u);
+  // Of small ones the outline's margin takes much, the near plane cuts some, and tori have no figures at their ends.
+  const bool torus = GetParam() == Kind::kRectangularTorus || GetParam() == Kind::kCircularTorus;
+  EXPECT_GT(found, met * (torus ? 33 : 55) / 100) << "of " << met;
+  RecordProperty("percent_covered", int(100 * found / met));
+}
+
+/// What the near plane or a section plane cuts hides nothing.
+TEST_P(SolidOccludersOf, HideNothingWhereTheyAreCut) {
+  int cut = 0, whole_ones = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    core::Scene scene;
+    const Affine place{random_linear(random), point(random, 1.0)};
+    const Primitive solid = random_solid(GetParam(), random);
+    scene.add_primitive(scene.root(), solid, place);
+    const core::Snapshot snapshot(scene);
+    View view = random_sight(random, dvec3(0.0));
+    if (chance(random, 0.5)) {
+      const core::Pose pose{point(random, 2.0), point(random, 1.0), {0, 0, 1}};
+      view = *View::perspective(pose, 1.0, double(kWidth) / kHeight, uniform(random, 0.1, 3.0));
+    } else {
+      const dvec3 normal = random_direction(random);
+      view.sections = {{normal, -glm::dot(normal, point(random, 2.0))}};
+    }
+    const core::dvec4 near = glm::transpose(view.clip_from_world())[3] - glm::transpose(view.clip_from_world())[2];
+    bool some_cut = false;
+    for (int i = 0; i < 200; ++i) {
+      const dvec3 p = core::transform_point(place, random_point(solid, random));
+      some_cut = some_cut || glm::dot(near, core::dvec4(p, 1.0)) < 0.0;
+      for (const core::Plane& plane : view.sections)
+        some_cut = some_cut || glm::dot(plane.normal, p) + plane.offset < 0;
+    }
+    const std::size_t count = covered(distances_of(snapshot, view));
+    if (some_cut) {
+      ASSERT_EQ(count, 0u);
+    }
+    cut += some_cut;
+    whole_ones += count > 0;
+  }
+  EXPECT_GT(cut, 50);
+  EXPECT_GT(whole_ones, 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, SolidOccludersOf,
+                         testing::Values(Kind::kPyramid, Kind::kBox, Kind::kRectangularTorus, Kind::kCircularTorus,
+                                         Kind::kEllipticalDish, Kind::kSphericalDish, Kind::kSnout, Kind::kCylinder,
+                                         Kind::kSphere),
+                         [](const auto& kind) { return std::string(core::name_of(kind.param)); });
+
+const View kFront = *View::perspective({{0, -10, 0}, {0, 0, 0}, {0, 0, 1}}, 0.6, double(kWidth) / kHeight, 0.1);
+
+TEST(SolidOccluders, LeaveOutWhatHidesNothing) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  core::Scene scene;
+  const core::MaterialId glass = scene.add_material({.name = "glass", .alpha = 0.5f});
+  const core::ItemId wall = scene.add_primitive(scene.root(), core::Box{1, 1, 1}, {}, glass);
+  scene.add_primitive(scene.root(), core::Line{-1, 1});
+  const core::Mesh mesh = gpuprims::tessellate(core::Sphere{2.0f});
+  scene.add_mesh_instance(scene.root(), scene.add_mesh(mesh).value());
+  for (const Primitive& flat : std::initializer_list<Primitive>{
+           core::Cylinder{1, 0}, core::Cylinder{0, 1}, core::Sphere{0}, core::CircularTorus{1, 0, 1},
+           core::CircularTorus{1, 0.5f, 0}, core::CircularTorus{1, 2, 1}, core::Snout{0, 0, 1, 0, 0, 0, 0, 0, 0},
+           core::Snout{1, 1, 1, 0, 0, 1.5f, 0, 1.5f, 0}, core::EllipticalDish{1, 0}, core::SphericalDish{0, 1},
+           core::RectangularTorus{1, 1, 1, 1}, core::Pyramid{1, 1, 0, 0, 0, 0, 0}, core::Box{1, 0, 1}})
+    scene.add_primitive(scene.root(), flat);
+  scene.add_primitive(scene.root(), core::Box{1, 1, 1}, {dmat3(1, 0, 0, 0, 1, 0, 1, 1, 0), dvec3(0.0)});  // singular
+  const core::Snapshot snapshot(scene);
+  EXPECT_EQ(covered(distances_of(snapshot, kFront)), 0u);
+  scene.set_material(wall, core::MaterialId{});
+  EXPECT_GT(covered(distances_of(core::Snapshot(scene), kFront)), 0u) << "opaque";
+
+  // Parameters that no scene takes.
+  std::vector<culling::SolidFigure> figures;
+  for (int kind = 0; kind < core::kPrimitiveKindCount; ++kind)
+    for (int bad = 0; bad < core::parameter_count(Kind(kind)); ++bad)
+      for (const float value : {nan, std::numeric_limits<float>::infinity()}) {
+        float parameters[9] = {1, 0.3f, 0.7f, 1, 1, 1, 1, 0, 0};
+        parameters[bad] = value;
+        culling::add_figures(Kind(kind), parameters, core::translation({0, 5, 0}), {true, {}}, 1e-3, 1e-3, figures);
+      }
+  culling::OccluderRaster raster;
+  raster.begin(kFront, kWidth, kHeight);
+  for (const culling::SolidFigure& figure : figures) {
+    const bool finite = std::all_of(figure.polygon().begin(), figure.polygon().end(),
+                                    [](const dvec3& p) { return core::is_finite(p); });
+    EXPECT_TRUE(finite || !raster.add_polygon(figure.polygon()));
+  }
+}
+
+/// The same image by any number of threads, and nearer where something drawn is.
+TEST(SolidOccluders, AreTheSameOnThreadsAndJoinWhatIsDrawn) {
+  Random random(3);
+  core::Scene scene;
+  for (int i = 0; i < 3000; ++i)
+    scene.add_primitive(scene.root(), random_solid(Kind(whole(random, 0, 8)), random),
+                        {0.2 * random_linear(random), point(random, 3.0)});
+  const core::Snapshot snapshot(scene);
+  const std::vector<float> expected = distances_of(snapshot, kFront);
+  culling::CullThreads threads(4);
+  EXPECT_EQ(distances_of(snapshot, kFront, &threads), expected);
+  EXPECT_GT(covered(expected), expected.size() / 3);
+  std::vector<float> drawn(expected.size()), nearer = expected;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    drawn[i] = float(uniform(random, 5.0, 15.0));
+    nearer[i] = std::min(nearer[i], drawn[i]);
+  }
+  EXPECT_EQ(distances_of(snapshot, kFront, nullptr, drawn), nearer);
+}
+
+/// A row of pipes and elbows without gaps hides a wall of boxes behind it.
+TEST(SolidOccluders, FeedTheOcclusionTest) {
+  core::Scene scene;
+  for (int i = 0; i < 9; ++i)
+    scene.add_primitive(scene.root(), core::Cylinder{0.3f, 6.0f}, core::translation({0.5 * i - 2.0, 0, 0}));
+  const core::Snapshot snapshot(scene);
+  SolidOccluders solids;
+  culling::DepthPyramid pyramid;
+  solids.begin(snapshot, kFront, kWidth, kHeight);
+  solids.add(all_of(snapshot));
+  solids.build(pyramid);
+  const culling::OcclusionTest test(kFront, dvec3(0.0), kWidth, kHeight, pyramid);
+  EXPECT_TRUE(test.hidden({{-1.5f, 1, -1}, {1.5f, 2, 1}}));
+  EXPECT_FALSE(test.hidden({{-1.5f, -1, -1}, {1.5f, 2, 1}}));
+  EXPECT_FALSE(test.hidden({{-1.5f, 1, -1}, {5.0f, 2, 1}}));
+  solids.begin(snapshot, kFront, kWidth, kHeight);
+  solids.build(pyramid);
+  EXPECT_FALSE(test.hidden({{-1.5f, 1, -1}, {1.5f, 2, 1}})) << "begun anew";
+}
+
+}  // namespace
+}  // namespace sightline::tests
