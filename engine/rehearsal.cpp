@@ -53,8 +53,10 @@ core::AabbD near_rectangle(const core::View& view) {
 bool Drawing::may_rehearse(const Culled& culled) {
   const core::Snapshot& snapshot = culled.snapshot;
   if (!all_visible_ || !culled.hierarchy || !mostly_solid(snapshot)) return false;
+  const core::AabbD near = near_rectangle(culled.view);
+  if (!core::is_finite(near.min) || !core::is_finite(near.max)) return false;
   const culling::SpatialQueries queries(snapshot.bounds(), *culled.hierarchy);
-  queries.intersecting(near_rectangle(culled.view), ~0u, at_near_plane_);
+  queries.intersecting(near, ~0u, at_near_plane_);
   return std::none_of(at_near_plane_.begin(), at_near_plane_.end(),
                       [&](core::Slot slot) { return has_ends(snapshot.kind(slot)); });
 }
