@@ -39,7 +39,7 @@ class Drawing {
     std::optional<double> time_ms;
     double gpu_ms = 0.0;
   };
-  core::Expected<void> draw(const Culled&, std::uint64_t, double) { return {}; }
+  core::Expected<void> draw(const Culled&, std::uint64_t, double, bool) { return {}; }
   core::Expected<void> draw_from_aside(const core::View&, const Culled&, std::uint64_t, double) { return {}; }
   core::Expected<LeftOut> left_out(const Culled&) { return {}; }
   core::Expected<LossReport> loss(const Culled&) { return {}; }
