@@ -9,7 +9,8 @@
 // A round solid hides what the flat figures in it hide that face the eye: a cylinder or a snout its section along the
 // axis, and its end where that is seen; a torus a strip along its centre line; a sphere or a dish a polygon. Boxes and
 // pyramids are rasterised as wholes. A figure within a solid lies behind its surface. So the image is nowhere nearer
-// than the solids, and their outlines are covered up to a few thousandths of their radius.
+// than the solids. Sections cover outlines up to a few thousandths of the radius, strips up to a tenth, octagons nine
+// tenths of a disc.
 //
 // Promise: inner-conservative, as OccluderRaster, for solids that are drawn opaque. Figures are smaller than the solids
 // by more than a renderer loses whose rays are float: by kLostPixels, kLostOfBox of the box's diagonal, and
