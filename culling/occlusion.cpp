@@ -9,6 +9,7 @@
 #include "sightline/culling/internal/filter_slots.h"
 #include "sightline/culling/internal/front_layer.h"
 #include "sightline/culling/internal/kernels.h"
+#include "sightline/culling/internal/ray_queues.h"
 #include "sightline/culling/internal/set_parts.h"
 #include "sightline/culling/internal/tile_shape.h"
 
@@ -23,6 +24,11 @@ constexpr int kMostRows = 64;  // of blocks to look at; boxes that need more are
 /// The greater of two; NaN counts as infinity.
 float farther(float a, float b) {
   return a >= b ? a : a < b ? b : std::numeric_limits<float>::infinity();
+}
+
+/// Slots of a part, so that no thread waits long for another.
+std::uint32_t part_size(std::size_t slots, int threads) {
+  return std::uint32_t(std::clamp<std::size_t>(slots / std::size_t(4 * threads), 512, 8192));
 }
 
 void list_bits(std::size_t word, std::uint64_t bits, std::vector<core::Slot>& slots) {
@@ -98,6 +104,7 @@ bool OcclusionTest::hide_all(const PixelRectangle& pixels, float nearest) const 
 
 /// Whether all these pixels hide a box. `nearest`: its least distance.
 bool OcclusionTest::hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const {
+  if (waits(pixels)) return open_boxes(RayQueues::only(box, pixels)) == 0;
   if (hide_all(pixels, nearest)) return true;
   BoxSpan span;
   if (!rays_.span(box, span)) return false;
@@ -106,6 +113,17 @@ bool OcclusionTest::hides(const BoxCoordinates& box, const PixelRectangle& pixel
   while (size >> level >= unsigned(kLanes) - 1) level += kLevels;
   int rows = 0;
   return all_hidden(span, pixels, std::min(level, pyramid_->level_count() - 1), rows);
+}
+
+/// Whether a box of these pixels is tested with others.
+bool OcclusionTest::waits(const PixelRectangle& pixels) const {
+  return rays_.usable() && RayQueues::takes(pixels);
+}
+
+unsigned OcclusionTest::open_boxes(const SmallBoxes& boxes) const {
+  unsigned judged = 0;
+  return kernels().open_boxes(ray_field_, boxes, view_.snap, pyramid_->blocks(), {kDistanceMargin, error_}, judged,
+                              nullptr);
 }
 
 /// For looks at blocks of a level.
@@ -154,6 +172,12 @@ bool OcclusionTest::all_hidden(const BoxSpan& box, const PixelRectangle& pixels,
   return true;
 }
 
+float OcclusionTest::distance(const core::Aabb& box) const {
+  const LinearForm& t = view_.t;
+  return t.x * (t.x > 0.0f ? box.min.x : box.max.x) + t.y * (t.y > 0.0f ? box.min.y : box.max.y) +
+         t.z * (t.z > 0.0f ? box.min.z : box.max.z) + t.d;
+}
+
 bool OcclusionTest::hidden(const core::Aabb& box) const {
   return of_one_box(box, [&](const auto& boxes) { return hidden_of(boxes); });
 }
@@ -197,16 +221,70 @@ unsigned OcclusionTest::hidden_of(const float* const (&coordinates)[6]) const {
   return found;
 }
 
+/// What is known of the boxes of a set.
+struct OcclusionTest::Judgement {
+  void add_group(unsigned open) { of_groups.push_back(std::uint16_t(open)); }
+  void hide(const RayQueues::Place& place) { of_groups[place.group] &= std::uint16_t(~(1u << place.lane)); }
+  std::uint32_t last_group() const { return std::uint32_t(of_groups.size() - 1); }
+  /// Replaces `out` by the open slots of `in`, whose groups have been added.
+  void list(const core::VisibleSet& in, core::VisibleSet& out) {
+    std::size_t next = 0;
+    for_each_slot_group(
+        in, [&](const SlotGroup& group, bool of_range) { collector.add(group, of_groups[next++], of_range); });
+    out.generation = in.generation;
+    out.counters = in.counters;
+    collector.finish(out);
+    of_groups.clear();
+  }
+
+  std::vector<std::uint16_t> of_groups;  // bits of open boxes
+  RayQueues queues;                      // of those whose rays are still to be tested
+  SlotCollector collector;
+};
+
 void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
-                           SlotBits exempt, CullThreads* threads) const {
-  const auto filter_part = [&](const core::VisibleSet& part, core::VisibleSet& kept) {
-    filter_slots(bounds, part, kept, exempt, [&](const auto& boxes) { return ~hidden_of(boxes); });
-  };
-  if (!threads) return filter_part(in, open);
+                           SlotBits exempt, CullThreads* threads, const Hierarchy* hierarchy) const {
+  if (!threads) return filter_part(bounds, in, open, exempt);
   thread_local SetParts parts;
-  parts.split(in);
-  parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) { filter_part(part, part); });
+  parts.split(in, part_size(in.count(), threads->count()));
+  parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) {
+    thread_local core::VisibleSet leaves;
+    if (hierarchy) {
+      filter_leaves(*hierarchy, part, leaves, exempt);
+      std::swap(part, leaves);
+    }
+    filter_part(bounds, part, part, exempt);
+  });
   parts.join(open);
+}
+
+void OcclusionTest::filter_part(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+                                SlotBits exempt) const {
+  thread_local Judgement judged;
+  const auto test = [&](const SmallBoxes& boxes, std::span<const RayQueues::Place> places) {
+    const unsigned found = open_boxes(boxes);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if ((found >> i & 1u) == 0) judged.hide(places[i]);
+  };
+  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool) {
+    BoxRectangles r;
+    unsigned spared = 0;
+    for (int i = 0; i < group.count && !exempt.empty(); ++i) spared |= unsigned(contains(exempt, group.slots[i])) << i;
+    const unsigned maybe = maybe_open(group.coordinates, r) & used;
+    judged.add_group(maybe | spared);
+    for (unsigned bits = undecided(group.coordinates, r, maybe) & ~spared; bits != 0; bits &= bits - 1) {
+      const int i = std::countr_zero(bits);
+      const RayQueues::Place place{judged.last_group(), i, group.slots[i]};
+      const BoxCoordinates box = box_of(group.coordinates, i);
+      const PixelRectangle pixels = pixels_of(view_, r, i);
+      if (waits(pixels))
+        judged.queues.add(box, pixels, place, test);
+      else if (hides(box, pixels, r.nearest[i]))
+        judged.hide(place);
+    }
+  });
+  judged.queues.finish(test);
+  judged.list(in, open);
 }
 
 void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
@@ -241,23 +319,46 @@ OcclusionTest::Found OcclusionTest::enter(core::Slot slot, const BoxCoordinates&
 
 /// Leaves hidden slots out of `set`, and enters the others.
 void OcclusionTest::enter_all(const core::ItemBounds& bounds, core::VisibleSet& set, FrontLayer& layer) const {
-  thread_local SlotCollector collector;
-  for_each_group(bounds, set, [&](const SlotGroup& group, unsigned used, bool of_range) {
+  thread_local Judgement judged;
+  thread_local PixelEntries entries;
+  const auto test = [&](const SmallBoxes& boxes, std::span<const RayQueues::Place> places) {
+    unsigned known = 0;
+    entries.count = 0;
+    const unsigned open = kernels().open_boxes(ray_field_, boxes, view_.snap, pyramid_->blocks(),
+                                               {kDistanceMargin, error_}, known, &entries);
+    for (const PixelEntries::Entry& e : std::span(entries.of).first(std::size_t(entries.count)))
+      layer.enter(std::size_t(e.y) * std::size_t(pyramid_->width()) + std::size_t(e.x), e.distance,
+                  places[std::size_t(e.box)].slot);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if ((open >> i & 1u) == 0) judged.hide(places[i]);
+      if ((known >> i & 1u) == 0) layer.not_judged.push_back(places[i].slot);
+    }
+  };
+  for_each_group(bounds, set, [&](const SlotGroup& group, unsigned used, bool) {
     BoxRectangles r;
-    unsigned open = maybe_open(group.coordinates, r) & used;
+    const unsigned open = maybe_open(group.coordinates, r) & used;
+    judged.add_group(open);
     for (unsigned bits = open; bits != 0; bits &= bits - 1) {
       const int i = std::countr_zero(bits);
+      const RayQueues::Place place{judged.last_group(), i, group.slots[i]};
       Found found = Found::kNotJudged;
-      if (bounds.vacant(group.slots[i]))
+      if (bounds.vacant(place.slot)) {
         found = Found::kHidden;
-      else if ((r.projects >> i & 1u) != 0)
-        found = enter(group.slots[i], box_of(group.coordinates, i), pixels_of(view_, r, i), r.nearest[i], layer);
-      if (found == Found::kHidden) open &= ~(1u << i);
-      if (found == Found::kNotJudged) layer.not_judged.push_back(group.slots[i]);
+      } else if ((r.projects >> i & 1u) != 0) {
+        const BoxCoordinates box = box_of(group.coordinates, i);
+        const PixelRectangle pixels = pixels_of(view_, r, i);
+        if (waits(pixels)) {
+          judged.queues.add(box, pixels, place, test);
+          continue;
+        }
+        found = enter(place.slot, box, pixels, r.nearest[i], layer);
+      }
+      if (found == Found::kHidden) judged.hide(place);
+      if (found == Found::kNotJudged) layer.not_judged.push_back(place.slot);
     }
-    collector.add(group, open, of_range);
   });
-  collector.finish(set);
+  judged.queues.finish(test);
+  judged.list(set, set);
 }
 
 void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy* hierarchy, const core::VisibleSet& in,

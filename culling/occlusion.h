@@ -6,9 +6,10 @@
 // hidden.
 //
 // Two steps: first all pixels of the rectangle around the projection against the box's least distance, in the pyramid;
-// then, for boxes that this leaves open, the ray of each pixel against the box itself (internal/pixel_rays.h), sixteen
-// pixels at a time and whole blocks of large boxes first. Most boxes are decided sooner, sixteen of them at a time: one
-// look at 2 x 2 blocks of the pyramid hides them, or the ray of one pixel meets them in front of what it holds.
+// then, for boxes that this leaves open, the ray of each pixel against the box itself (internal/pixel_rays.h): of boxes
+// of at most 64 pixels, a pixel of each of sixteen boxes at a time (internal/small_boxes.h); of larger ones, sixteen
+// pixels of the box at a time, whole blocks first. Most boxes are decided sooner, sixteen of them at a time: one look
+// at 2 x 2 blocks of the pyramid hides them, or the ray of one pixel meets them in front of what it holds.
 //
 // Where the distances come from does not matter: a picture's own depth after a first pass, a raster of chosen
 // occluders, or the application. They must be those of surfaces that are drawn, or larger. Section planes and
@@ -77,6 +78,7 @@ class SIGHTLINE_API DepthPyramid {
 
 struct BlockTile;
 struct FrontLayer;
+struct SmallBoxes;
 struct TileShape;
 
 class SIGHTLINE_API OcclusionTest {
@@ -92,11 +94,14 @@ class SIGHTLINE_API OcclusionTest {
 
   /// Also true of boxes that cover no pixel centre.
   bool hidden(const core::Aabb& box) const;
+  /// The least distance of a box along the viewing direction, but for rounding.
+  float distance(const core::Aabb& box) const;
 
   /// Replaces `open` by the slots of `in` whose boxes are not hidden, or whose bit is set in `exempt`. Vacant slots are
-  /// left out. Large sets are shared out among `threads`, if there are any.
+  /// left out. Large sets are shared out among `threads`, if there are any, and then filter_leaves() comes first, where
+  /// there is a `hierarchy`.
   void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open, SlotBits exempt = {},
-              CullThreads* threads = nullptr) const;
+              CullThreads* threads = nullptr, const Hierarchy* hierarchy = nullptr) const;
   /// A first, coarse step for large sets: leaves out those leaves of the hierarchy that lie within ranges of `in` and
   /// whose boxes, or those of nodes above, are hidden. `hierarchy`: over the bounds that `in` belongs to.
   void filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
@@ -111,14 +116,19 @@ class SIGHTLINE_API OcclusionTest {
 
  private:
   enum class Found { kHidden, kEntered, kNotJudged };
+  struct Judgement;
   Found enter(core::Slot slot, const BoxCoordinates& box, const PixelRectangle& pixels, float nearest,
               FrontLayer& layer) const;
+  void filter_part(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+                   SlotBits exempt) const;
   void enter_all(const core::ItemBounds& bounds, core::VisibleSet& set, FrontLayer& layer) const;
   bool hide_all(const PixelRectangle& pixels, float nearest) const;
   unsigned maybe_open(const float* const (&coordinates)[6], BoxRectangles& r) const;
   unsigned undecided(const float* const (&coordinates)[6], const BoxRectangles& r, unsigned open) const;
   unsigned open_nodes(const float* const (&coordinates)[6]) const;
   unsigned hidden_of(const float* const (&coordinates)[6]) const;
+  bool waits(const PixelRectangle& pixels) const;
+  unsigned open_boxes(const SmallBoxes& boxes) const;
   bool hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const;
   BlockTile tile_of(const TileShape& shape, int level) const;
   void move(BlockTile& tile, int level, int x, int y, int last) const;

@@ -60,6 +60,10 @@ RayField PixelRays::field() const {
     const Axis& a = axes_[i];
     field.constant[i] = float(a.constant), field.per_x[i] = float(a.x), field.per_y[i] = float(a.y);
     field.from[i] = float(a.from), field.along[i] = float(a.along);
+    field.constant_rest[i] = float(a.constant - double(field.constant[i]));
+    field.from_rest[i] = float(a.from - double(field.from[i]));
+    field.error[i] = float(a.error);
+    field.grown[i] = float(a.grown + 0x1p-46 * (std::abs(a.from) + std::abs(a.constant)));
   }
   return field;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -39,6 +40,31 @@ struct SlotGroup {
   int count;  // of slots in use; the boxes behind them are any
 };
 
+/// Fetches the boxes of ranges a few groups before they are needed: the processor by itself does not foresee short
+/// ranges in six arrays.
+class PrefetchedRanges {
+ public:
+  PrefetchedRanges(const core::ItemBounds& bounds, std::span<const core::SlotRange> ranges)
+      : bounds_(bounds), ranges_(ranges) {
+    for (int i = 0; i < kAhead; ++i) prefetch_next();
+  }
+  void prefetch_next() {
+    if (range_ == ranges_.size()) return;
+    const core::SlotRange& range = ranges_[range_];
+    for (int axis = 0; axis < 6; ++axis)
+      core::prefetch_line<core::CacheLevel::kL1>(bounds_.coordinate(axis) + range.first + done_);
+    done_ += kLanes;
+    if (done_ >= range.count) ++range_, done_ = 0;
+  }
+
+ private:
+  static constexpr int kAhead = 8;  // groups
+  const core::ItemBounds& bounds_;
+  std::span<const core::SlotRange> ranges_;
+  std::size_t range_ = 0;
+  std::uint32_t done_ = 0;
+};
+
 /// Calls visit(group, bits of the slots in use, whether they are of a range) for all slots of `in`: first those of
 /// ranges, then single slots, each in rising order. Single slots have their boxes copied side by side.
 template <class Visit>
@@ -48,17 +74,11 @@ void for_each_group(const core::ItemBounds& bounds, const core::VisibleSet& in, 
     group.count = int(count);
     visit(std::as_const(group), (1u << count) - 1u, of_range);
   };
-  // Ranges between prefetch and use: the processor by itself does not foresee short ones.
-  constexpr std::size_t kAhead = 2;
-  for (std::size_t r = 0; r < in.ranges.size(); ++r) {
-    const core::SlotRange& range = in.ranges[r];
-    for (int axis = 0; axis < 6 && r + kAhead < in.ranges.size(); ++axis) {
-      const float* const next = bounds.coordinate(axis) + in.ranges[r + kAhead].first;
-      core::prefetch_line<core::CacheLevel::kL1>(next);
-      core::prefetch_line<core::CacheLevel::kL1>(next + kLanes);
-    }
+  PrefetchedRanges ahead(bounds, in.ranges);
+  for (const core::SlotRange& range : in.ranges) {
     const std::size_t end = range.first + range.count;
     for (std::size_t first = range.first; first < end; first += kLanes) {
+      ahead.prefetch_next();
       for (int axis = 0; axis < 6; ++axis) group.coordinates[axis] = bounds.coordinate(axis) + first;
       for (int i = 0; i < kLanes; ++i) group.slots[i] = core::Slot(first) + core::Slot(i);
       visit_group(std::min<std::size_t>(kLanes, end - first), true);
@@ -74,6 +94,22 @@ void for_each_group(const core::ItemBounds& bounds, const core::VisibleSet& in, 
     }
     visit_group(count, false);
   }
+}
+
+/// The groups of for_each_group() once more, without boxes: calls visit(group, whether it is of a range).
+template <class Visit>
+void for_each_slot_group(const core::VisibleSet& in, Visit&& visit) {
+  SlotGroup group{};
+  const auto visit_group = [&](std::size_t count, bool of_range, const auto& slot_at) {
+    group.count = int(std::min<std::size_t>(kLanes, count));
+    for (int i = 0; i < group.count; ++i) group.slots[i] = slot_at(i);
+    visit(std::as_const(group), of_range);
+  };
+  for (const core::SlotRange& range : in.ranges)
+    for (core::Slot done = 0; done < range.count; done += kLanes)
+      visit_group(range.count - done, true, [&](int i) { return range.first + done + core::Slot(i); });
+  for (std::size_t first = 0; first < in.items.size(); first += kLanes)
+    visit_group(in.items.size() - first, false, [&](int i) { return in.items[first + std::size_t(i)]; });
 }
 
 /// Appends slots first … end - 1, which lie behind all ranges, to the last range or as one more.

@@ -107,6 +107,25 @@ struct BlockTile {
   bool parallel;  // keys are -t, not 1 / t
 };
 
+/// Up to sixteen boxes, and the pixels of their rectangles: whole numbers, from left to right and from bottom to top,
+/// all in the picture.
+struct SmallBoxes {
+  static constexpr int kMostPixels = 64;  // of each
+  alignas(64) float coordinates[6][kLanes];
+  alignas(64) float left[kLanes], right[kLanes], bottom[kLanes], top[kLanes];
+  int count;  // the arrays hold valid boxes behind them, too
+};
+
+/// Where rays enter boxes.
+struct PixelEntries {
+  struct Entry {
+    int box, x, y;
+    float distance;  // at least
+  };
+  int count;
+  Entry of[SmallBoxes::kMostPixels * kLanes];
+};
+
 ScreenView make_screen_view(const core::View& view, const core::dvec3& origin, int width, int height, float snap);
 
 /// Items whose answers fit on the stack.
@@ -147,6 +166,11 @@ struct Kernels {
   /// Bit i: at some place of block i a ray may meet the box, no farther than the block's distance. Writes at what
   /// distance it enters the box, at least: sixteen floats, which mean something where the bit is set.
   unsigned (*open_blocks)(const BoxSpan& box, const BlockTile& tile, float* entries);
+  /// Bit i: at some of its pixels a ray may meet box i, no farther than what the pixel holds, or nothing is known of
+  /// box i, which then has no bit in `judged`. `snap`: as in ScreenView. `entries`: null, or where to append the pixels
+  /// and distances at which the rays enter the boxes that are judged.
+  unsigned (*open_boxes)(const RayField& rays, const SmallBoxes& boxes, float snap, const PyramidBlocks& pyramid,
+                         const DistanceMargin& margin, unsigned& judged, PixelEntries* entries);
   /// Whether all of `height` rows of `width` floats, both at most kLanes, are less than a limit. The first floats of
   /// rows are `pitch` apart, and kLanes of each row may be read.
   bool (*all_less)(const float* first, std::ptrdiff_t pitch, int width, int height, float limit);

@@ -13,6 +13,7 @@
 #include "sightline/culling/internal/fill_area.h"
 #include "sightline/culling/internal/kernels.h"
 #include "sightline/culling/internal/screen_boxes.h"
+#include "sightline/culling/internal/small_boxes.h"
 
 namespace sightline::culling {
 
@@ -523,13 +524,6 @@ typename Simd::Lanes held_by(const BlockTile& tile) {
   return Simd::look_up(tile.farthest, Simd::plus(x, Simd::times(y, Simd::spread_place(int(tile.pitch)))));
 }
 
-/// Distances less their margins.
-template <class Simd>
-typename Simd::Lanes in_front(const typename Simd::Lanes& distance, const DistanceMargin& margin) {
-  return Simd::subtract(distance, Simd::add(Simd::multiply(Simd::spread(margin.share), Simd::magnitude(distance)),
-                                            Simd::spread(margin.metres)));
-}
-
 template <class Simd>
 unsigned open_blocks(const BoxSpan& box, const BlockTile& tile, float* entries) {
   using Lanes = typename Simd::Lanes;
@@ -665,6 +659,7 @@ constexpr Kernels make_kernels() {
   k.areas = ScreenBoxes<Simd>::store_areas;
   k.squares = ScreenBoxes<Simd>::store_squares;
   k.open_blocks = open_blocks<Simd>;
+  k.open_boxes = open_boxes<Simd>;
   k.all_less = [](const float* first, std::ptrdiff_t pitch, int width, int height, float limit) {
     const unsigned looked_at = (1u << width) - 1u;
     const auto most = Simd::spread(limit);

@@ -43,6 +43,9 @@ struct PyramidBlocks {
 /// per_y), or, if parallel, at constant + x * per_x + y * per_y + t * along. Rounded to float.
 struct RayField {
   float constant[3], per_x[3], per_y[3], from[3], along[3];
+  float constant_rest[3], from_rest[3];  // what rounding took from two of these, if parallel or if not
+  float error[3];                        // of the linear function of x and y, with its evaluation in float
+  float grown[3];                        // metres by which boxes must grow
   bool parallel;
 };
 

@@ -77,7 +77,9 @@ TEST(OcclusionTest, HidesOnlyWhatEveryPixelHides) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const auto [half, origin, view] = RandomSite(random);
-    const PictureSamples samples{whole(random, 1, 9), whole(random, 1, 7), {{0, 0}}};
+    // Boxes of up to 64 pixels are tested with others, larger ones by themselves.
+    const int most = chance(random, 0.05) ? 3 : 1;
+    const PictureSamples samples{whole(random, 1, 9 * most), whole(random, 1, 7 * most), {{0, 0}}};
     const ExactSamples exact(view, origin, samples);
     for (int i = 0; i < 12; ++i) {
       const Aabb box = chance(random, 0.3) ? random_box(random, half) : box_at_a_sample(random, view, origin, samples);
@@ -153,7 +155,7 @@ TEST(OcclusionTest, TheFrontIsWhatRaysMeetFirst) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const auto [half, origin, view] = RandomSite(random);
-    const PictureSamples samples{whole(random, 1, 20), whole(random, 1, 4), {{0, 0}}};
+    const PictureSamples samples{whole(random, 1, 24), whole(random, 1, 5), {{0, 0}}};
     const ExactSamples exact(view, origin, samples);
     core::ItemBounds bounds;
     bounds.resize(24);
@@ -242,6 +244,8 @@ TEST(OcclusionTest, FiltersSets) {
       test.filter(bounds, leaves, both, exempt);
       ASSERT_EQ(both.sorted_slots(), open);
       test.filter(bounds, in, both, exempt, &threads);
+      ASSERT_EQ(both.sorted_slots(), open);
+      test.filter(bounds, in, both, exempt, &threads, &hierarchy);
       ASSERT_EQ(both.sorted_slots(), open);
       core::VisibleSet front, behind;
       test.split_front(bounds, nullptr, in, front, behind);  // vacant slots included
