@@ -11,6 +11,7 @@
 
 #include "sightline/culling/internal/kernels.h"
 #include "sightline/culling/internal/occluder_area.h"
+#include "sightline/culling/internal/solid_figures.h"
 #include "sightline/culling/sample_test.h"
 
 namespace sightline::culling {
@@ -266,8 +267,10 @@ struct Diagonals {
 
 /// The first whole number not below `from` and the last not above `to`, of 0 … size - 1. Empty: first > last.
 std::pair<int, int> whole_between(double from, double to, int size) {
-  from = std::max(std::ceil(from), 0.0), to = std::min(std::floor(to), double(size - 1));
-  return from <= to ? std::pair(int(from), int(to)) : std::pair(0, -1);
+  from = std::max(from, 0.0), to = std::min(to, double(size - 1));
+  if (!(from <= to)) return {0, -1};
+  const int below = int(from);  // std::ceil is a function call where the instruction set has no rounding
+  return {below + int(double(below) < from), int(to)};
 }
 
 /// Fills a polygon, made smaller by `shift` pixels along both axes: what a rasteriser may move a corner.
@@ -376,6 +379,16 @@ bool cover_polygon(OccluderImage& image, std::span<const Corner> corners, int tu
   }
   polygon.add_face(all_of(corners));
   return cover(image, polygon, shift);
+}
+
+/// A convex polygon in front of the near plane, which may be bent along a diagonal. The placement must reach its
+/// corners.
+bool cover_polygon(OccluderImage& image, std::span<const dvec3> own, const Placement& placement) {
+  std::array<Corner, SolidFigure::kMostCorners> projected;
+  for (std::size_t i = 0; i < own.size(); ++i) projected[i] = placement.project(placement(own[i]));
+  const std::span<const Corner> corners = std::span(projected).first(own.size());
+  const int turn = turn_of(corners, all_of(corners));
+  return turn != 0 && cover_polygon(image, corners, turn, image.snap);
 }
 
 // --- occluders -------------------------------------------------------------------------------------------------------
@@ -596,32 +609,16 @@ bool OccluderRaster::add_cylinder(const Affine& world_from_cylinder, int sides) 
   return add_solid(image_, prism(sides), from(image_.eye, world_from_cylinder));
 }
 
-bool OccluderRaster::add_polygon(std::span<const dvec3> corners) {
-  assert(corners.size() >= 3 && corners.size() <= std::size_t(kMostCorners));
-  if (!image_.usable) return false;
-  const Placement placement(image_, reach_of(corners));
-  std::array<Corner, kMostCorners> projected;
-  unsigned kept = ~0u;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Point p = placement(corners[i]);
-    if (!placement.in_front(p)) return false;
-    kept &= placement.kept(corners[i]);
-    projected[i] = placement.project(p);
-  }
-  if (!placement.whole(kept)) return false;
-  const std::span<const Corner> polygon = std::span(projected).first(corners.size());
-  const int turn = turn_of(polygon, all_of(polygon));
-  return turn != 0 && cover_polygon(image_, polygon, turn, image_.snap);
-}
-
-bool OccluderRaster::add_hexahedron(std::span<const dvec3, 8> corners) {
-  return image_.usable && add_solid(image_, cube(), corners, Placement(image_, reach_of(corners)));
-}
-
-bool OccluderRaster::leaves_whole(const core::AabbD& box) const {
+bool OccluderRaster::add_within(const core::AabbD& box, std::span<const SolidFigure> figures) {
   if (!image_.usable) return false;
   const std::array<dvec3, 2> ends{box.min, box.max};
-  return Placement(image_, reach_of(ends)).leaves_whole(box.min, box.max);
+  const Placement placement(image_, reach_of(ends));
+  if (!placement.leaves_whole(box.min, box.max)) return false;
+  bool covers = false;
+  for (const SolidFigure& figure : figures)
+    covers |= figure.hexahedron ? add_solid(image_, cube(), figure.corners, placement)
+                                : cover_polygon(image_, figure.polygon(), placement);
+  return covers;
 }
 
 void OccluderRaster::merge(const OccluderRaster& other) {

@@ -54,6 +54,8 @@
 
 namespace sightline::culling {
 
+struct SolidFigure;
+
 /// Reuse one from frame to frame: it keeps its memory. One thread at a time.
 class SIGHTLINE_API OccluderRaster {
  public:
@@ -63,7 +65,7 @@ class SIGHTLINE_API OccluderRaster {
   void begin(const core::View& view, int width, int height, float snap = kCoarsestSnap);
   static constexpr int kMostPixels = 16384;
 
-  /// The next five return false when the occluder certainly hides nothing: it covers no pixel centre, or a section
+  /// The next four return false when the occluder certainly hides nothing: it covers no pixel centre, or a section
   /// plane cuts it, or the eye is in it, or its numbers are not finite.
 
   /// A solid box in the world. Empty ones hide nothing.
@@ -74,17 +76,10 @@ class SIGHTLINE_API OccluderRaster {
   /// cost more. Sides that the near plane cuts hide nothing: it opens the cylinder before it meets the prism.
   bool add_cylinder(const core::Affine& world_from_cylinder, int sides = 8);
 
-  // Corners of the next two are places relative to the eye, with the axes of the world.
-
-  /// A convex polygon of 3 … kMostCorners corners, seen from both sides. It must lie within a solid that the near plane
-  /// does not cut. Four corners need not be in one plane: both triangles over one diagonal must lie within the solid.
-  bool add_polygon(std::span<const core::dvec3> corners);
-  static constexpr int kMostCorners = 8;
-  /// A convex solid between two faces of four corners: corners 0 to 3 turn left as seen from the other face, and 4 to 7
-  /// lie over these. Its six faces must be plane.
-  bool add_hexahedron(std::span<const core::dvec3, 8> corners);
-  /// Whether the near plane and the section planes surely leave a box whole, which is given as the other two are.
-  bool leaves_whole(const core::AabbD& box) const;
+  /// Figures within a solid (internal/solid_figures.h). `box`: relative to the eye, with the axes of the world. The
+  /// solid and what else must be whole, so that nothing is seen behind the figures, lie in it. False also when the near
+  /// plane or a section plane may cut the box.
+  bool add_within(const core::AabbD& box, std::span<const SolidFigure> figures);
 
   /// Triangles of any winding, seen from both sides; three indices each, all below positions.size().
   void add_mesh(std::span<const core::vec3> positions, std::span<const std::uint32_t> indices,

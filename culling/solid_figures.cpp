@@ -74,7 +74,7 @@ class Figures {
   dvec3 seen(const dvec3& point) const { return perspective_ ? point - eye_ : eye_; }
 
   SolidFigure& append(int count, bool hexahedron = false) {
-    out_.push_back({});
+    out_.emplace_back();
     out_.back().count = count;
     out_.back().hexahedron = hexahedron;
     return out_.back();

@@ -78,19 +78,13 @@ void SolidOccluders::add(const Solid& solid, OccluderRaster& raster) const {
   // A neighbour that covers an end must be there, too: what is cut off in a joint leaves the solid open.
   const double size = glm::length(box.size());
   const core::dvec3 joint(kLostOfRadius * size);
-  if (!raster.leaves_whole({box.min - joint, box.max + joint})) return;
   const core::Placement& placement = solid.placement;
   const core::dvec3 origin = (snapshot_->chunk_origins()[placement.chunk] - eye_) + core::dvec3(placement.origin);
   thread_local std::vector<SolidFigure> figures;
   figures.clear();
   add_figures(solid.kind, solid.parameters.data(), {core::dmat3(placement.linear), origin}, {perspective_, forward_},
               kLostOfRadius, kLostOfBox * size, figures);
-  for (const SolidFigure& figure : figures) {
-    if (figure.hexahedron)
-      raster.add_hexahedron(figure.corners);
-    else
-      raster.add_polygon(figure.polygon());
-  }
+  raster.add_within({box.min - joint, box.max + joint}, figures);
 }
 
 void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn) {

@@ -10,8 +10,12 @@
 
 namespace sightline::culling {
 
-/// Corners relative to the eye: of a convex polygon, or of a hexahedron as OccluderRaster takes it.
+/// Corners relative to the eye, with the axes of the world: of a convex polygon, seen from both sides, or of a convex
+/// solid between two faces of four corners. Of a polygon of four corners, which need not be in one plane, both
+/// triangles over one diagonal lie within the solid. Of a hexahedron, corners 0 to 3 turn left as seen from the other
+/// face, 4 to 7 lie over these, and all six faces are plane.
 struct SolidFigure {
+  SolidFigure() {}  // leaves the corners as they are
   static constexpr int kMostCorners = 8;
   std::span<const core::dvec3> polygon() const { return {corners.data(), std::size_t(count)}; }
 

@@ -232,7 +232,7 @@ TEST(SolidOccluders, LeaveOutWhatHidesNothing) {
   for (const culling::SolidFigure& figure : figures) {
     const bool finite = std::all_of(figure.polygon().begin(), figure.polygon().end(),
                                     [](const dvec3& p) { return core::is_finite(p); });
-    EXPECT_TRUE(finite || !raster.add_polygon(figure.polygon()));
+    EXPECT_TRUE(finite || !raster.add_within({dvec3(-1.0, 4.0, -1.0), dvec3(1.0, 6.0, 1.0)}, std::span(&figure, 1)));
   }
 }
 
