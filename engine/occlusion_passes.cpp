@@ -7,6 +7,7 @@ namespace sightline::engine {
 namespace {
 
 constexpr std::uint32_t kShortestRange = 16;  // slots; fewer neighbours are single slots
+constexpr int kMostPasses = 6;                // the last one has all that is open then
 constexpr std::size_t kFew = 2048;            // slots that are not worth another pass
 
 /// Appends slots first … end - 1, which lie behind all that `set` has in ranges.
@@ -27,11 +28,11 @@ void merge_singles(core::VisibleSet& set, std::vector<core::Slot>& of_ranges) {
 }  // namespace
 
 void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBits lines,
-                            const culling::Hierarchy* hierarchy, culling::CullThreads& threads, int most_passes) {
+                            const culling::Hierarchy* hierarchy, culling::CullThreads& threads, Next next) {
   lines_ = lines;
   hierarchy_ = hierarchy;
   threads_ = &threads;
-  most_passes_ = most_passes;
+  next_ = next;
   count_ = 0;
   drawn_count_ = 0;
   pass_.clear();
@@ -59,7 +60,10 @@ void OcclusionPasses::begin(const core::VisibleSet& candidates, culling::SlotBit
 }
 
 bool OcclusionPasses::next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
-  count_ == 0 ? find_first(test, bounds) : find_next(test, bounds);
+  if (count_ == 0)
+    find_first(test, bounds);
+  else
+    next_ == Next::kNearest ? find_nearest(test, bounds) : find_next(test, bounds);
   if (count_ > 0 && pass_.count() == 0) {
     remember(test, bounds);
     return false;
@@ -76,11 +80,24 @@ void OcclusionPasses::find_first(const culling::OcclusionTest& test, const core:
   std::swap(pass_, found_);
 }
 
+/// The next part of which anything is open.
+void OcclusionPasses::find_nearest(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
+  if (count_ == 1) {
+    near_first_.split(pending_, *hierarchy_, test);
+    near_parts_ = 0;
+  }
+  found_.clear();
+  const auto parts = near_first_.parts();
+  while (near_parts_ < parts.size() && found_.count() == 0)
+    test.filter(bounds, parts[near_parts_++], found_, lines_, threads_, hierarchy_);
+  std::swap(pass_, found_);
+}
+
 /// Where much is open, only what is in front of the rest.
 void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
   test.split_front(bounds, hierarchy_, pending_, found_, others_, threads_);
   std::swap(pending_, others_);
-  if (found_.count() + pending_.count() <= kFew || count_ == most_passes_ - 1) {
+  if (found_.count() + pending_.count() <= kFew || count_ == kMostPasses - 1) {
     merge_singles(found_, pending_.items);
   }
   std::swap(pass_, found_);

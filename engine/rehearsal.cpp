@@ -12,8 +12,6 @@ namespace {
 
 using core::Kind;
 
-constexpr int kMostPasses = 3;  // figures cost little, so what is open after two passes needs no choice
-
 bool is_solid(Kind kind) {
   return int(kind) < core::kPrimitiveKindCount && kind != Kind::kLine;
 }
@@ -61,7 +59,7 @@ bool Drawing::may_rehearse(const Culled& culled) {
                       [&](core::Slot slot) { return has_ends(snapshot.kind(slot)); });
 }
 
-/// Of the first pass, what has no figures but may hide something.
+/// Of the first pass, what has no figures but may hide something. Begins to draw it.
 core::Expected<void> Drawing::draw_unsolid(const Culled& culled) {
   unsolid_.clear();
   unsolid_.generation = culled.visible.generation;
@@ -70,11 +68,10 @@ core::Expected<void> Drawing::draw_unsolid(const Culled& culled) {
     if (!is_solid(kind) && kind != Kind::kLine) unsolid_.items.push_back(slot);
   });
   std::sort(unsolid_.items.begin(), unsolid_.items.end());
-  distances_.clear();
   if (unsolid_.items.empty()) return {};
-  if (auto done = draw_pass(culled.view, culled.snapshot, unsolid_, target_); !done) return done;
-  target_.read_distances(culled.view, distances_);
-  return {};
+  auto done = draw_pass(culled.view, culled.snapshot, unsolid_, target_);
+  context_.functions().Flush();
+  return done;
 }
 
 core::Expected<void> Drawing::draw_rehearsed(const Culled& culled) {
@@ -83,12 +80,14 @@ core::Expected<void> Drawing::draw_rehearsed(const Culled& culled) {
   const culling::OcclusionTest test = occlusion_test(view, bounds.origin);
   pyramid_.clear(target_.width(), target_.height());
   solids_.begin(snapshot, view, target_.width(), target_.height(), snap());
-  passes_.begin(visible, lines, hierarchy, threads_, kMostPasses);
+  passes_.begin(visible, lines, hierarchy, threads_, OcclusionPasses::Next::kNearest);
   renderer_->clear(target_);
+  distances_.clear();
   for (bool first = true; passes_.next(test, bounds); first = false) {
     if (first)
       if (auto done = draw_unsolid(culled); !done) return done;
     solids_.add(passes_.pass(), &threads_);
+    if (first && !unsolid_.items.empty()) target_.read_distances(view, distances_);
     solids_.build(pyramid_, distances_);
   }
   left_.clear();

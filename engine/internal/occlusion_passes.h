@@ -6,6 +6,7 @@
 
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/visible_set.h"
+#include "sightline/culling/internal/near_first.h"
 #include "sightline/culling/occlusion.h"
 
 namespace sightline::engine {
@@ -16,11 +17,14 @@ namespace sightline::engine {
 /// leaves open in the whole picture.
 class OcclusionPasses {
  public:
+  /// What follows the first pass: what is in front of all else, where much is open, since to draw is dear; or the other
+  /// candidates from near to far, in a dozen passes, for which there must be a hierarchy.
+  enum class Next { kFront, kNearest };
+
   /// Begins a frame with its candidates. Slots of `lines` are not tested. `hierarchy`: that of the candidates, or null;
-  /// it makes large sets fast. `threads` share in the tests of the frame. The last of `most_passes` has all that is
-  /// open then.
+  /// it makes large sets fast. `threads` share in the tests of the frame.
   void begin(const core::VisibleSet& candidates, culling::SlotBits lines, const culling::Hierarchy* hierarchy,
-             culling::CullThreads& threads, int most_passes = 6);
+             culling::CullThreads& threads, Next next = Next::kFront);
   /// Finds the next pass. `test`: against the depth of all passes so far, at first of none. False when all that may be
   /// seen is drawn; then the frame is remembered.
   bool next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
@@ -37,6 +41,7 @@ class OcclusionPasses {
 
  private:
   void find_first(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
+  void find_nearest(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   void find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
 
@@ -46,7 +51,10 @@ class OcclusionPasses {
   const culling::Hierarchy* hierarchy_ = nullptr;
   culling::CullThreads* threads_ = nullptr;
   core::VisibleSet pass_, pending_, found_, others_;  // pass_: the one to come
-  int count_ = 0, most_passes_ = 0;
+  culling::NearFirst near_first_;                     // of pending_
+  std::size_t near_parts_ = 0;                        // of these, tested
+  Next next_ = Next::kFront;
+  int count_ = 0;
   std::size_t drawn_count_ = 0;
 };
 
