@@ -102,9 +102,7 @@ void BoxCuller::visible(const core::View& view, const DepthPyramid& depth, std::
   const OcclusionTest test(view, impl_->bounds.origin, depth.width(), depth.height(), depth);
   parts.split(set);
   parts.for_each(&impl_->threads, [&](core::VisibleSet& part, std::uint32_t) {
-    thread_local core::VisibleSet coarse;
-    test.filter_leaves(impl_->culler->hierarchy(), part, coarse);
-    test.filter(impl_->bounds, coarse, part);
+    test.filter(impl_->bounds, part, part, {}, nullptr, &impl_->culler->hierarchy());
   });
   places.assign(1, 0);
   for (std::uint32_t i = 0; i < parts.count(); ++i) places.push_back(places.back() + parts[i].count());

@@ -44,7 +44,7 @@ class Sorting {
  private:
   /// As a culler walks, but depth first.
   void walk(const Lane& lane, PlaneMask mask) {
-    const core::Aabb box = box_of(lane);
+    const core::Aabb box = hierarchy_.box(lane.level, lane.index);
     const auto [any_layer, all_layers] = layers_of(lane);
     if (planes_.nothing_visible() || planes_.outside(box, mask) || !any_layer)
       return add_node(lane, box, CullState::kOutside);
@@ -58,11 +58,6 @@ class Sorting {
   void for_each_top(const Visit& visit) const {
     const int top = hierarchy_.level_count() - 1;
     for (std::uint32_t i = 0; top >= 0 && i < hierarchy_.lane_count(top); ++i) visit({top, i});
-  }
-  core::Aabb box_of(const Lane& lane) const {
-    const HierarchyNode& node = hierarchy_.level(lane.level)[lane.index / kLanes];
-    const auto at = [&](int axis) { return node.bounds[axis][lane.index % kLanes]; };
-    return {{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
   }
   /// Whether any of the items, and whether all of them, are on a layer that the view shows.
   std::pair<bool, bool> layers_of(const Lane& lane) const {
@@ -135,7 +130,7 @@ class Sorting {
     if (all != kMixed) {
       std::uint32_t items = 0;
       for_each_slot(lane, [&](Slot) { ++items; });
-      states_.boxes.push_back({box_of(lane), CullState(all), items});
+      states_.boxes.push_back({hierarchy_.box(lane.level, lane.index), CullState(all), items});
     } else if (lane.level > 0) {
       for_each_child(lane, [&](const Lane& child) { gather(child); });
     } else {

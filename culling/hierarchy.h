@@ -51,6 +51,12 @@ class SIGHTLINE_API Hierarchy {
   int level_count() const { return int(nodes_.size()); }
   /// Level 0 holds the boxes of leaves; the last level is the root alone.
   std::span<const HierarchyNode> level(int level) const { return nodes_[std::size_t(level)]; }
+  /// Of a lane: child `lane` % kLanes of node `lane` / kLanes of that level.
+  core::Aabb box(int level, std::uint32_t lane) const {
+    const auto& bounds = nodes_[std::size_t(level)][lane / kLanes].bounds;
+    const auto at = [&](int side) { return bounds[side][lane % kLanes]; };
+    return {{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
+  }
   /// False when every item is on core::kLayerModel alone: then no LayerNodes are kept.
   bool uses_layers() const { return !layers_.empty(); }
   /// Layers of the nodes of that level. Empty without layers.

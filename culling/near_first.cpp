@@ -26,16 +26,10 @@ void for_each_piece(const core::VisibleSet& set, const Visit& visit) {
   }
 }
 
-/// The box around the children of a node of level 0: a child of level 1.
-core::Aabb box_of_node(const Hierarchy& hierarchy, std::uint32_t node) {
-  const auto& bounds = hierarchy.level(1)[node / kLanes].bounds;
-  const std::uint32_t lane = node % kLanes;
-  return {{bounds[0][lane], bounds[1][lane], bounds[2][lane]}, {bounds[3][lane], bounds[4][lane], bounds[5][lane]}};
-}
-
-/// Infinite where there is none: a view that scales may take the sides of a box to both infinities.
+/// Of a node of level 0, which is a child of level 1. Infinite where there is none: a view that scales may take the
+/// sides of a box to both infinities.
 float distance_of(const Hierarchy& hierarchy, std::uint32_t node, const OcclusionTest& test) {
-  const float distance = test.distance(box_of_node(hierarchy, node));
+  const float distance = test.distance(hierarchy.box(1, node));
   return std::isnan(distance) ? std::numeric_limits<float>::infinity() : distance;
 }
 

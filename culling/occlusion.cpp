@@ -120,10 +120,9 @@ bool OcclusionTest::waits(const PixelRectangle& pixels) const {
   return rays_.usable() && RayQueues::takes(pixels);
 }
 
-unsigned OcclusionTest::open_boxes(const SmallBoxes& boxes) const {
-  unsigned judged = 0;
-  return kernels().open_boxes(ray_field_, boxes, view_.snap, pyramid_->blocks(), {kDistanceMargin, error_}, judged,
-                              nullptr);
+/// See Kernels::open_boxes.
+unsigned OcclusionTest::open_boxes(const SmallBoxes& boxes, PixelEntries* entries) const {
+  return kernels().open_boxes(ray_field_, boxes, view_.snap, pyramid_->blocks(), {kDistanceMargin, error_}, entries);
 }
 
 /// For looks at blocks of a level.
@@ -244,22 +243,27 @@ struct OcclusionTest::Judgement {
 
 void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
                            SlotBits exempt, CullThreads* threads, const Hierarchy* hierarchy) const {
-  if (!threads) return filter_part(bounds, in, open, exempt);
+  const auto filter_part = [&](const core::VisibleSet& part, core::VisibleSet& kept) {
+    filter_boxes(bounds, open_leaves(hierarchy, part, exempt), kept, exempt);
+  };
+  if (!threads) return filter_part(in, open);
   thread_local SetParts parts;
   parts.split(in, part_size(in.count(), threads->count()));
-  parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) {
-    thread_local core::VisibleSet leaves;
-    if (hierarchy) {
-      filter_leaves(*hierarchy, part, leaves, exempt);
-      std::swap(part, leaves);
-    }
-    filter_part(bounds, part, part, exempt);
-  });
+  parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) { filter_part(part, part); });
   parts.join(open);
 }
 
-void OcclusionTest::filter_part(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
-                                SlotBits exempt) const {
+/// `in` after filter_leaves(), or as it is without a hierarchy; until this thread's next call.
+const core::VisibleSet& OcclusionTest::open_leaves(const Hierarchy* hierarchy, const core::VisibleSet& in,
+                                                   SlotBits exempt) const {
+  if (!hierarchy) return in;
+  thread_local core::VisibleSet leaves;
+  filter_leaves(*hierarchy, in, leaves, exempt);
+  return leaves;
+}
+
+void OcclusionTest::filter_boxes(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+                                 SlotBits exempt) const {
   thread_local Judgement judged;
   const auto test = [&](const SmallBoxes& boxes, std::span<const RayQueues::Place> places) {
     const unsigned found = open_boxes(boxes);
@@ -268,8 +272,7 @@ void OcclusionTest::filter_part(const core::ItemBounds& bounds, const core::Visi
   };
   for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool) {
     BoxRectangles r;
-    unsigned spared = 0;
-    for (int i = 0; i < group.count && !exempt.empty(); ++i) spared |= unsigned(contains(exempt, group.slots[i])) << i;
+    const unsigned spared = bits_in(exempt, group);
     const unsigned maybe = maybe_open(group.coordinates, r) & used;
     judged.add_group(maybe | spared);
     for (unsigned bits = undecided(group.coordinates, r, maybe) & ~spared; bits != 0; bits &= bits - 1) {
@@ -317,28 +320,26 @@ OcclusionTest::Found OcclusionTest::enter(core::Slot slot, const BoxCoordinates&
   return found;
 }
 
-/// Leaves hidden slots out of `set`, and enters the others.
-void OcclusionTest::enter_all(const core::ItemBounds& bounds, core::VisibleSet& set, FrontLayer& layer) const {
+/// Replaces `open` by the slots of `in` that are not hidden, and enters them.
+void OcclusionTest::enter_all(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+                              FrontLayer& layer) const {
   thread_local Judgement judged;
   thread_local PixelEntries entries;
   const auto test = [&](const SmallBoxes& boxes, std::span<const RayQueues::Place> places) {
-    unsigned known = 0;
-    entries.count = 0;
-    const unsigned open = kernels().open_boxes(ray_field_, boxes, view_.snap, pyramid_->blocks(),
-                                               {kDistanceMargin, error_}, known, &entries);
+    const unsigned found = open_boxes(boxes, &entries);
     for (const PixelEntries::Entry& e : std::span(entries.of).first(std::size_t(entries.count)))
       layer.enter(std::size_t(e.y) * std::size_t(pyramid_->width()) + std::size_t(e.x), e.distance,
                   places[std::size_t(e.box)].slot);
     for (std::size_t i = 0; i < places.size(); ++i) {
-      if ((open >> i & 1u) == 0) judged.hide(places[i]);
-      if ((known >> i & 1u) == 0) layer.not_judged.push_back(places[i].slot);
+      if ((found >> i & 1u) == 0) judged.hide(places[i]);
+      if ((entries.judged >> i & 1u) == 0) layer.not_judged.push_back(places[i].slot);
     }
   };
-  for_each_group(bounds, set, [&](const SlotGroup& group, unsigned used, bool) {
+  for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool) {
     BoxRectangles r;
-    const unsigned open = maybe_open(group.coordinates, r) & used;
-    judged.add_group(open);
-    for (unsigned bits = open; bits != 0; bits &= bits - 1) {
+    const unsigned maybe = maybe_open(group.coordinates, r) & used;
+    judged.add_group(maybe);
+    for (unsigned bits = maybe; bits != 0; bits &= bits - 1) {
       const int i = std::countr_zero(bits);
       const RayQueues::Place place{judged.last_group(), i, group.slots[i]};
       Found found = Found::kNotJudged;
@@ -358,7 +359,7 @@ void OcclusionTest::enter_all(const core::ItemBounds& bounds, core::VisibleSet& 
     }
   });
   judged.queues.finish(test);
-  judged.list(set, set);
+  judged.list(in, open);
 }
 
 void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy* hierarchy, const core::VisibleSet& in,
@@ -370,13 +371,8 @@ void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy*
   layers.begin(std::size_t(pyramid_->width()) * std::size_t(pyramid_->height()));
   parts.split(in);
   parts.for_each(threads, [&, &own_layers = layers](core::VisibleSet& part, std::uint32_t) {
-    thread_local core::VisibleSet leaves;
-    if (hierarchy) {
-      filter_leaves(*hierarchy, part, leaves);
-      std::swap(part, leaves);
-    }
     FrontLayer& layer = own_layers.take();
-    enter_all(bounds, part, layer);
+    enter_all(bounds, open_leaves(hierarchy, part, {}), part, layer);
     own_layers.give_back(layer);
   });
   parts.join(open);

@@ -78,6 +78,7 @@ class SIGHTLINE_API DepthPyramid {
 
 struct BlockTile;
 struct FrontLayer;
+struct PixelEntries;
 struct SmallBoxes;
 struct TileShape;
 
@@ -98,8 +99,8 @@ class SIGHTLINE_API OcclusionTest {
   float distance(const core::Aabb& box) const;
 
   /// Replaces `open` by the slots of `in` whose boxes are not hidden, or whose bit is set in `exempt`. Vacant slots are
-  /// left out. Large sets are shared out among `threads`, if there are any, and then filter_leaves() comes first, where
-  /// there is a `hierarchy`.
+  /// left out. Large sets are shared out among `threads`, if there are any. filter_leaves() comes first where there is
+  /// a `hierarchy`.
   void filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open, SlotBits exempt = {},
               CullThreads* threads = nullptr, const Hierarchy* hierarchy = nullptr) const;
   /// A first, coarse step for large sets: leaves out those leaves of the hierarchy that lie within ranges of `in` and
@@ -119,16 +120,18 @@ class SIGHTLINE_API OcclusionTest {
   struct Judgement;
   Found enter(core::Slot slot, const BoxCoordinates& box, const PixelRectangle& pixels, float nearest,
               FrontLayer& layer) const;
-  void filter_part(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
-                   SlotBits exempt) const;
-  void enter_all(const core::ItemBounds& bounds, core::VisibleSet& set, FrontLayer& layer) const;
+  const core::VisibleSet& open_leaves(const Hierarchy* hierarchy, const core::VisibleSet& in, SlotBits exempt) const;
+  void filter_boxes(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+                    SlotBits exempt) const;
+  void enter_all(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
+                 FrontLayer& layer) const;
   bool hide_all(const PixelRectangle& pixels, float nearest) const;
   unsigned maybe_open(const float* const (&coordinates)[6], BoxRectangles& r) const;
   unsigned undecided(const float* const (&coordinates)[6], const BoxRectangles& r, unsigned open) const;
   unsigned open_nodes(const float* const (&coordinates)[6]) const;
   unsigned hidden_of(const float* const (&coordinates)[6]) const;
   bool waits(const PixelRectangle& pixels) const;
-  unsigned open_boxes(const SmallBoxes& boxes) const;
+  unsigned open_boxes(const SmallBoxes& boxes, PixelEntries* entries = nullptr) const;
   bool hides(const BoxCoordinates& box, const PixelRectangle& pixels, float nearest) const;
   BlockTile tile_of(const TileShape& shape, int level) const;
   void move(BlockTile& tile, int level, int x, int y, int last) const;

@@ -2,7 +2,6 @@
 // take the place of the solids in the passes of the occlusion test. They are rasterised in a small part of the time
 // that drawing the solids takes. What the figures leave open is drawn in one pass.
 #include <algorithm>
-#include <bit>
 
 #include "sightline/culling/spatial_queries.h"
 #include "sightline/engine/internal/drawing.h"
@@ -90,12 +89,8 @@ core::Expected<void> Drawing::draw_rehearsed(const Culled& culled) {
     if (first && !unsolid_.items.empty()) target_.read_distances(view, distances_);
     solids_.build(pyramid_, distances_);
   }
-  left_.clear();
   left_.generation = visible.generation;
-  const culling::SlotBits open = passes_.open();
-  for (std::size_t word = 0; word < open.size(); ++word)
-    for (std::uint64_t bits = open[word]; bits != 0; bits &= bits - 1)
-      left_.items.push_back(core::Slot(64 * word) + core::Slot(std::countr_zero(bits)));
+  left_.items = culling::slots_of(passes_.open());
   std::erase_if(left_.items, [&](core::Slot slot) {
     return std::binary_search(unsolid_.items.begin(), unsolid_.items.end(), slot);
   });

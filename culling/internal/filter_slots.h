@@ -65,51 +65,42 @@ class PrefetchedRanges {
   std::uint32_t done_ = 0;
 };
 
-/// Calls visit(group, bits of the slots in use, whether they are of a range) for all slots of `in`: first those of
-/// ranges, then single slots, each in rising order. Single slots have their boxes copied side by side.
-template <class Visit>
-void for_each_group(const core::ItemBounds& bounds, const core::VisibleSet& in, Visit&& visit) {
-  SlotGroup group;
-  const auto visit_group = [&](std::size_t count, bool of_range) {
-    group.count = int(count);
-    visit(std::as_const(group), (1u << count) - 1u, of_range);
-  };
-  PrefetchedRanges ahead(bounds, in.ranges);
-  for (const core::SlotRange& range : in.ranges) {
-    const std::size_t end = range.first + range.count;
-    for (std::size_t first = range.first; first < end; first += kLanes) {
-      ahead.prefetch_next();
-      for (int axis = 0; axis < 6; ++axis) group.coordinates[axis] = bounds.coordinate(axis) + first;
-      for (int i = 0; i < kLanes; ++i) group.slots[i] = core::Slot(first) + core::Slot(i);
-      visit_group(std::min<std::size_t>(kLanes, end - first), true);
-    }
-  }
-  alignas(64) float boxes[6][kLanes] = {};
-  for (int axis = 0; axis < 6; ++axis) group.coordinates[axis] = boxes[axis];
-  for (std::size_t first = 0; first < in.items.size(); first += kLanes) {
-    const std::size_t count = std::min<std::size_t>(kLanes, in.items.size() - first);
-    for (std::size_t i = 0; i < count; ++i) {
-      group.slots[i] = in.items[first + i];
-      for (int axis = 0; axis < 6; ++axis) boxes[axis][i] = bounds.coordinate(axis)[group.slots[i]];
-    }
-    visit_group(count, false);
-  }
-}
-
-/// The groups of for_each_group() once more, without boxes: calls visit(group, whether it is of a range).
+/// Calls visit(group, whether it is of a range) for all slots of `in`, sixteen at a time: first those of ranges, then
+/// single slots, each in rising order. The groups have no boxes yet.
 template <class Visit>
 void for_each_slot_group(const core::VisibleSet& in, Visit&& visit) {
   SlotGroup group{};
-  const auto visit_group = [&](std::size_t count, bool of_range, const auto& slot_at) {
-    group.count = int(std::min<std::size_t>(kLanes, count));
-    for (int i = 0; i < group.count; ++i) group.slots[i] = slot_at(i);
-    visit(std::as_const(group), of_range);
-  };
+  const auto count_of = [](std::size_t left) { return int(std::min<std::size_t>(kLanes, left)); };
   for (const core::SlotRange& range : in.ranges)
-    for (core::Slot done = 0; done < range.count; done += kLanes)
-      visit_group(range.count - done, true, [&](int i) { return range.first + done + core::Slot(i); });
-  for (std::size_t first = 0; first < in.items.size(); first += kLanes)
-    visit_group(in.items.size() - first, false, [&](int i) { return in.items[first + std::size_t(i)]; });
+    for (core::Slot done = 0; done < range.count; done += kLanes) {
+      group.count = count_of(range.count - done);
+      for (int i = 0; i < kLanes; ++i) group.slots[i] = range.first + done + core::Slot(i);
+      visit(group, true);
+    }
+  for (std::size_t done = 0; done < in.items.size(); done += kLanes) {
+    group.count = count_of(in.items.size() - done);
+    std::copy_n(in.items.begin() + std::ptrdiff_t(done), group.count, group.slots);
+    visit(group, false);
+  }
+}
+
+/// The same with boxes: calls visit(group, bits of the slots in use, whether they are of a range). Single slots have
+/// their boxes copied side by side.
+template <class Visit>
+void for_each_group(const core::ItemBounds& bounds, const core::VisibleSet& in, Visit&& visit) {
+  PrefetchedRanges ahead(bounds, in.ranges);
+  alignas(64) float boxes[6][kLanes] = {};
+  for_each_slot_group(in, [&](SlotGroup& group, bool of_range) {
+    if (of_range) {
+      ahead.prefetch_next();
+      for (int axis = 0; axis < 6; ++axis) group.coordinates[axis] = bounds.coordinate(axis) + group.slots[0];
+    } else {
+      for (int axis = 0; axis < 6; ++axis) group.coordinates[axis] = boxes[axis];
+      for (int i = 0; i < group.count; ++i)
+        for (int axis = 0; axis < 6; ++axis) boxes[axis][i] = bounds.coordinate(axis)[group.slots[i]];
+    }
+    visit(std::as_const(group), (1u << group.count) - 1u, of_range);
+  });
 }
 
 /// Appends slots first … end - 1, which lie behind all ranges, to the last range or as one more.
@@ -147,15 +138,20 @@ class SlotCollector {
   std::vector<core::Slot> of_ranges_, singles_;
 };
 
+/// Bit i: slot i of a group is in a set.
+inline unsigned bits_in(SlotBits set, const SlotGroup& group) {
+  unsigned bits = 0;
+  for (int i = 0; i < group.count && !set.empty(); ++i) bits |= unsigned(contains(set, group.slots[i])) << i;
+  return bits;
+}
+
 /// Replaces `out` by the slots of `in` that kept(coordinates of sixteen boxes) has a bit for, or `exempt`.
 template <class Kept>
 void filter_slots(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& out, SlotBits exempt,
                   const Kept& kept) {
   thread_local SlotCollector collector;
   for_each_group(bounds, in, [&](const SlotGroup& group, unsigned used, bool of_range) {
-    unsigned bits = kept(group.coordinates);
-    for (int i = 0; i < group.count && !exempt.empty(); ++i) bits |= unsigned(contains(exempt, group.slots[i])) << i;
-    collector.add(group, bits & used, of_range);
+    collector.add(group, (kept(group.coordinates) & used) | bits_in(exempt, group), of_range);
   });
   collector.finish(out);
   out.generation = in.generation;

@@ -116,13 +116,14 @@ struct SmallBoxes {
   int count;  // the arrays hold valid boxes behind them, too
 };
 
-/// Where rays enter boxes.
+/// Where rays enter boxes of SmallBoxes.
 struct PixelEntries {
   struct Entry {
     int box, x, y;
     float distance;  // at least
   };
-  int count;
+  unsigned judged;  // bit i: something is known of box i
+  int count;        // of entries
   Entry of[SmallBoxes::kMostPixels * kLanes];
 };
 
@@ -167,10 +168,10 @@ struct Kernels {
   /// distance it enters the box, at least: sixteen floats, which mean something where the bit is set.
   unsigned (*open_blocks)(const BoxSpan& box, const BlockTile& tile, float* entries);
   /// Bit i: at some of its pixels a ray may meet box i, no farther than what the pixel holds, or nothing is known of
-  /// box i, which then has no bit in `judged`. `snap`: as in ScreenView. `entries`: null, or where to append the pixels
-  /// and distances at which the rays enter the boxes that are judged.
+  /// box i. `snap`: as in ScreenView. `entries`: null, or filled with the pixels and distances at which rays enter the
+  /// boxes of which something is known.
   unsigned (*open_boxes)(const RayField& rays, const SmallBoxes& boxes, float snap, const PyramidBlocks& pyramid,
-                         const DistanceMargin& margin, unsigned& judged, PixelEntries* entries);
+                         const DistanceMargin& margin, PixelEntries* entries);
   /// Whether all of `height` rows of `width` floats, both at most kLanes, are less than a limit. The first floats of
   /// rows are `pitch` apart, and kLanes of each row may be read.
   bool (*all_less)(const float* first, std::ptrdiff_t pitch, int width, int height, float limit);

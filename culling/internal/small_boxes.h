@@ -165,11 +165,12 @@ void note_entries(unsigned met, const typename Simd::Lanes& x, const typename Si
 /// See Kernels::open_boxes.
 template <class Simd>
 unsigned open_boxes(const RayField& rays, const SmallBoxes& boxes, float snap, const PyramidBlocks& pyramid,
-                    const DistanceMargin& margin, unsigned& judged, PixelEntries* entries) {
+                    const DistanceMargin& margin, PixelEntries* entries) {
   using Lanes = typename Simd::Lanes;
   const SmallBoxSpans<Simd> spans(rays, boxes, snap);
   const unsigned used = (1u << boxes.count) - 1u;
-  judged = spans.judged() & used;
+  const unsigned judged = spans.judged() & used;
+  if (entries) entries->judged = judged, entries->count = 0;
   const Lanes one = Simd::spread(1.0f), left = Simd::load(boxes.left), right = Simd::load(boxes.right);
   const Lanes top = Simd::load(boxes.top);
   Lanes x = left, y = Simd::load(boxes.bottom);
