@@ -93,6 +93,13 @@ struct Avx2 {
   static Lanes most(const Lanes& a, const Lanes& b) {
     return {_mm256_max_ps(b.low, a.low), _mm256_max_ps(b.high, a.high)};
   }
+  static __m256 most_of_pairs_half(__m256 a, __m256 b) {
+    const __m256 most = _mm256_max_ps(_mm256_shuffle_ps(a, b, 0x88), _mm256_shuffle_ps(a, b, 0xdd));
+    return _mm256_castpd_ps(_mm256_permute4x64_pd(_mm256_castps_pd(most), 0xd8));
+  }
+  static Lanes most_of_pairs(const Lanes& a, const Lanes& b) {
+    return {most_of_pairs_half(a.low, a.high), most_of_pairs_half(b.low, b.high)};
+  }
   static Lanes magnitude(const Lanes& a) {
     const __m256 sign = _mm256_set1_ps(-0.0f);
     return {_mm256_andnot_ps(sign, a.low), _mm256_andnot_ps(sign, a.high)};

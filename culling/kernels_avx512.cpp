@@ -52,6 +52,11 @@ struct Avx512 {
   static Lanes root(const Lanes& a) { return _mm512_maskz_sqrt_ps(kAll, a); }
   static Lanes least(const Lanes& a, const Lanes& b) { return _mm512_maskz_min_ps(kAll, a, b); }
   static Lanes most(const Lanes& a, const Lanes& b) { return _mm512_maskz_max_ps(kAll, b, a); }
+  static Lanes most_of_pairs(const Lanes& a, const Lanes& b) {
+    const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+    const __m512i odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+    return most(_mm512_permutex2var_ps(a, even, b), _mm512_permutex2var_ps(a, odd, b));
+  }
   static Lanes magnitude(const Lanes& a) { return _mm512_maskz_andnot_ps(kAll, _mm512_set1_ps(-0.0f), a); }
   static Lanes whole(const Lanes& a) {
     return _mm512_maskz_roundscale_ps(kAll, a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);

@@ -108,6 +108,13 @@ struct Scalar {
   static Lanes most(const Lanes& a, const Lanes& b) {
     return each([&](int i) { return a.v[i] < b.v[i] ? b.v[i] : a.v[i]; });
   }
+  /// The greater of lanes 2 i and 2 i + 1, first of a, then of b.
+  static Lanes most_of_pairs(const Lanes& a, const Lanes& b) {
+    return each([&](int i) {
+      const float* pair = i < kLanes / 2 ? a.v + 2 * i : b.v + 2 * i - kLanes;
+      return pair[0] < pair[1] ? pair[1] : pair[0];
+    });
+  }
   static Lanes magnitude(const Lanes& a) {
     return each([&](int i) { return a.v[i] < 0.0f ? -a.v[i] : a.v[i]; });
   }

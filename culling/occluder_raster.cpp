@@ -20,15 +20,11 @@ namespace {
 using core::Affine;
 using core::dvec3;
 using core::dvec4;
-
-// Bound for the rounding of a form's value, by the sum of its terms' sizes; more than twice what it can be.
-constexpr double kLost = 0x1p-48;
-// The same for what is computed of places in the picture.
-constexpr double kPlaceLost = 0x1p-44;
-// The raster leaves out occluders whose corners may be off by more, in pixels.
-constexpr double kMostReach = 0x1p-7;
-// Numbers beyond are left out, so that no float over- or underflows.
-constexpr double kLarge = 1e30;
+using raster::kLarge;
+using raster::kLost;
+using raster::kMostReach;
+using raster::kPlaceLost;
+using raster::kSteepest;
 
 // --- corners ---------------------------------------------------------------------------------------------------------
 
@@ -275,7 +271,6 @@ std::pair<int, int> whole_between(double from, double to, int size) {
 
 /// Fills a polygon, made smaller by `shift` pixels along both axes: what a rasteriser may move a corner.
 bool cover(OccluderImage& image, const Polygon& polygon, double shift) {
-  constexpr double kSteepest = 0x1p20;  // slopes of the kernels' sides
   double reach = 0.0, left = kLarge, right = -kLarge, bottom = kLarge, top = -kLarge, farthest = kLarge;
   for (const Corner& c : polygon.corners) {
     if (!(c.reach < kMostReach)) return false;
@@ -503,6 +498,39 @@ dvec3 reach_of(std::span<const dvec3> points) {
   return reach;
 }
 
+/// Polygons that wait until there are enough to be rasterised at once.
+template <int kCorners>
+class PolygonQueue {
+ public:
+  using Cover = unsigned (*)(const OccluderImage& image, const PolygonBatch<kCorners>& polygons, float* pixels);
+
+  PolygonQueue(OccluderImage& image, Cover kernel) : image_(image), kernel_(kernel) {}
+
+  void add(std::span<const dvec3> corners, const dvec3& reach) {
+    const auto i = std::size_t(batch_.count++);
+    for (std::size_t k = 0; k < kCorners; ++k)
+      batch_.x[k][i] = corners[k].x, batch_.y[k][i] = corners[k].y, batch_.z[k][i] = corners[k].z;
+    for (int axis = 0; axis < 3; ++axis) batch_.reach[axis][i] = reach[axis];
+    if (batch_.count == kPolygonsAtOnce) cover();
+  }
+  /// Whether any of them covers anything.
+  bool finish() {
+    if (batch_.count > 0) cover();
+    return covers_;
+  }
+
+ private:
+  void cover() {
+    covers_ |= kernel_(image_, batch_, image_.nearness.data()) != 0;
+    batch_.count = 0;
+  }
+
+  OccluderImage& image_;
+  Cover kernel_;
+  PolygonBatch<kCorners> batch_{};
+  bool covers_ = false;
+};
+
 /// How large a box looks: the solid angle of the faces towards the eye, or their projected area; roughly. 0: not at
 /// all.
 double apparent_size(const OccluderImage& image, const core::AabbD& box) {
@@ -609,24 +637,32 @@ bool OccluderRaster::add_cylinder(const Affine& world_from_cylinder, int sides) 
   return add_solid(image_, prism(sides), from(image_.eye, world_from_cylinder));
 }
 
-bool OccluderRaster::add_within(const core::AabbD& box, std::span<const SolidFigure> figures) {
+bool OccluderRaster::add_within(std::span<const WholeSolid> solids, std::span<const SolidFigure> figures) {
   if (!image_.usable) return false;
-  const std::array<dvec3, 2> ends{box.min, box.max};
-  const Placement placement(image_, reach_of(ends));
-  if (!placement.leaves_whole(box.min, box.max)) return false;
   bool covers = false;
-  for (const SolidFigure& figure : figures)
-    covers |= figure.hexahedron ? add_solid(image_, cube(), figure.corners, placement)
-                                : cover_polygon(image_, figure.polygon(), placement);
+  PolygonQueue<4> quads(image_, kernels().cover_quads);
+  PolygonQueue<8> octagons(image_, kernels().cover_octagons);
+  for (const WholeSolid& solid : solids) {
+    const std::span<const SolidFigure> own = figures.first(solid.figures);
+    figures = figures.subspan(solid.figures);
+    const std::array<dvec3, 2> ends{solid.box.min, solid.box.max};
+    const dvec3 reach = reach_of(ends);
+    const Placement placement(image_, reach);
+    if (!placement.leaves_whole(solid.box.min, solid.box.max)) continue;
+    for (const SolidFigure& figure : own) {
+      if (figure.hexahedron)
+        covers |= add_solid(image_, cube(), figure.corners, placement);
+      else if (figure.count == 4)
+        quads.add(figure.polygon(), reach);
+      else if (figure.count == 8)
+        octagons.add(figure.polygon(), reach);
+      else
+        covers |= cover_polygon(image_, figure.polygon(), placement);
+    }
+  }
+  covers |= quads.finish();
+  covers |= octagons.finish();
   return covers;
-}
-
-void OccluderRaster::merge(const OccluderRaster& other) {
-  assert(image_.width == other.image_.width && image_.height == other.image_.height);
-  float* const to = image_.nearness.data();
-  const float* const from = other.image_.nearness.data();
-  const std::size_t count = std::size_t(image_.stride) * std::size_t(image_.height);
-  for (std::size_t i = 0; i < count; ++i) to[i] = std::max(to[i], from[i]);
 }
 
 void OccluderRaster::add_mesh(std::span<const core::vec3> positions, std::span<const std::uint32_t> indices,
@@ -683,20 +719,24 @@ std::size_t OccluderRaster::add_largest(std::span<const core::AabbD> solids, std
   return added;
 }
 
-void OccluderRaster::distances(std::vector<float>& out) const {
-  const OccluderImage& image = image_;
-  out.resize(std::size_t(image.width) * std::size_t(image.height));
-  float* to = out.data();
-  for (int y = 0; y < image.height; ++y) {
-    const float* row = image.nearness.data() + std::size_t(y) * std::size_t(image.stride);
-    for (int x = 0; x < image.width; ++x) *to++ = image.perspective ? (1.0f + 0x1p-22f) / row[x] : -row[x];
+void OccluderRaster::distances(std::span<float> out, std::span<const OccluderRaster* const> others) const {
+  assert(out.size() == std::size_t(image_.width) * std::size_t(image_.height));
+  thread_local std::vector<const float*> rows;
+  for (int y = 0; y < image_.height; ++y) {
+    const std::size_t first = std::size_t(y) * std::size_t(image_.stride);
+    rows.assign(1, image_.nearness.data() + first);
+    for (const OccluderRaster* other : others) {
+      assert(other->image_.width == image_.width && other->image_.height == image_.height);
+      rows.push_back(other->image_.nearness.data() + first);
+    }
+    kernels().distances(rows.data(), int(rows.size()), image_.perspective, image_.width,
+                        out.data() + std::size_t(y) * std::size_t(image_.width));
   }
 }
 
 void OccluderRaster::build(DepthPyramid& pyramid) const {
-  thread_local std::vector<float> image;
-  distances(image);
-  pyramid.build(image, image_.width, image_.height);
+  distances(pyramid.begin(image_.width, image_.height));
+  pyramid.finish();
 }
 
 }  // namespace sightline::culling

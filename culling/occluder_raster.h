@@ -55,6 +55,7 @@
 namespace sightline::culling {
 
 struct SolidFigure;
+struct WholeSolid;
 
 /// Reuse one from frame to frame: it keeps its memory. One thread at a time.
 class SIGHTLINE_API OccluderRaster {
@@ -76,10 +77,9 @@ class SIGHTLINE_API OccluderRaster {
   /// cost more. Sides that the near plane cuts hide nothing: it opens the cylinder before it meets the prism.
   bool add_cylinder(const core::Affine& world_from_cylinder, int sides = 8);
 
-  /// Figures within a solid (internal/solid_figures.h). `box`: relative to the eye, with the axes of the world. The
-  /// solid and what else must be whole, so that nothing is seen behind the figures, lie in it. False also when the near
-  /// plane or a section plane may cut the box.
-  bool add_within(const core::AabbD& box, std::span<const SolidFigure> figures);
+  /// Figures within solids (internal/solid_figures.h), first those of the first solid. Those of solids whose box the
+  /// near plane or a section plane may cut hide nothing.
+  bool add_within(std::span<const WholeSolid> solids, std::span<const SolidFigure> figures);
 
   /// Triangles of any winding, seen from both sides; three indices each, all below positions.size().
   void add_mesh(std::span<const core::vec3> positions, std::span<const std::uint32_t> indices,
@@ -90,12 +90,11 @@ class SIGHTLINE_API OccluderRaster {
   /// in the number of solids: hand in hundreds or thousands, not every box of a plant.
   std::size_t add_largest(std::span<const core::AabbD> solids, std::size_t count);
 
-  /// Adds all occluders of another image of the same view and size.
-  void merge(const OccluderRaster& other);
   /// Hands the image to the pyramid, which has its size then. More occluders may follow.
   void build(DepthPyramid& pyramid) const;
-  /// The image row by row from the bottom up, as DepthPyramid::build() takes it.
-  void distances(std::vector<float>& out) const;
+  /// Writes the image row by row from the bottom up, as DepthPyramid::build() takes it: width * height floats.
+  /// `others`: images of the same view and size, whose occluders count, too.
+  void distances(std::span<float> out, std::span<const OccluderRaster* const> others = {}) const;
 
  private:
   OccluderImage image_;

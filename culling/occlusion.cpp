@@ -21,11 +21,6 @@ constexpr int kCoarsest = 3;                     // blocks along each axis of th
 constexpr int kLevels = 4;     // of which the coarse one's blocks hold kLanes x kLanes of the fine one's
 constexpr int kMostRows = 64;  // of blocks to look at; boxes that need more are open
 
-/// The greater of two; NaN counts as infinity.
-float farther(float a, float b) {
-  return a >= b ? a : a < b ? b : std::numeric_limits<float>::infinity();
-}
-
 /// Slots of a part, so that no thread waits long for another.
 std::uint32_t part_size(std::size_t slots, int threads) {
   return std::uint32_t(std::clamp<std::size_t>(slots / std::size_t(4 * threads), 512, 8192));
@@ -60,17 +55,24 @@ void DepthPyramid::clear(int width, int height) {
 
 void DepthPyramid::build(std::span<const float> distances, int width, int height) {
   assert(distances.size() == std::size_t(width) * std::size_t(height));
+  const std::span<float> pixels = begin(width, height);
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    pixels[i] = std::isnan(distances[i]) ? std::numeric_limits<float>::infinity() : distances[i];
+  finish();
+}
+
+std::span<float> DepthPyramid::begin(int width, int height) {
   resize(width, height);
-  for (std::size_t i = 0; i < distances.size(); ++i) texels_[i] = farther(distances[i], distances[i]);
-  for (std::size_t l = 1; l < levels_.size(); ++l) {
-    const Level &fine = levels_[l - 1], &coarse = levels_[l];
+  return std::span(texels_).first(levels_[0].end());
+}
+
+void DepthPyramid::finish() {
+  for (int level = 1; level < level_count(); ++level) {
+    const Level &fine = levels_[std::size_t(level - 1)], &coarse = levels_[std::size_t(level)];
     for (int y = 0; y < coarse.height; ++y) {
-      const float* low = texels_.data() + fine.first + std::size_t(2 * y) * std::size_t(fine.width);
-      const float* high = 2 * y + 1 < fine.height ? low + fine.width : low;
-      float* out = texels_.data() + coarse.first + std::size_t(y) * std::size_t(coarse.width);
-      for (int x = 0; x < fine.width / 2; ++x)
-        out[x] = std::max(std::max(low[2 * x], low[2 * x + 1]), std::max(high[2 * x], high[2 * x + 1]));
-      if (fine.width % 2 == 1) out[coarse.width - 1] = std::max(low[fine.width - 1], high[fine.width - 1]);
+      const float *low = row(level - 1, 2 * y), *high = 2 * y + 1 < fine.height ? low + fine.width : low;
+      kernels().coarser_row(low, high, fine.width,
+                            texels_.data() + coarse.first + std::size_t(y) * std::size_t(coarse.width));
     }
   }
 }

@@ -46,6 +46,10 @@ class SIGHTLINE_API DepthPyramid {
   /// As build() from distances that all are infinity: nothing is drawn yet.
   void clear(int width, int height);
 
+  /// In place: distances for the caller to write, as build() takes them, but without NaN. Then finish().
+  std::span<float> begin(int width, int height);
+  void finish();
+
   int width() const { return levels_.empty() ? 0 : levels_[0].width; }
   int height() const { return levels_.empty() ? 0 : levels_[0].height; }
   /// True only if the pixels x0 … x1, y0 … y1, at least one and all within the picture, hold less than `distance`. It

@@ -52,6 +52,8 @@ void SolidOccluders::add(const core::VisibleSet& items, CullThreads* threads) {
 /// slowest access to one: the processor has the others under way meanwhile.
 void SolidOccluders::add(std::span<const core::Slot> slots, OccluderRaster& raster) const {
   thread_local std::vector<Solid> solids;
+  thread_local std::vector<WholeSolid> wholes;
+  thread_local std::vector<SolidFigure> figures;
   while (!slots.empty()) {
     const auto some = slots.first(std::min(kSolidsAtOnce, slots.size()));
     slots = slots.subspan(some.size());
@@ -68,11 +70,14 @@ void SolidOccluders::add(std::span<const core::Slot> slots, OccluderRaster& rast
       solid.placement = items.placements[solid.index];
       std::copy_n(items.parameters.data() + solid.index * count, count, solid.parameters.begin());
     }
-    for (const Solid& solid : solids) add(solid, raster);
+    wholes.clear();
+    figures.clear();
+    for (const Solid& solid : solids) wholes.push_back(find_figures(solid, figures));
+    raster.add_within(wholes, figures);
   }
 }
 
-void SolidOccluders::add(const Solid& solid, OccluderRaster& raster) const {
+WholeSolid SolidOccluders::find_figures(const Solid& solid, std::vector<SolidFigure>& figures) const {
   const core::dvec3 to_eye = snapshot_->bounds().origin - eye_;
   const core::AabbD box{to_eye + core::dvec3(solid.box.min), to_eye + core::dvec3(solid.box.max)};
   // A neighbour that covers an end must be there, too: what is cut off in a joint leaves the solid open.
@@ -80,20 +85,21 @@ void SolidOccluders::add(const Solid& solid, OccluderRaster& raster) const {
   const core::dvec3 joint(kLostOfRadius * size);
   const core::Placement& placement = solid.placement;
   const core::dvec3 origin = (snapshot_->chunk_origins()[placement.chunk] - eye_) + core::dvec3(placement.origin);
-  thread_local std::vector<SolidFigure> figures;
-  figures.clear();
+  const std::size_t before = figures.size();
   add_figures(solid.kind, solid.parameters.data(), {core::dmat3(placement.linear), origin}, {perspective_, forward_},
               kLostOfRadius, kLostOfBox * size, figures);
-  raster.add_within({box.min - joint, box.max + joint}, figures);
+  return {{box.min - joint, box.max + joint}, std::uint32_t(figures.size() - before)};
 }
 
 void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn) {
-  const auto used = of_threads_.used();
-  for (std::size_t i = 1; i < used.size(); ++i) used[0]->merge(*used[i]);
-  (used.empty() ? empty_ : *used[0]).distances(distances_);
-  assert(drawn.empty() || drawn.size() == distances_.size());
-  for (std::size_t i = 0; i < drawn.size(); ++i) distances_[i] = std::min(distances_[i], drawn[i]);
-  pyramid.build(distances_, width_, height_);
+  rasters_.clear();
+  for (const auto& raster : of_threads_.used()) rasters_.push_back(raster.get());
+  if (rasters_.empty()) rasters_.push_back(&empty_);
+  const std::span<float> distances = pyramid.begin(width_, height_);
+  assert(drawn.empty() || drawn.size() == distances.size());
+  rasters_[0]->distances(distances, std::span(rasters_).subspan(1));
+  for (std::size_t i = 0; i < drawn.size(); ++i) distances[i] = std::min(distances[i], drawn[i]);
+  pyramid.finish();
 }
 
 }  // namespace sightline::culling

@@ -41,7 +41,7 @@ class SIGHTLINE_API SolidOccluders {
  private:
   struct Solid;
   void add(std::span<const core::Slot> slots, OccluderRaster& raster) const;
-  void add(const Solid& solid, OccluderRaster& raster) const;
+  WholeSolid find_figures(const Solid& solid, std::vector<SolidFigure>& figures) const;
 
   const core::Snapshot* snapshot_ = nullptr;
   int width_ = 0, height_ = 0;
@@ -49,7 +49,7 @@ class SIGHTLINE_API SolidOccluders {
   bool perspective_ = true;
   OccluderRaster empty_;  // of this view
   Lent<OccluderRaster> of_threads_;
-  std::vector<float> distances_;
+  std::vector<const OccluderRaster*> rasters_;
 };
 
 }  // namespace sightline::culling

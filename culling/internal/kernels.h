@@ -15,6 +15,8 @@
 
 namespace sightline::culling {
 
+struct OccluderImage;
+
 /// What both cullers test items against.
 struct ItemTest {
   const float* coordinates[6];
@@ -177,6 +179,15 @@ struct Kernels {
   bool (*all_less)(const float* first, std::ptrdiff_t pitch, int width, int height, float limit);
   /// Raises the nearness that the pixels of an area hold to that of the area. `stride`: a multiple of kLanes.
   void (*fill_area)(const OccluderArea& area, float* image, int stride);
+  /// Raises the nearness that an image's pixels hold to that of polygons in front of its near plane. Bit i: polygon i
+  /// covers a pixel, but for its inset.
+  unsigned (*cover_quads)(const OccluderImage& image, const PolygonBatch<4>& polygons, float* pixels);
+  unsigned (*cover_octagons)(const OccluderImage& image, const PolygonBatch<8>& polygons, float* pixels);
+  /// Distances of `count` pixels of a row, from the greatest nearness that one of the images holds: its reciprocal,
+  /// rounded up, or its negative where the view is not perspective.
+  void (*distances)(const float* const* nearness, int images, bool perspective, int count, float* out);
+  /// The greatest of each 2 x 2 floats of two rows of `width`. Of an odd width the last ones stand alone.
+  void (*coarser_row)(const float* low, const float* high, int width, float* out);
 };
 
 const Kernels& scalar_kernels();

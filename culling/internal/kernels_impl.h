@@ -10,6 +10,8 @@
 #include <cstring>
 
 #include "sightline/core/internal/intrinsics.h"
+#include "sightline/culling/internal/cover_polygons.h"
+#include "sightline/culling/internal/depth_rows.h"
 #include "sightline/culling/internal/fill_area.h"
 #include "sightline/culling/internal/kernels.h"
 #include "sightline/culling/internal/screen_boxes.h"
@@ -668,6 +670,10 @@ constexpr Kernels make_kernels() {
     return true;
   };
   k.fill_area = fill_area<Simd>;
+  k.cover_quads = cover_polygons<Simd, 4>;
+  k.cover_octagons = cover_polygons<Simd, 8>;
+  k.distances = distances<Simd>;
+  k.coarser_row = coarser_row<Simd>;
   return k;
 }
 

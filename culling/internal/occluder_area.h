@@ -3,6 +3,31 @@
 
 namespace sightline::culling {
 
+namespace raster {
+
+// Bound for the rounding of a form's value, by the sum of its terms' sizes; more than twice what it can be.
+inline constexpr double kLost = 0x1p-48;
+// The same for what is computed of places in the picture.
+inline constexpr double kPlaceLost = 0x1p-44;
+// The raster leaves out occluders whose corners may be off by more, in pixels.
+inline constexpr double kMostReach = 0x1p-7;
+// Numbers beyond are left out, so that no float over- or underflows.
+inline constexpr double kLarge = 1e30;
+inline constexpr double kSteepest = 0x1p20;  // slopes of sides; others are level
+
+}  // namespace raster
+
+inline constexpr int kPolygonsAtOnce = 8;
+
+/// Convex polygons, an entry of each array for each. Coordinates are relative to the eye, with the axes of the world.
+/// Four corners need not be in one plane.
+template <int kCorners>
+struct PolygonBatch {
+  alignas(64) double x[kCorners][kPolygonsAtOnce], y[kCorners][kPolygonsAtOnce], z[kCorners][kPolygonsAtOnce];
+  alignas(64) double reach[3][kPolygonsAtOnce];  // at least the magnitudes of coordinates, axis by axis
+  int count;                                     // entries behind are any numbers
+};
+
 /// A convex area of a picture, and how near what covers it is. Columns and rows count from the area's own first ones;
 /// those of the area lie within the picture.
 struct OccluderArea {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
+#include "sightline/core/aabb.h"
 #include "sightline/core/affine.h"
 #include "sightline/core/primitive.h"
 
@@ -22,6 +24,13 @@ struct SolidFigure {
   std::array<core::dvec3, kMostCorners> corners;
   int count;
   bool hexahedron;
+};
+
+/// A solid with a number of figures in it. The solid and what else must be whole, so that nothing is seen behind the
+/// figures, lie in the box: relative to the eye, with the axes of the world.
+struct WholeSolid {
+  core::AabbD box;
+  std::uint32_t figures;
 };
 
 /// How the eye sees: from a point, or along a direction.

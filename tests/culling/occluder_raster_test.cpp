@@ -232,9 +232,8 @@ TEST(OccluderRaster, CoversOnlyWhatIsMetAndNoNearer) {
       occluders.push_back(random_occluder(random, view, half, samples));
       occluders.back().add(raster, whole(random, 3, 16));
     }
-    std::vector<float> distances;
+    std::vector<float> distances(std::size_t(samples.width * samples.height));
     raster.distances(distances);
-    ASSERT_EQ(distances.size(), std::size_t(samples.width * samples.height));
     for (int y = 0; y < samples.height; ++y) {
       for (int x = 0; x < samples.width; ++x) {
         const float distance = distances[std::size_t(y * samples.width + x)];
@@ -264,7 +263,7 @@ View view_from(const dvec3& eye, const dvec3& target, double near = 0.1) {
 }
 
 struct Picture {
-  std::vector<float> distances;
+  std::vector<float> distances = std::vector<float>(std::size_t(kWidth) * kHeight);
 
   template <class Add>
   Picture(const View& view, const Add& add) {
@@ -429,7 +428,7 @@ TEST(OccluderRaster, LeavesOutWhatItCannotJudge) {
   const std::uint32_t indices[] = {0, 1, 2, 0, 2, 3, 2, 3, 3};
   raster.add_mesh(positions, indices, {});
   raster.add_mesh({}, {}, {});
-  std::vector<float> distances;
+  std::vector<float> distances(std::size_t(kWidth) * kHeight);
   raster.distances(distances);
   for (const float d : distances) ASSERT_EQ(d, kNothing);
 
@@ -453,7 +452,7 @@ TEST(OccluderRaster, IsTheSameInAnyOrderAndForm) {
     const PictureSamples samples{whole(random, 1, 150), whole(random, 1, 90), {{0, 0}}};
     std::vector<Occluder> occluders;
     for (int i = 0; i < 30; ++i) occluders.push_back(random_occluder(random, view, half, samples));
-    std::vector<float> expected, found;
+    std::vector<float> expected(std::size_t(samples.width * samples.height)), found = expected;
     const auto draw = [&](std::vector<float>& out) {
       OccluderRaster raster;
       raster.begin(view, samples.width, samples.height);
@@ -464,6 +463,28 @@ TEST(OccluderRaster, IsTheSameInAnyOrderAndForm) {
     std::reverse(occluders.begin(), occluders.end());
     for_each_instruction_set([&] {
       draw(found);
+      ASSERT_EQ(found, expected);
+    });
+  }
+}
+
+TEST(OccluderRaster, JoinsImages) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const View view = random_view(random, dvec3(0.0), 10.0);
+    const PictureSamples samples{whole(random, 1, 90), whole(random, 1, 50), {{0, 0}}};
+    std::array<OccluderRaster, 4> rasters;  // the last one with all
+    for (OccluderRaster& raster : rasters) raster.begin(view, samples.width, samples.height);
+    for (int i = 0; i < 12; ++i) {
+      const Occluder occluder = random_occluder(random, view, 10.0, samples);
+      occluder.add(rasters[std::size_t(whole(random, 0, 2))], 7);
+      occluder.add(rasters[3], 7);
+    }
+    std::vector<float> expected(std::size_t(samples.width * samples.height)), found = expected;
+    rasters[3].distances(expected);
+    for_each_instruction_set([&] {
+      rasters[0].distances(found, std::array<const OccluderRaster*, 2>{&rasters[1], &rasters[2]});
       ASSERT_EQ(found, expected);
     });
   }

@@ -31,6 +31,29 @@ std::vector<float> random_distances(Random& random, int width, int height, doubl
   return distances;
 }
 
+TEST(DepthPyramid, BlocksHoldTheFarthestOfTheirPixels) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const int width = whole(random, 1, 150), height = whole(random, 1, 40);
+    std::vector<float> distances(std::size_t(width * height));
+    for (float& d : distances) d = chance(random, 0.05) ? kNothing : float(uniform(random, -10.0, 10.0));
+    for_each_instruction_set([&] {
+      DepthPyramid pyramid;
+      pyramid.build(distances, width, height);
+      for (int level = 0; level < pyramid.level_count(); ++level)
+        for (int y = 0; y <= (height - 1) >> level; ++y)
+          for (int x = 0; x <= (width - 1) >> level; ++x) {
+            float farthest = -kNothing;
+            for (int py = y << level; py < std::min(height, (y + 1) << level); ++py)
+              for (int px = x << level; px < std::min(width, (x + 1) << level); ++px)
+                farthest = std::max(farthest, distances[std::size_t(py * width + px)]);
+            ASSERT_EQ(pyramid.row(level, y)[x], farthest) << "level " << level << ", block " << x << " " << y;
+          }
+    });
+  }
+}
+
 /// Never nearer than the pixels themselves; the same wherever the rectangle is that of whole blocks.
 TEST(DepthPyramid, AnswersForItsPixels) {
   std::size_t nearer = 0, lost = 0;

@@ -232,8 +232,75 @@ TEST(SolidOccluders, LeaveOutWhatHidesNothing) {
   for (const culling::SolidFigure& figure : figures) {
     const bool finite = std::all_of(figure.polygon().begin(), figure.polygon().end(),
                                     [](const dvec3& p) { return core::is_finite(p); });
-    EXPECT_TRUE(finite || !raster.add_within({dvec3(-1.0, 4.0, -1.0), dvec3(1.0, 6.0, 1.0)}, std::span(&figure, 1)));
+    const culling::WholeSolid solid{{dvec3(-1.0, 4.0, -1.0), dvec3(1.0, 6.0, 1.0)}, 1};
+    EXPECT_TRUE(finite || !raster.add_within({&solid, 1}, {&figure, 1}));
   }
+}
+
+/// A convex polygon of four corners in front of or beside the eye, bent or not, perhaps with numbers that are of no
+/// use.
+std::array<dvec3, 4> random_quad(Random& random, double far) {
+  const double size = magnitude(random, 1e-3, 0.4) * far;
+  const dvec3 middle(uniform(random, -far, far), far, uniform(random, -0.6 * far, 0.6 * far));
+  const dvec3 u = size * random_direction(random), v = size * random_direction(random);
+  std::array<dvec3, 4> quad{middle + u, middle + v, middle - uniform(random, 0.3, 1.0) * u, middle - v};
+  if (chance(random, 0.2)) quad[0] += 0.1 * size * random_direction(random);
+  if (chance(random, 0.05)) quad[std::size_t(whole(random, 0, 3))].y = std::numeric_limits<double>::quiet_NaN();
+  if (chance(random, 0.05)) quad[1] = {quad[1].x, quad[0].y, quad[0].z};  // level
+  if (chance(random, 0.05)) quad[2] = quad[3] = quad[0];
+  return quad;
+}
+
+culling::SolidFigure figure_of(const std::array<dvec3, 4>& quad, int count) {
+  culling::SolidFigure figure;
+  figure.count = count;
+  figure.hexahedron = false;
+  for (int i = 0; i < count; ++i)
+    figure.corners[std::size_t(i)] = quad[std::size_t(count == 8 ? i / 2 : std::min(i, 3))];
+  return figure;
+}
+
+/// Quads and octagons are rasterised eight at a time. With a corner twice they have five corners, as figures that are
+/// rasterised one by one, or eight. Then sides and area are the same.
+TEST(SolidOccluders, FiguresAreTheSameManyAtOnceAndOneByOne) {
+  std::size_t covered_pixels = 0;
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const core::Pose pose{{0, 0, 0}, {0, 1, chance(random, 0.5) ? 0.1 : 0.0}, {0, 0, 1}};
+    const View view =
+        chance(random, 0.3) ? *View::orthographic(pose, 20.0, 1.5, -1.0, 1e4) : *View::perspective(pose, 1.0, 1.5, 0.1);
+    const int width = whole(random, 1, 150), height = whole(random, 1, 100);
+    std::vector<culling::WholeSolid> solids;
+    std::array<std::vector<culling::SolidFigure>, 3> figures;  // of four, five and eight corners
+    for (int i = whole(random, 1, 30); i > 0; --i) {
+      const double far = magnitude(random, 0.3, 100.0);
+      const double wide = chance(random, 0.3) ? magnitude(random, 10.0, 1e13) : 3.0;  // then places are less exact
+      const core::AabbD box{{-3 * far, 0.5 * far, -3 * far}, {wide * far, 2 * far, 3 * far}};
+      solids.push_back({box, std::uint32_t(whole(random, 0, 3))});
+      for (std::uint32_t k = 0; k < solids.back().figures; ++k) {
+        const std::array<dvec3, 4> quad = random_quad(random, far);
+        figures[0].push_back(figure_of(quad, 4));
+        figures[1].push_back(figure_of(quad, 5));
+        figures[2].push_back(figure_of(quad, 8));
+      }
+    }
+    const auto image_of = [&](std::size_t form) {
+      culling::OccluderRaster raster;
+      raster.begin(view, width, height);
+      raster.add_within(solids, figures[form]);
+      std::vector<float> distances(std::size_t(width * height));
+      raster.distances(distances);
+      return distances;
+    };
+    const std::vector<float> expected = image_of(1);
+    covered_pixels += covered(expected);
+    for_each_instruction_set([&] {
+      ASSERT_EQ(image_of(0), expected) << "quads";
+      ASSERT_EQ(image_of(2), expected) << "octagons";
+    });
+  }
+  EXPECT_GT(covered_pixels, 300'000u);
 }
 
 /// The same image by any number of threads, and nearer where something drawn is.

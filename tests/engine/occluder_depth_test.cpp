@@ -83,7 +83,7 @@ TEST_F(OccluderDepth, IsNowhereNearerThanWhatIsDrawn) {
             raster->add_mesh(mesh.positions, mesh.indices, place);
         }
       }
-      std::vector<float> of_solids, of_all;
+      std::vector<float> of_solids(std::size_t(width) * std::size_t(height)), of_all = of_solids;
       solids.distances(of_solids);
       all.distances(of_all);
       for (int y = 0; y < height; ++y) {
