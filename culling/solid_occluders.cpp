@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 
+#include "sightline/core/internal/prefetch.h"
 #include "sightline/culling/internal/set_parts.h"
 #include "sightline/culling/internal/solid_figures.h"
 
@@ -18,10 +19,9 @@ constexpr std::size_t kSolidsAtOnce = 64;
 /// What a snapshot knows of an item.
 struct SolidOccluders::Solid {
   core::Kind kind;
-  std::uint32_t index;  // among those of its kind
   core::Aabb box;
-  core::Placement placement;
-  std::array<float, 9> parameters;
+  const core::Placement* placement;
+  const float* parameters;
 };
 
 void SolidOccluders::begin(const core::Snapshot& snapshot, const core::View& view, int width, int height, float snap) {
@@ -48,8 +48,7 @@ void SolidOccluders::add(const core::VisibleSet& items, CullThreads* threads) {
   });
 }
 
-/// Items lie all over arrays of hundreds of megabytes. To copy many of them first takes little more time than the
-/// slowest access to one: the processor has the others under way meanwhile.
+/// Items lie all over arrays of hundreds of megabytes, so they are prefetched.
 void SolidOccluders::add(std::span<const core::Slot> slots, OccluderRaster& raster) const {
   thread_local std::vector<Solid> solids;
   thread_local std::vector<WholeSolid> wholes;
@@ -57,23 +56,31 @@ void SolidOccluders::add(std::span<const core::Slot> slots, OccluderRaster& rast
   while (!slots.empty()) {
     const auto some = slots.first(std::min(kSolidsAtOnce, slots.size()));
     slots = slots.subspan(some.size());
-    solids.clear();
-    for (const core::Slot slot : some) {
-      const core::Kind kind = snapshot_->kind(slot);
-      if (int(kind) >= core::kPrimitiveKindCount || snapshot_->bounds().vacant(slot) || !snapshot_->opaque(slot))
-        continue;
-      solids.push_back({kind, snapshot_->index_in_kind(slot), snapshot_->bounds().box(slot), {}, {}});
-    }
-    for (Solid& solid : solids) {
-      const core::KindItems& items = snapshot_->of_kind(solid.kind);
-      const auto count = std::size_t(core::parameter_count(solid.kind));
-      solid.placement = items.placements[solid.index];
-      std::copy_n(items.parameters.data() + solid.index * count, count, solid.parameters.begin());
-    }
+    look_up(some, solids);
     wholes.clear();
     figures.clear();
     for (const Solid& solid : solids) wholes.push_back(find_figures(solid, figures));
     raster.add_within(wholes, figures);
+  }
+}
+
+/// Replaces `solids` by those of the slots that hold opaque ones.
+void SolidOccluders::look_up(std::span<const core::Slot> slots, std::vector<Solid>& solids) const {
+  solids.clear();
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (i + core::kPrefetchAhead < slots.size()) {
+      snapshot_->prefetch_slot(slots[i + core::kPrefetchAhead]);
+      snapshot_->prefetch_box(slots[i + core::kPrefetchAhead]);
+    }
+    const core::Slot slot = slots[i];
+    const core::Kind kind = snapshot_->kind(slot);
+    if (int(kind) >= core::kPrimitiveKindCount || snapshot_->bounds().vacant(slot) || !snapshot_->opaque(slot))
+      continue;
+    snapshot_->prefetch_record(slot);
+    const core::KindItems& items = snapshot_->of_kind(kind);
+    const std::uint32_t index = snapshot_->index_in_kind(slot);
+    solids.push_back({kind, snapshot_->bounds().box(slot), &items.placements[index],
+                      items.parameters.data() + index * std::size_t(core::parameter_count(kind))});
   }
 }
 
@@ -83,10 +90,10 @@ WholeSolid SolidOccluders::find_figures(const Solid& solid, std::vector<SolidFig
   // A neighbour that covers an end must be there, too: what is cut off in a joint leaves the solid open.
   const double size = glm::length(box.size());
   const core::dvec3 joint(kLostOfRadius * size);
-  const core::Placement& placement = solid.placement;
+  const core::Placement& placement = *solid.placement;
   const core::dvec3 origin = (snapshot_->chunk_origins()[placement.chunk] - eye_) + core::dvec3(placement.origin);
   const std::size_t before = figures.size();
-  add_figures(solid.kind, solid.parameters.data(), {core::dmat3(placement.linear), origin}, {perspective_, forward_},
+  add_figures(solid.kind, solid.parameters, {core::dmat3(placement.linear), origin}, {perspective_, forward_},
               kLostOfRadius, kLostOfBox * size, figures);
   return {{box.min - joint, box.max + joint}, std::uint32_t(figures.size() - before)};
 }

@@ -41,6 +41,7 @@ class SIGHTLINE_API SolidOccluders {
  private:
   struct Solid;
   void add(std::span<const core::Slot> slots, OccluderRaster& raster) const;
+  void look_up(std::span<const core::Slot> slots, std::vector<Solid>& solids) const;
   WholeSolid find_figures(const Solid& solid, std::vector<SolidFigure>& figures) const;
 
   const core::Snapshot* snapshot_ = nullptr;

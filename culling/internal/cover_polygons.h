@@ -154,8 +154,8 @@ class PolygonCover {
       const Mask is_level = level(s);
       const Numbers slope = s.dy / s.dx, margin = inset_ * (1.0 + magnitude(slope));
       const Numbers a = s.y + slope * (column_ - s.x), b = s.y + slope * (last_column_ - s.x);
-      low = is_level & (s.dx > 0.0) ? greater(low, greater(a, b) + margin) : low;
-      high = is_level & ~(s.dx > 0.0) ? lesser(high, lesser(a, b) - margin) : high;
+      low = (is_level & (s.dx > 0.0)) ? greater(low, greater(a, b) + margin) : low;
+      high = (is_level & ~(s.dx > 0.0)) ? lesser(high, lesser(a, b) - margin) : high;
     }
     whole_between(low, high, image_.height, first_row_, last_row_);
     covers_ &= first_row_ <= last_row_;
