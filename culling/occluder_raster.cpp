@@ -498,6 +498,14 @@ dvec3 reach_of(std::span<const dvec3> points) {
   return reach;
 }
 
+template <int kCorners>
+void append(std::span<const dvec3> corners, const dvec3& reach, PolygonBatch<kCorners>& batch) {
+  const auto i = std::size_t(batch.count++);
+  for (std::size_t k = 0; k < kCorners; ++k)
+    batch.x[k][i] = corners[k].x, batch.y[k][i] = corners[k].y, batch.z[k][i] = corners[k].z;
+  for (int axis = 0; axis < 3; ++axis) batch.reach[axis][i] = reach[axis];
+}
+
 /// Polygons that wait until there are enough to be rasterised at once.
 template <int kCorners>
 class PolygonQueue {
@@ -507,10 +515,7 @@ class PolygonQueue {
   PolygonQueue(OccluderImage& image, Cover kernel) : image_(image), kernel_(kernel) {}
 
   void add(std::span<const dvec3> corners, const dvec3& reach) {
-    const auto i = std::size_t(batch_.count++);
-    for (std::size_t k = 0; k < kCorners; ++k)
-      batch_.x[k][i] = corners[k].x, batch_.y[k][i] = corners[k].y, batch_.z[k][i] = corners[k].z;
-    for (int axis = 0; axis < 3; ++axis) batch_.reach[axis][i] = reach[axis];
+    append(corners, reach, batch_);
     if (batch_.count == kPolygonsAtOnce) cover();
   }
   /// Whether any of them covers anything.
@@ -663,6 +668,22 @@ bool OccluderRaster::add_within(std::span<const WholeSolid> solids, std::span<co
   covers |= quads.finish();
   covers |= octagons.finish();
   return covers;
+}
+
+void OccluderRaster::find_seen(std::span<const SolidFigure> quads, const DepthPyramid& pyramid, double error,
+                               std::vector<std::uint8_t>& seen) const {
+  assert(pyramid.width() == image_.width && pyramid.height() == image_.height);
+  seen.assign(quads.size(), 1);
+  if (!image_.usable) return;
+  PolygonBatch<4> batch{};
+  for (std::size_t first = 0; first < quads.size(); first += kPolygonsAtOnce) {
+    batch.count = 0;
+    for (const SolidFigure& quad : quads.subspan(first, std::min<std::size_t>(kPolygonsAtOnce, quads.size() - first)))
+      append(quad.polygon(), reach_of(quad.polygon()), batch);
+    const unsigned bits =
+        kernels().seen_quads(image_, batch, pyramid.blocks(), {OcclusionTest::kDistanceMargin, float(error)});
+    for (int i = 0; i < batch.count; ++i) seen[first + std::size_t(i)] = bits >> i & 1u;
+  }
 }
 
 void OccluderRaster::add_mesh(std::span<const core::vec3> positions, std::span<const std::uint32_t> indices,

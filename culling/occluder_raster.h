@@ -81,6 +81,12 @@ class SIGHTLINE_API OccluderRaster {
   /// near plane or a section plane may cut hide nothing.
   bool add_within(std::span<const WholeSolid> solids, std::span<const SolidFigure> figures);
 
+  /// Of quads in front of solids (internal/solid_figures.h): 0 for those that lie behind what all of their pixels hold
+  /// in a pyramid of this view and size, else 1. So a solid is hidden when all its quads are. `error`: as for
+  /// OcclusionTest.
+  void find_seen(std::span<const SolidFigure> quads, const DepthPyramid& pyramid, double error,
+                 std::vector<std::uint8_t>& seen) const;
+
   /// Triangles of any winding, seen from both sides; three indices each, all below positions.size().
   void add_mesh(std::span<const core::vec3> positions, std::span<const std::uint32_t> indices,
                 const core::Affine& world_from_mesh);

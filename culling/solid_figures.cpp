@@ -67,6 +67,21 @@ class Figures {
     }
   }
 
+  /// Whether all of the item lies behind what it has added.
+  bool add_fronts(Kind kind, const std::array<double, 9>& p) {
+    const double a = std::abs(p[0]), b = std::abs(p[1]);
+    switch (kind) {
+      case Kind::kCircularTorus:
+        return fronts_of_torus(a, b, core::sweep_angle(float(p[2])));
+      case Kind::kSnout:
+        return front_of_snout(p);
+      case Kind::kCylinder:
+        return front({0.0, 0.0, -0.5 * b}, {0.0, 0.0, 0.5 * b}, a, 0.0);
+      default:
+        return false;
+    }
+  }
+
  private:
   /// A length within the solid, less what is lost.
   double within(double of) const { return of - of_radius_ * of - lost_; }
@@ -258,6 +273,64 @@ class Figures {
     if (first > 0.0 && second > 0.0) disc(dvec3(0.0), u * (r / first), w * (r / second));
   }
 
+  /// In front of the cylinder about the line from a to b, longer by `beyond` at both ends: the rectangle through which
+  /// the eye sees it, in the plane that touches it along the line nearest to the eye. The outline gives the rectangle's
+  /// width, and where lines of sight to the ends cross the plane its length.
+  bool front(dvec3 a, const dvec3& b, double radius, double beyond) {
+    const double distance = glm::length(b - a);
+    if (!(distance > 0.0)) return false;
+    const dvec3 along = (b - a) / distance;
+    const double lost = of_radius_ * radius + lost_, r = radius + lost;
+    a -= (beyond + lost) * along;
+    const double end = distance + 2.0 * (beyond + lost);
+    // To the eye, from a: so far along the cylinder, and so high over its axis.
+    const dvec3 to_eye = perspective_ ? eye_ - a : -eye_;
+    const double at = glm::dot(to_eye, along);
+    const dvec3 across = to_eye - at * along;
+    const double height = glm::length(across);
+    double low = 0.0, high = end, half = r;
+    if (perspective_) {
+      if (!(height > kLeastHeight * r)) return false;
+      const double nearer = (height - r) / (height + r), moved = 1.0 - nearer;
+      low = std::min(0.0, at * moved), high = end + std::max(0.0, (at - end) * moved);
+      half *= std::sqrt(nearer);
+    } else {
+      if (!(height > 0.0)) return false;
+      const double moved = 2.0 * r * at / height;
+      low = std::min(0.0, moved), high = end + std::max(0.0, moved);
+    }
+    if (!(high - low < kLongest * (end + r))) return false;
+    const dvec3 up = across / height, w = half * glm::cross(along, up);
+    const dvec3 from = a + r * up + low * along, to = a + r * up + high * along;
+    quad(from - w, from + w, to + w, to - w);
+    return true;
+  }
+  static constexpr double kLeastHeight = 1.05;  // of the eye over the axis, in radii
+  static constexpr double kLongest = 4.0;       // of a rectangle, in lengths of its solid: else it tells little
+
+  /// None where it leans or has slanted ends, whose cone goes on widening beyond its height.
+  bool front_of_snout(const std::array<double, 9>& p) {
+    if (std::any_of(p.begin() + 3, p.end(), [](double of) { return of != 0.0; })) return false;
+    const double half = 0.5 * std::abs(p[2]);
+    return front({0.0, 0.0, -half}, {0.0, 0.0, half}, std::max(std::abs(p[0]), std::abs(p[1])), 0.0);
+  }
+
+  /// Of cylinders about chords, each of which contains its part of the tube.
+  bool fronts_of_torus(double major, double tube, double sweep) {
+    if (!(major > tube) || !(sweep > 0.0)) return false;
+    const int steps = std::max(1, int(std::ceil(sweep / kFrontStep)));
+    const double half = 0.5 * sweep / steps, sagitta = major * (1.0 - std::cos(half)), beyond = tube * std::sin(half);
+    dvec3 last(0.0);
+    bool all = true;
+    for_each_step(sweep, 0.0, steps, [&](int i, double x, double y) {
+      const dvec3 point(major * x, major * y, 0.0);
+      if (i > 0) all = all && front(last, point, tube + sagitta, beyond);
+      last = point;
+    });
+    return all;
+  }
+  static constexpr double kFrontStep = 0.5;  // radians
+
   Affine eye_from_item_;
   bool perspective_;
   dvec3 eye_;  // or the direction
@@ -265,18 +338,36 @@ class Figures {
   std::vector<SolidFigure>& out_;
 };
 
-}  // namespace
-
-void add_figures(Kind kind, const float* parameters, const Affine& eye_from_item, const Sight& sight, double of_radius,
-                 double metres, std::vector<SolidFigure>& figures) {
-  if (int(kind) >= core::kPrimitiveKindCount || kind == Kind::kLine) return;
+/// add(figures, parameters) where there are figures, else false.
+template <class Add>
+bool with_figures(Kind kind, const float* parameters, const Affine& eye_from_item, const Sight& sight, double of_radius,
+                  double metres, std::vector<SolidFigure>& figures, const Add& add) {
+  if (int(kind) >= core::kPrimitiveKindCount || kind == Kind::kLine) return false;
   std::array<double, 9> p{};
   for (int i = 0; i < core::parameter_count(kind); ++i) p[std::size_t(i)] = double(parameters[i]);
   constexpr double kLeast = 1e-200, kMost = 1e200;
   const double volume = std::abs(glm::determinant(eye_from_item.linear));
-  if (!(volume > kLeast && volume < kMost)) return;
+  if (!(volume > kLeast && volume < kMost)) return false;
   const dmat3 inverse = glm::inverse(eye_from_item.linear);
-  Figures(eye_from_item, inverse, sight, of_radius, metres, figures).add(kind, p);
+  Figures of_item(eye_from_item, inverse, sight, of_radius, metres, figures);
+  return add(of_item, p);
+}
+
+}  // namespace
+
+void add_figures(Kind kind, const float* parameters, const Affine& eye_from_item, const Sight& sight, double of_radius,
+                 double metres, std::vector<SolidFigure>& figures) {
+  with_figures(kind, parameters, eye_from_item, sight, of_radius, metres, figures,
+               [&](Figures& of_item, const auto& p) {
+                 of_item.add(kind, p);
+                 return true;
+               });
+}
+
+bool add_fronts(Kind kind, const float* parameters, const Affine& eye_from_item, const Sight& sight, double of_radius,
+                double metres, std::vector<SolidFigure>& fronts) {
+  return with_figures(kind, parameters, eye_from_item, sight, of_radius, metres, fronts,
+                      [&](Figures& of_item, const auto& p) { return of_item.add_fronts(kind, p); });
 }
 
 }  // namespace sightline::culling

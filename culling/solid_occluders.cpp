@@ -18,6 +18,7 @@ constexpr std::size_t kSolidsAtOnce = 64;
 
 /// What a snapshot knows of an item.
 struct SolidOccluders::Solid {
+  std::size_t place;  // among the slots
   core::Kind kind;
   core::Aabb box;
   const core::Placement* placement;
@@ -79,23 +80,72 @@ void SolidOccluders::look_up(std::span<const core::Slot> slots, std::vector<Soli
     snapshot_->prefetch_record(slot);
     const core::KindItems& items = snapshot_->of_kind(kind);
     const std::uint32_t index = snapshot_->index_in_kind(slot);
-    solids.push_back({kind, snapshot_->bounds().box(slot), &items.placements[index],
+    solids.push_back({i, kind, snapshot_->bounds().box(slot), &items.placements[index],
                       items.parameters.data() + index * std::size_t(core::parameter_count(kind))});
   }
 }
 
-WholeSolid SolidOccluders::find_figures(const Solid& solid, std::vector<SolidFigure>& figures) const {
+SolidOccluders::Placed SolidOccluders::place(const Solid& solid) const {
   const core::dvec3 to_eye = snapshot_->bounds().origin - eye_;
   const core::AabbD box{to_eye + core::dvec3(solid.box.min), to_eye + core::dvec3(solid.box.max)};
-  // A neighbour that covers an end must be there, too: what is cut off in a joint leaves the solid open.
-  const double size = glm::length(box.size());
-  const core::dvec3 joint(kLostOfRadius * size);
   const core::Placement& placement = *solid.placement;
   const core::dvec3 origin = (snapshot_->chunk_origins()[placement.chunk] - eye_) + core::dvec3(placement.origin);
+  return {{core::dmat3(placement.linear), origin}, box, glm::length(box.size())};
+}
+
+WholeSolid SolidOccluders::find_figures(const Solid& solid, std::vector<SolidFigure>& figures) const {
+  const Placed placed = place(solid);
+  // A neighbour that covers an end must be there, too: what is cut off in a joint leaves the solid open.
+  const core::dvec3 joint(kLostOfRadius * placed.size);
   const std::size_t before = figures.size();
-  add_figures(solid.kind, solid.parameters, {core::dmat3(placement.linear), origin}, {perspective_, forward_},
-              kLostOfRadius, kLostOfBox * size, figures);
-  return {{box.min - joint, box.max + joint}, std::uint32_t(figures.size() - before)};
+  add_figures(solid.kind, solid.parameters, placed.eye_from_item, {perspective_, forward_}, kLostOfRadius,
+              kLostOfBox * placed.size, figures);
+  return {{placed.box.min - joint, placed.box.max + joint}, std::uint32_t(figures.size() - before)};
+}
+
+void SolidOccluders::leave_out_hidden(core::VisibleSet& items, const DepthPyramid& pyramid, double error,
+                                      CullThreads* threads) const {
+  thread_local SetParts parts;
+  parts.split(items, kItemsOfPart);
+  parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) {
+    thread_local std::vector<core::Slot> slots;
+    slots.clear();
+    part.for_each_slot([&](core::Slot slot) { slots.push_back(slot); });
+    part.ranges.clear();
+    part.items.clear();
+    leave_out_hidden(slots, pyramid, error, part.items);
+  });
+  parts.join(items);
+}
+
+/// Appends those that are not.
+void SolidOccluders::leave_out_hidden(std::span<const core::Slot> slots, const DepthPyramid& pyramid, double error,
+                                      std::vector<core::Slot>& open) const {
+  thread_local std::vector<Solid> solids;
+  thread_local std::vector<SolidFigure> fronts;
+  thread_local std::vector<std::size_t> ends;  // of each solid's fronts; some have none
+  thread_local std::vector<std::uint8_t> seen, hidden;
+  look_up(slots, solids);
+  fronts.clear();
+  ends.clear();
+  for (const Solid& solid : solids) {
+    const Placed placed = place(solid);
+    const std::size_t before = fronts.size();
+    if (!add_fronts(solid.kind, solid.parameters, placed.eye_from_item, {perspective_, forward_}, kLostOfRadius,
+                    kLostOfBox * placed.size, fronts))
+      fronts.resize(before);
+    ends.push_back(fronts.size());
+  }
+  empty_.find_seen(fronts, pyramid, error, seen);
+  hidden.assign(slots.size(), 0);
+  auto front = seen.begin();
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    const auto end = seen.begin() + std::ptrdiff_t(ends[i]);
+    hidden[solids[i].place] = front != end && std::find(front, end, 1) == end;
+    front = end;
+  }
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    if (hidden[i] == 0) open.push_back(slots[i]);
 }
 
 void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn) {

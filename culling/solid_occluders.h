@@ -16,6 +16,11 @@
 // by more than a renderer loses whose rays are float: by kLostPixels, kLostOfBox of the box's diagonal, and
 // kLostOfRadius of the radius (for thin tori more). Items that are no solids, are not opaque, or that the near plane or
 // a section plane cuts, hide nothing.
+//
+// Solids are narrower than their boxes, so some are hidden whose boxes are not. A cylinder is seen through a rectangle
+// in the plane that touches it along the line nearest to the eye; an elbow through those of cylinders about its chords.
+// Where these lie behind what their pixels hold, the solid is hidden. Promise of leave_out_hidden(): conservative at
+// the pixel centres, also where a solid is drawn larger, by as much as figures are smaller.
 #pragma once
 
 #include "sightline/core/snapshot.h"
@@ -30,19 +35,32 @@ class SIGHTLINE_API SolidOccluders {
  public:
   static constexpr double kLostPixels = 0x1p-8, kLostOfBox = 1e-5, kLostOfRadius = 1e-3;
 
-  /// Empties the image. Borrows the snapshot until the last add(). The rest is as for OccluderRaster::begin().
+  /// Empties the image. Borrows the snapshot until the last of the other calls. The rest is as for
+  /// OccluderRaster::begin().
   void begin(const core::Snapshot& snapshot, const core::View& view, int width, int height, float snap = kCoarsestSnap);
   /// Adds items of the snapshot. Large sets are shared out among `threads`, if there are any.
   void add(const core::VisibleSet& items, CullThreads* threads = nullptr);
   /// Hands the image to the pyramid, which has its size then. `drawn`: distances of what is drawn already, as
   /// DepthPyramid::build() takes them, or none; where they are nearer, they count. More items may follow.
   void build(DepthPyramid& pyramid, std::span<const float> drawn = {});
+  /// Leaves out cylinders, straight snouts and circular tori that are hidden by what a pyramid holds, of a picture of
+  /// this view and size. Other items stay: their boxes should have been tested (OcclusionTest). `error`: as there.
+  void leave_out_hidden(core::VisibleSet& items, const DepthPyramid& pyramid, double error = 0.0,
+                        CullThreads* threads = nullptr) const;
 
  private:
   struct Solid;
+  struct Placed {
+    core::Affine eye_from_item;
+    core::AabbD box;  // relative to the eye
+    double size;      // its diagonal
+  };
   void add(std::span<const core::Slot> slots, OccluderRaster& raster) const;
   void look_up(std::span<const core::Slot> slots, std::vector<Solid>& solids) const;
+  Placed place(const Solid& solid) const;
   WholeSolid find_figures(const Solid& solid, std::vector<SolidFigure>& figures) const;
+  void leave_out_hidden(std::span<const core::Slot> slots, const DepthPyramid& pyramid, double error,
+                        std::vector<core::Slot>& open) const;
 
   const core::Snapshot* snapshot_ = nullptr;
   int width_ = 0, height_ = 0;

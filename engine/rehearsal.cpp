@@ -94,6 +94,7 @@ core::Expected<void> Drawing::draw_rehearsed(const Culled& culled) {
   std::erase_if(left_.items, [&](core::Slot slot) {
     return std::binary_search(unsolid_.items.begin(), unsolid_.items.end(), slot);
   });
+  solids_.leave_out_hidden(left_, pyramid_, render::RenderTarget::orthographic_error(view), &threads_);
   counts_ = {-1, std::int64_t(unsolid_.items.size() + left_.items.size())};
   depth_known_ = true;
   return draw_pass(view, snapshot, left_, target_);

@@ -1,4 +1,4 @@
-// Internal: the occluder raster's kernels over any instruction set.
+// Internal: the kernels of areas over any instruction set.
 //
 // Rows of an area are spans of columns, since the area is convex: sixteen spans at a time are cut out by its sides.
 // Then each span is filled, sixteen pixels at a time, with the greater of what the image holds and the area's nearness.
@@ -9,16 +9,18 @@
 
 namespace sightline::culling {
 
-/// kPlanes: of the area, or 0 for any number.
-template <class Simd, int kPlanes>
-class AreaFiller {
+/// The spans of an area's rows.
+template <class Simd>
+class AreaRows {
  public:
   using Lanes = typename Simd::Lanes;
 
-  AreaFiller(const OccluderArea& area, float* image, int stride)
-      : area_(area), image_(image + area.row * std::ptrdiff_t(stride) + area.column), stride_(stride) {}
+  explicit AreaRows(const OccluderArea& area) : area_(area) {}
 
-  void fill() const {
+  /// Calls visit(row, begin, end) for columns begin … end - 1 of rows that have some, until it returns true. Whether it
+  /// has. Rows and columns count from the area's first ones.
+  template <class Visit>
+  bool any(const Visit& visit) const {
     for (int first = 0; first < area_.rows; first += kLanes) {
       const Lanes rows = Simd::add(Simd::ramp(), Simd::spread(float(first)));
       const Lanes none = Simd::spread(0.0f), all = Simd::spread(float(area_.columns));
@@ -30,8 +32,10 @@ class AreaFiller {
       Simd::store(ends, Simd::most(end, none));
       const int count = area_.rows - first < kLanes ? area_.rows - first : kLanes;
       // The column right of a left side, and those up to a right one: both are whole parts, with column -1 at 0.
-      for (int i = 0; i < count; ++i) fill_row(first + i, int(begins[i]), int(ends[i]));
+      for (int i = 0; i < count; ++i)
+        if (int(begins[i]) < int(ends[i]) && visit(first + i, int(begins[i]), int(ends[i]))) return true;
     }
+    return false;
   }
 
  private:
@@ -39,8 +43,35 @@ class AreaFiller {
     return Simd::add(Simd::multiply(Simd::spread(side.slope), rows), Simd::spread(side.x));
   }
 
+  const OccluderArea& area_;
+};
+
+/// Of kLanes columns from `first` on those of begin … end - 1, as bits.
+static inline unsigned lanes_within(int first, int begin, int end) {
+  unsigned bits = 0xffffu;
+  if (first < begin) bits &= bits << (begin - first);
+  if (end - first < kLanes) bits &= (1u << (end - first)) - 1u;
+  return bits;
+}
+
+/// kPlanes: of the area, or 0 for any number.
+template <class Simd, int kPlanes>
+class AreaFiller {
+ public:
+  using Lanes = typename Simd::Lanes;
+
+  AreaFiller(const OccluderArea& area, float* image, int stride)
+      : area_(area), image_(image + area.row * std::ptrdiff_t(stride) + area.column), stride_(stride) {}
+
+  void fill() const {
+    AreaRows<Simd>(area_).any([&](int row, int begin, int end) {
+      fill_row(row, begin, end);
+      return false;
+    });
+  }
+
+ private:
   void fill_row(int row, int begin, int end) const {
-    if (begin >= end) return;
     const int planes = kPlanes > 0 ? kPlanes : area_.plane_count;
     Lanes constants[kPlanes > 0 ? kPlanes : OccluderArea::kMostPlanes];
     for (int k = 0; k < planes; ++k)
@@ -53,10 +84,7 @@ class AreaFiller {
         nearness =
             Simd::least(nearness, Simd::add(Simd::multiply(Simd::spread(area_.planes[k].x), columns), constants[k]));
       nearness = Simd::most(nearness, Simd::spread(area_.least));
-      unsigned bits = 0xffffu;
-      if (first < begin) bits &= bits << (begin - first);
-      if (end - first < kLanes) bits &= (1u << (end - first)) - 1u;
-      Simd::raise(pixels + first, nearness, bits);
+      Simd::raise(pixels + first, nearness, lanes_within(first, begin, end));
     }
   }
 

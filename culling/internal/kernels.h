@@ -183,6 +183,10 @@ struct Kernels {
   /// covers a pixel, but for its inset.
   unsigned (*cover_quads)(const OccluderImage& image, const PolygonBatch<4>& polygons, float* pixels);
   unsigned (*cover_octagons)(const OccluderImage& image, const PolygonBatch<8>& polygons, float* pixels);
+  /// Bit i: some pixel that may lie within quad i holds nothing nearer than the quad there, or nothing is known of the
+  /// quad. `image`: of the picture of which the pyramid is, without pixels.
+  unsigned (*seen_quads)(const OccluderImage& image, const PolygonBatch<4>& quads, const PyramidBlocks& pyramid,
+                         const DistanceMargin& margin);
   /// Distances of `count` pixels of a row, from the greatest nearness that one of the images holds: its reciprocal,
   /// rounded up, or its negative where the view is not perspective.
   void (*distances)(const float* const* nearness, int images, bool perspective, int count, float* out);

@@ -672,6 +672,7 @@ constexpr Kernels make_kernels() {
   k.fill_area = fill_area<Simd>;
   k.cover_quads = cover_polygons<Simd, 4>;
   k.cover_octagons = cover_polygons<Simd, 8>;
+  k.seen_quads = seen_quads<Simd>;
   k.distances = distances<Simd>;
   k.coarser_row = coarser_row<Simd>;
   return k;

@@ -1,4 +1,5 @@
-// Internal: flat figures within an analytic solid that face the eye, and so hide nearly what the solid hides.
+// Internal: flat figures within an analytic solid that face the eye, and so hide nearly what the solid hides; and in
+// front of it, through which it is seen.
 #pragma once
 
 #include <array>
@@ -44,5 +45,11 @@ struct Sight {
 /// that of the tube's, and a fortieth of the other), and by `metres`.
 void add_figures(core::Kind kind, const float* parameters, const core::Affine& eye_from_item, const Sight& sight,
                  double of_radius, double metres, std::vector<SolidFigure>& figures);
+
+/// Appends quads in front of a cylinder, a snout or a circular torus, and so near to it that they are seen where the
+/// solid is, or little more. Each line of sight to the solid crosses one of them first. They count for the solid made
+/// larger by `of_radius` of its radius and by `metres`. False, with anything appended, where there are none.
+bool add_fronts(core::Kind kind, const float* parameters, const core::Affine& eye_from_item, const Sight& sight,
+                double of_radius, double metres, std::vector<SolidFigure>& fronts);
 
 }  // namespace sightline::culling

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <variant>
 
 #include <gtest/gtest.h>
@@ -190,6 +191,56 @@ TEST_P(SolidOccludersOf, HideNothingWhereTheyAreCut) {
   EXPECT_GT(whole_ones, 20);
 }
 
+/// A solid stays where one line of sight meets it no farther than what its pixel holds, though all others are hidden.
+TEST_P(SolidOccludersOf, AreLeftOutOnlyWhereAllPixelsHideThem) {
+  constexpr std::size_t kPixels = std::size_t(kWidth) * kHeight;
+  int met = 0, hidden = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const dvec3 middle = chance(random, 0.5) ? dvec3(0.0) : dvec3(4e5, 6e6, 100.0);
+    core::Scene scene;
+    const Affine place{random_linear(random), middle + point(random, 1.0)};
+    const Primitive solid = random_solid(GetParam(), random);
+    scene.add_primitive(scene.root(), solid, place);
+    const core::Snapshot snapshot(scene);
+    View view = random_sight(random, middle);
+    if (chance(random, 0.3)) {
+      const core::Pose pose{middle + point(random, 2.0), middle + point(random, 1.0), {0, 0, 1}};
+      view = *View::perspective(pose, 1.0, double(kWidth) / kHeight, 0.01);
+    }
+    SolidOccluders solids;
+    solids.begin(snapshot, view, kWidth, kHeight);
+    const Reference reference(view, solid, place);
+    std::vector<float> distances(kPixels, -1e6f);
+    std::vector<std::size_t> meeting;
+    for (std::size_t i = 0; i < kPixels; ++i)
+      if (reference.entry(int(i) % kWidth, int(i) / kWidth) < kNothing) meeting.push_back(i);
+    const auto stays = [&] {
+      culling::DepthPyramid pyramid;
+      pyramid.build(distances, kWidth, kHeight);
+      core::VisibleSet items = all_of(snapshot);
+      solids.leave_out_hidden(items, pyramid);
+      return items.count() > 0;
+    };
+    if (meeting.empty()) continue;
+    ++met;
+    hidden += !stays();
+    for (int i = 0; i < 12; ++i) {
+      const std::size_t pixel = meeting[std::size_t(whole(random, 0, int(meeting.size()) - 1))];
+      const double entry = reference.entry(int(pixel) % kWidth, int(pixel) / kWidth);
+      const float before = std::exchange(distances[pixel], float(entry));
+      ASSERT_TRUE(stays()) << "pixel " << int(pixel) % kWidth << " " << int(pixel) / kWidth << " of " << meeting.size();
+      distances[pixel] = before;
+    }
+  }
+  EXPECT_GT(met, 150);
+  const bool has_fronts =
+      GetParam() == Kind::kCylinder || GetParam() == Kind::kSnout || GetParam() == Kind::kCircularTorus;
+  EXPECT_GE(hidden, has_fronts ? met / 8 : 0) << "of " << met;
+  RecordProperty("percent_hidden", 100 * hidden / met);
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, SolidOccludersOf,
                          testing::Values(Kind::kPyramid, Kind::kBox, Kind::kRectangularTorus, Kind::kCircularTorus,
                                          Kind::kEllipticalDish, Kind::kSphericalDish, Kind::kSnout, Kind::kCylinder,
@@ -301,6 +352,122 @@ TEST(SolidOccluders, FiguresAreTheSameManyAtOnceAndOneByOne) {
     });
   }
   EXPECT_GT(covered_pixels, 300'000u);
+}
+
+/// Parallelograms against lines of sight through pixel centres.
+TEST(SolidOccluders, QuadsAreHiddenOnlyByAllTheirPixels) {
+  std::size_t met = 0, hidden = 0, quads = 0;
+  for (std::uint64_t seed = 1; seed <= 600; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const core::Pose pose{{0, 0, 0}, {0, 1, chance(random, 0.5) ? 0.1 : 0.0}, {0, 0, 1}};
+    const View view =
+        chance(random, 0.3) ? *View::orthographic(pose, 20.0, 1.5, -1.0, 1e4) : *View::perspective(pose, 1.0, 1.5, 0.1);
+    const core::dmat4 world_from_clip = glm::inverse(view.clip_from_world());
+    const dvec3 forward = -dvec3(glm::transpose(view.eye_from_world())[2]);
+    const int width = whole(random, 1, 60), height = whole(random, 1, 40);
+    std::vector<culling::SolidFigure> figures;
+    std::vector<std::array<dvec3, 3>> spans;  // middle and half sides
+    for (int i = whole(random, 1, 20); i > 0; --i) {
+      const double far = magnitude(random, 0.5, 100.0), size = magnitude(random, 1e-2, 0.4) * far;
+      const dvec3 middle(uniform(random, -far, far), far, uniform(random, -0.6 * far, 0.6 * far));
+      const dvec3 u = size * random_direction(random),
+                  v = magnitude(random, 0.01, 1.0) * size * random_direction(random);
+      spans.push_back({middle, u, v});
+      figures.push_back(figure_of({middle - u - v, middle + u - v, middle + u + v, middle - u + v}, 4));
+    }
+    std::vector<float> distances(std::size_t(width * height), float(magnitude(random, 0.5, 50.0)));
+    for (float& d : distances)
+      if (chance(random, 0.02)) d = kNothing;
+    culling::DepthPyramid pyramid;
+    pyramid.build(distances, width, height);
+    culling::OccluderRaster raster;
+    raster.begin(view, width, height);
+    std::vector<std::uint8_t> seen, others;
+    raster.find_seen(figures, pyramid, 0.0, seen);
+    for_each_instruction_set([&] {
+      raster.find_seen(figures, pyramid, 0.0, others);
+      ASSERT_EQ(others, seen);
+    });
+    for (std::size_t i = 0; i < spans.size(); ++i) {
+      const auto& [middle, u, v] = spans[i];
+      const dvec3 normal = glm::cross(u, v);
+      bool is_met = false;
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          const auto at = [&](double z) {
+            const core::dvec4 p =
+                world_from_clip * core::dvec4((2.0 * x + 1.0) / width - 1.0, (2.0 * y + 1.0) / height - 1.0, z, 1.0);
+            return dvec3(p) / p.w;
+          };
+          const dvec3 near = at(1.0), along = at(0.25) - near;
+          const double t = glm::dot(middle - near, normal) / glm::dot(along, normal);
+          const dvec3 at_plane = near + t * along, from = at_plane - middle;
+          const double a = glm::dot(glm::cross(from, v), normal) / glm::dot(normal, normal);
+          const double b = glm::dot(glm::cross(u, from), normal) / glm::dot(normal, normal);
+          is_met = is_met || (t > 0.0 && std::abs(a) < 1.0 - 1e-9 && std::abs(b) < 1.0 - 1e-9 &&
+                              glm::dot(forward, at_plane) < double(distances[std::size_t(y * width + x)]));
+        }
+      if (is_met) {
+        ASSERT_EQ(seen[i], 1) << "quad " << i;
+      }
+      ++quads, met += is_met, hidden += seen[i] == 0;
+    }
+  }
+  EXPECT_GT(met, quads / 10);
+  EXPECT_GT(hidden, quads / 10);
+}
+
+/// Sides and corners through pixel centres.
+TEST(SolidOccluders, QuadsAreSeenWhereTheyTouchAnOpenPixel) {
+  constexpr int kSize = 16;  // pixels of a metre; centres lie at halves
+  const View view = *View::orthographic({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, double(kSize), 1.0, -1.0, 100.0);
+  culling::OccluderRaster raster;
+  raster.begin(view, kSize, kSize);
+  const auto seen = [&](const culling::SolidFigure& quad, int x, int y) {
+    std::vector<float> distances(std::size_t(kSize * kSize), 1.0f);
+    distances[std::size_t(y * kSize + x)] = kNothing;
+    culling::DepthPyramid pyramid;
+    pyramid.build(distances, kSize, kSize);
+    std::vector<std::uint8_t> found;
+    raster.find_seen({&quad, 1}, pyramid, 0.0, found);
+    return found[0] == 1;
+  };
+  const auto quad_of = [](double left, double right, double bottom, double top) {
+    return figure_of({dvec3{left, 5, bottom}, dvec3{right, 5, bottom}, dvec3{right, 5, top}, dvec3{left, 5, top}}, 4);
+  };
+  const culling::SolidFigure level = quad_of(-2.5, 3.5, -4.5, 1.5);
+  const culling::SolidFigure askew = figure_of({dvec3{-2.5, 5, 0.5}, {0.5, 5, -2.5}, {3.5, 5, 0.5}, {0.5, 5, 3.5}}, 4);
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const double at_x = x + 0.5 - kSize / 2, at_z = y + 0.5 - kSize / 2;
+      const bool in_level = at_x >= -2.5 && at_x <= 3.5 && at_z >= -4.5 && at_z <= 1.5;
+      const bool in_askew = std::abs(at_x - 0.5) + std::abs(at_z - 0.5) <= 3.0;
+      EXPECT_EQ(seen(level, x, y), in_level) << x << " " << y;
+      EXPECT_EQ(seen(askew, x, y), in_askew) << x << " " << y;
+    }
+}
+
+TEST(SolidOccluders, QuadsOfWhichNothingIsKnownAreSeen) {
+  culling::OccluderRaster raster;
+  raster.begin(kFront, kWidth, kHeight);
+  culling::DepthPyramid pyramid;
+  pyramid.build(std::vector<float>(std::size_t(kWidth) * kHeight, 1.0f), kWidth, kHeight);
+  const auto seen = [&](const dvec3& middle, const dvec3& u, const dvec3& v) {
+    std::vector<std::uint8_t> found;
+    const culling::SolidFigure quad = figure_of({middle - u - v, middle + u - v, middle + u + v, middle - u + v}, 4);
+    raster.find_seen({&quad, 1}, pyramid, 0.0, found);
+    return found == std::vector<std::uint8_t>{1};
+  };
+  // Relative to the eye, which looks along y.
+  EXPECT_FALSE(seen({0, 5, 0}, {1, 0, 0}, {0, 0, 1})) << "behind all pixels";
+  EXPECT_FALSE(seen({50, 5, 0}, {1, 0, 0}, {0, 0, 1})) << "beside the picture";
+  EXPECT_TRUE(seen({0, 0.5, 0}, {0.1, 0, 0}, {0, 0, 0.1})) << "in front";
+  EXPECT_TRUE(seen({0, 5, 0}, {1, 0, 0}, {0, 1, 0})) << "edge-on";
+  EXPECT_TRUE(seen({0, 5, 0}, {1, 0, 0}, {2, 0, 0})) << "without area";
+  EXPECT_TRUE(seen({0, 5, 0}, {1, 0, 0}, {0, 6, 1})) << "reaches behind the eye";
+  EXPECT_TRUE(seen({0, 5, std::numeric_limits<double>::quiet_NaN()}, {1, 0, 0}, {0, 0, 1}));
+  EXPECT_TRUE(seen({0, 1e40, 0}, {1e39, 0, 0}, {0, 0, 1e39})) << "too far";
 }
 
 /// The same image by any number of threads, and nearer where something drawn is.
