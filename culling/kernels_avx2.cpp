@@ -150,8 +150,14 @@ struct Avx2 {
                             _mm256_setzero_si256());
   }
   static Places bit_width(const Places& a) { return {bit_width_half(a.low), bit_width_half(a.high)}; }
-  static Places look_up(const std::int32_t* table, const Places& at) {
-    return {_mm256_i32gather_epi32(table, at.low, 4), _mm256_i32gather_epi32(table, at.high, 4)};
+  static __m256i pick_half(const std::int32_t* table, __m256i at) {
+    const auto eight = [&](int first) {
+      return _mm256_permutevar8x32_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(table + first)), at);
+    };
+    return _mm256_blendv_epi8(eight(0), eight(8), _mm256_cmpgt_epi32(at, _mm256_set1_epi32(7)));
+  }
+  static Places pick(const std::int32_t* table, const Places& at) {
+    return {pick_half(table, at.low), pick_half(table, at.high)};
   }
   static Lanes look_up(const float* table, const Places& at) {
     return {_mm256_i32gather_ps(table, at.low, 4), _mm256_i32gather_ps(table, at.high, 4)};

@@ -85,8 +85,8 @@ struct Avx512 {
     return larger(_mm512_sub_epi32(_mm512_maskz_srli_epi32(kAll, bits, 23), _mm512_set1_epi32(126)),
                   _mm512_setzero_si512());
   }
-  static Places look_up(const std::int32_t* table, const Places& at) {
-    return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), kAll, at, table, 4);
+  static Places pick(const std::int32_t* table, const Places& at) {
+    return _mm512_maskz_permutexvar_epi32(kAll, at, _mm512_loadu_si512(table));
   }
   static Lanes look_up(const float* table, const Places& at) {
     return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), kAll, at, table, 4);

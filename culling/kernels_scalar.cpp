@@ -177,7 +177,8 @@ struct Scalar {
       return width;
     });
   }
-  static Places look_up(const std::int32_t* table, const Places& at) {
+  /// Entries of sixteen.
+  static Places pick(const std::int32_t* table, const Places& at) {
     return each_place([&](int i) { return table[at.v[i]]; });
   }
   static Lanes look_up(const float* table, const Places& at) {

@@ -45,6 +45,8 @@ std::vector<DepthPyramid::Level> DepthPyramid::levels_of(int width, int height) 
 void DepthPyramid::resize(int width, int height) {
   if (this->width() == width && this->height() == height) return;
   levels_ = levels_of(width, height);
+  assert(levels_.size() <= widths_.size());
+  for (std::size_t i = 0; i < levels_.size(); ++i) widths_[i] = levels_[i].width, firsts_[i] = levels_[i].first;
   texels_.resize(levels_.back().end() + kLanes);
 }
 

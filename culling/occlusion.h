@@ -19,6 +19,7 @@
 // The pyramid: after N. Greene, M. Kass, G. Miller, "Hierarchical Z-buffer visibility", 1993.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -70,13 +71,14 @@ class SIGHTLINE_API DepthPyramid {
     const Level& l = levels_[std::size_t(level)];
     return texels_.data() + l.first + std::size_t(y) * std::size_t(l.width);
   }
-  PyramidBlocks blocks() const { return {texels_.data(), &levels_.data()->width, int(levels_.size())}; }
+  PyramidBlocks blocks() const { return {texels_.data(), widths_.data(), firsts_.data(), level_count()}; }
   std::size_t memory_bytes() const { return texels_.capacity() * sizeof(float); }
 
  private:
   void resize(int width, int height);
 
   std::vector<Level> levels_;
+  std::array<std::int32_t, PyramidBlocks::kMostLevels> widths_{}, firsts_{};  // of these
   std::vector<float> texels_;
 };
 

@@ -248,7 +248,7 @@ unsigned cover_polygons(const OccluderImage& image, const PolygonBatch<kCorners>
 template <class Simd>
 bool seen_area(const OccluderArea& area, bool perspective, const PyramidBlocks& pyramid, const DistanceMargin& margin) {
   using Lanes = typename Simd::Lanes;
-  const std::ptrdiff_t width = pyramid.levels[0];
+  const std::ptrdiff_t width = pyramid.widths[0];
   const float* const held = pyramid.farthest + area.row * width + area.column;
   const OccluderArea::Plane& plane = area.planes[0];
   return AreaRows<Simd>(area).any([&](int row, int begin, int end) {

@@ -563,8 +563,8 @@ unsigned behind(const ScreenView& view, const BoxRectangles& boxes, const Pyrami
          y1 = Simd::place_below(within(boxes.top, view.last_y));
   const Places wanted = Simd::bit_width(Simd::larger(Simd::minus(x1, x0), Simd::minus(y1, y0)));
   const Places level = Simd::smaller(wanted, Simd::spread_place(pyramid.level_count - 1));
-  const Places entry = Simd::plus(Simd::plus(level, level), level);  // three numbers a level
-  const Places width = Simd::look_up(pyramid.levels, entry), first = Simd::look_up(pyramid.levels + 2, entry);
+  static_assert(PyramidBlocks::kMostLevels == kLanes);
+  const Places width = Simd::pick(pyramid.widths, level), first = Simd::pick(pyramid.firsts, level);
   x0 = Simd::shifted(x0, level), x1 = Simd::shifted(x1, level);
   const Places row0 = Simd::plus(first, Simd::times(Simd::shifted(y0, level), width));
   const Places row1 = Simd::plus(first, Simd::times(Simd::shifted(y1, level), width));
@@ -596,7 +596,7 @@ unsigned seen_at(const typename Simd::Lanes& x, const typename Simd::Lanes& y, c
     leave = axis == 0 ? last : Simd::least(leave, last);
   }
   const typename Simd::Places pixel =
-      Simd::plus(Simd::place_below(x), Simd::times(Simd::place_below(y), Simd::spread_place(pyramid.levels[0])));
+      Simd::plus(Simd::place_below(x), Simd::times(Simd::place_below(y), Simd::spread_place(pyramid.widths[0])));
   return Simd::at_most(enter, leave) & Simd::less(enter, Simd::look_up(pyramid.farthest, pixel));
 }
 

@@ -33,6 +33,10 @@ struct BoxForm {
     z[1] = Simd::add(Simd::multiply(Simd::spread(f.z), high[2]), d);
   }
   Lanes at(int i, int j, int k) const { return Simd::add(Simd::add(x[i], y[j]), z[k]); }
+  /// The least of at(): rounding keeps order.
+  Lanes least() const {
+    return Simd::add(Simd::add(Simd::least(x[0], x[1]), Simd::least(y[0], y[1])), Simd::least(z[0], z[1]));
+  }
   Lanes x[2], y[2], z[2];
 };
 
@@ -59,20 +63,17 @@ class ScreenBoxes {
         Simd::at_most(low[0], high[0]) & Simd::at_most(low[1], high[1]) & Simd::at_most(low[2], high[2]);
     empty_ = Simd::less(high[0], low[0]) | Simd::less(high[1], low[1]) | Simd::less(high[2], low[2]);
     const Form x(view.x, low, high), y(view.y, low, high), w(view.w, low, high), t(view.t, low, high);
-    Lanes least_w;
     for (int corner = 0; corner < 8; ++corner) {
       const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
-      const Lanes own_w = w.at(i, j, k), inverse = Simd::divide(Simd::spread(1.0f), own_w);
+      const Lanes inverse = Simd::divide(Simd::spread(1.0f), w.at(i, j, k));
       const Lanes px = Simd::multiply(x.at(i, j, k), inverse), py = Simd::multiply(y.at(i, j, k), inverse);
-      const Lanes distance = t.at(i, j, k);
       see(corner, px, py);
       left_ = corner == 0 ? px : Simd::least(left_, px);
       right_ = corner == 0 ? px : Simd::most(right_, px);
       bottom_ = corner == 0 ? py : Simd::least(bottom_, py);
       top_ = corner == 0 ? py : Simd::most(top_, py);
-      least_w = corner == 0 ? own_w : Simd::least(least_w, own_w);
-      nearest_ = corner == 0 ? distance : Simd::least(nearest_, distance);
     }
+    const Lanes least_w = w.least();
     const Lanes band_w = band(view.w, sizes);
     const Lanes largest = Simd::spread(view.largest);
     const unsigned finite =
@@ -81,7 +82,7 @@ class ScreenBoxes {
     const Lanes per_w = Simd::divide(Simd::spread(1.01f), Simd::subtract(least_w, band_w));
     widen(left_, right_, band(view.x, sizes), band_w, per_w, view.snap);
     widen(bottom_, top_, band(view.y, sizes), band_w, per_w, view.snap);
-    nearest_ = Simd::subtract(nearest_, band(view.t, sizes));
+    nearest_ = Simd::subtract(t.least(), band(view.t, sizes));
   }
 
   /// Bit i: box i may cover a sample of the picture. A box with a NaN neither is empty nor projects: it covers all.

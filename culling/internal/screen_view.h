@@ -32,10 +32,11 @@ struct PixelRectangle {
   int x0, y0, x1, y1;
 };
 
-/// A DepthPyramid. `levels`: width, height and first block of each.
+/// A DepthPyramid, with the width and the first block of each level.
 struct PyramidBlocks {
+  static constexpr int kMostLevels = 16;  // entries of both arrays, used or not
   const float* farthest;
-  const std::int32_t* levels;
+  const std::int32_t *widths, *firsts;
   int level_count;
 };
 

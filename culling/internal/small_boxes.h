@@ -179,7 +179,7 @@ unsigned open_boxes(const RayField& rays, const SmallBoxes& boxes, float snap, c
     const Lanes entry = spans.entry(x, y);
     const Lanes distance = rays.parallel ? Simd::subtract(Simd::spread(0.0f), entry) : Simd::divide(one, entry);
     const typename Simd::Places pixel =
-        Simd::plus(Simd::place_below(x), Simd::times(Simd::place_below(y), Simd::spread_place(pyramid.levels[0])));
+        Simd::plus(Simd::place_below(x), Simd::times(Simd::place_below(y), Simd::spread_place(pyramid.widths[0])));
     const Lanes held = Simd::look_up(pyramid.farthest, pixel);
     const unsigned met =
         Simd::at_most(spans.exit(x, y), entry) & ~Simd::less(held, in_front<Simd>(distance, margin)) & left_over;
