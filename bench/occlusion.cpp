@@ -272,43 +272,34 @@ Json measure(const Scene& scene, const std::vector<View>& views, const Picture& 
   OccluderRaster raster;
   DepthPyramid depth;
   std::vector<std::uint32_t> indices;
-  const auto draw = [&](std::size_t i) {
+  const auto raster_and_pyramid = [&](std::size_t i) {
     raster.begin(views[i], picture.width, picture.height);
     raster.add_largest(scene.solids, options.occluders);
-  };
-  std::vector<DepthPyramid> depths;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    draw(i);
-    raster.build(depths.emplace_back());
-  }
-  const auto raster_and_pyramid = [&](std::size_t i) {
-    draw(i);
     raster.build(depth);
   };
-  // After them, as in an application: what they leave in the caches counts.
-  const auto times = [&](const auto& call, const auto& prepare) {
-    return apps::to_json<Json>(apps::summarise(least_times(views.size(), options.passes, call, prepare)));
+  const auto frustum = [&](std::size_t i) { culler->visible(views[i], indices); };
+  const auto frustum_and_test = [&](std::size_t i) { culler->visible(views[i], depth, indices); };
+  const auto all = [&](std::size_t i) {
+    raster_and_pyramid(i);
+    frustum_and_test(i);
   };
-  const auto nothing = [](std::size_t) {};
+  const auto times = [&](const auto&... calls) {
+    return apps::to_json<Json>(apps::summarise(least_times(views.size(), options.passes, calls...)));
+  };
   Json json{{"scene", scene.name}, {"boxes", scene.boxes.size()}, {"solids", scene.solids.size()}};
-  json["frustum_ms"] = times([&](std::size_t i) { culler->visible(views[i], indices); }, raster_and_pyramid);
-  json["raster_ms"] = times(raster_and_pyramid, nothing);
-  json["frustum_and_test_ms"] =
-      times([&](std::size_t i) { culler->visible(views[i], depth, indices); }, raster_and_pyramid);
-  json["all_ms"] = times(
-      [&](std::size_t i) {
-        raster_and_pyramid(i);
-        culler->visible(views[i], depth, indices);
-      },
-      nothing);
+  // After raster and pyramid, as in an application: what they leave in the caches counts.
+  json["frustum_ms"] = times(frustum, raster_and_pyramid);
+  json["raster_ms"] = times(raster_and_pyramid);
+  json["frustum_and_test_ms"] = times(frustum_and_test, raster_and_pyramid);
+  json["all_ms"] = times(all);
   std::uint64_t in_view = 0, found = 0, owning = 0, with_exact_depth = 0, lost = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    culler->visible(views[i], indices);
+    frustum(i);
     in_view += indices.size();
     const Truth truth(views[i], picture, scene.boxes, indices);
     const std::vector<std::uint32_t> owners = truth.owners();
     owning += owners.size();
-    culler->visible(views[i], depths[i], indices);
+    all(i);
     found += indices.size();
     std::sort(indices.begin(), indices.end());
     for (const std::uint32_t owner : owners) lost += !std::binary_search(indices.begin(), indices.end(), owner);

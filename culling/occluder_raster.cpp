@@ -5,12 +5,13 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <tuple>
 #include <utility>
 
 #include "sightline/culling/internal/kernels.h"
 #include "sightline/culling/internal/occluder_area.h"
+#include "sightline/culling/internal/prisms.h"
+#include "sightline/culling/internal/raster_placement.h"
 #include "sightline/culling/internal/solid_figures.h"
 #include "sightline/culling/sample_test.h"
 
@@ -20,201 +21,17 @@ namespace {
 using core::Affine;
 using core::dvec3;
 using core::dvec4;
+using raster::Corner;
+using raster::cube;
 using raster::kLarge;
 using raster::kLost;
 using raster::kMostReach;
 using raster::kPlaceLost;
 using raster::kSteepest;
-
-// --- corners ---------------------------------------------------------------------------------------------------------
-
-/// A linear form of an occluder's own coordinates.
-struct Form {
-  dvec4 row;
-  double size, lost;  // bounds for its values, and for what they are off by
-
-  Form() = default;
-  /// `eye_from_own`: to the eye as origin, axes as in the world. No coordinate exceeds `reach`.
-  Form(const EyeForm& form, const Affine& eye_from_own, const dvec3& reach) {
-    const core::dmat3& m = eye_from_own.linear;
-    row = dvec4(form.normal * m, glm::dot(form.normal, eye_from_own.origin) + form.at_eye);
-    const dvec3 coordinates =
-        glm::abs(eye_from_own.origin) + glm::abs(m[0]) * reach.x + glm::abs(m[1]) * reach.y + glm::abs(m[2]) * reach.z;
-    size = glm::dot(form.sizes, coordinates) + std::abs(form.at_eye);
-    lost = kLost * size + form.lost;
-  }
-  /// Of coordinates relative to the eye.
-  Form(const EyeForm& form, const dvec3& reach)
-      : row(form.normal, form.at_eye),
-        size(glm::dot(form.sizes, reach) + std::abs(form.at_eye)),
-        lost(kLost * size + form.lost) {}
-  double operator()(const dvec3& p) const { return row.x * p.x + row.y * p.y + row.z * p.z + row.w; }
-  /// The least value in a box.
-  double least(const dvec3& low, const dvec3& high) const {
-    return (*this)({row.x > 0.0 ? low.x : high.x, row.y > 0.0 ? low.y : high.y, row.z > 0.0 ? low.z : high.z});
-  }
-};
-
-struct Point {
-  double x, y, z, near;
-};
-
-/// Place in the picture, and nearness: 1 / z, or -z in orthographic views. x and y are off by less than `reach`;
-/// nearness is not greater than the exact one. A corner that cannot be used has a NaN reach.
-struct Corner {
-  double x, y, nearness, reach;
-};
-
-/// An occluder's own coordinates in a view.
-class Placement {
- public:
-  /// Of coordinates relative to the eye.
-  Placement(const OccluderImage& view, const dvec3& reach)
-      : Placement(view, reach, [](const EyeForm& form, const dvec3& most) { return Form(form, most); }) {}
-  Placement(const OccluderImage& view, const Affine& eye_from_own, const dvec3& reach)
-      : Placement(view, reach, [&](const EyeForm& form, const dvec3& most) { return Form(form, eye_from_own, most); }) {
-  }
-
-  Point operator()(const dvec3& p) const { return {x_(p), y_(p), z_(p), near_(p)}; }
-
-  /// A bit for each section plane that surely keeps p.
-  unsigned kept(const dvec3& p) const {
-    unsigned bits = 0;
-    for (unsigned i = 0; i < section_count_; ++i) bits |= unsigned(sections_[i](p) > sections_[i].lost) << i;
-    return bits;
-  }
-  /// Whether the section planes leave a convex solid whole; of its points' bits those that all have.
-  bool whole(unsigned kept) const {
-    const unsigned all = (1u << section_count_) - 1u;
-    return section_mode_ == core::SectionMode::kUnion && all != 0 ? (kept & all) != 0 : (kept & all) == all;
-  }
-
-  static constexpr int kClipPlanes = 2;
-  /// Greater than 0 where clip plane k leaves a point: the near plane, or one so far in front of the eye that places in
-  /// the picture still are exact.
-  double inside(int k, const Point& p) const { return (k == 0 ? p.near : p.z) - least_[k]; }
-  bool in_front(const Point& p) const { return inside(0, p) > 0.0 && inside(1, p) > 0.0; }
-
-  /// Whether all of a box is kept and in front.
-  bool leaves_whole(const dvec3& low, const dvec3& high) const {
-    if (!(near_.least(low, high) > least_[0] && z_.least(low, high) > least_[1])) return false;
-    unsigned bits = 0;
-    for (unsigned i = 0; i < section_count_; ++i)
-      bits |= unsigned(sections_[i].least(low, high) > sections_[i].lost) << i;
-    return whole(bits);
-  }
-
-  /// Of a point in front.
-  Corner project(const Point& p) const {
-    const double lost = std::max(x_.lost, y_.lost);
-    if (!perspective_) {
-      const double place = std::max(std::abs(p.x), std::abs(p.y));
-      return usable({p.x, p.y, -p.z - z_.lost - kLost * std::abs(p.z), lost + kPlaceLost * place});
-    }
-    const double nearness = 1.0 / p.z, off = z_.lost * nearness;
-    if (!(off >= 0.0 && off < 0x1p-6 && p.z < kLarge)) return unusable();
-    const double x = p.x * nearness, y = p.y * nearness, place = std::max(std::abs(x), std::abs(y));
-    return usable(
-        {x, y, nearness * (1.0 - 1.1 * off - kLost), 1.1 * (lost * nearness + place * off) + kPlaceLost * place});
-  }
-  /// Greater than 0 where the placement mirrors: faces then wind the other way.
-  double handedness() const { return glm::dot(dvec3(x_.row), glm::cross(dvec3(y_.row), dvec3(z_.row))); }
-
- private:
-  template <class Make>
-  Placement(const OccluderImage& view, const dvec3& reach, const Make& form)
-      : perspective_(view.perspective),
-        section_mode_(view.section_mode),
-        x_(form(view.x, reach)),
-        y_(form(view.y, reach)),
-        z_(form(view.z, reach)),
-        near_(form(view.near, reach)),
-        least_{2.0 * near_.lost, least_z()} {
-    for (const EyeForm& section : view.sections) sections_[section_count_++] = form(section, reach);
-  }
-  /// At this distance x / z is off by some 2^-8 pixels because of z.
-  double least_z() const {
-    return perspective_ ? 16.0 * std::sqrt(kLost) * std::sqrt(std::max(x_.size, y_.size) * z_.size)
-                        : -std::numeric_limits<double>::infinity();
-  }
-  static Corner unusable() { return {0.0, 0.0, 0.0, std::numeric_limits<double>::quiet_NaN()}; }
-  static Corner usable(const Corner& c) {
-    const double most = std::max({std::abs(c.x), std::abs(c.y), std::abs(c.nearness)});
-    return c.reach < kMostReach && most < kLarge ? c : unusable();
-  }
-
-  bool perspective_;
-  core::SectionMode section_mode_;
-  Form x_, y_, z_, near_;
-  double least_[kClipPlanes];
-  unsigned section_count_ = 0;
-  std::array<Form, core::kMaxSectionPlanes> sections_;
-};
-
-// --- solids ----------------------------------------------------------------------------------------------------------
-
-/// A prism along z between -1 and 1 over a convex polygon: first the corners below, then those above. Faces: the sides,
-/// side i over the edge from corner i to the next, then the ends below and above, each with its corners in the order
-/// that turns left as seen from outside.
-struct Solid {
-  static constexpr int kMostSides = 16;
-  static constexpr double kMostBulge = 2.01;  // coordinates; that of three sides
-  struct Edge {
-    std::uint8_t from, to;     // as the face on its left has it
-    std::uint8_t left, right;  // faces
-  };
-
-  /// `bulge`: where the tangents at two neighbouring corners meet, as a multiple of the point in their middle; 0: none.
-  Solid(std::span<const core::dvec2> base, double bulge) {
-    const auto n = std::uint8_t(base.size());
-    for (const double z : {-1.0, 1.0})
-      for (const core::dvec2& p : base) corners.push_back({p, z});
-    faces.resize(std::size_t(n) + 2);
-    for (std::uint8_t i = 0; i < n; ++i) {
-      const auto next = std::uint8_t((i + 1) % n), above = std::uint8_t(n + i), above_next = std::uint8_t(n + next);
-      faces[i] = {i, next, above_next, above};
-      faces[n].push_back(std::uint8_t(n - 1 - i));
-      faces[n + 1u].push_back(above);
-      edges.push_back({i, next, i, n});
-      edges.push_back({above_next, above, i, std::uint8_t(n + 1)});
-      edges.push_back({next, above_next, i, next});
-      if (bulge == 0.0) continue;
-      const core::dvec2 outside = 0.5 * bulge * (base[i] + base[next]);
-      bulges.push_back({outside, -1.0});
-      bulges.push_back({outside, 1.0});
-    }
-  }
-
-  std::vector<dvec3> corners;
-  std::vector<std::vector<std::uint8_t>> faces;
-  std::vector<Edge> edges;
-  /// Two for each side, or none: what is drawn lies within the hull of the side and these, not in the side itself.
-  std::vector<dvec3> bulges;
-};
-
-/// The prism of so many sides within the cylinder of radius 1.
-const Solid& prism(int sides) {
-  static const std::vector<Solid> kPrisms = [] {
-    std::vector<Solid> prisms;
-    for (int n = 3; n <= Solid::kMostSides; ++n) {
-      std::vector<core::dvec2> base;
-      for (int i = 0; i < n; ++i) {
-        const double angle = 2.0 * std::numbers::pi * i / n;
-        base.push_back((1.0 - 0x1p-48) * core::dvec2(std::cos(angle), std::sin(angle)));
-      }
-      const double middle = std::cos(std::numbers::pi / n);
-      prisms.emplace_back(base, (1.0 + 0x1p-40) / (middle * middle));
-    }
-    return prisms;
-  }();
-  return kPrisms[std::size_t(sides - 3)];
-}
-
-const Solid& cube() {
-  static const Solid kCube{std::array{core::dvec2(-1, -1), core::dvec2(1, -1), core::dvec2(1, 1), core::dvec2(-1, 1)},
-                           0.0};
-  return kCube;
-}
+using raster::Placement;
+using raster::Point;
+using raster::Prism;
+using raster::prism;
 
 // --- areas -----------------------------------------------------------------------------------------------------------
 
@@ -403,9 +220,9 @@ bool at_outline(const Polygon& polygon, const Polygon::Face& face, double snap) 
 }
 
 /// A solid beyond the near plane. `turn`: of its front faces.
-bool cover_whole(OccluderImage& image, const Solid& solid, std::span<const Corner> corners, int turn) {
+bool cover_whole(OccluderImage& image, const Prism& solid, std::span<const Corner> corners, int turn) {
   Polygon polygon(corners);
-  std::array<int, Solid::kMostSides + 2> turns{};
+  std::array<int, Prism::kMostSides + 2> turns{};
   const auto face_of = [&](std::size_t i) { return Polygon::Face{solid.faces[i].data(), int(solid.faces[i].size())}; };
   for (std::size_t i = 0; i < solid.faces.size(); ++i) {
     turns[i] = turn_of(corners, face_of(i));
@@ -413,7 +230,7 @@ bool cover_whole(OccluderImage& image, const Solid& solid, std::span<const Corne
     if (polygon.face_count == OccluderArea::kMostPlanes) return false;
     polygon.add_face(face_of(i));
   }
-  for (const Solid::Edge& edge : solid.edges) {
+  for (const Prism::Edge& edge : solid.edges) {
     const bool left = turns[edge.left] == turn, right = turns[edge.right] == turn;
     if (left == right) continue;
     if (polygon.side_count == OccluderArea::kMostSides) return false;
@@ -445,7 +262,7 @@ void clip(const Placement& placement, std::vector<Point>& polygon, std::vector<C
 
 /// The front faces of a solid that the near plane cuts, each by itself. `points`: of the corners and the bulges. A side
 /// whose bulge is cut hides nothing: what is drawn is open there.
-bool cover_cut(OccluderImage& image, const Solid& solid, const Placement& placement, std::span<const Point> points,
+bool cover_cut(OccluderImage& image, const Prism& solid, const Placement& placement, std::span<const Point> points,
                int turn) {
   thread_local std::vector<Point> polygon;
   thread_local std::vector<Corner> corners;
@@ -467,8 +284,8 @@ bool cover_cut(OccluderImage& image, const Solid& solid, const Placement& placem
 }
 
 /// `own`: the solid's corners.
-bool add_solid(OccluderImage& image, const Solid& solid, std::span<const dvec3> own, const Placement& placement) {
-  std::array<Point, 4 * Solid::kMostSides> points;
+bool add_solid(OccluderImage& image, const Prism& solid, std::span<const dvec3> own, const Placement& placement) {
+  std::array<Point, 4 * Prism::kMostSides> points;
   const std::size_t count = own.size(), all = count + solid.bulges.size();
   std::size_t in_front = 0;
   unsigned kept = ~0u;
@@ -481,14 +298,14 @@ bool add_solid(OccluderImage& image, const Solid& solid, std::span<const dvec3> 
   if (!placement.whole(kept)) return false;
   const int turn = placement.handedness() > 0.0 ? -1 : 1;
   if (in_front < all) return cover_cut(image, solid, placement, std::span(points).first(all), turn);
-  std::array<Corner, 2 * Solid::kMostSides> corners;
+  std::array<Corner, 2 * Prism::kMostSides> corners;
   for (std::size_t i = 0; i < count; ++i) corners[i] = placement.project(points[i]);
   return cover_whole(image, solid, std::span(corners).first(count), turn);
 }
 
-bool add_solid(OccluderImage& image, const Solid& solid, const Affine& eye_from_solid) {
+bool add_solid(OccluderImage& image, const Prism& solid, const Affine& eye_from_solid) {
   if (!image.usable) return false;
-  const dvec3 reach(solid.bulges.empty() ? 1.0 : Solid::kMostBulge);
+  const dvec3 reach(solid.bulges.empty() ? 1.0 : Prism::kMostBulge);
   return add_solid(image, solid, solid.corners, Placement(image, eye_from_solid, reach));
 }
 
@@ -638,7 +455,7 @@ bool OccluderRaster::add_box(const Affine& world_from_cube) {
 }
 
 bool OccluderRaster::add_cylinder(const Affine& world_from_cylinder, int sides) {
-  assert(sides >= 3 && sides <= Solid::kMostSides);
+  assert(sides >= 3 && sides <= Prism::kMostSides);
   return add_solid(image_, prism(sides), from(image_.eye, world_from_cylinder));
 }
 

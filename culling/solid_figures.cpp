@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace sightline::culling {
 namespace {
@@ -32,18 +33,21 @@ double length(double x, double y) {
 /// The figures of one item, in its own coordinates.
 class Figures {
  public:
-  Figures(const Affine& eye_from_item, const dmat3& inverse, const Sight& sight, double of_radius, double metres,
-          std::vector<SolidFigure>& out)
-      : eye_from_item_(eye_from_item),
+  Figures(Kind kind, const std::array<double, 9>& parameters, const Affine& eye_from_item, const dmat3& inverse,
+          const Sight& sight, double of_radius, double metres, std::vector<SolidFigure>& out)
+      : kind_(kind),
+        parameters_(parameters),
+        eye_from_item_(eye_from_item),
         perspective_(sight.perspective),
         eye_(inverse * (sight.perspective ? -eye_from_item.origin : sight.forward)),
         of_radius_(of_radius),
         lost_(metres * longest(inverse)),
         out_(out) {}
 
-  void add(Kind kind, const std::array<double, 9>& p) {
+  void add() {
+    const std::array<double, 9>& p = parameters_;
     const double a = std::abs(p[0]), b = std::abs(p[1]), c = std::abs(p[2]);  // lengths, if it has so many
-    switch (kind) {
+    switch (kind_) {
       case Kind::kPyramid:
         return pyramid(p);
       case Kind::kBox:
@@ -68,9 +72,10 @@ class Figures {
   }
 
   /// Whether all of the item lies behind what it has added.
-  bool add_fronts(Kind kind, const std::array<double, 9>& p) {
+  bool add_fronts() {
+    const std::array<double, 9>& p = parameters_;
     const double a = std::abs(p[0]), b = std::abs(p[1]);
-    switch (kind) {
+    switch (kind_) {
       case Kind::kCircularTorus:
         return fronts_of_torus(a, b, core::sweep_angle(float(p[2])));
       case Kind::kSnout:
@@ -331,6 +336,8 @@ class Figures {
   }
   static constexpr double kFrontStep = 0.5;  // radians
 
+  Kind kind_;
+  std::array<double, 9> parameters_;
   Affine eye_from_item_;
   bool perspective_;
   dvec3 eye_;  // or the direction
@@ -338,36 +345,29 @@ class Figures {
   std::vector<SolidFigure>& out_;
 };
 
-/// add(figures, parameters) where there are figures, else false.
-template <class Add>
-bool with_figures(Kind kind, const float* parameters, const Affine& eye_from_item, const Sight& sight, double of_radius,
-                  double metres, std::vector<SolidFigure>& figures, const Add& add) {
-  if (int(kind) >= core::kPrimitiveKindCount || kind == Kind::kLine) return false;
+/// None for lines, meshes and singular placements.
+std::optional<Figures> figures_of(Kind kind, const float* parameters, const Affine& eye_from_item, const Sight& sight,
+                                  double of_radius, double metres, std::vector<SolidFigure>& out) {
+  if (int(kind) >= core::kPrimitiveKindCount || kind == Kind::kLine) return std::nullopt;
   std::array<double, 9> p{};
   for (int i = 0; i < core::parameter_count(kind); ++i) p[std::size_t(i)] = double(parameters[i]);
   constexpr double kLeast = 1e-200, kMost = 1e200;
   const double volume = std::abs(glm::determinant(eye_from_item.linear));
-  if (!(volume > kLeast && volume < kMost)) return false;
-  const dmat3 inverse = glm::inverse(eye_from_item.linear);
-  Figures of_item(eye_from_item, inverse, sight, of_radius, metres, figures);
-  return add(of_item, p);
+  if (!(volume > kLeast && volume < kMost)) return std::nullopt;
+  return Figures(kind, p, eye_from_item, glm::inverse(eye_from_item.linear), sight, of_radius, metres, out);
 }
 
 }  // namespace
 
 void add_figures(Kind kind, const float* parameters, const Affine& eye_from_item, const Sight& sight, double of_radius,
                  double metres, std::vector<SolidFigure>& figures) {
-  with_figures(kind, parameters, eye_from_item, sight, of_radius, metres, figures,
-               [&](Figures& of_item, const auto& p) {
-                 of_item.add(kind, p);
-                 return true;
-               });
+  if (auto item = figures_of(kind, parameters, eye_from_item, sight, of_radius, metres, figures)) item->add();
 }
 
 bool add_fronts(Kind kind, const float* parameters, const Affine& eye_from_item, const Sight& sight, double of_radius,
                 double metres, std::vector<SolidFigure>& fronts) {
-  return with_figures(kind, parameters, eye_from_item, sight, of_radius, metres, fronts,
-                      [&](Figures& of_item, const auto& p) { return of_item.add_fronts(kind, p); });
+  auto item = figures_of(kind, parameters, eye_from_item, sight, of_radius, metres, fronts);
+  return item && item->add_fronts();
 }
 
 }  // namespace sightline::culling

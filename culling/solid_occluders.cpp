@@ -14,6 +14,17 @@ namespace {
 constexpr std::uint32_t kItemsOfPart = 512;  // for a thread
 constexpr std::size_t kSolidsAtOnce = 64;
 
+/// Calls job(slots of a part, the part) for each part, on any of the threads.
+template <class Job>
+void for_each_list(SetParts& parts, CullThreads* threads, const Job& job) {
+  parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) {
+    thread_local std::vector<core::Slot> slots;
+    slots.clear();
+    part.for_each_slot([&](core::Slot slot) { slots.push_back(slot); });
+    job(slots, part);
+  });
+}
+
 }  // namespace
 
 /// What a snapshot knows of an item.
@@ -39,10 +50,7 @@ void SolidOccluders::begin(const core::Snapshot& snapshot, const core::View& vie
 void SolidOccluders::add(const core::VisibleSet& items, CullThreads* threads) {
   thread_local SetParts parts;
   parts.split(items, kItemsOfPart);
-  parts.for_each(threads, [&](const core::VisibleSet& part, std::uint32_t) {
-    thread_local std::vector<core::Slot> slots;
-    slots.clear();
-    part.for_each_slot([&](core::Slot slot) { slots.push_back(slot); });
+  for_each_list(parts, threads, [&](std::span<const core::Slot> slots, core::VisibleSet&) {
     OccluderRaster& raster = of_threads_.take([&](OccluderRaster& fresh) { fresh = empty_; });
     add(slots, raster);
     of_threads_.give_back(raster);
@@ -107,10 +115,7 @@ void SolidOccluders::leave_out_hidden(core::VisibleSet& items, const DepthPyrami
                                       CullThreads* threads) const {
   thread_local SetParts parts;
   parts.split(items, kItemsOfPart);
-  parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) {
-    thread_local std::vector<core::Slot> slots;
-    slots.clear();
-    part.for_each_slot([&](core::Slot slot) { slots.push_back(slot); });
+  for_each_list(parts, threads, [&](std::span<const core::Slot> slots, core::VisibleSet& part) {
     part.ranges.clear();
     part.items.clear();
     leave_out_hidden(slots, pyramid, error, part.items);

@@ -118,6 +118,26 @@ std::size_t covered(const std::vector<float>& distances) {
   return std::size_t(std::count_if(distances.begin(), distances.end(), [](float d) { return d < kNothing; }));
 }
 
+core::Scene scene_of(const Primitive& solid, const Affine& place) {
+  core::Scene scene;
+  scene.add_primitive(scene.root(), solid, place);
+  return scene;
+}
+
+/// A random solid in a random placement, and a scene of it alone.
+struct OneSolid {
+  OneSolid(Kind kind, Random& random, const dvec3& middle)
+      : place{random_linear(random), middle + point(random, 1.0)},
+        solid(random_solid(kind, random)),
+        scene(scene_of(solid, place)),
+        snapshot(scene) {}
+
+  Affine place;
+  Primitive solid;
+  core::Scene scene;
+  core::Snapshot snapshot;
+};
+
 /// By kind.
 class SolidOccludersOf : public testing::TestWithParam<Kind> {};
 
@@ -127,14 +147,10 @@ TEST_P(SolidOccludersOf, CoverOnlyWhatIsMetAndNoNearer) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const dvec3 middle = chance(random, 0.5) ? dvec3(0.0) : dvec3(4e5, 6e6, 100.0);
-    core::Scene scene;
-    const Affine place{random_linear(random), middle + point(random, 1.0)};
-    const Primitive solid = random_solid(GetParam(), random);
-    scene.add_primitive(scene.root(), solid, place);
-    const core::Snapshot snapshot(scene);
+    const OneSolid one(GetParam(), random, middle);
     const View view = random_sight(random, middle);
-    const std::vector<float> distances = distances_of(snapshot, view);
-    const Reference reference(view, solid, place);
+    const std::vector<float> distances = distances_of(one.snapshot, view);
+    const Reference reference(view, one.solid, one.place);
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
         const double exact = reference.entry(x, y);
@@ -159,11 +175,7 @@ TEST_P(SolidOccludersOf, HideNothingWhereTheyAreCut) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    core::Scene scene;
-    const Affine place{random_linear(random), point(random, 1.0)};
-    const Primitive solid = random_solid(GetParam(), random);
-    scene.add_primitive(scene.root(), solid, place);
-    const core::Snapshot snapshot(scene);
+    const OneSolid one(GetParam(), random, dvec3(0.0));
     View view = random_sight(random, dvec3(0.0));
     if (chance(random, 0.5)) {
       const core::Pose pose{point(random, 2.0), point(random, 1.0), {0, 0, 1}};
@@ -175,12 +187,12 @@ TEST_P(SolidOccludersOf, HideNothingWhereTheyAreCut) {
     const core::dvec4 near = glm::transpose(view.clip_from_world())[3] - glm::transpose(view.clip_from_world())[2];
     bool some_cut = false;
     for (int i = 0; i < 200; ++i) {
-      const dvec3 p = core::transform_point(place, random_point(solid, random));
+      const dvec3 p = core::transform_point(one.place, random_point(one.solid, random));
       some_cut = some_cut || glm::dot(near, core::dvec4(p, 1.0)) < 0.0;
       for (const core::Plane& plane : view.sections)
         some_cut = some_cut || glm::dot(plane.normal, p) + plane.offset < 0;
     }
-    const std::size_t count = covered(distances_of(snapshot, view));
+    const std::size_t count = covered(distances_of(one.snapshot, view));
     if (some_cut) {
       ASSERT_EQ(count, 0u);
     }
@@ -199,19 +211,15 @@ TEST_P(SolidOccludersOf, AreLeftOutOnlyWhereAllPixelsHideThem) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const dvec3 middle = chance(random, 0.5) ? dvec3(0.0) : dvec3(4e5, 6e6, 100.0);
-    core::Scene scene;
-    const Affine place{random_linear(random), middle + point(random, 1.0)};
-    const Primitive solid = random_solid(GetParam(), random);
-    scene.add_primitive(scene.root(), solid, place);
-    const core::Snapshot snapshot(scene);
+    const OneSolid one(GetParam(), random, middle);
     View view = random_sight(random, middle);
     if (chance(random, 0.3)) {
       const core::Pose pose{middle + point(random, 2.0), middle + point(random, 1.0), {0, 0, 1}};
       view = *View::perspective(pose, 1.0, double(kWidth) / kHeight, 0.01);
     }
     SolidOccluders solids;
-    solids.begin(snapshot, view, kWidth, kHeight);
-    const Reference reference(view, solid, place);
+    solids.begin(one.snapshot, view, kWidth, kHeight);
+    const Reference reference(view, one.solid, one.place);
     std::vector<float> distances(kPixels, -1e6f);
     std::vector<std::size_t> meeting;
     for (std::size_t i = 0; i < kPixels; ++i)
@@ -219,7 +227,7 @@ TEST_P(SolidOccludersOf, AreLeftOutOnlyWhereAllPixelsHideThem) {
     const auto stays = [&] {
       culling::DepthPyramid pyramid;
       pyramid.build(distances, kWidth, kHeight);
-      core::VisibleSet items = all_of(snapshot);
+      core::VisibleSet items = all_of(one.snapshot);
       solids.leave_out_hidden(items, pyramid);
       return items.count() > 0;
     };
@@ -311,6 +319,17 @@ culling::SolidFigure figure_of(const std::array<dvec3, 4>& quad, int count) {
   return figure;
 }
 
+culling::SolidFigure parallelogram(const dvec3& middle, const dvec3& u, const dvec3& v) {
+  return figure_of({middle - u - v, middle + u - v, middle + u + v, middle - u + v}, 4);
+}
+
+/// From the origin along y, or a little upwards.
+View random_front(Random& random) {
+  const core::Pose pose{{0, 0, 0}, {0, 1, chance(random, 0.5) ? 0.1 : 0.0}, {0, 0, 1}};
+  return chance(random, 0.3) ? *View::orthographic(pose, 20.0, 1.5, -1.0, 1e4)
+                             : *View::perspective(pose, 1.0, 1.5, 0.1);
+}
+
 /// Quads and octagons are rasterised eight at a time. With a corner twice they have five corners, as figures that are
 /// rasterised one by one, or eight. Then sides and area are the same.
 TEST(SolidOccluders, FiguresAreTheSameManyAtOnceAndOneByOne) {
@@ -318,9 +337,7 @@ TEST(SolidOccluders, FiguresAreTheSameManyAtOnceAndOneByOne) {
   for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const core::Pose pose{{0, 0, 0}, {0, 1, chance(random, 0.5) ? 0.1 : 0.0}, {0, 0, 1}};
-    const View view =
-        chance(random, 0.3) ? *View::orthographic(pose, 20.0, 1.5, -1.0, 1e4) : *View::perspective(pose, 1.0, 1.5, 0.1);
+    const View view = random_front(random);
     const int width = whole(random, 1, 150), height = whole(random, 1, 100);
     std::vector<culling::WholeSolid> solids;
     std::array<std::vector<culling::SolidFigure>, 3> figures;  // of four, five and eight corners
@@ -360,9 +377,7 @@ TEST(SolidOccluders, QuadsAreHiddenOnlyByAllTheirPixels) {
   for (std::uint64_t seed = 1; seed <= 600; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const core::Pose pose{{0, 0, 0}, {0, 1, chance(random, 0.5) ? 0.1 : 0.0}, {0, 0, 1}};
-    const View view =
-        chance(random, 0.3) ? *View::orthographic(pose, 20.0, 1.5, -1.0, 1e4) : *View::perspective(pose, 1.0, 1.5, 0.1);
+    const View view = random_front(random);
     const core::dmat4 world_from_clip = glm::inverse(view.clip_from_world());
     const dvec3 forward = -dvec3(glm::transpose(view.eye_from_world())[2]);
     const int width = whole(random, 1, 60), height = whole(random, 1, 40);
@@ -374,7 +389,7 @@ TEST(SolidOccluders, QuadsAreHiddenOnlyByAllTheirPixels) {
       const dvec3 u = size * random_direction(random),
                   v = magnitude(random, 0.01, 1.0) * size * random_direction(random);
       spans.push_back({middle, u, v});
-      figures.push_back(figure_of({middle - u - v, middle + u - v, middle + u + v, middle - u + v}, 4));
+      figures.push_back(parallelogram(middle, u, v));
     }
     std::vector<float> distances(std::size_t(width * height), float(magnitude(random, 0.5, 50.0)));
     for (float& d : distances)
@@ -455,7 +470,7 @@ TEST(SolidOccluders, QuadsOfWhichNothingIsKnownAreSeen) {
   pyramid.build(std::vector<float>(std::size_t(kWidth) * kHeight, 1.0f), kWidth, kHeight);
   const auto seen = [&](const dvec3& middle, const dvec3& u, const dvec3& v) {
     std::vector<std::uint8_t> found;
-    const culling::SolidFigure quad = figure_of({middle - u - v, middle + u - v, middle + u + v, middle - u + v}, 4);
+    const culling::SolidFigure quad = parallelogram(middle, u, v);
     raster.find_seen({&quad, 1}, pyramid, 0.0, found);
     return found == std::vector<std::uint8_t>{1};
   };
