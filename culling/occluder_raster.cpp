@@ -260,16 +260,36 @@ void clip(const Placement& placement, std::vector<Point>& polygon, std::vector<C
   for (const Point& p : polygon) corners.push_back(placement.project(p));
 }
 
+/// Lines of sight through a face of a solid enter the solid made `growth` times as large about the middle of its
+/// corners at this part of the distance, or farther away.
+double entry_of(std::span<const std::uint8_t> face, std::span<const Point> corners, double growth) {
+  const auto place = [](const Point& p) { return dvec3(p.x, p.y, p.z); };
+  dvec3 middle(0.0);
+  for (const Point& p : corners) middle += place(p) / double(corners.size());
+  // Six times the volume of the tetrahedron from the eye: as far as the face's plane is, for equal triangles.
+  const auto volume = [&](double times) {
+    const auto at = [&](std::size_t i) { return middle + times * (place(corners[face[i]]) - middle); };
+    return glm::dot(at(0), glm::cross(at(1), at(2)));
+  };
+  return volume(growth) / (growth * growth * volume(1.0)) - 0x1p-30;
+}
+
 /// The front faces of a solid that the near plane cuts, each by itself. `points`: of the corners and the bulges. A side
-/// whose bulge is cut hides nothing: what is drawn is open there.
+/// whose bulge is cut hides nothing: what is drawn is open there. What is drawn lies within the solid made `growth`
+/// times as large: 1, or in perspective views more.
 bool cover_cut(OccluderImage& image, const Prism& solid, const Placement& placement, std::span<const Point> points,
-               int turn) {
+               int turn, double growth) {
   thread_local std::vector<Point> polygon;
   thread_local std::vector<Corner> corners;
   bool covers = false;
+  const double at_eye = placement.near_at_eye();
   for (std::size_t i = 0; i < solid.faces.size(); ++i) {
+    const double entry = growth == 1.0 ? 1.0 : entry_of(solid.faces[i], points, growth);
     polygon.clear();
-    for (const std::uint8_t k : solid.faces[i]) polygon.push_back(points[k]);
+    for (const std::uint8_t k : solid.faces[i]) {
+      polygon.push_back(points[k]);
+      if (growth != 1.0) polygon.back().near = std::lerp(at_eye, points[k].near, entry);
+    }
     if (2 * i < solid.bulges.size()) {
       const auto in_front = [&](const Point& p) { return placement.in_front(p); };
       const std::span<const Point> bulge = points.subspan(solid.corners.size() + 2 * i, 2);
@@ -283,8 +303,9 @@ bool cover_cut(OccluderImage& image, const Prism& solid, const Placement& placem
   return covers;
 }
 
-/// `own`: the solid's corners.
-bool add_solid(OccluderImage& image, const Prism& solid, std::span<const dvec3> own, const Placement& placement) {
+/// `own`: the solid's corners. `growth`: see cover_cut().
+bool add_solid(OccluderImage& image, const Prism& solid, std::span<const dvec3> own, const Placement& placement,
+               double growth = 1.0) {
   std::array<Point, 4 * Prism::kMostSides> points;
   const std::size_t count = own.size(), all = count + solid.bulges.size();
   std::size_t in_front = 0;
@@ -297,7 +318,7 @@ bool add_solid(OccluderImage& image, const Prism& solid, std::span<const dvec3> 
   }
   if (!placement.whole(kept)) return false;
   const int turn = placement.handedness() > 0.0 ? -1 : 1;
-  if (in_front < all) return cover_cut(image, solid, placement, std::span(points).first(all), turn);
+  if (in_front < all) return cover_cut(image, solid, placement, std::span(points).first(all), turn, growth);
   std::array<Corner, 2 * Prism::kMostSides> corners;
   for (std::size_t i = 0; i < count; ++i) corners[i] = placement.project(points[i]);
   return cover_whole(image, solid, std::span(corners).first(count), turn);
@@ -470,10 +491,12 @@ bool OccluderRaster::add_within(std::span<const WholeSolid> solids, std::span<co
     const std::array<dvec3, 2> ends{solid.box.min, solid.box.max};
     const dvec3 reach = reach_of(ends);
     const Placement placement(image_, reach);
-    if (!placement.leaves_whole(solid.box.min, solid.box.max)) continue;
+    const bool whole = placement.leaves_whole(solid.box.min, solid.box.max);
     for (const SolidFigure& figure : own) {
-      if (figure.hexahedron)
-        covers |= add_solid(image_, cube(), figure.corners, placement);
+      if (!whole && !(figure.hexahedron && figure.growth > 0.0 && image_.perspective))
+        continue;
+      else if (figure.hexahedron)
+        covers |= add_solid(image_, cube(), figure.corners, placement, figure.growth);
       else if (figure.count == 4)
         quads.add(figure.polygon(), reach);
       else if (figure.count == 8)
@@ -558,9 +581,15 @@ std::size_t OccluderRaster::add_largest(std::span<const core::AabbD> solids, std
 }
 
 void OccluderRaster::distances(std::span<float> out, std::span<const OccluderRaster* const> others) const {
+  distances_of_rows(0, image_.height, out, others);
+}
+
+void OccluderRaster::distances_of_rows(int first_row, int end_row, std::span<float> out,
+                                       std::span<const OccluderRaster* const> others) const {
+  assert(0 <= first_row && end_row <= image_.height);
   assert(out.size() == std::size_t(image_.width) * std::size_t(image_.height));
   thread_local std::vector<const float*> rows;
-  for (int y = 0; y < image_.height; ++y) {
+  for (int y = first_row; y < end_row; ++y) {
     const std::size_t first = std::size_t(y) * std::size_t(image_.stride);
     rows.assign(1, image_.nearness.data() + first);
     for (const OccluderRaster* other : others) {

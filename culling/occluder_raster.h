@@ -78,7 +78,8 @@ class SIGHTLINE_API OccluderRaster {
   bool add_cylinder(const core::Affine& world_from_cylinder, int sides = 8);
 
   /// Figures within solids (internal/solid_figures.h), first those of the first solid. Those of solids whose box the
-  /// near plane or a section plane may cut hide nothing.
+  /// near plane or a section plane may cut hide nothing, except for hexahedra whose growth is known, in perspective
+  /// views: the near plane clips these.
   bool add_within(std::span<const WholeSolid> solids, std::span<const SolidFigure> figures);
 
   /// Of quads in front of solids (internal/solid_figures.h): 0 for those that lie behind what all of their pixels hold
@@ -101,6 +102,8 @@ class SIGHTLINE_API OccluderRaster {
   /// Writes the image row by row from the bottom up, as DepthPyramid::build() takes it: width * height floats.
   /// `others`: images of the same view and size, whose occluders count, too.
   void distances(std::span<float> out, std::span<const OccluderRaster* const> others = {}) const;
+  /// Of these, rows first … end - 1. `out`: still all of them.
+  void distances_of_rows(int first, int end, std::span<float> out, std::span<const OccluderRaster* const> others) const;
 
  private:
   OccluderImage image_;

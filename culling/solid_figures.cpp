@@ -115,9 +115,10 @@ class Figures {
   struct End {
     double x, y, at_x, at_y, z;
   };
-  void hexahedron(const End& below, const End& above) {
+  void hexahedron(const End& below, const End& above, double growth) {
     const bool mirrored = glm::determinant(eye_from_item_.linear) < 0.0;
     SolidFigure& figure = append(8, true);
+    figure.growth = growth;
     for (int i = 0; i < 8; ++i) {
       const End& end = (i < 4) != mirrored ? below : above;
       const double x = i % 4 == 0 || i % 4 == 3 ? -end.x : end.x, y = i % 4 < 2 ? -end.y : end.y;
@@ -125,10 +126,13 @@ class Figures {
     }
   }
 
-  void box(double x, double y, double z) {
-    x = within(x), y = within(y), z = within(z);
-    if (x > 0.0 && y > 0.0 && z > 0.0) hexahedron({x, y, 0.0, 0.0, -z}, {x, y, 0.0, 0.0, z});
+  void box(double size_x, double size_y, double size_z) {
+    const double x = within(size_x), y = within(size_y), z = within(size_z);
+    if (!(x > 0.0 && y > 0.0 && z > 0.0)) return;
+    const double growth = std::max({size_x / x, size_y / y, size_z / z});
+    hexahedron({x, y, 0.0, 0.0, -z}, {x, y, 0.0, 0.0, z}, 1.0 + kGrowthMargin * (growth - 1.0));
   }
+  static constexpr double kGrowthMargin = 2.0;  // float rays see a solid a little larger
 
   void pyramid(const std::array<double, 9>& p) {
     const double bottom_x = 0.5 * std::abs(p[0]), bottom_y = 0.5 * std::abs(p[1]), top_x = 0.5 * std::abs(p[2]),
@@ -144,7 +148,7 @@ class Figures {
                  (s - 0.5) * p[5], height};
     };
     const End below = end_at(-z), above = end_at(z);
-    if (std::min({below.x, below.y, above.x, above.y}) > 0.0) hexahedron(below, above);
+    if (std::min({below.x, below.y, above.x, above.y}) > 0.0) hexahedron(below, above, 0.0);
   }
 
   /// Discs of radii ra and rb, a below b, and what lies between them.

@@ -43,7 +43,7 @@ void SolidOccluders::begin(const core::Snapshot& snapshot, const core::View& vie
   perspective_ = !view.orthographic();
   const core::dmat4 world_from_eye = glm::transpose(view.eye_from_world());
   forward_ = -core::dvec3(world_from_eye[2]);
-  empty_.begin(view, width, height, snap + float(kLostPixels));
+  empty_.begin(view, width, height, float(kLostPixels + std::max(0.0, double(snap) - kProxyMargin)));
   of_threads_.begin();
 }
 

@@ -12,10 +12,10 @@
 // than the solids. Sections cover outlines up to a few thousandths of the radius, strips up to a tenth, octagons nine
 // tenths of a disc.
 //
-// Promise: inner-conservative, as OccluderRaster, for solids that are drawn opaque. Figures are smaller than the solids
-// by more than a renderer loses whose rays are float: by kLostPixels, kLostOfBox of the box's diagonal, and
-// kLostOfRadius of the radius (for thin tori more). Items that are no solids, are not opaque, or that the near plane or
-// a section plane cuts, hide nothing.
+// Promise: inner-conservative, as OccluderRaster, for solids that are drawn opaque, by rays through the pixel centres.
+// Figures are smaller than the solids by more than a renderer loses whose rays are float: by kLostPixels, kLostOfBox of
+// the box's diagonal, and kLostOfRadius of the radius (for thin tori more). Items that are no solids, are not opaque, or
+// that the near plane or a section plane cuts, hide nothing, except for boxes, which the near plane clips.
 //
 // Solids are narrower than their boxes, so some are hidden whose boxes are not. A cylinder is seen through a rectangle
 // in the plane that touches it along the line nearest to the eye; an elbow through those of cylinders about its chords.
@@ -33,7 +33,10 @@ namespace sightline::culling {
 /// Reuse one from frame to frame: it keeps its memory.
 class SIGHTLINE_API SolidOccluders {
  public:
-  static constexpr double kLostPixels = 0x1p-8, kLostOfBox = 1e-5, kLostOfRadius = 1e-3;
+  static constexpr double kLostPixels = 0x1p-12, kLostOfBox = 1e-5, kLostOfRadius = 1e-3;
+  /// Pixels by which a renderer must draw the proxies larger in which it casts rays. A rasteriser that moves corners by
+  /// less takes no pixel from a solid.
+  static constexpr double kProxyMargin = 0x1p-6;
 
   /// Empties the image. Borrows the snapshot until the last of the other calls. The rest is as for
   /// OccluderRaster::begin().

@@ -79,6 +79,9 @@ class Placement {
   double inside(int k, const Point& p) const { return (k == 0 ? p.near : p.z) - least_[k]; }
   bool in_front(const Point& p) const { return inside(0, p) > 0.0 && inside(1, p) > 0.0; }
 
+  /// Point::near of the eye, for coordinates relative to it.
+  double near_at_eye() const { return near_.row.w; }
+
   /// Whether all of a box is kept and in front.
   bool leaves_whole(const core::dvec3& low, const core::dvec3& high) const {
     if (!(near_.least(low, high) > least_[0] && z_.least(low, high) > least_[1])) return false;

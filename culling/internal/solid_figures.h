@@ -25,6 +25,7 @@ struct SolidFigure {
   std::array<core::dvec3, kMostCorners> corners;
   int count;
   bool hexahedron;
+  double growth;  // of a hexahedron: made so many times as large about its middle, it contains the solid; 0: unknown
 };
 
 /// A solid with a number of figures in it. The solid and what else must be whole, so that nothing is seen behind the

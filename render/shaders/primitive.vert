@@ -63,7 +63,8 @@ void main() {
   setup.anchor = uvec4(floatBitsToUint(a.depth), floatBitsToUint(axis.z), record, uint(a.pixel.x) | uint(a.pixel.y) << 16);
 
   // Widens the box on each side by a fraction of a pixel, at the depth of the farthest corner. Rasterisers round
-  // corners to such fractions, and neighbours that meet in a plane must not both miss a pixel there.
+  // corners to such fractions, and neighbours that meet in a plane must not both miss a pixel there. Occluders count on
+  // that, too (culling::SolidOccluders::kProxyMargin).
   vec3 reach = 0.5 * (box.high - box.low);
   vec3 towards_eye = vec3(eye_from_local[0].z, eye_from_local[1].z, eye_from_local[2].z);
   float farthest = dot(abs(towards_eye), reach) - dot(towards_eye, box.low + reach) - origin.z;
