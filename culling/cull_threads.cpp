@@ -29,18 +29,20 @@ CullThreads::~CullThreads() {
   state_.notify_all();
 }
 
-void CullThreads::run(std::uint32_t jobs, Call call, const void* context) {
+void CullThreads::run(std::uint32_t jobs, Call call, const void* context, const std::function<void()>& beside) {
   const auto begin = now();
   std::uint32_t own = jobs;
-  if (jobs > 1 && count_ > 1 && pays(jobs, begin) && !busy_.test_and_set(std::memory_order_acquire)) {
-    own = share(jobs, call, context);
+  const bool helps = count_ > 1 && (beside ? jobs > 0 : jobs > 1 && pays(jobs, begin));
+  if (helps && !busy_.test_and_set(std::memory_order_acquire)) {
+    own = share(jobs, call, context, beside);
     busy_.clear(std::memory_order_release);
   } else {
+    if (beside) beside();
     for (std::uint32_t i = 0; i < jobs; ++i) call(context, i);
   }
   const auto end = now();
   last_end_.store(end.time_since_epoch().count(), std::memory_order_relaxed);
-  if (own == 0) return;
+  if (own == 0 || beside) return;
   const double each = std::chrono::duration<double, std::nano>(end - begin).count() / own;
   const double known = job_ns_.load(std::memory_order_relaxed);
   job_ns_.store(known == 0.0 ? each : known + kSmoothing * (each - known), std::memory_order_relaxed);
@@ -54,7 +56,8 @@ bool CullThreads::pays(std::uint32_t jobs, Clock::time_point begin) const {
   return left_to_helpers > (pause < kSpin ? kCallNs : kWakeNs);
 }
 
-std::uint32_t CullThreads::share(std::uint32_t jobs, Call call, const void* context) {
+std::uint32_t CullThreads::share(std::uint32_t jobs, Call call, const void* context,
+                                 const std::function<void()>& beside) {
   if (helpers_.empty()) start();
   call_ = call;
   context_ = context;
@@ -62,6 +65,7 @@ std::uint32_t CullThreads::share(std::uint32_t jobs, Call call, const void* cont
   const std::uint64_t query = (state_.load(std::memory_order_relaxed) >> 32) + 1;
   state_.store(query << 32 | jobs);
   if (sleeping_.load() > 0) state_.notify_all();
+  if (beside) beside();
   std::uint32_t own = 0;
   while (work_one()) ++own;
   while (finished_.load(std::memory_order_acquire) != jobs) core::pause();

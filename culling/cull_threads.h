@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <thread>
 #include <vector>
 
@@ -29,19 +30,21 @@ class SIGHTLINE_API CullThreads {
 
   int count() const { return count_; }
 
-  /// Calls job(0) … job(jobs - 1), each once, in any order on any of the threads; returns when all are done.
+  /// Calls job(0) … job(jobs - 1), each once, in any order on any of the threads; returns when all are done. `beside`,
+  /// if there is any: what the calling thread does first, while helpers begin.
   template <class Job>
-  void run(std::uint32_t jobs, const Job& job) {
+  void run(std::uint32_t jobs, const Job& job, const std::function<void()>& beside = {}) {
     run(
-        jobs, [](const void* context, std::uint32_t i) { (*static_cast<const Job*>(context))(i); }, &job);
+        jobs, [](const void* context, std::uint32_t i) { (*static_cast<const Job*>(context))(i); }, &job, beside);
   }
 
  private:
   using Clock = std::chrono::steady_clock;
   using Call = void (*)(const void* context, std::uint32_t job);
 
-  void run(std::uint32_t jobs, Call call, const void* context);
-  std::uint32_t share(std::uint32_t jobs, Call call, const void* context);  // jobs done by the calling thread
+  void run(std::uint32_t jobs, Call call, const void* context, const std::function<void()>& beside);
+  /// Returns how many jobs the calling thread has done.
+  std::uint32_t share(std::uint32_t jobs, Call call, const void* context, const std::function<void()>& beside);
   bool pays(std::uint32_t jobs, Clock::time_point begin) const;
   void start();
   void help(const std::stop_token& stop);

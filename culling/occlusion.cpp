@@ -18,6 +18,8 @@ namespace {
 
 constexpr float kCentre[1][2] = {{0.0f, 0.0f}};  // the one sample of a pixel
 constexpr int kCoarsest = 3;                     // blocks along each axis of the last level
+constexpr int kBandLevels = 5;                   // of a pyramid, within a band
+static_assert(DepthPyramid::kBandRows == 1 << kBandLevels);
 constexpr int kLevels = 4;     // of which the coarse one's blocks hold kLanes x kLanes of the fine one's
 constexpr int kMostRows = 64;  // of blocks to look at; boxes that need more are open
 
@@ -69,13 +71,29 @@ std::span<float> DepthPyramid::begin(int width, int height) {
 }
 
 void DepthPyramid::finish() {
-  for (int level = 1; level < level_count(); ++level) {
-    const Level &fine = levels_[std::size_t(level - 1)], &coarse = levels_[std::size_t(level)];
-    for (int y = 0; y < coarse.height; ++y) {
-      const float *low = row(level - 1, 2 * y), *high = 2 * y + 1 < fine.height ? low + fine.width : low;
-      kernels().coarser_row(low, high, fine.width,
-                            texels_.data() + coarse.first + std::size_t(y) * std::size_t(coarse.width));
-    }
+  for (int band = 0; band < band_count(); ++band) finish_band(band);
+  finish_above();
+}
+
+/// Of the levels whose blocks are no higher than a band.
+void DepthPyramid::finish_band(int band) {
+  for (int level = 1; level <= kBandLevels; ++level)
+    finish_rows(level, band * (kBandRows >> level), (band + 1) * (kBandRows >> level));
+}
+
+void DepthPyramid::finish_above() {
+  for (int level = kBandLevels + 1; level < level_count(); ++level)
+    finish_rows(level, 0, levels_[std::size_t(level)].height);
+}
+
+/// Rows first … end - 1, of those that there are, from the next finer level.
+void DepthPyramid::finish_rows(int level, int first, int end) {
+  if (level >= level_count()) return;
+  const Level &fine = levels_[std::size_t(level - 1)], &coarse = levels_[std::size_t(level)];
+  for (int y = first; y < std::min(end, int(coarse.height)); ++y) {
+    const float *low = row(level - 1, 2 * y), *high = 2 * y + 1 < fine.height ? low + fine.width : low;
+    kernels().coarser_row(low, high, fine.width,
+                          texels_.data() + coarse.first + std::size_t(y) * std::size_t(coarse.width));
   }
 }
 

@@ -47,9 +47,14 @@ class SIGHTLINE_API DepthPyramid {
   /// As build() from distances that all are infinity: nothing is drawn yet.
   void clear(int width, int height);
 
-  /// In place: distances for the caller to write, as build() takes them, but without NaN. Then finish().
+  /// In place: distances for the caller to write, as build() takes them, but without NaN. Then finish(). Or, on several
+  /// threads, write a band of kBandRows rows and call finish_band(), for all of them; then finish_above() once.
   std::span<float> begin(int width, int height);
   void finish();
+  static constexpr int kBandRows = 32;
+  int band_count() const { return (height() + kBandRows - 1) / kBandRows; }
+  void finish_band(int band);
+  void finish_above();
 
   int width() const { return levels_.empty() ? 0 : levels_[0].width; }
   int height() const { return levels_.empty() ? 0 : levels_[0].height; }
@@ -76,6 +81,7 @@ class SIGHTLINE_API DepthPyramid {
 
  private:
   void resize(int width, int height);
+  void finish_rows(int level, int first, int end);
 
   std::vector<Level> levels_;
   std::array<std::int32_t, PyramidBlocks::kMostLevels> widths_{}, firsts_{};  // of these

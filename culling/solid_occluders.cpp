@@ -14,15 +14,10 @@ namespace {
 constexpr std::uint32_t kItemsOfPart = 512;  // for a thread
 constexpr std::size_t kSolidsAtOnce = 64;
 
-/// Calls job(slots of a part, the part) for each part, on any of the threads.
-template <class Job>
-void for_each_list(SetParts& parts, CullThreads* threads, const Job& job) {
-  parts.for_each(threads, [&](core::VisibleSet& part, std::uint32_t) {
-    thread_local std::vector<core::Slot> slots;
-    slots.clear();
-    part.for_each_slot([&](core::Slot slot) { slots.push_back(slot); });
-    job(slots, part);
-  });
+/// Replaces `slots` by those of the set.
+void list(const core::VisibleSet& set, std::vector<core::Slot>& slots) {
+  slots.clear();
+  set.for_each_slot([&](core::Slot slot) { slots.push_back(slot); });
 }
 
 }  // namespace
@@ -50,7 +45,9 @@ void SolidOccluders::begin(const core::Snapshot& snapshot, const core::View& vie
 void SolidOccluders::add(const core::VisibleSet& items, CullThreads* threads) {
   thread_local SetParts parts;
   parts.split(items, kItemsOfPart);
-  for_each_list(parts, threads, [&](std::span<const core::Slot> slots, core::VisibleSet&) {
+  parts.for_each(threads, [&](const core::VisibleSet& part, std::uint32_t) {
+    thread_local std::vector<core::Slot> slots;
+    list(part, slots);
     OccluderRaster& raster = of_threads_.take([&](OccluderRaster& fresh) { fresh = empty_; });
     add(slots, raster);
     of_threads_.give_back(raster);
@@ -111,25 +108,13 @@ WholeSolid SolidOccluders::find_figures(const Solid& solid, std::vector<SolidFig
   return {{placed.box.min - joint, placed.box.max + joint}, std::uint32_t(figures.size() - before)};
 }
 
-void SolidOccluders::leave_out_hidden(core::VisibleSet& items, const DepthPyramid& pyramid, double error,
-                                      CullThreads* threads) const {
-  thread_local SetParts parts;
-  parts.split(items, kItemsOfPart);
-  for_each_list(parts, threads, [&](std::span<const core::Slot> slots, core::VisibleSet& part) {
-    part.ranges.clear();
-    part.items.clear();
-    leave_out_hidden(slots, pyramid, error, part.items);
-  });
-  parts.join(items);
-}
-
-/// Appends those that are not.
-void SolidOccluders::leave_out_hidden(std::span<const core::Slot> slots, const DepthPyramid& pyramid, double error,
-                                      std::vector<core::Slot>& open) const {
+void SolidOccluders::leave_out_hidden(core::VisibleSet& items, const DepthPyramid& pyramid, double error) const {
+  thread_local std::vector<core::Slot> slots;
   thread_local std::vector<Solid> solids;
   thread_local std::vector<SolidFigure> fronts;
   thread_local std::vector<std::size_t> ends;  // of each solid's fronts; some have none
   thread_local std::vector<std::uint8_t> seen, hidden;
+  list(items, slots);
   look_up(slots, solids);
   fronts.clear();
   ends.clear();
@@ -149,19 +134,32 @@ void SolidOccluders::leave_out_hidden(std::span<const core::Slot> slots, const D
     hidden[solids[i].place] = front != end && std::find(front, end, 1) == end;
     front = end;
   }
+  items.ranges.clear();
+  items.items.clear();
   for (std::size_t i = 0; i < slots.size(); ++i)
-    if (hidden[i] == 0) open.push_back(slots[i]);
+    if (hidden[i] == 0) items.items.push_back(slots[i]);
 }
 
-void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn) {
+void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn, CullThreads* threads) {
   rasters_.clear();
   for (const auto& raster : of_threads_.used()) rasters_.push_back(raster.get());
   if (rasters_.empty()) rasters_.push_back(&empty_);
   const std::span<float> distances = pyramid.begin(width_, height_);
   assert(drawn.empty() || drawn.size() == distances.size());
-  rasters_[0]->distances(distances, std::span(rasters_).subspan(1));
-  for (std::size_t i = 0; i < drawn.size(); ++i) distances[i] = std::min(distances[i], drawn[i]);
-  pyramid.finish();
+  const auto build_band = [&](std::uint32_t band) {
+    const int first = int(band) * DepthPyramid::kBandRows, end = std::min(height_, first + DepthPyramid::kBandRows);
+    rasters_[0]->distances_of_rows(first, end, distances, std::span(rasters_).subspan(1));
+    if (!drawn.empty())
+      for (std::size_t i = std::size_t(first) * std::size_t(width_); i < std::size_t(end) * std::size_t(width_); ++i)
+        distances[i] = std::min(distances[i], drawn[i]);
+    pyramid.finish_band(int(band));
+  };
+  const auto bands = std::uint32_t(pyramid.band_count());
+  if (threads)
+    threads->run(bands, build_band);
+  else
+    for (std::uint32_t band = 0; band < bands; ++band) build_band(band);
+  pyramid.finish_above();
 }
 
 }  // namespace sightline::culling

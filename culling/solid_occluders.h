@@ -14,8 +14,8 @@
 //
 // Promise: inner-conservative, as OccluderRaster, for solids that are drawn opaque, by rays through the pixel centres.
 // Figures are smaller than the solids by more than a renderer loses whose rays are float: by kLostPixels, kLostOfBox of
-// the box's diagonal, and kLostOfRadius of the radius (for thin tori more). Items that are no solids, are not opaque, or
-// that the near plane or a section plane cuts, hide nothing, except for boxes, which the near plane clips.
+// the box's diagonal, and kLostOfRadius of the radius (for thin tori more). Items that are no solids, are not opaque,
+// or that the near plane or a section plane cuts, hide nothing, except for boxes, which the near plane clips.
 //
 // Solids are narrower than their boxes, so some are hidden whose boxes are not. A cylinder is seen through a rectangle
 // in the plane that touches it along the line nearest to the eye; an elbow through those of cylinders about its chords.
@@ -44,12 +44,13 @@ class SIGHTLINE_API SolidOccluders {
   /// Adds items of the snapshot. Large sets are shared out among `threads`, if there are any.
   void add(const core::VisibleSet& items, CullThreads* threads = nullptr);
   /// Hands the image to the pyramid, which has its size then. `drawn`: distances of what is drawn already, as
-  /// DepthPyramid::build() takes them, or none; where they are nearer, they count. More items may follow.
-  void build(DepthPyramid& pyramid, std::span<const float> drawn = {});
+  /// DepthPyramid::build() takes them, or none; where they are nearer, they count. More items may follow. `threads`
+  /// share in it, if there are any.
+  void build(DepthPyramid& pyramid, std::span<const float> drawn = {}, CullThreads* threads = nullptr);
   /// Leaves out cylinders, straight snouts and circular tori that are hidden by what a pyramid holds, of a picture of
   /// this view and size. Other items stay: their boxes should have been tested (OcclusionTest). `error`: as there.
-  void leave_out_hidden(core::VisibleSet& items, const DepthPyramid& pyramid, double error = 0.0,
-                        CullThreads* threads = nullptr) const;
+  /// Several threads may call it at once.
+  void leave_out_hidden(core::VisibleSet& items, const DepthPyramid& pyramid, double error = 0.0) const;
 
  private:
   struct Solid;
@@ -62,8 +63,6 @@ class SIGHTLINE_API SolidOccluders {
   void look_up(std::span<const core::Slot> slots, std::vector<Solid>& solids) const;
   Placed place(const Solid& solid) const;
   WholeSolid find_figures(const Solid& solid, std::vector<SolidFigure>& figures) const;
-  void leave_out_hidden(std::span<const core::Slot> slots, const DepthPyramid& pyramid, double error,
-                        std::vector<core::Slot>& open) const;
 
   const core::Snapshot* snapshot_ = nullptr;
   int width_ = 0, height_ = 0;

@@ -524,6 +524,7 @@ core::Expected<void> Drawing::draw_in_passes(const Culled& culled) {
     if (auto done = draw_pass(view, snapshot, passes_.pass(), target_); !done) return done;
     read_back_depth(view, target_);
   }
+  passes_.remember(test, bounds);
   counts_ = {-1, std::int64_t(passes_.drawn())};
   depth_known_ = true;
   return {};

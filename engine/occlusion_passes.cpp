@@ -64,10 +64,7 @@ bool OcclusionPasses::next(const culling::OcclusionTest& test, const core::ItemB
     find_first(test, bounds);
   else
     next_ == Next::kNearest ? find_nearest(test, bounds) : find_next(test, bounds);
-  if (count_ > 0 && pass_.count() == 0) {
-    remember(test, bounds);
-    return false;
-  }
+  if (count_ > 0 && pass_.count() == 0) return false;
   drawn_count_ += pass_.count();
   if (passes_.size() <= std::size_t(count_)) passes_.emplace_back();
   std::swap(passes_[std::size_t(count_++)], pass_);
@@ -103,7 +100,20 @@ void OcclusionPasses::find_next(const culling::OcclusionTest& test, const core::
   std::swap(pass_, found_);
 }
 
-/// Of what was drawn, what the whole picture does not hide.
+void OcclusionPasses::list_drawn(const core::ItemBounds& bounds, core::VisibleSet& drawn) const {
+  thread_local std::vector<std::uint64_t> bits;
+  bits.assign(culling::bit_words(bounds.size()), 0);
+  for (int i = 0; i < count_; ++i) culling::set_bits(passes_[std::size_t(i)], bits);
+  drawn.clear();
+  drawn.generation = pass_.generation;
+  drawn.items = culling::slots_of(bits);
+}
+
+void OcclusionPasses::remember(const core::VisibleSet& open, const core::ItemBounds& bounds) {
+  open_.assign(culling::bit_words(bounds.size()), 0);
+  culling::set_bits(open, open_);
+}
+
 void OcclusionPasses::remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds) {
   open_.assign(culling::bit_words(bounds.size()), 0);
   for (int i = 0; i < count_; ++i) {

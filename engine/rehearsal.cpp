@@ -2,7 +2,9 @@
 // take the place of the solids in the passes of the occlusion test. They are rasterised in a small part of the time
 // that drawing the solids takes. What the figures leave open is drawn in one pass.
 #include <algorithm>
+#include <iterator>
 
+#include "sightline/culling/internal/set_parts.h"
 #include "sightline/culling/spatial_queries.h"
 #include "sightline/engine/internal/drawing.h"
 
@@ -10,6 +12,9 @@ namespace sightline::engine {
 namespace {
 
 using core::Kind;
+
+constexpr std::uint32_t kLeastOfHalf = 1024;  // slots that are worth a draw of their own
+constexpr std::uint32_t kSlotsOfPart = 512;   // for a thread
 
 bool is_solid(Kind kind) {
   return int(kind) < core::kPrimitiveKindCount && kind != Kind::kLine;
@@ -87,17 +92,58 @@ core::Expected<void> Drawing::draw_rehearsed(const Culled& culled) {
       if (auto done = draw_unsolid(culled); !done) return done;
     solids_.add(passes_.pass(), &threads_);
     if (first && !unsolid_.items.empty()) target_.read_distances(view, distances_);
-    solids_.build(pyramid_, distances_);
+    solids_.build(pyramid_, distances_, &threads_);
   }
-  left_.generation = visible.generation;
-  left_.items = culling::slots_of(passes_.open());
-  std::erase_if(left_.items, [&](core::Slot slot) {
-    return std::binary_search(unsolid_.items.begin(), unsolid_.items.end(), slot);
-  });
-  solids_.leave_out_hidden(left_, pyramid_, render::RenderTarget::orthographic_error(view), &threads_);
-  counts_ = {-1, std::int64_t(unsolid_.items.size() + left_.items.size())};
   depth_known_ = true;
-  return draw_pass(view, snapshot, left_, target_);
+  return draw_open(culled, test);
+}
+
+/// What all figures leave open, in two halves. Only one thread may submit: while it submits the first half, others find
+/// out what is open of the second.
+core::Expected<void> Drawing::draw_open(const Culled& culled, const culling::OcclusionTest& test) {
+  const core::ItemBounds& bounds = culled.snapshot.bounds();
+  passes_.list_drawn(bounds, open_);
+  counts_ = {-1, std::int64_t(unsolid_.items.size())};
+  thread_local culling::SetParts halves;
+  halves.split(open_, std::max(kLeastOfHalf, std::uint32_t(open_.items.size() + 1) / 2));
+  core::Expected<void> done;
+  const core::VisibleSet* found = nullptr;
+  const auto draw_found = [&] {
+    if (found && done) done = draw_solids(culled, *found);
+  };
+  for (std::uint32_t i = 0; i < halves.count(); ++i) {
+    find_open(culled, test, halves[i], draw_found);
+    found = &halves[i];
+  }
+  draw_found();
+  halves.join(open_);
+  passes_.remember(open_, bounds);
+  return done;
+}
+
+/// Leaves out of a set what figures hide. `beside`: see CullThreads::run().
+void Drawing::find_open(const Culled& culled, const culling::OcclusionTest& test, core::VisibleSet& set,
+                        const std::function<void()>& beside) {
+  const core::ItemBounds& bounds = culled.snapshot.bounds();
+  const double error = render::RenderTarget::orthographic_error(culled.view);
+  thread_local culling::SetParts parts;
+  parts.split(set, kSlotsOfPart);
+  const auto find = [&](core::VisibleSet& part, std::uint32_t) {
+    test.filter(bounds, part, part, culled.lines);
+    solids_.leave_out_hidden(part, pyramid_, error);
+  };
+  parts.for_each(&threads_, find, beside);
+  parts.join(set);
+}
+
+/// What has figures, of what is open.
+core::Expected<void> Drawing::draw_solids(const Culled& culled, const core::VisibleSet& open) {
+  left_.clear();
+  left_.generation = open.generation;
+  std::set_difference(open.items.begin(), open.items.end(), unsolid_.items.begin(), unsolid_.items.end(),
+                      std::back_inserter(left_.items));
+  counts_.shown += std::int64_t(left_.items.size());
+  return draw_pass(culled.view, culled.snapshot, left_, target_);
 }
 
 }  // namespace sightline::engine

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "sightline/core/visible_set.h"
@@ -38,14 +39,14 @@ class SetParts {
   }
 
   std::uint32_t count() const { return std::uint32_t(count_); }
-  /// Calls job(part, number of the part) for each part, on any of the threads; null: on this one.
+  /// Calls job(part, number of the part) for each part, on any of the threads; null: on this one. `beside`: see
+  /// CullThreads::run().
   template <class Job>
-  void for_each(CullThreads* threads, const Job& job) {
+  void for_each(CullThreads* threads, const Job& job, const std::function<void()>& beside = {}) {
     const auto of_part = [&](std::uint32_t i) { job(parts_[i], i); };
-    if (threads)
-      threads->run(count(), of_part);
-    else
-      for (std::uint32_t i = 0; i < count(); ++i) of_part(i);
+    if (threads) return threads->run(count(), of_part, beside);
+    if (beside) beside();
+    for (std::uint32_t i = 0; i < count(); ++i) of_part(i);
   }
   core::VisibleSet& operator[](std::uint32_t part) { return parts_[part]; }
 

@@ -210,6 +210,10 @@ class Drawing {
   core::Expected<void> draw_in_passes(const Culled& culled);
   bool may_rehearse(const Culled& culled);
   core::Expected<void> draw_rehearsed(const Culled& culled);
+  core::Expected<void> draw_open(const Culled& culled, const culling::OcclusionTest& test);
+  void find_open(const Culled& culled, const culling::OcclusionTest& test, core::VisibleSet& set,
+                 const std::function<void()>& beside);
+  core::Expected<void> draw_solids(const Culled& culled, const core::VisibleSet& open);
   core::Expected<void> draw_unsolid(const Culled& culled);
   core::Expected<void> draw_in_budget(const Culled& culled, double deadline);
   core::Expected<void> draw_pass(const core::View& view, const core::Snapshot& snapshot, const core::VisibleSet& pass,
@@ -264,7 +268,8 @@ class Drawing {
   std::vector<std::uint64_t> was_large_;  // a bit per slot, of the last frame
   OcclusionPasses passes_;
   culling::SolidOccluders solids_;
-  core::VisibleSet unsolid_, left_;  // of a rehearsed frame: drawn before it, and after it
+  core::VisibleSet unsolid_, open_,
+      left_;  // of a rehearsed frame: drawn before it; open in the end; of these, drawn then
   std::vector<core::Slot> at_near_plane_;
   culling::CullThreads threads_;  // for the occlusion test; none begins before the first large set
   OcclusionSwitch occlusion_switch_;

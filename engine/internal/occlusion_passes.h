@@ -26,15 +26,20 @@ class OcclusionPasses {
   void begin(const core::VisibleSet& candidates, culling::SlotBits lines, const culling::Hierarchy* hierarchy,
              culling::CullThreads& threads, Next next = Next::kFront);
   /// Finds the next pass. `test`: against the depth of all passes so far, at first of none. False when all that may be
-  /// seen is drawn; then the frame is remembered.
+  /// seen is drawn; then the frame should be remembered.
   bool next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   /// What to draw now; may be empty.
   const core::VisibleSet& pass() const { return passes_[std::size_t(count_ - 1)]; }
-  /// After next() has returned false: of what was drawn, what the depth of all passes does not hide, and lines. A bit
-  /// per slot.
-  culling::SlotBits open() const { return open_; }
   /// Slots that were drawn in this frame.
   std::size_t drawn() const { return drawn_count_; }
+  /// These, in rising order.
+  void list_drawn(const core::ItemBounds& bounds, core::VisibleSet& drawn) const;
+
+  /// After next() has returned false: what the next frame draws first. Of what was drawn, what the depth of all passes
+  /// does not hide, and lines.
+  void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
+  /// The same for who has found it out.
+  void remember(const core::VisibleSet& open, const core::ItemBounds& bounds);
 
   /// Forgets the frame before. For a new order of the items.
   void reset() { open_.clear(); }
@@ -43,7 +48,6 @@ class OcclusionPasses {
   void find_first(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   void find_nearest(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
   void find_next(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
-  void remember(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
 
   std::vector<std::uint64_t> open_;       // a bit per slot, of the last frame
   std::vector<core::VisibleSet> passes_;  // the first count_ of them; the others keep memory

@@ -46,6 +46,28 @@ TEST(CullThreads, EveryJobRunsOnce) {
   }
 }
 
+/// On the calling thread, once, and with helpers at the same time as jobs.
+TEST(CullThreads, SomethingElseBesideTheJobs) {
+  for (int count = 1; count <= 3; ++count) {
+    SCOPED_TRACE(count);
+    CullThreads threads(count);
+    const auto own_thread = std::this_thread::get_id();
+    for (std::uint32_t jobs = 0; jobs < 20; ++jobs) {
+      std::atomic<std::uint32_t> done{0};
+      int calls = 0;
+      const auto beside = [&] {
+        EXPECT_EQ(std::this_thread::get_id(), own_thread);
+        ++calls;
+        while (count > 1 && jobs > 0 && done == 0) std::this_thread::yield();  // a helper begins meanwhile
+      };
+      threads.run(
+          jobs, [&](std::uint32_t) { ++done; }, beside);
+      ASSERT_EQ(done, jobs);
+      ASSERT_EQ(calls, 1);
+    }
+  }
+}
+
 TEST(CullThreads, LongJobsReachHelpers) {
   CullThreads threads(2);
   std::atomic<bool> other{false};

@@ -107,7 +107,7 @@ std::vector<float> distances_of(const core::Snapshot& snapshot, const View& view
   culling::DepthPyramid pyramid;
   solids.begin(snapshot, view, kWidth, kHeight);
   solids.add(all_of(snapshot), threads);
-  solids.build(pyramid, drawn);
+  solids.build(pyramid, drawn, threads);
   std::vector<float> distances;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) distances.push_back(pyramid.row(0, y)[x]);
