@@ -493,9 +493,8 @@ bool OccluderRaster::add_within(std::span<const WholeSolid> solids, std::span<co
     const Placement placement(image_, reach);
     const bool whole = placement.leaves_whole(solid.box.min, solid.box.max);
     for (const SolidFigure& figure : own) {
-      if (!whole && !(figure.hexahedron && figure.growth > 0.0 && image_.perspective))
-        continue;
-      else if (figure.hexahedron)
+      if (!whole && !(figure.hexahedron && figure.growth > 0.0 && image_.perspective)) continue;
+      if (figure.hexahedron)
         covers |= add_solid(image_, cube(), figure.corners, placement, figure.growth);
       else if (figure.count == 4)
         quads.add(figure.polygon(), reach);
