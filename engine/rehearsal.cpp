@@ -1,6 +1,6 @@
 // Frames of which most is solid: which items are hidden is found out before they are drawn. Figures within the solids
 // take the place of the solids in the passes of the occlusion test. They are rasterised in a small part of the time
-// that drawing the solids takes. What the figures leave open is drawn in one pass.
+// that drawing the solids takes. What the figures leave open is drawn in the end.
 #include <algorithm>
 #include <iterator>
 
