@@ -9,6 +9,7 @@
 
 #include "sightline/culling/frustum_test.h"
 #include "sightline/culling/internal/kernels.h"
+#include "sightline/culling/internal/run_jobs.h"
 
 namespace sightline::culling {
 namespace {
@@ -125,9 +126,7 @@ void CpuCuller::cull(const core::View& view, core::VisibleSet& set) const {
 
 void CpuCuller::cull(std::span<const core::View> views, std::span<core::VisibleSet> sets, CullThreads* threads) const {
   assert(sets.size() >= views.size());
-  const auto one = [&](std::uint32_t i) { cull(views[i], sets[i]); };
-  if (threads != nullptr) return threads->run(std::uint32_t(views.size()), one);
-  for (std::uint32_t i = 0; i < views.size(); ++i) one(i);
+  run_jobs(threads, std::uint32_t(views.size()), [&](std::uint32_t i) { cull(views[i], sets[i]); });
 }
 
 /// A node, except the root, is walked into because its box crosses the view volume's surface; so is a leaf.

@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "sightline/core/internal/prefetch.h"
+#include "sightline/culling/internal/run_jobs.h"
 #include "sightline/culling/internal/set_parts.h"
 #include "sightline/culling/internal/solid_figures.h"
 
@@ -146,19 +147,14 @@ void SolidOccluders::build(DepthPyramid& pyramid, std::span<const float> drawn, 
   if (rasters_.empty()) rasters_.push_back(&empty_);
   const std::span<float> distances = pyramid.begin(width_, height_);
   assert(drawn.empty() || drawn.size() == distances.size());
-  const auto build_band = [&](std::uint32_t band) {
+  run_jobs(threads, std::uint32_t(pyramid.band_count()), [&](std::uint32_t band) {
     const int first = int(band) * DepthPyramid::kBandRows, end = std::min(height_, first + DepthPyramid::kBandRows);
     rasters_[0]->distances_of_rows(first, end, distances, std::span(rasters_).subspan(1));
     if (!drawn.empty())
       for (std::size_t i = std::size_t(first) * std::size_t(width_); i < std::size_t(end) * std::size_t(width_); ++i)
         distances[i] = std::min(distances[i], drawn[i]);
     pyramid.finish_band(int(band));
-  };
-  const auto bands = std::uint32_t(pyramid.band_count());
-  if (threads)
-    threads->run(bands, build_band);
-  else
-    for (std::uint32_t band = 0; band < bands; ++band) build_band(band);
+  });
   pyramid.finish_above();
 }
 

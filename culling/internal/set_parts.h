@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sightline/core/visible_set.h"
-#include "sightline/culling/cull_threads.h"
 #include "sightline/culling/internal/filter_slots.h"
+#include "sightline/culling/internal/run_jobs.h"
 
 namespace sightline::culling {
 
@@ -43,10 +43,8 @@ class SetParts {
   /// CullThreads::run().
   template <class Job>
   void for_each(CullThreads* threads, const Job& job, const std::function<void()>& beside = {}) {
-    const auto of_part = [&](std::uint32_t i) { job(parts_[i], i); };
-    if (threads) return threads->run(count(), of_part, beside);
-    if (beside) beside();
-    for (std::uint32_t i = 0; i < count(); ++i) of_part(i);
+    run_jobs(
+        threads, count(), [&](std::uint32_t i) { job(parts_[i], i); }, beside);
   }
   core::VisibleSet& operator[](std::uint32_t part) { return parts_[part]; }
 

@@ -221,6 +221,35 @@ TEST_P(SolidOccludersOf, HideNothingWhereTheyAreCut) {
   EXPECT_GE(clipped, clips ? 20 : 0);
 }
 
+/// The figure of a box begins a margin behind its faces. A section plane that cuts less than that leaves the figure, and
+/// the cap lies in front of it.
+TEST(SolidOccluders, BoxesCutByLessThanTheirMarginHideWhatLiesBehindTheirCaps) {
+  constexpr float kSide = 2.0f, kLess = 0x1p-10f, kMore = 0x1p-9f;
+  const auto box_cut_by = [](float depth) { return core::Box{kSide - depth, kSide, kSide}; };
+  const double of_radius = SolidOccluders::kLostOfRadius * kSide / 2.0;
+  const double of_box = SolidOccluders::kLostOfBox * kSide * std::sqrt(3.0);
+  ASSERT_GT(of_radius + of_box, kLess);
+  ASSERT_LT(of_radius + 2.0 * of_box, kMore);
+  std::size_t found = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const Affine place{random_rotation(random), point(random, 1.0)};
+    const core::Scene scene = scene_of(box_cut_by(0.0f), place);
+    const core::Snapshot snapshot(scene);
+    View view = random_sight(random, place.origin);
+    const dvec3 normal = -place.linear[0];
+    const auto cut_by = [&](double depth) {
+      view.sections = {{normal, kSide / 2.0 - depth - glm::dot(normal, place.origin)}};
+      return distances_of(snapshot, view);
+    };
+    const Affine place_of_rest{place.linear, place.origin + kLess / 2.0 * normal};
+    found += expect_no_nearer(cut_by(kLess), {view, box_cut_by(kLess), place_of_rest}).found;
+    EXPECT_EQ(covered(cut_by(kMore)), 0u);
+  }
+  EXPECT_GT(found, 5'000u);
+}
+
 /// A solid stays where one line of sight meets it no farther than what its pixel holds, though all others are hidden.
 TEST_P(SolidOccludersOf, AreLeftOutOnlyWhereAllPixelsHideThem) {
   constexpr std::size_t kPixels = std::size_t(kWidth) * kHeight;
