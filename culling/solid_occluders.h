@@ -15,7 +15,8 @@
 // Promise: inner-conservative, as OccluderRaster, for solids that are drawn opaque, by rays through the pixel centres.
 // Figures are smaller than the solids by more than a renderer loses whose rays are float: by kLostPixels, kLostOfBox of
 // the box's diagonal, and kLostOfRadius of the radius (for thin tori more). Items that are no solids, are not opaque,
-// or that the near plane or a section plane cuts, hide nothing, except for boxes, which the near plane clips.
+// or that the near plane or a section plane cuts, hide nothing, except for boxes: the near plane clips these, and of
+// those that a section plane cuts by less than they are smaller, the figures are whole, and lie behind the caps.
 //
 // Solids are narrower than their boxes, so some are hidden whose boxes are not. A cylinder is seen through a rectangle
 // in the plane that touches it along the line nearest to the eye; an elbow through those of cylinders about its chords.

@@ -221,8 +221,8 @@ TEST_P(SolidOccludersOf, HideNothingWhereTheyAreCut) {
   EXPECT_GE(clipped, clips ? 20 : 0);
 }
 
-/// The figure of a box begins a margin behind its faces. A section plane that cuts less than that leaves the figure, and
-/// the cap lies in front of it.
+/// The figure of a box begins a margin behind its faces. A section plane that cuts less than that leaves the figure,
+/// and the cap lies in front of it.
 TEST(SolidOccluders, BoxesCutByLessThanTheirMarginHideWhatLiesBehindTheirCaps) {
   constexpr float kSide = 2.0f, kLess = 0x1p-10f, kMore = 0x1p-9f;
   const auto box_cut_by = [](float depth) { return core::Box{kSide - depth, kSide, kSide}; };
