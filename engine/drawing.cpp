@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "sightline/engine/internal/clock.h"
@@ -18,6 +19,35 @@ constexpr double kPassShare = 0.5;     // of the time left, for the next pass: i
 constexpr double kLeastPasses = 2.0;   // that the time left must suffice for
 constexpr double kSlower = 0.92;       // squares take what they took, or less by as much a frame
 constexpr float kOverlooked = 0.125f;  // of the area that the last frame came to
+
+/// How many pixels items are large in the mean, as the diagonals of their boxes say. Some are looked at; one that is
+/// very near counts little more than others.
+double mean_area(const Culled& culled, int height) {
+  constexpr std::uint64_t kLookedAt = 128;
+  constexpr double kMost = 1e4;
+  const auto& [view, snapshot, set, lines, hierarchy] = culled;
+  const core::ItemBounds& bounds = snapshot.bounds();
+  const double scale = 0.5 * height * std::abs(view.clip_from_eye()[1][1]);
+  double sum = 0.0;
+  std::uint64_t count = 0;
+  const auto add = [&](core::Slot slot) {
+    if (bounds.vacant(slot)) return;
+    const core::Aabb box = bounds.box(slot);
+    const core::dvec3 to_eye = view.eye() - bounds.origin - core::dvec3(0.5f * (box.min + box.max));
+    const double size = scale * double(glm::length(box.max - box.min));
+    const double area = view.orthographic() ? size * size : size * size / glm::dot(to_eye, to_eye);
+    sum += std::min(area, kMost);
+    ++count;
+  };
+  const std::uint64_t step = std::max<std::uint64_t>(1, set.count() / kLookedAt);
+  std::uint64_t next = 0, passed = 0;
+  for (const core::SlotRange& range : set.ranges) {
+    for (; next < passed + range.count; next += step) add(core::Slot(range.first + (next - passed)));
+    passed += range.count;
+  }
+  for (; next < passed + set.items.size(); next += step) add(set.items[next - passed]);
+  return count > 0 ? sum / double(count) : 0.0;
+}
 
 }  // namespace
 
@@ -341,7 +371,7 @@ core::Expected<void> Drawing::draw_solid(const Culled& culled, double began) {
   }
   const core::VisibleSet& large = leave_out_small(culled, contribution_);
   const std::int64_t count = std::int64_t(culled.snapshot.count(large));
-  const bool tested = tests_occlusion(count);
+  const bool tested = tests_occlusion(culled.with(large), count);
   if (tested) {
     const bool rehearses = &large == &culled.visible && may_rehearse(culled);
     if (auto done = rehearses ? draw_rehearsed(culled) : draw_in_passes(culled.with(large)); !done) return done;
@@ -466,13 +496,13 @@ void Drawing::set_contribution(float pixels, ContributionWay way) {
 
 /// Between passes the depth is read back, which stalls a GPU, but is a copy in memory on a software rasteriser. Few
 /// items are not worth it.
-bool Drawing::tests_occlusion(std::int64_t candidates) {
-  candidates_ = candidates;
+bool Drawing::tests_occlusion(const Culled& candidates, std::int64_t count) {
+  candidates_ = count;
   switched_ = false;
   if (!may_test_occlusion()) return false;
   if (occlusion_ == OcclusionChoice::kOn) return true;
-  switched_ = software() && candidates >= std::int64_t(kSmallOcclusionScene);
-  return switched_ && occlusion_switch_.use();
+  switched_ = software() && count >= std::int64_t(kSmallOcclusionScene);
+  return switched_ && occlusion_switch_.use(mean_area(candidates, target_.height()));
 }
 
 void Drawing::frame_took(double ms) {
@@ -611,7 +641,7 @@ bool Drawing::may_test_occlusion(const culling::GpuCuller& culler) const {
   return renders_ && target_.format().samples == 1 && culler.can_test_occlusion();
 }
 
-/// How many items are in the view volume is known of an earlier frame.
+/// How many items are in the view volume is known of an earlier frame, and how large they are not at all.
 bool Drawing::tests_occlusion_on_gpu(std::size_t items) {
   candidates_ = visible_on_gpu_;
   switched_ = false;
@@ -619,7 +649,8 @@ bool Drawing::tests_occlusion_on_gpu(std::size_t items) {
   if (occlusion_ == OcclusionChoice::kOn) return true;
   if (!software()) return items >= kGpuOcclusionScene;
   switched_ = candidates_ >= std::int64_t(kSmallOcclusionScene);
-  return switched_ && occlusion_switch_.use();
+  constexpr double kUnknown = 0.0;
+  return switched_ && occlusion_switch_.use(kUnknown);
 }
 
 core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame,

@@ -187,7 +187,7 @@ class Drawing {
   culling::OcclusionTest occlusion_test(const core::View& view, const core::dvec3& origin) const;
   void read_back_depth(const core::View& view, const render::RenderTarget& target);
   bool may_test_occlusion() const { return occlusion_ != OcclusionChoice::kOff && target_.format().samples == 1; }
-  bool tests_occlusion(std::int64_t candidates);
+  bool tests_occlusion(const Culled& candidates, std::int64_t count);
   bool may_test_occlusion(const culling::GpuCuller& culler) const;
   bool tests_occlusion_on_gpu(std::size_t items);
   core::Expected<void> draw_others(const core::Snapshot& snapshot);

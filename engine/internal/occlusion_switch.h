@@ -1,20 +1,49 @@
 // Whether the next frame tests occlusion, learnt from what frames cost with it and without. Internal to engine.
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 namespace sightline::engine {
 
 /// Keeps the cheaper of two ways, and now and then tries the other one for a few frames: less and less often while it
 /// stays dearer. Pure logic, without a clock. Costs are compared per candidate, since views differ in how much they
-/// show. A trial of a way that costs twice as much takes 2 % of the time in the long run.
+/// show. Of small items, seen from afar, the test often costs more than it saves, and of large ones in the same scene
+/// less. So each class of sizes, with four times the area of the one before, has its own way. A trial of a way that
+/// costs twice as much takes 2 % of the time in the long run.
 class OcclusionSwitch {
  public:
-  /// The way of the next frame.
-  bool use() const { return trial_ > 0 ? !used_ : used_; }
-  /// A frame with `candidates` items has taken `ms` in the way of use(). Both must be positive, or the frame tells
-  /// nothing.
-  void took(double ms, double candidates);
+  /// The way of the next frame, whose items are so many pixels large in the mean; 0: not known.
+  bool use(double area) {
+    class_ = class_of(area);
+    return ways_[class_].use();
+  }
+  /// That frame, with `candidates` items, has taken `ms`. Both must be positive, or the frame tells nothing.
+  void took(double ms, double candidates) {
+    if (ms > 0.0 && candidates > 0.0) ways_[class_].took(ms / candidates);
+  }
 
  private:
+  /// Of one class.
+  class Way {
+   public:
+    bool use() const { return trial_ > 0 ? !used_ : used_; }
+    void took(double cost);
+
+   private:
+    bool used_ = true;
+    int trial_ = 0, wait_ = kUnsteady + kTrial, interval_ = kShortest, settling_ = kUnsteady;
+    double usual_ = 0.0;  // cost of the way in use, ms per candidate; 0: not known
+    double tried_ = 0.0;  // sum over the frames of the trial
+  };
+  static constexpr std::size_t kClasses = 7;  // the first: not known
+  static std::size_t class_of(double area) {
+    if (!(area > 0.0)) return 0;
+    std::size_t size = 1;
+    for (double end = 4.0; area >= end && size + 1 < kClasses; end *= 4.0) ++size;
+    return size;
+  }
+
   static constexpr int kTrial = 6;      // frames
   static constexpr int kUnsteady = 2;   // first frames of a trial, which remember nothing, or finish what was before
   static constexpr int kShortest = 32;  // frames between two trials
@@ -22,15 +51,11 @@ class OcclusionSwitch {
   static constexpr double kBetter = 0.97;  // hysteresis: a way must be so much cheaper to be taken
   static constexpr double kWeight = 0.2;   // of a frame in the mean of the way in use
 
-  bool used_ = true;
-  int trial_ = 0, wait_ = kUnsteady + kTrial, interval_ = kShortest, settling_ = kUnsteady;
-  double usual_ = 0.0;  // cost of the way in use, ms per candidate; 0: not known
-  double tried_ = 0.0;  // sum over the frames of the trial
+  std::array<Way, kClasses> ways_;
+  std::size_t class_ = 0;  // of the next frame
 };
 
-inline void OcclusionSwitch::took(double ms, double candidates) {
-  if (!(ms > 0.0) || !(candidates > 0.0)) return;
-  const double cost = ms / candidates;
+inline void OcclusionSwitch::Way::took(double cost) {
   if (trial_ == 0) {
     if (settling_ > 0)
       --settling_;

@@ -1,6 +1,8 @@
 // When the engine tests occlusion, from made-up costs.
 #include "sightline/engine/internal/occlusion_switch.h"
 
+#include <cmath>
+#include <functional>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -14,12 +16,12 @@ struct Flown {
   int frames_on = 0;
 };
 template <class Cost>
-Flown fly(OcclusionSwitch& choice, int frames, const Cost& cost) {
+Flown fly(OcclusionSwitch& choice, int frames, const Cost& cost, const std::function<double(int)>& area = {}) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> noise(0.95, 1.05), items(2e4, 2e5);
   Flown flown;
   for (int i = 0; i < frames; ++i) {
-    const bool on = choice.use();
+    const bool on = choice.use(area ? area(i) : 0.0);
     const double n = items(random), ms = cost(i, on) * n * noise(random);
     flown.chosen += ms;
     flown.best += std::min(cost(i, true), cost(i, false)) * n;
@@ -53,14 +55,33 @@ TEST(OcclusionSwitch, FollowsTheScene) {
   EXPECT_LT(flown.chosen, 1.15 * flown.best);
 }
 
+/// A flight around a plant and into it and out again.
+TEST(OcclusionSwitch, KnowsViewsOfTheSameSizesAgain) {
+  OcclusionSwitch choice;
+  const auto inside = [](int i) { return i / 40 % 2 != 0; };
+  const auto cost = [&](int i, bool on) { return inside(i) == on ? 1e-4 : 1.5e-4; };
+  const auto area = [&](int i) { return inside(i) ? 200.0 : 10.0; };
+  (void)fly(choice, 400, cost, area);
+  const Flown flown = fly(choice, 2000, cost, area);
+  EXPECT_LT(flown.chosen, 1.05 * flown.best);
+}
+
+TEST(OcclusionSwitch, TakesAnySize) {
+  OcclusionSwitch choice;
+  for (const double area : {-1.0, 0.0, 1e-300, 1.0, 3.9, 1e4, 1e300, HUGE_VAL, double(NAN)}) {
+    EXPECT_TRUE(choice.use(area));
+    choice.took(1.0, 1e5);
+  }
+}
+
 TEST(OcclusionSwitch, EqualCostsDoNotToggle) {
   OcclusionSwitch choice;
   int switches = 0;
-  bool before = choice.use();
+  bool before = choice.use(0.0);
   for (int i = 0; i < 5000; ++i) {
     choice.took(16.6, 1e5);
-    switches += choice.use() != before;
-    before = choice.use();
+    switches += choice.use(0.0) != before;
+    before = choice.use(0.0);
   }
   EXPECT_LT(switches, 2 * (6 + 5000 / 512)) << "trials alone";
 }
@@ -71,7 +92,7 @@ TEST(OcclusionSwitch, FramesWithoutACostTellNothing) {
     choice.took(0.0, 1e5);
     choice.took(-1.0, 1e5);
     choice.took(5.0, 0.0);
-    EXPECT_TRUE(choice.use());
+    EXPECT_TRUE(choice.use(0.0));
   }
 }
 
