@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "sightline/engine/internal/clock.h"
+#include "sightline/engine/internal/item_sizes.h"
 #include "sightline/gl/internal/program_cache.h"
 
 namespace sightline::engine {
@@ -19,35 +19,6 @@ constexpr double kPassShare = 0.5;     // of the time left, for the next pass: i
 constexpr double kLeastPasses = 2.0;   // that the time left must suffice for
 constexpr double kSlower = 0.92;       // squares take what they took, or less by as much a frame
 constexpr float kOverlooked = 0.125f;  // of the area that the last frame came to
-
-/// How many pixels items are large in the mean, as the diagonals of their boxes say. Some are looked at; one that is
-/// very near counts little more than others.
-double mean_area(const Culled& culled, int height) {
-  constexpr std::uint64_t kLookedAt = 128;
-  constexpr double kMost = 1e4;
-  const auto& [view, snapshot, set, lines, hierarchy] = culled;
-  const core::ItemBounds& bounds = snapshot.bounds();
-  const double scale = 0.5 * height * std::abs(view.clip_from_eye()[1][1]);
-  double sum = 0.0;
-  std::uint64_t count = 0;
-  const auto add = [&](core::Slot slot) {
-    if (bounds.vacant(slot)) return;
-    const core::Aabb box = bounds.box(slot);
-    const core::dvec3 to_eye = view.eye() - bounds.origin - core::dvec3(0.5f * (box.min + box.max));
-    const double size = scale * double(glm::length(box.max - box.min));
-    const double area = view.orthographic() ? size * size : size * size / glm::dot(to_eye, to_eye);
-    sum += std::min(area, kMost);
-    ++count;
-  };
-  const std::uint64_t step = std::max<std::uint64_t>(1, set.count() / kLookedAt);
-  std::uint64_t next = 0, passed = 0;
-  for (const core::SlotRange& range : set.ranges) {
-    for (; next < passed + range.count; next += step) add(core::Slot(range.first + (next - passed)));
-    passed += range.count;
-  }
-  for (; next < passed + set.items.size(); next += step) add(set.items[next - passed]);
-  return count > 0 ? sum / double(count) : 0.0;
-}
 
 }  // namespace
 
@@ -502,7 +473,8 @@ bool Drawing::tests_occlusion(const Culled& candidates, std::int64_t count) {
   if (!may_test_occlusion()) return false;
   if (occlusion_ == OcclusionChoice::kOn) return true;
   switched_ = software() && count >= std::int64_t(kSmallOcclusionScene);
-  return switched_ && occlusion_switch_.use(mean_area(candidates, target_.height()));
+  const auto& [view, snapshot, visible, lines, hierarchy] = candidates;
+  return switched_ && occlusion_switch_.use(mean_area(view, snapshot.bounds(), visible, target_.height()));
 }
 
 void Drawing::frame_took(double ms) {
