@@ -268,8 +268,8 @@ class Drawing {
   std::vector<std::uint64_t> was_large_;  // a bit per slot, of the last frame
   OcclusionPasses passes_;
   culling::SolidOccluders solids_;
-  core::VisibleSet unsolid_, open_,
-      left_;  // of a rehearsed frame: drawn before it; open in the end; of these, drawn then
+  core::VisibleSet unsolid_;      // of a rehearsed frame, drawn before it
+  core::VisibleSet open_, left_;  // open in the end; of these, drawn then
   std::vector<core::Slot> at_near_plane_;
   culling::CullThreads threads_;  // for the occlusion test; none begins before the first large set
   OcclusionSwitch occlusion_switch_;
