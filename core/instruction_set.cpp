@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cassert>
+#include <cstdlib>
 
 namespace sightline::core {
 namespace {
@@ -14,11 +15,18 @@ InstructionSet widest() {
   return InstructionSet::kScalar;
 }
 
+InstructionSet widest_allowed() {
+  const char* name = std::getenv("SIGHTLINE_ISA");
+  return instruction_set_named(name ? name : "").value_or(InstructionSet::kAvx512);
+}
+
 }  // namespace
 
 bool supported(InstructionSet set) {
+  static const InstructionSet limit = widest_allowed();
+  if (set > limit) return false;
 #ifdef SIGHTLINE_X86_KERNELS
-  // The build defines both conditions, of the features that it compiles kernels for (cmake/SightlineTargets.cmake).
+    // The build defines both conditions, of the features that it compiles kernels for (cmake/SightlineTargets.cmake).
 #define SIGHTLINE_HAS(feature) (__builtin_cpu_supports(#feature) != 0)
   if (set == InstructionSet::kAvx2) return SIGHTLINE_HAS_AVX2;
   if (set == InstructionSet::kAvx512) return SIGHTLINE_HAS_AVX512;
@@ -39,6 +47,12 @@ void force_instruction_set(std::optional<InstructionSet> set) {
 
 const char* name_of(InstructionSet set) {
   return set == InstructionSet::kScalar ? "scalar" : set == InstructionSet::kAvx2 ? "avx2" : "avx512";
+}
+
+std::optional<InstructionSet> instruction_set_named(std::string_view name) {
+  for (const InstructionSet set : {InstructionSet::kScalar, InstructionSet::kAvx2, InstructionSet::kAvx512})
+    if (name == name_of(set)) return set;
+  return std::nullopt;
 }
 
 }  // namespace sightline::core

@@ -3,13 +3,16 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 namespace sightline::core {
 
 /// Every form gives the same answer bit for bit; kScalar is the plain twin of the others.
 enum class InstructionSet { kScalar, kAvx2, kAvx512 };
 
-/// Whether this build has the form and this processor can run it.
+/// Whether this build has the form, this processor can run it, and the environment variable SIGHTLINE_ISA allows it.
+/// That variable names the widest form to use (scalar, avx2 or avx512), so that a processor can stand for a narrower
+/// one; any other value is ignored. It is read once.
 bool supported(InstructionSet set);
 /// The form in use: the widest supported one unless another is forced.
 InstructionSet instruction_set();
@@ -17,6 +20,8 @@ InstructionSet instruction_set();
 /// the widest form again. Not to be called while another thread runs kernels.
 void force_instruction_set(std::optional<InstructionSet> set);
 const char* name_of(InstructionSet set);
+/// The reverse of name_of(); nullopt for any other text.
+std::optional<InstructionSet> instruction_set_named(std::string_view name);
 
 /// Of three forms the one in use.
 template <class Form>

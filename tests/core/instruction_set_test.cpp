@@ -1,6 +1,20 @@
 #include "sightline/core/internal/instruction_set.h"
 
+#include <cstdlib>
+
 #include <gtest/gtest.h>
+
+namespace sightline::core::instruction_set_test {
+namespace {
+
+TEST(InstructionSet, NamesAreUnderstood) {
+  for (const InstructionSet set : {InstructionSet::kScalar, InstructionSet::kAvx2, InstructionSet::kAvx512})
+    EXPECT_EQ(instruction_set_named(name_of(set)), set);
+  for (const char* name : {"", "sse", "AVX2", "avx", "avx2 "}) EXPECT_EQ(instruction_set_named(name), std::nullopt);
+}
+
+}  // namespace
+}  // namespace sightline::core::instruction_set_test
 
 #if defined(SIGHTLINE_X86_KERNELS)
 
@@ -10,11 +24,19 @@ struct CpuModel {
 };
 extern "C" CpuModel __cpu_model;
 
-namespace sightline::core {
+namespace sightline::core::instruction_set_test {
 namespace {
 
-/// What the processor has of the instructions that kernels are compiled for (cmake/SightlineTargets.cmake).
+/// The form that SIGHTLINE_ISA names, or the widest.
+InstructionSet widest_allowed() {
+  const char* name = std::getenv("SIGHTLINE_ISA");
+  return name && *name ? instruction_set_named(name).value() : InstructionSet::kAvx512;
+}
+
+/// Whether the processor has the instructions that kernels are compiled for (cmake/SightlineTargets.cmake), and may use
+/// them.
 bool has_all_for(InstructionSet set) {
+  if (set > widest_allowed()) return false;
   const bool common =
       __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("popcnt");
   if (set == InstructionSet::kAvx2) return common && __builtin_cpu_supports("avx2");
@@ -45,6 +67,6 @@ TEST(InstructionSet, NeedsAllThatItsKernelsUse) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::instruction_set_test
 
 #endif

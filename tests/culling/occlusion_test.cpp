@@ -10,7 +10,7 @@
 #include "exact_samples.h"
 #include "sightline/culling/internal/tile_shape.h"
 
-namespace sightline::tests {
+namespace sightline::tests::occlusion_test {
 namespace {
 
 using culling::DepthPyramid;
@@ -258,12 +258,12 @@ TEST(OcclusionTest, FiltersSets) {
     }
     std::vector<core::Slot> first_front, first_behind;
     culling::CullThreads threads(3);
+    core::VisibleSet leaves;
     for_each_instruction_set([&] {
-      core::VisibleSet opens, leaves, both;
+      core::VisibleSet opens, both;
       test.filter(bounds, in, opens, exempt);
       ASSERT_EQ(opens.sorted_slots(), open);
       test.filter_leaves(hierarchy, in, leaves, exempt);
-      leaves_out += in.count() - leaves.count();
       test.filter(bounds, leaves, both, exempt);
       ASSERT_EQ(both.sorted_slots(), open);
       test.filter(bounds, in, both, exempt, &threads);
@@ -282,9 +282,10 @@ TEST(OcclusionTest, FiltersSets) {
       ASSERT_EQ(front.items, first_front);
       ASSERT_EQ(behind.items, first_behind);
     });
+    leaves_out += in.count() - leaves.count();
   }
   EXPECT_GT(leaves_out, 1000u);
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::occlusion_test

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/core/internal/instruction_set.h"
+#include "sightline/tests/support/instruction_sets.h"
 
-namespace sightline::culling {
+namespace sightline::culling::slot_list_test {
 namespace {
 
 std::vector<core::Slot> by_hand(const core::VisibleSet& set) {
@@ -38,11 +38,7 @@ TEST(SlotList, ListsWhatTheSetHolds) {
   constexpr unsigned kSeed = 20261121;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   constexpr std::uint32_t kSentinel = 0xdeadbeef;
-  for (const core::InstructionSet simd :
-       {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
-    if (!core::supported(simd)) continue;
-    SCOPED_TRACE(core::name_of(simd));
-    core::force_instruction_set(simd);
+  tests::for_each_instruction_set([&] {
     std::mt19937 random(kSeed);
     for (int round = 0; round < 200; ++round) {
       const core::VisibleSet set = random_set(random);
@@ -56,8 +52,7 @@ TEST(SlotList, ListsWhatTheSetHolds) {
       ASSERT_EQ(list.back(), kSentinel) << "wrote beyond the set";
       for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_EQ(list[i], ids[expected[i]]);
     }
-    core::force_instruction_set({});
-  }
+  });
 }
 
 TEST(SlotList, AnEmptySetListsNothing) {
@@ -66,4 +61,4 @@ TEST(SlotList, AnEmptySetListsNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::culling
+}  // namespace sightline::culling::slot_list_test

@@ -9,7 +9,8 @@
 
 namespace sightline::tests {
 
-/// Runs `check` in every form of the kernels that this machine has.
+/// Runs `check` in every form of the kernels that this machine has and SIGHTLINE_ISA allows. Counts that a test expects
+/// belong outside of `check`: inside they would grow with the number of forms.
 template <class Check>
 void for_each_instruction_set(const Check& check) {
   for (const auto set : {core::InstructionSet::kScalar, core::InstructionSet::kAvx2, core::InstructionSet::kAvx512}) {
