@@ -2,19 +2,23 @@
 # <thing>_test.cpp beside the caller. Its name is FOLDER_tests, or FOLDER_label_tests; ctest's entries are
 # FOLDER.Suite.Case, or FOLDER_label.Suite.Case with that label. The label gl is of tests that need a context.
 #
-# A new file of tests is one more word in THINGS. ctest runs every test in a process of its own, so tests share no state;
-# but the files of a program share its names: helpers belong in anonymous namespaces, a fixture and its suite in one file.
+# A new file of tests is one more word in THINGS. ctest runs every test in a process of its own, so tests share no state.
+# Batches of files are compiled as one: each file has a namespace of its own, named after it, and an anonymous one within.
 include(GoogleTest)
 find_package(Threads REQUIRED)
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/tests/cache)
+add_library(sightline_tests_places STATIC ${SIGHTLINE_CHECKOUT}/tests/support/places.cpp)
+target_link_libraries(sightline_tests_places PUBLIC sightline_tests_headers PRIVATE sightline_flags)
+target_compile_definitions(sightline_tests_places PRIVATE SIGHTLINE_SOURCE_DIR="${SIGHTLINE_CHECKOUT}"
+                           SIGHTLINE_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+
 function(sightline_tests folder)
   cmake_parse_arguments(arg "" "LABEL" "THINGS;LINKS;ENVIRONMENT" ${ARGN})
   string(JOIN _ name ${folder} ${arg_LABEL})
   list(TRANSFORM arg_THINGS REPLACE "(.+)" "${CMAKE_CURRENT_SOURCE_DIR}/\\1_test.cpp" OUTPUT_VARIABLE sources)
   add_executable(${name}_tests ${sources})
   target_link_libraries(${name}_tests PRIVATE ${arg_LINKS} GTest::gtest GTest::gtest_main Threads::Threads
-                        sightline_tests_headers sightline_flags)
-  target_compile_definitions(${name}_tests PRIVATE SIGHTLINE_SOURCE_DIR="${SIGHTLINE_CHECKOUT}")
+                        sightline_tests_places sightline_flags)
   set_target_properties(${name}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   set(properties TIMEOUT 600)
   if(arg_LABEL)
@@ -33,8 +37,7 @@ endfunction()
 # sightline_needs_tools(PROGRAM tool …): PROGRAM runs sightline-<tool> of each tool, which are built before it.
 function(sightline_needs_tools program)
   list(JOIN ARGN " " names)
-  target_compile_definitions(${program} PRIVATE SIGHTLINE_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}"
-                             SIGHTLINE_TOOLS="${names}")
+  target_compile_definitions(${program} PRIVATE SIGHTLINE_TOOLS="${names}")
   list(TRANSFORM ARGN PREPEND sightline- OUTPUT_VARIABLE targets)
   add_dependencies(${program} ${targets})
 endfunction()

@@ -16,7 +16,7 @@
 namespace sightline::core {
 namespace {
 
-[[maybe_unused]] constexpr std::uint32_t kWorthThreads = 65536;
+[[maybe_unused]] constexpr std::uint32_t kItemsWorthThreads = 65536;
 [[maybe_unused]] constexpr std::uint32_t kTaskSize = 8192;  // smaller blocks are not worth a task
 
 vec3 centroid(const Aabb& box) {
@@ -46,7 +46,7 @@ class BlockOrder {
   std::vector<std::uint32_t> run() {
     const std::uint32_t count = std::uint32_t(boxes_.size());
 #ifdef _OPENMP
-    const int threads = config_.threads > 0 ? config_.threads : count < kWorthThreads ? 1 : omp_get_max_threads();
+    const int threads = config_.threads > 0 ? config_.threads : count < kItemsWorthThreads ? 1 : omp_get_max_threads();
 #pragma omp parallel num_threads(threads) if (threads > 1 && count > kTaskSize)
 #pragma omp single
 #endif

@@ -10,12 +10,12 @@
 namespace sightline::core {
 namespace {
 
-bool is_finite(const float* values, std::size_t count) {
+bool all_finite(const float* values, std::size_t count) {
   return std::all_of(values, values + count, [](float x) { return std::isfinite(x); });
 }
 
-bool is_finite(const Placement& p) {
-  return is_finite(&p.linear[0].x, 9) && is_finite(&p.origin.x, 3);
+bool placement_is_finite(const Placement& p) {
+  return all_finite(&p.linear[0].x, 9) && all_finite(&p.origin.x, 3);
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ Expected<void> Storage::check_page(const Page& page) {
   const ItemBounds& bounds = snapshot.bounds_;
   const std::size_t rows = snapshot.table_->rows.size(), chunks = snapshot.chunks_.origins().size();
   for (const auto& c : bounds.coordinates_)
-    if (!is_finite(c.data(), c.size())) return fail("its boxes are not finite");
+    if (!all_finite(c.data(), c.size())) return fail("its boxes are not finite");
   for (std::size_t s = 0; s < snapshot.size(); ++s) {
     if (snapshot.materials_[s] != kNone && snapshot.materials_[s] >= rows)
       return fail("its materials are inconsistent");
@@ -82,7 +82,7 @@ Expected<void> Storage::check_page(const Page& page) {
   for (std::size_t kind = 0; kind < kKindCount; ++kind) {
     const KindItems& items = snapshot.kind_items_[kind];
     for (const Placement& p : items.placements)
-      if (p.chunk >= chunks || !is_finite(p)) return fail("its placements are inconsistent");
+      if (p.chunk >= chunks || !placement_is_finite(p)) return fail("its placements are inconsistent");
     for (const std::uint32_t mesh : items.meshes) {
       const MeshId id = mesh < page.meshes.mesh_slots() ? page.meshes.mesh_at(mesh) : MeshId();
       if (!id.valid() || page.meshes.mesh(id).is_facet_group() != (Kind(kind) == Kind::kFacetGroup))

@@ -26,9 +26,6 @@ constexpr std::array<int, kPrimitiveKindCount> parameter_counts(std::index_seque
 }
 constexpr auto kParameterCounts = parameter_counts(std::make_index_sequence<kPrimitiveKindCount>());
 
-double length(float v) {
-  return std::abs(double(v));
-}
 double xy_length(const dvec3& u) {
   return std::hypot(u.x, u.y);
 }
@@ -51,21 +48,22 @@ ArcRange arc_range(const dvec3& u, double angle) {
 }
 
 double support_of(const Pyramid& p, const dvec3& u) {
-  const double lean = 0.5 * (u.x * p.offset_x + u.y * p.offset_y + u.z * length(p.height));
-  const double bottom = 0.5 * (length(p.bottom_x) * std::abs(u.x) + length(p.bottom_y) * std::abs(u.y)) - lean;
-  const double top = 0.5 * (length(p.top_x) * std::abs(u.x) + length(p.top_y) * std::abs(u.y)) + lean;
+  const double lean = 0.5 * (u.x * p.offset_x + u.y * p.offset_y + u.z * length_of(p.height));
+  const double bottom = 0.5 * (length_of(p.bottom_x) * std::abs(u.x) + length_of(p.bottom_y) * std::abs(u.y)) - lean;
+  const double top = 0.5 * (length_of(p.top_x) * std::abs(u.x) + length_of(p.top_y) * std::abs(u.y)) + lean;
   return std::max(bottom, top);
 }
 
 double support_of(const Box& b, const dvec3& u) {
-  return 0.5 * (length(b.size_x) * std::abs(u.x) + length(b.size_y) * std::abs(u.y) + length(b.size_z) * std::abs(u.z));
+  return 0.5 * (length_of(b.size_x) * std::abs(u.x) + length_of(b.size_y) * std::abs(u.y) +
+                length_of(b.size_z) * std::abs(u.z));
 }
 
 double support_of(const RectangularTorus& t, const dvec3& u) {
   const ArcRange w = arc_range(u, sweep_angle(t.angle));
-  const double inner = length(t.inner_radius), outer = length(t.outer_radius);
+  const double inner = length_of(t.inner_radius), outer = length_of(t.outer_radius);
   const double radial = std::max({inner * w.min, inner * w.max, outer * w.min, outer * w.max});
-  return radial + 0.5 * length(t.height) * std::abs(u.z);
+  return radial + 0.5 * length_of(t.height) * std::abs(u.z);
 }
 
 double support_of(const CircularTorus& t, const dvec3& u) {
@@ -73,18 +71,18 @@ double support_of(const CircularTorus& t, const dvec3& u) {
   // maximum.
   const ArcRange w = arc_range(u, sweep_angle(t.angle));
   const auto disc = [&](double along) {
-    return length(t.major_radius) * along + length(t.tube_radius) * std::hypot(along, u.z);
+    return length_of(t.major_radius) * along + length_of(t.tube_radius) * std::hypot(along, u.z);
   };
   return std::max(disc(w.min), disc(w.max));
 }
 
 double support_of(const EllipticalDish& d, const dvec3& u) {
-  const double base = length(d.base_radius) * xy_length(u);
-  return u.z <= 0.0 ? base : std::hypot(base, length(d.height) * u.z);
+  const double base = length_of(d.base_radius) * xy_length(u);
+  return u.z <= 0.0 ? base : std::hypot(base, length_of(d.height) * u.z);
 }
 
 double support_of(const SphericalDish& d, const dvec3& u) {
-  const double r = length(d.base_radius), h = length(d.height);
+  const double r = length_of(d.base_radius), h = length_of(d.height);
   const double base = r * xy_length(u);
   if (h == 0.0) return base;
   const double radius = (r * r + h * h) / (2.0 * h), norm = glm::length(u);
@@ -95,7 +93,8 @@ double support_of(const SphericalDish& d, const dvec3& u) {
 }
 
 double support_of(const Snout& s, const dvec3& u) {
-  const double h = length(s.height), rb = length(s.bottom_radius), rt = length(s.top_radius), disc = xy_length(u);
+  const double h = length_of(s.height), rb = length_of(s.bottom_radius), rt = length_of(s.top_radius),
+               disc = xy_length(u);
   const dvec3 end{0.5 * s.offset_x, 0.5 * s.offset_y, 0.5 * h};
   const EndRange bottom = bottom_end_range(s), top = top_end_range(s);
   if (h == 0.0) {
@@ -113,11 +112,11 @@ double support_of(const Snout& s, const dvec3& u) {
 }
 
 double support_of(const Cylinder& c, const dvec3& u) {
-  return length(c.radius) * xy_length(u) + 0.5 * length(c.height) * std::abs(u.z);
+  return length_of(c.radius) * xy_length(u) + 0.5 * length_of(c.height) * std::abs(u.z);
 }
 
 double support_of(const Sphere& s, const dvec3& u) {
-  return 0.5 * length(s.diameter) * glm::length(u);
+  return 0.5 * length_of(s.diameter) * glm::length(u);
 }
 
 double support_of(const Line& l, const dvec3& u) {
@@ -126,14 +125,14 @@ double support_of(const Line& l, const dvec3& u) {
 
 EndRange end_range(const Snout& s, double radius, double shear_x, double shear_y) {
   constexpr double kNearlyOpen = 1e-3;  // contours a thousand radii long come from bad data
-  const double h = length(s.height);
+  const double h = length_of(s.height);
   const dvec2 m(std::tan(shear_x), std::tan(shear_y));
   const double steep = std::hypot(m.x, m.y);
   if (steep == 0.0) return {};
   double lean = 0.0, slope = 0.0;
   if (h > 0.0) {
     lean = (m.x * s.offset_x + m.y * s.offset_y) / h;
-    slope = (length(s.top_radius) - length(s.bottom_radius)) / h;
+    slope = (length_of(s.top_radius) - length_of(s.bottom_radius)) / h;
   }
   const double up = 1.0 - lean - slope * steep, down = 1.0 - lean + slope * steep;
   if (!(up > kNearlyOpen && down > kNearlyOpen)) return {-h, h, true};
@@ -203,16 +202,16 @@ bool is_degenerate(const Primitive& primitive) {
 
 double sweep_angle(float angle) {
   constexpr double kNearlyFull = 6.283185;
-  const double swept = length(angle);
+  const double swept = length_of(angle);
   return swept >= kNearlyFull ? kFullTurn : swept;
 }
 
 EndRange bottom_end_range(const Snout& s) {
-  return end_range(s, length(s.bottom_radius), s.bottom_shear_x, s.bottom_shear_y);
+  return end_range(s, length_of(s.bottom_radius), s.bottom_shear_x, s.bottom_shear_y);
 }
 
 EndRange top_end_range(const Snout& s) {
-  return end_range(s, length(s.top_radius), s.top_shear_x, s.top_shear_y);
+  return end_range(s, length_of(s.top_radius), s.top_shear_x, s.top_shear_y);
 }
 
 double support(const Primitive& primitive, const dvec3& direction) {
@@ -224,7 +223,7 @@ AabbD bounds(const Primitive& primitive, const Affine& world_from_item) {
   // No point lies farther from the local origin than the sum of all parameters (except for slanted ends). Terms of that
   // size may cancel in a support value but not in its rounding error. A parameter that is NaN makes the box NaN.
   double reach = 0.0;
-  for (const float value : parameters(primitive)) reach += length(value);
+  for (const float value : parameters(primitive)) reach += length_of(value);
   const dmat3 rows = glm::transpose(world_from_item.linear);
   AabbD box;
   for (int axis = 0; axis < 3; ++axis) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <span>
@@ -58,6 +59,10 @@ struct RectangularTorus {
 struct CircularTorus {
   float major_radius, tube_radius, angle;
 };
+/// A length as it counts: without its sign.
+inline double length_of(float parameter) {
+  return std::abs(double(parameter));
+}
 /// The sweep of a torus in radians, 0 … kFullTurn, from its parameter `angle`. Some files write a full turn as a float
 /// a little below 2 pi. From there on the sweep is kFullTurn and the torus is closed: it has no ends. NaN stays NaN.
 inline constexpr double kFullTurn = 2.0 * std::numbers::pi;

@@ -33,8 +33,8 @@ template <class Work>
 void for_pieces(std::size_t count, [[maybe_unused]] int threads, const Work& work) {
   const std::size_t pieces = piece_count(count);
 #ifdef _OPENMP
-  constexpr std::size_t kWorthThreads = 65536;
-  const int used = threads > 0 ? threads : count < kWorthThreads ? 1 : omp_get_max_threads();
+  constexpr std::size_t kSlotsWorthThreads = 65536;
+  const int used = threads > 0 ? threads : count < kSlotsWorthThreads ? 1 : omp_get_max_threads();
 #pragma omp parallel for schedule(dynamic) num_threads(used) if (used > 1 && pieces > 1)
 #endif
   for (std::size_t piece = 0; piece < pieces; ++piece)

@@ -8,8 +8,6 @@
 namespace sightline::core {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double quadrangle(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& d) {
   return 0.5 * glm::length(glm::cross(c - a, d - b));
 }
@@ -45,8 +43,8 @@ double area_of(const RectangularTorus& t) {
 
 double area_of(const CircularTorus& t) {
   const double tube = std::abs(t.tube_radius), sweep = sweep_angle(t.angle);
-  const double ends = sweep < kFullTurn ? 2.0 * kPi * tube * tube : 0.0;
-  return sweep * std::abs(double(t.major_radius)) * 2.0 * kPi * tube + ends;
+  const double ends = sweep < kFullTurn ? 2.0 * std::numbers::pi * tube * tube : 0.0;
+  return sweep * std::abs(double(t.major_radius)) * 2.0 * std::numbers::pi * tube + ends;
 }
 
 /// Half of Thomsen's formula for the ellipsoid, off by 1 % at most.
@@ -54,27 +52,27 @@ double area_of(const EllipticalDish& d) {
   constexpr double kPower = 1.6075;
   const double r = std::abs(d.base_radius), h = std::abs(d.height);
   const double both = std::pow(r * r, kPower), sides = std::pow(r * h, kPower);
-  return 2.0 * kPi * std::pow((both + 2.0 * sides) / 3.0, 1.0 / kPower) + kPi * r * r;
+  return 2.0 * std::numbers::pi * std::pow((both + 2.0 * sides) / 3.0, 1.0 / kPower) + std::numbers::pi * r * r;
 }
 
 double area_of(const SphericalDish& d) {
   const double r = d.base_radius, h = d.height;
-  return kPi * (2.0 * r * r + h * h);
+  return std::numbers::pi * (2.0 * r * r + h * h);
 }
 
 double area_of(const Snout& s) {
   const double bottom = std::abs(s.bottom_radius), top = std::abs(s.top_radius);
   const double length = glm::length(dvec3(s.offset_x, s.offset_y, s.height));
-  return kPi * ((bottom + top) * std::hypot(bottom - top, length) + bottom * bottom + top * top);
+  return std::numbers::pi * ((bottom + top) * std::hypot(bottom - top, length) + bottom * bottom + top * top);
 }
 
 double area_of(const Cylinder& c) {
   const double r = std::abs(c.radius), h = std::abs(c.height);
-  return 2.0 * kPi * r * (r + h);
+  return 2.0 * std::numbers::pi * r * (r + h);
 }
 
 double area_of(const Sphere& s) {
-  return kPi * double(s.diameter) * double(s.diameter);
+  return std::numbers::pi * double(s.diameter) * double(s.diameter);
 }
 
 double area_of(const Line&) {

@@ -9,9 +9,9 @@ namespace {
 using core::dvec3;
 using core::dvec4;
 
-constexpr double kRounding = 0x1p-19;  // of a function's value in float, of the sizes of its terms
-constexpr double kLost = 0x1p-48;      // of sums of products in double
-constexpr double kAlike = 0x1p-30;     // distances and the projection's w differ by no more than this share
+constexpr double kRounding = 0x1p-19;     // of a function's value in float, of the sizes of its terms
+constexpr double kSumRounding = 0x1p-48;  // of sums of products in double
+constexpr double kAlike = 0x1p-30;        // distances and the projection's w differ by no more than this share
 /// Shares of the viewing direction below which a parallel ray stays in one slab, as far as it matters. The rectangle
 /// bounds the box along such an axis.
 constexpr double kAlong = 1e-3;
@@ -41,13 +41,13 @@ PixelRays::PixelRays(const core::View& view, const dvec3& origin, int width, int
   const core::dmat4 clip = glm::transpose(view.clip_from_world()), eye = glm::transpose(view.eye_from_world());
   const auto place = [&](int axis, int size) { return 0.5 * size * clip[axis] + (0.5 * size - 0.5) * clip[3]; };
   const dvec4 x = place(0, width), y = place(1, height), w = clip[3], t = -eye[2];
-  const dvec3 lost = kLost * dvec3(sizes_of(x, origin), sizes_of(y, origin), sizes_of(w, origin));
+  const dvec3 lost = kSumRounding * dvec3(sizes_of(x, origin), sizes_of(y, origin), sizes_of(w, origin));
   const Projection projection{moved(x, origin),
                               moved(y, origin),
                               moved(w, origin),
                               moved(t, origin),
                               lost,
-                              kLost * sizes_of(t, origin),
+                              kSumRounding * sizes_of(t, origin),
                               width,
                               height};
   usable_ = parallel_ ? trace_parallel(projection) : trace_from_eye(projection);
@@ -80,7 +80,7 @@ bool PixelRays::trace_parallel(const Projection& p) {
   };
   const dvec3 constant = at_start(-p.x.w * per_x - p.y.w * per_y, p.distance.w);
   const dvec3 slope_x = at_start(p.w.w * per_x, 0.0), slope_y = at_start(p.w.w * per_y, 0.0);
-  const double off = 16.0 * (kLost * glm::length(constant) + glm::length(per_x) * p.lost.x +
+  const double off = 16.0 * (kSumRounding * glm::length(constant) + glm::length(per_x) * p.lost.x +
                              glm::length(per_y) * p.lost.y + p.lost_distance);
   for (int i = 0; i < 3; ++i) {
     const double moves = 2.0 * (std::abs(slope_x[i]) * p.width + std::abs(slope_y[i]) * p.height);
@@ -119,7 +119,8 @@ bool PixelRays::solve_eye(const Projection& p) {
   const dvec3 eye = inverse * -dvec3(forms[0].w, forms[1].w, forms[2].w);
   dvec3 residual;
   for (int i = 0; i < 3; ++i)
-    residual[i] = std::abs(glm::dot(dvec3(forms[i]), eye) + forms[i].w) + p.lost[i] + kLost * sizes_of(forms[i], eye);
+    residual[i] =
+        std::abs(glm::dot(dvec3(forms[i]), eye) + forms[i].w) + p.lost[i] + kSumRounding * sizes_of(forms[i], eye);
   for (int i = 0; i < 3; ++i) {
     double off = 0.0;
     for (int k = 0; k < 3; ++k) off += std::abs(inverse[k][i]) * residual[k];

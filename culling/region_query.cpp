@@ -15,7 +15,7 @@ using core::dvec3;
 using core::Plane;
 using core::Slot;
 
-constexpr double kRounding = 1e-12;  // of the coordinates involved
+constexpr double kCoordinateRounding = 1e-12;  // of the coordinates involved
 
 /// A convex part of space, bounded by a box about the scene.
 class Region {
@@ -38,7 +38,7 @@ class Region {
   }
 
   bool empty() const { return corners_.empty(); }
-  double rounding() const { return kRounding * reach_; }
+  double rounding() const { return kCoordinateRounding * reach_; }
   std::span<const Plane> planes() const { return {all_.data(), given_}; }
   std::span<const Plane> faces() const { return all_; }       ///< those and the box's
   const std::vector<dvec3>& edges() const { return edges_; }  ///< directions

@@ -6,11 +6,11 @@
 namespace sightline::engine {
 namespace {
 
-constexpr int kLeastExponent = -8;    // of the area of the smallest class
-constexpr int kOpenFirst = 4;         // classes by which items that were open come earlier
-constexpr std::size_t kPiece = 2048;  // slots tested at a time
-constexpr std::size_t kFewest = 64;   // of a pass, hidden ones included
-constexpr double kSteady = 0.25;      // of a pass's own cost, which hardly changes; else estimates oscillate
+constexpr int kLeastExponent = -8;          // of the area of the smallest class
+constexpr int kOpenFirst = 4;               // classes by which items that were open come earlier
+constexpr std::size_t kTestedPiece = 2048;  // slots tested at a time
+constexpr std::size_t kFewest = 64;         // of a pass, hidden ones included
+constexpr double kSteady = 0.25;            // of a pass's own cost, which hardly changes; else estimates oscillate
 constexpr double kGainUp = 1.0, kGainDown = 0.5;  // of an error: time that was too short does more harm
 constexpr double kLeastMs = 1e-5;                 // of an item
 constexpr double kGreatestChange = 4.0;           // of an estimate, by one pass
@@ -91,7 +91,7 @@ bool BudgetPasses::next(const culling::OcclusionTest* test, const core::ItemBoun
 
 /// The end of the next piece that costs no more than that if none of it is hidden.
 std::size_t BudgetPasses::affordable(double ms) const {
-  const std::size_t most = std::min(order_.size(), at_ + kPiece);
+  const std::size_t most = std::min(order_.size(), at_ + kTestedPiece);
   std::size_t end = at_;
   while (end < most && (ms -= costs_.ms(DrawCosts::class_of(order_[end].area))) >= 0.0) ++end;
   return end;

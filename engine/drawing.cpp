@@ -12,7 +12,7 @@ namespace sightline::engine {
 namespace {
 
 constexpr std::size_t kFramesInFlight = 2;
-constexpr GLuint64 kLongestWait = 10'000'000'000;  // ns; a lost context must not hang the application
+constexpr GLuint64 kLongestFenceWait = 10'000'000'000;  // ns; a lost context must not hang the application
 constexpr std::size_t kMostDrawn = 8;
 constexpr double kBudgetShare = 0.93;  // of a frame's budget, to draw in
 constexpr double kPassShare = 0.5;     // of the time left, for the next pass: it may take longer than expected
@@ -309,7 +309,7 @@ void Drawing::wait_for_oldest() {
   const InFlight oldest = in_flight_.front();
   in_flight_.pop_front();
   const bool ready = gl.ClientWaitSync(oldest.fence, GL_SYNC_FLUSH_COMMANDS_BIT, 0) == GL_ALREADY_SIGNALED;
-  if (!ready) gl.ClientWaitSync(oldest.fence, GL_SYNC_FLUSH_COMMANDS_BIT, kLongestWait);
+  if (!ready) gl.ClientWaitSync(oldest.fence, GL_SYNC_FLUSH_COMMANDS_BIT, kLongestFenceWait);
   gl.DeleteSync(oldest.fence);
   const double now = now_seconds();
   drawn_.push_back({oldest.frame, ready ? 0.0 : 1e3 * (now - std::max(last_drawn_, oldest.submitted))});

@@ -19,7 +19,7 @@ namespace {
 /// What draw lists take for a record, and for a mesh item: single ids of three frames, or commands of three frames, of
 /// the pool and of the list that is written.
 constexpr std::size_t kListBytes = 16, kMeshListBytes = 128;
-constexpr double kLongestWait = 1e6;  // seconds; clocks cannot count to infinity
+constexpr double kLongestWaitSeconds = 1e6;  // seconds; clocks cannot count to infinity
 
 }  // namespace
 
@@ -72,7 +72,7 @@ std::vector<PageLoader::Loaded> PageLoader::take() {
 
 bool PageLoader::wait(double seconds) {
   if (on_their_way_ == 0) return false;
-  const std::chrono::duration<double> most(seconds > 0.0 ? std::min(seconds, kLongestWait) : 0.0);
+  const std::chrono::duration<double> most(seconds > 0.0 ? std::min(seconds, kLongestWaitSeconds) : 0.0);
   std::unique_lock held(mutex_);
   changed_.wait_for(held, most, [this] { return !loaded_.empty(); });
   return true;

@@ -23,10 +23,10 @@ namespace sightline::engine {
 namespace {
 
 constexpr std::uint64_t kFirstPass = 1 << 15;  // items to draw before depth is read back; each pass has twice as many
-constexpr std::uint32_t kShortestRange = 16;   // leaves
-constexpr int kForeseen = 3;                   // the camera's motion is doubled so often: frames ahead
-constexpr double kLongestTrial = 10.0;         // seconds
-constexpr float kBarShare = 0.2f;              // of the picture's width
+constexpr std::uint32_t kShortestLeafRange = 16;  // leaves
+constexpr int kForeseen = 3;                      // the camera's motion is doubled so often: frames ahead
+constexpr double kLongestTrial = 10.0;            // seconds
+constexpr float kBarShare = 0.2f;                 // of the picture's width
 constexpr std::size_t kMegabyte = std::size_t(1) << 20;
 constexpr std::size_t kReserveShare = 10, kLeastReserve = 32 * kMegabyte;  // see reserve_of()
 
@@ -54,7 +54,7 @@ void to_set(culling::SlotBits bits, core::VisibleSet& set) {
     slot += core::Slot(std::countr_zero(rest));
     const core::Slot first = slot;
     while (slot < end && culling::contains(bits, slot)) ++slot;
-    if (slot - first >= kShortestRange)
+    if (slot - first >= kShortestLeafRange)
       set.ranges.push_back({first, slot - first});
     else
       for (core::Slot s = first; s < slot; ++s) set.items.push_back(s);

@@ -8,7 +8,7 @@
 namespace sightline::engine {
 namespace {
 
-constexpr std::size_t kPiece = 2048;  // slots copied at a time, while edits wait
+constexpr std::size_t kCopiedPiece = 2048;  // slots copied at a time, while edits wait
 
 /// Items whose slots lie outside a part. Parts are made of whole blocks, so that cullers find the same ranges of slots
 /// in a part as in the whole.
@@ -129,7 +129,7 @@ bool BackgroundRebuild::copy_all(const std::stop_token& stop, core::Snapshot::It
       std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
       if (!lock(held, stop)) return false;
       end = live_->size();
-      const std::size_t count = std::min(kPiece, end - next);
+      const std::size_t count = std::min(kCopiedPiece, end - next);
       live_->copy(core::Slot(next), core::Slot(next + count), piece);
       next += count;
     }
@@ -144,7 +144,7 @@ bool BackgroundRebuild::copy_missed(const std::stop_token& stop, std::span<const
   do {  // once even without items: it also copies the materials
     std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
     if (!lock(held, stop)) return false;
-    const std::size_t count = std::min(kPiece, missed.size() - next);
+    const std::size_t count = std::min(kCopiedPiece, missed.size() - next);
     live_->copy(missed.subspan(next, count), items);
     next += count;
   } while (next < missed.size());

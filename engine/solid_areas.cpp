@@ -9,7 +9,7 @@
 namespace sightline::engine {
 namespace {
 
-constexpr std::size_t kPiece = 4096;  // slots between looks at the clock
+constexpr std::size_t kTimedPiece = 4096;  // slots between looks at the clock
 
 double surface_of(const core::Snapshot& snapshot, core::Slot slot) {
   return int(snapshot.kind(slot)) >= core::kPrimitiveKindCount ? core::surface_area(snapshot.mesh(slot))
@@ -59,7 +59,7 @@ bool SolidAreas::measure(const core::Snapshot& snapshot, core::Deadline deadline
   if (areas_.empty()) areas_.reserve(snapshot.size());
   while (areas_.size() < snapshot.size()) {
     areas_.push_back(measure(core::Slot(areas_.size())));
-    if (areas_.size() % kPiece == 0 && core::over(deadline)) break;
+    if (areas_.size() % kTimedPiece == 0 && core::over(deadline)) break;
   }
   return areas_.size() == snapshot.size();
 }

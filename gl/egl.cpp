@@ -8,12 +8,13 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include "sightline/gl/internal/dynamic_library.h"
 #include "sightline/gl/internal/platform_context.h"
 
 namespace sightline::gl {
 namespace {
 
-constexpr const char* kHint = "install libegl1 and a driver such as libgl1-mesa-dri";
+constexpr const char* kEglHint = "install libegl1 and a driver such as libgl1-mesa-dri";
 
 /// The EGL entry points used here.
 struct Egl {
@@ -33,12 +34,6 @@ struct Egl {
 };
 
 template <class Function>
-bool find(void* library, const char* name, Function& function) {
-  function = reinterpret_cast<Function>(dlsym(library, name));
-  return function != nullptr;
-}
-
-template <class Function>
 bool find_extension(const Egl& egl, const char* name, Function& function) {
   function = reinterpret_cast<Function>(egl.GetProcAddress(name));
   return function != nullptr;
@@ -47,11 +42,14 @@ bool find_extension(const Egl& egl, const char* name, Function& function) {
 core::Expected<Egl> load_egl(void* library) {
   Egl egl;
   const bool core_found =
-      find(library, "eglGetProcAddress", egl.GetProcAddress) && find(library, "eglQueryString", egl.QueryString) &&
-      find(library, "eglGetError", egl.GetError) && find(library, "eglInitialize", egl.Initialize) &&
-      find(library, "eglBindAPI", egl.BindAPI) && find(library, "eglChooseConfig", egl.ChooseConfig) &&
-      find(library, "eglCreateContext", egl.CreateContext) && find(library, "eglDestroyContext", egl.DestroyContext) &&
-      find(library, "eglMakeCurrent", egl.MakeCurrent) && find(library, "eglGetCurrentContext", egl.GetCurrentContext);
+      find_symbol(library, "eglGetProcAddress", egl.GetProcAddress) &&
+      find_symbol(library, "eglQueryString", egl.QueryString) && find_symbol(library, "eglGetError", egl.GetError) &&
+      find_symbol(library, "eglInitialize", egl.Initialize) && find_symbol(library, "eglBindAPI", egl.BindAPI) &&
+      find_symbol(library, "eglChooseConfig", egl.ChooseConfig) &&
+      find_symbol(library, "eglCreateContext", egl.CreateContext) &&
+      find_symbol(library, "eglDestroyContext", egl.DestroyContext) &&
+      find_symbol(library, "eglMakeCurrent", egl.MakeCurrent) &&
+      find_symbol(library, "eglGetCurrentContext", egl.GetCurrentContext);
   if (!core_found) return core::fail("EGL: the library lacks entry points of EGL 1.4");
   if (!find_extension(egl, "eglGetPlatformDisplayEXT", egl.GetPlatformDisplay)) {
     return core::fail("EGL: EGL_EXT_platform_base is required");
@@ -239,10 +237,10 @@ core::Expected<std::unique_ptr<PlatformContext>> create_egl_context(const Contex
   if (!library) {
     const char* reason = dlerror();
     return core::fail(
-        fmt::format("no EGL: {}; tried {} ({})", kHint, options.egl_library, reason ? reason : "no reason given"));
+        fmt::format("no EGL: {}; tried {} ({})", kEglHint, options.egl_library, reason ? reason : "no reason given"));
   }
   auto egl = load_egl(library);
-  if (!egl) return core::fail(fmt::format("{}; tried {}; {}", egl.error().message, options.egl_library, kHint));
+  if (!egl) return core::fail(fmt::format("{}; tried {}; {}", egl.error().message, options.egl_library, kEglHint));
 
   std::string tried;
   for (const Candidate& candidate : list_candidates(*egl, options)) {
@@ -252,7 +250,7 @@ core::Expected<std::unique_ptr<PlatformContext>> create_egl_context(const Contex
   }
   if (tried.empty()) tried = "none, the library offers no such platform or device";
   return core::fail(
-      fmt::format("EGL: no platform gave a context; {}; tried {} ({})", kHint, tried, options.egl_library));
+      fmt::format("EGL: no platform gave a context; {}; tried {} ({})", kEglHint, tried, options.egl_library));
 }
 
 void release_any_egl_context(const std::string& egl_library) {
@@ -261,8 +259,9 @@ void release_any_egl_context(const std::string& egl_library) {
   PFNEGLGETCURRENTCONTEXTPROC get_context = nullptr;
   PFNEGLGETCURRENTDISPLAYPROC get_display = nullptr;
   PFNEGLMAKECURRENTPROC make_current = nullptr;
-  if (find(library, "eglGetCurrentContext", get_context) && find(library, "eglGetCurrentDisplay", get_display) &&
-      find(library, "eglMakeCurrent", make_current) && get_context() != EGL_NO_CONTEXT)
+  if (find_symbol(library, "eglGetCurrentContext", get_context) &&
+      find_symbol(library, "eglGetCurrentDisplay", get_display) &&
+      find_symbol(library, "eglMakeCurrent", make_current) && get_context() != EGL_NO_CONTEXT)
     make_current(get_display(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   dlclose(library);
 }

@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include "sightline/gl/internal/dynamic_library.h"
 #include "sightline/gl/internal/platform_context.h"
 
 namespace sightline::gl {
@@ -25,28 +26,23 @@ struct OsMesa {
   Proc (*GetProcAddress)(const char* name) = nullptr;
 };
 
-template <class Function>
-bool find(void* library, const char* name, Function& function) {
-  function = reinterpret_cast<Function>(dlsym(library, name));
-  return function != nullptr;
-}
-
 core::Expected<OsMesa> load_osmesa(const std::string& name) {
-  constexpr const char* kHint = "install libosmesa6";
+  constexpr const char* kOsMesaHint = "install libosmesa6";
   // As EGL: never closed.
   void* library = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (!library) {
     const char* reason = dlerror();
-    return core::fail(fmt::format("no OSMesa: {}; tried {} ({})", kHint, name, reason ? reason : "no reason given"));
+    return core::fail(
+        fmt::format("no OSMesa: {}; tried {} ({})", kOsMesaHint, name, reason ? reason : "no reason given"));
   }
   OsMesa osmesa;
-  const bool found = find(library, "OSMesaCreateContextAttribs", osmesa.CreateContextAttribs) &&
-                     find(library, "OSMesaDestroyContext", osmesa.DestroyContext) &&
-                     find(library, "OSMesaMakeCurrent", osmesa.MakeCurrent) &&
-                     find(library, "OSMesaGetCurrentContext", osmesa.GetCurrentContext) &&
-                     find(library, "OSMesaGetProcAddress", osmesa.GetProcAddress);
+  const bool found = find_symbol(library, "OSMesaCreateContextAttribs", osmesa.CreateContextAttribs) &&
+                     find_symbol(library, "OSMesaDestroyContext", osmesa.DestroyContext) &&
+                     find_symbol(library, "OSMesaMakeCurrent", osmesa.MakeCurrent) &&
+                     find_symbol(library, "OSMesaGetCurrentContext", osmesa.GetCurrentContext) &&
+                     find_symbol(library, "OSMesaGetProcAddress", osmesa.GetProcAddress);
   if (found) return osmesa;
-  return core::fail(fmt::format("OSMesa: {} lacks entry points of Mesa 12 or later; {}", name, kHint));
+  return core::fail(fmt::format("OSMesa: {} lacks entry points of Mesa 12 or later; {}", name, kOsMesaHint));
 }
 
 /// A context with what OSMesa does not keep of it: on which thread it is current.

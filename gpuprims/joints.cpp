@@ -22,6 +22,8 @@ using core::Snapshot;
 
 namespace {
 
+using core::length_of;
+
 constexpr std::uint32_t kItemsPerWord = 32;
 
 /// An end in local units: its contour, and any vector that leaves the solid through the end.
@@ -30,22 +32,18 @@ struct LocalEnd {
 };
 using Found = std::optional<LocalEnd>;
 
-double length(float v) {
-  return std::abs(double(v));
-}
-
 Found disc(const dvec3& centre, const dvec3& u, const dvec3& v, const dvec3& outwards) {
   return LocalEnd{centre, u, v, outwards};
 }
 
 Found local_end(const core::Cylinder& c, bool top) {
-  const double r = length(c.radius), side = top ? 1.0 : -1.0;
+  const double r = length_of(c.radius), side = top ? 1.0 : -1.0;
   if (c.height == 0.0f) return std::nullopt;
-  return disc({0.0, 0.0, 0.5 * side * length(c.height)}, {r, 0.0, 0.0}, {0.0, r, 0.0}, {0.0, 0.0, side});
+  return disc({0.0, 0.0, 0.5 * side * length_of(c.height)}, {r, 0.0, 0.0}, {0.0, r, 0.0}, {0.0, 0.0, side});
 }
 
 Found local_end(const core::CircularTorus& t, bool top) {
-  const double r = length(t.tube_radius), major = length(t.major_radius), angle = core::sweep_angle(t.angle);
+  const double r = length_of(t.tube_radius), major = length_of(t.major_radius), angle = core::sweep_angle(t.angle);
   if (angle == core::kFullTurn || angle == 0.0 || r > major) return std::nullopt;
   const dvec3 out = top ? dvec3(std::cos(angle), std::sin(angle), 0.0) : dvec3(1.0, 0.0, 0.0);
   const dvec3 along(-out.y, out.x, 0.0);
@@ -53,7 +51,7 @@ Found local_end(const core::CircularTorus& t, bool top) {
 }
 
 Found dish_base(float base_radius, float height, bool top) {
-  const double r = length(base_radius);
+  const double r = length_of(base_radius);
   if (top || height == 0.0f) return std::nullopt;
   return disc(dvec3(0.0), {r, 0.0, 0.0}, {0.0, r, 0.0}, {0.0, 0.0, -1.0});
 }
@@ -69,7 +67,8 @@ Found local_end(const core::SphericalDish& d, bool top) {
 /// runs between its highest and its lowest point, whose heights core::bottom_end_range() gives. The other axis is
 /// level.
 Found local_end(const core::Snout& s, bool top) {
-  const double height = length(s.height), r = length(top ? s.top_radius : s.bottom_radius), side = top ? 0.5 : -0.5;
+  const double height = length_of(s.height), r = length_of(top ? s.top_radius : s.bottom_radius),
+               side = top ? 0.5 : -0.5;
   if (height == 0.0) return std::nullopt;
   const dvec3 axis(s.offset_x, s.offset_y, height);
   Found end = disc(side * axis, {r, 0.0, 0.0}, {0.0, r, 0.0}, side * axis);
@@ -81,7 +80,7 @@ Found local_end(const core::Snout& s, bool top) {
                          std::tan(double(top ? s.top_shear_y : s.bottom_shear_y)));
   const double steepness = glm::length(slant);
   if (steepness == 0.0) return end;
-  const double k = (length(s.top_radius) - length(s.bottom_radius)) / height;
+  const double k = (length_of(s.top_radius) - length_of(s.bottom_radius)) / height;
   const glm::dvec2 uphill = slant / steepness, lean = glm::dvec2(axis) / height;
   const auto contour = [&](double z, double direction) {
     return dvec3(lean * z + direction * (r + k * z) * uphill, z);

@@ -11,6 +11,8 @@
 namespace sightline::gpuprims {
 namespace {
 
+using core::length_of;
+
 using core::dvec3;
 
 std::uint32_t word(double v) {
@@ -19,10 +21,6 @@ std::uint32_t word(double v) {
 
 Texel texel(double x, double y, double z, double w) {
   return {word(x), word(y), word(z), word(w)};
-}
-
-double length(float v) {
-  return std::abs(double(v));
 }
 
 /// The local frame of a record: its axes and origin in the primitive's own frame.
@@ -70,9 +68,9 @@ void pack_nothing(const PackedItem& item, std::span<Texel> out) {
 constexpr double kThinnest = 1e-7;
 
 void pack_shape(const core::Cylinder& c, const PackedItem& item, std::span<Texel> out) {
-  const double radius = length(c.radius);
+  const double radius = length_of(c.radius);
   if (radius == 0.0) return pack_nothing(item, out);
-  pack_head(item, scaled(dvec3(radius)), length(c.height) / radius, out);
+  pack_head(item, scaled(dvec3(radius)), length_of(c.height) / radius, out);
 }
 
 /// Half the sweep of a torus slice in the form of its shader: (first, 1 when closed, cos, sin).
@@ -81,7 +79,8 @@ Texel sweep_texel(double first, double angle) {
 }
 
 void pack_shape(const core::CircularTorus& t, const PackedItem& item, std::span<Texel> out) {
-  const double major = length(t.major_radius), tube_radius = length(t.tube_radius), angle = core::sweep_angle(t.angle);
+  const double major = length_of(t.major_radius), tube_radius = length_of(t.tube_radius),
+               angle = core::sweep_angle(t.angle);
   if (tube_radius == 0.0) return pack_nothing(item, out);  // without thickness nothing shows
   const double unit = std::max(major, tube_radius);
   pack_head(item, turned(unit, 0.5 * angle), tube_radius / unit, out);
@@ -89,16 +88,16 @@ void pack_shape(const core::CircularTorus& t, const PackedItem& item, std::span<
 }
 
 void pack_shape(const core::RectangularTorus& t, const PackedItem& item, std::span<Texel> out) {
-  const double a = length(t.inner_radius), b = length(t.outer_radius), angle = core::sweep_angle(t.angle);
+  const double a = length_of(t.inner_radius), b = length_of(t.outer_radius), angle = core::sweep_angle(t.angle);
   const double outer = std::max(a, b);
   if (outer == 0.0) return pack_nothing(item, out);
-  pack_head(item, turned(outer, 0.5 * angle), length(t.height) / outer, out);
+  pack_head(item, turned(outer, 0.5 * angle), length_of(t.height) / outer, out);
   out[4] = sweep_texel(std::min(a, b) / outer, angle);
 }
 
 void pack_shape(const core::Pyramid& p, const PackedItem& item, std::span<Texel> out) {
-  const double bottom_x = length(p.bottom_x), bottom_y = length(p.bottom_y), top_x = length(p.top_x),
-               top_y = length(p.top_y), height = length(p.height);
+  const double bottom_x = length_of(p.bottom_x), bottom_y = length_of(p.bottom_y), top_x = length_of(p.top_x),
+               top_y = length_of(p.top_y), height = length_of(p.height);
   const double unit = std::max({bottom_x, bottom_y, top_x, top_y, height});
   if (unit == 0.0) return pack_nothing(item, out);
   pack_head(item, scaled(dvec3(unit)), std::max(height / unit, kThinnest), out);
@@ -108,7 +107,7 @@ void pack_shape(const core::Pyramid& p, const PackedItem& item, std::span<Texel>
 }
 
 void pack_shape(const core::Snout& s, const PackedItem& item, std::span<Texel> out) {
-  const double bottom = length(s.bottom_radius), top = length(s.top_radius), height = length(s.height);
+  const double bottom = length_of(s.bottom_radius), top = length_of(s.top_radius), height = length_of(s.height);
   const double unit = std::max(bottom, top);
   if (unit == 0.0) return pack_nothing(item, out);
   if (height <=
@@ -133,13 +132,13 @@ void pack_shape(const core::Snout& s, const PackedItem& item, std::span<Texel> o
 
 /// Half a ball, stretched along z: a cap whose height is the ball's radius.
 void pack_shape(const core::EllipticalDish& d, const PackedItem& item, std::span<Texel> out) {
-  const double radius = length(d.base_radius), height = length(d.height);
+  const double radius = length_of(d.base_radius), height = length_of(d.height);
   if (radius == 0.0) return pack_nothing(item, out);
   pack_head(item, scaled(dvec3(radius, radius, std::max(height, kThinnest * radius))), 1.0, out);
 }
 
 void pack_shape(const core::SphericalDish& d, const PackedItem& item, std::span<Texel> out) {
-  const double radius = length(d.base_radius), height = length(d.height);
+  const double radius = length_of(d.base_radius), height = length_of(d.height);
   if (radius == 0.0 && height == 0.0) return pack_nothing(item, out);
   if (height < radius) {
     pack_head(item, scaled(dvec3(radius)), std::max(height / radius, kThinnest), out);
@@ -150,11 +149,11 @@ void pack_shape(const core::SphericalDish& d, const PackedItem& item, std::span<
 }
 
 void pack_shape(const core::Sphere& s, const PackedItem& item, std::span<Texel> out) {
-  pack_head(item, scaled(dvec3(0.5 * length(s.diameter))), 2.0, out);
+  pack_head(item, scaled(dvec3(0.5 * length_of(s.diameter))), 2.0, out);
 }
 
 void pack_shape(const core::Box& b, const PackedItem& item, std::span<Texel> out) {
-  const dvec3 size(length(b.size_x), length(b.size_y), length(b.size_z));
+  const dvec3 size(length_of(b.size_x), length_of(b.size_y), length_of(b.size_z));
   const double thinnest = kThinnest * std::max({size.x, size.y, size.z});
   pack_head(item, scaled(glm::max(size, dvec3(thinnest))), 0.0, out);
 }

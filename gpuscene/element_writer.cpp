@@ -9,7 +9,7 @@ namespace sightline::gpuscene {
 namespace {
 
 constexpr GLuint kInvocations = 256, kMostGroups = 4096;
-enum StorageBinding : GLuint { kSource, kTarget, kPlaces };
+enum StorageBinding : GLuint { kSourceBuffer, kTargetBuffer, kPlaceBuffer };
 enum Uniform : GLint { kElementsUniform, kWordsUniform };
 
 /// One past the end of the run of neighbours that begins at `first`.
@@ -49,9 +49,9 @@ bool ElementWriter::scatter(const gl::Buffer& buffer, std::size_t bytes, std::sp
   if (!program || !source || !to) return false;
   gl_->ProgramUniform1ui(program->id(), kElementsUniform, GLuint(elements));
   gl_->ProgramUniform1ui(program->id(), kWordsUniform, GLuint(words));
-  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kSource, source->id());
-  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kTarget, buffer.id());
-  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kPlaces, to->id());
+  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kSourceBuffer, source->id());
+  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kTargetBuffer, buffer.id());
+  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kPlaceBuffer, to->id());
   program->use();
   const std::size_t groups = (elements * words + kInvocations - 1) / kInvocations;
   gl_->DispatchCompute(GLuint(std::min<std::size_t>(groups, kMostGroups)), 1, 1);

@@ -22,7 +22,7 @@ using core::dvec3;
 using core::Expected;
 using core::fail;
 
-constexpr int kMaxDepth = 64;
+constexpr int kMaxViewDepth = 64;
 constexpr std::uintmax_t kMaxBytes = std::uintmax_t(256) << 20;
 constexpr double kDegrees = 3.14159265358979323846 / 180.0;
 constexpr double kLeastOrthoReach = 10'000.0;  // metres
@@ -176,7 +176,7 @@ Json triple(const dvec3& v) {
 }  // namespace
 
 Expected<core::View> parse_view(std::string_view json, double aspect, std::string_view source) {
-  const Expected<Json> root = parse_json(json, source, kMaxDepth);
+  const Expected<Json> root = parse_json(json, source, kMaxViewDepth);
   if (!root) return tl::unexpected(root.error());
   Reader in(source);
   if (!in.object(*root, "")) return tl::unexpected(in.error());
@@ -200,7 +200,7 @@ Expected<core::View> read_view(const std::filesystem::path& file, double aspect)
 }
 
 Expected<core::CameraPath> parse_path(std::string_view json, std::string_view source) {
-  const Expected<Json> root = parse_json(json, source, kMaxDepth);
+  const Expected<Json> root = parse_json(json, source, kMaxViewDepth);
   if (!root) return tl::unexpected(root.error());
   Reader in(source);
   if (!in.object(*root, "")) return tl::unexpected(in.error());

@@ -9,10 +9,6 @@
 namespace sightline::measure {
 namespace {
 
-double length_of(float v) {
-  return std::fabs(double(v));
-}
-
 core::Expected<void> check_finite(const core::Primitive& primitive, const core::Affine& world_from_item) {
   const std::string name(core::name_of(core::kind_of(primitive)));
   for (const float value : core::parameters(primitive))

@@ -13,10 +13,6 @@ using Form = Shape::Form;
 /// Up to so many triangles a node's hull is that of its corners, not its box: far tighter on curved surfaces.
 constexpr std::uint32_t kHullTriangles = 64;
 
-double length_of(float v) {
-  return std::fabs(double(v));
-}
-
 dvec3 farthest_point(const dvec3* points, std::size_t count, const dvec3& d) {
   std::size_t best = 0;
   double farthest = -std::numeric_limits<double>::infinity();

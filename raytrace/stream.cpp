@@ -12,6 +12,9 @@
 #include "sightline/raytrace/internal/tracer_impl.h"
 
 namespace sightline::raytrace {
+/// How packets meet a solid: ray by ray, by vectors of rays, or never, since it has no surface.
+enum class PacketForm { kSingle, kVectors, kNothing };
+
 namespace {
 
 LaneSpace lanes_of(const TreeSpace& space, const dvec3& shift) {
@@ -42,9 +45,6 @@ int lowest(unsigned rays) {
 
 static_assert(kNoSlot == core::kNone);
 
-/// Whether a solid has a form for packets.
-enum class Form { kNone, kLanes, kNothing };
-
 void set_sweep(float parameter, Sweep& sweep) {
   const double angle = core::sweep_angle(parameter), c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
   sweep.whole = angle == core::kFullTurn;
@@ -56,7 +56,7 @@ void set_sweep(float parameter, Sweep& sweep) {
 }
 
 /// The conditions are those of the reference intersectors.
-Form shape_of(Kind kind, const float* parameters, SolidShape& shape) {
+PacketForm shape_of(Kind kind, const float* parameters, SolidShape& shape) {
   double p[5];
   double sum = 0.0;
   const int count = std::min(5, core::parameter_count(kind));
@@ -64,21 +64,21 @@ Form shape_of(Kind kind, const float* parameters, SolidShape& shape) {
   const auto takes = [&](SolidShape::Kind as, double x, double y, double z = 0.0) {
     shape.kind = as;
     shape.size[0] = x, shape.size[1] = y, shape.size[2] = z;
-    return Form::kLanes;
+    return PacketForm::kVectors;
   };
   const auto disc = [&](double radius) {
-    return radius > 0.0 ? takes(SolidShape::kCylinder, radius, 0.0) : Form::kNothing;
+    return radius > 0.0 ? takes(SolidShape::kCylinder, radius, 0.0) : PacketForm::kNothing;
   };
-  if (!std::isfinite(sum)) return Form::kNothing;
+  if (!std::isfinite(sum)) return PacketForm::kNothing;
   switch (kind) {
     case Kind::kCylinder:
-      return p[0] > 0.0 ? takes(SolidShape::kCylinder, p[0], 0.5 * p[1]) : Form::kNothing;
+      return p[0] > 0.0 ? takes(SolidShape::kCylinder, p[0], 0.5 * p[1]) : PacketForm::kNothing;
     case Kind::kBox:
-      if ((p[0] == 0.0) + (p[1] == 0.0) + (p[2] == 0.0) > 1) return Form::kNothing;
+      if ((p[0] == 0.0) + (p[1] == 0.0) + (p[2] == 0.0) > 1) return PacketForm::kNothing;
       return takes(SolidShape::kBox, 0.5 * p[0], 0.5 * p[1], 0.5 * p[2]);
     case Kind::kSphere:
       shape.whole = true;
-      return p[0] > 0.0 ? takes(SolidShape::kDome, 0.5 * p[0], 0.5 * p[0], 0.5 * p[0]) : Form::kNothing;
+      return p[0] > 0.0 ? takes(SolidShape::kDome, 0.5 * p[0], 0.5 * p[0], 0.5 * p[0]) : PacketForm::kNothing;
     case Kind::kEllipticalDish:
       if (!(p[0] > 0.0) || p[1] <= gpuprims::kFlatDome * p[0]) return disc(p[0]);
       return takes(SolidShape::kDome, p[0], p[0], p[1]);
@@ -87,30 +87,22 @@ Form shape_of(Kind kind, const float* parameters, SolidShape& shape) {
       return takes(SolidShape::kDome, p[0], p[1], p[1]);
     case Kind::kSnout:
       for (int i = 5; i < 9; ++i)
-        if (parameters[i] != 0.0f) return Form::kNone;  // slanted, or not finite
-      if (p[2] == 0.0) return Form::kNone;
+        if (parameters[i] != 0.0f) return PacketForm::kSingle;  // slanted, or not finite
+      if (p[2] == 0.0) return PacketForm::kSingle;
       shape.offset[0] = double(parameters[3]), shape.offset[1] = double(parameters[4]);
-      return std::max(p[0], p[1]) > 0.0 ? takes(SolidShape::kSnout, p[0], p[1], p[2]) : Form::kNothing;
+      return std::max(p[0], p[1]) > 0.0 ? takes(SolidShape::kSnout, p[0], p[1], p[2]) : PacketForm::kNothing;
     case Kind::kRectangularTorus:
       set_sweep(parameters[3], shape.sweep);
       return std::max(p[0], p[1]) > 0.0
                  ? takes(SolidShape::kRectangularTorus, std::min(p[0], p[1]), std::max(p[0], p[1]), 0.5 * p[2])
-                 : Form::kNothing;
+                 : PacketForm::kNothing;
     case Kind::kCircularTorus:
       set_sweep(parameters[2], shape.sweep);
-      return p[1] > 0.0 ? takes(SolidShape::kCircularTorus, p[0], p[1]) : Form::kNothing;
+      return p[1] > 0.0 ? takes(SolidShape::kCircularTorus, p[0], p[1]) : PacketForm::kNothing;
     default:
-      return Form::kNone;
+      return PacketForm::kSingle;
   }
 }
-
-/// A solid and its placement, for the rays of several packets.
-struct PreparedSolid {
-  Slot slot = core::kNone;
-  Form form = Form::kNone;
-  SolidShape shape;
-  LaneMap map;
-};
 
 /// At most two: one by one is faster.
 bool few(unsigned rays) {
@@ -119,6 +111,14 @@ bool few(unsigned rays) {
 }
 
 }  // namespace
+
+/// A solid and its placement, for the rays of several packets.
+struct PreparedSolid {
+  Slot slot = core::kNone;
+  PacketForm form = PacketForm::kSingle;
+  SolidShape shape;
+  LaneMap map;
+};
 
 /// A packet on its way through the items.
 class Tracer::Impl::Packet {
@@ -363,13 +363,14 @@ class Tracer::Impl::Packet {
     prepared_.slot = slot;
     prepared_.shape = {};
     prepared_.form = shape_of(impl_.snapshot_->kind(slot), impl_.parameters(slot), prepared_.shape);
-    if (prepared_.form == Form::kLanes && !map_of(slot, 1.0, prepared_.map)) prepared_.form = Form::kNothing;
+    if (prepared_.form == PacketForm::kVectors && !map_of(slot, 1.0, prepared_.map))
+      prepared_.form = PacketForm::kNothing;
   }
 
   /// nearest_of() for the kinds that have a form for packets.
   bool meet_solid(Slot slot, unsigned who) {
     if (prepared_.slot != slot) prepare(slot);
-    if (prepared_.form != Form::kLanes) return prepared_.form == Form::kNothing;
+    if (prepared_.form != PacketForm::kVectors) return prepared_.form == PacketForm::kNothing;
     unsigned taken = kernels_.solid(prepared_.shape, prepared_.map, world_, who, slot, best_);
     if (any_)
       for (; taken != 0; taken &= taken - 1) stop(lowest(taken));

@@ -18,7 +18,7 @@ namespace {
 
 using core::dvec3;
 
-constexpr int kTile = 16;                    // pixels
+constexpr int kTilePixels = 16;              // pixels
 constexpr double kLeastShare = 1.0 / 512.0;  // of a pixel's light; less is not followed
 
 core::Expected<void> check(const WhittedOptions& options) {
@@ -265,7 +265,8 @@ class Renderer {
  private:
   /// Adds a sample at that place of the pixels that are marked, or of all without marks. False: cancelled.
   bool pass(const core::dvec2& at, const std::vector<std::uint8_t>& marks, int done, int passes) {
-    const int columns = (picture_.width + kTile - 1) / kTile, rows = (picture_.height + kTile - 1) / kTile;
+    const int columns = (picture_.width + kTilePixels - 1) / kTilePixels,
+              rows = (picture_.height + kTilePixels - 1) / kTilePixels;
     std::atomic<int> tiles_done = 0;
     std::atomic<bool> cancelled = false;
 #ifdef _OPENMP
@@ -274,7 +275,7 @@ class Renderer {
 #endif
     for (int tile = 0; tile < columns * rows; ++tile) {
       if (cancelled) continue;
-      trace_tile(tile % columns * kTile, tile / columns * kTile, at, marks);
+      trace_tile(tile % columns * kTilePixels, tile / columns * kTilePixels, at, marks);
       const int tiles = ++tiles_done;
 #ifdef _OPENMP
       if (omp_get_thread_num() != 0) continue;
@@ -294,7 +295,7 @@ class Renderer {
     std::vector<Ray> rays;
     std::vector<std::size_t> pixels;
     // By 4 x 4 pixels, which are traced together.
-    for (int i = 0; i < kTile * kTile; ++i) {
+    for (int i = 0; i < kTilePixels * kTilePixels; ++i) {
       const int block = i / 16, x = left + block % 4 * 4 + i % 4, y = top + block / 4 * 4 + i / 4 % 4;
       if (x >= picture_.width || y >= picture_.height) continue;
       const std::size_t pixel = std::size_t(y) * std::size_t(picture_.width) + std::size_t(x);

@@ -10,9 +10,9 @@
 namespace sightline::render {
 namespace {
 
-constexpr GLuint kMaterialUnit = 2;
-constexpr GLint kSampleOffsetsUniform = 1;
-enum VertexAttribute : GLuint { kPlaceAttribute, kItemAttribute };
+constexpr GLuint kSplatMaterialUnit = 2;
+constexpr GLint kSplatOffsetsUniform = 1;
+enum SplatAttribute : GLuint { kSplatPlace, kSplatItem };
 constexpr float kMargin = 0.25f;  // as in point_splat.vert
 
 static_assert(sizeof(PointSplat) == 24 && offsetof(PointSplat, side) == 12 && offsetof(PointSplat, item) == 16);
@@ -42,12 +42,12 @@ core::Expected<PointSplats> PointSplats::create(const gl::Context& context, cons
   splats.view_block_ = std::move(*block);
   splats.array_ = gl::VertexArray(gl);
   const GLuint array = splats.array_.id();
-  gl.EnableVertexArrayAttrib(array, kPlaceAttribute);
-  gl.VertexArrayAttribFormat(array, kPlaceAttribute, 4, GL_FLOAT, GL_FALSE, 0);
-  gl.VertexArrayAttribBinding(array, kPlaceAttribute, 0);
-  gl.EnableVertexArrayAttrib(array, kItemAttribute);
-  gl.VertexArrayAttribIFormat(array, kItemAttribute, 2, GL_UNSIGNED_INT, offsetof(PointSplat, item));
-  gl.VertexArrayAttribBinding(array, kItemAttribute, 0);
+  gl.EnableVertexArrayAttrib(array, kSplatPlace);
+  gl.VertexArrayAttribFormat(array, kSplatPlace, 4, GL_FLOAT, GL_FALSE, 0);
+  gl.VertexArrayAttribBinding(array, kSplatPlace, 0);
+  gl.EnableVertexArrayAttrib(array, kSplatItem);
+  gl.VertexArrayAttribIFormat(array, kSplatItem, 2, GL_UNSIGNED_INT, offsetof(PointSplat, item));
+  gl.VertexArrayAttribBinding(array, kSplatItem, 0);
   GLfloat range[2] = {1.0f, 1.0f};
   gl.GetFloatv(GL_POINT_SIZE_RANGE, range);
   splats.largest_side_ = range[1] - kMargin;
@@ -77,9 +77,9 @@ core::Expected<void> PointSplats::draw(const core::View& view, std::span<const P
   target.begin_drawing();
   gl.Enable(GL_PROGRAM_POINT_SIZE);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, view_block_.id());
-  gl.BindTextureUnit(kMaterialUnit, scene.materials().id());
+  gl.BindTextureUnit(kSplatMaterialUnit, scene.materials().id());
   if (target.format().samples > 1)
-    gl.ProgramUniform2fv(program_.id(), kSampleOffsetsUniform, target.format().samples, &target.sample_offsets()[0].x);
+    gl.ProgramUniform2fv(program_.id(), kSplatOffsetsUniform, target.format().samples, &target.sample_offsets()[0].x);
   gl.BindProgramPipeline(0);
   program_.use();
   gl.VertexArrayVertexBuffer(array_.id(), 0, vertices_.id(), 0, sizeof(PointSplat));

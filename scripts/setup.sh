@@ -3,6 +3,7 @@
 #   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan, fuzz, packages or study; everything, or these
 #                                             targets
 # Packages that only tests and the window need are installed when everything or a target with tests (…_tests) is built.
+# Sources are compiled in batches; whoever edits some may prefer SIGHTLINE_CMAKE_ARGS=-DSIGHTLINE_UNITY=OFF.
 # SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK too,
 # SIGHTLINE_SETUP_EXAMPLES=1 what the examples with OpenSceneGraph and Qt 6 need.
 set -euo pipefail
@@ -57,5 +58,5 @@ if [ ! -e "build/$preset/CMakeCache.txt" ] && command -v ccache >/dev/null; then
   launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 fi
 # shellcheck disable=SC2086
-cmake --preset "$preset" "${launcher[@]}" ${SIGHTLINE_CMAKE_ARGS:-} >/dev/null
+cmake --preset "$preset" -DSIGHTLINE_UNITY=ON "${launcher[@]}" ${SIGHTLINE_CMAKE_ARGS:-} >/dev/null
 cmake --build --preset "$preset" -j "$(nproc)" ${1:+--target "$@"}

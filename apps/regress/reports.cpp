@@ -12,12 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::string number(double value, const char* format = "%.4g") {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 std::string view_of(const Task& task) {
   return task.name.substr(task.name.find('/') + 1);
 }

@@ -19,13 +19,13 @@ core::Expected<std::string> read_bytes(const fs::path& file) {
   return text.str();
 }
 
+}  // namespace
+
 std::string number(double value, const char* format) {
   char text[32];
   std::snprintf(text, sizeof text, format, value);
   return text;
 }
-
-}  // namespace
 
 std::string_view name_of(Status status) {
   constexpr std::string_view kNames[] = {"passed", "failed", "error", "accepted", "missing"};

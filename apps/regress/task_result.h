@@ -31,6 +31,9 @@ enum class Status : std::uint8_t {
 };
 std::string_view name_of(Status status);
 
+/// A figure as a printf format for one double writes it.
+std::string number(double value, const char* format = "%.4g");
+
 Status judge(const std::optional<TaskResult>& result, const Limits& limits);
 /// One line: what is beyond which limit, or the error; empty for what passed.
 std::string reason(const std::optional<TaskResult>& result, const Limits& limits);

@@ -18,7 +18,7 @@ namespace {
 
 using Node = pugi::xml_node;
 
-constexpr std::uint64_t kMostBytes = std::uint64_t(256) << 20;  // of all files of an archive
+constexpr std::uint64_t kMostArchiveBytes = std::uint64_t(256) << 20;  // of all files of an archive
 constexpr std::string_view kPng("\x89PNG\r\n\x1a\n", 8);
 constexpr const char *kSystem = "Sightline", *kFaintColour = "40808080";  // alpha, red, green, blue
 constexpr const char* kNoDate = "1970-01-01T00:00:00Z";
@@ -407,7 +407,7 @@ core::Expected<std::string> format_bcf(std::span<const Viewpoint> views) {
 }
 
 core::Expected<ViewFile> parse_bcf(std::string_view bytes, const std::string& source) {
-  const auto entries = unzip(bytes, kMostBytes);
+  const auto entries = unzip(bytes, kMostArchiveBytes);
   if (!entries) return core::fail(source + ": " + entries.error().message);
   Reader reader(*entries, source);
   bool any = entries->contains("bcf.version");

@@ -28,9 +28,9 @@ core::Expected<core::NodeId> same_file(const Model& open, std::string_view name)
 }
 
 /// Copies items and what lies between them and a node.
-class Copier {
+class ItemCopier {
  public:
-  Copier(const core::Scene& from, core::NodeId top, core::Scene& to, core::NodeId copy_of_top)
+  ItemCopier(const core::Scene& from, core::NodeId top, core::Scene& to, core::NodeId copy_of_top)
       : from_(from), to_(to), nodes_{{top.index, copy_of_top}} {}
 
   core::Expected<core::ItemId> copy(core::ItemId item) {
@@ -130,7 +130,7 @@ core::Expected<void> ChangeList::add_removed(core::Scene& scene) {
   const core::dmat3 back = glm::inverse(here.linear);
   const std::string name = "removed (" + std::filesystem::path(file_).filename().string() + ")";
   removed_ = scene.add_node(scene.root(), name, {back * there.linear, back * (there.origin - here.origin)});
-  Copier copier(old, top, scene, removed_);
+  ItemCopier copier(old, top, scene, removed_);
   for (std::size_t i = first_removed(); i < found_.items.size(); ++i) {
     const auto copied = copier.copy(found_.items[i].before);
     meshes_ = copier.meshes();

@@ -14,10 +14,6 @@ namespace {
 
 using compare::State;
 
-void tell(Viewer& viewer, const core::Expected<void>& done) {
-  if (!done) viewer.tell(done.error().message, true);
-}
-
 /// A square in the colour of a state, as high as a line; faint states have a frame alone.
 void swatch(State state) {
   const float side = ImGui::GetTextLineHeight();
@@ -40,7 +36,7 @@ void legend(Viewer& viewer, const ChangeList& changes) {
     bool on = changes.shown(state);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    if (ImGui::Checkbox(name.c_str(), &on)) tell(viewer, toggle_changes(viewer, name));
+    if (ImGui::Checkbox(name.c_str(), &on)) viewer.tell_failure(toggle_changes(viewer, name));
     ImGui::TableNextColumn();
     ImGui::SetCursorPosY(ImGui::GetCursorPosY() + ImGui::GetStyle().FramePadding.y);
     swatch(state);
@@ -62,7 +58,7 @@ void change_row(Viewer& viewer, const ChangeList& changes, std::size_t row, floa
   const ImVec2 at = ImGui::GetCursorPos();
   ImGui::PushID(int(row));
   if (ImGui::Selectable("##row", changes.current() == row, 0, {0.0f, height}))
-    tell(viewer, viewer.session()->go_to_change(row));
+    viewer.tell_failure(viewer.session()->go_to_change(row));
   if (ImGui::IsItemHovered()) {
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(25.0f * ImGui::GetFontSize());
@@ -106,9 +102,9 @@ void compare_tab(Viewer& viewer) {
                      std::filesystem::path(changes.file()).filename().string().c_str());
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", changes.file().c_str());
   legend(viewer, changes);
-  if (ImGui::Button("Previous")) tell(viewer, previous_change(viewer, ""));
+  if (ImGui::Button("Previous")) viewer.tell_failure(previous_change(viewer, ""));
   ImGui::SameLine();
-  if (ImGui::Button("Next")) tell(viewer, next_change(viewer, ""));
+  if (ImGui::Button("Next")) viewer.tell_failure(next_change(viewer, ""));
   ImGui::SameLine();
   const std::string all = grouped(std::int64_t(changes.row_count()));
   if (changes.current())
@@ -117,7 +113,7 @@ void compare_tab(Viewer& viewer) {
     ImGui::TextUnformatted(all.c_str());
   const bool ends = ImGui::Button("End the comparison");
   list(viewer, changes);
-  if (ends) tell(viewer, end_comparison(viewer, ""));  // last: the list is gone then
+  if (ends) viewer.tell_failure(end_comparison(viewer, ""));  // last: the list is gone then
 }
 
 }  // namespace sightline::apps

@@ -4,12 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "sightline/apps/view/sections.h"
+
 namespace sightline::apps {
 namespace {
 
 using core::dvec3;
 using core::dvec4;
-using Part = WorldLine::Part;
 
 std::uint64_t latest_version = 0;
 
@@ -52,7 +53,7 @@ std::array<dvec3, 8> corners_of(const core::View& view, const core::AabbD& bound
 constexpr std::size_t kEdges[12][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
                                        {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
 
-void add(std::vector<WorldLine>& lines, const dvec3& from, const dvec3& to, Part part) {
+void add(std::vector<WorldLine>& lines, const dvec3& from, const dvec3& to, WorldLine::Part part) {
   if (from != to) lines.push_back({from, to, part});
 }
 
@@ -66,23 +67,11 @@ void add_edge(const dvec3& a, const dvec3& b, const std::vector<core::Plane>& se
     const double t = at_a / (at_a - at_b);
     (at_a < 0.0 ? low : high) = at_a < 0.0 ? std::max(low, t) : std::min(high, t);
   }
-  if (low >= high) return add(lines, a, b, Part::kCut);
+  if (low >= high) return add(lines, a, b, WorldLine::Part::kCut);
   const dvec3 in = a + low * (b - a), out = high < 1.0 ? a + high * (b - a) : b;
-  add(lines, a, in, Part::kCut);
-  add(lines, in, out, Part::kKept);
-  add(lines, out, b, Part::kCut);
-}
-
-/// Keeps what lies inside the plane (I. Sutherland, G. Hodgman, "Reentrant polygon clipping", 1974).
-std::vector<dvec3> clipped(const std::vector<dvec3>& polygon, const core::Plane& plane) {
-  std::vector<dvec3> kept;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const dvec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    const double at_a = core::evaluate(plane, a), at_b = core::evaluate(plane, b);
-    if (at_a >= 0.0) kept.push_back(a);
-    if ((at_a < 0.0) != (at_b < 0.0)) kept.push_back(a + (at_a / (at_a - at_b)) * (b - a));
-  }
-  return kept;
+  add(lines, a, in, WorldLine::Part::kCut);
+  add(lines, in, out, WorldLine::Part::kKept);
+  add(lines, out, b, WorldLine::Part::kCut);
 }
 
 /// Where a plane cuts the volume between the corners; a ring of points.
@@ -130,7 +119,8 @@ std::vector<WorldLine> outline(const core::View& view, const core::AabbD& bounds
     std::vector<dvec3> ring = cut(corners, sections[s]);
     for (std::size_t other = 0; other < sections.size(); ++other)
       if (other != s) ring = clipped(ring, sections[other]);
-    for (std::size_t i = 0; i < ring.size(); ++i) add(lines, ring[i], ring[(i + 1) % ring.size()], Part::kSection);
+    for (std::size_t i = 0; i < ring.size(); ++i)
+      add(lines, ring[i], ring[(i + 1) % ring.size()], WorldLine::Part::kSection);
   }
   return lines;
 }

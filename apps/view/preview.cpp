@@ -15,9 +15,9 @@ namespace {
 constexpr int kPatience = 8;  // times as long as making a picture took, until the next one
 
 /// Adds items of one scene to another, with what they share.
-class Copier {
+class PreviewCopier {
  public:
-  Copier(const core::Scene& from, core::Scene& to) : from_(from), to_(to) {}
+  PreviewCopier(const core::Scene& from, core::Scene& to) : from_(from), to_(to) {}
 
   void add(core::ItemId item, const core::Scene::ItemState& state) {
     const core::MaterialId material = material_of(state.material);
@@ -100,7 +100,7 @@ std::vector<core::ItemId> Preview::largest() const {
 
 std::unique_ptr<core::Scene> Preview::copy(const core::Scene& scene) const {
   auto made = std::make_unique<core::Scene>();
-  Copier copier(scene, *made);
+  PreviewCopier copier(scene, *made);
   scene.for_each_state(largest(), [&](core::ItemId item, const auto& state) { copier.add(item, state); });
   return made;
 }

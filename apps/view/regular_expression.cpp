@@ -9,7 +9,7 @@ namespace sightline::apps {
 namespace {
 
 /// One text may take so many steps, some milliseconds: nested repeats would take years on a text of 30 letters.
-constexpr std::uint32_t kMostSteps = 1'000'000;
+constexpr std::uint32_t kMostMatchSteps = 1'000'000;
 constexpr std::size_t kStackBytes = 32 << 10, kLargestStackBytes = 1 << 20;  // of compiled code
 
 struct Free {
@@ -58,7 +58,7 @@ RegularExpression::Matcher::Matcher(const RegularExpression& expression) : state
   s.data.reset(pcre2_match_data_create(1, nullptr));
   s.context.reset(pcre2_match_context_create(nullptr));
   s.stack.reset(pcre2_jit_stack_create(kStackBytes, kLargestStackBytes, nullptr));
-  pcre2_set_match_limit(s.context.get(), kMostSteps);
+  pcre2_set_match_limit(s.context.get(), kMostMatchSteps);
   pcre2_jit_stack_assign(s.context.get(), nullptr, s.stack.get());
 }
 

@@ -6,8 +6,6 @@
 namespace sightline::apps {
 namespace {
 
-using Part = SectionGizmo::Part;
-
 constexpr float kLinePixels = 2.5f, kRimPixels = 1.5f;
 const ImVec4 kColour{1.0f, 0.62f, 0.1f, 1.0f}, kAimed{1.0f, 0.95f, 0.55f, 1.0f}, kRim{0.05f, 0.05f, 0.05f, 0.9f};
 const ImVec4 kArea{1.0f, 0.62f, 0.1f, 0.14f}, kShade{0.0f, 0.0f, 0.0f, 0.75f}, kWhite{1.0f, 1.0f, 1.0f, 1.0f};
@@ -15,12 +13,14 @@ const ImVec4 kArea{1.0f, 0.62f, 0.1f, 0.14f}, kShade{0.0f, 0.0f, 0.0f, 0.75f}, k
 /// Draws one section's handles. Every part has a dark rim, so that it shows on any picture.
 class Pen {
  public:
-  Pen(ImDrawList& list, const SectionGizmo& gizmo, const core::dvec2& corner, std::optional<Part> aimed)
+  Pen(ImDrawList& list, const SectionGizmo& gizmo, const core::dvec2& corner, std::optional<SectionGizmo::Part> aimed)
       : list_(list), gizmo_(gizmo), corner_(corner), aimed_(aimed), scale_(float(gizmo.scale())) {}
 
   void draw() {
     if (gizmo_.whole()) square();
-    const auto is_arrow = [](Part part) { return part == Part::kOut || part == Part::kIn; };
+    const auto is_arrow = [](SectionGizmo::Part part) {
+      return part == SectionGizmo::Part::kOut || part == SectionGizmo::Part::kIn;
+    };
     for (const SectionGizmo::Handle& handle : gizmo_.handles())
       if (is_arrow(handle.part)) arrow(handle);
     for (const SectionGizmo::Handle& handle : gizmo_.handles())
@@ -29,7 +29,7 @@ class Pen {
 
  private:
   ImVec2 pixels(const core::dvec2& at) const { return {float(at.x + corner_.x), float(at.y + corner_.y)}; }
-  ImU32 colour_of(Part part) const { return ImGui::GetColorU32(aimed_ == part ? kAimed : kColour); }
+  ImU32 colour_of(SectionGizmo::Part part) const { return ImGui::GetColorU32(aimed_ == part ? kAimed : kColour); }
 
   void square() {
     std::array<ImVec2, 4> corners;
@@ -58,14 +58,14 @@ class Pen {
     const float radius = float(gizmo_.radius(handle.part));
     list_.AddCircleFilled(pixels(handle.at), radius + kRimPixels * scale_, rim_);
     list_.AddCircleFilled(pixels(handle.at), radius, colour_of(handle.part));
-    if (handle.part == Part::kMiddle && gizmo_.whole())
+    if (handle.part == SectionGizmo::Part::kMiddle && gizmo_.whole())
       list_.AddCircleFilled(pixels(handle.at), 0.4f * radius, rim_);  // a click flips
   }
 
   ImDrawList& list_;
   const SectionGizmo& gizmo_;
   core::dvec2 corner_;
-  std::optional<Part> aimed_;
+  std::optional<SectionGizmo::Part> aimed_;
   float scale_;
   ImU32 rim_ = ImGui::GetColorU32(kRim);
 };

@@ -15,18 +15,6 @@ std::vector<core::dvec3> square_on(const core::Plane& plane, const core::AabbD& 
   return {middle + u + v, middle - u + v, middle - u - v, middle + u - v};
 }
 
-/// What a plane keeps of a convex polygon.
-std::vector<core::dvec3> clipped(const std::vector<core::dvec3>& polygon, const core::Plane& plane) {
-  std::vector<core::dvec3> kept;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const core::dvec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    const double from = core::evaluate(plane, a), to = core::evaluate(plane, b);
-    if (from >= 0.0) kept.push_back(a);
-    if ((from >= 0.0) != (to >= 0.0)) kept.push_back(a + from / (from - to) * (b - a));
-  }
-  return kept;
-}
-
 /// A point of the plane in the middle of what the bounds and all planes keep of it, or nearest to their centre where
 /// that is nothing. Normals are of length 1.
 core::dvec3 middle_of(const core::Plane& plane, std::span<const core::Plane> all, const core::AabbD& bounds) {
@@ -49,6 +37,17 @@ core::dvec3 middle_of(const core::Plane& plane, std::span<const core::Plane> all
 }
 
 }  // namespace
+
+std::vector<core::dvec3> clipped(const std::vector<core::dvec3>& polygon, const core::Plane& plane) {
+  std::vector<core::dvec3> kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const core::dvec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const double from = core::evaluate(plane, a), to = core::evaluate(plane, b);
+    if (from >= 0.0) kept.push_back(a);
+    if ((from >= 0.0) != (to >= 0.0)) kept.push_back(a + from / (from - to) * (b - a));
+  }
+  return kept;
+}
 
 bool Sections::add(const core::dvec3& point, const core::dvec3& outwards) {
   if (sections_.size() == kMost) return false;

@@ -46,4 +46,8 @@ class Sections {
   std::optional<std::size_t> selected_;
 };
 
+/// The part of a convex polygon that lies inside a plane (I. Sutherland, G. Hodgman, "Reentrant polygon clipping",
+/// 1974).
+std::vector<core::dvec3> clipped(const std::vector<core::dvec3>& polygon, const core::Plane& plane);
+
 }  // namespace sightline::apps

@@ -17,8 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t kMostBytes = 1u << 20;
-constexpr int kDeepest = 64;  // writing JSON takes stack for each level
+constexpr std::uintmax_t kMostSettingsBytes = 1u << 20;
+constexpr int kDeepestNesting = 64;  // writing JSON takes stack for each level
 constexpr int kSmallestWindow = 100, kLargestWindow = 1 << 14;
 
 /// The object in a file; empty where there is no file.
@@ -26,14 +26,14 @@ core::Expected<Json> read_object(const fs::path& file) {
   std::error_code none;
   if (!fs::exists(file, none)) return Json::object();
   if (!fs::is_regular_file(file, none)) return core::fail(file.string() + ": expected a file");
-  if (fs::file_size(file, none) > kMostBytes) return core::fail(file.string() + ": larger than settings are");
+  if (fs::file_size(file, none) > kMostSettingsBytes) return core::fail(file.string() + ": larger than settings are");
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
   if (!in) return core::fail(file.string() + ": cannot be read");
   bool deep = false;
   const auto note_depth = [&](int depth, Json::parse_event_t, Json&) {
-    deep |= depth > kDeepest;
+    deep |= depth > kDeepestNesting;
     return !deep;
   };
   Json json = Json::parse(text.str(), note_depth, false);
@@ -58,7 +58,7 @@ std::optional<std::vector<std::string>> files_of(const Json& json) {
   return files;
 }
 
-std::optional<std::array<int, 2>> size_of(const Json& json) {
+std::optional<std::array<int, 2>> window_size_of(const Json& json) {
   const auto fits = [](const Json& number) {
     return number.is_number_integer() && number >= kSmallestWindow && number <= kLargestWindow;
   };
@@ -100,7 +100,7 @@ Settings settings_of(const Json& json, std::string& bad) {
   take("tree-width", settings.tree_width, lines_of);
   take("side-width", settings.side_width, lines_of);
   take("recent", settings.recent, files_of);
-  take("window", settings.window, size_of);
+  take("window", settings.window, window_size_of);
   take("cache", settings.cache, folder_of);
   take("recognise", settings.recognise, flag_of);
   return settings;
@@ -126,7 +126,7 @@ void put_changes(const Settings& before, const Settings& now, Json& json) {
   if (now.tree_width != before.tree_width) json["tree-width"] = now.tree_width;
   if (now.side_width != before.side_width) json["side-width"] = now.side_width;
   if (now.recent != before.recent) json["recent"] = merged(now.recent, settings_of(json, bad).recent);
-  if (now.window != before.window && size_of(now.window)) json["window"] = now.window;
+  if (now.window != before.window && window_size_of(now.window)) json["window"] = now.window;
   if (now.cache != before.cache) json["cache"] = now.cache;
   if (now.recognise != before.recognise) json["recognise"] = now.recognise;
 }

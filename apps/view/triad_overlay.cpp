@@ -7,7 +7,7 @@ namespace sightline::apps {
 namespace {
 
 constexpr const char* kLetters[] = {"X", "Y", "Z"};
-constexpr float kLetterPixels = 14.0f, kLinePixels = 2.5f, kFarther = 0.85f;
+constexpr float kLetterPixels = 14.0f, kAxisPixels = 2.5f, kFarther = 0.85f;
 constexpr core::vec3 kColours[] = {{0.93f, 0.33f, 0.28f}, {0.45f, 0.75f, 0.2f}, {0.35f, 0.6f, 1.0f}};
 
 ImVec2 pixels(const core::dvec2& at) {
@@ -35,7 +35,7 @@ void triad_overlay(Viewer& viewer) {
     const ImVec2 at = pixels(end.at);
     const float brightness = end.depth < 0.0 ? kFarther : 1.0f;
     if (end.positive) {
-      list.AddLine(pixels(triad->centre()), at, colour_of(end, brightness, 1.0f), kLinePixels * scale);
+      list.AddLine(pixels(triad->centre()), at, colour_of(end, brightness, 1.0f), kAxisPixels * scale);
       list.AddCircleFilled(at, radius, colour_of(end, brightness, 1.0f));
       const float size = kLetterPixels * scale;
       const ImVec2 text = ImGui::GetFont()->CalcTextSizeA(size, FLT_MAX, 0.0f, kLetters[end.axis]);

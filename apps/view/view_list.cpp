@@ -15,7 +15,7 @@
 namespace sightline::apps {
 namespace {
 
-constexpr std::uintmax_t kMostBytes = std::uintmax_t(256) << 20;
+constexpr std::uintmax_t kMostListBytes = std::uintmax_t(256) << 20;
 
 std::string author() {
   for (const char* name : {"SIGHTLINE_AUTHOR", "USER", "USERNAME"})
@@ -35,7 +35,7 @@ core::Expected<std::string> read_bytes(const std::filesystem::path& file) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error) return core::fail(file.string() + ": cannot be read: " + error.message());
-  if (size > kMostBytes)
+  if (size > kMostListBytes)
     return core::fail(file.string() + ": expected at most 256 MiB, found " + std::to_string(size) + " bytes");
   std::ifstream in(file, std::ios::binary);
   std::string bytes(size, '\0');

@@ -81,6 +81,9 @@ class Viewer {
   const Export* exporting() const { return export_.get(); }
   void cancel_export() { export_cancelled_ = true; }
   void tell(std::string message, bool error = false);
+  void tell_failure(const core::Expected<void>& done) {
+    if (!done) tell(done.error().message, true);
+  }
   const std::string& message() const { return message_; }
   bool message_is_error() const { return message_is_error_; }
   /// What the picture shows under the cursor.

@@ -10,23 +10,19 @@
 namespace sightline::apps {
 namespace {
 
-void tell(Viewer& viewer, const core::Expected<void>& done) {
-  if (!done) viewer.tell(done.error().message, true);
-}
-
 /// What can be done with the current view, below the list.
 void current_view(Viewer& viewer, Viewpoint& view) {
   ImGui::Separator();
   ImGui::SetNextItemWidth(-1.0f);
   ImGui::InputText("##name", &view.name);
   ImGui::InputTextMultiline("##comment", &view.comment, {-1.0f, 5.0f * ImGui::GetTextLineHeight()});
-  if (ImGui::Button("Update")) tell(viewer, update_view(viewer, ""));
+  if (ImGui::Button("Update")) viewer.tell_failure(update_view(viewer, ""));
   ImGui::SameLine();
   if (ImGui::Button("Up")) viewer.views().move_current(-1);
   ImGui::SameLine();
   if (ImGui::Button("Down")) viewer.views().move_current(1);
   ImGui::SameLine();
-  if (ImGui::Button("Delete")) tell(viewer, delete_view(viewer, ""));
+  if (ImGui::Button("Delete")) viewer.tell_failure(delete_view(viewer, ""));
 }
 
 }  // namespace
@@ -34,7 +30,7 @@ void current_view(Viewer& viewer, Viewpoint& view) {
 void views_tab(Viewer& viewer) {
   static std::string file = "views.bcfzip";  // stays from time to time
   ViewList& views = viewer.views();
-  if (ImGui::Button("Add what is seen now")) tell(viewer, add_view(viewer, ""));
+  if (ImGui::Button("Add what is seen now")) viewer.tell_failure(add_view(viewer, ""));
   const float line = ImGui::GetTextLineHeightWithSpacing(), below = 16.0f * line;
   const float high = std::max(4.0f * line, ImGui::GetContentRegionAvail().y - below);
   if (ImGui::BeginChild("##list", {0.0f, high}, true)) {
@@ -42,7 +38,7 @@ void views_tab(Viewer& viewer) {
       ImGui::PushID(int(i));
       const std::string label = std::to_string(i + 1) + "  " + views.all()[i].name;
       if (ImGui::Selectable(label.c_str(), int(i) == views.current_index()))
-        tell(viewer, show_view(viewer, std::to_string(i + 1)));
+        viewer.tell_failure(show_view(viewer, std::to_string(i + 1)));
       if (ImGui::IsItemHovered() && !views.all()[i].comment.empty())
         ImGui::SetTooltip("%s", views.all()[i].comment.c_str());
       ImGui::PopID();
@@ -54,9 +50,9 @@ void views_tab(Viewer& viewer) {
   ImGui::TextUnformatted("File, .bcfzip or .json:");
   ImGui::SetNextItemWidth(-1.0f);
   ImGui::InputText("##file", &file);
-  if (ImGui::Button("Save all")) tell(viewer, save_views(viewer, file));
+  if (ImGui::Button("Save all")) viewer.tell_failure(save_views(viewer, file));
   ImGui::SameLine();
-  if (ImGui::Button("Load")) tell(viewer, load_views(viewer, file));
+  if (ImGui::Button("Load")) viewer.tell_failure(load_views(viewer, file));
 }
 
 }  // namespace sightline::apps

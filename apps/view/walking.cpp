@@ -18,9 +18,9 @@ constexpr int kFeelers = 16;          // directions in which walls are felt for
 constexpr double kLongestStep = 0.1;  // metres, less than the radius, so that feelers reach what is ahead
 constexpr double kSkin = 0.02;        // metres that the axis stays off what it moves towards
 constexpr double kFoot = 0.7;         // share of the radius that stands on the floor
-constexpr double kGravity = 9.81, kFastest = 30.0, kDeepest = 1e5;
+constexpr double kGravity = 9.81, kFastestFall = 30.0, kDeepest = 1e5;
 constexpr double kTouching = 1e-6;  // metres over the floor
-const dvec3 kUp(0.0, 0.0, 1.0);
+const dvec3 kUpward(0.0, 0.0, 1.0);
 
 dvec3 moved(const dvec3& eye, const dvec2& by) {
   return eye + dvec3(by, 0.0);
@@ -55,7 +55,8 @@ dvec2 Walker::kept_off(const dvec3& eye, dvec2 by) const {
     const dvec2 direction(std::cos(angle), std::sin(angle));
     double nearest = reach;
     for (const double height : kHeights)
-      if (const auto hit = trace_(eye + (height - kEyeHeight) * kUp, dvec3(direction, 0.0), nearest)) nearest = *hit;
+      if (const auto hit = trace_(eye + (height - kEyeHeight) * kUpward, dvec3(direction, 0.0), nearest))
+        nearest = *hit;
     if (nearest < reach) touched.push_back(nearest * direction);
   }
   constexpr int kRounds = 4;  // one obstacle may turn the motion towards another
@@ -73,13 +74,14 @@ dvec2 Walker::kept_off(const dvec3& eye, dvec2 by) const {
 bool Walker::passes(const dvec3& eye, const dvec2& by) const {
   const double length = glm::length(by);
   const dvec3 direction(by / length, 0.0);
-  return std::all_of(std::begin(kHeights), std::end(kHeights),
-                     [&](double height) { return free(eye + (height - kEyeHeight) * kUp, direction, length + kSkin); });
+  return std::all_of(std::begin(kHeights), std::end(kHeights), [&](double height) {
+    return free(eye + (height - kEyeHeight) * kUpward, direction, length + kSkin);
+  });
 }
 
 /// Whether nothing is between knee and head where it stands, such as a beam that runs between the other rays.
 bool Walker::fits(const dvec3& eye) const {
-  return free(eye - (kEyeHeight - kKnee) * kUp, kUp, kEyeHeight - kKnee + kHeadroom);
+  return free(eye - (kEyeHeight - kKnee) * kUpward, kUpward, kEyeHeight - kKnee + kHeadroom);
 }
 
 /// Height of the highest floor under the feet.
@@ -87,8 +89,8 @@ std::optional<double> Walker::floor_below(const dvec3& eye) const {
   std::optional<double> highest;
   const double off = kFoot * kRadius;
   for (const dvec2& at : {dvec2(0.0), dvec2(off, 0.0), dvec2(-off, 0.0), dvec2(0.0, off), dvec2(0.0, -off)}) {
-    const dvec3 knee = moved(eye, at) - (kEyeHeight - kKnee) * kUp;
-    if (const auto hit = trace_(knee, -kUp, kDeepest))
+    const dvec3 knee = moved(eye, at) - (kEyeHeight - kKnee) * kUpward;
+    if (const auto hit = trace_(knee, -kUpward, kDeepest))
       highest = std::max(highest.value_or(-kDeepest * kDeepest), knee.z - *hit);
   }
   return highest;
@@ -103,7 +105,7 @@ double Walker::fall(const dvec3& eye, double seconds) {
     speed_ = 0.0;
     return std::max(eye.z, stands);
   }
-  speed_ = std::min(speed_ + kGravity * seconds, kFastest);
+  speed_ = std::min(speed_ + kGravity * seconds, kFastestFall);
   const double z = std::max(stands, eye.z - speed_ * seconds);
   falling_ = z > stands + kTouching;
   if (!falling_) speed_ = 0.0;

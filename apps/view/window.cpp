@@ -90,28 +90,28 @@ std::vector<Event>& events_of(GLFWwindow* window) {
 }
 
 void listen(GLFWwindow* window, std::vector<Event>& events) {
-  using Type = Event::Type;
   glfwSetWindowUserPointer(window, &events);
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-    events_of(w).push_back({.type = Type::kKey, .key = key, .mods = mods, .down = action != GLFW_RELEASE});
+    events_of(w).push_back({.type = Event::Type::kKey, .key = key, .mods = mods, .down = action != GLFW_RELEASE});
   });
-  glfwSetCharCallback(
-      window, [](GLFWwindow* w, unsigned code) { events_of(w).push_back({.type = Type::kText, .text = utf8(code)}); });
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned code) {
+    events_of(w).push_back({.type = Event::Type::kText, .text = utf8(code)});
+  });
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
     events_of(w).push_back(
-        {.type = Type::kButton, .key = button, .mods = mods, .down = action == GLFW_PRESS, .at = cursor_of(w)});
+        {.type = Event::Type::kButton, .key = button, .mods = mods, .down = action == GLFW_PRESS, .at = cursor_of(w)});
   });
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
-    events_of(w).push_back({.type = Type::kCursor, .at = pixels_of(w, x, y)});
+    events_of(w).push_back({.type = Event::Type::kCursor, .at = pixels_of(w, x, y)});
   });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double, double notches) {
-    events_of(w).push_back({.type = Type::kWheel, .at = cursor_of(w), .wheel = notches});
+    events_of(w).push_back({.type = Event::Type::kWheel, .at = cursor_of(w), .wheel = notches});
   });
-  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { events_of(w).push_back({.type = Type::kExpose}); });
-  glfwSetFramebufferSizeCallback(window,
-                                 [](GLFWwindow* w, int, int) { events_of(w).push_back({.type = Type::kExpose}); });
+  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { events_of(w).push_back({.type = Event::Type::kExpose}); });
+  glfwSetFramebufferSizeCallback(
+      window, [](GLFWwindow* w, int, int) { events_of(w).push_back({.type = Event::Type::kExpose}); });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
-    events_of(w).push_back({.type = Type::kDrop, .files = {paths, paths + count}});
+    events_of(w).push_back({.type = Event::Type::kDrop, .files = {paths, paths + count}});
   });
 }
 

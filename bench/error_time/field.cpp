@@ -17,9 +17,9 @@ using core::Kind;
 
 constexpr double kFovy = std::numbers::pi / 6.0, kNear = 0.1, kBallRadius = 0.5;
 
-class Random {
+class ItemRandom {
  public:
-  explicit Random(std::uint32_t seed) : engine_(seed) {}
+  explicit ItemRandom(std::uint32_t seed) : engine_(seed) {}
   double uniform(double low, double high) { return low + (high - low) * double(engine_()) / 4294967296.0; }
   float length(double low, double high) { return float(uniform(low, high)); }
 
@@ -36,7 +36,7 @@ class Random {
 };
 
 /// Proportions as in plants: neither needles nor sheets, which the stability report covers.
-core::Primitive random_primitive(Kind kind, Random& random) {
+core::Primitive random_primitive(Kind kind, ItemRandom& random) {
   const auto length = [&](double low, double high) { return random.length(low, high); };
   switch (kind) {
     case Kind::kCylinder:
@@ -117,7 +117,7 @@ Field make_field(Kind kind, const FieldSize& size, int width, int height, std::u
               {},
               size.columns,
               size.rows};
-  Random random(seed);
+  ItemRandom random(seed);
   for (int row = 0; row < size.rows; ++row)
     for (int column = 0; column < size.columns; ++column) {
       const dvec3 centre(across * ((column + 0.5) / size.columns - 0.5), 0.0, high * (0.5 - (row + 0.5) / size.rows));

@@ -14,12 +14,6 @@ using core::dvec3;
 using core::Kind;
 using core::Primitive;
 
-constexpr double kPi = std::numbers::pi;
-constexpr float kWhole = 6.2831855f;  // the float next above 2 pi
-constexpr Kind kSolids[] = {Kind::kCylinder,         Kind::kSnout,  Kind::kCircularTorus,
-                            Kind::kRectangularTorus, Kind::kSphere, Kind::kSphericalDish,
-                            Kind::kEllipticalDish,   Kind::kBox,    Kind::kPyramid};
-
 // --- limits ----------------------------------------------------------------------------------------------------------
 // These are the project's targets where there are any, and similar limits everywhere else. An error may grow with the
 // size, in radii, of numbers that a computation near the primitive cannot avoid (the solid's extent, the eye's distance

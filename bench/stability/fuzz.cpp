@@ -12,7 +12,7 @@ using core::dvec3;
 using core::Kind;
 using core::Primitive;
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
 /// Values that files should not contain, but do.
 float hostile(Random& random) {
@@ -22,7 +22,7 @@ float hostile(Random& random) {
     case 1:
       return std::numeric_limits<float>::quiet_NaN();
     case 2:
-      return float(random.sign()) * kInfinity;
+      return float(random.sign()) * kFloatInfinity;
     case 3:
       return float(random.sign() * random.uniform(1.0, 1e6) * double(std::numeric_limits<float>::denorm_min()));
     case 4:

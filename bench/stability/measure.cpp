@@ -11,9 +11,9 @@ namespace {
 using core::dvec3;
 
 /// Judges one ray after another.
-class Judge {
+class ErrorJudge {
  public:
-  explicit Judge(const Limits& limits) { figures_.limits = limits; }
+  explicit ErrorJudge(const Limits& limits) { figures_.limits = limits; }
 
   void add(const Sample& sample, const Truth& truth, const Answer& answer) {
     ++figures_.rays;
@@ -151,7 +151,7 @@ Answer intersect_on_cpu(const Sample& sample, Path path) {
 
 Figures judge(std::span<const Sample> samples, std::span<const Truth> truths, std::span<const Answer> answers,
               const Limits& limits) {
-  Judge judge(limits);
+  ErrorJudge judge(limits);
   for (std::size_t i = 0; i < samples.size(); ++i) judge.add(samples[i], truths[i], answers[i]);
   return judge.finish();
 }

@@ -40,7 +40,7 @@ Quad value(const Implicit& f, const QuadVec& p) {
 Quad length(float v) {
   return fabsq(Quad(v));
 }
-const Quad kPi = 4 * atanq(1);
+const Quad kQuadPi = 4 * atanq(1);
 
 /// The solid inside all of the surfaces.
 Solid convex(std::vector<Surface> surfaces) {
@@ -232,7 +232,7 @@ struct Sweep {
   bool holds(const QuadVec& p) const {
     if (whole()) return true;
     const bool behind_start = p.y >= 0, before_end = p.x * end_y - p.y * end_x >= 0;
-    return angle <= kPi ? behind_start && before_end : behind_start || before_end;
+    return angle <= kQuadPi ? behind_start && before_end : behind_start || before_end;
   }
   void add_ends(std::vector<Surface>& surfaces) const {
     if (whole()) return;
@@ -419,7 +419,7 @@ Neighbours neighbours(const ReferenceSolid& solid, const QuadRay& ray, double ba
   const QuadVec u = (1 / sqrtq(dot(side, side))) * side, v = (1 / size) * cross(u, d);
   Neighbours result;
   for (int i = 0; i < 2 * kDirections; ++i) {
-    const double angle = 2.0 * double(kPi) * (i % kDirections) / kDirections;
+    const double angle = 2.0 * double(kQuadPi) * (i % kDirections) / kDirections;
     const Quad step = i < kDirections ? Quad(band) : Quad(band) / 4;
     const QuadVec moved = ray.origin + step * (Quad(std::cos(angle)) * u + Quad(std::sin(angle)) * v);
     result.push_back(solid.crossings({moved, d}));
@@ -447,7 +447,7 @@ double normal_spread(const std::vector<Crossing>& crossings, const Neighbours& n
 double angle_between(const dvec3& found, const dvec3& expected) {
   if (expected == dvec3(0.0)) return 0.0;
   const double length = glm::length(found);
-  if (!(length > 0.0)) return double(kPi);
+  if (!(length > 0.0)) return double(kQuadPi);
   return 2.0 * std::asin(std::min(1.0, 0.5 * glm::length(found / length - glm::normalize(expected))));
 }
 

@@ -8,7 +8,6 @@ namespace {
 using core::dvec2;
 using core::dvec3;
 
-constexpr double kPi = std::numbers::pi;
 enum class Where { kLateral, kEnd, kEdge };
 
 dvec3 radial(double angle, double z = 0.0) {

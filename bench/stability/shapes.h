@@ -11,6 +11,12 @@
 
 namespace sightline::bench {
 
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr float kWhole = 6.2831855f;  ///< the float next above 2 pi
+inline constexpr core::Kind kSolids[] = {core::Kind::kCylinder,         core::Kind::kSnout,  core::Kind::kCircularTorus,
+                                         core::Kind::kRectangularTorus, core::Kind::kSphere, core::Kind::kSphericalDish,
+                                         core::Kind::kEllipticalDish,   core::Kind::kBox,    core::Kind::kPyramid};
+
 /// The same numbers on every platform, unlike the standard's distributions.
 class Random {
  public:

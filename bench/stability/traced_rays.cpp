@@ -42,9 +42,9 @@ struct ManyAnswer {
   bool any;
 };
 
-class Judge {
+class AnswerJudge {
  public:
-  Judge(const TracedScene& world, std::string place, TracedFigures& figures)
+  AnswerJudge(const TracedScene& world, std::string place, TracedFigures& figures)
       : world_(world), place_(std::move(place)), figures_(figures) {}
 
   /// `of_many`: nothing if they were refused.
@@ -461,7 +461,7 @@ void judge_rays(const TracedScene& world, const std::string& place, const std::v
   const auto any = std::make_unique<bool[]>(rays.size());
   const bool traced = world.tracer->nearest(rays, hits) && world.tracer->any(rays, {any.get(), rays.size()});
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    Judge judge(world, place + ", ray " + std::to_string(i), figures);
+    AnswerJudge judge(world, place + ", ray " + std::to_string(i), figures);
     judge.add(rays[i], traced ? std::optional(ManyAnswer{hits[i], any[i]}) : std::nullopt);
   }
 }

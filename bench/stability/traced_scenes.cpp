@@ -17,11 +17,6 @@ using core::Primitive;
 using core::Slot;
 using raytrace::Ray;
 
-constexpr float kWhole = 6.2831855f;  // the float next above 2 pi
-constexpr Kind kSolids[] = {Kind::kCylinder,         Kind::kSnout,  Kind::kCircularTorus,
-                            Kind::kRectangularTorus, Kind::kSphere, Kind::kSphericalDish,
-                            Kind::kEllipticalDish,   Kind::kBox,    Kind::kPyramid};
-
 /// Up to 1, often much less.
 float length(Random& random, double decades) {
   return float(random.below(3) ? random.log_uniform(-decades, 0.0) : random.uniform(0.3, 1.0));

@@ -18,7 +18,7 @@ using core::dvec3;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kWholeTurn = 2.0 * kPi - 1e-5;  // writers compute angles in float
 
-struct Solid {
+struct PlacedSolid {
   core::Primitive primitive;
   core::Affine placement;
 };
@@ -26,11 +26,11 @@ struct Nut {
   core::Affine placement;
 };
 /// Faces to be gathered into a mesh.
-struct Faces {
+struct LooseFaces {
   std::vector<dvec3> positions;
   std::vector<std::uint32_t> corners;
 };
-using Shape = std::variant<std::monostate, Solid, Nut, Faces>;  // monostate: cannot be drawn
+using Shape = std::variant<std::monostate, PlacedSolid, Nut, LooseFaces>;  // monostate: cannot be drawn
 
 /// One instance's numbers, in the order of its kind's columns, after tree index and colour.
 using Row = std::array<const double*, 9>;
@@ -75,7 +75,7 @@ template <class Rim>
 Shape facets(const core::Affine& placement, double angle, double arc, Rim&& rim) {
   const double step = 2.0 * std::acos(1.0 - kFacetError);
   const int pieces = std::max(1, int(std::ceil(std::min(arc, 2.0 * kPi) / step)));
-  Faces faces;
+  LooseFaces faces;
   for (int i = 0; i <= pieces; ++i) {
     const double at = angle + std::min(arc, 2.0 * kPi) * i / pieces;
     const auto [low, high] = rim(dvec2(std::cos(at), std::sin(at)));
@@ -89,15 +89,15 @@ Shape facets(const core::Affine& placement, double angle, double arc, Rim&& rim)
 }
 
 Shape box(const Row& row) {
-  return Solid{core::Box{1, 1, 1}, gltf_affine(row[0])};
+  return PlacedSolid{core::Box{1, 1, 1}, gltf_affine(row[0])};
 }
 
 Shape quad(const Row& row) {
-  return Solid{core::Box{1, 1, 0}, flat(row[0])};
+  return PlacedSolid{core::Box{1, 1, 0}, flat(row[0])};
 }
 
 Shape circle(const Row& row) {
-  return Solid{core::Cylinder{0.5f, 0}, flat(row[0])};
+  return PlacedSolid{core::Cylinder{0.5f, 0}, flat(row[0])};
 }
 
 Shape nut(const Row& row) {
@@ -107,15 +107,15 @@ Shape nut(const Row& row) {
 Shape ring(const Row& row) {
   const double angle = *row[1], arc = *row[2], thickness = std::clamp(*row[3], 0.0, 1.0);
   if (!(arc > 0.0)) return {};
-  return Solid{core::RectangularTorus{float(0.5 * (1.0 - thickness)), 0.5f, 0, float(std::min(arc, 2.0 * kPi))},
-               turned(flat(row[0]), angle)};
+  return PlacedSolid{core::RectangularTorus{float(0.5 * (1.0 - thickness)), 0.5f, 0, float(std::min(arc, 2.0 * kPi))},
+                     turned(flat(row[0]), angle)};
 }
 
 Shape torus(const Row& row) {
   const double arc = *row[1];
   if (!(arc > 0.0)) return {};
-  return Solid{core::CircularTorus{float(*row[2]), float(*row[3]), float(std::min(arc, 2.0 * kPi))},
-               gltf_affine(row[0])};
+  return PlacedSolid{core::CircularTorus{float(*row[2]), float(*row[3]), float(std::min(arc, 2.0 * kPi))},
+                     gltf_affine(row[0])};
 }
 
 Shape cone(const Row& row) {
@@ -124,10 +124,11 @@ Shape cone(const Row& row) {
   if (!(length > 0.0) || !(arc > 0.0)) return {};
   const core::Affine placement = frame(0.5 * (a + b), a - b, vector_at(row[4]));
   const bool whole = arc >= kWholeTurn, straight = ra == rb;
-  if (whole && straight) return Solid{core::Cylinder{float(ra), float(length)}, placement};
-  if (whole) return Solid{core::Snout{float(rb), float(ra), float(length), 0, 0, 0, 0, 0, 0}, placement};
+  if (whole && straight) return PlacedSolid{core::Cylinder{float(ra), float(length)}, placement};
+  if (whole) return PlacedSolid{core::Snout{float(rb), float(ra), float(length), 0, 0, 0, 0, 0, 0}, placement};
   if (straight)  // a bent sheet: a ring without thickness
-    return Solid{core::RectangularTorus{float(ra), float(ra), float(length), float(arc)}, turned(placement, angle)};
+    return PlacedSolid{core::RectangularTorus{float(ra), float(ra), float(length), float(arc)},
+                       turned(placement, angle)};
   return facets(placement, angle, arc,
                 [&](const dvec2& e) { return std::pair(dvec3(rb * e, -0.5 * length), dvec3(ra * e, 0.5 * length)); });
 }
@@ -139,8 +140,8 @@ Shape eccentric_cone(const Row& row) {
   if (glm::dot(a - b, normal) < 0.0) normal = -normal;
   const core::Affine placement = frame(0.5 * (a + b), normal, dvec3(1, 0, 0));
   const dvec3 lean = glm::transpose(placement.linear) * (a - b);
-  return Solid{core::Snout{float(*row[3]), float(*row[2]), float(lean.z), float(lean.x), float(lean.y), 0, 0, 0, 0},
-               placement};
+  return PlacedSolid{
+      core::Snout{float(*row[3]), float(*row[2]), float(lean.z), float(lean.x), float(lean.y), 0, 0, 0, 0}, placement};
 }
 
 Shape ellipsoid_segment(const Row& row) {
@@ -150,10 +151,11 @@ Shape ellipsoid_segment(const Row& row) {
   const core::Affine upright = frame(centre, normal, dvec3(1, 0, 0));
   // A sphere of the horizontal radius, stretched along the normal.
   const core::Affine stretched = scaled_along_z(upright, across > 0.0 ? along / across : 1.0);
-  if (height >= 2.0 * along) return Solid{core::Sphere{float(2.0 * across)}, stretched};
-  if (height == along) return Solid{core::EllipticalDish{float(across), float(along)}, upright};
+  if (height >= 2.0 * along) return PlacedSolid{core::Sphere{float(2.0 * across)}, stretched};
+  if (height == along) return PlacedSolid{core::EllipticalDish{float(across), float(along)}, upright};
   const double cap = across * height / along, base = std::sqrt(cap * (2.0 * across - cap));
-  return Solid{core::SphericalDish{float(base), float(cap)}, stretched * core::translation({0.0, 0.0, across - cap})};
+  return PlacedSolid{core::SphericalDish{float(base), float(cap)},
+                     stretched * core::translation({0.0, 0.0, across - cap})};
 }
 
 /// Where a slanted end cuts its axis, measured from B, and the slope of its plane along x and y.
@@ -182,9 +184,9 @@ Shape general_cylinder(const Row& row) {
   const double height = top->z - bottom->z;
   const bool whole = arc >= kWholeTurn;
   if (whole && height > 0.0 && !top->slanted() && !bottom->slanted())
-    return Solid{core::Cylinder{float(radius), float(height)}, middle};
+    return PlacedSolid{core::Cylinder{float(radius), float(height)}, middle};
   if (whole && height > 0.0)
-    return Solid{
+    return PlacedSolid{
         core::Snout{float(radius), float(radius), float(height), 0, 0, float(std::atan(bottom->slope.x)),
                     float(std::atan(bottom->slope.y)), float(std::atan(top->slope.x)), float(std::atan(top->slope.y))},
         middle};
@@ -196,7 +198,7 @@ Shape general_cylinder(const Row& row) {
 }
 
 Shape trapezium(const Row& row) {
-  return Faces{{vector_at(row[0]), vector_at(row[1]), vector_at(row[2]), vector_at(row[3])}, {0, 1, 3, 0, 3, 2}};
+  return LooseFaces{{vector_at(row[0]), vector_at(row[1]), vector_at(row[2]), vector_at(row[3])}, {0, 1, 3, 0, 3, 2}};
 }
 
 struct Kind {
@@ -280,7 +282,7 @@ core::Mesh nut_mesh() {
 class Gathered {
  public:
   template <class Add>
-  void take(std::uint64_t key, Faces&& faces, Add&& add) {
+  void take(std::uint64_t key, LooseFaces&& faces, Add&& add) {
     constexpr std::size_t kMany = 1 << 16;
     if (key != key_ || mesh_.positions.size() > kMany) flush(add);
     key_ = key;
@@ -398,14 +400,14 @@ core::Expected<void> GltfCollections::add(std::string_view kind_name, const Json
       const double* tree = table.row(kTree, i);
       const core::MaterialId colour =
           material(table.row(kColour, i), table.has(kColour) ? &table.accessor(kColour) : nullptr);
-      if (auto* faces = std::get_if<Faces>(&shape)) {
+      if (auto* faces = std::get_if<LooseFaces>(&shape)) {
         const Place at = place(tree, node, file_from_node, {});
         const std::uint64_t key = std::uint64_t{at.node.index} << 32 | colour.index;
         gathered.take(key, std::move(*faces), add_gathered);
         gathered_node = at.node, gathered_from = at.from_item, gathered_material = colour;
         continue;
       }
-      const auto* solid = std::get_if<Solid>(&shape);
+      const auto* solid = std::get_if<PlacedSolid>(&shape);
       const Place at = place(tree, node, file_from_node, solid ? solid->placement : std::get<Nut>(shape).placement);
       if (solid) {
         job_.add_primitive(at.node, solid->primitive, at.from_item, colour);

@@ -20,7 +20,7 @@ using Type = GltfAccessor::Type;
 
 static_assert(std::endian::native == std::endian::little, "buffers are read as the processor holds numbers");
 
-constexpr int kMaxDepth = 128;                        // extras of some exporters nest their own trees
+constexpr int kMaxGltfDepth = 128;                    // extras of some exporters nest their own trees
 constexpr double kLargestIndex = 9007199254740992.0;  // 2^53
 
 std::uint32_t word_at(Bytes bytes, std::size_t at) {
@@ -29,7 +29,7 @@ std::uint32_t word_at(Bytes bytes, std::size_t at) {
   return word;
 }
 
-std::string_view text_of(Bytes bytes) {
+std::string_view as_text(Bytes bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -216,11 +216,11 @@ void GltfAccessor::read(std::uint64_t first, std::uint64_t n, double* out) const
 
 core::Expected<void> GltfDocument::open(Bytes bytes) {
   bytes_read_ = bytes.size();
-  std::string_view text = text_of(bytes);
+  std::string_view text = as_text(bytes);
   if (text.starts_with("glTF"))
     if (auto done = open_binary(bytes, text); !done) return done;
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  auto parsed = parse_json(text, job_.file(), kMaxDepth);
+  auto parsed = parse_json(text, job_.file(), kMaxGltfDepth);
   if (!parsed) return tl::unexpected(std::move(parsed.error()));
   root_ = std::move(*parsed);
   auto done = check_asset();
@@ -251,7 +251,7 @@ core::Expected<void> GltfDocument::open_binary(Bytes bytes, std::string_view& te
           !asked)
         return asked;
     const Bytes chunk = bytes.subspan(at + kChunkHeader, std::min(size, left));
-    if (first) text = text_of(chunk);
+    if (first) text = as_text(chunk);
     if (!first && kind == kBinary && binary_.empty()) binary_ = chunk;
     at += kChunkHeader + chunk.size();
   }

@@ -14,9 +14,9 @@
 namespace sightline::importers {
 namespace {
 
-using Bytes = std::vector<std::byte>;
+using OutputBytes = std::vector<std::byte>;
 
-void put_word(Bytes& to, std::uint64_t value) {
+void put_word(OutputBytes& to, std::uint64_t value) {
   for (int i = 0; i < 4; ++i) to.push_back(std::byte(value >> (8 * i) & 0xff));
 }
 
@@ -264,13 +264,13 @@ core::Expected<std::uint64_t> GltfOutput::write(const std::filesystem::path& pat
   const std::uint64_t size = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
   if (size > std::numeric_limits<std::uint32_t>::max())
     return core::fail(fmt::format("{}: takes {} bytes, more than the 4 GiB of a GLB file", path.string(), size));
-  Bytes head;
+  OutputBytes head;
   put_word(head, 0x46546C67), put_word(head, 2), put_word(head, size);
   put_word(head, json.size()), put_word(head, 0x4E4F534A);
   file->write(head);
   file->write(std::as_bytes(std::span(json)));
   if (binary > 0) {
-    Bytes chunk;
+    OutputBytes chunk;
     put_word(chunk, binary), put_word(chunk, 0x004E4942);
     file->write(chunk);
     write_views(*file);

@@ -11,6 +11,18 @@
 
 namespace sightline::importers {
 
+/// White space of the C locale.
+constexpr bool is_space(char c) {
+  return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+/// A line without the spaces, tabs and carriage returns at its ends.
+inline std::string_view trimmed(std::string_view line) {
+  constexpr std::string_view kBlank = " \t\r";
+  const std::size_t begin = line.find_first_not_of(kBlank);
+  return begin == line.npos ? std::string_view() : line.substr(begin, line.find_last_not_of(kBlank) + 1 - begin);
+}
+
 class TextScanner {
  public:
   enum class Found : std::uint8_t { kNumber, kOther, kEnd };
@@ -69,7 +81,6 @@ class TextScanner {
   }
 
  private:
-  static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
   void skip_space() {
     while (at_ != end_ && is_space(*at_)) ++at_;
   }

@@ -13,7 +13,7 @@ std::uint64_t bytes_of(const core::Mesh& mesh) {
 }
 
 /// An upper bound of what the map multiplies any length by.
-double largest_stretch(const core::Affine& map) {
+double tight_largest_stretch(const core::Affine& map) {
   double squares = 0.0;
   for (int column = 0; column < 3; ++column) squares += glm::dot(map.linear[column], map.linear[column]);
   const core::dmat3 product = glm::transpose(map.linear) * map.linear;
@@ -78,7 +78,7 @@ class ItemRecogniser {
     std::vector<core::Affine> worlds;
     scene_.for_each_state(use.items, [&](core::ItemId, const core::Scene::ItemState& state) {
       worlds.push_back(state.world_from_item);
-      stretch = std::max(stretch, largest_stretch(state.world_from_item));
+      stretch = std::max(stretch, tight_largest_stretch(state.world_from_item));
     });
     const RecognisedMesh found = recognise(mesh, tolerance_ > 0.0 && stretch > 0.0 ? tolerance_ / stretch : 0.0);
     for (std::size_t i = 0; i < kRefusalCount; ++i) report_.refused[i] += found.refused[i];

@@ -10,7 +10,7 @@
 namespace sightline::importers::recognition {
 namespace {
 
-constexpr std::size_t kMostSamples = 4096;
+constexpr std::size_t kMostEdgeSamples = 4096;
 constexpr double kLeastEvidence = 10.0;  // minus the logarithm of the chance that coordinates seem to lie on a grid
 constexpr double kLeastSteps = 256.0;    // of a grid across the mesh: coarser ones are designs, not rounding
 constexpr std::size_t kMostProbes = 64;
@@ -59,7 +59,7 @@ CoordinateNoise coordinate_noise(const core::Mesh& mesh) {
     if (is_finite(p)) size = std::max({size, double(std::fabs(p.x)), double(std::fabs(p.y)), double(std::fabs(p.z))});
   CoordinateNoise noise;
   noise.rounding = size * 0x1p-22;  // two steps of a float of that size, for files that were in float before
-  const std::size_t stride = std::max<std::size_t>(1, mesh.positions.size() / kMostSamples);
+  const std::size_t stride = std::max<std::size_t>(1, mesh.positions.size() / kMostEdgeSamples);
   double squares = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
@@ -170,14 +170,14 @@ void Solids::find_twins() {
 /// begin, the end comes first: there two solids lie face to face.
 void Solids::pair_around_edge(std::uint32_t low, std::uint32_t high, std::uint64_t* begin, std::uint64_t* end) {
   constexpr double kMostUnsure = 0.05;  // radians
-  struct Face {
+  struct EdgeFace {
     double angle, unsure;
     std::uint32_t half_edge;
     bool opens;
   };
   const dvec3 a = points_[low], along = glm::normalize(points_[high] - a);
   dvec3 x(0.0), y(0.0);
-  std::vector<Face> faces;
+  std::vector<EdgeFace> faces;
   for (std::uint64_t* e = begin; e != end; ++e) {
     const auto h = std::uint32_t(*e);
     const dvec3 w = points_[corners_[Solid::previous(h)]] - a, away = w - glm::dot(w, along) * along;
@@ -189,7 +189,7 @@ void Solids::pair_around_edge(std::uint32_t low, std::uint32_t high, std::uint64
     const double unsure = length > 0.0 ? std::min(kMostUnsure, noise_ / length) : kMostUnsure;
     faces.push_back({std::atan2(glm::dot(away, y), glm::dot(away, x)), unsure, h, corners_[h] != low});
   }
-  const auto by_angle = [](const Face& p, const Face& q) { return p.angle < q.angle; };
+  const auto by_angle = [](const EdgeFace& p, const EdgeFace& q) { return p.angle < q.angle; };
   std::stable_sort(faces.begin(), faces.end(), by_angle);
   // The widest gap goes to the ends, so that no two that belong together are parted.
   std::size_t first = 0;
@@ -213,7 +213,7 @@ void Solids::pair_around_edge(std::uint32_t low, std::uint32_t high, std::uint64
   std::vector<std::uint32_t> opened;
   std::size_t closed = 0;
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const Face& face = faces[(start + i) % faces.size()];
+    const EdgeFace& face = faces[(start + i) % faces.size()];
     if (face.opens) {
       opened.push_back(face.half_edge);
     } else {

@@ -8,16 +8,10 @@
 #include <fmt/format.h>
 
 #include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/internal/text_scanner.h"
 
 namespace sightline::importers {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r";
-  const std::size_t begin = text.find_first_not_of(kSpace);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kSpace) + 1 - begin);
-}
 
 std::string_view unquoted(std::string_view text) {
   const bool quoted = text.size() >= 2 && (text.front() == '\'' || text.front() == '"') && text.back() == text.front();
@@ -29,7 +23,7 @@ struct Attribute {
 };
 
 /// An element of the file. Elements are in the file's order, parents first. The views point into the file.
-struct Element {
+struct AttributeElement {
   std::string_view name;
   std::uint32_t parent = core::kNone;
   std::vector<Attribute> attributes;
@@ -45,7 +39,7 @@ class AttributeText {
   AttributeText(std::span<const std::byte> bytes, ImportJob& job)
       : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()), job_(job) {}
 
-  core::Expected<std::vector<Element>> parse() {
+  core::Expected<std::vector<AttributeElement>> parse() {
     if (auto begun = read_header(); !begun) return tl::unexpected(begun.error());
     while (at_ < text_.size()) {
       if (auto read = read_line(trimmed(next_line())); !read) return tl::unexpected(read.error());
@@ -139,7 +133,7 @@ class AttributeText {
   std::string_view text_;
   ImportJob& job_;
   Words words_;
-  std::vector<Element> elements_;
+  std::vector<AttributeElement> elements_;
   std::vector<std::uint32_t> open_;
   std::size_t at_ = 0, line_ = 0, skipped_ = 0;  // skipped_: open elements that were nested too deep
 };
@@ -195,7 +189,7 @@ std::vector<core::NodeId> files_for(const core::Scene& scene, core::NodeId paren
 }
 
 /// Each element's group; invalid for none. Children of an element above all groups are matched with the top groups.
-std::vector<core::NodeId> match(const std::vector<Element>& elements, GroupIndex& groups) {
+std::vector<core::NodeId> match(const std::vector<AttributeElement>& elements, GroupIndex& groups) {
   std::vector<core::NodeId> group_of(elements.size());
   std::vector<bool> above_all(elements.size(), false);
   for (std::size_t i = 0; i < elements.size(); ++i) {

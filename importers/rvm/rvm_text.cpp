@@ -10,21 +10,16 @@
 
 #include "sightline/core/primitive.h"
 #include "sightline/importers/internal/file_bytes.h"
+#include "sightline/importers/internal/text_scanner.h"
 #include "sightline/importers/rvm/internal/rvm_output.h"
 
 namespace sightline::importers {
 namespace {
 
-constexpr std::size_t kMatrix = 12, kBox = 6;
+constexpr std::size_t kMatrixNumbers = 12, kBoxNumbers = 6;
 
-bool is_space(char c) {
+bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
 }
 
 std::string_view text_of(std::span<const std::byte> bytes) {
@@ -149,14 +144,14 @@ class Transcription {
   static bool read_numbers(std::string_view line, Numbers& to) {
     const char *at = line.data(), *const end = at + line.size();
     for (;;) {
-      while (at != end && is_space(*at)) ++at;
+      while (at != end && is_blank(*at)) ++at;
       if (at == end) return true;
       if (*at == '+') ++at;
       double value = 0.0;
       const auto [stop, error] = std::from_chars(at, end, value);
       if (error == std::errc::invalid_argument) return false;
       if (error == std::errc::result_out_of_range) value = *at == '-' ? -INFINITY : INFINITY;
-      if (stop != end && !is_space(*stop) && *stop != '-' && *stop != '+') return false;
+      if (stop != end && !is_blank(*stop) && *stop != '-' && *stop != '+') return false;
       to.values.push_back(value);
       at = stop;
     }
@@ -274,18 +269,19 @@ class Transcription {
           fmt::format("{} chunk: expected a primitive kind 1 to {}{}", tag, rvm::kFacetGroupKind, found.stop));
     // The kind, then a transparency or none, the matrix, a transparency or none, the box, and one or none.
     const bool plain = tag == "PRIM";
-    if (const std::size_t needed = 1 + kMatrix + kBox + least_parameters(kind); found.size() < needed)
+    if (const std::size_t needed = 1 + kMatrixNumbers + kBoxNumbers + least_parameters(kind); found.size() < needed)
       return refuse(fmt::format("{} chunk: expected {}{} numbers, found {}{}", tag,
                                 kind == rvm::kFacetGroupKind ? "at least " : "", needed, found.size(), found.stop));
-    struct Layout {
+    struct NumberLayout {
       std::size_t matrix, box, parameters, extra;
     };
     constexpr std::size_t kNo = 0;
-    const Layout without{1, 1 + kMatrix, 1 + kMatrix + kBox, kNo}, first{2, 2 + kMatrix, 2 + kMatrix + kBox, 1},
-        last{1, 1 + kMatrix, 2 + kMatrix + kBox, 1 + kMatrix + kBox};
+    const NumberLayout without{1, 1 + kMatrixNumbers, 1 + kMatrixNumbers + kBoxNumbers, kNo},
+        first{2, 2 + kMatrixNumbers, 2 + kMatrixNumbers + kBoxNumbers, 1},
+        last{1, 1 + kMatrixNumbers, 2 + kMatrixNumbers + kBoxNumbers, 1 + kMatrixNumbers + kBoxNumbers};
     // Rows of the matrix have four numbers, a transparency is alone on its line.
     const bool alone = found.in_lines[0] == 1 && found.in_lines[1] == 1;
-    for (const Layout& layout : {without, alone ? first : last}) {
+    for (const NumberLayout& layout : {without, alone ? first : last}) {
       if (layout.extra != kNo && plain) break;
       if (!fits(found, layout.parameters, kind)) continue;
       begin(tag);
@@ -293,14 +289,15 @@ class Transcription {
       writer_.u32(kind);
       for (std::size_t column = 0; column < 4; ++column)
         for (std::size_t row = 0; row < 3; ++row) writer_.f32(float(found.at(layout.matrix + 4 * row + column)));
-      for (std::size_t i = 0; i < kBox; ++i) writer_.f32(float(found.at(layout.box + i)));
+      for (std::size_t i = 0; i < kBoxNumbers; ++i) writer_.f32(float(found.at(layout.box + i)));
       if (!plain) writer_.u32(layout.extra == kNo ? 0 : transparency_word(found.at(layout.extra)));
       write_parameters(found, layout.parameters, kind);
       return writer_.end();
     }
     refuse(fmt::format("{} chunk: expected {}, found {} numbers{}", tag,
-                       kind == rvm::kFacetGroupKind ? "as many vertices as its counts say"
-                                                    : fmt::format("{}", 1 + kMatrix + kBox + least_parameters(kind)),
+                       kind == rvm::kFacetGroupKind
+                           ? "as many vertices as its counts say"
+                           : fmt::format("{}", 1 + kMatrixNumbers + kBoxNumbers + least_parameters(kind)),
                        found.size(), found.stop));
   }
 
@@ -363,7 +360,7 @@ class Transcription {
 
 bool is_rvm_text(std::span<const std::byte> bytes) {
   std::string_view text = text_of(bytes);
-  while (!text.empty() && (is_space(text.front()) || text.front() == '\n')) text.remove_prefix(1);
+  while (!text.empty() && (is_blank(text.front()) || text.front() == '\n')) text.remove_prefix(1);
   return text.starts_with("HEAD");
 }
 

@@ -70,13 +70,13 @@ class Checksum {
 };
 
 /// One file.
-class Part {
+class PagedPart {
  public:
   /// `verified`: checksums are compared.
-  static SlcExpected<std::shared_ptr<const Part>> open(SlcExpected<std::shared_ptr<const SlcFile>> file,
-                                                       core::ItemId first_item, bool verified = true) {
+  static SlcExpected<std::shared_ptr<const PagedPart>> open(SlcExpected<std::shared_ptr<const SlcFile>> file,
+                                                            core::ItemId first_item, bool verified = true) {
     if (!file) return tl::unexpected(file.error());
-    const std::shared_ptr<Part> part(new Part);
+    const std::shared_ptr<PagedPart> part(new PagedPart);
     part->file_ = std::move(*file);
     part->first_item_ = first_item;
     part->verified_ = verified;
@@ -417,14 +417,14 @@ class Part {
   std::unique_ptr<Materials> materials_;
 };
 
-using Parts = std::vector<std::pair<fs::path, std::shared_ptr<const Part>>>;
+using PagedParts = std::vector<std::pair<fs::path, std::shared_ptr<const PagedPart>>>;
 
-core::Expected<Parts> open_parts(const std::vector<fs::path>& files, const std::function<bool(double)>& progress) {
-  Parts parts;
+core::Expected<PagedParts> open_parts(const std::vector<fs::path>& files, const std::function<bool(double)>& progress) {
+  PagedParts parts;
   std::uint64_t items = 0;
   for (const fs::path& file : files) {
     if (progress && !progress(double(parts.size()) / double(files.size()))) return core::fail(std::string(kCancelled));
-    auto part = Part::open(SlcFile::open(file), core::ItemId(items));
+    auto part = PagedPart::open(SlcFile::open(file), core::ItemId(items));
     if (!part) return core::fail(fmt::format("{}: {}", file.string(), part.error().message));
     items += (*part)->item_slots();
     if (items >= core::kNone) return core::fail(fmt::format("{}: more items than ids", file.string()));
@@ -434,7 +434,7 @@ core::Expected<Parts> open_parts(const std::vector<fs::path>& files, const std::
 }
 
 /// Where leaves are relative to. That of a single part is kept: its boxes then are as they are.
-core::dvec3 common_origin(const Parts& parts) {
+core::dvec3 common_origin(const PagedParts& parts) {
   if (parts.size() == 1) return parts[0].second->origin();
   core::AabbD all;
   for (const auto& [file, part] : parts) all.grow(part->origin());
@@ -447,7 +447,7 @@ core::Aabb moved(const std::array<float, 6>& c, const core::dvec3& from, const c
   return core::round_outwards({core::dvec3(box.min) + from, core::dvec3(box.max) + from}, to);
 }
 
-void add_part(const Part& part, PagedScene& scene, std::size_t& leaf) {
+void add_part(const PagedPart& part, PagedScene& scene, std::size_t& leaf) {
   for (const SlcPage& row : part.pages()) {
     scene.pages.push_back(part.info(row));
     scene.pages.back().first_leaf = std::uint32_t(leaf + row.first / core::kBlockSlots);
@@ -466,7 +466,7 @@ void add_part(const Part& part, PagedScene& scene, std::size_t& leaf) {
   part.drop_leaves();
 }
 
-core::Expected<PagedScene> join(const Parts& parts) {
+core::Expected<PagedScene> join(const PagedParts& parts) {
   PagedScene scene;
   scene.leaves.origin = common_origin(parts);
   std::size_t leaves = 0, leaf = 0;
@@ -519,7 +519,7 @@ core::Expected<std::vector<fs::path>> scene_caches_of(const fs::path& path) {
 }
 
 core::Expected<PagedScene> open_paged_scene(std::shared_ptr<const SlcFile> file, const fs::path& name, bool verified) {
-  auto part = Part::open(std::move(file), 0, verified);
+  auto part = PagedPart::open(std::move(file), 0, verified);
   if (!part) return core::fail(fmt::format("{}: {}", name.string(), part.error().message));
   return join({{name, std::move(*part)}});
 }

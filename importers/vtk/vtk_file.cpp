@@ -13,6 +13,8 @@
 #include <vtkTypeInt64Array.h>
 #include <vtkUnsignedCharArray.h>
 
+#include "sightline/importers/internal/text_scanner.h"
+
 namespace sightline::importers {
 namespace {
 
@@ -71,10 +73,6 @@ bool parse(std::string_view word, T& value) {
       value = word.find("e-") != std::string_view::npos ? T(0) : std::numeric_limits<T>::infinity();
   return end == word.data() + word.size() && !word.empty() &&
          (code == std::errc() || (std::is_floating_point_v<T> && code == std::errc::result_out_of_range));
-}
-
-constexpr bool is_space(char c) {
-  return c == ' ' || (c >= '\t' && c <= '\r');
 }
 
 template <class T>

@@ -20,14 +20,11 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkZLibDataCompressor.h>
 
+#include "sightline/importers/internal/text_scanner.h"
 #include "sightline/importers/vtk/internal/vtk_grid.h"
 
 namespace sightline::importers {
 namespace {
-
-constexpr bool is_space(char c) {
-  return c == ' ' || (c >= '\t' && c <= '\r');
-}
 
 /// Builds the tree tag by tag.
 class XmlParser {

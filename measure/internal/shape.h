@@ -15,6 +15,8 @@ namespace sightline::measure {
 using core::dmat3;
 using core::dvec2;
 
+using core::length_of;
+
 /// A filled ellipse: centre + a u + b v with a^2 + b^2 <= 1. u and v need not be perpendicular.
 struct Disc {
   dvec3 centre, u, v;

@@ -1,7 +1,7 @@
 // sightline-bench budget as a user runs it: figures hang together.
 #include "sightline/tests/apps/render_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::bench_budget_test {
 namespace {
 
 class BenchBudget : public RenderTest {
@@ -46,4 +46,4 @@ TEST_F(BenchBudget, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::bench_budget_test

@@ -7,7 +7,7 @@
 
 #include "sightline/tests/apps/tool_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::bench_cull_test {
 namespace {
 
 using Box = std::array<float, 6>;       // min x y z, max x y z
@@ -211,4 +211,4 @@ TEST_F(BenchCull, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::bench_cull_test

@@ -1,7 +1,7 @@
 // sightline-bench error-time as a user runs it: finer triangles are nearer to the truth, and rays nearest.
 #include "sightline/tests/apps/render_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::bench_error_time_test {
 namespace {
 
 const Args kQuick = {"error-time", "--size", "160x120", "--segments", "8,32", "--passes", "1"};
@@ -83,4 +83,4 @@ TEST_F(BenchErrorTime, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::bench_error_time_test

@@ -1,7 +1,7 @@
 // sightline-bench hybrid as a user runs it: every method sees the same, and figures hang together.
 #include "sightline/tests/apps/render_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::bench_hybrid_test {
 namespace {
 
 using BenchHybrid = RenderTest;
@@ -64,4 +64,4 @@ TEST_F(BenchHybrid, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::bench_hybrid_test

@@ -1,7 +1,7 @@
 // sightline-bench limit as a user runs it: figures hang together.
 #include "sightline/tests/apps/render_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::bench_limit_test {
 namespace {
 
 class BenchLimit : public RenderTest {};
@@ -28,4 +28,4 @@ TEST_F(BenchLimit, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::bench_limit_test

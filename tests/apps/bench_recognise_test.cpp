@@ -1,7 +1,7 @@
 // sightline-bench recognise --pictures as a user runs it. All else of it is tested without GL (bench_test.cpp).
 #include "sightline/tests/apps/render_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::bench_recognise_test {
 namespace {
 
 class BenchRecognise : public RenderTest {};
@@ -33,4 +33,4 @@ TEST_F(BenchRecognise, PicturesAreOnlyTakenWhenAskedFor) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::bench_recognise_test

@@ -2,7 +2,7 @@
 // own.
 #include "sightline/tests/apps/tool_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::bench_test {
 namespace {
 
 class Bench : public ToolTest {
@@ -193,4 +193,4 @@ TEST_F(Bench, RunsMicrobenchmarks) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::bench_test

@@ -1,7 +1,7 @@
 // What every tool promises on its command line: help, exit codes, and one clear line about bad input.
 #include "sightline/tests/apps/tool_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::command_line_test {
 namespace {
 
 class EveryTool : public ToolTest, public ::testing::WithParamInterface<std::string> {
@@ -195,4 +195,4 @@ TEST_F(CommandLine, RenderRefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::command_line_test

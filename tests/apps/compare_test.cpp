@@ -1,7 +1,8 @@
 // sightline-compare against its contract.
 #include "sightline/tests/apps/tool_test.h"
+#include "sightline/tests/support/places.h"
 
-namespace sightline::tests {
+namespace sightline::tests::compare_test {
 namespace {
 
 using Compare = ToolTest;
@@ -47,7 +48,7 @@ TEST_F(Compare, CountsWhatCameAndWent) {
 }
 
 TEST_F(Compare, ReadsAttributeFiles) {
-  const std::string data = SIGHTLINE_SOURCE_DIR "/tests/data/small_plant";
+  const std::string data = in_checkout("tests/data/small_plant").string();
   const Json json = run_json("compare", {data + ".rvm", data + ".rvm", "--new-attributes", data + ".txt"});
   EXPECT_GT(json["counts"]["changed"].get<int>() + int(json["nodes"].size()), 0);
   const Args both = {data + ".rvm", data + ".rvm",      "--old-attributes",
@@ -79,4 +80,4 @@ TEST_F(Compare, RefusesBadInput) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::compare_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::tests {
+namespace sightline::tests::composition_test {
 namespace {
 
 using apps::Fragment;
@@ -79,4 +79,4 @@ TEST(Composition, TheBackgroundIsBehindAll) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::composition_test

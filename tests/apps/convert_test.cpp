@@ -6,7 +6,7 @@
 #include "sightline/importers/import.h"
 #include "sightline/tests/apps/render_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::convert_test {
 namespace {
 
 class Convert : public ToolTest {
@@ -172,4 +172,4 @@ TEST_F(ConvertPictures, GltfShowsWhatRvmShows) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::convert_test

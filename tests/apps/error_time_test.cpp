@@ -11,7 +11,7 @@
 #include "sightline/apps/common/tessellated_scene.h"
 #include "sightline/bench/error_time/field.h"
 
-namespace sightline::bench {
+namespace sightline::bench::error_time_test {
 namespace {
 
 using apps::tessellated;
@@ -252,4 +252,4 @@ TEST_F(TessellatedScene, KeepsATolerance) {
 }
 
 }  // namespace
-}  // namespace sightline::bench
+}  // namespace sightline::bench::error_time_test

@@ -4,8 +4,9 @@
 
 #include "sightline/image/image.h"
 #include "sightline/tests/apps/window_test.h"
+#include "sightline/tests/support/places.h"
 
-namespace sightline::tests {
+namespace sightline::tests::examples_test {
 namespace {
 
 struct Example {
@@ -55,11 +56,11 @@ class ExampleTest : public Fixture, public testing::WithParamInterface<Example> 
     if (example.model)
       args.push_back(example.model == std::string("plant")
                          ? this->plant(3000)
-                         : std::string(SIGHTLINE_SOURCE_DIR) + "/tests/data/" + example.model);
+                         : in_checkout(std::string("tests/data/") + example.model).string());
     args.push_back(example.folder ? folder : written);
-    const Outcome outcome = this->run_program(std::string(SIGHTLINE_BIN_DIR) + "/" + example.name, args);
+    const Outcome outcome = this->run_program(in_bin(example.name).string(), args);
     ASSERT_EQ(outcome.code, 0) << outcome;
-    const std::string looked_at = std::string(SIGHTLINE_SOURCE_DIR) + "/tests/data/examples/" + example.name + ".png";
+    const std::string looked_at = in_checkout(std::string("tests/data/examples/") + example.name + ".png").string();
     const auto is = image::read_png(written), expected = image::read_png(looked_at);
     ASSERT_TRUE(is) << is.error().message;
     ASSERT_TRUE(expected) << expected.error().message;
@@ -86,4 +87,4 @@ INSTANTIATE_TEST_SUITE_P(All, ExamplesInWindows, testing::ValuesIn(built(kInWind
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ExamplesInWindows);
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::examples_test

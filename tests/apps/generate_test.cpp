@@ -1,7 +1,7 @@
 // sightline-generate: the same bytes for the same seed, exactly as many items as asked for.
 #include "sightline/tests/apps/tool_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::generate_test {
 namespace {
 
 using Generate = ToolTest;
@@ -39,4 +39,4 @@ TEST_F(Generate, LeavesNothingElseBehind) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::generate_test

@@ -7,7 +7,7 @@
 #include "sightline/bench/models/aircraft.h"
 #include "sightline/importers/plant/plant_generator.h"
 
-namespace sightline {
+namespace sightline::hybrid_scenes_test {
 namespace {
 
 using core::AabbD;
@@ -79,4 +79,4 @@ TEST(HybridScenes, PrismsFillTheAircraftsBoxes) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::hybrid_scenes_test

@@ -2,7 +2,7 @@
 #include "sightline/tests/apps/tool_test.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::tests {
+namespace sightline::tests::info_test {
 namespace {
 
 using Info = ToolTest;
@@ -141,4 +141,4 @@ TEST_F(Info, TheHuldraFilesAddUp) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::info_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::markup_test {
 namespace {
 
 TEST(Markup, EscapesWhatIsMarkup) {
@@ -31,4 +31,4 @@ TEST(Markup, ReplacesWhatXmlDoesNotAllow) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::markup_test

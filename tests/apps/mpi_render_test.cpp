@@ -3,8 +3,9 @@
 
 #include "sightline/tests/apps/mpi_launcher.h"
 #include "sightline/tests/apps/render_test.h"
+#include "sightline/tests/support/places.h"
 
-namespace sightline::tests {
+namespace sightline::tests::mpi_render_test {
 namespace {
 
 class MpiRender : public RenderTest {
@@ -62,7 +63,7 @@ TEST_F(MpiRender, DrawsThePictureOfOneProcess) {
 }
 
 TEST_F(MpiRender, DrawsMeshesAndMaterialsAsOneProcess) {
-  const std::string model = std::string(SIGHTLINE_SOURCE_DIR) + "/tests/data/small_plant.rvm";
+  const std::string model = in_checkout("tests/data/small_plant.rvm").string();
   expect_same_pictures({model, "--size", "320x200"}, {2, 4});
   std::vector<std::array<std::array<int, 3>, 3>> triangles;
   for (int i = 0; i < 200; ++i)
@@ -148,4 +149,4 @@ TEST_F(MpiRender, ReplaysAFlightAsOneProcess) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::mpi_render_test

@@ -4,7 +4,7 @@
 
 #include "sightline/tests/apps/render_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::paged_test {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -185,4 +185,4 @@ TEST_F(Paged, PartsAreTheSameForTheSameSeed) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::paged_test

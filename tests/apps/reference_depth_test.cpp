@@ -2,7 +2,7 @@
 #include "sightline/tests/apps/render_test.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::tests {
+namespace sightline::tests::reference_depth_test {
 namespace {
 
 class ReferenceDepth : public RenderTest, public ::testing::WithParamInterface<ModelView> {};
@@ -26,4 +26,4 @@ TEST_P(ReferenceDepth, Agrees) {
 INSTANTIATE_TEST_SUITE_P(Huldra, ReferenceDepth, huldra_views(), name_of_view);
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::reference_depth_test

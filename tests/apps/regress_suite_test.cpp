@@ -5,7 +5,7 @@
 #include "sightline/apps/regress/reports.h"
 #include "sightline/tests/apps/tool_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::regress_suite_test {
 namespace {
 
 using namespace sightline::apps;
@@ -339,4 +339,4 @@ TEST_F(RegressSuite, JUnitTellsAllThatHappened) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::regress_suite_test

@@ -8,8 +8,9 @@
 
 #include "sightline/tests/apps/mpi_launcher.h"
 #include "sightline/tests/apps/render_test.h"
+#include "sightline/tests/support/places.h"
 
-namespace sightline::tests {
+namespace sightline::tests::regress_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -95,9 +96,9 @@ class Regress : public RenderTest {
 
   /// A script of examples/regress, which finds sightline-regress.
   Outcome run_script(const std::string& script, const Args& args, const Args& environment = {}) const {
-    Args all = {"PATH=" SIGHTLINE_BIN_DIR ":/usr/local/bin:/usr/bin:/bin"};
+    Args all = {"PATH=" + in_bin("").string() + ":/usr/local/bin:/usr/bin:/bin"};
     all.insert(all.end(), environment.begin(), environment.end());
-    all.insert(all.end(), {"bash", std::string(SIGHTLINE_SOURCE_DIR) + "/examples/regress/" + script});
+    all.insert(all.end(), {"bash", in_checkout("examples/regress/" + script).string()});
     all.insert(all.end(), args.begin(), args.end());
     return run_program("env", all);
   }
@@ -263,7 +264,7 @@ TEST_F(Regress, ATaskThatTakesTooLongIsEnded) {
 }
 
 TEST_F(Regress, TheExampleSuitePasses) {
-  const std::string example = std::string(SIGHTLINE_SOURCE_DIR) + "/examples/regress/suite.json";
+  const std::string example = in_checkout("examples/regress/suite.json").string();
   const Outcome outcome = run("regress", {example, "--out", path("out"), "-j", "2"});
   EXPECT_EQ(outcome.code, 0) << outcome;
   EXPECT_EQ(outcome.out, "7 pictures: 7 passed\n");
@@ -405,4 +406,4 @@ TEST_F(RegressMpi, ARunThatMpirunEndedIsResumed) {
 #endif
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::regress_test

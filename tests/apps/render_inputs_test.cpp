@@ -1,7 +1,7 @@
 // What sightline-render makes of bad views, bad paths and outputs that cannot be written. Each run has a context first.
 #include "sightline/tests/apps/render_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::render_inputs_test {
 namespace {
 
 class RenderInputs : public RenderTest {
@@ -81,4 +81,4 @@ TEST_F(RenderInputs, DrawsAnEmptyScene) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::render_inputs_test

@@ -7,7 +7,7 @@
 
 #include <png.h>
 
-namespace sightline::tests {
+namespace sightline::tests::render_test {
 namespace {
 
 constexpr int kWidth = 480, kHeight = 270;
@@ -446,4 +446,4 @@ TEST_F(Render, WritesThePathAsFrames) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::render_test

@@ -4,7 +4,7 @@
 #include "sightline/tests/apps/tool_test.h"
 #include "sightline/tests/support/no_gl.h"
 
-namespace sightline::tests {
+namespace sightline::tests::replay_test {
 namespace {
 
 class Replay : public ToolTest {
@@ -291,4 +291,4 @@ TEST_F(Replay, RefusesBadTracesAndUsage) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::replay_test

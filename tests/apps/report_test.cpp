@@ -7,7 +7,7 @@
 #include "sightline/tests/apps/render_test.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::tests {
+namespace sightline::tests::report_test {
 namespace {
 
 /// Reads markup that is well-formed XML but for its first line: every tag is closed in order, attributes are quoted,
@@ -295,4 +295,4 @@ TEST_F(ReportPage, RefusesBadArguments) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::report_test

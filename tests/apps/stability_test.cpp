@@ -1,7 +1,7 @@
 // sightline-stability through the shaders: few rays of every family that has no known failure (docs/stability.md).
 #include "sightline/tests/apps/render_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::stability_test {
 namespace {
 
 using Stability = RenderTest;
@@ -13,4 +13,4 @@ TEST_F(Stability, ShadersAgreeWithTheReference) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::stability_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::statistics_test {
 namespace {
 
 TEST(Statistics, OfFewSamples) {
@@ -42,4 +42,4 @@ TEST(Statistics, OfManySamples) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::statistics_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::svg_plot_test {
 namespace {
 
 /// Occurrences of a piece of text.
@@ -111,4 +111,4 @@ TEST(SvgPanels, NothingIsNoError) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::svg_plot_test

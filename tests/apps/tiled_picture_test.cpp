@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::tiled_picture_test {
 namespace {
 
 core::CameraPath lasting(double seconds) {
@@ -66,4 +66,4 @@ TEST(PathFrames, TakeOnlyAnEmptyFolder) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::tiled_picture_test

@@ -17,6 +17,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "sightline/tests/support/places.h"
+
 extern char** environ;
 
 namespace sightline::tests {
@@ -136,9 +138,7 @@ class ToolTest : public ::testing::Test {
   }
 
   /// Where sightline-TOOL lies.
-  static std::string program_of(const std::string& tool) {
-    return std::string(SIGHTLINE_BIN_DIR) + "/sightline-" + tool;
-  }
+  static std::string program_of(const std::string& tool) { return in_bin("sightline-" + tool).string(); }
 
   /// Runs sightline-TOOL.
   Outcome run(const std::string& tool, const Args& args) const { return run_program(program_of(tool), args); }

@@ -8,7 +8,7 @@
 #include "sightline/tests/apps/render_test.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::tests {
+namespace sightline::tests::trace_against_raster_test {
 namespace {
 
 constexpr int kWidth = 480, kHeight = 270, kPixels = kWidth * kHeight;
@@ -179,4 +179,4 @@ INSTANTIATE_TEST_SUITE_P(SmallPlant, TraceAgainstRaster,
 INSTANTIATE_TEST_SUITE_P(Huldra, TraceAgainstRaster, huldra_views(), name_of_view);
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::trace_against_raster_test

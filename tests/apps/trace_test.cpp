@@ -1,7 +1,7 @@
 // sightline-trace: pictures, ids, depth, and the items that they show.
 #include "sightline/tests/apps/tool_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::trace_test {
 namespace {
 
 const char* const kView = R"({"eye":[-30,-12,6],"target":[5,2,3],"up":[0,0,1],"fovy_deg":60,"near":0.1,"far":1000})";
@@ -142,4 +142,4 @@ TEST_F(Trace, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::trace_test

@@ -1,7 +1,7 @@
 // sightline-view beside another version of the model: what changed. Skipped without Xvfb.
 #include "sightline/tests/apps/view_window.h"
 
-namespace sightline::tests {
+namespace sightline::tests::view_comparison_test {
 namespace {
 
 /// Boxes in a row from left to right, and what became of them. From the front a metre is 20 pixels.
@@ -123,4 +123,4 @@ TEST_F(ViewComparison, EndsWithTheModelAlone) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::view_comparison_test

@@ -3,7 +3,7 @@
 
 #include "sightline/tests/apps/view_window.h"
 
-namespace sightline::tests {
+namespace sightline::tests::view_sections_test {
 namespace {
 
 TEST_F(ViewScript, SectionsCutThePictureAndPicks) {
@@ -93,4 +93,4 @@ TEST_F(ViewScript, SectionsHaveCommands) {
 /// What the viewer saved, other tools draw, and the viewer shows again.
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::view_sections_test

@@ -9,7 +9,7 @@
 
 #include "sightline/tests/apps/view_window.h"
 
-namespace sightline::tests {
+namespace sightline::tests::view_test {
 namespace {
 
 int magenta_pixels(const Picture& picture) {
@@ -740,4 +740,4 @@ TEST_F(ViewKeys, EscapeCancelsAPicture) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::view_test

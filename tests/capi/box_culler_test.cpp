@@ -12,7 +12,7 @@
 
 #include "c_scene.h"
 
-namespace sightline::tests {
+namespace sightline::tests::box_culler_test {
 namespace {
 
 constexpr unsigned kSeed = 5;
@@ -142,4 +142,4 @@ TEST(CapiBoxCuller, ThreadsCullWhileOneUpdatesAndDestroys) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::box_culler_test

@@ -5,11 +5,13 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::tests {
+#include "sightline/tests/support/places.h"
+
+namespace sightline::tests::document_test {
 namespace {
 
 std::string text_of(const std::string& file) {
-  std::ifstream in(SIGHTLINE_SOURCE_DIR + ("/" + file));
+  std::ifstream in(in_checkout(file));
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
@@ -20,4 +22,4 @@ TEST(CapiDocument, ShowsTheExample) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::document_test

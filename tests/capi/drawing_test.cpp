@@ -11,7 +11,7 @@
 #include "sightline/image/image.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::drawing_test {
 namespace {
 
 constexpr int kWidth = 160, kHeight = 120, kGrid = 6;
@@ -277,4 +277,4 @@ TEST_F(CapiDrawing, RandomCallsKeepTheirPromises) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::drawing_test

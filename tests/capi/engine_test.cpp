@@ -12,7 +12,7 @@
 #include "sightline/engine/pick.h"
 #endif
 
-namespace sightline::tests {
+namespace sightline::tests::engine_test {
 namespace {
 
 constexpr int kGrid = 8;
@@ -337,4 +337,4 @@ TEST_F(CapiEngine, TwoEnginesFollowOneScene) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::engine_test

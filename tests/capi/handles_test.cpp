@@ -6,7 +6,7 @@
 
 #include "c_scene.h"
 
-namespace sightline::tests {
+namespace sightline::tests::handles_test {
 namespace {
 
 sl_status on_another_thread(const std::function<sl_status()>& call) {
@@ -196,4 +196,4 @@ TEST(CapiHandles, EachThreadHasItsMessage) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::handles_test

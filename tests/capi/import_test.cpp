@@ -12,7 +12,7 @@
 #if __has_include("sightline/importers/import.h")
 #include "sightline/importers/import.h"
 
-namespace sightline::tests {
+namespace sightline::tests::import_test {
 namespace {
 
 struct Heard {
@@ -270,6 +270,6 @@ TEST_F(CapiImport, ExtensionsAreListed) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::import_test
 
 #endif

@@ -6,7 +6,7 @@
 #include "c_scene.h"
 #include "failing_memory.h"
 
-namespace sightline::tests {
+namespace sightline::tests::memory_test {
 namespace {
 
 /// A scene with some of everything.
@@ -186,4 +186,4 @@ TEST(CapiMemory, ABrokenSceneAcceptsNothingButDestruction) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::memory_test

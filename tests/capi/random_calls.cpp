@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sightline/capi/sightline.h"
+#include "sightline/tests/support/places.h"
 
 namespace sightline::tests {
 namespace {
@@ -255,8 +256,9 @@ class Sequence {
 
   void import_file() {
     const sl_scene to = scene();
-    constexpr const char* kFiles[] = {"no_such_file.rvm", SIGHTLINE_SOURCE_DIR "/tests/data/box.stl", "."};
-    const char* paths[2] = {in_.one_in(4) ? text() : kFiles[in_.below(3)], kFiles[in_.below(3)]};
+    static const std::string box = in_checkout("tests/data/box.stl").string();
+    const char* const files[] = {"no_such_file.rvm", box.c_str(), "."};
+    const char* paths[2] = {in_.one_in(4) ? text() : files[in_.below(3)], files[in_.below(3)]};
     sl_import_options options = SL_IMPORT_OPTIONS_INIT;
     options.progress = progress, options.user = this;
     options.lenient = in_.integer(), options.up = in_.integer(), options.copies = in_.integer();

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::tests {
+namespace sightline::tests::random_calls_test {
 namespace {
 
 constexpr unsigned kFirstSeed = 1, kSequences = 100;
@@ -28,4 +28,4 @@ TEST(CapiRandomCalls, KeepTheirPromises) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::random_calls_test

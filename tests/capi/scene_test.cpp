@@ -9,7 +9,7 @@
 #include "c_scene.h"
 #include "sightline/core/find_nodes.h"
 
-namespace sightline::tests {
+namespace sightline::tests::scene_test {
 namespace {
 
 std::string text_of(const std::function<sl_status(sl_text*)>& ask) {
@@ -239,4 +239,4 @@ TEST(CapiScene, ItemsAreListedAndEdited) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::scene_test

@@ -4,7 +4,7 @@
 #include "c_scene.h"
 #include "sightline/capi/internal/values.h"
 
-namespace sightline::tests {
+namespace sightline::tests::structs_test {
 namespace {
 
 /// A struct of a later version.
@@ -57,12 +57,12 @@ struct Grown {
 };
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::structs_test
 
 template <>
-inline constexpr std::size_t sightline::capi::kFirstSize<sightline::tests::Grown> = 8;
+inline constexpr std::size_t sightline::capi::kFirstSize<sightline::tests::structs_test::Grown> = 8;
 
-namespace sightline::tests {
+namespace sightline::tests::structs_test {
 namespace {
 
 TEST(CapiStructs, EarlierProgramsGetTheDefaultsOfLaterFields) {
@@ -130,4 +130,4 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::structs_test

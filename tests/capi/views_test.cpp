@@ -9,7 +9,7 @@
 #include "c_scene.h"
 #include "sightline/capi/internal/values.h"
 
-namespace sightline::tests {
+namespace sightline::tests::views_test {
 namespace {
 
 const sl_pose kPose = {{1, -20, 3}, {4, 5, 6}, {0, 0, 1}};
@@ -101,4 +101,4 @@ TEST(CapiViews, FromAFile) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::views_test

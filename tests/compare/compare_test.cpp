@@ -11,7 +11,7 @@
 
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::tests {
+namespace sightline::tests::compare_test {
 namespace {
 
 using compare::Change;
@@ -602,4 +602,4 @@ TEST(Compare, TellsProgressAndCanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::compare_test

@@ -19,7 +19,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::core {
+namespace sightline::core::atomic_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -199,4 +199,4 @@ TEST_F(AtomicFileTest, WritersOfOneTargetDoNotMix) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::atomic_file_test

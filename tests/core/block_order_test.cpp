@@ -9,7 +9,7 @@
 
 #include "sightline/tests/support/box_sets.h"
 
-namespace sightline::core {
+namespace sightline::core::block_order_test {
 namespace {
 
 using tests::boxes_in_a_site;
@@ -107,4 +107,4 @@ TEST(BlockOrder, BlocksHoldWhatSortingPutsThere) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::block_order_test

@@ -10,7 +10,7 @@
 
 #include "sightline/core/item_bounds.h"
 
-namespace sightline::core {
+namespace sightline::core::camera_path_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -354,4 +354,4 @@ TEST(MakeTour, OfItemsStaysWithThemWhateverLiesFarOff) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::camera_path_test

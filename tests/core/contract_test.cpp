@@ -3,7 +3,7 @@
 
 #include "sightline/core/scene.h"
 
-namespace sightline::core {
+namespace sightline::core::contract_test {
 namespace {
 
 #if GTEST_HAS_DEATH_TEST
@@ -69,4 +69,4 @@ TEST_F(ContractDeathTest, StaleMaterials) {
 #endif
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::contract_test

@@ -14,7 +14,7 @@
 #include "sightline/core/primitive.h"
 #include "sightline/core/view.h"
 
-namespace sightline::core {
+namespace sightline::core::conventions_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -292,4 +292,4 @@ TEST(OutwardRounding, BoxesContainTheirOriginalRelativeToAnyOrigin) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::conventions_test

@@ -11,7 +11,7 @@
 #include "sightline/core/internal/instruction_set.h"
 #include "sightline/core/view.h"
 
-namespace sightline::core {
+namespace sightline::core::embedder_flags_test {
 namespace {
 
 class EmbedderFlags : public testing::Test {
@@ -115,4 +115,4 @@ TEST_F(EmbedderFlags, TheMatrixOfAViewIsTheLibrarys) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::embedder_flags_test

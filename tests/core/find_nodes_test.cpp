@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::core {
+namespace sightline::core::find_nodes_test {
 namespace {
 
 TEST(FindNodes, ByNameAndAttribute) {
@@ -27,4 +27,4 @@ TEST(FindNodes, ByNameAndAttribute) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::find_nodes_test

@@ -11,7 +11,7 @@
 
 #include "sightline/core/visible_set.h"
 
-namespace sightline::core {
+namespace sightline::core::item_bounds_test {
 namespace {
 
 constexpr std::size_t kPadding = ItemBounds::kPadding;
@@ -273,4 +273,4 @@ TEST(FittedBounds, EqualTheirTwin) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::item_bounds_test

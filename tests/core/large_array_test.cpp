@@ -14,7 +14,7 @@
 #include "sightline/core/aabb.h"
 #include "sightline/core/internal/radix_sort.h"
 
-namespace sightline::core {
+namespace sightline::core::large_array_test {
 namespace {
 
 TEST(LargeArray, StartsAtALineAndHoldsWhatItIsGiven) {
@@ -134,4 +134,4 @@ TEST(NextBelow, IsWhatNextafterGives) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::large_array_test

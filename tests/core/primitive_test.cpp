@@ -10,7 +10,7 @@
 
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::core {
+namespace sightline::core::primitive_test {
 namespace {
 
 using tests::Random;
@@ -486,4 +486,4 @@ TEST(Primitive, DegenerateOnesKeepTheirExtent) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::primitive_test

@@ -9,7 +9,7 @@
 #include "sightline/tests/core/primitive_samples.h"
 #include "sightline/tests/core/scene_samples.h"
 
-namespace sightline::core {
+namespace sightline::core::scene_commit_test {
 namespace {
 
 using tests::Ids;
@@ -195,4 +195,4 @@ TEST(SceneCommit, EachSubscriptionGetsWhatWasPublishedSinceItAsked) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::scene_commit_test

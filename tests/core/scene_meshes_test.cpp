@@ -8,7 +8,7 @@
 #include "sightline/tests/core/primitive_samples.h"
 #include "sightline/tests/core/scene_samples.h"
 
-namespace sightline::core {
+namespace sightline::core::scene_meshes_test {
 namespace {
 
 using tests::Ids;
@@ -162,4 +162,4 @@ TEST(SceneMeshes, MeshBoundsFollowTheVerticesNotTheirBox) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::scene_meshes_test

@@ -11,7 +11,7 @@
 #include "sightline/tests/core/primitive_samples.h"
 #include "sightline/tests/core/scene_samples.h"
 
-namespace sightline::core {
+namespace sightline::core::scene_test {
 namespace {
 
 using tests::children_of;
@@ -362,4 +362,4 @@ TEST(Scene, HoldsAHundredThousandChildrenAndItemsOnOneNode) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::scene_test

@@ -12,7 +12,7 @@
 #include "sightline/tests/core/primitive_samples.h"
 #include "sightline/tests/core/scene_samples.h"
 
-namespace sightline::core {
+namespace sightline::core::scene_twin_test {
 namespace {
 
 using tests::children_of;
@@ -477,4 +477,4 @@ TEST(Scene, FailedCommitsPublishNothingUntilRepaired) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::scene_twin_test

@@ -11,7 +11,7 @@
 
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::core {
+namespace sightline::core::snapshot_test {
 namespace {
 
 using tests::Random;
@@ -593,4 +593,4 @@ TEST(Snapshot, CountsItsMemory) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::snapshot_test

@@ -8,7 +8,7 @@
 
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::core {
+namespace sightline::core::surface_area_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -56,4 +56,4 @@ TEST(SurfaceArea, OfAMeshIsThatOfItsTriangles) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::surface_area_test

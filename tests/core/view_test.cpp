@@ -8,7 +8,7 @@
 
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::core {
+namespace sightline::core::view_test {
 namespace {
 
 using tests::Random;
@@ -446,4 +446,4 @@ TEST(FittingPose, ViewsRefuseBadNumbers) {
 }
 
 }  // namespace
-}  // namespace sightline::core
+}  // namespace sightline::core::view_test

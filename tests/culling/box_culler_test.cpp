@@ -9,7 +9,7 @@
 
 #include "scenes.h"
 
-namespace sightline::tests {
+namespace sightline::tests::box_culler_test {
 namespace {
 
 using core::AabbD;
@@ -154,4 +154,4 @@ TEST(BoxCuller, RefusesWhatItCannotCull) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::box_culler_test

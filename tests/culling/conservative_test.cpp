@@ -17,7 +17,7 @@
 #include "sightline/culling/frustum_test.h"
 #include "sightline/culling/linear_culler.h"
 
-namespace sightline::tests {
+namespace sightline::tests::conservative_test {
 namespace {
 
 using core::Aabb;
@@ -202,4 +202,4 @@ TEST(ConservativeByHand, TouchingBoxesAreKept) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::conservative_test

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::culling {
+namespace sightline::culling::controller_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -459,4 +459,4 @@ TEST(Policy2009, DoublingEnds) {
 }
 
 }  // namespace
-}  // namespace sightline::culling
+}  // namespace sightline::culling::controller_test

@@ -30,7 +30,7 @@ std::atomic<std::uint64_t> g_allocations{0};
   std::free(p);
 }
 
-namespace sightline::tests {
+namespace sightline::tests::cpu_culler_test {
 namespace {
 
 using core::Aabb;
@@ -310,4 +310,4 @@ TEST(CpuCuller, SeveralThreadsAtOnce) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::cpu_culler_test

@@ -9,7 +9,7 @@
 #include "sightline/culling/linear_culler.h"
 #include "sightline/tests/culling/scenes.h"
 
-namespace sightline::tests {
+namespace sightline::tests::cull_states_test {
 namespace {
 
 using culling::CullState;
@@ -218,4 +218,4 @@ TEST(CullStates, WholeNodesThatAreLeftOutAreOneBox) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::cull_states_test

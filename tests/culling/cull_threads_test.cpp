@@ -11,7 +11,7 @@
 
 #include "scenes.h"
 
-namespace sightline::tests {
+namespace sightline::tests::cull_threads_test {
 namespace {
 
 using culling::CullThreads;
@@ -121,4 +121,4 @@ TEST(CullThreads, SeveralViewsAreTheViewsOneByOne) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::cull_threads_test

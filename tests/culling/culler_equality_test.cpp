@@ -5,7 +5,7 @@
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/linear_culler.h"
 
-namespace sightline::tests {
+namespace sightline::tests::culler_equality_test {
 namespace {
 
 using core::Aabb;
@@ -229,4 +229,4 @@ TEST(CullerEquality, ManyShortRanges) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::culler_equality_test

@@ -13,7 +13,7 @@
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/linear_culler.h"
 
-namespace sightline::tests {
+namespace sightline::tests::frustum_test_test {
 namespace {
 
 using core::Aabb;
@@ -264,4 +264,4 @@ TEST(FrustumTest, PlanesOutOfReach) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::frustum_test_test

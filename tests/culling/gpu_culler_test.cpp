@@ -8,7 +8,7 @@
 #include "sightline/tests/support/gl_test.h"
 #include "sightline/tests/support/gl_watch.h"
 
-namespace sightline {
+namespace sightline::gpu_culler_test {
 namespace {
 
 using core::Affine;
@@ -450,4 +450,4 @@ TEST_P(GpuCullerPictures, NothingIsReadBackFromCullToDraw) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::gpu_culler_test

@@ -11,7 +11,7 @@
 #include "sightline/tests/support/gl_test.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline {
+namespace sightline::gpu_real_models_test {
 namespace {
 
 using core::AabbD;
@@ -129,4 +129,4 @@ INSTANTIATE_TEST_SUITE_P(All, GpuRealModels,
                                          "huldra/WD1-PSUP.RVM"));
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::gpu_real_models_test

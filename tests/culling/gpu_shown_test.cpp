@@ -8,7 +8,7 @@
 #include "sightline/gpuprims/internal/view_block.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::gpu_shown_test {
 namespace {
 
 using core::Slot;
@@ -395,4 +395,4 @@ TEST_P(GpuShown, DrawsInTwoPassesWhatIsOpen) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::gpu_shown_test

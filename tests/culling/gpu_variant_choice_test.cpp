@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::culling {
+namespace sightline::culling::gpu_variant_choice_test {
 namespace {
 
 TEST(GpuVariantChoice, TakesTheCheaperVariant) {
@@ -32,4 +32,4 @@ TEST(GpuVariantChoice, TakesTheLeastOfEachTime) {
 }
 
 }  // namespace
-}  // namespace sightline::culling
+}  // namespace sightline::culling::gpu_variant_choice_test

@@ -7,7 +7,7 @@
 
 #include "scenes.h"
 
-namespace sightline::tests {
+namespace sightline::tests::hierarchy_test {
 namespace {
 
 using culling::Hierarchy;
@@ -168,4 +168,4 @@ TEST(Hierarchy, TakesLessThanOneByteAndAHalfPerItem) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::hierarchy_test

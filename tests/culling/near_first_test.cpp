@@ -8,7 +8,7 @@
 
 #include "scenes.h"
 
-namespace sightline::tests {
+namespace sightline::tests::near_first_test {
 namespace {
 
 using core::Slot;
@@ -100,4 +100,4 @@ TEST(NearFirst, HasNoPartsOfNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::near_first_test

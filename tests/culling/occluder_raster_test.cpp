@@ -10,7 +10,7 @@
 
 #include "exact_samples.h"
 
-namespace sightline::tests {
+namespace sightline::tests::occluder_raster_test {
 namespace {
 
 using core::AabbD;
@@ -530,4 +530,4 @@ TEST(OccluderRaster, FeedsTheOcclusionTest) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::occluder_raster_test

@@ -8,7 +8,7 @@
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::culling {
+namespace sightline::culling::region_query_test {
 namespace {
 
 using core::dvec3;
@@ -169,4 +169,4 @@ TEST(RegionQuery, RefusesBadRectangles) {
 }
 
 }  // namespace
-}  // namespace sightline::culling
+}  // namespace sightline::culling::region_query_test

@@ -9,7 +9,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/linear_culler.h"
 
-namespace sightline::tests {
+namespace sightline::tests::snapshot_edits_test {
 namespace {
 
 using core::ItemId;
@@ -279,4 +279,4 @@ TEST(SnapshotEdits, CopiesInPiecesCatchUp) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::snapshot_edits_test

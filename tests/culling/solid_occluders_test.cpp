@@ -14,7 +14,7 @@
 #include "sightline/culling/internal/solid_figures.h"
 #include "sightline/gpuprims/internal/primitives.h"
 
-namespace sightline::tests {
+namespace sightline::tests::solid_occluders_test {
 namespace {
 
 using core::Affine;
@@ -573,4 +573,4 @@ TEST(SolidOccluders, FeedTheOcclusionTest) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::solid_occluders_test

@@ -8,7 +8,7 @@
 
 #include "scenes.h"
 
-namespace sightline::tests {
+namespace sightline::tests::spatial_queries_test {
 namespace {
 
 using core::Aabb;
@@ -424,4 +424,4 @@ TEST(SpatialQueries, BadQueriesFindNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::spatial_queries_test

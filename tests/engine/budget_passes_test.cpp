@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::engine {
+namespace sightline::engine::budget_passes_test {
 namespace {
 
 using core::View;
@@ -116,4 +116,4 @@ TEST(BudgetPasses, ForeseeWhatIsPending) {
 }
 
 }  // namespace
-}  // namespace sightline::engine
+}  // namespace sightline::engine::budget_passes_test

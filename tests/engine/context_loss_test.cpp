@@ -7,7 +7,7 @@
 
 #include "drawn_grid.h"
 
-namespace sightline::tests {
+namespace sightline::tests::context_loss_test {
 namespace {
 
 using engine::CullerChoice;
@@ -221,4 +221,4 @@ TEST_F(ContextLossTest, AContextThatFailsIsNotTaken) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::context_loss_test

@@ -7,7 +7,7 @@
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
-namespace sightline::tests {
+namespace sightline::tests::cull_states_test {
 namespace {
 
 using culling::CullState;
@@ -254,4 +254,4 @@ TEST_F(CullStatesTest, ABudgetLosesUntilThePictureIsComplete) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::cull_states_test

@@ -10,7 +10,7 @@
 #include "sightline/gpuprims/internal/box.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
-namespace sightline::tests {
+namespace sightline::tests::drawing_test {
 namespace {
 
 using engine::CullerChoice;
@@ -349,4 +349,4 @@ TEST_F(DrawingTest, PicturesAreReadThroughTheEngine) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::drawing_test

@@ -10,7 +10,7 @@
 
 #include "sightline/engine/internal/rebuild.h"
 
-namespace sightline::engine {
+namespace sightline::engine::engine_test {
 namespace {
 
 using core::dvec3;
@@ -494,4 +494,4 @@ TEST(Engine, APauseIsNoFrameTime) {
 }
 
 }  // namespace
-}  // namespace sightline::engine
+}  // namespace sightline::engine::engine_test

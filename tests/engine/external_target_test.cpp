@@ -4,7 +4,7 @@
 #include "sightline/tests/engine/application.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
-namespace sightline::tests {
+namespace sightline::tests::external_target_test {
 namespace {
 
 using engine::CullerChoice;
@@ -390,4 +390,4 @@ TEST_F(ExternalTarget, EnginesOfOneSceneShowItsEditsInTheirFramebuffers) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::external_target_test

@@ -6,7 +6,7 @@
 #include "sightline/tests/engine/drawn_grid.h"
 #include "sightline/tests/engine/hostile_states.h"
 
-namespace sightline::tests {
+namespace sightline::tests::foreign_state_test {
 namespace {
 
 using engine::CullerChoice;
@@ -171,4 +171,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const testing::TestParamInfo<Way>& way) { return std::string(way.param.name); });
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::foreign_state_test

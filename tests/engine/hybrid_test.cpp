@@ -9,7 +9,7 @@
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
-namespace sightline::tests {
+namespace sightline::tests::hybrid_test {
 namespace {
 
 using engine::CullerChoice;
@@ -457,4 +457,4 @@ TEST(Hybrid, LearnsTheSameWhereverItBegins) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::hybrid_test

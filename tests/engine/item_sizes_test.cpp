@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::engine {
+namespace sightline::engine::item_sizes_test {
 namespace {
 
 using core::View;
@@ -63,4 +63,4 @@ TEST(ItemSizes, VacantSlotsAreNone) {
 }
 
 }  // namespace
-}  // namespace sightline::engine
+}  // namespace sightline::engine::item_sizes_test

@@ -9,7 +9,7 @@
 #include "sightline/tests/engine/state_dump.h"
 #include "sightline/tests/support/gl_objects.h"
 
-namespace sightline::tests {
+namespace sightline::tests::kept_state_test {
 namespace {
 
 using engine::CullerChoice;
@@ -257,4 +257,4 @@ INSTANTIATE_TEST_SUITE_P(Ways, KeptState, testing::ValuesIn(kWays),
                          [](const testing::TestParamInfo<Way>& way) { return std::string(way.param.name); });
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::kept_state_test

@@ -14,7 +14,7 @@
 #include "sightline/tests/core/primitive_samples.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::occluder_depth_test {
 namespace {
 
 using core::Affine;
@@ -167,4 +167,4 @@ TEST_F(OccluderDepth, OfFiguresWithinSolidsIsNowhereNearerThanTheSolids) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::occluder_depth_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::engine {
+namespace sightline::engine::occlusion_switch_test {
 namespace {
 
 /// Frames of both ways with noise; what they cost together.
@@ -97,4 +97,4 @@ TEST(OcclusionSwitch, FramesWithoutACostTellNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::engine
+}  // namespace sightline::engine::occlusion_switch_test

@@ -8,7 +8,7 @@
 #include "sightline/core/scene.h"
 #include "sightline/tests/engine/ways_to_draw.h"
 
-namespace sightline::tests {
+namespace sightline::tests::overlays_test {
 namespace {
 
 using core::ItemId;
@@ -342,4 +342,4 @@ TEST_F(OverlaysTest, CostNothingUnused) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::overlays_test

@@ -8,7 +8,7 @@
 #include "sightline/core/scene.h"
 #include "sightline/tests/engine/ways_to_draw.h"
 
-namespace sightline::tests {
+namespace sightline::tests::overrides_test {
 namespace {
 
 using core::ItemId;
@@ -411,4 +411,4 @@ TEST_F(OverridesTest, CostNothingAfterTheLastIsCleared) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::overrides_test

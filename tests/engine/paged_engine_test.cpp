@@ -25,7 +25,7 @@
 #include "sightline/importers/slc/slc_writer.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::engine {
+namespace sightline::engine::paged_engine_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -507,4 +507,4 @@ TEST_F(PagedEngineTest, AnEmptySceneIsComplete) {
 }
 
 }  // namespace
-}  // namespace sightline::engine
+}  // namespace sightline::engine::paged_engine_test

@@ -11,7 +11,7 @@
 
 #include "sightline/engine/engine.h"
 
-namespace sightline::engine {
+namespace sightline::engine::pick_test {
 namespace {
 
 using core::dvec3;
@@ -347,4 +347,4 @@ TEST(Pick, FollowsBackgroundRebuilds) {
 }
 
 }  // namespace
-}  // namespace sightline::engine
+}  // namespace sightline::engine::pick_test

@@ -8,7 +8,7 @@
 #include "sightline/core/scene.h"
 #include "sightline/tests/engine/ways_to_draw.h"
 
-namespace sightline::tests {
+namespace sightline::tests::picture_parts_test {
 namespace {
 
 using core::ItemId;
@@ -172,4 +172,4 @@ TEST_P(PicturePartsInAllWays, JoinWithoutSeams) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::picture_parts_test

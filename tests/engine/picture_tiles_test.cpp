@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::engine {
+namespace sightline::engine::picture_tiles_test {
 namespace {
 
 constexpr unsigned kSeed = 20261123;
@@ -84,4 +84,4 @@ TEST(PictureTiles, RefuseWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace sightline::engine
+}  // namespace sightline::engine::picture_tiles_test

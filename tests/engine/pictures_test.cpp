@@ -7,7 +7,7 @@
 #include "sightline/tests/render/picture_check.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::pictures_test {
 namespace {
 
 using core::dmat3;
@@ -153,4 +153,4 @@ TEST_F(Pictures, OfEveryPlatformAreTheSame) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::pictures_test

@@ -11,7 +11,7 @@
 #include "sightline/tests/engine/state_dump.h"
 #include "sightline/tests/engine/ways_to_draw.h"
 
-namespace sightline::tests {
+namespace sightline::tests::portions_test {
 namespace {
 
 using engine::CullerChoice;
@@ -246,4 +246,4 @@ TEST_P(Portions, MayBeGivenUp) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::portions_test

@@ -9,7 +9,7 @@
 #include "sightline/core/scene.h"
 #include "sightline/tests/engine/ways_to_draw.h"
 
-namespace sightline::tests {
+namespace sightline::tests::relief_test {
 namespace {
 
 using engine::CullerChoice;
@@ -264,4 +264,4 @@ TEST_F(ReliefTest, ConfigureChangesWhatItSays) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::relief_test

@@ -8,7 +8,7 @@
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/tests/engine/ways_to_draw.h"
 
-namespace sightline::tests {
+namespace sightline::tests::scene_parts_test {
 namespace {
 
 using engine::Engine;
@@ -126,4 +126,4 @@ TEST_F(SceneParts, MustExist) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::scene_parts_test

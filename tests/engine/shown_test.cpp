@@ -12,7 +12,7 @@
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::engine {
+namespace sightline::engine::shown_test {
 namespace {
 
 using core::dvec3;
@@ -606,4 +606,4 @@ INSTANTIATE_TEST_SUITE_P(Gpu, OcclusionShown,
                          testing::Combine(testing::Values(kPaths[1], kPaths[2]), testing::Range(1, 3)), path_and_seed);
 
 }  // namespace
-}  // namespace sightline::engine
+}  // namespace sightline::engine::shown_test

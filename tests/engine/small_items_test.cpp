@@ -13,7 +13,7 @@
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::engine {
+namespace sightline::engine::small_items_test {
 namespace {
 
 using core::dvec3;
@@ -342,4 +342,4 @@ TEST(SmallItems, SharesAreEvenAndNested) {
 }
 
 }  // namespace
-}  // namespace sightline::engine
+}  // namespace sightline::engine::small_items_test

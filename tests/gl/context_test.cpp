@@ -14,7 +14,7 @@
 #include "sightline/gl/internal/buffer.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::gl {
+namespace sightline::gl::context_test {
 namespace {
 
 using ContextTest = tests::GlTest;
@@ -525,4 +525,4 @@ TEST_F(ContextTest, ATableCanBeCopiedAndItsCallsCounted) {
 }
 
 }  // namespace
-}  // namespace sightline::gl
+}  // namespace sightline::gl::context_test

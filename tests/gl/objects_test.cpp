@@ -14,7 +14,7 @@
 #include "sightline/gl/internal/vertex_array.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::gl {
+namespace sightline::gl::objects_test {
 namespace {
 
 using ObjectsTest = tests::GlTest;
@@ -240,4 +240,4 @@ TEST_F(ObjectsTest, VertexArrayBinds) {
 }
 
 }  // namespace
-}  // namespace sightline::gl
+}  // namespace sightline::gl::objects_test

@@ -17,7 +17,7 @@
 #include "sightline/tests/gl/test_shaders.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::gl {
+namespace sightline::gl::program_cache_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -311,4 +311,4 @@ TEST(ProgramCacheFolder, IsTheUsersCacheFolder) {
 }
 
 }  // namespace
-}  // namespace sightline::gl
+}  // namespace sightline::gl::program_cache_test

@@ -13,7 +13,7 @@
 #include "sightline/tests/gl/test_shaders.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::gl {
+namespace sightline::gl::program_test {
 namespace {
 
 using ProgramTest = tests::GlTest;
@@ -198,4 +198,4 @@ TEST_F(ProgramTest, UnknownStageIsAnError) {
 }
 
 }  // namespace
-}  // namespace sightline::gl
+}  // namespace sightline::gl::program_test

@@ -8,8 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "sightline/tests/gl/test_shaders.h"
+#include "sightline/tests/support/places.h"
 
-namespace sightline::gl {
+namespace sightline::gl::shader_source_test {
 namespace {
 
 using Table = std::vector<ShaderFile>;
@@ -113,7 +114,7 @@ TEST(ShaderSource, EmbeddedFilesAreTheFiles) {
   ASSERT_EQ(tests::shaders().size(), 4u);
   EXPECT_EQ(tests::shaders()[3].first, "odd_text.glsl");
   for (const auto& [name, text] : tests::shaders()) {
-    std::ifstream file(std::string(SIGHTLINE_SOURCE_DIR "/tests/gl/shaders/").append(name), std::ios::binary);
+    std::ifstream file(tests::in_checkout("tests/gl/shaders") / name, std::ios::binary);
     ASSERT_TRUE(file) << name;
     std::stringstream contents;
     contents << file.rdbuf();
@@ -122,4 +123,4 @@ TEST(ShaderSource, EmbeddedFilesAreTheFiles) {
 }
 
 }  // namespace
-}  // namespace sightline::gl
+}  // namespace sightline::gl::shader_source_test

@@ -4,7 +4,7 @@
 
 #include "intersection_twin.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::box_test {
 namespace {
 
 using twin::LVec;
@@ -78,4 +78,4 @@ TEST(Box, AlongAnAxisAndThroughACorner) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::box_test

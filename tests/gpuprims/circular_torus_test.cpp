@@ -6,7 +6,7 @@
 
 #include "intersection_twin.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::circular_torus_test {
 namespace {
 
 using twin::LVec;
@@ -178,4 +178,4 @@ TEST(CircularTorus, TurnsAHairShortAreClosed) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::circular_torus_test

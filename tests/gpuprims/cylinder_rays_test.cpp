@@ -9,7 +9,7 @@
 #include "sightline/gpuprims/internal/cylinder.h"
 #include "sightline/tests/support/instruction_sets.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::cylinder_rays_test {
 namespace {
 
 using bench::first_crossings;
@@ -107,4 +107,4 @@ TEST(CylinderRays, UndefinedInputHitsNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::cylinder_rays_test

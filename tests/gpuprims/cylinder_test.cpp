@@ -4,7 +4,7 @@
 
 #include "intersection_twin.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::cylinder_test {
 namespace {
 
 using twin::LVec;
@@ -86,4 +86,4 @@ TEST(Cylinder, OpenEndsDropTheirCrossingOnly) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::cylinder_test

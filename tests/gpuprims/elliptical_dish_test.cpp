@@ -5,7 +5,7 @@
 #include "dish_checks.h"
 #include "intersection_twin.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::elliptical_dish_test {
 namespace {
 
 using twin::LVec;
@@ -51,4 +51,4 @@ TEST(EllipticalDish, OpenBaseDropsItsCrossingOnly) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::elliptical_dish_test

@@ -10,7 +10,7 @@
 
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::joints_test {
 namespace {
 
 using namespace core;
@@ -445,4 +445,4 @@ TEST(Joints, AMaterialOfLaterIsKnownToANewOrder) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::joints_test

@@ -8,7 +8,7 @@
 #include "sightline/gpuprims/internal/box.h"
 #include "sightline/gpuprims/internal/circular_torus.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::primitives_test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
@@ -94,4 +94,4 @@ TYPED_TEST(EveryPrimitive, TakesNegativeLengthsAsAbsolute) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::primitives_test

@@ -4,7 +4,7 @@
 
 #include "intersection_twin.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::pyramid_test {
 namespace {
 
 using core::dvec2;
@@ -125,4 +125,4 @@ TEST(Pyramid, OpenEndsDropTheirCrossingOnly) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::pyramid_test

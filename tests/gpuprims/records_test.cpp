@@ -10,7 +10,7 @@
 #include "sightline/gpuprims/internal/packing.h"
 #include "sightline/gpuprims/internal/view_block.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::records_test {
 namespace {
 
 using core::dvec3;
@@ -223,4 +223,4 @@ TEST(ViewBlock, RefusesOtherProjections) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::records_test

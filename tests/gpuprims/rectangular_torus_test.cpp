@@ -6,7 +6,7 @@
 
 #include "intersection_twin.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::rectangular_torus_test {
 namespace {
 
 using twin::LVec;
@@ -151,4 +151,4 @@ TEST(RectangularTorus, TurnsAHairShortAreClosed) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::rectangular_torus_test

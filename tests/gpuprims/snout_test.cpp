@@ -5,7 +5,7 @@
 #include "intersection_twin.h"
 #include "sightline/gpuprims/internal/cylinder.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::snout_test {
 namespace {
 
 using twin::LVec;
@@ -185,4 +185,4 @@ TEST(Snout, OpenEndsDropTheirCrossingOnly) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::snout_test

@@ -4,7 +4,7 @@
 
 #include "intersection_twin.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::sphere_test {
 namespace {
 
 using twin::LVec;
@@ -46,4 +46,4 @@ TEST(Sphere, NegativeDiameterCountsAsAbsoluteAndZeroIsNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::sphere_test

@@ -5,7 +5,7 @@
 #include "dish_checks.h"
 #include "intersection_twin.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::spherical_dish_test {
 namespace {
 
 using twin::LVec;
@@ -75,4 +75,4 @@ TEST(SphericalDish, OpenBaseDropsItsCrossingOnly) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::spherical_dish_test

@@ -13,7 +13,7 @@
 #include "sightline/gpuprims/internal/primitives.h"
 #include "sightline/gpuprims/internal/snout.h"
 
-namespace sightline::gpuprims {
+namespace sightline::gpuprims::tessellation_test {
 namespace {
 
 using core::Kind;
@@ -412,4 +412,4 @@ TEST(Tessellation, OpenEndsHaveARim) {
 }
 
 }  // namespace
-}  // namespace sightline::gpuprims
+}  // namespace sightline::gpuprims::tessellation_test

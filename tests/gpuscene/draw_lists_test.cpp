@@ -13,7 +13,7 @@
 #include "sightline/render/internal/renderer.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline {
+namespace sightline::draw_lists_test {
 namespace {
 
 using core::dvec3;
@@ -217,4 +217,4 @@ TEST_F(FrontFaces, OfAMeshThatIsSolidInPart) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::draw_lists_test

@@ -10,7 +10,7 @@
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline {
+namespace sightline::element_writer_test {
 namespace {
 
 using gpuscene::ElementWriter;
@@ -126,4 +126,4 @@ TEST_F(ManyEdits, TakeFewCallsAndLeaveWhatANewSceneHas) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::element_writer_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline {
+namespace sightline::mesh_pool_test {
 namespace {
 
 using core::dvec3;
@@ -47,4 +47,4 @@ TEST(PackNormal, SaysWhatHasNoDirection) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::mesh_pool_test

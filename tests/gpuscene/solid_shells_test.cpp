@@ -8,7 +8,7 @@
 
 #include "sightline/gpuprims/internal/primitives.h"
 
-namespace sightline {
+namespace sightline::solid_shells_test {
 namespace {
 
 using core::vec3;
@@ -135,4 +135,4 @@ TEST(SolidShells, AHollowIsNoneOfThem) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::solid_shells_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline {
+namespace sightline::visible_records_test {
 namespace {
 
 using core::Slot;
@@ -199,4 +199,4 @@ TEST(VisibleRecords, ShortRunsAreSingleRecords) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::visible_records_test

@@ -39,17 +39,29 @@ struct Target {
   std::vector<Attack> attacks;  ///< beside truncation and mutation, which every format gets
 };
 
-std::vector<Attack> rvm_attacks();
-std::vector<Attack> attribute_attacks();
-std::vector<Attack> obj_attacks();
-std::vector<Attack> json_attacks();
-std::vector<Attack> gltf_attacks();
-std::vector<Attack> glb_attacks();
+namespace gltf {
+std::vector<Attack> attacks();
+std::vector<Attack> binary_attacks();
+}  // namespace gltf
+namespace json {
+std::vector<Attack> attacks();
+}
+namespace obj {
+std::vector<Attack> attacks();
+}
+namespace polygon_file {
 std::vector<Attack> ply_attacks();
 std::vector<Attack> stl_attacks();
-std::vector<Attack> vtk_attacks();
-std::vector<Attack> vtp_attacks();
-std::vector<Attack> vtm_attacks();
+}  // namespace polygon_file
+namespace rvm {
+std::vector<Attack> attacks();
+std::vector<Attack> attribute_attacks();
+}  // namespace rvm
+namespace vtk {
+std::vector<Attack> legacy_attacks();
+std::vector<Attack> polygon_attacks();
+std::vector<Attack> block_attacks();
+}  // namespace vtk
 
 /// Text over and over.
 std::string repeated(const std::string& text, std::size_t times);

@@ -1,6 +1,6 @@
 #include "sightline/tests/hostile/attack.h"
 
-namespace sightline::hostile {
+namespace sightline::hostile::gltf {
 namespace {
 
 /// Parts of a document; the default is one triangle whose positions lie in a data URI of 36 bytes.
@@ -164,14 +164,14 @@ Case absurd_length(std::size_t k) {
 
 }  // namespace
 
-std::vector<Attack> gltf_attacks() {
+std::vector<Attack> attacks() {
   return {{"absurd counts", 36, absurd_count},        {"cycles", 6, cycle},
           {"deep nesting (to 1,000,000)", 4, nested}, {"swelling", 5, swollen},
           {"missing side files", 6, missing},         {"path traversal", 10, traversal}};
 }
 
-std::vector<Attack> glb_attacks() {
+std::vector<Attack> binary_attacks() {
   return {{"absurd lengths", 18, absurd_length}};
 }
 
-}  // namespace sightline::hostile
+}  // namespace sightline::hostile::gltf

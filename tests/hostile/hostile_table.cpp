@@ -28,6 +28,7 @@
 #include "sightline/importers/import.h"
 #include "sightline/importers/view_json.h"
 #include "sightline/tests/hostile/attack.h"
+#include "sightline/tests/support/places.h"
 
 namespace sightline::hostile {
 
@@ -254,7 +255,7 @@ Row run(const Target& target, const Attack& attack, Folder& folder) {
 /// Models; the fuzz targets' side files, which have no names, are left out.
 std::vector<std::string> seeds_of(const Target& target) {
   std::vector<fs::path> paths;
-  for (const auto& entry : fs::directory_iterator(fs::path(SIGHTLINE_SOURCE_DIR) / "tests/fuzz/corpus" / target.format))
+  for (const auto& entry : fs::directory_iterator(tests::in_checkout("tests/fuzz/corpus") / target.format))
     if (entry.path().extension() == target.extension) paths.push_back(entry.path());
   std::sort(paths.begin(), paths.end());
   std::vector<std::string> seeds;
@@ -317,22 +318,22 @@ void warm_up(const Target& target, Folder& folder) {
 }
 
 std::vector<Target> targets() {
-  std::vector<Target> all = {{"rvm", ".rvm", rvm_attacks()}, {"rvm_attributes", ".txt", attribute_attacks()}};
+  std::vector<Target> all = {{"rvm", ".rvm", rvm::attacks()}, {"rvm_attributes", ".txt", rvm::attribute_attacks()}};
   const auto known = importers::known_extensions();
   const auto add = [&](const char* format, const char* extension, std::vector<Attack> (*attacks)()) {
     if (std::find(known.begin(), known.end(), extension) != known.end()) all.push_back({format, extension, attacks()});
   };
-  add("obj", ".obj", obj_attacks);
-  add("gltf", ".gltf", gltf_attacks);
-  add("gltf", ".glb", glb_attacks);
-  add("ply", ".ply", ply_attacks);
-  add("stl", ".stl", stl_attacks);
-  add("vtk", ".vtk", vtk_attacks);
-  add("vtk", ".vtp", vtp_attacks);
+  add("obj", ".obj", obj::attacks);
+  add("gltf", ".gltf", gltf::attacks);
+  add("gltf", ".glb", gltf::binary_attacks);
+  add("ply", ".ply", polygon_file::ply_attacks);
+  add("stl", ".stl", polygon_file::stl_attacks);
+  add("vtk", ".vtk", vtk::legacy_attacks);
+  add("vtk", ".vtp", vtk::polygon_attacks);
   add("vtk", ".vtu", [] { return std::vector<Attack>(); });
-  add("vtk", ".vtm", vtm_attacks);
-  all.push_back({"view_json", ".json", json_attacks()});
-  all.push_back({"path_json", ".json", json_attacks()});
+  add("vtk", ".vtm", vtk::block_attacks);
+  all.push_back({"view_json", ".json", json::attacks()});
+  all.push_back({"path_json", ".json", json::attacks()});
   return all;
 }
 

@@ -1,6 +1,6 @@
 #include "sightline/tests/hostile/attack.h"
 
-namespace sightline::hostile {
+namespace sightline::hostile::json {
 namespace {
 
 Case absurd_number(std::size_t k) {
@@ -18,8 +18,8 @@ Case nested(std::size_t k) {
 
 }  // namespace
 
-std::vector<Attack> json_attacks() {
+std::vector<Attack> attacks() {
   return {{"absurd numbers", 5, absurd_number}, {"deep nesting (1,000,000)", 3, nested}};
 }
 
-}  // namespace sightline::hostile
+}  // namespace sightline::hostile::json

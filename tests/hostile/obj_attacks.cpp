@@ -1,6 +1,6 @@
 #include "sightline/tests/hostile/attack.h"
 
-namespace sightline::hostile {
+namespace sightline::hostile::obj {
 namespace {
 
 const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -55,11 +55,11 @@ Case swollen(std::size_t k) {
 
 }  // namespace
 
-std::vector<Attack> obj_attacks() {
+std::vector<Attack> attacks() {
   return {{"absurd counts", 6, absurd_index},
           {"swelling", 4, swollen},
           {"missing side files", 4, missing},
           {"path traversal", 9, traversal}};
 }
 
-}  // namespace sightline::hostile
+}  // namespace sightline::hostile::obj

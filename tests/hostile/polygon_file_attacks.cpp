@@ -1,7 +1,7 @@
 // PLY and STL.
 #include "sightline/tests/hostile/attack.h"
 
-namespace sightline::hostile {
+namespace sightline::hostile::polygon_file {
 namespace {
 
 constexpr const char* kCounts[] = {"4294967295", "2147483647", "18446744073709551615", "99999999999999999999", "-1"};
@@ -90,4 +90,4 @@ std::vector<Attack> stl_attacks() {
   return {{"absurd counts", 5, stl_count}, {"swelling and nesting", 3, stl_swollen}};
 }
 
-}  // namespace sightline::hostile
+}  // namespace sightline::hostile::polygon_file

@@ -1,7 +1,7 @@
 #include "sightline/tests/hostile/attack.h"
 #include "sightline/tests/importers/rvm_bytes.h"
 
-namespace sightline::hostile {
+namespace sightline::hostile::rvm {
 namespace {
 
 using tests::RvmBytes;
@@ -88,7 +88,7 @@ Case swollen_attributes(std::size_t k) {
 
 }  // namespace
 
-std::vector<Attack> rvm_attacks() {
+std::vector<Attack> attacks() {
   return {{"absurd counts", 16, absurd_count},
           {"cycles", 3, cycle},
           {"deep nesting (100,000)", 1, nested},
@@ -99,4 +99,4 @@ std::vector<Attack> attribute_attacks() {
   return {{"deep nesting (1,000,000)", 2, nested_elements}, {"swelling", 3, swollen_attributes}};
 }
 
-}  // namespace sightline::hostile
+}  // namespace sightline::hostile::rvm

@@ -1,6 +1,6 @@
 #include "sightline/tests/hostile/attack.h"
 
-namespace sightline::hostile {
+namespace sightline::hostile::vtk {
 namespace {
 
 constexpr const char* kCounts[] = {"4294967295", "9223372036854775807", "99999999999999999999", "-1", "1431655766"};
@@ -130,19 +130,19 @@ Case traversal(std::size_t k) {
 
 }  // namespace
 
-std::vector<Attack> vtk_attacks() {
+std::vector<Attack> legacy_attacks() {
   return {{"absurd counts", 30, legacy_count}, {"swelling", 3, swollen}};
 }
 
-std::vector<Attack> vtp_attacks() {
+std::vector<Attack> polygon_attacks() {
   return {{"absurd counts", 13, xml_count}};
 }
 
-std::vector<Attack> vtm_attacks() {
+std::vector<Attack> block_attacks() {
   return {{"cycles", 3, cycle},
           {"deep nesting (to 500,000)", 2, nested},
           {"missing side files", 5, missing},
           {"path traversal", 9, traversal}};
 }
 
-}  // namespace sightline::hostile
+}  // namespace sightline::hostile::vtk

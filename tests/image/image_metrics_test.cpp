@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::image {
+namespace sightline::image::image_metrics_test {
 namespace {
 
 Image uniform(int width, int height, std::uint8_t r, std::uint8_t g, std::uint8_t b) {
@@ -235,4 +235,4 @@ TEST(WrongIds, AreCounted) {
 }
 
 }  // namespace
-}  // namespace sightline::image
+}  // namespace sightline::image::image_metrics_test

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::image {
+namespace sightline::image::image_test {
 namespace {
 
 std::string temporary(const std::string& name) {
@@ -162,4 +162,4 @@ TEST(Image, ComparisonCountsWhatDiffers) {
 }
 
 }  // namespace
-}  // namespace sightline::image
+}  // namespace sightline::image::image_test

@@ -12,7 +12,7 @@
 #include "sightline/tests/importers/gltf_bytes.h"
 #include "sightline/tests/importers/triangle_distance.h"
 
-namespace sightline::importers {
+namespace sightline::importers::gltf_collections_test {
 namespace {
 
 using core::dvec2;
@@ -507,4 +507,4 @@ TEST_F(GltfCollectionsTest, FacesOfOnePartAndColourAreOneMesh) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::gltf_collections_test

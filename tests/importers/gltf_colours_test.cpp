@@ -11,7 +11,7 @@
 #include "sightline/importers/internal/face_colours.h"
 #include "sightline/tests/importers/gltf_reading.h"
 
-namespace sightline::importers {
+namespace sightline::importers::gltf_colours_test {
 namespace {
 
 using core::dvec3;
@@ -215,4 +215,4 @@ TEST_F(GltfColours, DamageSaysWhere) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::gltf_colours_test

@@ -20,7 +20,7 @@
 #include "sightline/tests/importers/gltf_reading.h"
 #include "sightline/tests/importers/hostile.h"
 
-namespace sightline::importers {
+namespace sightline::importers::gltf_compression_test {
 namespace {
 
 using core::dvec3;
@@ -468,4 +468,4 @@ TEST_F(GltfCompression, AbsentLibrariesAreNamed) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::gltf_compression_test

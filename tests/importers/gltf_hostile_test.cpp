@@ -8,7 +8,7 @@
 #include "sightline/tests/importers/gltf_bytes.h"
 #include "sightline/tests/importers/hostile.h"
 
-namespace sightline::importers {
+namespace sightline::importers::gltf_hostile_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -286,4 +286,4 @@ TEST(GltfHostile, MemoryOfTheWorstInputs) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::gltf_hostile_test

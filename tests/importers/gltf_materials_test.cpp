@@ -8,7 +8,7 @@
 
 #include "sightline/tests/importers/gltf_reading.h"
 
-namespace sightline::importers {
+namespace sightline::importers::gltf_materials_test {
 namespace {
 
 using tests::GltfBytes;
@@ -171,4 +171,4 @@ TEST_F(GltfReaderMaterials, DarkAndInvisibleTextures) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::gltf_materials_test

@@ -6,7 +6,7 @@
 
 #include "sightline/tests/importers/gltf_reading.h"
 
-namespace sightline::importers {
+namespace sightline::importers::gltf_meshes_test {
 namespace {
 
 using core::dvec3;
@@ -245,4 +245,4 @@ TEST_F(GltfReaderMeshes, GeometryThatIsNotFiniteIsDropped) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::gltf_meshes_test

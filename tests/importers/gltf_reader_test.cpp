@@ -11,7 +11,7 @@
 #include "sightline/tests/importers/gltf_reading.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::importers {
+namespace sightline::importers::gltf_reader_test {
 namespace {
 
 using core::dvec3;
@@ -351,4 +351,4 @@ TEST_F(GltfReader, RealFile) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::gltf_reader_test

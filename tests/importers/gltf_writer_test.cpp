@@ -13,7 +13,7 @@
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/tests/importers/gltf_structure.h"
 
-namespace sightline::importers {
+namespace sightline::importers::gltf_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -422,4 +422,4 @@ TEST_F(GltfWriter, FailuresLeaveNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::gltf_writer_test

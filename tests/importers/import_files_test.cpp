@@ -13,7 +13,7 @@
 #include "sightline/tests/importers/rvm_bytes.h"
 #include "sightline/tests/importers/scene_compare.h"
 
-namespace sightline::importers {
+namespace sightline::importers::import_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -263,4 +263,4 @@ TEST_F(SmallFiles, AFailingAttributeFileTakesTheModelsBack) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::import_files_test

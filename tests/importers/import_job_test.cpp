@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::importers {
+namespace sightline::importers::import_job_test {
 namespace {
 
 using core::Affine;
@@ -300,4 +300,4 @@ TEST(PolygonMesh, DropsBadFacesAndUnusedVertices) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::import_job_test

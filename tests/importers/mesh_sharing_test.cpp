@@ -7,7 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <gtest/gtest.h>
 
-namespace sightline::importers {
+namespace sightline::importers::mesh_sharing_test {
 namespace {
 
 using core::Affine;
@@ -214,4 +214,4 @@ TEST(MeshSharing, TellsManyBoxesApart) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::mesh_sharing_test

@@ -14,7 +14,7 @@
 #include "sightline/importers/import.h"
 #include "sightline/tests/importers/rvm_bytes.h"
 
-namespace sightline::importers {
+namespace sightline::importers::mixed_formats_test {
 namespace {
 
 /// A box in the scene, in metres, z up.
@@ -214,4 +214,4 @@ INSTANTIATE_TEST_SUITE_P(Frames, MixedFormats,
                                          ImportOptions{.metres_per_unit = 0.0254, .up = UpAxis::kY}));
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::mixed_formats_test

@@ -11,7 +11,7 @@
 #include "sightline/importers/import.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::importers {
+namespace sightline::importers::obj_reader_test {
 namespace {
 
 class ObjReader : public testing::Test {
@@ -223,4 +223,4 @@ TEST_F(ObjReader, PartsWithoutAFaceGiveNoItem) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::obj_reader_test

@@ -10,7 +10,7 @@
 
 #include "sightline/importers/import.h"
 
-namespace sightline::importers {
+namespace sightline::importers::obj_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -286,4 +286,4 @@ TEST_F(ObjWriter, NormalsGoWithTheSurface) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::obj_writer_test

@@ -21,7 +21,7 @@
 #include "sightline/tests/importers/slc_bytes.h"
 #include "sightline/tests/support/counted_memory.h"
 
-namespace sightline::importers {
+namespace sightline::importers::paged_scene_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -356,4 +356,4 @@ TEST_F(PagedSceneTest, FilesThatAreCutShortAreRefused) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::paged_scene_test

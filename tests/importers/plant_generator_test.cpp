@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::importers {
+namespace sightline::importers::plant_generator_test {
 namespace {
 
 using core::Affine;
@@ -293,4 +293,4 @@ TEST(PlantGenerator, RefusesOtherSizes) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::plant_generator_test

@@ -11,9 +11,10 @@
 
 #include "sightline/importers/internal/face_colours.h"
 #include "sightline/tests/importers/hostile.h"
+#include "sightline/tests/support/places.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::importers {
+namespace sightline::importers::ply_reader_test {
 namespace {
 
 using core::dvec3;
@@ -444,8 +445,7 @@ TEST_F(PlyReader, CancelLeavesTheSceneAlone) {
 TEST_F(PlyReader, FilesOfVtk) {
   // Written by vtkPLYWriter of VTK 9.1 from a vtkConeSource of 12 sides, height 2 and radius 0.5, triangulated.
   for (const char* name : {"cone_vtk.ply", "cone_vtk_text.ply"}) {
-    const auto report =
-        import_file(std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "tests/data" / name, scene_, scene_.root());
+    const auto report = import_file(tests::in_checkout("tests/data") / name, scene_, scene_.root());
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->warnings.empty());
     const core::ItemId item = core::ItemId(scene_.item_count() - 1);
@@ -554,4 +554,4 @@ TEST(PlyHostile, MemoryOfTheWorstInputs) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::ply_reader_test

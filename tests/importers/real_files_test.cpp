@@ -8,7 +8,7 @@
 #include "sightline/importers/import.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::importers {
+namespace sightline::importers::real_files_test {
 namespace {
 
 struct Scan {
@@ -108,4 +108,4 @@ TEST(RealFiles, CountsOfTheSmallPlantAgreeWithAnIndependentScan) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::real_files_test

@@ -18,7 +18,7 @@
 #include "sightline/tests/importers/triangle_distance.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::importers {
+namespace sightline::importers::recognise_test {
 namespace {
 
 using core::dmat3;
@@ -813,4 +813,4 @@ TEST(Recognise, CachesKeepItApart) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::recognise_test

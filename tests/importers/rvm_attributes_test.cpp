@@ -12,7 +12,7 @@
 #include "sightline/tests/importers/rvm_bytes.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::importers {
+namespace sightline::importers::rvm_attributes_test {
 namespace {
 
 using core::NodeId;
@@ -234,4 +234,4 @@ TEST(RvmAttributesOfRealFiles, TheSmallPlantHasThemAll) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::rvm_attributes_test

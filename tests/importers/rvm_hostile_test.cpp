@@ -9,7 +9,7 @@
 #include "sightline/tests/importers/hostile.h"
 #include "sightline/tests/importers/rvm_bytes.h"
 
-namespace sightline::importers {
+namespace sightline::importers::rvm_hostile_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -207,4 +207,4 @@ TEST(RvmHostile, TextAndNoise) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::rvm_hostile_test

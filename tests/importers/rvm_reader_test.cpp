@@ -10,7 +10,7 @@
 
 #include "sightline/tests/importers/rvm_bytes.h"
 
-namespace sightline::importers {
+namespace sightline::importers::rvm_reader_test {
 namespace {
 
 using core::Kind;
@@ -460,4 +460,4 @@ TEST_F(ImportFile, AFailedImportLeavesTheSceneAsItWas) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::rvm_reader_test

@@ -15,7 +15,7 @@
 #include "sightline/tests/importers/rvm_text.h"
 #include "sightline/tests/importers/scene_compare.h"
 
-namespace sightline::importers {
+namespace sightline::importers::rvm_text_test {
 namespace {
 
 using tests::rvm_as_text;
@@ -204,4 +204,4 @@ TEST(RvmText, MemoryOfTheWorstInputs) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::rvm_text_test

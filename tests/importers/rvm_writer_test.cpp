@@ -14,7 +14,7 @@
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::importers {
+namespace sightline::importers::rvm_writer_test {
 namespace {
 
 using core::NodeId;
@@ -392,4 +392,4 @@ TEST(RvmWriter, BoxesHoldTheirItems) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::rvm_writer_test

@@ -8,7 +8,7 @@
 #include "sightline/tests/importers/hostile.h"
 #include "sightline/tests/importers/slc_bytes.h"
 
-namespace sightline::importers {
+namespace sightline::importers::slc_hostile_test {
 namespace {
 
 using tests::reseal;
@@ -139,4 +139,4 @@ TEST(SlcHostile, OtherVersionsAreNamed) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::slc_hostile_test

@@ -19,7 +19,7 @@
 #include "sightline/tests/importers/slc_bytes.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::importers {
+namespace sightline::importers::slc_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -543,4 +543,4 @@ TEST_F(SlcTest, ACancelledImportLeavesTheSceneAsItWas) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::slc_test

@@ -11,9 +11,10 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/rvm/rvm_writer.h"
+#include "sightline/tests/support/places.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::importers {
+namespace sightline::importers::small_plant_test {
 namespace {
 
 using core::dmat3;
@@ -81,7 +82,7 @@ std::vector<std::byte> small_plant() {
 
 TEST(SmallPlant, IsWhatItsRecipeMakes) {
   const std::vector<std::byte> made = small_plant();
-  const std::filesystem::path path = SIGHTLINE_SOURCE_DIR "/tests/data/small_plant.rvm";
+  const std::filesystem::path path = tests::in_checkout("tests/data/small_plant.rvm");
   if (std::getenv("SIGHTLINE_WRITE_DATA"))
     std::ofstream(path, std::ios::binary)
         .write(reinterpret_cast<const char*>(made.data()), std::streamsize(made.size()));
@@ -102,4 +103,4 @@ TEST(SmallPlant, HasEveryKindFarAway) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::small_plant_test

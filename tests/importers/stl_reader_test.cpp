@@ -11,8 +11,9 @@
 #include "sightline/importers/internal/face_colours.h"
 #include "sightline/importers/internal/vertex_welder.h"
 #include "sightline/tests/importers/hostile.h"
+#include "sightline/tests/support/places.h"
 
-namespace sightline::importers {
+namespace sightline::importers::stl_reader_test {
 namespace {
 
 using core::dvec3;
@@ -235,8 +236,7 @@ TEST_F(StlReader, FilesOfVtk) {
   for (const char* name : {"cone_vtk.stl", "cone_vtk_text.stl"}) {
     SCOPED_TRACE(name);
     scene_ = core::Scene();
-    const auto report =
-        import_file(std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "tests/data" / name, scene_, scene_.root());
+    const auto report = import_file(tests::in_checkout("tests/data") / name, scene_, scene_.root());
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->warnings.empty());
     EXPECT_EQ(mesh().positions.size(), 13u);
@@ -355,4 +355,4 @@ TEST(StlHostile, MemoryOfTheWorstInputs) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::stl_reader_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::importers {
+namespace sightline::importers::triangulate_test {
 namespace {
 
 using core::dvec3;
@@ -174,4 +174,4 @@ TEST(Triangulate, EndsOnHugePolygons) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::triangulate_test

@@ -10,7 +10,7 @@
 
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline::importers {
+namespace sightline::importers::view_json_test {
 namespace {
 
 using core::dvec3;
@@ -344,4 +344,4 @@ TEST(ViewJson, PathsKeepTheirRangeAndMoveWhole) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::view_json_test

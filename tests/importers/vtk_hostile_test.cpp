@@ -9,7 +9,7 @@
 #include "sightline/importers/vtk/internal/vtk_reader.h"
 #include "sightline/tests/importers/vtk_files.h"
 
-namespace sightline::importers {
+namespace sightline::importers::vtk_hostile_test {
 namespace {
 
 /// Reads from a heap buffer of exactly that size and checks that the scene is sound; true when the import succeeded.
@@ -285,4 +285,4 @@ TEST(VtkHostile, VtkKeepsQuiet) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::vtk_hostile_test

@@ -27,7 +27,7 @@
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/importers/vtk_samples.h"
 
-namespace sightline::importers {
+namespace sightline::importers::vtk_import_test {
 namespace {
 
 class VtkImport : public testing::Test {
@@ -295,4 +295,4 @@ TEST_F(VtkImport, AttributesOfOtherLengthAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::vtk_import_test

@@ -28,7 +28,7 @@
 #include "sightline/tests/importers/scene_compare.h"
 #include "sightline/tests/importers/vtk_files.h"
 
-namespace sightline::importers {
+namespace sightline::importers::vtk_reader_test {
 namespace {
 
 core::Expected<ImportReport> read(const std::string& bytes, const std::string& name, core::Scene& scene,
@@ -241,4 +241,4 @@ TEST(VtkReader, ProgressRises) {
 }
 
 }  // namespace
-}  // namespace sightline::importers
+}  // namespace sightline::importers::vtk_reader_test

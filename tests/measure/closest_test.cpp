@@ -7,7 +7,7 @@
 #include "sightline/measure/distances.h"
 #include "sightline/tests/measure/measure_samples.h"
 
-namespace sightline {
+namespace sightline::closest_test {
 namespace {
 
 using core::Affine;
@@ -366,4 +366,4 @@ TEST(Closest, DegenerateItemsDoNotFail) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::closest_test

@@ -7,7 +7,7 @@
 
 #include "sightline/tests/measure/measure_samples.h"
 
-namespace sightline {
+namespace sightline::distances_test {
 namespace {
 
 using core::dmat3;
@@ -263,4 +263,4 @@ TEST(Distances, BadItemsAreErrors) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::distances_test

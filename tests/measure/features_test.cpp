@@ -10,7 +10,7 @@
 #include "sightline/measure/distances.h"
 #include "sightline/tests/measure/measure_samples.h"
 
-namespace sightline {
+namespace sightline::features_test {
 namespace {
 
 using core::Affine;
@@ -247,4 +247,4 @@ TEST(Features, DegenerateAndBadInput) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::features_test

@@ -7,7 +7,7 @@
 
 #include "sightline/tests/measure/measure_samples.h"
 
-namespace sightline {
+namespace sightline::snap_test {
 namespace {
 
 using core::Affine;
@@ -235,4 +235,4 @@ TEST(Snap, VerticesWithinAnEdgeAreNoCorners) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::snap_test

@@ -9,7 +9,7 @@
 
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::raytrace {
+namespace sightline::raytrace::exact_visibility_test {
 namespace {
 
 using core::dvec3;
@@ -99,4 +99,4 @@ TEST(ExactVisibility, RefusesPicturesOfNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::raytrace
+}  // namespace sightline::raytrace::exact_visibility_test

@@ -10,7 +10,7 @@
 #include "sightline/raytrace/tracer.h"
 #include "sightline/tests/support/instruction_sets.h"
 
-namespace sightline::raytrace {
+namespace sightline::raytrace::extreme_rays_test {
 namespace {
 
 using core::dvec3;
@@ -362,4 +362,4 @@ TEST(ExtremeRays, EndsNextToTrianglesAreDecidedInDouble) {
 }
 
 }  // namespace
-}  // namespace sightline::raytrace
+}  // namespace sightline::raytrace::extreme_rays_test

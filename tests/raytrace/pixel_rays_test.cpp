@@ -7,7 +7,7 @@
 #include "sightline/core/conventions.h"
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::raytrace {
+namespace sightline::raytrace::pixel_rays_test {
 namespace {
 
 using core::dvec3;
@@ -108,4 +108,4 @@ TEST(PixelRay, PassesThroughThePixel) {
 }
 
 }  // namespace
-}  // namespace sightline::raytrace
+}  // namespace sightline::raytrace::pixel_rays_test

@@ -12,7 +12,7 @@
 #include "sightline/tests/raytrace/brute_force.h"
 #include "sightline/tests/support/instruction_sets.h"
 
-namespace sightline::raytrace {
+namespace sightline::raytrace::tracer_test {
 namespace {
 
 using core::Affine;
@@ -715,4 +715,4 @@ TEST(Tracer, RefusesRaysThatAreNone) {
 }
 
 }  // namespace
-}  // namespace sightline::raytrace
+}  // namespace sightline::raytrace::tracer_test

@@ -12,7 +12,7 @@
 #include "sightline/raytrace/internal/supersampling.h"
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::raytrace {
+namespace sightline::raytrace::whitted_test {
 namespace {
 
 using core::dvec3;
@@ -338,4 +338,4 @@ TEST(Supersampling, MarksEdges) {
 }
 
 }  // namespace
-}  // namespace sightline::raytrace
+}  // namespace sightline::raytrace::whitted_test

@@ -12,7 +12,7 @@
 #include "sightline/raytrace/internal/kernels.h"
 #include "sightline/tests/core/primitive_samples.h"
 
-namespace sightline::raytrace {
+namespace sightline::raytrace::wide_tree_test {
 namespace {
 
 using tests::Random;
@@ -142,4 +142,4 @@ TEST(WideTree, NothingIsAnEmptyTree) {
 }
 
 }  // namespace
-}  // namespace sightline::raytrace
+}  // namespace sightline::raytrace::wide_tree_test

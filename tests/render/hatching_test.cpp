@@ -9,7 +9,7 @@
 #include "sightline/tests/render/picture_check.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::hatching_test {
 namespace {
 
 using core::View;
@@ -231,4 +231,4 @@ TEST_F(HatchingTest, ConfigureSwitchesIt) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::hatching_test

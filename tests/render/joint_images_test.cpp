@@ -16,7 +16,7 @@
 #include "sightline/tests/support/gl_test.h"
 #include "sightline/tests/support/test_data.h"
 
-namespace sightline {
+namespace sightline::joint_images_test {
 namespace {
 
 using core::Affine;
@@ -410,4 +410,4 @@ TEST_F(JointImages, NoRayPassesBetweenEndsThatAreNotDrawn) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::joint_images_test

@@ -8,7 +8,7 @@
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline {
+namespace sightline::multisample_test {
 namespace {
 
 using core::Affine;
@@ -136,4 +136,4 @@ TEST_F(Multisample, SaysHowManySamplesShadersKnow) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::multisample_test

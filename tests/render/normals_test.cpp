@@ -9,7 +9,7 @@
 #include "sightline/render/internal/renderer.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline {
+namespace sightline::normals_test {
 namespace {
 
 using core::dvec3;
@@ -97,4 +97,4 @@ TEST_F(Normals, ChangeNothingElse) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::normals_test

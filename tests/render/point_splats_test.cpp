@@ -11,7 +11,7 @@
 #include "sightline/render/internal/renderer.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::render {
+namespace sightline::render::point_splats_test {
 namespace {
 
 using core::dvec3;
@@ -239,4 +239,4 @@ TEST_F(PointSplatsTest, DoNotHideWhatIsNearer) {
 }
 
 }  // namespace
-}  // namespace sightline::render
+}  // namespace sightline::render::point_splats_test

@@ -5,7 +5,7 @@
 #include "sightline/tests/render/picture_check.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::proxies_test {
 namespace {
 
 using core::dmat3;
@@ -136,4 +136,4 @@ TEST_F(Proxies, OfAnEyeThatIsJustOutsideAndLooksAwayCoverNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::proxies_test

@@ -12,7 +12,7 @@
 #include "sightline/tests/render/picture_check.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline {
+namespace sightline::ray_cast_test {
 namespace {
 
 using core::Affine;
@@ -182,4 +182,4 @@ TEST_F(RayCast, RandomSnoutsAndTori) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::ray_cast_test

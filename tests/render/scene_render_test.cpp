@@ -9,7 +9,7 @@
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline {
+namespace sightline::scene_render_test {
 namespace {
 
 using core::Affine;
@@ -395,4 +395,4 @@ TEST_F(SceneRender, TransparencyIsDitheredAndIdsStayExact) {
 }
 
 }  // namespace
-}  // namespace sightline
+}  // namespace sightline::scene_render_test

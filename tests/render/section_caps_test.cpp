@@ -8,7 +8,7 @@
 #include "sightline/tests/render/picture_check.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::section_caps_test {
 namespace {
 
 using core::dmat3;
@@ -184,4 +184,4 @@ TEST(Enclosure, TellsSolidsFromSheets) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::section_caps_test

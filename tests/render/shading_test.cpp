@@ -5,7 +5,7 @@
 #include "sightline/tests/render/picture_check.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::shading_test {
 namespace {
 
 using core::Affine;
@@ -331,4 +331,4 @@ TEST_F(Shading, OfSamplesIsTheirMean) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::shading_test

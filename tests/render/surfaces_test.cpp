@@ -9,7 +9,7 @@
 #include "sightline/tests/render/picture_check.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::tests {
+namespace sightline::tests::surfaces_test {
 namespace {
 
 using core::Affine;
@@ -351,4 +351,4 @@ TEST_F(Surfaces, OfMeshes) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::surfaces_test

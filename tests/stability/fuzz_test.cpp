@@ -7,7 +7,7 @@
 
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::bench {
+namespace sightline::bench::fuzz_test {
 namespace {
 
 class Fuzz : public testing::TestWithParam<core::Kind> {};
@@ -37,4 +37,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Fuzz,
                          [](const auto& kind) { return std::string(core::name_of(kind.param)); });
 
 }  // namespace
-}  // namespace sightline::bench
+}  // namespace sightline::bench::fuzz_test

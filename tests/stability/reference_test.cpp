@@ -11,7 +11,7 @@
 #include "sightline/bench/stability/cases.h"
 #include "sightline/bench/stability/measure.h"
 
-namespace sightline::bench {
+namespace sightline::bench::reference_test {
 namespace {
 
 using core::dmat3;
@@ -336,4 +336,4 @@ TEST(Cases, AimWell) {
 }
 
 }  // namespace
-}  // namespace sightline::bench
+}  // namespace sightline::bench::reference_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::bench {
+namespace sightline::bench::traced_rays_test {
 namespace {
 
 // A million together; a sanitizer takes ten times as long.
@@ -58,4 +58,4 @@ INSTANTIATE_TEST_SUITE_P(Everything, TracedRays,
                          shard_name);
 
 }  // namespace
-}  // namespace sightline::bench
+}  // namespace sightline::bench::traced_rays_test

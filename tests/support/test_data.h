@@ -5,14 +5,16 @@
 #include <filesystem>
 #include <string>
 
+#include "sightline/tests/support/places.h"
+
 namespace sightline::tests {
 
 /// Path of a file of tests/data, or below SIGHTLINE_DATA, or below ../shared/data beside the sources. May not exist.
 inline std::filesystem::path data_path(const std::string& name) {
-  const auto own = std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "tests" / "data" / name;
+  const auto own = in_checkout("tests/data") / name;
   if (std::filesystem::exists(own)) return own;
   if (const char* root = std::getenv("SIGHTLINE_DATA")) return std::filesystem::path(root) / name;
-  return std::filesystem::path(SIGHTLINE_SOURCE_DIR) / ".." / "shared" / "data" / name;
+  return in_checkout("../shared/data") / name;
 }
 
 inline bool have_data(const std::string& name) {

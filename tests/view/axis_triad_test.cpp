@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::axis_triad_test {
 namespace {
 
 constexpr core::dvec2 kCentre(100.0, 200.0);
@@ -68,4 +68,4 @@ TEST(AxisTriadTest, EndsLeadToViews) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::axis_triad_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::camera_test {
 namespace {
 
 using core::dvec2;
@@ -204,4 +204,4 @@ TEST(PathRecorderTest, KeepsAKeyEachQuarterSecondAndTheLast) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::camera_test

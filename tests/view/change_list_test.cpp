@@ -12,7 +12,7 @@
 #include "sightline/engine/pick.h"
 #include "sightline/raytrace/tracer.h"
 
-namespace sightline::apps {
+namespace sightline::apps::change_list_test {
 namespace {
 
 using compare::State;
@@ -460,4 +460,4 @@ TEST_F(ComparingSession, UndoGoesThroughIt) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::change_list_test

@@ -9,7 +9,7 @@
 
 #include "sightline/engine/engine.h"
 
-namespace sightline::tests {
+namespace sightline::tests::culling_boxes_test {
 namespace {
 
 using apps::CullingBoxes;
@@ -246,4 +246,4 @@ TEST_F(CullingBoxesTest, AFrozenCameraFollowsSectionsAndWhatIsShown) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::culling_boxes_test

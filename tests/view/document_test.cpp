@@ -8,7 +8,7 @@
 #include "sightline/engine/pick.h"
 #include "sightline/raytrace/tracer.h"
 
-namespace sightline::apps {
+namespace sightline::apps::document_test {
 namespace {
 
 using core::ItemId;
@@ -156,4 +156,4 @@ TEST_F(DocumentTest, UndoBringsBackEveryState) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::document_test

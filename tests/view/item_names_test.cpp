@@ -5,7 +5,7 @@
 
 #include "sightline/tests/view/random_scene.h"
 
-namespace sightline::apps {
+namespace sightline::apps::item_names_test {
 namespace {
 
 using core::ItemId;
@@ -94,4 +94,4 @@ TEST(ItemNamesTest, WhatIsMissingIsCountedAndHidesNothing) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::item_names_test

@@ -12,7 +12,7 @@
 #include "sightline/engine/engine.h"
 #include "sightline/importers/import.h"
 
-namespace sightline::apps {
+namespace sightline::apps::loader_test {
 namespace {
 
 class LoaderTest : public ::testing::Test {
@@ -111,4 +111,4 @@ TEST_F(LoaderTest, WhatCannotBeReadIsNotWorkedOn) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::loader_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::motion_resolution_test {
 namespace {
 
 constexpr double kSlow = 2.0 * MotionResolution::kLate, kQuick = 0.5 * MotionResolution::kLate;
@@ -29,4 +29,4 @@ TEST(MotionResolution, AllPixelsComeBackAtRest) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::motion_resolution_test

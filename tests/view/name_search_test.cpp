@@ -10,7 +10,7 @@
 #include "sightline/importers/import.h"
 #include "sightline/tests/view/random_scene.h"
 
-namespace sightline::tests {
+namespace sightline::tests::name_search_test {
 namespace {
 
 using apps::NameIndex;
@@ -257,4 +257,4 @@ TEST(NameSearch, SaysThatThereAreNoRegularExpressions) {
 #endif
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::name_search_test

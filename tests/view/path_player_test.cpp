@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::path_player_test {
 namespace {
 
 /// Two metres a second along x, from second 10 to 14.
@@ -90,4 +90,4 @@ TEST_F(PathPlayerTest, EvenlySpacedFrames) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::path_player_test

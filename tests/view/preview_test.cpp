@@ -13,7 +13,7 @@
 #include "sightline/image/image.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::apps {
+namespace sightline::apps::preview_test {
 namespace {
 
 using core::ItemId;
@@ -148,4 +148,4 @@ TEST_F(PreviewTest, HasBoxesForHugeMeshes) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::preview_test

@@ -5,7 +5,7 @@
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::script_test {
 namespace {
 
 using Type = Event::Type;
@@ -76,4 +76,4 @@ TEST(ScriptTest, ExpectationsCompareNumbersAndTexts) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::script_test

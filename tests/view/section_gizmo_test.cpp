@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::section_gizmo_test {
 namespace {
 
 using core::dvec2;
@@ -221,4 +221,4 @@ TEST(SectionGizmo, UnselectedOnesHaveOneArrow) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::section_gizmo_test

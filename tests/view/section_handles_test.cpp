@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::section_handles_test {
 namespace {
 
 using core::dvec2;
@@ -117,4 +117,4 @@ TEST_F(SectionHandlesTest, SurviveTheirSection) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::section_handles_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::sections_test {
 namespace {
 
 bool kept(const Sections& sections, const core::dvec3& point) {
@@ -94,4 +94,4 @@ TEST(SectionsTest, TheSelectedOneStaysSelected) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::sections_test

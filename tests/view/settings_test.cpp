@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-namespace sightline::apps {
+namespace sightline::apps::settings_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,4 +150,4 @@ TEST_F(SettingsTest, LieWhereTheUserKeepsThem) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::settings_test

@@ -8,7 +8,7 @@
 
 #include "sightline/tests/view/random_scene.h"
 
-namespace sightline::tests {
+namespace sightline::tests::tree_rows_test {
 namespace {
 
 using apps::TreeRow;
@@ -249,4 +249,4 @@ TEST(TreeLabel, NamesANodeOrItsFirstItem) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::tree_rows_test

@@ -12,7 +12,7 @@
 #include "sightline/apps/view/zip_archive.h"
 #endif
 
-namespace sightline::apps {
+namespace sightline::apps::view_list_test {
 namespace {
 
 Viewpoint view_of(int i, bool orthographic) {
@@ -316,4 +316,4 @@ TEST(ViewList, KnowsWhatNoFileHas) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::view_list_test

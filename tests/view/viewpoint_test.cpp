@@ -6,7 +6,7 @@
 #include "sightline/apps/view/camera.h"
 #include "sightline/importers/view_json.h"
 
-namespace sightline::apps {
+namespace sightline::apps::viewpoint_test {
 namespace {
 
 constexpr double kAspect = 1.5;
@@ -78,4 +78,4 @@ TEST(ViewpointTest, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::viewpoint_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sightline::apps {
+namespace sightline::apps::walking_test {
 namespace {
 
 using core::dvec2;
@@ -213,4 +213,4 @@ TEST(WalkingTest, TheAxisCrossesNoPoleHoweverThin) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::walking_test
