@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <numbers>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 
 namespace {
 
@@ -157,27 +159,24 @@ core::Expected<int> run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("What changed between two revisions of a model: items added, removed, moved and changed",
-               "sightline-compare");
-  apps::describe(app,
-                 "  sightline-compare plant-a.rvm plant-b.rvm\n"
-                 "  sightline-compare old.rvm new.rvm --old-attributes old.txt --new-attributes new.txt --json -\n"
-                 "  sightline-compare old.glb new.glb --tolerance 0.001 --fail-on-changes");
+  apps::CommandLine line(
+      "What changed between two revisions of a model: items added, removed, moved and changed", "sightline-compare",
+      "  sightline-compare plant-a.rvm plant-b.rvm\n"
+      "  sightline-compare old.rvm new.rvm --old-attributes old.txt --new-attributes new.txt --json -\n"
+      "  sightline-compare old.glb new.glb --tolerance 0.001 --fail-on-changes");
   Options options;
-  app.add_option("OLD", options.before, "Model file of the earlier revision")->required();
-  app.add_option("NEW", options.after, "Model file of the later revision")->required();
-  app.add_option("--old-attributes", options.before_attributes, "Attribute file of OLD; may be given several times")
-      ->allow_extra_args(false);
-  app.add_option("--new-attributes", options.after_attributes, "Attribute file of NEW; may be given several times")
-      ->allow_extra_args(false);
-  app.add_option("--tolerance", options.compare.tolerance, "Metres by which points may differ and count as the same")
-      ->capture_default_str()
-      ->check(apps::accepted_by(parse_tolerance));
-  app.add_option("--list", options.list, "List at most so many items that differ")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  app.add_flag("--fail-on-changes", options.fail_on_changes, "Exit 1 when anything but names differs");
-  apps::add_import_options(app, options.import);
-  app.add_option("--json", options.json_file, "Write counts and all that differs as JSON to FILE, or - for stdout");
-  return apps::run(app, argc, argv, [&] { return run(options); });
+  line.add("OLD", options.before, "Model file of the earlier revision").required();
+  line.add("NEW", options.after, "Model file of the later revision").required();
+  line.add("--old-attributes", options.before_attributes, "Attribute file of OLD; may be given several times")
+      .one_value_each();
+  line.add("--new-attributes", options.after_attributes, "Attribute file of NEW; may be given several times")
+      .one_value_each();
+  line.add("--tolerance", options.compare.tolerance, "Metres by which points may differ and count as the same")
+      .shows_default()
+      .accepted_by(parse_tolerance);
+  line.add("--list", options.list, "List at most so many items that differ").shows_default().not_negative();
+  line.add_flag("--fail-on-changes", options.fail_on_changes, "Exit 1 when anything but names differs");
+  apps::add_import_options(line, options.import);
+  line.add("--json", options.json_file, "Write counts and all that differs as JSON to FILE, or - for stdout");
+  return line.run(argc, argv, [&] { return run(options); });
 }

@@ -5,10 +5,11 @@
 #include <filesystem>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/report_json.h"
 #include "sightline/importers/gltf/gltf_writer.h"
@@ -42,14 +43,13 @@ std::string extension_of(const std::string& file) {
   return extension;
 }
 
-/// The last file is the one to write. CLI11 cannot separate it: a list of files takes all of them.
-std::string take_output(std::vector<std::string>& files) {
+/// The last file is the one to write. The command line cannot separate it: a list of files takes all of them.
+core::Expected<std::string> take_output(std::vector<std::string>& files) {
   std::string output = std::move(files.back());
   files.pop_back();
   const std::string extension = extension_of(output);
   if (extension != ".rvm" && extension != ".obj" && extension != ".glb" && extension != ".gltf" && extension != ".slc")
-    throw CLI::ValidationError("OUTPUT",
-                               "expected a name ending in .rvm, .obj, .glb, .gltf or .slc, found \"" + output + "\"");
+    return core::fail("OUTPUT: expected a name ending in .rvm, .obj, .glb, .gltf or .slc, found \"" + output + "\"");
   return output;
 }
 
@@ -138,45 +138,45 @@ void print(const importers::ImportReport& read, const std::string& output, const
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  apps::CommandLine line(
       "Reads model files and writes them into one: RVM keeps analytic primitives, OBJ and glTF get triangles, SLC is a "
       "scene cache that every tool starts from fast",
-      "sightline-convert");
-  apps::describe(app,
-                 "  sightline-convert plant.rvm plant.obj --tolerance 0.005\n"
-                 "  sightline-convert plant.rvm plant.glb --collections\n"
-                 "  sightline-convert a.rvm b.rvm both.rvm\n"
-                 "  sightline-convert plant.rvm plant.txt plant.slc\n"
-                 "  sightline-convert --units mm part.stl part.rvm\n"
-                 "  sightline-convert --recognise triangles.obj primitives.rvm\n"
-                 "  sightline-convert --lenient damaged.rvm repaired.rvm --json -");
+      "sightline-convert",
+      "  sightline-convert plant.rvm plant.obj --tolerance 0.005\n"
+      "  sightline-convert plant.rvm plant.glb --collections\n"
+      "  sightline-convert a.rvm b.rvm both.rvm\n"
+      "  sightline-convert plant.rvm plant.txt plant.slc\n"
+      "  sightline-convert --units mm part.stl part.rvm\n"
+      "  sightline-convert --recognise triangles.obj primitives.rvm\n"
+      "  sightline-convert --lenient damaged.rvm repaired.rvm --json -");
   apps::ModelOptions options;
   std::string output, json_file;
   double tolerance = importers::ObjWriteOptions{}.tolerance;
   bool collections = false;
   options.import.copies = importers::MeshCopies::kExact;  // meshes are written as they came
-  apps::add_model_options(app, options);
-  app.get_option("MODEL")
-      ->expected(2, CLI::detail::expected_max_vector_size)
-      ->option_text("... OUTPUT REQUIRED")
-      ->description(
+  apps::add_model_options(line, options);
+  line.option("MODEL")
+      .takes(2, apps::Option::kUnlimited)
+      .usage_text("... OUTPUT REQUIRED")
+      .described_as(
           "Model files, then the file to write: .rvm, .obj (with .mtl beside it), .glb, .gltf (with .bin beside it) or "
           ".slc");
-  app.final_callback([&] {
-    output = take_output(options.files);
+  line.check([&]() -> core::Expected<void> {
+    auto taken = take_output(options.files);
+    if (!taken) return tl::unexpected(taken.error());
+    output = std::move(*taken);
     if (collections && extension_of(output) != ".glb" && extension_of(output) != ".gltf")
-      throw CLI::ValidationError("--collections",
-                                 "expected an output ending in .glb or .gltf, found \"" + output + "\"");
+      return core::fail("--collections: expected an output ending in .glb or .gltf, found \"" + output + "\"");
     if (extension_of(output) == ".slc") options.import.copies = importers::ImportOptions{}.copies;  // as tools read
+    return {};
   });
-  app.add_option("--tolerance", tolerance,
-                 "Largest distance of OBJ and glTF triangles from analytic primitives, metres")
-      ->capture_default_str()
-      ->check(apps::accepted_by(apps::parse_tolerance));
-  app.add_flag("--collections", collections,
-               "Keep analytic primitives in glTF, as rows of parameters for web viewers that know them");
-  app.add_option("--json", json_file, "Write what was read and written as JSON to FILE, or - for stdout");
-  return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
+  line.add("--tolerance", tolerance, "Largest distance of OBJ and glTF triangles from analytic primitives, metres")
+      .shows_default()
+      .accepted_by(apps::parse_tolerance);
+  line.add_flag("--collections", collections,
+                "Keep analytic primitives in glTF, as rows of parameters for web viewers that know them");
+  line.add("--json", json_file, "Write what was read and written as JSON to FILE, or - for stdout");
+  return line.run(argc, argv, [&]() -> core::Expected<int> {
     auto model = apps::load_model(options);
     if (!model) return tl::unexpected(model.error());
     core::Scene& scene = *model->scene;

@@ -8,10 +8,10 @@
 #include <set>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/rvm/rvm_writer.h"
@@ -22,7 +22,7 @@ namespace {
 
 using namespace sightline;
 
-/// CLI11 alone would wrap negative numbers and clamp large ones, which makes another plant than requested.
+/// The option alone would wrap negative numbers and clamp large ones, which makes another plant than requested.
 core::Expected<std::uint64_t> parse_seed(const std::string& text) {
   std::uint64_t seed = 0;
   const char* end = text.data() + text.size();
@@ -110,31 +110,29 @@ core::Expected<int> generate(const Options& o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Generates a process plant (pipe racks, vessels, steel, handrails), the same for the same seed",
-               "sightline-generate");
-  apps::describe(app,
-                 "  sightline-generate --items 100000 plant.rvm\n"
-                 "  sightline-generate --items 1000000 --seed 7 big.rvm\n"
-                 "  sightline-generate --items 100000000 --parts 100 huge    # a folder of .slc, for --memory");
+  apps::CommandLine line(
+      "Generates a process plant (pipe racks, vessels, steel, handrails), the same for the same seed",
+      "sightline-generate",
+      "  sightline-generate --items 100000 plant.rvm\n"
+      "  sightline-generate --items 1000000 --seed 7 big.rvm\n"
+      "  sightline-generate --items 100000000 --parts 100 huge    # a folder of .slc, for --memory");
   Options o;
-  app.add_option("OUTPUT", o.output, "RVM file or scene cache (.slc) to write; with --parts a folder of caches")
-      ->required();
-  app.add_option("--items", o.config.items, "Number of items, 1000 to 10000000 for each part")
-      ->capture_default_str()
-      ->check(CLI::Range(kFewestItems, kMostItems * kMostParts));
-  app.add_option("--parts", o.parts, "Plants side by side, each a scene cache, which are made one after the other")
-      ->capture_default_str()
-      ->check(CLI::Range(1, int(kMostParts)));
-  app.add_option("--seed", o.config.seed, "Another seed gives another plant")
-      ->capture_default_str()
-      ->check(apps::accepted_by(parse_seed));
-  apps::add_json_option(app, o.json_file);
-  app.callback([&] {
+  line.add("OUTPUT", o.output, "RVM file or scene cache (.slc) to write; with --parts a folder of caches").required();
+  line.add("--items", o.config.items, "Number of items, 1000 to 10000000 for each part")
+      .shows_default()
+      .in_range(kFewestItems, kMostItems * kMostParts);
+  line.add("--parts", o.parts, "Plants side by side, each a scene cache, which are made one after the other")
+      .shows_default()
+      .in_range(1, int(kMostParts));
+  line.add("--seed", o.config.seed, "Another seed gives another plant").shows_default().accepted_by(parse_seed);
+  apps::add_json_option(line, o.json_file);
+  line.check([&]() -> core::Expected<void> {
     const auto parts = std::uint64_t(o.parts);
     if (o.config.items < parts * kFewestItems || o.config.items > parts * kMostItems)
-      throw CLI::ValidationError("--items", "expected " + std::to_string(parts * kFewestItems) + " to " +
-                                                std::to_string(parts * kMostItems) + " for " + std::to_string(parts) +
-                                                (parts > 1 ? " parts" : " part"));
+      return core::fail("--items: expected " + std::to_string(parts * kFewestItems) + " to " +
+                        std::to_string(parts * kMostItems) + " for " + std::to_string(parts) +
+                        (parts > 1 ? " parts" : " part"));
+    return {};
   });
-  return apps::run(app, argc, argv, [&] { return generate(o); });
+  return line.run(argc, argv, [&] { return generate(o); });
 }

@@ -2,10 +2,11 @@
 
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/report_json.h"
 #include "sightline/apps/common/style_options.h"
 #include "sightline/core/find_nodes.h"
@@ -124,21 +125,20 @@ void print(const importers::ImportReport& report, const Facts& facts) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Counts, bounds, units, tree depth and problems of model files", "sightline-info");
-  apps::describe(
-      app,
+  apps::CommandLine line(
+      "Counts, bounds, units, tree depth and problems of model files", "sightline-info",
       "  sightline-info plant.rvm\n  sightline-info --json - a.rvm b.rvm\n  sightline-info --lenient damaged.rvm\n"
       "  sightline-info plant.rvm plant.txt --find Type=VALVE --find PS-100");
   apps::ModelOptions options;
   std::string json_file;
   std::vector<std::string> find;
-  apps::add_model_options(app, options);
-  app.add_option("--find", find,
-                 "List nodes instead: those whose name or an attribute holds TEXT, or whose attribute KEY does "
-                 "(KEY=TEXT); given several times, all must hold")
-      ->allow_extra_args(false);
-  app.add_option("--json", json_file, "Write the facts as JSON to FILE, or - for stdout");
-  return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
+  apps::add_model_options(line, options);
+  line.add("--find", find,
+           "List nodes instead: those whose name or an attribute holds TEXT, or whose attribute KEY does "
+           "(KEY=TEXT); given several times, all must hold")
+      .one_value_each();
+  line.add("--json", json_file, "Write the facts as JSON to FILE, or - for stdout");
+  return line.run(argc, argv, [&]() -> core::Expected<int> {
     auto model = apps::load_model(options);
     if (!model) return tl::unexpected(model.error());
     if (auto delta = model->scene->commit(); !delta) return tl::unexpected(delta.error());

@@ -8,6 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/paged_model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"

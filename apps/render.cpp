@@ -5,9 +5,11 @@
 #include <optional>
 #include <set>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/paged_model.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/style_options.h"
@@ -51,60 +53,60 @@ struct Options {
   double max = -1.0, mean = -1.0, pixels_per_degree = image::kPixelsPerDegree;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  apps::add_view_options(app, o.view);
-  app.add_option("--out", o.out, "Colour image, PNG");
-  app.add_option("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
-  app.add_option("--ids-json", o.ids_json, "Node path and kind of each item in the id image, JSON");
-  app.add_option("--depth", o.depth, "Depth image, PFM: metres along the view axis; takes 4 bytes a pixel of memory");
-  auto* compare = app.add_option("--compare", o.reference,
-                                 "Reference PNG; exit 1 when the image differs by more than --max or --mean. Prints "
-                                 "PSNR, SSIM and FLIP too");
-  app.add_option("--max", o.max, "Largest allowed difference of a channel, 0 to 255 (default 0, or any with --mean)")
-      ->needs(compare)
-      ->check(CLI::Range(0.0, 255.0))
-      ->check(apps::accepted_by(apps::parse_finite));
-  app.add_option("--mean", o.mean, "Largest allowed mean difference, 0 to 255 (default 0, or any with --max)")
-      ->needs(compare)
-      ->check(CLI::Range(0.0, 255.0))
-      ->check(apps::accepted_by(apps::parse_finite));
-  app.add_option("--pixels-per-degree", o.pixels_per_degree, "Of the visual field, for FLIP")
-      ->needs(compare)
-      ->capture_default_str()
-      ->check(CLI::Range(1.0, 1000.0));
-  app.add_option("--compare-ids", o.reference_ids, "Reference of --ids, PNG: counts the pixels that show another item");
-  app.add_option("--diff", o.diff, "Difference image, PNG, four times amplified")->needs(compare);
-  auto* frames = app.add_option("--write-frames", o.frames_folder,
-                                "Write the whole --path as numbered pictures to this folder, which must be empty")
-                     ->needs(app.get_option("--path"));
-  for (const char* other : {"--out", "--ids", "--ids-json", "--depth", "--compare", "--compare-ids", "--frame"})
-    frames->excludes(app.get_option(other));
-  app.add_option("--fps", o.fps, "Frames of --write-frames per second of the path")
-      ->needs(frames)
-      ->capture_default_str()
-      ->check(CLI::Range(1e-3, apps::PathFrames::kMostPerSecond))
-      ->check(apps::accepted_by(apps::parse_finite));
-  app.add_option("--tile", o.tile,
-                 "Draw in tiles of at most so many pixels a side, for GPUs with little memory; without it pictures of "
-                 "more than 4096 are drawn in tiles of 1024")
-      ->check(CLI::Range(2 * engine::kLeastTileSide, 16384));
-  apps::add_culler_option(app, o.culler);
-  apps::add_gpu_pass_option(app, o.gpu_culler);
-  apps::add_shown_options(app, o.shown);
-  apps::add_style_options(app, o.styles);
-  app.add_option("--samples", o.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 64));
-  apps::add_context_option(app, o.platform);
-  app.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
-  app.add_option("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
-  auto* mpi = app.add_flag(
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  apps::add_view_options(line, o.view);
+  line.add("--out", o.out, "Colour image, PNG");
+  line.add("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
+  line.add("--ids-json", o.ids_json, "Node path and kind of each item in the id image, JSON");
+  line.add("--depth", o.depth, "Depth image, PFM: metres along the view axis; takes 4 bytes a pixel of memory");
+  const apps::Option compare =
+      line.add("--compare", o.reference,
+               "Reference PNG; exit 1 when the image differs by more than --max or --mean. Prints "
+               "PSNR, SSIM and FLIP too");
+  line.add("--max", o.max, "Largest allowed difference of a channel, 0 to 255 (default 0, or any with --mean)")
+      .needs(compare)
+      .in_range(0.0, 255.0)
+      .accepted_by(apps::parse_finite);
+  line.add("--mean", o.mean, "Largest allowed mean difference, 0 to 255 (default 0, or any with --max)")
+      .needs(compare)
+      .in_range(0.0, 255.0)
+      .accepted_by(apps::parse_finite);
+  line.add("--pixels-per-degree", o.pixels_per_degree, "Of the visual field, for FLIP")
+      .needs(compare)
+      .shows_default()
+      .in_range(1.0, 1000.0);
+  line.add("--compare-ids", o.reference_ids, "Reference of --ids, PNG: counts the pixels that show another item");
+  line.add("--diff", o.diff, "Difference image, PNG, four times amplified").needs(compare);
+  const apps::Option frames =
+      line.add("--write-frames", o.frames_folder,
+               "Write the whole --path as numbered pictures to this folder, which must be empty")
+          .needs("--path");
+  frames.excludes({"--out", "--ids", "--ids-json", "--depth", "--compare", "--compare-ids", "--frame"});
+  line.add("--fps", o.fps, "Frames of --write-frames per second of the path")
+      .needs(frames)
+      .shows_default()
+      .in_range(1e-3, apps::PathFrames::kMostPerSecond)
+      .accepted_by(apps::parse_finite);
+  line.add("--tile", o.tile,
+           "Draw in tiles of at most so many pixels a side, for GPUs with little memory; without it pictures of "
+           "more than 4096 are drawn in tiles of 1024")
+      .in_range(2 * engine::kLeastTileSide, 16384);
+  apps::add_culler_option(line, o.culler);
+  apps::add_gpu_pass_option(line, o.gpu_culler);
+  apps::add_shown_options(line, o.shown);
+  apps::add_style_options(line, o.styles);
+  line.add("--samples", o.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
+      .shows_default()
+      .in_range(1, 64);
+  apps::add_context_option(line, o.platform);
+  line.add_flag("--gl-debug", o.gl_debug, "Fail on any message of the GL driver");
+  line.add("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
+  const apps::Option mpi = line.add_flag(
       "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 writes the picture of all");
-  for (const char* other : {"--samples", "--shading", "--lines", "--hide", "--isolate", "--ghost", "--ghost-others",
-                            "--fade", "--highlight", "--transparency", "--contribution", "--budget", "--write-frames"})
-    mpi->excludes(app.get_option(other));
-  apps::add_memory_option(app, o.memory,
+  mpi.excludes({"--samples", "--shading", "--lines", "--hide", "--isolate", "--ghost", "--ghost-others", "--fade",
+                "--highlight", "--transparency", "--contribution", "--budget", "--write-frames"});
+  apps::add_memory_option(line, o.memory,
                           {"--translate",    "--explain",      "--ids-json",  "--tile",         "--culler",
                            "--gpu-pass",     "--sample-test",  "--occlusion", "--samples",      "--shading",
                            "--lines",        "--hatch",        "--hide",      "--isolate",      "--ghost",
@@ -489,9 +491,8 @@ core::Expected<int> render_parts([[maybe_unused]] Options o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Renders one image of a model offscreen; with --compare a regression test", "sightline-render");
-  apps::describe(
-      app,
+  apps::CommandLine line(
+      "Renders one image of a model offscreen; with --compare a regression test", "sightline-render",
       "  sightline-render plant.rvm --out plant.png\n"
       "  sightline-render plant.rvm --view view.json --size 640x360 --out a.png --depth a.pfm --ids ids.png\n"
       "  sightline-render plant.rvm --view view.json --compare reference.png --max 8 --mean 0.1 --diff d.png\n"
@@ -501,8 +502,8 @@ int main(int argc, char** argv) {
       "  mpirun -np 4 sightline-render plant.rvm --mpi --out plant.png\n"
       "  sightline-render plant.rvm --path flight.json --write-frames frames --fps 25 --size 1920x1080");
   Options options;
-  add_options(app, options);
-  return apps::run(app, argc, argv, [&] {
+  add_options(line, options);
+  return line.run(argc, argv, [&] {
     if (!options.memory.empty()) return render_paged(options);
     return options.mpi ? render_parts(options) : render_alone(options);
   });

@@ -3,13 +3,15 @@
 #include <cstdio>
 #include <filesystem>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/controller_trace.h"
 #include "sightline/apps/common/flight.h"
 #include "sightline/apps/common/frame_words.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/common/svg_plot.h"
@@ -44,63 +46,58 @@ struct Options {
   std::string memory, record_both, controller_trace, policy = "frame-cost", rendering = "on";
 };
 
-void add_controller_options(CLI::App& app, Options& o) {
-  auto* trace = app.add_option("--controller-only", o.controller_trace,
-                               "Run the hybrid's controller over this CSV trace of both paths' costs; no MODEL, no GL");
-  app.get_option("MODEL")->required(false)->excludes(trace);
-  app.callback([&o] {
-    if (o.model.files.empty() && o.controller_trace.empty()) throw CLI::RequiredError("MODEL");
+void add_controller_options(apps::CommandLine& line, Options& o) {
+  const apps::Option trace =
+      line.add("--controller-only", o.controller_trace,
+               "Run the hybrid's controller over this CSV trace of both paths' costs; no MODEL, no GL");
+  line.option("MODEL").required(false).excludes(trace);
+  line.check([&o]() -> core::Expected<void> {
+    if (o.model.files.empty() && o.controller_trace.empty()) return core::fail("MODEL is required");
+    return {};
   });
-  app.add_option("--policy", o.policy, "Of the hybrid: frame-cost or 2009")
-      ->check(CLI::IsMember({"frame-cost", "2009"}))
-      ->capture_default_str();
-  app.add_option("--rendering", o.rendering, "on: frame times count; off: cull times")
-      ->check(CLI::IsMember({"on", "off"}))
-      ->capture_default_str()
-      ->needs(trace);
+  line.add("--policy", o.policy, "Of the hybrid: frame-cost or 2009").one_of({"frame-cost", "2009"}).shows_default();
+  line.add("--rendering", o.rendering, "on: frame times count; off: cull times")
+      .one_of({"on", "off"})
+      .shows_default()
+      .needs(trace);
 }
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  app.add_option("--path", o.path, "Camera path JSON file; without it a tour of the model is made");
-  app.add_option("--save-path", o.save_path, "Write the path that was flown");
-  app.add_option("--frames", o.frames, "Frames, evenly spaced in time")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
-  apps::add_culler_option(app, o.culler);
-  apps::add_gpu_pass_option(app, o.gpu_culler);
-  apps::add_shown_options(app, o.shown);
-  apps::add_samples_option(app, o.samples);
-  apps::add_context_option(app, o.platform);
-  auto* no_render = app.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
-  app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
-  app.add_option("--json", o.json_file, "Write all figures as JSON to FILE, or - for stdout");
-  app.add_option("--csv,--trace", o.csv, "Write one line per frame: path, state, times, counts");
-  app.add_option("--record-both", o.record_both,
-                 "Fly with the CPU's path, then with the GPU's, and write what each frame cost on either: a trace for "
-                 "--controller-only");
-  app.add_option("--plot", o.plot,
-                 "Plot cull time and visible count along the path, SVG; of the hybrid also the path and its probes");
-  auto* images =
-      app.add_option("--images", o.images, "Write every N-th frame to this folder (see --every)")->excludes(no_render);
-  app.add_option("--every", o.every, "With --images: N")
-      ->capture_default_str()
-      ->needs(images)
-      ->check(CLI::PositiveNumber);
-  add_controller_options(app, o);
-  auto* mpi = app.add_flag("--mpi", o.mpi,
-                           "Under mpirun: each process draws a part of the model, and rank 0 gets the pictures of all");
-  for (const char* other : {"--no-render", "--samples", "--shading", "--lines", "--contribution", "--budget",
-                            "--record-both", "--controller-only"})
-    mpi->excludes(app.get_option(other));
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  line.add("--path", o.path, "Camera path JSON file; without it a tour of the model is made");
+  line.add("--save-path", o.save_path, "Write the path that was flown");
+  line.add("--frames", o.frames, "Frames, evenly spaced in time").shows_default().in_range(1, 1000000);
+  apps::add_culler_option(line, o.culler);
+  apps::add_gpu_pass_option(line, o.gpu_culler);
+  apps::add_shown_options(line, o.shown);
+  apps::add_samples_option(line, o.samples);
+  apps::add_context_option(line, o.platform);
+  const apps::Option no_render =
+      line.add_flag("--no-render", o.no_render, "Cull only; needs no GL but for the GPU culler");
+  line.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
+  line.add("--json", o.json_file, "Write all figures as JSON to FILE, or - for stdout");
+  line.add("--csv,--trace", o.csv, "Write one line per frame: path, state, times, counts");
+  line.add("--record-both", o.record_both,
+           "Fly with the CPU's path, then with the GPU's, and write what each frame cost on either: a trace for "
+           "--controller-only");
+  line.add("--plot", o.plot,
+           "Plot cull time and visible count along the path, SVG; of the hybrid also the path and its probes");
+  const apps::Option images =
+      line.add("--images", o.images, "Write every N-th frame to this folder (see --every)").excludes(no_render);
+  line.add("--every", o.every, "With --images: N").shows_default().needs(images).positive();
+  add_controller_options(line, o);
+  const apps::Option mpi = line.add_flag(
+      "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 gets the pictures of all");
+  mpi.excludes({"--no-render", "--samples", "--shading", "--lines", "--contribution", "--budget", "--record-both",
+                "--controller-only"});
 #if SIGHTLINE_HAS_GL
-  apps::add_memory_option(app, o.memory, {"--translate",       "--explain",   "--culler",    "--gpu-pass",
-                                          "--sample-test",     "--occlusion", "--samples",   "--shading",
-                                          "--lines",           "--hatch",     "--mpi",       "--contribution",
-                                          "--budget",          "--cache",     "--lenient",   "--contribution-way",
-                                          "--no-render",       "--csv",       "--plot",      "--record-both",
-                                          "--controller-only", "--recognise", "--rendering", "--policy"});
-  app.add_flag("--settle", o.settle, "Each frame waits until all of its pages are drawn")->needs("--memory");
+  apps::add_memory_option(line, o.memory, {"--translate",       "--explain",   "--culler",    "--gpu-pass",
+                                           "--sample-test",     "--occlusion", "--samples",   "--shading",
+                                           "--lines",           "--hatch",     "--mpi",       "--contribution",
+                                           "--budget",          "--cache",     "--lenient",   "--contribution-way",
+                                           "--no-render",       "--csv",       "--plot",      "--record-both",
+                                           "--controller-only", "--recognise", "--rendering", "--policy"});
+  line.add_flag("--settle", o.settle, "Each frame waits until all of its pages are drawn").needs("--memory");
 #endif
 }
 
@@ -451,18 +448,18 @@ core::Expected<int> replay(const Options& o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Flies a camera path through a model: culls and draws every frame, and reports times and counts",
-               "sightline-replay");
-  apps::describe(app,
-                 "  sightline-replay plant.rvm\n"
-                 "  sightline-replay plant.rvm --frames 500 --no-render --json out.json --plot out.svg\n"
-                 "  sightline-replay a.rvm b.rvm --path flight.json --images frames --every 10\n"
-                 "  sightline-replay plant.rvm --culler hybrid --policy frame-cost --trace out.csv\n"
-                 "  sightline-replay huge.slc --memory 4G --frames 100 --images frames\n"
-                 "  mpirun -np 4 sightline-replay plant.rvm --mpi --frames 60 --images frames\n"
-                 "  sightline-replay plant.rvm --record-both trace.csv\n"
-                 "  sightline-replay --controller-only trace.csv --policy 2009 --rendering off --json -");
+  apps::CommandLine line(
+      "Flies a camera path through a model: culls and draws every frame, and reports times and counts",
+      "sightline-replay",
+      "  sightline-replay plant.rvm\n"
+      "  sightline-replay plant.rvm --frames 500 --no-render --json out.json --plot out.svg\n"
+      "  sightline-replay a.rvm b.rvm --path flight.json --images frames --every 10\n"
+      "  sightline-replay plant.rvm --culler hybrid --policy frame-cost --trace out.csv\n"
+      "  sightline-replay huge.slc --memory 4G --frames 100 --images frames\n"
+      "  mpirun -np 4 sightline-replay plant.rvm --mpi --frames 60 --images frames\n"
+      "  sightline-replay plant.rvm --record-both trace.csv\n"
+      "  sightline-replay --controller-only trace.csv --policy 2009 --rendering off --json -");
   Options options;
-  add_options(app, options);
-  return apps::run(app, argc, argv, [&] { return replay(options); });
+  add_options(line, options);
+  return line.run(argc, argv, [&] { return replay(options); });
 }

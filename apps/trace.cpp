@@ -3,9 +3,11 @@
 #include <chrono>
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/view_options.h"
 #include "sightline/image/image.h"
@@ -26,40 +28,40 @@ struct Options {
   raytrace::WhittedOptions whitted;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  apps::add_view_options(app, o.view);
-  app.add_option("--out", o.out, "Colour image, PNG");
-  app.add_option("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
-  app.add_option("--depth", o.depth, "Depth image, PFM: metres along the view axis");
-  app.add_option("--visible", o.visible, "Items that the samples show, each with how many, JSON; --adaptive or not");
-  app.add_option("--pick", o.pick, "Tell what the image shows at X,Y, in pixels from the upper left corner")
-      ->delimiter(',')
-      ->expected(2);
-  app.add_option("--samples", o.whitted.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 4096));
-  app.add_option("--adaptive", o.whitted.edge_threshold,
-                 "Take --samples only at edges, where the gradient of a colour, 0 to 1, exceeds this")
-      ->check(CLI::Range(0.0, 1.0))
-      ->check(apps::accepted_by(apps::parse_finite));
-  auto* shadows = app.add_flag("--shadows", o.whitted.shadows, "Lights cast shadows; needs a --sun");
-  auto* sun =
-      app.add_option("--sun", o.suns, "Light from the direction X,Y,Z, any number of them, instead of the eye's")
-          ->check(apps::accepted_by(apps::parse_vector));
-  shadows->needs(sun);
-  app.add_option("--reflect", o.whitted.optics.reflectivity, "Share of the light that surfaces mirror, 0 to 1")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0))
-      ->check(apps::accepted_by(apps::parse_finite));
-  app.add_option("--refract", o.whitted.optics.refractive_index, "Refractive index of transparent items")
-      ->capture_default_str()
-      ->check(CLI::Range(0.1, 10.0))
-      ->check(apps::accepted_by(apps::parse_finite));
-  app.add_option("--threads", o.whitted.threads, "0: all; the image does not depend on them")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1024));
-  apps::add_json_option(app, o.json_file);
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  apps::add_view_options(line, o.view);
+  line.add("--out", o.out, "Colour image, PNG");
+  line.add("--ids", o.ids, "Item-id image, PNG: item + 1 in 24 bits, R lowest, 0 background");
+  line.add("--depth", o.depth, "Depth image, PFM: metres along the view axis");
+  line.add("--visible", o.visible, "Items that the samples show, each with how many, JSON; --adaptive or not");
+  line.add("--pick", o.pick, "Tell what the image shows at X,Y, in pixels from the upper left corner")
+      .separated_by(',')
+      .takes(2);
+  line.add("--samples", o.whitted.samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
+      .shows_default()
+      .in_range(1, 4096);
+  line.add("--adaptive", o.whitted.edge_threshold,
+           "Take --samples only at edges, where the gradient of a colour, 0 to 1, exceeds this")
+      .in_range(0.0, 1.0)
+      .accepted_by(apps::parse_finite);
+  const apps::Option shadows = line.add_flag("--shadows", o.whitted.shadows, "Lights cast shadows; needs a --sun");
+  const apps::Option sun =
+      line.add("--sun", o.suns, "Light from the direction X,Y,Z, any number of them, instead of the eye's")
+          .accepted_by(apps::parse_vector);
+  shadows.needs(sun);
+  line.add("--reflect", o.whitted.optics.reflectivity, "Share of the light that surfaces mirror, 0 to 1")
+      .shows_default()
+      .in_range(0.0, 1.0)
+      .accepted_by(apps::parse_finite);
+  line.add("--refract", o.whitted.optics.refractive_index, "Refractive index of transparent items")
+      .shows_default()
+      .in_range(0.1, 10.0)
+      .accepted_by(apps::parse_finite);
+  line.add("--threads", o.whitted.threads, "0: all; the image does not depend on them")
+      .shows_default()
+      .in_range(0, 1024);
+  apps::add_json_option(line, o.json_file);
 }
 
 double seconds() {
@@ -175,14 +177,14 @@ core::Expected<int> trace_model(Options& o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Traces one image of a model by rays, and the items that it shows", "sightline-trace");
-  apps::describe(app,
-                 "  sightline-trace plant.rvm --out plant.png --samples 16 --adaptive 0.1\n"
-                 "  sightline-trace plant.rvm --out plant.png --shadows --sun 1,-2,3 --sun -3,1,2 --reflect 0.1\n"
-                 "  sightline-trace plant.rvm --view view.json --size 640x360 --depth a.pfm --ids ids.png\n"
-                 "  sightline-trace plant.rvm --view view.json --samples 4 --visible seen.json\n"
-                 "  sightline-trace plant.rvm --view view.json --pick 640.5,360.5");
+  apps::CommandLine line(
+      "Traces one image of a model by rays, and the items that it shows", "sightline-trace",
+      "  sightline-trace plant.rvm --out plant.png --samples 16 --adaptive 0.1\n"
+      "  sightline-trace plant.rvm --out plant.png --shadows --sun 1,-2,3 --sun -3,1,2 --reflect 0.1\n"
+      "  sightline-trace plant.rvm --view view.json --size 640x360 --depth a.pfm --ids ids.png\n"
+      "  sightline-trace plant.rvm --view view.json --samples 4 --visible seen.json\n"
+      "  sightline-trace plant.rvm --view view.json --pick 640.5,360.5");
   Options options;
-  add_options(app, options);
-  return apps::run(app, argc, argv, [&] { return trace_model(options); });
+  add_options(line, options);
+  return line.run(argc, argv, [&] { return trace_model(options); });
 }

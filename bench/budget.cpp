@@ -9,11 +9,12 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
@@ -43,27 +44,27 @@ struct Options {
   std::string size = "640x360", json;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  app.add_option("--budget", o.budget_ms, "Milliseconds for a frame")
-      ->check(apps::accepted_by(apps::parse_finite))
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  add_frames_option(app, o.frames, 2);
-  app.add_option("--compared", o.compared, "Frames whose pictures are compared, evenly spaced")
-      ->check(CLI::Range(1, 10'000))
-      ->capture_default_str();
-  app.add_option("--rests", o.rests, "Frames at which the camera comes to rest, evenly spaced")
-      ->check(CLI::Range(1, 10'000))
-      ->capture_default_str();
-  apps::add_way_option(app, "--way", "How what is left out is drawn", o.way);
-  app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
-  apps::add_context_option(app, o.platform);
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app,
-                     "  sightline-bench budget plant.rvm\n"
-                     "  sightline-bench budget plant.rvm --way points\n"
-                     "  sightline-bench budget plant.rvm --budget 16.7 --frames 400 --json budget.json");
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  line.add("--budget", o.budget_ms, "Milliseconds for a frame")
+      .accepted_by(apps::parse_finite)
+      .positive()
+      .shows_default();
+  add_frames_option(line, o.frames, 2);
+  line.add("--compared", o.compared, "Frames whose pictures are compared, evenly spaced")
+      .in_range(1, 10'000)
+      .shows_default();
+  line.add("--rests", o.rests, "Frames at which the camera comes to rest, evenly spaced")
+      .in_range(1, 10'000)
+      .shows_default();
+  apps::add_way_option(line, "--way", "How what is left out is drawn", o.way);
+  line.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
+  apps::add_context_option(line, o.platform);
+  apps::add_json_option(line, o.json);
+  line.examples(
+      "  sightline-bench budget plant.rvm\n"
+      "  sightline-bench budget plant.rvm --way points\n"
+      "  sightline-bench budget plant.rvm --budget 16.7 --frames 400 --json budget.json");
 }
 
 /// How far a picture is from the full one.
@@ -315,8 +316,8 @@ core::Expected<int> run(const Options& o) {
 
 }  // namespace
 
-Run add_budget(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_budget(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

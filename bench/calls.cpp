@@ -1,9 +1,9 @@
 // sightline-bench calls: what a call takes that does little: a frame that is only culled, a pick, a query of boxes.
 // bench/python_calls.py makes the same calls from Python.
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/command_line.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/culling/box_culler.h"
@@ -22,15 +22,11 @@ struct Options {
   std::string json_file;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  app.add_option("--items", o.items, "Of the generated plant")
-      ->capture_default_str()
-      ->check(CLI::Range(1000, 10000000));
-  app.add_option("--frames", o.frames, "Views of the tour")->capture_default_str()->check(CLI::Range(2, 100000));
-  app.add_option("--rounds", o.rounds, "Over all views; the median counts")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
-  app.add_option("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
+void add_options(apps::CommandLine& line, Options& o) {
+  line.add("--items", o.items, "Of the generated plant").shows_default().in_range(1000, 10000000);
+  line.add("--frames", o.frames, "Views of the tour").shows_default().in_range(2, 100000);
+  line.add("--rounds", o.rounds, "Over all views; the median counts").shows_default().in_range(1, 1000);
+  line.add("--json", o.json_file, "Write figures as JSON to FILE, or - for stdout");
 }
 
 /// Microseconds that call(i) takes on average for i below `count`: the median of the rounds.
@@ -80,9 +76,9 @@ core::Expected<int> measure(const Options& o) {
 
 }  // namespace
 
-Run add_calls(CLI::App& app) {
-  apps::describe(app, "  sightline-bench calls --items 1000000 --json -");
-  return add_subcommand<Options>(app, add_options, measure);
+Run add_calls(apps::CommandLine& line) {
+  line.describe("  sightline-bench calls --items 1000000 --json -");
+  return add_subcommand<Options>(line, add_options, measure);
 }
 
 }  // namespace sightline::bench

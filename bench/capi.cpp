@@ -5,11 +5,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/capi/sightline.h"
@@ -200,20 +199,18 @@ core::Expected<int> run(const Options& options) {
   });
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--rounds", options.rounds, "the least time of so many rounds counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  apps::add_json_option(app, options.json);
-  apps::add_examples(app,
-                     "  sightline-bench capi\n"
-                     "  sightline-bench capi --rounds 100 --json capi.json");
+void add_options(apps::CommandLine& line, Options& options) {
+  line.add("--rounds", options.rounds, "the least time of so many rounds counts").in_range(1, 1000).shows_default();
+  apps::add_json_option(line, options.json);
+  line.examples(
+      "  sightline-bench capi\n"
+      "  sightline-bench capi --rounds 100 --json capi.json");
 }
 
 }  // namespace
 
-Run add_capi(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_capi(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -10,10 +10,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
@@ -134,23 +133,19 @@ core::Expected<int> run(const Options& options) {
   return finish(options.json, json, print);
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--items", options.items, "Items of the generated plant")
-      ->check(CLI::Range(1000, 10'000'000))
-      ->capture_default_str();
-  app.add_option("--rounds", options.rounds, "Of each comparison; the median counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  apps::add_json_option(app, options.json);
-  apps::add_examples(app,
-                     "  sightline-bench compare\n"
-                     "  sightline-bench compare --items 100000 --json compare.json");
+void add_options(apps::CommandLine& line, Options& options) {
+  line.add("--items", options.items, "Items of the generated plant").in_range(1000, 10'000'000).shows_default();
+  line.add("--rounds", options.rounds, "Of each comparison; the median counts").in_range(1, 1000).shows_default();
+  apps::add_json_option(line, options.json);
+  line.examples(
+      "  sightline-bench compare\n"
+      "  sightline-bench compare --items 100000 --json compare.json");
 }
 
 }  // namespace
 
-Run add_compare(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_compare(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -26,11 +26,12 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/common/svg_plot.h"
@@ -62,31 +63,30 @@ struct Options {
   std::string size = "640x360", json, plot;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  auto* items = app.add_option("--items", o.items, "Instead of models: a generated plant of so many items")
-                    ->check(CLI::Range(1000, 10'000'000));
-  app.get_option("MODEL")->required(false)->excludes(items);
-  app.callback([&o] {
-    if (o.model.files.empty() && o.items == 0) throw CLI::RequiredError("MODEL or --items");
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  const apps::Option items =
+      line.add("--items", o.items, "Instead of models: a generated plant of so many items").in_range(1000, 10'000'000);
+  line.option("MODEL").required(false).excludes(items);
+  line.check([&o]() -> core::Expected<void> {
+    if (o.model.files.empty() && o.items == 0) return core::fail("MODEL or --items is required");
+    return {};
   });
-  add_frames_option(app, o.frames, 1);
-  app.add_option("--step", o.step, "Seconds of the tour between the two pictures that show flicker")
-      ->check(apps::accepted_by(apps::parse_finite))
-      ->check(CLI::Range(1e-6, 1.0))
-      ->capture_default_str();
-  app.add_option("--passes", o.passes, "Of which the median time counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--size", o.size, "Pixels; the reference is eight times as wide and high")
-      ->capture_default_str()
-      ->check(apps::accepted_by(apps::parse_size));
-  app.add_option("--plot", o.plot, "Write plots of error and flicker against time to PREFIX-….svg");
-  apps::add_context_option(app, o.platform);
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app,
-                     "  sightline-bench contribution --items 100000 --plot plant --json plant.json\n"
-                     "  sightline-bench contribution plant.rvm --frames 24 --size 1280x720");
+  add_frames_option(line, o.frames, 1);
+  line.add("--step", o.step, "Seconds of the tour between the two pictures that show flicker")
+      .accepted_by(apps::parse_finite)
+      .in_range(1e-6, 1.0)
+      .shows_default();
+  line.add("--passes", o.passes, "Of which the median time counts").in_range(1, 1000).shows_default();
+  line.add("--size", o.size, "Pixels; the reference is eight times as wide and high")
+      .shows_default()
+      .accepted_by(apps::parse_size);
+  line.add("--plot", o.plot, "Write plots of error and flicker against time to PREFIX-….svg");
+  apps::add_context_option(line, o.platform);
+  apps::add_json_option(line, o.json);
+  line.examples(
+      "  sightline-bench contribution --items 100000 --plot plant --json plant.json\n"
+      "  sightline-bench contribution plant.rvm --frames 24 --size 1280x720");
 }
 
 // --- rules ---------------------------------------------------------------------------------------------------------
@@ -456,8 +456,8 @@ core::Expected<int> run(const Options& o) {
 
 }  // namespace
 
-Run add_contribution(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_contribution(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

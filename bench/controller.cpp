@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/controller_trace.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/models/plant_boxes.h"
@@ -29,22 +29,19 @@ struct Options {
   int seeds = 10;
 };
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("traces", options.traces, "recorded traces, CSV (sightline-replay --controller-only reads the same)");
-  app.add_option("--plot", options.plot, "chosen / oracle of every trace and policy, SVG");
-  app.add_option("--seeds", options.seeds, "repetitions of each made-up trace with other noise")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  auto* views = app.add_option("--views", options.views, "with --record: as for sightline-bench cull");
-  app.add_option("--record", options.record, "measure the CPU culler, model the GPU, write a trace and stop")
-      ->needs(views);
-  app.add_option("--items", options.items, "with --record: boxes of a made-up plant")
-      ->check(CLI::Range(1, 50'000'000))
-      ->capture_default_str();
-  apps::add_json_option(app, options.json);
-  apps::add_examples(app,
-                     "  sightline-bench controller bench/traces/*.csv --plot regret.svg\n"
-                     "  sightline-bench controller --record plant.csv --items 713000 --views views.f64");
+void add_options(apps::CommandLine& line, Options& options) {
+  line.add("traces", options.traces, "recorded traces, CSV (sightline-replay --controller-only reads the same)");
+  line.add("--plot", options.plot, "chosen / oracle of every trace and policy, SVG");
+  line.add("--seeds", options.seeds, "repetitions of each made-up trace with other noise")
+      .in_range(1, 1000)
+      .shows_default();
+  const apps::Option views = line.add("--views", options.views, "with --record: as for sightline-bench cull");
+  line.add("--record", options.record, "measure the CPU culler, model the GPU, write a trace and stop").needs(views);
+  line.add("--items", options.items, "with --record: boxes of a made-up plant").in_range(1, 50'000'000).shows_default();
+  apps::add_json_option(line, options.json);
+  line.examples(
+      "  sightline-bench controller bench/traces/*.csv --plot regret.svg\n"
+      "  sightline-bench controller --record plant.csv --items 713000 --views views.f64");
 }
 
 // --- a trace of the real CPU culler ----------------------------------------------------------------------------------
@@ -208,8 +205,8 @@ core::Expected<int> run(const Options& options) {
 
 }  // namespace
 
-Run add_controller(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_controller(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

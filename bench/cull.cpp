@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/brute_force.h"
 #include "sightline/bench/harness.h"
@@ -44,26 +44,23 @@ struct Options {
   bool verify = false, baseline = false;
 };
 
-void add_options(CLI::App& app, Options& options) {
-  add_input_options(app, options.input);
-  app.add_option("--culler", options.culler, "which culler")
-      ->check(CLI::IsMember({"linear", "cpu"}))
-      ->capture_default_str();
-  app.add_option("--threads", options.threads, "threads of the hierarchy's build; culling runs on one")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  app.add_option("--simd", options.simd, "instruction set of the cullers")
-      ->check(CLI::IsMember({"best", "scalar", "avx2", "avx512"}))
-      ->capture_default_str();
-  app.add_option("--output", options.output, "time ranges and items, or the full list of ids, or of slots")
-      ->check(CLI::IsMember({"ranges", "ids", "slots"}))
-      ->capture_default_str();
-  app.add_option("--ids-out", options.ids_out, "write frame_%05d.bin (sorted uint32) per frame into this directory");
-  app.add_flag("--verify", options.verify, "compare every frame with the linear culler; exit 1 on a difference");
-  app.add_flag("--baseline", options.baseline, "also time brute force over all boxes, and print the ratio");
-  apps::add_json_option(app, options.json);
-  apps::add_examples(
-      app,
+void add_options(apps::CommandLine& line, Options& options) {
+  add_input_options(line, options.input);
+  line.add("--culler", options.culler, "which culler").one_of({"linear", "cpu"}).shows_default();
+  line.add("--threads", options.threads, "threads of the hierarchy's build; culling runs on one")
+      .in_range(1, 1024)
+      .shows_default();
+  line.add("--simd", options.simd, "instruction set of the cullers")
+      .one_of({"best", "scalar", "avx2", "avx512"})
+      .shows_default();
+  line.add("--output", options.output, "time ranges and items, or the full list of ids, or of slots")
+      .one_of({"ranges", "ids", "slots"})
+      .shows_default();
+  line.add("--ids-out", options.ids_out, "write frame_%05d.bin (sorted uint32) per frame into this directory");
+  line.add_flag("--verify", options.verify, "compare every frame with the linear culler; exit 1 on a difference");
+  line.add_flag("--baseline", options.baseline, "also time brute force over all boxes, and print the ratio");
+  apps::add_json_option(line, options.json);
+  line.examples(
       "  sightline-bench cull --boxes boxes.f32 --views views.f64 --verify\n"
       "  sightline-bench cull --boxes boxes.f32 --views views.f64 --output ids --ids-out ids --json out.json");
 }
@@ -266,8 +263,8 @@ core::Expected<int> run(const Options& options) {
 
 }  // namespace
 
-Run add_cull(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_cull(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -13,10 +13,9 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/models/plant_boxes.h"
 #include "sightline/bench/subcommands.h"
@@ -317,25 +316,21 @@ core::Expected<int> run(const Options& options) {
   return finish(options.json, json, print_table);
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--items", options.items, "items of a made-up plant of 400 x 100 x 60 m")
-      ->check(CLI::Range(100, 20'000'000))
-      ->capture_default_str();
-  app.add_option("--share", options.share, "of the items, edited per commit")
-      ->check(CLI::Range(1e-6, 0.1))
-      ->capture_default_str();
-  app.add_option("--commits", options.commits, "of each kind of edit, one after the other")
-      ->check(CLI::Range(1, 9))
-      ->capture_default_str();
-  add_views_option(app, options.views);
-  apps::add_json_option(app, options.json);
-  apps::add_examples(app, "  sightline-bench edit --items 1000000 --share 0.01 --views views.f64 --json -");
+void add_options(apps::CommandLine& line, Options& options) {
+  line.add("--items", options.items, "items of a made-up plant of 400 x 100 x 60 m")
+      .in_range(100, 20'000'000)
+      .shows_default();
+  line.add("--share", options.share, "of the items, edited per commit").in_range(1e-6, 0.1).shows_default();
+  line.add("--commits", options.commits, "of each kind of edit, one after the other").in_range(1, 9).shows_default();
+  add_views_option(line, options.views);
+  apps::add_json_option(line, options.json);
+  line.examples("  sightline-bench edit --items 1000000 --share 0.01 --views views.f64 --json -");
 }
 
 }  // namespace
 
-Run add_edit(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_edit(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -2,9 +2,9 @@
 // putting the picture into its framebuffer. The same views in turns, the medians of all; each frame is waited for.
 #include <array>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/renderer.h"
@@ -29,18 +29,16 @@ struct Options {
   std::string json_file;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  app.add_option("--items", o.items, "Of the generated plant")
-      ->capture_default_str()
-      ->check(CLI::Range(1000, 10000000));
-  app.add_option("--width", o.size[0], "Of the picture, pixels")->capture_default_str()->check(CLI::Range(1, 16384));
-  app.add_option("--height", o.size[1], "Of the picture, pixels")->capture_default_str()->check(CLI::Range(1, 16384));
-  app.add_option("--samples", o.samples, "Per pixel, of the picture")->capture_default_str()->check(CLI::Range(1, 32));
-  app.add_option("--frames", o.frames, "Views of the tour")->capture_default_str()->check(CLI::Range(2, 100000));
-  apps::add_json_option(app, o.json_file);
-  apps::add_examples(app,
-                     "  sightline-bench embedding\n"
-                     "  sightline-bench embedding --items 100000 --samples 4 --json embedding.json");
+void add_options(apps::CommandLine& line, Options& o) {
+  line.add("--items", o.items, "Of the generated plant").shows_default().in_range(1000, 10000000);
+  line.add("--width", o.size[0], "Of the picture, pixels").shows_default().in_range(1, 16384);
+  line.add("--height", o.size[1], "Of the picture, pixels").shows_default().in_range(1, 16384);
+  line.add("--samples", o.samples, "Per pixel, of the picture").shows_default().in_range(1, 32);
+  line.add("--frames", o.frames, "Views of the tour").shows_default().in_range(2, 100000);
+  apps::add_json_option(line, o.json_file);
+  line.examples(
+      "  sightline-bench embedding\n"
+      "  sightline-bench embedding --items 100000 --samples 4 --json embedding.json");
 }
 
 /// An application's framebuffer.
@@ -132,8 +130,8 @@ core::Expected<int> run(const Options& o) {
 
 }  // namespace
 
-Run add_embedding(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_embedding(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/models/platforms.h"
 #include "sightline/bench/renderer.h"
@@ -140,22 +140,22 @@ core::Expected<int> run(const Options& o) {
   return finish(o.json, result);
 }
 
-void add_options(CLI::App& app, Options& o) {
-  app.add_option("--items", o.items, "Items of each made-up plant; without it 85291 265333 293335 691951")
-      ->check(CLI::Range(1000u, 20'000'000u));
-  app.add_option("--views", o.views, "Views along the orbit")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_option("--passes", o.passes, "Of which the best counts")->check(CLI::Range(1, 1000))->capture_default_str();
-  apps::add_context_option(app, o.platform);
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app,
-                     "  sightline-bench gpu-cull\n"
-                     "  sightline-bench gpu-cull --items 1000000 --passes 9 --json gpu.json");
+void add_options(apps::CommandLine& line, Options& o) {
+  line.add("--items", o.items, "Items of each made-up plant; without it 85291 265333 293335 691951")
+      .in_range(1000u, 20'000'000u);
+  line.add("--views", o.views, "Views along the orbit").in_range(1, 1000).shows_default();
+  line.add("--passes", o.passes, "Of which the best counts").in_range(1, 1000).shows_default();
+  apps::add_context_option(line, o.platform);
+  apps::add_json_option(line, o.json);
+  line.examples(
+      "  sightline-bench gpu-cull\n"
+      "  sightline-bench gpu-cull --items 1000000 --passes 9 --json gpu.json");
 }
 
 }  // namespace
 
-Run add_gpu_cull(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_gpu_cull(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -6,8 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include <CLI/CLI.hpp>
-
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/models/plant_boxes.h"
 #include "sightline/core/camera_path.h"
@@ -66,21 +65,19 @@ core::Expected<std::vector<core::View>> read_views(const std::string& path) {
   return views;
 }
 
-CLI::Option* add_generate_option(CLI::App& app, std::size_t& count) {
-  return app.add_option("--generate", count, "So many boxes of a made-up plant of 400 x 100 x 60 m")
-      ->check(CLI::Range(1, 50'000'000));
+apps::Option add_generate_option(apps::CommandLine& line, std::size_t& count) {
+  return line.add("--generate", count, "So many boxes of a made-up plant of 400 x 100 x 60 m").in_range(1, 50'000'000);
 }
 
-CLI::Option* add_views_option(CLI::App& app, std::string& file) {
-  return app.add_option("--views", file, "float64, 16 per frame: column-major clip_from_world, clip space -1...1");
+apps::Option add_views_option(apps::CommandLine& line, std::string& file) {
+  return line.add("--views", file, "float64, 16 per frame: column-major clip_from_world, clip space -1...1");
 }
 
-void add_input_options(CLI::App& app, Input& input) {
-  CLI::Option_group* source = app.add_option_group("boxes");
-  source->add_option("--boxes", input.boxes, "float32 min x y z, max x y z per item");
-  add_generate_option(*source, input.generate);
-  source->require_option(1);
-  add_views_option(app, input.views)->required();
+void add_input_options(apps::CommandLine& line, Input& input) {
+  apps::CommandLine source = line.exactly_one_of("boxes");
+  source.add("--boxes", input.boxes, "float32 min x y z, max x y z per item");
+  add_generate_option(source, input.generate);
+  add_views_option(line, input.views).required();
 }
 
 core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input) {
@@ -88,10 +85,8 @@ core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input) {
   return read_boxes(input.boxes);
 }
 
-CLI::Option* add_frames_option(CLI::App& app, int& frames, int least) {
-  return app.add_option("--frames", frames, "Of the tour, evenly spaced")
-      ->check(CLI::Range(least, 10'000))
-      ->capture_default_str();
+apps::Option add_frames_option(apps::CommandLine& line, int& frames, int least) {
+  return line.add("--frames", frames, "Of the tour, evenly spaced").in_range(least, 10'000).shows_default();
 }
 
 core::Expected<std::vector<core::View>> tour_views(const core::Snapshot& snapshot, int frames, double aspect) {

@@ -16,14 +16,11 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/core/view.h"
 
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
-
 namespace sightline::apps {
+class CommandLine;
+class Option;
 struct ModelOptions;
-}
+}  // namespace sightline::apps
 
 namespace sightline::bench {
 
@@ -33,9 +30,9 @@ core::Expected<std::vector<core::Aabb>> read_boxes(const std::string& path);
 core::Expected<std::vector<core::View>> read_views(const std::string& path);
 
 /// --generate, into `count`.
-CLI::Option* add_generate_option(CLI::App& app, std::size_t& count);
+apps::Option add_generate_option(apps::CommandLine& line, std::size_t& count);
 /// --views, into `file`.
-CLI::Option* add_views_option(CLI::App& app, std::string& file);
+apps::Option add_views_option(apps::CommandLine& line, std::string& file);
 
 /// Source of boxes and views.
 struct Input {
@@ -43,7 +40,7 @@ struct Input {
   std::size_t generate = 0;  ///< number of boxes to generate; 0: read them
 };
 /// --boxes or --generate, and --views.
-void add_input_options(CLI::App& app, Input& input);
+void add_input_options(apps::CommandLine& line, Input& input);
 core::Expected<std::vector<core::Aabb>> boxes_of(const Input& input);
 
 /// Boxes in the given order (empty: in their own order).
@@ -53,7 +50,7 @@ void fill(core::ItemBounds& bounds, std::span<const core::Aabb> boxes, std::span
 core::Expected<std::unique_ptr<core::Scene>> model_or_plant(const apps::ModelOptions& model, std::uint64_t items);
 
 /// --frames, at least so many, into `frames`.
-CLI::Option* add_frames_option(CLI::App& app, int& frames, int least);
+apps::Option add_frames_option(apps::CommandLine& line, int& frames, int least);
 /// `frames` evenly spaced views of the flight through a model; a single one is its start.
 core::Expected<std::vector<core::View>> tour_views(const core::Snapshot& snapshot, int frames, double aspect);
 

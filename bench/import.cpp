@@ -7,11 +7,11 @@
 
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
@@ -81,21 +81,21 @@ core::Expected<int> run(const Options& options) {
   return finish(options.json, json);
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("FILE", options.files, "Model files, each measured by itself")->required();
-  app.add_option("--passes", options.passes, "Imports per file")->capture_default_str()->check(CLI::Range(1, 1000));
-  app.add_flag("--no-sharing", options.no_sharing, "Leave equal meshes apart");
-  apps::add_import_options(app, options.import);
-  apps::add_json_option(app, options.json);
-  apps::add_examples(app,
-                     "  sightline-bench import plant.rvm bunny.ply\n"
-                     "  sightline-bench import --passes 9 --json - a.obj");
+void add_options(apps::CommandLine& line, Options& options) {
+  line.add("FILE", options.files, "Model files, each measured by itself").required();
+  line.add("--passes", options.passes, "Imports per file").shows_default().in_range(1, 1000);
+  line.add_flag("--no-sharing", options.no_sharing, "Leave equal meshes apart");
+  apps::add_import_options(line, options.import);
+  apps::add_json_option(line, options.json);
+  line.examples(
+      "  sightline-bench import plant.rvm bunny.ply\n"
+      "  sightline-bench import --passes 9 --json - a.obj");
 }
 
 }  // namespace
 
-Run add_import(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_import(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <benchmark/benchmark.h>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/bench/cylinder_rays/cylinder_rays.h"
 #include "sightline/bench/microbenchmarks.h"
 #include "sightline/bench/subcommands.h"
@@ -136,20 +135,18 @@ core::Expected<int> run(const Options& options) {
   return run_microbenchmarks(options.microbenchmarks);
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--rays", options.rays, "Rays of each case")
-      ->check(CLI::Range(1000, 100'000'000))
-      ->capture_default_str();
-  add_microbenchmark_options(app, options.microbenchmarks);
-  apps::add_examples(app,
-                     "  sightline-bench intersect\n"
-                     "  sightline-bench intersect --rays 1000000 --filter torus --json intersect.json");
+void add_options(apps::CommandLine& line, Options& options) {
+  line.add("--rays", options.rays, "Rays of each case").in_range(1000, 100'000'000).shows_default();
+  add_microbenchmark_options(line, options.microbenchmarks);
+  line.examples(
+      "  sightline-bench intersect\n"
+      "  sightline-bench intersect --rays 1000000 --filter torus --json intersect.json");
 }
 
 }  // namespace
 
-Run add_intersect(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_intersect(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

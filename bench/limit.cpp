@@ -8,11 +8,12 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
@@ -35,15 +36,15 @@ struct Options {
   std::string size = "640x360", json;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  add_frames_option(app, o.frames, 2);
-  app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
-  apps::add_context_option(app, o.platform);
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app,
-                     "  sightline-bench limit plant.rvm\n"
-                     "  sightline-bench limit plant.rvm --size 1280x720 --frames 200 --json limit.json");
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  add_frames_option(line, o.frames, 2);
+  line.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
+  apps::add_context_option(line, o.platform);
+  apps::add_json_option(line, o.json);
+  line.examples(
+      "  sightline-bench limit plant.rvm\n"
+      "  sightline-bench limit plant.rvm --size 1280x720 --frames 200 --json limit.json");
 }
 
 struct Way {
@@ -215,8 +216,8 @@ core::Expected<int> run(const Options& o) {
 
 }  // namespace
 
-Run add_limit(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_limit(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

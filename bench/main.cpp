@@ -2,9 +2,7 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/bench/subcommands.h"
 
 namespace {
@@ -13,7 +11,7 @@ using namespace sightline;
 
 struct Subcommand {
   const char *name, *description;
-  bench::Run (*add)(CLI::App&);
+  bench::Run (*add)(apps::CommandLine&);
 };
 
 constexpr Subcommand kSubcommands[] = {
@@ -69,19 +67,18 @@ constexpr Subcommand kSubcommands[] = {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("What Sightline's parts cost, and how well they do", "sightline-bench");
-  apps::describe(app,
-                 "  sightline-bench cull --help\n"
-                 "  sightline-bench cull --generate 713000 --views views.f64 --verify");
-  app.require_subcommand(1);
-  std::vector<std::pair<CLI::App*, bench::Run>> subcommands;
+  apps::CommandLine line("What Sightline's parts cost, and how well they do", "sightline-bench",
+                         "  sightline-bench cull --help\n"
+                         "  sightline-bench cull --generate 713000 --views views.f64 --verify");
+  line.require_subcommand();
+  std::vector<std::pair<apps::CommandLine, bench::Run>> subcommands;
   for (const auto& [name, description, add] : kSubcommands) {
-    CLI::App* subcommand = app.add_subcommand(name, description);
-    subcommands.emplace_back(subcommand, add(*subcommand));
+    apps::CommandLine subcommand = line.subcommand(name, description);
+    subcommands.emplace_back(subcommand, add(subcommand));
   }
-  return apps::run(app, argc, argv, [&]() -> core::Expected<int> {
+  return line.run(argc, argv, [&]() -> core::Expected<int> {
     for (const auto& [subcommand, run] : subcommands)
-      if (subcommand->parsed()) return run();
+      if (subcommand.chosen()) return run();
     return core::fail("no subcommand");
   });
 }

@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/measure/distances.h"
@@ -168,20 +167,18 @@ core::Expected<int> run(const Options& options) {
   return finish(options.json, json, print);
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--rounds", options.rounds, "the least time of so many rounds counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  apps::add_json_option(app, options.json);
-  apps::add_examples(app,
-                     "  sightline-bench measure\n"
-                     "  sightline-bench measure --rounds 20 --json measure.json");
+void add_options(apps::CommandLine& line, Options& options) {
+  line.add("--rounds", options.rounds, "the least time of so many rounds counts").in_range(1, 1000).shows_default();
+  apps::add_json_option(line, options.json);
+  line.examples(
+      "  sightline-bench measure\n"
+      "  sightline-bench measure --rounds 20 --json measure.json");
 }
 
 }  // namespace
 
-Run add_measure(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_measure(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

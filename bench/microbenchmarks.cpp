@@ -5,10 +5,10 @@
 #include <sstream>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <benchmark/benchmark.h>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
 
 namespace sightline::bench {
 namespace {
@@ -43,15 +43,13 @@ class Reporter : public benchmark::BenchmarkReporter {
 
 }  // namespace
 
-void add_microbenchmark_options(CLI::App& app, MicrobenchmarkOptions& options) {
-  app.add_option("--filter", options.filter, "Those alone whose names match this regular expression");
-  app.add_option("--min-time", options.min_time, "Seconds that each is run for at least")
-      ->check(CLI::Range(1e-3, 1e3))
-      ->capture_default_str();
-  app.add_option("--repetitions", options.repetitions, "Of each; from 2 on with mean, median and deviation")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  apps::add_json_option(app, options.json);
+void add_microbenchmark_options(apps::CommandLine& line, MicrobenchmarkOptions& options) {
+  line.add("--filter", options.filter, "Those alone whose names match this regular expression");
+  line.add("--min-time", options.min_time, "Seconds that each is run for at least").in_range(1e-3, 1e3).shows_default();
+  line.add("--repetitions", options.repetitions, "Of each; from 2 on with mean, median and deviation")
+      .in_range(1, 1000)
+      .shows_default();
+  apps::add_json_option(line, options.json);
 }
 
 core::Expected<int> run_microbenchmarks(const MicrobenchmarkOptions& options) {

@@ -5,8 +5,8 @@
 
 #include "sightline/core/error.h"
 
-namespace CLI {
-class App;
+namespace sightline::apps {
+class CommandLine;
 }
 
 namespace sightline::bench {
@@ -18,7 +18,7 @@ struct MicrobenchmarkOptions {
 };
 
 /// --filter, --min-time, --repetitions, --json.
-void add_microbenchmark_options(CLI::App& app, MicrobenchmarkOptions& options);
+void add_microbenchmark_options(apps::CommandLine& line, MicrobenchmarkOptions& options);
 
 /// Runs everything registered with benchmark::RegisterBenchmark(), and unregisters it. Prints a table, and writes the
 /// library's JSON if the options request it. Fails when the filter matches nothing.

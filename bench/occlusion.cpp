@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/models/random.h"
@@ -42,28 +42,26 @@ struct Options {
   std::string size = "640x360", json;
 };
 
-void add_options(CLI::App& app, Options& options) {
-  add_generate_option(app, options.generate)->capture_default_str();
-  app.add_option("--size", options.size, "picture, WIDTHxHEIGHT")
-      ->check(apps::accepted_by(apps::parse_size))
-      ->capture_default_str();
-  app.add_option("--occluders", options.occluders, "boxes that are rastered for each view")->capture_default_str();
-  app.add_option("--solids", options.solids, "pipes alone: the largest boxes, which these are chosen from")
-      ->check(CLI::Range(1, 50'000'000))
-      ->capture_default_str();
-  app.add_option("--walls", options.walls, "walls, slabs and vessels of the second scene, which these are chosen from")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  app.add_option("--views", options.views, "made-up views, three quarters of them within the plant")
-      ->check(CLI::Range(1, 10'000))
-      ->capture_default_str();
-  app.add_option("--passes", options.passes, "repetitions; the least time of each view counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  apps::add_json_option(app, options.json);
-  apps::add_examples(app,
-                     "  sightline-bench occlusion\n"
-                     "  sightline-bench occlusion --generate 100000 --occluders 1000 --json out.json");
+void add_options(apps::CommandLine& line, Options& options) {
+  add_generate_option(line, options.generate).shows_default();
+  line.add("--size", options.size, "picture, WIDTHxHEIGHT").accepted_by(apps::parse_size).shows_default();
+  line.add("--occluders", options.occluders, "boxes that are rastered for each view").shows_default();
+  line.add("--solids", options.solids, "pipes alone: the largest boxes, which these are chosen from")
+      .in_range(1, 50'000'000)
+      .shows_default();
+  line.add("--walls", options.walls, "walls, slabs and vessels of the second scene, which these are chosen from")
+      .in_range(1, 1'000'000)
+      .shows_default();
+  line.add("--views", options.views, "made-up views, three quarters of them within the plant")
+      .in_range(1, 10'000)
+      .shows_default();
+  line.add("--passes", options.passes, "repetitions; the least time of each view counts")
+      .in_range(1, 1000)
+      .shows_default();
+  apps::add_json_option(line, options.json);
+  line.examples(
+      "  sightline-bench occlusion\n"
+      "  sightline-bench occlusion --generate 100000 --occluders 1000 --json out.json");
 }
 
 struct Picture {
@@ -394,8 +392,8 @@ core::Expected<int> run(const Options& options) {
 
 }  // namespace
 
-Run add_occlusion(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_occlusion(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/renderer.h"
@@ -39,19 +39,19 @@ struct Options {
   std::string json;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  apps::add_culler_option(app, o.culler);
-  app.add_option("--repeats", o.repeats, "Of each call, with other items; the median counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  apps::add_culler_option(line, o.culler);
+  line.add("--repeats", o.repeats, "Of each call, with other items; the median counts")
+      .in_range(1, 1000)
+      .shows_default();
 #if SIGHTLINE_HAS_RAYTRACE
-  app.add_flag("--picks", o.picks, "The application has picked: the tracer follows, too");
+  line.add_flag("--picks", o.picks, "The application has picked: the tracer follows, too");
 #endif
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app,
-                     "  sightline-bench overrides plant.rvm\n"
-                     "  sightline-bench overrides plant.rvm --culler gpu --json overrides.json");
+  apps::add_json_option(line, o.json);
+  line.examples(
+      "  sightline-bench overrides plant.rvm\n"
+      "  sightline-bench overrides plant.rvm --culler gpu --json overrides.json");
 }
 
 using Items = std::span<const ItemId>;
@@ -134,8 +134,8 @@ core::Expected<int> run(const Options& o) {
 
 }  // namespace
 
-Run add_overrides(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_overrides(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/renderer.h"
 #include "sightline/bench/subcommands.h"
@@ -212,24 +212,22 @@ core::Expected<int> run(const Options& o) {
   return finish(o.json, json);
 }
 
-void add_options(CLI::App& app, Options& o) {
-  app.add_option("MODEL", o.models, "Models whose items are measured beside made-up ones");
-  app.add_option("--items", o.items, "Of each kind")->check(CLI::Range(1, 100'000))->capture_default_str();
-  app.add_option("--size", o.size, "Width and height of the images")
-      ->check(CLI::Range(64, 4096))
-      ->capture_default_str();
-  app.add_option("--seed", o.seed, "Of shapes and directions")->capture_default_str();
-  apps::add_context_option(app, o.platform);
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app,
-                     "  sightline-bench proxies\n"
-                     "  sightline-bench proxies plant.rvm --items 300 --json proxies.json");
+void add_options(apps::CommandLine& line, Options& o) {
+  line.add("MODEL", o.models, "Models whose items are measured beside made-up ones");
+  line.add("--items", o.items, "Of each kind").in_range(1, 100'000).shows_default();
+  line.add("--size", o.size, "Width and height of the images").in_range(64, 4096).shows_default();
+  line.add("--seed", o.seed, "Of shapes and directions").shows_default();
+  apps::add_context_option(line, o.platform);
+  apps::add_json_option(line, o.json);
+  line.examples(
+      "  sightline-bench proxies\n"
+      "  sightline-bench proxies plant.rvm --items 300 --json proxies.json");
 }
 
 }  // namespace
 
-Run add_proxies(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_proxies(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

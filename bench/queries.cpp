@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <benchmark/benchmark.h>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/microbenchmarks.h"
 #include "sightline/bench/models/plant_boxes.h"
@@ -134,18 +133,18 @@ core::Expected<int> run(const Options& options) {
   return run_microbenchmarks(options.microbenchmarks);
 }
 
-void add_options(CLI::App& app, Options& options) {
-  add_generate_option(app, options.count)->capture_default_str();
-  add_microbenchmark_options(app, options.microbenchmarks);
-  apps::add_examples(app,
-                     "  sightline-bench queries --generate 713000\n"
-                     "  sightline-bench queries --filter nearest --repetitions 5 --json queries.json");
+void add_options(apps::CommandLine& line, Options& options) {
+  add_generate_option(line, options.count).shows_default();
+  add_microbenchmark_options(line, options.microbenchmarks);
+  line.examples(
+      "  sightline-bench queries --generate 713000\n"
+      "  sightline-bench queries --filter nearest --repetitions 5 --json queries.json");
 }
 
 }  // namespace
 
-Run add_queries(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_queries(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -15,10 +15,9 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
@@ -40,22 +39,22 @@ struct Options {
 constexpr int kViews = 64, kWidth = 640, kHeight = 360;
 constexpr int kForetold[] = {4, 8, 16, 64};
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  app.get_option("MODEL")->required(false);
-  app.add_option("--items", o.items, "Without MODEL: items of a generated plant")
-      ->check(CLI::Range(std::uint64_t(1'000), std::uint64_t(100'000'000)))
-      ->capture_default_str();
-  app.add_option("--threads", o.threads, "The most threads; 0: one per processor")
-      ->check(CLI::Range(0, culling::CullThreads::kMost))
-      ->capture_default_str();
-  app.add_option("--passes", o.passes, "Of each stage with each number of threads; the least counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app,
-                     "  sightline-bench scaling --items 1000000\n"
-                     "  sightline-bench scaling a.rvm b.rvm c.rvm --threads 8 --json scaling.json");
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  line.option("MODEL").required(false);
+  line.add("--items", o.items, "Without MODEL: items of a generated plant")
+      .in_range(std::uint64_t(1'000), std::uint64_t(100'000'000))
+      .shows_default();
+  line.add("--threads", o.threads, "The most threads; 0: one per processor")
+      .in_range(0, culling::CullThreads::kMost)
+      .shows_default();
+  line.add("--passes", o.passes, "Of each stage with each number of threads; the least counts")
+      .in_range(1, 1000)
+      .shows_default();
+  apps::add_json_option(line, o.json);
+  line.examples(
+      "  sightline-bench scaling --items 1000000\n"
+      "  sightline-bench scaling a.rvm b.rvm c.rvm --threads 8 --json scaling.json");
 }
 
 /// Something that `run` does with a number of threads.
@@ -176,8 +175,8 @@ core::Expected<int> run(const Options& options) {
 
 }  // namespace
 
-Run add_scaling(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_scaling(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -11,10 +11,10 @@
 #include <fstream>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
@@ -184,27 +184,27 @@ core::Expected<int> run(const Options& options) {
   return run_in_memory(options, size);
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("FILE", options.file, "Model file, or scene cache")->required();
-  apps::add_import_options(app, options.import);
+void add_options(apps::CommandLine& line, Options& options) {
+  line.add("FILE", options.file, "Model file, or scene cache").required();
+  apps::add_import_options(line, options.import);
 #if SIGHTLINE_HAS_GL
-  auto* size = app.add_option("--size", options.size, "Draw a picture of so many pixels at the end")
-                   ->type_name("WxH")
-                   ->check(apps::accepted_by(apps::parse_size));
-  apps::add_memory_option(app, options.memory, {"--cache", "--lenient"});
-  app.get_option("--memory")->needs(size);
+  const apps::Option size = line.add("--size", options.size, "Draw a picture of so many pixels at the end")
+                                .metavar("WxH")
+                                .accepted_by(apps::parse_size);
+  apps::add_memory_option(line, options.memory, {"--cache", "--lenient"});
+  line.option("--memory").needs(size);
 #endif
-  apps::add_json_option(app, options.json);
-  apps::add_examples(app,
-                     "  sightline-bench start plant.rvm\n  sightline-bench start plant.slc --size 640x360\n"
-                     "  sightline-bench start plant.rvm --cache caches\n"
-                     "  sightline-bench start huge --memory 1G --size 640x360");
+  apps::add_json_option(line, options.json);
+  line.examples(
+      "  sightline-bench start plant.rvm\n  sightline-bench start plant.slc --size 640x360\n"
+      "  sightline-bench start plant.rvm --cache caches\n"
+      "  sightline-bench start huge --memory 1G --size 640x360");
 }
 
 }  // namespace
 
-Run add_start(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_start(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

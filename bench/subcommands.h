@@ -1,11 +1,12 @@
-// The subcommands of sightline-bench. Each function adds the subcommand's options and examples to `app`.
+// The subcommands of sightline-bench. Each function adds the subcommand's options and examples to `line`.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/core/error.h"
 
 namespace sightline::bench {
@@ -13,53 +14,53 @@ namespace sightline::bench {
 /// Runs after the options are parsed; returns the program's exit code.
 using Run = std::function<core::Expected<int>()>;
 
-Run add_controller(CLI::App& app);
-Run add_cull(CLI::App& app);
-Run add_edit(CLI::App& app);
-Run add_import(CLI::App& app);
-Run add_start(CLI::App& app);
-Run add_compare(CLI::App& app);
-Run add_measure(CLI::App& app);
-Run add_occlusion(CLI::App& app);
-Run add_recognise(CLI::App& app);
-Run add_views(CLI::App& app);
+Run add_controller(apps::CommandLine& line);
+Run add_cull(apps::CommandLine& line);
+Run add_edit(apps::CommandLine& line);
+Run add_import(apps::CommandLine& line);
+Run add_start(apps::CommandLine& line);
+Run add_compare(apps::CommandLine& line);
+Run add_measure(apps::CommandLine& line);
+Run add_occlusion(apps::CommandLine& line);
+Run add_recognise(apps::CommandLine& line);
+Run add_views(apps::CommandLine& line);
 
 // Built if the C API is.
-Run add_capi(CLI::App& app);
+Run add_capi(apps::CommandLine& line);
 
 // Built if the ray tracer is.
-Run add_calls(CLI::App& app);
-Run add_scaling(CLI::App& app);
-Run add_trace(CLI::App& app);
+Run add_calls(apps::CommandLine& line);
+Run add_scaling(apps::CommandLine& line);
+Run add_trace(apps::CommandLine& line);
 
 // Built if Google Benchmark is found.
-Run add_intersect(CLI::App& app);
-Run add_queries(CLI::App& app);
+Run add_intersect(apps::CommandLine& line);
+Run add_queries(apps::CommandLine& line);
 
 // Built if the ray tracer and pictures are.
-Run add_supersampling(CLI::App& app);
+Run add_supersampling(apps::CommandLine& line);
 
 // Built if GL is.
-Run add_budget(CLI::App& app);
-Run add_contribution(CLI::App& app);
-Run add_embedding(CLI::App& app);
-Run add_error_time(CLI::App& app);
-Run add_gpu_cull(CLI::App& app);
-Run add_hybrid(CLI::App& app);
-Run add_limit(CLI::App& app);
-Run add_overrides(CLI::App& app);
-Run add_proxies(CLI::App& app);
-Run add_transparency(CLI::App& app);
+Run add_budget(apps::CommandLine& line);
+Run add_contribution(apps::CommandLine& line);
+Run add_embedding(apps::CommandLine& line);
+Run add_error_time(apps::CommandLine& line);
+Run add_gpu_cull(apps::CommandLine& line);
+Run add_hybrid(apps::CommandLine& line);
+Run add_limit(apps::CommandLine& line);
+Run add_overrides(apps::CommandLine& line);
+Run add_proxies(apps::CommandLine& line);
+Run add_transparency(apps::CommandLine& line);
 
 // Built if the viewer is.
-Run add_tree(CLI::App& app);
+Run add_tree(apps::CommandLine& line);
 
 /// Implements such a function: the options live as long as the parser and the run.
 template <class Options>
-Run add_subcommand(CLI::App& app, void (*add_options)(CLI::App&, Options&),
+Run add_subcommand(apps::CommandLine& line, void (*add_options)(apps::CommandLine&, Options&),
                    core::Expected<int> (*run)(const Options&)) {
   const auto options = std::make_shared<Options>();
-  add_options(app, *options);
+  add_options(line, *options);
   return [options, run] { return run(*options); };
 }
 

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/view_options.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
@@ -28,25 +29,20 @@ struct Options {
   std::string json;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  apps::add_view_options(app, o.view);
-  app.add_option("--samples", o.samples, "Per pixel")
-      ->check(CLI::Range(2, 4096))
-      ->delimiter(',')
-      ->capture_default_str();
-  app.add_option("--thresholds", o.thresholds, "Gradients above which a pixel is at an edge")
-      ->check(CLI::Range(0.0, 1.0))
-      ->delimiter(',')
-      ->capture_default_str();
-  app.add_option("--reference", o.reference, "Samples per pixel of the picture that errors are against")
-      ->check(CLI::Range(2, 4096))
-      ->capture_default_str();
-  app.add_option("--passes", o.passes, "Of which the least time counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app, "  sightline-bench supersampling plant.rvm --view view.json --size 960x540");
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  apps::add_view_options(line, o.view);
+  line.add("--samples", o.samples, "Per pixel").in_range(2, 4096).separated_by(',').shows_default();
+  line.add("--thresholds", o.thresholds, "Gradients above which a pixel is at an edge")
+      .in_range(0.0, 1.0)
+      .separated_by(',')
+      .shows_default();
+  line.add("--reference", o.reference, "Samples per pixel of the picture that errors are against")
+      .in_range(2, 4096)
+      .shows_default();
+  line.add("--passes", o.passes, "Of which the least time counts").in_range(1, 1000).shows_default();
+  apps::add_json_option(line, o.json);
+  line.examples("  sightline-bench supersampling plant.rvm --view view.json --size 960x540");
 }
 
 struct Variant {
@@ -128,8 +124,8 @@ core::Expected<int> run(const Options& o) {
 
 }  // namespace
 
-Run add_supersampling(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_supersampling(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

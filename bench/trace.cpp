@@ -16,10 +16,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
@@ -37,11 +36,11 @@ using core::vec3;
 
 struct Options {
   apps::ModelOptions model;
-  std::size_t triangles = 0;
+  std::size_t triangles = 900'000;
   std::uint64_t items = 0;
   double zoom = 1.0;
   int width = 1408, height = 768, passes = 5, threads = 1;
-  std::size_t chunk = 0;
+  std::size_t chunk = 4096;
   double chord = 0.25;
   std::string only, json;
 };
@@ -315,35 +314,30 @@ core::Expected<int> run(const Options& options) {
   return finish(options.json, json, print_table);
 }
 
-void add_options(CLI::App& app, Options& options) {
-  apps::add_model_options(app, options.model);
-  app.get_option("MODEL")->required(false);
-  app.add_option("--triangles", options.triangles, "Without MODEL: triangles of a ball with bumps")
-      ->default_val(900'000)
-      ->check(CLI::Range(std::size_t(64), std::size_t(100'000'000)));
-  app.add_option("--items", options.items, "Without MODEL: items of a generated plant, instead of a ball")
-      ->check(CLI::Range(std::uint64_t(1'000), std::uint64_t(10'000'000)));
-  app.add_option("--zoom", options.zoom, "Fit this part of the model's middle: 2 is half of its bounds")
-      ->capture_default_str()
-      ->check(CLI::Range(1.0, 1000.0));
-  app.add_option("--width", options.width, "Pixels")->capture_default_str()->check(CLI::Range(1, 16384));
-  app.add_option("--height", options.height, "Pixels")->capture_default_str()->check(CLI::Range(1, 16384));
-  app.add_option("--passes", options.passes, "Times that each tracer traces all rays")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
-  app.add_option("--chunk", options.chunk, "Rays that are in the cache when they are traced; 0: all are in memory")
-      ->default_val(4096)
-      ->check(CLI::Range(std::size_t(0), std::size_t(1) << 30));
-  app.add_option("--chord", options.chord, "Deviation of the chords of solids that Embree gets as triangles, pixels")
-      ->capture_default_str()
-      ->check(CLI::Range(1e-4, 10.0));
-  app.add_option("--only", options.only, "Only tracers whose name has this text, as \"Sightline, streams\"");
-  app.add_option("--threads", options.threads, "Threads that build; one traces")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1024));
-  apps::add_json_option(app, options.json);
-  apps::add_examples(
-      app,
+void add_options(apps::CommandLine& line, Options& options) {
+  apps::add_model_options(line, options.model);
+  line.option("MODEL").required(false);
+  line.add("--triangles", options.triangles, "Without MODEL: triangles of a ball with bumps")
+      .shows_default()
+      .in_range(std::size_t(64), std::size_t(100'000'000));
+  line.add("--items", options.items, "Without MODEL: items of a generated plant, instead of a ball")
+      .in_range(std::uint64_t(1'000), std::uint64_t(10'000'000));
+  line.add("--zoom", options.zoom, "Fit this part of the model's middle: 2 is half of its bounds")
+      .shows_default()
+      .in_range(1.0, 1000.0);
+  line.add("--width", options.width, "Pixels").shows_default().in_range(1, 16384);
+  line.add("--height", options.height, "Pixels").shows_default().in_range(1, 16384);
+  line.add("--passes", options.passes, "Times that each tracer traces all rays").shows_default().in_range(1, 1000);
+  line.add("--chunk", options.chunk, "Rays that are in the cache when they are traced; 0: all are in memory")
+      .shows_default()
+      .in_range(std::size_t(0), std::size_t(1) << 30);
+  line.add("--chord", options.chord, "Deviation of the chords of solids that Embree gets as triangles, pixels")
+      .shows_default()
+      .in_range(1e-4, 10.0);
+  line.add("--only", options.only, "Only tracers whose name has this text, as \"Sightline, streams\"");
+  line.add("--threads", options.threads, "Threads that build; one traces").shows_default().in_range(1, 1024);
+  apps::add_json_option(line, options.json);
+  line.examples(
       "  sightline-bench trace bunny.ply\n"
       "  sightline-bench trace --triangles 3600000 --threads 2\n"
       "  sightline-bench trace --items 100000 --zoom 4\n"
@@ -352,8 +346,8 @@ void add_options(CLI::App& app, Options& options) {
 
 }  // namespace
 
-Run add_trace(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_trace(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

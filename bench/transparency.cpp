@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/renderer.h"
@@ -38,14 +38,12 @@ struct Options {
   std::string size = "640x360", json;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  app.add_option("--frames", o.frames, "Timed for each picture; the least counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--seed", o.seed, "Of places and colours")->capture_default_str();
-  app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app, "  sightline-bench transparency\n  sightline-bench transparency --seed 2 --json -");
+void add_options(apps::CommandLine& line, Options& o) {
+  line.add("--frames", o.frames, "Timed for each picture; the least counts").in_range(1, 1000).shows_default();
+  line.add("--seed", o.seed, "Of places and colours").shows_default();
+  line.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
+  apps::add_json_option(line, o.json);
+  line.examples("  sightline-bench transparency\n  sightline-bench transparency --seed 2 --json -");
 }
 
 /// Balls, each in front of the one before it.
@@ -209,8 +207,8 @@ core::Expected<int> run(const Options& o) {
 
 }  // namespace
 
-Run add_transparency(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_transparency(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

@@ -9,10 +9,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/view/name_search.h"
@@ -37,21 +36,19 @@ struct Options {
   std::string json;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  app.get_option("MODEL")->required(false);
-  app.add_option("--nodes", o.nodes, "Without MODEL: nodes of a made-up tree, each with a name of its own and a type")
-      ->check(CLI::Range(1, 100'000'000))
-      ->capture_default_str();
-  app.add_option("--text", o.texts, "Texts to search for")->capture_default_str();
-  app.add_option("--expression", o.expressions, "Regular expressions to search for")->capture_default_str();
-  app.add_option("--repeats", o.repeats, "Of each operation; the median counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app,
-                     "  sightline-bench tree plant.rvm\n"
-                     "  sightline-bench tree --nodes 5000000 --text pump --json tree.json");
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  line.option("MODEL").required(false);
+  line.add("--nodes", o.nodes, "Without MODEL: nodes of a made-up tree, each with a name of its own and a type")
+      .in_range(1, 100'000'000)
+      .shows_default();
+  line.add("--text", o.texts, "Texts to search for").shows_default();
+  line.add("--expression", o.expressions, "Regular expressions to search for").shows_default();
+  line.add("--repeats", o.repeats, "Of each operation; the median counts").in_range(1, 1000).shows_default();
+  apps::add_json_option(line, o.json);
+  line.examples(
+      "  sightline-bench tree plant.rvm\n"
+      "  sightline-bench tree --nodes 5000000 --text pump --json tree.json");
 }
 
 /// Zones of 40 pipes of 3 branches of 12 parts, until there are `count` nodes.
@@ -218,8 +215,8 @@ core::Expected<int> run(const Options& o) {
 
 }  // namespace
 
-Run add_tree(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_tree(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

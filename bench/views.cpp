@@ -2,11 +2,10 @@
 #include <array>
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
@@ -26,15 +25,15 @@ struct Options {
   int threads = 2;
 };
 
-void add_options(CLI::App& app, Options& options) {
-  add_input_options(app, options.input);
-  app.add_option("--threads", options.threads, "threads that several views may use")
-      ->check(CLI::Range(1, culling::CullThreads::kMost))
-      ->capture_default_str();
-  apps::add_json_option(app, options.json);
-  apps::add_examples(app,
-                     "  sightline-bench views --boxes boxes.f32 --views views.f64\n"
-                     "  sightline-bench views --generate 713000 --views views.f64 --threads 2 --json out.json");
+void add_options(apps::CommandLine& line, Options& options) {
+  add_input_options(line, options.input);
+  line.add("--threads", options.threads, "threads that several views may use")
+      .in_range(1, culling::CullThreads::kMost)
+      .shows_default();
+  apps::add_json_option(line, options.json);
+  line.examples(
+      "  sightline-bench views --boxes boxes.f32 --views views.f64\n"
+      "  sightline-bench views --generate 713000 --views views.f64 --threads 2 --json out.json");
 }
 
 core::View view_of(const core::dmat4& clip_from_world) {
@@ -206,8 +205,8 @@ core::Expected<int> run(const Options& options) {
 
 }  // namespace
 
-Run add_views(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_views(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

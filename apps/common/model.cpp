@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <map>
 
-#include <CLI/CLI.hpp>
-
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/progress.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/gl/context.h"
@@ -22,6 +22,14 @@ const std::map<std::string, double>& lengths() {
   return metres;
 }
 
+/// Choices under the names that the library gives them.
+template <class T>
+std::map<std::string, T> by_name(std::initializer_list<T> choices) {
+  std::map<std::string, T> named;
+  for (const T choice : choices) named.emplace(name_of(choice), choice);
+  return named;
+}
+
 }  // namespace
 
 core::Expected<double> parse_tolerance(const std::string& text) {
@@ -35,35 +43,25 @@ std::optional<double> metres_of(const std::string& unit) {
   return found == lengths().end() ? std::nullopt : std::optional(found->second);
 }
 
-void add_import_options(CLI::App& app, importers::ImportOptions& options) {
-  app.add_flag("--lenient", options.lenient, "Keep what can be read of damaged files and list the damage");
-  app.add_option_function<std::string>(
-         "--units", [&options](const std::string& name) { options.metres_per_unit = lengths().at(name); },
-         "Unit of files that name none (OBJ, PLY, STL, VTK): mm, cm, m, km, in or ft")
-      ->check(CLI::IsMember(lengths()))
-      ->default_str("m");
-  app.add_option_function<std::string>(
-         "--up",
-         [&options](const std::string& name) {
-           options.up = name == "y" ? importers::UpAxis::kY : importers::UpAxis::kZ;
-         },
-         "Axis that points up in files that do not say: y or z")
-      ->check(CLI::IsMember({"y", "z"}))
-      ->default_str("z");
-  app.add_flag(
+void add_import_options(CommandLine& line, importers::ImportOptions& options) {
+  line.add_flag("--lenient", options.lenient, "Keep what can be read of damaged files and list the damage");
+  line.add_choice("--units", options.metres_per_unit, lengths(),
+                  "Unit of files that name none (OBJ, PLY, STL, VTK): mm, cm, m, km, in or ft")
+      .shows_default();
+  line.add_choice("--up", options.up, {{"y", importers::UpAxis::kY}, {"z", importers::UpAxis::kZ}},
+                  "Axis that points up in files that do not say: y or z")
+      .shows_default();
+  line.add_flag(
       "--recognise", options.recognise,
       "Take cylinders, snouts, tori, dishes, spheres, boxes and pyramids out of meshes that are the triangles of "
       "some");
-  app.add_option_function<std::string>(
-         "--recognise-tolerance",
-         [&options](const std::string& text) { options.recognise_tolerance = parse_tolerance(text).value(); },
-         "How far vertices may lie from a recognised surface, metres; without it, what each mesh's own tessellation "
-         "and rounding tell")
-      ->check(accepted_by(parse_tolerance))
-      ->needs("--recognise");
-  app.add_option_function<std::string>(
-      "--cache", [&options](const std::string& folder) { options.cache_folder = folder; },
-      "Keep scene caches in this folder, and start from them while the files are unchanged");
+  line.add_parsed(
+          "--recognise-tolerance", options.recognise_tolerance, parse_tolerance,
+          "How far vertices may lie from a recognised surface, metres; without it, what each mesh's own tessellation "
+          "and rounding tell")
+      .needs("--recognise");
+  line.add("--cache", options.cache_folder,
+           "Keep scene caches in this folder, and start from them while the files are unchanged");
 }
 
 std::string import_arguments(const importers::ImportOptions& options) {
@@ -79,15 +77,15 @@ std::string import_arguments(const importers::ImportOptions& options) {
   return arguments + (options.up == importers::UpAxis::kY ? " --up y" : "");
 }
 
-void add_model_options(CLI::App& app, ModelOptions& options) {
+void add_model_options(CommandLine& line, ModelOptions& options) {
   std::string extensions;
   for (const std::string_view extension : importers::known_extensions())
     extensions.append(extensions.empty() ? "" : ", ").append(extension);
-  app.add_option("MODEL", options.files, "Model files (" + extensions + "), loaded into one scene")->required();
-  app.add_option("--translate", options.translate, "Move the model by X,Y,Z metres (root transform)")
-      ->check(accepted_by(parse_vector));
-  add_import_options(app, options.import);
-  app.add_flag("--explain", options.explain, "Print which features the scene needs and which are left out, and why");
+  line.add("MODEL", options.files, "Model files (" + extensions + "), loaded into one scene").required();
+  line.add("--translate", options.translate, "Move the model by X,Y,Z metres (root transform)")
+      .accepted_by(parse_vector);
+  add_import_options(line, options.import);
+  line.add_flag("--explain", options.explain, "Print which features the scene needs and which are left out, and why");
 }
 
 void print_warnings(const std::vector<importers::ImportWarning>& warnings) {
@@ -166,44 +164,38 @@ void warn_of_outliers(const core::FittedBounds& fitted) {
                fitted.outliers, fitted.outliers == 1 ? " lies" : "s lie", fitted.outliers == 1 ? "it" : "them");
 }
 
-void add_culler_option(CLI::App& app, engine::CullerChoice& choice) {
+void add_culler_option(CommandLine& line, engine::CullerChoice& choice) {
   using engine::CullerChoice;
-  static const std::map<std::string, CullerChoice> names = {{"auto", CullerChoice::kAutomatic},
-                                                            {"linear", CullerChoice::kLinear},
-                                                            {"cpu", CullerChoice::kCpu},
-                                                            {"gpu", CullerChoice::kGpu},
-                                                            {"hybrid", CullerChoice::kHybrid}};
-  app.add_option_function<std::string>(
-         "--culler", [&choice](const std::string& name) { choice = names.at(name); },
-         "auto, linear, cpu, gpu or hybrid")
-      ->check(CLI::IsMember(names))
-      ->default_str("auto");
+  line.add_choice("--culler", choice,
+                  {{"auto", CullerChoice::kAutomatic},
+                   {"linear", CullerChoice::kLinear},
+                   {"cpu", CullerChoice::kCpu},
+                   {"gpu", CullerChoice::kGpu},
+                   {"hybrid", CullerChoice::kHybrid}},
+                  "auto, linear, cpu, gpu or hybrid")
+      .shows_default();
 }
 
-void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config) {
-  static const std::map<std::string, culling::GpuVariant> names = {{"geometry", culling::GpuVariant::kGeometry},
-                                                                   {"compute", culling::GpuVariant::kCompute}};
-  app.add_option_function<std::string>(
-         "--gpu-pass", [&config](const std::string& name) { config.variant = names.at(name); },
-         "Shaders of the GPU culler: geometry or compute; without it the faster one, measured")
-      ->check(CLI::IsMember(names));
+void add_gpu_pass_option(CommandLine& line, culling::GpuCullerConfig& config) {
+  line.add_choice("--gpu-pass", config.variant,
+                  {{"geometry", culling::GpuVariant::kGeometry}, {"compute", culling::GpuVariant::kCompute}},
+                  "Shaders of the GPU culler: geometry or compute; without it the faster one, measured");
 }
 
-void add_context_option([[maybe_unused]] CLI::App& app, [[maybe_unused]] gl::ContextPlatform& platform) {
+void add_context_option([[maybe_unused]] CommandLine& line, [[maybe_unused]] gl::ContextPlatform& platform) {
 #if SIGHTLINE_HAS_GL
-  app.add_option_function<std::string>(
-         "--context", [&platform](const std::string& name) { platform = gl::parse_platform(name).value(); },
-         "Where OpenGL without a window comes from: auto, egl, egl-surfaceless, egl-device or osmesa; auto is what the "
-         "environment variable SIGHTLINE_CONTEXT names, without it EGL, and OSMesa where EGL gives none")
-      ->check(accepted_by(gl::parse_platform))
-      ->default_str("auto");
+  line.add_parsed("--context", platform, gl::parse_platform,
+                  "Where OpenGL without a window comes from: auto, egl, egl-surfaceless, egl-device or osmesa; auto is "
+                  "what the environment variable SIGHTLINE_CONTEXT names, without it EGL, and OSMesa where EGL gives "
+                  "none")
+      .default_text("auto");
 #endif
 }
 
-void add_samples_option(CLI::App& app, int& samples) {
-  app.add_option("--samples", samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 32));
+void add_samples_option(CommandLine& line, int& samples) {
+  line.add("--samples", samples, "Per pixel, for smooth edges; ids and depth are then one sample's")
+      .shows_default()
+      .in_range(1, 32);
 }
 
 void ShownOptions::apply(engine::EngineConfig& config) const {
@@ -216,48 +208,37 @@ void ShownOptions::apply(engine::EngineConfig& config) const {
   config.hatching = hatching;
 }
 
-void add_way_option(CLI::App& app, const std::string& name, const std::string& help, engine::ContributionWay& to) {
+void add_way_option(CommandLine& line, const std::string& name, const std::string& help, engine::ContributionWay& to) {
   using engine::ContributionWay;
-  const auto way = [](ContributionWay w) { return std::pair(std::string(name_of(w)), w); };
-  static const std::map<std::string, ContributionWay> ways = {
-      way(ContributionWay::kDrop), way(ContributionWay::kPoints), way(ContributionWay::kStochastic)};
-  app.add_option_function<std::string>(
-         name, [&to](const std::string& text) { to = ways.at(text); },
-         help +
-             ": drop: not at all; points: each as one square of its area; stochastic: a share of them as squares that "
-             "are as much larger")
-      ->default_str("drop")
-      ->check(CLI::IsMember(ways));
+  line.add_choice(
+          name, to, by_name({ContributionWay::kDrop, ContributionWay::kPoints, ContributionWay::kStochastic}),
+          help +
+              ": drop: not at all; points: each as one square of its area; stochastic: a share of them as squares that "
+              "are as much larger")
+      .shows_default();
 }
 
-void add_shown_options(CLI::App& app, ShownOptions& options) {
-  static const std::map<std::string, bool> names = {{"on", true}, {"off", false}};
-  app.add_option_function<std::string>(
-         "--sample-test", [&options](const std::string& name) { options.sample_test = names.at(name); },
-         "Leave out of drawing what covers no sample of the picture; no pixel is lost")
-      ->default_str("on")
-      ->check(CLI::IsMember(names));
+void add_shown_options(CommandLine& line, ShownOptions& options) {
+  line.add_choice("--sample-test", options.sample_test, {{"on", true}, {"off", false}},
+                  "Leave out of drawing what covers no sample of the picture; no pixel is lost")
+      .shows_default();
   using engine::OcclusionChoice;
-  const auto named = [](OcclusionChoice choice) { return std::pair(std::string(name_of(choice)), choice); };
-  static const std::map<std::string, OcclusionChoice> choices = {
-      named(OcclusionChoice::kOn), named(OcclusionChoice::kOff), named(OcclusionChoice::kAutomatic)};
-  app.add_option_function<std::string>(
-         "--occlusion", [&options](const std::string& name) { options.occlusion = choices.at(name); },
-         "Leave out of drawing what other items hide; no pixel is lost. auto: while it pays")
-      ->default_str("auto")
-      ->check(CLI::IsMember(choices));
-  app.add_option("--contribution", options.contribution,
-                 "Leave out items that are expected to cover fewer pixels of the picture than this; 0: none")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--budget", options.budget_ms,
-                 "Milliseconds for a frame: the largest items first, and the rest while the camera rests; 0: any time")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  add_way_option(app, "--contribution-way", "How items are drawn that are below --contribution or beyond --budget",
+  line.add_choice("--occlusion", options.occlusion,
+                  by_name({OcclusionChoice::kOn, OcclusionChoice::kOff, OcclusionChoice::kAutomatic}),
+                  "Leave out of drawing what other items hide; no pixel is lost. auto: while it pays")
+      .shows_default();
+  line.add("--contribution", options.contribution,
+           "Leave out items that are expected to cover fewer pixels of the picture than this; 0: none")
+      .shows_default()
+      .not_negative();
+  line.add("--budget", options.budget_ms,
+           "Milliseconds for a frame: the largest items first, and the rest while the camera rests; 0: any time")
+      .shows_default()
+      .not_negative();
+  add_way_option(line, "--contribution-way", "How items are drawn that are below --contribution or beyond --budget",
                  options.contribution_way);
   const auto add_strength = [&](const char* name, float& strength, const std::string& what) {
-    app.add_option(name, strength, what)->capture_default_str()->check(CLI::Range(0.0f, 1.0f));
+    line.add(name, strength, what).shows_default().in_range(0.0f, 1.0f);
   };
   add_strength("--shading", options.relief.shading, "Darken corners and what lies behind edges: from 0, not, to 1");
   add_strength("--lines", options.relief.lines, "Draw lines along edges: from 0, none, to 1, black");

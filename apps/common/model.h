@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "sightline/apps/common/cli.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/snapshot.h"
@@ -16,6 +15,8 @@
 #include "sightline/importers/import.h"
 
 namespace sightline::apps {
+
+class CommandLine;
 
 struct ModelOptions {
   std::vector<std::string> files;
@@ -34,12 +35,12 @@ std::optional<double> metres_of(const std::string& unit);
 core::Expected<double> parse_tolerance(const std::string& text);
 
 /// --lenient, --units, --up, --recognise, --recognise-tolerance, --cache: how files are read.
-void add_import_options(CLI::App& app, importers::ImportOptions& options);
+void add_import_options(CommandLine& line, importers::ImportOptions& options);
 /// The arguments that give these options, each after a space.
 std::string import_arguments(const importers::ImportOptions& options);
 
 /// MODEL…, --translate, --explain and the import options.
-void add_model_options(CLI::App& app, ModelOptions& options);
+void add_model_options(CommandLine& line, ModelOptions& options);
 
 struct Model {
   std::unique_ptr<core::Scene> scene;
@@ -64,16 +65,16 @@ void warn_of_outliers(const core::FittedBounds& fitted);
 inline constexpr double kFovy = std::numbers::pi / 4;
 
 /// --culler, into `choice`.
-void add_culler_option(CLI::App& app, engine::CullerChoice& choice);
+void add_culler_option(CommandLine& line, engine::CullerChoice& choice);
 
 /// --gpu-pass, into `config`.
-void add_gpu_pass_option(CLI::App& app, culling::GpuCullerConfig& config);
+void add_gpu_pass_option(CommandLine& line, culling::GpuCullerConfig& config);
 
 /// --context, into `platform`. Builds without GL have no such option.
-void add_context_option(CLI::App& app, gl::ContextPlatform& platform);
+void add_context_option(CommandLine& line, gl::ContextPlatform& platform);
 
 /// --samples
-void add_samples_option(CLI::App& app, int& samples);
+void add_samples_option(CommandLine& line, int& samples);
 
 /// What of the view volume is drawn.
 struct ShownOptions {
@@ -89,11 +90,11 @@ struct ShownOptions {
 };
 
 /// drop|points|stochastic under a name. `help`: what it is about.
-void add_way_option(CLI::App& app, const std::string& name, const std::string& help, engine::ContributionWay& way);
+void add_way_option(CommandLine& line, const std::string& name, const std::string& help, engine::ContributionWay& way);
 
 /// --sample-test on|off, --occlusion on|off|auto, --contribution PX, --contribution-way drop|points|stochastic,
 /// --budget MS, --shading X, --lines X, --hatch X
-void add_shown_options(CLI::App& app, ShownOptions& options);
+void add_shown_options(CommandLine& line, ShownOptions& options);
 
 /// Prints to stderr which features are used and which are left out.
 void explain(const engine::Plan& plan);

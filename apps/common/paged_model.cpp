@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <system_error>
 
-#include <CLI/CLI.hpp>
 #include <sys/resource.h>
 
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/slc/paged_scene.h"
@@ -27,13 +27,13 @@ core::Expected<std::size_t> parse_bytes(const std::string& text) {
   return std::size_t(bytes);
 }
 
-void add_memory_option(CLI::App& app, std::string& text, std::initializer_list<const char*> others) {
-  auto* memory = app.add_option("--memory", text,
-                                "Draw a scene cache (.slc, or a folder of them) page by page, and keep the process and "
-                                "the GPU's buffers below this, such as 2G")
-                     ->type_name("LIMIT")
-                     ->check(accepted_by(parse_bytes));
-  for (const char* other : others) memory->excludes(app.get_option(other));
+void add_memory_option(CommandLine& line, std::string& text, std::initializer_list<const char*> others) {
+  line.add("--memory", text,
+           "Draw a scene cache (.slc, or a folder of them) page by page, and keep the process and the GPU's buffers "
+           "below this, such as 2G")
+      .metavar("LIMIT")
+      .accepted_by(parse_bytes)
+      .excludes(others);
 }
 
 namespace {

@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include <CLI/CLI.hpp>
+#include "sightline/apps/common/command_line.h"
 
 namespace sightline::apps {
 namespace {
@@ -48,10 +48,10 @@ core::NodeCondition parse_condition(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-void add_style_options(CLI::App& app, StyleOptions& options) {
+void add_style_options(CommandLine& line, StyleOptions& options) {
   const std::string nodes = " nodes whose name or an attribute holds TEXT, or whose attribute KEY does (KEY=TEXT)";
   const auto add = [&](const char* name, std::vector<std::string>& texts, const std::string& help) {
-    app.add_option(name, texts, help)->allow_extra_args(false);
+    line.add(name, texts, help).one_value_each();
   };
   add("--hide", options.hide, "Hide" + nodes);
   add("--isolate", options.isolate, "Hide all but" + nodes);
@@ -59,13 +59,11 @@ void add_style_options(CLI::App& app, StyleOptions& options) {
   add("--ghost-others", options.ghost_others, "Faint shells: all but" + nodes);
   add("--fade", options.fade, "Transparent:" + nodes);
   add("--highlight", options.highlight, "In orange, outlined:" + nodes);
-  static const std::map<std::string, engine::Transparency> ways = {{"dither", engine::Transparency::kDither},
-                                                                   {"blended", engine::Transparency::kBlended}};
-  app.add_option_function<std::string>(
-         "--transparency", [&](const std::string& text) { options.transparency = ways.at(text); },
-         "dither: a pattern of opaque pixels; blended: without pattern and without sorting, with a small error")
-      ->default_str("dither")
-      ->check(CLI::IsMember(ways));
+  line.add_choice(
+          "--transparency", options.transparency,
+          {{"dither", engine::Transparency::kDither}, {"blended", engine::Transparency::kBlended}},
+          "dither: a pattern of opaque pixels; blended: without pattern and without sorting, with a small error")
+      .shows_default();
 }
 
 core::Expected<void> apply_styles(const StyleOptions& options, const core::Scene& scene, engine::Engine& engine) {

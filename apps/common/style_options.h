@@ -7,11 +7,9 @@
 #include "sightline/core/find_nodes.h"
 #include "sightline/engine/engine.h"
 
-namespace CLI {
-class App;
-}
-
 namespace sightline::apps {
+
+class CommandLine;
 
 /// "KEY=TEXT" or "TEXT".
 core::NodeCondition parse_condition(const std::string& text);
@@ -23,7 +21,7 @@ struct StyleOptions {
 };
 
 /// --hide, --isolate, --ghost, --ghost-others, --fade and --highlight TEXT, --transparency dither|blended
-void add_style_options(CLI::App& app, StyleOptions& options);
+void add_style_options(CommandLine& line, StyleOptions& options);
 
 /// Overrides items of the scene, which must be committed. Fails where no node is found.
 core::Expected<void> apply_styles(const StyleOptions& options, const core::Scene& scene, engine::Engine& engine);

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/output.h"
 
 namespace sightline::apps {
 

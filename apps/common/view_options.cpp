@@ -1,29 +1,25 @@
 #include "sightline/apps/common/view_options.h"
 
-#include <CLI/CLI.hpp>
-
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/importers/view_json.h"
 
 namespace sightline::apps {
 
-void add_view_options(CLI::App& app, ViewOptions& options) {
+void add_view_options(CommandLine& line, ViewOptions& options) {
   ViewOptions& o = options;
-  app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(accepted_by(parse_size));
-  auto* view = app.add_option("--view", o.view, "View JSON file");
-  auto* path = app.add_option("--path", o.path, "Camera path JSON file; see --frame")->excludes(view);
-  app.add_option("--frame", o.frame, "Frame of the path, of --frames in all")
-      ->needs(path)
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--frames", o.frames, "Frames that the path is sampled into")
-      ->capture_default_str()
-      ->needs(path)
-      ->check(CLI::PositiveNumber);
-  app.final_callback([&o] {
-    if (o.frame >= o.frames) throw CLI::ValidationError("--frame", "must be below --frames");
+  line.add("--size", o.size, "Pixels").shows_default().accepted_by(parse_size);
+  const Option view = line.add("--view", o.view, "View JSON file");
+  const Option path = line.add("--path", o.path, "Camera path JSON file; see --frame").excludes(view);
+  line.add("--frame", o.frame, "Frame of the path, of --frames in all").needs(path).not_negative();
+  line.add("--frames", o.frames, "Frames that the path is sampled into").shows_default().needs(path).positive();
+  line.check([&o]() -> core::Expected<void> {
+    if (o.frame >= o.frames) return core::fail("--frame: must be below --frames");
+    return {};
   });
-  app.add_flag("--fit", o.fit, "Fit the whole model (the default without --view and --path)")
-      ->excludes(view)
-      ->excludes(path);
+  line.add_flag("--fit", o.fit, "Fit the whole model (the default without --view and --path)")
+      .excludes(view)
+      .excludes(path);
 }
 
 core::Expected<core::View> choose_view(const ViewOptions& options, const Model& model, const core::Snapshot& snapshot,

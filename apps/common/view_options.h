@@ -7,6 +7,8 @@
 
 namespace sightline::apps {
 
+class CommandLine;
+
 struct ViewOptions {
   std::string size = "1280x720", view, path;
   int frame = 0, frames = 300;
@@ -15,7 +17,7 @@ struct ViewOptions {
 };
 
 /// --size, --view, --path with --frame and --frames, --fit
-void add_view_options(CLI::App& app, ViewOptions& options);
+void add_view_options(CommandLine& line, ViewOptions& options);
 
 /// The view of a picture whose width is `aspect` times its height; by default of the whole model, with a warning on
 /// stderr of what that leaves out.

@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <filesystem>
 
-#include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/mpi/session.h"
 #include "sightline/apps/regress/farm.h"
@@ -44,64 +46,66 @@ core::Expected<std::array<std::size_t, 2>> parse_shard(const std::string& text) 
 }
 
 template <class T>
-void add_limit(CLI::App& app, const char* name, std::optional<T>& limit, double most, const std::string& help) {
-  app.add_option_function<T>(
-         name, [&limit](const T& value) { limit = value; }, help + ", instead of the suite's")
-      ->check(CLI::Range(0.0, most))
-      ->check(apps::accepted_by(apps::parse_finite));
+void add_limit(apps::CommandLine& line, const char* name, std::optional<T>& limit, double most,
+               const std::string& help) {
+  line.add(name, limit, help + ", instead of the suite's").in_range(0.0, most).accepted_by(apps::parse_finite);
 }
 
-void add_options(CLI::App& app, Options& o) {
-  app.add_option("SUITE", o.suite, "Suite JSON file (docs/regress.md)")->required();
-  app.add_option("--out", o.out, "Folder for pictures and results, report.html and junit.xml")->capture_default_str();
-  auto* workers = app.add_option("-j,--jobs", o.workers, "Worker processes")
-                      ->capture_default_str()
-                      ->check(CLI::Range(1, kMostWorkers));
-  auto* mpi = app.add_flag("--mpi", o.mpi, "Under mpirun: rank 0 hands out tasks, each rank draws with one worker")
-                  ->excludes(workers);
-  auto* shard = app.add_option("--shard", o.shard, "I/N: draw the I-th of N parts, for Slurm arrays and GNU parallel")
-                    ->excludes(mpi)
-                    ->check(apps::accepted_by(parse_shard));
-  app.add_option("--only", o.only, "Only tasks MODEL/VIEW that fit this pattern, with * and ?")
-      ->allow_extra_args(false);
-  auto* resume = app.add_flag("--resume", o.resume,
-                              "Keep results of the same tasks whose files did not change; errors are drawn again");
-  auto* merge = app.add_option("--merge", o.from,
-                               "Draw nothing: report on the results in --out, and in these folders, which are copied")
-                    ->option_text("[DIR …]")
-                    ->expected(0, 10000)
-                    ->excludes(workers)
-                    ->excludes(mpi)
-                    ->excludes(shard)
-                    ->excludes(resume);
-  app.add_flag("--accept", o.accept, "Make references of the pictures that fail or have none");
-  auto* list =
-      app.add_flag("--list", o.list, "Print the names of the tasks, one a line, and draw nothing")->excludes(merge);
-  for (auto* other : {workers, mpi, resume}) list->excludes(other);
-  add_limit(app, "--max", o.limits.max, 255.0, "Largest difference of a channel, 0 to 255");
-  add_limit(app, "--mean", o.limits.mean, 255.0, "Largest mean difference, 0 to 255");
-  add_limit(app, "--flip", o.limits.flip, 1.0, "Largest mean FLIP, 0 to 1");
-  add_limit(app, "--ids", o.limits.ids, 16384.0 * 16384.0,
+void add_options(apps::CommandLine& line, Options& o) {
+  line.add("SUITE", o.suite, "Suite JSON file (docs/regress.md)").required();
+  line.add("--out", o.out, "Folder for pictures and results, report.html and junit.xml").shows_default();
+  const apps::Option workers =
+      line.add("-j,--jobs", o.workers, "Worker processes").shows_default().in_range(1, kMostWorkers);
+  const apps::Option mpi =
+      line.add_flag("--mpi", o.mpi, "Under mpirun: rank 0 hands out tasks, each rank draws with one worker")
+          .excludes(workers);
+  const apps::Option shard =
+      line.add("--shard", o.shard, "I/N: draw the I-th of N parts, for Slurm arrays and GNU parallel")
+          .excludes(mpi)
+          .accepted_by(parse_shard);
+  line.add("--only", o.only, "Only tasks MODEL/VIEW that fit this pattern, with * and ?").one_value_each();
+  const apps::Option resume = line.add_flag(
+      "--resume", o.resume, "Keep results of the same tasks whose files did not change; errors are drawn again");
+  const apps::Option merge =
+      line.add("--merge", o.from,
+               "Draw nothing: report on the results in --out, and in these folders, which are copied")
+          .usage_text("[DIR …]")
+          .takes(0, 10000)
+          .excludes(workers)
+          .excludes(mpi)
+          .excludes(shard)
+          .excludes(resume);
+  line.add_flag("--accept", o.accept, "Make references of the pictures that fail or have none");
+  line.add_flag("--list", o.list, "Print the names of the tasks, one a line, and draw nothing")
+      .excludes(merge)
+      .excludes(workers)
+      .excludes(mpi)
+      .excludes(resume);
+  add_limit(line, "--max", o.limits.max, 255.0, "Largest difference of a channel, 0 to 255");
+  add_limit(line, "--mean", o.limits.mean, 255.0, "Largest mean difference, 0 to 255");
+  add_limit(line, "--flip", o.limits.flip, 1.0, "Largest mean FLIP, 0 to 1");
+  add_limit(line, "--ids", o.limits.ids, 16384.0 * 16384.0,
             "Most pixels that may show another item, where ids have a limit");
-  app.add_option("--timeout", o.timeout, "Seconds for a task, then its worker is killed; 0: any time")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1e6));
-  app.add_option("--silence", o.silence, "With --mpi: seconds after which a silent rank is given up")
-      ->capture_default_str()
-      ->needs(mpi)
-      ->check(CLI::Range(1.0, 1e6));
-  app.add_option("--pictures", o.pictures, "Pictures in report.html: failed, all or none")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"failed", "all", "none"}));
-  app.add_option("--html", o.html, "Write the page to FILE (default: report.html in --out)")->option_text("FILE");
-  app.add_option("--junit", o.junit, "Write JUnit XML to FILE (default: junit.xml in --out)")->option_text("FILE");
-  apps::add_context_option(app, o.platform);
-  apps::add_json_option(app, o.json_file);
-  app.add_flag("--quiet", o.quiet, "No progress bar and no table");
-  app.add_flag("--worker", o.worker)->group("");  // how the tool starts its workers
-  app.callback([&o, merge] {
-    o.merge = merge->count() > 0;
-    std::erase(o.from, "");  // what CLI11 makes of no folder
+  line.add("--timeout", o.timeout, "Seconds for a task, then its worker is killed; 0: any time")
+      .shows_default()
+      .in_range(0.0, 1e6);
+  line.add("--silence", o.silence, "With --mpi: seconds after which a silent rank is given up")
+      .shows_default()
+      .needs(mpi)
+      .in_range(1.0, 1e6);
+  line.add("--pictures", o.pictures, "Pictures in report.html: failed, all or none")
+      .shows_default()
+      .one_of({"failed", "all", "none"});
+  line.add("--html", o.html, "Write the page to FILE (default: report.html in --out)").usage_text("FILE");
+  line.add("--junit", o.junit, "Write JUnit XML to FILE (default: junit.xml in --out)").usage_text("FILE");
+  apps::add_context_option(line, o.platform);
+  apps::add_json_option(line, o.json_file);
+  line.add_flag("--quiet", o.quiet, "No progress bar and no table");
+  line.add_flag("--worker", o.worker).hidden();  // how the tool starts its workers
+  line.check([&o, merge]() -> core::Expected<void> {
+    o.merge = merge.given();
+    std::erase(o.from, "");  // what --merge without folders gives
+    return {};
   });
 }
 
@@ -286,20 +290,19 @@ core::Expected<int> regress(const Options& o, const std::vector<std::string>& wo
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Pictures of many views of many models against references, by many processes", "sightline-regress");
-  apps::describe(app,
-                 "  sightline-regress suite.json --accept          # the first references\n"
-                 "  sightline-regress suite.json -j 4 --out results\n"
-                 "  sightline-regress suite.json --only 'plant/*' --max 8 --pictures all\n"
-                 "  sightline-regress suite.json --resume --accept # takes what the last run drew\n"
-                 "  mpirun --enable-recovery -np 8 sightline-regress suite.json --mpi\n"
-                 "  seq 4 | parallel sightline-regress suite.json --out results --shard {}/4\n"
-                 "  sightline-regress suite.json --out results --merge");
+  apps::CommandLine line("Pictures of many views of many models against references, by many processes",
+                         "sightline-regress",
+                         "  sightline-regress suite.json --accept          # the first references\n"
+                         "  sightline-regress suite.json -j 4 --out results\n"
+                         "  sightline-regress suite.json --only 'plant/*' --max 8 --pictures all\n"
+                         "  sightline-regress suite.json --resume --accept # takes what the last run drew\n"
+                         "  mpirun --enable-recovery -np 8 sightline-regress suite.json --mpi\n"
+                         "  seq 4 | parallel sightline-regress suite.json --out results --shard {}/4\n"
+                         "  sightline-regress suite.json --out results --merge");
   Options options;
-  add_options(app, options);
+  add_options(line, options);
   std::optional<apps::MpiSession> session;
-  const int code =
-      apps::run(app, argc, argv, [&] { return regress(options, worker_command(options, argc, argv), session); });
+  const int code = line.run(argc, argv, [&] { return regress(options, worker_command(options, argc, argv), session); });
   if (session) session->end_if_ranks_lost(code);
   return code;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/html_page.h"
 #include "sightline/apps/common/markup.h"
 

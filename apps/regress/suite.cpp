@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "sightline/apps/common/arguments.h"
 #include "sightline/importers/internal/json_text.h"
 #include "sightline/importers/view_json.h"
 

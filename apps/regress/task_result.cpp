@@ -3,6 +3,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "sightline/apps/common/output.h"
 #include "sightline/core/internal/atomic_file.h"
 
 namespace sightline::apps {

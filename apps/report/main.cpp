@@ -7,8 +7,9 @@
 #include <fstream>
 #include <thread>
 
-#include <CLI/CLI.hpp>
-
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/report/report.h"
 
@@ -27,24 +28,26 @@ constexpr SectionMaker kMakers[] = {
     {"stability", "Stability of the primitives", stability_section},
 };
 
-void add_options(CLI::App& app, ReportOptions& o) {
-  add_model_options(app, o.model);
-  app.add_option("--out", o.out, "The page, HTML")->required();
-  app.add_option("--size", o.size, "Pixels of all pictures and timed frames, 64x36 at least")
-      ->capture_default_str()
-      ->check(accepted_by(parse_report_size));
-  app.add_option("--frames", o.frames, "Frames of the tour that is flown")
-      ->capture_default_str()
-      ->check(CLI::Range(4, 100000));
+void add_options(CommandLine& line, ReportOptions& o) {
+  add_model_options(line, o.model);
+  line.add("--out", o.out, "The page, HTML").required();
+  line.add("--size", o.size, "Pixels of all pictures and timed frames, 64x36 at least")
+      .shows_default()
+      .accepted_by(parse_report_size);
+  line.add("--frames", o.frames, "Frames of the tour that is flown").shows_default().in_range(4, 100000);
   std::vector<std::string> ids;
-  for (const SectionMaker& maker : kMakers) ids.emplace_back(maker.id);
-  app.add_option("--sections", o.sections, "These alone, and in the page's order: " + CLI::detail::join(ids, ", "))
-      ->check(CLI::IsMember(ids))
-      ->delimiter(',')
-      ->option_text("NAME,…");
-  add_context_option(app, o.platform);
-  add_json_option(app, o.json);
-  app.add_flag("--quiet", o.model.quiet, "No progress bar, no warnings; errors alone");
+  std::string list;
+  for (const SectionMaker& maker : kMakers) {
+    ids.emplace_back(maker.id);
+    list += (list.empty() ? "" : ", ") + ids.back();
+  }
+  line.add("--sections", o.sections, "These alone, and in the page's order: " + list)
+      .one_of(ids)
+      .separated_by(',')
+      .usage_text("NAME,…");
+  add_context_option(line, o.platform);
+  add_json_option(line, o.json);
+  line.add_flag("--quiet", o.model.quiet, "No progress bar, no warnings; errors alone");
 }
 
 /// The processor's name, or "unknown".
@@ -171,13 +174,13 @@ core::Expected<int> write_report(const ReportOptions& options, const std::string
 
 int main(int argc, char** argv) {
   using namespace sightline;
-  CLI::App app("One HTML page about a model: content, culling, frame times, and the error of pictures against time",
-               "sightline-report");
-  apps::describe(app,
-                 "  sightline-report plant.rvm --out report.html\n"
-                 "  sightline-report a.rvm b.rvm --out report.html --size 1280x720 --frames 300 --json figures.json\n"
-                 "  sightline-report plant.rvm --out report.html --sections model,pictures --quiet");
+  apps::CommandLine line(
+      "One HTML page about a model: content, culling, frame times, and the error of pictures against time",
+      "sightline-report",
+      "  sightline-report plant.rvm --out report.html\n"
+      "  sightline-report a.rvm b.rvm --out report.html --size 1280x720 --frames 300 --json figures.json\n"
+      "  sightline-report plant.rvm --out report.html --sections model,pictures --quiet");
   apps::ReportOptions options;
-  apps::add_options(app, options);
-  return apps::run(app, argc, argv, [&] { return apps::write_report(options, apps::command_line(argc, argv)); });
+  apps::add_options(line, options);
+  return line.run(argc, argv, [&] { return apps::write_report(options, apps::command_line(argc, argv)); });
 }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/svg_canvas.h"
 #include "sightline/culling/cpu_culler.h"
 

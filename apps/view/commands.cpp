@@ -5,6 +5,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include "sightline/apps/common/arguments.h"
 #include "sightline/apps/view/comparing.h"
 #include "sightline/apps/view/exporting.h"
 #include "sightline/apps/view/section_commands.h"

@@ -8,6 +8,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include "sightline/apps/common/arguments.h"
 #include "sightline/apps/view/widgets.h"
 #include "sightline/importers/view_json.h"
 

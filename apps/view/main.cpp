@@ -1,7 +1,7 @@
 // sightline-view: a window to look at models in, to find and hide their parts, and to see what the culler does.
 
-#include <CLI/CLI.hpp>
-
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/commands.h"
 #include "sightline/apps/view/viewer.h"
@@ -10,33 +10,28 @@ namespace {
 
 using namespace sightline;
 
-void add_options(CLI::App& app, apps::ViewerOptions& o) {
-  apps::add_model_options(app, o.model);
-  app.get_option("MODEL")->required(false);
-  app.add_option("--size", o.size, "Of the window, in the screen's units")
-      ->capture_default_str()
-      ->check(apps::accepted_by(apps::parse_size));
-  apps::add_culler_option(app, o.culler);
-  apps::add_gpu_pass_option(app, o.gpu_culler);
-  apps::add_shown_options(app, o.shown);
-  apps::add_samples_option(app, o.samples);
-  app.add_option("--path", o.path,
-                 "Play this camera path first; with --frames as so many evenly spaced frames, else in its own time");
-  app.add_option("--save-path", o.save_path, "Where R writes what it has recorded")->capture_default_str();
-  app.add_option("--frames", o.frames, "Quit after so many frames, drawn as fast as they come, without panels")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--script", o.script,
-                 "Carry out the commands of this file, then quit; fails where it expects otherwise")
-      ->check(CLI::ExistingFile);
-  app.add_option("--screenshot", o.screenshot, "Write the last picture, PNG");
-  app.add_option("--json", o.json_file, "Write state and figures as JSON to FILE, or - for stdout, at the end");
-  app.add_flag("!--no-smooth", o.smooth, "Leave edges as they are when nothing moves; scripts begin so");
-  app.add_flag("!--no-panels", o.panels, "Show the model alone");
-  app.add_option("--theme", o.theme, "dark or light")->check(CLI::IsMember({"dark", "light"}))->capture_default_str();
-  app.add_option("--scale", o.scale, "Of text and panels; as the screen suggests unless it is given")
-      ->check(CLI::Range(0.5, 5.0));
-  app.add_option("--settings", o.settings,
-                 "Keep settings in this file instead of the user's own, which --script and --frames leave alone");
+void add_options(apps::CommandLine& line, apps::ViewerOptions& o) {
+  apps::add_model_options(line, o.model);
+  line.option("MODEL").required(false);
+  line.add("--size", o.size, "Of the window, in the screen's units").shows_default().accepted_by(apps::parse_size);
+  apps::add_culler_option(line, o.culler);
+  apps::add_gpu_pass_option(line, o.gpu_culler);
+  apps::add_shown_options(line, o.shown);
+  apps::add_samples_option(line, o.samples);
+  line.add("--path", o.path,
+           "Play this camera path first; with --frames as so many evenly spaced frames, else in its own time");
+  line.add("--save-path", o.save_path, "Where R writes what it has recorded").shows_default();
+  line.add("--frames", o.frames, "Quit after so many frames, drawn as fast as they come, without panels").positive();
+  line.add("--script", o.script, "Carry out the commands of this file, then quit; fails where it expects otherwise")
+      .existing_file();
+  line.add("--screenshot", o.screenshot, "Write the last picture, PNG");
+  line.add("--json", o.json_file, "Write state and figures as JSON to FILE, or - for stdout, at the end");
+  line.add_flag("!--no-smooth", o.smooth, "Leave edges as they are when nothing moves; scripts begin so");
+  line.add_flag("!--no-panels", o.panels, "Show the model alone");
+  line.add("--theme", o.theme, "dark or light").one_of({"dark", "light"}).shows_default();
+  line.add("--scale", o.scale, "Of text and panels; as the screen suggests unless it is given").in_range(0.5, 5.0);
+  line.add("--settings", o.settings,
+           "Keep settings in this file instead of the user's own, which --script and --frames leave alone");
 }
 
 apps::SettingsFile settings_file(const apps::ViewerOptions& o) {
@@ -46,8 +41,8 @@ apps::SettingsFile settings_file(const apps::ViewerOptions& o) {
 }
 
 /// What the command line does not say is as it was the last time.
-void apply(const apps::Settings& settings, const CLI::App& app, apps::ViewerOptions& o) {
-  const auto unsaid = [&](const char* option) { return app.count(option) == 0; };
+void apply(const apps::Settings& settings, const apps::CommandLine& line, apps::ViewerOptions& o) {
+  const auto unsaid = [&](const char* option) { return !line.option(option).given(); };
   if (unsaid("--theme")) o.theme = settings.light ? "light" : "dark";
   if (unsaid("--no-smooth")) o.smooth = settings.smooth;
   if (unsaid("--no-panels")) o.panels = settings.panels;
@@ -56,9 +51,9 @@ void apply(const apps::Settings& settings, const CLI::App& app, apps::ViewerOpti
   if (unsaid("--size")) o.size = std::to_string(settings.window[0]) + "x" + std::to_string(settings.window[1]);
 }
 
-core::Expected<int> view(const CLI::App& app, apps::ViewerOptions o) {
+core::Expected<int> view(const apps::CommandLine& line, apps::ViewerOptions o) {
   apps::SettingsFile settings = settings_file(o);
-  apply(settings.settings(), app, o);
+  apply(settings.settings(), line, o);
   const auto size = apps::parse_size(o.size);
   if (!size) return tl::unexpected(size.error());
   if (o.frames > 0 && o.model.files.empty()) return core::fail("--frames needs a MODEL");
@@ -72,14 +67,13 @@ core::Expected<int> view(const CLI::App& app, apps::ViewerOptions o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Opens a window to look at models in", "sightline-view");
-  apps::describe(app,
-                 "  sightline-view plant.rvm\n"
-                 "  sightline-view a.rvm b.rvm --culler hybrid --size 1920x1080\n"
-                 "  sightline-view plant.rvm --path flight.json --frames 300 --screenshot last.png --json -\n"
-                 "  sightline-view plant.rvm --script tour.txt\n" +
-                     apps::command_list());
+  apps::CommandLine line("Opens a window to look at models in", "sightline-view",
+                         "  sightline-view plant.rvm\n"
+                         "  sightline-view a.rvm b.rvm --culler hybrid --size 1920x1080\n"
+                         "  sightline-view plant.rvm --path flight.json --frames 300 --screenshot last.png --json -\n"
+                         "  sightline-view plant.rvm --script tour.txt\n" +
+                             apps::command_list());
   apps::ViewerOptions options;
-  add_options(app, options);
-  return apps::run(app, argc, argv, [&] { return view(app, options); });
+  add_options(line, options);
+  return line.run(argc, argv, [&] { return view(line, options); });
 }

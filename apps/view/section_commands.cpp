@@ -1,5 +1,6 @@
 #include "sightline/apps/view/section_commands.h"
 
+#include "sightline/apps/common/arguments.h"
 #include "sightline/apps/view/viewer.h"
 
 namespace sightline::apps {

@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/blank.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/view/exporting.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/views.h"

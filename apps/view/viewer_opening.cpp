@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/viewer.h"
 #include "sightline/importers/view_json.h"

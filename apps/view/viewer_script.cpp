@@ -5,6 +5,7 @@
 #include <GLFW/glfw3.h>
 #include <nlohmann/json.hpp>
 
+#include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/report_json.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/view/commands.h"

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/bench/error_time/report.h"
 #include "sightline/bench/renderer.h"
@@ -39,42 +39,34 @@ struct Options {
   gl::ContextPlatform platform = {};
 };
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  app.get_option("MODEL")->required(false)->description("Measure these, each on its own, instead of single kinds");
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  line.option("MODEL").required(false).described_as("Measure these, each on its own, instead of single kinds");
   std::vector<std::string> kinds;
   for (const core::Kind kind : measured_kinds()) kinds.emplace_back(core::name_of(kind));
-  app.add_option("--only", o.only, "These kinds alone: cylinder, snout, circular_torus, …")
-      ->check(CLI::IsMember(kinds))
-      ->delimiter(',');
-  app.add_option("--segments", o.segments,
-                 "Of the triangles, per full circle; without it 6 8 12 16 24 32 48 64 96 128 256")
-      ->check(CLI::Range(3, 4096))
-      ->delimiter(',');
-  app.add_option("--size", o.size, "Pixels of a frame; 640x480, of models 1280x720")
-      ->check(apps::accepted_by(apps::parse_size));
-  app.add_option("--samples", o.samples, "Per pixel and axis where the errors of kinds are taken")
-      ->check(CLI::Range(1, 8))
-      ->capture_default_str();
-  app.add_option("--pictures", o.pictures, "Of two large items each")->check(CLI::Range(1, 64))->capture_default_str();
-  app.add_option("--passes", o.passes, "Of which the median time counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--seed", o.seed, "Of the random items")->capture_default_str();
-  app.add_option("--views", o.views, "Folder with view files NAME_*.json of models NAME.*; without, views are made up")
-      ->check(CLI::ExistingDirectory);
-  app.add_option("--reference", o.reference, "Segments of the reference of models")
-      ->check(CLI::Range(16, 4096))
-      ->capture_default_str();
-  app.add_option("--csv", o.csv, "Write all figures as CSV to FILE, or - for stdout");
-  app.add_option("--plot", o.plot, "Write plots to PREFIX-….svg");
-  apps::add_context_option(app, o.platform);
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app,
-                     "  sightline-bench error-time --plot kinds --json kinds.json\n"
-                     "  sightline-bench error-time --only circular_torus,sphere --segments 12,24,48 --passes 15\n"
-                     "  sightline-bench error-time plant.rvm --csv plant.csv --plot plant\n"
-                     "  sightline-bench error-time PIPES.RVM STEEL.RVM --views views/ --reference 256");
+  line.add("--only", o.only, "These kinds alone: cylinder, snout, circular_torus, …").one_of(kinds).separated_by(',');
+  line.add("--segments", o.segments, "Of the triangles, per full circle; without it 6 8 12 16 24 32 48 64 96 128 256")
+      .in_range(3, 4096)
+      .separated_by(',');
+  line.add("--size", o.size, "Pixels of a frame; 640x480, of models 1280x720").accepted_by(apps::parse_size);
+  line.add("--samples", o.samples, "Per pixel and axis where the errors of kinds are taken")
+      .in_range(1, 8)
+      .shows_default();
+  line.add("--pictures", o.pictures, "Of two large items each").in_range(1, 64).shows_default();
+  line.add("--passes", o.passes, "Of which the median time counts").in_range(1, 1000).shows_default();
+  line.add("--seed", o.seed, "Of the random items").shows_default();
+  line.add("--views", o.views, "Folder with view files NAME_*.json of models NAME.*; without, views are made up")
+      .existing_directory();
+  line.add("--reference", o.reference, "Segments of the reference of models").in_range(16, 4096).shows_default();
+  line.add("--csv", o.csv, "Write all figures as CSV to FILE, or - for stdout");
+  line.add("--plot", o.plot, "Write plots to PREFIX-….svg");
+  apps::add_context_option(line, o.platform);
+  apps::add_json_option(line, o.json);
+  line.examples(
+      "  sightline-bench error-time --plot kinds --json kinds.json\n"
+      "  sightline-bench error-time --only circular_torus,sphere --segments 12,24,48 --passes 15\n"
+      "  sightline-bench error-time plant.rvm --csv plant.csv --plot plant\n"
+      "  sightline-bench error-time PIPES.RVM STEEL.RVM --views views/ --reference 256");
 }
 
 std::vector<int> segments_of(const Options& o) {
@@ -205,8 +197,8 @@ core::Expected<int> run(const Options& o) {
 
 }  // namespace
 
-Run add_error_time(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_error_time(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

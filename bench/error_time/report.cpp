@@ -3,7 +3,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/svg_plot.h"
 
 namespace sightline::bench {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/gl_call_count.h"
@@ -39,43 +39,37 @@ struct Options {
   std::string size = "1280x720", rendering = "both", json, csv;
 };
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  app.get_option("MODEL")->required(false)->description("Fly these, each on its own, instead of generated scenes");
-  app.add_option("--only", o.only, "These generated scenes alone: P-38, P-40, P-43, P-50, aircraft")
-      ->check(CLI::IsMember({"P-38", "P-40", "P-43", "P-50", "aircraft"}))
-      ->delimiter(',');
-  app.add_option("--scale", o.scale, "Share of each generated scene's items")
-      ->check(apps::accepted_by(apps::parse_finite))
-      ->check(CLI::Range(1e-3, 10.0))
-      ->capture_default_str();
-  app.add_option("--frames", o.frames, "Frames of a flight")->check(CLI::Range(2, 100'000))->capture_default_str();
-  app.add_option("--passes", o.passes, "Flights of each method; medians count")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--block", o.block, "Frames that each method flies in its turn")
-      ->check(CLI::Range(1, 100'000))
-      ->capture_default_str();
-  app.add_option("--warm-up", o.warm_up, "Frames before each flight that do not count")
-      ->check(CLI::Range(1, 10'000))
-      ->capture_default_str();
-  app.add_option("--size", o.size, "Pixels")->capture_default_str()->check(apps::accepted_by(apps::parse_size));
-  app.add_option("--rendering", o.rendering, "on: whole frames; off: culling alone; both")
-      ->check(CLI::IsMember({"on", "off", "both"}))
-      ->capture_default_str();
-  apps::add_gpu_pass_option(app, o.gpu);
-  app.add_option("--submission", o.submission,
-                 "Instead: what frames culled by the GPU cost the CPU, with generated plants of so many items")
-      ->check(CLI::Range(1000, 10'000'000))
-      ->delimiter(',');
-  app.add_option("--csv", o.csv, "Write frames, traces of both paths, and plots of the figures into this directory");
-  apps::add_context_option(app, o.platform);
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app,
-                     "  sightline-bench hybrid --scale 0.05 --frames 60 --size 320x180\n"
-                     "  sightline-bench hybrid --only P-50,aircraft --rendering off --csv figures --json hybrid.json\n"
-                     "  sightline-bench hybrid a.rvm b.rvm --passes 9\n"
-                     "  sightline-bench hybrid --submission 10000,100000,1000000");
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  line.option("MODEL").required(false).described_as("Fly these, each on its own, instead of generated scenes");
+  line.add("--only", o.only, "These generated scenes alone: P-38, P-40, P-43, P-50, aircraft")
+      .one_of({"P-38", "P-40", "P-43", "P-50", "aircraft"})
+      .separated_by(',');
+  line.add("--scale", o.scale, "Share of each generated scene's items")
+      .accepted_by(apps::parse_finite)
+      .in_range(1e-3, 10.0)
+      .shows_default();
+  line.add("--frames", o.frames, "Frames of a flight").in_range(2, 100'000).shows_default();
+  line.add("--passes", o.passes, "Flights of each method; medians count").in_range(1, 1000).shows_default();
+  line.add("--block", o.block, "Frames that each method flies in its turn").in_range(1, 100'000).shows_default();
+  line.add("--warm-up", o.warm_up, "Frames before each flight that do not count").in_range(1, 10'000).shows_default();
+  line.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
+  line.add("--rendering", o.rendering, "on: whole frames; off: culling alone; both")
+      .one_of({"on", "off", "both"})
+      .shows_default();
+  apps::add_gpu_pass_option(line, o.gpu);
+  line.add("--submission", o.submission,
+           "Instead: what frames culled by the GPU cost the CPU, with generated plants of so many items")
+      .in_range(1000, 10'000'000)
+      .separated_by(',');
+  line.add("--csv", o.csv, "Write frames, traces of both paths, and plots of the figures into this directory");
+  apps::add_context_option(line, o.platform);
+  apps::add_json_option(line, o.json);
+  line.examples(
+      "  sightline-bench hybrid --scale 0.05 --frames 60 --size 320x180\n"
+      "  sightline-bench hybrid --only P-50,aircraft --rendering off --csv figures --json hybrid.json\n"
+      "  sightline-bench hybrid a.rvm b.rvm --passes 9\n"
+      "  sightline-bench hybrid --submission 10000,100000,1000000");
 }
 
 FlightConfig config_of(const Options& o, bool rendering) {
@@ -259,8 +253,8 @@ core::Expected<int> run(const Options& o) {
 
 }  // namespace
 
-Run add_hybrid(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_hybrid(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

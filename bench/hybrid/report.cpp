@@ -4,8 +4,8 @@
 #include <array>
 #include <numeric>
 
-#include "sightline/apps/common/cli.h"
 #include "sightline/apps/common/controller_trace.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/bench/harness.h"
 

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/apps/common/svg_canvas.h"
@@ -50,44 +50,41 @@ struct Options {
 constexpr int kSegments[] = {8, 12, 24, 64};
 constexpr double kChords[] = {0.01, 0.002};
 
-void add_options(CLI::App& app, Options& o) {
-  apps::add_model_options(app, o.model);
-  auto* items = app.add_option("--items", o.items, "Without models: a generated plant of so many items")
-                    ->check(CLI::Range(1000, 10'000'000))
-                    ->capture_default_str();
-  app.get_option("MODEL")->required(false)->excludes(items)->description("Models with analytic primitives");
-  app.add_option("--segments", o.segments,
-                 "Of the triangles, per full circle; without this and --chords 8 12 24 64, and chords of 0.01 0.002")
-      ->check(CLI::Range(3, 4096))
-      ->delimiter(',');
-  app.add_option("--chords", o.chords, "Between the triangles and the surfaces, metres")
-      ->check(CLI::Range(1e-6, 10.0))
-      ->delimiter(',');
-  app.add_option("--tolerances", o.tolerances, "Of the recognition, metres; 0: what each mesh tells")
-      ->check(CLI::Range(0.0, 10.0))
-      ->delimiter(',')
-      ->capture_default_str();
-  app.add_option("--roundings", o.roundings, "Coordinates are multiples of these, metres; 0: floats")
-      ->check(CLI::Range(0.0, 1.0))
-      ->delimiter(',')
-      ->capture_default_str();
-  app.add_option("--passes", o.passes, "Of which the median time counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--plot", o.plot, "Write error against time as SVG to FILE");
+void add_options(apps::CommandLine& line, Options& o) {
+  apps::add_model_options(line, o.model);
+  const apps::Option items = line.add("--items", o.items, "Without models: a generated plant of so many items")
+                                 .in_range(1000, 10'000'000)
+                                 .shows_default();
+  line.option("MODEL").required(false).excludes(items).described_as("Models with analytic primitives");
+  line.add("--segments", o.segments,
+           "Of the triangles, per full circle; without this and --chords 8 12 24 64, and chords of 0.01 0.002")
+      .in_range(3, 4096)
+      .separated_by(',');
+  line.add("--chords", o.chords, "Between the triangles and the surfaces, metres")
+      .in_range(1e-6, 10.0)
+      .separated_by(',');
+  line.add("--tolerances", o.tolerances, "Of the recognition, metres; 0: what each mesh tells")
+      .in_range(0.0, 10.0)
+      .separated_by(',')
+      .shows_default();
+  line.add("--roundings", o.roundings, "Coordinates are multiples of these, metres; 0: floats")
+      .in_range(0.0, 1.0)
+      .separated_by(',')
+      .shows_default();
+  line.add("--passes", o.passes, "Of which the median time counts").in_range(1, 1000).shows_default();
+  line.add("--plot", o.plot, "Write error against time as SVG to FILE");
 #if SIGHTLINE_HAS_GL
-  app.add_option(
-         "--pictures", o.pictures,
-         "Frames of the tour in which triangles and what is recognised in them are compared with the primitives")
-      ->check(CLI::Range(0, 10'000))
-      ->capture_default_str();
-  apps::add_context_option(app, o.platform);
+  line.add("--pictures", o.pictures,
+           "Frames of the tour in which triangles and what is recognised in them are compared with the primitives")
+      .in_range(0, 10'000)
+      .shows_default();
+  apps::add_context_option(line, o.platform);
 #endif
-  apps::add_json_option(app, o.json);
-  apps::add_examples(app,
-                     "  sightline-bench recognise --plot recognise.svg --json recognise.json\n"
-                     "  sightline-bench recognise plant.rvm --segments 12,24 --tolerances 0,0.001\n"
-                     "  sightline-bench recognise --items 100000 --chords 0.002 --roundings 0 --pictures 20");
+  apps::add_json_option(line, o.json);
+  line.examples(
+      "  sightline-bench recognise --plot recognise.svg --json recognise.json\n"
+      "  sightline-bench recognise plant.rvm --segments 12,24 --tolerances 0,0.001\n"
+      "  sightline-bench recognise --items 100000 --chords 0.002 --roundings 0 --pictures 20");
 }
 
 // --- measuring -----------------------------------------------------------------------------------------------------
@@ -344,8 +341,8 @@ core::Expected<int> run(const Options& o) {
 
 }  // namespace
 
-Run add_recognise(CLI::App& app) {
-  return add_subcommand<Options>(app, add_options, run);
+Run add_recognise(apps::CommandLine& line) {
+  return add_subcommand<Options>(line, add_options, run);
 }
 
 }  // namespace sightline::bench

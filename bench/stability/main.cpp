@@ -9,11 +9,11 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/bench/stability/measure.h"
@@ -47,27 +47,31 @@ bool wanted(const std::vector<std::string>& names, std::string_view name) {
   return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--rays", options.rays, "per case")->check(CLI::Range(1, 1'000'000))->capture_default_str();
-  app.add_option("--seed", options.seed, "of all cases; of --trace, of the first 10,000 rays, and 1 more for the next")
-      ->capture_default_str();
-  app.add_option("--primitive", options.primitives, "only these kinds, as sightline-info names them");
-  app.add_option("--case", options.families, "only these families")->check([](const std::string& name) {
-    std::vector<std::string> known = bench::stability_families();
-    known.insert(known.end(), {"near-far", "field-of-view", "view-offset", "view-distance"});
-    return wanted(known, name) ? std::string() : "there is no family \"" + name + "\"";
-  });
-  app.add_option("--path", options.paths, "only these ways of computing")->check([](const std::string& name) {
-    return wanted({"double", "float", "glsl"}, name) ? std::string() : "there is no path \"" + name + "\"";
-  });
-  app.add_option("--fuzz", options.fuzz, "instead: so many random parameter sets of each kind through the shaders")
-      ->check(CLI::Range(std::int64_t(1), std::int64_t(1'000'000'000)));
-  app.add_option("--trace", options.trace, "instead: so many rays through the ray tracer, half of them in mixed scenes")
-      ->check(CLI::Range(std::int64_t(1), std::int64_t(1'000'000'000'000)));
-  app.add_flag("--details", options.details, "a line for every magnitude, not only for the worst of a family");
-  apps::add_context_option(app, options.platform);
-  apps::add_json_option(app, options.json);
-  app.add_option("--plot", options.plot, "error against magnitude, SVG");
+void add_options(apps::CommandLine& line, Options& options) {
+  line.add("--rays", options.rays, "per case").in_range(1, 1'000'000).shows_default();
+  line.add("--seed", options.seed, "of all cases; of --trace, of the first 10,000 rays, and 1 more for the next")
+      .shows_default();
+  line.add("--primitive", options.primitives, "only these kinds, as sightline-info names them");
+  line.add("--case", options.families, "only these families")
+      .check([](const std::string& name) -> core::Expected<void> {
+        std::vector<std::string> known = bench::stability_families();
+        known.insert(known.end(), {"near-far", "field-of-view", "view-offset", "view-distance"});
+        if (!wanted(known, name)) return core::fail("there is no family \"" + name + "\"");
+        return {};
+      });
+  line.add("--path", options.paths, "only these ways of computing")
+      .check([](const std::string& name) -> core::Expected<void> {
+        if (!wanted({"double", "float", "glsl"}, name)) return core::fail("there is no path \"" + name + "\"");
+        return {};
+      });
+  line.add("--fuzz", options.fuzz, "instead: so many random parameter sets of each kind through the shaders")
+      .in_range(std::int64_t(1), std::int64_t(1'000'000'000));
+  line.add("--trace", options.trace, "instead: so many rays through the ray tracer, half of them in mixed scenes")
+      .in_range(std::int64_t(1), std::int64_t(1'000'000'000'000));
+  line.add_flag("--details", options.details, "a line for every magnitude, not only for the worst of a family");
+  apps::add_context_option(line, options.platform);
+  apps::add_json_option(line, options.json);
+  line.add("--plot", options.plot, "error against magnitude, SVG");
 }
 
 /// Calls work(0 ... count - 1) on all processors, and shows the progress.
@@ -403,15 +407,14 @@ core::Expected<int> run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("How stable the intersections with analytic primitives are in stiff and extreme cases",
-               "sightline-stability");
-  apps::describe(app,
-                 "  sightline-stability --plot stability.svg\n"
-                 "  sightline-stability --primitive cylinder --case slenderness --details\n"
-                 "  sightline-stability --fuzz 1000000 --primitive snout\n"
-                 "  sightline-stability --trace 1000000 --seed 101\n"
-                 "  sightline-stability --path double --rays 100000 --json figures.json");
+  apps::CommandLine line("How stable the intersections with analytic primitives are in stiff and extreme cases",
+                         "sightline-stability",
+                         "  sightline-stability --plot stability.svg\n"
+                         "  sightline-stability --primitive cylinder --case slenderness --details\n"
+                         "  sightline-stability --fuzz 1000000 --primitive snout\n"
+                         "  sightline-stability --trace 1000000 --seed 101\n"
+                         "  sightline-stability --path double --rays 100000 --json figures.json");
   Options options;
-  add_options(app, options);
-  return apps::run(app, argc, argv, [&] { return run(options); });
+  add_options(line, options);
+  return line.run(argc, argv, [&] { return run(options); });
 }

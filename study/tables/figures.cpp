@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/study/pareto.h"
 #include "sightline/study/tables/report.h"

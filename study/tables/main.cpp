@@ -9,11 +9,12 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #ifdef SIGHTLINE_STUDY_HAS_GPU
 #include "sightline/study/tables/gpu.h"
@@ -238,48 +239,46 @@ core::Expected<int> run_gpu_study(const Options& options) {
 }
 #endif
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_flag("--tables", options.tables, "print the tables (not with --json -)");
-  app.add_option("--csv", options.csv, "write figures' data, Pareto data and plots into this directory");
-  apps::add_json_option(app, options.json);
-  app.add_option("--frames", options.frames, "frames per path")->check(CLI::Range(2, 100000));
-  app.add_option("--passes", options.passes, "times each path is flown; medians count")->check(CLI::Range(1, 1000));
-  app.add_option("--samples", options.samples, "frames that errors are counted on")->check(CLI::Range(1, 100000));
-  app.add_option("--scale", options.scale, "share of the objects of each model")
-      ->check(apps::accepted_by(apps::parse_finite))
-      ->check(CLI::Range(1e-3, 10.0));
-  app.add_option("--only", options.only, "these models alone: P-38, P-40, P-43, P-50, aircraft");
-  app.add_option("--variants", options.variants,
-                 "these methods alone, by the names that the tables have, and brute force")
-      ->delimiter(',');
-  app.add_flag("--tour-only", options.tour_only, "leave out the paths that only the fastest methods fly");
-  app.add_option("--model", options.files.files, "real models besides (RVM, OBJ), each on its own");
+void add_options(apps::CommandLine& line, Options& options) {
+  line.add_flag("--tables", options.tables, "print the tables (not with --json -)");
+  line.add("--csv", options.csv, "write figures' data, Pareto data and plots into this directory");
+  apps::add_json_option(line, options.json);
+  line.add("--frames", options.frames, "frames per path").in_range(2, 100000);
+  line.add("--passes", options.passes, "times each path is flown; medians count").in_range(1, 1000);
+  line.add("--samples", options.samples, "frames that errors are counted on").in_range(1, 100000);
+  line.add("--scale", options.scale, "share of the objects of each model")
+      .accepted_by(apps::parse_finite)
+      .in_range(1e-3, 10.0);
+  line.add("--only", options.only, "these models alone: P-38, P-40, P-43, P-50, aircraft");
+  line.add("--variants", options.variants, "these methods alone, by the names that the tables have, and brute force")
+      .separated_by(',');
+  line.add_flag("--tour-only", options.tour_only, "leave out the paths that only the fastest methods fly");
+  line.add("--model", options.files.files, "real models besides (RVM, OBJ), each on its own");
 #ifdef SIGHTLINE_STUDY_HAS_GPU
-  app.add_flag("--gpu", options.gpu, "the GPU techniques instead: figures 5.14 and 5.15");
+  line.add_flag("--gpu", options.gpu, "the GPU techniques instead: figures 5.14 and 5.15");
 #endif
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Frustum culling techniques of 2009 and before, beside production: error against time.",
-               "sightline-study"};
-  apps::describe(app,
-                 "  sightline-study --tables --scale 0.05 --frames 30\n"
-                 "  sightline-study --tables --only P-40 --csv figures --json study.json\n"
-                 "  sightline-study rays --tables --scan 100000");
+  apps::CommandLine line("Frustum culling techniques of 2009 and before, beside production: error against time.",
+                         "sightline-study",
+                         "  sightline-study --tables --scale 0.05 --frames 30\n"
+                         "  sightline-study --tables --only P-40 --csv figures --json study.json\n"
+                         "  sightline-study rays --tables --scan 100000");
   Options options;
-  add_options(app, options);
-  CLI::App* rays = app.add_subcommand("rays", "structures and traversals of ray tracing instead");
-  const auto run_rays = study::add_rays(*rays);
+  add_options(line, options);
+  apps::CommandLine rays = line.subcommand("rays", "structures and traversals of ray tracing instead");
+  const auto run_rays = study::add_rays(rays);
 #ifdef SIGHTLINE_STUDY_HAS_GPU
-  CLI::App* grids = app.add_subcommand("grids", "uniform grids of all sizes on CPU and GPU instead");
-  const auto run_grids = study::add_grids(*grids);
+  apps::CommandLine grids = line.subcommand("grids", "uniform grids of all sizes on CPU and GPU instead");
+  const auto run_grids = study::add_grids(grids);
 #endif
-  return apps::run(app, argc, argv, [&] {
-    if (rays->parsed()) return run_rays();
+  return line.run(argc, argv, [&] {
+    if (rays.chosen()) return run_rays();
 #ifdef SIGHTLINE_STUDY_HAS_GPU
-    if (grids->parsed()) return run_grids();
+    if (grids.chosen()) return run_grids();
     if (options.gpu) return run_gpu_study(options);
 #endif
     return run_study(options);

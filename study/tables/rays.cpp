@@ -8,11 +8,12 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/study/rays/benchmark.h"
@@ -227,22 +228,23 @@ std::string csv_field(const std::string& text) {
   return text.find(',') == std::string::npos ? text : '"' + text + '"';
 }
 
-std::function<core::Expected<int>()> add_rays(CLI::App& app) {
+std::function<core::Expected<int>()> add_rays(apps::CommandLine& line) {
   const auto options = std::make_shared<Options>();
-  app.add_flag("--tables", options->tables, "print the tables (not with --json -)");
-  app.add_option("--csv", options->csv, "write the tables' data and a plot into this directory");
-  apps::add_json_option(app, options->json);
-  app.add_option("--size", options->size, "of the picture, WxH")->check(apps::accepted_by(apps::parse_size));
-  app.add_option("--passes", options->passes, "times each traversal runs; the fastest counts")
-      ->check(CLI::Range(1, 1000));
-  const auto counts = CLI::Range(std::size_t(12), std::size_t(100'000'000));
-  app.add_option("--scan", options->scans, "triangles of generated scans; 12 at least")->delimiter(',')->check(counts);
-  app.add_option("--scattered", options->scattered, "triangles of generated scenes of a hundred scans")
-      ->delimiter(',')
-      ->check(counts);
-  app.add_option("--model", options->files.files, "real models besides (RVM, OBJ, PLY …), each on its own");
+  line.add_flag("--tables", options->tables, "print the tables (not with --json -)");
+  line.add("--csv", options->csv, "write the tables' data and a plot into this directory");
+  apps::add_json_option(line, options->json);
+  line.add("--size", options->size, "of the picture, WxH").accepted_by(apps::parse_size);
+  line.add("--passes", options->passes, "times each traversal runs; the fastest counts").in_range(1, 1000);
+  constexpr std::size_t kFewest = 12, kMost = 100'000'000;
+  line.add("--scan", options->scans, "triangles of generated scans; 12 at least")
+      .separated_by(',')
+      .in_range(kFewest, kMost);
+  line.add("--scattered", options->scattered, "triangles of generated scenes of a hundred scans")
+      .separated_by(',')
+      .in_range(kFewest, kMost);
+  line.add("--model", options->files.files, "real models besides (RVM, OBJ, PLY …), each on its own");
 #ifdef SIGHTLINE_STUDY_HAS_GPU
-  app.add_flag("--gpu", options->gpu, "the traversals in GLSL besides");
+  line.add_flag("--gpu", options->gpu, "the traversals in GLSL besides");
 #endif
   return [options] { return run_rays(*options); };
 }

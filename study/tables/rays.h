@@ -6,14 +6,14 @@
 
 #include "sightline/core/error.h"
 
-namespace CLI {
-class App;
+namespace sightline::apps {
+class CommandLine;
 }
 
 namespace sightline::study {
 
-/// Adds the options to the subcommand's app, and returns what runs it.
-std::function<core::Expected<int>()> add_rays(CLI::App& app);
+/// Adds the options to the subcommand, and returns what runs it.
+std::function<core::Expected<int>()> add_rays(apps::CommandLine& line);
 
 /// In quotes, where the text has a comma.
 std::string csv_field(const std::string& text);

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
-#include "sightline/apps/common/cli.h"
+#include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/study/rays/gpu/benchmark.h"
@@ -157,16 +157,14 @@ core::Expected<int> run_grid_study(const GridOptions& options) {
 
 }  // namespace
 
-std::function<core::Expected<int>()> add_grids(CLI::App& app) {
+std::function<core::Expected<int>()> add_grids(apps::CommandLine& line) {
   const auto options = std::make_shared<GridOptions>();
-  app.add_flag("--tables", options->tables, "print the tables");
-  app.add_option("--csv", options->csv, "write the tables' data into this directory");
-  app.add_option("--only", options->only,
-                 "these scenes alone: PRI_I to PRI_V, DIST_I to DIST_III, BUNNY, DRAGON, ALEXANDRA");
-  app.add_option("--bunny", options->bunny, "model of the scene BUNNY, instead of a generated scan");
-  app.add_option("--size", options->size, "of the picture, WxH")->check(apps::accepted_by(apps::parse_size));
-  app.add_option("--passes", options->passes, "times each picture is made; the fastest counts")
-      ->check(CLI::Range(1, 1000));
+  line.add_flag("--tables", options->tables, "print the tables");
+  line.add("--csv", options->csv, "write the tables' data into this directory");
+  line.add("--only", options->only, "these scenes alone: PRI_I to PRI_V, DIST_I to DIST_III, BUNNY, DRAGON, ALEXANDRA");
+  line.add("--bunny", options->bunny, "model of the scene BUNNY, instead of a generated scan");
+  line.add("--size", options->size, "of the picture, WxH").accepted_by(apps::parse_size);
+  line.add("--passes", options->passes, "times each picture is made; the fastest counts").in_range(1, 1000);
   return [options] { return run_grid_study(*options); };
 }
 

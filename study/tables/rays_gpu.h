@@ -10,8 +10,8 @@
 #include "sightline/gl/context.h"
 #include "sightline/study/rays/benchmark.h"
 
-namespace CLI {
-class App;
+namespace sightline::apps {
+class CommandLine;
 }
 
 namespace sightline::study {
@@ -37,7 +37,7 @@ void print_gpu(const rays::Benchmark& benchmark);
 /// rays_glsl.csv. The directory must exist.
 core::Expected<void> write_gpu_csv(const std::vector<rays::Benchmark>& all, const std::filesystem::path& directory);
 
-/// Adds the options of the subcommand grids to `app`, and returns what runs it: an exit code, or an error.
-std::function<core::Expected<int>()> add_grids(CLI::App& app);
+/// Adds the options of the subcommand grids to `line`, and returns what runs it: an exit code, or an error.
+std::function<core::Expected<int>()> add_grids(apps::CommandLine& line);
 
 }  // namespace sightline::study

@@ -1,0 +1,22 @@
+// Values of command-line arguments, as texts.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "sightline/core/conventions.h"
+#include "sightline/core/error.h"
+
+namespace sightline::apps {
+
+/// "640x360", both 1 … 16384.
+core::Expected<std::array<int, 2>> parse_size(const std::string& text);
+/// "X,Y,Z", finite.
+core::Expected<core::dvec3> parse_vector(const std::string& text);
+/// A finite number. Option::in_range() lets NaN through.
+core::Expected<double> parse_finite(const std::string& text);
+
+/// A word as a shell takes it, quoted where that is needed.
+std::string shell_word(const std::string& word);
+
+}  // namespace sightline::apps

@@ -1,0 +1,244 @@
+#include "sightline/apps/common/command_line.h"
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <new>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+
+namespace sightline::apps {
+namespace {
+
+static_assert(Option::kUnlimited == CLI::detail::expected_max_vector_size);
+
+template <class T>
+CLI::Option* add_to(CLI::App& app, const std::string& name, T& value, const std::string& help) {
+  return app.add_option(name, value, help);
+}
+
+/// CLI11 would read an empty text as no value.
+template <class T>
+CLI::Option* add_to(CLI::App& app, const std::string& name, std::optional<T>& value, const std::string& help) {
+  return app.add_option_function<T>(
+      name, [&value](const T& given) { value = given; }, help);
+}
+
+/// CLI11 would read a path as a stream does, up to the first space.
+CLI::Option* add_to(CLI::App& app, const std::string& name, std::filesystem::path& value, const std::string& help) {
+  return app.add_option_function<std::string>(
+      name, [&value](const std::string& text) { value = text; }, help);
+}
+
+}  // namespace
+
+// --- options ---------------------------------------------------------------------------------------------------------
+
+Option Option::required(bool yes) const {
+  return Option(option_->required(yes));
+}
+
+Option Option::shows_default() const {
+  return Option(option_->capture_default_str());
+}
+
+Option Option::default_text(const std::string& text) const {
+  return Option(option_->default_str(text));
+}
+
+Option Option::metavar(const std::string& text) const {
+  return Option(option_->type_name(text));
+}
+
+Option Option::usage_text(const std::string& text) const {
+  return Option(option_->option_text(text));
+}
+
+Option Option::described_as(const std::string& text) const {
+  return Option(option_->description(text));
+}
+
+Option Option::hidden() const {
+  return Option(option_->group(""));
+}
+
+Option Option::takes(int least, int most) const {
+  return Option(option_->expected(least, most));
+}
+
+Option Option::one_value_each() const {
+  return Option(option_->allow_extra_args(false));
+}
+
+Option Option::separated_by(char delimiter) const {
+  return Option(option_->delimiter(delimiter));
+}
+
+template <class T>
+Option Option::in_range(T low, T high) const {
+  return Option(option_->check(CLI::Range(low, high)));
+}
+
+template Option Option::in_range(int, int) const;
+template Option Option::in_range(unsigned, unsigned) const;
+template Option Option::in_range(std::int64_t, std::int64_t) const;
+template Option Option::in_range(std::uint64_t, std::uint64_t) const;
+template Option Option::in_range(float, float) const;
+template Option Option::in_range(double, double) const;
+
+Option Option::positive() const {
+  return Option(option_->check(CLI::PositiveNumber));
+}
+
+Option Option::not_negative() const {
+  return Option(option_->check(CLI::NonNegativeNumber));
+}
+
+Option Option::one_of(const std::vector<std::string>& texts) const {
+  return Option(option_->check(CLI::IsMember(texts)));
+}
+
+Option Option::existing_file() const {
+  return Option(option_->check(CLI::ExistingFile));
+}
+
+Option Option::existing_directory() const {
+  return Option(option_->check(CLI::ExistingDirectory));
+}
+
+Option Option::check(const std::function<core::Expected<void>(const std::string&)>& accept) const {
+  const auto complaint = [accept](const std::string& text) {
+    const auto accepted = accept(text);
+    return accepted ? std::string() : accepted.error().message;
+  };
+  return Option(option_->check(complaint));
+}
+
+Option Option::needs(const Option& other) const {
+  return Option(option_->needs(other.option_));
+}
+
+Option Option::needs(const std::string& name) const {
+  return Option(option_->needs(name));
+}
+
+Option Option::excludes(const Option& other) const {
+  return Option(option_->excludes(other.option_));
+}
+
+Option Option::excludes(std::initializer_list<const char*> names) const {
+  for (const std::string name : names) option_->excludes(name);
+  return *this;
+}
+
+bool Option::given() const {
+  return option_->count() > 0;
+}
+
+// --- command lines ---------------------------------------------------------------------------------------------------
+
+CommandLine::CommandLine(const std::string& description, const std::string& tool, const std::string& examples)
+    : CommandLine(std::make_shared<CLI::App>(description, tool)) {
+  describe(examples);
+}
+
+CommandLine::CommandLine(std::shared_ptr<CLI::App> app) : app_(std::move(app)), rules_(std::make_shared<Rules>()) {}
+
+template <class T>
+Option CommandLine::add(const std::string& name, T& value, const std::string& help) {
+  return Option(add_to(*app_, name, value, help));
+}
+
+template Option CommandLine::add(const std::string&, std::string&, const std::string&);
+template Option CommandLine::add(const std::string&, std::filesystem::path&, const std::string&);
+template Option CommandLine::add(const std::string&, int&, const std::string&);
+template Option CommandLine::add(const std::string&, unsigned&, const std::string&);
+template Option CommandLine::add(const std::string&, std::int64_t&, const std::string&);
+template Option CommandLine::add(const std::string&, std::uint64_t&, const std::string&);
+template Option CommandLine::add(const std::string&, float&, const std::string&);
+template Option CommandLine::add(const std::string&, double&, const std::string&);
+template Option CommandLine::add(const std::string&, std::optional<double>&, const std::string&);
+template Option CommandLine::add(const std::string&, std::optional<std::uint64_t>&, const std::string&);
+template Option CommandLine::add(const std::string&, std::vector<std::string>&, const std::string&);
+template Option CommandLine::add(const std::string&, std::vector<int>&, const std::string&);
+template Option CommandLine::add(const std::string&, std::vector<std::uint64_t>&, const std::string&);
+template Option CommandLine::add(const std::string&, std::vector<double>&, const std::string&);
+
+Option CommandLine::add_text(const std::string& name, const std::function<void(const std::string&)>& set,
+                             const std::function<std::string()>& get, const std::string& help) {
+  CLI::Option* option = app_->add_option_function<std::string>(name, set, help);
+  option->default_function(get);
+  return Option(option);
+}
+
+Option CommandLine::add_flag(const std::string& name, bool& value, const std::string& help) {
+  return Option(app_->add_flag(name, value, help));
+}
+
+Option CommandLine::option(const std::string& name) const {
+  return Option(app_->get_option(name));
+}
+
+void CommandLine::describe(const std::string& lines) {
+  app_->set_version_flag("--version", std::string("sightline ") + SIGHTLINE_VERSION);
+  examples(lines);
+}
+
+void CommandLine::examples(const std::string& lines) {
+  app_->footer("Examples:\n" + lines);
+}
+
+CommandLine CommandLine::exactly_one_of(const std::string& title) {
+  CLI::App* group = app_->add_option_group(title);
+  group->require_option(1);
+  return CommandLine({app_, group});
+}
+
+CommandLine CommandLine::subcommand(const std::string& name, const std::string& description) {
+  return CommandLine({app_, app_->add_subcommand(name, description)});
+}
+
+void CommandLine::require_subcommand() {
+  app_->require_subcommand(1);
+}
+
+bool CommandLine::chosen() const {
+  return app_->parsed();
+}
+
+void CommandLine::check(const std::function<core::Expected<void>()>& rule) {
+  rules_->push_back(rule);
+  app_->final_callback([rules = rules_] {
+    for (const auto& each : *rules)
+      if (const auto kept = each(); !kept) throw CLI::ValidationError(kept.error().message);
+  });
+}
+
+int CommandLine::run(int argc, char** argv, const std::function<core::Expected<int>()>& body) {
+  const std::string tool = app_->get_name();
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app_->exit(error);  // --help, --version
+    std::fprintf(stderr, "%s: %s (see --help)\n", tool.c_str(), error.what());
+    return kExitUsage;
+  }
+  try {
+    const core::Expected<int> result = body();
+    if (result) return *result;
+    if (result.error().message.empty()) return kExitOk;
+    std::fprintf(stderr, "%s: %s\n", tool.c_str(), result.error().message.c_str());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "%s: not enough memory\n", tool.c_str());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", tool.c_str(), error.what());
+  }
+  return kExitFailure;
+}
+
+void add_json_option(CommandLine& line, std::string& file) {
+  line.add("--json", file, "Write the figures as JSON to FILE, or - for stdout").usage_text("FILE");
+}
+
+}  // namespace sightline::apps

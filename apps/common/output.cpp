@@ -1,0 +1,32 @@
+#include "sightline/apps/common/output.h"
+
+#include <filesystem>
+#include <iostream>
+#include <span>
+#include <system_error>
+
+#include "sightline/core/internal/atomic_file.h"
+
+namespace sightline::apps {
+
+core::Expected<void> make_directory(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) return core::fail(path + ": cannot be made a directory: " + error.message());
+  return {};
+}
+
+core::Expected<void> write_text(const std::string& file, const std::string& text) {
+  if (file == "-") {
+    std::cout << text << std::flush;
+    if (!std::cout) return core::fail("standard output: cannot be written");
+    return {};
+  }
+  return core::write_file(file, {std::as_bytes(std::span(text))});
+}
+
+std::FILE* table_stream(const std::string& file) {
+  return file == "-" ? stderr : stdout;
+}
+
+}  // namespace sightline::apps
