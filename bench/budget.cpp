@@ -24,7 +24,7 @@
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image_metrics.h"
 
-namespace sightline::bench {
+namespace sightline::bench::budget_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -315,9 +315,9 @@ core::Expected<int> run(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::budget_bench
 
-Run add_budget(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_budget(apps::CommandLine& line) {
+  using namespace budget_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

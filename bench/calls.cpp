@@ -11,7 +11,7 @@
 #include "sightline/engine/pick.h"
 #include "sightline/importers/plant/plant_generator.h"
 
-namespace sightline::bench {
+namespace sightline::bench::calls_bench {
 namespace {
 
 using nlohmann::json;
@@ -75,10 +75,10 @@ core::Expected<int> measure(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::calls_bench
 
-Run add_calls(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_calls(apps::CommandLine& line) {
+  using namespace calls_bench;
   line.describe("  sightline-bench calls --items 1000000 --json -");
   return add_subcommand<Options>(line, add_options, measure);
 }
-
-}  // namespace sightline::bench

@@ -18,7 +18,7 @@
 #include "sightline/engine/pick.h"
 #endif
 
-namespace sightline::bench {
+namespace sightline::bench::capi_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -208,9 +208,9 @@ void add_options(apps::CommandLine& line, Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::capi_bench
 
-Run add_capi(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_capi(apps::CommandLine& line) {
+  using namespace capi_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

@@ -18,7 +18,7 @@
 #include "sightline/bench/subcommands.h"
 #include "sightline/importers/plant/plant_generator.h"
 
-namespace sightline::bench {
+namespace sightline::bench::compare_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -143,9 +143,9 @@ void add_options(apps::CommandLine& line, Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::compare_bench
 
-Run add_compare(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_compare(apps::CommandLine& line) {
+  using namespace compare_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

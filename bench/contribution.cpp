@@ -46,7 +46,7 @@
 #include "sightline/engine/internal/rebuild.h"
 #include "sightline/image/image_metrics.h"
 
-namespace sightline::bench {
+namespace sightline::bench::contribution_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -455,9 +455,9 @@ core::Expected<int> run(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::contribution_bench
 
-Run add_contribution(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_contribution(apps::CommandLine& line) {
+  using namespace contribution_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

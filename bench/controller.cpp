@@ -17,7 +17,7 @@
 #include "sightline/bench/synthetic_traces.h"
 #include "sightline/culling/cpu_culler.h"
 
-namespace sightline::bench {
+namespace sightline::bench::controller_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -204,9 +204,9 @@ core::Expected<int> run(const Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::controller_bench
 
-Run add_controller(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_controller(apps::CommandLine& line) {
+  using namespace controller_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

@@ -32,7 +32,7 @@
 #include "sightline/culling/internal/slot_list.h"
 #include "sightline/culling/linear_culler.h"
 
-namespace sightline::bench {
+namespace sightline::bench::cull_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -262,9 +262,9 @@ core::Expected<int> run(const Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::cull_bench
 
-Run add_cull(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_cull(apps::CommandLine& line) {
+  using namespace cull_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

@@ -24,7 +24,7 @@
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/engine/engine.h"
 
-namespace sightline::bench {
+namespace sightline::bench::edit_bench {
 namespace {
 
 using core::ItemId;
@@ -328,9 +328,9 @@ void add_options(apps::CommandLine& line, Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::edit_bench
 
-Run add_edit(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_edit(apps::CommandLine& line) {
+  using namespace edit_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

@@ -15,7 +15,7 @@
 #include "sightline/gl/internal/texture.h"
 #include "sightline/importers/plant/plant_generator.h"
 
-namespace sightline::bench {
+namespace sightline::bench::embedding_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -129,9 +129,9 @@ core::Expected<int> run(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::embedding_bench
 
-Run add_embedding(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_embedding(apps::CommandLine& line) {
+  using namespace embedding_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

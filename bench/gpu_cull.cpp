@@ -22,7 +22,7 @@
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/importers/plant/plant_generator.h"
 
-namespace sightline::bench {
+namespace sightline::bench::gpu_cull_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -153,9 +153,9 @@ void add_options(apps::CommandLine& line, Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::gpu_cull_bench
 
-Run add_gpu_cull(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_gpu_cull(apps::CommandLine& line) {
+  using namespace gpu_cull_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

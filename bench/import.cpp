@@ -16,7 +16,7 @@
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
 
-namespace sightline::bench {
+namespace sightline::bench::import_bench {
 namespace {
 
 struct Options {
@@ -93,9 +93,9 @@ void add_options(apps::CommandLine& line, Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::import_bench
 
-Run add_import(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_import(apps::CommandLine& line) {
+  using namespace import_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

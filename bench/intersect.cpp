@@ -16,7 +16,7 @@
 #include "sightline/core/internal/instruction_set.h"
 #include "sightline/gpuprims/internal/primitives.h"
 
-namespace sightline::bench {
+namespace sightline::bench::intersect_bench {
 namespace {
 
 using core::dvec3;
@@ -144,9 +144,9 @@ void add_options(apps::CommandLine& line, Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::intersect_bench
 
-Run add_intersect(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_intersect(apps::CommandLine& line) {
+  using namespace intersect_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

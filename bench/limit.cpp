@@ -23,7 +23,7 @@
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image_metrics.h"
 
-namespace sightline::bench {
+namespace sightline::bench::limit_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -215,9 +215,9 @@ core::Expected<int> run(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::limit_bench
 
-Run add_limit(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_limit(apps::CommandLine& line) {
+  using namespace limit_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

@@ -15,7 +15,7 @@
 #include "sightline/measure/distances.h"
 #include "sightline/measure/snap.h"
 
-namespace sightline::bench {
+namespace sightline::bench::measure_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -176,9 +176,9 @@ void add_options(apps::CommandLine& line, Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::measure_bench
 
-Run add_measure(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_measure(apps::CommandLine& line) {
+  using namespace measure_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

@@ -25,7 +25,7 @@
 #include "sightline/culling/box_culler.h"
 #include "sightline/culling/occluder_raster.h"
 
-namespace sightline::bench {
+namespace sightline::bench::occlusion_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -391,9 +391,9 @@ core::Expected<int> run(const Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::occlusion_bench
 
-Run add_occlusion(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_occlusion(apps::CommandLine& line) {
+  using namespace occlusion_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

@@ -24,7 +24,7 @@
 #include "sightline/engine/pick.h"
 #endif
 
-namespace sightline::bench {
+namespace sightline::bench::overrides_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -133,9 +133,9 @@ core::Expected<int> run(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::overrides_bench
 
-Run add_overrides(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_overrides(apps::CommandLine& line) {
+  using namespace overrides_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

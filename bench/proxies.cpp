@@ -27,7 +27,7 @@
 #include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/importers/import.h"
 
-namespace sightline::bench {
+namespace sightline::bench::proxies_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -225,9 +225,9 @@ void add_options(apps::CommandLine& line, Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::proxies_bench
 
-Run add_proxies(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_proxies(apps::CommandLine& line) {
+  using namespace proxies_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

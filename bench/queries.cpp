@@ -16,7 +16,7 @@
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/spatial_queries.h"
 
-namespace sightline::bench {
+namespace sightline::bench::queries_bench {
 namespace {
 
 using culling::RaySegment;
@@ -142,9 +142,9 @@ void add_options(apps::CommandLine& line, Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::queries_bench
 
-Run add_queries(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_queries(apps::CommandLine& line) {
+  using namespace queries_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

@@ -24,7 +24,7 @@
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/raytrace/exact_visibility.h"
 
-namespace sightline::bench {
+namespace sightline::bench::scaling_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -174,9 +174,9 @@ core::Expected<int> run(const Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::scaling_bench
 
-Run add_scaling(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_scaling(apps::CommandLine& line) {
+  using namespace scaling_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

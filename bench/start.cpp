@@ -28,7 +28,7 @@
 #include "sightline/image/image.h"
 #endif
 
-namespace sightline::bench {
+namespace sightline::bench::start_bench {
 namespace {
 
 struct Options {
@@ -202,9 +202,9 @@ void add_options(apps::CommandLine& line, Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::start_bench
 
-Run add_start(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_start(apps::CommandLine& line) {
+  using namespace start_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

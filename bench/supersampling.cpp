@@ -15,7 +15,7 @@
 #include "sightline/image/image_metrics.h"
 #include "sightline/raytrace/whitted.h"
 
-namespace sightline::bench {
+namespace sightline::bench::supersampling_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -123,9 +123,9 @@ core::Expected<int> run(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::supersampling_bench
 
-Run add_supersampling(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_supersampling(apps::CommandLine& line) {
+  using namespace supersampling_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

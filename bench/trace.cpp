@@ -28,7 +28,7 @@
 #include "sightline/gpuprims/internal/primitives.h"
 #endif
 
-namespace sightline::bench {
+namespace sightline::bench::trace_bench {
 namespace {
 
 using core::dvec3;
@@ -345,9 +345,9 @@ void add_options(apps::CommandLine& line, Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::trace_bench
 
-Run add_trace(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_trace(apps::CommandLine& line) {
+  using namespace trace_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

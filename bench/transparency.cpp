@@ -23,7 +23,7 @@
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image.h"
 
-namespace sightline::bench {
+namespace sightline::bench::transparency_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -206,9 +206,9 @@ core::Expected<int> run(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::transparency_bench
 
-Run add_transparency(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_transparency(apps::CommandLine& line) {
+  using namespace transparency_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

@@ -19,7 +19,7 @@
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
 
-namespace sightline::bench {
+namespace sightline::bench::tree_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -214,9 +214,9 @@ core::Expected<int> run(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::tree_bench
 
-Run add_tree(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_tree(apps::CommandLine& line) {
+  using namespace tree_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

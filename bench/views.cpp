@@ -11,7 +11,7 @@
 #include "sightline/bench/subcommands.h"
 #include "sightline/culling/cpu_culler.h"
 
-namespace sightline::bench {
+namespace sightline::bench::views_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -204,9 +204,9 @@ core::Expected<int> run(const Options& options) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::views_bench
 
-Run add_views(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_views(apps::CommandLine& line) {
+  using namespace views_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

@@ -21,7 +21,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/importers/view_json.h"
 
-namespace sightline::bench {
+namespace sightline::bench::error_time_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -196,9 +196,9 @@ core::Expected<int> run(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::error_time_bench
 
-Run add_error_time(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_error_time(apps::CommandLine& line) {
+  using namespace error_time_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

@@ -23,7 +23,7 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/importers/plant/plant_generator.h"
 
-namespace sightline::bench {
+namespace sightline::bench::hybrid_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -252,9 +252,9 @@ core::Expected<int> run(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::hybrid_bench
 
-Run add_hybrid(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_hybrid(apps::CommandLine& line) {
+  using namespace hybrid_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

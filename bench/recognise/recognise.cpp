@@ -28,7 +28,7 @@
 #include "sightline/bench/recognise/pictures.h"
 #endif
 
-namespace sightline::bench {
+namespace sightline::bench::recognise_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -340,9 +340,9 @@ core::Expected<int> run(const Options& o) {
 }
 
 }  // namespace
+}  // namespace sightline::bench::recognise_bench
 
-Run add_recognise(apps::CommandLine& line) {
+sightline::bench::Run sightline::bench::add_recognise(apps::CommandLine& line) {
+  using namespace recognise_bench;
   return add_subcommand<Options>(line, add_options, run);
 }
-
-}  // namespace sightline::bench

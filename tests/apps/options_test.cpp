@@ -7,7 +7,7 @@
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 
-namespace sightline::apps {
+namespace sightline::apps::options_test {
 namespace {
 
 enum class Fruit { kPear, kApple };
@@ -133,4 +133,4 @@ TEST(Options, RelationsBetweenOptions) {
 }
 
 }  // namespace
-}  // namespace sightline::apps
+}  // namespace sightline::apps::options_test
