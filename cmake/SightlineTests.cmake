@@ -1,6 +1,7 @@
-# sightline_tests(FOLDER [LABEL label] THINGS thing … [LINKS …] [ENVIRONMENT NAME=value …]): one test program of the files
-# <thing>_test.cpp beside the caller. Its name is FOLDER_tests, or FOLDER_label_tests; ctest's entries are
-# FOLDER.Suite.Case, or FOLDER_label.Suite.Case with that label. The label gl is of tests that need a context.
+# sightline_tests(FOLDER [LABEL label] THINGS thing … [LINKS …] [ENVIRONMENT NAME=value …] [NIGHTLY filter …]): one test
+# program of the files <thing>_test.cpp beside the caller. Its name is FOLDER_tests, or FOLDER_label_tests; ctest's entries
+# are FOLDER.Suite.Case, or FOLDER_label.Suite.Case with that label. The label gl is of tests that need a context. Tests
+# that one of GoogleTest's filters in NIGHTLY takes have the label nightly, or nightly_label, which presets leave out.
 #
 # A new file of tests is one more word in THINGS. ctest runs every test in a process of its own, so tests share no state.
 # Batches of files are compiled as one: each file has a namespace of its own, named after it, and an anonymous one within.
@@ -12,26 +13,38 @@ target_link_libraries(sightline_tests_places PUBLIC sightline_tests_headers PRIV
 target_compile_definitions(sightline_tests_places PRIVATE SIGHTLINE_SOURCE_DIR="${SIGHTLINE_CHECKOUT}"
                            SIGHTLINE_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
 
+# Makes entries of a program's tests that GoogleTest's filter takes. They are listed when ctest runs, not when built: a
+# program that cannot start fails its tests and not the build.
+function(sightline_discover_tests name filter)
+  gtest_discover_tests(${name}_tests TEST_PREFIX ${name}. TEST_FILTER ${filter} NO_PRETTY_VALUES DISCOVERY_MODE PRE_TEST
+                       DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 600 ${ARGN})
+endfunction()
+
 function(sightline_tests folder)
-  cmake_parse_arguments(arg "" "LABEL" "THINGS;LINKS;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(arg "" "LABEL" "THINGS;LINKS;ENVIRONMENT;NIGHTLY" ${ARGN})
   string(JOIN _ name ${folder} ${arg_LABEL})
   list(TRANSFORM arg_THINGS REPLACE "(.+)" "${CMAKE_CURRENT_SOURCE_DIR}/\\1_test.cpp" OUTPUT_VARIABLE sources)
   add_executable(${name}_tests ${sources})
   target_link_libraries(${name}_tests PRIVATE ${arg_LINKS} GTest::gtest GTest::gtest_main Threads::Threads
                         sightline_tests_places sightline_flags)
+  # The library beneath is optimised; optimising the checks takes longer than running them.
+  target_compile_options(${name}_tests PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
   set_target_properties(${name}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
-  set(properties TIMEOUT 600)
-  if(arg_LABEL)
-    list(APPEND properties LABELS ${arg_LABEL})
-  endif()
   # What is kept for later runs, drivers' caches included, is kept in the build tree.
-  list(APPEND properties ENVIRONMENT_MODIFICATION XDG_CACHE_HOME=set:${PROJECT_BINARY_DIR}/tests/cache)
+  set(properties ENVIRONMENT_MODIFICATION XDG_CACHE_HOME=set:${PROJECT_BINARY_DIR}/tests/cache)
   if(arg_ENVIRONMENT)
     list(APPEND properties ENVIRONMENT ${arg_ENVIRONMENT})
   endif()
-  # Listed when ctest runs, not when built: a program that cannot start fails its tests and not the build.
-  gtest_discover_tests(${name}_tests TEST_PREFIX ${name}. NO_PRETTY_VALUES DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120
-                       PROPERTIES ${properties})
+  list(JOIN arg_NIGHTLY ":" nightly)
+  set(label ${arg_LABEL})
+  if(label)
+    list(PREPEND label LABELS)
+  endif()
+  sightline_discover_tests(${name} "-${nightly}" ${properties} ${label})
+  if(nightly)
+    string(JOIN _ label nightly ${arg_LABEL})
+    sightline_discover_tests(${name} "${nightly}" ${properties} LABELS ${label})
+  endif()
 endfunction()
 
 # sightline_needs_tools(PROGRAM tool …): PROGRAM runs sightline-<tool> of each tool, which are built before it.

@@ -5,7 +5,8 @@
 # Packages that only tests and the window need are installed when everything or a target with tests (…_tests) is built.
 # Sources are compiled in batches; whoever edits some may prefer SIGHTLINE_CMAKE_ARGS=-DSIGHTLINE_UNITY=OFF.
 # SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK too,
-# SIGHTLINE_SETUP_EXAMPLES=1 what the examples with OpenSceneGraph and Qt 6 need.
+# SIGHTLINE_SETUP_EXAMPLES=1 what the examples with OpenSceneGraph and Qt 6 need, SIGHTLINE_SETUP_PACKAGES=1 what tests
+# of the Debian packages need.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=${1:-release}
@@ -19,18 +20,13 @@ elif [ $# -eq 0 ] || [[ $* == *_tests* ]]; then
   packages+=(ccache fonts-dejavu-core libglfw3-dev libimgui-dev libpcre2-dev libgtest-dev libgmp-dev libosmesa6 pkg-config xvfb xdotool
     libopenmpi-dev openmpi-bin parallel libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen)
 fi
-if [ "$preset" = packages ] || [[ ${SIGHTLINE_CMAKE_ARGS:-} == *SIGHTLINE_PACKAGE_TESTS=ON* ]]; then
-  packages+=(dpkg-dev file help2man)
-fi
-if [[ ${SIGHTLINE_CMAKE_ARGS:-} == *SIGHTLINE_PACKAGE_TESTS=ON* ]]; then packages+=(lintian); fi
+if [ "$preset" = packages ] || [ -n "${SIGHTLINE_SETUP_PACKAGES:-}" ]; then packages+=(dpkg-dev file help2man); fi
+if [ -n "${SIGHTLINE_SETUP_PACKAGES:-}" ]; then packages+=(lintian); fi
 # VTK brings 246 packages, so it is installed only on request. With it the build has importers/vtk.
 if [ -n "${SIGHTLINE_SETUP_VTK:-}" ]; then packages+=(libvtk9-dev); fi
 # For the examples that draw into the windows of others.
 if [ -n "${SIGHTLINE_SETUP_EXAMPLES:-}" ]; then packages+=(libopenscenegraph-dev qt6-base-dev libqt6opengl6-dev); fi
-# The fuzz targets need clang and its runtime (see tests/CMakeLists.txt).
-if [ "$preset" = fuzz ] || [[ ${SIGHTLINE_CMAKE_ARGS:-} == *SIGHTLINE_FUZZ_TESTS=ON* ]]; then
-  packages+=(clang libclang-rt-14-dev)
-fi
+if [ "$preset" = fuzz ]; then packages+=(clang libclang-rt-14-dev); fi
 
 missing=()
 for package in "${packages[@]}"; do

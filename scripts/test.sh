@@ -1,9 +1,16 @@
 #!/usr/bin/env bash
 # Set-up, build and tests, in one command.
-#   scripts/test.sh [PRESET] [ctest arguments …]     release (default), debug, asan or tsan
-# SIGHTLINE_TARGETS names what to build (default: everything); select among its tests with ctest's -R.
+#   scripts/test.sh [--isa SET] [PRESET] [ctest arguments …]     release (default), debug, asan or tsan
+# --isa scalar, avx2 or avx512 names the widest instruction set that the kernels use; the processor must have it.
+# SIGHTLINE_TARGETS names what to build (default: everything); select among its tests with ctest's -R. Random input is
+# tried a tenth as often as in scripts/nightly.sh, which also runs what is left out here; SIGHTLINE_LONG=1 changes that.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+if [ "${1:-}" = --isa ]; then
+  [[ ${2:-} =~ ^(scalar|avx2|avx512)$ ]] || { echo "test: --isa scalar, avx2 or avx512, not '${2:-}'" >&2; exit 2; }
+  export SIGHTLINE_ISA=$2
+  shift 2
+fi
 preset=${1:-release}
 [ $# -gt 0 ] && shift
 # shellcheck disable=SC2086

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "exact_samples.h"
+#include "sightline/tests/support/effort.h"
 
 namespace sightline::tests::occluder_raster_test {
 namespace {
@@ -218,7 +219,7 @@ bool clearly_covered(const ExactPicture& exact, const Occluder& occluder, double
 /// hold one.
 TEST(OccluderRaster, CoversOnlyWhatIsMetAndNoNearer) {
   std::size_t covered = 0, clearly = 0, lost = 0;
-  for (std::uint64_t seed = 1; seed <= 700; ++seed) {
+  for (int seed = 1; seed <= tests::repeated(700); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const double half = magnitude(random, 1e-3, 1e4);
@@ -251,8 +252,8 @@ TEST(OccluderRaster, CoversOnlyWhatIsMetAndNoNearer) {
       }
     }
   }
-  EXPECT_GT(covered, 6'000u);
-  EXPECT_GT(clearly, 2'500u);
+  EXPECT_GT(covered, std::size_t(tests::repeated(6'000)));
+  EXPECT_GT(clearly, std::size_t(tests::repeated(2'500)));
   EXPECT_LT(lost, clearly / 100) << "of " << clearly;
 }
 

@@ -10,6 +10,7 @@
 
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/tests/culling/scenes.h"
+#include "sightline/tests/support/effort.h"
 #include "sightline/tests/support/gl_test.h"
 
 namespace sightline::engine::shown_test {
@@ -533,6 +534,7 @@ class OcclusionShown : public Shown, public testing::WithParamInterface<std::tup
 TEST_P(OcclusionShown, LosesNoPixel) {
   std::int64_t visible = 0, shown = 0, pixels = 0;
   int ties = 0;
+  const int views = tests::repeated(250);
   for (int scene_number = 0; scene_number < 10; ++scene_number) {
     const auto& [path, first_seed] = GetParam();
     const std::uint64_t seed = std::uint64_t(10 * first_seed + scene_number);
@@ -551,7 +553,7 @@ TEST_P(OcclusionShown, LosesNoPixel) {
     auto tested = Engine::create(scene, with), all = Engine::create(scene, without);
     ASSERT_TRUE(tested && all);
     View view = view_of(random, middle, double(width) / height);
-    for (int i = 0; i < 250; ++i) {
+    for (int i = 0; i < views; ++i) {
       SCOPED_TRACE(testing::Message() << "view " << i);
       if (chance(random, 0.3)) view = view_of(random, middle, double(width) / height);
       if (chance(random, 0.3)) {  // a door opens, or anything else
@@ -591,7 +593,7 @@ TEST_P(OcclusionShown, LosesNoPixel) {
   RecordProperty("ties", ties);
 }
 
-/// 10,000 views, unless SIGHTLINE_SHOWN_VIEWS names another number.
+/// Of 2,500 views each in a long run: 10,000, unless SIGHTLINE_SHOWN_VIEWS names another number.
 int seeds() {
   const char* views = std::getenv("SIGHTLINE_SHOWN_VIEWS");
   return views ? std::max(1, std::atoi(views) / 2500) : 4;

@@ -6,15 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/tests/support/effort.h"
+
 namespace sightline::bench::traced_rays_test {
 namespace {
 
-// A million together; a sanitizer takes ten times as long.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::int64_t kRays = 5'000;
-#else
-constexpr std::int64_t kRays = 50'000;
-#endif
+const std::int64_t kRays = tests::repeated(50'000);  // a million together in a long run
 
 /// What scenes are made of, and a seed.
 using Shard = std::tuple<TracedKind, std::uint64_t>;

@@ -10,6 +10,7 @@
 #include "sightline/importers/view_json.h"
 #if SIGHTLINE_HAS_BCF
 #include "sightline/apps/view/zip_archive.h"
+#include "sightline/tests/support/effort.h"
 #endif
 
 namespace sightline::apps::view_list_test {
@@ -254,7 +255,8 @@ TEST(ViewListTest, HostileArchivesAreErrors) {
   std::string deep;
   for (int i = 0; i < 1'000'000; ++i) deep += "<a>";
   EXPECT_FALSE(parse_bcf(*zip({{"t/markup.bcf", deep}}), "file"));
-  for (std::size_t at = 0; at < good.size(); ++at) {  // any answer, but no crash
+  const std::size_t step = tests::long_run() ? 1 : 10;
+  for (std::size_t at = 0; at < good.size(); at += step) {  // any answer, but no crash
     std::string bad = good;
     bad[at] = char(bad[at] ^ 0x55);
     (void)parse_bcf(bad, "file");

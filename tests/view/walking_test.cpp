@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sightline/tests/support/effort.h"
+
 namespace sightline::apps::walking_test {
 namespace {
 
@@ -147,9 +149,9 @@ TEST(WalkingTest, LowBeamsStop) {
 
 /// Walks in mazes of full-height boxes, in steps of any time. The axis never is in a box, nor crosses one.
 TEST(WalkingTest, NeverPassesThroughAWall) {
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (int seed = 1; seed <= tests::repeated(60); ++seed) {
     SCOPED_TRACE(seed);
-    std::mt19937_64 random(seed);
+    std::mt19937_64 random{std::uint64_t(seed)};
     const auto between = [&](double low, double high) {
       return std::uniform_real_distribution<double>(low, high)(random);
     };

@@ -1,0 +1,174 @@
+#!/usr/bin/env bash
+# What takes too long for scripts/test.sh: the long counts of random input, sanitizers on everything, fuzzing, packages,
+# other projects that use the library, the study, builds without optional parts, mutation.
+#   scripts/nightly.sh                 all of it: about an hour on two cores
+#   scripts/nightly.sh SLICE/COUNT     one of COUNT slices that take about as long as each other, from 1/COUNT on
+#   scripts/nightly.sh --only NAME …   these alone
+#   scripts/nightly.sh --list [COUNT]  names, minutes, and the slice of COUNT (8) that each is in
+# Does all set-up, as scripts/test.sh does. Goes on after a failure and exits 1 in the end, naming what failed. Mutation
+# only reports. SIGHTLINE_CMAKE_ARGS holds extra CMake arguments.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+# Name, minutes on two cores with most objects in a compiler cache, and what it is.
+units="
+counts       5 long counts of random input, hostile files and exact pairs
+counts-gl    3 long counts of images: occlusion, joints of real models
+isa          4 core, culling, ray tracer and primitives with narrower instruction sets
+tools        4 tools that are started many times, mpirun, pip
+osmesa       1 GL tests with OSMesa contexts
+fuzz         7 twenty seconds of each fuzz target
+tsan         6 ThreadSanitizer on core, culling, ray tracer and engine
+asan         5 AddressSanitizer on culling, ray tracer, primitives, measuring and comparing
+asan-gl      8 AddressSanitizer on the engine and the GPU culler
+packages     6 Debian packages: built, judged, installed, used
+consumers    4 projects that use the installed library, pkg-config or the sources
+shared       2 the same with one shared library
+study        6 the study and its tests, on the installed library
+without      6 builds without optional parts, and their tests
+mutants      7 mutants of files that changed lately: what survives is reported
+"
+
+release() {
+  SIGHTLINE_SETUP_PACKAGES=1 SIGHTLINE_CMAKE_ARGS="-DSIGHTLINE_INSTALL_INTERNALS=ON ${SIGHTLINE_CMAKE_ARGS:-}" scripts/setup.sh release
+}
+# Runs tests of a build, also those that presets leave out: ctest_in BUILD ARGUMENTS …
+ctest_in() { ctest --test-dir "build/$1" -j "$(nproc)" --no-tests=error --output-on-failure "${@:2}"; }
+
+run_counts() {
+  release
+  SIGHTLINE_LONG=1 ctest_in release -R '^((culling|importers|importers_vtk|stability|view|gpuprims)\.|hostile_table)' -LE '^nightly'
+}
+run_counts-gl() {
+  release
+  SIGHTLINE_LONG=1 ctest_in release -R '^(engine_gl\..*OcclusionShown|render_gl\..*JointImages)'
+}
+run_isa() {
+  release
+  for isa in scalar avx2; do
+    SIGHTLINE_ISA=$isa ctest_in release -R '^(core|core_checked|culling|raytrace|gpuprims|gpuprims_bench|engine)\.'
+  done
+}
+run_tools() {
+  release
+  ctest_in release -L '^nightly' -R '^(apps|apps_gl|python|python_gl)\.'
+}
+run_osmesa() {
+  release
+  ctest_in release -R '^osmesa\.'
+}
+run_fuzz() { scripts/fuzz.sh 20; }
+run_tsan() {
+  SIGHTLINE_TARGETS="core_tests culling_tests raytrace_tests engine_tests" scripts/test.sh tsan -R '^(core|culling|raytrace|engine)\.'
+}
+run_asan() {
+  SIGHTLINE_TARGETS="culling_tests raytrace_tests gpuprims_tests measure_tests compare_tests engine_tests" \
+    scripts/test.sh asan -R '^(culling|raytrace|gpuprims|measure|compare|engine)\.'
+}
+run_asan-gl() {
+  SIGHTLINE_TARGETS="culling_gl_tests engine_gl_tests view_gl_tests capi_gl_tests" \
+    scripts/test.sh asan -R '^(culling_gl|engine_gl|view_gl|capi_gl)\.'
+}
+run_packages() {
+  release
+  ctest_in release -R '^consumers\.debs$'
+}
+run_consumers() {
+  release
+  ctest_in release -R '^consumers\.(package|pkg_config|c_package|c_pkg_config|drawing_package|subdirectory)$'
+}
+run_shared() {
+  release
+  ctest_in release -R '^consumers\.(shared_package|c_shared_package|c_shared_pkg_config)$'
+}
+run_study() {
+  release
+  ctest_in release -R '^consumers\.study$'
+}
+# Each in a tree as deep as that of release, so that a compiler cache finds the objects.
+run_without() {
+  local off="-DSIGHTLINE_APPS=OFF -DSIGHTLINE_PYTHON=OFF -DSIGHTLINE_EXAMPLES=OFF -DSIGHTLINE_REQUIRE_ALL=OFF"
+  without bare "$off -DSIGHTLINE_IMPORTERS=OFF -DSIGHTLINE_RAYTRACE=OFF -DSIGHTLINE_IMAGE=OFF -DSIGHTLINE_GL=OFF -DSIGHTLINE_CAPI=OFF -DSIGHTLINE_OPENMP=OFF"
+  without no-gl "$off -DSIGHTLINE_GL=OFF -DSIGHTLINE_VTK=OFF -DSIGHTLINE_SLC=OFF -DSIGHTLINE_DRACO=OFF -DSIGHTLINE_MESHOPT=OFF"
+}
+# without NAME OPTIONS: builds and tests a tree with these options.
+without() {
+  # shellcheck disable=SC2086
+  cmake --preset release -B "build/without-$1" -DSIGHTLINE_UNITY=ON $2 "${launcher[@]}" ${SIGHTLINE_CMAKE_ARGS:-} >/dev/null
+  cmake --build "build/without-$1" -j "$(nproc)"
+  ctest_in "without-$1" -LE '^nightly' -E '^(consumers|docs)\.'
+}
+# One folder in turn, of those with files that changed in the last 50 commits.
+run_mutants() {
+  local folders folder files
+  mapfile -t folders < <(changed_files | cut -d/ -f1 | sort -u)
+  [ ${#folders[@]} -gt 0 ] || { echo "no library file changed in the last 50 commits"; return; }
+  folder=${folders[$(($(git rev-list --count HEAD) / 8 % ${#folders[@]}))]}
+  mapfile -t files < <(changed_files | grep "^$folder/")
+  scripts/mutate.sh --minutes 3 --seed "$(git rev-list --count HEAD)" "${files[@]}" || echo "mutants: could not be tried"
+}
+changed_files() {
+  local since
+  since=$(git rev-list --max-count=51 HEAD | tail -1)
+  git diff --name-only --diff-filter=AM "$since" HEAD | grep -E '^(core|culling|gpuprims|importers|measure|compare|raytrace|engine)/[^/]*\.cpp$' || true
+}
+# Compiles every K-th of N sources alone, as developers without batches do.
+alone() {
+  release
+  scripts/alone.py build/release "$1" "$2"
+}
+
+names() { awk 'NF { print $1 }' <<<"$units"; }
+# Lines "NAME MINUTES SLICE": the longest first, each into the slice that has least so far.
+slices() {
+  awk 'NF { print $1, $2 }' <<<"$units" | sort -k2,2nr -s | awk -v count="$1" '{
+    least = 1
+    for (s = 2; s <= count; ++s) if (minutes[s] + 0 < minutes[least] + 0) least = s
+    minutes[least] += $2
+    print $1, $2, least }'
+}
+list() {
+  slices "$1" | sort -k3,3n -s | while read -r name minutes slice; do
+    printf 'slice %s/%s  %2d min  %-10s %s\n' "$slice" "$1" "$minutes" "$name" "$(awk -v n="$name" '$1 == n { $1 = $2 = ""; sub(/^ +/, ""); print }' <<<"$units")"
+  done
+}
+
+slice=1 count=1 chosen=()
+case ${1:-} in
+  '') mapfile -t chosen < <(names) ;;
+  --list) list "${2:-8}"; exit 0 ;;
+  --only)
+    shift
+    chosen=("$@") slice=0
+    for name in "${chosen[@]}"; do names | grep -qx -- "$name" || { echo "nightly: no part '$name', see --list" >&2; exit 2; }; done
+    ;;
+  [1-9]*/[1-9]*)
+    slice=${1%/*} count=${1#*/}
+    mapfile -t chosen < <(slices "$count" | awk -v s="$slice" '$3 == s { print $1 }')
+    ;;
+  *) sed -n '2,/^set/{/^#/s/^# \{0,1\}//p}' "$0"; [ "$1" = --help ] && exit 0; exit 2 ;;
+esac
+launcher=()
+if command -v ccache >/dev/null; then
+  launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
+fi
+
+failed=()
+# In a shell of its own, since "set -e" does not hold in a condition.
+part() {
+  local start=$SECONDS status=0
+  printf '\n== %s\n' "$*"
+  set +e
+  (set -e; "$@")
+  status=$?
+  set -e
+  printf '== %s: %s after %d s\n' "$*" "$([ $status -eq 0 ] && echo passed || echo FAILED)" $((SECONDS - start))
+  [ $status -eq 0 ] || failed+=("$*")
+}
+for name in "${chosen[@]}"; do part "run_$name"; done
+[ "$slice" -eq 0 ] || part alone "$slice" "$count"
+if [ ${#failed[@]} -gt 0 ]; then
+  printf 'nightly: failed: %s\n' "${failed[*]}" >&2
+  exit 1
+fi
