@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -34,11 +35,12 @@ struct Options {
   apps::ModelOptions model;
   apps::ViewOptions view;
   std::string memory;
-  std::string out, ids, ids_json, depth, reference, reference_ids, diff, json_file, frames_folder;
+  std::string out, ids, ids_json, depth, reference, reference_ids, reference_depth, diff, json_file, frames_folder;
   double fps = 25.0;
   int tile = 0;
 
   bool wants_ids() const { return !ids.empty() || !ids_json.empty() || !reference_ids.empty(); }
+  bool wants_depth() const { return !depth.empty() || !reference_depth.empty(); }
   int tile_side(const std::array<int, 2>& size) const {
     if (tile > 0) return tile;
     return std::max(size[0], size[1]) > kLargestWhole ? apps::kTileSide : kLargestWhole;
@@ -76,13 +78,21 @@ void add_options(apps::CommandLine& line, Options& o) {
       .needs(compare)
       .shows_default()
       .in_range(1.0, 1000.0);
-  line.add("--compare-ids", o.reference_ids, "Reference of --ids, PNG: counts the pixels that show another item");
+  const apps::Option compare_ids =
+      line.add("--compare-ids", o.reference_ids,
+               "Reference of --ids, PNG: counts the pixels that show another item, and those of them that lie at no "
+               "silhouette of the reference");
+  line.add("--compare-depth", o.reference_depth,
+           "Reference of --depth, PFM: counts the pixels beyond the bounds that docs/stability.md sets, at no "
+           "silhouette")
+      .needs(compare_ids);
   line.add("--diff", o.diff, "Difference image, PNG, four times amplified").needs(compare);
   const apps::Option frames =
       line.add("--write-frames", o.frames_folder,
                "Write the whole --path as numbered pictures to this folder, which must be empty")
           .needs("--path");
-  frames.excludes({"--out", "--ids", "--ids-json", "--depth", "--compare", "--compare-ids", "--frame"});
+  frames.excludes(
+      {"--out", "--ids", "--ids-json", "--depth", "--compare", "--compare-ids", "--compare-depth", "--frame"});
   line.add("--fps", o.fps, "Frames of --write-frames per second of the path")
       .needs(frames)
       .shows_default()
@@ -105,14 +115,14 @@ void add_options(apps::CommandLine& line, Options& o) {
   const apps::Option mpi = line.add_flag(
       "--mpi", o.mpi, "Under mpirun: each process draws a part of the model, and rank 0 writes the picture of all");
   mpi.excludes({"--samples", "--shading", "--lines", "--hide", "--isolate", "--ghost", "--ghost-others", "--fade",
-                "--highlight", "--transparency", "--contribution", "--budget", "--write-frames"});
+                "--highlight", "--transparency", "--contribution", "--budget", "--write-frames", "--compare-depth"});
   apps::add_memory_option(line, o.memory,
-                          {"--translate",    "--explain",      "--ids-json",  "--tile",         "--culler",
-                           "--gpu-pass",     "--sample-test",  "--occlusion", "--samples",      "--shading",
-                           "--lines",        "--hatch",        "--hide",      "--isolate",      "--ghost",
-                           "--fade",         "--ghost-others", "--highlight", "--transparency", "--mpi",
-                           "--contribution", "--budget",       "--cache",     "--lenient",      "--contribution-way",
-                           "--write-frames", "--recognise"});
+                          {"--translate",    "--explain",      "--ids-json",     "--tile",         "--culler",
+                           "--gpu-pass",     "--sample-test",  "--occlusion",    "--samples",      "--shading",
+                           "--lines",        "--hatch",        "--hide",         "--isolate",      "--ghost",
+                           "--fade",         "--ghost-others", "--highlight",    "--transparency", "--mpi",
+                           "--contribution", "--budget",       "--cache",        "--lenient",      "--contribution-way",
+                           "--write-frames", "--recognise",    "--compare-depth"});
 }
 
 core::Expected<void> write_id_names(const std::string& file, const std::set<std::uint32_t>& seen,
@@ -160,10 +170,48 @@ core::Expected<bool> compare(const Options& o, const image::Image& image, json& 
 core::Expected<void> compare_ids(const Options& o, const image::IdImage& ids, json& figures) {
   auto reference = image::read_png(o.reference_ids);
   if (!reference) return tl::unexpected(reference.error());
-  const auto wrong = image::wrong_ids(image::ids_of_colours(*reference), ids);
+  const auto wrong = image::id_difference(image::ids_of_colours(*reference), ids);
   if (!wrong) return core::fail(o.reference_ids + ": " + wrong.error().message);
-  figures["wrong_ids"] = *wrong;
-  std::fprintf(apps::table_stream(o.json_file), "pixels of another item %llu\n", (unsigned long long)*wrong);
+  const std::uint64_t all = wrong->silhouettes + wrong->elsewhere;
+  figures["wrong_ids"] = all;
+  figures["wrong_ids_elsewhere"] = wrong->elsewhere;
+  std::fprintf(apps::table_stream(o.json_file), "pixels of another item %llu, at no silhouette %llu\n",
+               (unsigned long long)all, (unsigned long long)wrong->elsewhere);
+  return {};
+}
+
+/// Half the diagonal of an item's box: it stands for the radius of all kinds of items.
+double item_radius(const core::Scene& scene, core::ItemId item) {
+  const core::AabbD box = scene.bounds_under(item, scene.world_from_node(scene.node_of(item)) * scene.placement(item));
+  return box.empty() ? 0.0 : 0.5 * glm::length(box.max - box.min);
+}
+
+/// The depths of two renderers may differ by twice what the stability suite allows each of them in whole pictures: 1e-4
+/// radii and two units in the last place of the distance.
+core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& drawn, const core::Scene& scene,
+                                   json& figures) {
+  const auto colours = image::read_png(o.reference_ids);
+  if (!colours) return tl::unexpected(colours.error());
+  auto depth = image::read_pfm(o.reference_depth);
+  if (!depth) return tl::unexpected(depth.error());
+  const image::ItemDepths reference{image::ids_of_colours(*colours), std::move(*depth)};
+  std::map<std::uint32_t, double> radii;  // boxes of meshes take long
+  const auto bound = [&](std::uint32_t id, double metres) {
+    const auto [radius, added] = radii.try_emplace(id, 0.0);
+    if (added && scene.contains_item(id - 1)) radius->second = item_radius(scene, id - 1);
+    return 2.0 * (1e-4 * radius->second + 0x1p-22 * metres);
+  };
+  const auto difference = image::depth_difference(reference, drawn, bound);
+  if (!difference) return core::fail(o.reference_depth + ": " + difference.error().message);
+  figures["compare_depth"] = {{"pixels", difference->pixels},
+                              {"beyond", difference->beyond},
+                              {"max", difference->max},
+                              {"worst", difference->worst}};
+  std::fprintf(apps::table_stream(o.json_file),
+               "depth: %llu pixels, largest difference %.3g m, %.3g of its bound at most, "
+               "beyond it %llu\n",
+               (unsigned long long)difference->pixels, difference->max, difference->worst,
+               (unsigned long long)difference->beyond);
   return {};
 }
 
@@ -189,8 +237,8 @@ class Outputs {
   core::Expected<void> add(const apps::PictureRows& rows) {
     const auto append = [](const auto& part, auto& all) { all.insert(all.end(), part.begin(), part.end()); };
     if (!o_->reference.empty()) append(rows.colours, picture.pixels);
-    if (!o_->reference_ids.empty()) append(rows.ids, items.ids);
-    append(rows.metres, depth_.metres);
+    if (!o_->reference_ids.empty()) append(rows.ids, drawn.ids.ids);
+    append(rows.metres, drawn.depth.metres);
     if (!o_->ids_json.empty()) seen_.insert(rows.ids.begin(), rows.ids.end());
     if (colours_)
       if (auto done = colours_->write_rows(rows.colours); !done) return done;
@@ -202,22 +250,21 @@ class Outputs {
   core::Expected<void> finish(const core::Scene& scene) {
     core::Expected<void> done;
     if (colours_) done = colours_->finish();
-    if (done && !o_->depth.empty()) done = image::write_pfm(depth_, o_->depth);
+    if (done && !o_->depth.empty()) done = image::write_pfm(drawn.depth, o_->depth);
     if (done && ids_) done = ids_->finish();
     if (done && !o_->ids_json.empty()) done = write_id_names(o_->ids_json, seen_, scene);
     return done;
   }
 
-  image::Image picture;  // of --compare
-  image::IdImage items;  // of --compare-ids
+  image::Image picture;     // of --compare
+  image::ItemDepths drawn;  // ids of --compare-ids; depth of --depth and --compare-depth
 
  private:
   Outputs(const Options& o, const std::array<int, 2>& size)
-      : picture{size[0], size[1], {}}, items{size[0], size[1], {}}, o_(&o), depth_{size[0], size[1], {}} {}
+      : picture{size[0], size[1], {}}, drawn{{size[0], size[1], {}}, {size[0], size[1], {}}}, o_(&o) {}
 
   const Options* o_;
   std::optional<image::PngWriter> colours_, ids_;
-  image::DepthImage depth_;
   std::set<std::uint32_t> seen_;
 };
 
@@ -279,7 +326,9 @@ json figures_of(Studio& studio) {
 core::Expected<int> finish_picture(const Options& o, const core::Scene& scene, Outputs& outputs, json figures) {
   if (auto done = outputs.finish(scene); !done) return tl::unexpected(done.error());
   if (!o.reference_ids.empty())
-    if (auto done = compare_ids(o, outputs.items, figures); !done) return tl::unexpected(done.error());
+    if (auto done = compare_ids(o, outputs.drawn.ids, figures); !done) return tl::unexpected(done.error());
+  if (!o.reference_depth.empty())
+    if (auto done = compare_depth(o, outputs.drawn, scene, figures); !done) return tl::unexpected(done.error());
   bool same = true;
   if (!o.reference.empty()) {
     auto compared = compare(o, outputs.picture, figures);
@@ -300,7 +349,7 @@ core::Expected<int> render_picture(const Options& o, Studio& studio) {
   if (!begun) return tl::unexpected(begun.error());
   const bool complete = studio.tiles.tiles.size() > 1;  // a budget shows in a picture that is drawn at once
   apps::TiledPicture picture(begun->view, studio.tiles,
-                             {.ids = o.wants_ids(), .depth = !o.depth.empty(), .complete = complete});
+                             {.ids = o.wants_ids(), .depth = o.wants_depth(), .complete = complete});
   if (auto done = draw_with_bar(studio, picture, begun->outputs); !done) return tl::unexpected(done.error());
   warn_if_blank(picture, "the image");
   json figures = figures_of(studio);

@@ -4,7 +4,9 @@
 #include <bit>
 #include <cassert>
 #include <cstdlib>
+#include <fstream>
 #include <span>
+#include <string>
 
 #include <png.h>
 
@@ -58,6 +60,32 @@ core::Expected<void> write_pfm(const DepthImage& image, const fs::path& path) {
   for (std::size_t y = 0; y < std::size_t(image.height); ++y)
     std::copy_n(image.metres.begin() + std::ptrdiff_t(y * row), row, flipped.end() - std::ptrdiff_t((y + 1) * row));
   return core::write_file(path, {std::as_bytes(std::span(header)), std::as_bytes(std::span(flipped))});
+}
+
+core::Expected<DepthImage> read_pfm(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return core::fail(path.string() + ": cannot be read");
+  constexpr int kLargestSide = 65536;
+  std::string kind;
+  DepthImage image;
+  double scale = 0.0;
+  in >> kind >> image.width >> image.height >> scale;
+  const auto within = [](int side) { return side > 0 && side <= kLargestSide; };
+  if (!in || in.get() != '\n' || kind != "Pf" || scale != -1.0 || !within(image.width) || !within(image.height))
+    return core::fail(path.string() + ": not a grey PFM file with little-endian numbers");
+  const std::size_t row = std::size_t(image.width), rows = std::size_t(image.height);
+  // The file's size is checked before memory is taken for what its header promises.
+  const std::streamoff start = in.tellg();
+  in.seekg(0, std::ios::end);
+  if (std::size_t(in.tellg() - start) != row * rows * sizeof(float))
+    return core::fail(path.string() + ": its size does not fit its " + std::to_string(row) + "x" +
+                      std::to_string(rows) + " pixels");
+  in.seekg(start);
+  image.metres.resize(row * rows);
+  for (std::size_t y = rows; y-- > 0;)
+    in.read(reinterpret_cast<char*>(image.metres.data() + y * row), std::streamsize(row * sizeof(float)));
+  if (!in) return core::fail(path.string() + ": cannot be read to its end");
+  return image;
 }
 
 core::Expected<Image> id_colours(const IdImage& ids) {

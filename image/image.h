@@ -56,8 +56,8 @@ class SIGHTLINE_API PngWriter {
   PngWriter& operator=(PngWriter&&) noexcept;
   ~PngWriter();  ///< without finish() the file stays as it was
 
-  /// The next rows from the top, 3 bytes per pixel. Fails where there is no space left, and beyond the last row; no call
-  /// may follow a failure.
+  /// The next rows from the top, 3 bytes per pixel. Fails where there is no space left, and beyond the last row; no
+  /// call may follow a failure.
   core::Expected<void> write_rows(std::span<const std::uint8_t> pixels);
   /// Replaces the file. Fails unless all rows were written; no call may follow.
   core::Expected<void> finish();
@@ -70,6 +70,8 @@ class SIGHTLINE_API PngWriter {
 
 /// Grey PFM, little-endian, rows bottom to top as the format wants.
 SIGHTLINE_API core::Expected<void> write_pfm(const DepthImage& image, const std::filesystem::path& path);
+/// What write_pfm() writes. Anything else is an error, colours and other byte orders too.
+SIGHTLINE_API core::Expected<DepthImage> read_pfm(const std::filesystem::path& path);
 /// Ids as 24-bit colour, R the low byte; an id above 0xffffff is an error.
 SIGHTLINE_API core::Expected<Image> id_colours(const IdImage& ids);
 SIGHTLINE_API IdImage ids_of_colours(const Image& image);

@@ -270,6 +270,31 @@ std::string size_text(const auto& image) {
   return std::to_string(image.width) + "x" + std::to_string(image.height);
 }
 
+std::size_t index(const auto& image, int x, int y) {
+  return std::size_t(y) * std::size_t(image.width) + std::size_t(x);
+}
+
+/// Whether the image shows something else in one of the eight pixels around.
+bool at_silhouette(const IdImage& image, int x, int y) {
+  const std::uint32_t id = image.ids[index(image, x, y)];
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, image.height - 1); ++v)
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, image.width - 1); ++u)
+      if (image.ids[index(image, u, v)] != id) return true;
+  return false;
+}
+
+/// Largest difference to the depths of the pixels left, right, above and below. Metres.
+double largest_step(const DepthImage& image, int x, int y) {
+  const double here = double(image.metres[index(image, x, y)]);
+  double largest = 0.0;
+  const auto step_to = [&](int u, int v) {
+    if (u < 0 || v < 0 || u >= image.width || v >= image.height) return;
+    largest = std::max(largest, std::abs(double(image.metres[index(image, u, v)]) - here));
+  };
+  step_to(x - 1, y), step_to(x + 1, y), step_to(x, y - 1), step_to(x, y + 1);
+  return largest;
+}
+
 }  // namespace
 
 std::vector<float> flip(const Image& reference, const Image& image, double pixels_per_degree) {
@@ -312,6 +337,42 @@ core::Expected<std::uint64_t> wrong_ids(const IdImage& reference, const IdImage&
   std::uint64_t wrong = 0;
   for (std::size_t i = 0; i < image.ids.size(); ++i) wrong += reference.ids[i] != image.ids[i];
   return wrong;
+}
+
+core::Expected<IdDifference> id_difference(const IdImage& reference, const IdImage& image) {
+  if (!same_size(reference, image))
+    return core::fail("id images of different sizes, " + size_text(reference) + " and " + size_text(image));
+  IdDifference difference;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const std::size_t i = index(image, x, y);
+      if (reference.ids[i] != image.ids[i])
+        ++(at_silhouette(reference, x, y) ? difference.silhouettes : difference.elsewhere);
+    }
+  return difference;
+}
+
+core::Expected<DepthDifference> depth_difference(const ItemDepths& reference, const ItemDepths& image,
+                                                 const std::function<double(std::uint32_t id, double metres)>& bound) {
+  const auto fits = [&](const auto& other) { return same_size(reference.ids, other); };
+  if (!fits(reference.depth) || !fits(image.ids) || !fits(image.depth))
+    return core::fail("depth images of different sizes, " + size_text(reference.depth) + " and " +
+                      size_text(image.depth));
+  DepthDifference difference;
+  for (int y = 0; y < image.ids.height; ++y)
+    for (int x = 0; x < image.ids.width; ++x) {
+      const std::size_t i = index(image.ids, x, y);
+      const std::uint32_t id = reference.ids.ids[i];
+      if (id == 0 || id != image.ids.ids[i] || at_silhouette(reference.ids, x, y)) continue;
+      const double metres = double(reference.depth.metres[i]), other = double(image.depth.metres[i]);
+      const double error = std::abs(other - metres);
+      const double allowed = bound(id, metres) + largest_step(reference.depth, x, y) / 64.0;
+      ++difference.pixels;
+      difference.beyond += !(error <= allowed);  // what is no number is beyond
+      difference.max = std::max(difference.max, error);
+      difference.worst = std::max(difference.worst, error / allowed);
+    }
+  return difference;
 }
 
 }  // namespace sightline::image

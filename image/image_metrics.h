@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "sightline/core/api.h"
@@ -36,5 +37,35 @@ SIGHTLINE_API std::vector<float> flip(const Image& reference, const Image& image
 
 /// Number of pixels that show another item, or none in just one of the images. Fails when the sizes differ.
 SIGHTLINE_API core::Expected<std::uint64_t> wrong_ids(const IdImage& reference, const IdImage& image);
+
+/// Pixels that show another item than the reference. Renderers may round a silhouette to either side of a pixel's
+/// centre, so those at silhouettes are counted apart: the reference shows another item, or none, in one of the eight
+/// pixels around them.
+struct IdDifference {
+  std::uint64_t silhouettes = 0;
+  std::uint64_t elsewhere = 0;
+};
+/// Fails when the sizes differ.
+SIGHTLINE_API core::Expected<IdDifference> id_difference(const IdImage& reference, const IdImage& image);
+
+/// A picture's items with their depths.
+struct ItemDepths {
+  IdImage ids;
+  DepthImage depth;
+};
+
+/// Differences of depth, over the pixels in which both pictures show the same item and no silhouette is near.
+struct DepthDifference {
+  std::uint64_t pixels = 0;  ///< that were compared
+  std::uint64_t beyond = 0;  ///< of these, beyond their bound
+  double max = 0.0;          ///< metres
+  double worst = 0.0;        ///< largest ratio of a difference and its bound
+};
+/// `bound(id, metres)` is by how much two exact enough renderers may differ on that item at that depth, in metres. A
+/// 64th of the largest step to the four pixels around is added: each renderer may place a pixel's centre a 128th of a
+/// pixel aside (docs/stability.md). Fails when the sizes differ.
+SIGHTLINE_API core::Expected<DepthDifference> depth_difference(
+    const ItemDepths& reference, const ItemDepths& image,
+    const std::function<double(std::uint32_t id, double metres)>& bound);
 
 }  // namespace sightline::image

@@ -255,6 +255,30 @@ TEST_F(Render, DepthAgreesWithIds) {
   }
 }
 
+TEST_F(Render, ComparesIdsAndDepth) {
+  const std::string ids = path("ids.png"), depth = path("depth.pfm");
+  render(with({"--view", view, "--ids", ids, "--depth", depth}));
+  const auto figures = [&](const Args& more) {
+    Args args = with({"--compare-ids", ids, "--compare-depth", depth});
+    args.insert(args.end(), more.begin(), more.end());
+    return run_json("render", args);
+  };
+  const Json same = figures({"--view", view}), on_gpu = figures({"--view", view, "--culler", "gpu"});
+  for (const Json& json : {same, on_gpu}) {
+    EXPECT_EQ(json["wrong_ids"], 0);
+    EXPECT_GT(json["compare_depth"]["pixels"], 1000);
+    EXPECT_EQ(json["compare_depth"]["max"], 0.0);
+    EXPECT_EQ(json["compare_depth"]["beyond"], 0);
+  }
+  const std::string nearer = write("nearer.json", R"({"eye":[-29.99,-12,6],"target":[5,2,3],"up":[0,0,1],)"
+                                                  R"("fovy_deg":60,"near":0.1,"far":1000})");
+  const Json other = figures({"--view", nearer});
+  EXPECT_LT(other["wrong_ids_elsewhere"], other["wrong_ids"]) << "most of the difference lies at silhouettes";
+  EXPECT_GT(other["compare_depth"]["beyond"], 1000);
+  expect_usage_error("render", with({"--compare-depth", depth}), "--compare-ids");
+  expect_failure("render", with({"--compare-ids", ids, "--compare-depth", ids}), "ids.png", true);
+}
+
 TEST_F(Render, ATranslatedModelLooksTheSame) {
   for (const char* text : {kNearView, kOrthoView}) {
     SCOPED_TRACE(text);

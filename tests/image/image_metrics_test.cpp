@@ -1,7 +1,9 @@
 // PSNR, SSIM and FLIP: values known by hand, and FLIP against a twin that follows the paper's two-dimensional sums.
 #include "sightline/image/image_metrics.h"
 
+#include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -232,6 +234,79 @@ TEST(WrongIds, AreCounted) {
   EXPECT_EQ(*wrong_ids(a, a), 0u);
   EXPECT_EQ(*wrong_ids(a, {3, 1, {1, 5, 0}}), 2u);
   EXPECT_FALSE(wrong_ids(a, {1, 3, {0, 5, 7}}));
+}
+
+/// Item 1 left of `edge`, item 2 from there on.
+IdImage halves(int width, int height, int edge) {
+  IdImage image{width, height, {}};
+  for (int i = 0; i < width * height; ++i) image.ids.push_back(i % width < edge ? 1 : 2);
+  return image;
+}
+
+TEST(IdDifferenceTest, TellsSilhouettesFromTheRest) {
+  const IdImage reference = halves(8, 5, 4);
+  const auto counts = [&](const IdImage& image) {
+    const auto difference = id_difference(reference, image).value();
+    return std::array{difference.silhouettes, difference.elsewhere};
+  };
+  using Counts = std::array<std::uint64_t, 2>;
+  EXPECT_EQ(counts(reference), (Counts{0, 0}));
+  EXPECT_EQ(counts(halves(8, 5, 5)), (Counts{5, 0})) << "a column beside the edge";
+  EXPECT_EQ(counts(halves(8, 5, 2)), (Counts{5, 5})) << "one more column away";
+  IdImage corner = reference;
+  corner.ids[0] = 0;
+  EXPECT_EQ(counts(corner), (Counts{0, 1})) << "the image's own border is no silhouette";
+  EXPECT_FALSE(id_difference(reference, halves(5, 8, 4)));
+}
+
+TEST(DepthDifferenceTest, LeavesOutSilhouettesAndOtherItems) {
+  const ItemDepths reference{halves(8, 5, 4), {8, 5, std::vector<float>(40, 2.0f)}};
+  const auto difference = [&](const ItemDepths& image, double bound) {
+    return depth_difference(reference, image, [&](std::uint32_t, double) { return bound; }).value();
+  };
+  EXPECT_EQ(difference(reference, 1.0).pixels, 30u) << "all but the two columns at the edge";
+  EXPECT_EQ(difference(reference, 1.0).max, 0.0);
+  ItemDepths image = reference;
+  image.depth.metres[3] = 9.0f;  // at the silhouette
+  image.ids.ids[0] = 3;          // shows something else
+  image.depth.metres[0] = 9.0f;
+  image.depth.metres[9] = 2.5f;
+  const DepthDifference found = difference(image, 0.25);
+  EXPECT_EQ(found.pixels, 29u);
+  EXPECT_EQ(found.beyond, 1u);
+  EXPECT_EQ(found.max, 0.5);
+  EXPECT_EQ(found.worst, 2.0);
+  EXPECT_EQ(difference(image, 0.5).beyond, 0u);
+  image.depth.metres[9] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(difference(image, 1e9).beyond, 1u);
+}
+
+TEST(DepthDifferenceTest, SteepSurfacesMayDifferByA64thOfAStep) {
+  ItemDepths reference{IdImage{3, 1, {1, 1, 1}}, {3, 1, {1.0f, 2.0f, 4.0f}}};
+  ItemDepths image = reference;
+  image.depth.metres[1] += 2.0f / 64.0f;
+  const auto beyond = [&] {
+    return depth_difference(reference, image, [](std::uint32_t, double) { return 0.0; }).value().beyond;
+  };
+  EXPECT_EQ(beyond(), 0u);
+  image.depth.metres[1] += 0.001f;
+  EXPECT_EQ(beyond(), 1u);
+}
+
+TEST(DepthDifferenceTest, BoundsMayDependOnItemAndDepth) {
+  ItemDepths reference{IdImage{3, 3, std::vector<std::uint32_t>(9, 7)}, {3, 3, std::vector<float>(9, 5.0f)}};
+  std::size_t calls = 0;
+  const auto bound = [&](std::uint32_t id, double metres) {
+    EXPECT_EQ(id, 7u);
+    EXPECT_EQ(metres, 5.0);
+    ++calls;
+    return 1.0;
+  };
+  EXPECT_EQ(depth_difference(reference, reference, bound)->pixels, 9u);
+  EXPECT_EQ(calls, 9u);
+  ItemDepths other = reference;
+  other.depth = {9, 1, reference.depth.metres};
+  EXPECT_FALSE(depth_difference(reference, other, bound));
 }
 
 }  // namespace

@@ -140,6 +140,33 @@ TEST(Image, PfmRowsRunBottomToTop) {
   EXPECT_EQ(values[3], 2.0f);
 }
 
+TEST(Image, PfmReadsWhatItWrote) {
+  const float inf = std::numeric_limits<float>::infinity();
+  const DepthImage depth{3, 2, {1.0f, 2.0f, 3.0f, 4.0f, inf, 0.5f}};
+  const std::string file = temporary("depth.pfm");
+  ASSERT_TRUE(write_pfm(depth, file));
+  const auto read = read_pfm(file);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->width, 3);
+  EXPECT_EQ(read->height, 2);
+  EXPECT_EQ(read->metres, depth.metres);
+}
+
+TEST(Image, PfmThatIsNoneIsAnError) {
+  const std::string file = temporary("broken.pfm"), four(4, 'x');
+  for (const std::string& bytes :
+       {std::string(), std::string("no picture"), "Pf\n1 1\n-1.0\n" + four + four, std::string("Pf\n1 1\n-1.0\nxxx"),
+        "PF\n1 1\n-1.0\n" + four + four + four, "Pf\n1 1\n1.0\n" + four, "Pf\n0 1\n-1.0\n" + four,
+        "Pf\n-1 -1\n-1.0\n" + four, "Pf\n60000 60000\n-1.0\n" + four, std::string("Pf\n1 1")}) {
+    SCOPED_TRACE(bytes);
+    std::ofstream(file, std::ios::binary) << bytes;
+    const auto read = read_pfm(file);
+    ASSERT_FALSE(read);
+    EXPECT_NE(read.error().message.find("broken.pfm"), std::string::npos) << read.error().message;
+  }
+  EXPECT_FALSE(read_pfm("/nonexistent/depth.pfm"));
+}
+
 TEST(Image, IdsAreColoursLowByteFirst) {
   const auto image = id_colours({2, 1, {0, 0x00030201u}});
   ASSERT_TRUE(image);
