@@ -44,6 +44,7 @@ constexpr Subcommand kSubcommands[] = {
      bench::add_supersampling},
 #endif
 #if SIGHTLINE_HAS_GL
+    {"context", "what a context without a window offers: driver, limits, extensions", bench::add_context},
     {"gpu-cull", "the forms of the GPU culler against each other", bench::add_gpu_cull},
     {"limit", "frames of a tour beside drawing nothing but what owns a pixel", bench::add_limit},
     {"hybrid", "frames culled by the CPU, the GPU and the hybrid, in turns: rendering off and on", bench::add_hybrid},

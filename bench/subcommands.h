@@ -42,6 +42,7 @@ Run add_supersampling(apps::CommandLine& line);
 
 // Built if GL is.
 Run add_budget(apps::CommandLine& line);
+Run add_context(apps::CommandLine& line);
 Run add_contribution(apps::CommandLine& line);
 Run add_embedding(apps::CommandLine& line);
 Run add_error_time(apps::CommandLine& line);

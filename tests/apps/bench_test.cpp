@@ -1,6 +1,7 @@
 // What every subcommand of sightline-bench promises on its command line, and quick runs of those without tests of their
 // own.
 #include "sightline/tests/apps/tool_test.h"
+#include "sightline/tests/support/no_gl.h"
 
 namespace sightline::tests::bench_test {
 namespace {
@@ -31,7 +32,7 @@ TEST_F(Bench, ListsItsSubcommands) {
   for (const char* name : {"cull", "views", "edit", "controller", "occlusion", "import", "recognise"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
   const auto with_gl = std::count(names.begin(), names.end(), "hybrid");
-  for (const char* name : {"gpu-cull", "error-time", "proxies"})
+  for (const char* name : {"context", "gpu-cull", "error-time", "proxies"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), with_gl) << name;
 }
 
@@ -133,6 +134,20 @@ TEST_F(Bench, MeasuresCallsThroughC) {
     EXPECT_GT(row["cpp_ns"], 0.0) << row;
     EXPECT_GT(row["c_ns"], 0.0) << row;
   }
+}
+
+TEST_F(Bench, SaysWhatAContextOffers) {
+  const std::vector<std::string> known = subcommands();
+  if (std::find(known.begin(), known.end(), "context") == known.end()) GTEST_SKIP() << "without GL";
+  const Outcome probe = run("bench", {"context"});
+  if (probe.code != 0 && may_skip(probe.err)) GTEST_SKIP() << probe.err;
+  ASSERT_EQ(probe.code, 0) << probe;
+  for (const char* line : {"platform: ", "renderer: ", "max_clip_distances: ", " extensions: "})
+    EXPECT_NE(probe.out.find(line), std::string::npos) << line << probe;
+  const Json json = run_json("bench", {"context"});
+  EXPECT_GE(json["limits"]["max_clip_distances"], 8);
+  EXPECT_GT(json["extensions"].size(), 50u);
+  EXPECT_GT(json["milliseconds"], 0.0);
 }
 
 TEST_F(Bench, MeasuresTheController) {
