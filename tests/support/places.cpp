@@ -1,13 +1,23 @@
 #include "sightline/tests/support/places.h"
 
+#include <cstdlib>
+
 namespace sightline::tests {
+namespace {
+
+std::filesystem::path folder(const char* variable, const char* built_with) {
+  const char* moved = std::getenv(variable);
+  return moved && *moved ? moved : built_with;
+}
+
+}  // namespace
 
 std::filesystem::path in_checkout(const std::string& name) {
-  return std::filesystem::path(SIGHTLINE_SOURCE_DIR) / name;
+  return folder("SIGHTLINE_CHECKOUT", SIGHTLINE_SOURCE_DIR) / name;
 }
 
 std::filesystem::path in_bin(const std::string& name) {
-  return std::filesystem::path(SIGHTLINE_BIN_DIR) / name;
+  return folder("SIGHTLINE_BIN", SIGHTLINE_BIN_DIR) / name;
 }
 
 }  // namespace sightline::tests

@@ -1,5 +1,6 @@
 // Where the checkout and the built programs lie. Only places.cpp knows, so that all other objects of the tests are the
-// same in every folder and a compiler cache finds them.
+// same in every folder and a compiler cache finds them. The environment variables SIGHTLINE_CHECKOUT and SIGHTLINE_BIN
+// name other folders, for test programs that run elsewhere than where they were built (scripts/gpu_kit.sh).
 #pragma once
 
 #include <filesystem>
