@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what a build needs on Debian 12 (skips what is installed), then configures and builds one preset.
-#   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan, fuzz, packages or study; everything, or these
-#                                             targets
+#   scripts/setup.sh [PRESET [TARGET …]]      release (default), debug, asan, tsan, fuzz, packages, study or gpu-kit-build;
+#                                             everything, or these targets
 # Packages that only tests and the window need are installed when everything or a target with tests (…_tests) is built.
 # Sources are compiled in batches; whoever edits some may prefer SIGHTLINE_CMAKE_ARGS=-DSIGHTLINE_UNITY=OFF.
 # SIGHTLINE_CMAKE_ARGS holds extra CMake arguments; SIGHTLINE_SETUP_VTK=1 installs VTK too,
@@ -16,6 +16,8 @@ packages=(g++ cmake ninja-build libglm-dev libexpected-dev libfmt-dev libcli11-d
   libstb-dev libmeshoptimizer-dev libdraco-dev libxxhash-dev libpng-dev libbenchmark-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri)
 if [ "$preset" = packages ]; then
   packages+=(libglfw3-dev libimgui-dev libpcre2-dev libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy)
+elif [ "$preset" = gpu-kit-build ]; then
+  packages+=(ccache libgtest-dev libgmp-dev binutils)
 elif [ $# -eq 0 ] || [[ $* == *_tests* ]]; then
   packages+=(ccache fonts-dejavu-core libglfw3-dev libimgui-dev libpcre2-dev libgtest-dev libgmp-dev libosmesa6 pkg-config xvfb xdotool
     libopenmpi-dev openmpi-bin parallel libzip-dev libpugixml-dev pybind11-dev python3-dev python3-numpy python3-pip python3-venv mypy doxygen)

@@ -14,7 +14,7 @@ SNIPPETS_FROM_EXAMPLES = ["docs/tutorial.md"]
 
 
 def pages(root):
-    return [root / name for name in ("README.md", "CONTRIBUTING.md")] + sorted((root / "docs").glob("*.md"))
+    return [root / name for name in ("README.md", "CONTRIBUTING.md")] + sorted((root / "docs").rglob("*.md"))
 
 
 def broken_links(root):
