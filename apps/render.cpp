@@ -206,12 +206,12 @@ core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& dr
   figures["compare_depth"] = {{"pixels", difference->pixels},
                               {"beyond", difference->beyond},
                               {"max", difference->max},
-                              {"worst", difference->worst}};
+                              {"worst", difference->worst},
+                              {"ties", difference->ties}};
   std::fprintf(apps::table_stream(o.json_file),
-               "depth: %llu pixels, largest difference %.3g m, %.3g of its bound at most, "
-               "beyond it %llu\n",
+               "depth: %llu pixels, largest difference %.3g m, %.3g of its bound at most, beyond it %llu, ties %llu\n",
                (unsigned long long)difference->pixels, difference->max, difference->worst,
-               (unsigned long long)difference->beyond);
+               (unsigned long long)difference->beyond, (unsigned long long)difference->ties);
   return {};
 }
 

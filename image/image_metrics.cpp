@@ -362,11 +362,15 @@ core::Expected<DepthDifference> depth_difference(const ItemDepths& reference, co
   for (int y = 0; y < image.ids.height; ++y)
     for (int x = 0; x < image.ids.width; ++x) {
       const std::size_t i = index(image.ids, x, y);
-      const std::uint32_t id = reference.ids.ids[i];
-      if (id == 0 || id != image.ids.ids[i] || at_silhouette(reference.ids, x, y)) continue;
+      const std::uint32_t id = reference.ids.ids[i], other_id = image.ids.ids[i];
+      if (id == 0 || other_id == 0 || at_silhouette(reference.ids, x, y)) continue;
       const double metres = double(reference.depth.metres[i]), other = double(image.depth.metres[i]);
       const double error = std::abs(other - metres);
       const double allowed = bound(id, metres) + largest_step(reference.depth, x, y) / 64.0;
+      if (other_id != id) {
+        difference.ties += error <= allowed;
+        continue;
+      }
       ++difference.pixels;
       difference.beyond += !(error <= allowed);  // what is no number is beyond
       difference.max = std::max(difference.max, error);

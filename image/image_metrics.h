@@ -54,12 +54,16 @@ struct ItemDepths {
   DepthImage depth;
 };
 
-/// Differences of depth, over the pixels in which both pictures show the same item and no silhouette is near.
+/// Differences of depth, over the pixels in which both pictures show the same item and no silhouette of the reference
+/// is near.
 struct DepthDifference {
   std::uint64_t pixels = 0;  ///< that were compared
   std::uint64_t beyond = 0;  ///< of these, beyond their bound
   double max = 0.0;          ///< metres
   double worst = 0.0;        ///< largest ratio of a difference and its bound
+  /// Not among `pixels`: no silhouette is near, the items differ, and their depths do not. Faces touch in one plane,
+  /// and either may show.
+  std::uint64_t ties = 0;
 };
 /// `bound(id, metres)` is by how much two exact enough renderers may differ on that item at that depth, in metres. A
 /// 64th of the largest step to the four pixels around is added: each renderer may place a pixel's centre a 128th of a

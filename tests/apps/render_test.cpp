@@ -269,6 +269,7 @@ TEST_F(Render, ComparesIdsAndDepth) {
     EXPECT_GT(json["compare_depth"]["pixels"], 1000);
     EXPECT_EQ(json["compare_depth"]["max"], 0.0);
     EXPECT_EQ(json["compare_depth"]["beyond"], 0);
+    EXPECT_EQ(json["compare_depth"]["ties"], 0);
   }
   const std::string nearer = write("nearer.json", R"({"eye":[-29.99,-12,6],"target":[5,2,3],"up":[0,0,1],)"
                                                   R"("fovy_deg":60,"near":0.1,"far":1000})");

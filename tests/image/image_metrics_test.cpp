@@ -273,12 +273,24 @@ TEST(DepthDifferenceTest, LeavesOutSilhouettesAndOtherItems) {
   image.depth.metres[9] = 2.5f;
   const DepthDifference found = difference(image, 0.25);
   EXPECT_EQ(found.pixels, 29u);
+  EXPECT_EQ(found.ties, 0u) << "the other item is elsewhere";
   EXPECT_EQ(found.beyond, 1u);
   EXPECT_EQ(found.max, 0.5);
   EXPECT_EQ(found.worst, 2.0);
   EXPECT_EQ(difference(image, 0.5).beyond, 0u);
   image.depth.metres[9] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(difference(image, 1e9).beyond, 1u);
+}
+
+TEST(DepthDifferenceTest, OtherItemsAtTheSameDepthAreTies) {
+  const ItemDepths reference{IdImage{3, 3, std::vector<std::uint32_t>(9, 7)}, {3, 3, std::vector<float>(9, 5.0f)}};
+  ItemDepths image = reference;
+  for (const std::size_t i : {0u, 4u, 5u}) image.ids.ids[i] = 8;
+  image.depth.metres[5] = 6.0f;
+  image.ids.ids[8] = 0;
+  const auto difference = depth_difference(reference, image, [](std::uint32_t, double) { return 0.5; });
+  EXPECT_EQ(difference->ties, 2u);
+  EXPECT_EQ(difference->pixels, 5u);
 }
 
 TEST(DepthDifferenceTest, SteepSurfacesMayDifferByA64thOfAStep) {
