@@ -76,7 +76,7 @@ show() {
 
 plant() { # items: path of a generated plant, made when it is first asked for
   local file=$scratch/plant_$1.slc
-  [ -e "$file" ] || limited 20 "$bin/sightline-generate" --items "$1" "$file" >/dev/null || rm -f "$file"
+  [ -e "$file" ] || limited 15 "$bin/sightline-generate" --items "$1" "$file" >/dev/null || rm -f "$file"
   echo "$file"
 }
 
@@ -221,19 +221,30 @@ step_stability() {
 
 # --- times -----------------------------------------------------------------------------------------------------------
 
-# fly ITEMS SECONDS [FRAMES]: all cullers on a plant of platform P-50's parts, with both variants of the GPU culler.
+# fly ITEMS SECONDS: all cullers in turns on a plant of platform P-50's parts, with both variants of the GPU culler.
 fly() {
   local share variant
   share=$(awk -v n="$(items "$1")" 'BEGIN { s = n / 691951; printf "%.5f", s < 0.001 ? 0.001 : s }')
   for variant in geometry compute; do
-    show "$2" sightline-bench hybrid --only P-50 --scale "$share" --gpu-pass "$variant" --frames "${3:-$frames}" --passes 1 \
+    show "$2" sightline-bench hybrid --only P-50 --scale "$share" --gpu-pass "$variant" --frames "$frames" --passes 1 \
       --size "$size"
   done
 }
 
 step_hybrid_100k() { fly 100000 12; }
 step_hybrid_1m() { fly 1000000 18; }
-step_hybrid_5m() { fly 5000000 30 $((frames / 2 + 2)); }
+# One culler after the other, from a scene cache: to build eight engines of so many items would take too long.
+step_hybrid_5m() {
+  local file rendering culler
+  file=$(plant "$(items 5000000)")
+  for rendering in --no-render ""; do
+    for culler in cpu "gpu --gpu-pass geometry" "gpu --gpu-pass compute" hybrid; do
+      # shellcheck disable=SC2086
+      show 7 sightline-replay "$file" --culler $culler $rendering --frames $((frames / 2 + 2)) --size "$size"
+    done
+  done
+  rm -f "$file"
+}
 step_submission() {
   local variant
   for variant in geometry compute; do
@@ -253,15 +264,15 @@ step_first_image() {
   local file cache
   file=$(plant "$(items 100000)")
   for cache in empty filled; do
-    say "" && say "With the cache of shaders $cache:"
-    XDG_CACHE_HOME=$scratch/first __GL_SHADER_DISK_CACHE_PATH=$scratch/first show 7 sightline-bench start "$file" --size "$size"
+    say "With the cache of shaders $cache:" && say ""
+    XDG_CACHE_HOME=$scratch/first __GL_SHADER_DISK_CACHE_PATH=$scratch/first show 5 sightline-bench start "$file" --size "$size"
   done
 }
 step_trace() {
   local file
   file=$(plant "$(items 1000000)")
   show 14 sightline-replay "$file" --record-both "$out/trace.csv" --frames "$frames" --size "$size"
-  say "" && say "What either path costs in every frame: trace.csv. The controller on it:"
+  say "What either path costs in every frame: trace.csv. The controller on it:" && say ""
   if [ -s "$out/trace.csv" ]; then show 4 sightline-replay --controller-only "$out/trace.csv"; fi
 }
 step_table_6_1() { show 30 sightline-bench hybrid --scale "$(product "$scale" 0.15)" --frames "$frames" --passes 1 --size "$size"; }
@@ -275,15 +286,15 @@ title() {
     tests) echo "Tests with a context" ;;
     images) echo "Images against llvmpipe's" ;;
     stability) echo "Stability of the shaders (docs/stability.md)" ;;
-    hybrid_100k) echo "100,000 items: cullers, rendering off and on" ;;
-    hybrid_1m) echo "1 million items: cullers, rendering off and on" ;;
-    hybrid_5m) echo "5 million items: cullers, rendering off and on" ;;
+    hybrid_100k) echo "$(items 100000) items: cullers, rendering off and on" ;;
+    hybrid_1m) echo "$(items 1000000) items: cullers, rendering off and on" ;;
+    hybrid_5m) echo "$(items 5000000) items: cullers, rendering off and on" ;;
     submission) echo "What frames culled by the GPU cost the processor" ;;
-    occlusion) echo "Occlusion off and on, 1 million items" ;;
+    occlusion) echo "Occlusion off and on, $(items 1000000) items" ;;
     first_image) echo "First image" ;;
-    trace) echo "Both paths in every frame, 1 million items" ;;
-    table_6_1) echo "Table 6.1: platforms and aircraft at 0.15 of their items" ;;
-    edits) echo "Edits of 1 % of a million items" ;;
+    trace) echo "Both paths in every frame, $(items 1000000) items" ;;
+    table_6_1) echo "Table 6.1: platforms and aircraft at $(product "$scale" 0.15) of their items" ;;
+    edits) echo "Edits of 1 % of $(items 1000000) items" ;;
   esac
 }
 
