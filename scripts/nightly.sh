@@ -22,7 +22,7 @@ tsan         6 ThreadSanitizer on core, culling, ray tracer and engine
 asan         5 AddressSanitizer on culling, ray tracer, primitives, measuring and comparing
 asan-gl      8 AddressSanitizer on the engine and the GPU culler
 packages     6 Debian packages: built, judged, installed, used
-consumers    4 projects that use the installed library, pkg-config or the sources
+consumers    5 public headers alone; projects that use the installed library, pkg-config or the sources
 shared       2 the same with one shared library
 study        6 the study and its tests, on the installed library
 without      6 builds without optional parts, and their tests
@@ -75,7 +75,7 @@ run_packages() {
 }
 run_consumers() {
   release
-  ctest_in release -R '^consumers\.(package|pkg_config|c_package|c_pkg_config|drawing_package|subdirectory)$'
+  ctest_in release -R '^consumers\.(headers|package|pkg_config|c_package|c_pkg_config|drawing_package|subdirectory)$'
 }
 run_shared() {
   release
