@@ -3,6 +3,10 @@
 //
 //   hostile_table [--mutations N] [--json]      Markdown, or JSON, on stdout
 //
+// N is the number of cases of each random attack. A short run makes 50 of them, at most 50 of each other attack, evenly
+// chosen, and leaves out what takes long for the sake of most memory, which importers_tests measures. With
+// SIGHTLINE_LONG at 1 there are 500, and all of the others.
+//
 // Exits 1 when an import crashed, took more memory than its bound, ran too long, or read what lies outside the model's
 // directory. docs/hostile-files.md holds a table.
 #include <algorithm>
@@ -14,9 +18,6 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <random>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -24,20 +25,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "sightline/core/snapshot.h"
 #include "sightline/importers/import.h"
-#include "sightline/importers/view_json.h"
-#include "sightline/tests/hostile/attack.h"
-#include "sightline/tests/support/places.h"
+#include "sightline/importers/internal/file_bytes.h"
+#include "sightline/tests/hostile/check.h"
+#include "sightline/tests/support/effort.h"
 
 namespace sightline::hostile {
-
-std::string repeated(const std::string& text, std::size_t times) {
-  std::string all;
-  all.reserve(text.size() * times);
-  for (std::size_t i = 0; i < times; ++i) all += text;
-  return all;
-}
 
 namespace {
 
@@ -47,73 +40,47 @@ namespace fs = std::filesystem;
 /// library needs however small the file is.
 constexpr std::size_t kBytesPerByte = 1000, kConstantBytes = std::size_t{64} << 20;
 constexpr rlim_t kSeconds = 20;
+/// Cases of an attack in a short run.
+constexpr std::size_t kShortRun = 50;
 
 // --- in a child ----------------------------------------------------------------------------------------------------
 
 /// What the child tells: plain bytes, for a pipe.
 struct Told {
-  bool imported_strict = false, imported_lenient = false, broken = false;
-  std::uint64_t items = 0, materials = 0;
+  bool imported_strict = false, imported_lenient = false, broken = false, leaked = false;
   double slowest_ms = 0.0;
   char message[200] = {};
 };
 
-void keep_message(Told& told, const std::string& message) {
-  if (told.message[0] == 0) std::snprintf(told.message, sizeof told.message, "%s", message.c_str());
-  told.broken = told.broken || message.find("not enough memory") != message.npos;
+core::Expected<importers::ImportReport> import_by_path(const Target& target, const fs::path& model, core::Scene& scene,
+                                                       core::NodeId parent, const importers::ImportOptions& options) {
+  if (target.extension != ".json") return importers::import_file(model, scene, parent, options);
+  const auto bytes = importers::read_file_bytes(model);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return target.read(*bytes, model, scene, parent, options);
 }
 
-template <class Call>
-auto timed(Told& told, const Call& call) {
+Finding import_model(const Target& target, const Case& made, const fs::path& model, bool lenient, Told& told) {
   using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
-  auto result = call();
-  const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-  told.slowest_ms = std::max(told.slowest_ms, ms);
-  return result;
+  return check(target, made, lenient, [&](core::Scene& scene, core::NodeId parent, const auto& options) {
+    const auto start = Clock::now();
+    auto report = import_by_path(target, model, scene, parent, options);
+    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    told.slowest_ms = std::max(told.slowest_ms, ms);
+    return report;
+  });
 }
 
-/// The groups that attribute files speak of.
-void add_groups(core::Scene& scene) {
-  const core::NodeId site = scene.add_node(scene.add_node(scene.root(), "model.rvm"), "/SITE");
-  for (const char* name : {"/A", "/B", "/A", ""}) scene.add_primitive(scene.add_node(site, name), core::Sphere{1.0f});
-}
-
-bool import_model(const Target& target, const fs::path& model, bool lenient, Told& told) {
-  core::Scene scene;
-  if (target.format == "rvm_attributes") add_groups(scene);
-  const std::size_t nodes = scene.node_count(), items = scene.item_slots();
-  const auto report =
-      timed(told, [&] { return importers::import_file(model, scene, scene.root(), {.lenient = lenient}); });
-  told.items = std::max<std::uint64_t>(told.items, scene.item_count());
-  told.materials = std::max<std::uint64_t>(told.materials, scene.material_slots());
-  if (!report) {
-    keep_message(told, report.error().message);
-    told.broken = told.broken || scene.node_count() != nodes || scene.item_slots() != items || scene.mesh_slots() != 0;
-    return false;
-  }
-  if (!report->warnings.empty()) keep_message(told, report->warnings[0].message);
-  told.broken = told.broken || !scene.commit() || core::Snapshot(scene).size() > scene.item_slots();
-  return true;
-}
-
-template <class Read>
-void read_json(const Read& read, Told& told) {
-  const auto result = timed(told, read);
-  if (!result) keep_message(told, result.error().message);
-  told.imported_strict = told.imported_lenient = result.has_value();
-}
-
-Told import_all_ways(const Target& target, const fs::path& model) {
+Told import_both_ways(const Target& target, const Case& made, const fs::path& model) {
   Told told;
-  if (target.format == "view_json") {
-    read_json([&] { return importers::read_view(model, 1.5); }, told);
-  } else if (target.format == "path_json") {
-    read_json([&] { return importers::read_path(model); }, told);
-  } else {
-    told.imported_strict = import_model(target, model, false, told);
-    told.imported_lenient = import_model(target, model, true, told);
-  }
+  const Finding strict = import_model(target, made, model, false, told);
+  const Finding lenient = import_model(target, made, model, true, told);
+  told.imported_strict = strict.imported;
+  told.imported_lenient = lenient.imported;
+  told.broken = !strict.broken.empty() || !lenient.broken.empty() || (strict.imported && !lenient.imported);
+  told.leaked = strict.leaked || lenient.leaked;
+  for (const std::string& message : {strict.broken, lenient.broken, strict.message, lenient.message})
+    if (told.message[0] == 0) std::snprintf(told.message, sizeof told.message, "%s", message.c_str());
   return told;
 }
 
@@ -164,47 +131,6 @@ Outcome in_child(std::size_t file_bytes, const Work& work) {
   return outcome;
 }
 
-/// A folder for one case's files: FOLDER/models holds the model, FOLDER what lies outside.
-class Folder {
- public:
-  Folder() : path_(fs::temp_directory_path() / fmt::format("sightline_hostile_{}", getpid())) {}
-  ~Folder() { clear(); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  /// Returns the model.
-  fs::path write(const Case& made) {
-    clear();
-    fs::create_directories(path_ / "models");
-    for (const File& file : made.files) {
-      const fs::path path = path_ / "models" / file.name;
-      if (!file.link_to.empty()) {
-        fs::create_symlink(file.link_to, path);
-        continue;
-      }
-      std::string content = file.content;
-      if (const std::size_t at = content.find(kOutside); at != content.npos)
-        content.replace(at, kOutside.size(), path_.string());
-      std::ofstream(path, std::ios::binary) << content;
-    }
-    return path_ / "models" / made.files[0].name;
-  }
-
-  /// A message without where the folder lies.
-  std::string shortened(std::string message) const {
-    for (const std::string& prefix : {(path_ / "models/").string(), path_.string()})
-      for (std::size_t at; (at = message.find(prefix)) != message.npos;) message.erase(at, prefix.size());
-    return message;
-  }
-
- private:
-  void clear() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  fs::path path_;
-};
-
 struct Row {
   std::string format, attack, message;
   std::size_t files = 0, errors_strict = 0, imported_lenient = 0, crashed = 0, broken = 0, leaked = 0;
@@ -213,128 +139,52 @@ struct Row {
   bool passed() const { return crashed == 0 && broken == 0 && leaked == 0; }
 };
 
-Row run(const Target& target, const Attack& attack, Folder& folder) {
+/// Keeps a file that a reader failed on.
+void keep(const Target& target, const Attack& attack, std::size_t number, const fs::path& model, const char* what) {
+  const fs::path kept = fs::temp_directory_path() / fmt::format("hostile-{}-{}", target.name(), number);
+  std::error_code ignored;
+  fs::copy_file(model, kept, fs::copy_options::overwrite_existing, ignored);
+  std::fprintf(stderr, "%s, %s, file %zu kept as %s: %s\n", target.name().c_str(), attack.name.c_str(), number,
+               kept.c_str(), what);
+}
+
+Row run(const Target& target, const Attack& attack, std::size_t mutations, Folder& folder) {
   Row row;
-  row.format = target.format == "gltf" || target.format == "vtk" ? target.extension.substr(1) : target.format;
+  row.format = target.name();
   row.attack = attack.name;
+  std::ranges::replace(row.attack, '_', ' ');
   const std::uint64_t baseline_kib = in_child(0, [] { return Told(); }).peak_kib;
-  for (std::size_t k = 0; k < attack.cases; ++k) {
-    std::size_t bytes = 0, most_items = 0, most_materials = 0;
-    fs::path model;
-    {
-      const Case made = attack.make(k);
-      for (const File& file : made.files) bytes += file.content.size();
-      most_items = made.most_items;
-      most_materials = made.most_materials;
-      model = folder.write(made);
-    }
-    const Outcome outcome = in_child(bytes, [&] { return import_all_ways(target, model); });
+  const std::size_t cases = attack.cases == kAnyNumber ? mutations : attack.cases;
+  const std::size_t step = tests::long_run() ? 1 : 1 + (cases - 1) / std::max(mutations, kShortRun);
+  for (std::size_t k = 0; k < cases; k += step) {
+    Case made = attack.make(k);
+    std::size_t bytes = 0;
+    for (const File& file : made.files) bytes += file.content.size();
+    const fs::path model = folder.write(made);
+    for (File& file : made.files) file.content = {};  // it does not count as memory of the import
+    const Outcome outcome = in_child(bytes, [&] { return import_both_ways(target, made, model); });
     const Told& told = outcome.told;
     ++row.files;
     row.errors_strict += !outcome.crashed && !told.imported_strict;
     row.imported_lenient += told.imported_lenient;
     row.crashed += outcome.crashed;
     row.broken += told.broken;
-    row.leaked += told.items > most_items || told.materials > most_materials;
+    row.leaked += told.leaked;
     row.peak_kib = std::max(row.peak_kib, outcome.peak_kib - std::min(baseline_kib, outcome.peak_kib));
     row.slowest_ms = std::max(row.slowest_ms, told.slowest_ms);
     if (told.message[0] != 0 && (row.message.empty() || told.broken)) row.message = folder.shortened(told.message);
-    if (outcome.crashed || told.broken) {
-      const fs::path kept = fs::temp_directory_path() / ("hostile-" + target.format + "-" + std::to_string(k));
-      std::error_code ignored;
-      fs::copy_file(model, kept, fs::copy_options::overwrite_existing, ignored);
-      std::fprintf(stderr, "%s, %s, file %zu kept as %s: %s\n", target.format.c_str(), attack.name.c_str(), k,
-                   kept.c_str(), outcome.crashed ? "crashed or ran too long" : told.message);
-    }
+    if (outcome.crashed || told.broken)
+      keep(target, attack, k, model, outcome.crashed ? "crashed or ran too long" : told.message);
   }
   return row;
 }
 
-// --- what every format gets ------------------------------------------------------------------------------------------
-
-/// Models; the fuzz targets' side files, which have no names, are left out.
-std::vector<std::string> seeds_of(const Target& target) {
-  std::vector<fs::path> paths;
-  for (const auto& entry : fs::directory_iterator(tests::in_checkout("tests/fuzz/corpus") / target.format))
-    if (entry.path().extension() == target.extension) paths.push_back(entry.path());
-  std::sort(paths.begin(), paths.end());
-  std::vector<std::string> seeds;
-  for (const fs::path& path : paths) {
-    std::ifstream in(path, std::ios::binary);
-    const std::string all((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-    seeds.push_back(all.substr(0, all.find("\n--side-file--\n")));
-  }
-  return seeds;
-}
-
-/// Every length of the first 100 bytes of each seed, and beyond them steps such that there are about 100 more.
-Attack truncation(const Target& target) {
-  std::vector<std::pair<std::size_t, std::size_t>> cuts;  // seed, length
-  const std::vector<std::string> seeds = seeds_of(target);
-  for (std::size_t s = 0; s < seeds.size(); ++s) {
-    const std::size_t size = seeds[s].size(), step = std::max<std::size_t>(size / 100, 1);
-    for (std::size_t length = 0; length < size; length += length < 100 ? 1 : step) cuts.emplace_back(s, length);
-  }
-  return {"truncation", cuts.size(), [seeds, cuts, name = "model" + target.extension](std::size_t k) {
-            return Case{{{name, seeds[cuts[k].first].substr(0, cuts[k].second)}}};
-          }};
-}
-
-/// Bits turned, bytes replaced by extremes, pieces doubled or left out: one to eight times. The case is the random
-/// seed.
-Attack mutation(const Target& target, std::size_t count) {
-  const auto make = [seeds = seeds_of(target), name = "model" + target.extension](std::size_t k) {
-    std::mt19937 random(unsigned(k) + 1);
-    std::string text = seeds[random() % seeds.size()];
-    for (unsigned times = 1 + random() % 8; times > 0 && !text.empty(); --times) {
-      const std::size_t at = random() % text.size(), length = random() % 16;
-      switch (random() % 5) {
-        case 0:
-          text[at] = char(text[at] ^ (1 << random() % 8));
-          break;
-        case 1:
-          text[at] = char(random());
-          break;
-        case 2:
-          text.replace(at, 4, "\xff\xff\xff\x7f");
-          break;
-        case 3:
-          text.insert(at, text.substr(random() % text.size(), length));
-          break;
-        default:
-          text.erase(at, length);
-          break;
-      }
-    }
-    return Case{{{name, text}}};
-  };
-  return {fmt::format("mutation (seeds 1 to {})", count), count, make};
-}
-
 /// Loads what a format needs once and for all: imports that follow are not charged with it.
 void warm_up(const Target& target, Folder& folder) {
-  for (const std::string& seed : seeds_of(target))
-    import_all_ways(target, folder.write({{{"model" + target.extension, seed}}}));
-}
-
-std::vector<Target> targets() {
-  std::vector<Target> all = {{"rvm", ".rvm", rvm::attacks()}, {"rvm_attributes", ".txt", rvm::attribute_attacks()}};
-  const auto known = importers::known_extensions();
-  const auto add = [&](const char* format, const char* extension, std::vector<Attack> (*attacks)()) {
-    if (std::find(known.begin(), known.end(), extension) != known.end()) all.push_back({format, extension, attacks()});
-  };
-  add("obj", ".obj", obj::attacks);
-  add("gltf", ".gltf", gltf::attacks);
-  add("gltf", ".glb", gltf::binary_attacks);
-  add("ply", ".ply", polygon_file::ply_attacks);
-  add("stl", ".stl", polygon_file::stl_attacks);
-  add("vtk", ".vtk", vtk::legacy_attacks);
-  add("vtk", ".vtp", vtk::polygon_attacks);
-  add("vtk", ".vtu", [] { return std::vector<Attack>(); });
-  add("vtk", ".vtm", vtk::block_attacks);
-  all.push_back({"view_json", ".json", json::attacks()});
-  all.push_back({"path_json", ".json", json::attacks()});
-  return all;
+  for (const std::string& seed : seeds_of(target)) {
+    const Case made = one_file(target.model(), seed);
+    import_both_ways(target, made, folder.write(made));
+  }
 }
 
 // --- output ----------------------------------------------------------------------------------------------------------
@@ -374,12 +224,11 @@ int run_table(std::size_t mutations, bool json) {
   auto rows = nlohmann::ordered_json::array();
   Folder folder;
   if (!json) print_header();
-  for (Target& target : targets()) {
-    std::vector<Attack> attacks = {truncation(target), mutation(target, mutations)};
-    attacks.insert(attacks.end(), target.attacks.begin(), target.attacks.end());
+  for (const Target& target : targets()) {
     warm_up(target, folder);
-    for (const Attack& attack : attacks) {
-      const Row row = run(target, attack, folder);
+    for (const Attack& attack : attacks_on(target)) {
+      if (attack.name == "most_memory" && !tests::long_run()) continue;
+      const Row row = run(target, attack, mutations, folder);
       passed = passed && row.passed();
       if (json)
         rows.push_back(to_json(row));
@@ -396,13 +245,13 @@ int run_table(std::size_t mutations, bool json) {
 }  // namespace sightline::hostile
 
 int main(int argc, char** argv) {
-  std::size_t mutations = 500;
+  std::size_t mutations = std::size_t(sightline::tests::repeated(500));
   bool json = false;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--json") == 0) {
       json = true;
     } else if (std::strcmp(argv[i], "--mutations") == 0 && i + 1 < argc) {
-      mutations = std::strtoull(argv[++i], nullptr, 10);
+      mutations = std::max(1ull, std::strtoull(argv[++i], nullptr, 10));
     } else {
       std::fprintf(stderr, "usage: hostile_table [--mutations N] [--json]\n");
       return 2;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <random>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -122,35 +121,6 @@ TEST_F(RvmAttributes, ErrorsSayWhere) {
   ASSERT_TRUE(lenient) << lenient.error().message;
   EXPECT_EQ(lenient->warnings.size(), 3u);
   EXPECT_EQ(of("plant.rvm//SITE", "A"), "1");
-}
-
-TEST_F(RvmAttributes, DeepNestingAndManyAttributesAreRefused) {
-  std::string deep, many = "NEW /SITE\n";
-  for (int i = 0; i < 100000; ++i) deep += "NEW /SITE\n";
-  for (int i = 0; i < 5000; ++i) many += "A" + std::to_string(i) + ":= 1\n";
-  many += "END\n";
-  for (const std::string& body : {deep, many}) {
-    EXPECT_FALSE(read_body(body));
-    EXPECT_TRUE(read_body(body, true));
-  }
-}
-
-TEST_F(RvmAttributes, TruncatedAndMutated) {
-  const std::string whole =
-      std::string(kHeader) + "NEW /SITE\n A:= 'x' &end& B:= 2\n NEW /ZONE\n  A:= 3\n  NEW BRANCH\n  END\n END\nEND\n";
-  for (std::size_t size = 0; size < whole.size(); ++size) {
-    SCOPED_TRACE("first " + std::to_string(size) + " bytes");
-    (void)read(whole.substr(0, size));
-    (void)read(whole.substr(0, size), true);
-  }
-  for (unsigned seed = 0; seed < 2000; ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    std::mt19937 random(seed);
-    std::string damaged = whole;
-    for (int k = 0; k < 4; ++k) damaged[random() % damaged.size()] = char(random());
-    (void)read(damaged, seed % 2 == 1);
-    ASSERT_EQ(scene_.node_count(), 6u);
-  }
 }
 
 TEST_F(RvmAttributes, CanBeCancelled) {

@@ -1,8 +1,6 @@
 // The text form of RVM against the binary form of the same model, and damage with its line.
 #include "sightline/importers/rvm/internal/rvm_text.h"
 
-#include <random>
-
 #include <gtest/gtest.h>
 
 #include "sightline/importers/import.h"
@@ -10,7 +8,6 @@
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/importers/rvm/internal/rvm_reader.h"
 #include "sightline/importers/rvm/rvm_writer.h"
-#include "sightline/tests/importers/hostile.h"
 #include "sightline/tests/importers/rvm_bytes.h"
 #include "sightline/tests/importers/rvm_text.h"
 #include "sightline/tests/importers/scene_compare.h"
@@ -141,66 +138,6 @@ TEST(RvmText, DamageSaysItsLine) {
   EXPECT_NE(report.error().message.find("END: chunk: expected 1 more CNTE"), std::string::npos)
       << report.error().message;
   EXPECT_EQ(report.error().message.find("model.rvm: line "), 0u) << report.error().message;
-}
-
-bool survives(std::span<const std::byte> content, bool lenient) {
-  const auto reader = [&](std::span<const std::byte> bytes, core::Scene& scene, core::NodeId parent) {
-    return read_rvm(bytes, "hostile.rvm", scene, parent, {.lenient = lenient});
-  };
-  return tests::survives(content, reader, kRvmTextMemoryFactor, kRvmMemoryConstant);
-}
-
-TEST(RvmText, EveryTruncation) {
-  const std::string whole = rvm_as_text(tests::small_rvm());
-  const std::size_t tag = whole.find("END:");
-  for (std::size_t size = 0; size <= whole.size(); ++size) {
-    SCOPED_TRACE(testing::Message() << "truncated to " << size << " of " << whole.size());
-    ASSERT_EQ(survives(bytes_of(whole).first(size), false), size >= tag + 4);
-    survives(bytes_of(whole).first(size), true);
-    ASSERT_FALSE(testing::Test::HasFailure());
-  }
-}
-
-TEST(RvmText, RandomMutations) {
-#ifdef __SANITIZE_ADDRESS__
-  constexpr unsigned kSeeds = 2000;
-#else
-  constexpr unsigned kSeeds = 10000;
-#endif
-  const std::string whole = rvm_as_text(tests::small_rvm());
-  const char* const words[] = {
-      "nan",  "inf",  "-1",   "4294967295", "4294967296", "1e39", "1e400", "-1e-400", "11",   "12",  "PRIM",
-      "CNTB", "CNTE", "END:", "HEAD",       "\n",         "",     "0",     "1e9",     "OBST", "COLR"};
-  int strict = 0, lenient = 0;
-  for (unsigned seed = 0; seed < kSeeds; ++seed) {
-    std::mt19937 random(seed);
-    std::string text = whole;
-    for (auto t = 0ul, n = 1 + random() % 3; t < n; ++t) {
-      const std::size_t at = random() % text.size();
-      if (random() % 2) {
-        text[at] = char(random());
-        continue;
-      }
-      const std::size_t from = text.find_last_of(" \n", at) + 1;
-      text.replace(from, std::min(text.find_first_of(" \n", from), text.size()) - from,
-                   words[random() % std::size(words)]);
-    }
-    strict += survives(bytes_of(text), false);
-    lenient += survives(bytes_of(text), true);
-    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
-  }
-  EXPECT_GT(lenient, strict);
-}
-
-TEST(RvmText, MemoryOfTheWorstInputs) {
-  std::string groups = "HEAD\n1 1\n\n\n\n\nMODL\n1 1\n\n\n", counts = groups, nested = groups;
-  for (int i = 0; i < 30000; ++i) groups += "CNTB\n1 2\nA\n0 0 0\n1\nCNTE\n1 2\n";
-  for (int i = 0; i < 30000; ++i) nested += "CNTB\n1 2\n\n0 0 0\n1\n";
-  counts += "CNTB\n1 2\nA\n0 0 0\n1\nPRIM\n1 1\n11\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1 1 1\n250000\n";
-  for (int i = 0; i < 250000; ++i) counts += "0\n";
-  survives(bytes_of(groups + "END:\n"), true);
-  survives(bytes_of(nested + "END:\n"), true);
-  survives(bytes_of(counts + "CNTE\n1 1\nEND:\n"), false);
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-// Well-formed and hostile STL files. Run under -fsanitize=address,undefined this also shows that no read leaves the
-// buffer.
+// Well-formed STL files, and what the reader says of damage. hostile_test.cpp has damage in numbers.
 #include "sightline/importers/stl/internal/stl_reader.h"
 
 #include <cmath>
@@ -278,79 +277,19 @@ TEST(VertexWelder, WhatIsNoNumberEqualsItself) {
   EXPECT_EQ(welder.take_positions().size(), 1u);
 }
 
-// --- hostile
-// -----------------------------------------------------------------------------------------------------------
-
-bool survives(std::string_view bytes, bool lenient, double* used = nullptr) {
-  const auto read = [&](std::span<const std::byte> image, core::Scene& scene, core::NodeId parent) {
-    return read_stl(image, "hostile.stl", scene, parent, {.lenient = lenient});
-  };
-  return tests::survives(std::as_bytes(std::span(bytes)), read, kStlMemoryFactor, kStlMemoryConstant, used);
-}
-
-TEST(StlHostile, EveryTruncation) {
-  const std::string whole_binary = binary(kSquare, {0x801f});
-  for (std::size_t size = 0; size <= whole_binary.size(); ++size) {
-    SCOPED_TRACE(testing::Message() << "truncated to " << size);
-    ASSERT_EQ(survives({whole_binary.data(), size}, false), size == whole_binary.size());
-    ASSERT_EQ(survives({whole_binary.data(), size}, true), size >= 84);
-  }
+/// The rest of what is expected of truncated files: hostile_test.cpp.
+TEST(StlHostile, TextIsWholeAfterEachSolid) {
+  const hostile::Target target = hostile::target_of("stl");
   for (std::size_t size = 0; size <= kText.size(); ++size) {
     SCOPED_TRACE(testing::Message() << "text truncated to " << size);
-    const std::string_view part(kText.data(), size);
+    const std::string part = kText.substr(0, size);
     // Whole is what ends with a solid's last line, or within the name there.
     const std::size_t last = size == kText.size() ? kText.size() - 9 : part.rfind("endsolid");
-    const std::string_view rest = part.substr(std::min(last, size));
-    const bool whole = last != std::string_view::npos && rest.find_first_not_of('\n', rest.find('\n')) >= rest.size();
-    ASSERT_EQ(survives(part, false), whole || size == kText.size() - 1);
-    survives(part, true);
-  }
-}
-
-TEST(StlHostile, RandomMutations) {
-  int imports = 0;
-  for (unsigned seed = 0; seed < 30000; ++seed) {
-    std::mt19937 random(seed);
-    std::string bytes = seed % 2 ? kText : binary(kSquare, {0x801f}, seed % 4 ? "" : "solid COLOR=abcd");
-    for (std::size_t i = 1 + random() % 4; i > 0; --i)
-      bytes[random() % bytes.size()] ^= char(random() % 2 ? 1 << random() % 8 : random() & 0xff);
-    imports += survives(bytes, false);
-    imports += survives(bytes, true);
-    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
-  }
-  EXPECT_GT(imports, 10000);
-}
-
-TEST(StlHostile, AbsurdCounts) {
-  for (const std::uint32_t count : {0xffffffffu, 0x7fffffffu, 0x55555556u, 3u}) {
-    std::string bytes = binary(kSquare);
-    bytes.replace(80, 4, little(count, 4));
-    EXPECT_FALSE(survives(bytes, false));
-    EXPECT_TRUE(survives(bytes, true));
-  }
-}
-
-TEST(StlHostile, MemoryOfTheWorstInputs) {
-  std::mt19937 random(3);
-  std::vector<Facet> apart(100000);
-  std::vector<std::uint16_t> colours;
-  for (Facet& facet : apart) {
-    for (core::vec3& corner : facet)
-      corner = {float(random() % 100000), float(random() % 100000), float(random() % 100000)};
-    colours.push_back(std::uint16_t(0x8000 + random() % 256));
-  }
-  std::string solids, names, facets = "solid\n";
-  for (int i = 0; i < 20000; ++i) {
-    solids +=
-        "solid a\nfacet normal 0 0 0 outer loop vertex 1 2 3 vertex 4 5 6 vertex 7 8 9 endloop endfacet endsolid\n";
-    names += "solid a\nendsolid\n";
-    facets += "facet normal 0 0 0 outer loop vertex " + std::to_string(i) + " 2 3 vertex " + std::to_string(i) +
-              " 5 6 vertex " + std::to_string(i) + " 8 9 endloop endfacet\n";
-  }
-  double used = 0.0;
-  for (const std::string& bytes : {binary(apart), binary(apart, colours), solids, names, facets, facets + "solid"}) {
-    survives(bytes, true, &used);
-    std::printf("peak memory / file size so far: %.1f\n", used);
+    const std::string rest = part.substr(std::min(last, size));
+    const bool whole = last != std::string::npos && rest.find_first_not_of('\n', rest.find('\n')) >= rest.size();
+    const hostile::Case made = hostile::one_file("model.stl", part);
+    ASSERT_EQ(tests::survives(target, made, false, "model.stl"), whole || size == kText.size() - 1);
+    tests::survives(target, made, true, "model.stl");
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <random>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -165,38 +164,6 @@ TEST(ViewJson, DeepNestingIsAnError) {
   EXPECT_EQ(view_error(with(kView, "/x", json::parse(allowed))), "");
   EXPECT_EQ(view_error(with(kView, "/x", std::string(100, '[') + "\\\"" + std::string(100, '['))), "")
       << "brackets in strings do not count";
-}
-
-TEST(ViewJson, ManyMutationsNeverEscape) {
-  const unsigned seed = 99;
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 rng(seed);
-  int accepted = 0;
-  for (int i = 0; i < 20000; ++i) {
-    std::string text = i % 2 ? kView : kPath;
-    for (unsigned k = 0; k < 1 + rng() % 3; ++k) {
-      const std::size_t at = rng() % text.size();
-      switch (rng() % 4) {
-        case 0:
-          text[at] = char(rng() % 256);
-          break;
-        case 1:
-          text.erase(at, 1 + rng() % 5);
-          break;
-        case 2:
-          text.insert(at, 1, "{}[]\",:0-e9."[rng() % 12]);
-          break;
-        default:
-          text.resize(at + 1);
-      }
-      if (text.empty()) text = "x";
-    }
-    const std::string error = i % 2 ? view_error(text) : path_error(text);
-    accepted += error.empty();
-    EXPECT_TRUE(error.empty() || error.find(".json: ") == 1) << error;
-  }
-  EXPECT_GT(accepted, 100);
-  EXPECT_LT(accepted, 19000);
 }
 
 TEST(ViewJson, ReadsFiles) {

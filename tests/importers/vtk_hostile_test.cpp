@@ -1,33 +1,33 @@
 // Damaged and malicious VTK files: no crash, no hang, no memory beyond what the headers state, and what is imported can
 // be committed. Run under -fsanitize=address,undefined this also shows that no read of ours leaves the buffer.
 #include <cstring>
-#include <memory>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "sightline/importers/vtk/internal/vtk_reader.h"
+#include "sightline/tests/importers/hostile.h"
 #include "sightline/tests/importers/vtk_files.h"
+#include "sightline/tests/support/effort.h"
 
 namespace sightline::importers::vtk_hostile_test {
 namespace {
 
-/// Reads from a heap buffer of exactly that size and checks that the scene is sound; true when the import succeeded.
-bool survives(std::string_view content, const std::string& name, bool lenient) {
-  const std::unique_ptr<std::byte[]> exact(new std::byte[content.size()]);
-  std::memcpy(exact.get(), content.data(), content.size());
-  core::Scene scene;
-  const core::NodeId parent = scene.add_node(scene.root(), "kept");
-  const auto report = read_vtk({exact.get(), content.size()}, name, scene, parent, {.lenient = lenient});
-  if (report) {
-    const auto committed = scene.commit();
-    EXPECT_TRUE(committed.has_value()) << (committed ? "" : committed.error().message);
-    return true;
-  }
-  EXPECT_EQ(report.error().message.substr(0, name.size() + 2), name + ": ");
-  EXPECT_EQ(scene.node_count(), 2u);
-  EXPECT_EQ(scene.item_slots() + scene.mesh_slots() + scene.material_slots(), 0u);
-  return false;
+core::Expected<ImportReport> read_vtk_file(std::span<const std::byte> bytes, const std::filesystem::path& path,
+                                           core::Scene& scene, core::NodeId parent, const ImportOptions& options) {
+  return read_vtk(bytes, path, scene, parent, options);
+}
+
+/// The target of a file's extension, read without the module.
+hostile::Target target_of(std::string_view name) {
+  hostile::Target target = hostile::target_of(name.substr(name.rfind('.') + 1));
+  target.read = read_vtk_file;
+  return target;
+}
+
+/// True when the import succeeded.
+bool survives(const std::string& content, const std::string& name, bool lenient) {
+  return tests::survives(target_of(name), hostile::one_file(name, content), lenient, name);
 }
 
 std::string error_of(std::string_view content, const std::string& name) {
@@ -36,106 +36,25 @@ std::string error_of(std::string_view content, const std::string& name) {
   return report ? "" : report.error().message;
 }
 
-TEST(VtkHostile, EveryTruncation) {
+/// Files as VTK writes them, in more forms than the table has seeds of (hostile_test.cpp): every length in a long run.
+TEST(VtkHostile, TruncatedAndMutatedFilesOfVtk) {
+  int imports = 0;
   for (const auto& [name, whole] : tests::vtk_files()) {
-    int imports = 0;
-    // Every length of the forms that differ most, some of the others.
-    const bool each = name.starts_with("grid_binary") || name == "grid_ascii42.vtk" || name == "grid_zlib.vtu" ||
-                      name == "poly_ascii.vtp";
-    for (std::size_t size = 0; size < whole.size(); size += each ? 1 : 13) {
+    const hostile::Target target = target_of(name);
+    int lengths = 0, whole_ones = 0;
+    for (std::size_t size = 0; size < whole.size(); size += tests::long_run() ? 1 : 13, ++lengths) {
       SCOPED_TRACE(testing::Message() << name << " truncated to " << size);
-      imports += survives(std::string_view(whole).substr(0, size), name, false);
-      survives(std::string_view(whole).substr(0, size), name, true);
+      whole_ones += tests::survives_both(target, hostile::truncated(target, whole, size), target.model());
       ASSERT_FALSE(testing::Test::HasFailure());
     }
     // A legacy file's attributes may end anywhere between two sections, appended data behind the last array.
-    EXPECT_LT(imports, int(whole.size()) / 2) << name;
+    EXPECT_LT(whole_ones, lengths) << name << ": half of strict and lenient imports";
+    const hostile::Attack attack = hostile::mutation(target, {whole});
+    for (int k = 0; k < tests::repeated(500); ++k)
+      imports += tests::survives_both(target, attack.make(std::size_t(k)), target.model());
+    ASSERT_FALSE(testing::Test::HasFailure()) << name;
   }
-}
-
-std::string mutated(std::string bytes, std::mt19937& random) {
-  constexpr std::string_view kWords[] = {
-      "0", "-1", "1",  "2147483647", "4294967296", "9223372036854775807", "18446744073709551615", "nan", "1e308", "",
-      "<", "\"", "/>", "42",         "12"};
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  for (int times = 1 + int(random() % 3); times > 0; --times) {
-    std::size_t at = random() % bytes.size();
-    switch (random() % 4) {
-      case 0:
-        for (int flips = 1 + int(random() % 8); flips > 0; --flips)
-          bytes[random() % bytes.size()] ^= char(1 << random() % 8);
-        break;
-      case 1: {  // a number becomes another
-        while (at < bytes.size() && !is_digit(bytes[at])) ++at;
-        std::size_t end = at;
-        while (end < bytes.size() && is_digit(bytes[end])) ++end;
-        bytes.replace(at, end - at, kWords[random() % std::size(kWords)]);
-        break;
-      }
-      case 2: {  // a word of a binary array
-        const std::uint32_t word = random() % 3 ? ~0u >> random() % 32 : std::uint32_t(random());
-        if (at + 4 <= bytes.size()) std::memcpy(bytes.data() + at, &word, 4);
-        break;
-      }
-      default: {  // a stretch comes twice or not at all
-        const std::string part = bytes.substr(at, random() % 200);
-        if (random() % 2)
-          bytes.insert(random() % bytes.size(), part);
-        else
-          bytes.erase(at, part.size());
-        if (bytes.empty()) bytes = "<";
-      }
-    }
-  }
-  return bytes;
-}
-
-TEST(VtkHostile, RandomMutations) {
-  int strict = 0, lenient = 0;
-  for (const auto& [name, whole] : tests::vtk_files()) {
-    for (unsigned seed = 0; seed < 500; ++seed) {
-      std::mt19937 random(seed);
-      const std::string bytes = mutated(whole, random);
-      strict += survives(bytes, name, false);
-      lenient += survives(bytes, name, true);
-      ASSERT_FALSE(testing::Test::HasFailure()) << name << ", seed " << seed;
-    }
-  }
-  EXPECT_GT(lenient, strict);
-  EXPECT_GT(strict, 0);
-  RecordProperty("strict_imports", strict);
-  RecordProperty("lenient_imports", lenient);
-}
-
-TEST(VtkHostile, AbsurdCounts) {
-  for (const char* count : {"18446744073709551615", "9223372036854775807", "4611686018427387904", "2147483647", "99999",
-                            "-1", "1e9", "99999999999999999999999"}) {
-    SCOPED_TRACE(count);
-    const std::string head = "# vtk DataFile Version 3.0\nt\n", n = count;
-    for (const std::string form : {"ASCII\n", "BINARY\n"}) {
-      const std::string poly = head + form + "DATASET POLYDATA\n", grid = head + form + "DATASET UNSTRUCTURED_GRID\n";
-      EXPECT_FALSE(survives(poly + "POINTS " + n + " float\n0 0 0 1 0 0 0 1 0\n", "a.vtk", false));
-      const std::string points = "POINTS 0 float\n";
-      EXPECT_FALSE(survives(poly + points + "POLYGONS " + n + " 4\n3 0 1 2\n", "a.vtk", false));
-      EXPECT_FALSE(survives(poly + points + "POLYGONS 1 " + n + "\n3 0 1 2\n", "a.vtk", false));
-      EXPECT_FALSE(survives(poly + points + "POINT_DATA " + n + "\nVECTORS a float\n1 2 3\n", "a.vtk", false));
-      EXPECT_FALSE(
-          survives(poly + points + "POINT_DATA 1\nSCALARS a float " + n + "\nLOOKUP_TABLE d\n1 2\n", "a.vtk", false));
-      EXPECT_FALSE(survives(poly + points + "FIELD f 1\na " + n + " " + n + " string\nx\n", "a.vtk", false));
-      EXPECT_FALSE(survives(poly + points + "FIELD f " + n + "\n", "a.vtk", false));
-      EXPECT_FALSE(survives(grid + points + "CELLS 1 4\n3 0 1 2\nCELL_TYPES " + n + "\n5\n", "a.vtk", false));
-    }
-    const auto xml = [&](const std::string& points, const std::string& cells) {
-      return R"(<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints=")" + points +
-             R"(" NumberOfCells=")" + cells +
-             R"("><Points><DataArray type="Float32">0 0 0 1 0 0 0 1 0</DataArray></Points>
-             <Cells><DataArray type="Int64" Name="connectivity">0 1 2</DataArray><DataArray type="Int64" Name="offsets">3
-             </DataArray><DataArray type="UInt8" Name="types">5</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>)";
-    };
-    EXPECT_TRUE(survives(xml("3", "1"), "a.vtu", false));
-    EXPECT_FALSE(survives(xml(n, "1"), "a.vtu", false));
-    EXPECT_FALSE(survives(xml("3", n), "a.vtu", false));
-  }
+  EXPECT_GT(imports, 0);
 }
 
 TEST(VtkHostile, CellsThatLieAreRefused) {
@@ -261,15 +180,6 @@ TEST(VtkHostile, AppendedArraysOfNoBytes) {
                            R"(</Polys></Piece></PolyData><AppendedData encoding="raw">_)" + std::string(8, '\0') +
                            "</AppendedData></VTKFile>";
   for (const bool lenient : {false, true}) EXPECT_TRUE(survives(text, "empty.vtp", lenient));
-}
-
-TEST(VtkHostile, Noise) {
-  std::mt19937 random(11);
-  for (int i = 0; i < 1000; ++i) {
-    std::string noise(random() % 3000 + 1, ' ');
-    for (char& c : noise) c = char(random() & 0xff);
-    for (const char* name : {"a.vtk", "a.vtp", "a.vtu", "a.vtm"}) EXPECT_FALSE(survives(noise, name, i % 2 != 0));
-  }
 }
 
 TEST(VtkHostile, VtkKeepsQuiet) {
