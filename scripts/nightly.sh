@@ -16,7 +16,7 @@ counts       5 long counts of random input, hostile files and exact pairs
 counts-gl    3 long counts of images: occlusion, joints of real models
 isa          4 core, culling, ray tracer and primitives with narrower instruction sets
 tools        4 tools that are started many times, mpirun, pip
-osmesa       1 GL tests with OSMesa contexts
+osmesa       2 GL tests with OSMesa contexts
 fuzz         7 twenty seconds of each fuzz target
 tsan         6 ThreadSanitizer on core, culling, ray tracer and engine
 asan         5 AddressSanitizer on culling, ray tracer, primitives, measuring and comparing
@@ -26,7 +26,7 @@ consumers    5 public headers alone; projects that use the installed library, pk
 shared       2 the same with one shared library
 study        6 the study and its tests, on the installed library
 without      6 builds without optional parts, and their tests
-mutants      7 mutants of files that changed lately: what survives is reported
+mutants      6 mutants of files that changed lately: what survives is reported
 "
 
 release() {
