@@ -1,4 +1,4 @@
-// What an import of a case must keep to, whoever makes it: a process of its own, or a test.
+// The promises that an import of a case must keep, in a process of its own (hostile_table) or in a test.
 #pragma once
 
 #include <cstdint>
