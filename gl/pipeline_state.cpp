@@ -4,8 +4,7 @@ namespace sightline::gl {
 namespace {
 
 /// Off for all viewports, draw buffers and samples. The list leaves out state that does not affect this library's
-/// pixels: the stencil test (there is no stencil buffer), sRGB conversion (no format uses it), point parameters,
-/// samplers (buffer textures have none).
+/// pixels: the stencil test (there is no stencil buffer), sRGB conversion (no format uses it), point parameters.
 constexpr GLenum kOff[] = {
     GL_RASTERIZER_DISCARD,
     GL_PRIMITIVE_RESTART,
@@ -58,6 +57,9 @@ void reset_pipeline_state(const Functions& gl) {
   gl.LineWidth(1.0f);
   gl.ProvokingVertex(GL_LAST_VERTEX_CONVENTION);  // flat values are equal, but interpolation may begin at this vertex
   gl.Hint(GL_FRAGMENT_SHADER_DERIVATIVE_HINT, GL_DONT_CARE);
+  // Fetches from buffer textures need no sampler, and yet a driver of NVIDIA's calls them undefined beside one that
+  // compares depths.
+  gl.BindSamplers(0, kTextureUnits, nullptr);
   // On Mesa it also affects plain multi-draws.
   if (gl.MultiDrawElementsIndirectCountARB) gl.BindBuffer(GL_PARAMETER_BUFFER_ARB, 0);
 }

@@ -25,20 +25,20 @@ core::Expected<void> check_size(const Functions& gl, int width, int height, std:
   return {};
 }
 
-/// GL's state for pixel transfers in one direction. Leaves out parameters of image stacks, which two-dimensional
-/// transfers ignore.
+/// GL's state for pixel transfers in one direction. Parameters of image stacks are among it, although two-dimensional
+/// transfers ignore them: a driver of NVIDIA's counts them when it checks whether the memory suffices.
 struct Transfer {
   GLenum buffer, buffer_binding;
-  std::array<GLenum, 5> parameters;  // the first one is the alignment
+  std::array<GLenum, 7> parameters;  // the first one is the alignment
 };
-constexpr Transfer kPack = {
-    GL_PIXEL_PACK_BUFFER,
-    GL_PIXEL_PACK_BUFFER_BINDING,
-    {GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS, GL_PACK_SWAP_BYTES}};
-constexpr Transfer kUnpack = {
-    GL_PIXEL_UNPACK_BUFFER,
-    GL_PIXEL_UNPACK_BUFFER_BINDING,
-    {GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SWAP_BYTES}};
+constexpr Transfer kPack = {GL_PIXEL_PACK_BUFFER,
+                            GL_PIXEL_PACK_BUFFER_BINDING,
+                            {GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS,
+                             GL_PACK_SWAP_BYTES, GL_PACK_IMAGE_HEIGHT, GL_PACK_SKIP_IMAGES}};
+constexpr Transfer kUnpack = {GL_PIXEL_UNPACK_BUFFER,
+                              GL_PIXEL_UNPACK_BUFFER_BINDING,
+                              {GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS,
+                               GL_UNPACK_SWAP_BYTES, GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_IMAGES}};
 
 /// While it lives, pixels lie in the caller's memory without gaps. Its destructor restores GL's former values, which
 /// may be an application's.
@@ -63,7 +63,7 @@ class TightPixels {
   const Functions& gl_;
   const Transfer& transfer_;
   GLint buffer_before_ = 0;
-  std::array<GLint, 5> before_{};
+  std::array<GLint, 7> before_{};
 };
 
 }  // namespace

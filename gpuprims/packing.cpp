@@ -171,12 +171,21 @@ bool sane(std::span<const Texel> record) {
   return true;
 }
 
+/// Whether a linear map leaves a solid no volume that floats can tell from none. Shaders may round so that the volume
+/// that they compute is not 0.
+bool is_singular(const core::mat3& linear) {
+  constexpr double kRounding = 1e-15;  // of a determinant in double
+  const core::dmat3 m(linear);
+  return std::abs(glm::determinant(m)) <= kRounding * glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]);
+}
+
 }  // namespace
 
 void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& item, std::span<Texel> out) {
   assert(out.size() == std::size_t(texels_per_item(kind)));
   if (int(kind) >= core::kPrimitiveKindCount) return pack_head(item, {}, 0.0, out);
   if (!all_finite(parameters)) return pack_nothing(item, out);
+  if (kind != core::Kind::kLine && is_singular(item.placement.linear)) return pack_nothing(item, out);
   std::visit([&](const auto& shape) { pack_shape(shape, item, out); }, core::make_primitive(kind, parameters));
   if (!sane(out)) pack_nothing(item, out);
 }

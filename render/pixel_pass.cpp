@@ -51,10 +51,7 @@ void PixelPass::blend() const {
 
 void PixelPass::draw(const gl::Program& program, std::span<const GLuint> textures, GLenum texture_target) const {
   const gl::Functions& gl = *gl_;
-  for (std::size_t i = 0; i < textures.size(); ++i) {
-    gl.BindTextureUnit(GLuint(i), textures[i]);
-    gl.BindSampler(GLuint(i), 0);  // an application's may compare depths
-  }
+  for (std::size_t i = 0; i < textures.size(); ++i) gl.BindTextureUnit(GLuint(i), textures[i]);
   program.use();
   no_attributes_.bind();
   gl.DrawArrays(GL_TRIANGLES, 0, 3);

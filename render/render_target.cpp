@@ -1,8 +1,10 @@
 #include "sightline/render/internal/render_target.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "sightline/gl/internal/pipeline_state.h"
@@ -76,6 +78,11 @@ core::Expected<RenderTarget> RenderTarget::create(const gl::Context& context, in
   auto single = make_attachments(gl, width, height, {format.ids, format.normals, 1});
   if (!single) return tl::unexpected(single.error());
   target.single_ = std::move(*single);
+  target.pass_.emplace(gl);
+  const auto program =
+      target.pass_->program(target.one_sample_, "one_sample.frag", samples,
+                            {format.ids ? "IDS 1" : "IDS 0", format.normals ? "NORMALS 1" : "NORMALS 0"});
+  if (!program) return tl::unexpected(program.error());
   return target;
 }
 
@@ -90,16 +97,23 @@ void RenderTarget::begin_drawing() const {
 
 const RenderTarget::Attachments& RenderTarget::resolved_attachments() const {
   if (format_.samples == 1) return drawn_;
-  gl_->Disable(GL_SCISSOR_TEST);  // it also clips blits
-  const auto blit = [&](GLenum attachment, GLbitfield mask) {
-    gl_->NamedFramebufferReadBuffer(drawn_.framebuffer.id(), attachment);
-    gl_->NamedFramebufferDrawBuffer(single_.framebuffer.id(), attachment);
-    gl_->BlitNamedFramebuffer(drawn_.framebuffer.id(), single_.framebuffer.id(), 0, 0, width(), height(), 0, 0, width(),
-                              height(), mask, GL_NEAREST);
-  };
-  if (format_.ids) blit(GL_COLOR_ATTACHMENT1, GL_COLOR_BUFFER_BIT);
-  if (format_.normals) blit(GL_COLOR_ATTACHMENT2, GL_COLOR_BUFFER_BIT);
-  blit(GL_COLOR_ATTACHMENT0, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  gl::reset_pipeline_state(*gl_);  // the scissor test clips blits, too
+  const GLuint single = single_.framebuffer.id();
+  gl_->NamedFramebufferDrawBuffer(single, GL_COLOR_ATTACHMENT0);
+  gl_->BlitNamedFramebuffer(drawn_.framebuffer.id(), single, 0, 0, width(), height(), 0, 0, width(), height(),
+                            GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  // Blits of depths and of ids may choose different samples.
+  const GLenum buffers[] = {GL_NONE, format_.ids ? GLenum(GL_COLOR_ATTACHMENT1) : GL_NONE,
+                            format_.normals ? GLenum(GL_COLOR_ATTACHMENT2) : GL_NONE};
+  gl_->NamedFramebufferDrawBuffers(single, GLsizei(std::size(buffers)), buffers);
+  single_.framebuffer.bind();
+  gl_->Viewport(0, 0, width(), height());
+  gl_->Enable(GL_DEPTH_TEST);
+  gl_->DepthFunc(GL_ALWAYS);
+  gl_->Disable(GL_STENCIL_TEST);
+  pass_->draw(one_sample_, std::array{drawn_.depth.id(), drawn_.ids.id(), drawn_.normals.id()},
+              GL_TEXTURE_2D_MULTISAMPLE);
+  gl_->NamedFramebufferDrawBuffer(single, GL_COLOR_ATTACHMENT0);
   return single_;
 }
 

@@ -10,6 +10,7 @@
 #include "sightline/culling/gpu/internal/gpu_band.h"
 #include "sightline/culling/gpu/internal/gpu_pass.h"
 #include "sightline/culling/gpu/internal/gpu_screen.h"
+#include "sightline/gl/internal/pipeline_state.h"
 
 namespace sightline::culling {
 namespace {
@@ -197,6 +198,7 @@ core::Expected<void> GpuCuller::cull(const core::View& view, const Snapshot& sna
   }
   probe.timed = timer_ && last_probe_ != kTakenProbes && timer_->begin();
   upload_planes(planes, snapshot.bounds(), view.layers);
+  gl::reset_pipeline_state(*gl_);
   gl_->BindBufferBase(GL_UNIFORM_BUFFER, kPlaneBinding, plane_block_.id());
   pass_->run(batches_, lists,
              occlusion ? Selection::kOpenBefore
@@ -213,6 +215,7 @@ core::Expected<void> GpuCuller::cull_others(const Picture& picture, const gpusce
   Probe& probe = probes_[last_probe_];
   if (probe.skipped) return {};  // the lists are still empty
   probe.others_timed = probe.timed && others_timer_->begin();
+  gl::reset_pipeline_state(*gl_);
   auto done = lists.begin_gpu_update(scene, pass_->counting());
   if (done) done = upload_pyramid(picture, depth, error);
   if (done) {

@@ -53,7 +53,6 @@ core::Expected<void> GpuDepthPyramid::build(const gl::Texture2D& depth, const co
   const GLdouble eye_from_depth[] = {clip[3][2], clip[3][3], clip[2][2], clip[2][3]};  // gpuprims::eye_depth()
   gl_->ProgramUniform4dv(pixels_.id(), kEyeFromDepthUniform, 1, eye_from_depth);
   gl_->BindTextureUnit(kDepthUnit, depth.id());
-  gl_->BindSampler(kDepthUnit, 0);  // an application's sampler may compare depths
   gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, kFarthestBinding, buffer_.id());
   const auto set_level = [&](const gl::Program& program, GLint uniform, const DepthPyramid::Level& level) {
     gl_->ProgramUniform3ui(program.id(), uniform, GLuint(level.first), GLuint(level.width), GLuint(level.height));

@@ -7,8 +7,12 @@
 
 namespace sightline::gl {
 
+/// Texture units that shaders of this library may use.
+constexpr int kTextureUnits = 6;
+
 /// Resets state of OpenGL 4.5 core to its initial value where it decides which pixels of a framebuffer object draws and
-/// clears reach, or what they write there. Also turns dithering off. A draw then sets only what it needs otherwise, its
+/// clears reach, or what they write there, or which vertices draws have. Also turns dithering off, and takes samplers
+/// from the units 0 to kTextureUnits - 1. A draw then sets only what it needs otherwise, its
 /// viewport, and its bindings. Queries no state, so it never waits.
 ///
 /// GL offers no way to query or reset some state, which must not be active: conditional rendering, transform feedback

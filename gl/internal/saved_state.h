@@ -4,6 +4,7 @@
 #include <array>
 
 #include "sightline/gl/functions.h"
+#include "sightline/gl/internal/pipeline_state.h"
 
 namespace sightline::gl {
 
@@ -22,7 +23,7 @@ class SavedState {
   ~SavedState();
 
   // What shaders of this library may use.
-  static constexpr int kTextureUnits = 6, kUniformBlocks = 4, kStorageBlocks = 6;
+  static constexpr int kUniformBlocks = 4, kStorageBlocks = 6;
 
  private:
   // What GL 4.5 guarantees, and what drivers have.

@@ -58,8 +58,8 @@ constexpr int texels_per_item(core::Kind kind) {
 }
 
 /// Writes the record of one item to `out`, which holds texels_per_item(kind) texels. `parameters` are those of the
-/// kind, empty for tessellated kinds (their shape is in the mesh). A primitive without any extent gets a zero scale,
-/// which shaders skip.
+/// kind, empty for tessellated kinds (their shape is in the mesh). A primitive without any extent, and a solid
+/// under a singular placement, get a zero scale, which shaders skip.
 void pack(core::Kind kind, std::span<const float> parameters, const PackedItem& item, std::span<Texel> out);
 
 }  // namespace sightline::gpuprims

@@ -98,6 +98,7 @@ Span common_part(Span a, Span b) {
 // Moves a ray's origin to z = 0, if that point is within `distance` of the axis, and returns the move in t. Flat solids
 // are intersected from there, where a rounded z does not become a wrong radius.
 float move_to_level(inout vec3 o, vec3 d, float distance) {
+  if (d.z == 0.0) return 0.0;  // no number may be NaN: GL need not know what such compare to
   float t = -o.z / d.z;
   vec2 level = o.xy + t * d.xy;
   if (!(dot(level, level) < distance * distance)) return 0.0;

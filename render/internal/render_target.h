@@ -1,11 +1,14 @@
 // The target of a renderer: colour, reverse-Z float depth, and item ids and normals on request.
 #pragma once
 
+#include <optional>
+
 #include "sightline/core/view.h"
 #include "sightline/gl/context.h"
 #include "sightline/gl/internal/framebuffer.h"
 #include "sightline/gl/internal/texture.h"
 #include "sightline/image/image.h"
+#include "sightline/render/internal/pixel_pass.h"
 
 namespace sightline::render {
 
@@ -80,7 +83,11 @@ class RenderTarget {
 
   const gl::Functions* gl_ = nullptr;
   TargetFormat format_;
-  Attachments drawn_, single_;  // single_: only for a multisampled target
+  Attachments drawn_;
+  // Only for a multisampled target.
+  Attachments single_;
+  std::optional<PixelPass> pass_;
+  gl::Program one_sample_;
   std::vector<glm::vec2> sample_offsets_;
 };
 

@@ -6,6 +6,10 @@ layout(triangle_strip, max_vertices = 10) out;
 
 in Setup setup[];
 
+// Stages of a separable program must declare the same built-in variables, also those that nobody reads.
+in gl_PerVertex {
+  vec4 gl_Position;
+} gl_in[];
 out gl_PerVertex {
   vec4 gl_Position;
 };

@@ -8,7 +8,8 @@ centroid in vec3 n_eye;
 flat in uvec2 item_words;
 
 void main() {
+  vec3 flat_normal = cross(dFdx(p_eye), dFdy(p_eye));  // not defined behind a discard of a neighbour
   if (!sections_keep(p_eye) || dithered_away(item_words.y, item_words.x)) discard;
-  vec3 n = (item_words.y & kFlatShaded) != 0u ? cross(dFdx(p_eye), dFdy(p_eye)) : n_eye;
+  vec3 n = (item_words.y & kFlatShaded) != 0u ? flat_normal : n_eye;
   write_surface(n, perspective_view() ? p_eye : vec3(0.0, 0.0, -1.0), 0.0, item_words.y, item_words.x);
 }

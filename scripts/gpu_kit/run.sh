@@ -25,6 +25,7 @@ esac
 mkdir -p "${1:-gpu-report}" || exit 2
 out=$(cd "${1:-gpu-report}" && pwd)
 report=$out/report.md
+hardware=""
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/sightline-kit.XXXXXX") || exit 2
 trap 'rm -rf "$scratch"' EXIT
 trap 'exit 130' INT TERM
@@ -120,7 +121,8 @@ choose_context() {
   way=${asked:-${chosen:-$fallback}}
   [ -n "$way" ] || return 1
   export SIGHTLINE_CONTEXT=$way
-  if [ -z "$chosen" ]; then say "" && say "**No context of hardware was found: what follows is a software rasteriser's.**"; fi
+  hardware=$chosen
+  if [ -z "$hardware" ]; then say "" && say "**No context of hardware was found: what follows is a software rasteriser's.**"; fi
   say "" && say "What follows uses \`$way\`:" && say "" && sed 's/^/- /' "$scratch/context_$way" | cut -c1-9000 >>"$report"
 }
 
@@ -137,7 +139,7 @@ failed_tests() {
   awk '/^\[ RUN/ { name = $4; lines = 0; text = ""; next }
        /^\[  FAILED  \]/ && name != "" { print "- " name ": " text; name = ""; next }
        /^\[ / { name = ""; next }
-       name != "" && lines < 4 && NF { text = text (lines++ ? " / " : "") substr($0, 1, 200) }
+       name != "" && lines < 6 && NF { text = text (lines++ ? " / " : "") substr($0, 1, 200) }
        END { if (name != "") print "- " name ": did not end" (text == "" ? "" : ": " text) }' "$1"
 }
 
@@ -145,11 +147,13 @@ failed_tests() {
 run_tests() {
   local name=$1 seconds=$2 filter=$3 log=$scratch/$1.log all=$scratch/$1.all code=0 round done_tests begin=$SECONDS
   : >"$all"
-  for round in 1 2 3 4; do
+  for round in {1..8}; do
     limited $((seconds - SECONDS + begin > 0 ? seconds - SECONDS + begin : 1)) "$bin/tests" --gtest_color=no --gtest_filter="$filter" >"$log" 2>&1
     code=$?
     cat "$log" >>"$all"
     failed_tests "$log" >>"$scratch/failed"
+    awk '/^\[ RUN/ { text = "" } { text = text $0 "\n" } /^\[  FAILED  \] .*ms\)$/ { printf "%s\n", text }' "$log" |
+      cut -c1-2000 | head -c 1000000 >>"$out/failed_tests.log"
     # Exit code 1 is that of a program whose tests failed; 124 and 137 are those of the time that is over.
     case $code in 0 | 1 | 124 | 137) break ;; esac
     done_tests=$(sed -n 's/^\[ RUN      \] //p' "$log" | paste -sd:)
@@ -167,8 +171,14 @@ step_tests() {
   while read -r name seconds filter; do
     run_tests "$name" "$seconds" "$filter"
   done <"$bin/tests.txt"
+  if [ -n "$hardware" ]; then run_tests rest 90 "-$(sed -n 's/^\[ RUN      \] //p' "$scratch"/*.all | paste -sd:)"; fi
   say ""
-  if [ -s "$scratch/failed" ]; then head -c 40000 "$scratch/failed" >>"$report"; else say "No test failed."; fi
+  if [ -s "$scratch/failed" ]; then
+    head -c 40000 "$scratch/failed" >>"$report"
+    say "" && say "All that they say is in failed_tests.log."
+  else
+    say "No test failed."
+  fi
 }
 
 # field TEXT: the number behind it in the log of an image.
@@ -214,7 +224,7 @@ step_images() {
 }
 
 step_stability() {
-  local rays=40
+  local rays=200
   if [ "$(items 1000000)" -lt 500000 ]; then rays=5; fi
   unsaid=' ok *$' show 20 sightline-stability --path glsl --rays $rays
 }

@@ -12,7 +12,7 @@ using engine::Engine;
 
 constexpr int kWidth = 96, kHeight = 64;
 constexpr std::array<core::dvec3, 4> kWall{{{-900, 11, -900}, {900, 11, -900}, {900, 11, 900}, {-900, 11, 900}}};
-const core::vec3 kWallColour{1.0f, 0.5f, 0.0f};
+const core::vec3 kWallColour{1.0f, 0.6f, 0.0f};
 
 class ExternalTarget : public DrawnGrid {
  protected:
@@ -124,7 +124,7 @@ TEST_F(ExternalTarget, HidesAndIsHiddenByWhatTheApplicationDrawsBeforeAndAfter) 
           if (item < wall) {
             expected = pixel(own, x, y), ++items;
           } else if (wall < item) {
-            expected = {255, 128, 0}, ++walls;
+            expected = {255, 153, 0}, ++walls;
           }
           ASSERT_EQ(pixel(wall_first, x, y), expected) << x << ", " << y << ": " << item << " m, wall " << wall << " m";
           ASSERT_EQ(pixel(wall_last, x, y), expected) << x << ", " << y << ": " << item << " m, wall " << wall << " m";

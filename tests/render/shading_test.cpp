@@ -136,7 +136,7 @@ TEST_F(Shading, IsThatOfTheTwin) {
     SCOPED_TRACE(testing::Message() << "view " << number++);
     const Picture picture = camera.draw(view, shapes_);
     const std::vector<PixelSights> seen = look_at(shapes_, view, kWidth, kHeight);
-    const Compared compared = compare(picture, seen, {1e-5, 0.05});
+    const Compared compared = compare(picture, seen, {1e-5, 0.1});
     EXPECT_GT(compared.clear, kWidth * kHeight / 16);
     std::vector<int> shown(shapes_.size());
     for (std::size_t pixel = 0; pixel < seen.size(); ++pixel) {
