@@ -32,6 +32,7 @@ core::Expected<Pilot> Pilot::create(core::Scene& scene, const HybridMode& mode, 
   engine_config.width = config.width;
   engine_config.height = config.height;
   engine_config.context = &context;
+  engine_config.gl_state = engine::GlState::kLeave;  // nobody else draws there
   engine_config.gpu_culler = config.gpu;
   engine_config.occlusion = config.occlusion;
   engine_config.controller.policy = mode.policy;

@@ -171,7 +171,7 @@ step_tests() {
   while read -r name seconds filter; do
     run_tests "$name" "$seconds" "$filter"
   done <"$bin/tests.txt"
-  if [ -n "$hardware" ]; then run_tests rest 90 "-$(sed -n 's/^\[ RUN      \] //p' "$scratch"/*.all | paste -sd:)"; fi
+  if [ -n "$hardware" ]; then run_tests rest 110 "-$(sed -n 's/^\[ RUN      \] //p' "$scratch"/*.all | paste -sd:)"; fi
   say ""
   if [ -s "$scratch/failed" ]; then
     head -c 40000 "$scratch/failed" >>"$report"

@@ -115,7 +115,7 @@ TEST_F(OccluderDepth, IsNowhereNearerThanWhatIsDrawn) {
       }
     }
   }
-  EXPECT_LT(moved, covered / 20'000) << "a rasteriser moves meshes by parts of a pixel";
+  EXPECT_LT(moved, covered / 10'000) << "a rasteriser moves meshes by parts of a pixel";
   EXPECT_GT(drawn, 100'000);
   EXPECT_GT(covered, drawn * 85 / 100);
 }

@@ -108,6 +108,7 @@ inline PixelSights look_around(std::span<const Shape> shapes, const core::View& 
 struct Tolerance {
   double depth;    ///< of the depth, or of 1 m if that is more
   double degrees;  ///< of normals
+  int pixels = 0;  ///< of a picture, that may be wrong: where a rasteriser moves a corner of a small triangle
 };
 
 /// How much of a picture could be compared.
@@ -175,8 +176,8 @@ inline Compared compare(const Picture& picture, std::span<const PixelSights> see
     const int x = int(pixel) % picture.ids.width, y = int(pixel) / picture.ids.width;
     first << "\n  (" << x << ", " << y << "): " << text << around.hits << " of 5 rays hit";
   }
-  EXPECT_EQ(wrong, 0) << "of " << compared.clear << " clear pixels, " << compared.edges << " at edges, "
-                      << compared.silhouettes << " at silhouettes:" << first.str();
+  EXPECT_LE(wrong, tolerance.pixels) << "of " << compared.clear << " clear pixels, " << compared.edges << " at edges, "
+                                     << compared.silhouettes << " at silhouettes:" << first.str();
   return compared;
 }
 

@@ -26,7 +26,7 @@ constexpr double kAspect = double(kWidth) / kHeight;
 constexpr Tolerance kRayCast{1e-5, 0.02};
 /// Normals of vertices have 16 bits, 0.002 degrees, which a placement stretches; between them the rasteriser
 /// interpolates, and is 1/128 pixel beside, of the some 10 degrees a pixel of a coarse mesh.
-constexpr Tolerance kRasterised{1e-5, 0.1};
+constexpr Tolerance kRasterised{1e-5, 0.1, 1};
 
 dmat3 turn(double angle, dvec3 axis) {
   axis = glm::normalize(axis);
