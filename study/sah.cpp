@@ -47,7 +47,7 @@ double half_area(const Aabb& box) {
   return d.x * d.y + d.y * d.z + d.z * d.x;
 }
 
-struct Split {
+struct Halves {
   std::uint32_t mid = 0;  // 0: none found
   Extent left, right;
 };
@@ -82,9 +82,9 @@ void compact(const std::vector<SahNode>& sparse, SahTree& tree) {
   tree.nodes.shrink_to_fit();
 }
 
-class Builder {
+class SahBuilder {
  public:
-  Builder(std::span<const Aabb> boxes, const SahConfig& config) : config_(config), references_(boxes.size()) {
+  SahBuilder(std::span<const Aabb> boxes, const SahConfig& config) : config_(config), references_(boxes.size()) {
     const std::uint32_t levels = std::uint32_t(std::bit_width(boxes.size()));
     depth_limit_ = 2 * levels + 30;
     for (std::uint32_t i = 0; i < boxes.size(); ++i) references_[i] = {boxes[i], i};
@@ -111,7 +111,7 @@ class Builder {
       return;
     }
     const std::uint32_t levels_needed = std::uint32_t(std::bit_width(count));
-    Split split;
+    Halves split;
     if (depth + levels_needed < depth_limit_) split = binned_split(first, count, extent);
     if (split.mid == 0) split = halve(first, count, extent);
     // Each split position occurs once in the tree, so 2 mid - 1 and 2 mid are places that no other node's children
@@ -123,7 +123,7 @@ class Builder {
     build(left + 1, split.mid, right_count, split.right, depth + 1);
   }
 
-  Split binned_split(std::uint32_t first, std::uint32_t count, const Extent& extent) {
+  Halves binned_split(std::uint32_t first, std::uint32_t count, const Extent& extent) {
     const int axis = longest_axis(extent.centroids);
     const double low = extent.centroids.min[axis];
     const double range = double(extent.centroids.max[axis]) - low;
@@ -145,7 +145,7 @@ class Builder {
     const std::uint32_t boundary = cheapest_boundary(extents, counts, bins);
     if (boundary == 0) return {};
 
-    Split split;
+    Halves split;
     for (std::uint32_t b = 0; b < bins; ++b) (b < boundary ? split.left : split.right).grow(extents[b]);
     const auto begin = references_.begin() + first;
     const auto mid = std::partition(begin, begin + count, [&](const Reference& r) { return bin_of(r.box) < boundary; });
@@ -182,8 +182,8 @@ class Builder {
     return best;
   }
 
-  Split halve(std::uint32_t first, std::uint32_t count, const Extent& extent) {
-    Split split;
+  Halves halve(std::uint32_t first, std::uint32_t count, const Extent& extent) {
+    Halves split;
     split.mid = first + count / 2;
     const int axis = longest_axis(extent.centroids);
     if (extent.centroids.max[axis] > extent.centroids.min[axis]) {
@@ -208,7 +208,7 @@ class Builder {
 
 SahTree build_sah(std::span<const Aabb> boxes, const SahConfig& config) {
   assert(config.max_leaf_size > 0 && config.group > 0 && boxes.size() < core::kNone / 2);
-  return Builder(boxes, config).run();
+  return SahBuilder(boxes, config).run();
 }
 
 }  // namespace sightline::study

@@ -9,10 +9,6 @@
 namespace sightline::study {
 namespace {
 
-core::vec3 centroid(const core::Aabb& b) {
-  return 0.5f * b.min + 0.5f * b.max;
-}
-
 /// Escape indices, boxes, height and leaves, from the nodes' ranges, depths and depth-first order.
 void complete(std::span<const core::Aabb> boxes, Tree& tree) {
   // Depth-first: a node's subtree ends before the next node that is no deeper.
@@ -60,9 +56,10 @@ Tree from_sah(std::span<const core::Aabb> boxes, std::uint32_t leaf_size) {
   return tree;
 }
 
-class Builder {
+class TreeBuilder {
  public:
-  Builder(std::span<const core::Aabb> boxes, std::span<const std::uint8_t> kinds, Split split, std::uint32_t leaf_size)
+  TreeBuilder(std::span<const core::Aabb> boxes, std::span<const std::uint8_t> kinds, Split split,
+              std::uint32_t leaf_size)
       : boxes_(boxes), kinds_(kinds), split_(split), leaf_size_(leaf_size) {}
 
   Tree run() {
@@ -101,7 +98,7 @@ class Builder {
     const core::vec3 size = box.max - box.min;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const auto begin = tree_.order.begin() + first, stop = tree_.order.begin() + end;
-    const auto place = [&](std::uint32_t i) { return centroid(boxes_[i])[axis]; };
+    const auto place = [&](std::uint32_t i) { return 0.5f * boxes_[i].min[axis] + 0.5f * boxes_[i].max[axis]; };
     if (split_ == Split::kMean) {
       double sum = 0.0;
       for (auto i = begin; i != stop; ++i) sum += double(place(*i));
@@ -129,7 +126,7 @@ Tree build_tree(std::span<const core::Aabb> boxes, std::span<const std::uint8_t>
                 std::uint32_t leaf_size) {
   assert(leaf_size > 0 && (kinds.empty() || kinds.size() == boxes.size()));
   if (boxes.empty()) return {};
-  return split == Split::kSah ? from_sah(boxes, leaf_size) : Builder(boxes, kinds, split, leaf_size).run();
+  return split == Split::kSah ? from_sah(boxes, leaf_size) : TreeBuilder(boxes, kinds, split, leaf_size).run();
 }
 
 }  // namespace sightline::study

@@ -15,9 +15,9 @@ int longest_axis(const Aabb& box) {
   return d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
 }
 
-class Builder {
+class BihBuilder {
  public:
-  Builder(Bih& bih, std::span<const Aabb> boxes, std::uint32_t leaf_size)
+  BihBuilder(Bih& bih, std::span<const Aabb> boxes, std::uint32_t leaf_size)
       : bih_(bih), boxes_(boxes), leaf_size_(leaf_size) {}
 
   void build(std::uint32_t node, std::uint32_t first, std::uint32_t end, Aabb space, std::uint32_t depth) {
@@ -71,7 +71,7 @@ Bih build_bih(std::span<const Aabb> boxes, const Aabb& bounds, std::uint32_t lea
   bih.nodes.resize(1);
   bih.triangles.resize(boxes.size());
   std::iota(bih.triangles.begin(), bih.triangles.end(), 0u);
-  Builder(bih, boxes, leaf_size).build(0, 0, std::uint32_t(boxes.size()), bounds, 0);
+  BihBuilder(bih, boxes, leaf_size).build(0, 0, std::uint32_t(boxes.size()), bounds, 0);
   bih.nodes.shrink_to_fit();
   return bih;
 }

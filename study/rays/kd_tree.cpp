@@ -80,9 +80,9 @@ class Bins {
   std::array<std::uint32_t, kMaxBins + 2> below_{}, above_{};  // by the first plane above
 };
 
-class Builder {
+class KdBuilder {
  public:
-  Builder(KdTree& tree, const KdConfig& config, std::size_t count) : tree_(tree), config_(config) {
+  KdBuilder(KdTree& tree, const KdConfig& config, std::size_t count) : tree_(tree), config_(config) {
     depth_limit_ = std::min(KdTree::kMaxDepth, 8 + std::uint32_t(1.3 * double(std::bit_width(count))));
   }
 
@@ -208,7 +208,7 @@ KdTree build_kd_tree(std::span<const Aabb> boxes, const Aabb& bounds, const KdCo
   tree.nodes.resize(1);
   References references(boxes.size());
   for (std::uint32_t i = 0; i < boxes.size(); ++i) references[i] = {boxes[i], i};
-  Builder(tree, config, boxes.size()).build(0, std::move(references), bounds, 0);
+  KdBuilder(tree, config, boxes.size()).build(0, std::move(references), bounds, 0);
   tree.nodes.shrink_to_fit();
   tree.triangles.shrink_to_fit();
   return tree;

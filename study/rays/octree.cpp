@@ -19,9 +19,9 @@ Aabb octant_of(const Aabb& box, unsigned octant) {
   return child;
 }
 
-class Builder {
+class OctreeBuilder {
  public:
-  Builder(Octree& tree, std::span<const Aabb> boxes, std::uint32_t leaf_size)
+  OctreeBuilder(Octree& tree, std::span<const Aabb> boxes, std::uint32_t leaf_size)
       : tree_(tree),
         boxes_(boxes),
         leaf_size_(leaf_size),
@@ -65,7 +65,7 @@ Octree build_octree(std::span<const Aabb> boxes, const Aabb& bounds, std::uint32
   tree.nodes.resize(1);
   std::vector<std::uint32_t> all(boxes.size());
   for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
-  Builder(tree, boxes, leaf_size).build(0, std::move(all), bounds, 0);
+  OctreeBuilder(tree, boxes, leaf_size).build(0, std::move(all), bounds, 0);
   tree.nodes.shrink_to_fit();
   tree.triangles.shrink_to_fit();
   return tree;

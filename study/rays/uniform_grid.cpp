@@ -18,7 +18,7 @@ struct CellRange {
   }
 };
 
-CellRange cells_of(const GridLines& lines, const Aabb& box) {
+CellRange range_of(const GridLines& lines, const Aabb& box) {
   CellRange range;
   for (int a = 0; a < 3; ++a) {
     range.first[std::size_t(a)] = lines.cell_of(a, box.min[a]);
@@ -56,7 +56,7 @@ Cell automatic_resolution(std::span<const Aabb> boxes, const Aabb& bounds) {
   for (const double factor : {1.0, 1.5, 2.0, 2.5, 3.0}) {
     const GridLines lines(bounds, grid_resolution(bounds, boxes.size(), factor));
     std::size_t references = 0;
-    for (const Aabb& box : boxes) references += cells_of(lines, box).count();
+    for (const Aabb& box : boxes) references += range_of(lines, box).count();
     const vec3 d = lines.cell;
     const double area = double(d.x * d.y + d.y * d.z + d.z * d.x);
     const double cost = area * (double(lines.count()) + kIntersectionCost * double(references));
@@ -70,12 +70,12 @@ UniformGrid build_grid_per_object(std::span<const Aabb> boxes, const Aabb& bound
   grid.lines = GridLines(bounds, cells);
   grid.begins.assign(grid.lines.count() + 1, 0);
   for (const Aabb& box : boxes)
-    for_each_cell(cells_of(grid.lines, box), [&](const Cell& c) { ++grid.begins[grid.lines.index(c)]; });
+    for_each_cell(range_of(grid.lines, box), [&](const Cell& c) { ++grid.begins[grid.lines.index(c)]; });
   sum_up(grid.begins);
   grid.triangles.resize(grid.begins.back());
   std::vector<std::uint32_t> ends(grid.begins.begin(), grid.begins.end() - 1);
   for (std::uint32_t i = 0; i < boxes.size(); ++i)
-    for_each_cell(cells_of(grid.lines, boxes[i]),
+    for_each_cell(range_of(grid.lines, boxes[i]),
                   [&](const Cell& c) { grid.triangles[ends[grid.lines.index(c)]++] = i; });
   return grid;
 }
@@ -87,7 +87,7 @@ UniformGrid build_grid_brute_force(std::span<const Aabb> boxes, const Aabb& boun
   for_each_cell(all, [&](const Cell& c) {
     grid.begins.push_back(std::uint32_t(grid.triangles.size()));
     for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-      const CellRange range = cells_of(grid.lines, boxes[i]);
+      const CellRange range = range_of(grid.lines, boxes[i]);
       bool inside = true;
       for (std::size_t a = 0; a < 3; ++a) inside = inside && range.first[a] <= c[a] && c[a] <= range.last[a];
       if (inside) grid.triangles.push_back(i);

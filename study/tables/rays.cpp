@@ -160,14 +160,14 @@ core::Expected<void> write_csv(const std::vector<Benchmark>& all, const std::fil
 
 /// Graph 6-7 of the scans.
 core::Expected<void> write_growth(const std::vector<Benchmark>& all, const std::filesystem::path& directory) {
-  using Style = apps::PanelSeries::Style;
+  using Look = apps::PanelSeries::Style;
   std::vector<apps::PanelSeries> lines;
   for (std::size_t i = 0; i < all.front().traversals.size(); ++i) {
-    lines.push_back({all.front().traversals[i].traversal->name, {}, Style::kLine});
+    lines.push_back({all.front().traversals[i].traversal->name, {}, Look::kLine});
     for (const Benchmark& b : all)
       if (b.model == "scan") lines.back().points.push_back({double(b.triangles), b.traversals[i].ns[0], {}});
   }
-  lines.push_back({"brute force", {}, Style::kDashes});
+  lines.push_back({"brute force", {}, Look::kDashes});
   for (const Benchmark& b : all)
     if (b.model == "scan") lines.back().points.push_back({double(b.triangles), b.brute_force_ns, {}});
   return apps::write_text((directory / "rays_growth.svg").string(),

@@ -115,7 +115,7 @@ void print_tables(const std::vector<ModelResults>& all) {
     const Results& r = paths.front();
     table_header(("Tables 4.5, 4.6  mean and median, and walks: " + r.model->name).c_str());
     for (const TreeKind tree : {TreeKind::kMedian, TreeKind::kMean, TreeKind::kSah})
-      for (const Traversal t : {Traversal::kStack, Traversal::kStackless, Traversal::kCompact})
+      for (const auto t : {study::Traversal::kStack, study::Traversal::kStackless, study::Traversal::kCompact})
         row(r, r.find(on_tree(tree, t)));
     common_rows(r);
   }

@@ -10,7 +10,7 @@
 #include "sightline/tests/culling/scenes.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::study {
+namespace sightline::study::gpu_test {
 namespace {
 
 using core::dvec3;
@@ -383,4 +383,4 @@ TEST_F(StudyGpuTest, CullingInTheDrawChangesNoPixel) {
 }
 
 }  // namespace
-}  // namespace sightline::study
+}  // namespace sightline::study::gpu_test

@@ -9,7 +9,7 @@
 #include "sightline/study/session.h"
 #include "sightline/tests/culling/scenes.h"
 
-namespace sightline::study {
+namespace sightline::study::measure_test {
 namespace {
 
 constexpr unsigned kSeed = 23;
@@ -89,4 +89,4 @@ TEST(StudyPareto, FrontHoldsWhatNothingBeats) {
 }
 
 }  // namespace
-}  // namespace sightline::study
+}  // namespace sightline::study::measure_test

@@ -10,7 +10,7 @@
 #include "sightline/study/production.h"
 #include "sightline/tests/culling/scenes.h"
 
-namespace sightline::study {
+namespace sightline::study::peers_test {
 namespace {
 
 constexpr unsigned kSeed = 31;
@@ -109,4 +109,4 @@ TEST(StudyPlatforms, KindsAreMixedToTheItem) {
 }
 
 }  // namespace
-}  // namespace sightline::study
+}  // namespace sightline::study::peers_test

@@ -2,7 +2,7 @@
 #include "sightline/tests/apps/tool_test.h"
 #include "sightline/tests/support/no_gl.h"
 
-namespace sightline::tests {
+namespace sightline::tests::program_test {
 namespace {
 
 using StudyProgram = ToolTest;
@@ -37,4 +37,4 @@ TEST_F(StudyProgram, BuildsGridsOnTheGpu) {
 }
 
 }  // namespace
-}  // namespace sightline::tests
+}  // namespace sightline::tests::program_test

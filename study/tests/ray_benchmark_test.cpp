@@ -6,7 +6,7 @@
 #include "sightline/study/rays/benchmark.h"
 #include "sightline/study/rays/generated_meshes.h"
 
-namespace sightline::study::rays {
+namespace sightline::study::rays::ray_benchmark_test {
 namespace {
 
 TEST(GeneratedMeshes, HaveAboutTheTrianglesAskedFor) {
@@ -60,4 +60,4 @@ TEST(RayBenchmark, MeasuresAllAndTheyAgree) {
 }
 
 }  // namespace
-}  // namespace sightline::study::rays
+}  // namespace sightline::study::rays::ray_benchmark_test

@@ -9,7 +9,7 @@
 #include "sightline/study/tests/rays_scenes.h"
 #include "sightline/tests/support/gl_test.h"
 
-namespace sightline::study::rays {
+namespace sightline::study::rays::rays_gpu_test {
 namespace {
 
 using namespace tests;
@@ -231,4 +231,4 @@ TEST_F(RaysGpu, WhatNoStorageBlockHoldsIsAnError) {
 }
 
 }  // namespace
-}  // namespace sightline::study::rays
+}  // namespace sightline::study::rays::rays_gpu_test

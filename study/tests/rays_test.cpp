@@ -7,7 +7,7 @@
 #include "sightline/study/rays/traversals.h"
 #include "sightline/study/tests/rays_scenes.h"
 
-namespace sightline::study::rays {
+namespace sightline::study::rays::rays_test {
 namespace {
 
 using namespace tests;
@@ -150,4 +150,4 @@ TEST(Rays, FewerNodesAreVisitedWhereTheSearchRemembersMore) {
 }
 
 }  // namespace
-}  // namespace sightline::study::rays
+}  // namespace sightline::study::rays::rays_test

@@ -7,7 +7,7 @@
 
 #include "sightline/tests/support/box_sets.h"
 
-namespace sightline::study {
+namespace sightline::study::sah_test {
 namespace {
 
 using core::Aabb;
@@ -150,4 +150,4 @@ TEST(Sah, BeatsMedianSplitsWhereThingsCluster) {
 }
 
 }  // namespace
-}  // namespace sightline::study
+}  // namespace sightline::study::sah_test

@@ -8,7 +8,7 @@
 #include "sightline/study/rays/traversals.h"
 #include "sightline/study/tests/rays_scenes.h"
 
-namespace sightline::study::rays {
+namespace sightline::study::rays::structures_test {
 namespace {
 
 using core::Aabb;
@@ -131,4 +131,4 @@ TEST(GridResolution, LiesBetweenOneAndThreeCubeRootsAlongTheShortestAxis) {
 }
 
 }  // namespace
-}  // namespace sightline::study::rays
+}  // namespace sightline::study::rays::structures_test

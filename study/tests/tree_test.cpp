@@ -10,7 +10,7 @@
 #include "sightline/study/sah.h"
 #include "sightline/tests/culling/scenes.h"
 
-namespace sightline::study {
+namespace sightline::study::tree_test {
 namespace {
 
 constexpr unsigned kSeed = 7;
@@ -106,4 +106,4 @@ TEST(StudyTree, SurfaceAreaHeuristicIsWhatItSays) {
 }
 
 }  // namespace
-}  // namespace sightline::study
+}  // namespace sightline::study::tree_test

@@ -8,7 +8,7 @@
 #include "sightline/study/motion.h"
 #include "sightline/tests/culling/scenes.h"
 
-namespace sightline::study {
+namespace sightline::study::variants_test {
 namespace {
 
 constexpr unsigned kSeed = 11;
@@ -297,4 +297,4 @@ TEST(StudyAircraft, HasTheCountAsked) {
 }
 
 }  // namespace
-}  // namespace sightline::study
+}  // namespace sightline::study::variants_test

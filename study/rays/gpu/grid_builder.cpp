@@ -17,10 +17,6 @@ constexpr std::uint32_t kPairRun = 64, kDigitBits = 4;  // of digits.glsl
 constexpr std::uint32_t kMostGroups = 65535;            // of one dimension of a dispatch, in any context
 constexpr std::uint32_t kDigits = std::uint32_t(1) << kDigitBits;
 
-std::uint32_t divided_up(std::uint32_t a, std::uint32_t b) {
-  return a / b + (a % b != 0);
-}
-
 }  // namespace
 
 UniformGrid GridBuilder::Grid::read() const {

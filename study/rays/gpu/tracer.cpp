@@ -43,10 +43,6 @@ const Form* form_of(const Traversal& traversal) {
   return nullptr;
 }
 
-std::uint32_t divided_up(std::uint32_t a, std::uint32_t b) {
-  return a / b + (a % b != 0);
-}
-
 }  // namespace
 
 core::Expected<const GpuTracer::Program*> GpuTracer::program_of(const Traversal& traversal, Ask ask, bool persistent) {
