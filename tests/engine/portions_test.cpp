@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <optional>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -10,6 +11,7 @@
 #include "sightline/tests/engine/drawn_grid.h"
 #include "sightline/tests/engine/state_dump.h"
 #include "sightline/tests/engine/ways_to_draw.h"
+#include "sightline/tests/support/effort.h"
 
 namespace sightline::tests::portions_test {
 namespace {
@@ -58,7 +60,7 @@ class Portions : public DrawnGrid, public testing::WithParamInterface<WayToDraw>
     return 0;
   }
   void expect_same(Engine& a, Engine& b) {
-    for (int turn = 0; turn < 4; ++turn) {
+    for (int turn = 0; turn < (long_run() ? 4 : 2); ++turn) {
       ASSERT_TRUE(draw_complete(a, view(0.5 * turn)) && draw_complete(b, view(0.5 * turn)));
       ASSERT_NO_FATAL_FAILURE(expect_same_picture(a, b)) << "turn " << turn;
       ASSERT_EQ(a.read_ids()->ids, b.read_ids()->ids);
@@ -150,8 +152,9 @@ TEST_P(Portions, FollowEdits) {
         ASSERT_TRUE(e.configure(c));
       },
   };
+  constexpr int kPlaces[] = {-1, 3, 1, 8};  // -1: before each
   for (const auto& edit : edits)
-    for (const int at : {1, 3, 8, -1}) {  // -1: before each
+    for (const int at : std::span(kPlaces).first(long_run() ? 4 : 2)) {
       SCOPED_TRACE(testing::Message() << "edit " << &edit - edits << " before " << at);
       auto wanted = Engine::create(scene, way(&*context)), engine = Engine::create(scene, way(nullptr));
       ASSERT_TRUE(wanted && engine);
