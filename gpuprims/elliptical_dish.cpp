@@ -23,14 +23,14 @@ template Hits intersect<double>(const core::EllipticalDish&, const Ray&, Caps);
 template Hits intersect<float>(const core::EllipticalDish&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::EllipticalDish& dish, const Tessellation& config, Caps caps) {
-  constexpr double kPi = std::numbers::pi;
+  constexpr double kHalfTurn = std::numbers::pi;
   const double radius = std::fabs(dish.base_radius), height = std::fabs(dish.height);
   if (!(radius > 0.0 && std::isfinite(radius + height))) return {};
-  const int columns = segment_count(config, radius, 2.0 * kPi);
+  const int columns = segment_count(config, radius, 2.0 * kHalfTurn);
   // An ellipse is a squeezed circle of its larger axis, and squeezing only shrinks chord errors.
-  const int rows = segment_count(config, std::max(radius, height), 0.5 * kPi);
-  const std::vector<dvec2> around = arc_points(columns, 2.0 * kPi);
-  std::vector<dvec2> meridian = arc_points(rows, 0.5 * kPi);
+  const int rows = segment_count(config, std::max(radius, height), 0.5 * kHalfTurn);
+  const std::vector<dvec2> around = arc_points(columns, 2.0 * kHalfTurn);
+  std::vector<dvec2> meridian = arc_points(rows, 0.5 * kHalfTurn);
   meridian.back() = {0.0, 1.0};  // a pole is one point, not a ring of rounding errors
 
   MeshBuilder builder;

@@ -22,14 +22,14 @@ template Hits intersect<double>(const core::SphericalDish&, const Ray&, Caps);
 template Hits intersect<float>(const core::SphericalDish&, const Ray&, Caps);
 
 core::Mesh tessellate(const core::SphericalDish& dish, const Tessellation& config, Caps caps) {
-  constexpr double kPi = std::numbers::pi;
+  constexpr double kHalfTurn = std::numbers::pi;
   const double base = std::fabs(dish.base_radius), height = std::fabs(dish.height);
   if (!std::isfinite(base + height)) return {};
   if (height == 0.0) return tessellate(core::Cylinder{dish.base_radius, 0.0f}, config, {caps.bottom, true});
   const double radius = 0.5 * (base * (base / height) + height), opening = 2.0 * std::atan2(height, base);
-  const int columns = segment_count(config, height > base ? radius : base, 2.0 * kPi);
+  const int columns = segment_count(config, height > base ? radius : base, 2.0 * kHalfTurn);
   const int rows = segment_count(config, radius, opening);
-  const std::vector<dvec2> around = arc_points(columns, 2.0 * kPi);
+  const std::vector<dvec2> around = arc_points(columns, 2.0 * kHalfTurn);
 
   MeshBuilder builder;
   builder.add_grid(rows, columns, [&](int row, int column) {

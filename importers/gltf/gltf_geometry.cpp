@@ -128,10 +128,9 @@ core::Expected<std::vector<std::uint32_t>> gltf_triangles(ImportJob& job, GltfDo
 }
 
 double gltf_colour_channel(double value, const GltfAccessor& of) {
-  using Type = GltfAccessor::Type;
   double most = 1.0;
-  if (!of.normalized && of.type == Type::kUnsignedByte) most = 255.0;
-  if (!of.normalized && of.type == Type::kUnsignedShort) most = 65535.0;
+  if (!of.normalized && of.type == GltfAccessor::Type::kUnsignedByte) most = 255.0;
+  if (!of.normalized && of.type == GltfAccessor::Type::kUnsignedShort) most = 65535.0;
   return std::clamp(std::isfinite(value) ? value / most : 1.0, 0.0, 1.0);
 }
 

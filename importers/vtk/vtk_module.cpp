@@ -26,7 +26,8 @@ Module load() {
     if (path.has_parent_path() && !fs::exists(path, ignored)) continue;
     // Never closed: VTK keeps state until the program ends.
     void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library) module.read = reinterpret_cast<Read>(dlsym(library, "sightline_read_vtk"));
+    const void* entry = library ? dlsym(library, "sightline_read_vtk") : nullptr;
+    if (entry) module.read = *static_cast<const Read*>(entry);
     if (module.read) return module;
     const char* said = dlerror();
     module.error = said ? said : "it is none of ours";

@@ -1,4 +1,4 @@
-// The entry point of the module libsightline_vtk.so, which vtk_module.cpp calls.
+// The entry point of the module libsightline_vtk.so, which vtk_module.cpp looks up.
 #include "sightline/importers/vtk/internal/vtk_reader.h"
 
 #if defined(_WIN32)
@@ -8,8 +8,5 @@
 #endif
 
 // The program and its module are one build: C++ types may pass between them.
-extern "C" SIGHTLINE_EXPORT sightline::core::Expected<sightline::importers::ImportReport> sightline_read_vtk(
-    std::span<const std::byte> bytes, const std::filesystem::path& path, sightline::core::Scene& scene,
-    sightline::core::NodeId parent, const sightline::importers::ImportOptions& options) {
-  return sightline::importers::read_vtk(bytes, path, scene, parent, options);
-}
+extern "C" SIGHTLINE_EXPORT decltype(&sightline::importers::read_vtk) const sightline_read_vtk;
+decltype(&sightline::importers::read_vtk) const sightline_read_vtk = &sightline::importers::read_vtk;
