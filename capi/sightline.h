@@ -624,7 +624,7 @@ SL_API sl_status sl_write_png(const char* path, int32_t width, int32_t height, c
 typedef struct sl_pick {
   uint32_t size;
   sl_item item;               /* SL_NO_ITEM: nothing was hit, and the rest says nothing */
-  sl_node node;               /* that holds it; null when it has been removed since the last commit */
+  sl_node node;               /* that held it at the engine's last commit; the scene may have removed it since */
   double t;                   /* along the ray; metres, where its direction has unit length */
   double point[3], normal[3]; /* in the world; the normal points out of the solid */
   uint32_t triangle;          /* of a mesh; 0xffffffff for solids and cuts */

@@ -36,6 +36,7 @@ Expected<void> Storage::finish_page(Page& page, SnapshotState state, const Snaps
   Snapshot& snapshot = page.snapshot;
   snapshot.generation_ = ++generations;
   snapshot.table_ = materials.table_;
+  snapshot.meshes_ = page.meshes.mesh_table_.list();
   set_state(snapshot, std::move(state), nullptr);
   for (int axis = 0; axis < 6; ++axis) {
     LargeArray<float>& c = snapshot.bounds_.coordinates_[axis];

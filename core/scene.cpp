@@ -313,7 +313,8 @@ Expected<MeshId> Scene::add_mesh(Mesh mesh) {
     finite = finite && is_finite(dvec3(p));
   }
   if (!finite) box.min = dvec3(std::numeric_limits<double>::quiet_NaN());  // commit() refuses its items
-  meshes_.push_back({std::move(mesh), box, generation_});
+  mesh_table_.push_back(std::make_shared<const Mesh>(std::move(mesh)));
+  meshes_.push_back({box, generation_});
   return mesh_at(meshes_.size() - 1);
 }
 MaterialId Scene::add_material(Material material) {
@@ -345,7 +346,8 @@ void Scene::remove_mesh(MeshId id) {
                                            item.payload == id.index;
                                   }),
                      "a mesh that no item uses");
-  meshes_[id.index] = {{}, {}, kNone};
+  meshes_[id.index] = {{}, kNone};
+  removed_meshes_.push_back(id.index);
 }
 bool Scene::contains(MeshId mesh) const {
   return mesh.index < meshes_.size() && mesh_at(mesh.index) == mesh;
@@ -368,7 +370,7 @@ std::uint32_t Scene::index_of(MaterialId material) const {
 }
 const Mesh& Scene::mesh(MeshId mesh) const {
   SIGHTLINE_CONTRACT(contains(mesh), "a mesh handle that is neither stale nor invalid");
-  return meshes_[mesh.index].mesh;
+  return mesh_table_[mesh.index];
 }
 const AabbD& Scene::mesh_bounds(MeshId mesh) const {
   SIGHTLINE_CONTRACT(contains(mesh), "a mesh handle that is neither stale nor invalid");
@@ -474,7 +476,7 @@ MaterialId Scene::item_material(ItemId id) const {
 AabbD Scene::bounds_under(ItemId id, const Affine& world_from_item) const {
   const Item& item = live(id);
   if (int(item.kind) < kPrimitiveKindCount) return core::bounds(primitive(id), world_from_item);
-  return mesh_extent(meshes_[item.payload].mesh, world_from_item);
+  return mesh_extent(mesh_table_[item.payload], world_from_item);
 }
 
 AabbD Scene::bounds(NodeId top, std::uint32_t mask) const {
@@ -590,6 +592,8 @@ Expected<SceneDelta> Scene::commit() {
   dirty_materials_.clear();
   dirty_items_ = {};
   dirty_nodes_.clear();
+  mesh_table_.remove(removed_meshes_);
+  removed_meshes_.clear();
   if (delta->empty()) return delta;
   for (const auto& subscriber : subscribers_.inboxes)
     if (const auto inbox = subscriber.lock()) inbox->push(*delta);
@@ -608,10 +612,12 @@ std::size_t Scene::memory_bytes() const {
   std::size_t bytes = nodes_.capacity() * sizeof(Node) + items_.capacity() * (sizeof(Item) + sizeof(item_states_[0])) +
                       parameters_.capacity() * sizeof(float) + names_.capacity() +
                       dirty_items_.capacity() * sizeof(ItemId);
-  for (const auto& [m, bounds, generation] : meshes_)
+  for (std::size_t i = 0; i < meshes_.size(); ++i) {
+    const Mesh& m = mesh_table_[i];
     bytes +=
-        sizeof(MeshEntry) + (m.positions.capacity() + m.normals.capacity()) * sizeof(vec3) +
+        sizeof(MeshEntry) + sizeof(Mesh) + (m.positions.capacity() + m.normals.capacity()) * sizeof(vec3) +
         (m.indices.capacity() + m.contour_sizes.capacity() + m.polygon_contours.capacity()) * sizeof(std::uint32_t);
+  }
   for (const auto& [node, list] : attributes_)
     for (const auto& [key, value] : list) bytes += sizeof(Attributes::value_type) + key.size() + value.size();
   return bytes;

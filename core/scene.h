@@ -24,6 +24,7 @@
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
 #include "sightline/core/internal/large_array.h"
+#include "sightline/core/internal/mesh_table.h"
 #include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/stored_attributes.h"
 #include "sightline/core/mesh.h"
@@ -102,7 +103,8 @@ class SIGHTLINE_API Scene {
   /// Nodes and items with this material have none from now on: they inherit one, or have the default one. Walks over
   /// all nodes and items.
   void remove_material(MaterialId material);
-  /// No item may use the mesh. A snapshot that still holds a removed item sees an empty mesh.
+  /// No item may use the mesh. Snapshots that still hold a removed item keep its mesh. The next commit() gives back the
+  /// scene's share of its memory.
   void remove_mesh(MeshId mesh);
   bool contains(MeshId mesh) const;
   bool contains(MaterialId material) const;
@@ -218,9 +220,8 @@ class SIGHTLINE_API Scene {
   /// Bits of item_states_. They are apart from the items, so that a commit of all items writes no item.
   static constexpr std::uint8_t kDirty = 1, kCommitted = 2;
   static constexpr std::uint8_t kFit = 4;  // commit() would accept it: known from the file that it was stored in
-  /// A mesh or material at its index. Generation kNone: removed.
+  /// What is known of a mesh, or a material, at its index. Generation kNone: removed.
   struct MeshEntry {
-    Mesh mesh;
     AabbD bounds;
     std::uint32_t generation = 0;
   };
@@ -278,7 +279,9 @@ class SIGHTLINE_API Scene {
   LargeArray<Item> items_;
   LargeArray<std::uint8_t> item_states_;
   LargeArray<float> parameters_;  // of primitives, at Item::payload
-  std::vector<MeshEntry> meshes_;
+  MeshTable mesh_table_;
+  std::vector<MeshEntry> meshes_;              // of mesh_table_
+  std::vector<std::uint32_t> removed_meshes_;  // since the last commit
   std::vector<MaterialEntry> materials_;
   std::uint32_t generation_ = 0;  // given to meshes and materials added from now on
   LargeArray<char> names_;

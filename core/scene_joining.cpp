@@ -33,6 +33,7 @@ std::vector<NodeId> Scene::take_over(Scene&& other) {
   free_nodes_ = std::move(other.free_nodes_);
   items_ = std::move(other.items_), item_states_ = std::move(other.item_states_);
   parameters_ = std::move(other.parameters_), names_ = std::move(other.names_);
+  mesh_table_ = std::move(other.mesh_table_), removed_meshes_ = std::move(other.removed_meshes_);
   meshes_ = std::move(other.meshes_), materials_ = std::move(other.materials_);
   for (MeshEntry& entry : meshes_)
     if (entry.generation != kNone) entry.generation = generation_;
@@ -76,6 +77,8 @@ std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
   make_room(nodes_, other.nodes_), make_room(items_, other.items_), make_room(parameters_, other.parameters_);
   make_room(item_states_, other.item_states_);
   make_room(meshes_, other.meshes_), make_room(materials_, other.materials_), make_room(names_, other.names_);
+  mesh_table_.reserve(mesh_table_.size() + other.mesh_table_.size());
+  make_room(removed_meshes_, other.removed_meshes_);
   make_room(free_nodes_, other.free_nodes_), make_room(dirty_nodes_, other.dirty_nodes_);
   make_room(dirty_items_, other.dirty_items_), make_room(dirty_materials_, other.materials_);
   attributes_.reserve(attributes_.size() + other.attributes_.size());
@@ -107,7 +110,9 @@ std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
     if (entry.generation != kNone) entry.generation = generation_;
     own.push_back(std::move(entry));
   };
+  mesh_table_.append(other.mesh_table_);
   for (MeshEntry& entry : other.meshes_) move_entry(meshes_, entry);
+  for (const std::uint32_t mesh : other.removed_meshes_) removed_meshes_.push_back(meshes + mesh);
   for (MaterialEntry& entry : other.materials_) {
     dirty_materials_.push_back(std::uint32_t(materials_.size()));
     move_entry(materials_, entry);
@@ -144,6 +149,8 @@ void Scene::take_back(const Mark& mark, std::span<const NodeId> added) {
   item_states_.resize(mark.items);
   stored_snapshot_.reset();
   parameters_.resize(mark.parameters);
+  std::erase_if(removed_meshes_, [&](std::uint32_t mesh) { return mesh >= mark.meshes; });
+  mesh_table_.truncate(mark.meshes);
   meshes_.resize(mark.meshes);
   materials_.resize(mark.materials);
   ++generation_;

@@ -118,11 +118,13 @@ void Snapshot::Items::append(const Items& other) {
   parameters.insert(parameters.end(), other.parameters.begin(), other.parameters.end());
   removed.insert(removed.end(), other.removed.begin(), other.removed.end());
   if (other.materials) materials = other.materials;
+  if (other.meshes.size() >= meshes.size()) meshes = other.meshes;
 }
 
 void Snapshot::copy(Slot first, Slot end, Items& out) const {
   assert(first <= end && end <= size());
   out.materials = table_;
+  out.meshes = meshes_;
   for (Slot s = first; s < end; ++s) {
     if (items_[s] == kNone) continue;
     const KindItems& list = kind_items_[std::size_t(kinds_[s])];
@@ -149,6 +151,7 @@ void Snapshot::copy(Slot first, Slot end, Items& out) const {
 
 void Snapshot::copy(std::span<const ItemId> items, Items& out) const {
   out.materials = table_;
+  out.meshes = meshes_;
   for (const ItemId item : items) {
     const Slot s = slot(item);
     if (s == kNone)
@@ -227,9 +230,7 @@ Primitive Snapshot::primitive(Slot s) const {
 }
 
 const Mesh& Snapshot::mesh(Slot s) const {
-  static const Mesh kNothing;
-  const MeshId id = scene_->mesh_at(kind_items_[std::size_t(kinds_[s])].meshes[index_in_kind_[s]]);
-  return id.valid() ? scene_->mesh(id) : kNothing;
+  return meshes_[kind_items_[std::size_t(kinds_[s])].meshes[index_in_kind_[s]]];
 }
 
 std::size_t Snapshot::memory_bytes() const {

@@ -15,6 +15,7 @@
 #include "sightline/core/api.h"
 #include "sightline/core/internal/chunk_grid.h"
 #include "sightline/core/internal/large_array.h"
+#include "sightline/core/internal/mesh_table.h"
 #include "sightline/core/internal/stored_joints.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/scene.h"
@@ -45,7 +46,7 @@ using MaterialTable = std::vector<glm::vec4>;
 
 class SIGHTLINE_API Snapshot {
  public:
-  /// Builds a generation from the committed scene. Mesh data stays in the scene, which must outlive the snapshot.
+  /// Builds a generation from the committed scene, which must outlive the snapshot. Meshes are shared with it.
   /// Snapshots of scenes with pending edits show the edits (commit first to have them validated). `threads` share the
   /// work; 0: all that OpenMP offers, for few items one. The result does not depend on them.
   explicit Snapshot(const Scene& scene, int threads = 0);
@@ -131,13 +132,14 @@ class SIGHTLINE_API Snapshot {
   std::uint64_t count(const VisibleSet& visible) const;
   Kind kind(Slot slot) const { return kinds_[slot]; }
   std::uint32_t index_in_kind(Slot slot) const { return index_in_kind_[slot]; }
+  std::span<const ItemId> items() const { return items_; }  ///< of all slots
   ItemId item(Slot slot) const { return items_[slot]; }  ///< kNone when the slot was given up; hidden items keep theirs
   Slot slot(ItemId item) const { return item < slots_.size() ? slots_[item] : kNone; }  ///< kNone when unknown
   std::uint32_t material(Slot slot) const { return materials_[slot]; }                  ///< material index or kNone
   const MaterialTable& materials() const { return table_->rows; }
   bool opaque(Slot slot) const { return materials_[slot] == kNone || table_->rows[materials_[slot]].a >= 1.0f; }
-  /// The mesh of an item that has one. Empty when the scene has removed the mesh since, which it may do once the item
-  /// is removed.
+  /// The mesh of an item that has one. Empty when the scene had removed the mesh before the last apply(), which it may
+  /// do once the item is removed. The scene is not read.
   const Mesh& mesh(Slot slot) const;
   const KindItems& of_kind(Kind kind) const { return kind_items_[std::size_t(kind)]; }
 
@@ -213,6 +215,7 @@ class SIGHTLINE_API Snapshot {
   ChunkGrid chunks_;
   std::shared_ptr<const StoredJoints> stored_joints_;
   std::shared_ptr<Table> table_ = std::make_shared<Table>();  // shared with Items: not changed while it is
+  MeshList meshes_;
 };
 
 struct Snapshot::Items {
@@ -230,6 +233,7 @@ struct Snapshot::Items {
   std::vector<float> parameters;
   std::vector<ItemId> removed;
   std::shared_ptr<Table> materials;  // null: unchanged
+  MeshList meshes;
 
   void append(const Items& other);
 };

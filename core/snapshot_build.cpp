@@ -181,6 +181,7 @@ class Snapshot::CopiedItems {
 };
 
 Snapshot::Snapshot(const Scene& scene, int threads) : scene_(&scene), generation_(next_generation()) {
+  meshes_ = scene.mesh_table_.list();
   const auto stored = scene.stored_snapshot_;
   const bool restored = stored && (*stored)(*this);
   table_ = updated({}, scene, {});
@@ -194,6 +195,7 @@ Snapshot::Snapshot(const Snapshot& like, Items&& items, int threads)
     : scene_(like.scene_), generation_(next_generation()) {
   bounds_.origin = like.bounds_.origin;
   if (items.materials) table_ = items.materials;
+  meshes_ = items.meshes;
   auto& records = items.records;
   LargeArray<std::uint32_t> latest;  // by item
   latest.resize(CopiedItems(items).item_slots(), kNone);
@@ -203,8 +205,8 @@ Snapshot::Snapshot(const Snapshot& like, Items&& items, int threads)
     if (latest[records[i].item] != i) continue;
     Items::Record& r = records[kept++] = records[i];
     if (r.layers != 0) continue;
-    // Hidden items are ordered by where they will reappear. That is exact for primitives, whose parameters are here; a
-    // mesh lies in the scene, so the origin of its item must do.
+    // Hidden items are ordered by where they will reappear. That is exact for primitives; a mesh would have to be
+    // walked over, so the origin of its item must do.
     const Affine world{dmat3(r.linear), r.origin};
     AabbD box{r.origin, r.origin};
     if (int(r.kind) < kPrimitiveKindCount)

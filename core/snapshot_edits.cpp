@@ -44,6 +44,7 @@ std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
   // Items may name materials that a later delta publishes.
   if (!delta.materials.empty() || table_->of_scene < scene_->material_slots())
     items.materials = updated(*table_, *scene_, delta.materials);
+  items.meshes = scene_->mesh_table_.list();
   items.records.reserve(delta.changed.size() + delta.inserted.size());
   const auto take = [&](ItemId item, const Scene::ItemState& state) {
     const AabbD box = gather(*scene_, state, item, items);
@@ -57,6 +58,7 @@ std::vector<Slot> Snapshot::apply(const SceneDelta& delta) {
 std::vector<Slot> Snapshot::apply(const Items& items) {
   stored_joints_.reset();
   if (items.materials) table_ = items.materials;
+  if (items.meshes.size() >= meshes_.size()) meshes_ = items.meshes;
   std::vector<Slot> touched;
   touched.reserve(items.removed.size() + items.records.size());
   for (const ItemId item : items.removed) {

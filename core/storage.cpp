@@ -114,7 +114,8 @@ void Storage::copy_clean(const Scene::Item* values, std::size_t count, std::byte
 // --- scenes ----------------------------------------------------------------------------------------------------------
 
 void Storage::add_removed_mesh(Scene& scene) {
-  scene.meshes_.push_back({{}, {}, kNone});
+  scene.mesh_table_.push_back(nullptr);
+  scene.meshes_.push_back({{}, kNone});
 }
 void Storage::add_removed_material(Scene& scene) {
   scene.materials_.push_back({{}, kNone});
@@ -255,7 +256,7 @@ Expected<void> Storage::check_items(const Scene& scene) {
     if (int(item.kind) < kPrimitiveKindCount)
       return std::uint64_t(item.payload) + std::uint64_t(parameter_count(item.kind)) <= scene.parameters_.size();
     return item.payload < scene.meshes_.size() && scene.meshes_[item.payload].generation != kNone &&
-           scene.meshes_[item.payload].mesh.is_facet_group() == (item.kind == Kind::kFacetGroup);
+           scene.mesh_table_[item.payload].is_facet_group() == (item.kind == Kind::kFacetGroup);
   };
   if (const std::size_t wrong = first_wrong(items.size(), holds); wrong < items.size())
     return inconsistent("item", wrong);
@@ -271,7 +272,7 @@ void Storage::mark_fit(Scene& scene) {
   std::vector<std::uint8_t> small_mesh(scene.meshes_.size());
   for (std::size_t i = 0; i < small_mesh.size(); ++i) {
     const AabbD& box = scene.meshes_[i].bounds;
-    small_mesh[i] = scene.meshes_[i].mesh.positions.empty() || (small(box.min) && small(box.max));
+    small_mesh[i] = scene.mesh_table_[i].positions.empty() || (small(box.min) && small(box.max));
   }
   const auto fit = [&](const Scene::Item& item) {
     if (!small_node[item.node] || !small(dvec3(item.linear[0])) || !small(dvec3(item.linear[1])) ||
@@ -329,6 +330,7 @@ void Storage::set_snapshot(Scene& scene, std::function<bool(Snapshot&)> source) 
 Expected<void> Storage::try_snapshot(const Scene& scene, const std::function<bool(Snapshot&)>& fill) {
   Snapshot snapshot;
   snapshot.scene_ = &scene;
+  snapshot.meshes_ = scene.mesh_table_.list();
   if (!fill(snapshot)) return fail("the arrays of its snapshot have elements of another size");
   return check(scene, snapshot);
 }

@@ -7,8 +7,8 @@
 
 namespace sightline::engine {
 
-/// The item hit, and the node that holds it. Both are as of the engine's last commit(); the node is invalid if the item
-/// has been removed from the scene since.
+/// The item hit, and the node that holds it. Both are as of the engine's last commit(): the scene may have removed them
+/// since.
 struct Pick : raytrace::Hit {
   core::NodeId node = {};
 };

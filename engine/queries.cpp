@@ -106,7 +106,7 @@ core::Expected<std::optional<Pick>> Engine::Impl::pick(const raytrace::Ray& ray,
                                           : raytrace::nearest_but(*live_.tracer, ray, filter, overrides_.ghosts());
   if (!hit) return tl::unexpected(hit.error());
   if (!*hit) return std::nullopt;
-  return Pick{**hit, scene_->contains_item((*hit)->item) ? scene_->node_of((*hit)->item) : core::NodeId()};
+  return Pick{**hit, nodes_[(*hit)->item]};
 }
 
 core::Expected<std::vector<raytrace::VisibleItem>> Engine::Impl::visible_items_in(const core::View& view,

@@ -269,11 +269,10 @@ void bind_pick(py::module_& m) {
           "item", [](const Picked& p) { return p.pick.item; }, "The item's id.")
       .def_property_readonly(
           "node",
-          [](const Picked& p) -> std::optional<Node> {
-            if (!p.pick.node.valid()) return std::nullopt;
+          [](const Picked& p) {
             return Node{p.scene, p.pick.node};
           },
-          "The node that holds it; None when the item has been removed since the engine's last commit().")
+          "The node that held it at the engine's last commit(); the scene may have removed it since.")
       .def_property_readonly(
           "point", [](const Picked& p) { return to_array(p.pick.point); }, "In the world, (3,).")
       .def_property_readonly(

@@ -93,6 +93,7 @@ class Engine::Impl {
   core::Expected<void> follow_order();
   core::Expected<void> take_context(gl::Context& context, std::unique_ptr<Drawing> made);
   void note_gpu_variant();
+  void note_nodes(std::span<const core::ItemId> items);
   template <class Edit>
   core::Expected<void> override_items(const Edit& edit);
   core::Expected<bool> cull(const core::View& cull_view, const core::View& view, bool on_cpu, FrameReport& report);
@@ -114,6 +115,9 @@ class Engine::Impl {
   double last_frame_began_ = -1.0;          // seconds on the steady clock
   std::uint64_t frames_ = 0;
   bool picks_ = false;  // the application has picked
+#if SIGHTLINE_HAS_RAYTRACE
+  core::LargeArray<core::NodeId> nodes_;  // by item: that holds it, so that picks do not read the scene
+#endif
   std::optional<Hybrid> hybrid_;
   std::deque<LateReport> late_;
   // Last: they read live_ until they are destroyed.

@@ -233,7 +233,7 @@ TEST_F(CapiEngine, PicksAlongRays) {
   EXPECT_EQ(sl_engine_pick_ray(engine, nullptr, &pick), SL_ERROR_ARGUMENT);
 }
 
-TEST_F(CapiEngine, ThePickedNodeIsNullOnceRemoved) {
+TEST_F(CapiEngine, ThePickedNodeIsThatOfTheLastCommit) {
   const CScene one;
   const sl_node node = one.add_node(one.root);
   one.add(node, SL_SPHERE);
@@ -247,7 +247,7 @@ TEST_F(CapiEngine, ThePickedNodeIsNullOnceRemoved) {
   ASSERT_OK(sl_node_remove(one.scene, node));
   ASSERT_OK(sl_engine_pick_ray(picking, &ray, &pick));
   EXPECT_EQ(pick.item, 0u) << "until the next commit";
-  EXPECT_EQ(pick.node.id, 0u);
+  EXPECT_EQ(pick.node.id, node.id);
   ASSERT_OK(sl_engine_commit(picking));
   ASSERT_OK(sl_engine_pick_ray(picking, &ray, &pick));
   EXPECT_EQ(pick.item, SL_NO_ITEM);

@@ -174,7 +174,7 @@ TEST(Pick, TellsNodeAndFace) {
   const auto removed = engine->pick(balls.view, 2.0, 2.0);
   ASSERT_TRUE(removed && *removed);
   EXPECT_EQ((*removed)->item, box);
-  EXPECT_FALSE((*removed)->node.valid());
+  EXPECT_EQ((*removed)->node, node);
 }
 
 TEST(Pick, DoesNotFindHiddenItems) {
