@@ -95,6 +95,7 @@ void BoxCuller::visible(const core::View& view, std::vector<std::uint32_t>& indi
 }
 
 void BoxCuller::visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const {
+  if (depth.level_count() == 0) return visible(view, indices);
   thread_local core::VisibleSet set;
   thread_local SetParts parts;
   thread_local std::vector<std::size_t> places;  // of each part's first index

@@ -45,7 +45,8 @@ class SIGHTLINE_API BoxCuller {
 
   /// The same without boxes that are hidden in a depth image of this view (OcclusionTest says when) or that cover none
   /// of its pixel centres. The view must know its eye: one made from a combined matrix does not. Large sets are tested
-  /// on several threads (CullThreads), which start with the first set that is worth them.
+  /// on several threads (CullThreads), which start with the first set that is worth them. A pyramid that was never
+  /// built hides nothing.
   void visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const;
 
   /// Replaces box `index`, which must be below size(). Fails on a box that create() refuses, and then changes nothing.

@@ -84,7 +84,8 @@ enum class GlState : std::uint8_t {
   /// It is left as the engine's last draw needed it. Bindings of framebuffers, programs, program pipelines, vertex
   /// arrays, transform feedback, textures and samplers of units 0 to 5, indexed uniform buffers 0 to 3 and storage
   /// buffers 0 to 5, indirect, parameter and query buffers may be others. So may viewports, scissor, depth, colour
-  /// mask, blending, clip control, face culling and all that gl::reset_pipeline_state() sets. The rest stays.
+  /// mask, blending, clip control, face culling, GL_UNPACK_SKIP_PIXELS and _ROWS, and all that
+  /// gl::reset_pipeline_state() sets. The rest stays.
   kLeave,
 };
 

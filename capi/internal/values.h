@@ -25,11 +25,14 @@ inline constexpr std::size_t kFirstSize<sl_import_options> = offsetof(sl_import_
 template <>
 inline constexpr std::size_t kFirstSize<sl_import_report> = offsetof(sl_import_report, from_cache);
 
+/// No version will have a larger struct: a larger size was never set.
+inline constexpr std::size_t kMostSize = 4096;
+
 template <class T>
 std::size_t checked_size(const T* from) {
   static_assert(std::is_trivially_copyable_v<T> && offsetof(T, size) == 0);
   require(from != nullptr, "a struct, found null");
-  if (from->size < kFirstSize<T>)
+  if (from->size < kFirstSize<T> || from->size > kMostSize)
     refuse(SL_ERROR_ARGUMENT, "a struct's size is " + std::to_string(from->size) + ", expected " +
                                   std::to_string(sizeof(T)) + ": initialise it with its SL_..._INIT");
   return from->size;

@@ -39,14 +39,17 @@ TEST(CapiStructs, AStructWithoutItsSizeIsRefused) {
   const CScene c;
   sl_material_data data = SL_MATERIAL_DATA_INIT;
   sl_material material = {0};
-  for (const std::uint32_t size : {std::uint32_t(0), std::uint32_t(3), std::uint32_t(sizeof data - 1)}) {
+  for (const std::uint32_t size : {std::uint32_t(0), std::uint32_t(3), std::uint32_t(sizeof data - 1),
+                                   std::uint32_t(1) << 30, ~std::uint32_t(0)}) {
     data.size = size;
     EXPECT_EQ(sl_material_add(c.scene, &data, &material), SL_ERROR_ARGUMENT) << size;
   }
   EXPECT_EQ(sl_material_add(c.scene, nullptr, &material), SL_ERROR_ARGUMENT);
   sl_scene_info info;
-  info.size = 0;
-  EXPECT_EQ(sl_scene_get(c.scene, &info), SL_ERROR_ARGUMENT);
+  for (const std::uint32_t size : {std::uint32_t(0), std::uint32_t(1) << 30}) {
+    info.size = size;
+    EXPECT_EQ(sl_scene_get(c.scene, &info), SL_ERROR_ARGUMENT) << size;
+  }
 }
 
 /// As a struct that has grown since its first version.

@@ -133,6 +133,19 @@ TEST(BoxCuller, LeavesOutWhatADepthImageHides) {
   EXPECT_GT(hidden, 500u);
 }
 
+TEST(BoxCuller, ADepthImageThatWasNeverMadeHidesNothing) {
+  Random random(3);
+  const std::vector<AabbD> boxes = boxes_around(random, 2000, dvec3(0.0), 20.0);
+  const auto culler = BoxCuller::create(boxes);
+  ASSERT_TRUE(culler);
+  const core::View view = core::View::perspective({{0, -60, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1).value();
+  Indices all, found;
+  culler->visible(view, all);
+  culler->visible(view, culling::DepthPyramid(), found);
+  EXPECT_FALSE(all.empty());
+  EXPECT_EQ(found, all);
+}
+
 TEST(BoxCuller, RefusesWhatItCannotCull) {
   const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
   const AabbD good{dvec3(0.0), dvec3(1.0)};
