@@ -5,19 +5,18 @@
 #include <cstdio>
 #include <numbers>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
+#include "sightline/json/internal/json.h"
 
 namespace {
 
 using namespace sightline;
 using compare::Change;
 using compare::State;
-using nlohmann::json;
+using Json = json::Value;
 
 struct Options {
   std::string before, after, json_file;
@@ -84,8 +83,8 @@ class Reporter {
     std::printf("\n");
   }
 
-  json to_json(const Change& change) const {
-    json out{{"state", compare::name_of(change.state)}};
+  Json to_json(const Change& change) const {
+    Json out{{"state", compare::name_of(change.state)}};
     if (change.before != core::kNone) out["before"] = path_before(change);
     if (change.after != core::kNone) out["after"] = path_after(change);
     out["kind"] = core::name_of(change.after != core::kNone ? after_.kind(change.after) : before_.kind(change.before));
@@ -101,8 +100,8 @@ class Reporter {
   static const char* state_name(const Change& change) {
     return change.state == State::kUnchanged ? "renamed" : compare::name_of(change.state).data();
   }
-  static json names_json(std::uint8_t differences) {
-    json out = json::array();
+  static Json names_json(std::uint8_t differences) {
+    Json out = Json::array();
     for (int bit = 0; bit < 8; ++bit)
       if (differences & 1 << bit) out.push_back(names_of(std::uint8_t(1 << bit)));
     return out;
@@ -126,16 +125,16 @@ void print(const compare::Comparison& found, const Reporter& reporter, const cor
   if (left_out > 0 && most > 0) std::printf("and %zu more (--list N)\n", left_out);
 }
 
-json to_json(const Options& options, const compare::Comparison& found, const Reporter& reporter,
+Json to_json(const Options& options, const compare::Comparison& found, const Reporter& reporter,
              const core::Scene& after) {
-  json out{{"before", options.before}, {"after", options.after}, {"tolerance", options.compare.tolerance}};
+  Json out{{"before", options.before}, {"after", options.after}, {"tolerance", options.compare.tolerance}};
   for (std::size_t i = 0; i < compare::kStateCount; ++i)
     out["counts"][std::string(compare::name_of(State(i)))] = found.counts[i];
   out["renamed"] = found.renamed;
-  out["items"] = json::array();
+  out["items"] = Json::array();
   for (const Change& change : found.items)
     if (Reporter::is_listed(change)) out["items"].push_back(reporter.to_json(change));
-  out["nodes"] = json::array();
+  out["nodes"] = Json::array();
   for (const compare::NodeChange& node : found.nodes) out["nodes"].push_back(after.path(node.after));
   return out;
 }
@@ -150,7 +149,7 @@ core::Expected<int> run(const Options& options) {
   const Reporter reporter(*before->scene, *after->scene);
   if (options.json_file != "-") print(*found, reporter, *after->scene, options.list);
   if (!options.json_file.empty()) {
-    const std::string text = apps::to_text(to_json(options, *found, reporter, *after->scene));
+    const std::string text = apps::to_text(json::sorted(to_json(options, *found, reporter, *after->scene)));
     if (auto done = apps::write_text(options.json_file, text); !done) return tl::unexpected(done.error());
   }
   return options.fail_on_changes && !found->same() ? apps::kExitFailure : apps::kExitOk;

@@ -5,8 +5,6 @@
 #include <filesystem>
 #include <optional>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
@@ -16,11 +14,12 @@
 #include "sightline/importers/obj/obj_writer.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/importers/slc/slc_writer.h"
+#include "sightline/json/internal/json.h"
 
 namespace {
 
 using namespace sightline;
-using nlohmann::json;
+using Json = json::Value;
 using ItemCounts = std::array<std::uint64_t, core::kKindCount>;
 
 /// Triangles that stand for primitives.
@@ -105,9 +104,9 @@ std::uint64_t total(const ItemCounts& items) {
   return sum;
 }
 
-json to_json(const apps::ModelOptions& options, const importers::ImportReport& read, const std::string& output,
+Json to_json(const apps::ModelOptions& options, const importers::ImportReport& read, const std::string& output,
              double tolerance, const Written& written) {
-  json tessellation;
+  Json tessellation;
   if (written.triangles)
     tessellation = {{"tolerance", tolerance},
                     {"largest_chord_error", written.triangles->largest_chord_error},
@@ -121,8 +120,8 @@ json to_json(const apps::ModelOptions& options, const importers::ImportReport& r
           {"bytes_in", read.bytes},
           {"bytes_out", written.bytes},
           {"tessellation", tessellation},
-          {"analytic", written.analytic ? json(*written.analytic) : json()},
-          {"recognition", options.import.recognise ? apps::recognition_json(read.recognition) : json()},
+          {"analytic", written.analytic ? Json(*written.analytic) : Json()},
+          {"recognition", options.import.recognise ? apps::recognition_json(read.recognition) : Json()},
           {"warnings", apps::warnings_json(read.warnings)}};
 }
 
@@ -194,8 +193,8 @@ int main(int argc, char** argv) {
     if (json_file != "-" && options.import.recognise)
       std::printf("%s\n", apps::recognition_words(model->report.recognition).c_str());
     if (json_file.empty()) return apps::kExitOk;
-    if (auto done =
-            apps::write_text(json_file, apps::to_text(to_json(options, model->report, output, tolerance, *written)));
+    if (auto done = apps::write_text(
+            json_file, apps::to_text(json::sorted(to_json(options, model->report, output, tolerance, *written))));
         !done)
       return tl::unexpected(done.error());
     return apps::kExitOk;

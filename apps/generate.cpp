@@ -8,8 +8,6 @@
 #include <set>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
@@ -17,6 +15,7 @@
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/importers/slc/paged_scene.h"
 #include "sightline/importers/slc/slc_writer.h"
+#include "sightline/json/internal/json.h"
 
 namespace {
 
@@ -102,8 +101,8 @@ core::Expected<int> generate(const Options& o) {
   const auto items = o.parts > 1 ? write_parts(o) : write_plant(o.config, core::dvec3(0.0), o.output);
   if (!items) return tl::unexpected(items.error());
   if (o.json_file != "-") std::printf("%s: %zu items\n", o.output.c_str(), *items);
-  const nlohmann::json facts = {{"file", o.output}, {"items", *items}, {"seed", o.config.seed}, {"parts", o.parts}};
-  if (auto done = apps::write_json(o.json_file, facts); !done) return tl::unexpected(done.error());
+  const json::Value facts = {{"file", o.output}, {"items", *items}, {"seed", o.config.seed}, {"parts", o.parts}};
+  if (auto done = apps::write_json(o.json_file, json::sorted(facts)); !done) return tl::unexpected(done.error());
   return apps::kExitOk;
 }
 

@@ -2,19 +2,18 @@
 
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/report_json.h"
 #include "sightline/apps/common/style_options.h"
 #include "sightline/core/find_nodes.h"
+#include "sightline/json/internal/json.h"
 
 namespace {
 
 using namespace sightline;
-using nlohmann::json;
+using Json = json::Value;
 
 struct Facts {
   std::uint64_t nodes = 0, max_depth = 0, triangles = 0;
@@ -45,16 +44,16 @@ core::AabbD bounds_of(const core::Scene& scene, core::NodeId node) {
   return scene.bounds(node, ~std::uint32_t{0});
 }
 
-json to_json(const core::AabbD& bounds) {
+Json to_json(const core::AabbD& bounds) {
   if (bounds.empty()) return nullptr;
-  const auto corner = [](const core::dvec3& v) { return json::array({v.x, v.y, v.z}); };
+  const auto corner = [](const core::dvec3& v) { return Json::array({v.x, v.y, v.z}); };
   return {{"min", corner(bounds.min)}, {"max", corner(bounds.max)}};
 }
 
-json to_json(const core::Scene& scene, std::span<const core::NodeId> found) {
-  json out = json::array();
+Json to_json(const core::Scene& scene, std::span<const core::NodeId> found) {
+  Json out = Json::array();
   for (const core::NodeId node : found) {
-    json attributes = json::object();
+    Json attributes = Json::object();
     for (const auto& [key, value] : scene.attributes(node)) attributes[key] = value;
     out.push_back(
         {{"path", scene.path(node)}, {"attributes", attributes}, {"bounds", to_json(bounds_of(scene, node))}});
@@ -77,8 +76,8 @@ void print(const core::Scene& scene, std::span<const core::NodeId> found) {
   std::printf("%zu found\n", found.size());
 }
 
-json to_json(const importers::ImportReport& report, const Facts& facts) {
-  json out;
+Json to_json(const importers::ImportReport& report, const Facts& facts) {
+  Json out;
   out["items"] = apps::items_json(report.items);
   out["degenerate"] = report.degenerate;
   out["nodes"] = facts.nodes;
@@ -151,9 +150,10 @@ int main(int argc, char** argv) {
     if (json_file != "-" && find.empty()) print(model->report, facts);
     if (json_file != "-" && !find.empty()) print(*model->scene, found);
     if (json_file.empty()) return apps::kExitOk;
-    json out = to_json(model->report, facts);
+    Json out = to_json(model->report, facts);
     if (!find.empty()) out["found"] = to_json(*model->scene, found);
-    if (auto done = apps::write_text(json_file, apps::to_text(out)); !done) return tl::unexpected(done.error());
+    if (auto done = apps::write_text(json_file, apps::to_text(json::sorted(std::move(out)))); !done)
+      return tl::unexpected(done.error());
     return apps::kExitOk;
   });
 }

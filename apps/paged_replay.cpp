@@ -6,8 +6,6 @@
 #include <filesystem>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/output.h"
@@ -16,11 +14,12 @@
 #include "sightline/apps/common/statistics.h"
 #include "sightline/image/image.h"
 #include "sightline/importers/view_json.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 namespace {
 
-using nlohmann::json;
+using Json = json::Value;
 
 struct Flown {
   double time = 0.0;       // on the path
@@ -94,9 +93,9 @@ std::size_t complete(const std::vector<Flown>& flight) {
   return std::size_t(std::count_if(flight.begin(), flight.end(), [](const Flown& f) { return f.report.complete; }));
 }
 
-json to_json(const PagedReplayOptions& o, const engine::PagedEngine& engine, const std::vector<Flown>& flight,
+Json to_json(const PagedReplayOptions& o, const engine::PagedEngine& engine, const std::vector<Flown>& flight,
              const Flown& rest, const std::array<int, 2>& size) {
-  json out = {{"model", o.model.files},
+  Json out = {{"model", o.model.files},
               {"items", engine.scene().items},
               {"pages", engine.scene().pages.size()},
               {"renderer", engine.renderer()},
@@ -111,13 +110,13 @@ json to_json(const PagedReplayOptions& o, const engine::PagedEngine& engine, con
                 {"pages", engine.memory().limit},
                 {"scene", engine.scene().memory_bytes()},
                 {"peak", peak_memory()}}}};
-  out["frames"] = json::array();
+  out["frames"] = Json::array();
   for (const Flown& f : flight) {
-    json row = {{"t", f.time}, {"complete", f.report.complete}, {"resident", f.report.resident}};
+    Json row = {{"t", f.time}, {"complete", f.report.complete}, {"resident", f.report.resident}};
     for (const Row& r : kRows) row[r.key] = r.pick(f);
     out["frames"].push_back(std::move(row));
   }
-  for (const Row& r : kRows) out["summary"][r.key] = apps::to_json<json>(summarise(collect(flight, r.pick)));
+  for (const Row& r : kRows) out["summary"][r.key] = apps::to_json(summarise(collect(flight, r.pick)));
   return out;
 }
 
@@ -168,7 +167,7 @@ core::Expected<int> replay_paged(const PagedReplayOptions& o) {
   if (!o.images.empty())
     if (auto done = save_image(o, *engine, flight->size()); !done) return tl::unexpected(done.error());
   if (auto done = page_errors(*engine); !done) return tl::unexpected(done.error());
-  if (auto done = write_json(o.json_file, to_json(o, *engine, *flight, *rest, *size)); !done)
+  if (auto done = write_json(o.json_file, json::sorted(to_json(o, *engine, *flight, *rest, *size))); !done)
     return tl::unexpected(done.error());
   print_table(o, *engine, *flight, *rest);
   return kExitOk;

@@ -6,8 +6,6 @@
 #include <optional>
 #include <set>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/output.h"
@@ -23,11 +21,12 @@
 #include "sightline/engine/engine.h"
 #include "sightline/image/image_metrics.h"
 #include "sightline/importers/view_json.h"
+#include "sightline/json/internal/json.h"
 
 namespace {
 
 using namespace sightline;
-using nlohmann::json;
+using Json = json::Value;
 
 constexpr int kLargestWhole = 4096;  // pixels
 
@@ -127,18 +126,18 @@ void add_options(apps::CommandLine& line, Options& o) {
 
 core::Expected<void> write_id_names(const std::string& file, const std::set<std::uint32_t>& seen,
                                     const core::Scene& scene) {
-  json out = json::object();
+  Json out = Json::object();
   for (const std::uint32_t id : seen) {
     if (id == 0) continue;
     const core::ItemId item = id - 1;
     out[std::to_string(item)] = {{"node", scene.path(scene.node_of(item))},
                                  {"kind", std::string(core::name_of(scene.kind(item)))}};
   }
-  return apps::write_text(file, apps::to_text(out));
+  return apps::write_text(file, apps::to_text(json::sorted(std::move(out))));
 }
 
 /// Adds measures of how visible the difference is. Images that are too small have none.
-void add_metrics(const Options& o, const image::Image& reference, const image::Image& image, json& figures) {
+void add_metrics(const Options& o, const image::Image& reference, const image::Image& image, Json& figures) {
   const auto metrics = image::image_metrics(reference, image, o.pixels_per_degree);
   if (!metrics) return;
   figures["psnr"] = metrics->psnr;
@@ -148,7 +147,7 @@ void add_metrics(const Options& o, const image::Image& reference, const image::I
                metrics->ssim, metrics->flip_mean, metrics->flip_p99);
 }
 
-core::Expected<bool> compare(const Options& o, const image::Image& image, json& figures) {
+core::Expected<bool> compare(const Options& o, const image::Image& image, Json& figures) {
   auto reference = image::read_png(o.reference);
   if (!reference) return tl::unexpected(reference.error());
   auto difference = image::compare(image, *reference);
@@ -167,7 +166,7 @@ core::Expected<bool> compare(const Options& o, const image::Image& image, json& 
   return same;
 }
 
-core::Expected<void> compare_ids(const Options& o, const image::IdImage& ids, json& figures) {
+core::Expected<void> compare_ids(const Options& o, const image::IdImage& ids, Json& figures) {
   auto reference = image::read_png(o.reference_ids);
   if (!reference) return tl::unexpected(reference.error());
   const auto wrong = image::id_difference(image::ids_of_colours(*reference), ids);
@@ -189,7 +188,7 @@ double item_radius(const core::Scene& scene, core::ItemId item) {
 /// The depths of two renderers may differ by twice what the stability suite allows each of them in whole pictures: 1e-4
 /// radii and two units in the last place of the distance.
 core::Expected<void> compare_depth(const Options& o, const image::ItemDepths& drawn, const core::Scene& scene,
-                                   json& figures) {
+                                   Json& figures) {
   const auto colours = image::read_png(o.reference_ids);
   if (!colours) return tl::unexpected(colours.error());
   auto depth = image::read_pfm(o.reference_depth);
@@ -314,7 +313,7 @@ core::Expected<Begun> begin_picture(const Options& o, const Studio& studio) {
   return Begun{*view, std::move(*outputs)};
 }
 
-json figures_of(Studio& studio) {
+Json figures_of(Studio& studio) {
   return {{"renderer", studio.engine->renderer()},
           {"size", studio.size},
           {"tiles", studio.tiles.tiles.size()},
@@ -323,7 +322,7 @@ json figures_of(Studio& studio) {
 }
 
 /// Writes and compares what was drawn.
-core::Expected<int> finish_picture(const Options& o, const core::Scene& scene, Outputs& outputs, json figures) {
+core::Expected<int> finish_picture(const Options& o, const core::Scene& scene, Outputs& outputs, Json figures) {
   if (auto done = outputs.finish(scene); !done) return tl::unexpected(done.error());
   if (!o.reference_ids.empty())
     if (auto done = compare_ids(o, outputs.drawn.ids, figures); !done) return tl::unexpected(done.error());
@@ -335,7 +334,7 @@ core::Expected<int> finish_picture(const Options& o, const core::Scene& scene, O
     if (!compared) return tl::unexpected(compared.error());
     same = *compared;
   }
-  if (auto done = apps::write_json(o.json_file, figures); !done) return tl::unexpected(done.error());
+  if (auto done = apps::write_json(o.json_file, json::sorted(figures)); !done) return tl::unexpected(done.error());
   return same ? apps::kExitOk : apps::kExitFailure;
 }
 
@@ -352,7 +351,7 @@ core::Expected<int> render_picture(const Options& o, Studio& studio) {
                              {.ids = o.wants_ids(), .depth = o.wants_depth(), .complete = complete});
   if (auto done = draw_with_bar(studio, picture, begun->outputs); !done) return tl::unexpected(done.error());
   warn_if_blank(picture, "the image");
-  json figures = figures_of(studio);
+  Json figures = figures_of(studio);
   const engine::FrameReport& report = picture.report();
   if (studio.tiles.tiles.size() == 1)
     figures.update({{"visible", report.visible},
@@ -390,12 +389,12 @@ core::Expected<int> render_frames(const Options& o, Studio& studio) {
     warn_if_blank(picture, apps::PathFrames::file_name(frame));
     progress.advance(std::size_t(frame) + 1);
   }
-  const json figures = {{"renderer", engine.renderer()},
+  const Json figures = {{"renderer", engine.renderer()},
                         {"size", studio.size},
                         {"items", engine.snapshot().size()},
                         {"frames", frames->count()},
                         {"fps", o.fps}};
-  if (auto done = apps::write_json(o.json_file, figures); !done) return tl::unexpected(done.error());
+  if (auto done = apps::write_json(o.json_file, json::sorted(figures)); !done) return tl::unexpected(done.error());
   return apps::kExitOk;
 }
 
@@ -451,7 +450,7 @@ core::Expected<engine::PagedReport> settle(engine::PagedEngine& engine, const co
 struct PagedPicture {
   Outputs outputs;
   apps::PictureRows rows;
-  json figures;
+  Json figures;
 };
 
 /// The engine is gone when its picture is written and compared: that takes memory, too.
@@ -474,7 +473,7 @@ core::Expected<PagedPicture> draw_paged(const Options& o) {
   if (!report) return tl::unexpected(report.error());
   if (auto done = apps::page_errors(*engine); !done) return tl::unexpected(done.error());
   for (const std::string& error : engine->take_gl_errors()) return core::fail("GL: " + error);
-  json figures = {{"renderer", engine->renderer()},
+  Json figures = {{"renderer", engine->renderer()},
                   {"size", *size},
                   {"items", engine->scene().items},
                   {"pages", engine->scene().pages.size()},
@@ -521,7 +520,7 @@ core::Expected<int> render_parts([[maybe_unused]] Options o) {
   auto drawn =
       root ? draw_with_bar(*studio, picture, begun->outputs) : draw(*studio->engine, picture, begun->outputs, [] {});
   if (drawn = session->agreed(std::move(drawn)); !drawn) return tl::unexpected(drawn.error());
-  json figures = figures_of(*studio);
+  Json figures = figures_of(*studio);
   const engine::Engine& engine = *studio->engine;
   const double own = double(engine.snapshot().size() - engine.snapshot().vacant_count());
   figures.update({{"processes", session->size()},

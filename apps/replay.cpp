@@ -3,8 +3,6 @@
 #include <cstdio>
 #include <filesystem>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/controller_trace.h"
@@ -18,6 +16,7 @@
 #include "sightline/apps/mpi/session.h"
 #include "sightline/engine/engine.h"
 #include "sightline/importers/view_json.h"
+#include "sightline/json/internal/json.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/paged_model.h"
@@ -31,7 +30,7 @@
 namespace {
 
 using namespace sightline;
-using nlohmann::json;
+using Json = json::Value;
 
 struct Options {
   apps::ModelOptions model;
@@ -146,19 +145,19 @@ core::Expected<Flight> fly(const Options& o, engine::Engine& engine, const core:
   return apps::fly(engine, path, {o.frames, aspect, !o.no_render}, after_frame);
 }
 
-json summary_json(const std::vector<double>& samples) {
-  return apps::to_json<json>(apps::summarise(samples));
+Json summary_json(const std::vector<double>& samples) {
+  return apps::to_json(apps::summarise(samples));
 }
 
-json to_json(const Options& o, const engine::Engine& engine, const Flight& flight, const std::array<int, 2>& size) {
-  json out = {{"model", o.model.files},
+Json to_json(const Options& o, const engine::Engine& engine, const Flight& flight, const std::array<int, 2>& size) {
+  Json out = {{"model", o.model.files},
               {"items", engine.snapshot().size()},
               {"renderer", flight.renderer},
               {"culler", name_of(engine.plan().culler)},
               {"size", size}};
   for (const engine::PlanEntry& e : engine.plan().entries)
     out["plan"].push_back({{"feature", e.feature}, {"used", e.used}, {"why", e.why}});
-  out["frames"] = json::array();
+  out["frames"] = Json::array();
   for (const FlownFrame& f : flight.frames)
     out["frames"].push_back({{"t", f.time},
                              {"path", name_of(f.report.culler)},
@@ -260,7 +259,8 @@ std::string to_svg(const Options& o, const engine::Engine& engine, const Flight&
 core::Expected<void> write_reports(const Options& o, const engine::Engine& engine, const Flight& flight,
                                    const std::array<int, 2>& size) {
   core::Expected<void> done;
-  if (!o.json_file.empty()) done = apps::write_text(o.json_file, apps::to_text(to_json(o, engine, flight, size)));
+  if (!o.json_file.empty())
+    done = apps::write_text(o.json_file, apps::to_text(json::sorted(to_json(o, engine, flight, size))));
   if (done && !o.csv.empty()) done = apps::write_text(o.csv, to_csv(flight));
   if (done && !o.plot.empty()) done = apps::write_text(o.plot, to_svg(o, engine, flight));
   return done;
@@ -307,11 +307,12 @@ core::Expected<int> replay_controller(const Options& o) {
   config.policy = policy_of(o);
   const apps::TraceResult result = apps::run_controller(*trace, config, o.rendering == "on");
   if (!o.json_file.empty()) {
-    const json out = {{"frames", trace->size()},       {"chosen_ms", result.chosen_ms},
+    const Json out = {{"frames", trace->size()},       {"chosen_ms", result.chosen_ms},
                       {"oracle_ms", result.oracle_ms}, {"best_fixed_ms", result.best_fixed_ms},
                       {"switches", result.switches},   {"probes", result.probes},
                       {"choice", result.choice}};
-    if (auto done = apps::write_text(o.json_file, apps::to_text(out)); !done) return tl::unexpected(done.error());
+    if (auto done = apps::write_text(o.json_file, apps::to_text(json::sorted(std::move(out)))); !done)
+      return tl::unexpected(done.error());
   }
   std::fprintf(apps::table_stream(o.json_file),
                "%zu frames, policy %s, rendering %s: chosen %.4f ms, oracle %.4f, best fixed path %.4f; "

@@ -3,21 +3,20 @@
 #include <chrono>
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/view_options.h"
 #include "sightline/image/image.h"
+#include "sightline/json/internal/json.h"
 #include "sightline/raytrace/exact_visibility.h"
 #include "sightline/raytrace/whitted.h"
 
 namespace {
 
 using namespace sightline;
-using nlohmann::json;
+using Json = json::Value;
 
 struct Options {
   apps::ModelOptions model;
@@ -86,31 +85,31 @@ core::Expected<void> write_visible(const Options& o, const raytrace::Tracer& tra
   const auto items =
       raytrace::ExactVisibility(tracer).compute(view, width, height, o.whitted.samples, o.whitted.threads);
   if (!items) return tl::unexpected(items.error());
-  json out = json::array();
+  Json out = Json::array();
   for (const auto& [item, samples] : *items)
     out.push_back({{"item", item},
                    {"node", scene.path(scene.node_of(item))},
                    {"kind", std::string(core::name_of(scene.kind(item)))},
                    {"samples", samples}});
-  return apps::write_text(
-      o.visible,
-      apps::to_text(json{{"size", {width, height}}, {"samples_per_pixel", o.whitted.samples}, {"items", out}}));
+  return apps::write_text(o.visible,
+                          apps::to_text(json::sorted(
+                              {{"size", {width, height}}, {"samples_per_pixel", o.whitted.samples}, {"items", out}})));
 }
 
-json array_of(const core::dvec3& v) {
+Json array_of(const core::dvec3& v) {
   return {v.x, v.y, v.z};
 }
 
 /// Null where nothing is hit.
-core::Expected<json> pick(const Options& o, const raytrace::Tracer& tracer, const core::View& view, int width,
+core::Expected<Json> pick(const Options& o, const raytrace::Tracer& tracer, const core::View& view, int width,
                           int height, const core::Scene& scene) {
   const auto ray = raytrace::pixel_ray(view, width, height, o.pick[0], o.pick[1]);
   if (!ray) return tl::unexpected(ray.error());
   const auto hit = tracer.nearest(*ray, raytrace::filter_of(view));
   if (!hit) return tl::unexpected(hit.error());
-  if (!*hit) return json();
+  if (!*hit) return Json();
   const raytrace::Hit& h = **hit;
-  json out = {{"item", h.item},
+  Json out = {{"item", h.item},
               {"node", scene.path(scene.node_of(h.item))},
               {"kind", std::string(core::name_of(scene.kind(h.item)))},
               {"face", std::string(raytrace::name_of(h.face))},
@@ -154,7 +153,7 @@ core::Expected<int> trace_model(Options& o) {
   }();
   if (!picture) return tl::unexpected(picture.error());
   const double traced = seconds();
-  json figures = {{"size", {width, height}},         {"items", snapshot.size()},
+  Json figures = {{"size", {width, height}},         {"items", snapshot.size()},
                   {"samples", picture->samples},     {"build_seconds", built - start},
                   {"trace_seconds", traced - built}, {"tracer_bytes", tracer->memory().total()}};
   std::fprintf(apps::table_stream(o.json_file), "%llu samples, %.2f a pixel, in %.2f s, after %.2f s of building\n",
@@ -170,7 +169,7 @@ core::Expected<int> trace_model(Options& o) {
   if (auto done = write_pictures(o, *picture); !done) return tl::unexpected(done.error());
   if (auto done = write_visible(o, *tracer, *view, width, height, *model->scene); !done)
     return tl::unexpected(done.error());
-  if (auto done = apps::write_json(o.json_file, figures); !done) return tl::unexpected(done.error());
+  if (auto done = apps::write_json(o.json_file, json::sorted(figures)); !done) return tl::unexpected(done.error());
   return apps::kExitOk;
 }
 

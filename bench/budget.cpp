@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
@@ -23,11 +21,12 @@
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image_metrics.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::budget_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using engine::Engine;
 
 constexpr double kWithin = 1.05;      // of the budget
@@ -239,13 +238,13 @@ Json to_json(const std::vector<Compared>& compared, const Error Compared::*of, c
   };
   return {{"flip", {{"mean", mean(&Error::flip_mean)}, {"p99", mean(&Error::flip_p99)}}},
           {"wrong_ids", mean(&Error::wrong_ids)},
-          {"ms", apps::to_json<Json>(apps::summarise(all(compared, [&](const Compared& c) { return c.*ms; })))}};
+          {"ms", apps::to_json(apps::summarise(all(compared, [&](const Compared& c) { return c.*ms; })))}};
 }
 
 Json to_json(const Figures& f, double budget_ms) {
   const auto within = std::count_if(f.ms.begin(), f.ms.end(), [&](double ms) { return ms <= kWithin * budget_ms; });
   Json json;
-  json["moving"] = {{"ms", apps::to_json<Json>(apps::summarise(f.ms))},
+  json["moving"] = {{"ms", apps::to_json(apps::summarise(f.ms))},
                     {"within", double(within) / double(f.ms.size())},
                     {"complete", double(f.complete) / double(f.ms.size())},
                     {"shown", apps::summarise(f.shown).mean}};
@@ -256,9 +255,8 @@ Json to_json(const Figures& f, double budget_ms) {
   json["compared"]["budget"]["flips"] = all(f.compared, [](const Compared& c) { return c.budget.flip_mean; });
   json["compared"]["contribution"]["flips"] =
       all(f.compared, [](const Compared& c) { return c.contribution.flip_mean; });
-  json["rest"] = {
-      {"frames", apps::to_json<Json>(apps::summarise(all(f.rests, [](const Rest& r) { return r.frames; })))},
-      {"ms", apps::to_json<Json>(apps::summarise(all(f.rests, [](const Rest& r) { return r.ms; })))}};
+  json["rest"] = {{"frames", apps::to_json(apps::summarise(all(f.rests, [](const Rest& r) { return r.frames; })))},
+                  {"ms", apps::to_json(apps::summarise(all(f.rests, [](const Rest& r) { return r.ms; })))}};
   return json;
 }
 

@@ -1,8 +1,6 @@
 // sightline-bench calls: what a call takes that does little: a frame that is only culled, a pick, a query of boxes.
 // bench/python_calls.py makes the same calls from Python.
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
@@ -10,11 +8,12 @@
 #include "sightline/engine/engine.h"
 #include "sightline/engine/pick.h"
 #include "sightline/importers/plant/plant_generator.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::calls_bench {
 namespace {
 
-using nlohmann::json;
+using Json = json::Value;
 
 struct Options {
   std::uint64_t items = 100'000;
@@ -59,7 +58,7 @@ core::Expected<int> measure(const Options& o) {
 
   std::int64_t visible = 0, hits = 0, found = 0;
   std::vector<std::uint32_t> indices;
-  json figures = {{"items", o.items}, {"views", o.frames}};
+  Json figures = {{"items", o.items}, {"views", o.frames}};
   figures["frame_us"] = microseconds(o, [&](std::size_t i) { visible += engine->frame(views[i])->visible; });
   figures["pick_us"] = microseconds(o, [&](std::size_t i) { hits += engine->pick(views[i], 640, 360)->has_value(); });
   figures["boxes_us"] = microseconds(o, [&](std::size_t i) {
@@ -69,7 +68,7 @@ core::Expected<int> measure(const Options& o) {
   figures["visible"] = visible / o.rounds;
   figures["hits"] = hits / o.rounds;
   figures["boxes"] = found / o.rounds;
-  return finish(o.json_file, figures, [](const json& f, std::FILE* out) {
+  return finish(o.json_file, json::sorted(std::move(figures)), [](const Json& f, std::FILE* out) {
     for (const auto& [name, value] : f.items()) std::fprintf(out, "%-10s %s\n", name.c_str(), value.dump().c_str());
   });
 }

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <glm/gtc/type_ptr.hpp>
-#include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/command_line.h"
 #include "sightline/bench/harness.h"
@@ -14,6 +13,7 @@
 #include "sightline/capi/sightline.h"
 #include "sightline/culling/box_culler.h"
 #include "sightline/engine/engine.h"
+#include "sightline/json/internal/json.h"
 #if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/engine/pick.h"
 #endif
@@ -21,7 +21,7 @@
 namespace sightline::bench::capi_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct Options {
   int rounds = 25;

@@ -10,18 +10,17 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/importers/plant/plant_generator.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::compare_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct Options {
   std::uint64_t items = 1'000'000;

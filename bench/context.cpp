@@ -7,17 +7,16 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/gl/functions.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::context_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct Options {
   gl::ContextPlatform platform = {};

@@ -26,8 +26,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
@@ -45,11 +43,12 @@
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/engine/internal/rebuild.h"
 #include "sightline/image/image_metrics.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::contribution_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using engine::ContributionWay;
 
 constexpr int kFiner = 8;  // of the reference, along each axis

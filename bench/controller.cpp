@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/controller_trace.h"
 #include "sightline/apps/common/output.h"
@@ -16,11 +14,12 @@
 #include "sightline/bench/subcommands.h"
 #include "sightline/bench/synthetic_traces.h"
 #include "sightline/culling/cpu_culler.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::controller_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct Options {
   std::vector<std::string> traces;

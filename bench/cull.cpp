@@ -14,8 +14,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/statistics.h"
@@ -31,11 +29,12 @@
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/internal/slot_list.h"
 #include "sightline/culling/linear_culler.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::cull_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct Options {
   Input input;
@@ -127,7 +126,7 @@ core::Expected<void> write_ids(const std::string& directory, std::size_t frame, 
 }
 
 Json summary(const std::vector<double>& times) {
-  return apps::to_json<Json>(apps::summarise(times));
+  return apps::to_json(apps::summarise(times));
 }
 
 struct Frames {
@@ -225,7 +224,7 @@ core::Expected<Json> measure(const Options& options) {
   if (options.baseline) {
     BruteForce baseline(*boxes);
     const Json base = summary(time_path(views->size(), [&](std::size_t i) { baseline.cull((*views)[i]); }));
-    const double mean = json["summary"]["mean"];
+    const auto mean = json["summary"]["mean"].get<double>();
     json["baseline"] = {{"method", BruteForce::name()}, {"summary", base}};
     json["baseline_over_culler"] = mean > 0.0 ? base["mean"].get<double>() / mean : 0.0;
   }

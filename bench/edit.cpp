@@ -13,8 +13,6 @@
 #include <thread>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/models/plant_boxes.h"
@@ -23,13 +21,14 @@
 #include "sightline/core/snapshot.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/engine/engine.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::edit_bench {
 namespace {
 
 using core::ItemId;
 using core::Snapshot;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 constexpr std::size_t kItemsPerNode = 25;  // about a pipe run
 constexpr int kPathPasses = 7;

@@ -2,8 +2,6 @@
 // putting the picture into its framebuffer. The same views in turns, the medians of all; each frame is waited for.
 #include <array>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
@@ -14,11 +12,12 @@
 #include "sightline/gl/internal/framebuffer.h"
 #include "sightline/gl/internal/texture.h"
 #include "sightline/importers/plant/plant_generator.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::embedding_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using engine::Engine;
 using engine::GlState;
 

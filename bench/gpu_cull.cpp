@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
@@ -21,11 +19,12 @@
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/gpu/internal/gpu_culler.h"
 #include "sightline/importers/plant/plant_generator.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::gpu_cull_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using culling::GpuCuller;
 using culling::GpuVariant;
 

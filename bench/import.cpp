@@ -7,14 +7,13 @@
 
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::import_bench {
 namespace {
@@ -59,7 +58,7 @@ core::Expected<Figures> measure(const std::string& file, int passes, const impor
 core::Expected<int> run(const Options& options) {
   importers::ImportOptions import = options.import;
   if (options.no_sharing) import.copies = importers::MeshCopies::kApart;
-  nlohmann::json json = nlohmann::json::array();
+  json::Value json = json::Value::array();
   std::FILE* out = apps::table_stream(options.json);
   std::fprintf(out, "%9s %9s %10s %9s %9s %9s %9s  file\n", "MB", "MB/s", "import ms", "commit ms", "items", "shared",
                "scene MB");
@@ -78,7 +77,7 @@ core::Expected<int> run(const Options& options) {
                     {"shared_meshes", f->shared},
                     {"scene_bytes", f->scene_bytes}});
   }
-  return finish(options.json, json);
+  return finish(options.json, json::sorted(std::move(json)));
 }
 
 void add_options(apps::CommandLine& line, Options& options) {

@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
@@ -22,11 +20,12 @@
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image_metrics.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::limit_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using engine::Engine;
 
 struct Options {
@@ -154,7 +153,7 @@ Json Bench::figures() const {
   for (const Way& way : ways_) {
     const apps::Summary ms = apps::summarise(way.ms);
     json[way.name] = {{"title", way.title},
-                      {"ms", apps::to_json<Json>(ms)},
+                      {"ms", apps::to_json(ms)},
                       {"items", apps::summarise(way.items).mean},
                       {"processor_ms", apps::summarise(way.processor_ms).mean},
                       {"mean_ratio", ms.mean / limit.mean},

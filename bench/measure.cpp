@@ -7,18 +7,17 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
+#include "sightline/json/internal/json.h"
 #include "sightline/measure/distances.h"
 #include "sightline/measure/snap.h"
 
 namespace sightline::bench::measure_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using core::dvec3;
 using measure::Item;
 
@@ -86,7 +85,7 @@ Json times_of(const std::string& name, std::size_t count, int rounds, const Call
       call(i);
       least[i] = std::min(least[i], 1e3 * (milliseconds() - start));
     }
-  return {{"call", name}, {"us", apps::to_json<Json>(apps::summarise(least))}};
+  return {{"call", name}, {"us", apps::to_json(apps::summarise(least))}};
 }
 
 Json measure_distances(const std::string& a, const std::string& b, int rounds) {

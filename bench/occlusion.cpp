@@ -11,8 +11,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
@@ -24,11 +22,12 @@
 #include "sightline/core/view.h"
 #include "sightline/culling/box_culler.h"
 #include "sightline/culling/occluder_raster.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::occlusion_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using core::AabbD;
 using core::dvec3;
 using core::View;
@@ -282,7 +281,7 @@ Json measure(const Scene& scene, const std::vector<View>& views, const Picture& 
     frustum_and_test(i);
   };
   const auto times = [&](const auto&... calls) {
-    return apps::to_json<Json>(apps::summarise(least_times(views.size(), options.passes, calls...)));
+    return apps::to_json(apps::summarise(least_times(views.size(), options.passes, calls...)));
   };
   Json json{{"scene", scene.name}, {"boxes", scene.boxes.size()}, {"solids", scene.solids.size()}};
   // After raster and pyramid, as in an application: what they leave in the caches counts.

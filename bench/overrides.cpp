@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
@@ -20,6 +18,7 @@
 #include "sightline/bench/subcommands.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/drawing.h"
+#include "sightline/json/internal/json.h"
 #if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/engine/pick.h"
 #endif
@@ -27,7 +26,7 @@
 namespace sightline::bench::overrides_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using core::ItemId;
 using engine::Engine;
 

@@ -15,8 +15,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
@@ -26,11 +24,12 @@
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/gpuscene/internal/gpu_scene.h"
 #include "sightline/importers/import.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::proxies_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using core::dvec3;
 using core::Kind;
 

@@ -3,10 +3,9 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench {
 
@@ -25,7 +24,7 @@ inline std::string renderer_line(const gl::Context& context) {
   return "renderer " + context.renderer() + ", " + context.version();
 }
 
-inline nlohmann::ordered_json renderer_json(const gl::Context& context) {
+inline json::Value renderer_json(const gl::Context& context) {
   return {{"renderer", context.renderer()}, {"version", context.version()}};
 }
 

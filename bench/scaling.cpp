@@ -15,19 +15,18 @@
 #include <thread>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/culling/cpu_culler.h"
+#include "sightline/json/internal/json.h"
 #include "sightline/raytrace/exact_visibility.h"
 
 namespace sightline::bench::scaling_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct Options {
   apps::ModelOptions model;

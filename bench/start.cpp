@@ -11,8 +11,6 @@
 #include <fstream>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
@@ -22,6 +20,7 @@
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/gpuprims/internal/joints.h"
 #include "sightline/importers/import.h"
+#include "sightline/json/internal/json.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/apps/common/paged_model.h"
 #include "sightline/engine/engine.h"
@@ -51,10 +50,10 @@ class Steps {
     json_.push_back({{"step", name}, {"ms", now - at_}, {"processor_ms", used - used_}});
     at_ = now, used_ = used;
   }
-  const nlohmann::json& json() const { return json_; }
+  const sightline::json::Value& json() const { return json_; }
 
  private:
-  nlohmann::json json_ = nlohmann::json::array();
+  sightline::json::Value json_ = sightline::json::Value::array();
   double at_ = milliseconds(), used_ = processor_milliseconds();
 };
 
@@ -66,18 +65,18 @@ core::Expected<core::View> overview(const core::FittedBounds& fitted, const std:
   return core::View::fit(fitted.bounds, core::kOverviewDirection, apps::kFovy, aspect);
 }
 
-nlohmann::json memory_now() {
+json::Value memory_now() {
   return {{"own_bytes", status_bytes("RssAnon")}, {"file_bytes", status_bytes("RssFile")}};
 }
 
-core::Expected<int> report(const Options& options, nlohmann::json json, const nlohmann::json& steps) {
+core::Expected<int> report(const Options& options, json::Value json, const json::Value& steps) {
   json["file"] = options.file;
   json["steps"] = steps;
   double total = 0.0;
   for (const auto& step : steps) total += step["ms"].get<double>();
   json["ms"] = total;
   json.update(memory_now());
-  return finish(options.json, json, [&](const nlohmann::json& all, std::FILE* out) {
+  return finish(options.json, json::sorted(std::move(json)), [&](const json::Value& all, std::FILE* out) {
     for (const auto& step : steps)
       std::fprintf(out, "%-24s %9.1f ms %9.1f ms of processors\n", step["step"].get<std::string>().c_str(),
                    step["ms"].get<double>(), step["processor_ms"].get<double>());
@@ -149,7 +148,7 @@ core::Expected<int> run_in_memory(const Options& options, const std::array<int, 
   if (!view) return tl::unexpected(view.error());
   steps.done("view of the whole");
   const double items = double(std::max<std::size_t>(scene.item_count(), 1));
-  nlohmann::json json = {{"from_cache", imported->from_cache}, {"items", scene.item_count()}};
+  json::Value json = {{"from_cache", imported->from_cache}, {"items", scene.item_count()}};
   {
     const gpuprims::Joints joints(*snapshot);
     steps.done("joints");

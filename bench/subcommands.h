@@ -8,6 +8,7 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/core/error.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench {
 
@@ -66,15 +67,14 @@ Run add_subcommand(apps::CommandLine& line, void (*add_options)(apps::CommandLin
 }
 
 /// End of a run: writes its figures to the file of --json.
-template <class Json>
-core::Expected<int> finish(const std::string& json_file, const Json& json) {
+inline core::Expected<int> finish(const std::string& json_file, const json::Value& json) {
   if (auto written = apps::write_json(json_file, json); !written) return tl::unexpected(written.error());
   return apps::kExitOk;
 }
 
 /// The same after print_table(json, stream), where the table does not get into the JSON.
-template <class Json, class Print>
-core::Expected<int> finish(const std::string& json_file, const Json& json, const Print& print_table) {
+template <class Print>
+core::Expected<int> finish(const std::string& json_file, const json::Value& json, const Print& print_table) {
   print_table(json, apps::table_stream(json_file));
   return finish(json_file, json);
 }

@@ -5,20 +5,19 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/view_options.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/image/image_metrics.h"
+#include "sightline/json/internal/json.h"
 #include "sightline/raytrace/whitted.h"
 
 namespace sightline::bench::supersampling_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct Options {
   apps::ModelOptions model;

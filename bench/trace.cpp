@@ -16,12 +16,11 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
+#include "sightline/json/internal/json.h"
 #include "sightline/raytrace/pixel_rays.h"
 #if SIGHTLINE_HAS_EMBREE
 #include "sightline/bench/embree_peer.h"
@@ -134,7 +133,7 @@ struct Peers {
 };
 
 void add_peer(const std::string& name, const core::Mesh& mesh, std::vector<PeerSolid> solids, bool robust, int threads,
-              Peers& peers, std::vector<Way>& ways, nlohmann::json& json) {
+              Peers& peers, std::vector<Way>& ways, json::Value& json) {
   if (mesh.indices.empty() && solids.empty()) return;
   const EmbreePeer* peer =
       peers.scenes.emplace_back(std::make_unique<EmbreePeer>(mesh, std::move(solids), robust, threads)).get();
@@ -160,7 +159,7 @@ double one_pixel(const raytrace::Tracer& tracer, std::span<const raytrace::Ray> 
 }
 
 void add_peers(const core::Snapshot& snapshot, const raytrace::Tracer& tracer, std::span<const raytrace::Ray> rays,
-               const Options& options, Peers& peers, std::vector<Way>& ways, nlohmann::json& json) {
+               const Options& options, Peers& peers, std::vector<Way>& ways, json::Value& json) {
   for (const raytrace::Ray& r : rays)
     peers.rays.push_back({vec3(r.origin), vec3(r.direction), float(r.t_min), float(std::min(r.t_max, 1e30))});
   const core::Mesh mesh = joined(snapshot);
@@ -177,7 +176,7 @@ void add_peers(const core::Snapshot& snapshot, const raytrace::Tracer& tracer, s
 }
 #endif
 
-void print_table(const nlohmann::json& json, std::FILE* out) {
+void print_table(const json::Value& json, std::FILE* out) {
   std::fprintf(out, "%zu items, %zu triangles, %zu rays\n", json["items"].get<std::size_t>(),
                json["triangles"].get<std::size_t>(), json["rays"].get<std::size_t>());
   if (json.contains("chord_tolerance_m"))
@@ -275,7 +274,7 @@ core::Expected<int> run(const Options& options) {
   const auto rays = primary_rays(*view, options.width, options.height);
   if (!rays) return tl::unexpected(rays.error());
 
-  nlohmann::json json{{"items", snapshot.size()}, {"triangles", triangles}, {"rays", rays->size()}};
+  json::Value json{{"items", snapshot.size()}, {"triangles", triangles}, {"rays", rays->size()}};
   const double begin = milliseconds();
   auto tracer = raytrace::Tracer::create(snapshot, options.threads);
   const double build_ms = milliseconds() - begin;
@@ -311,7 +310,7 @@ core::Expected<int> run(const Options& options) {
                             {"hits", way.hits()},
                             {"different", different}});
   }
-  return finish(options.json, json, print_table);
+  return finish(options.json, json::sorted(std::move(json)), print_table);
 }
 
 void add_options(apps::CommandLine& line, Options& options) {

@@ -10,8 +10,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
@@ -22,11 +20,12 @@
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/drawing.h"
 #include "sightline/image/image.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::transparency_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using core::ItemId;
 using engine::Engine;
 using engine::Transparency;

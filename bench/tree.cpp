@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/statistics.h"
@@ -18,11 +16,12 @@
 #include "sightline/apps/view/tree_rows.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::tree_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using core::NodeId;
 
 constexpr std::size_t kWindow = 50;  // rows
@@ -185,7 +184,7 @@ void print(const Json& json, std::FILE* out) {
                "processor");
   for (const Json& row : json["search"]["rows"]) {
     const std::string text = row["text"].get<std::string>();
-    std::fprintf(out, "%-26s %10zu", (row["expression"] ? "/" + text + "/" : text).c_str(),
+    std::fprintf(out, "%-26s %10zu", (row["expression"].get<bool>() ? "/" + text + "/" : text).c_str(),
                  row["found"].get<std::size_t>());
     for (const char* key : {"search_ms", "search_processor_ms", "filter_ms", "filter_processor_ms"})
       std::fprintf(out, " %10.2f", row[key].get<double>());

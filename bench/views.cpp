@@ -3,18 +3,18 @@
 #include <cstdio>
 
 #include <glm/gtc/matrix_transform.hpp>
-#include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/statistics.h"
 #include "sightline/bench/harness.h"
 #include "sightline/bench/subcommands.h"
 #include "sightline/culling/cpu_culler.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench::views_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 constexpr double kEyeDistance = 0.065;  // metres
 constexpr std::size_t kCascades = 4;

@@ -231,7 +231,7 @@ std::string format_path(const core::CameraPath& path) {
                             {"target", triple(key.pose.target)},
                             {"up", triple(key.pose.up)},
                             {"fovy_deg", key.fovy / kDegrees}});
-  return root.dump(1) + "\n";
+  return json::sorted(std::move(root)).dump(1) + "\n";
 }
 
 Expected<void> write_path(const std::filesystem::path& file, const core::CameraPath& path) {

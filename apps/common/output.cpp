@@ -9,6 +9,10 @@
 
 namespace sightline::apps {
 
+std::string to_text(const json::Value& json) {
+  return json.dump(1) + "\n";
+}
+
 core::Expected<void> make_directory(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
@@ -23,6 +27,10 @@ core::Expected<void> write_text(const std::string& file, const std::string& text
     return {};
   }
   return core::write_file(file, {std::as_bytes(std::span(text))});
+}
+
+core::Expected<void> write_json(const std::string& file, const json::Value& json) {
+  return file.empty() ? core::Expected<void>() : write_text(file, to_text(json));
 }
 
 std::FILE* table_stream(const std::string& file) {

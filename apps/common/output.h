@@ -5,14 +5,12 @@
 #include <string>
 
 #include "sightline/core/error.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 
 /// Indented JSON text with a line end. File and node names may hold any bytes: invalid UTF-8 is replaced.
-template <class Json>
-std::string to_text(const Json& json) {
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string to_text(const json::Value& json);
 
 /// Makes a directory and its parents where they are missing.
 core::Expected<void> make_directory(const std::string& path);
@@ -21,10 +19,7 @@ core::Expected<void> make_directory(const std::string& path);
 core::Expected<void> write_text(const std::string& file, const std::string& text);
 
 /// Writes like write_text(); does nothing if `file` is empty.
-template <class Json>
-core::Expected<void> write_json(const std::string& file, const Json& json) {
-  return file.empty() ? core::Expected<void>() : write_text(file, to_text(json));
-}
+core::Expected<void> write_json(const std::string& file, const json::Value& json);
 
 /// Stream for output that people read: stdout, or stderr if `file` is "-" and other output goes to stdout.
 std::FILE* table_stream(const std::string& file);

@@ -28,4 +28,8 @@ Summary summarise(const std::vector<double>& samples) {
           percentile(samples, 0.99), *std::max_element(samples.begin(), samples.end())};
 }
 
+json::Value to_json(const Summary& s) {
+  return {{"mean", s.mean}, {"median", s.median}, {"p99", s.p99}, {"max", s.max}};
+}
+
 }  // namespace sightline::apps

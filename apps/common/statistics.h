@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "sightline/json/internal/json.h"
+
 namespace sightline::apps {
 
 /// For an even number of samples, the mean of the middle two. 0 for none.
@@ -18,9 +20,6 @@ struct Summary {
 /// Of any number of samples; all zero for none.
 Summary summarise(const std::vector<double>& samples);
 
-template <class Json>
-Json to_json(const Summary& s) {
-  return {{"mean", s.mean}, {"median", s.median}, {"p99", s.p99}, {"max", s.max}};
-}
+json::Value to_json(const Summary& s);
 
 }  // namespace sightline::apps

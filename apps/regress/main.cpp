@@ -208,7 +208,8 @@ core::Expected<int> report(const Options& o, const apps::Suite& suite, const app
   if (o.shard.empty())  // with the references as they were
     if (auto done = write_pages(o, suite, results, outcomes); !done) return tl::unexpected(done.error());
   if (auto done = copy_accepted(suite, results, outcomes); !done) return tl::unexpected(done.error());
-  if (auto done = apps::write_json(o.json_file, to_json(suite, outcomes)); !done) return tl::unexpected(done.error());
+  if (auto done = apps::write_json(o.json_file, json::sorted(to_json(suite, outcomes))); !done)
+    return tl::unexpected(done.error());
   print(o, outcomes);
   return all_good(outcomes) ? apps::kExitOk : apps::kExitFailure;
 }

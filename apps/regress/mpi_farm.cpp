@@ -9,7 +9,7 @@
 namespace sightline::apps {
 namespace {
 
-using nlohmann::json;
+using Json = json::Value;
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
@@ -19,12 +19,12 @@ constexpr milliseconds kHeartbeat(500);
 
 struct Message {
   int rank;
-  json content;
+  Json content;
 };
 
 // A message sent is buffered by MPI, so that a receiver that died stops nobody.
-void send(int rank, const json& content) {
-  const std::string text = content.dump(-1, ' ', false, json::error_handler_t::replace);
+void send(int rank, const Json& content) {
+  const std::string text = content.dump();
   MPI_Send(text.data(), int(text.size()), MPI_CHAR, rank, kTag, MPI_COMM_WORLD);
 }
 
@@ -36,15 +36,15 @@ std::optional<Message> receive() {
   MPI_Get_count(&status, MPI_CHAR, &bytes);
   std::string text(std::size_t(bytes), '\0');
   MPI_Recv(text.data(), bytes, MPI_CHAR, status.MPI_SOURCE, kTag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-  return Message{status.MPI_SOURCE, json::parse(text, nullptr, false)};
+  return Message{status.MPI_SOURCE, json::parse(text).value_or(Json())};
 }
 
-json to_json(const TaskEnd& end) {
+Json to_json(const TaskEnd& end) {
   return {{"task", end.task}, {"drawn", end.drawn}, {"lost", end.lost}, {"why", end.why}};
 }
 
-TaskEnd task_end(const json& in) {
-  return {in["task"], in["drawn"], in["lost"], in["why"]};
+TaskEnd task_end(const Json& in) {
+  return {in["task"].get<std::size_t>(), in["drawn"].get<bool>(), in["lost"].get<bool>(), in["why"].get<std::string>()};
 }
 
 /// Waits a little, or until the worker has something to tell.
@@ -171,7 +171,7 @@ core::Expected<void> run_mpi_farm(Farm& farm, Worker& worker, double silence, Mp
 }
 
 core::Expected<void> serve_mpi_farm(const Suite& suite, Worker& worker) {
-  json news = {{"asks", true}};
+  Json news = {{"asks", true}};
   Clock::time_point told;
   for (;;) {
     send(0, news);
@@ -184,7 +184,7 @@ core::Expected<void> serve_mpi_farm(const Suite& suite, Worker& worker) {
       send(0, {{"lives", true}});
     }
     if (answer->content.contains("stop")) return {};
-    const std::size_t task = answer->content["task"];
+    const auto task = answer->content["task"].get<std::size_t>();
     if (auto done = begin(worker, suite, task); !done) {
       news = {{"fails", done.error().message}};
       continue;

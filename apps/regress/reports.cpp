@@ -11,7 +11,7 @@ namespace sightline::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
+using Json = json::Value;
 
 std::string view_of(const Task& task) {
   return task.name.substr(task.name.find('/') + 1);
@@ -106,12 +106,12 @@ std::string summary(const std::vector<Outcome>& outcomes) {
   return text;
 }
 
-json to_json(const Suite& suite, const std::vector<Outcome>& outcomes) {
-  json out = {{"suite", suite.name}, {"count", outcomes.size()}, {"ok", all_good(outcomes)}, {"tasks", json::array()}};
+Json to_json(const Suite& suite, const std::vector<Outcome>& outcomes) {
+  Json out = {{"suite", suite.name}, {"count", outcomes.size()}, {"ok", all_good(outcomes)}, {"tasks", Json::array()}};
   for (const Status status : {Status::kPassed, Status::kAccepted, Status::kFailed, Status::kError, Status::kMissing})
     out[std::string(name_of(status))] = count(outcomes, status);
   for (const Outcome& o : outcomes) {
-    json task = {{"name", o.task->name},
+    Json task = {{"name", o.task->name},
                  {"status", std::string(name_of(o.status))},
                  {"reason", o.reason},
                  {"limits", limits_json(o.task->limits)},

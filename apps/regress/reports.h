@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sightline/apps/regress/task_result.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 
@@ -20,7 +21,7 @@ bool all_good(const std::vector<Outcome>& outcomes);
 
 /// "14 pictures: 12 passed, 1 failed, 1 error"
 std::string summary(const std::vector<Outcome>& outcomes);
-nlohmann::json to_json(const Suite& suite, const std::vector<Outcome>& outcomes);
+json::Value to_json(const Suite& suite, const std::vector<Outcome>& outcomes);
 /// As JUnit writes it, and CI servers read: a test suite a model, a test case a view.
 std::string junit_xml(const Suite& suite, const std::vector<Outcome>& outcomes);
 

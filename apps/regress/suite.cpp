@@ -14,7 +14,7 @@ namespace sightline::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
+using Json = json::Value;
 
 constexpr std::uintmax_t kMostBytes = 64u << 20;
 constexpr int kDeepest = 64;
@@ -55,7 +55,7 @@ struct Settings {
 
 /// A value of the suite and where it stands, for errors.
 struct Place {
-  const json& value;
+  const Json& value;
   std::string pointer;
 
   tl::unexpected<core::Error> expected(const std::string& what) const {
@@ -79,7 +79,7 @@ core::Expected<void> check_keys(const Place& at, const std::set<std::string>& kn
 }
 
 core::Expected<std::string> text_at(const Place& at) {
-  if (!at.value.is_string() || at.value.get_ref<const std::string&>().empty()) return at.expected("a text");
+  if (!at.value.is_string() || at.value.string().empty()) return at.expected("a text");
   return at.value.get<std::string>();
 }
 
@@ -239,7 +239,7 @@ class SuiteReader {
       if (at.has(key)) return core::fail(at.pointer + "/" + key + ": has no meaning without a path");
     if (!at.has("view")) return add(at, *name, settings, std::nullopt, "whole");
     const Place view = at.at("view");
-    std::string text = view.value.dump(-1, ' ', false, json::error_handler_t::replace), source = view.pointer;
+    std::string text = view.value.dump(), source = view.pointer;
     if (view.value.is_string()) {
       const fs::path file = folder_ / view.value.get<std::string>();
       auto read = read_text(file);
@@ -349,12 +349,12 @@ std::string Suite::files_key(const Task& task) const {
   return hash_of(text);
 }
 
-json limits_json(const Limits& limits) {
-  json out = json::object();
-  if (limits.max) out["max"] = *limits.max;
-  if (limits.mean) out["mean"] = *limits.mean;
+Json limits_json(const Limits& limits) {
+  Json out = Json::object();
   if (limits.flip) out["flip"] = *limits.flip;
   if (limits.ids) out["ids"] = *limits.ids;
+  if (limits.max) out["max"] = *limits.max;
+  if (limits.mean) out["mean"] = *limits.mean;
   return out;
 }
 

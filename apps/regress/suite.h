@@ -10,10 +10,9 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/model.h"
 #include "sightline/core/view.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 
@@ -57,7 +56,7 @@ struct Suite {
 /// place in it.
 core::Expected<Suite> read_suite(const std::filesystem::path& file, const Limits& instead);
 
-nlohmann::json limits_json(const Limits& limits);
+json::Value limits_json(const Limits& limits);
 
 /// Whether a name fits a pattern, in which * stands for any characters and ? for one.
 bool fits(std::string_view name, std::string_view pattern);

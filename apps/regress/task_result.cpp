@@ -10,7 +10,7 @@ namespace sightline::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
+using Json = json::Value;
 
 core::Expected<std::string> read_bytes(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -59,28 +59,30 @@ Status judge(const std::optional<TaskResult>& result, const Limits& limits) {
 std::optional<TaskResult> ResultFolder::read(const Task& task) const {
   const auto text = read_bytes(result(task));
   if (!text) return std::nullopt;
-  const json in = json::parse(*text, nullptr, false);
+  const Json in = json::parse(*text).value_or(Json());
   if (!in.is_object()) return std::nullopt;
   try {
     TaskResult r;
-    r.key = in.at("key");
-    r.files_key = in.at("files");
-    r.error = in.at("error");
-    r.unlike = in.at("unlike");
-    r.difference = {in.at("max"), in.at("mean"), in.at("pixels")};
-    r.flip = in.at("flip");
-    r.wrong_ids = in.at("wrong_ids");
-    r.renderer = in.at("renderer");
-    r.seconds = in.at("seconds");
+    in.at("key").get_to(r.key);
+    in.at("files").get_to(r.files_key);
+    in.at("error").get_to(r.error);
+    in.at("unlike").get_to(r.unlike);
+    in.at("max").get_to(r.difference.max);
+    in.at("mean").get_to(r.difference.mean);
+    in.at("pixels").get_to(r.difference.pixels);
+    in.at("flip").get_to(r.flip);
+    in.at("wrong_ids").get_to(r.wrong_ids);
+    in.at("renderer").get_to(r.renderer);
+    in.at("seconds").get_to(r.seconds);
     return r.key == task.key ? std::optional(std::move(r)) : std::nullopt;
-  } catch (const json::exception&) {
+  } catch (const json::TypeError&) {
     return std::nullopt;
   }
 }
 
 core::Expected<void> ResultFolder::write(const Task& task, const TaskResult& r) const {
   if (auto done = make_place(task); !done) return done;
-  const json out = {{"task", task.name},
+  const Json out = {{"task", task.name},
                     {"key", r.key},
                     {"files", r.files_key},
                     {"error", r.error},
@@ -92,7 +94,7 @@ core::Expected<void> ResultFolder::write(const Task& task, const TaskResult& r) 
                     {"wrong_ids", r.wrong_ids},
                     {"renderer", r.renderer},
                     {"seconds", r.seconds}};
-  return write_text(result(task).string(), to_text(out));
+  return write_text(result(task).string(), to_text(json::sorted(out)));
 }
 
 core::Expected<void> ResultFolder::remove(const Task& task) const {

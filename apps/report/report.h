@@ -6,18 +6,17 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/html_page.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/core/camera_path.h"
 #include "sightline/engine/engine.h"
 #include "sightline/gl/context.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct ReportOptions {
   ModelOptions model;

@@ -3,13 +3,13 @@
 #include <filesystem>
 #include <utility>
 
-#include <nlohmann/json.hpp>
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 namespace {
 
 using compare::State;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 core::Expected<ChangeList*> changes_of(Viewer& viewer) {
   ChangeList* changes = viewer.session()->changes();

@@ -3,9 +3,8 @@
 
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "sightline/apps/view/viewer.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 
@@ -18,6 +17,6 @@ core::Expected<void> next_change(Viewer& viewer, const std::string&);
 core::Expected<void> previous_change(Viewer& viewer, const std::string&);
 
 /// For Viewer::state(); null while nothing is compared.
-nlohmann::ordered_json compare_json(const ChangeList* changes);
+json::Value compare_json(const ChangeList* changes);
 
 }  // namespace sightline::apps

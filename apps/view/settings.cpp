@@ -7,15 +7,14 @@
 #include <sstream>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/core/internal/atomic_file.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 constexpr std::uintmax_t kMostSettingsBytes = 1u << 20;
 constexpr int kDeepestNesting = 64;  // writing JSON takes stack for each level
@@ -31,14 +30,9 @@ core::Expected<Json> read_object(const fs::path& file) {
   std::ostringstream text;
   text << in.rdbuf();
   if (!in) return core::fail(file.string() + ": cannot be read");
-  bool deep = false;
-  const auto note_depth = [&](int depth, Json::parse_event_t, Json&) {
-    deep |= depth > kDeepestNesting;
-    return !deep;
-  };
-  Json json = Json::parse(text.str(), note_depth, false);
-  if (deep || !json.is_object()) return core::fail(file.string() + ": expected a JSON object");
-  return json;
+  auto parsed = json::parse(text.str(), {.max_depth = kDeepestNesting});
+  if (!parsed || !parsed->is_object()) return core::fail(file.string() + ": expected a JSON object");
+  return std::move(*parsed);
 }
 
 std::optional<bool> flag_of(const Json& json) {
@@ -170,7 +164,7 @@ core::Expected<void> SettingsFile::keep(const Settings& settings) {
   if (json == found) return {};
   if (std::error_code none; fs::create_directories(file_.parent_path(), none))
     fs::permissions(file_.parent_path(), fs::perms::owner_all, none);  // as the XDG base directory specification asks
-  const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  const std::string text = json.dump(1) + "\n";
   return core::write_file(file_, {std::as_bytes(std::span(text))});
 }
 

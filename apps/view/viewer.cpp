@@ -8,7 +8,6 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <imgui.h>
-#include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/command_line.h"
@@ -18,6 +17,7 @@
 #include "sightline/apps/view/views.h"
 #include "sightline/image/image.h"
 #include "sightline/importers/view_json.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 namespace {

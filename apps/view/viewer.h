@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "sightline/apps/view/axis_triad.h"
 #include "sightline/apps/view/culling_overlay.h"
 #include "sightline/apps/view/export.h"
@@ -25,6 +23,7 @@
 #include "sightline/apps/view/view_list.h"
 #include "sightline/apps/view/walking.h"
 #include "sightline/apps/view/window.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 
@@ -105,7 +104,7 @@ class Viewer {
   void quit() { window_.close(); }
   /// As if the driver had lost the window's context.
   void lose_context() { context_lost_ = true; }
-  nlohmann::ordered_json state() const;
+  json::Value state() const;
 
   /// Switches of panels.
   struct Shown {

@@ -3,7 +3,6 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-#include <nlohmann/json.hpp>
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/report_json.h"
@@ -11,11 +10,12 @@
 #include "sightline/apps/view/commands.h"
 #include "sightline/apps/view/comparing.h"
 #include "sightline/apps/view/viewer.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 Json vector_json(const core::dvec3& v) {
   return Json::array({v.x, v.y, v.z});
@@ -118,19 +118,15 @@ core::Expected<void> Viewer::expect(const std::string& argument) {
   const std::string pointer = argument.substr(0, space),
                     demand = space == std::string::npos ? "" : argument.substr(space + 1);
   const Json all = state();
-  Json value;
-  try {
-    value = all.at(Json::json_pointer(pointer));
-  } catch (const Json::exception&) {
-    return core::fail("expect: the state has no " + pointer);
-  }
-  const auto good = fulfils(value.dump(), demand);
+  const Json* value = all.find_pointer(pointer);
+  if (!value) return core::fail("expect: the state has no " + pointer);
+  const auto good = fulfils(value->dump(), demand);
   if (!good) return tl::unexpected(good.error());
-  if (!*good) return core::fail("expected " + argument + ", found " + value.dump());
+  if (!*good) return core::fail("expected " + argument + ", found " + value->dump());
   return {};
 }
 
-nlohmann::ordered_json Viewer::state() const {
+Json Viewer::state() const {
   Json json{{"model", files_},
             {"renderer", window_.context().renderer()},
             {"size", {part_.width, part_.height}},
@@ -192,8 +188,7 @@ nlohmann::ordered_json Viewer::state() const {
                 {{"eye", vector_json(pose.eye)},
                  {"target", vector_json(pose.target)},
                  {"orthographic", session_->camera().orthographic()}}},
-               {"summary",
-                {{"cull_ms", to_json<Json>(summarise(cull_ms_))}, {"frame_ms", to_json<Json>(summarise(frame_ms_))}}}});
+               {"summary", {{"cull_ms", to_json(summarise(cull_ms_))}, {"frame_ms", to_json(summarise(frame_ms_))}}}});
   return json;
 }
 

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/importers/view_json.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
-constexpr int kMaxDepth = 64;
+constexpr int kMaxDepth = 66;  // a view's reader allows 64, here below a list and its object
 
 struct TextKey {
   const char* key;
@@ -69,7 +68,7 @@ Json to_json(const Viewpoint& viewpoint) {
 
 /// Names of files and nodes need not be UTF-8.
 std::string text_of(const Json& json) {
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(1) + "\n";
 }
 
 core::Expected<PartSet> parts_of(const Json& json, const std::string& where) {
@@ -146,9 +145,8 @@ std::string format_viewpoints(std::span<const Viewpoint> viewpoints) {
 }
 
 core::Expected<std::vector<Viewpoint>> parse_viewpoints(const std::string& text, const std::string& source) {
-  // Deeper values are left out, and are an error of the view's reader.
-  const auto shallow = [](int depth, Json::parse_event_t, const Json&) { return depth <= kMaxDepth; };
-  const Json json = Json::parse(text, shallow, false);
+  // What cannot be parsed is an error of the view's reader.
+  const Json json = json::parse(text, {.max_depth = kMaxDepth}).value_or(Json());
   std::vector<Viewpoint> list;
   if (json.is_object() && json.contains("views")) {
     const Json& views = json["views"];

@@ -24,7 +24,7 @@
 namespace sightline::bench::error_time_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 namespace fs = std::filesystem;
 
 constexpr int kSegments[] = {6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256};

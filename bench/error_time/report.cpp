@@ -9,7 +9,7 @@
 namespace sightline::bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using Method = Form::Method;
 
 std::string kind_of(const KindResult& result) {

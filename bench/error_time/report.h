@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/bench/error_time/error_time.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench {
 
@@ -25,8 +24,8 @@ void print(const NamedModel& model, std::FILE* out);
 void print_summary(const std::vector<KindResult>& results, std::FILE* out);
 void print_summary(const std::vector<NamedModel>& models, std::FILE* out);
 
-nlohmann::ordered_json to_json(const KindResult& result);
-nlohmann::ordered_json to_json(const NamedModel& model);
+json::Value to_json(const KindResult& result);
+json::Value to_json(const NamedModel& model);
 
 /// One line for each form, with a header.
 std::string to_csv(const std::vector<KindResult>& results);

@@ -26,7 +26,7 @@
 namespace sightline::bench::hybrid_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct Options {
   apps::ModelOptions model;

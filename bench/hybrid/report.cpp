@@ -144,14 +144,14 @@ void print(const HybridRun& run, std::FILE* out) {
   }
 }
 
-nlohmann::ordered_json to_json(const HybridRun& run) {
-  nlohmann::ordered_json out = {{"model", run.model},
-                                {"items", run.items},
-                                {"rendering", run.rendering ? "on" : "off"},
-                                {"gpu_pass", run.flights[1].front().gpu_variant},
-                                {"frames", run.frames()},
-                                {"passes", run.flights[0].size()},
-                                {"better_path", kHybridModes[run.better_path()].name}};
+json::Value to_json(const HybridRun& run) {
+  json::Value out = {{"model", run.model},
+                     {"items", run.items},
+                     {"rendering", run.rendering ? "on" : "off"},
+                     {"gpu_pass", run.flights[1].front().gpu_variant},
+                     {"frames", run.frames()},
+                     {"passes", run.flights[0].size()},
+                     {"better_path", kHybridModes[run.better_path()].name}};
   for (std::size_t m = 0; m < kModes; ++m) {
     const HybridRow r = row_of(run, m);
     out["modes"].push_back({{"name", kHybridModes[m].name},

@@ -4,9 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/bench/hybrid/flight.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::bench {
 
@@ -21,7 +20,7 @@ struct HybridRow {
 HybridRow row_of(const HybridRun& run, std::size_t mode);
 
 void print(const HybridRun& run, std::FILE* out);
-nlohmann::ordered_json to_json(const HybridRun& run);
+json::Value to_json(const HybridRun& run);
 
 /// Writes the run's frames as CSV, the first pass as a trace of both paths (apps/common/controller_trace.h), and plots
 /// of the figures, frames per second along the path. With rendering off those are 6.1 or 6.2 (CPU and GPU) and 6.5 or

@@ -12,8 +12,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
@@ -24,6 +22,7 @@
 #include "sightline/bench/harness.h"
 #include "sightline/bench/recognise/subjects.h"
 #include "sightline/bench/subcommands.h"
+#include "sightline/json/internal/json.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/bench/recognise/pictures.h"
 #endif
@@ -31,7 +30,7 @@
 namespace sightline::bench::recognise_bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using importers::RecognisedMesh;
 
 struct Options {
@@ -196,8 +195,8 @@ Json to_json(const Outcome& outcome, const Tessellated& of) {
           {"items_whole", share(outcome.whole, of.error.size())},
           {"items_of_the_kind", share(outcome.same, of.error.size())},
           {"reported_deviation", outcome.reported},
-          {"surface_error", apps::to_json<Json>(apps::summarise(outcome.surface))},
-          {"length_error", apps::to_json<Json>(apps::summarise(outcome.lengths))}};
+          {"surface_error", apps::to_json(apps::summarise(outcome.surface))},
+          {"length_error", apps::to_json(apps::summarise(outcome.lengths))}};
 }
 
 Json to_json(const Tessellated& made) {
@@ -205,7 +204,7 @@ Json to_json(const Tessellated& made) {
             {"chord", made.fineness.chord},
             {"rounding", made.fineness.rounding},
             {"triangles", made.triangles},
-            {"error_of_triangles", apps::to_json<Json>(apps::summarise(made.error))}};
+            {"error_of_triangles", apps::to_json(apps::summarise(made.error))}};
   for (const Outcome& outcome : made.outcomes) json["tolerances"].push_back(to_json(outcome, made));
   if (!made.pictures.is_null()) json["pictures"] = made.pictures;
   return json;

@@ -9,14 +9,13 @@
 #include <thread>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/bench/stability/measure.h"
+#include "sightline/json/internal/json.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/bench/stability/fuzz.h"
 #include "sightline/bench/stability/view_rays.h"
@@ -31,7 +30,7 @@ using namespace sightline;
 using bench::Case;
 using bench::Path;
 using bench::Result;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct Options {
   int rays = 200;

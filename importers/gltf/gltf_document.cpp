@@ -339,7 +339,7 @@ core::Expected<Bytes> GltfDocument::buffer(std::uint64_t index, std::string_view
   if (!length) return tl::unexpected(length.error());
   Bytes bytes;
   if (const Json* uri = gltf_find(*found->json, "uri"); uri && uri->is_string()) {
-    const auto read = uri_bytes(uri->get_ref<const std::string&>());
+    const auto read = uri_bytes(uri->string());
     if (!read) return core::fail(fmt::format("{}/uri: {}", where, read.error().message));
     bytes = *read;
   } else if (index == 0) {

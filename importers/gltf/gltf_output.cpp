@@ -42,7 +42,7 @@ std::string percent_encoded(std::string_view name) {
 }  // namespace
 
 std::string json_string(std::string_view text) {
-  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Json(text).dump();
 }
 
 std::string gltf_transform(const core::Affine& map) {

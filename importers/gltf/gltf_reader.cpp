@@ -284,7 +284,7 @@ class Reading {
     if (!extras) return;
     const auto add = [&](const std::string& key, const Json& value) {
       if (value.is_string())
-        job_.scene().set_attribute(id, key, value.get_ref<const std::string&>());
+        job_.scene().set_attribute(id, key, value.string());
       else if (value.is_number() || value.is_boolean())
         job_.scene().set_attribute(id, key, value.dump());
     };

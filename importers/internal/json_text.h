@@ -4,13 +4,12 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/core/error.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::importers {
 
-using Json = nlohmann::json;
+using Json = json::Value;
 
 /// Parses a whole text. Errors read "source: line 3, column 7: expected …". Arrays and objects nested deeper than
 /// `max_depth` are an error, found before a value is built. The values take up to 40 bytes for each byte of the text.

@@ -17,7 +17,7 @@ namespace sightline::importers {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
+using Json = json::Value;
 
 /// Raised when a reader makes something else of the same file.
 constexpr int kReaders = 1;
@@ -43,7 +43,7 @@ fs::path whole_path(const fs::path& path) {
   return code ? fs::absolute(path, code) : whole;
 }
 
-json entry_of(const fs::path& path) {
+Json entry_of(const fs::path& path) {
   const Stamp stamp = stamp_of(path);
   return {{"path", whole_path(path).string()},
           {"size", stamp.size},
@@ -52,7 +52,7 @@ json entry_of(const fs::path& path) {
 }
 
 /// A file that was touched or copied back is the same when its content is.
-bool is_unchanged(const json& entry) {
+bool is_unchanged(const Json& entry) {
   const fs::path path = entry.at("path").get<std::string>();
   const Stamp stamp = stamp_of(path);
   if (stamp.size != entry.at("size").get<std::int64_t>()) return false;
@@ -61,7 +61,7 @@ bool is_unchanged(const json& entry) {
 }
 
 /// What beside the files decides what an import gives.
-json settings_of(const ImportOptions& options) {
+Json settings_of(const ImportOptions& options) {
   return {{"lenient", options.lenient},
           {"metres_per_unit", options.metres_per_unit},
           {"up", int(options.up)},
@@ -74,7 +74,7 @@ json settings_of(const ImportOptions& options) {
 class SceneCache {
  public:
   SceneCache(std::span<const fs::path> paths, const ImportOptions& options) : paths_(paths), options_(options) {
-    json key = settings_of(options);
+    Json key = settings_of(options);
     for (const fs::path& path : paths) key["files"].push_back(whole_path(path).string());
     const std::string text = to_text(key);
     file_ = options.cache_folder /
@@ -91,24 +91,24 @@ class SceneCache {
   }
 
   /// Before the files are read, so that a change meanwhile is found later.
-  json sources() const {
-    json files = json::array();
+  Json sources() const {
+    Json files = Json::array();
     for (const fs::path& path : paths_) files.push_back(entry_of(path));
     return files;
   }
 
   /// Writes the scene and gives it the snapshot that was written.
-  core::Expected<void> write(json files, core::Scene& scene, const ImportReport& report) const {
+  core::Expected<void> write(Json files, core::Scene& scene, const ImportReport& report) const {
     std::error_code code;
     fs::create_directories(options_.cache_folder, code);  // a failure shows in writing
     remove_leftovers();
     const std::size_t models = files.size();
     for (const fs::path& side : report.side_files) {
       const std::string name = whole_path(side).string();
-      if (std::none_of(files.begin(), files.end(), [&](const json& f) { return f.at("path") == name; }))
+      if (std::none_of(files.begin(), files.end(), [&](const Json& f) { return f.at("path") == name; }))
         files.push_back(entry_of(side));
     }
-    const json sources = {{"files", std::move(files)}, {"models", models}, {"settings", settings_of(options_)}};
+    const Json sources = {{"files", std::move(files)}, {"models", models}, {"settings", settings_of(options_)}};
     if (auto done = write_slc(scene, file_, &report, {}, to_text(sources)); !done) return done;
     if (auto file = SlcFile::open(file_)) (void)attach_snapshot(*file, scene);  // else it is built when needed
     return {};
@@ -120,9 +120,11 @@ class SceneCache {
     if (!file) return tl::unexpected(file.error());
     const auto text = sources_of(**file);
     if (!text) return tl::unexpected(text.error());
+    const auto parsed = json::parse(*text);
+    if (!parsed) return damaged("its sources cannot be read: " + parsed.error().reason);
     try {
-      const json sources = json::parse(*text);
-      const json& files = sources.at("files");
+      const Json& sources = *parsed;
+      const Json& files = sources.at("files");
       bool fresh = sources.at("settings") == settings_of(options_) && sources.at("models") == paths_.size();
       for (std::size_t i = 0; fresh && i < files.size(); ++i)
         fresh = (i >= paths_.size() || files[i].at("path") == whole_path(paths_[i]).string()) && is_unchanged(files[i]);
@@ -180,7 +182,7 @@ core::Expected<ImportReport> import_with_cache(std::span<const fs::path> paths, 
     if (options.progress) (void)options.progress(1.0);
     return report;
   }
-  json sources = cache.sources();
+  Json sources = cache.sources();
   // Into the scene itself where nothing else is in it, so that progress can show what has been read.
   const bool bare = is_bare(scene) && parent == scene.root() && scene.name(parent).empty();
   core::Scene apart;

@@ -3,12 +3,12 @@
 
 namespace sightline::importers {
 
-using nlohmann::json;
+using Json = json::Value;
 
 std::string to_text(const ImportReport& report) {
-  json warnings = json::array();
+  Json warnings = Json::array();
   for (const ImportWarning& w : report.warnings) warnings.push_back({w.file, w.offset, w.message});
-  return to_text(json{{"items", report.items},
+  return to_text(Json{{"items", report.items},
                       {"degenerate", report.degenerate},
                       {"shared_meshes", report.shared_meshes},
                       {"attributed", report.attributed},
@@ -26,8 +26,10 @@ std::string to_text(const ImportReport& report) {
 }
 
 core::Expected<ImportReport> report_from(std::string_view text) {
+  const auto parsed = json::parse(text);
+  if (!parsed) return core::fail("its report cannot be read: " + parsed.error().reason);
+  const Json& from = *parsed;
   try {
-    const json from = json::parse(text);
     ImportReport report;
     from.at("items").get_to(report.items);
     from.at("degenerate").get_to(report.degenerate);
@@ -47,7 +49,7 @@ core::Expected<ImportReport> report_from(std::string_view text) {
       found->at("largest_deviation").get_to(recognition.largest_deviation);
       found->at("refused").get_to(recognition.refused);
     }
-    for (const json& w : from.at("warnings")) {
+    for (const Json& w : from.at("warnings")) {
       if (report.warnings.size() > kMaxWarnings) break;
       report.warnings.push_back({w.at(0).get<std::string>(), w.at(1).get<std::uint64_t>(), w.at(2).get<std::string>()});
     }

@@ -14,7 +14,7 @@ namespace sightline::study {
 namespace {
 
 using apps::PanelSeries;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 using Style = PanelSeries::Style;
 
 const char* promise_of(const Run& run) {

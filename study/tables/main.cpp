@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
@@ -25,6 +23,7 @@
 #include "sightline/core/camera_path.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/importers/plant/plant_generator.h"
+#include "sightline/json/internal/json.h"
 #include "sightline/study/session.h"
 #include "sightline/study/tables/rays.h"
 #include "sightline/study/tables/report.h"
@@ -32,7 +31,7 @@
 namespace {
 
 using namespace sightline;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 struct Options {
   bool tables = false, gpu = false;

@@ -8,14 +8,13 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/svg_plot.h"
+#include "sightline/json/internal/json.h"
 #include "sightline/study/rays/benchmark.h"
 #include "sightline/study/rays/generated_meshes.h"
 #include "sightline/study/tables/ray_models.h"
@@ -27,7 +26,7 @@ namespace sightline::study {
 namespace {
 
 using namespace rays;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 constexpr const char* kReference = "kd ropes++";  // the dissertation's fastest
 

@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/core/error.h"
+#include "sightline/json/internal/json.h"
 #include "sightline/study/session.h"
 
 namespace sightline::study {
@@ -20,7 +19,7 @@ void print_tables(const std::vector<ModelResults>& all);
 /// One line a run.
 void print_runs(const std::vector<ModelResults>& all);
 
-nlohmann::ordered_json to_json(const Results& results);
+json::Value to_json(const Results& results);
 
 /// One of the dissertation's figures: times of runs frame by frame, as CSV and SVG.
 core::Expected<void> write_figure(const Results& results, const std::string& figure,

@@ -33,7 +33,8 @@ TEST_F(BenchErrorTime, MeasuresKinds) {
     EXPECT_GT(kind["samples_hit"], 5000);
     for (const char* error : {"depth", "normal_deg", "silhouette_px"}) {
       SCOPED_TRACE(error);
-      const double coarse = forms[0][error]["mean"], fine = forms[1][error]["mean"], cast = glsl[error]["mean"];
+      const auto coarse = forms[0][error]["mean"].get<double>(), fine = forms[1][error]["mean"].get<double>(),
+                 cast = glsl[error]["mean"].get<double>();
       EXPECT_GT(coarse, 5.0 * fine);
       EXPECT_GT(fine, 10.0 * cast);
     }

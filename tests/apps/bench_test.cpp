@@ -82,7 +82,7 @@ TEST_F(Bench, MeasuresRecognition) {
   ASSERT_EQ(json["rows"].size(), 6u);  // two tessellations, three roundings
   for (const Json& row : json["rows"]) {
     SCOPED_TRACE(row.dump());
-    const double rounding = row["rounding"], of_triangles = row["error_of_triangles"]["mean"];
+    const auto rounding = row["rounding"].get<double>(), of_triangles = row["error_of_triangles"]["mean"].get<double>();
     ASSERT_EQ(row["tolerances"].size(), 2u);
     for (const Json& outcome : row["tolerances"]) {
       EXPECT_GT(outcome["triangles_per_s"], 0.0);
@@ -179,7 +179,7 @@ TEST_F(Bench, MeasuresOcclusion) {
 std::vector<std::string> names_of(const Json& json) {
   std::vector<std::string> names;
   for (const Json& run : json["benchmarks"]) {
-    names.push_back(run["name"]);
+    names.push_back(run["name"].string());
     EXPECT_GT(run["real_time"], 0.0) << run;
   }
   return names;
@@ -198,7 +198,7 @@ TEST_F(Bench, RunsMicrobenchmarks) {
   EXPECT_EQ(names_of(rays), (std::vector<std::string>{"box/double", "box/float"}));
   for (const Json& run : rays["benchmarks"]) {
     EXPECT_GT(run["hit"], 0.1) << run;
-    const double rays_ms = 1e3 * 1e3 * run["per ray"].get<double>(), ms = run["cpu_time"];
+    const double rays_ms = 1e3 * 1e3 * run["per ray"].get<double>(), ms = run["cpu_time"].get<double>();
     EXPECT_NEAR(rays_ms, ms, 1e-3 * ms) << run;
   }
   const std::string bad = unwritable("out.json");

@@ -82,7 +82,7 @@ TEST_F(MpiRender, PartsOutOfViewAreLeftOut) {
   const std::string model = plant(4000);
   const Args args = {model, "--size", "200x120", "--json", path("figures.json"), "--out", path("a.png")};
   const auto figures = [&] {
-    Json json = Json::parse(read_bytes(path("figures.json")), nullptr, false);
+    Json json = json::parse(read_bytes(path("figures.json"))).value();
     EXPECT_TRUE(json.is_object());
     return json;
   };
@@ -145,7 +145,7 @@ TEST_F(MpiRender, ReplaysAFlightAsOneProcess) {
     EXPECT_FALSE(one.empty());
     EXPECT_EQ(read_bytes(path("four") + "/" + frame), one) << frame;
   }
-  EXPECT_EQ(Json::parse(read_bytes(path("figures.json")), nullptr, false)["frames"].size(), 5u);
+  EXPECT_EQ(json::parse(read_bytes(path("figures.json"))).value()["frames"].size(), 5u);
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ class Paged : public RenderTest {
       outcome = run_with(megabytes, tool, args);
     }
     EXPECT_EQ(outcome.code, 0) << outcome;
-    Json figures = Json::parse(read_bytes(path("figures.json")), nullptr, false);
+    Json figures = json::parse(read_bytes(path("figures.json"))).value();
     EXPECT_TRUE(figures.is_object()) << outcome;
     if (!figures.is_object()) return Json::object();
     if (!kSanitized) {

@@ -35,9 +35,9 @@ TEST_F(RegressSuite, LimitsAndSizesAreInheritedOneByOne) {
   ASSERT_TRUE(made) << made.error().message;
   ASSERT_EQ(made->tasks.size(), 3u);
   EXPECT_EQ(made->name, "suite");
-  EXPECT_EQ(limits_json(made->tasks[0].limits), Json::parse(R"({"max":8.0,"mean":0.5,"ids":5})"));
-  EXPECT_EQ(limits_json(made->tasks[1].limits), Json::parse(R"({"max":3.0,"ids":5})"));
-  EXPECT_EQ(limits_json(made->tasks[2].limits), Json::parse(R"({"max":8.0,"mean":0.5})"));
+  EXPECT_EQ(limits_json(made->tasks[0].limits), json::parse(R"({"max":8.0,"mean":0.5,"ids":5})").value());
+  EXPECT_EQ(limits_json(made->tasks[1].limits), json::parse(R"({"max":3.0,"ids":5})").value());
+  EXPECT_EQ(limits_json(made->tasks[2].limits), json::parse(R"({"max":8.0,"mean":0.5})").value());
   EXPECT_EQ(made->tasks[1].size, (std::array<int, 2>{64, 32}));
   EXPECT_EQ(made->tasks[2].size, (std::array<int, 2>{100, 50}));
   EXPECT_EQ(made->tasks[2].samples, 4);
@@ -45,12 +45,13 @@ TEST_F(RegressSuite, LimitsAndSizesAreInheritedOneByOne) {
   Limits instead;
   instead.max = 1.0;
   const auto other = read(suite(model("a", R"({"name":"v"})")), instead);
-  EXPECT_EQ(limits_json(other->tasks[0].limits), Json::parse(R"({"max":1.0})"));
+  EXPECT_EQ(limits_json(other->tasks[0].limits), json::parse(R"({"max":1.0})").value());
   instead.ids = 9;
   const auto ids = read(suite(model("a", R"({"name":"v","limits":{"ids":3}},{"name":"w"})")), instead);
-  EXPECT_EQ(limits_json(ids->tasks[0].limits), Json::parse(R"({"max":1.0,"ids":9})"));
-  EXPECT_EQ(limits_json(ids->tasks[1].limits), Json::parse(R"({"max":1.0})"));
-  EXPECT_EQ(limits_json(read(suite(model("a", R"({"name":"v"})")))->tasks[0].limits), Json::parse(R"({"max":0.0})"));
+  EXPECT_EQ(limits_json(ids->tasks[0].limits), json::parse(R"({"max":1.0,"ids":9})").value());
+  EXPECT_EQ(limits_json(ids->tasks[1].limits), json::parse(R"({"max":1.0})").value());
+  EXPECT_EQ(limits_json(read(suite(model("a", R"({"name":"v"})")))->tasks[0].limits),
+            json::parse(R"({"max":0.0})").value());
 }
 
 TEST_F(RegressSuite, APathIsManyTasksOrOne) {

@@ -64,9 +64,9 @@ class Regress : public RenderTest {
   }
   static Json parsed(const Outcome& outcome, int code) {
     EXPECT_EQ(outcome.code, code) << outcome;
-    Json json = Json::parse(outcome.out, nullptr, false);
+    const Json json = json::parse(outcome.out).value_or(Json());
     EXPECT_TRUE(json.is_object()) << outcome;
-    return json.is_object() ? json : Json::object({{"passed", -1}});
+    return json.is_object() ? json : Json{{"passed", -1}};
   }
   void make_references() const { EXPECT_EQ(regress("first", 0, {"--accept"})["accepted"], count); }
 
@@ -238,7 +238,7 @@ TEST_F(Regress, ATaskThatKillsTwoWorkersFailsWithTheReason) {
   const Args args = command("out", {"--only", "b/whole", "--json", path("out.json")});
   Outcome outcome;
   const auto reason = [&] {
-    const Json json = Json::parse(read_bytes(path("out.json")), nullptr, false);
+    const Json json = json::parse(read_bytes(path("out.json"))).value_or(Json());
     return json.is_object() ? json["tasks"][0]["reason"].get<std::string>() : std::string();
   };
   // A worker may be done before this process comes to kill it: then the run is tried again.
@@ -249,7 +249,7 @@ TEST_F(Regress, ATaskThatKillsTwoWorkersFailsWithTheReason) {
     outcome = run_and_kill(child, 2, [](const auto& workers) { return workers.empty() ? 0 : workers.back(); });
   }
   EXPECT_EQ(outcome.code, 1) << outcome;
-  const Json json = Json::parse(read_bytes(path("out.json")), nullptr, false);
+  const Json json = json::parse(read_bytes(path("out.json"))).value_or(Json());
   ASSERT_TRUE(json.is_object()) << outcome;
   EXPECT_EQ(json["error"], 1) << json;
   EXPECT_NE(json["tasks"][0]["reason"].get<std::string>().find("signal 9"), std::string::npos) << json;
@@ -310,9 +310,9 @@ class RegressMpi : public Regress {
     return args;
   }
   Json figures(const std::string& out) const {
-    Json json = Json::parse(read_bytes(path(out + ".json")), nullptr, false);
+    const Json json = json::parse(read_bytes(path(out + ".json"))).value_or(Json());
     EXPECT_TRUE(json.is_object());
-    return json.is_object() ? json : Json::object({{"passed", -1}});
+    return json.is_object() ? json : Json{{"passed", -1}};
   }
 };
 

@@ -65,7 +65,7 @@ class Render : public RenderTest {
   std::uint64_t differing(Args args, const std::string& reference) const {
     args.insert(args.end(), {"--compare", reference, "--max", "255", "--mean", "255", "--json", "-"});
     const Outcome outcome = render(with(args));
-    const Json figures = Json::parse(outcome.out, nullptr, false);
+    const Json figures = json::parse(outcome.out).value();
     EXPECT_TRUE(figures.is_object()) << outcome;
     return figures.is_object() ? figures["compare"]["pixels"].get<std::uint64_t>() : ~0ull;
   }
@@ -212,7 +212,7 @@ TEST_F(Render, IdsNameItems) {
         seen.insert(std::to_string(number - 1));
       }
     EXPECT_GT(seen.size(), 50u);
-    const Json named = Json::parse(read_bytes(names), nullptr, false);
+    const Json named = json::parse(read_bytes(names)).value();
     ASSERT_TRUE(named.is_object());
     std::set<std::string> keys;
     const Json kinds = run_json("info", {model})["items"];
@@ -382,7 +382,7 @@ TEST_F(Render, ReplayWritesTheFramesThatRenderDraws) {
   std::set<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename());
   EXPECT_EQ(names, (std::set<std::string>{"frame_00000.png", "frame_00005.png", "frame_00010.png"}));
-  const Json flight = Json::parse(read_bytes(path("out.json")), nullptr, false);
+  const Json flight = json::parse(read_bytes(path("out.json"))).value();
   EXPECT_NE(flight["renderer"], "none");
   EXPECT_GT(flight["memory"]["gpu"], 0);
   for (const char* frame : {"0", "5", "10"}) {
@@ -404,7 +404,7 @@ TEST_F(Render, TilesMakeTheSamePicture) {
       Args args = with(scene);
       for (const Args& part : {files(name), more, Args{"--json", "-"}})
         args.insert(args.end(), part.begin(), part.end());
-      return Json::parse(render(args).out, nullptr, false);
+      return json::parse(render(args).out).value();
     };
     const Json whole = draw("whole", {});
     EXPECT_EQ(whole["tiles"], 1);
@@ -418,8 +418,8 @@ TEST_F(Render, TilesMakeTheSamePicture) {
       EXPECT_LT(figures["compare"]["pixels"], kThousandth);
       EXPECT_LT(figures["wrong_ids"], kThousandth);
       EXPECT_EQ(read_bytes(path("tiles.pfm")).size(), read_bytes(path("whole.pfm")).size());
-      const Json names = Json::parse(read_bytes(path("whole.json"))),
-                 in_tiles = Json::parse(read_bytes(path("tiles.json")));
+      const Json names = json::parse(read_bytes(path("whole.json"))).value(),
+                 in_tiles = json::parse(read_bytes(path("tiles.json"))).value();
       std::size_t same = 0;
       for (const auto& [item, name] : names.items()) same += in_tiles.contains(item) && in_tiles[item] == name;
       EXPECT_GT(10 * same, 9 * names.size());

@@ -55,7 +55,7 @@ TEST_F(Replay, FliesAsManyFramesAsAskedFor) {
       EXPECT_EQ(frame["path"], flight["culler"]);
       EXPECT_GT(frame["t"].get<double>(), last);
       EXPECT_LE(frame["visible"], 3000);
-      last = frame["t"];
+      last = frame["t"].get<double>();
     }
   }
 }
@@ -93,12 +93,12 @@ TEST_F(Replay, ATranslatedModelCullsTheSameItems) {
 TEST_F(Replay, ASavedPathFliesTheSame) {
   const std::string model = plant(3000), saved = path("tour.json"), again = path("again.json");
   const Json tour = fly({model, "--save-path", saved});
-  const Json path_json = Json::parse(read_bytes(saved), nullptr, false);
+  const Json path_json = json::parse(read_bytes(saved)).value();
   ASSERT_TRUE(path_json.is_object());
   EXPECT_GE(path_json["keys"].size(), 4u);
   const Json replayed = fly({model, "--path", saved, "--save-path", again});
   EXPECT_EQ(visible(replayed), visible(tour));
-  EXPECT_EQ(Json::parse(read_bytes(again), nullptr, false), path_json);
+  EXPECT_EQ(json::parse(read_bytes(again)).value(), path_json);
   // A path is in the model's own frame, so it moves along.
   EXPECT_EQ(visible(fly({model, "--path", saved, "--translate", "3e6,7e6,1e3"})), visible(tour));
 }
@@ -196,7 +196,7 @@ TEST_F(Replay, PlotsMarkThePathsOfTheHybrid) {
   if (may_skip(outcome.err)) GTEST_SKIP() << outcome.err;
   ASSERT_EQ(outcome.code, 0) << outcome;
   std::vector<bool> shaded, ticked;
-  const Json flight = Json::parse(read_bytes(json), nullptr, false);
+  const Json flight = json::parse(read_bytes(json)).value();
   for (const Json& frame : flight["frames"]) {
     ticked.push_back(frame["state"] == "probe");
     const bool before = !shaded.empty() && shaded.back();

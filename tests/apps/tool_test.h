@@ -12,11 +12,11 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "sightline/json/internal/json.h"
 #include "sightline/tests/support/places.h"
 
 extern char** environ;
@@ -25,7 +25,7 @@ namespace sightline::tests {
 
 namespace fs = std::filesystem;
 using Args = std::vector<std::string>;
-using Json = nlohmann::json;
+using Json = json::Value;
 
 /// The exact bytes; empty when the file cannot be read.
 inline std::string read_bytes(const fs::path& file) {
@@ -148,9 +148,9 @@ class ToolTest : public ::testing::Test {
     args.insert(args.end(), {"--json", "-"});
     const Outcome outcome = run(tool, args);
     EXPECT_EQ(outcome.code, 0) << outcome;
-    Json json = Json::parse(outcome.out, nullptr, false);
-    EXPECT_FALSE(json.is_discarded()) << outcome;
-    return json;
+    auto parsed = json::parse(outcome.out);
+    EXPECT_TRUE(parsed) << outcome;
+    return std::move(parsed).value_or(Json());
   }
 
   /// A plant of so many items.

@@ -104,7 +104,7 @@ TEST_P(TraceAgainstRaster, Agrees) {
   Args naming = scene_;
   naming.insert(naming.end(), {"--size", "480x270", "--ids-json", names});
   render(naming);
-  const Json items = Json::parse(read_bytes(names), nullptr, false);
+  const Json items = json::parse(read_bytes(names)).value();
   ASSERT_TRUE(items.is_object());
 
   const Pictures raster = pictures("render", 1), traced = pictures("trace", 1), finer = pictures("trace", kFiner);

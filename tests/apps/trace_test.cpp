@@ -56,7 +56,7 @@ TEST_F(Trace, EachOptionChangesThePicture) {
 }
 
 TEST_F(Trace, CountsTheSamplesOfVisibleItems) {
-  const Json seen = Json::parse(traced("--visible", {"--samples", "4"}), nullptr, false);
+  const Json seen = json::parse(traced("--visible", {"--samples", "4"})).value();
   ASSERT_TRUE(seen.is_object());
   EXPECT_EQ(seen["size"], (Json{160, 90}));
   EXPECT_EQ(seen["samples_per_pixel"], 4);
@@ -73,7 +73,7 @@ TEST_F(Trace, CountsTheSamplesOfVisibleItems) {
 
 TEST_F(Trace, AdaptiveSamplingTakesFewerSamples) {
   const auto samples = [&](const Args& more) {
-    return Json::parse(traced("--json", more), nullptr, false)["samples"].get<std::uint64_t>();
+    return json::parse(traced("--json", more)).value()["samples"].get<std::uint64_t>();
   };
   const std::uint64_t pixels = 160 * 90, adaptive = samples({"--samples", "9", "--adaptive", "0.1"});
   EXPECT_EQ(samples({}), pixels);
@@ -86,18 +86,17 @@ TEST_F(Trace, AdaptiveSamplingTakesFewerSamples) {
 TEST_F(Trace, KeepsStdoutForTheJson) {
   const Outcome outcome = run("trace", {model, "--size", "32x18", "--json", "-"});
   EXPECT_EQ(outcome.code, 0) << outcome;
-  const Json figures = Json::parse(outcome.out, nullptr, false);
+  const Json figures = json::parse(outcome.out).value();
   EXPECT_EQ(keys_of(figures),
             (std::vector<std::string>{"build_seconds", "items", "samples", "size", "trace_seconds", "tracer_bytes"}));
 }
 
 TEST_F(Trace, TellsWhatAPixelShows) {
-  const Json seen = Json::parse(traced("--visible", {}), nullptr, false);
+  const Json seen = json::parse(traced("--visible", {})).value();
   ASSERT_TRUE(seen.is_object());
   std::uint64_t found = 0;
   for (int x = 4; x < 160; x += 15) {
-    const Json picked =
-        Json::parse(traced("--json", {"--pick", std::to_string(x) + ".5,45.5"}), nullptr, false)["pick"];
+    const Json picked = json::parse(traced("--json", {"--pick", std::to_string(x) + ".5,45.5"})).value()["pick"];
     if (picked.is_null()) continue;
     ++found;
     EXPECT_TRUE(std::any_of(seen["items"].begin(), seen["items"].end(), [&](const Json& item) {

@@ -33,38 +33,39 @@ TEST_F(ViewScript, HandlesOfSectionsMoveTurnAndFlip) {
   ASSERT_EQ(section.at("handles").size(), 5u) << "of the plane's sides, two lie behind the middle: " << section;
   const auto drag = [&](const char* handle, int x, int y, const std::string& with = "") {
     const Json& at = section.at("handles").at(handle);
-    const double from[] = {at.at(0), at.at(1)};
+    const double from[] = {at.at(0).get<double>(), at.at(1).get<double>()};
     return "drag " + std::to_string(from[0]) + ' ' + std::to_string(from[1]) + ' ' + std::to_string(from[0] + x) + ' ' +
            std::to_string(from[1] + y) + ' ' + with + '\n';
   };
   const auto dragged = [&](const char* handle, int x, int y, const std::string& with = "", const char* then = "") {
     return state_after(begin + drag(handle, x, y, with) + then, args).at("section_list").at(0);
   };
-  const double depth = double(seen.at("camera").at("eye").at(0)) - double(section.at("at").at(0)),
-               pixel = 2.0 * depth * std::tan(0.125 * 3.14159265358979) / double(seen.at("size").at(1));
+  const double depth = seen.at("camera").at("eye").at(0).get<double>() - section.at("at").at(0).get<double>(),
+               pixel = 2.0 * depth * std::tan(0.125 * 3.14159265358979) / seen.at("size").at(1).get<double>();
 
   // Moved by as much as the cursor, along the normal alone; the picture changes, camera and selection do not.
   const Json whole = state_after(begin + drag("out", 60, 30) + "screenshot " + after + "\n", args),
              moved = whole.at("section_list").at(0);
-  EXPECT_NEAR(double(moved.at("moved")), -0.25 - 60.0 * pixel, pixel);
+  EXPECT_NEAR(moved.at("moved").get<double>(), -0.25 - 60.0 * pixel, pixel);
   EXPECT_EQ(moved.at("normal"), section.at("normal"));
   EXPECT_EQ(whole.at("camera"), seen.at("camera"));
   EXPECT_EQ(whole.at("selection").at("count"), 0);
   EXPECT_NE(read_png(before).rgb, read_png(after).rgb);
-  EXPECT_NEAR(double(dragged("in", -20, 0).at("moved")), -0.25 + 20.0 * pixel, pixel);
-  EXPECT_NEAR(double(dragged("middle", 20, 0).at("moved")), -0.25 - 20.0 * pixel, pixel);
+  EXPECT_NEAR(dragged("in", -20, 0).at("moved").get<double>(), -0.25 + 20.0 * pixel, pixel);
+  EXPECT_NEAR(dragged("middle", 20, 0).at("moved").get<double>(), -0.25 - 20.0 * pixel, pixel);
 
   // With Ctrl at round places, by whole steps of angle; with Shift at what the model has there.
-  const double round = dragged("out", 57, 0, "ctrl").at("at").at(1);
+  const auto round = dragged("out", 57, 0, "ctrl").at("at").at(1).get<double>();
   EXPECT_NEAR(round, 0.05 * std::round(round / 0.05), 1e-9);
   EXPECT_GT(round, -0.75);
   const Json turned = dragged("up", -20, 2, "ctrl");
-  EXPECT_NEAR(double(turned.at("normal").at(1)), -std::sqrt(0.75), 1e-9);
-  EXPECT_NEAR(double(turned.at("normal").at(2)), -0.5, 1e-9);
+  EXPECT_NEAR(turned.at("normal").at(1).get<double>(), -std::sqrt(0.75), 1e-9);
+  EXPECT_NEAR(turned.at("normal").at(2).get<double>(), -0.5, 1e-9);
 
   // A click on the middle flips the selected section, or selects; without handles, and beside them, all is as ever.
   const Json& at = section.at("handles").at("middle");
-  const std::string click = "click " + std::to_string(double(at.at(0))) + ' ' + std::to_string(double(at.at(1))) + '\n';
+  const std::string click =
+      "click " + std::to_string(at.at(0).get<double>()) + ' ' + std::to_string(at.at(1).get<double>()) + '\n';
   expect_driven(begin + click + "expect /section_list/0/normal/1 = 1\n" + click +
                     "expect /section_list/0/normal/1 = -1\nexpect /selection/count = 0\nsection-select 0\n" + click +
                     "expect /section_selected = 1\nexpect /section_list/0/normal/1 = -1\nsection-handles\n" + click +

@@ -392,7 +392,7 @@ TEST_F(ViewScript, RecordsAPathThatCanBePlayed) {
   const std::string model = plant(3000), saved = path("walk.json");
   expect_driven("record\nexpect /recording = true\nfront\nwait 0.4\ntop\nrecord\nexpect /recording = false\n",
                 {model, "--size", "200x150", "--save-path", saved});
-  const Json walk = Json::parse(read_bytes(saved), nullptr, false);
+  const Json walk = json::parse(read_bytes(saved)).value();
   ASSERT_TRUE(walk.is_object());
   ASSERT_GE(walk["keys"].size(), 2u);
   EXPECT_EQ(walk["keys"].front()["t"], 0.0);
@@ -589,7 +589,7 @@ TEST_F(ViewScript, SettingsAreKeptInTheNamedFileAlone) {
   expect_driven("expect /theme = dark\nexpect /panels = true\n", {"--settings", mine});
   EXPECT_EQ(read_bytes(mine), "{") << "nothing was changed";
   expect_driven("expect /message = \"" + mine + ": expected a JSON object\"\ntheme\n", named);
-  EXPECT_EQ(Json::parse(read_bytes(mine), nullptr, false), Json({{"theme", "light"}, {"recent", {model}}}));
+  EXPECT_EQ(json::parse(read_bytes(mine)).value(), Json({{"theme", "light"}, {"recent", {model}}}));
   unsetenv("XDG_CONFIG_HOME");
 }
 
@@ -621,7 +621,7 @@ TEST_F(ViewScript, PrimitivesAreRecognisedWhereThatIsSwitchedOn) {
   // What is open is compared as it was read, however the switch is now.
   expect_driven("recognise\n" + same + "open " + model + "\n" + none + "recognise\n" + same, named);
   const std::string kept = read_bytes(path("mine.json"));
-  EXPECT_EQ(Json::parse(kept)["recognise"], true);
+  EXPECT_EQ(json::parse(kept).value()["recognise"], true);
   expect_driven("expect /recognise = true\n" + found, {model, "--recognise"});
   expect_driven("expect /recognise = false\n" + none, {model});
   EXPECT_EQ(read_bytes(path("mine.json")), kept);
@@ -683,10 +683,10 @@ TEST_F(ViewKeys, TheWindowShowsThePictureAtAnySize) {
   const Outcome outcome = wait_for(child_);
   child_.pid = 0;
   EXPECT_EQ(outcome.code, 0) << outcome;
-  const Json state = Json::parse(read_bytes(figures), nullptr, false);
+  const Json state = json::parse(read_bytes(figures)).value();
   EXPECT_EQ(state["size"], Json::array({500, 400}));
   EXPECT_GT(state["frames"], 4);
-  const Json kept = Json::parse(read_bytes(path("sightline/view.json")), nullptr, false);
+  const Json kept = json::parse(read_bytes(path("sightline/view.json"))).value();
   EXPECT_EQ(kept["window"], Json::array({500, 400}));
   EXPECT_EQ(kept["recent"], Json::array({model}));
   EXPECT_FALSE(kept.contains("panels")) << "nobody has switched them";

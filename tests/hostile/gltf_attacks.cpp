@@ -6,7 +6,7 @@ namespace sightline::hostile {
 namespace {
 
 using tests::GltfBytes;
-using Json = nlohmann::json;
+using Json = json::Value;
 
 /// Parts of a document; the default is one triangle whose positions lie in a data URI of 36 bytes.
 struct Parts {
@@ -256,21 +256,32 @@ Case worst_binary(std::size_t k) {
   return k < 2 ? worst_indices(k == 0 ? 4 : 5) : k == 2 ? worst_instances() : worst_colours();
 }
 
-/// One of all values of the JSON, in no order of a reader's.
+/// Adds the values from `value` to each one that holds no others: a branch of the tree each.
+void add_branches(Json& value, std::vector<Json*>& branch, std::vector<std::vector<Json*>>& branches) {
+  branch.push_back(&value);
+  if (value.is_array() || value.is_object())
+    for (Json& child : value) add_branches(child, branch, branches);
+  if (value.empty() || !(value.is_array() || value.is_object())) branches.push_back(branch);
+  branch.pop_back();
+}
+
+/// One of all values below the root, in no order of a reader's.
 Json& any_value(Json& root, std::mt19937& random) {
-  const Json flat = root.flatten();
-  auto it = flat.begin();
-  std::advance(it, random() % flat.size());
-  Json::json_pointer pointer(it.key());
-  for (auto up = random() % 3; up > 0 && !pointer.parent_pointer().empty(); --up) pointer = pointer.parent_pointer();
-  return root[pointer];
+  std::vector<std::vector<Json*>> branches;
+  std::vector<Json*> branch;
+  add_branches(root, branch, branches);
+  branch = branches[random() % branches.size()];
+  const std::size_t up = std::min<std::size_t>(random() % 3, branch.size() - 2);
+  return *branch[branch.size() - 1 - up];
 }
 
 /// Changes that leave it JSON reach deeper than those of bytes.
 Case changed_values(std::size_t k) {
-  static const Json values = Json::parse(
-      R"([null,true,-1,0,1,2,5121,5125,4294967295,4294967296,65536,0.5,1e300,-1e300,1e38,"","text","MAT4","SCALAR",[],)"
-      R"({},[0,1,2],{"a":1},9007199254740991,18446744073709551615,"data:;base64,AAAA"])");
+  static const Json values =
+      json::parse(
+          R"([null,true,-1,0,1,2,5121,5125,4294967295,4294967296,65536,0.5,1e300,-1e300,1e38,"","text","MAT4","SCALAR",[],)"
+          R"({},[0,1,2],{"a":1},9007199254740991,18446744073709551615,"data:;base64,AAAA"])")
+          .value();
   static const GltfBytes whole = tests::small_gltf();
   std::mt19937 random(unsigned(k) + 1);
   GltfBytes file = whole;

@@ -20,13 +20,13 @@
 #include <fstream>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "sightline/importers/import.h"
 #include "sightline/importers/internal/file_bytes.h"
+#include "sightline/json/internal/json.h"
 #include "sightline/tests/hostile/check.h"
 #include "sightline/tests/support/effort.h"
 
@@ -205,7 +205,7 @@ void print_markdown(const Row& r) {
   std::fflush(stdout);
 }
 
-nlohmann::ordered_json to_json(const Row& r) {
+json::Value to_json(const Row& r) {
   return {{"format", r.format},
           {"attack", r.attack},
           {"files", r.files},
@@ -221,7 +221,7 @@ nlohmann::ordered_json to_json(const Row& r) {
 
 int run_table(std::size_t mutations, bool json) {
   bool passed = true;
-  auto rows = nlohmann::ordered_json::array();
+  auto rows = json::Value::array();
   Folder folder;
   if (!json) print_header();
   for (const Target& target : targets()) {
@@ -236,8 +236,7 @@ int run_table(std::size_t mutations, bool json) {
         print_markdown(row);
     }
   }
-  using Json = nlohmann::ordered_json;
-  if (json) std::puts(rows.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
+  if (json) std::puts(rows.dump(1).c_str());
   return passed ? 0 : 1;
 }
 

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include "sightline/json/internal/json.h"
 
 namespace sightline::tests {
 
 struct GltfBytes {
-  using Json = nlohmann::json;
+  using Json = sightline::json::Value;
   Json json = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", Json::array()}}}}};
   std::vector<std::byte> binary;
 

@@ -18,7 +18,7 @@ namespace {
 using core::dvec2;
 using core::dvec3;
 using tests::GltfBytes;
-using Json = nlohmann::json;
+using Json = json::Value;
 
 constexpr double kPi = 3.14159265358979323846;
 

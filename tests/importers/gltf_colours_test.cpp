@@ -16,7 +16,7 @@ namespace {
 
 using core::dvec3;
 using tests::GltfBytes;
-using Json = nlohmann::json;
+using Json = json::Value;
 
 class GltfColours : public tests::GltfReading {
  protected:

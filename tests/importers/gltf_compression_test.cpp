@@ -27,7 +27,7 @@ namespace {
 using core::dvec3;
 using tests::GltfBytes;
 using Bytes = std::vector<std::byte>;
-using Json = nlohmann::json;
+using Json = json::Value;
 
 /// A bent sheet with normals and colours.
 struct Sheet {
@@ -407,7 +407,7 @@ TEST_F(GltfCompression, DracoStreamsThatAreCut) {
   const GltfBytes whole = draco_file(sheet, draco_stream(sheet, 3, 0, true));
   const auto expect = [&](const std::string& pointer, const Json& value, const std::string& message) {
     GltfBytes bad = whole;
-    bad.json["meshes"][0]["primitives"][0][Json::json_pointer(pointer)] = value;
+    bad.json["meshes"][0]["primitives"][0].at_pointer(pointer) = value;
     expect_damage(bad, message);
   };
   const std::string extension = "/extensions/KHR_draco_mesh_compression";

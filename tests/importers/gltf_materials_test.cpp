@@ -13,7 +13,7 @@ namespace {
 
 using tests::GltfBytes;
 using tests::triangle_gltf;
-using Json = nlohmann::json;
+using Json = json::Value;
 using GltfReaderMaterials = tests::GltfReading;
 
 TEST_F(GltfReaderMaterials, MaterialsAreConvertedToSrgb) {

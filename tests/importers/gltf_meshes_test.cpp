@@ -12,7 +12,7 @@ namespace {
 using core::dvec3;
 using tests::GltfBytes;
 using tests::triangle_gltf;
-using Json = nlohmann::json;
+using Json = json::Value;
 using GltfReaderMeshes = tests::GltfReading;
 
 TEST_F(GltfReaderMeshes, EveryComponentType) {

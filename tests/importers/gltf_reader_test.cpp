@@ -17,7 +17,7 @@ namespace {
 using core::dvec3;
 using tests::GltfBytes;
 using tests::triangle_gltf;
-using Json = nlohmann::json;
+using Json = json::Value;
 using GltfReader = tests::GltfReading;
 
 TEST_F(GltfReader, HierarchyTransformsNamesAndAttributes) {
@@ -261,7 +261,7 @@ TEST_F(GltfReader, IndicesOutOfRangeAreDamage) {
   const auto expect = [&](const std::string& pointer, const Json& value, const std::string& message) {
     SCOPED_TRACE(pointer);
     GltfBytes bad = g;
-    bad.json[Json::json_pointer(pointer)] = value;
+    bad.json.at_pointer(pointer) = value;
     expect_damage(bad, message);
   };
   expect("/scene", 7, "/scene: expected one of the 1 scenes, found 7");

@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include "sightline/json/internal/json.h"
 
 namespace sightline::tests {
 
 class GltfStructure {
  public:
-  using Json = nlohmann::json;
+  using Json = sightline::json::Value;
 
   /// A whole .glb.
   explicit GltfStructure(std::span<const std::byte> file) { open(file); }
@@ -27,8 +27,8 @@ class GltfStructure {
   std::vector<double> numbers(std::size_t accessor) const {
     const Json& a = json["accessors"][accessor];
     const Json& view = json["bufferViews"][a["bufferView"].get<std::size_t>()];
-    const int type = a["componentType"];
-    const std::size_t n = components(a), size = bytes(type) * n, count = a["count"];
+    const auto type = a["componentType"].get<int>();
+    const std::size_t n = components(a), size = bytes(type) * n, count = a["count"].get<std::size_t>();
     const std::size_t stride = view.value("byteStride", size);
     std::vector<double> all;
     for (std::size_t i = 0; i < count; ++i)
@@ -47,9 +47,9 @@ class GltfStructure {
     const std::uint32_t size = word(file, 12);
     if (size % 4 != 0 || word(file, 16) != 0x4E4F534A || 20 + std::uint64_t(size) > file.size())
       return say("JSON chunk");
-    json = Json::parse(reinterpret_cast<const char*>(file.data()) + 20,
-                       reinterpret_cast<const char*>(file.data()) + 20 + size, nullptr, false);
-    if (json.is_discarded()) return say("JSON");
+    auto parsed = sightline::json::parse({reinterpret_cast<const char*>(file.data()) + 20, size});
+    if (!parsed) return say("JSON");
+    json = std::move(*parsed);
     if (file.size() > 20 + size) {
       const std::size_t at = 20 + size;
       if (file.size() < at + 8 || word(file, at) % 4 != 0 || word(file, at + 4) != 0x004E4942 ||
@@ -66,7 +66,7 @@ class GltfStructure {
   }
   static std::size_t bytes(int type) { return type <= 5121 ? 1 : type <= 5123 ? 2 : 4; }
   static std::size_t components(const Json& a) {
-    const std::string type = a["type"];
+    const auto type = a["type"].get<std::string>();
     return type == "SCALAR" ? 1 : type == "MAT4" ? 16 : std::size_t(type.back() - '0');
   }
   double number(std::size_t at, int type) const {
@@ -102,22 +102,23 @@ class GltfStructure {
     for (std::size_t i = 0; i < count("meshes"); ++i) check_mesh(i);
     check_nodes();
     std::set<std::string> used;
-    for (const Json& name : json.value("extensionsUsed", Json::array())) used.insert(name);
+    for (const Json& name : json.value("extensionsUsed", Json::array())) used.insert(name.string());
     for (const Json& name : json.value("extensionsRequired", Json::array()))
-      if (!used.contains(name)) say("required extension that is not used");
+      if (!used.contains(name.string())) say("required extension that is not used");
     if (uses_instancing_ != used.contains("EXT_mesh_gpu_instancing")) say("extensionsUsed");
   }
 
   void check_views() {
     if (count("buffers") != 1) return say("buffers");
-    const std::size_t length = json["buffers"][0]["byteLength"];
+    const auto length = json["buffers"][0]["byteLength"].get<std::size_t>();
     if (length > binary_.size() || binary_.size() - length > 3) say("length of the buffer");
     for (std::size_t i = 0; i < count("bufferViews"); ++i) {
       const Json& view = json["bufferViews"][i];
-      const std::size_t offset = view.value("byteOffset", 0), size = view["byteLength"];
+      const std::size_t offset = view.value("byteOffset", std::size_t{0}), size = view["byteLength"].get<std::size_t>();
       if (size == 0 || offset % 4 != 0 || offset + size > length) say("buffer view " + std::to_string(i));
       if (view.contains("byteStride"))
-        if (const std::size_t stride = view["byteStride"]; stride < 4 || stride > 252 || stride % 4 != 0) say("stride");
+        if (const auto stride = view["byteStride"].get<std::size_t>(); stride < 4 || stride > 252 || stride % 4 != 0)
+          say("stride");
     }
   }
 
@@ -126,8 +127,9 @@ class GltfStructure {
     const Json& a = json["accessors"][i];
     if (a["bufferView"].get<std::size_t>() >= count("bufferViews")) return say(name + ": view");
     const Json& view = json["bufferViews"][a["bufferView"].get<std::size_t>()];
-    const std::size_t size = bytes(a["componentType"]), element = size * components(a);
-    const std::size_t offset = a.value("byteOffset", 0), n = a["count"], stride = view.value("byteStride", element);
+    const std::size_t size = bytes(a["componentType"].get<int>()), element = size * components(a);
+    const std::size_t offset = a.value("byteOffset", std::size_t{0}), n = a["count"].get<std::size_t>(),
+                      stride = view.value("byteStride", element);
     if (n == 0) return say(name + ": count");
     if (offset % size != 0 || stride % size != 0) say(name + ": alignment");
     if (offset + (n - 1) * stride + element > view["byteLength"].get<std::size_t>())
@@ -149,14 +151,14 @@ class GltfStructure {
   void check_mesh(std::size_t i) {
     const std::string name = "mesh " + std::to_string(i);
     for (const Json& primitive : json["meshes"][i]["primitives"]) {
-      const std::size_t at = primitive["attributes"]["POSITION"];
+      const auto at = primitive["attributes"]["POSITION"].get<std::size_t>();
       const Json& positions = json["accessors"][at];
       if (positions["type"] != "VEC3" || positions["componentType"] != 5126 || !positions.contains("min"))
         say(name + ": POSITION");
-      const std::size_t vertices = positions["count"];
+      const auto vertices = positions["count"].get<std::size_t>();
       if (json["bufferViews"][positions["bufferView"].get<std::size_t>()]["target"] != 34962) say(name + ": target");
       if (primitive["attributes"].contains("NORMAL")) {
-        const std::vector<double> n = numbers(primitive["attributes"]["NORMAL"]);
+        const std::vector<double> n = numbers(primitive["attributes"]["NORMAL"].get<std::size_t>());
         if (n.size() != 3 * vertices) say(name + ": NORMAL");
         for (std::size_t k = 0; k + 2 < n.size(); k += 3)
           if (std::abs(std::hypot(n[k], n[k + 1], n[k + 2]) - 1.0) > 1e-4)
@@ -164,11 +166,11 @@ class GltfStructure {
       }
       if (primitive.contains("indices")) {
         const Json& accessor = json["accessors"][primitive["indices"].get<std::size_t>()];
-        const int type = accessor["componentType"];
+        const auto type = accessor["componentType"].get<int>();
         if (type != 5121 && type != 5123 && type != 5125) say(name + ": type of indices");
         if (json["bufferViews"][accessor["bufferView"].get<std::size_t>()]["target"] != 34963) say(name + ": target");
         const double reserved = type == 5121 ? 255.0 : type == 5123 ? 65535.0 : 4294967295.0;
-        const std::vector<double> indices = numbers(primitive["indices"]);
+        const std::vector<double> indices = numbers(primitive["indices"].get<std::size_t>());
         if (primitive.value("mode", 4) == 4 && indices.size() % 3 != 0) say(name + ": count of indices");
         for (const double index : indices)
           if (index >= double(vertices) || index == reserved) return say(name + ": index");
@@ -204,7 +206,7 @@ class GltfStructure {
       const std::size_t b = (a + 1) % 3;
       double dot = 0.0, p = 0.0, q = 0.0;
       for (std::size_t k = 0; k < 3; ++k) {
-        const double x = m[4 * a + k], y = m[4 * b + k];
+        const auto x = m[4 * a + k].get<double>(), y = m[4 * b + k].get<double>();
         dot += x * y, p += x * x, q += y * y;
       }
       if (p == 0.0 || std::abs(dot) > 1e-5 * std::sqrt(p * q)) say(name + ": matrix that shears");
@@ -218,7 +220,7 @@ class GltfStructure {
       if (index.get<std::size_t>() >= count("accessors")) return say("accessor of " + key);
       counts.insert(json["accessors"][index.get<std::size_t>()]["count"].get<std::size_t>());
       if (key != "ROTATION") continue;
-      const std::vector<double> q = numbers(index);
+      const std::vector<double> q = numbers(index.get<std::size_t>());
       for (std::size_t k = 0; k + 3 < q.size(); k += 4)
         if (std::abs(q[k] * q[k] + q[k + 1] * q[k + 1] + q[k + 2] * q[k + 2] + q[k + 3] * q[k + 3] - 1.0) > 1e-5)
           return say("rotation of another length");

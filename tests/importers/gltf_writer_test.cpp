@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using core::Affine;
 using core::dmat3;
 using core::dvec3;
-using Json = nlohmann::json;
+using Json = json::Value;
 
 class GltfWriter : public testing::Test {
  protected:
@@ -374,7 +374,7 @@ TEST_F(GltfWriter, TextBesideItsNumbers) {
   const auto text = read_file_bytes(folder_ / "a b#1.gltf").value(),
              numbers = read_file_bytes(folder_ / "a b#1.bin").value();
   const tests::GltfStructure structure(
-      Json::parse(std::string(reinterpret_cast<const char*>(text.data()), text.size())), numbers);
+      json::parse(std::string(reinterpret_cast<const char*>(text.data()), text.size())).value(), numbers);
   EXPECT_EQ(structure.problems, "");
   EXPECT_EQ(again_.item_count(), 1u);
   expect_near(box(again_, 0), box(scene_, 0), 1e-6);

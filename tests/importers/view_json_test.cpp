@@ -4,9 +4,9 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "sightline/json/internal/json.h"
 #include "sightline/tests/support/test_data.h"
 
 namespace sightline::importers::view_json_test {
@@ -14,7 +14,7 @@ namespace {
 
 using core::dvec3;
 using core::dvec4;
-using nlohmann::json;
+using Json = json::Value;
 
 const char* const kView = R"({"eye":[1,2,3],"target":[4,5,6],"up":[0,0,1],"fovy_deg":60,"near":0.1,"far":1000})";
 const char* const kOrtho = R"({"eye":[1,2,3],"target":[4,5,6],"up":[0,0,1],"ortho_height":5,"near":0.1})";
@@ -31,14 +31,14 @@ std::string path_error(const std::string& text) {
 }
 
 /// `text` with the value at a pointer replaced (or removed when `value` is discarded).
-std::string with(const char* text, const std::string& pointer, const json& value) {
-  json root = json::parse(text);
-  root[json::json_pointer(pointer)] = value;
+std::string with(const char* text, const std::string& pointer, const Json& value) {
+  Json root = json::parse(text).value();
+  root.at_pointer(pointer) = value;
   return root.dump();
 }
 std::string without(const char* text, const std::string& object, const std::string& key) {
-  json root = json::parse(text);
-  root[json::json_pointer(object)].erase(key);
+  Json root = json::parse(text).value();
+  root.at_pointer(object).erase(key);
   return root.dump();
 }
 
@@ -87,7 +87,7 @@ TEST(ViewJson, ReadsAnOrthographicViewWithTheDocumentedFar) {
 }
 
 TEST(ViewJson, ReadsSectionsModeAndLayers) {
-  json root = json::parse(kView);
+  Json root = json::parse(kView).value();
   root["sections"] = {{{"n", {0, 0, 1}}, {"d", -2}}, {{"n", {1, 0, 0}}, {"d", 0.5}}};
   root["section_mode"] = "union";
   root["layers"] = 4294967295u;
@@ -130,13 +130,13 @@ TEST(ViewJson, ErrorsNameFilePlaceAndWhatWasExpected) {
             "v.json: /layers: expected a whole number from 0 to 4294967295, found the number -1");
   EXPECT_EQ(view_error(with(kView, "/layers", 4294967296)),
             "v.json: /layers: expected a whole number from 0 to 4294967295, found the number 4294967296");
-  EXPECT_EQ(view_error(with(kView, "/sections", json::array({{{"n", {0, 0, 1}}}}))),
+  EXPECT_EQ(view_error(with(kView, "/sections", Json::array({{{"n", {0, 0, 1}}}}))),
             "v.json: /sections/0/d: expected a finite number, which is missing");
-  EXPECT_EQ(view_error(with(kView, "/sections", json::array({{{"n", {0, 0, 0}}, {"d", 1}}}))),
+  EXPECT_EQ(view_error(with(kView, "/sections", Json::array({{{"n", {0, 0, 0}}, {"d", 1}}}))),
             "v.json: /sections/0/n: expected a normal other than zero, found an array of 3");
-  EXPECT_EQ(view_error(with(kView, "/sections", json::array({7}))),
+  EXPECT_EQ(view_error(with(kView, "/sections", Json::array({7}))),
             "v.json: /sections/0: expected an object, found the number 7");
-  EXPECT_EQ(view_error(with(kView, "/sections", json(9, {{"n", {0, 0, 1}}, {"d", 1}}))),
+  EXPECT_EQ(view_error(with(kView, "/sections", Json(std::vector(9, Json{{"n", {0, 0, 1}}, {"d", 1}})))),
             "v.json: /sections: expected an array of at most 8 planes, found an array of 9");
   EXPECT_EQ(view_error("[]"), "v.json: /: expected an object, found an array of 0");
   EXPECT_EQ(view_error("{\n \"eye\":[1,2,NaN]}").find("v.json: line 2, column 13: expected JSON: "), 0u)
@@ -161,7 +161,7 @@ TEST(ViewJson, DeepNestingIsAnError) {
     EXPECT_NE(path_error(deep).find("nested"), std::string::npos);
   }
   const std::string allowed = std::string(63, '[') + std::string(63, ']');
-  EXPECT_EQ(view_error(with(kView, "/x", json::parse(allowed))), "");
+  EXPECT_EQ(view_error(with(kView, "/x", json::parse(allowed).value())), "");
   EXPECT_EQ(view_error(with(kView, "/x", std::string(100, '[') + "\\\"" + std::string(100, '['))), "")
       << "brackets in strings do not count";
 }
@@ -205,7 +205,7 @@ TEST(PathJson, ReadsKeysAndInheritsUpAndFovy) {
 TEST(PathJson, ErrorsNameFilePlaceAndWhatWasExpected) {
   EXPECT_EQ(path_error(without(kPath, "", "keys")),
             "p.json: /keys: expected an array of at least one key, which is missing");
-  EXPECT_EQ(path_error(with(kPath, "/keys", json::array())),
+  EXPECT_EQ(path_error(with(kPath, "/keys", Json::array())),
             "p.json: /keys: expected an array of at least one key, found an array of 0");
   EXPECT_EQ(path_error(with(kPath, "/keys/1", 5)), "p.json: /keys/1: expected an object, found the number 5");
   EXPECT_EQ(path_error(without(kPath, "/keys/1", "t")),
@@ -250,7 +250,7 @@ TEST(PathJson, RoundTrip) {
 
 TEST(Translated, ViewAndModelMoveTogether) {
   const dvec3 offset(3e6, 7e6, 1e3);
-  json root = json::parse(kView);
+  Json root = json::parse(kView).value();
   root["sections"] = {{{"n", {0, 0.6, 0.8}}, {"d", -2}}};
   root["layers"] = 5;
   const auto view = parse_view(root.dump(), 1.5);
@@ -271,7 +271,7 @@ TEST(Translated, ViewAndModelMoveTogether) {
 }
 
 TEST(ViewJson, LimitsAndReach) {
-  json root = json::parse(kView);
+  Json root = json::parse(kView).value();
   for (std::size_t i = 0; i < core::kMaxSectionPlanes; ++i) root["sections"].push_back({{"n", {0, 0, 1}}, {"d", i}});
   root["section_mode"] = "union";
   const auto view = parse_view(root.dump(), 1.0, "v.json");
@@ -281,7 +281,7 @@ TEST(ViewJson, LimitsAndReach) {
   ASSERT_TRUE(moved);
   EXPECT_EQ(moved->section_mode, core::SectionMode::kUnion);
   // An orthographic view reaches ten times as far as its target is away.
-  root = json::parse(kOrtho);
+  root = json::parse(kOrtho).value();
   root["eye"] = {0, 0, 0}, root["target"] = {0, 5000, 0};
   const auto ortho = parse_view(root.dump(), 1.0, "v.json");
   ASSERT_TRUE(ortho) << ortho.error().message;

@@ -6,13 +6,14 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+
+#include "sightline/json/internal/json.h"
 
 namespace sightline::apps::settings_test {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = json::Value;
 
 class SettingsTest : public ::testing::Test {
  protected:
@@ -68,8 +69,9 @@ TEST_F(SettingsTest, WriteOnlyWhatHasChanged) {
       R"({"later": {"x": [1, 2]}, "theme": "light", "window": [641, 480], "recent": ["/theirs"]})");  // another viewer
   now.add_recent("/ours");
   ASSERT_TRUE(file.keep(now));
-  EXPECT_EQ(Json::parse(read()), Json::parse(R"({"later": {"x": [1, 2]}, "theme": "light", "window": [641, 480],
-                                                 "recent": ["/ours", "/theirs"], "panels": false})"));
+  EXPECT_EQ(json::parse(read()).value(), json::parse(R"({"later": {"x": [1, 2]}, "theme": "light", "window": [641, 480],
+                                                 "recent": ["/ours", "/theirs"], "panels": false})")
+                                             .value());
 }
 
 TEST_F(SettingsTest, DamageIsSaidAndStaysUntilSomethingChanges) {
@@ -86,7 +88,7 @@ TEST_F(SettingsTest, DamageIsSaidAndStaysUntilSomethingChanges) {
     Settings now = file.settings();
     now.light = true;
     ASSERT_TRUE(file.keep(now));
-    EXPECT_EQ(Json::parse(read()), Json::parse(R"({"theme": "light"})"));
+    EXPECT_EQ(json::parse(read()).value(), json::parse(R"({"theme": "light"})").value());
   }
 }
 

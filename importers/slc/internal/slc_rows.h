@@ -5,11 +5,10 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sightline/core/internal/storage.h"
 #include "sightline/importers/import.h"
 #include "sightline/importers/slc/internal/slc_file.h"
+#include "sightline/json/internal/json.h"
 
 namespace sightline::importers {
 
@@ -55,8 +54,8 @@ std::string to_text(const ImportReport& report);
 /// Fails, as null, on a text that is no report.
 core::Expected<ImportReport> report_from(std::string_view text);
 
-inline std::string to_text(const nlohmann::json& json) {
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+inline std::string to_text(json::Value json) {
+  return json::sorted(std::move(json)).dump();
 }
 
 }  // namespace sightline::importers
