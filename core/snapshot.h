@@ -132,7 +132,6 @@ class SIGHTLINE_API Snapshot {
   std::uint64_t count(const VisibleSet& visible) const;
   Kind kind(Slot slot) const { return kinds_[slot]; }
   std::uint32_t index_in_kind(Slot slot) const { return index_in_kind_[slot]; }
-  std::span<const ItemId> items() const { return items_; }  ///< of all slots
   ItemId item(Slot slot) const { return items_[slot]; }  ///< kNone when the slot was given up; hidden items keep theirs
   Slot slot(ItemId item) const { return item < slots_.size() ? slots_[item] : kNone; }  ///< kNone when unknown
   std::uint32_t material(Slot slot) const { return materials_[slot]; }                  ///< material index or kNone

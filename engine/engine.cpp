@@ -211,19 +211,21 @@ Engine::Impl::Impl(core::Scene& scene, const EngineConfig& config)
 
 core::Expected<void> Engine::Impl::build(const Progress& progress) {
   auto snapshot = std::make_unique<core::Snapshot>(*scene_);
-  note_nodes(snapshot->items());
+  note_nodes();
   if (progress && !progress(kShareOfSnapshot)) return core::fail("engine: cancelled");
   overrides_.restore(*snapshot);
   live_ = make_order(std::move(snapshot), plan_request(config_, picks_));
   return follow_order();
 }
 
-/// Remembers where picks will find these items. Those of vacant slots are kNone.
-void Engine::Impl::note_nodes([[maybe_unused]] std::span<const core::ItemId> items) {
+/// Remembers where picks will find the items that were committed since the last call. Items keep their nodes, and ids
+/// rise.
+void Engine::Impl::note_nodes() {
 #if SIGHTLINE_HAS_RAYTRACE
+  auto item = core::ItemId(nodes_.size());
   nodes_.resize(scene_->item_slots());
-  for (const core::ItemId item : items)
-    if (item != core::kNone && scene_->contains_item(item)) nodes_[item] = scene_->node_of(item);
+  for (; item < nodes_.size(); ++item)
+    if (scene_->contains_item(item)) nodes_[item] = scene_->node_of(item);
 #endif
 }
 
@@ -460,7 +462,7 @@ core::Expected<void> Engine::Impl::commit() {
   if (delta.empty()) return {};
   new_tracer_.interrupt(live_);
   if (config_.part.count > 1) return build();
-  note_nodes(delta.inserted);
+  note_nodes();
   const std::size_t former_size = live_.snapshot->size();
   std::vector<core::Slot> touched;
   Overrides::Change overridden;

@@ -215,7 +215,6 @@ core::Expected<void> GpuCuller::cull_others(const Picture& picture, const gpusce
   Probe& probe = probes_[last_probe_];
   if (probe.skipped) return {};  // the lists are still empty
   probe.others_timed = probe.timed && others_timer_->begin();
-  gl::reset_pipeline_state(*gl_);
   auto done = lists.begin_gpu_update(scene, pass_->counting());
   if (done) done = upload_pyramid(picture, depth, error);
   if (done) {
