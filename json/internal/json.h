@@ -149,8 +149,7 @@ class Value {
   }
   const std::string& string() const;
 
-  // --- arrays and objects
-  // ----------------------------------------------------------------------------------------------
+  // --- arrays and objects --------------------------------------------------------------------------------------------
 
   /// Elements of an array or members of an object; 0 for null, 1 for other values.
   std::size_t size() const { return std::size_t(end() - begin()); }
@@ -209,8 +208,7 @@ class Value {
   /// The value that a JSON pointer names. Adds missing members; "-" adds an element.
   Value& at_pointer(std::string_view pointer);
 
-  // --- text
-  // ------------------------------------------------------------------------------------------------------------
+  // --- text ----------------------------------------------------------------------------------------------------------
 
   /// On one line if `indent` is negative. Invalid UTF-8 is replaced by U+FFFD; NaN and infinities become null.
   std::string dump(int indent = -1) const;
