@@ -410,6 +410,7 @@ core::Expected<Studio> make_studio(const Options& o, const engine::ScenePart& pa
   config.part = part;
   config.context_platform = o.platform;
   config.gl_debug = o.gl_debug;
+  config.gl_state = engine::GlState::kLeave;  // no other context is current here
   config.culler = o.culler;
   config.gpu_culler = o.gpu_culler;
   auto tiles = apps::tiles_for(*size, o.tile_side(*size), config);

@@ -329,6 +329,7 @@ core::Expected<engine::EngineConfig> engine_config(const Options& o) {
   config.draw = !o.no_render;
   config.ids = o.mpi;
   config.context_platform = o.platform;
+  config.gl_state = engine::GlState::kLeave;  // no other context is current here
   config.width = (*size)[0];
   config.height = (*size)[1];
   config.culler = o.culler;

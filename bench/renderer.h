@@ -17,6 +17,7 @@ inline engine::EngineConfig drawing_config(int width, int height, gl::ContextPla
   config.width = width;
   config.height = height;
   config.context_platform = platform;
+  config.gl_state = engine::GlState::kLeave;  // no other context is current here
   return config;
 }
 

@@ -508,7 +508,7 @@ typedef struct sl_engine_config {
    * makes an offscreen context. Called in sl_engine_create() alone. */
   sl_get_proc get_proc;
   void* get_proc_user;
-  int32_t gl_state;          /* SL_GL_STATE_...: what becomes of the state of the application's context */
+  int32_t gl_state;          /* SL_GL_STATE_...: what calls leave of what the application has in GL */
   int32_t context_platform;  /* SL_CONTEXT_...: of the offscreen context */
   const char* program_cache; /* folder that keeps linked programs; null: the user's cache folder; "": none */
 } sl_engine_config;

@@ -38,7 +38,7 @@ core::Expected<void> Engine::Impl::make_drawing(bool new_order) {
     if (!drawing) return tl::unexpected(drawing.error());
     drawing_ = std::move(*drawing);
   }
-  note_gpu_variant();
+  note_context();
   return done;
 }
 
@@ -125,9 +125,11 @@ core::Expected<void> Engine::Impl::take_context(gl::Context& context, std::uniqu
   return {};
 }
 
-/// Adds the variant of the GPU culler to the plan. The plan is made before there is a context to measure in.
-void Engine::Impl::note_gpu_variant() {
-  if (!drawing_ || !live_.plan.gpu_culls()) return;
+/// Adds to the plan what is known only once there is a context: how it was made, and the variant of the GPU culler.
+void Engine::Impl::note_context() {
+  if (!drawing_) return;
+  add_context(live_.plan, !config_.context, drawing_->platform());
+  if (!live_.plan.gpu_culls()) return;
   if (const auto variant = drawing_->gpu_variant()) add_gpu_variant(live_.plan, *variant, drawing_->why_gpu_variant());
 }
 

@@ -113,8 +113,10 @@ Drawing::~Drawing() {
 }
 
 Drawing::KeptState Drawing::keep_state() const {
-  if (own_context_ || gl_state_ == GlState::kLeave || lost()) return {};
-  return KeptState(std::in_place, context_.functions());
+  if (gl_state_ == GlState::kLeave) return {};
+  if (own_context_) return keep_current();
+  if (lost()) return {};
+  return KeptState(std::in_place_type<gl::SavedState>, context_.functions());
 }
 
 bool Drawing::lost() const {

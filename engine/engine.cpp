@@ -190,10 +190,12 @@ Drawing* Engine::drawing() {
   return impl_->drawing();
 }
 std::string Engine::renderer() {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   const Drawing* drawing = impl_->drawing();
   return drawing ? drawing->renderer() : std::string();
 }
 std::vector<std::string> Engine::take_gl_errors() {
+  [[maybe_unused]] const auto kept = impl_->keep_state();
   Drawing* drawing = impl_->drawing();
   return drawing ? drawing->take_gl_errors() : std::vector<std::string>();
 }
@@ -283,7 +285,7 @@ core::Expected<void> Engine::Impl::configure(const EngineConfig& config) {
   if (auto done = make_drawing(false); !done) {
     config_ = before;
     live_.follow_plan(plan_request(config_, picks_));
-    note_gpu_variant();
+    note_context();
     return done;
   }
   for (Drawing* drawing : {drawing_.get(), coming_.get()})
@@ -503,6 +505,7 @@ void Engine::Impl::paused() {
 }
 
 void Engine::Impl::finish() {
+  [[maybe_unused]] const auto kept = keep_state();
   if (drawing_) drawing_->finish();
 }
 

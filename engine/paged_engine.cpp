@@ -14,6 +14,7 @@
 #include "sightline/engine/internal/clock.h"
 #include "sightline/engine/internal/page_store.h"
 #include "sightline/engine/internal/stand_ins.h"
+#include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/pipeline_state.h"
 #include "sightline/gl/internal/program_cache.h"
 #include "sightline/image/image.h"
@@ -99,7 +100,6 @@ class PagedEngine::Impl {
  public:
   static core::Expected<std::unique_ptr<Impl>> create(core::PagedScene scene, const PagedConfig& config);
   ~Impl() { (void)context_.make_current(); }
-
   core::Expected<PagedReport> frame(const core::View& view);
   core::Expected<PagedReport> settle(const core::View& view, const Progress& progress);
   bool wait(double seconds) { return store_->wait(seconds); }
@@ -131,6 +131,7 @@ class PagedEngine::Impl {
   PagedReport begin(const core::View& view);
   void open_leaves();
   core::Expected<void> refine(double until, bool stays);
+  core::Expected<void> refine_more();
   core::Expected<void> draw_resident();
   core::Expected<std::uint64_t> draw_page(std::uint32_t page);
   std::vector<std::uint32_t> drawable() const;
@@ -303,6 +304,7 @@ core::Expected<void> PagedEngine::Impl::take_context() {
 }
 
 core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
+  const gl::CurrentContext kept;
   const double began = now_seconds();
   if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());
   const bool stays = view_ && core::same_picture(*view_, view);
@@ -310,7 +312,7 @@ core::Expected<PagedReport> PagedEngine::Impl::frame(const core::View& view) {
   report_.frame = frames_++;
   if (auto done = refine(began + 1e-3 * config_.refine_ms, stays); !done) return tl::unexpected(done.error());
   if (auto done = show(); !done) return tl::unexpected(done.error());
-  if (auto kept = take_context(); !kept) return tl::unexpected(kept.error());  // else nothing of this was drawn
+  if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());  // else nothing of this was drawn
   report_.frame_ms = 1e3 * (now_seconds() - began);
   return report_;
 }
@@ -320,12 +322,18 @@ core::Expected<PagedReport> PagedEngine::Impl::settle(const core::View& view, co
   auto report = frame(view);
   while (report && !report_.complete) {
     if (progress && !progress(report_)) return report_;
-    if (auto ready = take_context(); !ready) return tl::unexpected(ready.error());
-    if (auto done = refine(now_seconds() + 1e-3 * config_.refine_ms, true); !done) return tl::unexpected(done.error());
+    if (auto done = refine_more(); !done) return tl::unexpected(done.error());
     if (!report_.complete) continue;
     report = frame(view);
   }
   return report;
+}
+
+/// Of the picture begun, without showing it.
+core::Expected<void> PagedEngine::Impl::refine_more() {
+  const gl::CurrentContext kept;
+  if (auto ready = take_context(); !ready) return ready;
+  return refine(now_seconds() + 1e-3 * config_.refine_ms, true);
 }
 
 PagedReport PagedEngine::Impl::begin(const core::View& view) {
@@ -574,10 +582,18 @@ void PagedEngine::Impl::foresee(std::vector<PageStore::Wanted>& wanted) {
 
 PagedEngine::PagedEngine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 PagedEngine::PagedEngine(PagedEngine&&) noexcept = default;
-PagedEngine& PagedEngine::operator=(PagedEngine&&) noexcept = default;
-PagedEngine::~PagedEngine() = default;
+PagedEngine& PagedEngine::operator=(PagedEngine&& other) noexcept {
+  const gl::CurrentContext kept;
+  impl_ = std::move(other.impl_);
+  return *this;
+}
+PagedEngine::~PagedEngine() {
+  const gl::CurrentContext kept;
+  impl_.reset();
+}
 
 core::Expected<PagedEngine> PagedEngine::create(core::PagedScene scene, const PagedConfig& config) {
+  const gl::CurrentContext kept;
   return without_throwing([&]() -> core::Expected<PagedEngine> {
     auto impl = Impl::create(std::move(scene), config);
     if (!impl) return tl::unexpected(impl.error());
@@ -598,15 +614,19 @@ std::vector<std::string> PagedEngine::take_errors() {
   return impl_->take_errors();
 }
 std::vector<std::string> PagedEngine::take_gl_errors() {
+  const gl::CurrentContext kept;
   return impl_->take_gl_errors();
 }
 image::Image PagedEngine::read_colour() const {
+  const gl::CurrentContext kept;
   return impl_->picture().read_colour();
 }
 image::IdImage PagedEngine::read_ids() const {
+  const gl::CurrentContext kept;
   return impl_->picture().read_ids();
 }
 image::DepthImage PagedEngine::read_depth() const {
+  const gl::CurrentContext kept;
   return impl_->picture().read_depth(impl_->view());
 }
 const core::PagedScene& PagedEngine::scene() const {

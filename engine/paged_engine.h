@@ -74,8 +74,9 @@ struct PagedReport {
   std::size_t memory = 0;        ///< bytes of the process now; 0 where the system does not say
 };
 
-/// Not thread-safe; reads pages on a thread of its own. The destructor waits for the page that is being read. Other
-/// contexts may be current between calls and in Progress. PagedScene::load must not use the engine.
+/// Not thread-safe; reads pages on a thread of its own. The destructor waits for the page that is being read. Its
+/// context is current within calls alone, as an Engine's own is, and not in Progress. PagedScene::load must not use the
+/// engine.
 class SIGHTLINE_API PagedEngine {
  public:
   /// Makes an offscreen context and compiles programs for the kinds of items that the scene has. Where the limit leaves

@@ -7,23 +7,17 @@
 namespace sightline::engine {
 namespace {
 
-core::Expected<const render::RenderTarget*> target_of(Engine& engine) {
+/// Result of `read` for the picture's target.
+template <class EngineImpl, class Read>
+auto read_from(EngineImpl& engine, Read read)
+    -> core::Expected<std::invoke_result_t<Read, const render::RenderTarget&>> {
+  [[maybe_unused]] const Drawing::KeptState kept = engine.keep_state();
   const Drawing* drawing = engine.drawing();
   if (!drawing || drawing->target().width() == 0)
     return core::fail("picture: nothing is drawn without EngineConfig::draw, or while the context is lost");
-  return &drawing->target();
-}
-
-/// Result of `read` for the target.
-template <class Read>
-auto read_from(Engine& engine, Read read) -> core::Expected<std::invoke_result_t<Read, const render::RenderTarget&>> {
-  const auto target = target_of(engine);
-  if (!target) return tl::unexpected(target.error());
-  const Drawing& drawing = *engine.drawing();
-  const gl::Functions& gl = drawing.context().functions();
-  [[maybe_unused]] const Drawing::KeptState kept = drawing.keep_state();
+  const gl::Functions& gl = drawing->context().functions();
   gl::discard_errors(gl);
-  auto result = read(**target);
+  auto result = read(drawing->target());
   if (const GLenum error = gl::check_error(gl); error != GL_NO_ERROR)
     return core::fail("picture: reading it failed with " + gl::error_name(error));
   return result;
@@ -32,26 +26,24 @@ auto read_from(Engine& engine, Read read) -> core::Expected<std::invoke_result_t
 }  // namespace
 
 core::Expected<image::Image> Engine::read_colour() {
-  return read_from(*this, [](const render::RenderTarget& target) { return target.read_colour(); });
+  return read_from(*impl_, [](const render::RenderTarget& target) { return target.read_colour(); });
 }
 
 core::Expected<image::IdImage> Engine::read_ids() {
-  const auto target = target_of(*this);
-  if (!target) return tl::unexpected(target.error());
-  if (!(*target)->has_ids()) return core::fail("picture: ids are not drawn without EngineConfig::ids");
-  return read_from(*this, [](const render::RenderTarget& picture) { return picture.read_ids(); });
+  if (config().draw && !config().ids) return core::fail("picture: ids are not drawn without EngineConfig::ids");
+  return read_from(*impl_, [](const render::RenderTarget& picture) { return picture.read_ids(); });
 }
 
 core::Expected<image::DepthImage> Engine::read_depth(const core::View& view) {
-  return read_from(*this, [&](const render::RenderTarget& target) { return target.read_depth(view); });
+  return read_from(*impl_, [&](const render::RenderTarget& target) { return target.read_depth(view); });
 }
 
 core::Expected<bool> Engine::covered() {
-  return read_from(*this, [](const render::RenderTarget& target) { return target.covered(); });
+  return read_from(*impl_, [](const render::RenderTarget& target) { return target.covered(); });
 }
 
 core::Expected<std::uint32_t> Engine::framebuffer() {
-  return read_from(*this, [](const render::RenderTarget& target) { return std::uint32_t(target.resolved().id()); });
+  return read_from(*impl_, [](const render::RenderTarget& target) { return std::uint32_t(target.resolved().id()); });
 }
 
 core::Expected<void> Engine::draw_outline(const core::View& view, std::span<const core::ItemId> items,
@@ -66,9 +58,10 @@ core::Expected<void> Engine::draw_outline(const core::View& view, std::span<cons
   for (const core::ItemId item : items)
     if (const core::Slot slot = snapshot().slot(item); !snapshot().bounds().vacant(slot)) shown.items.push_back(slot);
   std::sort(shown.items.begin(), shown.items.end());
-  if (shown.items.empty() || !drawing() || drawing()->lost()) return {};
-  [[maybe_unused]] const Drawing::KeptState kept = drawing()->keep_state();
-  return drawing()->put_outline({view, snapshot(), shown}, target);
+  [[maybe_unused]] const Drawing::KeptState kept = impl_->keep_state();
+  Drawing* drawing = impl_->drawing();
+  if (shown.items.empty() || !drawing || drawing->lost()) return {};
+  return drawing->put_outline({view, snapshot(), shown}, target);
 }
 
 }  // namespace sightline::engine

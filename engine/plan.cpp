@@ -73,15 +73,21 @@ void plan_tracer(Plan& plan, [[maybe_unused]] bool picks) {
 #endif
 }
 
+/// Adds an entry in place of the one of the same feature.
+void replace(Plan& plan, PlanEntry added) {
+  std::erase_if(plan.entries, [&](const PlanEntry& entry) { return entry.feature == added.feature; });
+  plan.entries.push_back(std::move(added));
+}
+
 }  // namespace
 
 void add_gpu_variant(Plan& plan, culling::GpuVariant variant, const std::string& why) {
-  const auto note = [&](const char* feature, culling::GpuVariant named) {
-    std::erase_if(plan.entries, [&](const PlanEntry& entry) { return entry.feature == feature; });
-    plan.entries.push_back({feature, variant == named, why});
-  };
-  note("GPU culling in geometry shaders", culling::GpuVariant::kGeometry);
-  note("GPU culling in compute shaders", culling::GpuVariant::kCompute);
+  replace(plan, {"GPU culling in geometry shaders", variant == culling::GpuVariant::kGeometry, why});
+  replace(plan, {"GPU culling in compute shaders", variant == culling::GpuVariant::kCompute, why});
+}
+
+void add_context(Plan& plan, bool own, const std::string& platform) {
+  replace(plan, {"offscreen context", own, own ? platform : "the application's is used"});
 }
 
 Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids) {

@@ -93,6 +93,8 @@ inline constexpr std::size_t kGpuOcclusionScene = 100'000;
 
 /// Adds the variant of the GPU culler, which is known only once there is one.
 SIGHTLINE_API void add_gpu_variant(Plan& plan, culling::GpuVariant variant, const std::string& why);
+/// Adds which context is used, which is known only once there is one: gl::Context::platform() of the engine's own.
+SIGHTLINE_API void add_context(Plan& plan, bool own, const std::string& platform);
 
 SIGHTLINE_API Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids);
 

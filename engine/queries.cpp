@@ -12,8 +12,8 @@ namespace sightline::engine {
 // --- what culling does -----------------------------------------------------------------------------------------------
 
 core::Expected<LossReport> Engine::Impl::loss(const core::View& view) {
-  if (!drawing_ || drawing_->lost()) return LossReport();
   [[maybe_unused]] const auto kept = keep_state();
+  if (!drawing_ || drawing_->lost()) return LossReport();
   return drawing_->loss({view, *live_.snapshot, visible_, live_.lines, live_.hierarchy()});
 }
 

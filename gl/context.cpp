@@ -124,7 +124,8 @@ void collect_debug_output(const Functions& gl, DebugLog& log) {
 
 constexpr std::array<std::string_view, 5> kPlatformNames = {"auto", "egl", "egl-surfaceless", "egl-device", "osmesa"};
 
-core::Expected<std::unique_ptr<PlatformContext>> create_platform_context(ContextOptions options) {
+/// `why`: why the platform is not the first choice, where it is not.
+core::Expected<std::unique_ptr<PlatformContext>> create_platform_context(ContextOptions options, std::string& why) {
   if (options.platform == ContextPlatform::kAutomatic) {
     const char* name = std::getenv("SIGHTLINE_CONTEXT");
     const auto named = parse_platform(name && *name ? name : "auto");
@@ -136,6 +137,7 @@ core::Expected<std::unique_ptr<PlatformContext>> create_platform_context(Context
   if (egl || options.platform != ContextPlatform::kAutomatic) return egl;
   auto osmesa = create_osmesa_context(options);
   if (!osmesa) return core::fail(egl.error().message + "; " + osmesa.error().message);
+  why = egl.error().message;
   return osmesa;
 }
 
@@ -176,7 +178,8 @@ Context Context::share() const {
 }
 
 core::Expected<Context> Context::create_offscreen(const ContextOptions& options) {
-  auto own = create_platform_context(options);
+  std::string why;
+  auto own = create_platform_context(options, why);
   if (!own) return tl::unexpected(own.error());
   const auto get_proc = [](const char* name, void* platform) {
     return static_cast<const PlatformContext*>(platform)->get_proc(name);
@@ -184,6 +187,7 @@ core::Expected<Context> Context::create_offscreen(const ContextOptions& options)
   auto context = adopt(get_proc, own->get());
   if (!context) return core::fail((*own)->name() + ": " + context.error().message);
   context->state_->platform = (*own)->name();
+  if (!why.empty()) context->state_->platform += " (" + why + ")";
   context->state_->own = std::move(*own);
   if (options.debug) collect_debug_output(context->state_->gl, context->state_->log);
   return context;

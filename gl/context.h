@@ -20,13 +20,12 @@ struct Functions;  // gl/functions.h
 
 /// Ways to a context without a window.
 ///
-/// Each of them may be used beside the others. A thread has one context current at most: making an OSMesa context
-/// current releases an EGL context on that thread, the application's included, and the other way round. OSMesa and GLX
-/// do not know of each other: release a GLX context before an OSMesa context becomes current on the same thread.
+/// Each of them may be used beside the others. A thread has one context current at most: making one current releases
+/// the one of EGL, GLX or OSMesa that is current on that thread, the application's included. An engine makes that
+/// current again (EngineConfig::context); who makes contexts current himself does so himself.
 enum class ContextPlatform : std::uint8_t {
   /// What the environment variable SIGHTLINE_CONTEXT names (name_of()). Without it kEgl, and kOsMesa where EGL is
-  /// absent
-  /// or gives no context.
+  /// absent or gives no context: Context::platform() then says why.
   kAutomatic,
   kEgl,             ///< hardware EGL devices in order, then surfaceless, then software devices
   kEglSurfaceless,  ///< EGL_MESA_platform_surfaceless
@@ -103,7 +102,8 @@ class SIGHTLINE_API Context {
   const std::string& vendor() const;
   const std::string& renderer() const;
   const std::string& version() const;
-  /// How the context was made: "EGL surfaceless", "EGL device 1", "OSMesa", "adopted".
+  /// How the context was made: "EGL surfaceless", "EGL device 1", "OSMesa", "adopted". Where kAutomatic had to do
+  /// without EGL, its error follows in parentheses.
   const std::string& platform() const;
 
   /// Makes the context current on this thread; nearly free when it already is. Does nothing for an adopted one. Fails

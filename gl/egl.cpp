@@ -8,6 +8,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/dynamic_library.h"
 #include "sightline/gl/internal/platform_context.h"
 
@@ -23,6 +24,7 @@ struct Egl {
   PFNEGLGETERRORPROC GetError = nullptr;
   PFNEGLINITIALIZEPROC Initialize = nullptr;
   PFNEGLBINDAPIPROC BindAPI = nullptr;
+  PFNEGLQUERYAPIPROC QueryAPI = nullptr;
   PFNEGLCHOOSECONFIGPROC ChooseConfig = nullptr;
   PFNEGLCREATECONTEXTPROC CreateContext = nullptr;
   PFNEGLDESTROYCONTEXTPROC DestroyContext = nullptr;
@@ -45,7 +47,7 @@ core::Expected<Egl> load_egl(void* library) {
       find_symbol(library, "eglGetProcAddress", egl.GetProcAddress) &&
       find_symbol(library, "eglQueryString", egl.QueryString) && find_symbol(library, "eglGetError", egl.GetError) &&
       find_symbol(library, "eglInitialize", egl.Initialize) && find_symbol(library, "eglBindAPI", egl.BindAPI) &&
-      find_symbol(library, "eglChooseConfig", egl.ChooseConfig) &&
+      find_symbol(library, "eglQueryAPI", egl.QueryAPI) && find_symbol(library, "eglChooseConfig", egl.ChooseConfig) &&
       find_symbol(library, "eglCreateContext", egl.CreateContext) &&
       find_symbol(library, "eglDestroyContext", egl.DestroyContext) &&
       find_symbol(library, "eglMakeCurrent", egl.MakeCurrent) &&
@@ -192,16 +194,18 @@ class EglContext final : public PlatformContext {
 
   core::Expected<void> make_current() const override {
     if (egl_.GetCurrentContext() == context_) return {};
-    release_any_osmesa_context();
+    release_other_contexts(ContextLibrary::kEgl);
     egl_.BindAPI(EGL_OPENGL_API);
     if (egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) return {};
     return core::fail("eglMakeCurrent: " + egl_error(egl_));
   }
 
   void release_current() const override {
+    const EGLenum bound = egl_.QueryAPI();  // perhaps the application's
     egl_.BindAPI(EGL_OPENGL_API);
-    if (egl_.GetCurrentContext() != context_) return;
-    egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    if (egl_.GetCurrentContext() == context_)
+      egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    egl_.BindAPI(bound);
   }
 
   Proc get_proc(const char* name) const override { return egl_.GetProcAddress(name); }
@@ -251,19 +255,6 @@ core::Expected<std::unique_ptr<PlatformContext>> create_egl_context(const Contex
   if (tried.empty()) tried = "none, the library offers no such platform or device";
   return core::fail(
       fmt::format("EGL: no platform gave a context; {}; tried {} ({})", kEglHint, tried, options.egl_library));
-}
-
-void release_any_egl_context(const std::string& egl_library) {
-  void* library = dlopen(egl_library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD);
-  if (!library) return;
-  PFNEGLGETCURRENTCONTEXTPROC get_context = nullptr;
-  PFNEGLGETCURRENTDISPLAYPROC get_display = nullptr;
-  PFNEGLMAKECURRENTPROC make_current = nullptr;
-  if (find_symbol(library, "eglGetCurrentContext", get_context) &&
-      find_symbol(library, "eglGetCurrentDisplay", get_display) &&
-      find_symbol(library, "eglMakeCurrent", make_current) && get_context() != EGL_NO_CONTEXT)
-    make_current(get_display(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-  dlclose(library);
 }
 
 }  // namespace sightline::gl

@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/dynamic_library.h"
 #include "sightline/gl/internal/platform_context.h"
 
@@ -63,38 +64,41 @@ thread_local Body* current_body = nullptr;
 
 /// Releases the context that is current when a thread ends.
 struct ThreadEnd {
-  ~ThreadEnd() { release_any_osmesa_context(); }
+  ~ThreadEnd() { release_osmesa_context_of_ours(); }
   void await() {}  // a thread's variable is made, and ends, only where it is used
 };
 thread_local ThreadEnd thread_end;
 
+core::Expected<void> make_body_current(const std::shared_ptr<Body>& body) {
+  const OsMesa& osmesa = body->osmesa;
+  const bool ours = current_body == body.get();
+  // OSMesa itself lets two threads have one context.
+  if (!ours && body->current_somewhere.exchange(true))
+    return core::fail("OSMesa: the context is current on another thread");
+  if (!ours) release_osmesa_context_of_ours();
+  release_other_contexts(ContextLibrary::kOsMesa);
+  current_body = body.get();
+  body->self = body;
+  thread_end.await();
+  if (osmesa.MakeCurrent(body->handle, body->pixel.data(), GL_UNSIGNED_BYTE, 1, 1)) return {};
+  release_osmesa_context_of_ours();
+  return core::fail("OSMesaMakeCurrent failed");
+}
+
 class OsMesaContext final : public PlatformContext {
  public:
-  OsMesaContext(std::shared_ptr<Body> body, std::string egl_library)
-      : body_(std::move(body)), egl_library_(std::move(egl_library)) {}
+  explicit OsMesaContext(std::shared_ptr<Body> body) : body_(std::move(body)) {}
   OsMesaContext(const OsMesaContext&) = delete;
   OsMesaContext& operator=(const OsMesaContext&) = delete;
   ~OsMesaContext() override { OsMesaContext::release_current(); }
 
   core::Expected<void> make_current() const override {
-    const OsMesa& osmesa = body_->osmesa;
-    const bool ours = current_body == body_.get();
-    if (ours && osmesa.GetCurrentContext() == body_->handle) return {};
-    // OSMesa itself lets two threads have one context.
-    if (!ours && body_->current_somewhere.exchange(true))
-      return core::fail("OSMesa: the context is current on another thread");
-    if (!ours) release_any_osmesa_context();
-    release_any_egl_context(egl_library_);
-    current_body = body_.get();
-    body_->self = body_;
-    thread_end.await();
-    if (osmesa.MakeCurrent(body_->handle, body_->pixel.data(), GL_UNSIGNED_BYTE, 1, 1)) return {};
-    release_any_osmesa_context();
-    return core::fail("OSMesaMakeCurrent failed");
+    if (current_body == body_.get() && body_->osmesa.GetCurrentContext() == body_->handle) return {};
+    return make_body_current(body_);
   }
 
   void release_current() const override {
-    if (current_body == body_.get()) release_any_osmesa_context();
+    if (current_body == body_.get()) release_osmesa_context_of_ours();
   }
 
   Proc get_proc(const char* name) const override { return body_->osmesa.GetProcAddress(name); }
@@ -102,7 +106,6 @@ class OsMesaContext final : public PlatformContext {
 
  private:
   std::shared_ptr<Body> body_;
-  std::string egl_library_;
 };
 
 }  // namespace
@@ -124,17 +127,28 @@ core::Expected<std::unique_ptr<PlatformContext>> create_osmesa_context(const Con
   if (!handle)
     return core::fail(fmt::format("OSMesa: no OpenGL {}.{} core context; tried {}", kRequiredMajor, kRequiredMinor,
                                   options.osmesa_library));
-  auto context = std::make_unique<OsMesaContext>(std::make_shared<Body>(*osmesa, handle), options.egl_library);
+  auto context = std::make_unique<OsMesaContext>(std::make_shared<Body>(*osmesa, handle));
   if (auto current = context->make_current(); !current) return tl::unexpected(current.error());
   return context;
 }
 
-void release_any_osmesa_context() {
+std::shared_ptr<void> osmesa_context_of_ours() {
+  const bool current = current_body && current_body->osmesa.GetCurrentContext() == current_body->handle;
+  return current ? current_body->self : nullptr;
+}
+
+void release_osmesa_context_of_ours() {
   if (!current_body) return;
   const std::shared_ptr<Body> body = std::move(current_body->self);
   current_body = nullptr;
   if (body->osmesa.GetCurrentContext() == body->handle) body->osmesa.MakeCurrent(nullptr, nullptr, 0, 0, 0);
   body->current_somewhere = false;
+}
+
+void make_current_again(const std::shared_ptr<void>& context) {
+  const auto body = std::static_pointer_cast<Body>(context);
+  const bool destroyed = body.use_count() == 2;  // the caller's and this one are all that is left
+  if (!destroyed) (void)make_body_current(body);
 }
 
 }  // namespace sightline::gl

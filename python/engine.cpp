@@ -1,7 +1,7 @@
 // The engine: frames, pictures, picks and queries.
 //
-// An engine's calls are long: they release the GIL. An engine that draws has an offscreen context of its own, which is
-// current during its calls alone, so that any thread may call, and Python may free the engine on any.
+// An engine's calls are long: they release the GIL. An engine's own context is current during its calls alone, so any
+// thread may call, and Python may free the engine on any.
 #include "sightline/engine/engine.h"
 
 #include <algorithm>
@@ -35,22 +35,23 @@ class EngineBox {
  public:
   EngineBox(ScenePtr scene, const EngineConfig& config)
       : scene_(std::move(scene)), width_(config.width), height_(config.height) {
-    options_.platform = config.context_platform;
-    options_.debug = config.gl_debug;
     core::Expected<void> done;
     {
       const LongCall call({gate_, Use::kWrite}, {scene_->gate, Use::kWrite});
-      done = create(config);
+      auto made = engine::Engine::create(scene_->scene, config);
+      if (made)
+        engine_ = std::move(*made);
+      else
+        done = tl::unexpected(made.error());
     }
     unwrap(std::move(done));
   }
   EngineBox(const EngineBox&) = delete;
   EngineBox& operator=(const EngineBox&) = delete;
-  ~EngineBox() { free(); }
 
   void close() {
     const LongCall call({gate_, Use::kWrite});
-    free();
+    engine_.reset();
   }
   bool closed() {
     gate_.pass(Use::kRead);
@@ -65,7 +66,6 @@ class EngineBox {
   auto call(const Work& work, Use scene_use = Use::kRead) {
     const LongCall use({gate_, Use::kWrite}, {scene_->gate, scene_use});
     if (!engine_) fail("engine: it is closed");
-    const Release release{context_};
     return work(*engine_);
   }
 
@@ -75,60 +75,11 @@ class EngineBox {
     return done;
   }
 
-  core::Expected<void> set_culler(CullerChoice choice) {
-    return call([&](engine::Engine& e) -> core::Expected<void> {
-      if (!context_ && (choice == CullerChoice::kGpu || choice == CullerChoice::kHybrid)) {
-        if (auto made = make_context(); !made) return made;
-        if (auto used = e.use_context(*context_); !used) {
-          context_.reset();
-          return used;
-        }
-      }
-      return e.set_culler(choice);
-    });
-  }
-
  private:
-  /// Leaves no context current at the end of a call.
-  struct Release {
-    const std::optional<gl::Context>& context;
-    ~Release() {
-      if (context) context->release_current();
-    }
-  };
-
-  core::Expected<void> make_context() {
-    auto made = gl::Context::create_offscreen(options_);
-    if (!made) return tl::unexpected(made.error());
-    context_ = std::move(*made);
-    return {};
-  }
-
-  core::Expected<void> create(EngineConfig config) {
-    const Release release{context_};
-    if (config.draw || config.culler == CullerChoice::kGpu || config.culler == CullerChoice::kHybrid) {
-      if (auto made = make_context(); !made) return made;
-      config.context = &*context_;
-      config.gl_state = engine::GlState::kLeave;  // nobody else draws in it
-    }
-    auto made = engine::Engine::create(scene_->scene, config);
-    if (!made) return tl::unexpected(made.error());
-    engine_ = std::move(*made);
-    return {};
-  }
-
-  void free() {
-    const Release release{context_};
-    engine_.reset();
-    context_.reset();
-  }
-
   ScenePtr scene_;
   Gate gate_;
-  gl::ContextOptions options_;
   int width_, height_;  // of the picture, in pixels
-  std::optional<gl::Context> context_;
-  std::optional<engine::Engine> engine_;  // after the context, which must outlive it
+  std::optional<engine::Engine> engine_;
 };
 
 void check_size(int width, int height) {
@@ -452,7 +403,11 @@ void bind_state(EngineClass& c) {
           "rebuilding", [](EngineBox& b) { return b.call([](engine::Engine& e) { return e.rebuilding(); }); },
           "True while a new order is made in the background or waits to land.")
       .def(
-          "set_culler", [](EngineBox& b, const std::string& culler) { unwrap(b.set_culler(culler_of(culler))); },
+          "set_culler",
+          [](EngineBox& b, const std::string& culler) {
+            const CullerChoice choice = culler_of(culler);
+            unwrap(b.call([&](engine::Engine& e) { return e.set_culler(choice); }));
+          },
           "culler"_a, "Uses another culler from the next frame on.")
       .def(
           "resize",

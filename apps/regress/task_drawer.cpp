@@ -66,6 +66,7 @@ core::Expected<engine::PictureTiles> TaskDrawer::prepare(const Task& task) {
   config.samples = task.samples;
   config.ids = task.limits.ids.has_value();
   config.context_platform = platform_;
+  config.gl_state = engine::GlState::kLeave;  // no other context is current here
   config.culler = engine::CullerChoice::kCpu;
   config.occlusion = engine::OcclusionChoice::kOff;  // what it draws first depends on the frame before
   const bool whole = std::max(task.size[0], task.size[1]) <= kLargestWhole;

@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <variant>
 
 #include "sightline/core/internal/deadline.h"
 #include "sightline/culling/contribution.h"
@@ -19,6 +20,7 @@
 #include "sightline/engine/internal/small_items.h"
 #include "sightline/engine/internal/solid_areas.h"
 #include "sightline/engine/internal/translucent.h"
+#include "sightline/gl/internal/current_context.h"
 #include "sightline/gl/internal/saved_state.h"
 #include "sightline/render/internal/compositor.h"
 #include "sightline/render/internal/overlays.h"
@@ -27,7 +29,8 @@
 
 namespace sightline::engine {
 
-/// Functions that need the context make it current on the calling thread, unless it was adopted, and leave it current.
+/// Functions that need the context make it current on the calling thread, unless it was adopted, and leave it current:
+/// KeptState is for their callers.
 class Drawing {
  public:
   /// `overrides` are borrowed.
@@ -48,9 +51,10 @@ class Drawing {
   /// Adds a plan entry for the program of each batch kind.
   static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
 
-  /// EngineConfig::gl_state: while the result lives, the application's state may change. Nothing to keep in a context
-  /// of our own, or in one that is lost.
-  using KeptState = std::optional<gl::SavedState>;
+  /// While it lives, what the application has may change. With a context of the engine's own that is which context is
+  /// current, and in the application's context its state (EngineConfig::gl_state), unless that is lost.
+  using KeptState = std::variant<std::monostate, gl::CurrentContext, gl::SavedState>;
+  static KeptState keep_current() { return KeptState(std::in_place_type<gl::CurrentContext>); }
   KeptState keep_state() const;
 
   /// From now on each frame puts its picture into that framebuffer, too; null: into none. The size must be that of the
@@ -142,6 +146,7 @@ class Drawing {
   core::Expected<void> make_current() const { return context_.make_current(); }
   /// Whether the context is lost, see gl::Context::lost.
   bool lost() const;
+  const std::string& platform() const { return context_.platform(); }
   const std::string& renderer() const { return context_.renderer(); }
   bool software() const { return context_.capabilities().software; }
   const culling::GpuCuller* gpu_culler() const { return culler_ ? &*culler_ : nullptr; }

@@ -55,6 +55,12 @@ class Engine::Impl {
   const core::VisibleSet& visible() const { return visible_; }
   const culling::Controller* controller() const { return hybrid_ ? &hybrid_->controller() : nullptr; }
   Drawing* drawing();
+  /// Held where GL is called, so that calls which need no GL do not ask it.
+  Drawing::KeptState keep_state() const {
+    if (drawing_) return drawing_->keep_state();
+    const bool changes_context = needs_gl() && !config_.context && config_.gl_state == GlState::kRestore;
+    return changes_context ? Drawing::keep_current() : Drawing::KeptState();
+  }
   MemoryReport memory() const;
   /// Fails, naming the call, where an item is unknown as of the last commit().
   core::Expected<void> known(const char* call, std::span<const core::ItemId> items) const;
@@ -79,10 +85,6 @@ class Engine::Impl {
   bool needs_gl() const {
     return config_.draw || live_.plan.gpu_culls();
   }
-  /// EngineConfig::gl_state: held where GL is called, so that calls which need no GL do not ask it.
-  Drawing::KeptState keep_state() const {
-    return drawing_ ? drawing_->keep_state() : Drawing::KeptState();
-  }
   void follow_hybrid();
   culling::ControllerConfig controller_config() const;
   core::Expected<void> make_drawing(bool new_order);
@@ -92,7 +94,7 @@ class Engine::Impl {
   core::Expected<void> land();
   core::Expected<void> follow_order();
   core::Expected<void> take_context(gl::Context& context, std::unique_ptr<Drawing> made);
-  void note_gpu_variant();
+  void note_context();
   void note_nodes();
   template <class Edit>
   core::Expected<void> override_items(const Edit& edit);

@@ -31,6 +31,7 @@ class Drawing {
 
   // None of these is ever called.
   struct KeptState {};
+  static KeptState keep_current() { return {}; }
   KeptState keep_state() const { return {}; }
   void configure(const EngineConfig&) {}
   void put_into(const core::ExternalTarget*) {}
@@ -68,6 +69,7 @@ class Drawing {
   std::optional<Feedback> take_gpu_feedback() { return {}; }
   std::optional<culling::GpuVariant> gpu_variant() const { return {}; }
   std::string why_gpu_variant() const { return {}; }
+  std::string platform() const { return {}; }
   std::string renderer() const { return {}; }
   std::vector<std::string> take_gl_errors() { return {}; }
   double waited_ms() const { return 0.0; }

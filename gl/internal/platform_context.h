@@ -29,12 +29,13 @@ core::Expected<std::unique_ptr<PlatformContext>> create_egl_context(const Contex
 /// The same with OSMesa. The error says what to install.
 core::Expected<std::unique_ptr<PlatformContext>> create_osmesa_context(const ContextOptions& options);
 
-// EGL and OSMesa do not know of each other, but Mesa's share one current context for each thread: what one makes
-// current replaces the other's, which goes unnoticed there. So the other's is released first.
+// OSMesa does not keep on which thread a context is current. Of those that this library made, the following know it.
 
-/// Leaves no EGL context current on this thread, the application's included. Does nothing if nobody has opened EGL.
-void release_any_egl_context(const std::string& egl_library);
-/// Leaves no OSMesa context current on this thread, if one of ours is.
-void release_any_osmesa_context();
+/// The one that is current on this thread; null where none is.
+std::shared_ptr<void> osmesa_context_of_ours();
+/// Leaves it current no longer.
+void release_osmesa_context_of_ours();
+/// Makes it current on this thread, unless it has been destroyed meanwhile.
+void make_current_again(const std::shared_ptr<void>& osmesa_context_of_ours);
 
 }  // namespace sightline::gl

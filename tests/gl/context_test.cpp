@@ -22,7 +22,7 @@ using ContextTest = tests::GlTest;
 /// An application's own way to find functions of a context: EGL's or OSMesa's, with some names held back.
 struct ForeignLoader {
   explicit ForeignLoader(const Context& context) {
-    const bool osmesa = context.platform() == "OSMesa";
+    const bool osmesa = context.platform().starts_with("OSMesa");
     void* library = dlopen(osmesa ? "libOSMesa.so.8" : "libEGL.so.1", RTLD_NOW | RTLD_NODELETE);
     get =
         reinterpret_cast<Proc (*)(const char*)>(dlsym(library, osmesa ? "OSMesaGetProcAddress" : "eglGetProcAddress"));
@@ -78,7 +78,7 @@ TEST_F(ContextTest, AutomaticContextIsUsable) {
   EXPECT_FALSE(context->renderer().empty());
   EXPECT_FALSE(context->vendor().empty());
   EXPECT_FALSE(context->version().empty());
-  EXPECT_TRUE(context->platform().rfind("EGL ", 0) == 0 || context->platform() == "OSMesa") << context->platform();
+  EXPECT_TRUE(context->platform().rfind("EGL ", 0) == 0 || context->platform().starts_with("OSMesa")) << context->platform();
   GLint profile = 0;
   gl().GetIntegerv(GL_CONTEXT_PROFILE_MASK, &profile);
   EXPECT_EQ(profile, GL_CONTEXT_CORE_PROFILE_BIT);
@@ -188,7 +188,7 @@ TEST_F(AutomaticPlatform, FallsBackToOsMesaWithoutEgl) {
   options.egl_library = kNoSuchLibrary;
   const auto made = Context::create_offscreen(options);
   ASSERT_TRUE(made) << made.error().message;
-  EXPECT_EQ(made->platform(), "OSMesa");
+  EXPECT_EQ(made->platform().rfind("OSMesa (no EGL: ", 0), 0u) << made->platform();
   options.osmesa_library = kNoSuchLibrary;
   const auto neither = Context::create_offscreen(options);
   ASSERT_FALSE(neither);
@@ -482,7 +482,7 @@ TEST_F(ContextTest, CurrentElsewhereIsAnError) {
 /// A context may end on another thread than the one it is current on, which does not know of it.
 TEST_F(ContextTest, MayEndWhileCurrentOnAnotherThread) {
   for (const bool thread_ends : {false, true}) {
-    if (thread_ends && context->platform() != "OSMesa") continue;  // EGL keeps a context that a thread ends with
+    if (thread_ends && !context->platform().starts_with("OSMesa")) continue;  // EGL keeps a context that a thread ends with
     std::optional<Context> other;
     std::binary_semaphore made(0), ended(0);
     std::thread worker([&] {

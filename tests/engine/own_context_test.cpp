@@ -1,0 +1,279 @@
+// Engines with contexts of their own, beside whatever the application has current: EGL with surfaces, OSMesa, nothing.
+// GLX is in tests/apps/glx_host_test.cpp.
+#include <memory>
+#include <semaphore>
+#include <thread>
+
+#define EGL_NO_PLATFORM_SPECIFIC_TYPES
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include "sightline/engine/internal/drawing.h"
+#include "sightline/tests/engine/drawn_grid.h"
+#include "sightline/tests/engine/every_call.h"
+
+namespace sightline::tests::own_context_test {
+namespace {
+
+using engine::Engine;
+using gl::ContextPlatform;
+
+template <class Function>
+void find(void* library, const char* name, Function& function) {
+  function = library ? reinterpret_cast<Function>(dlsym(library, name)) : nullptr;
+}
+
+/// An application with something current on its thread, which it made without this library.
+class Host {
+ public:
+  virtual ~Host() = default;
+  /// Empty: all is as the application left it.
+  virtual std::string what_changed() const = 0;
+};
+
+/// A context of OpenGL ES, with another surface to draw to than to read from.
+class EglHost final : public Host {
+ public:
+  static std::unique_ptr<Host> make() {
+    std::unique_ptr<EglHost> host(new EglHost);
+    return host->begin() ? std::move(host) : nullptr;
+  }
+  ~EglHost() override {
+    if (display_ == EGL_NO_DISPLAY) return;
+    make_current_(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    destroy_context_(display_, context_);
+    for (const EGLSurface surface : {draw_, read_}) destroy_surface_(display_, surface);
+  }
+  std::string what_changed() const override {
+    if (query_api_() != EGL_OPENGL_ES_API) return "another API is bound";
+    if (current_() != context_) return "another context is current";
+    return surface_(EGL_DRAW) == draw_ && surface_(EGL_READ) == read_ ? "" : "other surfaces are current";
+  }
+
+ private:
+  bool begin() {
+    void* egl = dlopen("libEGL.so.1", RTLD_NOW | RTLD_NODELETE);
+    PFNEGLGETPROCADDRESSPROC get_proc = nullptr;
+    PFNEGLINITIALIZEPROC initialize = nullptr;
+    PFNEGLCHOOSECONFIGPROC choose_config = nullptr;
+    PFNEGLCREATECONTEXTPROC create_context = nullptr;
+    PFNEGLCREATEPBUFFERSURFACEPROC create_surface = nullptr;
+    PFNEGLBINDAPIPROC bind_api = nullptr;
+    find(egl, "eglGetProcAddress", get_proc);
+    find(egl, "eglInitialize", initialize);
+    find(egl, "eglChooseConfig", choose_config);
+    find(egl, "eglCreateContext", create_context);
+    find(egl, "eglCreatePbufferSurface", create_surface);
+    find(egl, "eglBindAPI", bind_api);
+    find(egl, "eglQueryAPI", query_api_);
+    find(egl, "eglMakeCurrent", make_current_);
+    find(egl, "eglDestroyContext", destroy_context_);
+    find(egl, "eglDestroySurface", destroy_surface_);
+    find(egl, "eglGetCurrentContext", current_);
+    find(egl, "eglGetCurrentSurface", surface_);
+    if (!get_proc) return false;
+    const auto get_display = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(get_proc("eglGetPlatformDisplayEXT"));
+    const EGLDisplay display = get_display(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr);
+    if (display == EGL_NO_DISPLAY || !initialize(display, nullptr, nullptr) || !bind_api(EGL_OPENGL_ES_API))
+      return false;
+    const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_ES2_BIT, EGL_NONE};
+    EGLConfig config = nullptr;
+    EGLint count = 0;
+    if (!choose_config(display, wanted, &config, 1, &count) || count == 0) return false;
+    const EGLint version[] = {EGL_CONTEXT_CLIENT_VERSION, 2, EGL_NONE},
+                 size[] = {EGL_WIDTH, 8, EGL_HEIGHT, 8, EGL_NONE};
+    context_ = create_context(display, config, EGL_NO_CONTEXT, version);
+    draw_ = create_surface(display, config, size);
+    read_ = create_surface(display, config, size);
+    if (!make_current_(display, draw_, read_, context_)) return false;
+    display_ = display;
+    return true;
+  }
+
+  PFNEGLQUERYAPIPROC query_api_ = nullptr;
+  PFNEGLMAKECURRENTPROC make_current_ = nullptr;
+  PFNEGLDESTROYCONTEXTPROC destroy_context_ = nullptr;
+  PFNEGLDESTROYSURFACEPROC destroy_surface_ = nullptr;
+  PFNEGLGETCURRENTCONTEXTPROC current_ = nullptr;
+  PFNEGLGETCURRENTSURFACEPROC surface_ = nullptr;
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLContext context_ = EGL_NO_CONTEXT;
+  EGLSurface draw_ = EGL_NO_SURFACE, read_ = EGL_NO_SURFACE;
+};
+
+/// OSMesa with a picture of floats, in which a clear colour shows.
+class OsMesaHost final : public Host {
+ public:
+  static std::unique_ptr<Host> make() {
+    std::unique_ptr<OsMesaHost> host(new OsMesaHost);
+    return host->begin() ? std::move(host) : nullptr;
+  }
+  ~OsMesaHost() override {
+    if (!context_) return;
+    make_current_(nullptr, nullptr, 0, 0, 0);
+    destroy_(context_);
+  }
+  std::string what_changed() const override {
+    if (current_() != context_) return "another context is current";
+    clear_colour_(0.25f, 0.5f, 0.75f, 1.0f);
+    clear_(GL_COLOR_BUFFER_BIT);
+    finish_();
+    return pixels_[4 * 63] == 0.25f && pixels_[4 * 63 + 2] == 0.75f ? "" : "drawing goes elsewhere";
+  }
+
+ private:
+  bool begin() {
+    void* osmesa = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_NODELETE);
+    void* (*create)(GLenum format, int depth, int stencil, int accumulation, void* shared) = nullptr;
+    void* (*get_proc)(const char* name) = nullptr;
+    find(osmesa, "OSMesaCreateContextExt", create);
+    find(osmesa, "OSMesaMakeCurrent", make_current_);
+    find(osmesa, "OSMesaDestroyContext", destroy_);
+    find(osmesa, "OSMesaGetCurrentContext", current_);
+    find(osmesa, "OSMesaGetProcAddress", get_proc);
+    if (!create) return false;
+    context_ = create(GL_RGBA, 24, 0, 0, nullptr);
+    if (!context_ || !make_current_(context_, pixels_.data(), GL_FLOAT, 8, 8)) return false;
+    clear_colour_ = reinterpret_cast<decltype(clear_colour_)>(get_proc("glClearColor"));
+    clear_ = reinterpret_cast<decltype(clear_)>(get_proc("glClear"));
+    finish_ = reinterpret_cast<decltype(finish_)>(get_proc("glFinish"));
+    return true;
+  }
+
+  GLboolean (*make_current_)(void* context, void* pixels, GLenum type, GLsizei width, GLsizei height) = nullptr;
+  void (*destroy_)(void* context) = nullptr;
+  void* (*current_)() = nullptr;
+  void (*clear_colour_)(float, float, float, float) = nullptr;
+  void (*clear_)(GLbitfield) = nullptr;
+  void (*finish_)() = nullptr;
+  void* context_ = nullptr;
+  std::vector<float> pixels_ = std::vector<float>(4 * 64);
+};
+
+/// An application without GL.
+class NoHost final : public Host {
+ public:
+  static std::unique_ptr<Host> make() { return std::make_unique<NoHost>(); }
+  std::string what_changed() const override {
+    void* (*egl)() = nullptr;
+    void* (*osmesa)() = nullptr;
+    find(dlopen("libEGL.so.1", RTLD_NOW | RTLD_NOLOAD), "eglGetCurrentContext", egl);
+    find(dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_NOLOAD), "OSMesaGetCurrentContext", osmesa);
+    return (egl && egl()) || (osmesa && osmesa()) ? "a context is current" : "";
+  }
+};
+
+struct Case {
+  const char* name;
+  std::unique_ptr<Host> (*host)();
+  ContextPlatform platform;  // of the engine
+};
+
+std::string name_of_case(const testing::TestParamInfo<Case>& info) {
+  return info.param.name;
+}
+
+void fill(core::Scene& scene) {
+  for (int i = 0; i < 300; ++i)
+    scene.add_primitive(scene.root(), core::Cylinder{0.2f, 0.5f}, core::translation({i % 7, i / 7 % 7, i / 49}));
+}
+core::View view() {
+  return *core::View::perspective({{-6, -7, 9}, {3, 3, 3}, {0, 0, 1}}, 0.7, 1.0, 0.1);
+}
+engine::EngineConfig config(ContextPlatform platform) {
+  return {.draw = true, .width = 48, .height = 48, .gl_debug = true, .context_platform = platform};
+}
+
+class OwnContextBeside : public testing::TestWithParam<Case> {};
+
+TEST_P(OwnContextBeside, EveryCallLeavesTheApplicationsContextCurrent) {
+  const auto exists = gl::Context::create_offscreen({.platform = GetParam().platform});
+  if (!exists && may_skip(exists.error().message)) GTEST_SKIP() << exists.error().message;
+  exists->release_current();
+  const std::unique_ptr<Host> host = GetParam().host();
+  if (!host) {
+    if (gl_required()) FAIL() << "the application's context cannot be made";
+    GTEST_SKIP() << "no such context here";
+  }
+  ASSERT_EQ(host->what_changed(), "") << "to begin with";
+  core::Scene scene;
+  fill(scene);
+  make_every_call(scene, config(GetParam().platform), view(),
+                  [&](const std::string& call) { EXPECT_EQ(host->what_changed(), "") << "after " << call; });
+}
+
+INSTANTIATE_TEST_SUITE_P(Hosts, OwnContextBeside,
+                         testing::Values(Case{"EglBesideEgl", EglHost::make, ContextPlatform::kEgl},
+                                         Case{"OsMesaBesideEgl", EglHost::make, ContextPlatform::kOsMesa},
+                                         Case{"EglBesideOsMesa", OsMesaHost::make, ContextPlatform::kEgl},
+                                         Case{"OsMesaBesideOsMesa", OsMesaHost::make, ContextPlatform::kOsMesa},
+                                         Case{"EglBesideNothing", NoHost::make, ContextPlatform::kEgl},
+                                         Case{"OsMesaBesideNothing", NoHost::make, ContextPlatform::kOsMesa}),
+                         name_of_case);
+
+/// The thread that made it waits meanwhile, and has had its own context back.
+TEST(OwnContext, MovesFromThreadToThread) {
+  for (const ContextPlatform platform : {ContextPlatform::kEgl, ContextPlatform::kOsMesa}) {
+    core::Scene scene;
+    fill(scene);
+    std::optional<core::Expected<Engine>> engine;
+    std::binary_semaphore made(0), drawn(0);
+    core::Expected<image::Image> of_maker, of_another;
+    std::thread maker([&] {
+      engine.emplace(Engine::create(scene, config(platform)));
+      made.release();
+      drawn.acquire();
+      if (*engine && (*engine)->frame(view())) of_maker = (*engine)->read_colour();
+    });
+    made.acquire();
+    if (*engine && (*engine)->frame(view())) of_another = (*engine)->read_colour();
+    drawn.release();
+    maker.join();
+    if (!*engine && may_skip(engine->error().message)) GTEST_SKIP() << engine->error().message;
+    ASSERT_TRUE(*engine) << engine->error().message;
+    ASSERT_TRUE(of_maker && of_another);
+    EXPECT_EQ(of_maker->pixels, of_another->pixels);
+    EXPECT_TRUE((*engine)->covered().value_or(false));
+  }
+}
+
+TEST(OwnContext, MayBeLeftCurrent) {
+  const NoHost host;
+  core::Scene scene;
+  fill(scene);
+  for (const auto state : {engine::GlState::kRestore, engine::GlState::kLeave}) {
+    engine::EngineConfig asked = config(ContextPlatform::kAutomatic);
+    asked.gl_state = state;
+    auto engine = Engine::create(scene, asked);
+    if (!engine && may_skip(engine.error().message)) GTEST_SKIP() << engine.error().message;
+    ASSERT_TRUE(engine && engine->frame(view()) && engine->covered().value_or(false));
+    EXPECT_EQ(host.what_changed().empty(), state == engine::GlState::kRestore);
+  }
+  EXPECT_EQ(host.what_changed(), "") << "its end takes the context along";
+}
+
+TEST(OwnContext, ThePlanTellsWhichContextThereIs) {
+  core::Scene scene;
+  fill(scene);
+  auto engine = Engine::create(scene, config(ContextPlatform::kAutomatic));
+  if (!engine && may_skip(engine.error().message)) GTEST_SKIP() << engine.error().message;
+  ASSERT_TRUE(engine) << engine.error().message;
+  for (const bool anew : {false, true}) {
+    if (anew) {
+      ASSERT_TRUE(engine->rebuild());
+    }
+    int found = 0;
+    for (const engine::PlanEntry& entry : engine->plan().entries) {
+      if (entry.feature != "offscreen context") continue;
+      ++found;
+      EXPECT_TRUE(entry.used);
+      EXPECT_EQ(entry.why, engine->drawing()->platform());
+    }
+    EXPECT_EQ(found, 1);
+  }
+}
+
+}  // namespace
+}  // namespace sightline::tests::own_context_test
