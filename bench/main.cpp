@@ -56,6 +56,7 @@ constexpr Subcommand kSubcommands[] = {
      "what a frame budget leaves of the picture while the camera moves, and until the picture is full at rest",
      bench::add_budget},
     {"overrides", "what it costs to override or hide items of a model", bench::add_overrides},
+    {"stream", "what the worst frame takes while meshes come and go", bench::add_stream},
     {"proxies", "pixels that ray-cast primitives run shaders for, beside those they show", bench::add_proxies},
     {"transparency", "error of blended and dithered transparency against exact sorting, and their time",
      bench::add_transparency},

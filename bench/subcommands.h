@@ -52,6 +52,7 @@ Run add_hybrid(apps::CommandLine& line);
 Run add_limit(apps::CommandLine& line);
 Run add_overrides(apps::CommandLine& line);
 Run add_proxies(apps::CommandLine& line);
+Run add_stream(apps::CommandLine& line);
 Run add_transparency(apps::CommandLine& line);
 
 // Built if the viewer is.

@@ -147,6 +147,13 @@ sl_status sl_engine_commit(sl_engine handle) {
   return with_engine(__func__, handle, Access::kEdit, [](const EngineUse& engine) { value_of(engine->commit()); });
 }
 
+sl_status sl_engine_commit_for(sl_engine handle, double seconds, int32_t* complete) {
+  return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
+    require(complete != nullptr, "complete, found null");
+    *complete = value_of(engine->commit(seconds));
+  });
+}
+
 sl_status sl_engine_rebuild(sl_engine handle) {
   return with_engine(__func__, handle, Access::kEdit, [](const EngineUse& engine) { value_of(engine->rebuild()); });
 }

@@ -584,6 +584,8 @@ SL_API sl_status sl_engine_frame_into(sl_engine engine, const sl_view* view, con
 SL_API sl_status sl_engine_late_report(sl_engine engine, sl_late_report* report);
 /* Commits the scene's edits; frames show none before. */
 SL_API sl_status sl_engine_commit(sl_engine engine);
+/* The same in portions: works for about `seconds`, and says whether all edits are followed. */
+SL_API sl_status sl_engine_commit_for(sl_engine engine, double seconds, int32_t* complete);
 /* Makes a new order of the items at once. */
 SL_API sl_status sl_engine_rebuild(sl_engine engine);
 SL_API sl_status sl_engine_set_culler(sl_engine engine, sl_culler culler);

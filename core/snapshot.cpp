@@ -233,6 +233,10 @@ const Mesh& Snapshot::mesh(Slot s) const {
   return meshes_[kind_items_[std::size_t(kinds_[s])].meshes[index_in_kind_[s]]];
 }
 
+std::shared_ptr<const Mesh> Snapshot::share_mesh(Slot s) const {
+  return meshes_.share(kind_items_[std::size_t(kinds_[s])].meshes[index_in_kind_[s]]);
+}
+
 std::size_t Snapshot::memory_bytes() const {
   std::size_t bytes = bounds_.memory_bytes() + table_->rows.capacity() * sizeof(glm::vec4) +
                       kinds_.capacity() * sizeof(Kind) +

@@ -140,6 +140,7 @@ class SIGHTLINE_API Snapshot {
   /// The mesh of an item that has one. Empty when the scene had removed the mesh before the last apply(), which it may
   /// do once the item is removed. The scene is not read.
   const Mesh& mesh(Slot slot) const;
+  std::shared_ptr<const Mesh> share_mesh(Slot slot) const;  ///< null where mesh() is empty for want of one
   const KindItems& of_kind(Kind kind) const { return kind_items_[std::size_t(kind)]; }
 
   /// Number of items of `kind` in slots below `slot`. Turns a range of slots into a range of of_kind(kind). Constant

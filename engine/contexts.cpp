@@ -1,10 +1,9 @@
 // The engine and its context: made, lost, dropped, and given by the application, at once or in portions.
-#include <algorithm>
 #include <cassert>
-#include <chrono>
 #include <tuple>
 #include <utility>
 
+#include "sightline/core/internal/deadline.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/clock.h"
 #include "sightline/engine/internal/engine_impl.h"
@@ -12,8 +11,7 @@
 namespace sightline::engine {
 namespace {
 
-constexpr double kTryAgain = 0.5;           // seconds between tries to make a context
-constexpr double kLongestPortion = 3600.0;  // seconds
+constexpr double kTryAgain = 0.5;  // seconds between tries to make a context
 
 }  // namespace
 
@@ -79,9 +77,7 @@ core::Expected<bool> Engine::Impl::use_context(gl::Context& context, double seco
   if (coming_ && (coming_in_ != &context || coming_->lost())) coming_.reset();
   const auto taken = [] { return true; };
   if (!needs_gl()) return take_context(context, nullptr).map(taken);
-  const auto deadline =
-      std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                             std::chrono::duration<double>(std::clamp(seconds, 0.0, kLongestPortion)));
+  const core::Deadline deadline = core::deadline_in(seconds);
   if (!coming_) {
     EngineConfig config = config_;
     config.context = &context;

@@ -14,11 +14,13 @@ namespace {
 constexpr std::size_t kFramesInFlight = 2;
 constexpr GLuint64 kLongestFenceWait = 10'000'000'000;  // ns; a lost context must not hang the application
 constexpr std::size_t kMostDrawn = 8;
-constexpr double kBudgetShare = 0.93;  // of a frame's budget, to draw in
-constexpr double kPassShare = 0.5;     // of the time left, for the next pass: it may take longer than expected
-constexpr double kLeastPasses = 2.0;   // that the time left must suffice for
-constexpr double kSlower = 0.92;       // squares take what they took, or less by as much a frame
-constexpr float kOverlooked = 0.125f;  // of the area that the last frame came to
+constexpr core::Slot kAppendedPiece = 64;    // slots at a time, which may bring a mesh each
+constexpr std::size_t kTouchedPiece = 1024;  // slots at a time
+constexpr double kBudgetShare = 0.93;        // of a frame's budget, to draw in
+constexpr double kPassShare = 0.5;           // of the time left, for the next pass: it may take longer than expected
+constexpr double kLeastPasses = 2.0;         // that the time left must suffice for
+constexpr double kSlower = 0.92;             // squares take what they took, or less by as much a frame
+constexpr float kOverlooked = 0.125f;        // of the area that the last frame came to
 
 }  // namespace
 
@@ -134,28 +136,29 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
   Upload upload;
   auto done = advance(upload, snapshot, joints, gpu_culls, core::kNoDeadline);
   if (!done) return tl::unexpected(done.error());
-  take(std::move(upload));
-  return {};
+  return take(std::move(upload), snapshot);
 }
 
 core::Expected<bool> Drawing::advance(Upload& upload, const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                                       bool gpu_culls, core::Deadline deadline) {
   if (!upload.lists) {
-    if (!upload.scene) upload.scene = gpuscene::GpuScene::begin(context_, snapshot);
-    const auto done = upload.scene->advance(context_, snapshot, joints, deadline);
-    if (!done || !*done) return done;
-    const auto [touched, materials] = take_later();
-    if (!upload.scene->append(snapshot, joints)) {
-      upload = {};
-      return false;
+    if (!upload.scene) {
+      auto scene = gpuscene::GpuScene::begin(context_, snapshot, scene_ ? &*scene_ : nullptr);
+      if (!scene) return tl::unexpected(scene.error());
+      upload.scene = std::move(*scene);
     }
-    upload.scene->update(snapshot, touched, joints);
+    if (!upload.uploaded) {
+      const auto done = upload.scene->advance(context_, snapshot, joints, deadline);
+      if (!done || !*done) return done;
+      upload.uploaded = true;
+    }
+    if (const auto done = catch_up(*upload.scene, snapshot, joints, deadline); !done || !*done) return done;
+    const auto [touched, materials] = take_later();
     if (auto kept = upload.scene->update_materials(context_, snapshot, materials); !kept)
       return tl::unexpected(kept.error());
     auto lists = gpuscene::DrawLists::create(context_, *upload.scene);
     if (!lists) return tl::unexpected(lists.error());
     upload.lists = std::move(*lists);
-    translucent_.reset(snapshot);
     if (gpu_culls) {
       auto culler = make_culler(snapshot, *upload.scene);
       if (!culler) return tl::unexpected(culler.error());
@@ -163,7 +166,7 @@ core::Expected<bool> Drawing::advance(Upload& upload, const core::Snapshot& snap
     }
     if (core::over(deadline)) return false;
   }
-  if (!renders_) return true;
+  if (!renders_ || renderer_) return true;
   if (!upload.renderer) {
     auto renderer = render::Renderer::begin(context_);
     if (!renderer) return tl::unexpected(renderer.error());
@@ -173,7 +176,27 @@ core::Expected<bool> Drawing::advance(Upload& upload, const core::Snapshot& snap
   return upload.renderer->advance(*upload.scene, target_.format(), deadline);
 }
 
-void Drawing::take(Upload upload) {
+/// Makes a new scene follow the edits since it was begun. Whether it has followed all.
+core::Expected<bool> Drawing::catch_up(gpuscene::GpuScene& scene, const core::Snapshot& snapshot,
+                                       const gpuprims::Joints& joints, core::Deadline deadline) {
+  while (!scene.has_all(snapshot)) {
+    if (auto done = scene.append(snapshot, joints, kAppendedPiece); !done) return done;
+    if (core::over(deadline)) return false;
+  }
+  std::vector<core::Slot>& touched = later_.touched;
+  while (!touched.empty()) {
+    const std::size_t count = std::min(touched.size(), kTouchedPiece);
+    std::vector<core::Slot> piece(touched.end() - std::ptrdiff_t(count), touched.end());
+    touched.resize(touched.size() - count);
+    std::sort(piece.begin(), piece.end());
+    piece.erase(std::unique(piece.begin(), piece.end()), piece.end());
+    scene.update(snapshot, piece, joints);
+    if (core::over(deadline)) return false;
+  }
+  return true;
+}
+
+core::Expected<void> Drawing::take(Upload upload, const core::Snapshot& snapshot) {
   passes_.reset();
   was_large_.clear();
   budget_.reset();
@@ -183,6 +206,34 @@ void Drawing::take(Upload upload) {
   scene_ = std::move(*upload.scene);
   lists_ = std::move(*upload.lists);
   if (upload.renderer) renderer_ = std::move(*upload.renderer);
+  translucent_.reset(snapshot);
+  if (auto done = leave_out_overlays(snapshot); !done || !renderer_) return done;
+  return renderer_->follow(*scene_, target_.format());
+}
+
+/// The culler does not find what is drawn over the picture.
+core::Expected<void> Drawing::leave_out_overlays(const core::Snapshot& snapshot) {
+  if (!culler_ || !renders_) return {};
+  const std::vector<core::Slot> slots = culling::slots_of(translucent_.bits());
+  return slots.empty() ? core::Expected<void>() : culler_->update(snapshot, *scene_, slots, translucent_.bits());
+}
+
+core::Expected<bool> Drawing::advance_order(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                            bool gpu_culls, core::Deadline deadline) {
+  if (auto current = make_current(); !current) return tl::unexpected(current.error());
+  if (!upload_) upload_.emplace();
+  return advance(*upload_, snapshot, joints, gpu_culls, deadline);
+}
+
+core::Expected<void> Drawing::take_order(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                         bool gpu_culls) {
+  if (auto current = make_current(); !current) return current;
+  Upload upload = std::move(*upload_);
+  upload_.reset();
+  if (auto done = take(std::move(upload), snapshot); !done) return done;
+  const auto [touched, materials] = take_later();
+  if (auto done = update(snapshot, joints, touched, materials); !done) return done;
+  return gpu_culls ? add_culler(snapshot) : core::Expected<void>();
 }
 
 core::Expected<bool> Drawing::advance(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
@@ -194,7 +245,7 @@ core::Expected<bool> Drawing::advance(const core::Snapshot& snapshot, const gpup
     if (!done || !*done) return done;
     Upload upload = std::move(*upload_);
     upload_.reset();
-    take(std::move(upload));
+    if (auto taken = take(std::move(upload), snapshot); !taken) return tl::unexpected(taken.error());
   }
   if (const auto done = warm_up(snapshot, deadline); !done || !*done) return done;
   const auto [touched, materials] = take_later();
@@ -245,19 +296,16 @@ core::Expected<culling::GpuCuller> Drawing::make_culler(const core::Snapshot& sn
   const bool occlusion = occlusion_ == OcclusionChoice::kOn && may_test_occlusion(*culler);
   if (auto done = culler->prepare(renders_ && (sample_test_ || occlusion), occlusion); !done)
     return tl::unexpected(done.error());
-  const culling::SlotBits left_out = renders_ ? translucent_.bits() : culling::SlotBits();
-  if (const auto slots = culling::slots_of(left_out); !slots.empty())
-    if (auto done = culler->update(snapshot, scene, slots, left_out); !done) return tl::unexpected(done.error());
   return culler;
 }
 
 core::Expected<void> Drawing::add_culler(const core::Snapshot& snapshot) {
-  if (culler_ || upload_) return {};
+  if (culler_ || !scene_) return {};
   if (auto current = make_current(); !current) return current;
   auto culler = make_culler(snapshot, *scene_);
   if (!culler) return tl::unexpected(culler.error());
   culler_ = std::move(*culler);
-  return {};
+  return leave_out_overlays(snapshot);
 }
 
 core::Expected<void> Drawing::resize(int width, int height) {
@@ -273,9 +321,23 @@ core::Expected<void> Drawing::resize(int width, int height) {
 core::Expected<void> Drawing::update(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                                      std::span<const core::Slot> touched, std::span<const std::uint32_t> materials) {
   if (auto current = make_current(); !current) return current;
-  if (!scene_->append(snapshot, joints)) return rebuild(snapshot, joints, culler_.has_value());
+  const auto larger = scene_->append(snapshot, joints);
+  if (!larger) return rebuild(snapshot, joints, culler_.has_value());  // the scene is of no use then
   scene_->update(snapshot, touched, joints);
+  if (*larger)
+    if (auto done = follow_batches(snapshot); !done) return done;
   return follow_edit(snapshot, touched, materials, true);
+}
+
+/// Makes anew what is kept for each batch, where batches are larger or new.
+core::Expected<void> Drawing::follow_batches(const core::Snapshot& snapshot) {
+  auto lists = gpuscene::DrawLists::create(context_, *scene_);
+  if (!lists) return tl::unexpected(lists.error());
+  lists_ = std::move(*lists);
+  if (renderer_)
+    if (auto done = renderer_->follow(*scene_, target_.format()); !done) return done;
+  if (!std::exchange(culler_, std::nullopt)) return {};
+  return add_culler(snapshot);
 }
 
 core::Expected<void> Drawing::update_looks(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
@@ -348,6 +410,8 @@ core::Expected<void> Drawing::draw_solid(const Culled& culled, double began) {
   if (tested) {
     const bool rehearses = &large == &culled.visible && may_rehearse(culled);
     if (auto done = rehearses ? draw_rehearsed(culled) : draw_in_passes(culled.with(large)); !done) return done;
+    if (beside_part_)
+      if (auto done = draw_part(culled.with(large)); !done) return done;
   } else {
     passes_.reset();
     if (auto done = draw_at_once(culled.with(large)); !done) return done;
@@ -471,12 +535,31 @@ void Drawing::set_contribution(float pixels, ContributionWay way) {
 /// items are not worth it.
 bool Drawing::tests_occlusion(const Culled& candidates, std::int64_t count) {
   candidates_ = count;
-  switched_ = false;
+  switched_ = beside_part_ = false;
   if (!may_test_occlusion()) return false;
   if (occlusion_ == OcclusionChoice::kOn) return true;
   switched_ = software() && count >= std::int64_t(kSmallOcclusionScene);
   const auto& [view, snapshot, visible, lines, hierarchy] = candidates;
-  return switched_ && occlusion_switch_.use(mean_area(view, snapshot.bounds(), visible, target_.height()));
+  if (!switched_) return false;
+  const OcclusionWay way = occlusion_switch_.use(mean_area(view, snapshot.bounds(), visible, target_.height()));
+  beside_part_ = way == OcclusionWay::kOnBesidePart;
+  return way != OcclusionWay::kOff;
+}
+
+/// Draws some of the candidates again, as a frame without the test of occlusion would all: see OcclusionWay. Changes
+/// no pixel, since what is there already has them all in front.
+core::Expected<void> Drawing::draw_part(const Culled& culled) {
+  const auto& [view, snapshot, visible, lines, hierarchy] = culled;
+  constexpr auto kParts = core::Slot(1.0 / OcclusionSwitch::kTriedPart);
+  part_ = (part_ + 1) % kParts;
+  core::VisibleSet part;
+  part.generation = visible.generation;
+  visible.for_each_slot([&](core::Slot slot) {
+    if (slot / core::kBlockSlots % kParts == part_) part.items.push_back(slot);
+  });
+  std::sort(part.items.begin(), part.items.end());
+  culling::SampleTest(view, snapshot.bounds().origin, samples()).filter(snapshot.bounds(), part, sampled_, lines);
+  return draw_pass(view, snapshot, sampled_, target_);
 }
 
 void Drawing::frame_took(double ms) {
@@ -624,7 +707,7 @@ bool Drawing::tests_occlusion_on_gpu(std::size_t items) {
   if (!software()) return items >= kGpuOcclusionScene;
   switched_ = candidates_ >= std::int64_t(kSmallOcclusionScene);
   constexpr double kUnknown = 0.0;
-  return switched_ && occlusion_switch_.use(kUnknown);
+  return switched_ && occlusion_switch_.use(kUnknown) == OcclusionWay::kOn;
 }
 
 core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Snapshot& snapshot, std::uint64_t frame,

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "sightline/core/internal/deadline.h"
 #include "sightline/engine/internal/clock.h"
 #include "sightline/engine/internal/engine_impl.h"
 #include "sightline/engine/internal/picking.h"
@@ -11,8 +12,11 @@
 namespace sightline::engine {
 namespace {
 
-constexpr double kFewSlots = 256.0;        // fewer are not worth a thread
-constexpr double kShareOfSnapshot = 0.75;  // of the time that making an engine takes
+constexpr double kFewSlots = 256.0;           // fewer are not worth a thread
+constexpr std::size_t kCommittedPiece = 512;  // edits at a time, where a commit goes on later
+constexpr double kShareOfSnapshot = 0.75;     // of the time that making an engine takes
+// What frames and commits do for a new order that is to land: seconds, and a share of what the last frame took.
+constexpr double kLeastLanding = 0.001, kMostLanding = 0.008, kLandingShare = 0.25;
 // Measured on llvmpipe: 1.15 to 1.2 times the frame of the CPU's path (docs/hybrid-culling.md).
 constexpr double kSoftwareGpuExcess = 0.1;
 
@@ -36,6 +40,21 @@ void add_slots(std::span<const core::Slot> slots, std::size_t size, std::vector<
     if (slot < size) touched.push_back(slot);
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+}
+
+/// Takes some edits out of a delta, of which removals come first.
+core::SceneDelta first_of(core::SceneDelta& delta) {
+  core::SceneDelta piece;
+  piece.materials = std::exchange(delta.materials, {});
+  std::size_t room = kCommittedPiece;
+  for (const auto list : {&core::SceneDelta::removed, &core::SceneDelta::changed, &core::SceneDelta::inserted}) {
+    std::vector<core::ItemId>&from = delta.*list, &to = piece.*list;
+    const auto count = std::ptrdiff_t(std::min(room, from.size()));
+    to.assign(from.end() - count, from.end());
+    from.erase(from.end() - count, from.end());
+    room -= std::size_t(count);
+  }
+  return piece;
 }
 
 core::Expected<void> check(const EngineConfig& config) {
@@ -113,7 +132,10 @@ std::optional<LateReport> Engine::take_late_report() {
   return impl_->take_late_report();
 }
 core::Expected<void> Engine::commit() {
-  return impl_->commit();
+  return impl_->commit(core::kNoDeadline).map([](bool) {});
+}
+core::Expected<bool> Engine::commit(double seconds) {
+  return impl_->commit(core::deadline_in(seconds));
 }
 core::Expected<void> Engine::rebuild() {
   return impl_->rebuild();
@@ -231,22 +253,69 @@ void Engine::Impl::note_nodes() {
 #endif
 }
 
-/// Lands a new order when one is ready.
+/// Brings in a new order when one is ready and the drawing has what it needs for it.
 core::Expected<void> Engine::Impl::land() {
   if (!rebuild_) return {};
   if (rebuild_->finished()) {
     rebuild_.reset();
     return {};
   }
-  if (!rebuild_->ready()) return {};
-  new_tracer_.interrupt(live_);
-  if (!rebuild_->exchange(live_)) {
-    new_tracer_.follow(live_);
-    return {};
+  if (!landing_) {
+    Order made;
+    if (!rebuild_->take(made)) return {};
+    landing_ = std::move(made);
   }
+  const auto prepared = prepare_landing();
+  if (!prepared) return tl::unexpected(prepared.error());
+  if (!*prepared) return {};
+  new_tracer_.interrupt(live_);
+  std::swap(live_, *landing_);
+  rebuild_->retire(std::move(*landing_));
+  landing_.reset();
   live_.follow_plan(plan_request(config_, picks_));  // settings may have changed since the rebuild began
   overrides_.reorder(*live_.snapshot);
-  return follow_order();
+  if (!drawing_) return follow_order();
+  [[maybe_unused]] const auto kept = keep_state();
+  auto done = unless_lost(drawing_->take_order(*live_.snapshot, live_.joints, live_.plan.gpu_culls()));
+  note_context();
+  follow_hybrid();
+  return done;
+}
+
+/// Works a little on what the drawing needs for the new order. Whether it has all.
+core::Expected<bool> Engine::Impl::prepare_landing() {
+  [[maybe_unused]] const auto kept = keep_state();
+  if (drawing_ && drawing_->lost()) drop_context();
+  if (!drawing_) return true;
+  const double seconds = std::clamp(kLandingShare * frame_seconds_, kLeastLanding, kMostLanding);
+  auto done = drawing_->advance_order(*landing_->snapshot, landing_->joints, live_.plan.gpu_culls(),
+                                      core::deadline_in(seconds));
+  if (!done && drawing_->lost()) {
+    drop_context();
+    return true;
+  }
+  if (!done) abandon_rebuild();
+  return done;
+}
+
+void Engine::Impl::abandon_rebuild() {
+  landing_.reset();
+  rebuild_.reset();
+  if (drawing_) drawing_->abandon_order();
+}
+
+/// `edited`: of the live order, which shows it already.
+void Engine::Impl::follow_in_landing(const core::SceneDelta& edited, std::span<const std::uint32_t> materials) {
+  if (!landing_) return;
+  std::vector<core::ItemId> items;
+  for (const auto* list : {&edited.removed, &edited.changed, &edited.inserted})
+    items.insert(items.end(), list->begin(), list->end());
+  std::sort(items.begin(), items.end());
+  items.erase(std::unique(items.begin(), items.end()), items.end());
+  core::Snapshot::Items copies;
+  live_.snapshot->copy(items, copies);
+  const std::vector<core::Slot> touched = catch_up(*landing_, items, copies);
+  if (drawing_) drawing_->follow_later(touched, materials);
 }
 
 /// Updates everything that depends on the plan and on the order of the items, except the CPU culler.
@@ -291,7 +360,7 @@ core::Expected<void> Engine::Impl::configure(const EngineConfig& config) {
   for (Drawing* drawing : {drawing_.get(), coming_.get()})
     if (drawing) drawing->configure(config_);
   const bool same_culler = live_.plan.culler == culler_before;
-  if (!same_culler) rebuild_.reset();  // it would land with the former culler
+  if (!same_culler) abandon_rebuild();  // it would land with the former culler
   if (same_culler && cost_alike(before, config_)) return {};
   hybrid_.reset();
   follow_hybrid();
@@ -332,6 +401,7 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
   const double begin = now_seconds();
   if (last_frame_began_ >= 0.0) report.frame_ms = 1e3 * (begin - last_frame_began_);
   last_frame_began_ = begin;
+  frame_seconds_ = 1e-3 * report.frame_ms;
   look_after_context();
   if (drawing_) drawing_->frame_took(report.frame_ms);
   const bool aside = !core::same_picture(view, cull_view);
@@ -457,11 +527,21 @@ std::optional<LateReport> Engine::Impl::take_late_report() {
   return oldest;
 }
 
-core::Expected<void> Engine::Impl::commit() {
-  if (auto landed = land(); !landed) return landed;
+core::Expected<bool> Engine::Impl::commit(core::Deadline deadline) {
+  if (auto landed = land(); !landed) return tl::unexpected(landed.error());
   if (auto published = scene_->commit(); !published) return tl::unexpected(published.error());
-  core::SceneDelta delta = edits_.take();
-  if (delta.empty()) return {};
+  const bool at_once = deadline == core::kNoDeadline || config_.part.count > 1;
+  for (;;) {
+    if (edits_left_.empty()) edits_left_ = edits_.take();
+    if (edits_left_.empty()) return true;
+    core::SceneDelta piece = at_once ? std::exchange(edits_left_, {}) : first_of(edits_left_);
+    if (auto done = follow(std::move(piece)); !done) return tl::unexpected(done.error());
+    if (core::over(deadline)) return false;
+  }
+}
+
+/// Shows what the scene now has of the edited items.
+core::Expected<void> Engine::Impl::follow(core::SceneDelta delta) {
   new_tracer_.interrupt(live_);
   if (config_.part.count > 1) return build();
   note_nodes();
@@ -485,6 +565,7 @@ core::Expected<void> Engine::Impl::commit() {
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
     rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_, picks_));
   delta.materials.insert(delta.materials.end(), overridden.materials.begin(), overridden.materials.end());
+  follow_in_landing(delta, delta.materials);
   if (coming_) coming_->follow_later(touched, delta.materials);
   if (!drawing_) return {};
   [[maybe_unused]] const auto kept = keep_state();
@@ -494,8 +575,9 @@ core::Expected<void> Engine::Impl::commit() {
 core::Expected<void> Engine::Impl::rebuild() {
   if (auto delta = scene_->commit(); !delta) return tl::unexpected(delta.error());
   edits_ = scene_->subscribe();  // the new snapshot shows all edits
+  edits_left_ = {};
   new_tracer_.interrupt(live_);
-  rebuild_.reset();
+  abandon_rebuild();
   return build();
 }
 
@@ -550,6 +632,7 @@ core::Expected<void> Engine::Impl::override_items(const Edit& edit) {
   new_tracer_.follow(live_);
   if (change.touched.empty()) return {};
   if (hybrid_ && change.boxes) hybrid_->scene_changed(live_.snapshot->size());
+  follow_in_landing(edited, change.materials);
   if (coming_) coming_->follow_later(change.touched, change.materials);
   if (!drawing_) return {};
   [[maybe_unused]] const auto kept = keep_state();

@@ -264,14 +264,19 @@ class SIGHTLINE_API Engine {
 
   /// Commits the scene's pending edits, and applies all edits that anybody has committed since this engine's last
   /// commit(). Takes time in proportion to their number: see Snapshot::apply. Frames show no edit before that. With
-  /// drawing on, everything is uploaded anew when an edit brings kinds or meshes that were not there, or more items
-  /// than an eighth of those at first.
+  /// drawing on, only what was edited is uploaded, and the triangles of meshes that no item has any more make room for
+  /// others. Memory that is full is enlarged by half, which the GPU copies; the first item of its kind has its program
+  /// compiled.
   ///
   /// After many edits the engine makes a new order in the background (EngineConfig::rebuild_share). It works on a copy
-  /// of the snapshot, so the scene may be edited meanwhile. The new order lands in the first commit() or frame() after
-  /// it is ready, as an exchange of pointers; with drawing on, everything is then uploaded anew. Slots change with it:
-  /// visible() names the generation of the snapshot that its slots belong to.
+  /// of the snapshot, so the scene may be edited meanwhile. Once it is ready, commit() and frame() upload what it needs,
+  /// a quarter of a frame's time in each and 8 ms at most, but for single steps (making the GPU culler); then it lands
+  /// as an exchange of pointers. Slots change with it: visible() names the generation of the snapshot that its slots
+  /// belong to.
   core::Expected<void> commit();
+  /// The same in portions, for a thread that must not stop: works for about `seconds` and returns whether all edits are
+  /// followed. Frames show those that are; call it again for the others, which are then read as the scene has them.
+  core::Expected<bool> commit(double seconds);
   /// Makes a new order at once, the one that a new engine would have. Stops a rebuild in the background.
   core::Expected<void> rebuild();
   /// True while a new order is being made or waits to land.
@@ -355,8 +360,7 @@ class SIGHTLINE_API Engine {
   /// steps: compiling a program, the corners of one mesh, making the GPU culler. The first frame is then no slower than
   /// others, even where drivers compile late.
   ///
-  /// Edits in between are followed. New kinds of items or new meshes, and a new order, make it begin anew. Fails as
-  /// above, and when the context is lost meanwhile; the next call then begins anew.
+  /// Edits in between are followed. A new order makes it begin anew. Fails as above, and when the context is lost meanwhile; the next call then begins anew.
   core::Expected<bool> use_context(gl::Context& context, double seconds);
 
   /// Tells that the application drew nothing for a while (a pause, a dialog): the next frame_ms does not count that

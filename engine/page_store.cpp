@@ -113,7 +113,7 @@ std::size_t ResidentPage::memory_bytes() const {
     meshes += (mesh.positions.size() + mesh.normals.size()) * sizeof(core::vec3) +
               (mesh.indices.size() + mesh.contour_sizes.size() + mesh.polygon_contours.size()) * sizeof(std::uint32_t);
   }
-  const std::size_t mesh_items = scene.meshes().commands.size();
+  const std::size_t mesh_items = scene.meshes().records();
   return meshes + content->snapshot.memory_bytes() + scene.memory_bytes() + lists.memory_bytes() +
          mesh_items * kMeshListBytes + content->snapshot.size() * kListBytes;
 }

@@ -1,6 +1,7 @@
 #include "sightline/engine/internal/rebuild.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sightline/culling/sample_test.h"
 #include "sightline/engine/internal/picking.h"
@@ -80,6 +81,14 @@ Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& re
   return order;
 }
 
+std::vector<core::Slot> catch_up(Order& order, std::span<const core::ItemId> edited,
+                                 const core::Snapshot::Items& copies) {
+  const std::size_t former_size = order.snapshot->size();
+  std::vector<core::Slot> touched = order.snapshot->apply(copies);
+  order.follow({edited}, true, former_size, touched);
+  return touched;
+}
+
 BackgroundRebuild::BackgroundRebuild(const core::Snapshot& live, const PlanRequest& request)
     : live_(&live), thread_([this, request](const std::stop_token& stop) { run(stop, request); }) {}
 
@@ -88,7 +97,7 @@ void BackgroundRebuild::edit(const core::SceneDelta& delta, const std::function<
   {
     const std::lock_guard held(mutex_);
     apply();
-    if (state_ != State::kExchanged) {
+    if (state_ != State::kTaken && state_ != State::kRetired) {
       behind_ = true;
       for (const auto* list : {&delta.removed, &delta.changed, &delta.inserted})
         missed_.insert(missed_.end(), list->begin(), list->end());
@@ -98,19 +107,21 @@ void BackgroundRebuild::edit(const core::SceneDelta& delta, const std::function<
   changed_.notify_one();
 }
 
-bool BackgroundRebuild::ready() {
+bool BackgroundRebuild::take(Order& out) {
   const std::unique_lock<std::mutex> held(mutex_, std::try_to_lock);
-  return exchangeable(held);
+  if (!held.owns_lock() || state_ != State::kReady || behind_) return false;
+  out = std::exchange(order_, {});
+  state_ = State::kTaken;
+  return true;
 }
 
-bool BackgroundRebuild::exchange(Order& live) {
-  std::unique_lock<std::mutex> held(mutex_, std::try_to_lock);
-  if (!exchangeable(held)) return false;
-  std::swap(live, order_);
-  state_ = State::kExchanged;
-  held.unlock();
+void BackgroundRebuild::retire(Order&& old) {
+  {
+    const std::lock_guard held(mutex_);
+    order_ = std::move(old);
+    state_ = State::kRetired;
+  }
   changed_.notify_one();
-  return true;
 }
 
 bool BackgroundRebuild::lock(std::unique_lock<std::mutex>& held, const std::stop_token& stop) {
@@ -164,10 +175,10 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
       if (!behind_) {
         std::swap(order, order_);
         state_ = State::kReady;
-        const bool go_on =
-            changed_.wait(held, stop, [&] { return state_ == State::kExchanged || (behind_ && !editing_); });
+        const bool go_on = changed_.wait(
+            held, stop, [&] { return state_ == State::kRetired || (state_ == State::kReady && behind_ && !editing_); });
         std::swap(order, order_);
-        if (!go_on || state_ == State::kExchanged) break;
+        if (!go_on || state_ == State::kRetired) break;
         state_ = State::kWorking;
       }
       std::swap(missed, missed_);
@@ -177,9 +188,7 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
     missed.erase(std::unique(missed.begin(), missed.end()), missed.end());
     core::Snapshot::Items late;
     if (!copy_missed(stop, missed, late)) return;
-    const std::size_t former_size = order.snapshot->size();
-    std::vector<core::Slot> touched = order.snapshot->apply(late);
-    order.follow({missed}, true, former_size, touched);
+    catch_up(order, missed, late);
   }
   order = {};
   finished_ = true;

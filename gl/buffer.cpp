@@ -114,6 +114,14 @@ core::Expected<Buffer> Buffer::create(const Functions& gl, std::size_t bytes, co
   return buffer;
 }
 
+core::Expected<Buffer> Buffer::enlarged(const Functions& gl, std::size_t bytes, GLbitfield flags,
+                                        std::string_view what) const {
+  assert(bytes >= bytes_);
+  auto larger = create(gl, bytes, nullptr, flags, what);
+  if (larger && bytes_ > 0) gl.CopyNamedBufferSubData(id(), larger->id(), 0, 0, static_cast<GLsizeiptr>(bytes_));
+  return larger;
+}
+
 void Buffer::write(std::size_t offset, std::size_t bytes, const void* data) const {
   assert(offset <= bytes_ && bytes <= bytes_ - offset);
   if (bytes == 0) return;

@@ -120,8 +120,8 @@ void DrawLists::list_meshes(const Snapshot& snapshot, const MeshPool& pool, cons
   both_faces_.clear();
   for (const Slot slot : visible_.meshes) {
     const std::uint32_t record = GpuScene::record_of(snapshot, slot);
-    ElementsCommand command = pool.commands[record];
-    const std::uint32_t solid = pool.solid_indices[record];
+    ElementsCommand command = pool.commands()[record];
+    const std::uint32_t solid = pool.solid_indices(record);
     if (solid > 0 && shown.shows_fronts_alone(slot)) {
       command_list_.push_back(command);
       command_list_.back().count = solid;

@@ -6,7 +6,6 @@
 
 #include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/radix_sort.h"
-#include "sightline/gpuscene/internal/mesh_pool.h"
 
 namespace sightline::gpuscene {
 namespace {
@@ -54,9 +53,17 @@ std::vector<Texel> pack_slots(const Snapshot& snapshot, const gpuprims::Joints& 
   return texels;
 }
 
-/// Index of the mesh of an item in the mesh batch.
-std::uint32_t mesh_index(const Snapshot& snapshot, Slot slot) {
-  return snapshot.of_kind(snapshot.kind(slot)).meshes[snapshot.index_in_kind(slot)];
+/// Gives a batch room for so many records.
+core::Expected<void> enlarge(const gl::Functions& gl, Batch& batch, std::size_t records) {
+  const std::string what = "records of the " + std::string(name_of(batch.kind)) + " batch";
+  auto buffer = batch.records.enlarged(gl, records * record_bytes(batch.kind), GL_DYNAMIC_STORAGE_BIT, what);
+  if (!buffer) return tl::unexpected(buffer.error());
+  auto view = gl::TextureBuffer::create(gl, *buffer, GL_RGBA32UI, what);
+  if (!view) return tl::unexpected(view.error());
+  batch.texels = std::move(*view);
+  batch.records = std::move(*buffer);
+  batch.capacity = std::uint32_t(records);
+  return {};
 }
 
 /// A batch with room for some more than `count` records.
@@ -64,15 +71,7 @@ core::Expected<Batch> make_batch(const gl::Functions& gl, BatchKind kind, std::s
   Batch batch;
   batch.kind = kind;
   batch.count = std::uint32_t(count);
-  batch.capacity = batch.count + batch.count / 8 + kHeadroom;
-  const std::string what = "records of the " + std::string(name_of(kind)) + " batch";
-  const std::size_t bytes = batch.capacity * record_bytes(kind);
-  auto buffer = gl::Buffer::create(gl, bytes, nullptr, GL_DYNAMIC_STORAGE_BIT, what);
-  if (!buffer) return tl::unexpected(buffer.error());
-  batch.records = std::move(*buffer);
-  auto view = gl::TextureBuffer::create(gl, batch.records, GL_RGBA32UI, what);
-  if (!view) return tl::unexpected(view.error());
-  batch.texels = std::move(*view);
+  if (auto done = enlarge(gl, batch, count + count / 8 + kHeadroom); !done) return tl::unexpected(done.error());
   return batch;
 }
 
@@ -118,7 +117,7 @@ struct GpuScene::Upload {
   std::vector<Slot> slots;  // of its records
   std::size_t next = 0;     // of these
   bool batch_made = false;
-  std::optional<MeshPoolBuilder> meshes;
+  bool flushes_often = false;  // meshes, with every portion
 };
 
 GpuScene::GpuScene() = default;
@@ -128,16 +127,22 @@ GpuScene::~GpuScene() = default;
 
 core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snapshot& snapshot,
                                           const gpuprims::Joints& joints) {
-  GpuScene scene = begin(context, snapshot);
-  if (auto done = scene.advance(context, snapshot, joints, kNoDeadline); !done) return tl::unexpected(done.error());
+  auto scene = begin(context, snapshot);
+  if (!scene) return scene;
+  if (auto done = scene->advance(context, snapshot, joints, kNoDeadline); !done) return tl::unexpected(done.error());
   return scene;
 }
 
-GpuScene GpuScene::begin(const gl::Context& context, const Snapshot& snapshot) {
+core::Expected<GpuScene> GpuScene::begin(const gl::Context& context, const Snapshot& snapshot, const GpuScene* former) {
   GpuScene scene;
+  scene.gl_ = &context.functions();
   scene.writer_ = ElementWriter(context);
   scene.slot_count_ = Slot(snapshot.size());
   scene.upload_ = std::make_unique<Upload>();
+  scene.upload_->flushes_often = former != nullptr;
+  if (former)
+    if (auto done = scene.meshes_.reserve_as(context.functions(), former->meshes_); !done)
+      return tl::unexpected(done.error());
   return scene;
 }
 
@@ -165,7 +170,6 @@ core::Expected<bool> GpuScene::advance_batch(const gl::Functions& gl, const Snap
     batches_.push_back(std::move(*batch));
     upload_->batch_made = true;
     upload_->next = 0;
-    if (kind == BatchKind::kMesh) upload_->meshes.emplace(snapshot);
   }
   while (upload_->next < upload_->slots.size()) {
     const std::size_t first = upload_->next, count = std::min(kPiece, upload_->slots.size() - first);
@@ -182,17 +186,14 @@ core::Expected<bool> GpuScene::advance_batch(const gl::Functions& gl, const Snap
     if (over(deadline)) return false;
   }
   if (kind == BatchKind::kMesh) {
-    while (upload_->meshes->gathered() < upload_->slots.size()) {
-      const std::size_t record = upload_->meshes->gathered();
-      const Slot slot = upload_->slots[record];
-      if (snapshot.item(slot) != core::kNone)
-        record_of_mesh_.emplace(mesh_index(snapshot, slot), std::uint32_t(record));
-      upload_->meshes->gather(slot);
-      if (over(deadline)) return false;
-    }
-    auto pool = upload_->meshes->upload(gl);
-    if (!pool) return tl::unexpected(pool.error());
-    meshes_ = std::move(*pool);
+    bool all = false;
+    do {
+      meshes_.add(snapshot, upload_->slots[meshes_.records()]);
+      all = meshes_.records() == upload_->slots.size();
+    } while (!all && !over(deadline));
+    if (all || upload_->flushes_often)
+      if (auto done = meshes_.flush(gl); !done) return tl::unexpected(done.error());
+    if (!all) return false;
   }
   upload_->batch_made = false;
   return true;
@@ -236,24 +237,16 @@ core::Expected<void> GpuScene::update_materials(const gl::Context& context, cons
   return {};
 }
 
-bool GpuScene::append(const Snapshot& snapshot, const gpuprims::Joints& joints) {
+core::Expected<bool> GpuScene::append(const Snapshot& snapshot, const gpuprims::Joints& joints, Slot most) {
+  const Slot end = slot_count_ + std::min(most, Slot(snapshot.size()) - slot_count_);
   std::array<std::vector<Slot>, kBatchKindCount> slots;
-  for (Slot slot = slot_count_; slot < snapshot.size(); ++slot)
-    slots[std::size_t(batch_of(snapshot.kind(slot)))].push_back(slot);
-  const auto& mesh_slots = slots[std::size_t(BatchKind::kMesh)];
-  for (const Slot slot : mesh_slots)
-    if (!record_of_mesh_.contains(mesh_index(snapshot, slot))) return false;
+  for (; slot_count_ < end; ++slot_count_)
+    slots[std::size_t(batch_of(snapshot.kind(slot_count_)))].push_back(slot_count_);
+  bool larger = false;
   for (std::size_t kind = 0; kind < slots.size(); ++kind) {
-    const Batch* target = batch(BatchKind(kind));
-    if (!slots[kind].empty() && (!target || target->capacity - target->count < slots[kind].size())) return false;
-  }
-  for (const Slot slot : mesh_slots) {
-    const std::uint32_t alike = record_of_mesh_.at(mesh_index(snapshot, slot));
-    meshes_.solid_indices.push_back(meshes_.solid_indices[alike]);
-    ElementsCommand command = meshes_.commands[alike];
-    command.base_instance = std::uint32_t(meshes_.commands.size());
-    command.instance_count = snapshot.vacant(slot) ? 0 : 1;
-    meshes_.commands.push_back(command);
+    const auto made = make_room(BatchKind(kind), slots[kind].size());
+    if (!made) return made;
+    larger |= *made;
   }
   for (Batch& b : batches_) {
     const auto& fresh = slots[std::size_t(b.kind)];
@@ -262,8 +255,25 @@ bool GpuScene::append(const Snapshot& snapshot, const gpuprims::Joints& joints) 
     b.records.write(b.count * record_bytes(b.kind), texels.size() * sizeof(Texel), texels.data());
     b.count += std::uint32_t(fresh.size());
   }
-  slot_count_ = Slot(snapshot.size());
-  return true;
+  for (const Slot slot : slots[std::size_t(BatchKind::kMesh)]) meshes_.add(snapshot, slot);
+  if (auto done = meshes_.flush(*gl_); !done) return tl::unexpected(done.error());
+  return larger;
+}
+
+/// For so many more records. Whether there was too little.
+core::Expected<bool> GpuScene::make_room(BatchKind kind, std::size_t records) {
+  if (records == 0) return false;
+  const auto place = std::find_if(batches_.begin(), batches_.end(), [&](const Batch& b) { return b.kind >= kind; });
+  if (place == batches_.end() || place->kind != kind) {
+    auto made = make_batch(*gl_, kind, records);
+    if (!made) return tl::unexpected(made.error());
+    made->count = 0;
+    batches_.insert(place, std::move(*made));
+    return true;
+  }
+  const std::size_t needed = place->count + records;
+  if (needed <= place->capacity) return false;
+  return enlarge(*gl_, *place, needed + needed / 2).map([] { return true; });
 }
 
 void GpuScene::update(const Snapshot& snapshot, std::span<const Slot> changed, const gpuprims::Joints& joints) {
@@ -297,14 +307,13 @@ void GpuScene::for_each_batch(const Snapshot& snapshot, std::span<const Slot> ch
   for (std::size_t kind = 0; kind < of_kind.size(); ++kind) {
     if (of_kind[kind].empty()) continue;
     const Batch* target = batch(BatchKind(kind));
-    assert(target && "slots were appended: create a new GpuScene");
+    assert(target && "slots were appended: append() comes first");
     core::radix_sort<32>(of_kind[kind]);
     Changed now;
     for (const std::uint64_t entry : of_kind[kind]) {
       now.records.push_back(std::uint32_t(entry >> 32));
       now.slots.push_back(Slot(entry));
-      if (target->kind == BatchKind::kMesh)
-        meshes_.commands[now.records.back()].instance_count = snapshot.vacant(now.slots.back()) ? 0 : 1;
+      if (target->kind == BatchKind::kMesh) meshes_.update(snapshot, now.slots.back(), now.records.back());
     }
     visit(*target, now);
   }
@@ -317,8 +326,7 @@ const Batch* GpuScene::batch(BatchKind kind) const {
 }
 
 std::size_t GpuScene::memory_bytes() const {
-  std::size_t bytes = meshes_.vertices.size() + meshes_.indices.size() + material_rows_.size();
-  bytes += meshes_.enclosures->bytes.size();
+  std::size_t bytes = meshes_.memory_bytes() + material_rows_.size();
   for (const Batch& b : batches_) bytes += b.records.size();
   return bytes;
 }

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sightline/gpuscene/internal/solid_shells.h"
 
 namespace sightline::gpuscene {
 namespace {
 
+using core::kNone;
 using core::Slot;
 using core::Snapshot;
 
@@ -29,41 +31,122 @@ bool flat_shaded(const Snapshot& snapshot, Slot slot) {
   return int(snapshot.kind(slot)) >= core::kPrimitiveKindCount && snapshot.mesh(slot).normals.empty();
 }
 
-void MeshPoolBuilder::gather(Slot slot) {
-  const bool given_up = snapshot_->item(slot) == core::kNone;  // it never shows again
-  const Shape shape = given_up ? Shape{} : shape_of(slot);
-  pool_.commands.push_back({shape.index_count, snapshot_->vacant(slot) ? 0u : 1u, shape.first_index, shape.base_vertex,
-                            std::uint32_t(pool_.commands.size())});
-  pool_.solid_indices.push_back(shape.solid_indices);
+// --- records ---------------------------------------------------------------------------------------------------------
+
+void MeshPool::add(const Snapshot& snapshot, Slot slot) {
+  const bool given_up = snapshot.item(slot) == kNone;  // it never shows again
+  const std::uint32_t shape = given_up ? kNone : shape_of(snapshot.share_mesh(slot));
+  ElementsCommand command{0, snapshot.vacant(slot) ? 0u : 1u, 0, 0, std::uint32_t(commands_.size())};
+  if (shape != kNone) {
+    ++shapes_[shape].users;
+    command.count = shapes_[shape].index_count;
+    command.first_index = shapes_[shape].first_index;
+    command.base_vertex = std::int32_t(shapes_[shape].first_vertex);
+  }
+  commands_.push_back(command);
+  shape_of_record_.push_back(shape);
 }
 
-MeshPoolBuilder::Shape MeshPoolBuilder::shape_of(Slot slot) {
-  const std::uint32_t mesh = snapshot_->of_kind(snapshot_->kind(slot)).meshes[snapshot_->index_in_kind(slot)];
-  const auto [place, fresh] = shapes_.try_emplace(mesh);
-  if (fresh) place->second = append(snapshot_->mesh(slot));
+void MeshPool::update(const Snapshot& snapshot, Slot slot, std::uint32_t record) {
+  commands_[record].instance_count = snapshot.vacant(slot) ? 0 : 1;
+  if (snapshot.item(slot) != kNone || shape_of_record_[record] == kNone) return;
+  commands_[record].count = 0;
+  const std::uint32_t index = std::exchange(shape_of_record_[record], kNone);
+  Shape& shape = shapes_[index];
+  if (--shape.users > 0) return;
+  vertices_.space.give_back(shape.first_vertex, shape.vertex_count);
+  indices_.space.give_back(shape.first_index, shape.index_count);
+  shape_of_mesh_.erase(shape.mesh.get());
+  shape = {};
+  unused_shapes_.push_back(index);
+}
+
+std::uint32_t MeshPool::solid_indices(std::uint32_t record) const {
+  const std::uint32_t shape = shape_of_record_[record];
+  return shape == kNone ? 0 : shapes_[shape].solid_indices;
+}
+
+/// kNone where there is no mesh.
+std::uint32_t MeshPool::shape_of(std::shared_ptr<const core::Mesh> mesh) {
+  if (!mesh) return kNone;
+  const auto [place, fresh] = shape_of_mesh_.try_emplace(mesh.get(), std::uint32_t(shapes_.size()));
+  if (!fresh) return place->second;
+  if (unused_shapes_.empty()) {
+    shapes_.emplace_back();
+  } else {
+    place->second = unused_shapes_.back();
+    unused_shapes_.pop_back();
+  }
+  Shape& shape = shapes_[place->second];
+  shape.mesh = std::move(mesh);
+  stage(shape);
   return place->second;
 }
 
-MeshPoolBuilder::Shape MeshPoolBuilder::append(const core::Mesh& mesh) {
-  Shape shape{std::uint32_t(indices_.size()), std::uint32_t(mesh.indices.size()), 0, std::int32_t(vertices_.size())};
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    vertices_.push_back({mesh.positions[i], mesh.normals.empty() ? kNoNormal : pack_normal(mesh.normals[i])});
-  }
-  indices_.insert(indices_.end(), mesh.indices.begin(), mesh.indices.end());
-  shape.solid_indices = solid_shells_first(mesh.positions, std::span(indices_).subspan(shape.first_index));
-  return shape;
+// --- triangles -------------------------------------------------------------------------------------------------------
+
+void MeshPool::stage(Shape& shape) {
+  const core::Mesh& mesh = *shape.mesh;
+  shape.vertex_count = std::uint32_t(mesh.positions.size());
+  shape.index_count = std::uint32_t(mesh.indices.size());
+  shape.first_vertex = vertices_.begin_run(shape.vertex_count);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    vertices_.staged.push_back({mesh.positions[i], mesh.normals.empty() ? kNoNormal : pack_normal(mesh.normals[i])});
+  shape.first_index = indices_.begin_run(shape.index_count);
+  indices_.staged.insert(indices_.staged.end(), mesh.indices.begin(), mesh.indices.end());
+  shape.solid_indices = solid_shells_first(mesh.positions, std::span(indices_.staged).last(mesh.indices.size()));
 }
 
-core::Expected<MeshPool> MeshPoolBuilder::upload(const gl::Functions& gl) {
-  static_assert(sizeof(Vertex) == MeshPool::kVertexBytes);
-  if (indices_.empty()) return std::move(pool_);  // every mesh is empty: all commands draw zero indices
-  auto vertices = gl::Buffer::create(gl, std::span(vertices_), 0, "mesh vertices");
-  if (!vertices) return tl::unexpected(vertices.error());
-  auto indices = gl::Buffer::create(gl, std::span(indices_), 0, "mesh indices");
-  if (!indices) return tl::unexpected(indices.error());
-  pool_.vertices = std::move(*vertices);
-  pool_.indices = std::move(*indices);
-  return std::move(pool_);
+core::Expected<void> MeshPool::reserve_as(const gl::Functions& gl, const MeshPool& other) {
+  if (other.indices().size() == 0) return {};
+  auto done = vertices_.make_writable(gl, other.vertices().size(), "mesh vertices");
+  return done ? indices_.make_writable(gl, other.indices().size(), "mesh indices") : done;
+}
+
+core::Expected<void> MeshPool::flush(const gl::Functions& gl) {
+  auto done = vertices_.flush(gl, "mesh vertices");
+  return done ? indices_.flush(gl, "mesh indices") : done;
+}
+
+/// The place of the next `count` elements that are staged.
+template <class Element>
+std::uint32_t MeshPool::Store<Element>::begin_run(std::size_t count) {
+  const std::uint32_t first = space.take(std::uint32_t(count));
+  const bool joins = !runs.empty() && runs.back().first + (staged.size() - runs.back().begin) == first;
+  if (!joins && count > 0) runs.push_back({first, staged.size()});
+  return first;
+}
+
+template <class Element>
+core::Expected<void> MeshPool::Store<Element>::flush(const gl::Functions& gl, const char* what) {
+  if (staged.empty()) return {};
+  const std::size_t needed = std::max<std::size_t>(space.end(), 1) * sizeof(Element);
+  if (buffer.size() == 0 && runs.size() == 1) {
+    auto made = gl::Buffer::create(gl, std::span(staged), 0, what);
+    if (!made) return tl::unexpected(made.error());
+    buffer = std::move(*made);
+  } else {
+    const std::size_t elements = std::max(needed, buffer.size()) / sizeof(Element);
+    if (!writable || needed > buffer.size())
+      if (auto done = make_writable(gl, (elements + elements / 2) * sizeof(Element), what); !done) return done;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const std::size_t begin = runs[i].begin, end = i + 1 < runs.size() ? runs[i + 1].begin : staged.size();
+      buffer.write(runs[i].first * sizeof(Element), (end - begin) * sizeof(Element), staged.data() + begin);
+    }
+  }
+  staged = {};
+  runs = {};
+  return {};
+}
+
+template <class Element>
+core::Expected<void> MeshPool::Store<Element>::make_writable(const gl::Functions& gl, std::size_t bytes,
+                                                             const char* what) {
+  auto made = buffer.enlarged(gl, bytes, GL_DYNAMIC_STORAGE_BIT, what);
+  if (!made) return tl::unexpected(made.error());
+  buffer = std::move(*made);
+  writable = true;
+  return {};
 }
 
 }  // namespace sightline::gpuscene

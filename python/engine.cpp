@@ -394,8 +394,15 @@ void bind_overrides(EngineClass& c) {
 
 void bind_state(EngineClass& c) {
   c.def(
-       "commit", [](EngineBox& b) { unwrap(b.call([](engine::Engine& e) { return e.commit(); }, Use::kWrite)); },
-       "Commits the scene's edits and applies all edits that anybody has committed. Frames show no edit before.")
+       "commit",
+       [](EngineBox& b, std::optional<double> seconds) {
+         return unwrap(b.call(
+             [&](engine::Engine& e) { return seconds ? e.commit(*seconds) : e.commit().map([] { return true; }); },
+             Use::kWrite));
+       },
+       py::arg("seconds") = py::none(),
+       "Commits the scene's edits and applies all edits that anybody has committed. Frames show no edit before. With "
+       "`seconds` it works for about so long, and returns whether all are applied.")
       .def(
           "rebuild", [](EngineBox& b) { unwrap(b.call([](engine::Engine& e) { return e.rebuild(); }, Use::kWrite)); },
           "Commits, and orders all items anew.")

@@ -122,6 +122,17 @@ core::Expected<bool> Renderer::advance(const gpuscene::GpuScene& scene, const Ta
   return compiled_ == kinds.size();
 }
 
+core::Expected<void> Renderer::follow(const gpuscene::GpuScene& scene, const TargetFormat& format) {
+  const std::size_t before = kinds_.size();
+  for (const gpuscene::Batch& batch : scene.batches())
+    if (std::find(kinds_.begin(), kinds_.end(), batch.kind) == kinds_.end()) kinds_.push_back(batch.kind);
+  if (kinds_.size() == before) return {};
+  std::optional<BatchPrograms> plain = std::move(programs_[std::size_t(Surface::kSolid)].plain);
+  programs_ = {};  // the others are made for all kinds when they are next used
+  programs_[std::size_t(Surface::kSolid)].plain = std::move(plain);
+  return advance(scene, format, core::kNoDeadline).map([](bool) {});
+}
+
 /// Makes the programs of batches, and the program that ray-cast batches share unless there is one.
 core::Expected<void> Renderer::make_programs(std::span<const BatchKind> kinds, const TargetFormat& format, Cut cut,
                                              Surface surface, BatchPrograms& made) {
@@ -311,12 +322,13 @@ void Renderer::submit_batch(const gpuscene::Batch& batch, const gpuscene::GpuSce
   const auto* offset = reinterpret_cast<const void*>(begin);  // GL's interface does so
   GLenum mode = GL_TRIANGLES, index_type = GL_UNSIGNED_SHORT;
   if (batch.kind == BatchKind::kMesh) {
-    if (scene.meshes().indices.id() == 0) return;
+    if (scene.meshes().indices().id() == 0) return;
     index_type = GL_UNSIGNED_INT;
     const GLuint array = mesh_array_.id();
     gl.VertexArrayVertexBuffer(array, kInstanceBinding, lists.mesh_instances().id(), 0, sizeof(std::uint32_t));
-    gl.VertexArrayVertexBuffer(array, kMeshBinding, scene.meshes().vertices.id(), 0, gpuscene::MeshPool::kVertexBytes);
-    gl.VertexArrayElementBuffer(array, scene.meshes().indices.id());
+    gl.VertexArrayVertexBuffer(array, kMeshBinding, scene.meshes().vertices().id(), 0,
+                               gpuscene::MeshPool::kVertexBytes);
+    gl.VertexArrayElementBuffer(array, scene.meshes().indices().id());
     mesh_array_.bind();
   } else {
     mode = batch.kind == BatchKind::kLine ? GL_LINES : GL_POINTS;

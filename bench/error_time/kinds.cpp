@@ -63,7 +63,7 @@ class Stage {
 
   /// Bytes of the records in use and of the triangles.
   std::size_t bytes() const {
-    std::size_t bytes = gpu_.meshes().vertices.size() + gpu_.meshes().indices.size();
+    std::size_t bytes = gpu_.meshes().vertices().size() + gpu_.meshes().indices().size();
     for (const gpuscene::Batch& batch : gpu_.batches()) bytes += batch.count * gpuscene::record_bytes(batch.kind);
     return bytes;
   }

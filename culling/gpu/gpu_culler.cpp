@@ -92,7 +92,7 @@ core::Expected<void> GpuCuller::add_batch(const Snapshot& snapshot, const gpusce
   if (!made) return tl::unexpected(made.error());
   CullBatch added{batch.kind, std::move(*made), {}, {}};
   if (added.meshes()) {
-    std::vector<gpuscene::ElementsCommand> commands = scene.meshes().commands;
+    std::vector<gpuscene::ElementsCommand> commands = scene.meshes().commands();
     commands.resize(batch.capacity);
     auto array = TexelArray::create(*gl_, commands.size() * sizeof(commands[0]), commands.data(), GL_R32UI,
                                     "commands of all meshes");
@@ -126,7 +126,7 @@ core::Expected<void> GpuCuller::follow(const Snapshot& snapshot, const gpuscene:
     (batch.bounds.*update_bounds)(snapshot, records, writer_, left_out);
     if (!batch.meshes()) continue;
     std::vector<gpuscene::ElementsCommand> commands;
-    for (const std::uint32_t record : records) commands.push_back(scene.meshes().commands[record]);
+    for (const std::uint32_t record : records) commands.push_back(scene.meshes().commands()[record]);
     writer_.write(batch.commands.buffer, sizeof(commands[0]), records, commands.data());
   }
   return {};

@@ -45,8 +45,17 @@ class Drawing {
   static core::Expected<std::unique_ptr<Drawing>> begin(const EngineConfig& config, const Overrides& overrides);
   core::Expected<bool> advance(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
                                core::Deadline deadline);
-  /// As update(), before advance() has returned true.
+  /// As update(), of the snapshot that advance() or advance_order() works on.
   void follow_later(std::span<const core::Slot> touched, std::span<const std::uint32_t> materials);
+  /// Makes what another order of the items needs, in portions as advance(), while frames show the present one. Once
+  /// advance_order() has returned true, take_order() shows the other one. abandon_order() forgets it.
+  core::Expected<bool> advance_order(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
+                                     core::Deadline deadline);
+  core::Expected<void> take_order(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls);
+  void abandon_order() {
+    upload_.reset();
+    later_ = {};
+  }
   ~Drawing();
   /// Adds a plan entry for the program of each batch kind.
   static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
@@ -128,7 +137,7 @@ class Drawing {
   std::optional<Drawn> take_drawn();
   std::optional<culling::GpuCuller::Feedback> take_gpu_feedback();
   /// Follows an edit of `touched` slots (Snapshot::apply) and of materials (SceneDelta::materials). Rewrites their
-  /// records and adds the records of appended slots. Makes everything anew when GpuScene::append returns false.
+  /// records and adds the records of appended slots, with their meshes and kinds.
   core::Expected<void> update(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                               std::span<const core::Slot> touched, std::span<const std::uint32_t> materials);
   /// The same where placements and shapes are as they were, and no slots were appended.
@@ -155,6 +164,7 @@ class Drawing {
     return culler_ ? std::optional(culler_->variant()) : std::nullopt;
   }
   const std::string& why_gpu_variant() const { return why_gpu_variant_; }
+  const gpuscene::GpuScene& scene() const { return *scene_; }
   const gpuscene::DrawLists& lists() const { return *lists_; }
   std::vector<std::string> take_gl_errors();
   const render::RenderTarget& target() const { return target_; }
@@ -166,9 +176,11 @@ class Drawing {
     std::vector<core::Slot> touched;
     std::vector<std::uint32_t> materials;
   };
-  /// What is made for one order of the items, in this order; culler and renderer only where they are needed.
+  /// What is made for one order of the items, in this order; culler and renderer only where they are needed. The
+  /// renderer serves all orders.
   struct Upload {
     std::optional<gpuscene::GpuScene> scene;
+    bool uploaded = false;                     // as it was when it was begun
     std::optional<gpuscene::DrawLists> lists;  // none: the scene is not complete
     std::optional<culling::GpuCuller> culler;
     std::optional<render::Renderer> renderer;
@@ -178,11 +190,15 @@ class Drawing {
       : context_(std::move(context)), own_context_(std::move(own)) {}
   core::Expected<bool> advance(Upload& upload, const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                                bool gpu_culls, core::Deadline deadline);
-  void take(Upload upload);
+  core::Expected<void> take(Upload upload, const core::Snapshot& snapshot);
+  core::Expected<bool> catch_up(gpuscene::GpuScene& scene, const core::Snapshot& snapshot,
+                                const gpuprims::Joints& joints, core::Deadline deadline);
+  core::Expected<void> leave_out_overlays(const core::Snapshot& snapshot);
   Edits take_later();
   core::Expected<bool> warm_up(const core::Snapshot& snapshot, core::Deadline deadline);
   core::Expected<void> draw_one(const core::Snapshot& snapshot, const gpuscene::Batch& batch);
   core::Expected<culling::GpuCuller> make_culler(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
+  core::Expected<void> follow_batches(const core::Snapshot& snapshot);
   core::Expected<void> follow_edit(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
                                    std::span<const std::uint32_t> materials, bool moved);
   void wait_for_room();
@@ -211,6 +227,7 @@ class Drawing {
   core::Expected<void> split(const Culled& culled);
   core::Expected<void> make_hidden_materials(const core::Snapshot& snapshot);
   core::Expected<void> draw_hidden(const core::View& view, const core::Snapshot& snapshot);
+  core::Expected<void> draw_part(const Culled& culled);
   core::Expected<void> draw_at_once(const Culled& culled);
   core::Expected<void> draw_in_passes(const Culled& culled);
   bool may_rehearse(const Culled& culled);
@@ -242,8 +259,8 @@ class Drawing {
   bool renders_ = true;
   culling::GpuCullerConfig cull_config_;  // names the variant once it is known
   std::string why_gpu_variant_;
-  std::optional<Upload> upload_;  // until advance() has uploaded all
-  Edits later_;                   // that advance() has not followed yet
+  std::optional<Upload> upload_;  // of the first order, or of another one beside scene_
+  Edits later_;                   // that it has not followed yet
   std::size_t warmed_up_ = 0;     // batches of which advance() has drawn an item
   std::optional<gpuscene::GpuScene> scene_;
   std::optional<gpuscene::DrawLists> lists_;
@@ -278,7 +295,9 @@ class Drawing {
   std::vector<core::Slot> at_near_plane_;
   culling::CullThreads threads_;  // for the occlusion test; none begins before the first large set
   OcclusionSwitch occlusion_switch_;
-  bool switched_ = false;  // the last draw() was as the switch says
+  bool switched_ = false;     // the last draw() was as the switch says
+  bool beside_part_ = false;  // which was with a part besides
+  core::Slot part_ = 0;       // of that
   culling::DepthPyramid pyramid_;
   std::vector<float> distances_;
   Counts counts_;

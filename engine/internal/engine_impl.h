@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "sightline/core/internal/deadline.h"
 #include "sightline/engine/engine.h"
 #include "sightline/engine/internal/drawing_or_none.h"
 #include "sightline/engine/internal/hybrid.h"
@@ -31,7 +32,8 @@ class Engine::Impl {
   core::Expected<culling::CullStates> cull_states(const core::View& view);
   core::Expected<FrameReport> frame_part(const core::View& whole, const PicturePart& part);
   std::optional<LateReport> take_late_report();
-  core::Expected<void> commit();
+  /// Whether all edits are followed.
+  core::Expected<bool> commit(core::Deadline deadline);
   core::Expected<void> rebuild();
   bool rebuilding() const { return rebuild_ && !rebuild_->finished(); }
   const EngineConfig& config() const { return config_; }
@@ -91,7 +93,11 @@ class Engine::Impl {
   void look_after_context();
   core::Expected<void> fit_target(const core::ExternalTarget& target);
   core::Expected<void> unless_lost(core::Expected<void> done) const;
+  core::Expected<void> follow(core::SceneDelta delta);
   core::Expected<void> land();
+  core::Expected<bool> prepare_landing();
+  void abandon_rebuild();
+  void follow_in_landing(const core::SceneDelta& edited, std::span<const std::uint32_t> materials);
   core::Expected<void> follow_order();
   core::Expected<void> take_context(gl::Context& context, std::unique_ptr<Drawing> made);
   void note_context();
@@ -105,8 +111,10 @@ class Engine::Impl {
 
   core::Scene* scene_;
   core::SceneSubscription edits_;
+  core::SceneDelta edits_left_;  // that a commit in portions has taken and not followed
   EngineConfig config_;
   Order live_;
+  std::optional<Order> landing_;  // a new order, for which the drawing makes what it lacks
   Overrides overrides_;
   core::VisibleSet visible_;
   core::VisibleSet overlaid_;  // what is visible where the GPU culls, for what is drawn over its picture
@@ -115,6 +123,7 @@ class Engine::Impl {
   const gl::Context* coming_in_ = nullptr;  // the context of it
   double next_try_ = -1.0;                  // when to try to make a context, in seconds; below 0: none is missing
   double last_frame_began_ = -1.0;          // seconds on the steady clock
+  double frame_seconds_ = 0.0;              // that the last frame took
   std::uint64_t frames_ = 0;
   bool picks_ = false;  // the application has picked
 #if SIGHTLINE_HAS_RAYTRACE

@@ -27,6 +27,12 @@ class Drawing {
     return true;
   }
   void follow_later(std::span<const core::Slot>, std::span<const std::uint32_t>) {}
+  core::Expected<bool> advance_order(const core::Snapshot&, const gpuprims::Joints&, bool,
+                                     std::chrono::steady_clock::time_point) {
+    return true;
+  }
+  core::Expected<void> take_order(const core::Snapshot&, const gpuprims::Joints&, bool) { return {}; }
+  void abandon_order() {}
   static void plan_programs(Plan&, const core::Snapshot&, bool) {}
 
   // None of these is ever called.

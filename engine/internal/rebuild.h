@@ -78,12 +78,17 @@ Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, c
 Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request,
                  const std::stop_token& stop = {});
 
+/// Makes an order show its items as copies from another one do. Returns the slots that were touched below the former
+/// size of its snapshot, in rising order.
+std::vector<core::Slot> catch_up(Order& order, std::span<const core::ItemId> edited,
+                                 const core::Snapshot::Items& copies);
+
 /// One rebuild. Its thread copies the live snapshot in pieces, builds from the copy, catches up with the edits made
-/// meanwhile, and waits for exchange(). It never reads the scene. All calls must come from the thread that edits the
+/// meanwhile, and waits for take(). It never reads the scene. All calls must come from the thread that edits the
 /// live snapshot.
 class BackgroundRebuild {
  public:
-  /// Starts at once. `live` must outlive the rebuild or be handed to exchange().
+  /// Starts at once. `live` must outlive the rebuild, or go to retire().
   BackgroundRebuild(const core::Snapshot& live, const PlanRequest& request);
   /// Stops the thread and waits for it, less than the time of one build.
   ~BackgroundRebuild() = default;
@@ -94,24 +99,20 @@ class BackgroundRebuild {
   /// millisecond.
   void edit(const core::SceneDelta& delta, const std::function<void()>& apply);
 
-  /// Whether exchange() would do so now.
-  bool ready();
-  /// Swaps the new order with the live one if it is ready and shows all edits. The background thread frees the old
-  /// one. Never waits for the build.
-  bool exchange(Order& live);
-  /// True after the exchange, when nothing is left to do: destroying the object then takes no time.
+  /// Gives away the new order if it is ready and shows all edits. From then on it follows edits by catch_up(). Never
+  /// waits for the build.
+  bool take(Order& out);
+  /// After take(): lets the background thread free the order that is no longer in use.
+  void retire(Order&& old);
+  /// True some time after retire(), when nothing is left to do: destroying the object then takes no time.
   bool finished() const { return finished_; }
 
  private:
-  enum class State { kWorking, kReady, kExchanged };
+  enum class State { kWorking, kReady, kTaken, kRetired };
 
   void run(const std::stop_token& stop, const PlanRequest& request);
   bool copy_all(const std::stop_token& stop, core::Snapshot::Items& items);
   bool copy_missed(const std::stop_token& stop, std::span<const core::ItemId> missed, core::Snapshot::Items& items);
-  /// Whether `held` is the mutex, and the new order is ready and shows all edits.
-  bool exchangeable(const std::unique_lock<std::mutex>& held) const {
-    return held.owns_lock() && state_ == State::kReady && !behind_;
-  }
   /// Locks the mutex as soon as no edit is under way. False: the thread must stop.
   bool lock(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
 
@@ -120,7 +121,7 @@ class BackgroundRebuild {
   std::condition_variable_any changed_;
   std::atomic<bool> editing_{false}, finished_{false};
   State state_ = State::kWorking;
-  Order order_;          // the ready one, or the old one, to be freed
+  Order order_;          // the ready one, or one to be freed
   bool behind_ = false;  // an edit is not yet in order_: of items in missed_, or of materials
   std::vector<core::ItemId> missed_;
   std::jthread thread_;  // last: stops before the other members are destroyed

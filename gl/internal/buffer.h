@@ -45,6 +45,10 @@ class Buffer {
     return create(gl, values.size_bytes(), values.data(), flags, what);
   }
 
+  /// A buffer of `bytes`, at least size(), that begins with what this one holds, which may be nothing. The GPU copies.
+  core::Expected<Buffer> enlarged(const Functions& gl, std::size_t bytes, GLbitfield flags,
+                                  std::string_view what) const;
+
   GLuint id() const { return handle_.name(); }
   std::size_t size() const { return bytes_; }  ///< bytes
   /// The contents, where they lie in memory of ours; else null. May be written to while nothing that was submitted

@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "sightline/core/internal/deadline.h"
@@ -17,6 +16,7 @@
 #include "sightline/gpuprims/internal/joints.h"
 #include "sightline/gpuscene/internal/batch_kinds.h"
 #include "sightline/gpuscene/internal/element_writer.h"
+#include "sightline/gpuscene/internal/mesh_pool.h"
 
 namespace sightline::gpuscene {
 
@@ -30,32 +30,6 @@ struct Batch {
   gl::TextureBuffer texels;
 };
 
-/// Command of glMultiDrawElementsIndirect.
-struct ElementsCommand {
-  std::uint32_t count, instance_count, first_index;
-  std::int32_t base_vertex;
-  std::uint32_t base_instance;
-};
-static_assert(sizeof(ElementsCommand) == 20);
-
-/// Triangles of all meshes, each stored once.
-struct MeshPool {
-  gl::Buffer vertices;                    ///< four words each: position x y z as float bits, normal, see mesh_pool.h
-  gl::Buffer indices;                     ///< uint32
-  std::vector<ElementsCommand> commands;  ///< one per item of the mesh batch, in slot order
-  /// Number of a command's first indices that belong to solid shells, whose back faces cannot be seen from outside.
-  std::vector<std::uint32_t> solid_indices;
-  static constexpr int kVertexBytes = 16;
-
-  /// What the meshes of records enclose (core::Enclosure), a byte each. Made by who first needs it.
-  struct Enclosures {
-    std::size_t records = 0;
-    gl::Buffer bytes;
-    gl::TextureBuffer texels;
-  };
-  std::shared_ptr<Enclosures> enclosures = std::make_shared<Enclosures>();
-};
-
 class GpuScene {
  public:
   /// Uploads everything in the snapshot. Records say which ends `joints` cover; all calls take the joints of the same
@@ -66,7 +40,11 @@ class GpuScene {
   /// a little, and ends a millisecond or so after the deadline; but a mesh is worked up as a whole. The snapshot may be
   /// edited in between: once all is uploaded, call append() and update() with everything that was touched meanwhile.
   /// After a failure the scene is of no use.
-  static GpuScene begin(const gl::Context& context, const core::Snapshot& snapshot);
+  ///
+  /// `former`: a scene of the same items in another order, whose memory tells how much the meshes need. Without one
+  /// all meshes are uploaded in one step.
+  static core::Expected<GpuScene> begin(const gl::Context& context, const core::Snapshot& snapshot,
+                                        const GpuScene* former = nullptr);
   core::Expected<bool> advance(const gl::Context& context, const core::Snapshot& snapshot,
                                const gpuprims::Joints& joints, core::Deadline deadline);
 
@@ -81,9 +59,14 @@ class GpuScene {
   /// The same where placements and shapes are as they were: rewrites one word of each record.
   void update_looks(const core::Snapshot& snapshot, std::span<const core::Slot> changed,
                     const gpuprims::Joints& joints = {});
-  /// Adds records of the slots appended since the last call. False, with nothing done, when a new GpuScene is needed:
-  /// memory for an eighth more than at first is used up, or there are new kinds or meshes.
-  bool append(const core::Snapshot& snapshot, const gpuprims::Joints& joints = {});
+  /// Adds records of the slots appended since the last call, `most` of them, with their meshes and kinds. Where a batch
+  /// is full it gets half as much again, and the GPU copies what was there. True: some batches are larger or new, so
+  /// that who keeps something for each batch (DrawLists, a culler, a renderer) needs it anew. Fails when the GPU has
+  /// not enough memory; then the scene is of no use.
+  core::Expected<bool> append(const core::Snapshot& snapshot, const gpuprims::Joints& joints = {},
+                              core::Slot most = core::kNone);
+  /// Whether all slots of the snapshot have records.
+  bool has_all(const core::Snapshot& snapshot) const { return slot_count_ == snapshot.size(); }
   /// Writes all edited or added materials at once; `edited` holds their indices in rising order. Makes a larger table
   /// when added ones do not fit. Fails when the GPU has not enough memory; then nothing has changed.
   core::Expected<void> update_materials(const gl::Context& context, const core::Snapshot& snapshot,
@@ -119,16 +102,17 @@ class GpuScene {
   void for_each_batch(const core::Snapshot& snapshot, std::span<const core::Slot> changed, const Visit& visit);
   core::Expected<bool> advance_batch(const gl::Functions& gl, const core::Snapshot& snapshot,
                                      const gpuprims::Joints& joints, core::Deadline deadline);
+  core::Expected<bool> make_room(BatchKind kind, std::size_t records);
   core::Expected<void> make_materials(const gl::Functions& gl, const core::Snapshot& snapshot);
 
-  std::vector<Batch> batches_;
+  const gl::Functions* gl_ = nullptr;
+  std::vector<Batch> batches_;  // by kind
   MeshPool meshes_;
   gl::Buffer material_rows_;
   gl::TextureBuffer material_texels_;
   ElementWriter writer_;
   core::Slot slot_count_ = 0;
-  std::unordered_map<std::uint32_t, std::uint32_t> record_of_mesh_;  // by mesh: the record of some item with that mesh
-  std::unique_ptr<Upload> upload_;                                   // until everything is uploaded
+  std::unique_ptr<Upload> upload_;  // until everything is uploaded
 };
 
 }  // namespace sightline::gpuscene

@@ -3,32 +3,30 @@
 
 namespace sightline::importers {
 
-using Json = json::Value;
-
 std::string to_text(const ImportReport& report) {
-  Json warnings = Json::array();
+  json::Value warnings = json::Value::array();
   for (const ImportWarning& w : report.warnings) warnings.push_back({w.file, w.offset, w.message});
-  return to_text(Json{{"items", report.items},
-                      {"degenerate", report.degenerate},
-                      {"shared_meshes", report.shared_meshes},
-                      {"attributed", report.attributed},
-                      {"sharing_error", report.sharing_error},
-                      {"bytes", report.bytes},
-                      {"metres_per_unit", report.metres_per_unit},
-                      {"recognition",
-                       {{"meshes", report.recognition.meshes},
-                        {"items", report.recognition.items},
-                        {"triangles", {report.recognition.triangles_before, report.recognition.triangles_after}},
-                        {"bytes", {report.recognition.bytes_before, report.recognition.bytes_after}},
-                        {"largest_deviation", report.recognition.largest_deviation},
-                        {"refused", report.recognition.refused}}},
-                      {"warnings", warnings}});
+  return to_text(json::Value{{"items", report.items},
+                             {"degenerate", report.degenerate},
+                             {"shared_meshes", report.shared_meshes},
+                             {"attributed", report.attributed},
+                             {"sharing_error", report.sharing_error},
+                             {"bytes", report.bytes},
+                             {"metres_per_unit", report.metres_per_unit},
+                             {"recognition",
+                              {{"meshes", report.recognition.meshes},
+                               {"items", report.recognition.items},
+                               {"triangles", {report.recognition.triangles_before, report.recognition.triangles_after}},
+                               {"bytes", {report.recognition.bytes_before, report.recognition.bytes_after}},
+                               {"largest_deviation", report.recognition.largest_deviation},
+                               {"refused", report.recognition.refused}}},
+                             {"warnings", warnings}});
 }
 
 core::Expected<ImportReport> report_from(std::string_view text) {
   const auto parsed = json::parse(text);
   if (!parsed) return core::fail("its report cannot be read: " + parsed.error().reason);
-  const Json& from = *parsed;
+  const json::Value& from = *parsed;
   try {
     ImportReport report;
     from.at("items").get_to(report.items);
@@ -49,7 +47,7 @@ core::Expected<ImportReport> report_from(std::string_view text) {
       found->at("largest_deviation").get_to(recognition.largest_deviation);
       found->at("refused").get_to(recognition.refused);
     }
-    for (const Json& w : from.at("warnings")) {
+    for (const json::Value& w : from.at("warnings")) {
       if (report.warnings.size() > kMaxWarnings) break;
       report.warnings.push_back({w.at(0).get<std::string>(), w.at(1).get<std::uint64_t>(), w.at(2).get<std::string>()});
     }

@@ -32,6 +32,8 @@ class Renderer {
   /// ends after the one that is late.
   static core::Expected<Renderer> begin(const gl::Context& context);
   core::Expected<bool> advance(const gpuscene::GpuScene& scene, const TargetFormat& format, core::Deadline deadline);
+  /// Compiles the programs of kinds of batches that came into the scene since.
+  core::Expected<void> follow(const gpuscene::GpuScene& scene, const TargetFormat& format);
 
   /// Clears the target and draws the records in the lists. All analytic primitives are ray-cast and exact up to float
   /// arithmetic. With several samples per pixel, a primitive covers the samples whose rays hit it, with the colour and

@@ -303,7 +303,10 @@ TEST(EngineRebuild, WhatLandsShowsTheLastEdit) {
     const auto delta = scene.commit();
     ASSERT_TRUE(delta);
     rebuild.edit(*delta, [&] { live.snapshot->apply(*delta); });
-    while (!rebuild.exchange(live)) std::this_thread::yield();
+    Order made;
+    while (!rebuild.take(made)) std::this_thread::yield();
+    std::swap(live, made);
+    rebuild.retire(std::move(made));
     EXPECT_NE(live.snapshot->generation(), first);
     EXPECT_TRUE(live.snapshot->vacant(live.snapshot->slot(hidden)));
     EXPECT_EQ(live.snapshot->slot(removed), core::kNone);

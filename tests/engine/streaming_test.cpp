@@ -1,0 +1,208 @@
+// Meshes and kinds of items that come and go while an engine draws: the picture is that of an engine made for the
+// purpose, and memory does not grow.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "sightline/gpuprims/internal/sphere.h"
+#include "sightline/tests/engine/drawn_grid.h"
+
+namespace sightline::tests::streaming_test {
+namespace {
+
+using engine::CullerChoice;
+using engine::Engine;
+
+class StreamingTest : public DrawnGrid {
+ protected:
+  core::Affine somewhere() {
+    std::uniform_real_distribution<double> place(0.0, 22.0);
+    const double x = place(random), y = place(random);
+    return core::translation({x, y, place(random)});
+  }
+  /// A mesh that no other item has.
+  void add_mesh(core::Scene& scene) {
+    core::Mesh lump = gpuprims::tessellate(core::Sphere{0.8f}, {.fixed_segments = 3 + int(random() % 9)});
+    if (random() % 3 == 0) lump.normals.clear();
+    const core::MeshId mesh = scene.add_mesh(std::move(lump)).value();
+    items.push_back(scene.add_mesh_instance(scene.root(), mesh, somewhere()));
+    if (random() % 4 == 0) scene.add_mesh_instance(scene.root(), mesh, somewhere());  // which stays
+  }
+  void remove(core::Scene& scene, std::size_t count) {
+    for (; count > 0 && !items.empty(); --count) {
+      std::swap(items[random() % items.size()], items.back());
+      scene.remove_item(items.back());
+      items.pop_back();
+    }
+  }
+
+  /// Ghosts, faint ones, and one with an outline, among those that stay.
+  static bool set_styles(Engine& engine) {
+    std::vector<core::ItemId> ghosts, faint;
+    for (core::ItemId item = 0; item < 4000; item += 2) (item % 3 == 0 ? ghosts : faint).push_back(item);
+    return engine.set_override(ghosts, {.ghost = true}) && engine.set_override(faint, {.alpha = 0.5f}) &&
+           engine.set_override({&faint[3], 1}, {.outline = true});
+  }
+
+  std::mt19937 random{11};
+  std::vector<core::ItemId> items;
+};
+
+TEST_F(StreamingTest, MeshesThatComeAndGoShowAsIfBuiltAnew) {
+  SCOPED_TRACE("seed 11");
+  for (const auto culler : {CullerChoice::kCpu, CullerChoice::kGpu, CullerChoice::kHybrid}) {
+    core::Scene scene;
+    fill(scene, 22);
+    for (int i = 0; i < 50; ++i) add_mesh(scene);
+    engine::EngineConfig c = config(culler);
+    c.rebuild_share = 0.0;
+    auto streamed = Engine::create(scene, c);
+    ASSERT_TRUE(streamed);
+    for (int round = 0; round < 8; ++round) {
+      for (int i = 0; i < 40; ++i) add_mesh(scene);
+      remove(scene, 35);
+      ASSERT_TRUE(streamed->commit());
+      ASSERT_TRUE(streamed->frame(view(0.3 * round)));
+      if (round % 3 != 1) continue;
+      auto anew = Engine::create(scene, c);
+      ASSERT_TRUE(anew && anew->frame(view(0.3 * round)));
+      ASSERT_NO_FATAL_FAILURE(expect_same_picture(*streamed, *anew, 1));
+    }
+    items.clear();
+  }
+}
+
+/// Each kind has programs, draw lists and bounds of its own.
+TEST_F(StreamingTest, KindsMayComeIntoAnEmptyScene) {
+  const core::Primitive kinds[] = {core::Cylinder{0.5f, 1.0f}, core::Box{1.0f, 1.0f, 1.0f}, core::Sphere{0.6f},
+                                   core::CircularTorus{1.0f, 0.3f, 1.5f}, core::Line{-0.5f, 0.5f}};
+  for (const auto culler : {CullerChoice::kCpu, CullerChoice::kGpu}) {
+    core::Scene scene;
+    engine::EngineConfig c = config(culler);
+    c.rebuild_share = 0.0;
+    auto streamed = Engine::create(scene, c);
+    ASSERT_TRUE(streamed);
+    for (std::size_t kind = 0; kind <= std::size(kinds); ++kind) {
+      SCOPED_TRACE(kind);
+      for (int i = 0; i < 30; ++i)
+        if (kind == 2)
+          add_mesh(scene);
+        else
+          scene.add_primitive(scene.root(), kinds[kind < 2 ? kind : kind - 1], somewhere());
+      ASSERT_TRUE(streamed->commit());
+      core::View eye = view(0.4);
+      if (kind % 2 == 1) eye.sections = {{{0.1, 0.2, -1.0}, 12.0}};
+      auto anew = Engine::create(scene, c);
+      ASSERT_TRUE(anew && streamed->frame(eye) && anew->frame(eye));
+      ASSERT_NO_FATAL_FAILURE(expect_same_picture(*streamed, *anew, 1));
+    }
+  }
+}
+
+/// What a new order needs is uploaded while frames show the former one and edits go on, with overlays beside.
+TEST_F(StreamingTest, NewOrdersLandBetweenEdits) {
+  SCOPED_TRACE("seed 11");
+  for (const auto culler : {CullerChoice::kCpu, CullerChoice::kGpu}) {
+    core::Scene scene;
+    fill(scene, 22);
+    engine::EngineConfig c = config(culler);
+    c.rebuild_share = 0.01;
+    c.relief = {0.5f, 0.5f};
+    auto streamed = Engine::create(scene, c);
+    ASSERT_TRUE(streamed && set_styles(*streamed));
+    int landings = 0, in_between = 0;
+    for (int round = 0; round < 2000 && landings < 2; ++round) {
+      const std::uint64_t order = streamed->snapshot().generation();
+      const std::size_t slots = streamed->snapshot().size();
+      for (int i = 0; i < 4; ++i) add_mesh(scene);
+      remove(scene, 2);
+      scene.set_placement(core::ItemId(random() % 10'000), somewhere());
+      ASSERT_TRUE(streamed->commit() && streamed->frame(view(0.1 * round)));
+      const bool landed = streamed->snapshot().generation() != order && streamed->snapshot().size() < slots;
+      landings += landed;
+      in_between += streamed->rebuilding() && !landed;
+      if (!landed && in_between % 16 != 1) continue;
+      auto anew = Engine::create(scene, c);
+      ASSERT_TRUE(anew && set_styles(*anew) && anew->frame(view(0.1 * round)));
+      ASSERT_NO_FATAL_FAILURE(expect_same_picture(*streamed, *anew, 1)) << "round " << round;
+    }
+    EXPECT_EQ(landings, 2);
+    EXPECT_GE(in_between, 1);
+    items.clear();
+  }
+}
+
+/// Later edits, of the same items too, may come before all of the earlier ones are shown.
+TEST_F(StreamingTest, EditsMayBeFollowedInPortions) {
+  SCOPED_TRACE("seed 11");
+  core::Scene scene;
+  fill(scene, 12);
+  engine::EngineConfig c = config(CullerChoice::kCpu);
+  c.rebuild_share = 0.1;
+  auto streamed = Engine::create(scene, c);
+  ASSERT_TRUE(streamed);
+  int portions = 0;
+  for (int round = 0; round < 12; ++round) {
+    for (int i = 0; i < 500; ++i) scene.add_primitive(scene.root(), core::Sphere{0.3f}, somewhere());
+    for (int i = 0; i < 20; ++i) add_mesh(scene);
+    remove(scene, 10);
+    for (int i = 0; i < 300; ++i) {
+      const auto item = core::ItemId(random() % scene.item_slots());
+      if (!scene.contains_item(item)) continue;
+      if (i % 3 == 0)
+        scene.set_placement(item, somewhere());
+      else
+        scene.set_visible(item, i % 2 == 0);
+    }
+    bool all = false;
+    do {
+      const auto done = streamed->commit(0.0);
+      ASSERT_TRUE(done && streamed->frame(view(0.2 * round)));
+      all = *done;
+      ++portions;
+    } while (round % 4 == 3 && !all);
+    if (round % 4 != 3) continue;
+    ASSERT_TRUE(streamed->frame(view(0.2 * round)));
+    auto anew = Engine::create(scene, c);
+    ASSERT_TRUE(anew && anew->frame(view(0.2 * round)));
+    ASSERT_NO_FATAL_FAILURE(expect_same_picture(*streamed, *anew, 1));
+    EXPECT_EQ(streamed->snapshot().size() - streamed->snapshot().vacant_count(),
+              anew->snapshot().size() - anew->snapshot().vacant_count());
+  }
+  EXPECT_GT(portions, 12);
+}
+
+TEST_F(StreamingTest, TrianglesThatAreGoneMakeRoom) {
+  core::Scene scene;
+  fill(scene, 8);
+  engine::EngineConfig c = config(CullerChoice::kCpu);
+  c.rebuild_share = 0.0;
+  auto engine = Engine::create(scene, c);
+  ASSERT_TRUE(engine);
+  std::size_t settled = 0;
+  for (int round = 0; round < 60; ++round) {
+    const std::vector<core::MeshId> gone = [&] {
+      std::vector<core::MeshId> meshes;
+      for (const core::ItemId item : items) meshes.push_back(scene.mesh_of(item));
+      return meshes;
+    }();
+    remove(scene, items.size());
+    for (const core::MeshId mesh : gone) scene.remove_mesh(mesh);
+    for (int i = 0; i < 100; ++i) {
+      const auto mesh =
+          scene.add_mesh(gpuprims::tessellate(core::Sphere{0.8f}, {.fixed_segments = 8 + (round + i) % 9})).value();
+      items.push_back(scene.add_mesh_instance(scene.root(), mesh, somewhere()));
+    }
+    ASSERT_TRUE(engine->commit() && engine->frame(view(0.1 * round)));
+    const auto& meshes = engine->drawing()->scene().meshes();
+    const std::size_t bytes = meshes.vertices().size() + meshes.indices().size();
+    if (round == 10) settled = bytes;
+    if (round > 10) {
+      EXPECT_LE(bytes, settled + settled / 2) << "round " << round;
+    }
+  }
+  EXPECT_GT(settled, 0u);
+}
+
+}  // namespace
+}  // namespace sightline::tests::streaming_test
