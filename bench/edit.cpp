@@ -3,6 +3,8 @@
 // Uses a plant of cylinders and boxes. For each kind of edit, every commit edits a share of all items. Measures the
 // parts of the commit (validation by the scene, snapshot, culler), and culling along a path before, after, and in the
 // new order that the engine would land. Then edits and culls frame by frame with an engine while its rebuild runs.
+// Last the same boxes in a BoxCuller: updates one by one and in batches, refit and a new culler, and culling after
+// each.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -19,6 +21,7 @@
 #include "sightline/bench/subcommands.h"
 #include "sightline/core/scene.h"
 #include "sightline/core/snapshot.h"
+#include "sightline/culling/box_culler.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/engine/engine.h"
 #include "sightline/json/internal/json.h"
@@ -37,7 +40,7 @@ struct Options {
   std::size_t items = 1'000'000;
   double share = 0.01;
   int commits = 5;
-  std::string views, json;
+  std::string subject = "all", views, json;
 };
 
 enum class Edit { kMoveNear, kMoveFar, kInsert, kRemove, kHide, kShow };
@@ -278,7 +281,115 @@ core::Expected<Json> measure_rebuild(const Options& options, const std::vector<c
               {"longest_commit_ms_before", quiet.commit}};
 }
 
-void print_table(const Json& json, std::FILE* out) {
+// --- boxes without a scene -------------------------------------------------------------------------------------------
+
+/// Changes of random boxes of a BoxCuller, which move by up to `reach` along each axis.
+class BoxMover {
+ public:
+  BoxMover(std::vector<core::AabbD>& boxes, const core::dvec3& reach) : boxes_(boxes), reach_(reach) {}
+
+  /// Draws a batch of `count` boxes, with their moves in boxes_ and in `moved`.
+  void draw(std::size_t count) {
+    indices.clear(), moved.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto index = std::uint32_t(random_() % boxes_.size());
+      move(boxes_[index]);
+      indices.push_back(index);
+      moved.push_back(boxes_[index]);
+    }
+  }
+  void move_all() {
+    for (core::AabbD& box : boxes_) move(box);
+  }
+
+  std::vector<std::uint32_t> indices;
+  std::vector<core::AabbD> moved;
+
+ private:
+  void move(core::AabbD& box) {
+    std::uniform_real_distribution<double> share(-1.0, 1.0);
+    const core::dvec3 by = reach_ * core::dvec3(share(random_), share(random_), share(random_));
+    box.min += by, box.max += by;
+  }
+
+  std::vector<core::AabbD>& boxes_;
+  core::dvec3 reach_;
+  std::mt19937_64 random_{3};
+};
+
+/// Milliseconds per view: the median over the passes of the means along the path.
+double path_ms(const culling::BoxCuller& culler, const std::vector<core::View>& views) {
+  std::vector<double> times;
+  std::vector<std::uint32_t> visible;
+  for (int pass = -1; pass < kPathPasses; ++pass) {
+    const double start = milliseconds();
+    for (const core::View& view : views) culler.visible(view, visible);
+    if (pass >= 0) times.push_back((milliseconds() - start) / double(views.size()));
+  }
+  return apps::median(times);
+}
+
+/// Microseconds per box of `count` boxes, the median of the commits.
+template <class Change>
+double per_box_us(int commits, std::size_t count, const Change& change) {
+  std::vector<double> times;
+  for (int i = 0; i < commits; ++i) times.push_back(1e3 * change() / double(count));
+  return apps::median(times);
+}
+
+core::Expected<Json> measure_boxes(const char* name, const core::dvec3& reach, const Options& options,
+                                   const std::vector<core::View>& views) {
+  constexpr std::size_t kSingles = 1000;
+  std::vector<core::AabbD> boxes;
+  for (const core::Aabb& box : PlantBoxes(1).make(options.items))
+    boxes.push_back({core::dvec3(box.min), core::dvec3(box.max)});
+  const std::size_t count = std::max<std::size_t>(1, std::size_t(double(options.items) * options.share));
+  auto culler = culling::BoxCuller::create(boxes);
+  if (!culler) return tl::unexpected(culler.error());
+  BoxMover mover(boxes, reach);
+  bool good = true;
+  Json figures{{"move", name}, {"boxes_per_batch", count}, {"before_ms", path_ms(*culler, views)}};
+  figures["single_us"] = per_box_us(options.commits, kSingles, [&] {
+    mover.draw(kSingles);
+    const double start = milliseconds();
+    for (std::size_t i = 0; i < kSingles; ++i) good &= culler->update(mover.indices[i], mover.moved[i]).has_value();
+    return milliseconds() - start;
+  });
+  figures["batch_us"] = per_box_us(options.commits, count, [&] {
+    mover.draw(count);
+    const double start = milliseconds();
+    good &= culler->update(mover.indices, mover.moved).has_value();
+    return milliseconds() - start;
+  });
+  figures["after_batches_ms"] = path_ms(*culler, views);
+  figures["refit_us"] = per_box_us(options.commits, boxes.size(), [&] {
+    mover.move_all();
+    const double start = milliseconds();
+    good &= culler->refit(boxes).has_value();
+    return milliseconds() - start;
+  });
+  figures["after_refits_ms"] = path_ms(*culler, views);
+  figures["create_us"] = per_box_us(1, boxes.size(), [&] {
+    const double start = milliseconds();
+    culler = culling::BoxCuller::create(boxes);
+    return milliseconds() - start;
+  });
+  if (!good || !culler) return core::fail("a box was refused");
+  figures["anew_ms"] = path_ms(*culler, views);
+  return figures;
+}
+
+void print_boxes(const Json& json, std::FILE* out) {
+  std::fprintf(out, "BoxCuller, us a box; culling in ms per view, with the list of indices\n");
+  std::fprintf(out, "%-9s single   batch   refit     new | cull before, after batches, refits, anew\n", "");
+  for (const Json& b : json["boxes"])
+    std::fprintf(out, "%-9s %6.3f  %6.3f  %6.4f  %6.4f |      %6.3f         %6.3f  %6.3f  %6.3f\n",
+                 b["move"].get<std::string>().c_str(), b["single_us"].get<double>(), b["batch_us"].get<double>(),
+                 b["refit_us"].get<double>(), b["create_us"].get<double>(), b["before_ms"].get<double>(),
+                 b["after_batches_ms"].get<double>(), b["after_refits_ms"].get<double>(), b["anew_ms"].get<double>());
+}
+
+void print_scenes(const Json& json, std::FILE* out) {
   std::fprintf(out, "%zu items, %zu edited per commit; culling in ms per view, mean over %zu views\n",
                json["items"].get<std::size_t>(), json["edits"][0]["items_per_commit"].get<std::size_t>(),
                json["views"].get<std::size_t>());
@@ -299,19 +410,38 @@ void print_table(const Json& json, std::FILE* out) {
       r["longest_commit_ms"].get<double>());
 }
 
+void print_table(const Json& json, std::FILE* out) {
+  if (json.contains("edits")) print_scenes(json, out);
+  if (json.contains("boxes")) print_boxes(json, out);
+}
+
+core::Expected<void> measure_scenes(const Options& options, const std::vector<core::View>& views, Json& json) {
+  for (const auto& [kind, name] : kEdits) {
+    auto figures = measure(kind, name, options, views);
+    if (!figures) return tl::unexpected(figures.error());
+    json["edits"].push_back(std::move(*figures));
+  }
+  auto rebuild = measure_rebuild(options, views);
+  if (!rebuild) return tl::unexpected(rebuild.error());
+  json["rebuild"] = std::move(*rebuild);
+  return {};
+}
+
 core::Expected<int> run(const Options& options) {
   auto views = options.views.empty() ? core::Expected<std::vector<core::View>>(orbit()) : read_views(options.views);
   if (!views) return tl::unexpected(views.error());
   if (views->empty()) return core::fail(options.views + ": no views");
   Json json{{"items", options.items}, {"commits", options.commits}, {"views", views->size()}};
-  for (const auto& [kind, name] : kEdits) {
-    auto figures = measure(kind, name, options, *views);
-    if (!figures) return tl::unexpected(figures.error());
-    json["edits"].push_back(std::move(*figures));
+  if (options.subject != "boxes")
+    if (auto done = measure_scenes(options, *views, json); !done) return tl::unexpected(done.error());
+  if (options.subject != "scenes") {
+    for (const auto& [name, reach] :
+         {std::pair("move 1 m", core::dvec3(1.0)), {"move far", core::dvec3(200, 50, 30)}}) {
+      auto figures = measure_boxes(name, reach, options, *views);
+      if (!figures) return tl::unexpected(figures.error());
+      json["boxes"].push_back(std::move(*figures));
+    }
   }
-  auto rebuild = measure_rebuild(options, *views);
-  if (!rebuild) return tl::unexpected(rebuild.error());
-  json["rebuild"] = std::move(*rebuild);
   return finish(options.json, json, print_table);
 }
 
@@ -320,6 +450,10 @@ void add_options(apps::CommandLine& line, Options& options) {
       .in_range(100, 20'000'000)
       .shows_default();
   line.add("--share", options.share, "of the items, edited per commit").in_range(1e-6, 0.1).shows_default();
+  line.add("--subject", options.subject,
+           "what is edited: scenes, the boxes of a BoxCuller, or first one, then the other")
+      .one_of({"all", "scenes", "boxes"})
+      .shows_default();
   line.add("--commits", options.commits, "of each kind of edit, one after the other").in_range(1, 9).shows_default();
   add_views_option(line, options.views);
   apps::add_json_option(line, options.json);

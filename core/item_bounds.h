@@ -36,13 +36,17 @@ class SIGHTLINE_API ItemBounds {
   void reserve(std::size_t count);  ///< allocates memory for resize() to grow into
   /// Stores the empty box for any box that is surely empty. A box with a NaN is not surely empty, so its item is drawn.
   void set(std::size_t i, const Aabb& box);
+  /// set() for several threads, each with boxes of its own. The box is not empty or the default one; extent() stays as
+  /// it is and must be set afterwards.
+  void store(std::size_t i, const Aabb& box);
+  void set_extent(const Aabb& extent) { extent_ = extent; }
   Aabb box(std::size_t i) const;
   bool vacant(std::size_t i) const { return coordinates_[0][i] > coordinates_[3][i]; }
   void set_layers(std::size_t i, std::uint32_t layers);  ///< not 0: to hide an item give it the empty box
   std::uint32_t layers(std::size_t i) const { return layers_.empty() ? std::uint32_t(kLayerModel) : layers_[i]; }
   /// False while every item has always been on kLayerModel alone. Then no layers are stored and none need be tested.
   bool uses_layers() const { return uses_layers_; }
-  /// Union of all boxes ever set: a bound for coordinate magnitudes.
+  /// Union of all boxes ever set, or what set_extent() made of it: a bound for coordinate magnitudes.
   const Aabb& extent() const { return extent_; }
 
   /// Union of the boxes on any of `layers`, in world coordinates: the boxes that views with this layer mask can show.
@@ -64,8 +68,7 @@ class SIGHTLINE_API ItemBounds {
 
  private:
   friend class Storage;
-  friend class Snapshot;  // fills by several threads: each stores boxes of its own, and all share the extent
-  void store(std::size_t i, const Aabb& box);
+  friend class Snapshot;
   void resize_for_overwrite(std::size_t count, bool with_layers);
   bool shown(std::size_t i, std::uint32_t mask) const { return !vacant(i) && (layers(i) & mask) != 0; }
   AabbD in_world(const Aabb& box) const;

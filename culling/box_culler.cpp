@@ -9,6 +9,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "sightline/core/internal/block_order.h"
+#include "sightline/core/internal/prefetch.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/cull_threads.h"
@@ -18,14 +19,53 @@
 namespace sightline::culling {
 namespace {
 
-core::Expected<void> check(const core::AabbD& box, std::size_t index) {
+/// Boxes of a job for threads, and changes that are worth threads.
+constexpr std::size_t kJobBoxes = 8192, kChangesWorthThreads = 4096;
+
+bool acceptable(const core::AabbD& box) {
   bool fine = true;
   for (int axis = 0; axis < 3; ++axis) {
     const double low = box.min[axis], high = box.max[axis];
     fine = fine && (box.empty() ? !std::isnan(low) && !std::isnan(high) : std::isfinite(low) && std::isfinite(high));
   }
-  if (!fine) return core::fail("box " + std::to_string(index) + ": expected finite corners");
-  return {};
+  return fine;
+}
+
+tl::unexpected<core::Error> refuse(std::size_t index) {
+  return core::fail("box " + std::to_string(index) + ": expected finite corners");
+}
+
+std::size_t job_count(std::size_t boxes) {
+  return (boxes + kJobBoxes - 1) / kJobBoxes;
+}
+
+/// Calls job(number, begin, end) for ranges that cover 0 … count - 1.
+template <class Job>
+void for_ranges(std::size_t count, CullThreads& threads, const Job& job) {
+  threads.run(std::uint32_t(job_count(count)), [&](std::uint32_t i) {
+    const std::size_t begin = i * kJobBoxes;
+    job(i, begin, std::min(count, begin + kJobBoxes));
+  });
+}
+
+/// Fails with the first box that is not acceptable.
+core::Expected<core::AabbD> union_of(std::span<const core::AabbD> boxes, CullThreads& threads) {
+  std::vector<core::AabbD> unions(job_count(boxes.size()));
+  std::vector<std::size_t> refused(unions.size(), boxes.size());
+  for_ranges(boxes.size(), threads, [&](std::uint32_t job, std::size_t begin, std::size_t end) {
+    core::AabbD all;
+    for (std::size_t i = end; i-- > begin;) {
+      if (!acceptable(boxes[i])) refused[job] = i;
+      if (!boxes[i].empty()) all.grow(boxes[i]);
+    }
+    unions[job] = all;
+  });
+  core::AabbD all;
+  for (std::size_t job = 0; job < unions.size(); ++job) {
+    if (refused[job] < boxes.size()) return refuse(refused[job]);
+    all.grow(unions[job]);
+  }
+  return all;
 }
 
 }  // namespace
@@ -35,7 +75,13 @@ struct BoxCuller::Impl {
   std::vector<std::uint32_t> index_of;  // slot to index
   std::vector<core::Slot> slot_of;      // index to slot
   std::optional<CpuCuller> culler;      // borrows bounds
-  mutable CullThreads threads;          // for the occlusion test
+  std::vector<core::Slot> changed;      // scratch of update()
+  mutable CullThreads threads;          // for the occlusion test and large changes
+
+  /// The middle of the boxes, to which coordinates in float are relative.
+  static core::dvec3 origin_of(const core::AabbD& all) {
+    return all.empty() ? core::dvec3(0.0) : glm::round(all.centre());
+  }
 
   core::Aabb rounded(const core::AabbD& box) const {
     return box.empty() ? core::Aabb() : core::round_outwards(box, bounds.origin);
@@ -46,7 +92,43 @@ struct BoxCuller::Impl {
       if (!bounds.vacant(slot)) indices.push_back(index_of[slot]);
     });
   }
+  void replace(std::span<const std::uint32_t> indices, std::span<const core::AabbD> boxes);
+  void replace_all(std::span<const core::AabbD> boxes, const core::AabbD& all);
 };
+
+/// Boxes lie all over the arrays, so their lines are prefetched.
+void BoxCuller::Impl::replace(std::span<const std::uint32_t> indices, std::span<const core::AabbD> boxes) {
+  changed.resize(indices.size());
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    assert(indices[i] < slot_of.size());
+    changed[i] = slot_of[indices[i]];
+  }
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const std::size_t next = i + core::kPrefetchAhead;
+    for (int axis = 0; axis < 6 && next < boxes.size(); ++axis) core::prefetch(bounds.coordinate(axis)[changed[next]]);
+    bounds.set(changed[i], rounded(boxes[i]));
+  }
+  culler->update(changed, changed.size() < kChangesWorthThreads ? nullptr : &threads);
+}
+
+void BoxCuller::Impl::replace_all(std::span<const core::AabbD> boxes, const core::AabbD& all) {
+  std::vector<core::Aabb> extents(job_count(boxes.size()));
+  bounds.origin = origin_of(all);
+  for_ranges(boxes.size(), threads, [&](std::uint32_t job, std::size_t begin, std::size_t end) {
+    core::Aabb extent;
+    for (std::size_t slot = begin; slot < end; ++slot) {
+      if (slot + core::kPrefetchAhead < end) core::prefetch(boxes[index_of[slot + core::kPrefetchAhead]]);
+      const core::Aabb box = rounded(boxes[index_of[slot]]);
+      bounds.store(slot, box);
+      extent.grow(box);
+    }
+    extents[job] = extent;
+  });
+  core::Aabb extent;
+  for (const core::Aabb& part : extents) extent.grow(part);
+  bounds.set_extent(extent);
+  culler->refit(&threads);
+}
 
 BoxCuller::BoxCuller(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 BoxCuller::BoxCuller(BoxCuller&&) noexcept = default;
@@ -55,13 +137,10 @@ BoxCuller::~BoxCuller() = default;
 
 core::Expected<BoxCuller> BoxCuller::create(std::span<const core::AabbD> boxes) {
   if (boxes.size() >= core::kNone / 2) return core::fail("box culler: expected fewer than 2^31 - 1 boxes");
-  core::AabbD around;
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    if (auto fine = check(boxes[i], i); !fine) return tl::unexpected(fine.error());
-    if (!boxes[i].empty()) around.grow(boxes[i]);
-  }
   auto impl = std::make_unique<Impl>();
-  if (!around.empty()) impl->bounds.origin = glm::round(around.centre());
+  const auto all = union_of(boxes, impl->threads);
+  if (!all) return tl::unexpected(all.error());
+  impl->bounds.origin = Impl::origin_of(*all);
   std::vector<core::Aabb> rounded;
   rounded.reserve(boxes.size());
   for (const core::AabbD& box : boxes) rounded.push_back(impl->rounded(box));
@@ -115,11 +194,22 @@ void BoxCuller::visible(const core::View& view, const DepthPyramid& depth, std::
 }
 
 core::Expected<void> BoxCuller::update(std::uint32_t index, const core::AabbD& box) {
-  assert(index < size());
-  if (auto fine = check(box, index); !fine) return fine;
-  const core::Slot slot = impl_->slot_of[index];
-  impl_->bounds.set(slot, impl_->rounded(box));
-  impl_->culler->update(std::span(&slot, 1));
+  return update(std::span(&index, 1), std::span(&box, 1));
+}
+
+core::Expected<void> BoxCuller::update(std::span<const std::uint32_t> indices, std::span<const core::AabbD> boxes) {
+  assert(indices.size() == boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    if (!acceptable(boxes[i])) return refuse(indices[i]);
+  impl_->replace(indices, boxes);
+  return {};
+}
+
+core::Expected<void> BoxCuller::refit(std::span<const core::AabbD> boxes) {
+  assert(boxes.size() == size());
+  const auto all = union_of(boxes, impl_->threads);
+  if (!all) return tl::unexpected(all.error());
+  impl_->replace_all(boxes, *all);
   return {};
 }
 

@@ -18,8 +18,9 @@
 
 namespace sightline::culling {
 
-/// Owns its boxes: a copy in float, rounded outwards, in an order of its own (33 bytes a box with the hierarchy). Box i
-/// is the i-th of those given to create(). Promise: conservative, with the same answer as CpuCuller. Movable.
+/// Owns its boxes: a copy in float, rounded outwards, in an order of its own (33 bytes a box with the hierarchy, and 4
+/// for each box of the largest batch). Box i is the i-th of those given to create(). Promise: conservative, with the
+/// same answer as CpuCuller. Movable.
 class SIGHTLINE_API BoxCuller {
  public:
   /// Boxes in world coordinates, in any unit. Empty boxes (min > max) are never visible. Fails on a box with a NaN or
@@ -50,8 +51,19 @@ class SIGHTLINE_API BoxCuller {
   void visible(const core::View& view, const DepthPyramid& depth, std::vector<std::uint32_t>& indices) const;
 
   /// Replaces box `index`, which must be below size(). Fails on a box that create() refuses, and then changes nothing.
-  /// Boxes that move far make culling slower, not wrong: after many of them create a new culler.
+  /// Boxes that move far make culling slower, not wrong, since all keep their places in the order of create(): after
+  /// many of them create a new culler.
   core::Expected<void> update(std::uint32_t index, const core::AabbD& box);
+  /// Replaces box indices[i] by boxes[i] for each i, with the result of single updates one after the other: of a
+  /// repeated index the last box counts. Faster than these, since each hierarchy node is refitted once, large batches
+  /// by several threads: 0.15 us a box where a single update takes 0.7 (10,000 of a million boxes, two cores). Both
+  /// spans must have the same size. Fails on a box that create() refuses, which the message names by its index, and
+  /// then changes nothing.
+  core::Expected<void> update(std::span<const std::uint32_t> indices, std::span<const core::AabbD> boxes);
+  /// Replaces all boxes, of which there must be size(): for boxes that move every frame. From then on answers are those
+  /// of create(boxes), in a sixth of its time, since nothing is sorted: as after update(), far moves make culling
+  /// slower. Linear in size(), on several threads. Fails as create() does, and then changes nothing.
+  core::Expected<void> refit(std::span<const core::AabbD> boxes);
 
  private:
   struct Impl;

@@ -40,9 +40,11 @@ class SIGHTLINE_API CpuCuller {
 
   /// Call this before the next cull when boxes or layers of `changed` slots have changed or slots were appended: see
   /// Hierarchy::update.
-  void update(std::span<const core::Slot> changed) { hierarchy_.update(*bounds_, changed); }
+  void update(std::span<const core::Slot> changed, CullThreads* threads = nullptr) {
+    hierarchy_.update(*bounds_, changed, threads);
+  }
   /// The same after any change. Linear in the number of slots.
-  void refit() { hierarchy_.refit(*bounds_); }
+  void refit(CullThreads* threads = nullptr) { hierarchy_.refit(*bounds_, threads); }
 
   const Hierarchy& hierarchy() const { return hierarchy_; }
   std::size_t memory_bytes() const { return hierarchy_.memory_bytes(); }  ///< without the bounds

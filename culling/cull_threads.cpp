@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 
 #include "sightline/core/internal/intrinsics.h"
 
@@ -72,8 +73,12 @@ std::uint32_t CullThreads::share(std::uint32_t jobs, Call call, const void* cont
   return own;
 }
 
+/// Where a thread cannot be made, for want of memory or by a limit, those that there are do the work.
 void CullThreads::start() {
-  for (int i = 1; i < count_; ++i) helpers_.emplace_back([this](const std::stop_token& stop) { help(stop); });
+  try {
+    for (int i = 1; i < count_; ++i) helpers_.emplace_back([this](const std::stop_token& stop) { help(stop); });
+  } catch (const std::exception&) {
+  }
 }
 
 /// Claims a job and does it; false when none is left.

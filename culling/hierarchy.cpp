@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <utility>
 
+#include "sightline/core/internal/prefetch.h"
 #include "sightline/culling/internal/kernels.h"
 
 namespace sightline::culling {
@@ -46,8 +48,32 @@ Aabb union_of_leaf(const ItemBounds& bounds, std::uint32_t leaf) {
   return union_of_slots(bounds, first, first + kLeafSize);
 }
 
+/// Minimum and maximum of the lanes, without branches. Returns false, with anything in `box`, when a lane is NaN.
+bool union_of_numbers(const HierarchyNode& node, Aabb& box) {
+  bool numbers = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float *low = node.bounds[axis], *high = node.bounds[axis + 3];
+    float least[kLanes / 2], most[kLanes / 2];
+    int ordered = 0;
+    for (int i = 0; i < kLanes; ++i) ordered += low[i] == low[i] && high[i] == high[i];
+    for (int i = 0; i < kLanes / 2; ++i) {
+      least[i] = std::min(low[i], low[i + kLanes / 2]);
+      most[i] = std::max(high[i], high[i + kLanes / 2]);
+    }
+    for (int i = 1; i < kLanes / 2; ++i) {
+      least[0] = std::min(least[0], least[i]);
+      most[0] = std::max(most[0], most[i]);
+    }
+    box.min[axis] = least[0], box.max[axis] = most[0];
+    numbers = numbers && ordered == kLanes;
+  }
+  return numbers;
+}
+
 Aabb union_of_lanes(const HierarchyNode& node) {
   Aabb box;
+  if (union_of_numbers(node, box)) return box;
+  box = {};
   for (int axis = 0; axis < 3; ++axis) {
     for (int i = 0; i < kLanes; ++i) {
       lower(box.min[axis], node.bounds[axis][i]);
@@ -55,6 +81,15 @@ Aabb union_of_lanes(const HierarchyNode& node) {
     }
   }
   return box;
+}
+
+/// Fetches the boxes of marked leaves at once: one after the other, each would wait for memory.
+void prefetch_leaves(const ItemBounds& bounds, std::uint32_t node, std::uint32_t marked) {
+  for (; marked != 0; marked &= marked - 1) {
+    const std::uint32_t leaf = node * kLanes + std::uint32_t(std::countr_zero(marked));
+    for (int axis = 0; axis < 6; ++axis)
+      core::prefetch(bounds.coordinate(axis) + leaf * kLeafSize, kLeafSize * sizeof(float));
+  }
 }
 
 struct LayerUnion {
@@ -113,6 +148,8 @@ void Hierarchy::resize(const ItemBounds& bounds) {
     nodes_[level].resize(lanes, empty_node());
   }
   nodes_.resize(level);
+  marks_.resize(level);
+  for (std::size_t i = 0; i < level; ++i) marks_[i].resize(nodes_[i].size(), 0);
   layers_.resize(bounds.uses_layers() ? level : 0);
   for (std::size_t i = 0; i < layers_.size(); ++i) layers_[i].resize(nodes_[i].size(), empty_layers());
 }
@@ -131,41 +168,66 @@ void Hierarchy::refit_lane(const ItemBounds& bounds, int level, std::uint32_t la
   layers_[l][lane / kLanes].all[lane % kLanes] = u.all;
 }
 
-void Hierarchy::refit(const ItemBounds& bounds) {
-  if (bounds.size() < slot_count_) nodes_.clear(), layers_.clear();
-  resize(bounds);
-  for (int level = 0; level < level_count(); ++level)
-    for (std::uint32_t lane = 0; lane < lane_count(level); ++lane) refit_lane(bounds, level, lane);
+/// Marks a leaf and the nodes above it. Where a lane is marked, so are those above it.
+void Hierarchy::mark(std::uint32_t leaf) {
+  std::uint32_t lane = leaf;
+  for (std::vector<std::uint16_t>& marks : marks_) {
+    std::uint16_t& node = marks[lane / kLanes];
+    const auto bit = std::uint16_t(1u << lane % kLanes);
+    if ((node & bit) != 0) return;
+    node |= bit;
+    lane /= kLanes;
+  }
 }
 
-void Hierarchy::update(const ItemBounds& bounds, std::span<const core::Slot> changed) {
+void Hierarchy::mark_all(int level) {
+  std::vector<std::uint16_t>& marks = marks_[std::size_t(level)];
+  std::fill(marks.begin(), marks.end(), std::uint16_t(~0u));
+  if (const std::uint32_t last = lane_count(level) % kLanes; last != 0) marks.back() = std::uint16_t((1u << last) - 1u);
+}
+
+/// Refits the marked lanes of a node after those below them, and clears the marks.
+void Hierarchy::refit_marked(const ItemBounds& bounds, int level, std::uint32_t node) {
+  const std::uint32_t marked = std::exchange(marks_[std::size_t(level)][node], std::uint16_t(0));
+  if (level == 0) prefetch_leaves(bounds, node, marked);
+  for (std::uint32_t rest = marked; rest != 0; rest &= rest - 1) {
+    const std::uint32_t lane = node * kLanes + std::uint32_t(std::countr_zero(rest));
+    if (level > 0) refit_marked(bounds, level - 1, lane);
+    refit_lane(bounds, level, lane);
+  }
+}
+
+/// Subtrees of a level with some dozens of nodes are jobs for threads; the few nodes above them are refitted at last.
+void Hierarchy::refit_marked(const ItemBounds& bounds, CullThreads* threads) {
+  constexpr std::size_t kMostJobs = 256;
+  if (empty()) return;
+  int level = 0;
+  while (nodes_[std::size_t(level)].size() > kMostJobs) ++level;
+  if (threads)
+    threads->run(std::uint32_t(nodes_[std::size_t(level)].size()),
+                 [&](std::uint32_t node) { refit_marked(bounds, level, node); });
+  refit_marked(bounds, level_count() - 1, 0);
+}
+
+void Hierarchy::refit(const ItemBounds& bounds, CullThreads* threads) {
+  if (bounds.size() < slot_count_) nodes_.clear(), layers_.clear(), marks_.clear();
+  resize(bounds);
+  for (int level = 0; level < level_count(); ++level) mark_all(level);
+  refit_marked(bounds, threads);
+}
+
+void Hierarchy::update(const ItemBounds& bounds, std::span<const core::Slot> changed, CullThreads* threads) {
   const std::uint32_t old_slots = slot_count_;
   const int old_levels = level_count();
   const bool layers_are_new = bounds.uses_layers() && layers_.empty();
-  if (bounds.size() < old_slots || layers_are_new) return refit(bounds);
+  if (bounds.size() < old_slots || layers_are_new) return refit(bounds, threads);
   resize(bounds);
-  // A word of marks is a node, with sixteen lanes. A refitted node is a marked lane of the level above.
-  constexpr std::uint32_t kAll = (1u << kLanes) - 1u;
-  if (empty()) return;
-  marks_.assign(nodes_[0].size(), 0);
+  for (int level = old_levels; level < level_count(); ++level) mark_all(level);
   for (const core::Slot slot : changed)
-    if (!bounds.vacant(slot)) marks_[slot / (kLeafSize * kLanes)] |= 1u << slot / kLeafSize % kLanes;
-  for (std::uint32_t leaf = old_slots / kLeafSize; leaf < lane_count(0); ++leaf)
-    marks_[leaf / kLanes] |= 1u << leaf % kLanes;
-  for (int level = 0; level < level_count(); ++level) {
-    const std::uint32_t count = std::uint32_t(nodes_[std::size_t(level)].size()), used = lane_count(level);
-    for (std::uint32_t node = 0; node < count; ++node) {
-      // All lanes of a new level must be refitted.
-      std::uint32_t rest = level < old_levels ? marks_[node] : kAll;
-      if (used - node * kLanes < std::uint32_t(kLanes)) rest &= (1u << (used - node * kLanes)) - 1u;
-      const bool looked_at = rest != 0;
-      for (; rest != 0; rest &= rest - 1)
-        refit_lane(bounds, level, node * kLanes + std::uint32_t(std::countr_zero(rest)));
-      // In place: the word of the level above lies at or before this one, whose marks have been taken.
-      marks_[node] = 0;
-      if (looked_at) marks_[node / kLanes] |= 1u << node % kLanes;
-    }
-  }
+    if (!bounds.vacant(slot)) mark(slot / kLeafSize);
+  if (bounds.size() > old_slots)
+    for (std::uint32_t leaf = old_slots / kLeafSize; leaf < lane_count(0); ++leaf) mark(leaf);
+  refit_marked(bounds, threads);
 }
 
 std::size_t Hierarchy::node_count() const {
@@ -175,7 +237,8 @@ std::size_t Hierarchy::node_count() const {
 }
 
 std::size_t Hierarchy::memory_bytes() const {
-  std::size_t bytes = marks_.capacity() * sizeof(marks_[0]);
+  std::size_t bytes = 0;
+  for (const auto& level : marks_) bytes += level.capacity() * sizeof(level[0]);
   for (const auto& level : nodes_) bytes += level.capacity() * sizeof(HierarchyNode);
   for (const auto& level : layers_) bytes += level.capacity() * sizeof(LayerNode);
   return bytes;

@@ -11,6 +11,7 @@
 
 #include "sightline/core/api.h"
 #include "sightline/core/item_bounds.h"
+#include "sightline/culling/cull_threads.h"
 #include "sightline/culling/frustum_test.h"
 
 namespace sightline::culling {
@@ -39,12 +40,14 @@ class SIGHTLINE_API Hierarchy {
   /// Over all slots of `bounds`, in any order.
   explicit Hierarchy(const core::ItemBounds& bounds) { refit(bounds); }
 
-  /// Refits all boxes, after any change of the bounds. Linear time.
-  void refit(const core::ItemBounds& bounds);
+  /// Refits all boxes, after any change of the bounds. Linear time. With `threads`, subtrees are distributed among them
+  /// where that is faster.
+  void refit(const core::ItemBounds& bounds, CullThreads* threads = nullptr);
   /// The same when only boxes or layers of `changed` slots have changed (in any order, repeated or not) and slots were
   /// appended. Refits only their blocks and the nodes above them. Boxes around slots that became vacant keep their
-  /// sizes, so a walk may go further than needed. Linear in the number of changes.
-  void update(const core::ItemBounds& bounds, std::span<const core::Slot> changed);
+  /// sizes, so a walk may go further than needed. Each changed block and each node above is refitted once. Linear in
+  /// the number of changes; does not depend on the number of slots unless slots were appended.
+  void update(const core::ItemBounds& bounds, std::span<const core::Slot> changed, CullThreads* threads = nullptr);
 
   bool empty() const { return slot_count_ == 0; }
   std::uint32_t slot_count() const { return slot_count_; }
@@ -71,11 +74,15 @@ class SIGHTLINE_API Hierarchy {
 
  private:
   void resize(const core::ItemBounds& bounds);
+  void mark(std::uint32_t leaf);
+  void mark_all(int level);
   void refit_lane(const core::ItemBounds& bounds, int level, std::uint32_t lane);
+  void refit_marked(const core::ItemBounds& bounds, int level, std::uint32_t node);
+  void refit_marked(const core::ItemBounds& bounds, CullThreads* threads);
 
   std::vector<core::LargeArray<HierarchyNode>> nodes_;  // per level
   std::vector<core::LargeArray<LayerNode>> layers_;     // per level; none without layers
-  std::vector<std::uint32_t> marks_;                    // scratch of update(): bit per lane to be refitted
+  std::vector<std::vector<std::uint16_t>> marks_;       // per level, of each node: bit per lane to be refitted
   std::uint32_t slot_count_ = 0;
 };
 

@@ -67,6 +67,12 @@ TEST_F(Bench, MeasuresEdits) {
   const Json json = run_json("bench", {"edit", "--items", "2000", "--commits", "1", "--views", view_file()});
   EXPECT_EQ(json["edits"].size(), 6u);
   EXPECT_GT(json["rebuild"]["rebuild_ms"], 0.0);
+  ASSERT_EQ(json["boxes"].size(), 2u);
+  EXPECT_GT(json["boxes"][0]["batch_us"], 0.0);
+  const Json boxes =
+      run_json("bench", {"edit", "--subject", "boxes", "--items", "2000", "--commits", "1", "--views", view_file()});
+  EXPECT_FALSE(boxes.contains("edits"));
+  EXPECT_EQ(boxes["boxes"].size(), 2u);
 }
 
 TEST_F(Bench, MeasuresImports) {

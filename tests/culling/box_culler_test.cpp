@@ -1,13 +1,16 @@
-// Boxes in, indices out: against a loop over all boxes.
+// Boxes in, indices out: against a loop over all boxes, also after changes.
 #include "sightline/culling/box_culler.h"
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include <glm/gtc/type_ptr.hpp>
 #include <gtest/gtest.h>
 
 #include "scenes.h"
+#include "sightline/culling/linear_culler.h"
+#include "sightline/tests/support/effort.h"
 
 namespace sightline::tests::box_culler_test {
 namespace {
@@ -98,6 +101,164 @@ TEST(BoxCuller, FindsWhatALoopOverAllBoxesFinds) {
   EXPECT_GT(found, 10'000u);
 }
 
+/// The slow twin of a culler that is changed: boxes in an array in the order of their indices, and a loop over it.
+class Twin {
+ public:
+  explicit Twin(const std::vector<AabbD>& boxes) { reset(boxes); }
+
+  void set(std::uint32_t index, const AabbD& box) {
+    boxes_[index] = box;
+    bounds_.set(index, core::round_outwards(box, bounds_.origin));
+  }
+  void reset(const std::vector<AabbD>& boxes) {
+    AabbD all;
+    for (const AabbD& box : boxes)
+      if (!box.empty()) all.grow(box);
+    boxes_ = boxes;
+    bounds_ = {};
+    if (!all.empty()) bounds_.origin = glm::round(all.centre());
+    bounds_.resize(boxes.size());
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) set(i, boxes[i]);
+  }
+  Indices visible(const core::View& view) const {
+    core::VisibleSet set;
+    culling::LinearCuller(bounds_).cull(view, set);
+    Indices indices = set.sorted_slots();
+    std::erase_if(indices, [&](std::uint32_t i) { return bounds_.vacant(i); });
+    return indices;
+  }
+  const std::vector<AabbD>& boxes() const { return boxes_; }
+
+ private:
+  std::vector<AabbD> boxes_;
+  core::ItemBounds bounds_;
+};
+
+/// What becomes of a box that changes: it moves nearby or far away, shrinks to a point or to nothing, or grows to all
+/// of the scene. `wild`: or its corners come near the limits of float and double, or lie between the two.
+AabbD changed_box(Random& random, const AabbD& box, double half, bool wild) {
+  const double most = std::numeric_limits<double>::max();
+  if (wild) {
+    const double extremes[] = {3e38, 3.4028234663852886e38, 3.5e38, 1e300, most, 1e-45, 1e-320, 0.0};
+    const auto number = [&] { return (chance(random, 0.5) ? 1.0 : -1.0) * extremes[whole(random, 0, 7)]; };
+    const dvec3 a(number(), number(), number()), b(number(), number(), number());
+    return {glm::min(a, b), glm::max(a, b)};
+  }
+  const dvec3 middle = box.empty() ? dvec3(0.0) : box.centre();
+  const dvec3 size = box.empty() ? dvec3(0.1 * half) : box.size();
+  switch (whole(random, 0, 6)) {
+    case 0:
+      return {middle, middle};
+    case 1:
+      return {};
+    case 2:
+      return {dvec3(1.0), dvec3(2.0, -1.0, 2.0)};  // inverted in one axis: empty, too
+    case 3:
+      return {middle - dvec3(half), middle + dvec3(half)};
+    case 4: {
+      const dvec3 far = middle + point(random, 1e4 * half);
+      return {far, far + size};
+    }
+    default: {
+      const dvec3 near = middle + point(random, 0.1 * half);
+      return {near - 0.5 * size, near + 0.5 * size};
+    }
+  }
+}
+
+/// A batch for both: all boxes, none, or some, of which every few are the same.
+void change_some(Random& random, BoxCuller& culler, Twin& twin, double half, bool wild) {
+  const int size = int(culler.size());
+  Indices indices;
+  if (chance(random, 0.2)) {
+    for (int i = 0; i < size; ++i) indices.push_back(std::uint32_t(i));
+    std::shuffle(indices.begin(), indices.end(), random);
+  } else {
+    for (int i = int(magnitude(random, 0.5, 2.0 * size)); i > 0; --i)
+      indices.push_back(chance(random, 0.1) && !indices.empty() ? indices.back()
+                                                                : std::uint32_t(whole(random, 0, size - 1)));
+  }
+  std::vector<AabbD> boxes;
+  for (const std::uint32_t index : indices) boxes.push_back(changed_box(random, twin.boxes()[index], half, wild));
+  ASSERT_TRUE(culler.update(indices, boxes));
+  for (std::size_t i = 0; i < indices.size(); ++i) twin.set(indices[i], boxes[i]);
+}
+
+/// All boxes anew for both, perhaps with the whole site elsewhere, larger or smaller. Afterwards the culler is like a
+/// new one, not only like its twin.
+void change_all(Random& random, BoxCuller& culler, Twin& twin, dvec3& site, double half, bool wild) {
+  std::vector<AabbD> boxes = twin.boxes();
+  const dvec3 by = chance(random, 0.5) ? point(random, 1e3 * half) : dvec3(0.0);
+  const double scale = chance(random, 0.5) ? magnitude(random, 1e-2, 1e2) : 1.0;
+  const dvec3 middle = site;
+  site += by;
+  for (AabbD& box : boxes) {
+    if (chance(random, 0.5)) box = changed_box(random, box, half, wild);
+    if (!box.empty() && !wild) box = {site + scale * (box.min - middle), site + scale * (box.max - middle)};
+  }
+  if (chance(random, 0.1)) std::fill(boxes.begin(), boxes.end(), AabbD());
+  ASSERT_TRUE(culler.refit(boxes));
+  twin.reset(boxes);
+  const auto fresh = BoxCuller::create(boxes);
+  ASSERT_TRUE(fresh);
+  for (int i = 0; i < 3; ++i) {
+    const core::View view = random_view(random, site, half);
+    ASSERT_EQ(visible_of(culler, view), visible_of(*fresh, view));
+  }
+}
+
+void expect_changes_like_the_twin(int seeds, double least, double most, bool wild) {
+  std::size_t found = 0;
+  for (std::uint64_t seed = 1; seed <= std::uint64_t(seeds); ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const double half = magnitude(random, 1.0, 1e3);
+    dvec3 site = seed % 2 ? dvec3(0.0) : point(random, 1e5);
+    Twin twin(boxes_around(random, std::size_t(magnitude(random, least, most)), site, half));
+    auto culler = BoxCuller::create(twin.boxes());
+    ASSERT_TRUE(culler);
+    for (int round = 0; round < 8; ++round) {
+      SCOPED_TRACE(testing::Message() << "round " << round);
+      if (round % 4 == 2) {
+        ASSERT_NO_FATAL_FAILURE(change_all(random, *culler, twin, site, half, wild));
+      } else {
+        ASSERT_NO_FATAL_FAILURE(change_some(random, *culler, twin, half, wild));
+      }
+      const core::View view = random_view(random, site, half);
+      const Indices indices = visible_of(*culler, view);
+      ASSERT_EQ(indices, twin.visible(view));
+      found += indices.size();
+      if (wild) continue;
+      ASSERT_NO_FATAL_FAILURE(expect_right(*culler, twin.boxes(), view, 1e5 * half + glm::length(site)));
+    }
+  }
+  EXPECT_GT(found, 1000u);
+}
+
+TEST(BoxCuller, ChangesManyBoxesLikeALoop) {
+  expect_changes_like_the_twin(40, 1.0, 5e3, false);
+}
+
+TEST(BoxCuller, ChangesManyBoxesLikeALoopOnThreads) {
+  expect_changes_like_the_twin(repeated(20), 3e4, 3e5, false);
+}
+
+TEST(BoxCuller, ChangesBoxesAtTheLimitsOfNumbers) {
+  expect_changes_like_the_twin(60, 1.0, 3e3, true);
+}
+
+TEST(BoxCuller, OfARepeatedIndexTheLastBoxCounts) {
+  const AabbD here{dvec3(-1.0), dvec3(1.0)}, behind{dvec3(-1.0, -20.0, -1.0), dvec3(1.0, -19.0, 1.0)};
+  const std::vector<AabbD> boxes(100, behind);
+  auto culler = BoxCuller::create(boxes);
+  ASSERT_TRUE(culler);
+  const core::View view = core::View::perspective({{0, -5, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1).value();
+  ASSERT_TRUE(culler->update(Indices{7, 8, 7, 8, 7}, std::vector<AabbD>{here, here, behind, behind, here}));
+  EXPECT_EQ(visible_of(*culler, view), Indices{7});
+  ASSERT_TRUE(culler->update(Indices{}, {}));
+  EXPECT_EQ(visible_of(*culler, view), Indices{7});
+}
+
 /// Of the visible boxes, those that the occlusion test leaves open one by one.
 TEST(BoxCuller, LeavesOutWhatADepthImageHides) {
   std::size_t hidden = 0, open = 0;
@@ -109,8 +270,17 @@ TEST(BoxCuller, LeavesOutWhatADepthImageHides) {
     std::vector<AabbD> boxes = boxes_around(random, std::size_t(whole(random, 0, most)), dvec3(0.0), half);
     boxes.push_back({dvec3(-100.0), dvec3(-99.0)});  // the middle of all is the origin, so boxes round as they do here
     boxes.push_back({dvec3(99.0), dvec3(100.0)});
-    const auto culler = BoxCuller::create(boxes);
+    auto culler = BoxCuller::create(boxes);
     ASSERT_TRUE(culler);
+    if (seed % 3 == 0) {
+      Indices moved;
+      for (std::uint32_t i = 0; i < boxes.size(); i += 3)
+        std::swap(boxes[i], boxes[boxes.size() / 2]), moved.push_back(i);
+      moved.push_back(std::uint32_t(boxes.size() / 2));
+      std::vector<AabbD> to;
+      for (const std::uint32_t i : moved) to.push_back(boxes[i]);
+      ASSERT_TRUE(culler->update(moved, to));
+    }
     const core::View view = random_view(random, dvec3(0.0), half);
     const int width = whole(random, 1, 300), height = whole(random, 1, 200);
     std::vector<float> wall(std::size_t(width) * std::size_t(height), float(half * uniform(random, 0.1, 1.0)));
@@ -159,6 +329,18 @@ TEST(BoxCuller, RefusesWhatItCannotCull) {
     EXPECT_FALSE(culler->update(0, bad));
     const core::View view = core::View::perspective({{0, -5, 0}, {0, 0, 0}, {0, 0, 1}}, 1.0, 1.0, 0.1).value();
     EXPECT_EQ(visible_of(*culler, view), Indices{0}) << "nothing has changed";
+
+    const AabbD away{dvec3(0.0, -20.0, 0.0), dvec3(1.0, -19.0, 1.0)};
+    auto several = BoxCuller::create(std::vector<AabbD>(20'000, good));
+    std::vector<AabbD> changed(20'000, away);
+    changed[9000] = changed[19'000] = bad;
+    Indices indices(20'000);
+    std::iota(indices.rbegin(), indices.rend(), 0u);
+    const auto not_updated = several->update(indices, changed), not_refitted = several->refit(changed);
+    ASSERT_FALSE(not_updated || not_refitted);
+    EXPECT_EQ(not_updated.error().message, "box 10999: expected finite corners") << "the first one's index";
+    EXPECT_EQ(not_refitted.error().message, "box 9000: expected finite corners") << "the first one";
+    EXPECT_EQ(visible_of(*several, view).size(), 20'000u) << "nothing has changed";
   }
   auto culler = BoxCuller::create(std::span(&good, 1));
   const core::dmat4 spoiled(nan);

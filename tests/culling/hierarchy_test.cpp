@@ -110,6 +110,7 @@ void expect_around(const Hierarchy& wide, const Hierarchy& exact) {
 }
 
 TEST(Hierarchy, UpdatesLikeANewOne) {
+  culling::CullThreads threads(3);
   for (std::uint64_t seed = 1; seed <= 80; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
@@ -130,14 +131,14 @@ TEST(Hierarchy, UpdatesLikeANewOne) {
       if (chance(random, 0.5)) bounds.resize(old + std::size_t(magnitude(random, 1.0, 40000.0)));
       for (std::size_t i = old; i < bounds.size(); ++i)
         if (chance(random, 0.9)) bounds.set(i, random_box(random, 300.0));
-      hierarchy.update(bounds, changed);
+      hierarchy.update(bounds, changed, seed % 3 == 0 ? &threads : nullptr);
       if (some_go)
         ASSERT_NO_FATAL_FAILURE(expect_around(hierarchy, Hierarchy(bounds))) << "round " << round;
       else
         ASSERT_NO_FATAL_FAILURE(expect_equal(hierarchy, Hierarchy(bounds))) << "round " << round;
     }
     bounds.resize(bounds.size() / 3);
-    hierarchy.refit(bounds);
+    hierarchy.refit(bounds, seed % 3 == 0 ? &threads : nullptr);
     ASSERT_NO_FATAL_FAILURE(expect_equal(hierarchy, Hierarchy(bounds))) << "shrunk";
   }
 }
