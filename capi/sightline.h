@@ -458,7 +458,7 @@ SL_API sl_status sl_view_from_matrices(const double eye_from_world[16], const do
 SL_API sl_status sl_view_read(const char* path, double aspect, sl_view* view);
 
 /* --- culling without a scene: sightline/culling/box_culler.h ----------------------------------------------------- */
-/* May be used from any threads at once; sl_box_culler_update() waits for those that cull. */
+/* May be used from any threads at once; changes of boxes wait for those that cull. */
 
 SL_API sl_status sl_box_culler_create(const sl_box* boxes, size_t box_count, sl_box_culler* culler);
 SL_API sl_status sl_box_culler_destroy(sl_box_culler culler);
@@ -469,6 +469,12 @@ SL_API sl_status sl_box_culler_visible(sl_box_culler culler, const sl_view* view
 SL_API sl_status sl_box_culler_visible_in(sl_box_culler culler, const double clip_from_world[16], sl_clip_depth depth,
                                           uint32_t* indices, size_t capacity, size_t* count);
 SL_API sl_status sl_box_culler_update(sl_box_culler culler, uint32_t index, const sl_box* box);
+/* Replaces box indices[i] by boxes[i] for each i below `count`, several times faster than one by one. Of an index that
+ * is repeated the last box counts. */
+SL_API sl_status sl_box_culler_update_many(sl_box_culler culler, const uint32_t* indices, const sl_box* boxes,
+                                           size_t count);
+/* Replaces all boxes; `box_count` must be that of sl_box_culler_create(). */
+SL_API sl_status sl_box_culler_refit(sl_box_culler culler, const sl_box* boxes, size_t box_count);
 
 /* --- engines: sightline/engine/engine.h -------------------------------------------------------------------------- */
 

@@ -1,5 +1,8 @@
 // Views, and culling without a scene.
+#include <algorithm>
+#include <cstddef>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include <glm/gtc/type_ptr.hpp>
@@ -97,6 +100,26 @@ sl_status sl_view_read(const char* path, double aspect, sl_view* view) {
 
 namespace {
 
+static_assert(sizeof(sl_box) == sizeof(core::AabbD) && offsetof(sl_box, max) == offsetof(core::AabbD, max));
+
+/// The boxes where they lie: six doubles in both languages.
+std::span<const core::AabbD> boxes_of(const sl_box* boxes, std::size_t count) {
+  require(boxes || count == 0, "boxes, found null");
+  require(count < core::kNone / 2, "fewer than 2^31 - 1 boxes");
+  return {reinterpret_cast<const core::AabbD*>(boxes), count};
+}
+
+/// Runs `change` with the culler while nobody else uses it.
+template <class Change>
+sl_status change_boxes(const char* function, sl_box_culler handle, const Change& change) {
+  return call(function, [&] {
+    const std::shared_ptr<BoxCullerObject> object = find(handle);
+    const std::lock_guard turn(object->turn);
+    const std::lock_guard lock(object->mutex);
+    change(object->culler);
+  });
+}
+
 /// The calling thread's indices, so that frames allocate nothing.
 std::vector<std::uint32_t>& scratch_indices() {
   thread_local std::vector<std::uint32_t> indices;
@@ -125,12 +148,8 @@ sl_status list_visible(const char* function, sl_box_culler handle, std::uint32_t
 sl_status sl_box_culler_create(const sl_box* boxes, size_t box_count, sl_box_culler* culler) {
   return call(__func__, [&] {
     check_result(culler);
-    require(boxes || box_count == 0, "boxes, found null");
-    require(box_count < core::kNone / 2, "fewer than 2^31 - 1 boxes");
-    std::vector<core::AabbD> translated(box_count);
-    std::transform(boxes, boxes + box_count, translated.begin(), [](const sl_box& box) { return box_of(box); });
-    *culler =
-        add_box_culler(std::make_shared<BoxCullerObject>(value_of(culling::BoxCuller::create(std::move(translated)))));
+    auto made = value_of(culling::BoxCuller::create(boxes_of(boxes, box_count)));
+    *culler = add_box_culler(std::make_shared<BoxCullerObject>(std::move(made)));
   });
 }
 
@@ -157,12 +176,27 @@ sl_status sl_box_culler_visible_in(sl_box_culler culler, const double clip_from_
 }
 
 sl_status sl_box_culler_update(sl_box_culler culler, uint32_t index, const sl_box* box) {
-  return call(__func__, [&] {
+  return change_boxes(__func__, culler, [&](culling::BoxCuller& boxes) {
     require(box != nullptr, "a box, found null");
-    const std::shared_ptr<BoxCullerObject> object = find(culler);
-    const std::lock_guard turn(object->turn);
-    const std::lock_guard lock(object->mutex);
-    require(index < object->culler.size(), "the index of a box");
-    value_of(object->culler.update(index, box_of(*box)));
+    require(index < boxes.size(), "the index of a box");
+    value_of(boxes.update(index, box_of(*box)));
+  });
+}
+
+sl_status sl_box_culler_update_many(sl_box_culler culler, const uint32_t* indices, const sl_box* boxes, size_t count) {
+  return change_boxes(__func__, culler, [&](culling::BoxCuller& to) {
+    require(indices || count == 0, "indices, found null");
+    const std::span<const core::AabbD> replacements = boxes_of(boxes, count);
+    const auto below = [&](std::uint32_t index) { return index < to.size(); };
+    require(std::all_of(indices, indices + count, below), "indices of boxes");
+    value_of(to.update({indices, count}, replacements));
+  });
+}
+
+sl_status sl_box_culler_refit(sl_box_culler culler, const sl_box* boxes, size_t box_count) {
+  return change_boxes(__func__, culler, [&](culling::BoxCuller& to) {
+    const std::span<const core::AabbD> replacements = boxes_of(boxes, box_count);
+    require(box_count == to.size(), "as many boxes as there are");
+    value_of(to.refit(replacements));
   });
 }

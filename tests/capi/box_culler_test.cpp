@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 #include <random>
+#include <span>
 #include <string>
 #include <thread>
 
@@ -77,6 +79,65 @@ TEST(CapiBoxCuller, FindsTheBoxesThatCppFinds) {
   EXPECT_OK(sl_box_culler_destroy(culler));
 }
 
+TEST(CapiBoxCuller, ChangesManyBoxesAsCppDoes) {
+  Boxes boxes(5000);
+  sl_box_culler culler = {0};
+  ASSERT_OK(sl_box_culler_create(boxes.c.data(), boxes.c.size(), &culler));
+  auto twin = culling::BoxCuller::create(boxes.cpp);
+  ASSERT_TRUE(twin);
+  std::vector<std::uint32_t> found(boxes.c.size()), expected;
+  const auto compare = [&] {
+    for (const BothViews& view : some_views()) {
+      std::size_t count = 0;
+      twin->visible(view.cpp, expected);
+      ASSERT_OK(sl_box_culler_visible(culler, &view.c, found.data(), found.size(), &count));
+      ASSERT_EQ(count, expected.size());
+      ASSERT_TRUE(std::equal(expected.begin(), expected.end(), found.begin()));
+    }
+  };
+  const std::vector<std::uint32_t> indices{7, 4999, 0, 7, 2500, 7};
+  ASSERT_OK(sl_box_culler_update_many(culler, indices.data(), boxes.c.data() + 100, indices.size()));
+  ASSERT_TRUE(twin->update(indices, std::span(boxes.cpp).subspan(100, indices.size())));
+  ASSERT_NO_FATAL_FAILURE(compare());
+  std::reverse(boxes.c.begin(), boxes.c.end());
+  std::reverse(boxes.cpp.begin(), boxes.cpp.end());
+  ASSERT_OK(sl_box_culler_refit(culler, boxes.c.data(), boxes.c.size()));
+  ASSERT_TRUE(twin->refit(boxes.cpp));
+  ASSERT_NO_FATAL_FAILURE(compare());
+  EXPECT_OK(sl_box_culler_destroy(culler));
+  EXPECT_EQ(sl_box_culler_update_many(culler, nullptr, nullptr, 0), SL_ERROR_HANDLE);
+  EXPECT_EQ(sl_box_culler_refit(culler, nullptr, 0), SL_ERROR_HANDLE);
+}
+
+TEST(CapiBoxCuller, ARefusedChangeChangesNothing) {
+  const Boxes boxes(1000);
+  sl_box_culler culler = {0};
+  ASSERT_OK(sl_box_culler_create(boxes.c.data(), boxes.c.size(), &culler));
+  const BothViews view({0, -90, 0}, {0, 0, 0});
+  std::vector<std::uint32_t> before(1000), after(1000);
+  std::size_t count = 0;
+  ASSERT_OK(sl_box_culler_visible(culler, &view.c, before.data(), before.size(), &count));
+  std::vector<sl_box> moved(1000, {{1e6, 0, 0}, {1e6, 1, 1}});
+  std::vector<std::uint32_t> indices(1000);
+  std::iota(indices.begin(), indices.end(), 0u);
+  moved[999].max[1] = HUGE_VAL;
+  EXPECT_EQ(sl_box_culler_update_many(culler, indices.data(), moved.data(), 1000), SL_ERROR_FAILED);
+  EXPECT_NE(std::string(sl_last_error()).find("box 999: expected finite corners"), std::string::npos);
+  EXPECT_EQ(sl_box_culler_refit(culler, moved.data(), 1000), SL_ERROR_FAILED);
+  EXPECT_EQ(sl_box_culler_refit(culler, moved.data(), 999), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_refit(culler, nullptr, 1000), SL_ERROR_ARGUMENT);
+  moved[999] = moved[0];
+  indices[500] = 1000;
+  EXPECT_EQ(sl_box_culler_update_many(culler, indices.data(), moved.data(), 1000), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_update_many(culler, indices.data(), nullptr, 1), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_update_many(culler, nullptr, moved.data(), 1), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_update_many(culler, indices.data(), moved.data(), std::size_t(-1)), SL_ERROR_ARGUMENT);
+  EXPECT_OK(sl_box_culler_update_many(culler, nullptr, nullptr, 0)) << "no boxes at all";
+  ASSERT_OK(sl_box_culler_visible(culler, &view.c, after.data(), after.size(), &count));
+  EXPECT_EQ(after, before);
+  EXPECT_OK(sl_box_culler_destroy(culler));
+}
+
 TEST(CapiBoxCuller, WritesNoMoreThanFits) {
   const Boxes boxes(1000);
   sl_box_culler culler = {0};
@@ -134,8 +195,14 @@ TEST(CapiBoxCuller, ThreadsCullWhileOneUpdatesAndDestroys) {
         ++culled;
       }
     });
-  for (int i = 0; i < 300 || culled < 100; ++i)
+  const std::vector<std::uint32_t> some{0, 1999, 7, 1000, 7};
+  for (int i = 0; i < 300 || culled < 100; ++i) {
     EXPECT_OK(sl_box_culler_update(culler, std::uint32_t(i) % 2000, &boxes.c[std::size_t(i) % 7]));
+    EXPECT_OK(sl_box_culler_update_many(culler, some.data(), &boxes.c[std::size_t(i) % 7], some.size()));
+    if (i % 10 == 0) {
+      EXPECT_OK(sl_box_culler_refit(culler, boxes.c.data(), boxes.c.size()));
+    }
+  }
   EXPECT_OK(sl_box_culler_destroy(culler));
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(wrong, 0);

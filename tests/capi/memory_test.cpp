@@ -1,7 +1,9 @@
 // Memory that runs out at each allocation of each call: an error, and no undefined behaviour afterwards.
 #include <cstring>
 #include <functional>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include "c_scene.h"
 #include "failing_memory.h"
@@ -122,6 +124,40 @@ TEST(CapiMemory, RunsOutInQueries) {
     sl_text text = {nullptr, 0, 0};
     return sl_node_path(f.c.scene, f.node, &text);
   });
+}
+
+/// A change that fails changes nothing, so a box that moved out of sight is still seen after it.
+TEST(CapiMemory, RunsOutInChangesOfBoxes) {
+  const BothViews view({0, -5, 1}, {0, 0, 0});
+  const sl_box near = {{0, 0, 0}, {1, 1, 1}}, far = {{0, -900, 0}, {1, -899, 1}};
+  const std::vector<sl_box> all(10'000, near), moved(10'000, far);
+  std::vector<std::uint32_t> indices(10'000);
+  std::iota(indices.begin(), indices.end(), 0u);
+  {
+    // This thread's lists grow to their sizes, so that culling needs no memory below.
+    sl_box_culler culler = {0};
+    std::size_t count = 0;
+    ASSERT_OK(sl_box_culler_create(all.data(), all.size(), &culler));
+    ASSERT_OK(sl_box_culler_visible(culler, &view.c, nullptr, 0, &count));
+    ASSERT_EQ(count, all.size());
+    ASSERT_OK(sl_box_culler_destroy(culler));
+  }
+  for (const bool refit : {false, true}) {
+    run_out(refit ? "sl_box_culler_refit" : "sl_box_culler_update_many", [&](Filled&) {
+      sl_box_culler culler = {0};
+      const sl_status made = sl_box_culler_create(all.data(), all.size(), &culler);
+      if (made != SL_OK) return made;
+      const sl_status status = refit ? sl_box_culler_refit(culler, moved.data(), moved.size())
+                                     : sl_box_culler_update_many(culler, indices.data(), moved.data(), moved.size());
+      std::size_t count = 0;
+      const sl_status asked = sl_box_culler_visible(culler, &view.c, nullptr, 0, &count);
+      if (asked == SL_OK) {
+        EXPECT_EQ(count, status == SL_OK ? 0u : all.size());
+      }
+      EXPECT_OK(sl_box_culler_destroy(culler));
+      return status != SL_OK ? status : asked;
+    });
+  }
 }
 
 TEST(CapiMemory, RunsOutInCreation) {

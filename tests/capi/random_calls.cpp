@@ -241,6 +241,20 @@ class Sequence {
     alive_.cullers.insert(made.id);
   }
 
+  /// Copies of one box, as many as the culler may have.
+  void change_boxes(sl_box_culler of, const sl_box& box) {
+    sl_box boxes[kRoom];
+    std::uint32_t indices[kRoom];
+    std::fill_n(boxes, kRoom, box);
+    for (std::uint32_t& index : indices) index = in_.below(in_.one_in(32) ? 70 : 3);
+    const std::size_t used = in_.below(kRoom + 1);
+    const sl_box* from = in_.one_in(16) ? nullptr : boxes;
+    if (in_.one_in(2))
+      check(sl_box_culler_refit(of, from, used), of);
+    else
+      check(sl_box_culler_update_many(of, in_.one_in(16) ? nullptr : indices, from, used), of);
+  }
+
   void add_mesh() {
     float corners[3 * 6];
     std::uint32_t indices[12];
@@ -443,6 +457,7 @@ class Sequence {
       case 18: {
         const sl_box box = {{in_.number(), in_.number(), in_.number()}, {in_.number(), in_.number(), in_.number()}};
         const sl_box_culler boxes = culler();
+        if (in_.one_in(2)) return change_boxes(boxes, box);
         check(sl_box_culler_update(boxes, in_.below(70), &box), boxes);
         return;
       }

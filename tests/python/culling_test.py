@@ -73,6 +73,45 @@ class Culling(Case):
         self.assert_error("", culler.update, 0, [np.nan, 0, 0, 1, 1, 1])
         self.assert_error("box: expected numbers of shape (6,)", culler.update, 0, [[0, 0, 0, 1, 1, 1]])
 
+    def test_updates_of_many(self):
+        rows = box_rows(20000, seed=12)
+        culler = sightline.BoxCuller(rows)
+        random = np.random.default_rng(13)
+        for dtype in (np.uint32, np.int64):
+            indices = random.integers(0, len(rows), 5000).astype(dtype)  # some of them twice
+            boxes = box_rows(5000, seed=14) + 7
+            culler.update(indices, boxes)
+            for index, box in zip(indices, boxes):
+                rows[index] = box
+            self.check(culler.visible(VIEW), rows)
+        culler.update(np.zeros(0, dtype=np.uint32), np.zeros((0, 6)))
+        for index in ([3], (3,), np.array([3])):
+            culler.update(index, [[0, 0, 0, 1, 1, 1]])
+            self.assertIn(3, culler.visible(VIEW))
+        culler.update(np.int64(3), [900, 0, 0, 901, 1, 1])
+        self.assertNotIn(3, culler.visible(VIEW))
+        rows = rows[::-1].copy()
+        culler.refit(rows)
+        self.check(culler.visible(VIEW), rows)
+        np.testing.assert_array_equal(np.sort(culler.visible(VIEW)), np.sort(sightline.BoxCuller(rows).visible(VIEW)))
+
+    def test_refused_updates_change_nothing(self):
+        rows = box_rows(1000, seed=15)
+        culler = sightline.BoxCuller(rows)
+        before = culler.visible(VIEW)
+        moved = np.tile([9000.0, 0, 0, 9001, 1, 1], (1000, 1))
+        moved[998, 2] = np.nan
+        indices = np.arange(1000)
+        self.assert_error("box 998: expected finite corners", culler.update, indices, moved)
+        self.assert_error("box 998: expected finite corners", culler.refit, moved)
+        self.assert_error("boxes: expected numbers of shape (999, 6)", culler.update, indices[1:], moved)
+        self.assert_error("boxes: expected numbers of shape (1000, 6)", culler.refit, moved[1:])
+        self.assert_error("indices: expected less than 1000, found 1000", culler.update, indices + 1, moved)
+        self.assert_error("indices: expected whole numbers from 0 to 4294967295, found -1", culler.update, indices - 1,
+                          moved)
+        self.assert_error("indices", culler.update, indices * 1.0, moved)
+        np.testing.assert_array_equal(culler.visible(VIEW), before)
+
     def test_misuse(self):
         self.assert_error("boxes: expected numbers of shape (N, 6), found float64 of shape (3, 4)", sightline.BoxCuller,
                           np.zeros((3, 4)))

@@ -185,7 +185,9 @@ class Threads(Case):
         view = sightline.View.perspective((0, -150, 30), (0, 0, 0), fovy=0.6, aspect=1.5)
         def ask(_):
             culler.visible(view)
-        self.run_all(ask, ask, lambda i: culler.update(i, rows[i + 1]))
+        some = np.arange(6000)
+        self.run_all(ask, ask, lambda i: culler.update(i, rows[i + 1]), lambda i: culler.update(some, rows[some + i]),
+                     lambda i: culler.refit(rows))
 
     def test_engines_end_on_any_thread(self):
         scene = plant(1000)
