@@ -81,6 +81,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::begin(const EngineConfig& conf
 
 void Drawing::follow_later(std::span<const core::Slot> touched, std::span<const std::uint32_t> materials) {
   later_.touched.insert(later_.touched.end(), touched.begin(), touched.end());
+  later_.came += touched.size();
   later_.materials.insert(later_.materials.end(), materials.begin(), materials.end());
 }
 
@@ -136,7 +137,9 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
   Upload upload;
   auto done = advance(upload, snapshot, joints, gpu_culls, core::kNoDeadline);
   if (!done) return tl::unexpected(done.error());
-  return take(std::move(upload), snapshot);
+  passes_.reset();
+  if (auto taken = take(std::move(upload), snapshot); !taken) return taken;
+  return leave_out_overlays(snapshot);
 }
 
 core::Expected<bool> Drawing::advance(Upload& upload, const core::Snapshot& snapshot, const gpuprims::Joints& joints,
@@ -151,10 +154,11 @@ core::Expected<bool> Drawing::advance(Upload& upload, const core::Snapshot& snap
       const auto done = upload.scene->advance(context_, snapshot, joints, deadline);
       if (!done || !*done) return done;
       upload.uploaded = true;
+      upload.slots = core::Slot(snapshot.size());
     }
-    if (const auto done = catch_up(*upload.scene, snapshot, joints, deadline); !done || !*done) return done;
-    const auto [touched, materials] = take_later();
-    if (auto kept = upload.scene->update_materials(context_, snapshot, materials); !kept)
+    if (const auto done = catch_up(upload, snapshot, joints, deadline); !done || !*done) return done;
+    const Edits late = take_later();
+    if (auto kept = upload.scene->update_materials(context_, snapshot, late.materials); !kept)
       return tl::unexpected(kept.error());
     auto lists = gpuscene::DrawLists::create(context_, *upload.scene);
     if (!lists) return tl::unexpected(lists.error());
@@ -176,28 +180,32 @@ core::Expected<bool> Drawing::advance(Upload& upload, const core::Snapshot& snap
   return upload.renderer->advance(*upload.scene, target_.format(), deadline);
 }
 
-/// Makes a new scene follow the edits since it was begun. Whether it has followed all.
-core::Expected<bool> Drawing::catch_up(gpuscene::GpuScene& scene, const core::Snapshot& snapshot,
-                                       const gpuprims::Joints& joints, core::Deadline deadline) {
-  while (!scene.has_all(snapshot)) {
+/// Makes a new scene follow the edits since it was begun. Whether it has followed all. Each call follows more than has
+/// come since the last one, so that edits cannot keep it from ending.
+core::Expected<bool> Drawing::catch_up(Upload& upload, const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                       core::Deadline deadline) {
+  gpuscene::GpuScene& scene = *upload.scene;
+  const auto slots = core::Slot(snapshot.size());
+  core::Slot appended = 0, least = slots - std::exchange(upload.slots, slots) + kAppendedPiece;
+  for (; !scene.has_all(snapshot); appended += kAppendedPiece) {
+    if (appended >= least && core::over(deadline)) return false;
     if (auto done = scene.append(snapshot, joints, kAppendedPiece); !done) return done;
-    if (core::over(deadline)) return false;
   }
   std::vector<core::Slot>& touched = later_.touched;
-  while (!touched.empty()) {
+  std::size_t followed = 0, least_touched = std::exchange(later_.came, 0) + kTouchedPiece;
+  for (; !touched.empty(); followed += kTouchedPiece) {
+    if (followed >= least_touched && core::over(deadline)) return false;
     const std::size_t count = std::min(touched.size(), kTouchedPiece);
     std::vector<core::Slot> piece(touched.end() - std::ptrdiff_t(count), touched.end());
     touched.resize(touched.size() - count);
     std::sort(piece.begin(), piece.end());
     piece.erase(std::unique(piece.begin(), piece.end()), piece.end());
     scene.update(snapshot, piece, joints);
-    if (core::over(deadline)) return false;
   }
   return true;
 }
 
 core::Expected<void> Drawing::take(Upload upload, const core::Snapshot& snapshot) {
-  passes_.reset();
   was_large_.clear();
   budget_.reset();
   picture_changed();
@@ -207,11 +215,10 @@ core::Expected<void> Drawing::take(Upload upload, const core::Snapshot& snapshot
   lists_ = std::move(*upload.lists);
   if (upload.renderer) renderer_ = std::move(*upload.renderer);
   translucent_.reset(snapshot);
-  if (auto done = leave_out_overlays(snapshot); !done || !renderer_) return done;
-  return renderer_->follow(*scene_, target_.format());
+  return renderer_ ? renderer_->follow(*scene_, target_.format()) : core::Expected<void>();
 }
 
-/// The culler does not find what is drawn over the picture.
+/// The culler does not find what is drawn over the picture. The scene must have all slots of the snapshot.
 core::Expected<void> Drawing::leave_out_overlays(const core::Snapshot& snapshot) {
   if (!culler_ || !renders_) return {};
   const std::vector<core::Slot> slots = culling::slots_of(translucent_.bits());
@@ -225,15 +232,17 @@ core::Expected<bool> Drawing::advance_order(const core::Snapshot& snapshot, cons
   return advance(*upload_, snapshot, joints, gpu_culls, deadline);
 }
 
-core::Expected<void> Drawing::take_order(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
-                                         bool gpu_culls) {
+core::Expected<void> Drawing::take_order(const core::Snapshot& former, const core::Snapshot& snapshot,
+                                         const gpuprims::Joints& joints, bool gpu_culls) {
   if (auto current = make_current(); !current) return current;
   Upload upload = std::move(*upload_);
   upload_.reset();
+  passes_.follow(former, snapshot);
   if (auto done = take(std::move(upload), snapshot); !done) return done;
-  const auto [touched, materials] = take_later();
-  if (auto done = update(snapshot, joints, touched, materials); !done) return done;
-  return gpu_culls ? add_culler(snapshot) : core::Expected<void>();
+  const Edits late = take_later();
+  if (auto done = update(snapshot, joints, late.touched, late.materials); !done) return done;
+  if (gpu_culls && !culler_) return add_culler(snapshot);
+  return leave_out_overlays(snapshot);
 }
 
 core::Expected<bool> Drawing::advance(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
@@ -248,9 +257,10 @@ core::Expected<bool> Drawing::advance(const core::Snapshot& snapshot, const gpup
     if (auto taken = take(std::move(upload), snapshot); !taken) return tl::unexpected(taken.error());
   }
   if (const auto done = warm_up(snapshot, deadline); !done || !*done) return done;
-  const auto [touched, materials] = take_later();
-  if (auto done = update(snapshot, joints, touched, materials); !done) return tl::unexpected(done.error());
-  return true;
+  const Edits late = take_later();
+  auto done = update(snapshot, joints, late.touched, late.materials);
+  if (done) done = leave_out_overlays(snapshot);
+  return done.map([] { return true; });
 }
 
 core::Expected<bool> Drawing::warm_up(const core::Snapshot& snapshot, core::Deadline deadline) {

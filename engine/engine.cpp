@@ -269,16 +269,20 @@ core::Expected<void> Engine::Impl::land() {
   if (!prepared) return tl::unexpected(prepared.error());
   if (!*prepared) return {};
   new_tracer_.interrupt(live_);
-  std::swap(live_, *landing_);
-  rebuild_->retire(std::move(*landing_));
+  Order former = std::exchange(live_, std::move(*landing_));
   landing_.reset();
   live_.follow_plan(plan_request(config_, picks_));  // settings may have changed since the rebuild began
   overrides_.reorder(*live_.snapshot);
-  if (!drawing_) return follow_order();
-  [[maybe_unused]] const auto kept = keep_state();
-  auto done = unless_lost(drawing_->take_order(*live_.snapshot, live_.joints, live_.plan.gpu_culls()));
-  note_context();
-  follow_hybrid();
+  core::Expected<void> done;
+  if (drawing_) {
+    [[maybe_unused]] const auto kept = keep_state();
+    done = unless_lost(drawing_->take_order(*former.snapshot, *live_.snapshot, live_.joints, live_.plan.gpu_culls()));
+    note_context();
+    follow_hybrid();
+  } else {
+    done = follow_order();
+  }
+  rebuild_->retire(std::move(former));
   return done;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace sightline::engine {
 namespace {
@@ -107,6 +108,16 @@ void OcclusionPasses::list_drawn(const core::ItemBounds& bounds, core::VisibleSe
   drawn.clear();
   drawn.generation = pass_.generation;
   drawn.items = culling::slots_of(bits);
+}
+
+void OcclusionPasses::follow(const core::Snapshot& former, const core::Snapshot& snapshot) {
+  std::vector<std::uint64_t> open(culling::bit_words(snapshot.size()));
+  for (const core::Slot before : culling::slots_of(open_)) {
+    if (before >= former.size() || former.item(before) == core::kNone) continue;
+    const core::Slot slot = snapshot.slot(former.item(before));
+    if (slot != core::kNone) open[slot / 64] |= std::uint64_t(1) << slot % 64;
+  }
+  open_ = std::move(open);
 }
 
 void OcclusionPasses::remember(const core::VisibleSet& open, const core::ItemBounds& bounds) {

@@ -105,6 +105,7 @@ core::Expected<void> GpuCuller::add_batch(const Snapshot& snapshot, const gpusce
 
 core::Expected<void> GpuCuller::follow(const Snapshot& snapshot, const gpuscene::GpuScene& scene,
                                        std::span<const Slot> touched, SlotBits left_out, UpdateBounds update_bounds) {
+  assert(scene.has_all(snapshot) && "GpuScene::append() comes first");
   if (snapshot.bounds().uses_layers() != uses_layers_) {
     if (auto done = make_batches(snapshot, scene); !done) return done;
     const std::vector<Slot> not_to_find = slots_of(left_out);

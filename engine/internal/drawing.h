@@ -51,7 +51,8 @@ class Drawing {
   /// advance_order() has returned true, take_order() shows the other one. abandon_order() forgets it.
   core::Expected<bool> advance_order(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls,
                                      core::Deadline deadline);
-  core::Expected<void> take_order(const core::Snapshot& snapshot, const gpuprims::Joints& joints, bool gpu_culls);
+  core::Expected<void> take_order(const core::Snapshot& former, const core::Snapshot& snapshot,
+                                  const gpuprims::Joints& joints, bool gpu_culls);
   void abandon_order() {
     upload_.reset();
     later_ = {};
@@ -175,12 +176,14 @@ class Drawing {
   struct Edits {
     std::vector<core::Slot> touched;
     std::vector<std::uint32_t> materials;
+    std::size_t came = 0;  // touched since catch_up() last looked
   };
   /// What is made for one order of the items, in this order; culler and renderer only where they are needed. The
   /// renderer serves all orders.
   struct Upload {
     std::optional<gpuscene::GpuScene> scene;
     bool uploaded = false;                     // as it was when it was begun
+    core::Slot slots = 0;                      // of the snapshot, when catch_up() last looked
     std::optional<gpuscene::DrawLists> lists;  // none: the scene is not complete
     std::optional<culling::GpuCuller> culler;
     std::optional<render::Renderer> renderer;
@@ -191,8 +194,8 @@ class Drawing {
   core::Expected<bool> advance(Upload& upload, const core::Snapshot& snapshot, const gpuprims::Joints& joints,
                                bool gpu_culls, core::Deadline deadline);
   core::Expected<void> take(Upload upload, const core::Snapshot& snapshot);
-  core::Expected<bool> catch_up(gpuscene::GpuScene& scene, const core::Snapshot& snapshot,
-                                const gpuprims::Joints& joints, core::Deadline deadline);
+  core::Expected<bool> catch_up(Upload& upload, const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                core::Deadline deadline);
   core::Expected<void> leave_out_overlays(const core::Snapshot& snapshot);
   Edits take_later();
   core::Expected<bool> warm_up(const core::Snapshot& snapshot, core::Deadline deadline);

@@ -31,7 +31,9 @@ class Drawing {
                                      std::chrono::steady_clock::time_point) {
     return true;
   }
-  core::Expected<void> take_order(const core::Snapshot&, const gpuprims::Joints&, bool) { return {}; }
+  core::Expected<void> take_order(const core::Snapshot&, const core::Snapshot&, const gpuprims::Joints&, bool) {
+    return {};
+  }
   void abandon_order() {}
   static void plan_programs(Plan&, const core::Snapshot&, bool) {}
 

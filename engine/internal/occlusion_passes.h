@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sightline/core/item_bounds.h"
+#include "sightline/core/snapshot.h"
 #include "sightline/core/visible_set.h"
 #include "sightline/culling/internal/near_first.h"
 #include "sightline/culling/occlusion.h"
@@ -41,8 +42,10 @@ class OcclusionPasses {
   /// The same for who has found it out.
   void remember(const core::VisibleSet& open, const core::ItemBounds& bounds);
 
-  /// Forgets the frame before. For a new order of the items.
+  /// Forgets the frame before.
   void reset() { open_.clear(); }
+  /// Remembers the same items in another order.
+  void follow(const core::Snapshot& former, const core::Snapshot& snapshot);
 
  private:
   void find_first(const culling::OcclusionTest& test, const core::ItemBounds& bounds);
