@@ -19,7 +19,13 @@ core::Expected<void> check(const gl::Functions& gl, const core::ExternalTarget& 
     return core::fail("external target: " + std::to_string(to.framebuffer) +
                       " is no framebuffer in the engine's context");
   gl::discard_errors(gl);  // the application's
-  return gl::check_complete(gl, to.framebuffer, "external target " + std::to_string(to.framebuffer));
+  const std::string name = "external target " + std::to_string(to.framebuffer);
+  if (auto complete = gl::check_complete(gl, to.framebuffer, name); !complete) return complete;
+  GLint drawn = GL_NONE;
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, to.framebuffer);
+  gl.GetIntegerv(GL_DRAW_BUFFER0, &drawn);
+  if (drawn == GL_NONE) return core::fail(name + ": its draw buffer is GL_NONE, so no colour would be drawn");
+  return {};
 }
 
 }  // namespace

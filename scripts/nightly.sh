@@ -12,20 +12,20 @@ cd "$(dirname "$0")/.."
 
 # Name, minutes on two cores with most objects in a compiler cache, and what it is.
 units="
-counts       5 long counts of random input, hostile files and exact pairs
-counts-gl    3 long counts of images: occlusion, portions, state of applications, joints of real models
+counts       8 long counts of random input, hostile files and exact pairs
+counts-gl    4 long counts of images: occlusion, portions, state of applications, joints of real models
 isa          4 core, culling, ray tracer and primitives with narrower instruction sets
-tools        4 tools that are started many times, mpirun, pip
+tools        2 tools that are started many times, mpirun, pip
 osmesa       2 GL tests with OSMesa contexts
-fuzz         7 twenty seconds of each fuzz target
-tsan         6 ThreadSanitizer on core, culling, ray tracer and engine
+fuzz         6 twenty seconds of each fuzz target
+tsan         8 ThreadSanitizer on core, culling, ray tracer and engine
 asan         5 AddressSanitizer on culling, ray tracer, primitives, measuring and comparing
 asan-gl      8 AddressSanitizer on the engine and the GPU culler
-packages     6 Debian packages: built, judged, installed, used
-consumers    5 public headers alone; projects that use the installed library, pkg-config or the sources
-shared       2 the same with one shared library
+packages     3 Debian packages: built, judged, installed, used
+consumers    6 public headers alone; projects that use the installed library, pkg-config or the sources
+shared       3 the same with one shared library
 study        6 the study and its tests, on the installed library
-without      6 builds without optional parts, and their tests
+without      4 builds without optional parts, and their tests
 mutants      6 mutants of files that changed lately: what survives is reported
 "
 

@@ -328,6 +328,9 @@ TEST_F(ExternalTarget, BadOnesAreErrorsAndNothingIsDrawn) {
   refused(target, "missing attachment");
   gl().DeleteFramebuffers(1, &empty);
   target = application.target();
+  gl().NamedFramebufferDrawBuffer(target.framebuffer, GL_NONE);
+  refused(target, "its draw buffer is GL_NONE");
+  gl().NamedFramebufferDrawBuffer(target.framebuffer, GL_COLOR_ATTACHMENT0);
   target.near_depth = target.far_depth;
   refused(target, "two different depths");
   target = application.target();
