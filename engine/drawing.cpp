@@ -151,14 +151,14 @@ core::Expected<bool> Drawing::advance(Upload& upload, const core::Snapshot& snap
       upload.scene = std::move(*scene);
     }
     if (!upload.uploaded) {
-      const auto done = upload.scene->advance(context_, snapshot, joints, deadline);
+      const auto done = upload.scene->advance(snapshot, joints, deadline);
       if (!done || !*done) return done;
       upload.uploaded = true;
       upload.slots = core::Slot(snapshot.size());
     }
     if (const auto done = catch_up(upload, snapshot, joints, deadline); !done || !*done) return done;
     const Edits late = take_later();
-    if (auto kept = upload.scene->update_materials(context_, snapshot, late.materials); !kept)
+    if (auto kept = upload.scene->update_materials(snapshot, late.materials); !kept)
       return tl::unexpected(kept.error());
     auto lists = gpuscene::DrawLists::create(context_, *upload.scene);
     if (!lists) return tl::unexpected(lists.error());
@@ -361,7 +361,7 @@ core::Expected<void> Drawing::update_looks(const core::Snapshot& snapshot, const
 core::Expected<void> Drawing::follow_edit(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
                                           std::span<const std::uint32_t> materials, bool moved) {
   picture_changed();
-  if (auto done = scene_->update_materials(context_, snapshot, materials); !done) return done;
+  if (auto done = scene_->update_materials(snapshot, materials); !done) return done;
   solid_areas_.update(snapshot, touched);
   const std::vector<core::Slot> turned = translucent_.update(snapshot, touched, materials);
   if (!culler_) return {};

@@ -15,7 +15,7 @@ namespace {
 constexpr double kFewSlots = 256.0;           // fewer are not worth a thread
 constexpr std::size_t kCommittedPiece = 512;  // edits at a time, where a commit goes on later
 constexpr double kShareOfSnapshot = 0.75;     // of the time that making an engine takes
-// What frames and commits do for a new order that is to land: seconds, and a share of what the last frame took.
+// Frames and commits work so long for a new order that is to land: seconds, and a share of what the last frame took.
 constexpr double kLeastLanding = 0.001, kMostLanding = 0.008, kLandingShare = 0.25;
 // Measured on llvmpipe: 1.15 to 1.2 times the frame of the CPU's path (docs/hybrid-culling.md).
 constexpr double kSoftwareGpuExcess = 0.1;
@@ -265,6 +265,7 @@ core::Expected<void> Engine::Impl::land() {
     if (!rebuild_->take(made)) return {};
     landing_ = std::move(made);
   }
+  [[maybe_unused]] const auto kept = keep_state();
   const auto prepared = prepare_landing();
   if (!prepared) return tl::unexpected(prepared.error());
   if (!*prepared) return {};
@@ -275,7 +276,6 @@ core::Expected<void> Engine::Impl::land() {
   overrides_.reorder(*live_.snapshot);
   core::Expected<void> done;
   if (drawing_) {
-    [[maybe_unused]] const auto kept = keep_state();
     done = unless_lost(drawing_->take_order(*former.snapshot, *live_.snapshot, live_.joints, live_.plan.gpu_culls()));
     note_context();
     follow_hybrid();
@@ -288,7 +288,6 @@ core::Expected<void> Engine::Impl::land() {
 
 /// Works a little on what the drawing needs for the new order. Whether it has all.
 core::Expected<bool> Engine::Impl::prepare_landing() {
-  [[maybe_unused]] const auto kept = keep_state();
   if (drawing_ && drawing_->lost()) drop_context();
   if (!drawing_) return true;
   const double seconds = std::clamp(kLandingShare * frame_seconds_, kLeastLanding, kMostLanding);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <utility>
 
 namespace sightline::engine {
 namespace {
@@ -111,13 +110,13 @@ void OcclusionPasses::list_drawn(const core::ItemBounds& bounds, core::VisibleSe
 }
 
 void OcclusionPasses::follow(const core::Snapshot& former, const core::Snapshot& snapshot) {
-  std::vector<std::uint64_t> open(culling::bit_words(snapshot.size()));
+  core::VisibleSet open;
   for (const core::Slot before : culling::slots_of(open_)) {
     if (before >= former.size() || former.item(before) == core::kNone) continue;
     const core::Slot slot = snapshot.slot(former.item(before));
-    if (slot != core::kNone) open[slot / 64] |= std::uint64_t(1) << slot % 64;
+    if (slot != core::kNone) open.items.push_back(slot);
   }
-  open_ = std::move(open);
+  remember(open, snapshot.bounds());
 }
 
 void OcclusionPasses::remember(const core::VisibleSet& open, const core::ItemBounds& bounds) {

@@ -129,7 +129,7 @@ core::Expected<GpuScene> GpuScene::create(const gl::Context& context, const Snap
                                           const gpuprims::Joints& joints) {
   auto scene = begin(context, snapshot);
   if (!scene) return scene;
-  if (auto done = scene->advance(context, snapshot, joints, kNoDeadline); !done) return tl::unexpected(done.error());
+  if (auto done = scene->advance(snapshot, joints, kNoDeadline); !done) return tl::unexpected(done.error());
   return scene;
 }
 
@@ -146,26 +146,24 @@ core::Expected<GpuScene> GpuScene::begin(const gl::Context& context, const Snaps
   return scene;
 }
 
-core::Expected<bool> GpuScene::advance(const gl::Context& context, const Snapshot& snapshot,
-                                       const gpuprims::Joints& joints, Deadline deadline) {
-  const gl::Functions& gl = context.functions();
+core::Expected<bool> GpuScene::advance(const Snapshot& snapshot, const gpuprims::Joints& joints, Deadline deadline) {
   for (; upload_->kind < std::size_t(kBatchKindCount); ++upload_->kind) {
-    const auto done = advance_batch(gl, snapshot, joints, deadline);
+    const auto done = advance_batch(snapshot, joints, deadline);
     if (!done || !*done) return done;
   }
-  if (auto done = make_materials(gl, snapshot); !done) return tl::unexpected(done.error());
+  if (auto done = make_materials(snapshot); !done) return tl::unexpected(done.error());
   upload_.reset();
   return true;
 }
 
 /// Of the batch that comes next: its records, and with them its meshes.
-core::Expected<bool> GpuScene::advance_batch(const gl::Functions& gl, const Snapshot& snapshot,
-                                             const gpuprims::Joints& joints, Deadline deadline) {
+core::Expected<bool> GpuScene::advance_batch(const Snapshot& snapshot, const gpuprims::Joints& joints,
+                                             Deadline deadline) {
   const auto kind = BatchKind(upload_->kind);
   if (!upload_->batch_made) {
     upload_->slots = slots_of(snapshot, kind, slot_count_);
     if (upload_->slots.empty()) return true;
-    auto batch = make_batch(gl, kind, upload_->slots.size());
+    auto batch = make_batch(*gl_, kind, upload_->slots.size());
     if (!batch) return tl::unexpected(batch.error());
     batches_.push_back(std::move(*batch));
     upload_->batch_made = true;
@@ -192,7 +190,7 @@ core::Expected<bool> GpuScene::advance_batch(const gl::Functions& gl, const Snap
       all = meshes_.records() == upload_->slots.size();
     } while (!all && !over(deadline));
     if (all || upload_->flushes_often)
-      if (auto done = meshes_.flush(gl); !done) return tl::unexpected(done.error());
+      if (auto done = meshes_.flush(*gl_); !done) return tl::unexpected(done.error());
     if (!all) return false;
   }
   upload_->batch_made = false;
@@ -212,26 +210,25 @@ std::vector<Slot> GpuScene::slots_of(const Snapshot& snapshot, BatchKind kind, S
 }
 
 /// Row 0 is for items that name no material; the snapshot's table follows.
-core::Expected<void> GpuScene::make_materials(const gl::Functions& gl, const Snapshot& snapshot) {
+core::Expected<void> GpuScene::make_materials(const Snapshot& snapshot) {
   const core::Material unnamed;
   std::vector<glm::vec4> rows{{unnamed.colour, unnamed.alpha}};
   rows.insert(rows.end(), snapshot.materials().begin(), snapshot.materials().end());
   rows.resize(rows.size() + rows.size() / 8 + kHeadroom);
-  auto buffer = gl::Buffer::create(gl, std::span(rows), GL_DYNAMIC_STORAGE_BIT, "material table");
+  auto buffer = gl::Buffer::create(*gl_, std::span(rows), GL_DYNAMIC_STORAGE_BIT, "material table");
   if (!buffer) return tl::unexpected(buffer.error());
-  auto texels = gl::TextureBuffer::create(gl, *buffer, GL_RGBA32F, "material table");
+  auto texels = gl::TextureBuffer::create(*gl_, *buffer, GL_RGBA32F, "material table");
   if (!texels) return tl::unexpected(texels.error());
   material_texels_ = std::move(*texels);
   material_rows_ = std::move(*buffer);
   return {};
 }
 
-core::Expected<void> GpuScene::update_materials(const gl::Context& context, const Snapshot& snapshot,
-                                                std::span<const std::uint32_t> edited) {
+core::Expected<void> GpuScene::update_materials(const Snapshot& snapshot, std::span<const std::uint32_t> edited) {
   if (edited.empty()) return {};
   const core::MaterialTable& rows = snapshot.materials();
   constexpr std::size_t kRow = sizeof(glm::vec4);
-  if ((rows.size() + 1) * kRow > material_rows_.size()) return make_materials(context.functions(), snapshot);
+  if ((rows.size() + 1) * kRow > material_rows_.size()) return make_materials(snapshot);
   const std::size_t first = edited.front(), count = edited.back() - first + 1;
   material_rows_.write((first + 1) * kRow, count * kRow, rows.data() + first);
   return {};

@@ -45,8 +45,7 @@ class GpuScene {
   /// all meshes are uploaded in one step.
   static core::Expected<GpuScene> begin(const gl::Context& context, const core::Snapshot& snapshot,
                                         const GpuScene* former = nullptr);
-  core::Expected<bool> advance(const gl::Context& context, const core::Snapshot& snapshot,
-                               const gpuprims::Joints& joints, core::Deadline deadline);
+  core::Expected<bool> advance(const core::Snapshot& snapshot, const gpuprims::Joints& joints, core::Deadline deadline);
 
   GpuScene(GpuScene&&) noexcept;
   GpuScene& operator=(GpuScene&&) noexcept;
@@ -69,8 +68,7 @@ class GpuScene {
   bool has_all(const core::Snapshot& snapshot) const { return slot_count_ == snapshot.size(); }
   /// Writes all edited or added materials at once; `edited` holds their indices in rising order. Makes a larger table
   /// when added ones do not fit. Fails when the GPU has not enough memory; then nothing has changed.
-  core::Expected<void> update_materials(const gl::Context& context, const core::Snapshot& snapshot,
-                                        std::span<const std::uint32_t> edited);
+  core::Expected<void> update_materials(const core::Snapshot& snapshot, std::span<const std::uint32_t> edited);
 
   const std::vector<Batch>& batches() const { return batches_; }
   const Batch* batch(BatchKind kind) const;  ///< null when the scene has none
@@ -100,10 +98,10 @@ class GpuScene {
   };
   template <class Visit>
   void for_each_batch(const core::Snapshot& snapshot, std::span<const core::Slot> changed, const Visit& visit);
-  core::Expected<bool> advance_batch(const gl::Functions& gl, const core::Snapshot& snapshot,
-                                     const gpuprims::Joints& joints, core::Deadline deadline);
+  core::Expected<bool> advance_batch(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
+                                     core::Deadline deadline);
   core::Expected<bool> make_room(BatchKind kind, std::size_t records);
-  core::Expected<void> make_materials(const gl::Functions& gl, const core::Snapshot& snapshot);
+  core::Expected<void> make_materials(const core::Snapshot& snapshot);
 
   const gl::Functions* gl_ = nullptr;
   std::vector<Batch> batches_;  // by kind
