@@ -113,6 +113,8 @@ OcclusionTest::OcclusionTest(const core::View& view, const core::dvec3& origin, 
       rays_(view, origin, width, height),
       ray_field_(rays_.field()),
       pyramid_(&pyramid),
+      width_(width),
+      height_(height),
       error_(float(error)) {
   view_.samples = kCentre;
   view_.sample_count = 1;
@@ -200,7 +202,7 @@ float OcclusionTest::distance(const core::Aabb& box) const {
 }
 
 bool OcclusionTest::hidden(const core::Aabb& box) const {
-  return of_one_box(box, [&](const auto& boxes) { return hidden_of(boxes); });
+  return fits() && of_one_box(box, [&](const auto& boxes) { return hidden_of(boxes); });
 }
 
 /// Of sixteen boxes those that may cover a pixel centre, and that one look at the pyramid does not hide.
@@ -265,6 +267,10 @@ struct OcclusionTest::Judgement {
 
 void OcclusionTest::filter(const core::ItemBounds& bounds, const core::VisibleSet& in, core::VisibleSet& open,
                            SlotBits exempt, CullThreads* threads, const Hierarchy* hierarchy) const {
+  if (!fits()) {
+    open = in;
+    return;
+  }
   const auto filter_part = [&](const core::VisibleSet& part, core::VisibleSet& kept) {
     filter_boxes(bounds, open_leaves(hierarchy, part, exempt), kept, exempt);
   };
@@ -314,6 +320,10 @@ void OcclusionTest::filter_boxes(const core::ItemBounds& bounds, const core::Vis
 
 void OcclusionTest::filter_leaves(const Hierarchy& hierarchy, const core::VisibleSet& in, core::VisibleSet& open,
                                   SlotBits exempt) const {
+  if (!fits()) {
+    open = in;
+    return;
+  }
   culling::filter_leaves(hierarchy, in, open, exempt, [&](const auto& boxes) { return open_nodes(boxes); });
 }
 
@@ -386,6 +396,12 @@ void OcclusionTest::enter_all(const core::ItemBounds& bounds, const core::Visibl
 
 void OcclusionTest::split_front(const core::ItemBounds& bounds, const Hierarchy* hierarchy, const core::VisibleSet& in,
                                 core::VisibleSet& front, core::VisibleSet& behind, CullThreads* threads) const {
+  if (!fits()) {
+    front = in;
+    behind.clear();
+    behind.generation = in.generation;
+    return;
+  }
   thread_local SetParts parts;
   thread_local FrontLayers layers;
   thread_local std::vector<std::uint64_t> in_front, others;

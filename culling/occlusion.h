@@ -101,7 +101,8 @@ class SIGHTLINE_API OcclusionTest {
 
   /// `origin`: of the bounds whose boxes will be tested. Borrows the pyramid, which may be built anew between tests: of
   /// the distances of `view` in a picture of width x height pixels, drawn by a rasteriser of that `snap`
-  /// (rasteriser_snap). They may also be off by `error` metres, as in orthographic views, whose depth is linear.
+  /// (rasteriser_snap). While it is of another size, or not built at all, nothing is hidden. They may also be off by
+  /// `error` metres, as in orthographic views, whose depth is linear.
   OcclusionTest(const core::View& view, const core::dvec3& origin, int width, int height, const DepthPyramid& pyramid,
                 double error = 0.0, float snap = kCoarsestSnap);
 
@@ -128,6 +129,7 @@ class SIGHTLINE_API OcclusionTest {
                    core::VisibleSet& front, core::VisibleSet& behind, CullThreads* threads = nullptr) const;
 
  private:
+  bool fits() const { return pyramid_->width() == width_ && pyramid_->height() == height_; }
   enum class Found { kHidden, kEntered, kNotJudged };
   struct Judgement;
   Found enter(core::Slot slot, const BoxCoordinates& box, const PixelRectangle& pixels, float nearest,
@@ -153,6 +155,7 @@ class SIGHTLINE_API OcclusionTest {
   PixelRays rays_;
   RayField ray_field_;
   const DepthPyramid* pyramid_;
+  int width_, height_;
   float error_;
 };
 

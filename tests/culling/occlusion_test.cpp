@@ -147,6 +147,33 @@ TEST(OcclusionTest, AWallHidesWhatIsBehindItAlone) {
   EXPECT_TRUE(test.hidden({{1, 20, -1}, {2, 21, 1}}));
 }
 
+TEST(OcclusionTest, HidesNothingBeforeItsPyramidIsBuilt) {
+  const View view = *View::perspective({{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, 4.0 / 3.0, 0.1);
+  core::ItemBounds bounds;
+  bounds.resize(100);
+  for (std::size_t i = 0; i < 100; ++i) bounds.set(i, {{-1, 20, -1}, {1, 21, 1}});
+  const culling::Hierarchy hierarchy(bounds);
+  core::VisibleSet all;
+  all.ranges = {{0, 100}};
+  DepthPyramid pyramid;
+  const OcclusionTest test(view, core::dvec3(0.0), 64, 48, pyramid);
+  const auto left = [&] {
+    EXPECT_EQ(test.hidden(bounds.box(0)), pyramid.width() == 64);
+    core::VisibleSet open, leaves, front, behind;
+    test.filter(bounds, all, open);
+    test.filter_leaves(hierarchy, all, leaves);
+    test.split_front(bounds, &hierarchy, all, front, behind);
+    EXPECT_EQ(leaves.count(), open.count());
+    EXPECT_EQ(front.count() + behind.count(), open.count());
+    return open.count();
+  };
+  EXPECT_EQ(left(), 100u) << "never built";
+  pyramid.build(std::vector<float>(32 * 24, 10.0f), 32, 24);
+  EXPECT_EQ(left(), 100u) << "of another size";
+  pyramid.build(std::vector<float>(64 * 48, 10.0f), 64, 48);
+  EXPECT_EQ(left(), 0u);
+}
+
 std::vector<core::Slot> merged(const std::vector<core::Slot>& a, const std::vector<core::Slot>& b) {
   std::vector<core::Slot> both(a.size() + b.size());
   std::merge(a.begin(), a.end(), b.begin(), b.end(), both.begin());
