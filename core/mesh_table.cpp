@@ -16,6 +16,13 @@ std::shared_ptr<const Mesh> MeshList::share(std::size_t index) const {
   return index < size_ ? at(index) : nullptr;
 }
 
+MeshTable& MeshTable::operator=(MeshTable&& other) noexcept {
+  list_ = std::exchange(other.list_, {});
+  own_ = std::exchange(other.own_, {});
+  handed_out_ = other.handed_out_.load();
+  return *this;
+}
+
 MeshTable& MeshTable::operator=(const MeshTable& other) {
   if (this != &other) *this = MeshTable(other);
   return *this;
@@ -44,25 +51,29 @@ void MeshTable::append(const MeshTable& other) {
   for (std::size_t i = 0; i < other.size(); ++i) list_.at(list_.size_++) = other.list_.share(i);
 }
 
-/// A chunk that no other list has. The list of chunks must be such a one.
-MeshList::Chunk& MeshTable::own(std::size_t chunk) const {
-  auto& place = (*list_.chunks_)[chunk];
-  place = std::make_shared<MeshList::Chunk>(*place);
-  return *place;
+/// The place of a mesh, in a chunk that no other list has.
+std::shared_ptr<const Mesh>& MeshTable::writable(std::size_t index) {
+  assert(index < size());
+  if (handed_out_.exchange(false, std::memory_order_relaxed)) {
+    list_.chunks_ = std::make_shared<MeshList::Chunks>(*list_.chunks_);
+    own_.clear();
+  }
+  const std::size_t chunk = index / MeshList::kChunk;
+  if (chunk >= own_.size()) own_.resize(chunk + 1);
+  if (!own_[chunk]) {
+    auto& place = (*list_.chunks_)[chunk];
+    place = std::make_shared<MeshList::Chunk>(*place);
+    own_[chunk] = true;
+  }
+  return list_.at(index);
+}
+
+void MeshTable::set(std::size_t index, std::shared_ptr<const Mesh> mesh) {
+  writable(index) = std::move(mesh);
 }
 
 void MeshTable::remove(std::span<const std::uint32_t> indices) {
-  if (indices.empty()) return;
-  list_.chunks_ = std::make_shared<MeshList::Chunks>(*list_.chunks_);
-  std::vector<std::uint32_t> sorted(indices.begin(), indices.end());
-  std::sort(sorted.begin(), sorted.end());
-  assert(sorted.back() < size());
-  MeshList::Chunk* chunk = nullptr;
-  std::size_t last = 0;
-  for (const std::uint32_t index : sorted) {
-    if (!chunk || index / MeshList::kChunk != last) chunk = &own(last = index / MeshList::kChunk);
-    (*chunk)[index % MeshList::kChunk].reset();
-  }
+  for (const std::uint32_t index : indices) writable(index).reset();
 }
 
 void MeshTable::truncate(std::size_t size) {

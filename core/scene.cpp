@@ -277,8 +277,9 @@ std::string Scene::path(NodeId node) const {
 }
 
 Scene::Resolved Scene::resolve(const Node& node, const Resolved& above) const {
+  const std::uint32_t own = material_at(node.material).index;
   return {above.world * node.transform, node.layers != 0 ? node.layers : above.layers,
-          node.material != kNone ? node.material : above.material, above.visible && node.visible};
+          own != kNone ? own : above.material, above.visible && node.visible};
 }
 
 Scene::Resolved Scene::resolve_above(NodeId node) const {
@@ -313,13 +314,21 @@ Expected<MeshId> Scene::add_mesh(Mesh mesh) {
     finite = finite && is_finite(dvec3(p));
   }
   if (!finite) box.min = dvec3(std::numeric_limits<double>::quiet_NaN());  // commit() refuses its items
-  mesh_table_.push_back(std::make_shared<const Mesh>(std::move(mesh)));
+  auto shared = std::make_shared<const Mesh>(std::move(mesh));
+  if (const auto index = may_reuse() ? free_.meshes.take() : std::nullopt) {
+    mesh_table_.set(*index, std::move(shared));
+    meshes_[*index] = {box, generation_};
+    return mesh_at(*index);
+  }
+  mesh_table_.push_back(std::move(shared));
   meshes_.push_back({box, generation_});
   return mesh_at(meshes_.size() - 1);
 }
 MaterialId Scene::add_material(Material material) {
-  materials_.push_back({std::move(material), generation_});
-  const auto index = std::uint32_t(materials_.size() - 1);
+  const auto freed = may_reuse() ? free_.materials.take() : std::nullopt;
+  const std::uint32_t index = freed.value_or(std::uint32_t(materials_.size()));
+  if (!freed) materials_.emplace_back();
+  materials_[index] = {std::move(material), generation_};
   dirty_materials_.push_back(index);
   return material_at(index);
 }
@@ -330,13 +339,19 @@ void Scene::update_material(MaterialId id, Material as) {
 }
 void Scene::remove_material(MaterialId id) {
   (void)material(id);
-  const std::uint32_t index = id.index;
+  materials_[id.index] = {{}, kNone};
+  removed_materials_.push_back(id.index);
+  dirty_materials_.push_back(id.index);
+  stored_snapshot_.reset();
+}
+/// Touches what names a removed material, which no longer has one.
+void Scene::forget_removed_materials() {
+  if (removed_materials_.empty()) return;
+  const auto is_removed = [&](std::uint32_t index) { return index != kNone && materials_[index].generation == kNone; };
   for (std::uint32_t n = 0; n < nodes_.size(); ++n)
-    if (nodes_[n].alive && nodes_[n].material == index) nodes_[n].material = kNone, touch_node(n);
+    if (nodes_[n].alive && is_removed(nodes_[n].material)) nodes_[n].material = kNone, touch_node(n);
   for (ItemId i = 0; i < items_.size(); ++i)
-    if (items_[i].alive && items_[i].material == index) items_[i].material = kNone, touch_item(i);
-  materials_[index] = {{}, kNone};
-  dirty_materials_.push_back(index);
+    if (items_[i].alive && is_removed(items_[i].material)) items_[i].material = kNone, touch_item(i);
 }
 void Scene::remove_mesh(MeshId id) {
   (void)mesh(id);
@@ -385,12 +400,14 @@ const Material& Scene::material(MaterialId material) const {
 
 ItemId Scene::append_item(NodeId node, Item item) {
   Node& owner = live(node);
-  const ItemId id = ItemId(items_.size());
+  const auto freed = may_reuse() ? free_.items.take() : std::nullopt;
+  const ItemId id = freed.value_or(ItemId(items_.size()));
   item.node = node.index;
   item.alive = true;
   item.previous = owner.last_item;
-  items_.push_back(item);
-  item_states_.push_back(0);
+  if (!freed) items_.emplace_back(), item_states_.push_back(0);
+  items_[id] = item;
+  item_states_[id] &= kDirty;  // it may be in dirty_items_
   (owner.last_item == kNone ? owner.first_item : items_[owner.last_item].next) = id;
   owner.last_item = id;
   ++live_items_;
@@ -405,9 +422,16 @@ ItemId Scene::add_primitive(NodeId node, const Primitive& primitive, const Affin
   item.origin = node_from_item.origin;
   item.material = index_of(material);
   item.kind = kind_of(primitive);
-  item.payload = std::uint32_t(parameters_.size());
   const auto values = parameters(primitive);
-  parameters_.insert(parameters_.end(), values.begin(), values.end());
+  auto& freed = free_.parameters[std::size_t(item.kind)];
+  if (may_reuse() && !freed.empty()) {
+    item.payload = freed.back();
+    freed.pop_back();
+    std::copy(values.begin(), values.end(), parameters_.begin() + item.payload);
+  } else {
+    item.payload = std::uint32_t(parameters_.size());
+    parameters_.insert(parameters_.end(), values.begin(), values.end());
+  }
   return append_item(node, item);
 }
 
@@ -428,7 +452,12 @@ void Scene::erase_item(ItemId id) {
   --live_items_;
   stored_snapshot_.reset();
   item_states_[id] &= std::uint8_t(~kFit);
-  if (item_states_[id] & kCommitted) removed_items_.push_back(id);
+  if (reuses_ids_ && int(item.kind) < kPrimitiveKindCount)
+    free_.parameters[std::size_t(item.kind)].push_back(item.payload);
+  if (item_states_[id] & kCommitted)
+    removed_items_.push_back(id);
+  else if (reuses_ids_)
+    free_.items.remove({&id, 1}, FreeIds::kAtOnce);
 }
 
 void Scene::remove_item(ItemId id) {
@@ -492,8 +521,9 @@ AabbD Scene::bounds(NodeId top, std::uint32_t mask) const {
 Scene::ItemState Scene::state(ItemId id, const Affine& world_from_node, bool visible, std::uint32_t layers,
                               MaterialId material) const {
   const Item& item = live(id);
+  const std::uint32_t own = material_at(item.material).index;
   return {world_from_node * Affine{dmat3(item.linear), item.origin}, visible && item.visible ? layers : 0u,
-          item.material != kNone ? item.material : material.index};
+          own != kNone ? own : material.index};
 }
 
 Scene::ItemState Scene::state(ItemId id) const {
@@ -577,7 +607,18 @@ Expected<SceneDelta> Scene::validated(std::span<const ItemId> items) const {
               ") has parameters, a placement or bounds that are not finite or reach beyond 1e37 m");
 }
 
+/// Frees the ids whose removal all subscribers have followed. What gets one of these indices has a new generation.
+void Scene::release_ids() {
+  std::uint64_t followed = commits_;
+  for (const auto& subscriber : subscribers_.inboxes)
+    if (const auto inbox = subscriber.lock()) followed = std::min(followed, inbox->followed);
+  free_.items.release(followed);
+  const bool meshes = free_.meshes.release(followed), materials = free_.materials.release(followed);
+  if ((meshes || materials) && ++generation_ == kNone) generation_ = 0;
+}
+
 Expected<SceneDelta> Scene::commit() {
+  forget_removed_materials();
   const std::vector<ItemId> items = collect_dirty_items();
   auto delta = validated(items);
   if (!delta) return delta;
@@ -593,16 +634,24 @@ Expected<SceneDelta> Scene::commit() {
   dirty_items_ = {};
   dirty_nodes_.clear();
   mesh_table_.remove(removed_meshes_);
+  commits_ += !delta->empty();
+  if (reuses_ids_) {
+    free_.items.remove(delta->removed, commits_);
+    free_.meshes.remove(removed_meshes_, commits_);
+    free_.materials.remove(removed_materials_, commits_);
+  }
   removed_meshes_.clear();
-  if (delta->empty()) return delta;
-  for (const auto& subscriber : subscribers_.inboxes)
-    if (const auto inbox = subscriber.lock()) inbox->push(*delta);
+  removed_materials_.clear();
+  if (!delta->empty())
+    for (const auto& subscriber : subscribers_.inboxes)
+      if (const auto inbox = subscriber.lock()) inbox->push(*delta, commits_);
+  release_ids();
   return delta;
 }
 
 SceneSubscription Scene::subscribe() {
   SceneSubscription subscription;
-  subscription.inbox_ = std::make_shared<SceneSubscription::Inbox>();
+  subscription.inbox_ = std::make_shared<SceneSubscription::Inbox>(commits_);
   std::erase_if(subscribers_.inboxes, [](const auto& inbox) { return inbox.expired(); });
   subscribers_.inboxes.push_back(subscription.inbox_);
   return subscription;
@@ -611,7 +660,9 @@ SceneSubscription Scene::subscribe() {
 std::size_t Scene::memory_bytes() const {
   std::size_t bytes = nodes_.capacity() * sizeof(Node) + items_.capacity() * (sizeof(Item) + sizeof(item_states_[0])) +
                       parameters_.capacity() * sizeof(float) + names_.capacity() +
-                      dirty_items_.capacity() * sizeof(ItemId);
+                      dirty_items_.capacity() * sizeof(ItemId) + free_.items.memory_bytes() +
+                      free_.meshes.memory_bytes() + free_.materials.memory_bytes();
+  for (const auto& list : free_.parameters) bytes += list.capacity() * sizeof(list[0]);
   for (std::size_t i = 0; i < meshes_.size(); ++i) {
     const Mesh& m = mesh_table_[i];
     bytes +=

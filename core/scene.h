@@ -7,9 +7,11 @@
 //
 // Node, mesh and material handles are generational: a handle to something removed never comes to mean something else.
 // Using a stale handle breaks the contract: builds with assertions and builds with SIGHTLINE_CHECKED abort. contains()
-// tells whether a handle is stale. Not thread-safe; concurrent reads are fine.
+// tells whether a handle is stale. Ids of items are plain numbers; see reuse_ids(). Not thread-safe; concurrent reads
+// are fine.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -23,6 +25,7 @@
 #include "sightline/core/affine.h"
 #include "sightline/core/api.h"
 #include "sightline/core/error.h"
+#include "sightline/core/internal/free_ids.h"
 #include "sightline/core/internal/large_array.h"
 #include "sightline/core/internal/mesh_table.h"
 #include "sightline/core/internal/prefetch.h"
@@ -92,16 +95,16 @@ class SIGHTLINE_API Scene {
   std::size_t node_count() const { return live_nodes_; }
 
   // --- shared resources --------------------------------------------------------------------------------------------
-  // Items hold mesh and material indices. The index of a removed mesh or material is never given out again, except
-  // after take_back().
+  // Items hold mesh and material indices. The index of a removed mesh or material is not given out again, except after
+  // take_back() and by reuse_ids().
 
   /// Fails as validate() does, with nothing added.
   Expected<MeshId> add_mesh(Mesh mesh);
   MaterialId add_material(Material material);
   /// Changes the look of all items with this material. Published by the next commit(), like every edit.
   void update_material(MaterialId material, Material as);
-  /// Nodes and items with this material have none from now on: they inherit one, or have the default one. Walks over
-  /// all nodes and items.
+  /// Nodes and items with this material have none from now on: they inherit one, or have the default one. The next
+  /// commit() walks over all nodes and items once for all materials that were removed.
   void remove_material(MaterialId material);
   /// No item may use the mesh. Snapshots that still hold a removed item keep its mesh. The next commit() gives back the
   /// scene's share of its memory.
@@ -153,6 +156,19 @@ class SIGHTLINE_API Scene {
   /// Whether commit() would accept the item with this world placement.
   bool can_commit(ItemId item, const Affine& world_from_item) const;
 
+  // --- ids of what is gone -----------------------------------------------------------------------------------------
+  /// Whether what is added from now on may get ids of items, and indices of meshes and materials, that were removed
+  /// after this call. Off at first: then the id of a removed item means nothing for ever, and each item that ever was
+  /// takes some 120 bytes. Programs that add and remove for days turn it on, and take as much memory as what they have
+  /// at one time.
+  ///
+  /// An id comes back once its removal was committed and all subscribers have followed it (SceneSubscription::take; an
+  /// engine once its commit() has done so). So what an engine says of an item, such as a pick, never is about another
+  /// one. Who keeps ids must forget those that it removes: contains_item() may be true of them later. Handles of meshes
+  /// and materials never come to mean something else. What is imported or appended always gets new ids.
+  void reuse_ids(bool reuse) { reuses_ids_ = reuse; }
+  bool reuses_ids() const { return reuses_ids_; }
+
   // --- joining -----------------------------------------------------------------------------------------------------
   /// Moves everything below `other`'s root to below `parent`, after the children already there. The items get ids after
   /// those of this scene, in the order of their old ids. Returns the children that `parent` gained. `other`'s ids
@@ -160,11 +176,27 @@ class SIGHTLINE_API Scene {
   std::vector<NodeId> append(NodeId parent, Scene&& other);
 
   // --- taking back -------------------------------------------------------------------------------------------------
-  /// Sizes of the scene's arrays at one moment, for take_back().
-  struct Mark {
-    std::size_t items = 0, parameters = 0, meshes = 0, materials = 0;
+  /// Sizes of the scene's arrays at one moment, for take_back(). While it lives, all that is added gets ids after
+  /// these. The scene must stay where it is.
+  class Mark {
+   public:
+    explicit Mark(Scene& scene)
+        : items(scene.items_.size()),
+          parameters(scene.parameters_.size()),
+          meshes(scene.meshes_.size()),
+          materials(scene.materials_.size()),
+          scene_(scene) {
+      ++scene_.marks_;
+    }
+    Mark(const Mark&) = delete;
+    Mark& operator=(const Mark&) = delete;
+    ~Mark() { --scene_.marks_; }
+    const std::size_t items, parameters, meshes, materials;
+
+   private:
+    Scene& scene_;
   };
-  Mark mark() const { return {items_.size(), parameters_.size(), meshes_.size(), materials_.size()}; }
+  Mark mark() { return Mark(*this); }
   /// Removes everything added since the mark: the nodes `added` with their subtrees, and all meshes and materials.
   /// `added` must hold all items added since the mark. Nothing else may refer to the meshes and materials, and no
   /// commit may lie between. The ids are given out again.
@@ -229,6 +261,11 @@ class SIGHTLINE_API Scene {
     Material material;
     std::uint32_t generation = 0;
   };
+  /// What is free of a kind of thing, while ids are reused.
+  struct Free {
+    FreeIds items, meshes, materials;
+    std::array<std::vector<std::uint32_t>, kPrimitiveKindCount> parameters;  // by kind: Item::payload
+  };
   /// The inboxes of this scene's subscribers. They belong to the scene object: copying or moving its contents leaves
   /// them behind.
   struct Subscribers {
@@ -270,6 +307,9 @@ class SIGHTLINE_API Scene {
   ItemId append_item(NodeId node, Item item);
   Expected<SceneDelta> validated(std::span<const ItemId> items) const;
   std::vector<ItemId> collect_dirty_items();
+  bool may_reuse() const { return reuses_ids_ && marks_ == 0; }
+  void forget_removed_materials();
+  void release_ids();
 
   friend class Storage;
   friend class Snapshot;
@@ -283,7 +323,8 @@ class SIGHTLINE_API Scene {
   std::vector<MeshEntry> meshes_;              // of mesh_table_
   std::vector<std::uint32_t> removed_meshes_;  // since the last commit
   std::vector<MaterialEntry> materials_;
-  std::uint32_t generation_ = 0;  // given to meshes and materials added from now on
+  std::vector<std::uint32_t> removed_materials_;  // since the last commit: nodes and items may still name them
+  std::uint32_t generation_ = 0;                  // given to meshes and materials added from now on
   LargeArray<char> names_;
   std::size_t dead_name_bytes_ = 0;                           // bytes of names_ that no node uses any more
   std::unordered_map<std::uint32_t, Attributes> attributes_;  // hide those that are stored
@@ -295,6 +336,10 @@ class SIGHTLINE_API Scene {
   std::vector<ItemId> dirty_items_, removed_items_;  // removed_items_: only those that a commit had published
   std::vector<std::uint32_t> dirty_materials_;
   Subscribers subscribers_;
+  Free free_;
+  bool reuses_ids_ = false;
+  int marks_ = 0;
+  std::uint64_t commits_ = 1;  // the number of the last one that published anything; above FreeIds::kAtOnce
   NodeId root_;
   std::size_t live_nodes_ = 0, live_items_ = 0;
 };

@@ -35,13 +35,16 @@ void SceneSubscription::Inbox::merge_last() {
   deltas.back().append(last);
 }
 
-void SceneSubscription::Inbox::push(const SceneDelta& delta) {
+void SceneSubscription::Inbox::push(const SceneDelta& delta, std::uint64_t commit) {
+  newest = commit;
   deltas.push_back(delta);
   while (deltas.size() > 1 && deltas[deltas.size() - 2].size() <= 2 * deltas.back().size()) merge_last();
 }
 
 SceneDelta SceneSubscription::take() {
-  if (!inbox_ || inbox_->deltas.empty()) return {};
+  if (!inbox_) return {};
+  inbox_->followed = std::exchange(inbox_->taken, inbox_->newest);
+  if (inbox_->deltas.empty()) return {};
   while (inbox_->deltas.size() > 1) inbox_->merge_last();
   SceneDelta all = std::move(inbox_->deltas[0]);
   inbox_->deltas.clear();

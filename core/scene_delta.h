@@ -12,7 +12,8 @@
 namespace sightline::core {
 
 /// What a commit touched, each item and material at most once and in rising order: `changed` items were moved, hidden,
-/// shown, re-layered or given another material; removed ids are gone for good.
+/// shown, re-layered or given another material. Removals come first: an item that is removed and inserted is another
+/// one with the id of the former (Scene::reuse_ids).
 struct SIGHTLINE_API SceneDelta {
   std::vector<ItemId> inserted, changed, removed;
   std::vector<std::uint32_t> materials;  ///< indices of those added, updated or removed
@@ -30,7 +31,8 @@ class SIGHTLINE_API SceneSubscription {
   SceneSubscription(SceneSubscription&&) = default;
   SceneSubscription& operator=(SceneSubscription&&) = default;
 
-  /// Everything published since the last call, as one delta. Read the items before the scene is edited again.
+  /// Everything published since the last call, as one delta. Read the items before the scene is edited again. Tells the
+  /// scene that what the last call returned is followed.
   SceneDelta take();
 
  private:
@@ -39,9 +41,11 @@ class SIGHTLINE_API SceneSubscription {
   /// that never calls take() stays within a few words per item, and the cost per edit grows with the logarithm of the
   /// backlog.
   struct Inbox {
+    explicit Inbox(std::uint64_t commit) : newest(commit), taken(commit), followed(commit) {}
     std::vector<SceneDelta> deltas;
+    std::uint64_t newest, taken, followed;  // commits that were published, taken, and surely read
     void merge_last();
-    void push(const SceneDelta& delta);
+    void push(const SceneDelta& delta, std::uint64_t commit);
   };
   std::shared_ptr<Inbox> inbox_;
 };

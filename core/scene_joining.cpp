@@ -49,12 +49,15 @@ std::vector<NodeId> Scene::take_over(Scene&& other) {
   dirty_items_ = std::move(other.dirty_items_);
   dirty_materials_.clear();
   for (std::uint32_t i = 0; i < materials_.size(); ++i) dirty_materials_.push_back(i);
+  free_ = std::move(other.free_);
   live_nodes_ = other.live_nodes_, live_items_ = other.live_items_;
   return added;
 }
 
 std::vector<NodeId> Scene::append(NodeId parent, Scene&& other) {
   assert(other.removed_items_.empty() && other.nodes_[0].first_item == kNone);
+  other.forget_removed_materials();
+  other.removed_materials_.clear();
   if (takes_over(parent, other)) return take_over(std::move(other));
   other.read_all_attributes();
   stored_snapshot_.reset();
@@ -145,6 +148,9 @@ void Scene::take_back(const Mark& mark, std::span<const NodeId> added) {
                      [](const Item& item) { return !item.alive; }));
   std::erase_if(dirty_items_, [&](ItemId item) { return item >= mark.items; });
   std::erase_if(dirty_materials_, [&](std::uint32_t material) { return material >= mark.materials; });
+  std::erase_if(removed_materials_, [&](std::uint32_t material) { return material >= mark.materials; });
+  free_.items.truncate(ItemId(mark.items));
+  for (auto& list : free_.parameters) std::erase_if(list, [&](std::uint32_t i) { return i >= mark.parameters; });
   items_.resize(mark.items);
   item_states_.resize(mark.items);
   stored_snapshot_.reset();

@@ -235,20 +235,26 @@ Engine::Impl::Impl(core::Scene& scene, const EngineConfig& config)
 
 core::Expected<void> Engine::Impl::build(const Progress& progress) {
   auto snapshot = std::make_unique<core::Snapshot>(*scene_);
-  note_nodes();
+  note_all_nodes();
   if (progress && !progress(kShareOfSnapshot)) return core::fail("engine: cancelled");
   overrides_.restore(*snapshot);
   live_ = make_order(std::move(snapshot), plan_request(config_, picks_));
   return follow_order();
 }
 
-/// Remembers where picks will find the items that were committed since the last call. Items keep their nodes, and ids
-/// rise.
-void Engine::Impl::note_nodes() {
+/// Remembers where picks will find these items. Items keep their nodes.
+void Engine::Impl::note_nodes([[maybe_unused]] std::span<const core::ItemId> inserted) {
 #if SIGHTLINE_HAS_RAYTRACE
-  auto item = core::ItemId(nodes_.size());
   nodes_.resize(scene_->item_slots());
-  for (; item < nodes_.size(); ++item)
+  for (const core::ItemId item : inserted)
+    if (scene_->contains_item(item)) nodes_[item] = scene_->node_of(item);
+#endif
+}
+
+void Engine::Impl::note_all_nodes() {
+#if SIGHTLINE_HAS_RAYTRACE
+  nodes_.resize(scene_->item_slots());
+  for (core::ItemId item = 0; item < nodes_.size(); ++item)
     if (scene_->contains_item(item)) nodes_[item] = scene_->node_of(item);
 #endif
 }
@@ -547,7 +553,7 @@ core::Expected<bool> Engine::Impl::commit(core::Deadline deadline) {
 core::Expected<void> Engine::Impl::follow(core::SceneDelta delta) {
   new_tracer_.interrupt(live_);
   if (config_.part.count > 1) return build();
-  note_nodes();
+  note_nodes(delta.inserted);
   const std::size_t former_size = live_.snapshot->size();
   std::vector<core::Slot> touched;
   Overrides::Change overridden;

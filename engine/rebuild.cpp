@@ -101,6 +101,7 @@ void BackgroundRebuild::edit(const core::SceneDelta& delta, const std::function<
       behind_ = true;
       for (const auto* list : {&delta.removed, &delta.changed, &delta.inserted})
         missed_.insert(missed_.end(), list->begin(), list->end());
+      removed_.insert(removed_.end(), delta.removed.begin(), delta.removed.end());
     }
     editing_ = false;
   }
@@ -169,6 +170,7 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
   Order order = make_order(std::make_unique<core::Snapshot>(*live_, std::move(items), kThreads), request, stop);
   for (;;) {
     std::vector<core::ItemId> missed;
+    core::Snapshot::Items late;
     {
       std::unique_lock<std::mutex> held(mutex_, std::defer_lock);
       if (!lock(held, stop)) return;
@@ -182,11 +184,11 @@ void BackgroundRebuild::run(const std::stop_token& stop, const PlanRequest& requ
         state_ = State::kWorking;
       }
       std::swap(missed, missed_);
+      std::swap(late.removed, removed_);
       behind_ = false;
     }
     std::sort(missed.begin(), missed.end());
     missed.erase(std::unique(missed.begin(), missed.end()), missed.end());
-    core::Snapshot::Items late;
     if (!copy_missed(stop, missed, late)) return;
     catch_up(order, missed, late);
   }

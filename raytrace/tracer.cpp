@@ -154,6 +154,11 @@ RayFilter filter_of(const core::View& view) {
 
 // --- building --------------------------------------------------------------------------------------------------------
 
+/// Whether the index still is that of the mesh, and not of another one since.
+bool Tracer::Impl::is_built_from(std::uint32_t index, const std::shared_ptr<const core::Mesh>& mesh) const {
+  return !built_from_[index].owner_before(mesh) && !mesh.owner_before(built_from_[index]);
+}
+
 core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_unused]] int threads,
                                               const std::stop_token& stop) {
   std::vector<Slot> firsts;  // one for each new mesh
@@ -161,9 +166,10 @@ core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_u
     const std::uint32_t index = mesh_index(slot);
     if (index >= meshes_.size()) {
       meshes_.resize(std::size_t(index) + 1);
+      built_from_.resize(meshes_.size());
       enclosures_.resize(meshes_.size());
     }
-    if (meshes_[index] || snapshot_->vacant(slot)) continue;
+    if (snapshot_->vacant(slot) || (meshes_[index] && is_built_from(index, snapshot_->share_mesh(slot)))) continue;
     if (snapshot_->mesh(slot).indices.size() / 3 >= kMostTriangles)
       return core::fail("tracer: mesh \"" + snapshot_->mesh(slot).name + "\" must have fewer than 2^28 triangles");
     firsts.push_back(slot);
@@ -174,7 +180,10 @@ core::Expected<void> Tracer::Impl::add_meshes(std::vector<Slot> slots, [[maybe_u
   firsts.erase(std::unique(firsts.begin(), firsts.end(), same_mesh), firsts.end());
   const auto build_one = [&](Slot slot, int with) {
     if (stop.stop_requested()) return;
-    meshes_[mesh_index(slot)] = std::make_unique<const MeshTree>(build_mesh_tree(snapshot_->mesh(slot), with, stop));
+    const std::uint32_t index = mesh_index(slot);
+    meshes_[index] = std::make_unique<const MeshTree>(build_mesh_tree(snapshot_->mesh(slot), with, stop));
+    built_from_[index] = snapshot_->share_mesh(slot);
+    enclosures_[index] = 0;
   };
   const auto large = std::partition(firsts.begin(), firsts.end(),
                                     [&](Slot slot) { return snapshot_->mesh(slot).indices.size() / 3 < kLargeMesh; });

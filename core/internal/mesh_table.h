@@ -2,10 +2,12 @@
 // thread while the scene is edited.
 //
 // Meshes never change. They stand in chunks that never move, and a scene appends behind what its snapshots know of:
-// other places in memory. Removal makes new chunks. So nothing that a MeshList reads is ever written.
+// other places in memory. Removal makes new chunks, and so does a mesh that gets the index of a removed one. So nothing
+// that a MeshList reads is ever written.
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -38,17 +40,21 @@ class SIGHTLINE_API MeshList {
   std::size_t size_ = 0;
 };
 
-/// A scene's own. One thread at a time uses it.
+/// A scene's own. Threads may read it at once, and one may change it while none reads.
 class SIGHTLINE_API MeshTable {
  public:
   MeshTable() = default;
-  MeshTable(MeshTable&&) = default;
-  MeshTable& operator=(MeshTable&&) = default;
+  MeshTable(MeshTable&& other) noexcept { *this = std::move(other); }
+  MeshTable& operator=(MeshTable&& other) noexcept;
   /// Shares the meshes. Both tables may then be appended to.
   MeshTable(const MeshTable& other) { append(other); }
   MeshTable& operator=(const MeshTable& other);
 
-  const MeshList& list() const { return list_; }
+  /// To be copied.
+  const MeshList& list() const {
+    handed_out_.store(true, std::memory_order_relaxed);  // several threads may read a scene
+    return list_;
+  }
   std::size_t size() const { return list_.size(); }
   const Mesh& operator[](std::size_t index) const { return list_[index]; }
 
@@ -56,15 +62,19 @@ class SIGHTLINE_API MeshTable {
   void reserve(std::size_t size);
   void push_back(std::shared_ptr<const Mesh> mesh);
   void append(const MeshTable& other);
-  /// Lets go of these meshes. Time linear in their number and in a 64th of size().
+  /// Puts a mesh where one was removed. The first call after list() takes time linear in a 64th of size().
+  void set(std::size_t index, std::shared_ptr<const Mesh> mesh);
+  /// Lets go of these meshes. Time as that of set().
   void remove(std::span<const std::uint32_t> indices);
   /// Keeps the first `size` meshes, at most as many as there are.
   void truncate(std::size_t size);
 
  private:
-  MeshList::Chunk& own(std::size_t chunk) const;
+  std::shared_ptr<const Mesh>& writable(std::size_t index);
 
   MeshList list_;
+  std::vector<bool> own_;                       // by chunk: no copy of list_ has it; those from the end on may have one
+  mutable std::atomic<bool> handed_out_{true};  // there may be a copy that shares what own_ says nobody shares
 };
 
 }  // namespace sightline::core

@@ -101,7 +101,8 @@ class Engine::Impl {
   core::Expected<void> follow_order();
   core::Expected<void> take_context(gl::Context& context, std::unique_ptr<Drawing> made);
   void note_context();
-  void note_nodes();
+  void note_nodes(std::span<const core::ItemId> inserted);
+  void note_all_nodes();
   template <class Edit>
   core::Expected<void> override_items(const Edit& edit);
   core::Expected<bool> cull(const core::View& cull_view, const core::View& view, bool on_cpu, FrameReport& report);

@@ -78,8 +78,9 @@ Plan make_plan(const core::Snapshot& snapshot, const gpuprims::Joints& joints, c
 Order make_order(std::unique_ptr<core::Snapshot> snapshot, const PlanRequest& request,
                  const std::stop_token& stop = {});
 
-/// Makes an order show its items as copies from another one do. Returns the slots that were touched below the former
-/// size of its snapshot, in rising order.
+/// Makes an order show its items as copies from another one do. Items that were removed must be in Items::removed, even
+/// where others have got their ids. Returns the slots that were touched below the former size of its snapshot, in
+/// rising order.
 std::vector<core::Slot> catch_up(Order& order, std::span<const core::ItemId> edited,
                                  const core::Snapshot::Items& copies);
 
@@ -121,10 +122,10 @@ class BackgroundRebuild {
   std::condition_variable_any changed_;
   std::atomic<bool> editing_{false}, finished_{false};
   State state_ = State::kWorking;
-  Order order_;          // the ready one, or one to be freed
-  bool behind_ = false;  // an edit is not yet in order_: of items in missed_, or of materials
-  std::vector<core::ItemId> missed_;
-  std::jthread thread_;  // last: stops before the other members are destroyed
+  Order order_;                                 // the ready one, or one to be freed
+  bool behind_ = false;                         // an edit is not yet in order_: of items in missed_, or of materials
+  std::vector<core::ItemId> missed_, removed_;  // removed_: those of missed_ that were removed
+  std::jthread thread_;                         // last: stops before the other members are destroyed
 };
 
 }  // namespace sightline::engine

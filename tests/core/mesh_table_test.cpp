@@ -40,7 +40,7 @@ TEST(MeshTable, IsAVectorWhoseListsNeverChange) {
     std::vector<std::pair<MeshList, Twin>> lists;
     int number = 0;
     for (int step = 0; step < 60; ++step) {
-      switch (random() % 6) {
+      switch (random() % 7) {
         case 0:
         case 1:
           for (auto n = random() % 150; n > 0; --n) {
@@ -56,6 +56,14 @@ TEST(MeshTable, IsAVectorWhoseListsNeverChange) {
           for (const std::uint32_t index : gone) twin[index].clear();
           break;
         }
+        case 5:
+          for (auto n = random() % 5; n > 0 && !twin.empty(); --n) {
+            const std::size_t index = random() % twin.size();
+            if (!twin[index].empty()) continue;
+            table.set(index, named(++number));
+            twin[index] = std::to_string(number);
+          }
+          break;
         case 3:
           if (random() % 4 == 0 && !twin.empty()) {
             twin.resize(random() % twin.size());

@@ -2,6 +2,7 @@
 // purpose, and memory does not grow.
 #include <map>
 #include <random>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +44,29 @@ class StreamingTest : public DrawnGrid {
     for (core::ItemId item = 0; item < 4000; item += 2) (item % 3 == 0 ? ghosts : faint).push_back(item);
     return engine.set_override(ghosts, {.ghost = true}) && engine.set_override(faint, {.alpha = 0.5f}) &&
            engine.set_override({&faint[3], 1}, {.outline = true});
+  }
+
+  /// Removes some items with their meshes, and adds others.
+  void exchange_items(core::Scene& scene, std::span<const core::Primitive> shapes, std::map<core::ItemId, bool>& of) {
+    while (items.size() > 120) {
+      std::swap(items[random() % items.size()], items.back());
+      const bool has_mesh = int(scene.kind(items.back())) >= core::kPrimitiveKindCount;
+      const core::MeshId mesh = has_mesh ? scene.mesh_of(items.back()) : core::MeshId();
+      of.erase(items.back());
+      scene.remove_item(items.back());
+      items.pop_back();
+      if (has_mesh) scene.remove_mesh(mesh);
+    }
+    const core::NodeId node = scene.add_node(scene.root());
+    for (int i = 0; i < 6; ++i) {
+      if (random() % 2) {
+        core::Mesh lump = gpuprims::tessellate(core::Sphere{0.9f}, {.fixed_segments = 3 + int(random() % 9)});
+        const core::MeshId mesh = scene.add_mesh(std::move(lump)).value();
+        items.push_back(scene.add_mesh_instance(node, mesh, somewhere()));
+      } else {
+        items.push_back(scene.add_primitive(node, shapes[random() % shapes.size()], somewhere()));
+      }
+    }
   }
 
   static inline const engine::ItemStyle kRed{.colour = core::vec3(1.0f, 0.0f, 0.0f)};
@@ -194,6 +218,47 @@ TEST_F(StreamingTest, EditsMayBeFollowedInPortions) {
               anew->snapshot().size() - anew->snapshot().vacant_count());
   }
   EXPECT_GT(portions, 12);
+}
+
+/// Ids that others have had: what was known of those, such as styles and meshes, is not known of these, on any way to
+/// follow an edit.
+TEST_F(StreamingTest, ReusedIdsAreThoseOfOtherItems) {
+  SCOPED_TRACE("seed 11");
+  const core::Primitive shapes[] = {core::Cylinder{0.5f, 1.0f}, core::Box{1.0f, 0.6f, 1.2f}, core::Sphere{0.6f}};
+  for (const double share : {0.05, 1.0}) {
+    items.clear();
+    core::Scene scene;
+    scene.reuse_ids(true);
+    fill(scene, 14);
+    engine::EngineConfig c = config(share < 1.0 ? CullerChoice::kCpu : CullerChoice::kGpu);
+    c.rebuild_share = share;
+    auto streamed = Engine::create(scene, c);
+    ASSERT_TRUE(streamed);
+    std::map<core::ItemId, bool> is_red;
+    int landings = 0;
+    for (int round = 0; round < 60; ++round) {
+      const std::uint64_t order = streamed->snapshot().generation();
+      for (int piece = 0; piece < 6; ++piece) {  // commits that a new order comes to know at once
+        exchange_items(scene, shapes, is_red);
+        while (!*streamed->commit(round % 3 ? 1.0 : 0.0)) continue;
+        ASSERT_TRUE(streamed->set_override({&items.back(), 1}, piece % 2 ? kRed : kBlue));
+        is_red[items.back()] = piece % 2;
+      }
+      ASSERT_TRUE(round % 17 != 16 || streamed->rebuild());
+      ASSERT_TRUE(streamed->frame(view(0.1 * round)));
+      landings += streamed->snapshot().generation() != order;
+      if (round % 6 != 5) continue;
+      auto anew = Engine::create(scene, c);
+      ASSERT_TRUE(anew);
+      for (const auto& [item, red] : is_red) ASSERT_TRUE(anew->set_override({&item, 1}, red ? kRed : kBlue));
+      ASSERT_TRUE(anew->frame(view(0.1 * round)));
+      const auto difference = image::compare(*streamed->read_colour(), *anew->read_colour());
+      ASSERT_TRUE(difference);
+      EXPECT_LE(difference->pixels, 60u) << "round " << round;  // where two colours meet, in orders of their own
+    }
+    EXPECT_GE(landings, share < 1.0 ? 9 : 3);
+    EXPECT_LT(scene.item_slots(), 14u * 14u * 14u + 300u) << "2,160 were added";
+  }
 }
 
 TEST_F(StreamingTest, TrianglesThatAreGoneMakeRoom) {
