@@ -35,7 +35,7 @@ void Drawing::plan_programs(Plan& plan, const core::Snapshot& snapshot, bool dra
     std::replace(feature.begin(), feature.end(), '_', ' ');
     feature += gpuscene::is_ray_cast(batch) ? " program (ray-cast)" : " program";
     const std::string why = !draw ? "drawing is off" : n > 0 ? count_text(n) : "none in the scene";
-    plan.entries.push_back({std::move(feature), draw && n > 0, why});
+    set_entry(plan, {std::move(feature), draw && n > 0, why});
   }
 }
 
@@ -780,6 +780,9 @@ void Drawing::finish() {
 
 std::size_t Drawing::memory_bytes() const {
   std::size_t bytes = scene_->memory_bytes() + lists_->memory_bytes();
+  if (upload_ && upload_->scene) bytes += upload_->scene->memory_bytes();
+  if (upload_ && upload_->lists) bytes += upload_->lists->memory_bytes();
+  if (upload_ && upload_->culler) bytes += upload_->culler->memory_bytes();
   if (culler_) bytes += culler_->memory_bytes();
   if (refined_) bytes += refined_->memory_bytes();
   if (overlays_) bytes += overlays_->memory_bytes();

@@ -573,6 +573,7 @@ core::Expected<void> Engine::Impl::follow(core::SceneDelta delta) {
   if (!rebuild_ && config_.rebuild_share > 0.0 && disorder > kFewSlots &&
       disorder > config_.rebuild_share * double(live_.snapshot->size()))
     rebuild_ = std::make_unique<BackgroundRebuild>(*live_.snapshot, plan_request(config_, picks_));
+  if (live_.snapshot->size() > former_size) Drawing::plan_programs(live_.plan, *live_.snapshot, config_.draw);
   delta.materials.insert(delta.materials.end(), overridden.materials.begin(), overridden.materials.end());
   follow_in_landing(delta, delta.materials);
   if (coming_) coming_->follow_later(touched, delta.materials);
@@ -608,10 +609,14 @@ Drawing* Engine::Impl::drawing() {
 MemoryReport Engine::Impl::memory() const {
   MemoryReport report;
   report.scene = scene_->memory_bytes();
-  report.snapshot = live_.snapshot->memory_bytes() + live_.joints.memory_bytes() + overrides_.memory_bytes();
-  if (const auto* culler = std::get_if<culling::CpuCuller>(live_.culler.get())) report.bvh = culler->memory_bytes();
+  report.snapshot = overrides_.memory_bytes();
+  for (const Order* order : {&live_, landing_ ? &*landing_ : nullptr}) {
+    if (!order) continue;
+    report.snapshot += order->snapshot->memory_bytes() + order->joints.memory_bytes();
+    if (const auto* culler = std::get_if<culling::CpuCuller>(order->culler.get())) report.bvh += culler->memory_bytes();
+    report.tracer += tracer_bytes(*order);
+  }
   if (drawing_) report.gpu = drawing_->memory_bytes();
-  report.tracer = tracer_bytes(live_);
   return report;
 }
 

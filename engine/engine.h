@@ -191,6 +191,7 @@ struct LossReport {
   double pixels = 0.0;     ///< that these are expected to cover, at most all: see Engine::loss()
 };
 
+/// With what a new order has that is ready and not shown yet, and without one that is still being made.
 struct MemoryReport {
   std::size_t scene = 0, snapshot = 0, bvh = 0, gpu = 0;  ///< bytes
   std::size_t tracer = 0;                                 ///< 0 before the first pick
@@ -269,10 +270,10 @@ class SIGHTLINE_API Engine {
   /// compiled.
   ///
   /// After many edits the engine makes a new order in the background (EngineConfig::rebuild_share). It works on a copy
-  /// of the snapshot, so the scene may be edited meanwhile. Once it is ready, commit() and frame() upload what it needs,
-  /// a quarter of a frame's time in each and 8 ms at most, but for single steps (making the GPU culler); then it lands
-  /// as an exchange of pointers. Slots change with it: visible() names the generation of the snapshot that its slots
-  /// belong to.
+  /// of the snapshot, so the scene may be edited meanwhile. Once it is ready, commit() and frame() upload what it
+  /// needs, a quarter of a frame's time in each and 8 ms at most, but for single steps (making the GPU culler); then it
+  /// lands as an exchange of pointers. Slots change with it: visible() names the generation of the snapshot that its
+  /// slots belong to.
   core::Expected<void> commit();
   /// The same in portions, for a thread that must not stop: works for about `seconds` and returns whether all edits are
   /// followed. Frames show those that are; call it again for the others, which are then read as the scene has them.
@@ -360,7 +361,8 @@ class SIGHTLINE_API Engine {
   /// steps: compiling a program, the corners of one mesh, making the GPU culler. The first frame is then no slower than
   /// others, even where drivers compile late.
   ///
-  /// Edits in between are followed. A new order makes it begin anew. Fails as above, and when the context is lost meanwhile; the next call then begins anew.
+  /// Edits in between are followed. A new order makes it begin anew. Fails as above, and when the context is lost
+  /// meanwhile; the next call then begins anew.
   core::Expected<bool> use_context(gl::Context& context, double seconds);
 
   /// Tells that the application drew nothing for a while (a pause, a dialog): the next frame_ms does not count that

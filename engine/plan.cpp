@@ -73,21 +73,24 @@ void plan_tracer(Plan& plan, [[maybe_unused]] bool picks) {
 #endif
 }
 
-/// Adds an entry in place of the one of the same feature.
-void replace(Plan& plan, PlanEntry added) {
-  std::erase_if(plan.entries, [&](const PlanEntry& entry) { return entry.feature == added.feature; });
-  plan.entries.push_back(std::move(added));
-}
-
 }  // namespace
 
+void set_entry(Plan& plan, PlanEntry entry) {
+  const auto same = [&](const PlanEntry& present) { return present.feature == entry.feature; };
+  const auto present = std::find_if(plan.entries.begin(), plan.entries.end(), same);
+  if (present == plan.entries.end())
+    plan.entries.push_back(std::move(entry));
+  else
+    *present = std::move(entry);
+}
+
 void add_gpu_variant(Plan& plan, culling::GpuVariant variant, const std::string& why) {
-  replace(plan, {"GPU culling in geometry shaders", variant == culling::GpuVariant::kGeometry, why});
-  replace(plan, {"GPU culling in compute shaders", variant == culling::GpuVariant::kCompute, why});
+  set_entry(plan, {"GPU culling in geometry shaders", variant == culling::GpuVariant::kGeometry, why});
+  set_entry(plan, {"GPU culling in compute shaders", variant == culling::GpuVariant::kCompute, why});
 }
 
 void add_context(Plan& plan, bool own, const std::string& platform) {
-  replace(plan, {"offscreen context", own, own ? platform : "the application's is used"});
+  set_entry(plan, {"offscreen context", own, own ? platform : "the application's is used"});
 }
 
 Plan make_plan(const core::Snapshot& snapshot, CullerChoice choice, bool draw, bool ids) {

@@ -91,6 +91,8 @@ inline constexpr std::size_t kSmallOcclusionScene = 16'384;
 /// The same where a GPU culls and draws; below so many items in the scene. Not measured.
 inline constexpr std::size_t kGpuOcclusionScene = 100'000;
 
+/// Adds an entry, or replaces the one of the same feature.
+SIGHTLINE_API void set_entry(Plan& plan, PlanEntry entry);
 /// Adds the variant of the GPU culler, which is known only once there is one.
 SIGHTLINE_API void add_gpu_variant(Plan& plan, culling::GpuVariant variant, const std::string& why);
 /// Adds which context is used, which is known only once there is one: gl::Context::platform() of the engine's own.

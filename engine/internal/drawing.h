@@ -58,7 +58,7 @@ class Drawing {
     later_ = {};
   }
   ~Drawing();
-  /// Adds a plan entry for the program of each batch kind.
+  /// Sets the plan's entry for the program of each batch kind.
   static void plan_programs(Plan& plan, const core::Snapshot& snapshot, bool draw);
 
   /// While it lives, what the application has may change. With a context of the engine's own that is which context is

@@ -3,6 +3,8 @@
 #include <map>
 #include <random>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -69,6 +71,15 @@ class StreamingTest : public DrawnGrid {
     }
   }
 
+  /// That a plan says are used.
+  static std::vector<std::string> programs(const engine::Plan& plan) {
+    std::vector<std::string> used;
+    for (const engine::PlanEntry& entry : plan.entries)
+      if (entry.used && entry.feature.find(" program") != std::string::npos)
+        used.push_back(entry.feature + ": " + entry.why);
+    return used;
+  }
+
   static inline const engine::ItemStyle kRed{.colour = core::vec3(1.0f, 0.0f, 0.0f)};
   static inline const engine::ItemStyle kBlue{.colour = core::vec3(0.0f, 0.0f, 1.0f)};
   std::mt19937 random{11};
@@ -122,6 +133,7 @@ TEST_F(StreamingTest, KindsMayComeIntoAnEmptyScene) {
       auto anew = Engine::create(scene, c);
       ASSERT_TRUE(anew && streamed->frame(eye) && anew->frame(eye));
       ASSERT_NO_FATAL_FAILURE(expect_same_picture(*streamed, *anew, 1));
+      EXPECT_EQ(programs(streamed->plan()), programs(anew->plan()));
     }
   }
 }
