@@ -178,6 +178,21 @@ core::Expected<void> Engine::isolate(std::span<const core::NodeId> nodes) {
 core::Expected<void> Engine::show_all() {
   return impl_->show_all();
 }
+std::optional<ItemStyle> Engine::override_of(core::ItemId item) const {
+  return impl_->overrides().style(item);
+}
+std::vector<core::ItemId> Engine::overridden_items() const {
+  return impl_->overrides().styled_items();
+}
+bool Engine::is_hidden(core::ItemId item) const {
+  return impl_->overrides().is_hidden(item);
+}
+std::vector<core::ItemId> Engine::hidden_items() const {
+  return impl_->overrides().hidden_items();
+}
+core::Expected<std::vector<core::ItemId>> Engine::items_below(std::span<const core::NodeId> nodes) const {
+  return impl_->items_below(nodes);
+}
 void Engine::drop_context() {
   impl_->drop_context();
 }
@@ -681,23 +696,33 @@ core::Expected<void> Engine::Impl::show(std::span<const core::ItemId> items) {
   return override_items([&](core::Snapshot& snapshot) { return overrides_.show(snapshot, items); });
 }
 
-core::Expected<void> Engine::Impl::isolate(std::span<const core::NodeId> nodes) {
-  for (const core::NodeId node : nodes)
-    if (!scene_->contains(node))
-      return core::fail("engine: isolate: no node " + std::to_string(node.index) + " of generation " +
-                        std::to_string(node.generation));
-  std::vector<bool> below(scene_->item_slots());
-  for (const core::NodeId top : nodes)
+core::Expected<std::vector<core::ItemId>> Engine::Impl::items_below(std::span<const core::NodeId> nodes) const {
+  std::vector<core::ItemId> items;
+  for (const core::NodeId top : nodes) {
+    if (!scene_->contains(top))
+      return core::fail("engine: no node " + std::to_string(top.index) + " of generation " +
+                        std::to_string(top.generation));
     scene_->for_each_node(top, [&](core::NodeId node, const auto&...) {
       for (core::ItemId item = scene_->first_item(node); item != core::kNone; item = scene_->next_item(item))
-        below[item] = true;
+        if (live_.snapshot->slot(item) != core::kNone) items.push_back(item);
     });
-  std::vector<core::ItemId> inside, outside;
+  }
+  std::sort(items.begin(), items.end());
+  items.erase(std::unique(items.begin(), items.end()), items.end());
+  return items;
+}
+
+core::Expected<void> Engine::Impl::isolate(std::span<const core::NodeId> nodes) {
+  const auto inside = items_below(nodes);
+  if (!inside) return tl::unexpected(inside.error());
+  std::vector<bool> below(scene_->item_slots());
+  for (const core::ItemId item : *inside) below[item] = true;
+  std::vector<core::ItemId> outside;
   for (core::Slot slot = 0; slot < live_.snapshot->size(); ++slot) {
     const core::ItemId item = live_.snapshot->item(slot);
-    if (item != core::kNone) (item < below.size() && below[item] ? inside : outside).push_back(item);
+    if (item != core::kNone && !below[item]) outside.push_back(item);
   }
-  if (auto done = show(inside); !done) return done;
+  if (auto done = show(*inside); !done) return done;
   return hide(outside);
 }
 

@@ -302,7 +302,8 @@ class SIGHTLINE_API Engine {
   // --- overrides: what this engine alone shows otherwise than the scene says ---------------------------------------
   // Items keep their style and stay hidden whatever is edited, and in every new order and context, until they are
   // removed. Items that are inserted later have no style and show. Next frame on; time is in proportion to the items.
-  // All fail with an id or handle that is unknown as of the last commit(), naming it; then nothing has changed.
+  // All fail with an id or handle that is unknown as of the last commit(), naming it; then nothing has changed. For
+  // what hangs on nodes ask items_below().
 
   /// Gives items a style, in place of the one that they have. Fails, too, unless colour and alpha are within 0 … 1.
   core::Expected<void> set_override(std::span<const core::ItemId> items, const ItemStyle& style);
@@ -314,6 +315,16 @@ class SIGHTLINE_API Engine {
   /// Hides all items but those below the nodes, and shows these.
   core::Expected<void> isolate(std::span<const core::NodeId> nodes);
   core::Expected<void> show_all();
+
+  /// The style that set_override() gave an item; none where it shows as the scene says.
+  std::optional<ItemStyle> override_of(core::ItemId item) const;
+  std::vector<core::ItemId> overridden_items() const;  ///< those with one, in rising order
+  bool is_hidden(core::ItemId item) const;             ///< by hide() or isolate(), not by the scene
+  std::vector<core::ItemId> hidden_items() const;      ///< in rising order
+
+  /// The items that hang on the nodes and on all nodes below them, in rising order: those that are known as of the last
+  /// commit(). Reads the scene. Fails with a handle that is stale.
+  core::Expected<std::vector<core::ItemId>> items_below(std::span<const core::NodeId> nodes) const;
 
   /// What the view shows at a point of the picture: the item hit first (engine/pick.h). In pixels from the upper
   /// left corner; the middle of the first pixel is at 0.5, 0.5. The picture has the size of EngineConfig or resize().

@@ -46,6 +46,8 @@ class Engine::Impl {
   core::Expected<void> show(std::span<const core::ItemId> items);
   core::Expected<void> isolate(std::span<const core::NodeId> nodes);
   core::Expected<void> show_all();
+  const Overrides& overrides() const { return overrides_; }
+  core::Expected<std::vector<core::ItemId>> items_below(std::span<const core::NodeId> nodes) const;
   void drop_context();
   core::Expected<void> use_context(gl::Context& context);
   core::Expected<bool> use_context(gl::Context& context, double seconds);

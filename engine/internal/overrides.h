@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "sightline/core/internal/large_array.h"
 #include "sightline/core/internal/prefetch.h"
+#include "sightline/core/internal/radix_sort.h"
 #include "sightline/core/snapshot.h"
 #include "sightline/engine/item_style.h"
 
@@ -24,15 +27,24 @@ class ItemMap {
   std::span<Entry> entries() { return entries_; }
   std::span<const Entry> entries() const { return entries_; }
   bool empty() const { return entries_.empty(); }
+  /// In rising order.
+  std::vector<core::ItemId> items() const {
+    std::vector<core::ItemId> items;
+    items.reserve(entries_.size());
+    for (const Entry& entry : entries_) items.push_back(entry.item);
+    core::radix_sort(items);
+    return items;
+  }
 
   void prefetch(core::ItemId item) const {
     if (item < places_.size()) core::prefetch(places_[item]);
   }
   /// Null where the item has none. Valid until the next insertion or removal.
-  Value* find(core::ItemId item) {
+  const Value* find(core::ItemId item) const {
     const std::uint32_t place = item < places_.size() ? places_[item] : core::kNone;
     return place == core::kNone ? nullptr : &entries_[place].value;
   }
+  Value* find(core::ItemId item) { return const_cast<Value*>(std::as_const(*this).find(item)); }
   /// The item must have none.
   Value& insert(core::ItemId item, Value value) {
     if (item >= places_.size()) places_.resize(std::size_t(item) + 1 + item / 8, core::kNone);
@@ -87,6 +99,14 @@ class Overrides {
   };
 
   bool empty() const { return styled_.empty() && hidden_.empty(); }
+  /// None where the item has none.
+  std::optional<ItemStyle> style(core::ItemId item) const {
+    const Styled* styled = styled_.find(item);
+    return styled ? std::optional(looks_[styled->look].style) : std::nullopt;
+  }
+  bool is_hidden(core::ItemId item) const { return hidden_.find(item) != nullptr; }
+  std::vector<core::ItemId> styled_items() const { return styled_.items(); }
+  std::vector<core::ItemId> hidden_items() const { return hidden_.items(); }
 
   // Items must be known to the snapshot.
   Change set(core::Snapshot& snapshot, std::span<const core::ItemId> items, const ItemStyle& style);

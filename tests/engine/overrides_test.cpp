@@ -1,4 +1,5 @@
 // Overrides: an engine that overrides items draws, culls and finds what one does on a scene that really is so.
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <random>
@@ -72,6 +73,24 @@ class OverridesTest : public DrawnGrid {
       if (fresh) at->second = twin.add_material(look);
       twin.set_material(item, at->second);
     }
+  }
+
+  /// What the engine says of its overrides.
+  void expect_told(const Engine& engine) {
+    std::vector<ItemId> styled, hidden;
+    for (const auto& [item, state] : states) {
+      const auto told = engine.override_of(item);
+      ASSERT_EQ(told.has_value(), !(state.style == ItemStyle())) << item;
+      if (told) {
+        ASSERT_EQ(*told, state.style) << item;
+        styled.push_back(item);
+      }
+      ASSERT_EQ(engine.is_hidden(item), state.hidden) << item;
+      if (state.hidden) hidden.push_back(item);
+    }
+    ASSERT_EQ(engine.overridden_items(), styled);
+    ASSERT_EQ(engine.hidden_items(), hidden);
+    ASSERT_FALSE(engine.override_of(core::kNone) || engine.is_hidden(core::kNone));
   }
 
   EngineConfig configured(CullerChoice culler) {
@@ -221,9 +240,36 @@ TEST_P(OverridesInAllWays, AreAsMaterialsAndVisibilityThroughAnyEdits) {
       e->drawing()->set_contribution(0.0f, way.contribution_way);
       e->drawing()->set_contribution(way.contribution, way.contribution_way);
     }
+    ASSERT_NO_FATAL_FAILURE(expect_told(*engine));
     expect_same(*engine, *really, around(0.3 * step));
     if (HasFailure()) return;
   }
+}
+
+TEST_F(OverridesTest, OfWhatHangsOnNodes) {
+  auto engine = Engine::create(scene, configured(CullerChoice::kCpu));
+  ASSERT_TRUE(engine);
+  const core::NodeId inner = scene.add_node(nodes[1]);
+  const ItemId deep = scene.add_primitive(inner, core::Sphere{0.4f}, core::translation({3, 3, 3}));
+  scene.remove_item(2);
+  const auto on = [&](std::initializer_list<int> wanted, bool with_deep) {
+    std::vector<ItemId> found;
+    for (ItemId item = 0; item < items; ++item)
+      if (std::count(wanted.begin(), wanted.end(), int(item % 4)) != 0) found.push_back(item);
+    if (with_deep) found.push_back(deep);
+    return found;
+  };
+  EXPECT_EQ(*engine->items_below({{nodes[1]}}), on({1}, false)) << "the last commit knows no more";
+  ASSERT_TRUE(engine->commit());
+  EXPECT_EQ(*engine->items_below({{nodes[1]}}), on({1}, true));
+  EXPECT_EQ(*engine->items_below({{inner}}), std::vector{deep});
+  EXPECT_EQ(*engine->items_below({{nodes[3], inner, nodes[1], nodes[3]}}), on({1, 3}, true));
+  EXPECT_TRUE(engine->items_below({})->empty());
+  EXPECT_EQ(engine->items_below({{scene.root()}})->size(), scene.item_count());
+  ASSERT_TRUE(engine->hide(*engine->items_below({{nodes[1]}})));
+  EXPECT_EQ(engine->hidden_items(), on({1}, true));
+  scene.remove_node(inner);
+  EXPECT_FALSE(engine->items_below({{nodes[0], inner}}));
 }
 
 TEST_F(OverridesTest, OrdersFromTheBackgroundAreOverridden) {
