@@ -36,6 +36,7 @@ core::Expected<void> Engine::Impl::make_drawing(bool new_order) {
     if (!drawing) return tl::unexpected(drawing.error());
     drawing_ = std::move(*drawing);
   }
+  if (drawing_ && done) done = unless_lost(drawing_->use_picture(picture_, config_.width, config_.height));
   note_context();
   return done;
 }

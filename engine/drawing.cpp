@@ -73,7 +73,7 @@ core::Expected<std::unique_ptr<Drawing>> Drawing::begin(const EngineConfig& conf
     auto target = render::RenderTarget::create(drawing->context_, config.width, config.height,
                                                {.ids = config.ids, .samples = config.samples});
     if (!target) return tl::unexpected(target.error());
-    drawing->target_ = std::move(*target);
+    drawing->picture_->target = std::move(*target);
   }
   drawing->upload_.emplace();
   return drawing;
@@ -137,7 +137,7 @@ core::Expected<void> Drawing::rebuild(const core::Snapshot& snapshot, const gpup
   Upload upload;
   auto done = advance(upload, snapshot, joints, gpu_culls, core::kNoDeadline);
   if (!done) return tl::unexpected(done.error());
-  passes_.reset();
+  for (auto& [number, picture] : pictures_) picture.passes.reset();
   if (auto taken = take(std::move(upload), snapshot); !taken) return taken;
   return leave_out_overlays(snapshot);
 }
@@ -177,7 +177,7 @@ core::Expected<bool> Drawing::advance(Upload& upload, const core::Snapshot& snap
     upload.renderer = std::move(*renderer);
     upload.renderer->hatching = hatching_;
   }
-  return upload.renderer->advance(*upload.scene, target_.format(), deadline);
+  return upload.renderer->advance(*upload.scene, picture_->target.format(), deadline);
 }
 
 /// Makes a new scene follow the edits since it was begun. Whether it has followed all. Each call follows more than has
@@ -206,16 +206,15 @@ core::Expected<bool> Drawing::catch_up(Upload& upload, const core::Snapshot& sna
 }
 
 core::Expected<void> Drawing::take(Upload upload, const core::Snapshot& snapshot) {
-  was_large_.clear();
-  budget_.reset();
-  picture_changed();
+  for (auto& [number, picture] : pictures_) picture.forget_slots();
+  split_view_.reset();
   solid_areas_.reset();
   culler_ = std::move(upload.culler);
   scene_ = std::move(*upload.scene);
   lists_ = std::move(*upload.lists);
   if (upload.renderer) renderer_ = std::move(*upload.renderer);
   translucent_.reset(snapshot);
-  return renderer_ ? renderer_->follow(*scene_, target_.format()) : core::Expected<void>();
+  return renderer_ ? renderer_->follow(*scene_, picture_->target.format()) : core::Expected<void>();
 }
 
 /// The culler does not find what is drawn over the picture. The scene must have all slots of the snapshot.
@@ -237,7 +236,7 @@ core::Expected<void> Drawing::take_order(const core::Snapshot& former, const cor
   if (auto current = make_current(); !current) return current;
   Upload upload = std::move(*upload_);
   upload_.reset();
-  passes_.follow(former, snapshot);
+  for (auto& [number, picture] : pictures_) picture.passes.follow(former, snapshot);
   if (auto done = take(std::move(upload), snapshot); !done) return done;
   const Edits late = take_later();
   if (auto done = update(snapshot, joints, late.touched, late.materials); !done) return done;
@@ -283,14 +282,15 @@ core::Expected<void> Drawing::draw_one(const core::Snapshot& snapshot, const gpu
   one.items = {*first};
   const core::Aabb box = snapshot.bounds().box(one.items[0]);
   const core::dvec3 origin = snapshot.bounds().origin;
-  const auto view = core::View::fit({origin + core::dvec3(box.min), origin + core::dvec3(box.max)},
-                                    core::kOverviewDirection, 0.9, double(target_.width()) / target_.height());
+  const auto view =
+      core::View::fit({origin + core::dvec3(box.min), origin + core::dvec3(box.max)}, core::kOverviewDirection, 0.9,
+                      double(picture_->target.width()) / picture_->target.height());
   if (!view) return {};
   if (auto done = lists_->update(snapshot, *scene_, one, &*view); !done) return done;
-  if (auto done = renderer_->draw(*view, snapshot, *scene_, *lists_, target_); !done) return done;
+  if (auto done = renderer_->draw(*view, snapshot, *scene_, *lists_, picture_->target); !done) return done;
   if (relief_.any()) {
     if (!relief_pass_) relief_pass_.emplace(context_.functions());
-    if (auto done = relief_pass_->draw(target_, *view, relief_.shading, relief_.lines); !done) return done;
+    if (auto done = relief_pass_->draw(picture_->target, *view, relief_.shading, relief_.lines); !done) return done;
   }
   context_.functions().Finish();
   return {};
@@ -320,12 +320,35 @@ core::Expected<void> Drawing::add_culler(const core::Snapshot& snapshot) {
 
 core::Expected<void> Drawing::resize(int width, int height) {
   if (auto current = make_current(); !current) return current;
-  auto target = render::RenderTarget::create(context_, width, height, target_.format());
+  auto target = render::RenderTarget::create(context_, width, height, picture_->target.format());
   if (!target) return tl::unexpected(target.error());
-  target_ = std::move(*target);
-  refined_.reset();
+  picture_->target = std::move(*target);
+  picture_->refined.reset();
   picture_changed();
   return {};
+}
+
+core::Expected<void> Drawing::use_picture(std::uint32_t number, int width, int height) {
+  const auto present = pictures_.find(number);
+  const bool fits = present != pictures_.end() && present->second.target.width() == width &&
+                    present->second.target.height() == height;
+  if (!renders_ || (fits && picture_ == &present->second)) return {};
+  if (!fits) {
+    if (auto current = make_current(); !current) return current;
+    auto target = render::RenderTarget::create(context_, width, height, picture_->target.format());
+    if (!target) return tl::unexpected(target.error());
+    pictures_[number] = {};
+    pictures_[number].target = std::move(*target);
+  }
+  picture_ = &pictures_[number];
+  split_view_.reset();
+  return {};
+}
+
+/// Each of them: of what they have in common something else is to be seen.
+void Drawing::pictures_changed() {
+  for (auto& [number, picture] : pictures_) picture.changed();
+  split_view_.reset();
 }
 
 core::Expected<void> Drawing::update(const core::Snapshot& snapshot, const gpuprims::Joints& joints,
@@ -345,7 +368,7 @@ core::Expected<void> Drawing::follow_batches(const core::Snapshot& snapshot) {
   if (!lists) return tl::unexpected(lists.error());
   lists_ = std::move(*lists);
   if (renderer_)
-    if (auto done = renderer_->follow(*scene_, target_.format()); !done) return done;
+    if (auto done = renderer_->follow(*scene_, picture_->target.format()); !done) return done;
   if (!std::exchange(culler_, std::nullopt)) return {};
   return add_culler(snapshot);
 }
@@ -360,7 +383,7 @@ core::Expected<void> Drawing::update_looks(const core::Snapshot& snapshot, const
 
 core::Expected<void> Drawing::follow_edit(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
                                           std::span<const std::uint32_t> materials, bool moved) {
-  picture_changed();
+  pictures_changed();
   if (auto done = scene_->update_materials(snapshot, materials); !done) return done;
   solid_areas_.update(snapshot, touched);
   const std::vector<core::Slot> turned = translucent_.update(snapshot, touched, materials);
@@ -409,7 +432,7 @@ core::Expected<void> Drawing::draw_visible(const Culled& culled, double began) {
 }
 
 core::Expected<void> Drawing::draw_solid(const Culled& culled, double began) {
-  depth_known_ = picture_kept_ = false;
+  depth_known_ = picture_->kept = false;
   if (budget_ms_ > 0.0) {
     const double deadline = began + kBudgetShare * 1e-3 * budget_ms_;
     return draw_in_budget(culled, deadline);
@@ -423,17 +446,18 @@ core::Expected<void> Drawing::draw_solid(const Culled& culled, double began) {
     if (beside_part_)
       if (auto done = draw_part(culled.with(large)); !done) return done;
   } else {
-    passes_.reset();
+    picture_->passes.reset();
     if (auto done = draw_at_once(culled.with(large)); !done) return done;
   }
   counts_.small = &large == &culled.visible ? 0 : std::int64_t(culled.snapshot.count(culled.visible)) - count;
   if (counts_.small == 0 || contribution_way_ == ContributionWay::kDrop) return {};
   const bool stochastic = contribution_way_ == ContributionWay::kStochastic;
-  return draw_squares(culled, was_large_, stochastic ? contribution_ : 0.0f, tested);
+  return draw_squares(culled, picture_->was_large, stochastic ? contribution_ : 0.0f, tested);
 }
 
 culling::ContributionTest Drawing::contribution_test(const core::View& view, const core::Snapshot& snapshot) {
-  return {view, snapshot.bounds().origin, target_.width(), target_.height(), solid_areas_.of(snapshot)};
+  return {view, snapshot.bounds().origin, picture_->target.width(), picture_->target.height(),
+          solid_areas_.of(snapshot)};
 }
 
 core::Expected<void> Drawing::draw_from_aside(const core::View& view, const Culled& culled, std::uint64_t frame,
@@ -498,13 +522,13 @@ core::Expected<void> Drawing::draw_hidden(const core::View& view, const core::Sn
   const core::ItemBounds& bounds = snapshot.bounds();
   const core::VisibleSet* left = &hidden_;
   if (may_test_occlusion()) {
-    read_back_depth(view, target_);
+    read_back_depth(view, picture_->target);
     occlusion_test(view, bounds.origin).filter(bounds, hidden_, sampled_);
     left = &sampled_;
   }
   counts_.shown += std::int64_t(snapshot.count(*left));
   if (auto done = lists_->update(snapshot, *scene_, *left, &view); !done) return done;
-  return renderer_->draw_more(view, snapshot, *scene_, *lists_, target_, &hidden_materials_);
+  return renderer_->draw_more(view, snapshot, *scene_, *lists_, picture_->target, &hidden_materials_);
 }
 
 /// The part of the visible set that contributes enough to the picture.
@@ -518,25 +542,27 @@ const core::VisibleSet& Drawing::leave_out_small(const Culled& culled, float thr
     test.filter_leaves(*hierarchy, visible, threshold, large_leaves_, lines);
     candidates = &large_leaves_;
   }
-  test.filter(bounds, *candidates, threshold, large_, was_large_, lines);
-  was_large_.assign(culling::bit_words(bounds.size()), 0);
-  culling::set_bits(large_, was_large_);
+  test.filter(bounds, *candidates, threshold, large_, picture_->was_large, lines);
+  picture_->was_large.assign(culling::bit_words(bounds.size()), 0);
+  culling::set_bits(large_, picture_->was_large);
   return large_;
 }
 
 core::Expected<void> Drawing::draw_squares(const Culled& culled, culling::SlotBits without, float least_area,
                                            bool distances_known) {
   const culling::OcclusionTest occlusion = occlusion_test(culled.view, culled.snapshot.bounds().origin);
-  const SmallItems::Known known = distances_known ? SmallItems::Known{distances_, &occlusion} : SmallItems::Known{};
+  const SmallItems::Known known =
+      distances_known ? SmallItems::Known{picture_->distances, &occlusion} : SmallItems::Known{};
   auto done = small_items_.draw(context_, culled, contribution_test(culled.view, culled.snapshot), without, least_area,
-                                known, *scene_, target_, threads_);
+                                known, *scene_, picture_->target, threads_);
   counts_.squares = std::int64_t(small_items_.drawn());
   return done;
 }
 
 void Drawing::set_contribution(float pixels, ContributionWay way) {
-  if (pixels != contribution_) was_large_.clear();
-  picture_changed();
+  if (pixels != contribution_)
+    for (auto& [number, picture] : pictures_) picture.was_large.clear();
+  pictures_changed();
   contribution_ = pixels;
   contribution_way_ = way;
 }
@@ -551,7 +577,8 @@ bool Drawing::tests_occlusion(const Culled& candidates, std::int64_t count) {
   switched_ = software() && count >= std::int64_t(kSmallOcclusionScene);
   const auto& [view, snapshot, visible, lines, hierarchy] = candidates;
   if (!switched_) return false;
-  const OcclusionWay way = occlusion_switch_.use(mean_area(view, snapshot.bounds(), visible, target_.height()));
+  const OcclusionWay way =
+      occlusion_switch_.use(mean_area(view, snapshot.bounds(), visible, picture_->target.height()));
   beside_part_ = way == OcclusionWay::kOnBesidePart;
   return way != OcclusionWay::kOff;
 }
@@ -569,7 +596,7 @@ core::Expected<void> Drawing::draw_part(const Culled& culled) {
   });
   std::sort(part.items.begin(), part.items.end());
   culling::SampleTest(view, snapshot.bounds().origin, samples()).filter(snapshot.bounds(), part, sampled_, lines);
-  return draw_pass(view, snapshot, sampled_, target_);
+  return draw_pass(view, snapshot, sampled_, picture_->target);
 }
 
 void Drawing::frame_took(double ms) {
@@ -578,24 +605,30 @@ void Drawing::frame_took(double ms) {
 }
 
 culling::PictureSamples Drawing::samples() const {
-  culling::PictureSamples samples{target_.width(), target_.height(), {}, snap()};
-  for (const glm::vec2& offset : target_.sample_offsets()) samples.offsets.push_back({offset.x, offset.y});
+  culling::PictureSamples samples{picture_->target.width(), picture_->target.height(), {}, snap()};
+  for (const glm::vec2& offset : picture_->target.sample_offsets()) samples.offsets.push_back({offset.x, offset.y});
   return samples;
 }
 
 float Drawing::snap() const {
-  return culling::rasteriser_snap(context_.capabilities().subpixel_bits, target_.width(), target_.height());
+  return culling::rasteriser_snap(context_.capabilities().subpixel_bits, picture_->target.width(),
+                                  picture_->target.height());
 }
 
 /// Against what read_back_depth() has read.
 culling::OcclusionTest Drawing::occlusion_test(const core::View& view, const core::dvec3& origin) const {
-  return {view,  origin, target_.width(), target_.height(), pyramid_, render::RenderTarget::orthographic_error(view),
+  return {view,
+          origin,
+          picture_->target.width(),
+          picture_->target.height(),
+          picture_->pyramid,
+          render::RenderTarget::orthographic_error(view),
           snap()};
 }
 
 void Drawing::read_back_depth(const core::View& view, const render::RenderTarget& target) {
-  target.read_distances(view, distances_);
-  pyramid_.build(distances_, target_.width(), target_.height());
+  target.read_distances(view, picture_->distances);
+  picture_->pyramid.build(picture_->distances, picture_->target.width(), picture_->target.height());
 }
 
 core::Expected<void> Drawing::draw_at_once(const Culled& culled) {
@@ -606,7 +639,7 @@ core::Expected<void> Drawing::draw_at_once(const Culled& culled) {
   const auto drawn = std::int64_t(snapshot.count(shown));
   counts_ = {drawn, drawn};
   if (auto done = lists_->update(snapshot, *scene_, shown, &view); !done) return done;
-  return renderer_->draw(view, snapshot, *scene_, *lists_, target_);
+  return renderer_->draw(view, snapshot, *scene_, *lists_, picture_->target);
 }
 
 /// The occlusion test rejects what covers no pixel centre, too.
@@ -614,15 +647,15 @@ core::Expected<void> Drawing::draw_in_passes(const Culled& culled) {
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
   const culling::OcclusionTest test = occlusion_test(view, bounds.origin);
-  pyramid_.clear(target_.width(), target_.height());
-  passes_.begin(visible, lines, hierarchy, threads_);
-  renderer_->clear(target_);
-  while (passes_.next(test, bounds)) {
-    if (auto done = draw_pass(view, snapshot, passes_.pass(), target_); !done) return done;
-    read_back_depth(view, target_);
+  picture_->pyramid.clear(picture_->target.width(), picture_->target.height());
+  picture_->passes.begin(visible, lines, hierarchy, threads_);
+  renderer_->clear(picture_->target);
+  while (picture_->passes.next(test, bounds)) {
+    if (auto done = draw_pass(view, snapshot, picture_->passes.pass(), picture_->target); !done) return done;
+    read_back_depth(view, picture_->target);
   }
-  passes_.remember(test, bounds);
-  counts_ = {-1, std::int64_t(passes_.drawn())};
+  picture_->passes.remember(test, bounds);
+  counts_ = {-1, std::int64_t(picture_->passes.drawn())};
   depth_known_ = true;
   return {};
 }
@@ -639,56 +672,60 @@ core::Expected<void> Drawing::draw_pass(const core::View& view, const core::Snap
 core::Expected<void> Drawing::draw_in_budget(const Culled& culled, double deadline) {
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
-  const bool stays = budget_view_ && core::same_picture(*budget_view_, view), goes_on = stays && refines_;
+  const bool stays = picture_->budget_view && core::same_picture(*picture_->budget_view, view),
+             goes_on = stays && picture_->refines;
   const bool tests = may_test_occlusion();
   const bool beside = stays && (contribution_way_ != ContributionWay::kDrop || changes_picture());
-  if (goes_on && budget_.complete()) {
-    picture_kept_ = true;
-    counts_.shown = std::int64_t(budget_.drawn());
+  if (goes_on && picture_->budget.complete()) {
+    picture_->kept = true;
+    counts_.shown = std::int64_t(picture_->budget.drawn());
     return {};
   }
-  if (beside && !refined_) {
-    auto made = render::RenderTarget::create(context_, target_.width(), target_.height(), target_.format());
+  if (beside && !picture_->refined) {
+    auto made = render::RenderTarget::create(context_, picture_->target.width(), picture_->target.height(),
+                                             picture_->target.format());
     if (!made) return tl::unexpected(made.error());
-    refined_ = std::move(*made);
+    picture_->refined = std::move(*made);
   }
-  const render::RenderTarget& canvas = beside ? *refined_ : target_;
+  const render::RenderTarget& canvas = beside ? *picture_->refined : picture_->target;
   const culling::OcclusionTest test = occlusion_test(view, bounds.origin);
   if (!goes_on) {
-    const float threshold = stays ? contribution_ : std::max(contribution_, kOverlooked * budget_.largest_pending());
-    pyramid_.clear(target_.width(), target_.height());
+    const float threshold =
+        stays ? contribution_ : std::max(contribution_, kOverlooked * picture_->budget.largest_pending());
+    picture_->pyramid.clear(picture_->target.width(), picture_->target.height());
     const core::VisibleSet& candidates = leave_out_small(culled, threshold);
     const auto left_out = std::int64_t(snapshot.count(visible) - snapshot.count(candidates));
-    overlooked_ = threshold > contribution_ ? left_out : 0;
-    counts_.small = left_out - overlooked_;
-    budget_.begin(contribution_test(view, snapshot), bounds, candidates, lines);
-    refines_ = stays;
-    budget_view_ = view;
+    picture_->overlooked = threshold > contribution_ ? left_out : 0;
+    counts_.small = left_out - picture_->overlooked;
+    picture_->budget.begin(contribution_test(view, snapshot), bounds, candidates, lines);
+    picture_->refines = stays;
+    picture_->budget_view = view;
     renderer_->clear(canvas);
   }
-  for (int passes = 0; !budget_.complete(); ++passes) {
+  for (int passes = 0; !picture_->budget.complete(); ++passes) {
     double left = 1e3 * (deadline - now_seconds());
-    if (budget_.pending_ms() > left) left -= squares_ms_;
-    if (passes > 0 && left < kLeastPasses * budget_.least_ms()) break;
-    if (!budget_.next(tests ? &test : nullptr, bounds, kPassShare * left)) break;
+    if (picture_->budget.pending_ms() > left) left -= squares_ms_;
+    if (passes > 0 && left < kLeastPasses * picture_->budget.least_ms()) break;
+    if (!picture_->budget.next(tests ? &test : nullptr, bounds, kPassShare * left)) break;
     const double begin = now_seconds();
-    if (auto done = draw_pass(view, snapshot, budget_.pass(), canvas); !done) return done;
+    if (auto done = draw_pass(view, snapshot, picture_->budget.pass(), canvas); !done) return done;
     if (tests) {
       read_back_depth(view, canvas);
     } else {
       context_.functions().Finish();
     }
-    budget_.took(1e3 * (now_seconds() - begin));
+    picture_->budget.took(1e3 * (now_seconds() - begin));
   }
-  if (tests && !goes_on) budget_.remember(test, bounds, &threads_);
-  counts_ = {-1, std::int64_t(budget_.drawn()), counts_.small, std::int64_t(budget_.pending()) + overlooked_};
+  if (tests && !goes_on) picture_->budget.remember(test, bounds, &threads_);
+  counts_ = {-1, std::int64_t(picture_->budget.drawn()), counts_.small,
+             std::int64_t(picture_->budget.pending()) + picture_->overlooked};
   const double begin = now_seconds();
-  if (beside) refined_->copy_to(target_);
+  if (beside) picture_->refined->copy_to(picture_->target);
   if (contribution_way_ == ContributionWay::kDrop) return {};
   core::Expected<void> done;
   if (counts_.pending + counts_.small > 0) {
-    budget_.looked_at(bounds.size(), without_squares_);
-    done = draw_squares(culled, without_squares_, 0.0f, tests && budget_.drawn() > 0);
+    picture_->budget.looked_at(bounds.size(), without_squares_);
+    done = draw_squares(culled, without_squares_, 0.0f, tests && picture_->budget.drawn() > 0);
   }
   context_.functions().Finish();
   squares_ms_ = std::max(1e3 * (now_seconds() - begin), kSlower * squares_ms_);
@@ -705,7 +742,7 @@ core::Expected<void> Drawing::cull(const core::View& cull_view, const core::View
 }
 
 bool Drawing::may_test_occlusion(const culling::GpuCuller& culler) const {
-  return renders_ && target_.format().samples == 1 && culler.can_test_occlusion();
+  return renders_ && picture_->target.format().samples == 1 && culler.can_test_occlusion();
 }
 
 /// How many items are in the view volume is known of an earlier frame, and how large they are not at all.
@@ -726,9 +763,9 @@ core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Sn
   picture_changed();
   wait_for_room();
   if (renderer_) {
-    auto done = renderer_->draw(view, snapshot, *scene_, *lists_, target_);
+    auto done = renderer_->draw(view, snapshot, *scene_, *lists_, picture_->target);
     if (done && culled_picture_ && culled_picture_->occlusion) done = draw_others(snapshot);
-    depth_known_ = picture_kept_ = false;
+    depth_known_ = picture_->kept = false;
     if (done && visible) (void)part_overlays(visible->visible);
     const core::VisibleSet none;
     if (done) done = finish_picture(visible ? *visible : Culled{view, snapshot, none, {}, nullptr});
@@ -741,8 +778,9 @@ core::Expected<void> Drawing::draw_culled(const core::View& view, const core::Sn
 core::Expected<void> Drawing::draw_others(const core::Snapshot& snapshot) {
   const core::View& view = culled_picture_->view;
   const double error = render::RenderTarget::orthographic_error(view);
-  if (auto done = culler_->cull_others(*culled_picture_, *scene_, *lists_, target_.depth(), error); !done) return done;
-  return renderer_->draw_more(view, snapshot, *scene_, *lists_, target_);
+  if (auto done = culler_->cull_others(*culled_picture_, *scene_, *lists_, picture_->target.depth(), error); !done)
+    return done;
+  return renderer_->draw_more(view, snapshot, *scene_, *lists_, picture_->target);
 }
 
 std::optional<Drawing::Drawn> Drawing::take_drawn() {
@@ -761,11 +799,11 @@ std::optional<culling::GpuCuller::Feedback> Drawing::take_gpu_feedback() {
 
 core::Expected<void> Drawing::compose() {
   if (!compositor_) compositor_.emplace(context_.functions());
-  return compositor_->draw(target_, *external_, renderer_->background);
+  return compositor_->draw(picture_->target, *external_, renderer_->background);
 }
 
 core::Expected<void> Drawing::submit(std::uint64_t frame) {
-  if (external_ && !composed_)
+  if (external_ && !picture_->composed)
     if (auto done = compose(); !done) return done;
   const gl::Functions& gl = context_.functions();
   in_flight_.push_back({gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), frame, now_seconds()});
@@ -784,9 +822,10 @@ std::size_t Drawing::memory_bytes() const {
   if (upload_ && upload_->lists) bytes += upload_->lists->memory_bytes();
   if (upload_ && upload_->culler) bytes += upload_->culler->memory_bytes();
   if (culler_) bytes += culler_->memory_bytes();
-  if (refined_) bytes += refined_->memory_bytes();
+  if (renderer_)
+    for (const auto& [number, picture] : pictures_) bytes += picture.memory_bytes();
   if (overlays_) bytes += overlays_->memory_bytes();
-  if (renderer_) bytes += renderer_->memory_bytes() + target_.memory_bytes() + small_items_.memory_bytes();
+  if (renderer_) bytes += renderer_->memory_bytes() + small_items_.memory_bytes();
   return bytes;
 }
 

@@ -1,6 +1,7 @@
 #include "sightline/engine/engine.h"
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
 #include <utility>
 
@@ -124,6 +125,16 @@ core::Expected<FrameReport> Engine::frame(const core::View& view, const core::Vi
 }
 core::Expected<FrameReport> Engine::frame(const core::View& view, const core::ExternalTarget& target) {
   return impl_->frame(view, view, &target);
+}
+core::Expected<std::vector<FrameReport>> Engine::frame(std::span<const core::View> views,
+                                                       std::span<const core::ExternalTarget> targets) {
+  return impl_->frame(views, targets);
+}
+core::Expected<void> Engine::use_picture(std::uint32_t number) {
+  return impl_->use_picture(number);
+}
+void Engine::forget_picture(std::uint32_t number) {
+  impl_->forget_picture(number);
 }
 core::Expected<FrameReport> Engine::frame_part(const core::View& whole, const PicturePart& part) {
   return impl_->frame_part(whole, part);
@@ -414,8 +425,60 @@ core::Expected<void> Engine::Impl::resize(int width, int height) {
   return {};
 }
 
+core::Expected<void> Engine::Impl::use_picture(std::uint32_t number) {
+  [[maybe_unused]] const auto kept = keep_state();
+  const std::pair before(config_.width, config_.height);
+  const auto known = sizes_.find(number);
+  const auto [width, height] = known != sizes_.end() && number != picture_ ? known->second : before;
+  if (drawing_)
+    if (auto done = unless_lost(drawing_->use_picture(number, width, height)); !done) return done;
+  sizes_[picture_] = before;
+  picture_ = number;
+  config_.width = width, config_.height = height;
+  return {};
+}
+
+void Engine::Impl::forget_picture(std::uint32_t number) {
+  assert(number != picture_ && "the picture is in use");
+  sizes_.erase(number);
+  if (!drawing_) return;
+  [[maybe_unused]] const auto kept = keep_state();
+  if (drawing_->make_current()) drawing_->forget_picture(number);
+}
+
+core::Expected<std::vector<FrameReport>> Engine::Impl::frame(std::span<const core::View> views,
+                                                             std::span<const core::ExternalTarget> targets) {
+  if (views.size() != targets.size())
+    return core::fail("engine: expected as many targets as views, found " + std::to_string(targets.size()) + " for " +
+                      std::to_string(views.size()));
+  [[maybe_unused]] const auto kept = keep_state();
+  const std::uint32_t before = picture_;
+  const double began = now_seconds(), share = 1e-3 * config_.budget_ms / double(std::max<std::size_t>(views.size(), 1));
+  std::vector<FrameReport> reports;
+  core::Expected<void> done;
+  for (std::size_t i = 0; done && i < views.size(); ++i) {
+    done = use_picture(std::uint32_t(i));
+    if (!done) break;
+    // The budget of the last view ends with that of all, and each view may use what those before it have left.
+    auto report = frame(views[i], views[i], &targets[i], began - share * double(views.size() - 1 - i));
+    if (report)
+      reports.push_back(*report);
+    else
+      done = tl::unexpected(report.error());
+  }
+  if (auto back = use_picture(before); done) done = back;
+  if (!done) return tl::unexpected(done.error());
+  return reports;
+}
+
 core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const core::View& cull_view,
                                                 const core::ExternalTarget* target) {
+  return frame(view, cull_view, target, now_seconds());
+}
+
+/// `budget_began`: when the time of a budget began to run, seconds on the steady clock.
+core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const core::View& cull_view,
+                                                const core::ExternalTarget* target, double budget_began) {
   [[maybe_unused]] const auto kept = keep_state();
   if (target)
     if (auto fits = fit_target(*target); !fits) return tl::unexpected(fits.error());
@@ -443,8 +506,8 @@ core::Expected<FrameReport> Engine::Impl::frame(const core::View& view, const co
     const bool overlays = *on_gpu && drawing_->has_overlays();
     if (overlays) std::visit([&](const auto& culler) { culler.cull(cull_view, overlaid_); }, *live_.culler);
     auto done = *on_gpu        ? drawing_->draw_culled(view, *live_.snapshot, report.frame, overlays ? &over : nullptr)
-                : shows_hidden ? drawing_->draw_from_aside(view, visible_in(cull_view), report.frame, begin)
-                               : drawing_->draw(visible_in(view), report.frame, begin, !aside);
+                : shows_hidden ? drawing_->draw_from_aside(view, visible_in(cull_view), report.frame, budget_began)
+                               : drawing_->draw(visible_in(view), report.frame, budget_began, !aside);
     report.drawn = config_.draw && done;
     if (done = unless_lost(std::move(done)); !done) return tl::unexpected(done.error());
     report.draw_ms = 1e3 * (now_seconds() - culled);

@@ -224,13 +224,27 @@ class SIGHTLINE_API Engine {
   /// As frame(view), and puts the picture into a framebuffer of the application's context (core/external_target.h),
   /// with the depth test, in the order of GL's commands: what the application draws there before and after hides, and
   /// is hidden by, what the scene shows. The picture gets the target's size. Several engines, views and framebuffers
-  /// may take turns; an engine each is faster where sizes differ. Items with transparent materials are dithered, so
+  /// may take turns: see use_picture(). Items with transparent materials are dithered, so
   /// they show the application's pixels, too. Works on all paths; read_colour() and the like read the engine's own
   /// picture.
   ///
   /// Fails without EngineConfig::draw and EngineConfig::context, on sizes that the context does not support, and on
   /// framebuffers that GL does not draw to. Then nothing is drawn there. Nothing is drawn while the context is lost.
   core::Expected<FrameReport> frame(const core::View& view, const core::ExternalTarget& target);
+  /// The same for several views at one time, such as the two eyes of a headset: view i goes into target i, which may be
+  /// a layer of a texture, and has picture i of use_picture(). EngineConfig::budget_ms is for all of them together.
+  /// Needs as many targets as views. Where one fails, those before it are drawn. Which picture is in use does not
+  /// change.
+  core::Expected<std::vector<FrameReport>> frame(std::span<const core::View> views,
+                                                 std::span<const core::ExternalTarget> targets);
+  /// Shows another one of the engine's pictures from now on; each has a number of the application's, at first 0.
+  /// Frames, read_colour() and the like, resize(), loss() and draw_outline() are about the picture in use. One for each
+  /// view keeps what the engine learns from frame to frame: its size, a budget's unfinished picture, what was large or
+  /// seen in the last frame. A new one has the size of the one before. It takes as much GPU memory as its pixels do.
+  /// Fails as resize(); then the picture in use stays.
+  core::Expected<void> use_picture(std::uint32_t number);
+  /// Frees what the engine has for a picture that is not in use.
+  void forget_picture(std::uint32_t number);
   /// Draws a line around items, as ItemStyle::outline has it, over a framebuffer of the application's context: for what
   /// is under a cursor, where a frame would take too long. `view` and the target's size must be those of the last
   /// frame's picture, which the framebuffer should show and which stays as it is. Takes the time of these items and of

@@ -50,8 +50,8 @@ core::Expected<LossReport> Drawing::loss(const Culled& culled) {
   if (auto current = make_current(); !current) return tl::unexpected(current.error());
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
-  std::vector<std::uint64_t> drawn = was_large_;
-  if (budget_ms_ > 0.0) budget_.looked_at(bounds.size(), drawn);
+  std::vector<std::uint64_t> drawn = picture_->was_large;
+  if (budget_ms_ > 0.0) picture_->budget.looked_at(bounds.size(), drawn);
   core::VisibleSet missing, sampled, open;
   visible.for_each_slot([&](core::Slot slot) {
     if (!bounds.vacant(slot) && !culling::contains(drawn, slot)) missing.items.push_back(slot);
@@ -59,12 +59,12 @@ core::Expected<LossReport> Drawing::loss(const Culled& culled) {
   std::sort(missing.items.begin(), missing.items.end());
   culling::SampleTest(view, bounds.origin, samples()).filter(bounds, missing, sampled);
   const core::VisibleSet* left = &sampled;
-  if (target_.format().samples == 1 && !sampled.items.empty()) {
+  if (picture_->target.format().samples == 1 && !sampled.items.empty()) {
     std::vector<float> distances;
     culling::DepthPyramid pyramid;
-    target_.read_distances(view, distances);
-    pyramid.build(distances, target_.width(), target_.height());
-    culling::OcclusionTest(view, bounds.origin, target_.width(), target_.height(), pyramid,
+    picture_->target.read_distances(view, distances);
+    pyramid.build(distances, picture_->target.width(), picture_->target.height());
+    culling::OcclusionTest(view, bounds.origin, picture_->target.width(), picture_->target.height(), pyramid,
                            render::RenderTarget::orthographic_error(view), snap())
         .filter(bounds, sampled, open);
     left = &open;
@@ -73,7 +73,7 @@ core::Expected<LossReport> Drawing::loss(const Culled& culled) {
   contribution_test(view, snapshot).areas(bounds, *left, areas);
   LossReport report{std::int64_t(areas.size()), 0.0};
   for (const auto& area : areas) report.pixels += double(area.area);
-  report.pixels = std::min(report.pixels, double(target_.width()) * target_.height());
+  report.pixels = std::min(report.pixels, double(picture_->target.width()) * picture_->target.height());
   return report;
 }
 

@@ -73,11 +73,12 @@ const core::VisibleSet& Drawing::part_overlays(const core::VisibleSet& visible) 
 
 core::Expected<void> Drawing::finish_picture(const Culled& culled) {
   if (!changes_picture()) return {};
-  if (picture_kept_ && !external_) return {};  // finished
-  if (picture_kept_) refined_->copy_to(target_);
+  if (picture_->kept && !external_) return {};  // finished
+  if (picture_->kept) picture_->refined->copy_to(picture_->target);
   if (relief_.any()) {
     if (!relief_pass_) relief_pass_.emplace(context_.functions());
-    if (auto done = relief_pass_->draw(target_, culled.view, relief_.shading, relief_.lines); !done) return done;
+    if (auto done = relief_pass_->draw(picture_->target, culled.view, relief_.shading, relief_.lines); !done)
+      return done;
   }
   return has_overlays() ? draw_overlays(culled) : core::Expected<void>();
 }
@@ -86,7 +87,7 @@ core::Expected<void> Drawing::draw_overlays(const Culled& culled) {
   if (!overlays_) overlays_.emplace(context_.functions());
   if (external_) {
     if (auto done = compose(); !done) return done;
-    composed_ = true;
+    picture_->composed = true;
   }
   if (auto done = draw_translucent(culled.with(over_)); !done) return done;
   return draw_outline(culled);
@@ -121,7 +122,8 @@ const core::VisibleSet& Drawing::worth_drawing(const Culled& culled) {
 /// Puts a layer over the picture, and over the application's framebuffer, if there is one.
 core::Expected<void> Drawing::put_over(
     const std::function<core::Expected<void>(const core::ExternalTarget&)>& put) const {
-  core::ExternalTarget picture{target_.framebuffer().id(), 0, 0, target_.width(), target_.height()};
+  core::ExternalTarget picture{picture_->target.framebuffer().id(), 0, 0, picture_->target.width(),
+                               picture_->target.height()};
   picture.near_depth = 1.0;
   picture.far_depth = 0.0;
   if (auto done = put(picture); !done || !external_) return done;
@@ -139,16 +141,16 @@ core::Expected<void> Drawing::draw_translucent(const Culled& culled) {
   part(shown, translucent_.ghosts(), ghosts_, blended_);
   const auto put_layer = [&](const core::ExternalTarget& over) { return overlays_->put_layer(over); };
   if (!empty(blended_)) {
-    const auto sums = overlays_->begin_sums(target_);
+    const auto sums = overlays_->begin_sums(picture_->target);
     if (!sums) return tl::unexpected(sums.error());
     auto done = lists_->update(snapshot, *scene_, blended_, &view);
-    if (done) done = renderer_->draw_blended(view, snapshot, *scene_, *lists_, target_, **sums, range);
-    if (done) done = overlays_->resolve_sums(context_, target_);
+    if (done) done = renderer_->draw_blended(view, snapshot, *scene_, *lists_, picture_->target, **sums, range);
+    if (done) done = overlays_->resolve_sums(context_, picture_->target);
     if (done) done = put_over(put_layer);
     if (!done) return done;
   }
   if (empty(ghosts_)) return {};
-  const auto layer = overlays_->begin_layer(context_, target_, true);
+  const auto layer = overlays_->begin_layer(context_, picture_->target, true);
   if (!layer) return tl::unexpected(layer.error());
   if (auto done = lists_->update(snapshot, *scene_, ghosts_, &view); !done) return done;
   if (auto done = renderer_->draw_ghosts(view, snapshot, *scene_, *lists_, **layer); !done) return done;
@@ -163,25 +165,25 @@ core::Expected<void> Drawing::draw_outline(const Culled& culled) {
   const auto within = draw_outlined(culled.with(outlined_));
   if (!within) return tl::unexpected(within.error());
   return put_over([&](const core::ExternalTarget& over) {
-    return overlays_->put_outline(target_, outline_colour_, *within, over);
+    return overlays_->put_outline(picture_->target, outline_colour_, *within, over);
   });
 }
 
 /// Into the layer, as put_outline() needs it, and where the outline may lie.
 core::Expected<render::PixelBox> Drawing::draw_outlined(const Culled& items) {
-  const auto layer = overlays_->begin_layer(context_, target_, false);
+  const auto layer = overlays_->begin_layer(context_, picture_->target, false);
   if (!layer) return tl::unexpected(layer.error());
   auto done = lists_->update(items.snapshot, *scene_, items.visible, &items.view);
   if (done) done = renderer_->draw_ghosts(items.view, items.snapshot, *scene_, *lists_, **layer);
   if (!done) return tl::unexpected(done.error());
-  return pixels_around(items.view, items.snapshot, items.visible, target_.width(), target_.height());
+  return pixels_around(items.view, items.snapshot, items.visible, picture_->target.width(), picture_->target.height());
 }
 
 core::Expected<void> Drawing::put_outline(const Culled& items, const core::ExternalTarget& over) {
   if (!overlays_) overlays_.emplace(context_.functions());
   const auto within = draw_outlined(items);
   if (!within) return tl::unexpected(within.error());
-  return overlays_->put_outline(target_, outline_colour_, *within, over);
+  return overlays_->put_outline(picture_->target, outline_colour_, *within, over);
 }
 
 }  // namespace sightline::engine

@@ -67,13 +67,13 @@ bool Drawing::may_rehearse(const Culled& culled) {
 core::Expected<void> Drawing::draw_unsolid(const Culled& culled) {
   unsolid_.clear();
   unsolid_.generation = culled.visible.generation;
-  passes_.pass().for_each_slot([&](core::Slot slot) {
+  picture_->passes.pass().for_each_slot([&](core::Slot slot) {
     const Kind kind = culled.snapshot.kind(slot);
     if (!is_solid(kind) && kind != Kind::kLine) unsolid_.items.push_back(slot);
   });
   std::sort(unsolid_.items.begin(), unsolid_.items.end());
   if (unsolid_.items.empty()) return {};
-  auto done = draw_pass(culled.view, culled.snapshot, unsolid_, target_);
+  auto done = draw_pass(culled.view, culled.snapshot, unsolid_, picture_->target);
   context_.functions().Flush();
   return done;
 }
@@ -82,17 +82,17 @@ core::Expected<void> Drawing::draw_rehearsed(const Culled& culled) {
   const auto& [view, snapshot, visible, lines, hierarchy] = culled;
   const core::ItemBounds& bounds = snapshot.bounds();
   const culling::OcclusionTest test = occlusion_test(view, bounds.origin);
-  pyramid_.clear(target_.width(), target_.height());
-  solids_.begin(snapshot, view, target_.width(), target_.height(), snap());
-  passes_.begin(visible, lines, hierarchy, threads_, OcclusionPasses::Next::kNearest);
-  renderer_->clear(target_);
-  distances_.clear();
-  for (bool first = true; passes_.next(test, bounds); first = false) {
+  picture_->pyramid.clear(picture_->target.width(), picture_->target.height());
+  solids_.begin(snapshot, view, picture_->target.width(), picture_->target.height(), snap());
+  picture_->passes.begin(visible, lines, hierarchy, threads_, OcclusionPasses::Next::kNearest);
+  renderer_->clear(picture_->target);
+  picture_->distances.clear();
+  for (bool first = true; picture_->passes.next(test, bounds); first = false) {
     if (first)
       if (auto done = draw_unsolid(culled); !done) return done;
-    solids_.add(passes_.pass(), &threads_);
-    if (first && !unsolid_.items.empty()) target_.read_distances(view, distances_);
-    solids_.build(pyramid_, distances_, &threads_);
+    solids_.add(picture_->passes.pass(), &threads_);
+    if (first && !unsolid_.items.empty()) picture_->target.read_distances(view, picture_->distances);
+    solids_.build(picture_->pyramid, picture_->distances, &threads_);
   }
   depth_known_ = true;
   return draw_open(culled, test);
@@ -102,7 +102,7 @@ core::Expected<void> Drawing::draw_rehearsed(const Culled& culled) {
 /// out what is open of the second.
 core::Expected<void> Drawing::draw_open(const Culled& culled, const culling::OcclusionTest& test) {
   const core::ItemBounds& bounds = culled.snapshot.bounds();
-  passes_.list_drawn(bounds, open_);
+  picture_->passes.list_drawn(bounds, open_);
   counts_ = {-1, std::int64_t(unsolid_.items.size())};
   thread_local culling::SetParts halves;
   halves.split(open_, std::max(kLeastOfHalf, std::uint32_t(open_.items.size() + 1) / 2));
@@ -117,7 +117,7 @@ core::Expected<void> Drawing::draw_open(const Culled& culled, const culling::Occ
   }
   draw_found();
   halves.join(open_);
-  passes_.remember(open_, bounds);
+  picture_->passes.remember(open_, bounds);
   return done;
 }
 
@@ -130,7 +130,7 @@ void Drawing::find_open(const Culled& culled, const culling::OcclusionTest& test
   parts.split(set, kSlotsOfPart);
   const auto find = [&](core::VisibleSet& part, std::uint32_t) {
     test.filter(bounds, part, part, culled.lines);
-    solids_.leave_out_hidden(part, pyramid_, error);
+    solids_.leave_out_hidden(part, picture_->pyramid, error);
   };
   parts.for_each(&threads_, find, beside);
   parts.join(set);
@@ -143,7 +143,7 @@ core::Expected<void> Drawing::draw_solids(const Culled& culled, const core::Visi
   std::set_difference(open.items.begin(), open.items.end(), unsolid_.items.begin(), unsolid_.items.end(),
                       std::back_inserter(left_.items));
   counts_.shown += std::int64_t(left_.items.size());
-  return draw_pass(culled.view, culled.snapshot, left_, target_);
+  return draw_pass(culled.view, culled.snapshot, left_, picture_->target);
 }
 
 }  // namespace sightline::engine

@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <functional>
+#include <map>
 #include <optional>
 #include <variant>
 
@@ -13,10 +14,9 @@
 #include "sightline/culling/sample_test.h"
 #include "sightline/culling/solid_occluders.h"
 #include "sightline/engine/engine.h"
-#include "sightline/engine/internal/budget_passes.h"
 #include "sightline/engine/internal/culled.h"
-#include "sightline/engine/internal/occlusion_passes.h"
 #include "sightline/engine/internal/occlusion_switch.h"
+#include "sightline/engine/internal/picture_state.h"
 #include "sightline/engine/internal/small_items.h"
 #include "sightline/engine/internal/solid_areas.h"
 #include "sightline/engine/internal/translucent.h"
@@ -71,7 +71,7 @@ class Drawing {
   /// picture.
   void put_into(const core::ExternalTarget* target) {
     external_ = target ? std::optional(*target) : std::nullopt;
-    composed_ = false;
+    picture_->composed = false;
   }
 
   /// Whether any items are drawn over the picture. The CPU finds those that are visible, also where the GPU culls,
@@ -109,9 +109,12 @@ class Drawing {
   core::Expected<LossReport> loss(const Culled& culled);
   /// The next draw() shows something else, though its view may be that of the last one: a budget begins anew.
   void picture_changed() {
-    budget_view_.reset();
+    picture_->changed();
     split_view_.reset();
   }
+  /// From now on all is about that picture: Engine::use_picture(). It is made unless there is one of that size.
+  core::Expected<void> use_picture(std::uint32_t number, int width, int height);
+  void forget_picture(std::uint32_t number) { pictures_.erase(number); }
   /// From the next draw() on: what Engine::configure() may change.
   void configure(const EngineConfig& config);
   /// Of these, EngineConfig::contribution and contribution_way alone.
@@ -168,7 +171,7 @@ class Drawing {
   const gpuscene::GpuScene& scene() const { return *scene_; }
   const gpuscene::DrawLists& lists() const { return *lists_; }
   std::vector<std::string> take_gl_errors();
-  const render::RenderTarget& target() const { return target_; }
+  const render::RenderTarget& target() const { return picture_->target; }
   std::size_t memory_bytes() const;
 
  private:
@@ -202,6 +205,7 @@ class Drawing {
   core::Expected<void> draw_one(const core::Snapshot& snapshot, const gpuscene::Batch& batch);
   core::Expected<culling::GpuCuller> make_culler(const core::Snapshot& snapshot, const gpuscene::GpuScene& scene);
   core::Expected<void> follow_batches(const core::Snapshot& snapshot);
+  void pictures_changed();
   core::Expected<void> follow_edit(const core::Snapshot& snapshot, std::span<const core::Slot> touched,
                                    std::span<const std::uint32_t> materials, bool moved);
   void wait_for_room();
@@ -210,7 +214,9 @@ class Drawing {
   culling::PictureSamples samples() const;
   culling::OcclusionTest occlusion_test(const core::View& view, const core::dvec3& origin) const;
   void read_back_depth(const core::View& view, const render::RenderTarget& target);
-  bool may_test_occlusion() const { return occlusion_ != OcclusionChoice::kOff && target_.format().samples == 1; }
+  bool may_test_occlusion() const {
+    return occlusion_ != OcclusionChoice::kOff && picture_->target.format().samples == 1;
+  }
   bool tests_occlusion(const Culled& candidates, std::int64_t count);
   bool may_test_occlusion(const culling::GpuCuller& culler) const;
   bool tests_occlusion_on_gpu(std::size_t items);
@@ -271,13 +277,8 @@ class Drawing {
   OcclusionChoice occlusion_ = OcclusionChoice::kAutomatic;
   float contribution_ = 0.0f;
   double budget_ms_ = 0.0;
-  BudgetPasses budget_;
-  std::optional<core::View> budget_view_;  // whose picture the target holds, complete or not
-  std::int64_t overlooked_ = 0;            // items that were not even measured while the view moves
-  bool refines_ = false;                   // the view has stayed, and the picture was begun anew with all candidates
-  std::optional<render::RenderTarget> refined_;  // beside the picture, which then has squares, too
-  std::vector<std::uint64_t> without_squares_;   // a bit per slot, with a budget
-  double squares_ms_ = 0.0;                      // that copying and squares of a frame with a budget take
+  std::vector<std::uint64_t> without_squares_;  // a bit per slot, with a budget
+  double squares_ms_ = 0.0;                     // that copying and squares of a frame with a budget take
   ContributionWay contribution_way_ = ContributionWay::kDrop;
   SmallItems small_items_;
   SolidAreas solid_areas_;
@@ -290,8 +291,6 @@ class Drawing {
   gl::Buffer hidden_rows_;
   gl::TextureBuffer hidden_materials_;  // one colour for all
   core::VisibleSet sampled_, large_, large_leaves_;
-  std::vector<std::uint64_t> was_large_;  // a bit per slot, of the last frame
-  OcclusionPasses passes_;
   culling::SolidOccluders solids_;
   core::VisibleSet unsolid_;      // of a rehearsed frame, drawn before it
   core::VisibleSet open_, left_;  // open in the end; of these, drawn then
@@ -301,8 +300,6 @@ class Drawing {
   bool switched_ = false;     // the last draw() was as the switch says
   bool beside_part_ = false;  // which was with a part besides
   core::Slot part_ = 0;       // of that
-  culling::DepthPyramid pyramid_;
-  std::vector<float> distances_;
   Counts counts_;
   std::int64_t candidates_ = 0;      // of the last draw()
   std::int64_t visible_on_gpu_ = 0;  // as the newest feedback says
@@ -310,17 +307,16 @@ class Drawing {
   std::optional<culling::GpuCuller::Picture>
       culled_picture_;                        // of the last cull(); none where all of the view is drawn
   std::optional<render::Renderer> renderer_;  // none when the engine only culls
-  render::RenderTarget target_;
+  std::map<std::uint32_t, PictureState> pictures_;
+  PictureState* picture_ = &pictures_[0];  // of these, the one in use
   TranslucentSlots translucent_;
   std::optional<render::Overlays> overlays_;                   // made with the first
   core::VisibleSet solid_, over_, blended_, ghosts_, unused_;  // parts of what is visible
   std::optional<glm::vec2> blend_range_;
   core::VisibleSet outlined_, tested_;
   core::vec3 outline_colour_{0.0f};
-  bool all_visible_ = false;   // is in the set to draw
-  bool depth_known_ = false;   // pyramid_ is of the picture, or nowhere nearer
-  bool picture_kept_ = false;  // the last draw() drew nothing: the picture was complete
-  bool composed_ = false;      // external_ has got the picture
+  bool all_visible_ = false;  // is in the set to draw
+  bool depth_known_ = false;  // picture_->pyramid is of the picture, or nowhere nearer
   std::optional<core::ExternalTarget> external_;
   std::optional<render::Compositor> compositor_;  // made with the first external target
   std::deque<InFlight> in_flight_;

@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sightline/core/internal/deadline.h"
@@ -28,6 +30,10 @@ class Engine::Impl {
   core::Expected<void> build(const Progress& progress = {});
   core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view,
                                     const core::ExternalTarget* target);
+  core::Expected<std::vector<FrameReport>> frame(std::span<const core::View> views,
+                                                 std::span<const core::ExternalTarget> targets);
+  core::Expected<void> use_picture(std::uint32_t number);
+  void forget_picture(std::uint32_t number);
   core::Expected<LossReport> loss(const core::View& view);
   core::Expected<culling::CullStates> cull_states(const core::View& view);
   core::Expected<FrameReport> frame_part(const core::View& whole, const PicturePart& part);
@@ -94,6 +100,8 @@ class Engine::Impl {
   core::Expected<void> make_drawing(bool new_order);
   void look_after_context();
   core::Expected<void> fit_target(const core::ExternalTarget& target);
+  core::Expected<FrameReport> frame(const core::View& view, const core::View& cull_view,
+                                    const core::ExternalTarget* target, double began);
   core::Expected<void> unless_lost(core::Expected<void> done) const;
   core::Expected<void> follow(core::SceneDelta delta);
   core::Expected<void> land();
@@ -121,6 +129,8 @@ class Engine::Impl {
   Overrides overrides_;
   core::VisibleSet visible_;
   core::VisibleSet overlaid_;  // what is visible where the GPU culls, for what is drawn over its picture
+  std::uint32_t picture_ = 0;  // in use, of the size of config_
+  std::map<std::uint32_t, std::pair<int, int>> sizes_;  // of the others
   std::unique_ptr<Drawing> drawing_;
   std::unique_ptr<Drawing> coming_;         // that use_context() makes in portions, while there is no drawing_
   const gl::Context* coming_in_ = nullptr;  // the context of it

@@ -72,6 +72,8 @@ class Drawing {
   core::Expected<void> rebuild(const core::Snapshot&, const gpuprims::Joints&, bool) { return {}; }
   core::Expected<void> add_culler(const core::Snapshot&) { return {}; }
   core::Expected<void> resize(int, int) { return {}; }
+  core::Expected<void> use_picture(std::uint32_t, int, int) { return {}; }
+  void forget_picture(std::uint32_t) {}
   core::Expected<void> make_current() const { return {}; }
   std::optional<Feedback> take_drawn() { return {}; }
   std::optional<Feedback> take_gpu_feedback() { return {}; }
