@@ -15,7 +15,7 @@ using gpuscene::BatchKind;
 
 enum TextureUnit : GLuint { kPayloadUnit, kChunkUnit, kMaterialUnit, kSinglesUnit };
 enum VertexUniform : GLint { kRecordCountUniform, kBatchKindUniform, kTexelsPerRecordUniform };
-constexpr GLint kSampleOffsetsUniform = 1, kBlendRangeUniform = 64;  // in the fragment stage
+constexpr GLint kBlendRangeUniform = 64;  // in the fragment stage
 enum VertexBinding : GLuint { kInstanceBinding, kMeshBinding };
 enum VertexAttribute : GLuint { kInstanceAttribute, kVertexAttribute };
 
@@ -250,9 +250,6 @@ core::Expected<void> Renderer::draw_surfaces(const core::View& view, const core:
     if (lists.section(batch.kind).count == 0) continue;
     const BatchProgram& program = (*programs)[std::size_t(batch.kind)];
     if (sums) gl.ProgramUniform2f(program.program.id(), kBlendRangeUniform, range.x, range.y);
-    if (target.format().samples > 1 && gpuscene::is_ray_cast(batch.kind))
-      gl.ProgramUniform2fv(program.program.id(), kSampleOffsetsUniform, target.format().samples,
-                           &target.sample_offsets()[0].x);
     draw_batch(batch, program, scene, lists);
   }
   // The order matters: Mesa never frees a pipeline that is unbound while the program that replaced it is in use.

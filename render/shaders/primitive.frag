@@ -11,10 +11,6 @@ layout(depth_less) out float gl_FragDepth;
 layout(location = 0) flat in vec4 local_from_eye[3];
 layout(location = 3) flat in uvec4 anchor;
 
-#ifdef SAMPLES
-layout(location = 1) uniform vec2 sample_offsets[SAMPLES];
-#endif
-
 // Result of a ray: local position, depth, and everything that shading needs.
 struct Sight {
   vec3 p;
@@ -51,20 +47,9 @@ void main() {
   uint hidden = hidden_faces(words.z);
   Sight sight;
 #ifdef SAMPLES
-  // Each sample casts its own ray, and one of them is shaded. More samples give smoother edges, and neighbours that
-  // share a pixel share its samples without gaps.
-  int covered = 0;
-  for (int i = 0; i < SAMPLES; ++i) {
-    Sight found;
-    if (!cast_ray(gl_FragCoord.xy + sample_offsets[i], rows, hidden, found)) continue;
-    if (covered == 0) sight = found;
-    covered |= 1 << i;
-  }
-  if (covered == 0) discard;
-  gl_SampleMask[0] = covered;
-#else
-  if (!cast_ray(gl_FragCoord.xy, rows, hidden, sight)) discard;
+  gl_SampleMask[0] = 1 << gl_SampleID;  // each sample runs the shader, and casts the ray through its own place
 #endif
+  if (!cast_ray(gl_FragCoord.xy, rows, hidden, sight)) discard;
 #ifdef HATCHING
   // Solids that overlap have one depth, so that their lines do not mingle.
   if (sight.face == kCut) sight.depth = depth_on(gl_FragCoord.xy, sight.section);

@@ -31,6 +31,9 @@ void main() {
   if (record == 0xffffffffu) discard;
   uvec4 words = payload_texel(record, 4, 3);  // chunk, item id, material and flags
   if (dithered_away(words.z, words.y)) discard;
+#ifdef SAMPLES
+  gl_SampleMask[0] = 1 << gl_SampleID;  // crossings are those of the pixel, depths those of each sample
+#endif
   int section;
   gl_FragDepth = depth_at(section_entry(gl_FragCoord.xy, section));
   float hatch = hatch_cover(gl_FragCoord.xy, section, words.y);

@@ -126,6 +126,34 @@ class Application {
     return values;
   }
 
+  /// Of one sample of each pixel.
+  std::vector<float> sample_depths(int sample) const {
+    static constexpr gl::ShaderFile kShaders[] = {
+        {"whole.vert",
+         "void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0, 1); }\n"},
+        {"sample.frag",
+         "layout(binding = 0) uniform sampler2DMS depths;\nlayout(location = 0) uniform int number;\nout float depth;\n"
+         "void main() { depth = texelFetch(depths, ivec2(gl_FragCoord.xy), number).r; }\n"}};
+    gl::ProgramDescription description;
+    description.name = "sample of a depth";
+    description.stages = {{GL_VERTEX_SHADER, {"whole.vert"}}, {GL_FRAGMENT_SHADER, {"sample.frag"}}};
+    description.shaders.tables = {kShaders};
+    const gl::Program reader = *gl::Program::create(gl, description);
+    const gl::Texture2D values = *gl::Texture2D::create(gl, width(), height(), GL_R32F, "depths of a sample");
+    const gl::Attachment attachment{GL_COLOR_ATTACHMENT0, &values};
+    const gl::Framebuffer into = *gl::Framebuffer::create(gl, {&attachment, 1}, "depths of a sample");
+    set_state();
+    into.bind();
+    gl.Disable(GL_DEPTH_TEST);
+    reader.use();
+    gl.BindTextureUnit(0, depth.id());
+    gl.ProgramUniform1i(reader.id(), 0, sample);
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    std::vector<float> read(std::size_t(width() * height()));
+    values.read(0, GL_RED, GL_FLOAT, std::as_writable_bytes(std::span(read)));
+    return read;
+  }
+
   const gl::Functions& gl;
   DepthWay way;
   gl::Texture2D colour, depth;

@@ -1,6 +1,7 @@
 // Pictures in framebuffers of an application's.
 #include <gtest/gtest.h>
 
+#include "sightline/culling/region_query.h"
 #include "sightline/tests/engine/application.h"
 #include "sightline/tests/engine/drawn_grid.h"
 
@@ -233,6 +234,40 @@ TEST_F(ExternalTarget, SmoothEdgesAreBlendedWithWhatTheApplicationDrew) {
       mixed += a != pixel(one, x, y);
     }
   EXPECT_GT(mixed, 300);
+}
+
+/// Each sample has the depth of the ray through its own place: that of a picture which is moved by a part of a pixel.
+TEST_F(ExternalTarget, DepthsAreThoseOfEachSample) {
+  fill(scene, 22);
+  engine::EngineConfig four = config(CullerChoice::kCpu, kWidth, kHeight);
+  four.samples = 4;
+  Engine smooth = engine(four), rough = engine();
+  core::View cut = perspective();
+  cut.sections = {{{0.3, 0.2, -1.0}, 6.0}};
+  for (const core::View& view : {perspective(), cut}) {
+    const Application application(gl(), kWidth, kHeight, kDepthWays[1], 4);
+    application.clear();
+    expect_frame(smooth, view, application.target());
+    const std::vector<glm::vec2> offsets = smooth.drawing()->target().sample_offsets();
+    ASSERT_EQ(offsets.size(), 4u);
+    int same = 0, edges = 0;
+    for (int i = 0; i < 4; ++i) {
+      const std::vector<float> depths = application.sample_depths(i);
+      const double dx = offsets[std::size_t(i)].x, dy = -offsets[std::size_t(i)].y;  // y from above
+      const core::View moved = *culling::rectangle_view(view, kWidth, kHeight, dx, dy, kWidth + dx, kHeight + dy);
+      ASSERT_TRUE(rough.frame(moved));
+      const image::DepthImage expected = *rough.read_depth(moved);
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+          const double reversed = depths[std::size_t(y * kWidth + x)];
+          const double distance = 45.0 / (89.5 * reversed + 0.5);  // 90 where nothing is
+          const double wanted = std::min(90.0, double(expected.metres[std::size_t((kHeight - 1 - y) * kWidth + x)]));
+          std::abs(distance - wanted) <= 4e-6 * wanted* wanted ? ++same : ++edges;
+        }
+    }
+    EXPECT_GT(same, 0);
+    EXPECT_LE(edges, 8) << "where rays of another view may round to the other side of an edge";
+  }
 }
 
 TEST_F(ExternalTarget, LinearColourIsDecoded) {
