@@ -3,8 +3,7 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
-#include "sightline/capi/internal/objects.h"
-#include "sightline/capi/internal/values.h"
+#include "sightline/capi/internal/engines.h"
 #if SIGHTLINE_HAS_RAYTRACE
 #include "sightline/engine/pick.h"
 #endif
@@ -20,6 +19,10 @@ namespace {
 constexpr std::int32_t kCullerChoices = 5, kLargestPicture = 65'536;
 [[maybe_unused]] constexpr double kLongestRay = 1e150;  // raytrace::Ray
 
+}  // namespace
+
+namespace sightline::capi {
+
 void check_size(std::int32_t width, std::int32_t height) {
   require(width >= 1 && width <= kLargestPicture && height >= 1 && height <= kLargestPicture,
           "a width and height of 1 to 65536 pixels");
@@ -27,29 +30,6 @@ void check_size(std::int32_t width, std::int32_t height) {
 
 void check_drawing(bool needed) {
   if (needed && !SIGHTLINE_HAS_GL) refuse(SL_ERROR_UNSUPPORTED, "this library was built without drawing");
-}
-
-engine::EngineConfig config_of(const sl_engine_config& from) {
-  engine::EngineConfig config;
-  config.culler = enum_of<engine::CullerChoice>(from.culler, kCullerChoices, "culler");
-  config.draw = from.draw != 0;
-  check_size(from.width, from.height);
-  config.width = from.width, config.height = from.height;
-  config.ids = from.ids != 0;
-  config.sample_test = from.sample_test != 0;
-  config.occlusion = enum_of<engine::OcclusionChoice>(from.occlusion, 3, "occlusion");
-  config.contribution = from.contribution;
-  config.contribution_way = enum_of<engine::ContributionWay>(from.contribution_way, 3, "contribution_way");
-  config.budget_ms = from.budget_ms;
-  if (from.use_hidden_colour) config.hidden_colour = glm::make_vec3(from.hidden_colour);
-  config.samples = from.samples;
-  config.gl_state = enum_of<engine::GlState>(from.gl_state, 2, "gl_state");
-  config.context_platform = enum_of<gl::ContextPlatform>(from.context_platform, 5, "context_platform");
-  if (from.program_cache) config.program_cache = path_of(from.program_cache);
-  config.rebuild_share = double(from.rebuild_share);
-  check_drawing(config.draw || from.get_proc || config.culler == engine::CullerChoice::kGpu ||
-                config.culler == engine::CullerChoice::kHybrid);
-  return config;
 }
 
 sl_frame_report report_of(const engine::FrameReport& from) {
@@ -67,10 +47,41 @@ sl_frame_report report_of(const engine::FrameReport& from) {
   return report;
 }
 
-/// Runs `run` with the engine.
-template <class Run>
-sl_status with_engine(const char* function, sl_engine handle, Access access, const Run& run) {
-  return call(function, [&] { run(EngineUse(handle, access)); });
+core::ExternalTarget target_of(const sl_external_target* from) {
+  const sl_external_target to = read(from, sl_external_target SL_EXTERNAL_TARGET_INIT);
+  check_size(to.width, to.height);
+  return {to.framebuffer,
+          to.x,
+          to.y,
+          to.width,
+          to.height,
+          to.near_depth,
+          to.far_depth,
+          to.clear_colour != 0,
+          to.clear_depth != 0,
+          to.linear_colour != 0};
+}
+
+std::span<const core::ItemId> items_of(const sl_item* items, std::size_t count) {
+  require(items || count == 0, "items, found null");
+  return {items, count};
+}
+
+}  // namespace sightline::capi
+
+namespace {
+
+/// An engine of the scene, whose progress the caller is told. The scene is in use meanwhile.
+engine::Engine make_engine(core::Scene& scene, const engine::EngineConfig& config, const sl_engine_config& from) {
+  bool cancelled = false;
+  const engine::Engine::Progress told = progress_of(from.progress, from.progress_user);
+  const auto progress = [&](double share) {
+    cancelled = !told(share);
+    return !cancelled;
+  };
+  auto made = engine::Engine::create(scene, config, told ? engine::Engine::Progress(progress) : told);
+  if (!made && cancelled) throw Failure{SL_ERROR_CANCELLED, std::move(made.error().message)};
+  return value_of(std::move(made));
 }
 
 }  // namespace
@@ -82,7 +93,7 @@ sl_status sl_engine_create(sl_scene handle, const sl_engine_config* config, sl_e
     check_result(engine);
     const sl_engine_config defaults = SL_ENGINE_CONFIG_INIT;
     const sl_engine_config chosen = read(config ? config : &defaults, defaults);
-    engine::EngineConfig translated = config_of(chosen);
+    engine::EngineConfig translated = config_of(chosen, {});
     std::shared_ptr<EngineObject> object;  // outlives the use of the scene, which may be its last
     const SceneUse scene(handle, Access::kEdit);
     object = std::make_shared<EngineObject>(share(handle));
@@ -92,11 +103,12 @@ sl_status sl_engine_create(sl_scene handle, const sl_engine_config* config, sl_e
           std::make_unique<gl::Context>(value_of(gl::Context::adopt(chosen.get_proc, chosen.get_proc_user)));
       translated.context = object->context.get();
     }
-    object->context_in_use = translated.draw || translated.culler == engine::CullerChoice::kGpu ||
-                             translated.culler == engine::CullerChoice::kHybrid;
+    object->context_in_use =
+        !translated.context_later && (translated.draw || translated.culler == engine::CullerChoice::kGpu ||
+                                      translated.culler == engine::CullerChoice::kHybrid);
 #endif
     scene.object().committed = true;
-    object->engine.emplace(value_of(engine::Engine::create(*scene, translated)));
+    object->engine.emplace(make_engine(*scene, translated, chosen));
     *engine = add_engine(std::move(object));
   });
 }
@@ -124,12 +136,8 @@ sl_status sl_engine_frame_into(sl_engine handle, const sl_view* view, const sl_e
   return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
     if (report) check_result(report);
     check_drawing(true);
-    const sl_external_target to = read(target, sl_external_target SL_EXTERNAL_TARGET_INIT);
-    check_size(to.width, to.height);
-    const engine::FrameReport done =
-        value_of(engine->frame(view_of(view), core::ExternalTarget{to.framebuffer, to.x, to.y, to.width, to.height,
-                                                                   to.near_depth, to.far_depth, to.clear_colour != 0,
-                                                                   to.clear_depth != 0, to.linear_colour != 0}));
+    const core::ExternalTarget to = target_of(target);
+    const engine::FrameReport done = value_of(engine->frame(view_of(view), to));
     if (report) write(report, report_of(done));
   });
 }
@@ -184,8 +192,30 @@ sl_status sl_engine_finish(sl_engine handle) {
 sl_status sl_engine_get(sl_engine handle, sl_engine_info* info) {
   return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
     const engine::MemoryReport memory = engine->memory();
-    write(info, {0, sl_culler(engine->plan().culler), engine->rebuilding(), 0, memory.scene, memory.snapshot,
-                 memory.bvh, memory.gpu, memory.tracer});
+    sl_engine_info found SL_ENGINE_INFO_INIT;
+    found.culler = sl_culler(engine->plan().culler);
+    found.rebuilding = engine->rebuilding();
+#if SIGHTLINE_HAS_RAYTRACE
+    found.preparing_picks = engine->preparing_picks();
+#endif
+    found.scene_bytes = memory.scene, found.snapshot_bytes = memory.snapshot;
+    found.hierarchy_bytes = memory.bvh, found.gpu_bytes = memory.gpu, found.tracer_bytes = memory.tracer;
+    write(info, found);
+  });
+}
+
+sl_status sl_engine_get_controller(sl_engine handle, sl_controller_info* info) {
+  return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
+    sl_controller_info found SL_CONTROLLER_INFO_INIT;
+    if (const culling::Controller* controller = engine->controller())
+      found = {0,
+               1,
+               std::int32_t(controller->state()),
+               0,
+               controller->frames(),
+               controller->switches(),
+               controller->probes()};
+    write(info, found);
   });
 }
 
@@ -197,6 +227,23 @@ sl_status sl_engine_explain(sl_engine handle, sl_text* text) {
       lines += entry.feature + (entry.used ? ": used: " : ": left out: ") + entry.why + '\n';
     const std::string renderer = engine->renderer();
     write_text(text, lines + "renderer: " + (renderer.empty() ? "none" : renderer) + '\n');
+  });
+}
+
+sl_status sl_engine_renderer(sl_engine handle, sl_text* text) {
+  return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
+    check_text(text);
+    write_text(text, engine->renderer());
+  });
+}
+
+sl_status sl_engine_take_gl_errors(sl_engine handle, sl_text* text) {
+  return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
+    check_text(text);
+    std::string& kept = engine.object().gl_errors;
+    for (const std::string& error : engine->take_gl_errors()) kept += error + '\n';
+    write_text(text, kept);
+    if (kept.size() < text->capacity) kept.clear();
   });
 }
 
@@ -225,6 +272,7 @@ sl_status sl_engine_drop_context(sl_engine handle) {
     engine->drop_context();
 #if SIGHTLINE_HAS_GL
     engine.object().context_in_use = false;
+    engine.object().coming_context.reset();
 #endif
   });
 }
@@ -233,6 +281,7 @@ sl_status sl_engine_abandon_context(sl_engine handle) {
   return with_engine(__func__, handle, Access::kEdit, [](const EngineUse& engine) {
 #if SIGHTLINE_HAS_GL
     engine.object().context.reset();  // shares of it are lost from now on: they free nothing
+    engine.object().coming_context.reset();
     engine.object().context_in_use = false;
 #endif
     engine->drop_context();
@@ -249,7 +298,35 @@ sl_status sl_engine_use_context(sl_engine handle, sl_get_proc get_proc, void* us
     auto context = std::make_unique<gl::Context>(value_of(gl::Context::adopt(get_proc, user)));
     value_of(engine->use_context(*context));
     object.context = std::move(context);
+    object.coming_context.reset();
     object.context_in_use = true;
+#else
+    (void)engine, (void)get_proc, (void)user;
+#endif
+  });
+}
+
+sl_status sl_engine_use_context_for(sl_engine handle, sl_get_proc get_proc, void* user, double seconds,
+                                    int32_t* complete) {
+  return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
+    check_drawing(true);
+    check_result(complete);
+    require(!std::isnan(seconds), "seconds, found no number");
+#if SIGHTLINE_HAS_GL
+    EngineObject& object = engine.object();
+    if (object.context_in_use) refuse(SL_ERROR_BUSY, "the former context is in use: drop or abandon it first");
+    if (!object.coming_context) {
+      require(get_proc != nullptr, "get_proc, found null");
+      object.coming_context = std::make_unique<gl::Context>(value_of(gl::Context::adopt(get_proc, user)));
+    }
+    const auto done = engine->use_context(*object.coming_context, seconds);
+    if (!done) object.coming_context.reset();
+    const bool taken = value_of(done);
+    if (taken) {
+      object.context = std::move(object.coming_context);
+      object.context_in_use = true;
+    }
+    *complete = taken;
 #else
     (void)engine, (void)get_proc, (void)user;
 #endif
@@ -322,15 +399,6 @@ sl_status sl_write_png(const char* path, int32_t width, int32_t height, const ui
 
 // --- overrides -------------------------------------------------------------------------------------------------------
 
-namespace {
-
-std::span<const core::ItemId> items_of(const sl_item* items, std::size_t count) {
-  require(items || count == 0, "items, found null");
-  return {items, count};
-}
-
-}  // namespace
-
 sl_status sl_engine_set_override(sl_engine handle, const sl_item* items, size_t item_count,
                                  const sl_item_style* style) {
   return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
@@ -397,6 +465,16 @@ void write_pick(const std::optional<engine::Pick>& from, sl_pick* pick) {
   }
   write(pick, found);
 }
+
+raytrace::RayFilter filter_of(const sl_ray& ray) {
+  raytrace::RayFilter filter;
+  filter.layers = ray.layers;
+  filter.cuts = ray.leave_out_cuts == 0;
+  filter.section_mode = enum_of<core::SectionMode>(ray.section_mode, 2, "section_mode");
+  require(ray.section_count <= SL_MAX_SECTIONS, "at most SL_MAX_SECTIONS sections");
+  std::transform(ray.sections, ray.sections + ray.section_count, std::back_inserter(filter.sections), plane_of);
+  return filter;
+}
 #endif
 
 }  // namespace
@@ -413,6 +491,29 @@ sl_status sl_engine_pick(sl_engine handle, const sl_view* view, double x, double
   });
 }
 
+sl_status sl_engine_pick_ghosts(sl_engine handle, const sl_view* view, double x, double y, sl_pick* pick) {
+  return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
+#if SIGHTLINE_HAS_RAYTRACE
+    check_result(pick);
+    write_pick(value_of(engine->pick(view_of(view), x, y, engine::Ghosts::kHit)), pick);
+#else
+    (void)engine, (void)view, (void)x, (void)y, (void)pick;
+    refuse_picking();
+#endif
+  });
+}
+
+sl_status sl_engine_prepare_picks(sl_engine handle) {
+  return with_engine(__func__, handle, Access::kEdit, [](const EngineUse& engine) {
+#if SIGHTLINE_HAS_RAYTRACE
+    engine->prepare_picks();
+#else
+    (void)engine;
+    refuse_picking();
+#endif
+  });
+}
+
 sl_status sl_engine_pick_ray(sl_engine handle, const sl_ray* from, sl_pick* pick) {
   return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
 #if SIGHTLINE_HAS_RAYTRACE
@@ -421,9 +522,9 @@ sl_status sl_engine_pick_ray(sl_engine handle, const sl_ray* from, sl_pick* pick
     for (const double component :
          {ray.origin[0], ray.origin[1], ray.origin[2], ray.direction[0], ray.direction[1], ray.direction[2]})
       require(std::abs(component) < kLongestRay, "components of rays below 1e150");
-    raytrace::RayFilter filter;
-    filter.layers = ray.layers;
-    write_pick(value_of(engine->pick({vector_of(ray.origin), vector_of(ray.direction), ray.t_min, ray.t_max}, filter)),
+    const auto ghosts = ray.hit_ghosts ? engine::Ghosts::kHit : engine::Ghosts::kPassed;
+    write_pick(value_of(engine->pick({vector_of(ray.origin), vector_of(ray.direction), ray.t_min, ray.t_max},
+                                     filter_of(ray), ghosts)),
                pick);
 #else
     (void)engine, (void)from, (void)pick;

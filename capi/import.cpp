@@ -23,14 +23,7 @@ importers::ImportOptions options_of(const sl_import_options& from) {
   require(from.recognise_tolerance >= 0.0 && std::isfinite(from.recognise_tolerance),
           "recognise_tolerance of 0 or more");
   options.recognise_tolerance = from.recognise_tolerance;
-  if (from.progress)
-    options.progress = [progress = from.progress, user = from.user](double share) {
-      try {
-        return progress(share, user) != 0;
-      } catch (...) {  // of an application in C++: an import on several threads could not be left by it
-        return false;
-      }
-    };
+  options.progress = progress_of(from.progress, from.user);
   return options;
 }
 

@@ -490,10 +490,34 @@ enum {
 };
 enum { SL_GL_STATE_RESTORE = 0, SL_GL_STATE_LEAVE = 1 };
 enum { SL_CONTRIBUTION_DROP = 0, SL_CONTRIBUTION_POINTS = 1, SL_CONTRIBUTION_STOCHASTIC = 2 };
+enum { SL_TRANSPARENCY_DITHER = 0, SL_TRANSPARENCY_BLENDED = 1 };
+/* How the GPU culls: measured once for each context, or as named. */
+enum { SL_GPU_VARIANT_MEASURED = 0, SL_GPU_VARIANT_GEOMETRY = 1, SL_GPU_VARIANT_COMPUTE = 2 };
 
 typedef void (*sl_proc)(void);
 /* Finds a GL function by its full name ("glEnable"); null when unknown. */
 typedef sl_proc (*sl_get_proc)(const char* name, void* user);
+
+/* When a hybrid takes which culler: sightline/culling/controller.h. Thresholds are finite and not below 0. */
+enum { SL_POLICY_FRAME_COST = 0, SL_POLICY_2009 = 1 };
+enum { SL_TRIGGER_TIME = 0, SL_TRIGGER_HEIGHT = 1, SL_TRIGGER_INTERSECTIONS = 2, SL_TRIGGER_SHARE = 3 };
+typedef struct sl_controller_config {
+  uint32_t size;
+  int32_t policy; /* SL_POLICY_... */
+  /* Of SL_POLICY_FRAME_COST: FrameCostConfig of sightline/culling/frame_cost.h. */
+  double least_gpu_cull_ms, margin, dwell_margin, probe_share, probe_cost, presumed_gpu_excess;
+  uint32_t dwell_frames, first_probes, probe_interval, silent_frames;
+  /* Of SL_POLICY_2009: Policy2009Config of sightline/culling/policy_2009.h. Frame counts are at least 1. */
+  double slow_ms, slow_height, slow_intersections, slow_share;
+  int32_t trigger; /* SL_TRIGGER_...: which of these thresholds counts */
+  uint32_t enter_frames, gpu_frames, probe_frames, most_gpu_frames;
+  int32_t reserved; /* 0 */
+} sl_controller_config;
+#define SL_CONTROLLER_CONFIG_INIT                                                                                      \
+  {                                                                                                                    \
+    sizeof(sl_controller_config), SL_POLICY_FRAME_COST, 0.01, 0.01, 0.20, 0.005, 0.004, 0.0, 8, 2, 200, 16, 0.3, 20.0, \
+        1e4, 0.1, SL_TRIGGER_TIME, 5, 500, 2, 1048576, 0                                                               \
+  }
 
 typedef struct sl_engine_config {
   uint32_t size;
@@ -517,11 +541,32 @@ typedef struct sl_engine_config {
   int32_t gl_state;          /* SL_GL_STATE_...: what calls leave of what the application has in GL */
   int32_t context_platform;  /* SL_CONTEXT_...: of the offscreen context */
   const char* program_cache; /* folder that keeps linked programs; null: the user's cache folder; "": none */
+  int32_t transparency;      /* SL_TRANSPARENCY_...: how transparent items are drawn */
+  float outline_colour[3];   /* sRGB; of sl_item_style.outline and sl_engine_draw_outline() */
+  /* Shading and lines by the depth of the picture: 0 to 1, darkness of corners and of what lies behind edges, and of
+   * lines along edges. 0: none. */
+  float relief_shading, relief_lines;
+  /* Lines on what section planes cut: 0 to 1, their darkness, 0: none; and their least distance, 2 pixels or more. */
+  float hatching_strength, hatching_spacing;
+  /* Draws, culls and finds part part_index of part_count parts of the scene alone: for several engines, in several
+   * processes, that share a picture. */
+  int32_t part_index, part_count;
+  int32_t gl_debug;                       /* collect driver messages: sl_engine_take_gl_errors() */
+  int32_t context_later;                  /* no context until sl_engine_use_context(); not with get_proc */
+  int32_t gpu_variant;                    /* SL_GPU_VARIANT_... */
+  int32_t reserved;                       /* 0 */
+  const sl_controller_config* controller; /* of SL_CULLER_HYBRID; null: its defaults */
+  /* Called in sl_engine_create() alone, now and then, with the share that is done, 0 to 1. Returning 0 before 1
+   * cancels. May be null. */
+  int32_t (*progress)(double share, void* user);
+  void* progress_user;
 } sl_engine_config;
 #define SL_ENGINE_CONFIG_INIT                                                                                        \
   {                                                                                                                  \
     sizeof(sl_engine_config), SL_CULLER_AUTOMATIC, 0, 1280, 720, 0, 1, SL_OCCLUSION_AUTOMATIC, SL_CONTRIBUTION_DROP, \
-        0.0f, 0.0, 1, 0, {0.0f, 0.0f, 0.0f}, 0.03f, NULL, NULL, SL_GL_STATE_RESTORE, SL_CONTEXT_AUTOMATIC, NULL      \
+        0.0f, 0.0, 1, 0, {0.0f, 0.0f, 0.0f}, 0.03f, NULL, NULL, SL_GL_STATE_RESTORE, SL_CONTEXT_AUTOMATIC, NULL,     \
+        SL_TRANSPARENCY_DITHER, {1.0f, 0.5f, 0.0f}, 0.0f, 0.0f, 0.0f, 6.0f, 0, 1, 0, 0, SL_GPU_VARIANT_MEASURED, 0,  \
+        NULL, NULL, NULL                                                                                             \
   }
 
 /* -1 where a count is not known. Times are milliseconds of wall clock. FrameReport in engine.h says more. */
@@ -567,13 +612,68 @@ typedef struct sl_late_report {
 
 typedef struct sl_engine_info {
   uint32_t size;
-  sl_culler culler;   /* as planned: never automatic */
-  int32_t rebuilding; /* a new order is being made in the background */
-  int32_t reserved;   /* 0 */
+  sl_culler culler;        /* as planned: never automatic */
+  int32_t rebuilding;      /* a new order is being made in the background */
+  int32_t preparing_picks; /* the ray tracer is being made in the background, and a pick would wait for it */
   uint64_t scene_bytes, snapshot_bytes, hierarchy_bytes, gpu_bytes, tracer_bytes;
 } sl_engine_info;
 #define SL_ENGINE_INFO_INIT \
   { sizeof(sl_engine_info), 0, 0, 0, 0, 0, 0, 0, 0 }
+
+/* What contribution and budget leave out of a picture: an estimate of its error. */
+typedef struct sl_loss_report {
+  uint32_t size;
+  int32_t reserved; /* 0 */
+  int64_t items;    /* left out, that may cover a sample and that nothing in the picture is known to hide */
+  double pixels;    /* that these are expected to cover, at most all */
+} sl_loss_report;
+#define SL_LOSS_REPORT_INIT \
+  { sizeof(sl_loss_report), 0, 0, 0.0 }
+
+/* What a hybrid's controller has done so far. */
+typedef struct sl_controller_info {
+  uint32_t size;
+  int32_t there;             /* 0: the engine has no hybrid, and the rest says nothing */
+  int32_t state;             /* ControllerState of culling/frame_sample.h */
+  int32_t reserved;          /* 0 */
+  uint64_t frames, switches; /* frames so far; changes of the path, without probes */
+  uint64_t probes;           /* frames on the other path that only measured it */
+} sl_controller_info;
+#define SL_CONTROLLER_INFO_INIT \
+  { sizeof(sl_controller_info), 0, 0, 0, 0, 0, 0 }
+
+/* What culling makes of an item, or of a node of the hierarchy: sightline/culling/cull_states.h. */
+enum { SL_CULL_INSIDE = 0, SL_CULL_INTERSECTING = 1, SL_CULL_OUTSIDE = 2, SL_CULL_OCCLUDED = 3, SL_CULL_SMALL = 4 };
+#define SL_CULL_STATE_COUNT 5
+typedef struct sl_cull_box {
+  sl_box box; /* in the world */
+  int32_t state;
+  uint32_t items; /* of that state in it; above 0 */
+} sl_cull_box;
+typedef struct sl_cull_states {
+  uint32_t size;
+  uint32_t reserved;                   /* 0 */
+  uint64_t items[SL_CULL_STATE_COUNT]; /* by state */
+  /* The caller's buffers: a state for each item below sl_scene_info.item_slots, SL_CULL_OUTSIDE where there is none;
+   * and boxes of nodes and items. The counts become those of all. */
+  uint8_t* of_item;
+  size_t item_capacity, item_count;
+  sl_cull_box* boxes;
+  size_t box_capacity, box_count;
+} sl_cull_states;
+#define SL_CULL_STATES_INIT \
+  { sizeof(sl_cull_states), 0, {0}, NULL, 0, 0, NULL, 0, 0 }
+
+/* A part of a picture, of the size that the engine draws in: sightline/engine/picture_tiles.h. */
+typedef struct sl_picture_part {
+  int32_t width, height; /* of the whole picture, pixels */
+  double x, y;           /* of the part's upper left corner in it */
+} sl_picture_part;
+/* A part, and the rectangle x0 <= x < x1, y0 <= y < y1 of the whole picture that is taken from it. */
+typedef struct sl_picture_tile {
+  sl_picture_part part;
+  int32_t x0, y0, x1, y1;
+} sl_picture_tile;
 
 /* Commits the scene and builds what the engine needs. `config` may be null. */
 SL_API sl_status sl_engine_create(sl_scene scene, const sl_engine_config* config, sl_engine* engine);
@@ -587,6 +687,23 @@ SL_API sl_status sl_engine_frame(sl_engine engine, const sl_view* view, const sl
  * engine's picture gets the target's size. */
 SL_API sl_status sl_engine_frame_into(sl_engine engine, const sl_view* view, const sl_external_target* target,
                                       sl_frame_report* report);
+/* Draws a line around items over a framebuffer that shows the last frame's picture, `view` and the target's size being
+ * those of that frame: for what is under a cursor. Takes the time of these items alone. */
+SL_API sl_status sl_engine_draw_outline(sl_engine engine, const sl_view* view, const sl_item* items, size_t item_count,
+                                        const sl_external_target* target);
+/* Draws a part of a picture of `whole` that may be larger than any framebuffer. `report` may be null. */
+SL_API sl_status sl_engine_frame_part(sl_engine engine, const sl_view* whole, const sl_picture_part* part,
+                                      sl_frame_report* report);
+/* Parts of at most `largest_side` pixels a side that join without seams, all of part_width x part_height pixels.
+ * Fails unless largest_side is at least 64 and twice the margins of 8 and `more_margin` pixels more. Sizes are at most
+ * 262144 pixels. */
+SL_API sl_status sl_picture_tiles(int32_t width, int32_t height, int32_t largest_side, int32_t more_margin,
+                                  int32_t* part_width, int32_t* part_height, sl_picture_tile* tiles, size_t capacity,
+                                  size_t* count);
+/* What the last frame has left out, `view` being the one that it drew. Waits for the GPU. */
+SL_API sl_status sl_engine_loss(sl_engine engine, const sl_view* view, sl_loss_report* report);
+/* What culling makes of each item in the view. Draws for that, so that the last frame's picture is gone. */
+SL_API sl_status sl_engine_cull_states(sl_engine engine, const sl_view* view, sl_cull_states* states);
 SL_API sl_status sl_engine_late_report(sl_engine engine, sl_late_report* report);
 /* Commits the scene's edits; frames show none before. */
 SL_API sl_status sl_engine_commit(sl_engine engine);
@@ -595,6 +712,13 @@ SL_API sl_status sl_engine_commit_for(sl_engine engine, double seconds, int32_t*
 /* Makes a new order of the items at once. */
 SL_API sl_status sl_engine_rebuild(sl_engine engine);
 SL_API sl_status sl_engine_set_culler(sl_engine engine, sl_culler culler);
+/* The settings as they are now, in the size of the last sl_engine_resize(). Pointers among them are null. `controller`
+ * may be null. */
+SL_API sl_status sl_engine_get_config(sl_engine engine, sl_engine_config* config, sl_controller_config* controller);
+/* Uses other settings from the next frame on: culler, controller (null: as it is), sample_test, occlusion,
+ * contribution, contribution_way, budget_ms, hidden_colour, outline_colour, relief and hatching. get_proc,
+ * program_cache and progress are not looked at; all others must be as they are. */
+SL_API sl_status sl_engine_configure(sl_engine engine, const sl_engine_config* config);
 /* In pixels, 1 to 65536. */
 SL_API sl_status sl_engine_resize(sl_engine engine, int32_t width, int32_t height);
 /* Tells that the application drew nothing for a while. */
@@ -602,8 +726,14 @@ SL_API sl_status sl_engine_paused(sl_engine engine);
 /* Waits until everything submitted is drawn. */
 SL_API sl_status sl_engine_finish(sl_engine engine);
 SL_API sl_status sl_engine_get(sl_engine engine, sl_engine_info* info);
+SL_API sl_status sl_engine_get_controller(sl_engine engine, sl_controller_info* info);
 /* What the engine uses and what it leaves out, with reasons, a line each; the last line names the GL renderer. */
 SL_API sl_status sl_engine_explain(sl_engine engine, sl_text* text);
+/* As GL names it; empty while there is no context. */
+SL_API sl_status sl_engine_renderer(sl_engine engine, sl_text* text);
+/* What the driver has complained of, a line each: see sl_engine_config.gl_debug. Lines that have fitted into the text
+ * are not told again. */
+SL_API sl_status sl_engine_take_gl_errors(sl_engine engine, sl_text* text);
 
 /* Items in the view volume of the last frame, in no order, for renderers of one's own. None where the GPU culled. Fails
  * with SL_ERROR_BUSY when a new order has landed since: ask before the next sl_engine_commit(). */
@@ -616,6 +746,10 @@ SL_API sl_status sl_engine_abandon_context(sl_engine engine);
 /* Makes everything anew in the application's context that is current now. The former one must have been dropped or
  * abandoned: else SL_ERROR_BUSY. */
 SL_API sl_status sl_engine_use_context(sl_engine engine, sl_get_proc get_proc, void* user);
+/* The same in portions: works for about `seconds`, and says whether everything is made. While it is not, call it again
+ * with the same context current; get_proc is then not looked at. Dropping or abandoning the context ends that, too. */
+SL_API sl_status sl_engine_use_context_for(sl_engine engine, sl_get_proc get_proc, void* user, double seconds,
+                                           int32_t* complete);
 
 /* The picture of the last frame, rows from top to bottom; waits for the GPU. `capacity` is in values, of which
  * width * height (colour: three times as many) are needed. */
@@ -624,6 +758,10 @@ SL_API sl_status sl_engine_read_colour(sl_engine engine, uint8_t* rgb, size_t ca
 SL_API sl_status sl_engine_read_ids(sl_engine engine, uint32_t* ids, size_t capacity);
 /* Metres along the axis of `view`, which is the one that was drawn; infinity where there is nothing. */
 SL_API sl_status sl_engine_read_depth(sl_engine engine, const sl_view* view, float* metres, size_t capacity);
+/* Whether any pixel of the last frame's picture shows anything but the background. */
+SL_API sl_status sl_engine_covered(sl_engine engine, int32_t* covered);
+/* GL's name of the framebuffer with that picture, in the context that the engine draws with. */
+SL_API sl_status sl_engine_framebuffer(sl_engine engine, uint32_t* framebuffer);
 /* Rows from top to bottom, three bytes a pixel. Replaces the file only when complete. */
 SL_API sl_status sl_write_png(const char* path, int32_t width, int32_t height, const uint8_t* rgb);
 
@@ -646,9 +784,18 @@ typedef struct sl_ray {
   uint32_t layers;
   double origin[3], direction[3]; /* below 1e150 */
   double t_min, t_max;
+  int32_t hit_ghosts;     /* 0: rays go through items whose style is ghost */
+  int32_t leave_out_cuts; /* not 0: what section planes cut is no face, and rays see the insides */
+  int32_t section_mode;   /* SL_SECTIONS_... */
+  uint32_t section_count; /* up to SL_MAX_SECTIONS */
+  sl_plane sections[SL_MAX_SECTIONS];
 } sl_ray;
-#define SL_RAY_INIT \
-  { sizeof(sl_ray), SL_DEFAULT_LAYERS, {0}, {0.0, 1.0, 0.0}, 0.0, HUGE_VAL }
+#define SL_RAY_INIT                                                                                              \
+  {                                                                                                              \
+    sizeof(sl_ray), SL_DEFAULT_LAYERS, {0}, {0.0, 1.0, 0.0}, 0.0, HUGE_VAL, 0, 0, SL_SECTIONS_INTERSECTION, 0, { \
+      { {0}, 0 }                                                                                                 \
+    }                                                                                                            \
+  }
 
 enum { SL_REGION_CROSSING = 0, SL_REGION_WHOLLY = 1 };
 
@@ -660,6 +807,11 @@ typedef struct sl_visible_item {
 
 /* What the view shows at a point of the picture, in pixels from its upper left corner. */
 SL_API sl_status sl_engine_pick(sl_engine engine, const sl_view* view, double x, double y, sl_pick* pick);
+/* The same, and items whose style is ghost are hit as all others. */
+SL_API sl_status sl_engine_pick_ghosts(sl_engine engine, const sl_view* view, double x, double y, sl_pick* pick);
+/* Begins to build the ray tracer on another thread, unless there is one. Until it is there, picks wait for it, and
+ * frames do not: sl_engine_info.preparing_picks. */
+SL_API sl_status sl_engine_prepare_picks(sl_engine engine);
 SL_API sl_status sl_engine_pick_ray(sl_engine engine, const sl_ray* ray, sl_pick* pick);
 /* Items with any part (SL_REGION_CROSSING) or with all of them (SL_REGION_WHOLLY) in x0, y0, x1, y1 of the picture,
  * hidden or not, in rising order. */

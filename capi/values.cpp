@@ -71,4 +71,15 @@ core::View view_of(const sl_view* from) {
   return view;
 }
 
+std::function<bool(double)> progress_of(std::int32_t (*progress)(double share, void* user), void* user) {
+  if (!progress) return {};
+  return [progress, user](double share) {
+    try {
+      return progress(share, user) != 0;
+    } catch (...) {
+      return false;
+    }
+  };
+}
+
 }  // namespace sightline::capi

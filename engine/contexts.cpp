@@ -1,5 +1,6 @@
 // The engine and its context: made, lost, dropped, and given by the application, at once or in portions.
 #include <cassert>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -62,7 +63,7 @@ core::Expected<void> Engine::Impl::unless_lost(core::Expected<void> done) const 
 void Engine::Impl::drop_context() {
   drawing_.reset();
   coming_.reset();
-  next_try_ = 0.0;
+  next_try_ = config_.context_later ? std::numeric_limits<double>::infinity() : 0.0;
   if (hybrid_) hybrid_->gpu_lost();
 }
 

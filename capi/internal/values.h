@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -24,6 +25,10 @@ template <>
 inline constexpr std::size_t kFirstSize<sl_import_options> = offsetof(sl_import_options, cache_folder);
 template <>
 inline constexpr std::size_t kFirstSize<sl_import_report> = offsetof(sl_import_report, from_cache);
+template <>
+inline constexpr std::size_t kFirstSize<sl_engine_config> = offsetof(sl_engine_config, transparency);
+template <>
+inline constexpr std::size_t kFirstSize<sl_ray> = offsetof(sl_ray, hit_ghosts);
 
 /// No version will have a larger struct: a larger size was never set.
 inline constexpr std::size_t kMostSize = 4096;
@@ -117,5 +122,9 @@ core::AabbD box_of(const sl_box& box);
 sl_box box_of(const core::AabbD& box);
 core::Plane plane_of(const sl_plane& plane);
 core::View view_of(const sl_view* view);
+
+/// The caller's function; none where there is none. An exception that leaves it, in an application in C++, cancels: it
+/// could not pass the library's threads.
+std::function<bool(double)> progress_of(std::int32_t (*progress)(double share, void* user), void* user);
 
 }  // namespace sightline::capi

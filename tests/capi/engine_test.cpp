@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 
 #include <glm/gtc/type_ptr.hpp>
@@ -215,6 +216,92 @@ TEST_F(CapiEngine, PicksWhatCppPicks) {
   EXPECT_LT(hits, 200);
 }
 
+/// A style for one item in both APIs.
+void make_ghost(sl_engine engine, engine::Engine& twin, sl_item item) {
+  sl_item_style style = SL_ITEM_STYLE_INIT;
+  style.ghost = 1;
+  ASSERT_OK(sl_engine_set_override(engine, &item, 1, &style));
+  ASSERT_TRUE(twin.set_override({&item, 1}, {.ghost = true}));
+}
+
+TEST_F(CapiEngine, GhostsAreHitOnRequest) {
+  const BothViews view({7, -12, 7}, {7, 7, 7});
+  sl_pick solid = SL_PICK_INIT, pick = SL_PICK_INIT;
+  int found = 0;
+  for (int x = 5; x < 300; x += 15) {
+    ASSERT_OK(sl_engine_pick(engine, &view.c, x, 80, &solid));
+    if (solid.item == SL_NO_ITEM) continue;
+    ++found;
+    make_ghost(engine, *twin, solid.item);
+    ASSERT_OK(sl_engine_pick(engine, &view.c, x, 80, &pick));
+    EXPECT_NE(pick.item, solid.item);
+    expect_same(pick, *twin->pick(view.cpp, x, 80));
+    ASSERT_OK(sl_engine_pick_ghosts(engine, &view.c, x, 80, &pick));
+    EXPECT_EQ(pick.item, solid.item);
+    EXPECT_EQ(pick.t, solid.t);
+    ASSERT_OK(sl_engine_clear_override(engine, nullptr, 0));
+    ASSERT_TRUE(twin->clear_overrides());
+  }
+  EXPECT_GT(found, 5);
+  sl_ray ray = SL_RAY_INIT;
+  ray.origin[0] = 6, ray.origin[1] = -10, ray.origin[2] = 0.1;
+  ASSERT_OK(sl_engine_pick_ray(engine, &ray, &solid));
+  make_ghost(engine, *twin, solid.item);
+  ASSERT_OK(sl_engine_pick_ray(engine, &ray, &pick));
+  EXPECT_NE(pick.item, solid.item);
+  ray.hit_ghosts = 1;
+  ASSERT_OK(sl_engine_pick_ray(engine, &ray, &pick));
+  EXPECT_EQ(pick.item, solid.item);
+}
+
+TEST_F(CapiEngine, SectionsCutWhatRaysHit) {
+  sl_ray ray = SL_RAY_INIT;
+  ray.origin[0] = 2, ray.origin[1] = -10, ray.origin[2] = 0.1;  // along a row of items
+  ray.section_count = 2;
+  ray.section_mode = SL_SECTIONS_INTERSECTION;
+  ray.sections[0] = {{0, 1, 0}, -4.1};  // keeps what lies beyond y = 4.1
+  ray.sections[1] = {{1, 0, 0}, 100};
+  raytrace::RayFilter filter;
+  filter.sections = {{{0, 1, 0}, -4.1}, {{1, 0, 0}, 100}};
+  std::vector<double> distances;
+  for (const bool cuts : {true, false}) {
+    ray.leave_out_cuts = !cuts;
+    filter.cuts = cuts;
+    sl_pick pick = SL_PICK_INIT;
+    ASSERT_OK(sl_engine_pick_ray(engine, &ray, &pick));
+    expect_same(pick, *twin->pick(raytrace::Ray{{2, -10, 0.1}, {0, 1, 0}}, filter));
+    EXPECT_GE(pick.point[1], 4.1 - 1e-9);
+    EXPECT_EQ(pick.face == std::int32_t(raytrace::Face::kCut), cuts);
+    distances.push_back(pick.t);
+  }
+  EXPECT_LT(distances[0], distances[1]);
+  sl_pick pick = SL_PICK_INIT;
+  ray.section_mode = SL_SECTIONS_UNION;  // the second plane keeps everything
+  ASSERT_OK(sl_engine_pick_ray(engine, &ray, &pick));
+  EXPECT_LT(pick.point[1], 4.0);
+  ray.section_mode = 2;
+  EXPECT_EQ(sl_engine_pick_ray(engine, &ray, &pick), SL_ERROR_ARGUMENT);
+  ray.section_mode = 0, ray.section_count = SL_MAX_SECTIONS + 1;
+  EXPECT_EQ(sl_engine_pick_ray(engine, &ray, &pick), SL_ERROR_ARGUMENT);
+}
+
+TEST_F(CapiEngine, TheTracerIsMadeAhead) {
+  sl_engine_info info = SL_ENGINE_INFO_INIT;
+  ASSERT_OK(sl_engine_get(engine, &info));
+  EXPECT_EQ(info.preparing_picks, 0);
+  EXPECT_EQ(info.tracer_bytes, 0u);
+  ASSERT_OK(sl_engine_prepare_picks(engine));
+  do {
+    ASSERT_OK(sl_engine_get(engine, &info));
+  } while (info.preparing_picks);
+  const BothViews view({7, -12, 7}, {7, 7, 7});
+  sl_pick pick = SL_PICK_INIT;
+  ASSERT_OK(sl_engine_pick(engine, &view.c, 140, 80, &pick));
+  expect_same(pick, *twin->pick(view.cpp, 140, 80));
+  ASSERT_OK(sl_engine_get(engine, &info));
+  EXPECT_GT(info.tracer_bytes, 0u);
+}
+
 TEST_F(CapiEngine, PicksAlongRays) {
   sl_ray ray = SL_RAY_INIT;
   ray.origin[0] = 6, ray.origin[1] = -10, ray.origin[2] = 0.1;
@@ -317,6 +404,307 @@ TEST_F(CapiEngine, SaysWhatItUses) {
   EXPECT_NE(all.find("renderer: none\n"), std::string::npos) << all;
   for (const engine::PlanEntry& entry : twin->plan().entries)
     EXPECT_NE(all.find(entry.feature + (entry.used ? ": used: " : ": left out: ") + entry.why), std::string::npos);
+}
+
+// --- settings --------------------------------------------------------------------------------------------------------
+
+/// Settings of which none is the default, where that needs no GL.
+sl_engine_config other_settings(const sl_controller_config* controller) {
+  sl_engine_config c = SL_ENGINE_CONFIG_INIT;
+  c.culler = SL_CULLER_LINEAR;
+  c.width = 300, c.height = 200;
+  c.ids = 1, c.sample_test = 0, c.occlusion = SL_OCCLUSION_OFF;
+  c.contribution_way = SL_CONTRIBUTION_POINTS, c.contribution = 2.5f, c.budget_ms = 7.0;
+  c.samples = 4, c.use_hidden_colour = 1, c.hidden_colour[2] = 0.75f;
+  c.rebuild_share = 0.25f, c.gl_state = SL_GL_STATE_LEAVE, c.context_platform = SL_CONTEXT_OSMESA;
+  c.transparency = SL_TRANSPARENCY_BLENDED, c.outline_colour[1] = 0.125f;
+  c.relief_shading = 0.5f, c.relief_lines = 0.25f, c.hatching_strength = 0.75f, c.hatching_spacing = 9.0f;
+  c.part_index = 1, c.part_count = 3;
+  c.gl_debug = 1, c.context_later = 1, c.gpu_variant = SL_GPU_VARIANT_COMPUTE;
+  c.controller = controller;
+  return c;
+}
+
+sl_controller_config other_controller() {
+  return {sizeof(sl_controller_config),
+          SL_POLICY_2009,
+          0.5,
+          0.25,
+          0.75,
+          0.125,
+          0.0625,
+          0.375,
+          9,
+          3,
+          201,
+          17,
+          0.4,
+          21.0,
+          2e4,
+          0.2,
+          SL_TRIGGER_SHARE,
+          6,
+          501,
+          3,
+          1024,
+          0};
+}
+
+/// Equal byte by byte: neither has padding that is not zero.
+template <class T>
+bool same_bytes(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+TEST_F(CapiEngine, SettingsComeBack) {
+  sl_engine_config config, expected;
+  sl_controller_config controller;
+  for (const bool defaults : {true, false}) {
+    const sl_controller_config chosen_controller =
+        defaults ? sl_controller_config SL_CONTROLLER_CONFIG_INIT : other_controller();
+    std::memset(&expected, 0, sizeof expected);
+    const sl_engine_config chosen =
+        defaults ? sl_engine_config SL_ENGINE_CONFIG_INIT : other_settings(&chosen_controller);
+    sl_engine other = {0};
+    ASSERT_OK(sl_engine_create(c.scene, defaults ? nullptr : &chosen, &other));
+    expected = chosen;
+    expected.controller = nullptr;
+    std::memset(&config, 0, sizeof config), std::memset(&controller, 0, sizeof controller);
+    config.size = sizeof config, controller.size = sizeof controller;
+    ASSERT_OK(sl_engine_get_config(other, &config, &controller));
+    EXPECT_TRUE(same_bytes(config, expected)) << defaults;
+    EXPECT_TRUE(same_bytes(controller, chosen_controller)) << defaults;
+    ASSERT_OK(sl_engine_get_config(other, &config, nullptr));
+    EXPECT_OK(sl_engine_configure(other, &config)) << "they are as they are";
+    EXPECT_OK(sl_engine_destroy(other));
+  }
+}
+
+TEST_F(CapiEngine, DefaultsAreThoseOfCpp) {
+  sl_engine other = {0};
+  ASSERT_OK(sl_engine_create(c.scene, nullptr, &other));
+  sl_engine_config of_cpp = SL_ENGINE_CONFIG_INIT, of_c = SL_ENGINE_CONFIG_INIT;
+  sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
+  const engine::EngineConfig d;
+  ASSERT_OK(sl_engine_get_config(other, &of_c, &controller));
+  of_cpp.contribution = d.contribution, of_cpp.budget_ms = d.budget_ms, of_cpp.samples = d.samples;
+  of_cpp.rebuild_share = float(d.rebuild_share), of_cpp.transparency = std::int32_t(d.transparency);
+  for (int i = 0; i < 3; ++i) of_cpp.outline_colour[i] = d.outline_colour[i];
+  of_cpp.relief_shading = d.relief.shading, of_cpp.relief_lines = d.relief.lines;
+  of_cpp.hatching_strength = d.hatching.strength, of_cpp.hatching_spacing = d.hatching.spacing;
+  of_cpp.part_index = d.part.index, of_cpp.part_count = d.part.count;
+  EXPECT_TRUE(same_bytes(of_c, of_cpp));
+  const culling::FrameCostConfig cost;
+  const culling::Policy2009Config old;
+  EXPECT_EQ(controller.margin, cost.margin);
+  EXPECT_EQ(controller.probe_interval, cost.probe_interval);
+  EXPECT_EQ(controller.presumed_gpu_excess, cost.presumed_gpu_excess);
+  EXPECT_EQ(controller.slow_intersections, old.slow_intersections);
+  EXPECT_EQ(controller.most_gpu_frames, old.most_gpu_frames);
+  EXPECT_OK(sl_engine_destroy(other));
+}
+
+TEST_F(CapiEngine, SettingsChangeWhileItLives) {
+  const BothViews view({7, -20, 7}, {7, 7, 7});
+  sl_engine_config config = SL_ENGINE_CONFIG_INIT;
+  ASSERT_OK(sl_engine_get_config(engine, &config, nullptr));
+  config.budget_ms = 12.0;
+  config.culler = SL_CULLER_LINEAR;
+  ASSERT_OK(sl_engine_configure(engine, &config));
+  sl_engine_config now = SL_ENGINE_CONFIG_INIT;
+  ASSERT_OK(sl_engine_get_config(engine, &now, nullptr));
+  EXPECT_EQ(now.budget_ms, 12.0);
+  ASSERT_TRUE(twin->set_culler(engine::CullerChoice::kLinear));
+  compare_frame(view);
+  const auto refused = [&](const char* why, auto change) {
+    sl_engine_config changed = now;
+    change(changed);
+    EXPECT_EQ(sl_engine_configure(engine, &changed), SL_ERROR_FAILED) << why;
+    EXPECT_NE(std::strstr(sl_last_error(), why), nullptr) << sl_last_error();
+    sl_engine_config after = SL_ENGINE_CONFIG_INIT;
+    EXPECT_OK(sl_engine_get_config(engine, &after, nullptr));
+    EXPECT_TRUE(same_bytes(after, now)) << why;
+  };
+  refused("size", [](sl_engine_config& bad) { ++bad.width; });
+  refused("ids", [](sl_engine_config& bad) { bad.ids = 1; });
+  refused("part", [](sl_engine_config& bad) { bad.part_count = 2; });
+  refused("transparency", [](sl_engine_config& bad) { bad.transparency = SL_TRANSPARENCY_BLENDED; });
+  refused("shading and lines of relief", [](sl_engine_config& bad) { bad.relief_lines = 1.5f; });
+  refused("spacing of hatching", [](sl_engine_config& bad) { bad.hatching_spacing = 1.0f; });
+  config.transparency = 2;
+  EXPECT_EQ(sl_engine_configure(engine, &config), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_engine_configure(engine, nullptr), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_engine_get_config(engine, nullptr, nullptr), SL_ERROR_ARGUMENT);
+}
+
+TEST_F(CapiEngine, ControllersAreChecked) {
+  const auto refused = [&](const char* why, auto change) {
+    sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
+    change(controller);
+    sl_engine_config config = SL_ENGINE_CONFIG_INIT;
+    config.controller = &controller;
+    sl_engine other = {5};
+    EXPECT_EQ(sl_engine_create(c.scene, &config, &other), SL_ERROR_ARGUMENT) << why;
+    EXPECT_NE(std::strstr(sl_last_error(), why), nullptr) << sl_last_error();
+    EXPECT_EQ(other.id, 5u);
+  };
+  refused("finite numbers", [](sl_controller_config& k) { k.margin = std::nan(""); });
+  refused("finite numbers", [](sl_controller_config& k) { k.slow_ms = -1.0; });
+  refused("1 frame or more", [](sl_controller_config& k) { k.enter_frames = 0; });
+  refused("policy: no such value: 2", [](sl_controller_config& k) { k.policy = 2; });
+  refused("trigger: no such value: -1", [](sl_controller_config& k) { k.trigger = -1; });
+  refused("size", [](sl_controller_config& k) { k.size = 8; });
+  sl_controller_info info = SL_CONTROLLER_INFO_INIT;
+  ASSERT_OK(sl_engine_get_controller(engine, &info));
+  EXPECT_EQ(info.there, 0) << "no hybrid";
+}
+
+// --- creation --------------------------------------------------------------------------------------------------------
+
+struct Told {
+  sl_scene scene;
+  double last = -1.0, stop_at = 2.0;  // shares
+  int calls = 0;
+  static std::int32_t progress(double share, void* user) {
+    Told& told = *static_cast<Told*>(user);
+    EXPECT_GE(share, told.last);
+    EXPECT_EQ(sl_scene_commit(told.scene), SL_ERROR_BUSY);
+    told.last = share;
+    ++told.calls;
+    return share < told.stop_at;
+  }
+};
+
+TEST_F(CapiEngine, CreationTellsItsProgressAndStops) {
+  const BothViews view({7, -20, 7}, {7, 7, 7});
+  Told told{c.scene};
+  sl_engine_config config = SL_ENGINE_CONFIG_INIT;
+  config.progress = Told::progress, config.progress_user = &told;
+  sl_engine other = {0};
+  ASSERT_OK(sl_engine_create(c.scene, &config, &other));
+  EXPECT_EQ(told.last, 1.0);
+  EXPECT_GE(told.calls, 2);
+  EXPECT_OK(sl_engine_destroy(other));
+  told = {c.scene};
+  told.stop_at = 0.0;
+  other = {7};
+  EXPECT_EQ(sl_engine_create(c.scene, &config, &other), SL_ERROR_CANCELLED);
+  EXPECT_EQ(other.id, 7u);
+  EXPECT_EQ(told.calls, 1);
+  c.add(c.root, SL_SPHERE, translation(7, -15, 7));
+  ASSERT_OK(sl_engine_create(c.scene, nullptr, &other)) << "the scene still serves";
+  sl_frame_report report = SL_FRAME_REPORT_INIT;
+  ASSERT_OK(sl_engine_frame(other, &view.c, nullptr, &report));
+  EXPECT_EQ(report.visible, twin->frame(view.cpp)->visible + 1);
+  EXPECT_OK(sl_engine_destroy(other));
+}
+
+TEST_F(CapiEngine, AThrowingProgressCancels) {
+  sl_engine_config config = SL_ENGINE_CONFIG_INIT;
+  config.progress = [](double, void*) -> std::int32_t { throw 1; };
+  sl_engine other = {0};
+  EXPECT_EQ(sl_engine_create(c.scene, &config, &other), SL_ERROR_CANCELLED);
+  EXPECT_OK(sl_scene_commit(c.scene));
+}
+
+TEST_F(CapiEngine, PartsAreTogetherTheScene) {
+  const BothViews view({7, -20, 7}, {7, 7, 7});
+  std::vector<sl_item> all;
+  for (int part = 0; part < 3; ++part) {
+    sl_engine_config config = SL_ENGINE_CONFIG_INIT;
+    config.part_index = part, config.part_count = 3;
+    sl_engine one = {0};
+    ASSERT_OK(sl_engine_create(c.scene, &config, &one));
+    ASSERT_OK(sl_engine_frame(one, &view.c, nullptr, nullptr));
+    std::vector<sl_item> items(kGrid * kGrid * kGrid);
+    std::size_t count = 0;
+    ASSERT_OK(sl_engine_visible(one, items.data(), items.size(), &count));
+    EXPECT_GT(count, 50u);
+    all.insert(all.end(), items.begin(), items.begin() + std::ptrdiff_t(count));
+    EXPECT_OK(sl_engine_destroy(one));
+  }
+  ASSERT_TRUE(twin->frame(view.cpp));
+  std::sort(all.begin(), all.end());
+  EXPECT_EQ(all, visible_in_cpp());
+}
+
+// --- what culling makes of items, and parts of pictures --------------------------------------------------------------
+
+TEST_F(CapiEngine, CullStatesAreThoseOfCpp) {
+  const BothViews view({7, -12, 7}, {5, 7, 5});
+  ASSERT_OK(sl_item_remove(c.scene, 3));
+  scene.remove_item(3);
+  ASSERT_OK(sl_engine_commit(engine));
+  ASSERT_TRUE(twin->commit());
+  const auto expected = twin->cull_states(view.cpp);
+  ASSERT_TRUE(expected);
+  sl_cull_states states = SL_CULL_STATES_INIT;
+  ASSERT_OK(sl_engine_cull_states(engine, &view.c, &states));
+  ASSERT_EQ(states.item_count, std::size_t(kGrid * kGrid * kGrid));
+  ASSERT_EQ(states.box_count, expected->boxes.size());
+  std::vector<std::uint8_t> of_item(states.item_count, 9);
+  std::vector<sl_cull_box> boxes(states.box_count);
+  states.of_item = of_item.data(), states.item_capacity = of_item.size();
+  states.boxes = boxes.data(), states.box_capacity = boxes.size();
+  ASSERT_OK(sl_engine_cull_states(engine, &view.c, &states));
+  EXPECT_TRUE(std::equal(expected->items.begin(), expected->items.end(), states.items));
+  EXPECT_GT(std::min({states.items[SL_CULL_INSIDE], states.items[SL_CULL_INTERSECTING], states.items[SL_CULL_OUTSIDE]}),
+            5u);
+  const core::Snapshot& snapshot = twin->snapshot();
+  for (std::size_t slot = 0; slot < expected->of_slot.size(); ++slot)
+    if (const auto s = core::Slot(slot); !snapshot.vacant(s)) {
+      EXPECT_EQ(of_item[snapshot.item(s)], std::uint8_t(expected->of_slot[slot]));
+    }
+  EXPECT_EQ(of_item[3], SL_CULL_OUTSIDE) << "it is gone";
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    EXPECT_EQ(boxes[i].state, std::int32_t(expected->boxes[i].state));
+    EXPECT_EQ(boxes[i].items, expected->boxes[i].items);
+    EXPECT_EQ(glm::make_vec3(boxes[i].box.max), snapshot.bounds().origin + core::dvec3(expected->boxes[i].box.max));
+  }
+  of_item.assign(of_item.size(), 9);
+  states.item_capacity = 2;
+  ASSERT_OK(sl_engine_cull_states(engine, &view.c, &states));
+  EXPECT_EQ(std::count(of_item.begin(), of_item.end(), 9), std::ptrdiff_t(of_item.size() - 2));
+  states.of_item = nullptr;
+  EXPECT_EQ(sl_engine_cull_states(engine, &view.c, &states), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_engine_cull_states(engine, &view.c, nullptr), SL_ERROR_ARGUMENT);
+}
+
+TEST_F(CapiEngine, PartsOfPicturesAreCulledApart) {
+  const BothViews view({7, -20, 7}, {7, 7, 7}, 2.0);
+  std::int32_t width = 0, height = 0;
+  std::size_t count = 0;
+  ASSERT_OK(sl_picture_tiles(400, 200, 130, 3, &width, &height, nullptr, 0, &count));
+  const auto expected = engine::picture_tiles(400, 200, 130, 3);
+  ASSERT_TRUE(expected);
+  ASSERT_EQ(count, expected->tiles.size());
+  EXPECT_GT(count, 4u);
+  std::vector<sl_picture_tile> tiles(count);
+  ASSERT_OK(sl_picture_tiles(400, 200, 130, 3, &width, &height, tiles.data(), count, &count));
+  EXPECT_EQ(width, expected->width);
+  EXPECT_EQ(height, expected->height);
+  ASSERT_OK(sl_engine_resize(engine, width, height));
+  ASSERT_TRUE(twin->resize(width, height));
+  std::vector<bool> taken(400 * 200);
+  for (std::size_t i = 0; i < count; ++i) {
+    const sl_picture_tile& tile = tiles[i];
+    sl_frame_report report = SL_FRAME_REPORT_INIT;
+    ASSERT_OK(sl_engine_frame_part(engine, &view.c, &tile.part, &report));
+    EXPECT_EQ(report.visible, twin->frame_part(view.cpp, expected->tiles[i].part)->visible);
+    for (std::int32_t y = tile.y0; y < tile.y1; ++y)
+      for (std::int32_t x = tile.x0; x < tile.x1; ++x) {
+        EXPECT_FALSE(taken[std::size_t(y * 400 + x)]);
+        taken[std::size_t(y * 400 + x)] = true;
+      }
+  }
+  EXPECT_EQ(std::count(taken.begin(), taken.end(), false), 0);
+  EXPECT_EQ(sl_engine_frame_part(engine, &view.c, nullptr, nullptr), SL_ERROR_ARGUMENT);
+  const sl_picture_part nothing = {0, 10, 0.0, 0.0};
+  EXPECT_EQ(sl_engine_frame_part(engine, &view.c, &nothing, nullptr), SL_ERROR_FAILED);
+  EXPECT_EQ(sl_picture_tiles(400, 200, 10, 0, &width, &height, nullptr, 0, &count), SL_ERROR_FAILED);
+  EXPECT_EQ(sl_picture_tiles(1 << 30, 200, 100, 0, &width, &height, nullptr, 0, &count), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_picture_tiles(400, 200, 100, 0, nullptr, &height, nullptr, 0, &count), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_picture_tiles(400, 200, 100, 0, &width, &height, nullptr, 1, &count), SL_ERROR_ARGUMENT);
 }
 
 TEST_F(CapiEngine, TwoEnginesFollowOneScene) {

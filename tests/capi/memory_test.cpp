@@ -108,6 +108,21 @@ TEST(CapiMemory, RunsOutInEngines) {
       sl_pick pick = SL_PICK_INIT;
       return sl_engine_pick(f.engine, &view.c, 640, 360, &pick);
     });
+  run_out("sl_engine_configure", [&](Filled& f) {
+    sl_engine_config config = SL_ENGINE_CONFIG_INIT;
+    config.culler = SL_CULLER_CPU;
+    return sl_engine_configure(f.engine, &config);
+  });
+  run_out("sl_engine_cull_states", [&](Filled& f) {
+    std::uint8_t of_item[8];
+    sl_cull_states states = SL_CULL_STATES_INIT;
+    states.of_item = of_item, states.item_capacity = 8;
+    return sl_engine_cull_states(f.engine, &view.c, &states);
+  });
+  run_out("sl_engine_frame_part", [&](Filled& f) {
+    const sl_picture_part part = {4000, 3000, 100.0, 50.0};
+    return sl_engine_frame_part(f.engine, &view.c, &part, nullptr);
+  });
 }
 
 TEST(CapiMemory, RunsOutInQueries) {

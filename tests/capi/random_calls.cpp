@@ -221,10 +221,22 @@ class Sequence {
     if (in_.one_in(8)) config.rebuild_share = in_.small();
     if (in_.one_in(16)) config.occlusion = in_.integer();
     if (in_.one_in(16)) config.contribution_way = in_.integer();
+    if (in_.one_in(16)) config.transparency = in_.integer();
+    if (in_.one_in(16)) config.gpu_variant = in_.integer();
+    if (in_.one_in(16)) config.part_index = in_.integer(), config.part_count = in_.integer();
+    if (in_.one_in(8)) config.relief_shading = in_.small(), config.relief_lines = in_.small();
+    if (in_.one_in(8)) config.hatching_strength = in_.small(), config.hatching_spacing = float(in_.number());
+    sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
+    controller.policy = in_.integer(), controller.trigger = in_.integer(), controller.margin = in_.number();
+    controller.gpu_frames = in_.below(4), controller.dwell_frames = in_.below(4);
+    if (in_.one_in(8)) config.controller = sized(controller);
     const sl_scene of = scene();
+    importing_ = of;
+    const bool told = in_.one_in(4);
+    if (told) config.progress = progress, config.progress_user = this;
     sl_engine made = {0};
     if (alive_.engines.size() >= kMostEngines) return;
-    if (check(sl_engine_create(of, sized(config), in_.one_in(32) ? nullptr : &made), of) == SL_OK) {
+    if (check(sl_engine_create(of, told ? &config : sized(config), in_.one_in(32) ? nullptr : &made), of) == SL_OK) {
       keep(made_.engines, made.id);
       alive_.engines.insert(made.id);
     }
@@ -543,7 +555,71 @@ class Sequence {
     std::size_t capacity = 0;
     sl_item items[kRoom];
     const double rectangle[4] = {in_.number(), in_.number(), in_.number() + 16, in_.number() + 16};
-    switch (in_.below(28)) {
+    switch (in_.below(34)) {
+      case 28: {
+        sl_engine_config config = SL_ENGINE_CONFIG_INIT;
+        sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
+        check(sl_engine_get_config(by, sized(config), in_.one_in(2) ? nullptr : sized(controller)), by);
+        config.controller = in_.one_in(4) ? sized(controller) : nullptr;
+        if (in_.one_in(2)) config.culler = draws_ ? in_.integer() : std::int32_t(in_.below(3));
+        if (in_.one_in(2)) config.contribution = in_.small(), config.budget_ms = in_.number();
+        if (in_.one_in(2)) config.relief_shading = in_.small(), config.hatching_strength = in_.small();
+        if (in_.one_in(8)) config.ids = in_.integer(), config.samples = in_.integer();
+        check(sl_engine_configure(by, sized(config)), by);
+        return;
+      }
+      case 29: {
+        sl_cull_states states = SL_CULL_STATES_INIT;
+        std::uint8_t of_item[kRoom];
+        sl_cull_box boxes[kRoom];
+        states.of_item = buffer(of_item, states.item_capacity);
+        states.boxes = buffer(boxes, states.box_capacity);
+        check(sl_engine_cull_states(by, view(), sized(states)), by);
+        return;
+      }
+      case 30: {
+        sl_picture_tile tiles[kRoom];
+        sl_picture_tile* to = buffer(tiles, capacity);
+        std::int32_t width = 0, height = 0;
+        const std::int32_t wide = in_.one_in(16) ? in_.integer() : std::int32_t(100 * in_.below(8));
+        const std::int32_t high = in_.one_in(16) ? in_.integer() : std::int32_t(100 * in_.below(8));
+        const sl_status made = sl_picture_tiles(wide, high, std::int32_t(in_.byte()), in_.integer(), &width, &height,
+                                                to, capacity, count());
+        const sl_picture_part part = made == SL_OK && capacity > 0
+                                         ? tiles[0].part
+                                         : sl_picture_part{in_.integer(), in_.integer(), in_.number(), in_.number()};
+        check(sl_engine_frame_part(by, view(), in_.one_in(16) ? nullptr : &part, nullptr), by);
+        return;
+      }
+      case 31: {
+        sl_external_target target = SL_EXTERNAL_TARGET_INIT;
+        target.width = std::int32_t(in_.below(64)), target.height = std::int32_t(in_.below(64));
+        for (sl_item& item : items) item = in_.below(48);
+        check(sl_engine_draw_outline(by, view(), in_.one_in(16) ? nullptr : items, in_.below(4), sized(target)), by);
+        return;
+      }
+      case 32: {
+        sl_loss_report loss = SL_LOSS_REPORT_INIT;
+        sl_controller_info controller = SL_CONTROLLER_INFO_INIT;
+        std::int32_t covered = 0;
+        std::uint32_t framebuffer = 0;
+        check(sl_engine_loss(by, view(), sized(loss)), by);
+        check(sl_engine_get_controller(by, sized(controller)), by);
+        check(sl_engine_covered(by, in_.one_in(16) ? nullptr : &covered), by);
+        check(sl_engine_framebuffer(by, in_.one_in(16) ? nullptr : &framebuffer), by);
+        check(sl_engine_renderer(by, room_for_text()), by);
+        check(sl_engine_take_gl_errors(by, room_for_text()), by);
+        return;
+      }
+      case 33: {
+        sl_pick pick = SL_PICK_INIT;
+        std::int32_t complete = 0;
+        check(in_.one_in(2) ? sl_engine_prepare_picks(by)
+                            : sl_engine_pick_ghosts(by, view(), in_.number(), in_.number(), sized(pick)),
+              by);
+        check(sl_engine_use_context_for(by, nullptr, nullptr, in_.number(), &complete), by);
+        return;
+      }
       case 24: {
         sl_item_style style = SL_ITEM_STYLE_INIT;
         style.use_colour = in_.integer(), style.alpha = in_.small(), style.colour[0] = in_.small();
@@ -649,6 +725,10 @@ class Sequence {
         sl_ray ray = SL_RAY_INIT;
         for (int i = 0; i < 3; ++i) ray.origin[i] = in_.number(), ray.direction[i] = in_.number();
         if (in_.one_in(4)) ray.t_min = in_.number(), ray.t_max = in_.number();
+        ray.hit_ghosts = in_.one_in(2), ray.leave_out_cuts = in_.one_in(2);
+        ray.section_count = in_.one_in(16) ? in_.byte() : in_.below(3);
+        ray.section_mode = in_.one_in(16) ? in_.integer() : std::int32_t(in_.below(2));
+        for (sl_plane& plane : ray.sections) plane = {{in_.number(), in_.number(), in_.number()}, in_.number()};
         check(sl_engine_pick_ray(by, sized(ray), sized(pick)), by);
         return;
       }

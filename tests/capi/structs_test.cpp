@@ -123,11 +123,20 @@ TEST(CapiStructs, LayoutsAreThoseOfTheFirstVersion) {
     EXPECT_EQ(sizeof(sl_frame_report), 112u);
     EXPECT_EQ(sizeof(sl_late_report), 40u);
     EXPECT_EQ(sizeof(sl_engine_info), 56u);
-    EXPECT_EQ(sizeof(sl_engine_config), 104u);
+    EXPECT_EQ(capi::kFirstSize<sl_engine_config>, 104u);
+    EXPECT_EQ(sizeof(sl_engine_config), 184u);
+    EXPECT_EQ(sizeof(sl_controller_config), 128u);
+    EXPECT_EQ(sizeof(sl_loss_report), 24u);
+    EXPECT_EQ(sizeof(sl_controller_info), 40u);
+    EXPECT_EQ(sizeof(sl_cull_states), 96u);
+    EXPECT_EQ(sizeof(sl_cull_box), 56u);
+    EXPECT_EQ(sizeof(sl_picture_part), 24u);
+    EXPECT_EQ(sizeof(sl_picture_tile), 40u);
     EXPECT_EQ(sizeof(sl_external_target), 56u);
     EXPECT_EQ(sizeof(sl_item_style), 32u);
     EXPECT_EQ(sizeof(sl_pick), 80u);
-    EXPECT_EQ(sizeof(sl_ray), 72u);
+    EXPECT_EQ(capi::kFirstSize<sl_ray>, 72u);
+    EXPECT_EQ(sizeof(sl_ray), 344u);
     EXPECT_EQ(sizeof(sl_visible_item), 16u);
   }
 }
