@@ -13,12 +13,14 @@ namespace sightline::engine {
 struct PicturePart {
   int width = 0, height = 0;  ///< of the whole picture, pixels
   double x = 0.0, y = 0.0;    ///< of the part's upper left corner in it
+  friend bool operator==(const PicturePart&, const PicturePart&) = default;
 };
 
 /// A part, and the rectangle of the whole picture that is taken from it: x0 ≤ x < x1, y0 ≤ y < y1, rows from the top.
 struct PictureTile {
   PicturePart part;
   int x0, y0, x1, y1;
+  friend bool operator==(const PictureTile&, const PictureTile&) = default;
 };
 
 /// All parts have one size. Their rectangles cover the picture, each pixel once.

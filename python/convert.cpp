@@ -56,10 +56,10 @@ std::string to_bytes(const py::str& text) {
   return bytes;
 }
 
-std::size_t one_of(const char* argument, const std::string& text, std::initializer_list<std::string_view> names) {
+std::size_t one_of(const char* argument, const std::string& text, std::span<const std::string_view> names) {
   std::string expected;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::string_view name = names.begin()[i];
+    const std::string_view name = names[i];
     if (name == text) return i;
     expected.append(i == 0 ? "" : i + 1 == names.size() ? " or " : ", ").append(name);
   }

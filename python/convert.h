@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -47,7 +48,11 @@ py::str to_text(std::string_view bytes);
 std::string to_bytes(const py::str& text);
 
 /// Position of `text` among `names`. Fails with the names.
-std::size_t one_of(const char* argument, const std::string& text, std::initializer_list<std::string_view> names);
+std::size_t one_of(const char* argument, const std::string& text, std::span<const std::string_view> names);
+inline std::size_t one_of(const char* argument, const std::string& text,
+                          std::initializer_list<std::string_view> names) {
+  return one_of(argument, text, std::span(names.begin(), names.size()));
+}
 
 /// "(N, 3)": lengths below 0 are any.
 using Shape = std::vector<py::ssize_t>;

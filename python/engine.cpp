@@ -1,10 +1,11 @@
 // The engine: frames, pictures, picks and queries.
 //
 // An engine's calls are long: they release the GIL. An engine's own context is current during its calls alone, so any
-// thread may call, and Python may free the engine on any.
+// thread may call, and Python may free the engine on any. With a context of the application's, its thread calls.
 #include "sightline/engine/engine.h"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -12,12 +13,14 @@
 #include "sightline/core/camera_path.h"
 #include "sightline/engine/item_style.h"
 #include "sightline/engine/pick.h"
-#include "sightline/gl/context.h"
 #include "sightline/image/image.h"
+#include "sightline/python/config.h"
+#include "sightline/python/engine_box.h"
 #include "sightline/python/module.h"
+#include "sightline/python/names.h"
 #include "sightline/python/pictures.h"
 #include "sightline/python/planes.h"
-#include "sightline/python/scene.h"
+#include "sightline/python/reports.h"
 #include "sightline/raytrace/exact_visibility.h"
 
 namespace sightline::python {
@@ -27,60 +30,8 @@ using engine::CullerChoice;
 using engine::EngineConfig;
 
 CullerChoice culler_of(const std::string& name) {
-  return CullerChoice(one_of("culler", name, {"automatic", "linear", "cpu", "gpu", "hybrid"}));
+  return enumerator_of<CullerChoice>("culler", name);
 }
-
-/// An engine with its scene and context. After close() all calls fail.
-class EngineBox {
- public:
-  EngineBox(ScenePtr scene, const EngineConfig& config)
-      : scene_(std::move(scene)), width_(config.width), height_(config.height) {
-    core::Expected<void> done;
-    {
-      const LongCall call({gate_, Use::kWrite}, {scene_->gate, Use::kWrite});
-      auto made = engine::Engine::create(scene_->scene, config);
-      if (made)
-        engine_ = std::move(*made);
-      else
-        done = tl::unexpected(made.error());
-    }
-    unwrap(std::move(done));
-  }
-  EngineBox(const EngineBox&) = delete;
-  EngineBox& operator=(const EngineBox&) = delete;
-
-  void close() {
-    const LongCall call({gate_, Use::kWrite});
-    engine_.reset();
-  }
-  bool closed() {
-    gate_.pass(Use::kRead);
-    return !engine_;
-  }
-  const ScenePtr& scene() const { return scene_; }
-  int width() const { return width_; }
-  int height() const { return height_; }
-
-  /// What `work` returns for the engine, called without the GIL. `scene_use`: what it does with the scene.
-  template <class Work>
-  auto call(const Work& work, Use scene_use = Use::kRead) {
-    const LongCall use({gate_, Use::kWrite}, {scene_->gate, scene_use});
-    if (!engine_) fail("engine: it is closed");
-    return work(*engine_);
-  }
-
-  core::Expected<void> resize(int width, int height) {
-    auto done = call([&](engine::Engine& e) { return e.resize(width, height); });
-    if (done) width_ = width, height_ = height;
-    return done;
-  }
-
- private:
-  ScenePtr scene_;
-  Gate gate_;
-  int width_, height_;  // of the picture, in pixels
-  std::optional<engine::Engine> engine_;
-};
 
 void check_size(int width, int height) {
   if (width < 1 || height < 1)
@@ -88,40 +39,74 @@ void check_size(int width, int height) {
          std::to_string(height));
 }
 
-std::unique_ptr<EngineBox> make_engine(const ScenePtr& scene, bool draw, int width, int height, bool ids,
-                                       const std::string& culler, bool sample_test, const std::string& occlusion,
-                                       float contribution, const std::string& contribution_way, double budget_ms,
-                                       const py::object& hidden_colour, int samples, bool gl_debug,
-                                       const std::optional<std::filesystem::path>& program_cache, double rebuild_share,
-                                       const std::optional<std::string>& gpu_pass, const std::string& policy,
-                                       const std::string& context) {
+std::unique_ptr<EngineBox> make_engine(const ScenePtr& scene, std::span<const py::object> fixed,
+                                       std::span<const py::object> changeable, const py::object& get_proc,
+                                       const py::object& progress) {
   EngineConfig config;
-  config.draw = draw;
-  config.width = width;
-  config.height = height;
-  config.ids = ids;
-  config.culler = culler_of(culler);
-  config.sample_test = sample_test;
-  config.occlusion = engine::OcclusionChoice(one_of("occlusion", occlusion, {"off", "on", "auto"}));
-  config.contribution = contribution;
-  config.contribution_way =
-      engine::ContributionWay(one_of("contribution_way", contribution_way, {"drop", "points", "stochastic"}));
-  config.budget_ms = budget_ms;
-  if (!hidden_colour.is_none()) config.hidden_colour = core::vec3(vector3(hidden_colour, "hidden_colour"));
-  config.samples = samples;
-  config.gl_debug = gl_debug;
-  config.program_cache = program_cache;
-  config.rebuild_share = rebuild_share;
-  if (gpu_pass) config.gpu_culler.variant = culling::GpuVariant(one_of("gpu_pass", *gpu_pass, {"geometry", "compute"}));
-  config.controller.policy = culling::Policy(one_of("policy", policy, {"frame-cost", "2009"}));
-  config.context_platform = unwrap(gl::parse_platform(context));
-  check_size(width, height);
-  return std::make_unique<EngineBox>(scene, config);
+  set_all(config, kFixed, fixed);
+  set_all(config, kChangeable, changeable);
+  check_size(config.width, config.height);
+  return std::make_unique<EngineBox>(scene, config, get_proc, progress);
+}
+
+void configure(EngineBox& box, std::span<const py::object> changeable) {
+  EngineConfig config = box.call([](engine::Engine& e) { return e.config(); });
+  set_all(config, kChangeable, changeable);
+  unwrap(box.call([&](engine::Engine& e) {
+    // Another thread may have resized the picture or changed the context meanwhile.
+    config.width = e.config().width, config.height = e.config().height;
+    config.context = e.config().context;
+    config.context_later = e.config().context_later;
+    return e.configure(config);
+  }));
 }
 
 engine::FrameReport frame(EngineBox& box, const core::View& view, const std::optional<core::View>& cull_view) {
   const core::View seen = view;  // Python may change the view meanwhile
   return unwrap(box.call([&](engine::Engine& e) { return cull_view ? e.frame(seen, *cull_view) : e.frame(seen); }));
+}
+
+engine::FrameReport frame_into(EngineBox& box, const core::View& view, const core::ExternalTarget& target) {
+  check_target(target);
+  const core::View seen = view;
+  const core::ExternalTarget into = target;
+  return box.frame_into(seen, into);
+}
+
+engine::FrameReport frame_part(EngineBox& box, const core::View& whole, const engine::PicturePart& part) {
+  const core::View seen = whole;
+  const engine::PicturePart drawn = part;
+  return unwrap(box.call([&](engine::Engine& e) { return e.frame_part(seen, drawn); }));
+}
+
+void draw_outline(EngineBox& box, const core::View& view, const py::object& items, const core::ExternalTarget& target) {
+  check_target(target);
+  const auto ids = item_ids(items, "items");
+  const core::View seen = view;
+  const core::ExternalTarget over = target;
+  unwrap(box.call([&](engine::Engine& e) { return e.draw_outline(seen, ids, over); }));
+}
+
+engine::LossReport loss(EngineBox& box, const core::View& view) {
+  const core::View drawn = view;
+  return unwrap(box.call([&](engine::Engine& e) { return e.loss(drawn); }));
+}
+
+ItemStates cull_states(EngineBox& box, const core::View& view) {
+  const core::View seen = view;
+  return unwrap(box.call([&](engine::Engine& e) {
+    return e.cull_states(seen).map([&](const culling::CullStates& states) {
+      return states_by_item(states, e.snapshot(), box.scene()->scene.item_slots());
+    });
+  }));
+}
+
+std::optional<ControllerReport> controller(EngineBox& box) {
+  return box.call([](engine::Engine& e) -> std::optional<ControllerReport> {
+    const culling::Controller* c = e.controller();
+    if (!c) return std::nullopt;
+    return ControllerReport{c->state(), c->frames(), c->switches(), c->probes()};
+  });
 }
 
 /// Ids of the items that the last frame's culler on the CPU found.
@@ -169,17 +154,25 @@ std::optional<Picked> picked(const EngineBox& box, Pick&& pick) {
   return Picked{box.scene(), *hit};
 }
 
-std::optional<Picked> pick(EngineBox& box, const core::View& view, double x, double y) {
+engine::Ghosts ghosts_of(bool hit) {
+  return hit ? engine::Ghosts::kHit : engine::Ghosts::kPassed;
+}
+
+std::optional<Picked> pick(EngineBox& box, const core::View& view, double x, double y, bool ghosts) {
   const core::View seen = view;
-  return picked(box, box.call([&](engine::Engine& e) { return e.pick(seen, x, y); }));
+  return picked(box, box.call([&](engine::Engine& e) { return e.pick(seen, x, y, ghosts_of(ghosts)); }));
 }
 
 std::optional<Picked> pick_ray(EngineBox& box, const py::object& origin, const py::object& direction, double t_min,
-                               double t_max, std::uint32_t layers) {
+                               double t_max, std::uint32_t layers, bool ghosts, const py::object& sections,
+                               const std::string& section_mode, bool cuts) {
   const raytrace::Ray ray{vector3(origin, "origin"), vector3(direction, "direction"), t_min, t_max};
   raytrace::RayFilter filter;
   filter.layers = layers;
-  return picked(box, box.call([&](engine::Engine& e) { return e.pick(ray, filter); }));
+  if (!sections.is_none()) filter.sections = section_planes(sections, "sections");
+  filter.section_mode = core::SectionMode(one_of("section_mode", section_mode, {"intersection", "union"}));
+  filter.cuts = cuts;
+  return picked(box, box.call([&](engine::Engine& e) { return e.pick(ray, filter, ghosts_of(ghosts)); }));
 }
 
 engine::PixelRectangle rectangle_of(py::handle value) {
@@ -267,48 +260,6 @@ void isolate(EngineBox& box, const std::vector<Node>& nodes) {
   unwrap(box.call([&](engine::Engine& e) { return e.isolate(ids); }));
 }
 
-// --- reports ---------------------------------------------------------------------------------------------------------
-
-void bind_reports(py::module_& m) {
-  using engine::FrameReport;
-  py::class_<FrameReport>(m, "FrameReport", "What a frame did. Times in milliseconds of wall clock.")
-      .def_readonly("frame", &FrameReport::frame, "Frames before this one.")
-      .def_property_readonly(
-          "culler", [](const FrameReport& r) { return std::string(name_of(r.culler)); },
-          "That culled it: \"linear\", \"cpu\" or \"gpu\".")
-      .def_readonly("cull_ms", &FrameReport::cull_ms, "The culler alone.")
-      .def_readonly("draw_ms", &FrameReport::draw_ms, "Waiting, then making and submitting the draw lists.")
-      .def_readonly("wait_ms", &FrameReport::wait_ms, "Of draw_ms: until the frame before the last was drawn.")
-      .def_readonly("frame_ms", &FrameReport::frame_ms, "Since the last frame began; 0 for the first.")
-      .def_readonly("drawn", &FrameReport::drawn, "False without drawing, and while the context is lost.")
-      .def_readonly("visible", &FrameReport::visible, "Items in the view volume; -1: the GPU alone knows.")
-      .def_readonly("tested", &FrameReport::tested, "Boxes tested; -1: the GPU alone knows.")
-      .def_readonly("sampled", &FrameReport::sampled, "Items that may cover a sample; -1: unknown.")
-      .def_readonly("shown", &FrameReport::shown, "Items drawn; -1: unknown.")
-      .def_readonly("small", &FrameReport::small, "Items below `contribution`.")
-      .def_readonly("squares", &FrameReport::squares, "Items drawn as one square.")
-      .def_readonly("pending", &FrameReport::pending, "Items that `budget_ms` did not suffice for.")
-      .def("__repr__", [](const FrameReport& r) {
-        return "<sightline.FrameReport " + std::to_string(r.frame) + ": " + std::to_string(r.visible) + " visible, " +
-               std::to_string(r.shown) + " shown>";
-      });
-  py::class_<engine::LateReport>(m, "LateReport", "What the GPU culler found in an earlier frame.")
-      .def_readonly("frame", &engine::LateReport::frame, "FrameReport.frame of that frame.")
-      .def_readonly("visible", &engine::LateReport::visible, "Items in the view volume.")
-      .def_readonly("gpu_cull_ms", &engine::LateReport::gpu_cull_ms, "On the GPU's clock; -1: not known.")
-      .def_readonly("shown", &engine::LateReport::shown, "Items drawn; -1 without drawing.");
-  py::class_<engine::PlanEntry>(m, "PlanEntry", "A feature that the engine uses or leaves out.")
-      .def_readonly("feature", &engine::PlanEntry::feature, "Its name.")
-      .def_readonly("used", &engine::PlanEntry::used, "Whether the scene needs it.")
-      .def_readonly("why", &engine::PlanEntry::why, "The reason.");
-  py::class_<engine::MemoryReport>(m, "MemoryReport", "Bytes held, and what for.")
-      .def_readonly("scene", &engine::MemoryReport::scene, "The scene graph.")
-      .def_readonly("snapshot", &engine::MemoryReport::snapshot, "The scene flattened.")
-      .def_readonly("bvh", &engine::MemoryReport::bvh, "The culler's hierarchy.")
-      .def_readonly("gpu", &engine::MemoryReport::gpu, "In the context.")
-      .def_readonly("tracer", &engine::MemoryReport::tracer, "The ray tracer; 0 before the first pick.");
-}
-
 // --- the class -------------------------------------------------------------------------------------------------------
 
 using EngineClass = py::class_<EngineBox>;
@@ -317,6 +268,19 @@ using namespace py::literals;
 void bind_frames(EngineClass& c) {
   c.def("frame", &frame, "view"_a, "cull_view"_a = py::none(),
         "Culls and, with `draw`, draws. `cull_view`: draws from `view` what lies in the volume of this one.")
+      .def("frame_into", &frame_into, "view"_a, "target"_a,
+           "As frame(view), and puts the picture into a framebuffer of the application's context, with the depth test. "
+           "The picture gets the target's size. Needs `draw` and `get_proc`.")
+      .def("frame_part", &frame_part, "whole"_a, "part"_a,
+           "Draws a part of a picture of the view `whole`, which may be larger than any framebuffer: see "
+           "picture_tiles(). The part has the engine's size.")
+      .def("draw_outline", &draw_outline, "view"_a, "items"_a, "target"_a,
+           "Draws a line around items over a framebuffer that shows the last frame's picture, of this view and of the "
+           "target's size, in the time that these items take alone.")
+      .def("loss", &loss, "view"_a,
+           "What the last frame, of this view, has left out by `contribution` and `budget_ms`. Waits for the GPU.")
+      .def("cull_states", &cull_states, "view"_a,
+           "What culling makes of each item in the view. Draws for that: the last frame's picture is gone.")
       .def(
           "finish", [](EngineBox& b) { b.call([](engine::Engine& e) { e.finish(); }); },
           "Waits until everything submitted is drawn.")
@@ -347,17 +311,30 @@ void bind_frames(EngineClass& c) {
       .def(
           "covered", [](EngineBox& b) { return unwrap(b.call([](engine::Engine& e) { return e.covered(); })); },
           "Whether any pixel shows anything but the background.")
+      .def(
+          "framebuffer", [](EngineBox& b) { return unwrap(b.call([](engine::Engine& e) { return e.framebuffer(); })); },
+          "GL's name of the framebuffer with the last frame's picture, in the context that the engine draws with.")
       .def("visible_items", &visible_items,
            "Ids of the items that the last frame's culler found in the view volume, uint32, rising. Empty when the GPU "
            "culled.");
 }
 
 void bind_queries(EngineClass& c) {
-  c.def("pick", &pick, "view"_a, "x"_a, "y"_a,
-        "What the view shows at a point, in pixels from the upper left corner; None where nothing is. The first pick "
-        "builds the ray tracer.")
+  c.def("pick", &pick, "view"_a, "x"_a, "y"_a, py::kw_only(), "ghosts"_a = false,
+        "What the view shows at a point, in pixels from the upper left corner; None where nothing is. `ghosts`: hits "
+        "items whose style is ghost, too. The first pick builds the ray tracer, unless prepare_picks() has.")
       .def("pick_ray", &pick_ray, "origin"_a, "direction"_a, py::kw_only(), "t_min"_a = 0.0,
-           "t_max"_a = core::kInfiniteFar, "layers"_a = core::kDefaultLayerMask, "What a ray hits first, or None.")
+           "t_max"_a = core::kInfiniteFar, "layers"_a = core::kDefaultLayerMask, "ghosts"_a = false,
+           "sections"_a = py::none(), "section_mode"_a = "intersection", "cuts"_a = true,
+           "What a ray hits first, or None. `sections`: as of a View; `cuts`: what they cut open is a face, otherwise "
+           "rays see the insides.")
+      .def(
+          "prepare_picks", [](EngineBox& b) { b.call([](engine::Engine& e) { e.prepare_picks(); }); },
+          "Begins to build the ray tracer in the background, unless there is one. Until then picks wait for it; frames "
+          "do not.")
+      .def_property_readonly(
+          "preparing_picks", [](EngineBox& b) { return b.call([](engine::Engine& e) { return e.preparing_picks(); }); },
+          "Whether that is going on, so that a pick would wait.")
       .def("items_in", &items_in, "view"_a, "rectangle"_a, "rule"_a = "crossing",
            "Ids of the items in a rectangle (x0, y0, x1, y1) of the picture, hidden or not, uint32, rising. `rule`: "
            "\"crossing\" (any part) or \"wholly\".")
@@ -420,7 +397,7 @@ void bind_state(EngineClass& c) {
           "resize",
           [](EngineBox& b, int width, int height) {
             check_size(width, height);
-            unwrap(b.resize(width, height));
+            b.resize(width, height);
           },
           "width"_a, "height"_a, "Draws in another size from the next frame on.")
       .def_property_readonly(
@@ -439,51 +416,98 @@ void bind_state(EngineClass& c) {
       .def_property_readonly(
           "memory", [](EngineBox& b) { return b.call([](engine::Engine& e) { return e.memory(); }); },
           "Bytes held, and what for.")
+      .def_property_readonly("controller", &controller, "What the hybrid's controller has done; None without one.")
+      .def_property_readonly(
+          "config", [](EngineBox& b) { return settings_of(b.call([](engine::Engine& e) { return e.config(); })); },
+          "All settings as they are now: a dict of the constructor's keyword arguments.")
       .def_property_readonly("width", &EngineBox::width, "Of the picture, in pixels.")
       .def_property_readonly("height", &EngineBox::height, "Of the picture, in pixels.")
       .def_property_readonly("scene", &EngineBox::scene, "The scene that it shows. The engine keeps it alive.");
 }
 
+template <std::size_t>
+using Any = const py::object&;
+
+constexpr const char* kEngineDoc =
+    "Commits the scene and builds what it needs.\n\n"
+    "draw: offscreen, in `width` x `height` pixels; False needs no GL.\n"
+    "ids: an image of item ids beside colour and depth.\n"
+    "samples: per pixel, 1 to 32.\n"
+    "transparency: \"dither\" or \"blended\".\n"
+    "part: (index, count), draws and culls one of `count` parts of the scene alone.\n"
+    "rebuild_share: share of slots out of order that starts a rebuild in the background; 0: never.\n"
+    "gpu_pass: \"geometry\", \"compute\", or None: the faster one, as measured.\n"
+    "context: where it draws: \"auto\", \"egl\", \"egl-surfaceless\", \"egl-device\" or \"osmesa\".\n"
+    "context_later: no context until use_context().\n"
+    "gl_state: what calls leave of what the application has in GL: \"restore\" all, or \"leave\" it changed.\n"
+    "gl_debug: collect the driver's messages.\n"
+    "program_cache: folder of linked programs; None: the user's cache; \"\": none.\n"
+    "culler: \"automatic\", \"linear\", \"cpu\", \"gpu\" or \"hybrid\".\n"
+    "sample_test, occlusion (\"off\", \"on\", \"auto\"): leave out what cannot be seen; no pixel is lost.\n"
+    "contribution: leave out items below so many pixels; contribution_way: \"drop\", \"points\", \"stochastic\".\n"
+    "budget_ms: time for a frame; 0: any.\n"
+    "hidden_colour: (r, g, b) of what the tests leave out, in frames with a `cull_view`.\n"
+    "outline_colour: (r, g, b) of outlines.\n"
+    "relief_shading, relief_lines: 0 to 1, darkness of corners and along edges, by depth.\n"
+    "hatching_strength, hatching_spacing: 0 to 1, darkness of lines on what sections cut; pixels between them.\n"
+    "controller: of the hybrid, a ControllerConfig.\n"
+    "get_proc: draws in the application's context, which is current in this and all later calls. Finds GL's functions: "
+    "a function of a name that returns an address or None, one of ctypes, or its address.\n"
+    "progress: called with the share done, 0 to 1; False cancels, and so do exceptions and Ctrl-C.";
+
+template <std::size_t... F, std::size_t... C>
+void bind_constructor(EngineClass& c, std::index_sequence<F...>, std::index_sequence<C...>) {
+  c.def(py::init([](const ScenePtr& scene, Any<F>... fixed, Any<C>... changeable, const py::object& get_proc,
+                    const py::object& progress) {
+          return make_engine(scene, std::array{fixed...}, std::array{changeable...}, get_proc, progress);
+        }),
+        "scene"_a.none(false), py::kw_only(), (py::arg(kFixed[F].name) = default_of(kFixed[F]))...,
+        (py::arg(kChangeable[C].name) = default_of(kChangeable[C]))..., "get_proc"_a = py::none(),
+        "progress"_a = py::none(), kEngineDoc)
+      .def(
+          "configure", [](EngineBox& b, Any<C>... changeable) { configure(b, std::array{changeable...}); },
+          py::kw_only(), (py::arg(kChangeable[C].name) = py::ellipsis())...,
+          "Uses other settings from the next frame on; those that are not given stay as they are. See the "
+          "constructor.");
+}
+
 void bind_life(EngineClass& c) {
-  const EngineConfig d;
-  c.def(py::init(&make_engine), "scene"_a.none(false), py::kw_only(), "draw"_a = d.draw, "width"_a = d.width,
-        "height"_a = d.height, "ids"_a = d.ids, "culler"_a = std::string(name_of(d.culler)),
-        "sample_test"_a = d.sample_test, "occlusion"_a = std::string(name_of(d.occlusion)),
-        "contribution"_a = d.contribution, "contribution_way"_a = std::string(name_of(d.contribution_way)),
-        "budget_ms"_a = d.budget_ms, "hidden_colour"_a = py::none(), "samples"_a = d.samples, "gl_debug"_a = d.gl_debug,
-        "program_cache"_a = py::none(), "rebuild_share"_a = d.rebuild_share, "gpu_pass"_a = py::none(),
-        "policy"_a = "frame-cost", "context"_a = "auto",
-        "Commits the scene and builds what it needs.\n\n"
-        "draw: offscreen, in `width` x `height` pixels; False needs no GL.\n"
-        "ids: an image of item ids beside colour and depth.\n"
-        "culler: \"automatic\", \"linear\", \"cpu\", \"gpu\" or \"hybrid\".\n"
-        "sample_test, occlusion (\"off\", \"on\", \"auto\"): leave out what cannot be seen; no pixel is lost.\n"
-        "contribution: leave out items below so many pixels; contribution_way: \"drop\", \"points\", \"stochastic\".\n"
-        "budget_ms: time for a frame; 0: any.\n"
-        "hidden_colour: (r, g, b) of what the tests leave out, in frames with a `cull_view`.\n"
-        "samples: per pixel, 1 to 32.\n"
-        "gl_debug: collect the driver's messages.\n"
-        "program_cache: folder of linked programs; None: the user's cache; \"\": none.\n"
-        "rebuild_share: share of slots out of order that starts a rebuild in the background; 0: never.\n"
-        "gpu_pass: \"geometry\", \"compute\" or None; policy of the hybrid: \"frame-cost\" or \"2009\".\n"
-        "context: where it draws: \"auto\", \"egl\", \"egl-surfaceless\", \"egl-device\" or \"osmesa\".")
-      .def("close", &EngineBox::close, "Frees everything now. Later calls fail; a second close() does nothing.")
+  bind_constructor(c, std::make_index_sequence<kFixedSettings>(), std::make_index_sequence<kChangeableSettings>());
+  c.def("close", &EngineBox::close,
+        "Frees everything now. Later calls fail; a second close() does nothing. An engine with `get_proc` that ends "
+        "without it leaves to the application's context what it has there.")
       .def_property_readonly("closed", &EngineBox::closed, "Whether close() has been called.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](EngineBox& b, const py::args&) { b.close(); });
+}
+
+void bind_contexts(EngineClass& c) {
+  c.def("drop_context", &EngineBox::drop_context,
+        "Frees what the engine has in the application's context, which must be current. Frames are then culled and not "
+        "drawn.")
+      .def("abandon_context", &EngineBox::abandon_context,
+           "The same for a context that is gone with all that was in it: calls no GL.")
+      .def(
+          "use_context", &EngineBox::use_context, "get_proc"_a, "seconds"_a = py::none(),
+          "Makes everything anew in the application's context that is current now, in place of one that was dropped or "
+          "abandoned. With `seconds` it works for about so long, and returns whether everything is made; while it is "
+          "not, call it again with the same context.");
 }
 
 }  // namespace
 
 void bind_engine(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(raytrace::VisibleItem, item, samples);
+  bind_controller_config(m);
   bind_reports(m);
+  bind_targets(m);
   bind_pick(m);
   EngineClass c(
       m, "Engine",
       "Culls and draws a scene, and answers picks and queries. Calls release the GIL; of several threads that "
       "call one engine, one runs at a time. Usable in a with statement.");
   bind_life(c);
+  bind_contexts(c);
   bind_frames(c);
   bind_queries(c);
   bind_overrides(c);

@@ -8,6 +8,7 @@
 #include "sightline/image/image_metrics.h"
 #include "sightline/python/module.h"
 #include "sightline/python/pictures.h"
+#include "sightline/python/values.h"
 
 namespace sightline::python {
 namespace {
@@ -55,19 +56,23 @@ auto without_gil(const Work& work) {
 }
 
 void bind_comparison(py::module_& m) {
-  py::class_<image::ImageDifference>(m, "ImageDifference", "Differences over all channels of all pixels, 0 to 255.")
-      .def_readonly("max", &image::ImageDifference::max, "The largest.")
+  using image::ImageDifference, image::ImageMetrics;
+  py::class_<ImageDifference> difference(m, "ImageDifference",
+                                         "Differences over all channels of all pixels, 0 to 255.");
+  difference.def_readonly("max", &image::ImageDifference::max, "The largest.")
       .def_readonly("mean", &image::ImageDifference::mean, "The mean.")
       .def_readonly("pixels", &image::ImageDifference::pixels, "Pixels that differ at all.")
       .def("__repr__", [](const image::ImageDifference& d) {
         return "<sightline.ImageDifference max " + std::to_string(d.max) + ", mean " + std::to_string(d.mean) +
                ", pixels " + std::to_string(d.pixels) + ">";
       });
-  py::class_<image::ImageMetrics>(m, "ImageMetrics", "Measures of a visible difference.")
-      .def_readonly("psnr", &image::ImageMetrics::psnr, "Decibels; infinite for equal pictures.")
+  bind_value<&ImageDifference::max, &ImageDifference::mean, &ImageDifference::pixels>(difference);
+  py::class_<ImageMetrics> metrics(m, "ImageMetrics", "Measures of a visible difference.");
+  metrics.def_readonly("psnr", &image::ImageMetrics::psnr, "Decibels; infinite for equal pictures.")
       .def_readonly("ssim", &image::ImageMetrics::ssim, "Structural similarity; 1 for equal pictures.")
       .def_readonly("flip_mean", &image::ImageMetrics::flip_mean, "Mean of FLIP, 0 to 1.")
       .def_readonly("flip_p99", &image::ImageMetrics::flip_p99, "99 % of all pixels have a smaller FLIP.");
+  bind_value<&ImageMetrics::psnr, &ImageMetrics::ssim, &ImageMetrics::flip_mean, &ImageMetrics::flip_p99>(metrics);
   m.def(
       "compare",
       [](const py::object& reference, const py::object& picture) {

@@ -1,55 +1,18 @@
 // Import with progress, cancellation and Ctrl-C; writing RVM files.
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <exception>
 #include <optional>
 #include <span>
 
 #include "sightline/importers/import.h"
 #include "sightline/importers/rvm/rvm_writer.h"
 #include "sightline/python/module.h"
+#include "sightline/python/progress.h"
 #include "sightline/python/scene.h"
+#include "sightline/python/values.h"
 
 namespace sightline::python {
 namespace {
-
-/// Calls a Python function, or none, with the share that is done. An exception in it, and Ctrl-C, cancel what runs.
-class Progress {
- public:
-  explicit Progress(const py::object& callback) : callback_(callback) {
-    if (!callback_.is_none() && !PyCallable_Check(callback_.ptr())) fail("progress: expected a function or None");
-  }
-
-  std::function<bool(double)> function() {
-    return [this](double share) { return step(share); };
-  }
-  /// Throws what has stopped it.
-  void rethrow() const {
-    if (thrown_) std::rethrow_exception(thrown_);
-  }
-
- private:
-  bool step(double share) {
-    using Clock = std::chrono::steady_clock;
-    constexpr auto kPause = std::chrono::milliseconds(20);  // between looks for Ctrl-C, which need the GIL
-    const auto now = Clock::now();
-    if (callback_.is_none() && now - looked_ < kPause) return true;
-    looked_ = now;
-    const py::gil_scoped_acquire locked;
-    try {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      return callback_.is_none() || !callback_(share).is(py::bool_(false));
-    } catch (...) {
-      thrown_ = std::current_exception();
-      return false;
-    }
-  }
-
-  py::object callback_;
-  std::exception_ptr thrown_;
-  std::chrono::steady_clock::time_point looked_ = std::chrono::steady_clock::now();
-};
 
 struct Imported {
   ScenePtr scene;
@@ -117,9 +80,9 @@ py::dict counts_by_name(const std::array<std::uint64_t, N>& counts) {
 
 void bind_recognition(py::module_& m) {
   using Report = importers::RecognitionReport;
-  py::class_<Report>(m, "Recognition",
-                     "Primitives recognised in meshes, which count once, however many items share them.")
-      .def_readonly("meshes", &Report::meshes, "Looked at.")
+  py::class_<Report> c(m, "Recognition",
+                       "Primitives recognised in meshes, which count once, however many items share them.");
+  c.def_readonly("meshes", &Report::meshes, "Looked at.")
       .def_property_readonly(
           "items", [](const Report& r) { return counts_by_name<core::Kind>(r.items); },
           "Items of primitives made, by kind, a dict.")
@@ -132,15 +95,20 @@ void bind_recognition(py::module_& m) {
       .def_property_readonly(
           "refused", [](const Report& r) { return counts_by_name<importers::Refusal>(r.refused); },
           "Solids that stayed triangles, in part or wholly, by reason, a dict.");
+  bind_value<&Report::meshes, &Report::items, &Report::triangles_before, &Report::triangles_after,
+             &Report::bytes_before, &Report::bytes_after, &Report::largest_deviation, &Report::refused>(c);
 }
 
 void bind_report(py::module_& m) {
-  py::class_<importers::ImportWarning>(m, "ImportWarning", "Something that a reader noticed and went on.")
+  using importers::ImportWarning;
+  py::class_<ImportWarning> warning(m, "ImportWarning", "Something that a reader noticed and went on.");
+  warning
       .def_property_readonly(
-          "file", [](const importers::ImportWarning& w) { return to_text(w.file); }, "Its name.")
-      .def_readonly("offset", &importers::ImportWarning::offset, "Bytes from the file's begin.")
+          "file", [](const ImportWarning& w) { return to_text(w.file); }, "Its name.")
+      .def_readonly("offset", &ImportWarning::offset, "Bytes from the file's begin.")
       .def_property_readonly(
-          "message", [](const importers::ImportWarning& w) { return to_text(w.message); }, "One line.");
+          "message", [](const ImportWarning& w) { return to_text(w.message); }, "One line.");
+  bind_value<&ImportWarning::file, &ImportWarning::offset, &ImportWarning::message>(warning);
   bind_recognition(m);
   py::class_<Imported>(m, "ImportReport", "What an import brought.")
       .def_property_readonly(

@@ -1,5 +1,7 @@
 #include "sightline/python/module.h"
 
+#include "sightline/python/signatures.h"
+
 namespace sightline::python {
 namespace {
 
@@ -33,5 +35,6 @@ PYBIND11_MODULE(_sightline, m) {
   bind_images(m);
   bind_culling(m);
   bind_engine(m);
+  tell_signatures(m);
   m.attr("__name__") = name;
 }

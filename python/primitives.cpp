@@ -1,11 +1,11 @@
 // The analytic primitives, each as a class with its parameters as attributes.
-#include <algorithm>
 #include <array>
 #include <span>
 #include <utility>
 
 #include "sightline/core/primitive.h"
 #include "sightline/python/module.h"
+#include "sightline/python/values.h"
 
 namespace sightline::python {
 namespace {
@@ -52,15 +52,8 @@ void bind_primitive(py::module_& m, const char* type, const char* doc,
             return to_array(core::bounds(p, affine(world_from_item, "world_from_item")));
           },
           py::arg("world_from_item") = py::none(), "[[min], [max]] under a 4 x 4 matrix, tight.")
-      .def(
-          "__eq__",
-          [](const T& a, const T& b) {
-            const Primitive pa = a, pb = b;
-            const auto va = core::parameters(pa), vb = core::parameters(pb);
-            return std::equal(va.begin(), va.end(), vb.begin());
-          },
-          py::is_operator())
       .def("__repr__", [names, type](const T& p) { return repr_of(p, names, type); });
+  bind_value<kFields...>(bound);
 }
 
 }  // namespace

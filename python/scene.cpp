@@ -7,6 +7,7 @@
 #include "sightline/core/find_nodes.h"
 #include "sightline/importers/plant/plant_generator.h"
 #include "sightline/python/module.h"
+#include "sightline/python/values.h"
 
 namespace sightline::python {
 namespace {
@@ -450,15 +451,17 @@ void bind_delta(py::module_& m) {
   const auto ids = [](const std::vector<std::uint32_t>& values) {
     return py::array_t<std::uint32_t>(Shape{py::ssize_t(values.size())}, values.data());
   };
-  py::class_<core::SceneDelta>(m, "SceneDelta", "What a commit published. Ids as uint32 arrays, rising.")
+  using core::SceneDelta;
+  py::class_<SceneDelta> c(m, "SceneDelta", "What a commit published. Ids as uint32 arrays, rising.");
+  c.def_property_readonly(
+       "inserted", [ids](const SceneDelta& d) { return ids(d.inserted); }, "New items.")
       .def_property_readonly(
-          "inserted", [ids](const core::SceneDelta& d) { return ids(d.inserted); }, "New items.")
-      .def_property_readonly(
-          "changed", [ids](const core::SceneDelta& d) { return ids(d.changed); },
+          "changed", [ids](const SceneDelta& d) { return ids(d.changed); },
           "Items moved, hidden, shown, re-layered or given another material.")
       .def_property_readonly(
-          "removed", [ids](const core::SceneDelta& d) { return ids(d.removed); }, "Items that are gone for good.")
-      .def("__len__", &core::SceneDelta::size);
+          "removed", [ids](const SceneDelta& d) { return ids(d.removed); }, "Items that are gone for good.")
+      .def("__len__", &SceneDelta::size);
+  bind_value<&SceneDelta::inserted, &SceneDelta::changed, &SceneDelta::removed>(c);
 }
 
 }  // namespace

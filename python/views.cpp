@@ -1,4 +1,5 @@
 // Views, camera paths, and their JSON files.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -7,8 +8,15 @@
 #include "sightline/importers/view_json.h"
 #include "sightline/python/module.h"
 #include "sightline/python/planes.h"
+#include "sightline/python/values.h"
 
 namespace sightline::python {
+
+template <>
+inline constexpr int kEnumerators<core::ClipDepth> = 2;
+template <>
+inline constexpr int kEnumerators<core::SectionMode> = 2;
+
 namespace {
 
 using core::CameraPath;
@@ -69,6 +77,21 @@ Numbers<double> key_numbers(const CameraPath& path, const Get& get) {
   Numbers<double> out(Shape{py::ssize_t(path.keys().size())});
   for (std::size_t i = 0; i < path.keys().size(); ++i) out.mutable_at(i) = get(path.keys()[i]);
   return out;
+}
+
+py::tuple state_of_view(const View& v) {
+  return py::make_tuple(to_array(v.eye_from_world()), to_array(v.clip_from_eye()), stored(v.clip_depth()), v.layers,
+                        stored(v.section_mode), planes_to_array(v.sections));
+}
+
+View view_of_state(const py::tuple& state) {
+  if (state.size() != 6) fail("pickle: it is of another version");
+  View view = unwrap(
+      View::from_matrices(matrix(state[0], "pickle"), matrix(state[1], "pickle"), restored<core::ClipDepth>(state[2])));
+  view.layers = restored<std::uint32_t>(state[3]);
+  view.section_mode = restored<core::SectionMode>(state[4]);
+  view.sections = section_planes(state[5], "pickle");
+  return view;
 }
 
 void bind_view(py::module_& m) {
@@ -151,7 +174,31 @@ void bind_view(py::module_& m) {
       .def(
           "__deepcopy__", [](const View& v, const py::dict&) { return View(v); }, py::arg("memo"))
       .def(
-          "__eq__", [](const View& a, const View& b) { return core::same_picture(a, b); }, py::is_operator());
+          "__eq__", [](const View& a, const View& b) { return core::same_picture(a, b); }, py::is_operator())
+      .def(py::pickle(&state_of_view, &view_of_state));
+}
+
+py::tuple state_of_path(const CameraPath& p) {
+  return py::make_tuple(key_numbers(p, [](const auto& k) { return k.time; }),
+                        key_vectors(p, [](const auto& k) { return k.pose.eye; }),
+                        key_vectors(p, [](const auto& k) { return k.pose.target; }),
+                        key_vectors(p, [](const auto& k) { return k.pose.up; }),
+                        key_numbers(p, [](const auto& k) { return k.fovy; }), p.near, p.far);
+}
+
+CameraPath path_of_state(const py::tuple& state) {
+  if (state.size() != 7) fail("pickle: it is of another version");
+  return make_path(state[0], state[1], state[2], state[3], state[4], restored<double>(state[5]),
+                   restored<double>(state[6]));
+}
+
+bool same_paths(const CameraPath& a, const CameraPath& b) {
+  const auto same_keys = [](const core::CameraKey& k, const core::CameraKey& l) {
+    return k.time == l.time && k.pose.eye == l.pose.eye && k.pose.target == l.pose.target && k.pose.up == l.pose.up &&
+           k.fovy == l.fovy;
+  };
+  return a.near == b.near && a.far == b.far &&
+         std::equal(a.keys().begin(), a.keys().end(), b.keys().begin(), b.keys().end(), same_keys);
 }
 
 void bind_path(py::module_& m) {
@@ -202,7 +249,9 @@ void bind_path(py::module_& m) {
           "ups", [](const CameraPath& p) { return key_vectors(p, [](const auto& k) { return k.pose.up; }); },
           "Of the keys, (N, 3).")
       .def_readwrite("near", &CameraPath::near, "Distance of the near plane, metres.")
-      .def_readwrite("far", &CameraPath::far, "Distance of the far plane, metres; may be infinite.");
+      .def_readwrite("far", &CameraPath::far, "Distance of the far plane, metres; may be infinite.")
+      .def("__eq__", &same_paths, py::is_operator())
+      .def(py::pickle(&state_of_path, &path_of_state));
 }
 
 }  // namespace

@@ -24,6 +24,17 @@ from ._sightline import *
 
 __version__: str = _sightline.version
 
+__all__ = [
+    "Box", "BoxCuller", "CameraPath", "CircularTorus", "compare", "ControllerConfig", "ControllerReport",
+    "CULL_STATES", "CullStates", "Cylinder", "DEFAULT_LAYERS", "difference_image", "EllipticalDish", "encode_png",
+    "Engine", "Error", "ExternalTarget", "flip", "FrameReport", "id_colours", "ids_of_colours", "ImageDifference",
+    "ImageMetrics", "ImportReport", "ImportWarning", "Item", "KINDS", "known_extensions", "LateReport", "Line",
+    "LossReport", "Material", "MemoryReport", "Mesh", "metrics", "Node", "OVERVIEW_DIRECTION", "Pick",
+    "picture_tiles", "PicturePart", "PictureTile", "PictureTiles", "PlanEntry", "Pyramid", "read_png",
+    "Recognition", "RectangularTorus", "render", "replay", "Scene", "SceneDelta", "Snout", "Sphere",
+    "SphericalDish", "translation", "View", "write_pfm", "write_png", "wrong_ids",
+]
+
 
 def render(
     scene: Scene, view: View | None = None, width: int = 1280, height: int = 720, **config: Any

@@ -10,17 +10,24 @@ _Path = Union[str, "PathLike[str]"]
 _Depth = Literal["reversed", "classic"]
 _Rule = Literal["crossing", "wholly"]
 _Culler = Literal["automatic", "linear", "cpu", "gpu", "hybrid"]
+_Occlusion = Literal["off", "on", "auto"]
+_ContributionWay = Literal["drop", "points", "stochastic"]
+_Policy = Literal["frame-cost", "2009"]
+_Trigger = Literal["time", "height", "intersections", "share"]
 _Primitive = Union[
     Pyramid, Box, RectangularTorus, CircularTorus, EllipticalDish, SphericalDish, Snout, Cylinder, Sphere, Line
 ]
 _Items = Union[NDArray[Any], Iterable[SupportsIndex]]
 _Progress = Optional[Callable[[float], object]]
+# A function of a name that returns an address or None, one of ctypes, or its address.
+_GetProc = Union[int, Callable[..., Any]]
 _Colour = tuple[float, float, float]
 
 version: str
 KINDS: tuple[str, ...]
 OVERVIEW_DIRECTION: tuple[float, float, float]
 DEFAULT_LAYERS: int
+CULL_STATES: tuple[str, ...]
 
 class Error(Exception): ...
 
@@ -124,6 +131,7 @@ class CameraPath:
     def fovys(self) -> NDArray[np.float64]: ...
     near: float
     far: float
+    def __eq__(self, other: object) -> bool: ...
 
 # --- primitives
 
@@ -302,6 +310,7 @@ class SceneDelta:
     @property
     def removed(self) -> NDArray[np.uint32]: ...
     def __len__(self) -> int: ...
+    def __eq__(self, other: object) -> bool: ...
 
 class Material:
     @property
@@ -479,6 +488,7 @@ class ImportWarning:
     def offset(self) -> int: ...
     @property
     def message(self) -> str: ...
+    def __eq__(self, other: object) -> bool: ...
 
 class Recognition:
     @property
@@ -497,6 +507,7 @@ class Recognition:
     def largest_deviation(self) -> float: ...
     @property
     def refused(self) -> dict[str, int]: ...
+    def __eq__(self, other: object) -> bool: ...
 
 class ImportReport:
     @property
@@ -533,6 +544,7 @@ class ImageDifference:
     def mean(self) -> float: ...
     @property
     def pixels(self) -> int: ...
+    def __eq__(self, other: object) -> bool: ...
 
 class ImageMetrics:
     @property
@@ -543,6 +555,7 @@ class ImageMetrics:
     def flip_mean(self) -> float: ...
     @property
     def flip_p99(self) -> float: ...
+    def __eq__(self, other: object) -> bool: ...
 
 def compare(reference: NDArray[np.uint8], picture: NDArray[np.uint8]) -> ImageDifference: ...
 def metrics(
@@ -583,6 +596,8 @@ class FrameReport:
     @property
     def culler(self) -> str: ...
     @property
+    def state(self) -> Optional[str]: ...
+    @property
     def cull_ms(self) -> float: ...
     @property
     def draw_ms(self) -> float: ...
@@ -606,6 +621,7 @@ class FrameReport:
     def squares(self) -> int: ...
     @property
     def pending(self) -> int: ...
+    def __eq__(self, other: object) -> bool: ...
 
 class LateReport:
     @property
@@ -616,6 +632,14 @@ class LateReport:
     def gpu_cull_ms(self) -> float: ...
     @property
     def shown(self) -> int: ...
+    def __eq__(self, other: object) -> bool: ...
+
+class LossReport:
+    @property
+    def items(self) -> int: ...
+    @property
+    def pixels(self) -> float: ...
+    def __eq__(self, other: object) -> bool: ...
 
 class PlanEntry:
     @property
@@ -624,6 +648,7 @@ class PlanEntry:
     def used(self) -> bool: ...
     @property
     def why(self) -> str: ...
+    def __eq__(self, other: object) -> bool: ...
 
 class MemoryReport:
     @property
@@ -636,6 +661,137 @@ class MemoryReport:
     def gpu(self) -> int: ...
     @property
     def tracer(self) -> int: ...
+    def __eq__(self, other: object) -> bool: ...
+
+class ControllerReport:
+    @property
+    def state(self) -> str: ...
+    @property
+    def frames(self) -> int: ...
+    @property
+    def switches(self) -> int: ...
+    @property
+    def probes(self) -> int: ...
+    def __eq__(self, other: object) -> bool: ...
+
+class CullStates:
+    @property
+    def of_item(self) -> NDArray[np.uint8]: ...
+    @property
+    def items(self) -> dict[str, int]: ...
+    @property
+    def boxes(self) -> NDArray[np.float64]: ...
+    @property
+    def box_states(self) -> NDArray[np.uint8]: ...
+    @property
+    def box_items(self) -> NDArray[np.uint32]: ...
+    def __eq__(self, other: object) -> bool: ...
+
+class ExternalTarget:
+    framebuffer: int
+    x: int
+    y: int
+    width: int
+    height: int
+    near_depth: float
+    far_depth: float
+    clear_colour: bool
+    clear_depth: bool
+    linear_colour: bool
+    def __init__(
+        self,
+        framebuffer: int = ...,
+        *,
+        x: int = ...,
+        y: int = ...,
+        width: int,
+        height: int,
+        near_depth: float = ...,
+        far_depth: float = ...,
+        clear_colour: bool = ...,
+        clear_depth: bool = ...,
+        linear_colour: bool = ...,
+    ) -> None: ...
+    def __eq__(self, other: object) -> bool: ...
+
+class PicturePart:
+    width: int
+    height: int
+    x: float
+    y: float
+    def __init__(self, width: int, height: int, x: float, y: float) -> None: ...
+    def __eq__(self, other: object) -> bool: ...
+
+class PictureTile:
+    @property
+    def part(self) -> PicturePart: ...
+    @property
+    def x0(self) -> int: ...
+    @property
+    def y0(self) -> int: ...
+    @property
+    def x1(self) -> int: ...
+    @property
+    def y1(self) -> int: ...
+    def __eq__(self, other: object) -> bool: ...
+
+class PictureTiles:
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def tiles(self) -> list[PictureTile]: ...
+    def __eq__(self, other: object) -> bool: ...
+
+def picture_tiles(width: int, height: int, largest_side: int, more_margin: int = ...) -> PictureTiles: ...
+
+class ControllerConfig:
+    policy: _Policy
+    trigger: _Trigger
+    least_gpu_cull_ms: float
+    margin: float
+    dwell_margin: float
+    dwell_frames: int
+    probe_share: float
+    first_probes: int
+    probe_cost: float
+    probe_interval: int
+    silent_frames: int
+    presumed_gpu_excess: float
+    slow_ms: float
+    slow_height: float
+    slow_intersections: float
+    slow_share: float
+    enter_frames: int
+    gpu_frames: int
+    probe_frames: int
+    most_gpu_frames: int
+    def __init__(
+        self,
+        *,
+        policy: _Policy = ...,
+        trigger: _Trigger = ...,
+        least_gpu_cull_ms: float = ...,
+        margin: float = ...,
+        dwell_margin: float = ...,
+        dwell_frames: int = ...,
+        probe_share: float = ...,
+        first_probes: int = ...,
+        probe_cost: float = ...,
+        probe_interval: int = ...,
+        silent_frames: int = ...,
+        presumed_gpu_excess: float = ...,
+        slow_ms: float = ...,
+        slow_height: float = ...,
+        slow_intersections: float = ...,
+        slow_share: float = ...,
+        enter_frames: int = ...,
+        gpu_frames: int = ...,
+        probe_frames: int = ...,
+        most_gpu_frames: int = ...,
+    ) -> None: ...
+    def __eq__(self, other: object) -> bool: ...
 
 class Pick:
     @property
@@ -662,20 +818,48 @@ class Engine:
         width: int = ...,
         height: int = ...,
         ids: bool = ...,
-        culler: _Culler = ...,
-        sample_test: bool = ...,
-        occlusion: Literal["off", "on", "auto"] = ...,
-        contribution: float = ...,
-        contribution_way: Literal["drop", "points", "stochastic"] = ...,
-        budget_ms: float = ...,
-        hidden_colour: Optional[ArrayLike] = ...,
         samples: int = ...,
-        gl_debug: bool = ...,
-        program_cache: Optional[_Path] = ...,
+        transparency: Literal["dither", "blended"] = ...,
+        part: tuple[int, int] = ...,
         rebuild_share: float = ...,
         gpu_pass: Optional[Literal["geometry", "compute"]] = ...,
-        policy: Literal["frame-cost", "2009"] = ...,
         context: Literal["auto", "egl", "egl-surfaceless", "egl-device", "osmesa"] = ...,
+        context_later: bool = ...,
+        gl_state: Literal["restore", "leave"] = ...,
+        gl_debug: bool = ...,
+        program_cache: Optional[_Path] = ...,
+        culler: _Culler = ...,
+        sample_test: bool = ...,
+        occlusion: _Occlusion = ...,
+        contribution: float = ...,
+        contribution_way: _ContributionWay = ...,
+        budget_ms: float = ...,
+        hidden_colour: Optional[ArrayLike] = ...,
+        outline_colour: ArrayLike = ...,
+        relief_shading: float = ...,
+        relief_lines: float = ...,
+        hatching_strength: float = ...,
+        hatching_spacing: float = ...,
+        controller: Optional[ControllerConfig] = ...,
+        get_proc: Optional[_GetProc] = ...,
+        progress: _Progress = ...,
+    ) -> None: ...
+    def configure(
+        self,
+        *,
+        culler: _Culler = ...,
+        sample_test: bool = ...,
+        occlusion: _Occlusion = ...,
+        contribution: float = ...,
+        contribution_way: _ContributionWay = ...,
+        budget_ms: float = ...,
+        hidden_colour: Optional[ArrayLike] = ...,
+        outline_colour: ArrayLike = ...,
+        relief_shading: float = ...,
+        relief_lines: float = ...,
+        hatching_strength: float = ...,
+        hatching_spacing: float = ...,
+        controller: Optional[ControllerConfig] = ...,
     ) -> None: ...
     def close(self) -> None: ...
     @property
@@ -688,6 +872,11 @@ class Engine:
         traceback: Optional[TracebackType],
     ) -> None: ...
     def frame(self, view: View, cull_view: Optional[View] = ...) -> FrameReport: ...
+    def frame_into(self, view: View, target: ExternalTarget) -> FrameReport: ...
+    def frame_part(self, whole: View, part: PicturePart) -> FrameReport: ...
+    def draw_outline(self, view: View, items: _Items, target: ExternalTarget) -> None: ...
+    def loss(self, view: View) -> LossReport: ...
+    def cull_states(self, view: View) -> CullStates: ...
     def finish(self) -> None: ...
     def paused(self) -> None: ...
     def take_late_report(self) -> Optional[LateReport]: ...
@@ -695,11 +884,25 @@ class Engine:
     def read_ids(self) -> NDArray[np.uint32]: ...
     def read_depth(self, view: View) -> NDArray[np.float32]: ...
     def covered(self) -> bool: ...
+    def framebuffer(self) -> int: ...
     def visible_items(self) -> NDArray[np.uint32]: ...
-    def pick(self, view: View, x: float, y: float) -> Optional[Pick]: ...
+    def pick(self, view: View, x: float, y: float, *, ghosts: bool = ...) -> Optional[Pick]: ...
     def pick_ray(
-        self, origin: ArrayLike, direction: ArrayLike, *, t_min: float = ..., t_max: float = ..., layers: int = ...
+        self,
+        origin: ArrayLike,
+        direction: ArrayLike,
+        *,
+        t_min: float = ...,
+        t_max: float = ...,
+        layers: int = ...,
+        ghosts: bool = ...,
+        sections: Optional[ArrayLike] = ...,
+        section_mode: Literal["intersection", "union"] = ...,
+        cuts: bool = ...,
     ) -> Optional[Pick]: ...
+    def prepare_picks(self) -> None: ...
+    @property
+    def preparing_picks(self) -> bool: ...
     def items_in(self, view: View, rectangle: ArrayLike, rule: _Rule = ...) -> NDArray[np.uint32]: ...
     def items_in_planes(self, planes: ArrayLike, rule: _Rule = ..., *, layers: int = ...) -> NDArray[np.uint32]: ...
     def visible_items_in(self, view: View, rectangle: ArrayLike, *, samples: int = ...) -> NDArray[np.void]: ...
@@ -728,6 +931,13 @@ class Engine:
     def rebuilding(self) -> bool: ...
     def set_culler(self, culler: _Culler) -> None: ...
     def resize(self, width: int, height: int) -> None: ...
+    def drop_context(self) -> None: ...
+    def abandon_context(self) -> None: ...
+    def use_context(self, get_proc: _GetProc, seconds: Optional[float] = ...) -> bool: ...
+    @property
+    def config(self) -> dict[str, Any]: ...
+    @property
+    def controller(self) -> Optional[ControllerReport]: ...
     @property
     def width(self) -> int: ...
     @property

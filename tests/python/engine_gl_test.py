@@ -1,5 +1,6 @@
 """Engines that draw: pictures as arrays, picks, queries, edits, threads."""
 
+import copy
 import gc
 import threading
 import unittest
@@ -124,6 +125,109 @@ class Drawing(GlCase):
         ids = np.unique(engine.read_ids())
         self.assertTrue(all(self.scene.item(i - 1).bounds[1, 0] >= -1e-6 for i in ids[1:]))
         self.assertLess(len(ids), 3000)
+
+    def test_settings_change_the_picture(self):
+        cut = copy.copy(self.view)
+        cut.sections = [[1, -0.2, 0, 0]]
+        faded = self.scene.items[::3]
+        def picture(engine):
+            engine.set_override(faded, alpha=0.5, outline=True)
+            engine.frame(cut)
+            return engine.read_colour()
+        living = self.engine()
+        plain = picture(living)
+        for config in (dict(relief_shading=0.8), dict(relief_lines=0.6), dict(outline_colour=(0, 1, 0))):
+            with self.subTest(**config):
+                with self.engine(**config) as engine:
+                    expected = picture(engine)
+                self.assertGreater(sightline.compare(plain, expected).pixels, 100)
+                living.configure(**config)
+                np.testing.assert_array_equal(picture(living), expected)
+                before = self.engine().config
+                living.configure(**{name: before[name] for name in config})
+                np.testing.assert_array_equal(picture(living), plain)
+        with self.engine(transparency="blended") as engine:
+            self.assertGreater(sightline.compare(plain, picture(engine)).pixels, 100)
+
+    def test_hatching_lies_on_cuts_alone(self):
+        scene = sightline.Scene()
+        scene.root.add(sightline.Box(4, 4, 4))
+        whole = sightline.View.perspective((-6, -9, 5), (0, 0, 0), fovy=0.7, aspect=1.6)
+        cut = copy.copy(whole)
+        cut.sections = [[0, 1, 0, 0.5]]  # keeps y > -0.5
+        def picture(view, **config):
+            with sightline.Engine(scene, draw=True, **SIZE, **config) as engine:
+                engine.frame(view)
+                y, x = np.mgrid[:200, :320]
+                picks = [engine.pick(view, i + 0.5, j + 0.5) for i, j in zip(x[::8, ::8].ravel(), y[::8, ::8].ravel())]
+                faces = np.array([pick.face if pick else "" for pick in picks]).reshape(25, 40)
+                return engine.read_colour(), faces
+        plain, faces = picture(cut)
+        hatched, _ = picture(cut, hatching_strength=0.9, hatching_spacing=4)
+        changed = (hatched != plain).any(axis=2)
+        self.assertGreater(changed.sum(), 1000)
+        self.assertTrue(changed[::8, ::8].any())
+        self.assertEqual(set(faces[changed[::8, ::8]]), {"cut"})
+        self.assertIn("cut", faces[~changed[::8, ::8]], "lines, and what lies between them")
+        np.testing.assert_array_equal(picture(cut, hatching_spacing=4)[0], plain)
+        np.testing.assert_array_equal(picture(whole, hatching_strength=0.9)[0], picture(whole)[0])
+
+    def test_parts_are_the_whole_picture(self):
+        engine = self.engine(ids=True)
+        engine.frame(self.view)
+        colour, ids = engine.read_colour(), engine.read_ids()
+        tiles = sightline.picture_tiles(320, 200, 128)
+        self.assertGreater(len(tiles.tiles), 4)
+        engine.resize(tiles.width, tiles.height)
+        joined, joined_ids = np.zeros_like(colour), np.zeros_like(ids)
+        for tile in tiles.tiles:
+            self.assertTrue(engine.frame_part(self.view, tile.part).drawn)
+            rows, columns = slice(tile.y0, tile.y1), slice(tile.x0, tile.x1)
+            y, x = tile.y0 - int(tile.part.y), tile.x0 - int(tile.part.x)
+            of_part = slice(y, y + tile.y1 - tile.y0), slice(x, x + tile.x1 - tile.x0)
+            joined[rows, columns] = engine.read_colour()[of_part]
+            joined_ids[rows, columns] = engine.read_ids()[of_part]
+        # But for rounding at edges.
+        self.assertLess((joined_ids != ids).mean(), 0.01)
+        self.assertLess((np.abs(joined.astype(int) - colour).max(axis=2) > 2).mean(), 0.02)
+
+    def test_loss_is_what_is_left_out(self):
+        engine = self.engine(contribution=20)
+        report = engine.frame(self.view)
+        loss = engine.loss(self.view)
+        self.assertTrue(0 < loss.items <= report.small)
+        self.assertGreater(loss.pixels, 0)
+        engine.configure(contribution=0)
+        engine.frame(self.view)
+        self.assertEqual(engine.loss(self.view), sightline.Engine(self.scene).loss(self.view))
+        self.assertEqual(engine.loss(self.view).items, 0)
+
+    def test_states_know_what_is_hidden(self):
+        engine = self.engine(occlusion="on")
+        states = engine.cull_states(self.view)
+        self.assertGreater(states.items["occluded"], 0)
+        self.assertGreater(states.items["small"] + states.items["inside"], 0)
+        self.assertEqual(sum(states.items.values()), 3000)
+
+    def test_hybrids_are_told(self):
+        scene = plant(12_000)  # a hybrid is made from ten thousand items on
+        controller = sightline.ControllerConfig(policy="2009", slow_ms=0, enter_frames=2, gpu_frames=1000)
+        view = overview(scene)
+        with sightline.Engine(scene, draw=True, culler="hybrid", controller=controller, **SIZE) as engine:
+            states = [engine.frame(view).state for _ in range(8)]
+            self.assertEqual((states[0], states[-1]), ("cpu", "gpu"))
+            told = engine.controller
+            self.assertEqual((told.state, told.frames, told.switches, told.probes), ("gpu", 8, 1, 0))
+            engine.configure(controller=sightline.ControllerConfig(policy="2009", slow_ms=1e6))
+            self.assertEqual((engine.frame(view).state, engine.controller.frames), ("cpu", 1))
+
+    def test_creation_with_a_context_may_be_cancelled(self):
+        self.assert_error("cancelled", self.engine, progress=lambda share: False)
+        def interrupt(share):
+            raise KeyboardInterrupt
+        with self.assertRaises(KeyboardInterrupt):
+            self.engine(progress=interrupt)
+        self.assertTrue(self.engine().frame(self.view).drawn)
 
     def test_overrides(self):
         engine = self.engine(ids=True)

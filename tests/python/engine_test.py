@@ -1,5 +1,9 @@
 """Engines without drawing: configuration, culling, queries, picks, plans."""
 
+import inspect
+import os
+import signal
+import threading
 import unittest
 
 import numpy as np
@@ -68,7 +72,10 @@ class Engines(Case):
         for text, config in (("culler: expected automatic, linear, cpu, gpu or hybrid, found \"x\"", dict(culler="x")),
                              ("occlusion: expected off, on or auto", dict(occlusion="x")),
                              ("contribution_way", dict(contribution_way="x")), ("gpu_pass", dict(gpu_pass="x")),
-                             ("policy", dict(policy="x")), ("contribution must be", dict(contribution=-1)),
+                             ("contribution must be", dict(contribution=-1)), ("transparency", dict(transparency="x")),
+                             ("part must have", dict(part=(2, 2))), ("outline_colour", dict(outline_colour=(1, 2))),
+                             ("shading and lines", dict(relief_shading=1.5)), ("spacing", dict(hatching_spacing=1)),
+                             ("strength of hatching", dict(hatching_strength=-1)), ("gl_state", dict(gl_state="x")),
                              ("budget_ms must be", dict(budget_ms=float("nan"))),
                              ("1 or more pixels", dict(width=0)), ("1 or more pixels", dict(draw=True, height=-5)),
                              ("hidden_colour", dict(hidden_colour=(1, 2)))):
@@ -77,6 +84,196 @@ class Engines(Case):
             sightline.Engine(self.scene, colour="red")
         with self.assertRaises(TypeError):
             sightline.Engine(None)
+        for text, config in (("draw: expected True or False, found str", dict(draw="x")),
+                             ("width: expected a whole number, found float", dict(width=1.5)),
+                             ("budget_ms: expected a number, found str", dict(budget_ms="x")),
+                             ("part: expected two whole numbers, found int", dict(part=3)),
+                             ("culler: expected a text, found int", dict(culler=3)),
+                             ("program_cache: expected a path or None, found int", dict(program_cache=3)),
+                             ("controller: expected a ControllerConfig or None, found str", dict(controller="x"))):
+            with self.assertRaisesRegex(TypeError, text):
+                sightline.Engine(self.scene, **config)
+
+    def test_controllers_are_checked(self):
+        for text, config in (("policy: expected frame-cost or 2009, found \"x\"", dict(policy="x")),
+                             ("trigger: expected time, height", dict(trigger="x")),
+                             ("finite numbers from 0 on, found nan", dict(margin=float("nan"))),
+                             ("finite numbers from 0 on, found -1.0", dict(slow_ms=-1)),
+                             ("1 frame or more", dict(enter_frames=0))):
+            self.assert_error(text, sightline.ControllerConfig, **config)
+        controller = sightline.ControllerConfig()
+        self.assert_error("finite numbers", setattr, controller, "probe_cost", float("inf"))
+        self.assert_error("policy", setattr, controller, "policy", "x")
+        self.assertEqual(controller, sightline.ControllerConfig())
+        controller.probe_cost, controller.trigger, controller.policy = 0.5, "share", "2009"
+        self.assertEqual(controller, sightline.ControllerConfig(probe_cost=0.5, trigger="share", policy="2009"))
+        self.assertIsNone(self.engine.controller, "no hybrid")
+
+    def test_settings_come_back(self):
+        chosen = dict(width=30, height=20, ids=True, samples=4, transparency="blended", part=(1, 3), rebuild_share=0.25,
+                      gpu_pass="compute", context="osmesa", context_later=True, gl_state="leave", gl_debug=True,
+                      program_cache=self.folder, culler="linear", sample_test=False, occlusion="off", contribution=2.5,
+                      contribution_way="points", budget_ms=7.0, hidden_colour=(0, 0.25, 1), outline_colour=(1, 0, 0.5),
+                      relief_shading=0.5, relief_lines=0.25, hatching_strength=0.75, hatching_spacing=9.0,
+                      controller=sightline.ControllerConfig(policy="2009", gpu_frames=9))
+        engine = sightline.Engine(self.scene, **chosen)
+        self.assertEqual(engine.config, {"draw": False, **chosen})
+        defaults = sightline.Engine(self.scene).config
+        names = inspect.signature(sightline.Engine).parameters
+        self.assertEqual(set(defaults), set(names) - {"scene", "get_proc", "progress"})
+        for name, value in defaults.items():
+            told = sightline.ControllerConfig() if name == "controller" else names[name].default
+            self.assertEqual(value, told, name)
+            if name in chosen:
+                self.assertNotEqual(value, chosen[name], name)
+        self.assertEqual(sightline.Engine(self.scene, **engine.config).config, engine.config)
+
+    def test_settings_change_while_it_lives(self):
+        engine = sightline.Engine(self.scene, width=400, height=250)
+        before = engine.config
+        engine.configure(budget_ms=12, culler="linear", hidden_colour=(1, 0, 0),
+                         controller=sightline.ControllerConfig(margin=0.5))
+        changed = {**before, "budget_ms": 12, "culler": "linear", "hidden_colour": (1, 0, 0),
+                   "controller": sightline.ControllerConfig(margin=0.5)}
+        self.assertEqual(engine.config, changed)
+        self.assertEqual((engine.culler, engine.frame(self.near).culler), ("linear", "linear"))
+        engine.configure()
+        self.assertEqual(engine.config, changed)
+        engine.resize(30, 20)
+        engine.configure(hidden_colour=None, controller=None)
+        self.assertEqual((engine.config["hidden_colour"], engine.config["width"]), (None, 30))
+        self.assertEqual(engine.config["controller"], before["controller"])
+        self.assert_error("shading and lines of relief", engine.configure, relief_lines=2, budget_ms=1)
+        self.assertEqual(engine.config["budget_ms"], 12)
+        self.assert_error("culler: expected", engine.configure, culler="x")
+        with self.assertRaises(TypeError):
+            engine.configure(width=100)
+        with self.assertRaises(TypeError):
+            engine.configure(budget_ms=None)
+
+    def test_creation_tells_its_progress_and_stops(self):
+        scene = plant(1000)
+        shares = []
+        sightline.Engine(scene, progress=shares.append).close()
+        self.assertEqual(shares, sorted(shares))
+        self.assertTrue(len(shares) >= 2 and shares[-1] == 1.0)
+        self.assert_error("cancelled", sightline.Engine, scene, progress=lambda share: False)
+        self.assert_error("progress: expected a function", sightline.Engine, scene, progress=3)
+        def use(share):
+            scene.root.add_node("n")
+        self.assert_error("in use by the call that called back", sightline.Engine, scene, progress=use)
+        def broken(share):
+            raise LookupError(share)
+        with self.assertRaises(LookupError):
+            sightline.Engine(scene, progress=broken)
+        def broken_at_the_end(share):
+            if share == 1.0:
+                raise LookupError(share)
+        with self.assertRaises(LookupError):
+            sightline.Engine(scene, progress=broken_at_the_end)
+        scene.root.add_node("n").add(sightline.Sphere(1))
+        self.assertEqual(sightline.Engine(scene).frame(overview(scene)).visible, 1001, "the scene still serves")
+
+    def test_ctrl_c_ends_creation(self):
+        scene = plant(1000)
+        def interrupt(share):
+            signal.raise_signal(signal.SIGINT)
+        with self.assertRaises(KeyboardInterrupt):
+            sightline.Engine(scene, progress=interrupt)
+        self.assertEqual(sightline.Engine(scene).frame(overview(scene)).visible, 1000)
+
+    def test_ctrl_c_ends_creation_without_a_function(self):
+        scene = plant(200_000)
+        timer = threading.Timer(0.01, os.kill, (os.getpid(), signal.SIGINT))
+        timer.start()
+        made = None
+        with self.assertRaises(KeyboardInterrupt):
+            made = sightline.Engine(scene)
+            timer.join()
+        self.assertIsNone(made)
+        self.assertEqual(sightline.Engine(scene).frame(overview(scene)).visible, 200_000)
+
+    def test_parts_are_together_the_scene(self):
+        self.engine.frame(self.near)
+        parts = [sightline.Engine(self.scene, part=(i, 3)) for i in range(3)]
+        for engine in parts:
+            engine.frame(self.near)
+        found = [engine.visible_items() for engine in parts]
+        self.assertGreater(min(map(len, found)), 0)
+        np.testing.assert_array_equal(np.sort(np.concatenate(found)), self.engine.visible_items())
+
+    def test_states_of_items(self):
+        report = self.engine.frame(self.near)
+        states = self.engine.cull_states(self.near)
+        names = np.array(sightline.CULL_STATES)[states.of_item]
+        self.assertEqual(len(names), 3000)
+        self.assertEqual({name: int((names == name).sum()) for name in sightline.CULL_STATES}, states.items)
+        self.assertEqual(set(np.flatnonzero(names != "outside")), set(self.engine.visible_items()))
+        self.assertEqual(states.items["inside"] + states.items["intersecting"], report.visible)
+        self.assertEqual(states.box_items.sum(), 3000)
+        self.assertEqual(states.boxes.shape, (len(states.box_states), 6))
+        kept = states.boxes[states.box_states != sightline.CULL_STATES.index("outside")]
+        for item in self.engine.visible_items():
+            low, high = self.scene.item(item).bounds
+            inside = (kept[:, :3] <= low + 1e-3) & (kept[:, 3:] >= high - 1e-3)
+            self.assertTrue(inside.all(axis=1).any(), item)
+
+    def test_parts_of_pictures_are_culled_apart(self):
+        engine = sightline.Engine(self.scene, width=400, height=250)
+        whole = set(engine.items_in(self.near, (0, 0, 400, 250)))
+        tiles = sightline.picture_tiles(400, 250, 130)
+        engine.resize(tiles.width, tiles.height)
+        taken, seen = np.zeros((250, 400), int), set()
+        for tile in tiles.tiles:
+            engine.frame_part(self.near, tile.part)
+            found = set(engine.visible_items())
+            self.assertLess(len(found), len(whole))
+            seen |= found
+            taken[tile.y0:tile.y1, tile.x0:tile.x1] += 1
+        self.assertTrue((taken == 1).all())
+        self.assertLessEqual(whole, seen)
+        self.assertLess(len(seen - whole), 5, "but for rounding, boxes that touch a border")
+        self.assert_error("too small", sightline.picture_tiles, 400, 250, 30)
+        self.assert_error("at most 262144 pixels", sightline.picture_tiles, 10**6, 250, 300)
+        self.assert_error("", engine.frame_part, self.near, sightline.PicturePart(0, 0, 0, 0))
+
+    def test_the_tracer_is_made_ahead(self):
+        engine = sightline.Engine(self.scene, width=400, height=250)
+        self.assertFalse(engine.preparing_picks)
+        self.assertEqual(engine.memory.tracer, 0)
+        engine.prepare_picks()
+        while engine.preparing_picks:
+            pass
+        first = engine.pick(self.view, 200, 125)
+        self.assertGreater(engine.memory.tracer, 0)
+        self.assertEqual(first and first.item, (self.engine.pick(self.view, 200, 125) or first).item)
+
+    def test_ghosts_are_hit_on_request(self):
+        engine = sightline.Engine(self.scene, width=400, height=250)
+        x = next(x for x in range(5, 400, 10) if engine.pick(self.view, x, 125))
+        solid = engine.pick(self.view, x, 125)
+        engine.set_override([solid.item], ghost=True)
+        behind = engine.pick(self.view, x, 125)
+        self.assertNotEqual(behind and behind.item, solid.item)
+        self.assertEqual(engine.pick(self.view, x, 125, ghosts=True).item, solid.item)
+        ray = (solid.point + solid.normal, -solid.normal)
+        through = engine.pick_ray(*ray)
+        self.assertNotEqual(through and through.item, solid.item)
+        self.assertEqual(engine.pick_ray(*ray, ghosts=True).item, solid.item)
+
+    def test_sections_cut_what_rays_hit(self):
+        scene = sightline.Scene()
+        scene.root.add(sightline.Sphere(2))
+        engine = sightline.Engine(scene)
+        def hit(**how):
+            return engine.pick_ray((0, -9, 0), (0, 1, 0), **how)
+        cut = [[0, 1, 0, 0.5], [1, 0, 0, 9]]  # keeps y > -0.5
+        self.assertEqual((hit().t, hit().face), (8, "side"))
+        self.assertEqual((hit(sections=cut).t, hit(sections=cut).face), (8.5, "cut"))
+        self.assertEqual((hit(sections=cut, cuts=False).t, hit(sections=cut, cuts=False).face), (10, "side"))
+        self.assertEqual(hit(sections=cut, section_mode="union").t, 8)
+        self.assert_error("at most 8 planes", hit, sections=np.ones((9, 4)))
+        self.assert_error("section_mode", hit, section_mode="x")
 
     def test_arguments_are_checked(self):
         engine = self.engine

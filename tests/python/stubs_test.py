@@ -27,6 +27,21 @@ def arguments_in_docstring(doc):
     return names
 
 
+def stubbed_arguments(node):
+    """(name, kind, whether there is a default) of each argument of a function in the stubs, without self."""
+    given, alone = node.args.args, node.args.kwonlyargs
+    found = [(a.arg, "positional", i >= len(given) - len(node.args.defaults)) for i, a in enumerate(given)]
+    found += [(a.arg, "keyword", default is not None) for a, default in zip(alone, node.args.kw_defaults)]
+    return [argument for argument in found if argument[0] != "self"]
+
+
+def told_arguments(thing):
+    """The same as inspect tells it."""
+    kinds = {inspect.Parameter.POSITIONAL_OR_KEYWORD: "positional", inspect.Parameter.KEYWORD_ONLY: "keyword"}
+    return [(p.name, kinds[p.kind], p.default is not p.empty) for p in inspect.signature(thing).parameters.values()
+            if p.name != "self"]
+
+
 class Stubs(Case):
     @classmethod
     def setUpClass(cls):
@@ -47,13 +62,19 @@ class Stubs(Case):
             members |= {m.target.id for m in node.body if isinstance(m, ast.AnnAssign)}
             self.assertEqual(self.public(members), self.public(vars(getattr(sightline, name))), name)
 
-    def check_arguments(self, thing, nodes, where):
-        stubbed = [[a.arg for a in [*n.args.args, *n.args.kwonlyargs] if a.arg != "self"] for n in nodes]
-        self.assertEqual(arguments_in_docstring(thing.__doc__), stubbed, where)
+    def check_signature(self, thing, nodes, where):
+        """Names, kinds and which have defaults: as inspect tells them, and in the docstring those of each overload."""
+        stubbed = [stubbed_arguments(node) for node in nodes]
+        if len(nodes) == 1:
+            self.assertEqual(told_arguments(thing), stubbed[0], where)
+        else:
+            self.assertEqual(str(inspect.signature(thing)), "(*args, **kwargs)", where)
+        doc = thing.__init__.__doc__ if inspect.isclass(thing) else thing.__doc__
+        self.assertEqual(arguments_in_docstring(doc), [[name for name, _, _ in each] for each in stubbed], where)
 
-    def test_arguments(self):
+    def test_signatures(self):
         for function in self.functions:
-            self.check_arguments(getattr(sightline, function.name), [function], function.name)
+            self.check_signature(getattr(sightline, function.name), [function], function.name)
         for name, node in self.classes.items():
             methods = {}
             for m in node.body:
@@ -61,8 +82,30 @@ class Stubs(Case):
                     decorators = {ast.unparse(d) for d in m.decorator_list}
                     if not any("property" in d or "setter" in d for d in decorators):
                         methods.setdefault(m.name, []).append(m)
+            bound = getattr(sightline, name)
             for method, nodes in methods.items():
-                self.check_arguments(getattr(getattr(sightline, name), method), nodes, f"{name}.{method}")
+                thing = bound if method == "__init__" else getattr(bound, method)
+                self.check_signature(thing, nodes, f"{name}.{method}")
+
+    def test_signatures_of_bound_methods(self):
+        scene = sightline.Scene()
+        self.assertEqual(str(inspect.signature(scene.root.add_node)), "(name='', transform=None)")
+        self.assertEqual(str(inspect.signature(scene.item)), "(id)")
+        self.assertEqual(str(inspect.signature(scene.commit)), "()")
+        self.assertEqual(inspect.signature(sightline.View.perspective).parameters["far"].default, float("inf"))
+        self.assertIs(inspect.signature(sightline.Engine.configure).parameters["culler"].default, ...)
+        with self.assertRaises(ValueError):
+            inspect.signature(sightline.Node)  # nobody makes one so
+        self.assertEqual(sightline.Engine.__doc__.split(" ")[0], "Culls")
+
+    def test_what_a_star_imports(self):
+        public = {name for name, value in vars(sightline).items() if not name.startswith("_") and
+                  not inspect.ismodule(value) and getattr(value, "__module__", "sightline") == "sightline"}
+        self.assertEqual(set(sightline.__all__), public - {"annotations", "version"})
+        self.assertEqual(len(set(sightline.__all__)), len(sightline.__all__))
+        names = {}
+        exec("from sightline import *", names)
+        self.assertEqual(names.keys() - {"__builtins__"}, set(sightline.__all__))
 
     def test_docstrings(self):
         for name in self.public(dir(sightline)):
