@@ -11,7 +11,17 @@
 namespace sightline::capi {
 namespace {
 
-enum class HandleKind : std::uint64_t { kNone, kScene, kEngine, kBoxCuller, kNode, kMesh, kMaterial, kCount };
+enum class HandleKind : std::uint64_t {
+  kNone,
+  kScene,
+  kEngine,
+  kBoxCuller,
+  kOccluderRaster,
+  kNode,
+  kMesh,
+  kMaterial,
+  kCount
+};
 
 // A handle: kind in 4 bits, high in 28, low in 32.
 constexpr int kKindShift = 60, kHighShift = 32;
@@ -26,7 +36,7 @@ constexpr std::uint64_t high_of(std::uint64_t handle) {
 
 const char* name_of(HandleKind kind) {
   constexpr std::array<const char*, std::size_t(HandleKind::kCount)> kNames = {
-      "handle", "scene", "engine", "box culler", "node", "mesh", "material"};
+      "handle", "scene", "engine", "box culler", "occluder raster", "node", "mesh", "material"};
   return kind < HandleKind::kCount ? kNames[std::size_t(kind)] : kNames[0];
 }
 
@@ -84,6 +94,7 @@ struct Tables {
   Table<SceneObject, HandleKind::kScene> scenes;
   Table<EngineObject, HandleKind::kEngine> engines;
   Table<BoxCullerObject, HandleKind::kBoxCuller> box_cullers;
+  Table<OccluderRasterObject, HandleKind::kOccluderRaster> occluder_rasters;
 };
 
 /// Never destroyed: handles may be used while the process ends.
@@ -164,6 +175,10 @@ sl_box_culler add_box_culler(std::shared_ptr<BoxCullerObject> culler) {
   const std::lock_guard lock(tables().mutex);
   return {tables().box_cullers.add(std::move(culler))};
 }
+sl_occluder_raster add_occluder_raster(std::shared_ptr<OccluderRasterObject> raster) {
+  const std::lock_guard lock(tables().mutex);
+  return {tables().occluder_rasters.add(std::move(raster))};
+}
 
 std::shared_ptr<SceneObject> remove(sl_scene handle) {
   recent_scene = {};
@@ -179,10 +194,19 @@ std::shared_ptr<BoxCullerObject> remove(sl_box_culler handle) {
   const std::lock_guard lock(tables().mutex);
   return tables().box_cullers.remove(handle.id);
 }
+std::shared_ptr<OccluderRasterObject> remove(sl_occluder_raster handle) {
+  const std::lock_guard lock(tables().mutex);
+  return tables().occluder_rasters.remove(handle.id);
+}
 
 std::shared_ptr<BoxCullerObject> find(sl_box_culler handle) {
   const std::lock_guard lock(tables().mutex);
   return tables().box_cullers.at(handle.id);
+}
+
+std::shared_ptr<OccluderRasterObject> find(sl_occluder_raster handle) {
+  const std::lock_guard lock(tables().mutex);
+  return tables().occluder_rasters.at(handle.id);
 }
 
 std::shared_ptr<SceneObject> share(sl_scene handle) {

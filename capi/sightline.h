@@ -25,8 +25,8 @@
  * Threads. A scene and its engines belong to one thread: the one that made the scene, or that took it after
  * sl_scene_hand_over(). On any other thread their functions, sl_..._destroy() among them, give SL_ERROR_THREAD.
  * Different scenes may be used on different threads at once. All other functions may be called from any threads at any
- * time: those of views and box cullers, sl_scene_create() and those that have no handle. During an import, calls on its
- * scene give SL_ERROR_BUSY.
+ * time: those of views, box cullers and occluder rasters, sl_scene_create() and those that have no handle. During an
+ * import, calls on its scene give SL_ERROR_BUSY.
  *
  * Versions. Structs that may grow begin with their size. Initialise them with their SL_..._INIT, which has the default
  * of each field; results need only `size`. Programs made for an older version then work with a newer library, and the
@@ -110,6 +110,9 @@ typedef struct sl_engine {
 typedef struct sl_box_culler {
   uint64_t id;
 } sl_box_culler;
+typedef struct sl_occluder_raster {
+  uint64_t id;
+} sl_occluder_raster;
 /* Items are numbered in the order of their insertion into their scene; numbers are not used again. Pictures of ids and
  * visible sets hold them. */
 typedef uint32_t sl_item;
@@ -475,6 +478,40 @@ SL_API sl_status sl_box_culler_update_many(sl_box_culler culler, const uint32_t*
                                            size_t count);
 /* Replaces all boxes; `box_count` must be that of sl_box_culler_create(). */
 SL_API sl_status sl_box_culler_refit(sl_box_culler culler, const sl_box* boxes, size_t box_count);
+
+/* --- occlusion without a scene: sightline/culling/occluder_raster.h ---------------------------------------------- */
+/* A depth image of chosen occluders, made by the CPU alone. Those must be solid, opaque and drawn. Reuse a raster from
+ * frame to frame; calls on one wait for each other. */
+
+SL_API sl_status sl_occluder_raster_create(sl_occluder_raster* raster);
+SL_API sl_status sl_occluder_raster_destroy(sl_occluder_raster raster);
+/* Empties the image, for occluders of this view in a picture of width x height pixels, 1 to 16384 each. */
+SL_API sl_status sl_occluder_raster_begin(sl_occluder_raster raster, const sl_view* view, int32_t width,
+                                          int32_t height);
+/* Solid boxes in the world: of these the `most` that look largest from the eye. `added` (may be null): how many of them
+ * meet the view volume. */
+SL_API sl_status sl_occluder_raster_add_largest(sl_occluder_raster raster, const sl_box* boxes, size_t box_count,
+                                                size_t most, size_t* added);
+/* The cube -1 to 1 in a placement. */
+SL_API sl_status sl_occluder_raster_add_cube(sl_occluder_raster raster, const double world_from_cube[16]);
+/* The cylinder of radius 1 about z, from -1 to 1, as its inscribed prism of 3 to 16 sides. */
+SL_API sl_status sl_occluder_raster_add_cylinder(sl_occluder_raster raster, const double world_from_cylinder[16],
+                                                 int32_t sides);
+/* Triangles, seen from both sides. `mesh`: its positions and indices alone are read. */
+SL_API sl_status sl_occluder_raster_add_mesh(sl_occluder_raster raster, const sl_mesh_data* mesh,
+                                             const double world_from_mesh[16]);
+/* The image: metres along the viewing direction, row by row from the bottom up, infinity where nothing is. `capacity`
+ * is in values, of which width * height are needed. */
+SL_API sl_status sl_occluder_raster_read(sl_occluder_raster raster, float* metres, size_t capacity);
+
+/* As sl_box_culler_visible(), without boxes that are hidden behind the raster's occluders, of the same view, or that
+ * cover none of its pixel centres. The view must know its eye: one made from a combined matrix does not. */
+SL_API sl_status sl_box_culler_visible_behind(sl_box_culler culler, const sl_view* view, sl_occluder_raster raster,
+                                              uint32_t* indices, size_t capacity, size_t* count);
+/* The same for an application's own depth of this view: width * height metres as sl_occluder_raster_read() has them. */
+SL_API sl_status sl_box_culler_visible_in_depth(sl_box_culler culler, const sl_view* view, const float* metres,
+                                                int32_t width, int32_t height, uint32_t* indices, size_t capacity,
+                                                size_t* count);
 
 /* --- engines: sightline/engine/engine.h -------------------------------------------------------------------------- */
 

@@ -1,14 +1,12 @@
 // Views, and culling without a scene.
 #include <algorithm>
-#include <cstddef>
 #include <mutex>
 #include <span>
 #include <vector>
 
 #include <glm/gtc/type_ptr.hpp>
 
-#include "sightline/capi/internal/objects.h"
-#include "sightline/capi/internal/values.h"
+#include "sightline/capi/internal/boxes.h"
 #if SIGHTLINE_HAS_IMPORTERS
 #include "sightline/importers/view_json.h"
 #endif
@@ -100,15 +98,6 @@ sl_status sl_view_read(const char* path, double aspect, sl_view* view) {
 
 namespace {
 
-static_assert(sizeof(sl_box) == sizeof(core::AabbD) && offsetof(sl_box, max) == offsetof(core::AabbD, max));
-
-/// The boxes where they lie: six doubles in both languages.
-std::span<const core::AabbD> boxes_of(const sl_box* boxes, std::size_t count) {
-  require(boxes || count == 0, "boxes, found null");
-  require(count < core::kNone / 2, "fewer than 2^31 - 1 boxes");
-  return {reinterpret_cast<const core::AabbD*>(boxes), count};
-}
-
 /// Runs `change` with the culler while nobody else uses it.
 template <class Change>
 sl_status change_boxes(const char* function, sl_box_culler handle, const Change& change) {
@@ -117,29 +106,6 @@ sl_status change_boxes(const char* function, sl_box_culler handle, const Change&
     const std::lock_guard turn(object->turn);
     const std::lock_guard lock(object->mutex);
     change(object->culler);
-  });
-}
-
-/// The calling thread's indices, so that frames allocate nothing.
-std::vector<std::uint32_t>& scratch_indices() {
-  thread_local std::vector<std::uint32_t> indices;
-  return indices;
-}
-
-/// Runs `cull` with the culler and this thread's list of indices, and writes that.
-template <class Cull>
-sl_status list_visible(const char* function, sl_box_culler handle, std::uint32_t* indices, std::size_t capacity,
-                       std::size_t* count, const Cull& cull) {
-  return call(function, [&] {
-    check_buffer(indices, capacity);
-    check_result(count);
-    const std::shared_ptr<BoxCullerObject> object = find(handle);
-    const std::shared_lock lock = [&] {
-      const std::lock_guard turn(object->turn);
-      return std::shared_lock(object->mutex);
-    }();
-    cull(object->culler, scratch_indices());
-    write_list(scratch_indices(), indices, capacity, count);
   });
 }
 

@@ -12,6 +12,7 @@
 #include "sightline/capi/sightline.h"
 #include "sightline/core/scene.h"
 #include "sightline/culling/box_culler.h"
+#include "sightline/culling/occluder_raster.h"
 #include "sightline/engine/engine.h"
 #if SIGHTLINE_HAS_GL
 #include "sightline/gl/context.h"
@@ -53,15 +54,27 @@ struct BoxCullerObject {
   culling::BoxCuller culler;
 };
 
+/// One thread at a time.
+struct OccluderRasterObject {
+  std::mutex mutex;
+  culling::OccluderRaster raster;
+  culling::DepthPyramid pyramid;  ///< of the image, where `built`
+  int width = 0, height = 0;      ///< 0: there is no image yet, or memory ran out while it was drawn
+  bool built = false;
+};
+
 sl_scene add_scene(std::shared_ptr<SceneObject> scene);  ///< owned by this thread
 sl_engine add_engine(std::shared_ptr<EngineObject> engine);
 sl_box_culler add_box_culler(std::shared_ptr<BoxCullerObject> culler);
+sl_occluder_raster add_occluder_raster(std::shared_ptr<OccluderRasterObject> raster);
 /// Takes the object out of the table. The caller has used the handle before, on this thread.
 std::shared_ptr<SceneObject> remove(sl_scene handle);
 std::shared_ptr<EngineObject> remove(sl_engine handle);
 std::shared_ptr<BoxCullerObject> remove(sl_box_culler handle);
+std::shared_ptr<OccluderRasterObject> remove(sl_occluder_raster handle);
 
 std::shared_ptr<BoxCullerObject> find(sl_box_culler handle);
+std::shared_ptr<OccluderRasterObject> find(sl_occluder_raster handle);
 /// For an engine to keep. The caller has used the handle before, on this thread.
 std::shared_ptr<SceneObject> share(sl_scene handle);
 /// Leaves the scene to the next thread that uses it.

@@ -29,7 +29,7 @@ __all__ = [
     "CULL_STATES", "CullStates", "Cylinder", "DEFAULT_LAYERS", "difference_image", "EllipticalDish", "encode_png",
     "Engine", "Error", "ExternalTarget", "flip", "FrameReport", "id_colours", "ids_of_colours", "ImageDifference",
     "ImageMetrics", "ImportReport", "ImportWarning", "Item", "KINDS", "known_extensions", "LateReport", "Line",
-    "LossReport", "Material", "MemoryReport", "Mesh", "metrics", "Node", "OVERVIEW_DIRECTION", "Pick",
+    "LossReport", "Material", "MemoryReport", "Mesh", "metrics", "Node", "OccluderRaster", "OVERVIEW_DIRECTION", "Pick",
     "picture_tiles", "PicturePart", "PictureTile", "PictureTiles", "PlanEntry", "Pyramid", "read_png",
     "Recognition", "RectangularTorus", "render", "replay", "Scene", "SceneDelta", "Snout", "Sphere",
     "SphericalDish", "translation", "View", "write_pfm", "write_png", "wrong_ids",

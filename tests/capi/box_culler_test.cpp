@@ -13,6 +13,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "c_scene.h"
+#include "sightline/culling/occluder_raster.h"
 
 namespace sightline::tests::box_culler_test {
 namespace {
@@ -206,6 +207,145 @@ TEST(CapiBoxCuller, ThreadsCullWhileOneUpdatesAndDestroys) {
   EXPECT_OK(sl_box_culler_destroy(culler));
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(wrong, 0);
+}
+
+// --- occluders -------------------------------------------------------------------------------------------------------
+
+constexpr int kImageWidth = 160, kImageHeight = 100;
+
+/// A culler of many small boxes and a raster, in both APIs.
+class CapiOccluders : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_OK(sl_box_culler_create(boxes.c.data(), boxes.c.size(), &culler));
+    ASSERT_OK(sl_occluder_raster_create(&raster));
+  }
+  void TearDown() override {
+    EXPECT_OK(sl_box_culler_destroy(culler));
+    EXPECT_OK(sl_occluder_raster_destroy(raster));
+  }
+
+  void add_walls() {
+    std::size_t added = 7, added_in_cpp = 0;
+    ASSERT_OK(sl_occluder_raster_begin(raster, &view.c, kImageWidth, kImageHeight));
+    twin.begin(view.cpp, kImageWidth, kImageHeight);
+    ASSERT_OK(sl_occluder_raster_add_largest(raster, walls.data(), walls.size(), 2, &added));
+    const std::vector<core::AabbD> same = {
+        {{-20, -40, -20}, {20, -39, 20}}, {{30, -40, 0}, {31, -39, 1}}, {{-60, 10, -60}, {-20, 11, 60}}};
+    added_in_cpp = twin.add_largest(same, 2);
+    EXPECT_EQ(added, added_in_cpp);
+    Matrix cube, cylinder = translation(40, -30, 0);
+    cube.m[0] = 6, cube.m[1] = 2, cube.m[12] = -35, cube.m[13] = -30;
+    cylinder.m[0] = cylinder.m[5] = 5, cylinder.m[10] = 20;
+    ASSERT_OK(sl_occluder_raster_add_cube(raster, cube.m));
+    ASSERT_OK(sl_occluder_raster_add_cylinder(raster, cylinder.m, 12));
+    const auto affine = [](const Matrix& m) {
+      const core::dmat4 all = glm::make_mat4(m.m);
+      return core::Affine{core::dmat3(all), core::dvec3(all[3])};
+    };
+    EXPECT_TRUE(twin.add_box(affine(cube)));
+    EXPECT_TRUE(twin.add_cylinder(affine(cylinder), 12));
+    const float corners[9] = {-50, -20, -50, -10, -20, -50, -30, -20, 50};
+    const std::uint32_t indices[3] = {0, 1, 2};
+    sl_mesh_data mesh = SL_MESH_DATA_INIT;
+    mesh.vertex_count = 3, mesh.positions = corners, mesh.index_count = 3, mesh.indices = indices;
+    ASSERT_OK(sl_occluder_raster_add_mesh(raster, &mesh, nullptr));
+    const core::vec3 positions[3] = {{-50, -20, -50}, {-10, -20, -50}, {-30, -20, 50}};
+    twin.add_mesh(positions, indices, {});
+  }
+  /// The boxes that `ask` lists.
+  template <class Ask>
+  std::vector<std::uint32_t> seen(const Ask& ask) {
+    std::vector<std::uint32_t> found(boxes.c.size());
+    std::size_t count = 0;
+    EXPECT_OK(ask(found.data(), found.size(), &count));
+    found.resize(count);
+    return found;
+  }
+
+  const Boxes boxes{20'000};
+  const BothViews view{{0, -90, 5}, {0, 0, 0}, double(kImageWidth) / kImageHeight};
+  const std::vector<sl_box> walls = {
+      {{-20, -40, -20}, {20, -39, 20}}, {{30, -40, 0}, {31, -39, 1}}, {{-60, 10, -60}, {-20, 11, 60}}};
+  sl_box_culler culler = {0};
+  sl_occluder_raster raster = {0};
+  culling::OccluderRaster twin;
+  std::vector<float> image = std::vector<float>(kImageWidth * kImageHeight);
+};
+
+TEST_F(CapiOccluders, HideTheBoxesThatTheyHideInCpp) {
+  auto cpp = culling::BoxCuller::create(boxes.cpp);
+  ASSERT_TRUE(cpp);
+  for (int round = 0; round < 2; ++round) {
+    add_walls();
+    std::vector<float> expected_image(image.size());
+    ASSERT_OK(sl_occluder_raster_read(raster, image.data(), image.size()));
+    twin.distances(expected_image);
+    EXPECT_EQ(image, expected_image);
+    culling::DepthPyramid pyramid;
+    twin.build(pyramid);
+    std::vector<std::uint32_t> expected, all;
+    cpp->visible(view.cpp, pyramid, expected);
+    cpp->visible(view.cpp, all);
+    const auto behind = seen([&](std::uint32_t* to, std::size_t capacity, std::size_t* count) {
+      return sl_box_culler_visible_behind(culler, &view.c, raster, to, capacity, count);
+    });
+    const auto in_depth = seen([&](std::uint32_t* to, std::size_t capacity, std::size_t* count) {
+      return sl_box_culler_visible_in_depth(culler, &view.c, image.data(), kImageWidth, kImageHeight, to, capacity,
+                                            count);
+    });
+    EXPECT_EQ(behind, expected);
+    EXPECT_EQ(in_depth, expected);
+    EXPECT_LT(expected.size(), all.size() * 9 / 10);
+    EXPECT_GT(expected.size(), 200u);
+  }
+  // More occluders count from the next call on, and another begin() forgets all.
+  const auto hidden_by_now = [&] {
+    std::size_t count = 0;
+    EXPECT_OK(sl_box_culler_visible_behind(culler, &view.c, raster, nullptr, 0, &count));
+    return count;
+  };
+  const std::size_t before = hidden_by_now();
+  const sl_box everything = {{-90, -60, -90}, {90, -59, 90}};
+  ASSERT_OK(sl_occluder_raster_add_largest(raster, &everything, 1, 1, nullptr));
+  EXPECT_LT(hidden_by_now(), before / 4);
+  ASSERT_OK(sl_occluder_raster_begin(raster, &view.c, kImageWidth, kImageHeight));
+  EXPECT_GT(hidden_by_now(), before);
+}
+
+TEST_F(CapiOccluders, BadArgumentsAreErrors) {
+  std::size_t count = 0;
+  const Matrix identity;
+  Matrix projective;
+  projective.m[3] = 1;
+  EXPECT_EQ(sl_occluder_raster_add_cube(raster, identity.m), SL_ERROR_ARGUMENT) << "before begin";
+  EXPECT_EQ(sl_occluder_raster_read(raster, image.data(), image.size()), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_visible_behind(culler, &view.c, raster, nullptr, 0, &count), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_occluder_raster_begin(raster, &view.c, 0, 10), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_occluder_raster_begin(raster, &view.c, 16385, 10), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_occluder_raster_begin(raster, nullptr, 10, 10), SL_ERROR_ARGUMENT);
+  ASSERT_OK(sl_occluder_raster_begin(raster, &view.c, 10, 10));
+  EXPECT_EQ(sl_occluder_raster_add_cube(raster, projective.m), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_occluder_raster_add_cylinder(raster, identity.m, 2), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_occluder_raster_add_cylinder(raster, identity.m, 17), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_occluder_raster_add_largest(raster, nullptr, 1, 1, nullptr), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_occluder_raster_add_mesh(raster, nullptr, nullptr), SL_ERROR_ARGUMENT);
+  const float corner[3] = {0, 0, 0};
+  const std::uint32_t indices[3] = {0, 0, 1};
+  sl_mesh_data mesh = SL_MESH_DATA_INIT;
+  mesh.vertex_count = 1, mesh.positions = corner, mesh.index_count = 3, mesh.indices = indices;
+  EXPECT_EQ(sl_occluder_raster_add_mesh(raster, &mesh, nullptr), SL_ERROR_ARGUMENT) << "no such vertex";
+  mesh.index_count = 2;
+  EXPECT_EQ(sl_occluder_raster_add_mesh(raster, &mesh, nullptr), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_occluder_raster_read(raster, image.data(), 99), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_occluder_raster_read(raster, nullptr, 100), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_visible_in_depth(culler, &view.c, nullptr, 10, 10, nullptr, 0, &count), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_visible_in_depth(culler, &view.c, image.data(), 0, 10, nullptr, 0, &count),
+            SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_box_culler_visible_behind(culler, &view.c, {culler.id}, nullptr, 0, &count), SL_ERROR_HANDLE);
+  EXPECT_EQ(sl_box_culler_visible_behind({raster.id}, &view.c, raster, nullptr, 0, &count), SL_ERROR_HANDLE);
+  EXPECT_EQ(sl_occluder_raster_destroy({0}), SL_ERROR_HANDLE);
+  EXPECT_EQ(sl_occluder_raster_create(nullptr), SL_ERROR_ARGUMENT);
 }
 
 }  // namespace

@@ -261,10 +261,35 @@ class Sequence {
     for (std::uint32_t& index : indices) index = in_.below(in_.one_in(32) ? 70 : 3);
     const std::size_t used = in_.below(kRoom + 1);
     const sl_box* from = in_.one_in(16) ? nullptr : boxes;
+    if (in_.one_in(4)) return look_behind(of, from, used);
     if (in_.one_in(2))
       check(sl_box_culler_refit(of, from, used), of);
     else
       check(sl_box_culler_update_many(of, in_.one_in(16) ? nullptr : indices, from, used), of);
+  }
+
+  /// A raster of occluders, from begin to end.
+  void look_behind(sl_box_culler of, const sl_box* solids, std::size_t used) {
+    sl_occluder_raster raster = {0};
+    expect(sl_occluder_raster_create(&raster) == SL_OK, "a raster");
+    const auto any_status = [&](sl_status status) { expect(status != SL_ERROR_MEMORY, "memory"); };
+    any_status(sl_occluder_raster_begin(raster, view(), std::int32_t(in_.below(40)), std::int32_t(in_.below(40))));
+    float corners[3 * 4];
+    std::uint32_t indices[6], found[kRoom];
+    for (float& value : corners) value = float(in_.number());
+    for (std::uint32_t& index : indices) index = in_.below(in_.one_in(16) ? 5 : 4);
+    sl_mesh_data mesh = {sizeof mesh, 4, nullptr, corners, nullptr, indices, 6};
+    any_status(sl_occluder_raster_add_largest(raster, solids, used, in_.below(8), count()));
+    any_status(sl_occluder_raster_add_cube(raster, matrix()));
+    any_status(sl_occluder_raster_add_cylinder(raster, matrix(), std::int32_t(in_.below(18))));
+    any_status(sl_occluder_raster_add_mesh(raster, sized(mesh), matrix()));
+    float metres[kRoom];
+    for (float& value : metres) value = float(in_.number());
+    any_status(sl_occluder_raster_read(raster, in_.one_in(16) ? nullptr : metres, in_.below(kRoom)));
+    check(sl_box_culler_visible_in_depth(of, view(), metres, 8, 8, found, kRoom, count()), of);
+    const std::uint64_t behind = in_.one_in(16) ? any(made_.cullers) : raster.id;
+    any_status(sl_box_culler_visible_behind(of, view(), {behind}, found, kRoom, count()));
+    expect(sl_occluder_raster_destroy(raster) == SL_OK, "a live raster");
   }
 
   void add_mesh() {

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks the table of docs/api-parity.md: check_parity.py ROOT.
 
-- Each field of the settings and reports of engines, and each public function of Engine, has a row, and nothing else.
+- Each field of the settings and reports of engines, and each public function of Engine, BoxCuller and OccluderRaster, has
+  a row, and nothing else.
 - Each row names what C and Python have for it, or has a dash and says why.
 - What it names is in capi/sightline.h and in python/sightline/_sightline.pyi.
 
@@ -29,7 +30,11 @@ STRUCTS = {
     "culling/cull_states.h": ["CullBox", "CullStates"],
     "core/external_target.h": ["ExternalTarget"],
 }
-CLASSES = {"engine/engine.h": ["Engine"]}
+CLASSES = {
+    "engine/engine.h": ["Engine"],
+    "culling/box_culler.h": ["BoxCuller"],
+    "culling/occluder_raster.h": ["OccluderRaster"],
+}
 
 
 # --- headers ---------------------------------------------------------------------------------------------------------

@@ -125,5 +125,69 @@ class Culling(Case):
         self.assert_error("finite", culler.visible, np.full((4, 4), np.nan))
 
 
+
+class Occluders(Case):
+    def setUp(self):
+        super().setUp()
+        self.view = sightline.View.perspective((0, -90, 5), (0, 0, 0), fovy=0.8, aspect=1.6)
+        self.rows = box_rows(20_000)
+        self.culler = sightline.BoxCuller(self.rows)
+        self.raster = sightline.OccluderRaster()
+
+    def test_a_wall_hides_what_lies_behind_it(self):
+        everything = set(self.culler.visible(self.view))
+        self.raster.begin(self.view, 320, 200)
+        self.assertEqual(self.raster.add_largest([[-60, -31, -60, 60, -30, 60]]), 1)
+        seen = set(self.culler.visible(self.view, self.raster))
+        self.assertTrue(seen < everything)
+        for i in everything - seen:
+            self.assertGreater(self.rows[i, 4], -31, "no box wholly before the wall is hidden, but for the smallest")
+        before = [i for i in everything if self.rows[i, 4] < -32 and (self.rows[i, 3:] - self.rows[i, :3]).min() > 1]
+        self.assertLessEqual(set(before), seen)
+        distances = self.raster.distances()
+        self.assertEqual((distances.shape, distances.dtype), ((200, 320), np.float32))
+        np.testing.assert_allclose(distances[100, 160], 59, rtol=0.02)
+        np.testing.assert_array_equal(self.culler.visible(self.view, distances), self.culler.visible(self.view, self.raster))
+
+    def test_all_kinds_of_occluders(self):
+        hidden = {}
+        placement = sightline.translation([0, -40, 0]) @ np.diag([20, 1, 20, 1])
+        corners, triangles = [[-20, -40, -20], [20, -40, -20], [20, -40, 20], [-20, -40, 20]], [[0, 1, 2], [0, 2, 3]]
+        for name, add in (("cube", lambda: self.raster.add_cube(placement)),
+                          ("cylinder", lambda: self.raster.add_cylinder(placement, sides=16)),
+                          ("mesh", lambda: self.raster.add_mesh(corners, triangles)),
+                          ("moved mesh", lambda: self.raster.add_mesh(np.array(corners) + [0, 0, 7], triangles,
+                                                                      sightline.translation([0, 0, -7])))):
+            self.raster.begin(self.view, 320, 200)
+            self.assertIn(add(), (None, True))
+            hidden[name] = len(self.culler.visible(self.view)) - len(self.culler.visible(self.view, self.raster))
+            self.assertTrue(np.isfinite(self.raster.distances()).any(), name)
+        self.assertGreater(hidden["cylinder"], 100)
+        self.assertEqual(hidden["mesh"], hidden["moved mesh"])
+        self.assertGreater(hidden["cube"], hidden["cylinder"])
+        self.raster.begin(self.view, 320, 200)
+        behind_the_eye = sightline.translation([0, -200, 0])
+        self.assertFalse(self.raster.add_cube(behind_the_eye))
+
+    def test_rows_run_from_the_top(self):
+        self.raster.begin(self.view, 32, 20)
+        self.raster.add_largest([[-60, -31, 10, 60, -30, 60]])
+        distances = self.raster.distances()
+        self.assertTrue(np.isfinite(distances[0, 5:27]).all() and np.isinf(distances[-1]).all())
+
+    def test_bad_arguments(self):
+        self.assert_error("begin() first", self.raster.distances)
+        self.assert_error("begin() first", self.raster.add_cube, np.eye(4))
+        self.assert_error("begin() first", self.culler.visible, self.view, self.raster)
+        self.assert_error("1 to 16384 pixels, found 0 and 3", self.raster.begin, self.view, 0, 3)
+        self.raster.begin(self.view, 32, 20)
+        self.assert_error("sides: expected 3 to 16, found 2", self.raster.add_cylinder, np.eye(4), 2)
+        self.assert_error("boxes: expected numbers of shape (N, 6)", self.raster.add_largest, [1, 2])
+        self.assert_error("less than 1, found 1", self.raster.add_mesh, [[0, 0, 0]], [[0, 0, 1]])
+        self.assert_error("0 0 0 1", self.raster.add_cube, np.ones((4, 4)))
+        self.assert_error("occluders: expected numbers", self.culler.visible, self.view, 3)
+        self.assert_error("1 to 16384 pixels", self.culler.visible, self.view, np.zeros((0, 3)))
+
+
 if __name__ == "__main__":
     unittest.main()

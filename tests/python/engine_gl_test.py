@@ -46,6 +46,15 @@ class Drawing(GlCase):
         gc.collect()
         np.testing.assert_array_equal(colour, before)
 
+    def test_depth_hides_boxes(self):
+        engine = self.engine(ids=True)
+        engine.frame(self.view)
+        shown = set(np.unique(engine.read_ids())) - {0}
+        culler = sightline.BoxCuller(np.array([self.scene.item(i).bounds.reshape(6) for i in self.scene.items]))
+        open_boxes = culler.visible(self.view, engine.read_depth(self.view))
+        self.assertLess(len(open_boxes), len(culler.visible(self.view)))
+        self.assertLessEqual({i - 1 for i in shown}, set(open_boxes), "what owns a pixel is not hidden")
+
     def test_depth_is_where_the_pick_is(self):
         engine = self.engine(ids=True)
         engine.frame(self.view)
