@@ -37,22 +37,33 @@ T cast(const char* name, py::handle value) {
   return py::detail::cast_op<T>(std::move(caster));
 }
 
-/// A setting that is a number or a truth; `kField` gives it of a configuration.
-template <auto kField>
+/// A field, or a field of a struct that is a field: pointers to members, the outer one first.
+template <auto... kPath>
+struct Field {
+  template <class T>
+  static auto& of(T& value) {
+    return (value.*....*kPath);
+  }
+};
+template <class F, class T>
+using FieldType = std::remove_cvref_t<decltype(F::of(std::declval<T&>()))>;
+
+/// A setting that is a number or a truth.
+template <auto... kPath>
 constexpr Setting plain(const char* name) {
-  return {name, [](const EngineConfig& c) -> py::object { return py::cast(kField(c)); },
-          [](EngineConfig& c, const char* n, py::handle value) {
-            kField(c) = cast<std::remove_reference_t<decltype(kField(c))>>(n, value);
-          }};
+  using F = Field<kPath...>;
+  return {
+      name, [](const EngineConfig& c) -> py::object { return py::cast(F::of(c)); },
+      [](EngineConfig& c, const char* n, py::handle value) { F::of(c) = cast<FieldType<F, EngineConfig>>(n, value); }};
 }
 
 /// One that is one of several names.
 template <auto kField>
 constexpr Setting named(const char* name) {
-  return {name, [](const EngineConfig& c) -> py::object { return py::str(std::string(name_of(kField(c)))); },
+  using F = Field<kField>;
+  return {name, [](const EngineConfig& c) -> py::object { return py::str(std::string(name_of(F::of(c)))); },
           [](EngineConfig& c, const char* n, py::handle value) {
-            using Enum = std::remove_reference_t<decltype(kField(c))>;
-            kField(c) = enumerator_of<Enum>(n, cast<std::string>(n, value));
+            F::of(c) = enumerator_of<FieldType<F, EngineConfig>>(n, cast<std::string>(n, value));
           }};
 }
 
@@ -76,33 +87,19 @@ ControllerConfig checked(const ControllerConfig& config) {
 
 }  // namespace
 
-const std::array<Setting, kFixedSettings> kFixed = {plain < [](auto& c) -> auto& {return c.draw;
-}  // namespace sightline::python
-> ("draw"), plain < [](auto& c) -> auto& {
-  return c.width;
-}
-> ("width"), plain < [](auto& c) -> auto& {
-  return c.height;
-}
-> ("height"), plain < [](auto& c) -> auto& {
-  return c.ids;
-}
-> ("ids"), plain < [](auto& c) -> auto& {
-  return c.samples;
-}
-> ("samples"), named < [](auto& c) -> auto& {
-  return c.transparency;
-}
-> ("transparency"),
+const std::array<Setting, kFixedSettings> kFixed = {
+    plain<&EngineConfig::draw>("draw"),
+    plain<&EngineConfig::width>("width"),
+    plain<&EngineConfig::height>("height"),
+    plain<&EngineConfig::ids>("ids"),
+    plain<&EngineConfig::samples>("samples"),
+    named<&EngineConfig::transparency>("transparency"),
     Setting{"part", [](const EngineConfig& c) -> py::object { return py::make_tuple(c.part.index, c.part.count); },
             [](EngineConfig& c, const char* name, py::handle value) {
               const auto [index, count] = cast<std::pair<int, int>>(name, value);
               c.part = {index, count};
             }},
-    plain < [](auto& c) -> auto& {
-  return c.rebuild_share;
-}
-> ("rebuild_share"),
+    plain<&EngineConfig::rebuild_share>("rebuild_share"),
     Setting{"gpu_pass",
             [](const EngineConfig& c) -> py::object {
               const auto variant = c.gpu_culler.variant;
@@ -118,42 +115,23 @@ const std::array<Setting, kFixedSettings> kFixed = {plain < [](auto& c) -> auto&
             [](EngineConfig& c, const char* name, py::handle value) {
               c.context_platform = unwrap(gl::parse_platform(cast<std::string>(name, value)));
             }},
-    plain < [](auto& c) -> auto& {
-  return c.context_later;
-}
-> ("context_later"), named < [](auto& c) -> auto& {
-  return c.gl_state;
-}
-> ("gl_state"), plain < [](auto& c) -> auto& {
-  return c.gl_debug;
-}
-> ("gl_debug"),
+    plain<&EngineConfig::context_later>("context_later"),
+    named<&EngineConfig::gl_state>("gl_state"),
+    plain<&EngineConfig::gl_debug>("gl_debug"),
     Setting{"program_cache", [](const EngineConfig& c) -> py::object { return py::cast(c.program_cache); },
             [](EngineConfig& c, const char* name, py::handle value) {
               c.program_cache = {};
               if (!value.is_none()) c.program_cache = cast<std::filesystem::path>(name, value);
             }},
-}
-;
+};
 
-const std::array<Setting, kChangeableSettings> kChangeable = {named < [](auto& c) -> auto& {return c.culler;
-}
-> ("culler"), plain < [](auto& c) -> auto& {
-  return c.sample_test;
-}
-> ("sample_test"), named < [](auto& c) -> auto& {
-  return c.occlusion;
-}
-> ("occlusion"), plain < [](auto& c) -> auto& {
-  return c.contribution;
-}
-> ("contribution"), named < [](auto& c) -> auto& {
-  return c.contribution_way;
-}
-> ("contribution_way"), plain < [](auto& c) -> auto& {
-  return c.budget_ms;
-}
-> ("budget_ms"),
+const std::array<Setting, kChangeableSettings> kChangeable = {
+    named<&EngineConfig::culler>("culler"),
+    plain<&EngineConfig::sample_test>("sample_test"),
+    named<&EngineConfig::occlusion>("occlusion"),
+    plain<&EngineConfig::contribution>("contribution"),
+    named<&EngineConfig::contribution_way>("contribution_way"),
+    plain<&EngineConfig::budget_ms>("budget_ms"),
     Setting{"hidden_colour",
             [](const EngineConfig& c) -> py::object { return c.hidden_colour ? colour(*c.hidden_colour) : py::none(); },
             [](EngineConfig& c, const char* name, py::handle value) {
@@ -164,19 +142,10 @@ const std::array<Setting, kChangeableSettings> kChangeable = {named < [](auto& c
             [](EngineConfig& c, const char* name, py::handle value) {
               c.outline_colour = core::vec3(vector3(value, name));
             }},
-    plain < [](auto& c) -> auto& {
-  return c.relief.shading;
-}
-> ("relief_shading"), plain < [](auto& c) -> auto& {
-  return c.relief.lines;
-}
-> ("relief_lines"), plain < [](auto& c) -> auto& {
-  return c.hatching.strength;
-}
-> ("hatching_strength"), plain < [](auto& c) -> auto& {
-  return c.hatching.spacing;
-}
-> ("hatching_spacing"),
+    plain<&EngineConfig::relief, &engine::Relief::shading>("relief_shading"),
+    plain<&EngineConfig::relief, &engine::Relief::lines>("relief_lines"),
+    plain<&EngineConfig::hatching, &engine::Hatching::strength>("hatching_strength"),
+    plain<&EngineConfig::hatching, &engine::Hatching::spacing>("hatching_spacing"),
     Setting{"controller",
             [](const EngineConfig& c) -> py::object {
               ControllerConfig told = c.controller;
@@ -186,8 +155,7 @@ const std::array<Setting, kChangeableSettings> kChangeable = {named < [](auto& c
             [](EngineConfig& c, const char* name, py::handle value) {
               c.controller = value.is_none() ? ControllerConfig() : checked(cast<ControllerConfig>(name, value));
             }},
-}
-;
+};
 
 py::object default_of(const Setting& setting) {
   if (std::string_view(setting.name) == "controller") return py::none();
@@ -211,51 +179,65 @@ py::dict settings_of(const EngineConfig& config) {
 namespace {
 
 template <auto kField>
-using FieldOf = std::remove_cvref_t<decltype(kField(std::declval<ControllerConfig&>()))>;
+using OfCost = Field<&ControllerConfig::frame_cost, kField>;
+template <auto kField>
+using Of2009 = Field<&ControllerConfig::policy_2009, kField>;
+template <class F>
+using NumberOf = FieldType<F, ControllerConfig>;
 
-/// Numbers of a controller's configuration: its constructor's arguments and attributes.
-template <auto... kFields>
-void bind_numbers(py::class_<ControllerConfig>& c, const std::array<const char*, sizeof...(kFields)>& names) {
+template <class F>
+void bind_number(py::class_<ControllerConfig>& c, const char* name) {
+  c.def_property(
+      name, [](const ControllerConfig& k) { return F::of(k); },
+      [](ControllerConfig& k, NumberOf<F> value) {
+        ControllerConfig changed = k;
+        F::of(changed) = value;
+        k = checked(changed);
+      },
+      "A number; see culling/frame_cost.h and culling/policy_2009.h.");
+}
+
+template <class... F>
+py::tuple state_of_controller(const ControllerConfig& k) {
+  return py::make_tuple(stored(k.policy), stored(k.policy_2009.trigger), stored(F::of(k))...);
+}
+
+template <class... F>
+ControllerConfig controller_of_state(const py::tuple& state) {
+  if (state.size() != 2 + sizeof...(F)) fail("pickle: it is of another version");
+  ControllerConfig k;
+  k.policy = restored<culling::Policy>(state[0]);
+  k.policy_2009.trigger = restored<culling::Policy2009Trigger>(state[1]);
+  std::size_t i = 2;
+  ((F::of(k) = restored<NumberOf<F>>(state[i++])), ...);
+  return checked(k);
+}
+
+template <class... F>
+ControllerConfig make_controller(const std::string& policy, const std::string& trigger, NumberOf<F>... values) {
+  ControllerConfig made;
+  made.policy = enumerator_of<culling::Policy>("policy", policy);
+  made.policy_2009.trigger = enumerator_of<culling::Policy2009Trigger>("trigger", trigger);
+  ((F::of(made) = values), ...);
+  return checked(made);
+}
+
+/// Numbers of a controller's configuration: its constructor's arguments, its attributes, and what is pickled of it.
+template <class... F>
+void bind_numbers(py::class_<ControllerConfig>& c, const std::array<const char*, sizeof...(F)>& names) {
   const ControllerConfig defaults;
   const auto define = [&]<std::size_t... I>(std::index_sequence<I...>) {
-    c.def(py::init([](const std::string& policy, const std::string& trigger, FieldOf<kFields>... values) {
-            ControllerConfig made;
-            made.policy = enumerator_of<culling::Policy>("policy", policy);
-            made.policy_2009.trigger = enumerator_of<culling::Policy2009Trigger>("trigger", trigger);
-            ((kFields(made) = values), ...);
-            return checked(made);
-          }),
-          py::kw_only(), py::arg("policy") = "frame-cost", py::arg("trigger") = "time",
-          (py::arg(names[I]) = kFields(defaults))...,
+    c.def(py::init(&make_controller<F...>), py::kw_only(), py::arg("policy") = "frame-cost",
+          py::arg("trigger") = "time", (py::arg(names[I]) = F::of(defaults))...,
           "policy: \"frame-cost\" takes the culler that costs the frame less, by measured times; \"2009\" is the state "
           "machine of the dissertation, whose `trigger` (\"time\", \"height\", \"intersections\", \"share\") says what "
           "makes a frame slow. The first ten numbers belong to the former, the others to the latter.");
-    (c.def_property(
-         names[I], [](const ControllerConfig& k) { return kFields(k); },
-         [](ControllerConfig& k, FieldOf<kFields> value) {
-           ControllerConfig changed = k;
-           kFields(changed) = value;
-           k = checked(changed);
-         },
-         "A number; see the class in C++, culling/frame_cost.h and culling/policy_2009.h."),
-     ...);
+    (bind_number<F>(c, names[I]), ...);
   };
-  define(std::make_index_sequence<sizeof...(kFields)>());
+  define(std::index_sequence_for<F...>());
   c.def(
        "__eq__", [](const ControllerConfig& a, const ControllerConfig& b) { return a == b; }, py::is_operator())
-      .def(py::pickle(
-          [](const ControllerConfig& k) {
-            return py::make_tuple(stored(k.policy), stored(k.policy_2009.trigger), stored(kFields(k))...);
-          },
-          [](const py::tuple& state) {
-            if (state.size() != 2 + sizeof...(kFields)) fail("pickle: it is of another version");
-            ControllerConfig k;
-            k.policy = restored<culling::Policy>(state[0]);
-            k.policy_2009.trigger = restored<culling::Policy2009Trigger>(state[1]);
-            std::size_t i = 2;
-            ((kFields(k) = restored<FieldOf<kFields>>(state[i++])), ...);
-            return checked(k);
-          }));
+      .def(py::pickle(&state_of_controller<F...>, &controller_of_state<F...>));
 }
 
 }  // namespace
@@ -272,63 +254,19 @@ void bind_controller_config(py::module_& m) {
             k.policy_2009.trigger = enumerator_of<culling::Policy2009Trigger>("trigger", name);
           },
           "\"time\", \"height\", \"intersections\" or \"share\".");
-  bind_numbers < [](auto& k) -> auto& {
-    return k.frame_cost.least_gpu_cull_ms;
-  }
-  , [](auto& k) -> auto& {
-    return k.frame_cost.margin;
-  }
-  , [](auto& k) -> auto& {
-    return k.frame_cost.dwell_margin;
-  }
-  , [](auto& k) -> auto& {
-    return k.frame_cost.dwell_frames;
-  }
-  , [](auto& k) -> auto& {
-    return k.frame_cost.probe_share;
-  }
-  , [](auto& k) -> auto& {
-    return k.frame_cost.first_probes;
-  }
-  , [](auto& k) -> auto& {
-    return k.frame_cost.probe_cost;
-  }
-  , [](auto& k) -> auto& {
-    return k.frame_cost.probe_interval;
-  }
-  , [](auto& k) -> auto& {
-    return k.frame_cost.silent_frames;
-  }
-  , [](auto& k) -> auto& {
-    return k.frame_cost.presumed_gpu_excess;
-  }
-  , [](auto& k) -> auto& {
-    return k.policy_2009.slow_ms;
-  }
-  , [](auto& k) -> auto& {
-    return k.policy_2009.slow_height;
-  }
-  , [](auto& k) -> auto& {
-    return k.policy_2009.slow_intersections;
-  }
-  , [](auto& k) -> auto& {
-    return k.policy_2009.slow_share;
-  }
-  , [](auto& k) -> auto& {
-    return k.policy_2009.enter_frames;
-  }
-  , [](auto& k) -> auto& {
-    return k.policy_2009.gpu_frames;
-  }
-  , [](auto& k) -> auto& {
-    return k.policy_2009.probe_frames;
-  }
-  , [](auto& k) -> auto& {
-    return k.policy_2009.most_gpu_frames;
-  }
-  > (c, {"least_gpu_cull_ms", "margin", "dwell_margin", "dwell_frames", "probe_share", "first_probes", "probe_cost",
-         "probe_interval", "silent_frames", "presumed_gpu_excess", "slow_ms", "slow_height", "slow_intersections",
-         "slow_share", "enter_frames", "gpu_frames", "probe_frames", "most_gpu_frames"});
+  using culling::FrameCostConfig, culling::Policy2009Config;
+  bind_numbers<OfCost<&FrameCostConfig::least_gpu_cull_ms>, OfCost<&FrameCostConfig::margin>,
+               OfCost<&FrameCostConfig::dwell_margin>, OfCost<&FrameCostConfig::dwell_frames>,
+               OfCost<&FrameCostConfig::probe_share>, OfCost<&FrameCostConfig::first_probes>,
+               OfCost<&FrameCostConfig::probe_cost>, OfCost<&FrameCostConfig::probe_interval>,
+               OfCost<&FrameCostConfig::silent_frames>, OfCost<&FrameCostConfig::presumed_gpu_excess>,
+               Of2009<&Policy2009Config::slow_ms>, Of2009<&Policy2009Config::slow_height>,
+               Of2009<&Policy2009Config::slow_intersections>, Of2009<&Policy2009Config::slow_share>,
+               Of2009<&Policy2009Config::enter_frames>, Of2009<&Policy2009Config::gpu_frames>,
+               Of2009<&Policy2009Config::probe_frames>, Of2009<&Policy2009Config::most_gpu_frames>>(
+      c, {"least_gpu_cull_ms", "margin", "dwell_margin", "dwell_frames", "probe_share", "first_probes", "probe_cost",
+          "probe_interval", "silent_frames", "presumed_gpu_excess", "slow_ms", "slow_height", "slow_intersections",
+          "slow_share", "enter_frames", "gpu_frames", "probe_frames", "most_gpu_frames"});
 }
 
 }  // namespace sightline::python

@@ -70,7 +70,11 @@ engine::FrameReport frame_into(EngineBox& box, const core::View& view, const cor
   check_target(target);
   const core::View seen = view;
   const core::ExternalTarget into = target;
-  return box.frame_into(seen, into);
+  return unwrap(box.call([&](engine::Engine& e) {
+    auto done = e.frame(seen, into);
+    box.note_size(e);
+    return done;
+  }));
 }
 
 engine::FrameReport frame_part(EngineBox& box, const core::View& whole, const engine::PicturePart& part) {
@@ -256,6 +260,7 @@ void of_items(EngineBox& box, const py::object& items) {
 
 void isolate(EngineBox& box, const std::vector<Node>& nodes) {
   std::vector<core::NodeId> ids;
+  ids.reserve(nodes.size());
   for (const Node& node : nodes) ids.push_back(node_in(box.scene(), node, "nodes"));
   unwrap(box.call([&](engine::Engine& e) { return e.isolate(ids); }));
 }

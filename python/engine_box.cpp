@@ -58,14 +58,6 @@ void EngineBox::resize(int width, int height) {
   }));
 }
 
-engine::FrameReport EngineBox::frame_into(const core::View& view, const core::ExternalTarget& target) {
-  return unwrap(call([&](engine::Engine& e) {
-    auto done = e.frame(view, target);
-    note_size(e);
-    return done;
-  }));
-}
-
 void EngineBox::drop_context() {
   call([&](engine::Engine& e) {
     e.drop_context();
@@ -92,7 +84,7 @@ bool EngineBox::use_context(const py::object& get_proc, std::optional<double> se
     if (context_in_use_) return core::fail("engine: the former context is in use: drop or abandon it first");
     if (adopted) coming_ = std::move(adopted);
     if (!coming_) return core::fail("engine: another thread has dropped the context meanwhile");
-    const auto done = seconds ? e.use_context(*coming_, *seconds) : e.use_context(*coming_).map([] { return true; });
+    auto done = seconds ? e.use_context(*coming_, *seconds) : e.use_context(*coming_).map([] { return true; });
     if (!done) coming_.reset();
     if (!done || !*done) return done;
     context_ = std::move(coming_);

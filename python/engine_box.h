@@ -36,7 +36,8 @@ class EngineBox {
   }
 
   void resize(int width, int height);
-  engine::FrameReport frame_into(const core::View& view, const core::ExternalTarget& target);
+  /// Within call(): the picture may have another size now.
+  void note_size(const engine::Engine& engine);
 
   void drop_context();
   void abandon_context();
@@ -45,8 +46,6 @@ class EngineBox {
   bool use_context(const py::object& get_proc, std::optional<double> seconds);
 
  private:
-  void note_size(const engine::Engine& engine);
-
   ScenePtr scene_;
   Gate gate_;
   int width_, height_;  // of the picture, in pixels

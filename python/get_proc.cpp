@@ -11,7 +11,7 @@ using FindProc = gl::Proc (*)(const char* name);
 FindProc function_at(const py::object& address) {
   const auto number = py::cast<std::uintptr_t>(address);
   if (number == 0) fail("get_proc: expected a function, found the address 0");
-  return reinterpret_cast<FindProc>(number);
+  return reinterpret_cast<FindProc>(number);  // NOLINT(performance-no-int-to-ptr): Python has addresses as numbers
 }
 
 /// The address of a pointer or function of ctypes; nothing for other objects.
@@ -41,7 +41,7 @@ struct Callback {
     auto& self = *static_cast<Callback*>(user);
     if (self.thrown) return nullptr;
     try {
-      return reinterpret_cast<gl::Proc>(self.address_of(name));
+      return reinterpret_cast<gl::Proc>(self.address_of(name));  // NOLINT(performance-no-int-to-ptr): the same
     } catch (...) {
       self.thrown = std::current_exception();
       return nullptr;

@@ -1,6 +1,7 @@
 // Classes of plain values: equal where all their fields are, and pickled by them, which copies them, too.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <type_traits>
 
@@ -15,8 +16,8 @@ inline constexpr int kEnumerators = 0;
 /// The enumerator of that name, by name_of(). Fails with all names.
 template <class Enum>
 Enum enumerator_of(const char* argument, const std::string& text) {
-  std::vector<std::string_view> names;
-  for (int i = 0; i < kEnumerators<Enum>; ++i) names.push_back(name_of(Enum(i)));
+  std::array<std::string_view, kEnumerators<Enum>> names;
+  for (std::size_t i = 0; i < names.size(); ++i) names[i] = name_of(Enum(i));
   return Enum(one_of(argument, text, names));
 }
 
