@@ -16,10 +16,10 @@ enum class HandleKind : std::uint64_t {
   kScene,
   kEngine,
   kBoxCuller,
-  kOccluderRaster,
   kNode,
   kMesh,
   kMaterial,
+  kOccluderRaster,
   kCount
 };
 
@@ -36,7 +36,7 @@ constexpr std::uint64_t high_of(std::uint64_t handle) {
 
 const char* name_of(HandleKind kind) {
   constexpr std::array<const char*, std::size_t(HandleKind::kCount)> kNames = {
-      "handle", "scene", "engine", "box culler", "occluder raster", "node", "mesh", "material"};
+      "handle", "scene", "engine", "box culler", "node", "mesh", "material", "occluder raster"};
   return kind < HandleKind::kCount ? kNames[std::size_t(kind)] : kNames[0];
 }
 

@@ -725,7 +725,7 @@ SL_API sl_status sl_engine_frame(sl_engine engine, const sl_view* view, const sl
 SL_API sl_status sl_engine_frame_into(sl_engine engine, const sl_view* view, const sl_external_target* target,
                                       sl_frame_report* report);
 /* Draws a line around items over a framebuffer that shows the last frame's picture, `view` and the target's size being
- * those of that frame: for what is under a cursor. Takes the time of these items alone. */
+ * those of that frame: for what is under a cursor. Takes the time of these items and of two passes over the picture. */
 SL_API sl_status sl_engine_draw_outline(sl_engine engine, const sl_view* view, const sl_item* items, size_t item_count,
                                         const sl_external_target* target);
 /* Draws a part of a picture of `whole` that may be larger than any framebuffer. `report` may be null. */
@@ -768,8 +768,8 @@ SL_API sl_status sl_engine_get_controller(sl_engine engine, sl_controller_info* 
 SL_API sl_status sl_engine_explain(sl_engine engine, sl_text* text);
 /* As GL names it; empty while there is no context. */
 SL_API sl_status sl_engine_renderer(sl_engine engine, sl_text* text);
-/* What the driver has complained of, a line each: see sl_engine_config.gl_debug. Lines that have fitted into the text
- * are not told again. */
+/* What the driver has complained of, a line each: see sl_engine_config.gl_debug. Lines are told once, but all of them
+ * again where the text had no room for all. */
 SL_API sl_status sl_engine_take_gl_errors(sl_engine engine, sl_text* text);
 
 /* Items in the view volume of the last frame, in no order, for renderers of one's own. None where the GPU culled. Fails

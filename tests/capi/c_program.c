@@ -51,6 +51,11 @@ static void build_and_pick(void) {
   sl_pick pick = SL_PICK_INIT;
   sl_frame_report report = SL_FRAME_REPORT_INIT;
   sl_view view = SL_VIEW_INIT;
+  sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
+  sl_controller_info controller_info = SL_CONTROLLER_INFO_INIT;
+  sl_loss_report loss = SL_LOSS_REPORT_INIT;
+  sl_cull_states states = SL_CULL_STATES_INIT;
+  uint8_t of_item[2];
   sl_box bounds;
   char path[32];
   sl_text text = {NULL, 0, 0};
@@ -80,6 +85,16 @@ static void build_and_pick(void) {
   expect(sl_scene_bounds(scene, scene_info.root, SL_DEFAULT_LAYERS, &bounds) == SL_OK, "bounds");
   expect(sl_view_fit(&bounds, NULL, 0.9, 320.0 / 240.0, &view) == SL_OK, "a view");
   expect(sl_engine_frame(engine, &view, NULL, &report) == SL_OK && report.visible == 2, "two visible items");
+  states.of_item = of_item;
+  states.item_capacity = 2;
+  expect(sl_engine_cull_states(engine, &view, &states) == SL_OK && states.item_count == 2, "two states");
+  expect(of_item[item] != SL_CULL_OUTSIDE && of_item[other] != SL_CULL_OUTSIDE, "the view to hold both");
+  expect(sl_engine_loss(engine, &view, &loss) == SL_OK && loss.items == 0, "nothing to be left out");
+  expect(sl_engine_get_config(engine, &config, &controller) == SL_OK && config.width == 320, "the settings");
+  config.controller = &controller;
+  config.budget_ms = 5.0;
+  expect(sl_engine_configure(engine, &config) == SL_OK, "another budget");
+  expect(sl_engine_get_controller(engine, &controller_info) == SL_OK && !controller_info.there, "no hybrid");
   if (sl_features() & SL_FEATURE_PICKING) {
     ray.origin[1] = -10.0;
     expect(sl_engine_pick_ray(engine, &ray, &pick) == SL_OK, "to pick");
