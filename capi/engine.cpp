@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -140,6 +141,33 @@ sl_status sl_engine_frame_into(sl_engine handle, const sl_view* view, const sl_e
     const engine::FrameReport done = value_of(engine->frame(view_of(view), to));
     if (report) write(report, report_of(done));
   });
+}
+
+sl_status sl_engine_frame_views(sl_engine handle, const sl_view* const* views, const sl_external_target* const* targets,
+                                size_t count, sl_frame_report* const* reports) {
+  return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
+    require((views && targets) || count == 0, "views and targets, found null");
+    check_drawing(true);
+    std::vector<core::View> seen;
+    std::vector<core::ExternalTarget> into;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (reports) check_result(reports[i]);
+      seen.push_back(view_of(views[i]));
+      into.push_back(target_of(targets[i]));
+    }
+    const auto done = value_of(engine->frame(seen, into));
+    for (std::size_t i = 0; reports && i < count; ++i) write(reports[i], report_of(done[i]));
+  });
+}
+
+sl_status sl_engine_use_picture(sl_engine handle, uint32_t number) {
+  return with_engine(__func__, handle, Access::kEdit,
+                     [&](const EngineUse& engine) { value_of(engine->use_picture(number)); });
+}
+
+sl_status sl_engine_forget_picture(sl_engine handle, uint32_t number) {
+  return with_engine(__func__, handle, Access::kEdit,
+                     [&](const EngineUse& engine) { value_of(engine->forget_picture(number)); });
 }
 
 sl_status sl_engine_late_report(sl_engine handle, sl_late_report* report) {
@@ -426,17 +454,72 @@ sl_status sl_engine_set_hidden(sl_engine handle, const sl_item* items, size_t it
   });
 }
 
+namespace {
+
+std::vector<core::NodeId> nodes_of(const EngineUse& engine, const sl_node* nodes, std::size_t count) {
+  require(nodes || count == 0, "nodes, found null");
+  std::vector<core::NodeId> ids;
+  for (std::size_t i = 0; i < count; ++i) ids.push_back(engine.scene().id(nodes[i]));
+  return ids;
+}
+
+void write_items(std::span<const core::ItemId> from, sl_item* items, std::size_t capacity, std::size_t* count) {
+  check_buffer(items, capacity);
+  check_result(count);
+  std::copy_n(from.begin(), std::min(capacity, from.size()), items);
+  *count = from.size();
+}
+
+}  // namespace
+
 sl_status sl_engine_isolate(sl_engine handle, const sl_node* nodes, size_t node_count) {
-  return with_engine(__func__, handle, Access::kEdit, [&](const EngineUse& engine) {
-    require(nodes || node_count == 0, "nodes, found null");
-    std::vector<core::NodeId> ids;
-    for (std::size_t i = 0; i < node_count; ++i) ids.push_back(engine.scene().id(nodes[i]));
-    value_of(engine->isolate(ids));
-  });
+  return with_engine(__func__, handle, Access::kEdit,
+                     [&](const EngineUse& engine) { value_of(engine->isolate(nodes_of(engine, nodes, node_count))); });
 }
 
 sl_status sl_engine_show_all(sl_engine handle) {
   return with_engine(__func__, handle, Access::kEdit, [](const EngineUse& engine) { value_of(engine->show_all()); });
+}
+
+sl_status sl_engine_get_override(sl_engine handle, sl_item item, int32_t* there, sl_item_style* style) {
+  return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
+    require(there != nullptr, "there, found null");
+    check_result(style);
+    const auto found = engine->override_of(item);
+    sl_item_style to SL_ITEM_STYLE_INIT;
+    if (found) {
+      to.use_colour = found->colour.has_value();
+      for (int i = 0; found->colour && i < 3; ++i) to.colour[i] = (*found->colour)[i];
+      to.alpha = found->alpha;
+      to.outline = found->outline, to.ghost = found->ghost;
+    }
+    write(style, to);
+    *there = found.has_value();
+  });
+}
+
+sl_status sl_engine_overridden_items(sl_engine handle, sl_item* items, size_t capacity, size_t* count) {
+  return with_engine(__func__, handle, Access::kRead,
+                     [&](const EngineUse& engine) { write_items(engine->overridden_items(), items, capacity, count); });
+}
+
+sl_status sl_engine_is_hidden(sl_engine handle, sl_item item, int32_t* hidden) {
+  return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
+    require(hidden != nullptr, "hidden, found null");
+    *hidden = engine->is_hidden(item);
+  });
+}
+
+sl_status sl_engine_hidden_items(sl_engine handle, sl_item* items, size_t capacity, size_t* count) {
+  return with_engine(__func__, handle, Access::kRead,
+                     [&](const EngineUse& engine) { write_items(engine->hidden_items(), items, capacity, count); });
+}
+
+sl_status sl_engine_items_below(sl_engine handle, const sl_node* nodes, size_t node_count, sl_item* items,
+                                size_t capacity, size_t* count) {
+  return with_engine(__func__, handle, Access::kRead, [&](const EngineUse& engine) {
+    write_items(value_of(engine->items_below(nodes_of(engine, nodes, node_count))), items, capacity, count);
+  });
 }
 
 // --- picks and regions -----------------------------------------------------------------------------------------------

@@ -76,6 +76,10 @@ sl_status sl_scene_commit(sl_scene handle) {
   });
 }
 
+sl_status sl_scene_reuse_ids(sl_scene handle, int32_t reuse) {
+  return call(__func__, [&] { SceneUse(handle, Access::kEdit)->reuse_ids(reuse != 0); });
+}
+
 sl_status sl_scene_get(sl_scene handle, sl_scene_info* info) {
   return call(__func__, [&] {
     const SceneUse scene(handle, Access::kRead);

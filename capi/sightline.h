@@ -171,6 +171,9 @@ SL_API sl_status sl_scene_append(sl_scene scene, sl_node parent, sl_scene other)
  * pending. An application with an engine calls sl_engine_commit(). */
 SL_API sl_status sl_scene_commit(sl_scene scene);
 SL_API sl_status sl_scene_get(sl_scene scene, sl_scene_info* info);
+/* Whether what is added from now on may get ids of items that were removed after this call: for programs that add and
+ * remove for days, which forget the ids that they remove. Off at first. Scene::reuse_ids() in scene.h says more. */
+SL_API sl_status sl_scene_reuse_ids(sl_scene scene, int32_t reuse);
 /* World bounds of what is visible below a node on any of `layers`; an empty box when there is nothing. */
 SL_API sl_status sl_scene_bounds(sl_scene scene, sl_node top, uint32_t layers, sl_box* bounds);
 
@@ -741,6 +744,17 @@ SL_API sl_status sl_picture_tiles(int32_t width, int32_t height, int32_t largest
 SL_API sl_status sl_engine_loss(sl_engine engine, const sl_view* view, sl_loss_report* report);
 /* What culling makes of each item in the view. Draws for that, so that the last frame's picture is gone. */
 SL_API sl_status sl_engine_cull_states(sl_engine engine, const sl_view* view, sl_cull_states* states);
+/* The same for several views at one time, such as the two eyes of a headset: view i goes into target i and has picture
+ * i of sl_engine_use_picture(); a budget is for all of them together. `reports` may be null. */
+SL_API sl_status sl_engine_frame_views(sl_engine engine, const sl_view* const* views,
+                                       const sl_external_target* const* targets, size_t count,
+                                       sl_frame_report* const* reports);
+/* Shows another one of the engine's pictures from now on; each has a number of the application's, at first 0. One for
+ * each view keeps what the engine learns from frame to frame: its size, a budget's unfinished picture, what was large
+ * or seen in the last frame. A new one has the size of the one before. */
+SL_API sl_status sl_engine_use_picture(sl_engine engine, uint32_t number);
+/* Frees what the engine has for a picture. Fails for the one in use. */
+SL_API sl_status sl_engine_forget_picture(sl_engine engine, uint32_t number);
 SL_API sl_status sl_engine_late_report(sl_engine engine, sl_late_report* report);
 /* Commits the scene's edits; frames show none before. */
 SL_API sl_status sl_engine_commit(sl_engine engine);
@@ -886,6 +900,17 @@ SL_API sl_status sl_engine_set_hidden(sl_engine engine, const sl_item* items, si
 /* Hides all items but those below the nodes, and shows these. */
 SL_API sl_status sl_engine_isolate(sl_engine engine, const sl_node* nodes, size_t node_count);
 SL_API sl_status sl_engine_show_all(sl_engine engine);
+/* The style that sl_engine_set_override() gave an item; `there` is 0 where it shows as the scene says. */
+SL_API sl_status sl_engine_get_override(sl_engine engine, sl_item item, int32_t* there, sl_item_style* style);
+/* Items with such a style, in rising order. */
+SL_API sl_status sl_engine_overridden_items(sl_engine engine, sl_item* items, size_t capacity, size_t* count);
+/* Whether sl_engine_set_hidden() or sl_engine_isolate() hides an item, and all those that they hide. */
+SL_API sl_status sl_engine_is_hidden(sl_engine engine, sl_item item, int32_t* hidden);
+SL_API sl_status sl_engine_hidden_items(sl_engine engine, sl_item* items, size_t capacity, size_t* count);
+/* Items that hang on the nodes and on all nodes below them, in rising order: those that are known as of the last
+ * sl_engine_commit(). For all functions that take items. */
+SL_API sl_status sl_engine_items_below(sl_engine engine, const sl_node* nodes, size_t node_count, sl_item* items,
+                                       size_t capacity, size_t* count);
 
 #ifdef __cplusplus
 }

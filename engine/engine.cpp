@@ -1,7 +1,6 @@
 #include "sightline/engine/engine.h"
 
 #include <algorithm>
-#include <cassert>
 #include <limits>
 #include <utility>
 
@@ -133,8 +132,8 @@ core::Expected<std::vector<FrameReport>> Engine::frame(std::span<const core::Vie
 core::Expected<void> Engine::use_picture(std::uint32_t number) {
   return impl_->use_picture(number);
 }
-void Engine::forget_picture(std::uint32_t number) {
-  impl_->forget_picture(number);
+core::Expected<void> Engine::forget_picture(std::uint32_t number) {
+  return impl_->forget_picture(number);
 }
 core::Expected<FrameReport> Engine::frame_part(const core::View& whole, const PicturePart& part) {
   return impl_->frame_part(whole, part);
@@ -438,12 +437,14 @@ core::Expected<void> Engine::Impl::use_picture(std::uint32_t number) {
   return {};
 }
 
-void Engine::Impl::forget_picture(std::uint32_t number) {
-  assert(number != picture_ && "the picture is in use");
+core::Expected<void> Engine::Impl::forget_picture(std::uint32_t number) {
+  if (number == picture_)
+    return core::fail("engine: forget_picture: expected a picture that is not in use, found " + std::to_string(number));
   sizes_.erase(number);
-  if (!drawing_) return;
+  if (!drawing_) return {};
   [[maybe_unused]] const auto kept = keep_state();
   if (drawing_->make_current()) drawing_->forget_picture(number);
+  return {};
 }
 
 core::Expected<std::vector<FrameReport>> Engine::Impl::frame(std::span<const core::View> views,

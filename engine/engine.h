@@ -243,8 +243,8 @@ class SIGHTLINE_API Engine {
   /// seen in the last frame. A new one has the size of the one before. It takes as much GPU memory as its pixels do.
   /// Fails as resize(); then the picture in use stays.
   core::Expected<void> use_picture(std::uint32_t number);
-  /// Frees what the engine has for a picture that is not in use.
-  void forget_picture(std::uint32_t number);
+  /// Frees what the engine has for a picture. Fails for the one in use.
+  core::Expected<void> forget_picture(std::uint32_t number);
   /// Draws a line around items, as ItemStyle::outline has it, over a framebuffer of the application's context: for what
   /// is under a cursor, where a frame would take too long. `view` and the target's size must be those of the last
   /// frame's picture, which the framebuffer should show and which stays as it is. Takes the time of these items and of

@@ -77,6 +77,20 @@ engine::FrameReport frame_into(EngineBox& box, const core::View& view, const cor
   }));
 }
 
+std::vector<engine::FrameReport> frame_views(EngineBox& box, const std::vector<core::View>& views,
+                                             const std::vector<core::ExternalTarget>& targets) {
+  for (const core::ExternalTarget& target : targets) check_target(target);
+  return unwrap(box.call([&](engine::Engine& e) { return e.frame(views, targets); }));
+}
+
+void use_picture(EngineBox& box, std::uint32_t number) {
+  unwrap(box.call([&](engine::Engine& e) {
+    auto done = e.use_picture(number);
+    box.note_size(e);
+    return done;
+  }));
+}
+
 engine::FrameReport frame_part(EngineBox& box, const core::View& whole, const engine::PicturePart& part) {
   const core::View seen = whole;
   const engine::PicturePart drawn = part;
@@ -258,11 +272,34 @@ void of_items(EngineBox& box, const py::object& items) {
   unwrap(box.call([&](engine::Engine& e) { return (e.*kFunction)(ids); }));
 }
 
-void isolate(EngineBox& box, const std::vector<Node>& nodes) {
+std::vector<core::NodeId> nodes_in(const EngineBox& box, const std::vector<Node>& nodes) {
   std::vector<core::NodeId> ids;
   ids.reserve(nodes.size());
   for (const Node& node : nodes) ids.push_back(node_in(box.scene(), node, "nodes"));
+  return ids;
+}
+
+void isolate(EngineBox& box, const std::vector<Node>& nodes) {
+  const auto ids = nodes_in(box, nodes);
   unwrap(box.call([&](engine::Engine& e) { return e.isolate(ids); }));
+}
+
+py::array_t<std::uint32_t> items_below(EngineBox& box, const std::vector<Node>& nodes) {
+  const auto ids = nodes_in(box, nodes);
+  return take(unwrap(box.call([&](engine::Engine& e) { return e.items_below(ids); })));
+}
+
+/// The arguments of set_override().
+std::optional<py::dict> override_of(EngineBox& box, std::uint32_t item) {
+  const auto style = box.call([&](engine::Engine& e) { return e.override_of(item); });
+  if (!style) return std::nullopt;
+  py::dict named;
+  named["colour"] = style->colour ? py::object(py::make_tuple(style->colour->r, style->colour->g, style->colour->b))
+                                  : py::object(py::none());
+  named["alpha"] = style->alpha;
+  named["outline"] = style->outline;
+  named["ghost"] = style->ghost;
+  return named;
 }
 
 // --- the class -------------------------------------------------------------------------------------------------------
@@ -276,6 +313,20 @@ void bind_frames(EngineClass& c) {
       .def("frame_into", &frame_into, "view"_a, "target"_a,
            "As frame(view), and puts the picture into a framebuffer of the application's context, with the depth test. "
            "The picture gets the target's size. Needs `draw` and `get_proc`.")
+      .def(
+          "frame_views", &frame_views, "views"_a, "targets"_a,
+          "As frame_into() for several views at one time, such as the two eyes of a headset. View i goes into target i "
+          "and has picture i of use_picture(); a budget is for all of them together.")
+      .def(
+          "use_picture", &use_picture, "number"_a,
+          "Shows another one of the engine's pictures from now on, at first 0. One for each view keeps what the engine "
+          "learns from frame to frame: its size, a budget's unfinished picture, what was large or seen.")
+      .def(
+          "forget_picture",
+          [](EngineBox& b, std::uint32_t number) {
+            unwrap(b.call([&](engine::Engine& e) { return e.forget_picture(number); }));
+          },
+          "number"_a, "Frees what the engine has for a picture that is not in use.")
       .def("frame_part", &frame_part, "whole"_a, "part"_a,
            "Draws a part of a picture of the view `whole`, which may be larger than any framebuffer: see "
            "picture_tiles(). The part has the engine's size.")
@@ -369,6 +420,23 @@ void bind_overrides(EngineClass& c) {
            "Hides items in this engine alone: they are not drawn, hide nothing, and no query finds them.")
       .def("show", &of_items<&Engine::show>, "items"_a, "Shows items again, unless the scene hides them.")
       .def("isolate", &isolate, "nodes"_a, "Hides all items but those below the nodes, and shows these.")
+      .def(
+          "items_below", &items_below, "nodes"_a,
+          "Ids of the items that hang on the nodes and on all below them, as of the last commit(), uint32, rising: for "
+          "all calls that take items.")
+      .def("override_of", &override_of, "item"_a,
+           "The style that set_override() gave an item, as its named arguments; None where it shows as the scene says.")
+      .def(
+          "overridden_items",
+          [](EngineBox& b) { return take(b.call([](engine::Engine& e) { return e.overridden_items(); })); },
+          "Ids of the items with such a style, uint32, rising.")
+      .def(
+          "is_hidden",
+          [](EngineBox& b, std::uint32_t item) { return b.call([&](engine::Engine& e) { return e.is_hidden(item); }); },
+          "item"_a, "Whether hide() or isolate() hides the item.")
+      .def(
+          "hidden_items", [](EngineBox& b) { return take(b.call([](engine::Engine& e) { return e.hidden_items(); })); },
+          "Ids of the items that they hide, uint32, rising.")
       .def(
           "show_all", [](EngineBox& b) { unwrap(b.call([](Engine& e) { return e.show_all(); })); },
           "Shows all items again, unless the scene hides them.");

@@ -507,6 +507,11 @@ void bind_scene(py::module_& m) {
           "item_count", [](SceneBox& s) { return s.read().item_count(); }, "Of living items.")
       .def_property_readonly(
           "memory_bytes", [](SceneBox& s) { return s.read().memory_bytes(); }, "Held by the scene.")
+      .def_property(
+          "reuse_ids", [](SceneBox& s) { return s.read().reuses_ids(); },
+          [](SceneBox& s, bool reuse) { s.edit().reuse_ids(reuse); },
+          "Whether what is added may get ids of items that were removed since this was set: for programs that add and "
+          "remove for days, which forget the ids that they remove.")
       .def_property_readonly("items", &all_items, "Ids of all items, uint32, rising.")
       .def_property_readonly(
           "meshes",

@@ -33,7 +33,7 @@ class Engine::Impl {
   core::Expected<std::vector<FrameReport>> frame(std::span<const core::View> views,
                                                  std::span<const core::ExternalTarget> targets);
   core::Expected<void> use_picture(std::uint32_t number);
-  void forget_picture(std::uint32_t number);
+  core::Expected<void> forget_picture(std::uint32_t number);
   core::Expected<LossReport> loss(const core::View& view);
   core::Expected<culling::CullStates> cull_states(const core::View& view);
   core::Expected<FrameReport> frame_part(const core::View& whole, const PicturePart& part);

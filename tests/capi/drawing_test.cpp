@@ -7,6 +7,8 @@
 
 #include <dlfcn.h>
 
+#include <glm/gtc/type_ptr.hpp>
+
 #include "c_scene.h"
 #include "random_calls.h"
 #include "sightline/engine/engine.h"
@@ -164,6 +166,47 @@ TEST_F(CapiDrawing, DrawsIntoTheApplicationsFramebuffer) {
   bad.far_depth = bad.near_depth;
   EXPECT_EQ(sl_engine_frame_into(engine, &view.c, &bad, nullptr), SL_ERROR_FAILED);
   EXPECT_EQ(sl_engine_frame_into(engine, &view.c, nullptr, nullptr), SL_ERROR_ARGUMENT);
+  EXPECT_OK(sl_engine_destroy(engine));
+}
+
+TEST_F(CapiDrawing, SeveralViewsLookAsInCpp) {
+  engine::Engine twin = make_twin();
+  const sl_engine engine = make_engine(config());
+  const Framebuffer mine[2] = {Framebuffer(gl()), Framebuffer(gl())},
+                    of_twin[2] = {Framebuffer(gl()), Framebuffer(gl())};
+  sl_view other = view.c;
+  other.eye_from_world[12] += 0.5;
+  const core::View same_other = *core::View::from_matrices(glm::make_mat4(other.eye_from_world),
+                                                           glm::make_mat4(other.clip_from_eye), view.cpp.clip_depth());
+  sl_external_target into[2] = {SL_EXTERNAL_TARGET_INIT, SL_EXTERNAL_TARGET_INIT};
+  std::vector<core::ExternalTarget> same;
+  for (int i = 0; i < 2; ++i) {
+    into[i].framebuffer = mine[i].name();
+    into[i].width = kWidth - 10 * i, into[i].height = kHeight;
+    same.push_back({of_twin[i].name(), 0, 0, kWidth - 10 * i, kHeight});
+  }
+  const sl_view* views[2] = {&view.c, &other};
+  const sl_external_target* targets[2] = {&into[0], &into[1]};
+  sl_frame_report reports[2] = {SL_FRAME_REPORT_INIT, SL_FRAME_REPORT_INIT};
+  sl_frame_report* told[2] = {&reports[0], &reports[1]};
+  ASSERT_OK(sl_engine_frame_views(engine, views, targets, 2, told));
+  ASSERT_TRUE(twin.frame(std::vector{view.cpp, same_other}, same));
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(reports[i].drawn, 1);
+    EXPECT_EQ(mine[i].pixels(), of_twin[i].pixels());
+    EXPECT_NE(mine[i].pixels(), Framebuffer(gl()).pixels()) << "nothing was drawn";
+  }
+  EXPECT_NE(mine[0].pixels(), mine[1].pixels());
+  sl_engine_config now = SL_ENGINE_CONFIG_INIT;
+  ASSERT_OK(sl_engine_use_picture(engine, 1));
+  ASSERT_OK(sl_engine_get_config(engine, &now, nullptr));
+  EXPECT_EQ(now.width, kWidth - 10);
+  EXPECT_EQ(sl_engine_forget_picture(engine, 1), SL_ERROR_FAILED) << "it is in use";
+  EXPECT_OK(sl_engine_forget_picture(engine, 0));
+  targets[1] = nullptr;
+  EXPECT_EQ(sl_engine_frame_views(engine, views, targets, 2, nullptr), SL_ERROR_ARGUMENT);
+  EXPECT_EQ(sl_engine_frame_views(engine, nullptr, targets, 1, nullptr), SL_ERROR_ARGUMENT);
+  EXPECT_OK(sl_engine_frame_views(engine, nullptr, nullptr, 0, nullptr));
   EXPECT_OK(sl_engine_destroy(engine));
 }
 

@@ -379,6 +379,21 @@ TEST_F(CapiEngine, HidesAndIsolatesAsCppDoes) {
   ASSERT_OK(sl_engine_isolate(engine, &node, 1));
   ASSERT_TRUE(twin->isolate(std::vector{same}));
   compare_frame(view);
+  std::vector<sl_item> told(2000);
+  std::size_t count = 0;
+  ASSERT_OK(sl_engine_hidden_items(engine, told.data(), told.size(), &count));
+  EXPECT_EQ(std::vector(told.begin(), told.begin() + std::ptrdiff_t(count)), twin->hidden_items());
+  ASSERT_OK(sl_engine_hidden_items(engine, told.data(), 3, &count));
+  EXPECT_EQ(count, twin->hidden_items().size()) << "of all, also without room";
+  for (const sl_item item : {sl_item(3), twin->items_below(std::vector{same})->front(), sl_item(100'000)}) {
+    std::int32_t hidden = -1;
+    ASSERT_OK(sl_engine_is_hidden(engine, item, &hidden));
+    EXPECT_EQ(hidden != 0, twin->is_hidden(item));
+  }
+  ASSERT_OK(sl_engine_items_below(engine, &node, 1, told.data(), told.size(), &count));
+  ASSERT_EQ(count, 1u);
+  EXPECT_EQ(told[0], twin->items_below(std::vector{same})->front());
+  EXPECT_EQ(sl_engine_items_below(engine, nullptr, 1, told.data(), 1, &count), SL_ERROR_ARGUMENT);
   EXPECT_EQ(visible_in_cpp().size(), 1u);
   ASSERT_OK(sl_engine_show_all(engine));
   ASSERT_TRUE(twin->show_all());
@@ -389,7 +404,18 @@ TEST_F(CapiEngine, HidesAndIsolatesAsCppDoes) {
   EXPECT_EQ(sl_engine_isolate(engine, nullptr, 1), SL_ERROR_ARGUMENT);
   ASSERT_OK(sl_node_remove(c.scene, node));
   EXPECT_EQ(sl_engine_isolate(engine, &node, 1), SL_ERROR_HANDLE);
-  sl_item_style style = SL_ITEM_STYLE_INIT;
+  sl_item_style style = SL_ITEM_STYLE_INIT, found = SL_ITEM_STYLE_INIT;
+  std::int32_t there = -1;
+  style.use_colour = 1, style.colour[1] = 0.5f, style.alpha = 0.25f, style.ghost = 1;
+  ASSERT_OK(sl_engine_set_override(engine, &some[1], 2, &style));
+  ASSERT_OK(sl_engine_get_override(engine, some[2], &there, &found));
+  EXPECT_EQ(there, 1);
+  EXPECT_EQ(std::memcmp(&found, &style, sizeof(style)), 0);
+  ASSERT_OK(sl_engine_get_override(engine, some[0], &there, &found));
+  EXPECT_EQ(there, 0);
+  EXPECT_EQ(found.alpha, 1.0f);
+  ASSERT_OK(sl_engine_overridden_items(engine, told.data(), told.size(), &count));
+  EXPECT_EQ(std::vector(told.begin(), told.begin() + std::ptrdiff_t(count)), (std::vector{some[1], some[2]}));
   style.alpha = 2;
   EXPECT_EQ(sl_engine_set_override(engine, some.data(), 1, &style), SL_ERROR_FAILED);
   EXPECT_EQ(sl_engine_set_override(engine, some.data(), 1, nullptr), SL_ERROR_ARGUMENT);

@@ -438,6 +438,7 @@ class Sequence {
         return;
       }
       case 2:
+        if (in_.one_in(4)) check(sl_scene_reuse_ids(of, in_.integer()), of);
         check(sl_scene_commit(of), of);
         return;
       case 3:
@@ -580,7 +581,7 @@ class Sequence {
     std::size_t capacity = 0;
     sl_item items[kRoom];
     const double rectangle[4] = {in_.number(), in_.number(), in_.number() + 16, in_.number() + 16};
-    switch (in_.below(34)) {
+    switch (in_.below(36)) {
       case 28: {
         sl_engine_config config = SL_ENGINE_CONFIG_INIT;
         sl_controller_config controller = SL_CONTROLLER_CONFIG_INIT;
@@ -643,6 +644,28 @@ class Sequence {
                             : sl_engine_pick_ghosts(by, view(), in_.number(), in_.number(), sized(pick)),
               by);
         check(sl_engine_use_context_for(by, nullptr, nullptr, in_.number(), &complete), by);
+        return;
+      }
+      case 34: {
+        sl_item_style style = SL_ITEM_STYLE_INIT;
+        std::int32_t there = 0;
+        std::size_t count = 0;
+        const sl_node nodes[2] = {node(), node()};
+        check(sl_engine_get_override(by, item(), in_.one_in(16) ? nullptr : &there, sized(style)), by);
+        check(sl_engine_is_hidden(by, item(), &there), by);
+        check(sl_engine_overridden_items(by, items, in_.below(4), &count), by);
+        check(sl_engine_hidden_items(by, items, in_.below(4), in_.one_in(16) ? nullptr : &count), by);
+        check(sl_engine_items_below(by, nodes, in_.below(3), items, in_.below(4), &count), by);
+        return;
+      }
+      case 35: {
+        sl_external_target target = SL_EXTERNAL_TARGET_INIT;
+        target.width = std::int32_t(in_.below(64)), target.height = std::int32_t(in_.below(64));
+        const sl_view* const views[2] = {view(), nullptr};
+        const sl_external_target* const targets[2] = {&target, nullptr};
+        check(sl_engine_frame_views(by, views, targets, in_.below(3), nullptr), by);
+        check(sl_engine_use_picture(by, in_.below(4)), by);
+        check(sl_engine_forget_picture(by, in_.below(4)), by);
         return;
       }
       case 24: {

@@ -162,8 +162,9 @@ TEST_F(SeveralViews, MemoryIsThatOfThePicturesThereAre) {
   ASSERT_TRUE(engine->use_picture(3) && engine->frame(view(1.0)));
   EXPECT_GE(engine->memory().gpu, one + 8 * kWidth * kHeight);
   ASSERT_TRUE(engine->use_picture(0));
-  engine->forget_picture(3);
-  engine->forget_picture(12);  // which never was
+  EXPECT_FALSE(engine->forget_picture(0));
+  EXPECT_TRUE(engine->forget_picture(3));
+  EXPECT_TRUE(engine->forget_picture(12)) << "which never was";
   EXPECT_EQ(engine->memory().gpu, one);
 }
 

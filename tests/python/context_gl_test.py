@@ -84,6 +84,23 @@ class Contexts(GlCase):
         with sightline.Engine(self.scene, draw=True) as offscreen:
             self.assert_error("context", offscreen.frame_into, self.view, sightline.ExternalTarget(width=8, height=8))
 
+    def test_several_views_have_a_picture_each(self):
+        engine = self.engine()
+        (mine, target), (other, small) = self.framebuffer(), self.framebuffer()
+        small.width, small.height = 64, 48
+        target.clear_colour = target.clear_depth = small.clear_colour = small.clear_depth = True
+        reports = engine.frame_views([self.view, self.view], [target, small])
+        self.assertEqual([report.drawn for report in reports], [True, True])
+        np.testing.assert_array_equal(mine.read(), self.expected)
+        self.assertFalse((other.read() == [255, 0, 0]).all())
+        engine.use_picture(1)
+        self.assertEqual((engine.width, engine.height), (64, 48))
+        self.assert_error("not in use", engine.forget_picture, 1)
+        engine.use_picture(0)
+        engine.forget_picture(1)
+        np.testing.assert_array_equal(engine.read_colour(), self.expected)
+        self.assert_error("as many targets", engine.frame_views, [self.view], [])
+
     def test_outlines_are_drawn_over_it(self):
         engine = self.engine(ids=True)
         mine, target = self.framebuffer()

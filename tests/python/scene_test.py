@@ -62,6 +62,21 @@ class Nodes(Case):
         node.transform = np.asfortranarray(turn)
         np.testing.assert_array_equal(node.transform, turn)
 
+    def test_ids_are_reused_on_request_alone(self):
+        scene = sightline.Scene()
+        self.assertFalse(scene.reuse_ids)
+        first = scene.root.add(sightline.Sphere(1))
+        scene.commit()
+        first.remove()
+        scene.commit()
+        second = scene.root.add(sightline.Sphere(1))
+        self.assertNotEqual(second.id, first.id)
+        scene.reuse_ids = True
+        scene.commit()
+        second.remove()
+        scene.commit()
+        self.assertEqual(scene.root.add(sightline.Sphere(1)).id, second.id)
+
     def test_reparent_and_remove(self):
         scene = sightline.Scene()
         a, b = scene.root.add_node("a"), scene.root.add_node("b")
