@@ -9,8 +9,8 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/bench/models/plant_boxes.h"
+#include "sightline/core/block_order.h"
 #include "sightline/core/camera_path.h"
-#include "sightline/core/internal/block_order.h"
 #include "sightline/culling/hierarchy.h"
 #include "sightline/importers/plant/plant_generator.h"
 

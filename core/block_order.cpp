@@ -1,4 +1,4 @@
-#include "sightline/core/internal/block_order.h"
+#include "sightline/core/block_order.h"
 
 #include <algorithm>
 #include <bit>

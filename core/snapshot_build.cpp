@@ -9,7 +9,7 @@
 #include <numeric>
 #include <vector>
 
-#include "sightline/core/internal/block_order.h"
+#include "sightline/core/block_order.h"
 #include "sightline/core/internal/prefetch.h"
 #include "sightline/core/snapshot.h"
 

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "sightline/core/internal/block_order.h"
+#include "sightline/core/block_order.h"
 #include "sightline/core/internal/prefetch.h"
 #include "sightline/core/internal/radix_sort.h"
 #include "sightline/core/snapshot.h"

@@ -8,7 +8,7 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
-#include "sightline/core/internal/block_order.h"
+#include "sightline/core/block_order.h"
 #include "sightline/core/internal/prefetch.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/cpu_culler.h"

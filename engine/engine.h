@@ -79,18 +79,24 @@ struct Hatching {
 /// What a call leaves of what the application has in GL: the state of its context, where the engine draws in that. With
 /// a context of the engine's own: which context is current on the calling thread.
 enum class GlState : std::uint8_t {
-  /// After each call it is as before, but for pending GL errors, which are dropped. What gl::reset_pipeline_state names
-  /// must still not be active. Costs some 400 short GL calls a frame.
+  /// After each call it is as before, but for pending GL errors, which are dropped. What GL can neither tell nor reset
+  /// must not be active: conditional rendering, transform feedback that is not paused, a query of
+  /// GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN or, for stream 1, of GL_PRIMITIVES_GENERATED. Costs some 400 short GL
+  /// calls a frame.
   ///
   /// With a context of the engine's own, the thread has current again what it had: a context of EGL, GLX or OSMesa with
   /// its surfaces, or none. So the engine needs no care beside windows, and calls may come from any thread, one at a
   /// time. Costs two changes of contexts a call: 0.3 ms with Mesa's rasteriser.
   kRestore,
-  /// It is left as the engine's last draw needed it. Bindings of framebuffers, programs, program pipelines, vertex
+  /// It is left as the engine's last draw needed it, and the same must not be active. Bindings of framebuffers,
+  /// programs, program pipelines, vertex
   /// arrays, transform feedback, textures and samplers of units 0 to 5, indexed uniform buffers 0 to 3 and storage
   /// buffers 0 to 5, indirect, parameter and query buffers may be others. So may viewports, scissor, depth, colour
-  /// mask, blending, clip control, face culling, GL_UNPACK_SKIP_PIXELS and _ROWS, and all that
-  /// gl::reset_pipeline_state() sets. The rest stays.
+  /// mask, blending, clip control, face culling, GL_UNPACK_SKIP_PIXELS and _ROWS. Multisampling is on. As in a new
+  /// context are rasteriser discard, primitive restart, clip distances, depth clamp, smooth lines and polygons, polygon
+  /// offsets, polygon mode, line width, alpha to coverage and to one, sample coverage, mask and shading, logic
+  /// operations, depth range, front face, provoking vertex and the hint for derivatives; dithering is off. The rest
+  /// stays.
   ///
   /// A context of the engine's own stays current on the thread that calls: for programs in which no other context is
   /// and that thread makes all calls.
@@ -133,8 +139,8 @@ struct EngineConfig {
   int samples = 1;  ///< per pixel, 32 at most; from 2 on edges are smooth, and ids and depth are those of one sample
   bool gl_debug = false;  ///< collect driver messages; slower
   /// The application's context to draw with; it must be current in all calls. See use_context(). The engine treats it
-  /// as lost once it is destroyed. The engine accepts any GL state in it, but for what gl::reset_pipeline_state names.
-  /// Null: the engine makes an offscreen context.
+  /// as lost once it is destroyed. The engine accepts any GL state in it, but for what GlState::kRestore names. Null:
+  /// the engine makes an offscreen context.
   gl::Context* context = nullptr;
   /// The engine is as while its context is lost, until use_context(), which may work in portions: so it can be made by
   /// another thread than the one that draws. Not with a `context`.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "sightline/core/internal/block_order.h"
+#include "sightline/core/block_order.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/culling/cpu_culler.h"
 #include "sightline/culling/linear_culler.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "sightline/core/internal/block_order.h"
+#include "sightline/core/block_order.h"
 #include "sightline/study/gpu/feedback_pass.h"
 #include "sightline/study/gpu/planes.h"
 

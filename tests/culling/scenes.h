@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/core/internal/block_order.h"
+#include "sightline/core/block_order.h"
 #include "sightline/core/item_bounds.h"
 #include "sightline/core/view.h"
 #include "sightline/culling/cpu_culler.h"

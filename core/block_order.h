@@ -1,5 +1,6 @@
-// The order of a snapshot's items in space: each aligned block of a power of two of places lies together, so that a
-// hierarchy over the order needs neither indices nor counts. In parallel with OpenMP.
+// The order of a snapshot's items in space, also for boxes of an application's own (culling/cpu_culler.h): each aligned
+// block of a power of two of places lies together, so that a hierarchy over the order needs neither indices nor counts.
+// In parallel with OpenMP.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "sightline/core/aabb.h"
+#include "sightline/core/api.h"
 
 namespace sightline::core {
 
@@ -19,6 +21,6 @@ struct BlockOrderConfig {
 /// the largest power of two that leaves something, and the rest; both parts are split in the same way. The left part
 /// holds the boxes with the smaller centroids, ties by index. Deterministic; time O(n log n) on any input. Empty boxes
 /// are allowed and gather with the others at the origin. No box may hold a NaN (asserted).
-std::vector<std::uint32_t> block_order(std::span<const Aabb> boxes, const BlockOrderConfig& config = {});
+SIGHTLINE_API std::vector<std::uint32_t> block_order(std::span<const Aabb> boxes, const BlockOrderConfig& config = {});
 
 }  // namespace sightline::core
