@@ -164,8 +164,9 @@ SL_API sl_status sl_scene_destroy(sl_scene scene);
  * engine uses the scene. */
 SL_API sl_status sl_scene_hand_over(sl_scene scene);
 /* Moves everything below the root of `other` to below `parent`, and destroys `other`. Its handles become stale. Items
- * get new numbers, in their order. Both must belong to this thread; `other` must never have been committed, and its
- * root hold no items. The nodes become the last children of `parent`. */
+ * get new numbers, in their order, or after sl_scene_reuse_ids() first those that are free. Both must belong to this
+ * thread; `other` must never have been committed, and its root hold no items. The nodes become the last children of
+ * `parent`. */
 SL_API sl_status sl_scene_append(sl_scene scene, sl_node parent, sl_scene other);
 /* Publishes all edits. All or nothing: fails where numbers are not finite, and names the node; the edits then stay
  * pending. An application with an engine calls sl_engine_commit(). */

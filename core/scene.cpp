@@ -415,6 +415,20 @@ ItemId Scene::append_item(NodeId node, Item item) {
   return id;
 }
 
+/// Keeps the parameters of an item; returns its payload.
+std::uint32_t Scene::store(Kind kind, const float* values) {
+  const auto count = std::size_t(parameter_count(kind));
+  auto& freed = free_.parameters[std::size_t(kind)];
+  if (!may_reuse() || freed.empty()) {
+    parameters_.insert(parameters_.end(), values, values + count);
+    return std::uint32_t(parameters_.size() - count);
+  }
+  const std::uint32_t payload = freed.back();
+  freed.pop_back();
+  std::copy_n(values, count, parameters_.begin() + payload);
+  return payload;
+}
+
 ItemId Scene::add_primitive(NodeId node, const Primitive& primitive, const Affine& node_from_item,
                             MaterialId material) {
   Item item;
@@ -422,16 +436,7 @@ ItemId Scene::add_primitive(NodeId node, const Primitive& primitive, const Affin
   item.origin = node_from_item.origin;
   item.material = index_of(material);
   item.kind = kind_of(primitive);
-  const auto values = parameters(primitive);
-  auto& freed = free_.parameters[std::size_t(item.kind)];
-  if (may_reuse() && !freed.empty()) {
-    item.payload = freed.back();
-    freed.pop_back();
-    std::copy(values.begin(), values.end(), parameters_.begin() + item.payload);
-  } else {
-    item.payload = std::uint32_t(parameters_.size());
-    parameters_.insert(parameters_.end(), values.begin(), values.end());
-  }
+  item.payload = store(item.kind, parameters(primitive).data());
   return append_item(node, item);
 }
 

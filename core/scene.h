@@ -165,14 +165,16 @@ class SIGHTLINE_API Scene {
   /// An id comes back once its removal was committed and all subscribers have followed it (SceneSubscription::take; an
   /// engine once its commit() has done so). So what an engine says of an item, such as a pick, never is about another
   /// one. Who keeps ids must forget those that it removes: contains_item() may be true of them later. Handles of meshes
-  /// and materials never come to mean something else. What is imported or appended always gets new ids.
+  /// and materials never come to mean something else. What is imported into this scene gets new ids all the same; what
+  /// is imported into another one and then appended does not.
   void reuse_ids(bool reuse) { reuses_ids_ = reuse; }
   bool reuses_ids() const { return reuses_ids_; }
 
   // --- joining -----------------------------------------------------------------------------------------------------
   /// Moves everything below `other`'s root to below `parent`, after the children already there. The items get ids after
-  /// those of this scene, in the order of their old ids. Returns the children that `parent` gained. `other`'s ids
-  /// become meaningless. `other` must never have been committed, and its root must hold no items.
+  /// those of this scene, in the order of their old ids, or with reuse_ids() first those that are free. Returns the
+  /// children that `parent` gained. `other`'s ids become meaningless. `other` must never have been committed, and its
+  /// root must hold no items.
   std::vector<NodeId> append(NodeId parent, Scene&& other);
 
   // --- taking back -------------------------------------------------------------------------------------------------
@@ -310,6 +312,11 @@ class SIGHTLINE_API Scene {
   bool may_reuse() const { return reuses_ids_ && marks_ == 0; }
   void forget_removed_materials();
   void release_ids();
+  std::uint32_t store(Kind kind, const float* values);
+  class NewPlaces;
+  void make_room_for(const Scene& other);
+  void append_items(const Scene& other, const NewPlaces& nodes, const NewPlaces& items, const NewPlaces& meshes,
+                    const NewPlaces& materials);
 
   friend class Storage;
   friend class Snapshot;

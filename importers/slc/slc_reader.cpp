@@ -182,7 +182,8 @@ core::Expected<ImportReport> read(const std::string& name, SlcExpected<std::shar
   if (options.progress && !options.progress(0.5)) return core::fail(std::string(kCancelled));
   ImportReport report = std::move(loaded->report);
   report.bytes = (*file)->size();
-  const core::ItemId first = core::ItemId(scene.item_slots());
+  const core::Scene::Mark mark = scene.mark();  // so that all its items come after those that there are
+  const auto first = core::ItemId(mark.items);
   const bool moved = !is_unmoved(scene, parent);
   report.nodes = scene.append(parent, std::move(loaded->scene));
   if (moved) {

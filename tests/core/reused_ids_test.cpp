@@ -214,6 +214,95 @@ TEST(ReusedIds, SnapshotsThatFollowShowWhatTheSceneHas) {
   }
 }
 
+/// Scenes that are read apart and joined, as tiles of a site are.
+TEST(ReusedIds, WhatIsAppendedTakesFreePlaces) {
+  Scene scene;
+  scene.reuse_ids(true);
+  Snapshot snapshot(scene);
+  SceneSubscription subscription = scene.subscribe();
+  Random random(7);
+  struct Tile {
+    NodeId node;
+    std::vector<MeshId> meshes;
+    std::vector<MaterialId> materials;
+  };
+  std::vector<Tile> tiles;
+  std::vector<NodeId> stale;
+  std::size_t settled = 0;
+  for (int round = 0; round < 60; ++round) {
+    Scene tile;
+    tile.reuse_ids(round % 2 == 0);
+    const NodeId top = tile.add_node(tile.root(), "tile " + std::to_string(round));
+    for (int i = 0; i < 50; ++i) {
+      const NodeId node = tile.add_node(top, "node");
+      tile.set_attribute(node, "round", std::to_string(round));
+      const MaterialId material = tile.add_material({.name = {}, .colour = vec3(float(round) / 60.0f)});
+      const Affine at = translation({double(round), double(i), 0.0});
+      const float size = 1.0f + float(round) / 10.0f;
+      const std::array<Primitive, 2> shapes{Sphere{size}, Box{size, float(i + 1), 1.0f}};
+      tile.add_primitive(node, shapes[std::size_t(i) % 2], at, material);
+      const ItemId dropped = tile.add_primitive(node, kPipe);
+      tile.add_mesh_instance(node, tile.add_mesh(named_triangle(100 * round + i)).value(), at);
+      if (i % 2) tile.remove_item(dropped);
+      if (i % 7 == 0) tile.remove_material(material);
+      if (i % 9 == 0) tile.remove_node(tile.add_node(top));
+    }
+    Scene twin = tile;
+    scene.remove_item(scene.add_primitive(scene.root(), kPipe));  // its id is free at once, and touched
+    const std::vector<NodeId> added = scene.append(scene.root(), std::move(tile));
+    ASSERT_EQ(added.size(), 1u);
+    for (const NodeId node : stale) ASSERT_FALSE(scene.contains(node));
+    tiles.push_back({added[0], {}, {}});
+    std::vector<NodeId> wanted, found;
+    twin.for_each_node(twin.first_child(twin.root()), [&](NodeId node, const auto&...) { wanted.push_back(node); });
+    scene.for_each_node(added[0], [&](NodeId node, const auto&...) { found.push_back(node); });
+    ASSERT_EQ(found.size(), wanted.size());
+    for (std::size_t n = 0; n < found.size(); ++n) {
+      ASSERT_EQ(scene.name(found[n]), twin.name(wanted[n]));
+      ASSERT_EQ(scene.attributes(found[n]), twin.attributes(wanted[n]));
+      const auto items = tests::items_of(scene, found[n]), same = tests::items_of(twin, wanted[n]);
+      ASSERT_EQ(items.size(), same.size());
+      for (std::size_t i = 0; i < items.size(); ++i) {
+        ASSERT_EQ(scene.kind(items[i]), twin.kind(same[i]));
+        ASSERT_EQ(scene.node_of(items[i]), found[n]);
+        ASSERT_EQ(scene.placement(items[i]).origin, twin.placement(same[i]).origin);
+        const MaterialId a = scene.item_material(items[i]), b = twin.item_material(same[i]);
+        ASSERT_EQ(a.valid(), b.valid());
+        if (a.valid()) {
+          ASSERT_EQ(scene.material(a).colour, twin.material(b).colour);
+          tiles.back().materials.push_back(a);
+        }
+        if (int(scene.kind(items[i])) < kPrimitiveKindCount) {
+          const Primitive x = scene.primitive(items[i]), y = twin.primitive(same[i]);
+          ASSERT_TRUE(std::ranges::equal(parameters(x), parameters(y)));
+        } else {
+          tiles.back().meshes.push_back(scene.mesh_of(items[i]));
+          ASSERT_EQ(scene.mesh(tiles.back().meshes.back()).name, twin.mesh(twin.mesh_of(same[i])).name);
+        }
+      }
+    }
+    if (tiles.size() > 3) {
+      const std::size_t place = random() % tiles.size();
+      scene.for_each_node(tiles[place].node, [&](NodeId node, const auto&...) { stale.push_back(node); });
+      scene.remove_node(tiles[place].node);
+      for (const MeshId mesh : tiles[place].meshes) scene.remove_mesh(mesh);
+      for (const MaterialId material : tiles[place].materials) scene.remove_material(material);
+      tiles.erase(tiles.begin() + std::ptrdiff_t(place));
+    }
+    const auto delta = scene.commit();
+    ASSERT_TRUE(delta);
+    for (const auto* list : {&delta->inserted, &delta->changed, &delta->removed})
+      ASSERT_EQ(std::adjacent_find(list->begin(), list->end()), list->end()) << "each once";
+    for (SceneDelta taken = subscription.take(); !taken.empty(); taken = subscription.take()) snapshot.apply(taken);
+    ASSERT_NO_FATAL_FAILURE(expect_same_items(snapshot, Snapshot(scene), ItemId(scene.item_slots())));
+    if (round == 12) settled = scene.memory_bytes();
+  }
+  EXPECT_LE(scene.memory_bytes(), settled + settled / 10);
+  EXPECT_LE(scene.item_slots(), 1200u) << "9,000 were added";
+  EXPECT_LE(scene.mesh_slots(), 400u);
+  EXPECT_LE(scene.material_slots(), 400u);
+}
+
 TEST(ReusedIds, MemoryStaysFlatWhileThingsComeAndGo) {
   Scene scene;
   scene.reuse_ids(true);
