@@ -1,5 +1,5 @@
 // sightline-bench budget: what a frame budget leaves of the picture while the camera moves, and how long the full
-// picture takes once it rests.
+// picture takes once it rests: alone, and in turns with the pictures of other views that rest.
 //
 // A tour is flown with the budget. Some of its pictures are compared with the full picture of the same view. Beside
 // them stands a threshold of contribution in the same time: of several the least whose frame takes no longer than the
@@ -37,7 +37,7 @@ constexpr float kThresholds[] = {0.0f, 0.25f, 1.0f, 4.0f, 16.0f, 64.0f, 256.0f, 
 struct Options {
   apps::ModelOptions model;
   double budget_ms = 33.0;
-  int frames = 200, compared = 20, rests = 10;
+  int frames = 200, compared = 20, rests = 10, viewports = 4;
   engine::ContributionWay way = engine::ContributionWay::kDrop;
   gl::ContextPlatform platform = {};
   std::string size = "640x360", json;
@@ -55,6 +55,9 @@ void add_options(apps::CommandLine& line, Options& o) {
       .shows_default();
   line.add("--rests", o.rests, "Frames at which the camera comes to rest, evenly spaced")
       .in_range(1, 10'000)
+      .shows_default();
+  line.add("--viewports", o.viewports, "Views that rest in turns, each with a picture of its own, evenly spaced")
+      .in_range(1, 100)
       .shows_default();
   apps::add_way_option(line, "--way", "How what is left out is drawn", o.way);
   line.add("--size", o.size, "Pixels").shows_default().accepted_by(apps::parse_size);
@@ -91,6 +94,7 @@ struct Figures {
   int complete = 0;
   std::vector<Compared> compared;
   std::vector<Rest> rests;
+  Rest together;  // of all viewports
 };
 
 core::Expected<Picture> read(Engine& engine) {
@@ -135,6 +139,7 @@ class Bench {
       if (auto done = rest(spaced(i, options_.rests)); !done) return tl::unexpected(done.error());
       progress.advance(views_.size() + std::size_t(i) + 1);
     }
+    if (auto done = rest_together(); !done) return tl::unexpected(done.error());
     return std::move(figures_);
   }
 
@@ -208,6 +213,22 @@ class Bench {
     return {};
   }
 
+  core::Expected<void> rest_together() {
+    for (std::int64_t pending = 1; pending > 0;) {
+      pending = 0;
+      for (int i = 0; i < options_.viewports; ++i) {
+        if (auto chosen = hurried_.use_picture(std::uint32_t(i + 1)); !chosen) return chosen;
+        engine::FrameReport report;
+        const auto ms = timed_frame(hurried_, views_[spaced(i, options_.viewports)], &report);
+        if (!ms) return tl::unexpected(ms.error());
+        figures_.together.ms += *ms;
+        pending += report.pending;
+        if (++figures_.together.frames > kMostAtRest) return core::fail("the pictures do not become complete");
+      }
+    }
+    return {};
+  }
+
   const Options& options_;
   std::vector<core::View> views_;
   Engine hurried_, full_;
@@ -257,6 +278,7 @@ Json to_json(const Figures& f, double budget_ms) {
       all(f.compared, [](const Compared& c) { return c.contribution.flip_mean; });
   json["rest"] = {{"frames", apps::to_json(apps::summarise(all(f.rests, [](const Rest& r) { return r.frames; })))},
                   {"ms", apps::to_json(apps::summarise(all(f.rests, [](const Rest& r) { return r.ms; })))}};
+  json["together"] = {{"frames", f.together.frames}, {"ms", f.together.ms}};
   return json;
 }
 
@@ -284,6 +306,9 @@ void print(const Json& json, std::FILE* out) {
   for (const char* what : {"frames", "ms"})
     std::fprintf(out, "| %-37s | %6.1f | %6.1f | %6.1f |\n", what, figure(rest[what], "mean"),
                  figure(rest[what], "median"), figure(rest[what], "max"));
+  std::fprintf(out, "\n%d views that rest in turns are complete after %.0f frames, %.1f ms\n",
+               int(json["viewports"].get<double>()), figure(json["together"], "frames"),
+               figure(json["together"], "ms"));
 }
 
 core::Expected<int> run(const Options& o) {
@@ -302,6 +327,7 @@ core::Expected<int> run(const Options& o) {
                {"size", o.size},
                {"frames", o.frames},
                {"budget_ms", o.budget_ms},
+               {"viewports", o.viewports},
                {"way", name_of(o.way)}});
   std::fprintf(apps::table_stream(o.json), "%s, %s, %.4g ms, %d frames of the tour, %s\n\n",
                engine::count_text(full->snapshot().size()).c_str(), o.size.c_str(), o.budget_ms, o.frames,

@@ -23,6 +23,7 @@ TEST_F(BenchBudget, TimeEnoughGivesTheFullPicture) {
   }
   EXPECT_EQ(json["compared"]["contribution"]["thresholds"], Json::array({0.0, 0.0, 0.0}));
   EXPECT_EQ(json["rest"]["frames"]["max"], 1.0);
+  EXPECT_EQ(json["together"]["frames"], 4.0);
 }
 
 TEST_F(BenchBudget, NoTimeLosesMostAndIsMadeUpForAtRest) {
@@ -33,6 +34,7 @@ TEST_F(BenchBudget, NoTimeLosesMostAndIsMadeUpForAtRest) {
   EXPECT_GT(json["compared"]["budget"]["wrong_ids"], 1e-3);
   EXPECT_LE(json["compared"]["budget"]["flip"]["mean"], json["compared"]["budget"]["flip"]["p99"]);
   EXPECT_GT(json["rest"]["frames"]["mean"], 2.0);
+  EXPECT_GT(json["together"]["frames"], 8.0);
   for (const Json& threshold : json["compared"]["contribution"]["thresholds"]) EXPECT_EQ(threshold, 1024.0);
   const Json squares = measure(plant(12000), "0.01", "points");
   EXPECT_LT(squares["compared"]["budget"]["flip"]["mean"], json["compared"]["budget"]["flip"]["mean"]);
