@@ -91,6 +91,7 @@ const char* fixed_setting_that_differs(const EngineConfig& a, const EngineConfig
   if (a.part.index != b.part.index || a.part.count != b.part.count) return "part";
   if (a.gl_debug != b.gl_debug) return "gl_debug";
   if (a.context != b.context || a.context_platform != b.context_platform) return "context (see use_context())";
+  if (a.context_later != b.context_later) return "context_later";
   if (a.gl_state != b.gl_state) return "gl_state";
   if (a.program_cache != b.program_cache) return "program_cache";
   if (a.rebuild_share != b.rebuild_share) return "rebuild_share";

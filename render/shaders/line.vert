@@ -1,6 +1,8 @@
 // One-pixel line between the local points (0, 0, 0) and (1, 0, 0); the placement carries both ends.
 #include "item.glsl"
 
+invariant gl_Position;  // passes of several programs meet at equal depths
+
 out vec3 p_eye;
 centroid out vec3 n_eye;
 flat out uvec2 item_words;

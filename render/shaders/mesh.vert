@@ -1,6 +1,8 @@
 // Instance of a triangle mesh.
 #include "item.glsl"
 
+invariant gl_Position;  // passes of several programs meet at equal depths
+
 layout(location = 0) in uint instance;
 layout(location = 1) in uvec4 vertex;  // gpuscene::MeshPool
 

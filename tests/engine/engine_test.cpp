@@ -483,6 +483,18 @@ TEST(Engine, FramesCountWhatTheyDid) {
   EXPECT_GT(none->frame_ms, 0.0);
 }
 
+TEST(Engine, ConfigureRefusesAContextThatComesLater) {
+  core::Scene scene;
+  auto engine = engine::Engine::create(scene);
+  ASSERT_TRUE(engine);
+  engine::EngineConfig changed = engine->config();
+  changed.context_later = true;
+  const auto done = engine->configure(changed);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("context_later"), std::string::npos) << done.error().message;
+  EXPECT_FALSE(engine->config().context_later);
+}
+
 TEST(Engine, APauseIsNoFrameTime) {
   core::Scene scene;
   add_grid(scene, 3);
