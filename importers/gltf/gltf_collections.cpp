@@ -456,8 +456,9 @@ core::Expected<void> GltfCollections::add_triangles(const GltfSources& sources, 
     const Of run = of(begin);
     std::size_t end = begin + 3;
     while (end < corners->size() && of(end) == run) end += 3;
-    const auto mesh = gltf_mesh(
-        document_, sources, {corners->begin() + std::ptrdiff_t(begin), corners->begin() + std::ptrdiff_t(end)}, where);
+    const auto mesh =
+        gltf_mesh(job_, document_, sources,
+                  {corners->begin() + std::ptrdiff_t(begin), corners->begin() + std::ptrdiff_t(end)}, where);
     if (!mesh) return tl::unexpected(mesh.error());
     const Place at = place(&run.tree, node, file_from_node, {});
     job_.add_mesh(at.node, *mesh, "part", at.from_item, material(colours ? run.colour : nullptr, colours));

@@ -150,15 +150,21 @@ const Json* gltf_find(const Json& object, std::string_view key) {
   return it == object.end() ? nullptr : &*it;
 }
 
+std::optional<std::uint64_t> gltf_whole(const Json& value) {
+  const double number = value.is_number() ? value.get<double>() : -1.0;
+  if (!(number >= 0.0 && number <= kLargestIndex && number == std::floor(number))) return std::nullopt;
+  return std::uint64_t(number);
+}
+
 core::Expected<std::uint64_t> gltf_index(const Json& object, std::string_view key, const std::string& where,
                                          std::optional<std::uint64_t> fallback) {
   const Json* value = gltf_find(object, key);
   if (!value && fallback) return *fallback;
   if (!value) return core::fail(fmt::format("{}/{}: expected a whole number, which is missing", where, key));
-  const double number = value->is_number() ? value->get<double>() : -1.0;
-  if (!(number >= 0.0 && number <= kLargestIndex && number == std::floor(number)))
+  const auto whole = gltf_whole(*value);
+  if (!whole)
     return core::fail(fmt::format("{}/{}: expected a whole number from 0, found {}", where, key, describe(*value)));
-  return std::uint64_t(number);
+  return *whole;
 }
 
 core::Expected<void> gltf_numbers(const Json& object, std::string_view key, const std::string& where, double* to,
@@ -196,6 +202,21 @@ std::string percent_decoded(std::string_view uri) {
   }
   return decoded;
 }
+
+namespace {
+
+/// What a data URI holds: base64, or bytes of which some are escaped (RFC 2397).
+core::Expected<std::vector<std::byte>> data_of(std::string_view uri) {
+  const std::size_t comma = uri.find(',');
+  if (comma == std::string_view::npos) return core::fail("a data URI: expected a comma and what follows");
+  const std::string_view data = uri.substr(comma + 1);
+  if (uri.substr(0, comma).ends_with(";base64")) return base64_decoded(data);
+  const std::string bytes = percent_decoded(data);
+  const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
+  return std::vector<std::byte>(first, first + bytes.size());
+}
+
+}  // namespace
 
 // --- accessors -----------------------------------------------------------------------------------------------------
 
@@ -291,10 +312,7 @@ core::Expected<GltfElement> GltfDocument::element(std::string_view array, std::u
 
 core::Expected<Bytes> GltfDocument::uri_bytes(std::string_view uri) {
   if (uri.starts_with("data:")) {
-    const std::size_t comma = uri.find(',');
-    if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(";base64"))
-      return core::fail("a data URI: expected \";base64,\" and what it encodes");
-    auto decoded = base64_decoded(uri.substr(comma + 1));
+    auto decoded = data_of(uri);
     if (!decoded) return tl::unexpected(decoded.error());
     held_.push_back(std::move(*decoded));
     return Bytes(held_.back());

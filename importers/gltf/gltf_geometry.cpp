@@ -91,7 +91,8 @@ core::Expected<GltfSources> gltf_sources(const Json& primitive, const std::strin
   sources.mode = *mode;
   if (!sources.draws_triangles()) return sources;
   const Json* attributes = gltf_find(primitive, "attributes");
-  if (!attributes) return core::fail(where + "/attributes: expected an object, which is missing");
+  sources.positions = core::kNone;
+  if (!attributes || !gltf_find(*attributes, "POSITION")) return sources;  // nothing to be drawn (glTF 2.0, 3.7.2.1)
   const auto positions = gltf_index(*attributes, "POSITION", where + "/attributes");
   const auto normals = gltf_index(*attributes, "NORMAL", where + "/attributes", core::kNone);
   const auto colours = gltf_index(*attributes, "COLOR_0", where + "/attributes", core::kNone);
@@ -167,21 +168,30 @@ core::Expected<std::vector<PackedColour>> gltf_face_colours(GltfDocument& docume
   return colours;
 }
 
-core::Expected<PolygonMesh> gltf_mesh(GltfDocument& document, const GltfSources& sources,
+namespace {
+
+/// Null where there are none, or where they do not fit: then there is a warning.
+const GltfAccessor* usable_normals(ImportJob& job, GltfDocument& document, const GltfSources& sources,
+                                   std::uint64_t vertices, const std::string& where) {
+  if (sources.normals == core::kNone) return nullptr;
+  const std::string here = where + "/attributes/NORMAL";
+  const auto found = vectors(document, sources.normals, here);
+  if (found && (*found)->count == vertices) return *found;
+  job.warn(0, (found ? fmt::format("{}: expected {} normals, found {}", here, vertices, (*found)->count)
+                     : found.error().message) +
+                  "; normals left out");
+  return nullptr;
+}
+
+}  // namespace
+
+core::Expected<PolygonMesh> gltf_mesh(ImportJob& job, GltfDocument& document, const GltfSources& sources,
                                       std::vector<std::uint32_t> corners, const std::string& where) {
   PolygonMesh mesh;
   if (corners.empty()) return mesh;
   const auto positions = vectors(document, sources.positions, where + "/attributes/POSITION");
   if (!positions) return tl::unexpected(positions.error());
-  const GltfAccessor* normals = nullptr;
-  if (sources.normals != core::kNone) {
-    const auto found = vectors(document, sources.normals, where + "/attributes/NORMAL");
-    if (!found) return tl::unexpected(found.error());
-    if ((*found)->count != (*positions)->count)
-      return core::fail(fmt::format("{}/attributes/NORMAL: expected {} normals, found {}", where, (*positions)->count,
-                                    (*found)->count));
-    normals = *found;
-  }
+  const GltfAccessor* normals = usable_normals(job, document, sources, (*positions)->count, where);
   std::uint32_t first = 0, count = 0;
   const std::vector<std::uint32_t> used = compact(corners, first, count);
   static_assert(sizeof(core::dvec3) == 3 * sizeof(double));

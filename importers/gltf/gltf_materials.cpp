@@ -8,39 +8,70 @@
 
 namespace sightline::importers {
 
-core::Expected<core::MaterialId> GltfMaterials::material(std::uint64_t index, PackedColour tint,
-                                                         const std::string& from) {
-  if (index == core::kNone && tint == kNoColour) return core::MaterialId{};
+namespace {
+
+constexpr std::string_view kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
+
+/// Where a material says what its base colour is.
+struct BaseColour {
+  const Json* object = nullptr;  // null: nowhere
+  std::string_view factor, texture;
+  std::string where;  // of the object, below the material
+};
+
+/// The older model of materials comes first, as its specification asks of those who know it.
+BaseColour base_colour_of(const Json& material) {
+  const Json* extensions = gltf_find(material, "extensions");
+  if (const Json* older = extensions ? gltf_find(*extensions, kSpecularGlossiness) : nullptr)
+    return {older, "diffuseFactor", "diffuseTexture", fmt::format("/extensions/{}", kSpecularGlossiness)};
+  return {gltf_find(material, "pbrMetallicRoughness"), "baseColorFactor", "baseColorTexture", "/pbrMetallicRoughness"};
+}
+
+}  // namespace
+
+void GltfMaterials::note_left_out(const Json& material) {
+  const Json* extensions = gltf_find(material, "extensions");
+  if (!extensions || !extensions->is_object()) return;
+  for (const auto& [name, value] : extensions->items())
+    if (name != kSpecularGlossiness && name != "KHR_materials_unlit") ++left_out_[name];
+}
+
+void GltfMaterials::warn_of_left_out() {
+  for (const auto& [name, count] : left_out_)
+    job_.warn(0, fmt::format("{}: left out of {} material{}, of which the base colour is read", name, count,
+                             count == 1 ? "" : "s"));
+}
+
+core::MaterialId GltfMaterials::material(std::uint64_t index, PackedColour tint, const std::string& from) {
   if (const auto known = made_.find({index, tint}); known != made_.end()) return known->second;
   if (index != core::kNone && !looks_.contains(index)) {
     const auto element = document_.element("materials", index, from);
-    if (!element) return tl::unexpected(element.error());
-    auto look = make(*element);
-    if (!look) return tl::unexpected(look.error());
-    looks_[index] = std::move(*look);
+    auto look = element ? make(*element) : core::Expected<Look>(tl::unexpected(element.error()));
+    if (!look) job_.warn(0, look.error().message + "; the default material instead");
+    looks_[index] = look ? std::optional(std::move(*look)) : std::nullopt;
   }
-  Look look;
-  look.material.colour = core::vec3(1.0f);
-  if (index != core::kNone) look = looks_[index];
-  return made_[{index, tint}] = job_.scene().add_material(tinted(std::move(look), tint));
+  std::optional<Look> look = index != core::kNone ? looks_[index] : std::nullopt;
+  if (!look && tint == kNoColour) return made_[{index, tint}] = {};
+  if (!look) look.emplace().material.colour = core::vec3(1.0f);
+  return made_[{index, tint}] = job_.scene().add_material(tinted(std::move(*look), tint));
 }
 
 core::Expected<GltfMaterials::Look> GltfMaterials::make(const GltfElement& element) {
-  const std::string where = element.where();
   const Json empty = Json::object();
-  const Json* pbr = gltf_find(*element.json, "pbrMetallicRoughness");
-  if (!pbr) pbr = &empty;
+  const BaseColour names = base_colour_of(*element.json);
+  const std::string where = element.where() + names.where;
+  const Json* pbr = names.object ? names.object : &empty;
   double factor[4] = {1.0, 1.0, 1.0, 1.0};
-  if (auto read = gltf_numbers(*pbr, "baseColorFactor", where + "/pbrMetallicRoughness", factor, 4); !read)
-    return tl::unexpected(read.error());
+  if (auto read = gltf_numbers(*pbr, names.factor, where, factor, 4); !read) return tl::unexpected(read.error());
+  note_left_out(*element.json);
   const std::string mode = gltf_text(*element.json, "alphaMode");
   const bool opaque = mode.empty() || mode == "OPAQUE";
   ImageMean mean;
-  if (const Json* texture = gltf_find(*pbr, "baseColorTexture")) {
-    const std::string at = where + "/pbrMetallicRoughness/baseColorTexture";
+  if (const Json* texture = gltf_find(*pbr, names.texture)) {
+    const std::string at = fmt::format("{}/{}", where, names.texture);
     const auto index = gltf_index(*texture, "index", at);
-    if (!index) return tl::unexpected(index.error());
-    const auto found = texture_mean(*index, at + "/index", !opaque);
+    const auto found =
+        index ? texture_mean(*index, at + "/index", !opaque) : core::Expected<ImageMean>(tl::unexpected(index.error()));
     if (found)
       mean = *found;
     else

@@ -1,7 +1,10 @@
 #include "sightline/importers/gltf/internal/gltf_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -72,8 +75,11 @@ class Reading {
     if (follows_convention_) job_.scene().set_transform(job_.file_node(), {});
     auto done = walk();
     job_.report().bytes = document_.bytes_read();
-    if (done && not_triangles_ > 0)
-      job_.warn(0, fmt::format("{} primitives left out: points or lines, expected triangles", not_triangles_));
+    if (done && !not_triangles_.empty())
+      job_.warn(0, fmt::format("{} primitives left out: points or lines, expected triangles", not_triangles_.size()));
+    if (done && !without_positions_.empty())
+      job_.warn(0, fmt::format("{} primitives left out: they have no POSITION", without_positions_.size()));
+    if (done) materials_.warn_of_left_out();
     return done;
   }
 
@@ -141,9 +147,8 @@ class Reading {
   }
 
   static Expected<std::uint64_t> index_at(const Json& value, const std::string& where) {
-    if (!value.is_number_unsigned())
-      return core::fail(fmt::format("{}: expected whole numbers, found {}", where, describe(value)));
-    return value.get<std::uint64_t>();
+    if (const auto whole = gltf_whole(value)) return *whole;
+    return core::fail(fmt::format("{}: expected whole numbers, found {}", where, describe(value)));
   }
 
   /// A node whose ancestors lead back to it cannot be reached from a root: cuts the cycle above it.
@@ -219,12 +224,10 @@ class Reading {
         if (auto asked = left_out(shown.error()); !asked) return asked;
       const Json* children = gltf_find(*element->json, "children");
       for (std::size_t c = children && children->is_array() ? children->size() : 0; c-- > 0;) {
-        const Json& child = (*children)[c];
-        if (!child.is_number_unsigned()) continue;
-        const std::uint64_t index = child.get<std::uint64_t>();
-        if (index >= parents_.size() || parents_[index] != visit.node) continue;
-        stack.push_back({index, node->id, node->file_from_node});
-        parents_[index] = core::kNone;  // a node listed twice is still one child
+        const auto child = gltf_whole((*children)[c]);
+        if (!child || *child >= parents_.size() || parents_[*child] != visit.node) continue;
+        stack.push_back({*child, node->id, node->file_from_node});
+        parents_[*child] = core::kNone;  // a node listed twice is still one child
       }
     }
     return {};
@@ -243,9 +246,7 @@ class Reading {
     if (gltf_find(json, "matrix")) {
       double m[16] = {};
       if (auto read = gltf_numbers(json, "matrix", where, m, 16); !read) return tl::unexpected(read.error());
-      if (m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0)
-        return core::fail(fmt::format("{}/matrix: expected 0 0 0 1 as its last row", where));
-      return gltf_affine(m);
+      return affine_of(m, where);
     }
     double translation[3] = {}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
     auto read = gltf_numbers(json, "translation", where, translation, 3);
@@ -253,6 +254,22 @@ class Reading {
     if (read) read = gltf_numbers(json, "scale", where, scale, 3);
     if (!read) return tl::unexpected(read.error());
     return gltf_affine(translation, rotation, scale);
+  }
+
+  /// The map of a matrix whose last row need not be 0 0 0 1: 0 0 0 w divides by w, and rows that differ by rounding are
+  /// taken for that. Fails on perspective, which a lenient import leaves out of the map.
+  Expected<Affine> affine_of(double (&m)[16], const std::string& where) {
+    constexpr double kRounding = 1e-5;
+    const double w = m[15], perspective = std::max({std::abs(m[3]), std::abs(m[7]), std::abs(m[11])});
+    if (perspective == 0.0 && w == 1.0) return gltf_affine(m);
+    const std::string message = fmt::format("{}/matrix: expected 0 0 0 1 as its last row, found {:g} {:g} {:g} {:g}",
+                                            where, m[3], m[7], m[11], w);
+    if (w == 0.0) return core::fail(message);
+    if (perspective > kRounding * std::abs(w) && !job_.options().lenient) return core::fail(message);
+    job_.warn(0, message);
+    if (std::abs(w - 1.0) > kRounding)
+      for (double& value : m) value /= w;
+    return gltf_affine(m);
   }
 
   Expected<Node> add_node(const GltfElement& element, const Visit& visit) {
@@ -266,16 +283,16 @@ class Reading {
     const Affine file_from_node = visit.file_from_parent * parent_from_node;
     add_attributes(*element.json, id);
     if (const Json* tree = follows_convention_ ? extra(*element.json, kTreeIndex) : nullptr)
-      if (tree->is_number_unsigned() && tree->get<std::uint64_t>() < core::kNone)
-        collections_.name_part(tree->get<std::uint32_t>(), id, file_from_node);
+      if (const auto part = gltf_whole(*tree); part && *part < core::kNone)
+        collections_.name_part(std::uint32_t(*part), id, file_from_node);
     return Node{id, file_from_node, element.where()};
   }
 
   std::string name_of(const GltfElement& element) const {
     std::string name = gltf_text(*element.json, "name");
-    const Json* index = gltf_find(*element.json, "mesh");
-    if (!name.empty() || !index || !index->is_number_unsigned()) return name;
-    const auto mesh = document_.element("meshes", index->get<std::uint64_t>(), "");
+    const auto index = gltf_index(*element.json, "mesh", "");
+    if (!name.empty() || !index) return name;
+    const auto mesh = document_.element("meshes", *index, "");
     return mesh ? gltf_text(*mesh->json, "name") : name;
   }
 
@@ -343,16 +360,14 @@ class Reading {
       const auto sources = gltf_sources(primitive, where);
       if (!sources) return tl::unexpected(sources.error());
       const Json* attributes = gltf_find(primitive, "attributes");
-      if (sources->draws_triangles() && gltf_find(*attributes, "_treeIndex"))
+      if (sources->draws_triangles() && attributes && gltf_find(*attributes, "_treeIndex"))
         return collections_.add_triangles(*sources, *attributes, node.id, node.file_from_node, where,
                                           [this](double share) { return progress(share); });
       const auto shared = shared_mesh(*sources, mesh, where);
       if (!shared) return tl::unexpected(shared.error());
       if (auto taken = take_parts(**shared, 1, where); !taken) return taken;
       for (SharedPart& part : (*shared)->parts) {
-        const auto material = material_of(primitive, part.colour, where);
-        if (!material) return tl::unexpected(material.error());
-        add_item(part, (*shared)->name, node.id, {}, *material);
+        add_item(part, (*shared)->name, node.id, {}, material_of(primitive, part.colour, where));
       }
       return {};
     });
@@ -374,11 +389,7 @@ class Reading {
       if (auto taken = take_items(table.count(), at); !taken) return taken;
       if (auto taken = take_parts(**shared, table.count(), at); !taken) return taken;
       std::vector<core::MaterialId> materials;
-      for (const SharedPart& part : (*shared)->parts) {
-        const auto material = material_of(primitive, part.colour, at);
-        if (!material) return tl::unexpected(material.error());
-        materials.push_back(*material);
-      }
+      for (const SharedPart& part : (*shared)->parts) materials.push_back(material_of(primitive, part.colour, at));
       for (std::uint64_t first = 0; first < table.count(); first += GltfTable::kBlock) {
         if (auto asked = progress(double(first) / double(table.count())); !asked) return asked;
         const std::uint64_t n = table.load(first);
@@ -400,10 +411,10 @@ class Reading {
     });
   }
 
-  Expected<core::MaterialId> material_of(const Json& primitive, PackedColour tint, const std::string& where) {
+  core::MaterialId material_of(const Json& primitive, PackedColour tint, const std::string& where) {
     const auto index = gltf_index(primitive, "material", where, core::kNone);
-    if (!index) return tl::unexpected(index.error());
-    return materials_.material(*index, tint, where + "/material");
+    if (!index) job_.warn(0, index.error().message + "; the default material instead");
+    return materials_.material(index.value_or(core::kNone), tint, where + "/material");
   }
 
   /// Counts the items of a mesh's parts beyond the first one, which are items that the file does not list.
@@ -431,18 +442,19 @@ class Reading {
 
   /// The mesh of a primitive, read when it is first asked for. One mesh for each colour of its vertices.
   Expected<SharedMesh*> shared_mesh(const GltfSources& sources, const GltfElement& mesh, const std::string& where) {
+    if (!sources.draws_triangles()) (sources.mode < 4 ? not_triangles_ : without_positions_).insert(where);
     const auto [known, added] = meshes_.try_emplace(sources);
     SharedMesh& shared = known->second;
     if (!added) return &shared;
-    if (!sources.draws_triangles()) {
-      ++not_triangles_;
-      return &shared;
-    }
+    if (!sources.draws_triangles()) return &shared;
     auto corners = gltf_triangles(job_, document_, sources, where);
     if (!corners) return tl::unexpected(corners.error());
-    const auto colours = gltf_face_colours(document_, sources, *corners, where);
-    if (!colours) return tl::unexpected(colours.error());
-    auto polygons = gltf_mesh(document_, sources, std::move(*corners), where);
+    auto colours = gltf_face_colours(document_, sources, *corners, where);
+    if (!colours) {
+      job_.warn(0, colours.error().message + "; colours of vertices left out");
+      colours = std::vector<PackedColour>();
+    }
+    auto polygons = gltf_mesh(job_, document_, sources, std::move(*corners), where);
     if (!polygons) return tl::unexpected(polygons.error());
     shared.name = gltf_text(*mesh.json, "name");
     if (colours->empty())
@@ -463,7 +475,8 @@ class Reading {
   GltfCollections collections_;
   bool follows_convention_ = false;
   std::vector<std::uint32_t> parents_;
-  std::uint64_t visited_ = 0, not_triangles_ = 0;
+  std::uint64_t visited_ = 0;
+  std::set<std::string> not_triangles_, without_positions_;  // primitives that are left out
   std::map<GltfSources, SharedMesh> meshes_;
 };
 

@@ -39,6 +39,39 @@ TEST_F(GltfReaderMaterials, MaterialsAreConvertedToSrgb) {
   EXPECT_FALSE(scene_.item_material(2).valid());
 }
 
+TEST_F(GltfReaderMaterials, OfTheOlderModelTheDiffuseColourIsRead) {
+  GltfBytes g = tests::small_gltf();
+  g.json["materials"][0] = {{"name", "bolt"},
+                            {"pbrMetallicRoughness", {{"baseColorFactor", {0.0, 1.0, 0.0, 1.0}}}},
+                            {"extensions",
+                             {{"KHR_materials_pbrSpecularGlossiness",
+                               {{"diffuseFactor", {1.0, 0.214041, 0.0, 1.0}}, {"glossinessFactor", 0.5}}}}}};
+  g.json["extensionsRequired"] = Json::array({"KHR_materials_pbrSpecularGlossiness"});
+  auto report = read(g);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->warnings.empty());
+  const core::vec3 colour = scene_.material(scene_.item_material(0)).colour;
+  EXPECT_LT(glm::length(colour - core::vec3(1.0f, 0.5f, 0.0f)), 1e-4f);
+  auto& older = g.json["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"];
+  older["diffuseTexture"] = {{"index", 0}};
+  older["diffuseFactor"] = {1.0, 1.0, 1.0, 1.0};
+  ASSERT_TRUE(read(g));
+  EXPECT_NEAR(scene_.material(scene_.item_material(0)).colour.x, 0.735357, 1e-4) << "mean of the texture";
+}
+
+TEST_F(GltfReaderMaterials, WhatIsLeftOutIsSaidOnce) {
+  GltfBytes g = triangle_gltf();
+  for (int i = 0; i < 3; ++i) {
+    g.add("materials",
+          {{"extensions",
+            {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}}, {"KHR_materials_unlit", Json::object()}}}});
+    g.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"material", i}});
+  }
+  g.root({{"mesh", 0}});
+  expect_warning(g, "KHR_materials_clearcoat: left out of 3 materials");
+  EXPECT_EQ(read(g)->warnings.size(), 1u);
+}
+
 TEST_F(GltfReaderMaterials, OnlyBlendMakesMaterialsTransparent) {
   for (const auto& [mode, alpha] : {std::pair("", 1.0f), {"OPAQUE", 1.0f}, {"MASK", 1.0f}, {"BLEND", 0.0f}}) {
     SCOPED_TRACE(mode);

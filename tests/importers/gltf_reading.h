@@ -52,6 +52,14 @@ class GltfReading : public testing::Test {
     EXPECT_EQ(lenient->warnings[0].message.find(message), 0u) << lenient->warnings[0].message;
   }
 
+  /// A strict read, which must not fail, and its first warning.
+  void expect_warning(const GltfBytes& file, const std::string& message) {
+    const auto strict = read(file);
+    ASSERT_TRUE(strict) << strict.error().message;
+    ASSERT_FALSE(strict->warnings.empty()) << message;
+    EXPECT_EQ(strict->warnings[0].message.find(message), 0u) << strict->warnings[0].message;
+  }
+
   core::NodeId find(std::string_view name) const {
     core::NodeId found;
     scene_.for_each_node(scene_.root(), [&](core::NodeId node, auto&&...) {

@@ -128,6 +128,8 @@ class GltfDocument {
 // --- checked access to values; `where` is the pointer of `object`, for messages -----------------------------------
 
 const Json* gltf_find(const Json& object, std::string_view key);
+/// A whole number from 0 to 2^53, which some writers give as 3.0; none for anything else.
+std::optional<std::uint64_t> gltf_whole(const Json& value);
 /// A whole number from 0 to 2^53. Missing: the fallback, or an error when there is none.
 core::Expected<std::uint64_t> gltf_index(const Json& object, std::string_view key, const std::string& where,
                                          std::optional<std::uint64_t> fallback = {});

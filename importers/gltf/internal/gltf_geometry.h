@@ -14,11 +14,11 @@ namespace sightline::importers {
 /// What a mesh primitive draws. Two primitives with equal sources are the same geometry.
 struct GltfSources {
   std::uint64_t positions = 0, normals = core::kNone, colours = core::kNone, indices = core::kNone, mode = 4;
-  bool draws_triangles() const { return mode >= 4; }
+  bool draws_triangles() const { return mode >= 4 && positions != core::kNone; }
   friend auto operator<=>(const GltfSources&, const GltfSources&) = default;
 };
 
-/// `primitive` stands at `where`. Fails when it names no positions.
+/// `primitive` stands at `where`. Positions are kNone where it names none, as glTF allows.
 core::Expected<GltfSources> gltf_sources(const Json& primitive, const std::string& where);
 
 /// Corners of the primitive's triangles, three each, all within its positions.
@@ -35,8 +35,9 @@ core::Expected<std::vector<PackedColour>> gltf_face_colours(GltfDocument& docume
 /// What one number of a colour counts as: 1 for all that is not finite.
 double gltf_colour_channel(double value, const GltfAccessor& of);
 
-/// A mesh of the vertices that `corners` refer to, in order of their indices.
-core::Expected<PolygonMesh> gltf_mesh(GltfDocument& document, const GltfSources& sources,
+/// A mesh of the vertices that `corners` refer to, in order of their indices. Normals that cannot be read become a
+/// warning.
+core::Expected<PolygonMesh> gltf_mesh(ImportJob& job, GltfDocument& document, const GltfSources& sources,
                                       std::vector<std::uint32_t> corners, const std::string& where);
 
 /// Numbers for each instance, read a block of rows at a time.
