@@ -27,12 +27,23 @@ StoredBox read_box(ByteCursor& cursor) {
   return box;
 }
 
-/// Box and largest coordinate of a facet group's vertices.
+bool is_finite(const core::vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+core::vec3 read_vector(ByteCursor& cursor, const char* what) {
+  core::vec3 v(0.0f);
+  for (int i = 0; i < 3; ++i) v[i] = cursor.f32(what);
+  return v;
+}
+
+/// Box and largest coordinate of a facet group's vertices, without polygons that are dropped.
 struct FacetScan {
   core::AabbD box;
   double largest = 0.0;
 };
 
+/// A polygon with a vertex that is not finite is dropped, a normal that is not finite left out: read_facets() does so.
 FacetScan scan_facets(ByteCursor& cursor, Item& item) {
   FacetScan scan;
   item.facets = cursor.position();
@@ -40,22 +51,24 @@ FacetScan scan_facets(ByteCursor& cursor, Item& item) {
   for (std::uint64_t p = 0; p < item.facet_polygons && cursor.ok(); ++p) {
     const std::uint32_t contours = cursor.count(4, "contour count");
     item.facet_contours += contours;
+    core::AabbD box;
+    bool finite = true;
     for (std::uint32_t c = 0; c < contours && cursor.ok(); ++c) {
       const std::uint32_t vertices = cursor.count(kVertexBytes, "vertex count");
       item.facet_vertices += vertices;
       for (std::uint32_t v = 0; v < vertices; ++v) {
-        core::dvec3 position(0.0);
-        for (int i = 0; i < 3; ++i) {
-          const float value = cursor.f32("vertex");
-          note_number(item, value);
-          position[i] = double(value);
-          scan.largest = std::max(scan.largest, std::abs(position[i]));
-        }
-        for (int i = 0; i < 3; ++i) note_number(item, cursor.f32("normal"));
-        scan.box.grow(position);
+        const core::vec3 position = read_vector(cursor, "vertex");
+        finite = finite && is_finite(position);
+        if (!is_finite(read_vector(cursor, "normal"))) ++item.bad_normals;
+        box.grow(core::dvec3(position));
       }
     }
+    if (!finite) ++item.bad_polygons;
+    if (!finite || box.empty()) continue;
+    scan.box.grow(box);
+    for (int i = 0; i < 3; ++i) scan.largest = std::max({scan.largest, std::abs(box.min[i]), std::abs(box.max[i])});
   }
+  if (item.bad_polygons > 0 && item.bad_polygons == item.facet_polygons) item.finite = false;
   return scan;
 }
 
@@ -268,15 +281,20 @@ core::Mesh read_facets(std::span<const std::byte> file, const Item& item) {
     const auto first = std::uint32_t(mesh.positions.size());
     const std::size_t first_contour = mesh.contour_sizes.size(), first_index = mesh.indices.size();
     mesh.polygon_contours.push_back(cursor.u32("contour count"));
+    bool finite = true;
     for (std::uint32_t c = 0; c < mesh.polygon_contours.back(); ++c) {
       mesh.contour_sizes.push_back(cursor.u32("vertex count"));
       for (std::uint32_t v = 0; v < mesh.contour_sizes.back(); ++v) {
-        core::vec3 position(0.0f), normal(0.0f);
-        for (int i = 0; i < 3; ++i) position[i] = cursor.f32("vertex");
-        for (int i = 0; i < 3; ++i) normal[i] = cursor.f32("normal");
-        mesh.positions.push_back(position);
-        mesh.normals.push_back(normal);
+        mesh.positions.push_back(read_vector(cursor, "vertex"));
+        const core::vec3 normal = read_vector(cursor, "normal");
+        mesh.normals.push_back(is_finite(normal) ? normal : core::vec3(0.0f));
+        finite = finite && is_finite(mesh.positions.back());
       }
+    }
+    if (!finite) {
+      mesh.positions.resize(first), mesh.normals.resize(first);
+      mesh.contour_sizes.resize(first_contour), mesh.polygon_contours.pop_back();
+      continue;
     }
     triangulate_polygon(std::span(mesh.positions).subspan(first), std::span(mesh.contour_sizes).subspan(first_contour),
                         first, mesh.indices);

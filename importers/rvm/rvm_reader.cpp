@@ -81,27 +81,49 @@ class RvmWalk {
     return header.next >= header.offset + rvm::kHeaderBytes && header.next <= bytes_.size();
   }
 
+  bool leads_to_chunk(std::uint64_t offset) const {
+    const auto header = rvm::read_header(bytes_, offset);
+    return header && rvm::is_known_tag(header->name());
+  }
+
   /// Moves on to the next chunk. The body ended at `body_end`. Where that and the header disagree, the offset that
-  /// holds a chunk is trusted. Never goes back, so every byte is read once.
+  /// holds a chunk is trusted, which loses nothing. Never goes back, so every byte is read once.
   core::Expected<void> advance(const rvm::ChunkHeader& header, std::uint64_t body_end) {
     at_ = header.next;
     if (header.next == body_end) return {};
-    const bool next_valid = next_is_valid(header);
-    const auto behind_body = rvm::read_header(bytes_, body_end);
-    const bool believe_body = !next_valid || (behind_body && rvm::is_known_tag(behind_body->name()));
-    if (believe_body) at_ = body_end;
-    return damage(
-        header.offset, header.name(),
-        fmt::format("the next chunk is said to begin at byte {}, the contents end at byte {}", header.next, body_end));
+    const std::string message =
+        fmt::format("the next chunk is said to begin at byte {}, the contents end at byte {}", header.next, body_end);
+    const bool next_valid = next_is_valid(header), behind_body = leads_to_chunk(body_end);
+    if (behind_body || !next_valid) at_ = body_end;
+    // Later programs say more in a head than is known of it.
+    const bool longer_head = header.name() == "HEAD" && next_valid && leads_to_chunk(header.next);
+    if (!behind_body && !longer_head) return damage(header.offset, header.name(), message);
+    warn(header.offset, header.name(), message);
+    return {};
+  }
+
+  /// After damage, in a lenient import: goes on at the next place that looks like a chunk.
+  void resynchronise(std::uint64_t from) {
+    for (std::uint64_t at = from; at + rvm::kHeaderBytes <= bytes_.size(); ++at) {
+      if (bytes_[at] != std::byte{0}) continue;  // tags are characters of four bytes each
+      const auto header = rvm::read_header(bytes_, at);
+      if (!header || !rvm::is_known_tag(header->name()) || (header->name() != "END:" && !next_is_valid(*header)))
+        continue;
+      warn(from, "", fmt::format("{} bytes skipped, up to a {} chunk at byte {}", at - from, header->name(), at));
+      at_ = at;
+      return;
+    }
+    ended_ = true;
   }
 
   core::Expected<void> step() {
     const auto header = rvm::read_header(bytes_, at_);
     if (!header) {
-      ended_ = true;
-      return damage(at_, "",
-                    at_ >= bytes_.size() ? "the file ends without an END: chunk"
-                                         : "expected a chunk header (24 bytes), found something else");
+      auto tolerated = damage(at_, "",
+                              at_ >= bytes_.size() ? "the file ends without an END: chunk"
+                                                   : "expected a chunk header (24 bytes), found something else");
+      resynchronise(at_ + 1);
+      return tolerated;
     }
     const std::string_view tag = header->name();
     if (tag == "END:") {
@@ -115,9 +137,11 @@ class RvmWalk {
     if (!understood) return tl::unexpected(understood.error());
     if (cursor.ok() && *understood) return advance(*header, cursor.position());
     // The contents are lost, but the header may still say where the next chunk is.
-    ended_ = !next_valid;
+    auto tolerated = cursor.ok() ? core::Expected<void>{} : damage(cursor.error_offset(), tag, cursor.error());
+    const std::uint64_t behind_header = at_ + rvm::kHeaderBytes;
     at_ = header->next;
-    return cursor.ok() ? core::Expected<void>{} : damage(cursor.error_offset(), tag, cursor.error());
+    if (!next_valid) resynchronise(behind_header);
+    return tolerated;
   }
 
   /// False for an unknown kind of chunk.
@@ -180,6 +204,10 @@ class RvmWalk {
       warn(at_, tag,
            fmt::format("dropped: reaches {:.3g} m, expected at most {:.3g} m", item.reach, kLargestCoordinate));
     } else {
+      if (item.bad_polygons > 0)
+        warn(at_, tag,
+             fmt::format("{} of {} polygons dropped: a vertex is not finite", item.bad_polygons, item.facet_polygons));
+      if (item.bad_normals > 0) warn(at_, tag, fmt::format("{} normals left out: not finite", item.bad_normals));
       builder_.add(item, layers, bytes_);
     }
     return true;

@@ -26,14 +26,14 @@ Case rvm_count(std::size_t k) {
   return damaged(rvm_model(b.end().group_end().finish()));
 }
 
-/// A chunk whose header leads back to itself or to one before.
+/// A chunk whose header leads back to itself or to one before; its contents lead on.
 Case rvm_cycle(std::size_t k) {
   RvmBytes b;
   b.head().group("g", 1);
   const std::size_t group = b.bytes.size();
   b.prim(8, {1, 2}).group_end().finish();
   b.put(group + 16, std::uint32_t(k == 0 ? group : k == 1 ? 0 : group - 8));
-  return damaged(rvm_model(b));
+  return sound(rvm_model(b));
 }
 
 /// Groups within one another, which stay open or are closed.

@@ -335,8 +335,57 @@ TEST(RvmReader, WrongNextOffsetsLoseNothingWhereContentsLeadOn) {
     const std::size_t at = b.bytes.size();
     b.prim(8, {1, 2}).prim(8, {3, 4}).group_end().group("h", 1).prim(9, {1}).group_end().finish();
     b.put(at + 16, next);
-    expect_damage(b.bytes, {"PRIM", "next chunk"}, 3);
+    const Read read(b.bytes);
+    ASSERT_TRUE(read.report) << read.report.error().message;
+    ASSERT_EQ(read.report->warnings.size(), 1u);
+    EXPECT_NE(read.report->warnings[0].message.find("PRIM chunk: the next chunk"), std::string::npos);
+    EXPECT_EQ(read.scene.item_count(), 3u);
   }
+}
+
+TEST(RvmReader, HeadsMayHoldMoreThanIsKnown) {
+  for (const int words : {1, 8, 100}) {
+    RvmBytes b;
+    b.begin("HEAD").u32(2).text("info").text("note").text("date").text("user").text("Unicode");
+    for (int i = 0; i < words; ++i) b.u32(0x41424344u);
+    b.end().begin("MODL").u32(1).text("project").text("name").end();
+    b.group("g", 1).prim(8, {1, 2}).group_end().finish();
+    const Read read(b.bytes);
+    ASSERT_TRUE(read.report) << read.report.error().message;
+    EXPECT_EQ(read.report->warnings.size(), 1u);
+    EXPECT_EQ(read.scene.item_count(), 1u);
+  }
+}
+
+TEST(RvmReader, BadPolygonsAndNormalsLoseThemselvesAlone) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  RvmBytes b;
+  b.head().group("g", 1).item(11).u32(3);
+  const auto triangle = [&](float x, float normal) {
+    b.u32(1).u32(3).floats({x, 0, 0, 0, 0, normal}).floats({4, 0, 0, 0, 0, 1}).floats({0, 4, 0, 0, 0, 1});
+  };
+  triangle(0, 1), triangle(kNan, 1), triangle(1, kNan);
+  b.end().group_end().finish();
+  const Read read(b.bytes);
+  ASSERT_TRUE(read.report) << read.report.error().message;
+  ASSERT_EQ(read.report->warnings.size(), 2u);
+  EXPECT_NE(read.report->warnings[0].message.find("1 of 3 polygons dropped"), std::string::npos);
+  EXPECT_NE(read.report->warnings[1].message.find("1 normals left out"), std::string::npos);
+  const core::Mesh& mesh = read.scene.mesh(read.scene.mesh_of(0));
+  EXPECT_EQ(mesh.indices.size(), 6u);
+  EXPECT_EQ(mesh.polygon_contours.size(), 2u);
+  for (const core::vec3& normal : mesh.normals) EXPECT_EQ(glm::length(normal) > 0.0f, normal.z == 1.0f);
+}
+
+TEST(RvmReader, LenientImportsGoOnAtTheNextChunk) {
+  RvmBytes b;
+  b.head().group("g", 1).prim(8, {1, 2});
+  const std::size_t at = b.bytes.size();
+  b.prim(9, {3}).prim(8, {3, 4}).group_end().group("h", 1).prim(9, {1}).group_end().finish();
+  for (std::size_t i = 0; i < 30; ++i) b.bytes[at + i] = std::byte(0x5a);  // over the header and into the contents
+  expect_damage(b.bytes, {"expected a chunk header"}, 3);
+  const Read read(b.bytes, true);
+  EXPECT_EQ(read.report->warnings.size(), 2u) << "the damage, and how much was skipped";
 }
 
 TEST(RvmReader, StrayGroupEndIsOnlyAWarning) {
@@ -359,7 +408,7 @@ TEST(RvmReader, WarningsAreCapped) {
   EXPECT_NE(read.report->warnings.back().message.find("4000"), std::string::npos);
 }
 
-TEST(RvmReader, LostContentsAreSkippedOnlyWhereTheHeaderLeadsOn) {
+TEST(RvmReader, LostContentsAreSkipped) {
   RvmBytes b;
   b.head().group("g", 1).prim(8, {1, 2});
   const std::size_t at = b.bytes.size();
@@ -367,8 +416,8 @@ TEST(RvmReader, LostContentsAreSkippedOnlyWhereTheHeaderLeadsOn) {
   expect_damage(b.bytes, {"1 to 11, found 12"}, 2);
   for (const std::uint32_t next : {0u, std::uint32_t(at), std::uint32_t(at + 4), std::uint32_t(b.bytes.size() + 4)}) {
     b.put(at + 16, next);
-    expect_damage(b.bytes, {"1 to 11, found 12"}, 1);
-    EXPECT_EQ(Read(b.bytes, true).report->warnings.size(), 1u) << next;
+    expect_damage(b.bytes, {"1 to 11, found 12"}, 2);  // the next chunk is found
+    EXPECT_EQ(Read(b.bytes, true).report->warnings.size(), 2u) << next;
   }
 }
 

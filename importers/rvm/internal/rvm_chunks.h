@@ -103,10 +103,11 @@ struct Item {
   std::array<float, 9> parameters{};  ///< of a primitive kind
   std::uint32_t transparency = 0;     ///< OBST, INSU: 0 to 100
   std::uint64_t facets = 0;           ///< offset of a facet group's polygons
-  std::uint64_t facet_vertices = 0, facet_contours = 0, facet_polygons = 0;
+  std::uint64_t facet_vertices = 0, facet_contours = 0, facet_polygons = 0;  ///< as stored
+  std::uint64_t bad_polygons = 0, bad_normals = 0;  ///< of these polygons dropped; normals left out
   bool ambiguous =
       false;           ///< OBST, INSU: neither layout agreed with the stored box; taken as box, extra word, parameters
-  bool finite = true;  ///< no number is NaN or infinite
+  bool finite = true;  ///< no number is NaN or infinite, but for those of bad polygons and normals
   double reach = 0.0;  ///< metres: no point of the item lies farther from the origin than this, give or take its
                        ///< shear, nor is an entry of its matrix larger
 };
