@@ -167,6 +167,13 @@ core::Expected<std::uint64_t> gltf_index(const Json& object, std::string_view ke
   return *whole;
 }
 
+core::Expected<std::uint64_t> gltf_indices(const Json& primitive, const std::string& where) {
+  const Json* extensions = gltf_find(primitive, "extensions");
+  const Json* draco = extensions ? gltf_find(*extensions, kDraco) : nullptr;
+  if (!draco || gltf_find(primitive, "indices")) return gltf_index(primitive, "indices", where, core::kNone);
+  return gltf_index(*draco, "bufferView", where).map([](std::uint64_t view) { return kImpliedIndices + view; });
+}
+
 core::Expected<void> gltf_numbers(const Json& object, std::string_view key, const std::string& where, double* to,
                                   std::size_t n) {
   const Json* value = gltf_find(object, key);
@@ -447,7 +454,7 @@ core::Expected<void> GltfDocument::decompress(const Json& primitive, const std::
   const Json* extensions = gltf_find(primitive, "extensions");
   const Json* draco = extensions ? gltf_find(*extensions, kDraco) : nullptr;
   const Json* attributes = gltf_find(primitive, "attributes");
-  if (!draco || !attributes) return {};
+  if (!draco || !attributes || !gltf_find(*attributes, "POSITION")) return {};
   const std::string here = fmt::format("{}/extensions/{}", where, kDraco);
   const auto positions = gltf_index(*attributes, "POSITION", where + "/attributes");
   if (!positions) return tl::unexpected(positions.error());
@@ -457,7 +464,7 @@ core::Expected<void> GltfDocument::decompress(const Json& primitive, const std::
     return core::fail(fmt::format("{}: {}", here, can.error().message));
   }
   const auto mode = gltf_index(primitive, "mode", where, 4);
-  const auto indices = gltf_index(primitive, "indices", where), view_of = gltf_index(*draco, "bufferView", here);
+  const auto view_of = gltf_index(*draco, "bufferView", here), indices = gltf_indices(primitive, where);
   for (const auto* value : {&mode, &indices, &view_of})
     if (!*value) return tl::unexpected(value->error());
   if (*mode != 4) return core::fail(fmt::format("{}: expected triangles (mode 4), found mode {}", here, *mode));
@@ -491,7 +498,13 @@ core::Expected<void> GltfDocument::decompress(const Json& primitive, const std::
     if (auto done = want(*accessor, where + "/attributes/" + name); !done) return done;
     wanted.push_back({std::uint32_t(*number), std::uint16_t(made.back().type), made.back().components});
   }
-  if (auto done = want(*indices, where + "/indices"); !done) return done;
+  if (*indices < kImpliedIndices) {
+    if (auto done = want(*indices, where + "/indices"); !done) return done;
+  } else {
+    all_known = all_known && draco_views_.contains(*indices);
+    targets.push_back(*indices);
+    made.emplace_back();
+  }
   if (all_known) return {};
 
   const auto bytes = view_bytes(*view_of, here + "/bufferView");

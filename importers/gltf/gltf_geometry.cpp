@@ -96,7 +96,7 @@ core::Expected<GltfSources> gltf_sources(const Json& primitive, const std::strin
   const auto positions = gltf_index(*attributes, "POSITION", where + "/attributes");
   const auto normals = gltf_index(*attributes, "NORMAL", where + "/attributes", core::kNone);
   const auto colours = gltf_index(*attributes, "COLOR_0", where + "/attributes", core::kNone);
-  const auto indices = gltf_index(primitive, "indices", where, core::kNone);
+  const auto indices = gltf_indices(primitive, where);
   for (const auto* value : {&positions, &normals, &colours, &indices})
     if (!*value) return tl::unexpected(value->error());
   return GltfSources{*positions, *normals, *colours, *indices, *mode};

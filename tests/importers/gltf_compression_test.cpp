@@ -362,7 +362,10 @@ TEST_F(GltfCompression, DracoComesBack) {
     const int bits = seed % 2 ? 16 : 0;
     const Bytes stream = draco_stream(sheet, int(random() % 11), bits, seed % 3 != 0);
     ASSERT_FALSE(stream.empty());
-    expect_as_plain(draco_file(sheet, stream), sheet, bits ? 1e-3 : 1e-6);
+    GltfBytes file = draco_file(sheet, stream);
+    expect_as_plain(file, sheet, bits ? 1e-3 : 1e-6);
+    file.json["meshes"][0]["primitives"][0].erase("indices");  // as some writers leave them to Draco
+    expect_as_plain(file, sheet, bits ? 1e-3 : 1e-6);
   }
 }
 

@@ -133,6 +133,10 @@ std::optional<std::uint64_t> gltf_whole(const Json& value);
 /// A whole number from 0 to 2^53. Missing: the fallback, or an error when there is none.
 core::Expected<std::uint64_t> gltf_index(const Json& object, std::string_view key, const std::string& where,
                                          std::optional<std::uint64_t> fallback = {});
+/// The accessor of a primitive's indices; kNone: it has none. Some writers leave it out where the corners are
+/// compressed by Draco: then kImpliedIndices and the number of the compressed view.
+core::Expected<std::uint64_t> gltf_indices(const Json& primitive, const std::string& where);
+inline constexpr std::uint64_t kImpliedIndices = std::uint64_t{1} << 54;  // beyond what gltf_index() gives
 /// `n` finite numbers into `to`, left alone when the key is missing.
 core::Expected<void> gltf_numbers(const Json& object, std::string_view key, const std::string& where, double* to,
                                   std::size_t n);
