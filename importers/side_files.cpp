@@ -1,5 +1,8 @@
 #include "sightline/importers/internal/side_files.h"
 
+#include <algorithm>
+#include <optional>
+#include <string>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -9,6 +12,36 @@
 namespace sightline::importers {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+bool equal_but_for_case(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
+/// The first by name of a folder's entries of that name.
+std::optional<fs::path> similar_entry(const fs::path& folder, const std::string& name) {
+  std::optional<fs::path> best;
+  std::error_code code;
+  for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code)) {
+    const fs::path& path = entry->path();
+    if (equal_but_for_case(path.filename().string(), name) && (!best || path < *best)) best = path;
+  }
+  return best;
+}
+
+std::optional<fs::path> similar_path(const fs::path& folder, const fs::path& name) {
+  std::optional<fs::path> at = folder;
+  for (const fs::path& part : name.relative_path()) {
+    if (part.empty() || part == ".") continue;
+    at = part == ".." ? std::nullopt : similar_entry(*at, part.string());
+    if (!at) return {};
+  }
+  return at;
+}
+
+}  // namespace
 
 core::Expected<fs::path> find_side_file(const fs::path& model, std::string_view name) {
   // The system would end the name at a NUL, after the whole name has been checked.
@@ -35,6 +68,16 @@ core::Expected<std::vector<std::byte>> read_side_file(const fs::path& model, std
   if (const auto size = fs::file_size(*path, code); !code && size > largest)
     return core::fail(fmt::format("'{}' is refused: {} bytes, expected at most {}", name, size, largest));
   return read_file_bytes(*path);
+}
+
+core::Expected<fs::path> find_similar_file(const fs::path& model, std::string_view name) {
+  std::string slashes(name);
+  std::replace(slashes.begin(), slashes.end(), '\\', '/');
+  const fs::path folder = model.has_parent_path() ? model.parent_path() : fs::path("."), wanted(slashes);
+  for (const fs::path& tried : {wanted, wanted.filename()})
+    if (const auto similar = similar_path(folder, tried))
+      if (auto found = find_side_file(model, fs::path(*similar).lexically_relative(folder).string())) return found;
+  return core::fail(fmt::format("'{}' not found", name));
 }
 
 }  // namespace sightline::importers

@@ -31,4 +31,12 @@ core::Expected<std::filesystem::path> find_side_file(const std::filesystem::path
 core::Expected<std::vector<std::byte>> read_side_file(const std::filesystem::path& model, std::string_view name,
                                                       std::uint64_t largest = std::uint64_t{1} << 32);
 
+/// Looks for a name of another system: as written, with '\\' as '/', with %20 and the like decoded, and as UTF-8. The
+/// error is that of the name as written.
+core::Expected<std::filesystem::path> find_named_file(const std::filesystem::path& model, std::string_view name);
+
+/// The last resort: the name's path below the model's directory, else its last part in that directory, upper and lower
+/// case alike. What it finds is a guess, which deserves a warning.
+core::Expected<std::filesystem::path> find_similar_file(const std::filesystem::path& model, std::string_view name);
+
 }  // namespace sightline::importers

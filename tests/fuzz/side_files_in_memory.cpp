@@ -43,4 +43,9 @@ core::Expected<std::vector<std::byte>> importers::read_side_file(const std::file
   return std::vector<std::byte>(file.begin(), file.end());
 }
 
+core::Expected<std::filesystem::path> importers::find_similar_file(const std::filesystem::path&,
+                                                                   std::string_view name) {
+  return core::fail("'" + std::string(name) + "' not found");
+}
+
 }  // namespace sightline

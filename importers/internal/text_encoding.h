@@ -1,0 +1,43 @@
+// Internal to the importers: text of files as UTF-8. What leaves a reader (names, attributes, messages) is valid UTF-8,
+// whatever the file holds.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace sightline::importers {
+
+class ImportJob;
+
+bool is_utf8(std::string_view text);
+
+/// Every byte is a character. The five that the code page leaves open become control characters, as on the web.
+std::string utf8_from_windows_1252(std::string_view text);
+
+/// Text of an encoding that nothing states: UTF-8 where it is valid, else Windows-1252.
+std::string utf8_by_guess(std::string_view text);
+
+/// The text of a file in UTF-16, which its byte order mark tells. Nothing for other files. Lone surrogates become
+/// U+FFFD.
+std::optional<std::string> utf8_from_utf16(std::span<const std::byte> file);
+
+/// The begin of a file's text for a message: on one line, decoded, in quotes.
+std::string excerpt(std::string_view text);
+
+/// Decodes the names of a file by guess, and warns at the first one that is not UTF-8.
+class NameDecoder {
+ public:
+  explicit NameDecoder(ImportJob& job) : job_(job) {}
+  /// `offset`, `line`: where the name stands.
+  std::string decode(std::string_view name, std::uint64_t offset, std::uint64_t line);
+
+ private:
+  ImportJob& job_;
+  bool warned_ = false;
+};
+
+}  // namespace sightline::importers
