@@ -326,11 +326,15 @@ core::Expected<Bytes> GltfDocument::uri_bytes(std::string_view uri) {
   }
   if (uri.find("://") != std::string_view::npos)
     return core::fail(fmt::format("'{}' refused: only files beside the model are read", uri));
-  const std::string name = percent_decoded(uri);
-  const auto path = find_side_file(path_, name);
+  auto path = find_named_file(path_, uri);
+  if (!path)
+    if (auto similar = find_similar_file(path_, percent_decoded(uri))) {
+      job_.warn(0, fmt::format("'{}' not found: '{}' is read instead", uri, similar->filename().string()));
+      path = std::move(similar);
+    }
   if (!path) return tl::unexpected(path.error());
   if (const auto known_file = files_.find(path->string()); known_file != files_.end()) return known_file->second;
-  auto read = read_side_file(path_, name);
+  auto read = read_side_file(path_, path->string());
   if (!read) return tl::unexpected(read.error());
   bytes_read_ += read->size();
   held_.push_back(std::move(*read));

@@ -28,16 +28,24 @@ std::optional<std::string> utf8_from_utf16(std::span<const std::byte> file);
 /// The begin of a file's text for a message: on one line, decoded, in quotes.
 std::string excerpt(std::string_view text);
 
-/// Decodes the names of a file by guess, and warns at the first one that is not UTF-8.
+/// Text of an encoding by its name, as the system knows it; nothing where it does not, or where the text is not of it.
+std::optional<std::string> utf8_from(std::string_view text, std::string_view encoding);
+
+/// Decodes the names of a file: those that are UTF-8 as they are, others from what the file states. Else by guess, with
+/// a warning at the first.
 class NameDecoder {
  public:
   explicit NameDecoder(ImportJob& job) : job_(job) {}
-  /// `offset`, `line`: where the name stands.
-  std::string decode(std::string_view name, std::uint64_t offset, std::uint64_t line);
+  void state(std::string_view encoding) { stated_ = encoding; }
+  /// `offset`, `line`: where the name stands; line 0: in a file that has none.
+  std::string decode(std::string_view name, std::uint64_t offset, std::uint64_t line = 0);
+  /// Whether any name was not UTF-8.
+  bool has_decoded() const { return decoded_; }
 
  private:
   ImportJob& job_;
-  bool warned_ = false;
+  std::string stated_;
+  bool warned_ = false, decoded_ = false;
 };
 
 }  // namespace sightline::importers

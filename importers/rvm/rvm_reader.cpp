@@ -158,7 +158,7 @@ class RvmWalk {
     }
     if (tag == "MODL") {
       const rvm::Model model = rvm::read_model(cursor);
-      if (cursor.ok()) builder_.add(model);
+      if (cursor.ok()) builder_.add(model, at_);
       return true;
     }
     auto tolerated = damage(at_, tag, tag == "HEAD" ? "a second one; skipped" : "unknown; skipped");
@@ -175,7 +175,7 @@ class RvmWalk {
         group.position = {};
       }
     ++depth_;
-    builder_.open(group);
+    builder_.open(group, at_);
     return true;
   }
 

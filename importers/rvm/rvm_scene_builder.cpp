@@ -26,29 +26,30 @@ bool any_bit_set(const std::array<float, 3>& values) {
 
 }  // namespace
 
-RvmSceneBuilder::RvmSceneBuilder(ImportJob& job) : job_(job), scene_(job.scene()) {
+RvmSceneBuilder::RvmSceneBuilder(ImportJob& job) : job_(job), scene_(job.scene()), decoder_(job) {
   open_.push_back({job.file_node(), 1, {}, {}});
 }
 
-void RvmSceneBuilder::set_text(std::string_view key, std::string_view value) {
-  if (!value.empty()) scene_.set_attribute(job_.file_node(), key, value);
+void RvmSceneBuilder::set_text(std::string_view key, std::string_view value, std::uint64_t offset) {
+  if (!value.empty()) scene_.set_attribute(job_.file_node(), key, decoder_.decode(value, offset));
 }
 
 void RvmSceneBuilder::add(const rvm::Head& head) {
-  set_text(rvm::kInfoKey, head.info);
-  set_text(rvm::kNoteKey, head.note);
-  set_text(rvm::kDateKey, head.date);
-  set_text(rvm::kUserKey, head.user);
-  set_text(rvm::kEncodingKey, head.encoding);
+  decoder_.state(head.encoding);
+  set_text(rvm::kInfoKey, head.info, 0);
+  set_text(rvm::kNoteKey, head.note, 0);
+  set_text(rvm::kDateKey, head.date, 0);
+  set_text(rvm::kUserKey, head.user, 0);
+  set_text(rvm::kEncodingKey, head.encoding, 0);
 }
 
-void RvmSceneBuilder::add(const rvm::Model& model) {
-  set_text(rvm::kProjectKey, model.project);
-  set_text(rvm::kModelKey, model.name);
+void RvmSceneBuilder::add(const rvm::Model& model, std::uint64_t offset) {
+  set_text(rvm::kProjectKey, model.project, offset);
+  set_text(rvm::kModelKey, model.name, offset);
 }
 
-void RvmSceneBuilder::open(const rvm::Group& group) {
-  const core::NodeId node = scene_.add_node(open_.back().node, group.name);
+void RvmSceneBuilder::open(const rvm::Group& group, std::uint64_t offset) {
+  const core::NodeId node = scene_.add_node(open_.back().node, decoder_.decode(group.name, offset));
   open_.push_back({node, group.colour, {}, {}});
   want_material(node, {group.colour, group.transparency});
   const auto& p = group.position;
@@ -78,6 +79,8 @@ void RvmSceneBuilder::add(const rvm::Item& item, std::uint32_t layers, std::span
 }
 
 void RvmSceneBuilder::finish() {
+  // What is written from here on has the names as they are now.
+  if (decoder_.has_decoded()) scene_.set_attribute(job_.file_node(), rvm::kEncodingKey, "Unicode UTF-8");
   std::map<MaterialKey, core::MaterialId> made;
   for (const auto& [node, key] : wanted_) {
     core::MaterialId& id = made[key];

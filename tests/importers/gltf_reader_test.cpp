@@ -132,6 +132,18 @@ TEST_F(GltfReader, BuffersBesideTheModel) {
   for (const auto byte : g.binary) escaped += fmt::format("%{:02x}", unsigned(byte));
   ASSERT_TRUE(read_text(g.gltf("data:application/octet-stream," + escaped)));
   expect_corners(0, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+  for (const std::string other :
+       {"parts\\\\a b.bin", ".\\\\parts\\\\a%20b.bin", "Parts/A B.bin", "elsewhere/a b.BIN"}) {
+    const auto report = read_text(g.gltf(other));
+    const bool guessed = other.starts_with("Parts");
+    if (other.starts_with("elsewhere")) {
+      EXPECT_FALSE(report) << "only in the model's own folder";
+      continue;
+    }
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(report->warnings.size(), guessed ? 1u : 0u) << other;
+    expect_corners(0, {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}});
+  }
   for (const std::string bad : {"../secret.bin", "%2e%2e/secret.bin", "/etc/passwd", "file:///etc/passwd",
                                 "missing.bin", "", "data:xyz", "data:x;base64,(/)"}) {
     const auto strict = read_text(g.gltf(bad));

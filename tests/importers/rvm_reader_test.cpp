@@ -357,6 +357,29 @@ TEST(RvmReader, HeadsMayHoldMoreThanIsKnown) {
   }
 }
 
+TEST(RvmReader, NamesAreDecodedAsTheHeadSays) {
+  const auto with = [](std::string_view encoding, std::string_view name) {
+    RvmBytes b;
+    b.begin("HEAD").u32(2).text("info").text("note").text("date").text("user").text(encoding).end();
+    b.begin("MODL").u32(1).text("project").text("name").end();
+    return b.group(name, 1).prim(8, {1, 2}).group_end().finish().bytes;
+  };
+  const auto name_of = [](const Read& read) { return std::string(read.scene.name(read.child(read.file(), 0))); };
+  const Read stated(with("Latin-1", "/GEL\xC4NDER"));
+  EXPECT_EQ(name_of(stated), "/GELÄNDER");
+  EXPECT_TRUE(stated.report->warnings.empty());
+  const Read cyrillic(with("CP1251", "\xCD\xE0\xF1\xEE\xF1"));
+  EXPECT_EQ(name_of(cyrillic), "Насос");
+  const Read utf8(with("Latin-1", "/GELÄNDER"));
+  EXPECT_EQ(name_of(utf8), "/GELÄNDER") << "whatever the head says";
+  for (const std::string_view encoding : {"", "Unicode", "no such encoding"}) {
+    const Read guessed(with(encoding, "/GEL\xC4NDER"));
+    EXPECT_EQ(name_of(guessed), "/GELÄNDER");
+    ASSERT_EQ(guessed.report->warnings.size(), 1u) << encoding;
+    EXPECT_NE(guessed.report->warnings[0].message.find("Windows-1252"), std::string::npos);
+  }
+}
+
 TEST(RvmReader, BadPolygonsAndNormalsLoseThemselvesAlone) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   RvmBytes b;

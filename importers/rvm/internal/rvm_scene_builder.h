@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sightline/importers/internal/import_job.h"
+#include "sightline/importers/internal/text_encoding.h"
 #include "sightline/importers/rvm/internal/rvm_chunks.h"
 
 namespace sightline::importers {
@@ -16,8 +17,9 @@ class RvmSceneBuilder {
   explicit RvmSceneBuilder(ImportJob& job);
 
   void add(const rvm::Head& head);
-  void add(const rvm::Model& model);
-  void open(const rvm::Group& group);
+  void add(const rvm::Model& model, std::uint64_t offset);
+  /// `offset`: of the chunk, as for models.
+  void open(const rvm::Group& group, std::uint64_t offset);
   void close() { open_.pop_back(); }
   void add(const rvm::Colour& colour) { colours_[colour.index] = colour.rgb; }
   /// `layers` is kLayerModel for PRIM.
@@ -40,12 +42,13 @@ class RvmSceneBuilder {
     LayerNode obstruction, insulation;
   };
 
-  void set_text(std::string_view key, std::string_view value);
+  void set_text(std::string_view key, std::string_view value, std::uint64_t offset);
   void want_material(core::NodeId node, MaterialKey key) { wanted_.emplace_back(node, key); }
   core::NodeId node_for(const rvm::Item& item, std::uint32_t layers);
 
   ImportJob& job_;
   core::Scene& scene_;
+  NameDecoder decoder_;
   std::vector<OpenGroup> open_;  // the file's node first
   std::map<std::uint32_t, std::array<std::uint8_t, 3>> colours_;
   std::vector<std::pair<core::NodeId, MaterialKey>> wanted_;
