@@ -19,11 +19,6 @@ if(SIGHTLINE_IMPORTERS)
   sightline_need(SIGHTLINE_IMPORTERS fmt_FOUND "fmt not found")
 endif()
 
-if(SIGHTLINE_OBJ AND SIGHTLINE_IMPORTERS)
-  find_package(tinyobjloader QUIET)
-  sightline_need(SIGHTLINE_OBJ tinyobjloader_FOUND "tinyobjloader not found")
-endif()
-
 if(SIGHTLINE_GLTF AND SIGHTLINE_IMPORTERS)
   find_path(SIGHTLINE_STB_INCLUDE stb_image.h PATH_SUFFIXES stb)
   sightline_need(SIGHTLINE_GLTF SIGHTLINE_STB_INCLUDE "stb_image.h not found (libstb-dev)")

@@ -19,15 +19,13 @@
 #endif
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/internal/side_files.h"
+#include "sightline/importers/obj/internal/obj_reader.h"
 #include "sightline/importers/ply/internal/ply_reader.h"
 #include "sightline/importers/recognise/internal/recognise.h"
 #include "sightline/importers/rvm/internal/rvm_reader.h"
 #include "sightline/importers/stl/internal/stl_reader.h"
 #ifdef SIGHTLINE_HAVE_SLC
 #include "sightline/importers/slc/internal/slc_scene.h"
-#endif
-#ifdef SIGHTLINE_HAVE_OBJ
-#include "sightline/importers/obj/internal/obj_reader.h"
 #endif
 #ifdef SIGHTLINE_HAVE_VTK
 #include "sightline/importers/vtk/internal/vtk_module.h"
@@ -54,13 +52,11 @@ constexpr Format kFormats[] = {
     {".rev", read_rvm_file},
     {".txt", read_rvm_attributes},
     {".att", read_rvm_attributes},
+    {".obj", read_obj},
     {".ply", read_ply},
     {".stl", read_stl},
 #ifdef SIGHTLINE_HAVE_SLC
     {".slc", nullptr},  // mapped, not read
-#endif
-#ifdef SIGHTLINE_HAVE_OBJ
-    {".obj", read_obj},
 #endif
 #ifdef SIGHTLINE_HAVE_GLTF
     {".gltf", read_gltf},
@@ -79,9 +75,9 @@ constexpr Format kFormats[] = {
 struct Optional {
   std::string_view extension, option;
 };
-constexpr Optional kOptional[] = {{".slc", "SIGHTLINE_SLC"},  {".obj", "SIGHTLINE_OBJ"}, {".gltf", "SIGHTLINE_GLTF"},
-                                  {".glb", "SIGHTLINE_GLTF"}, {".vtk", "SIGHTLINE_VTK"}, {".vtm", "SIGHTLINE_VTK"},
-                                  {".vtmb", "SIGHTLINE_VTK"}, {".vtp", "SIGHTLINE_VTK"}, {".vtu", "SIGHTLINE_VTK"}};
+constexpr Optional kOptional[] = {{".slc", "SIGHTLINE_SLC"}, {".gltf", "SIGHTLINE_GLTF"}, {".glb", "SIGHTLINE_GLTF"},
+                                  {".vtk", "SIGHTLINE_VTK"}, {".vtm", "SIGHTLINE_VTK"},   {".vtmb", "SIGHTLINE_VTK"},
+                                  {".vtp", "SIGHTLINE_VTK"}, {".vtu", "SIGHTLINE_VTK"}};
 
 constexpr auto kExtensions = [] {
   std::array<std::string_view, std::size(kFormats)> all;

@@ -1,299 +1,297 @@
 #include "sightline/importers/obj/internal/obj_reader.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
-#include <istream>
+#include <limits>
 #include <map>
 #include <optional>
-#include <set>
-#include <streambuf>
+#include <span>
 
 #include <fmt/format.h>
-#include <tiny_obj_loader.h>
 
-#include "sightline/importers/internal/import_job.h"
-#include "sightline/importers/internal/side_files.h"
+#include "sightline/importers/obj/internal/obj_model.h"
 
-namespace sightline::importers {
+namespace sightline::importers::obj {
 namespace {
 
-static_assert(sizeof(tinyobj::real_t) == sizeof(double), "the double-precision variant of tinyobjloader is needed");
-
-/// Lets the library read the file image in place, and tells how far it has come.
-class ImageBuffer final : public std::streambuf {
- public:
-  explicit ImageBuffer(std::span<const std::byte> bytes) {
-    char* begin = reinterpret_cast<char*>(const_cast<std::byte*>(bytes.data()));  // only ever read
-    setg(begin, begin, begin + bytes.size());
-  }
-  std::uint64_t consumed() const { return std::uint64_t(gptr() - eback()); }
-  std::uint64_t line() {
-    line_ += std::uint64_t(std::count(eback() + counted_, gptr(), '\n'));
-    counted_ = gptr() - eback();
-    return line_;
-  }
-  double share() const { return double(gptr() - eback()) / double(egptr() - eback()); }
-
- private:
-  std::uint64_t line_ = 0;
-  std::ptrdiff_t counted_ = 0;
-};
-
-struct Corner {
-  std::uint32_t position = 0, normal = core::kNone;
-  friend bool operator==(const Corner&, const Corner&) = default;
-};
-/// Faces of one name and one material: corners back to back, and the number of corners of each face.
-struct Part {
-  std::vector<Corner> corners;
-  std::vector<std::uint32_t> face_sizes;
-};
-
-struct Loading {
-  Loading(ImportJob& import, std::span<const std::byte> bytes, const std::filesystem::path& file)
-      : job(import), image(bytes), path(file) {}
-  ImportJob& job;
-  ImageBuffer image;
-  const std::filesystem::path& path;
-  std::optional<core::Error> error;
-
-  std::vector<core::dvec3> positions;
-  std::vector<core::vec3> normals;
-  std::vector<std::string> names;  // in order of appearance
-  std::map<std::string, std::size_t, std::less<>> index_of_name;
-  std::map<std::pair<std::size_t, int>, Part> parts;  // by name and material
-  Part* part = nullptr;                               // of the current name and material; null after a change of either
-  std::vector<tinyobj::material_t> materials;
-  std::string name;
-  int material = -1;
-
-  void warn(std::string_view message) { job.warn(image.consumed(), fmt::format("line {}: {}", image.line(), message)); }
-  void check(core::Expected<void> result) {
-    if (!result && !error) error = std::move(result.error());
-  }
-  void damage(std::string_view message) {
-    check(job.damage(image.consumed(), fmt::format("line {}: {}{}", image.line(), message,
-                                                   job.options().lenient ? "; face left out" : "")));
-  }
-  void begin_name(const char* begun) {
-    name = begun;
-    part = nullptr;
-  }
-  Part& current_part() {
-    if (part) return *part;
-    const auto [at, added] = index_of_name.try_emplace(name, names.size());
-    if (added) names.push_back(name);
-    part = &parts[{at->second, material}];
-    return *part;
-  }
-};
-
-/// Converts an index from 1, or from -1 backwards, to an index from 0. Nothing when there is no such element.
-std::optional<std::uint32_t> resolve(int index, std::size_t count) {
-  const std::int64_t at = index > 0 ? std::int64_t(index) - 1 : std::int64_t(count) + index;
-  if (index == 0 || at < 0 || at >= std::int64_t(count)) return {};
-  return std::uint32_t(at);
+TextScanner words_of(std::string_view line) {
+  return TextScanner(std::as_bytes(std::span(line)));
 }
 
-std::optional<Corner> resolve_corner(Loading& loading, const tinyobj::index_t& index) {
-  const auto position = resolve(index.vertex_index, loading.positions.size());
-  if (!position) {
-    loading.damage(fmt::format("expected a vertex index within the {} vertices so far, found {}",
-                               loading.positions.size(), index.vertex_index));
-    return {};
-  }
-  Corner corner{*position, core::kNone};
-  if (index.normal_index == 0) return corner;
-  const auto normal = resolve(index.normal_index, loading.normals.size());
-  if (!normal) {
-    loading.damage(fmt::format("expected a normal index within the {} normals so far, found {}", loading.normals.size(),
-                               index.normal_index));
-    return {};
-  }
-  // A normal that is not finite counts as none: the mesh then has no normals.
-  if (core::is_finite(core::dvec3(loading.normals[*normal]))) corner.normal = *normal;
+/// Numbers of a corner as the file has them; 0 where there is none.
+struct WrittenCorner {
+  std::int64_t position = 0, normal = 0;
+  bool wrong_normal = false;  ///< something else than a number stands in its place
+};
+
+/// Takes a number from the begin of a word. False if it begins with none.
+bool take_index(std::string_view& word, std::int64_t& index) {
+  const char* const from = word.data() + (word.starts_with('+') ? 1 : 0);
+  const auto [stop, error] = std::from_chars(from, word.data() + word.size(), index);
+  if (error != std::errc()) return false;
+  word.remove_prefix(std::size_t(stop - word.data()));
+  return true;
+}
+
+/// "V", "V/T", "V//N" and "V/T/N", where T and N may be missing behind their slash. Nothing when V is no number.
+std::optional<WrittenCorner> corner_of(std::string_view word) {
+  WrittenCorner corner;
+  if (!take_index(word, corner.position) || (!word.empty() && word[0] != '/')) return {};
+  if (word.empty()) return corner;
+  const std::size_t second = word.find('/', 1);
+  if (second == word.npos) return corner;
+  word.remove_prefix(second + 1);
+  corner.wrong_normal = !word.empty() && (!take_index(word, corner.normal) || !word.empty());
   return corner;
 }
 
-void add_face(Loading& loading, std::span<const tinyobj::index_t> indices) {
-  if (loading.error) return;
-  if (indices.size() < 3)
-    return loading.damage(fmt::format("expected a face of 3 corners or more, found {}", indices.size()));
-  Part& part = loading.current_part();
-  const std::size_t begin = part.corners.size();
-  for (const tinyobj::index_t& index : indices) {
-    const auto corner = resolve_corner(loading, index);
-    if (!corner) return part.corners.resize(begin);
-    part.corners.push_back(*corner);
-  }
-  part.face_sizes.push_back(std::uint32_t(indices.size()));
-  loading.check(loading.job.progress(0.9 * loading.image.share()));
+/// Converts an index from 1, or from -1 backwards, to an index from 0. Nothing when there is no such element.
+std::optional<std::uint32_t> resolve(std::int64_t index, std::size_t count) {
+  const auto size = std::int64_t(count);
+  if (index == 0 || index > size || index < -size) return {};
+  return std::uint32_t(index > 0 ? index - 1 : size + index);
 }
 
-tinyobj::callback_t callbacks() {
-  tinyobj::callback_t on;
-  on.vertex_cb = [](void* to, double x, double y, double z, double) {
-    static_cast<Loading*>(to)->positions.emplace_back(x, y, z);
-  };
-  on.normal_cb = [](void* to, double x, double y, double z) {
-    static_cast<Loading*>(to)->normals.emplace_back(float(x), float(y), float(z));
-  };
-  on.index_cb = [](void* to, tinyobj::index_t* indices, int count) {
-    add_face(*static_cast<Loading*>(to), {indices, std::size_t(count)});
-  };
-  on.usemtl_cb = [](void* to, const char* name, int material) {
-    auto& loading = *static_cast<Loading*>(to);
-    loading.material = material;
-    loading.part = nullptr;
-    if (material < 0) loading.warn(fmt::format("unknown material '{}'", name));
-  };
-  on.mtllib_cb = [](void* to, const tinyobj::material_t* materials, int count) {
-    auto& known = static_cast<Loading*>(to)->materials;  // the call passes all materials so far
-    known.insert(known.end(), materials + known.size(), materials + count);
-  };
-  on.group_cb = [](void* to, const char** names, int count) {
-    static_cast<Loading*>(to)->begin_name(count > 0 ? names[0] : "");
-  };
-  on.object_cb = [](void* to, const char* name) { static_cast<Loading*>(to)->begin_name(name); };
-  return on;
+bool is_usable(const core::dvec3& p) {
+  return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
+         std::abs(p.z) <= kLargestCoordinate;  // false for NaN
 }
 
-/// Opens MTL files in the OBJ file's directory and nowhere else. Reads each once, no matter how often and by which
-/// names it is asked for.
-class NearbyMaterials final : public tinyobj::MaterialReader {
+class ObjParser {
  public:
-  explicit NearbyMaterials(Loading& loading) : loading_(loading) {}
+  ObjParser(ImportJob& job, std::string_view text, const std::filesystem::path& path)
+      : job_(job), lines_(text), libraries_(job, path), decoder_(job) {}
 
-  bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials,
-                  std::map<std::string, int>* index_of, std::string* warning, std::string* error) override {
-    const auto path = find_side_file(loading_.path, name);
-    if (path && known_.contains(*path)) return !materials->empty();
-    const auto bytes = path ? read_side_file(loading_.path, name) : tl::unexpected(path.error());
-    if (!bytes) {
-      loading_.warn("material file " + bytes.error().message);
-      return false;
+  core::Expected<void> run() {
+    constexpr std::uint64_t kLinesBetweenProgress = 1024;
+    std::uint64_t count = 0;
+    for (std::string_view line; lines_.next(line);) {
+      if (count++ % kLinesBetweenProgress == 0)
+        if (auto asked = periodic_checks(); !asked) return asked;
+      statement(line);
+      if (!refused_) return refused_;
     }
-    known_.insert(*path);
-    ImageBuffer image(*bytes);
-    std::istream stream(&image);
-    tinyobj::LoadMtl(index_of, materials, &stream, warning, error);
-    return !materials->empty();
+    if (model_.positions.empty())
+      return core::fail(
+          fmt::format("{}: not an OBJ file: expected vertex statements ('v x y z'), found none", job_.file()));
+    tell();
+    return add_to_scene(job_, model_, libraries_);
   }
 
  private:
-  Loading& loading_;
-  std::set<std::filesystem::path> known_;
+  core::Expected<void> periodic_checks() {
+    if (model_.positions.size() >= core::kNone || model_.normals.size() >= core::kNone)
+      return core::fail(fmt::format("{}: expected fewer than {} vertices and normals", job_.file(), core::kNone));
+    return job_.progress(0.9 * lines_.share());
+  }
+
+  void statement(std::string_view line) {
+    TextScanner words = words_of(line);
+    const std::string_view keyword = words.word();
+    if (keyword.empty() || keyword[0] == '#') return;
+    const std::string_view rest = line.substr(words.offset());
+    if (keyword == "v")
+      vertex(rest.substr(0, rest.find('#')));
+    else if (keyword == "f" || keyword == "fo")
+      face(rest.substr(0, rest.find('#')));
+    else if (keyword == "vn")
+      normal(rest.substr(0, rest.find('#')));
+    else if (keyword != "vt")
+      other_statement(keyword, trimmed(rest));
+  }
+
+  void other_statement(std::string_view keyword, std::string_view rest) {
+    if (keyword == "o")
+      begin_place({.object = number_of(name_without_comment(rest)), .material = place_.material});
+    else if (keyword == "g")
+      begin_place({place_.object, number_of(name_without_comment(rest)), place_.material});
+    else if (keyword == "usemtl")
+      begin_place({place_.object, place_.group, number_of(rest)});
+    else if (keyword == "mtllib")
+      libraries_.open(rest, lines_);
+    else
+      content_left_out(keyword);
+  }
+
+  void content_left_out(std::string_view keyword) {
+    if (keyword == "l")
+      lines_left_out_.add(lines_);
+    else if (keyword == "p")
+      points_left_out_.add(lines_);
+    else if (keyword == "curv" || keyword == "curv2" || keyword == "surf" || keyword == "call")
+      forms_left_out_.add(lines_, keyword);
+    else if (!means_nothing_here(keyword))
+      unknown_.add(lines_, keyword);
+  }
+
+  /// Smoothing, display and what belongs to free-form shapes.
+  static bool means_nothing_here(std::string_view keyword) {
+    constexpr std::string_view kWords[] = {
+        "s",     "vp",    "cstype", "deg", "bmat",  "step",     "parm", "trim",   "hole",       "scrv",
+        "sp",    "end",   "con",    "mg",  "bevel", "c_interp", "lod",  "maplib", "d_interp",   "usemap",
+        "ctech", "stech", "res",    "cdc", "cdp",   "bzp",      "bsp",  "csh",    "shadow_obj", "trace_obj"};
+    return std::find(std::begin(kWords), std::end(kWords), keyword) != std::end(kWords);
+  }
+
+  void vertex(std::string_view rest) {
+    TextScanner words = words_of(rest);
+    core::dvec3 p;
+    for (int i = 0; i < 3; ++i) words.number(p[i]);
+    if (!is_usable(p)) {
+      p = core::dvec3(std::numeric_limits<double>::quiet_NaN());  // which tells its faces
+      bad_vertices_.add(lines_, trimmed(rest));
+    }
+    model_.positions.push_back(p);
+    std::array<double, 4> more{};
+    std::size_t count = 0;
+    while (count < more.size() && words.number(more[count]) != TextScanner::Found::kEnd) ++count;
+    if (count >= 3) colour({more[0], more[1], more[2]}, rest);  // a single number is a weight; the fourth an alpha
+  }
+
+  void colour(const core::vec3& channels, std::string_view rest) {
+    constexpr float kAbsent = std::numeric_limits<float>::quiet_NaN();
+    const bool bad = !core::is_finite(core::dvec3(channels));
+    if (bad) bad_colours_.add(lines_, trimmed(rest));
+    model_.colours.resize(model_.positions.size(), core::vec3(kAbsent));
+    if (!bad) model_.colours.back() = channels;
+  }
+
+  void normal(std::string_view rest) {
+    TextScanner words = words_of(rest);
+    core::dvec3 n;
+    for (int i = 0; i < 3; ++i) words.number(n[i]);
+    const core::vec3 direction(n);
+    const double length = glm::length(core::dvec3(direction));
+    const bool good = length > 0.0 && std::isfinite(length);
+    if (!good) bad_normals_.add(lines_, trimmed(rest));
+    model_.normals.push_back(good ? direction : core::vec3(0.0f));
+  }
+
+  void face(std::string_view rest) {
+    corners_.clear();
+    bool usable = true;
+    TextScanner words = words_of(rest);
+    for (std::string_view word; !(word = words.word()).empty();) {
+      const auto written = corner_of(word);
+      const auto position = resolve(written ? written->position : 0, model_.positions.size());
+      if (!position) return bad_corner(word);
+      if (bad_vertices_.count > 0) usable = usable && is_usable(model_.positions[*position]);
+      corners_.push_back({*position, normal_of(*written, word)});
+    }
+    if (corners_.size() < 3)
+      small_faces_.add(lines_, trimmed(rest));
+    else if (!usable)
+      unusable_faces_.add(lines_);
+    else
+      add_face();
+  }
+
+  void bad_corner(std::string_view word) {
+    const std::string_view index = word.substr(0, word.find('/'));
+    std::int64_t number = 0;
+    std::string_view left = index;
+    const bool is_number = take_index(left, number) && left.empty();
+    refused_ = job_.damage(
+        lines_.offset(),
+        fmt::format("line {}: expected a vertex index within the {} vertices so far, found {}{}", lines_.number(),
+                    model_.positions.size(), is_number ? std::string(index) : excerpt(index),
+                    job_.options().lenient ? "; face left out" : ""));
+  }
+
+  std::uint32_t normal_of(const WrittenCorner& corner, std::string_view word) {
+    if (corner.normal == 0 && !corner.wrong_normal) return core::kNone;
+    const auto normal = resolve(corner.wrong_normal ? 0 : corner.normal, model_.normals.size());
+    if (!normal) {
+      missing_normals_.add(lines_, word);
+      return core::kNone;
+    }
+    const bool bad = bad_normals_.count > 0 && model_.normals[*normal] == core::vec3(0.0f);
+    return bad ? core::kNone : *normal;
+  }
+
+  void add_face() {
+    Part& part = current_part();
+    part.corners.insert(part.corners.end(), corners_.begin(), corners_.end());
+    const std::size_t size = corners_.size();
+    if (size == 3 && part.face_sizes.empty()) return;
+    if (part.face_sizes.empty()) part.face_sizes.assign((part.corners.size() - size) / 3, 3);
+    part.face_sizes.push_back(std::uint32_t(size));
+  }
+
+  Part& current_part() {
+    if (part_ != core::kNone) return model_.parts[part_];
+    const auto [at, added] = number_of_part_.try_emplace(place_, std::uint32_t(model_.parts.size()));
+    if (added) model_.parts.push_back({place_, lines_.offset(), lines_.number(), {}, {}});
+    part_ = at->second;
+    return model_.parts[part_];
+  }
+
+  void begin_place(const Place& place) {
+    place_ = place;
+    part_ = core::kNone;
+  }
+
+  /// The number of a name; kNone for an empty one.
+  std::uint32_t number_of(std::string_view name) {
+    if (name.empty()) return core::kNone;
+    const auto known = number_of_name_.find(name);
+    if (known != number_of_name_.end()) return known->second;
+    const auto number = std::uint32_t(model_.names.size());
+    model_.names.push_back({decoder_.decode(name, lines_.offset(), lines_.number()), lines_.offset(), lines_.number()});
+    number_of_name_.emplace(name, number);
+    return number;
+  }
+
+  /// Lists what was dropped, replaced or left out.
+  void tell() {
+    const auto warn = [&](const Noticed& noticed, std::string_view what) {
+      if (noticed.count == 0) return;
+      job_.warn(noticed.offset, fmt::format("line {}: {} {}{}{}", noticed.line, noticed.count, what,
+                                            noticed.first.empty() ? "" : ", the first ", noticed.first));
+    };
+    warn(bad_vertices_, "vertices that are not three numbers, finite and within 1e36 (decimal points, not commas)");
+    warn(unusable_faces_, "faces dropped: they have such vertices");
+    warn(small_faces_, "faces dropped: fewer than 3 corners");
+    warn(bad_normals_, "normals that are no direction: faces have their own there");
+    warn(missing_normals_, "corners with a normal that does not exist: faces have their own there");
+    warn(bad_colours_, "colours of vertices that are not three finite numbers left out");
+    warn(lines_left_out_, "statements of lines (l) left out");
+    warn(points_left_out_, "statements of points (p) left out");
+    warn(forms_left_out_, "free-form curves and surfaces or calls left out");
+    warn(unknown_, "lines left out that begin with no word of the format");
+    if (model_.parts.empty()) job_.warn(0, "no faces: the model is empty");
+  }
+
+  ImportJob& job_;
+  StatementLines lines_;
+  MaterialLibraries libraries_;
+  NameDecoder decoder_;
+  Model model_;
+  Place place_;
+  std::uint32_t part_ = core::kNone;  // of the present place; kNone after a change of it
+  std::map<Place, std::uint32_t> number_of_part_;
+  std::map<std::string, std::uint32_t, std::less<>> number_of_name_;
+  std::vector<Corner> corners_;  // of one face
+  core::Expected<void> refused_;
+  Noticed bad_vertices_, unusable_faces_, small_faces_, bad_normals_, missing_normals_, bad_colours_;
+  Noticed lines_left_out_, points_left_out_, forms_left_out_, unknown_;
 };
-
-/// Makes a mesh of a part with vertices of its own: each pair of position and normal once.
-class PartMesh {
- public:
-  explicit PartMesh(const Loading& loading) : loading_(loading), first_(loading.positions.size(), core::kNone) {}
-
-  /// Consumes the part's corners.
-  PolygonMesh make(Part& part) {
-    PolygonMesh mesh;
-    const bool with_normals =
-        std::none_of(part.corners.begin(), part.corners.end(), [](const Corner& c) { return c.normal == core::kNone; });
-    vertices_.clear();
-    for (Corner corner : part.corners) {
-      if (!with_normals) corner.normal = core::kNone;
-      mesh.corners.push_back(vertex_of(corner));
-    }
-    for (const Vertex& vertex : vertices_) {
-      mesh.positions.push_back(loading_.positions[vertex.corner.position]);
-      if (with_normals) mesh.normals.push_back(loading_.normals[vertex.corner.normal]);
-      first_[vertex.corner.position] = core::kNone;  // for the next part
-    }
-    mesh.face_sizes = std::move(part.face_sizes);
-    part = {};
-    return mesh;
-  }
-
- private:
-  struct Vertex {
-    Corner corner;
-    std::uint32_t next = core::kNone;  // of the same position
-  };
-
-  std::uint32_t vertex_of(const Corner& corner) {
-    std::uint32_t& first = first_[corner.position];
-    for (std::uint32_t i = first; i != core::kNone; i = vertices_[i].next)
-      if (vertices_[i].corner == corner) return i;
-    vertices_.push_back({corner, first});
-    return first = std::uint32_t(vertices_.size() - 1);
-  }
-
-  const Loading& loading_;
-  std::vector<std::uint32_t> first_;  // latest vertex made of each position of the file
-  std::vector<Vertex> vertices_;
-};
-
-core::MaterialId add_material(ImportJob& job, const tinyobj::material_t& source) {
-  core::Material material;
-  material.name = source.name;
-  for (int i = 0; i < 3; ++i) {
-    const double channel = source.diffuse[i];
-    material.colour[i] = std::isfinite(channel) ? float(std::clamp(channel, 0.0, 1.0)) : 0.7f;
-  }
-  if (source.dissolve > 0.0)
-    material.alpha = float(std::min(source.dissolve, 1.0));
-  else  // writers differ on which of 0 and 1 is opaque, and nobody writes faces to hide them
-    job.warn(0, fmt::format("material '{}': transparent throughout (d 0 or Tr 1); shown opaque", source.name));
-  return job.scene().add_material(std::move(material));
-}
-
-core::Expected<void> add_to_scene(Loading& loading) {
-  core::Scene& scene = loading.job.scene();
-  std::vector<core::NodeId> nodes;
-  for (const std::string& name : loading.names) nodes.push_back(scene.add_node(loading.job.file_node(), name));
-  std::map<int, core::MaterialId> made;
-  PartMesh part_mesh(loading);
-  std::size_t done = 0;
-  for (auto& [key, part] : loading.parts) {
-    if (auto asked = loading.job.progress(0.9 + 0.1 * double(done++) / double(loading.parts.size())); !asked)
-      return asked;
-    if (part.face_sizes.empty()) continue;
-    core::MaterialId material;
-    if (key.second >= 0 && std::size_t(key.second) < loading.materials.size()) {
-      core::MaterialId& known = made[key.second];
-      if (!known.valid()) known = add_material(loading.job, loading.materials[std::size_t(key.second)]);
-      material = known;
-    }
-    loading.job.add_mesh(nodes[key.first], part_mesh.make(part), loading.names[key.first], {}, material,
-                         loading.image.consumed());
-  }
-  return {};
-}
-
-core::Expected<void> parse(Loading& loading) {
-  std::istream stream(&loading.image);
-  NearbyMaterials material_reader(loading);
-  std::string warnings, errors;
-  try {
-    if (!tinyobj::LoadObjWithCallback(stream, callbacks(), &loading, &material_reader, &warnings, &errors))
-      return core::fail(fmt::format("{}: {}", loading.job.file(), errors));
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& thrown) {
-    return core::fail(fmt::format("{}: line {}: {}", loading.job.file(), loading.image.line(), thrown.what()));
-  }
-  if (loading.error) return tl::unexpected(*loading.error);
-  if (loading.positions.empty())
-    return core::fail(
-        fmt::format("{}: not an OBJ file: expected vertex statements ('v x y z'), found none", loading.job.file()));
-  return {};
-}
 
 }  // namespace
+}  // namespace sightline::importers::obj
+
+namespace sightline::importers {
 
 core::Expected<ImportReport> read_obj(std::span<const std::byte> bytes, const std::filesystem::path& path,
                                       core::Scene& scene, core::NodeId parent, const ImportOptions& options) {
   return run_import(path.filename().string(), scene, parent, options, frame_of(options), [&](ImportJob& job) {
     job.report().bytes = bytes.size();
-    Loading loading(job, bytes, path);
-    auto done = parse(loading);
-    return done ? add_to_scene(loading) : done;
+    const auto wide = utf8_from_utf16(bytes);
+    if (wide) job.warn(0, "the file is UTF-16");
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return obj::ObjParser(job, wide ? *wide : text, path).run();
   });
 }
 

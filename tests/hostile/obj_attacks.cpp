@@ -26,6 +26,17 @@ Case absurd_index(std::size_t k) {
   return one_file("model.obj", kTriangle + faces[k] + "\n");
 }
 
+/// Names that differ from those of files outside in case alone, which the search for similar names must not follow.
+Attack path_traversal_by_similar_names() {
+  Attack made = path_traversal(".mtl", kMaterial, [](std::string name) {
+    for (char& c : name)
+      if (c >= 'a' && c <= 'z') c = char(c - 'a' + 'A');
+    return names_library(name);
+  });
+  made.name = "path_traversal_by_similar_names";
+  return made;
+}
+
 /// The same materials by names beyond number, materials without contents, groups without number, one long line.
 Case obj_swollen(std::size_t k) {
   std::string text = kTriangle, materials;
@@ -40,6 +51,31 @@ Case obj_swollen(std::size_t k) {
     for (int i = 0; i < 50000; ++i) text += "g " + std::to_string(i) + "\nf 1 1 1\n";
   } else {
     text += "f" + repeated(" 1 2 3", 50000) + "\n";
+  }
+  Case made = sound(one_file("model.obj", text));
+  made.files.push_back({"a.mtl", materials});
+  return made;
+}
+
+/// One line continued without end, lines that end in CR alone, names and libraries without number, each with a mistake.
+Case obj_odd(std::size_t k) {
+  std::string text = kTriangle, materials;
+  if (k == 0) {
+    text += "f 1 2 3" + repeated(" \\\n", 100000);
+  } else if (k == 1) {
+    text = repeated("v 0 0 0\r", 20000) + repeated("f 1 2 3\r", 20000) + "\n";
+  } else if (k == 2) {
+    for (int i = 0; i < 20000; ++i) text += "usemtl \xff" + std::to_string(i) + "\nf 1 1 1\n";
+  } else if (k == 3) {
+    for (int i = 0; i < 1000; ++i) text += "mtllib " + std::to_string(i) + " B\\" + std::to_string(i) + "%20.mtl\n";
+  } else if (k == 4) {
+    text += "mtllib a.mtl\n";
+    for (int i = 0; i < 1000; ++i) {
+      materials += "newmtl " + std::to_string(i) + "\nmap_Kd -s -o " + std::to_string(i) + ".png\n";
+      text += "usemtl " + std::to_string(i) + "\nf 1 2 3\n";
+    }
+  } else {
+    text += repeated("v nan 0 0 1e39 -1 nan\nvn 0 0\nf -1 -2//-1 1\nf 1//7 2//0 3//-9999999\n", 5000);
   }
   Case made = sound(one_file("model.obj", text));
   made.files.push_back({"a.mtl", materials});
@@ -71,8 +107,10 @@ std::vector<Target> obj_targets() {
          .attacks = {{"mutated_materials", kAnyNumber, changed_library},
                      {"absurd_counts", 6, absurd_index},
                      {"swelling", 4, obj_swollen},
+                     {"odd_text", 6, obj_odd},
                      {"missing_side_files", 4, missing_library},
                      path_traversal(".mtl", kMaterial, names_library),
+                     path_traversal_by_similar_names(),
                      {"no_data", 1, without_data}},
          .noise = Expect::kEither};
   return {obj};

@@ -21,9 +21,7 @@ std::vector<Target> targets() {
   std::vector<Target> all;
   for (const auto of_format : {
            rvm_targets,
-#ifdef SIGHTLINE_HAVE_OBJ
            obj_targets,
-#endif
 #ifdef SIGHTLINE_HAVE_GLTF
            gltf_targets,
 #endif

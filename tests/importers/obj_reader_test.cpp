@@ -83,9 +83,11 @@ TEST_F(ObjReader, MaterialsThatWouldHideTheirFacesAreOpaque) {
     EXPECT_EQ(material.alpha, alphas[item]) << material.name;
   }
   ASSERT_EQ(report->warnings.size(), 5u);
-  for (std::size_t i = 0; i < 5; ++i)  // the library takes "nan" for 0
-    EXPECT_EQ(report->warnings[i].message,
-              std::string("material '") + "abcdj"[i] + "': transparent throughout (d 0 or Tr 1); shown opaque");
+  EXPECT_EQ(report->warnings[0].message,
+            "paint.mtl: line 22: 1 values that are no numbers left out, the first 'd nan'");
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(report->warnings[1 + i].message,
+              std::string("material '") + "abcd"[i] + "': transparent throughout (d 0 or Tr 1); shown opaque");
 }
 
 TEST_F(ObjReader, FarCoordinatesKeepTheirDigits) {
@@ -111,8 +113,8 @@ TEST_F(ObjReader, LargeFacesAreTriangulatedWhole) {
 }
 
 TEST_F(ObjReader, BadIndicesNameTheLine) {
-  for (const char* face :
-       {"f 1 2 4", "f 0 1 2", "f -4 1 2", "f 1//2 2//1 3//1", "f 1 2", "f 2147483647 1 2", "f a b c"}) {
+  for (const char* face : {"f 1 2 4", "f 0 1 2", "f -4 1 2", "f 2147483647 1 2", "f 99999999999999999999 1 2",
+                           "f a b c", "f /1 2 3", "f 1x 2 3", "f 1,2,3"}) {
     SCOPED_TRACE(face);
     const std::string text = std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1 2 3\n") + face + "\nf 3 2 1\n";
     const auto strict = read(text);
@@ -157,8 +159,9 @@ TEST_F(ObjReader, VerticesAreAPositionAndANormal) {
   using Sizes = std::pair<std::size_t, std::size_t>;
   EXPECT_EQ(vertices("f 1//1 2//1 3//1\nf 1//1 3//1 2//1\n"), Sizes(3, 3));
   EXPECT_EQ(vertices("f 1//1 2//1 3//1\nf 1//2 3//1 2//1\n"), Sizes(4, 4));
-  EXPECT_EQ(vertices("f 1//1 2//1 3//1\nf 1//2 3 2//1\n"), Sizes(3, 0));     // a corner without
-  EXPECT_EQ(vertices("f 1//1 2//1 3//1\nf 1//3 3//1 2//1\n"), Sizes(3, 0));  // a normal that is no direction
+  EXPECT_EQ(vertices("f 1//1 2//1 3//1\nf 1//2 3 2//1\n"), Sizes(5, 5));     // a corner without
+  EXPECT_EQ(vertices("f 1//1 2//1 3//1\nf 1//3 3//1 2//1\n"), Sizes(4, 4));  // a normal that is no direction
+  EXPECT_EQ(vertices("f 1 2 3\nf 1 3 2\n"), Sizes(3, 0));
 }
 
 TEST_F(ObjReader, MaterialsOfSeveralFiles) {
@@ -173,9 +176,232 @@ TEST_F(ObjReader, MaterialsOfSeveralFiles) {
   for (core::ItemId i = 0; i < 3; ++i)
     if (const core::MaterialId m = scene_.item_material(i); m.valid())
       colours[scene_.material(m).name] = scene_.material(m).colour;
-  EXPECT_EQ(colours, (std::map<std::string, core::vec3>{{"green", {0, 1, 0.7f}}, {"red", {1, 0, 0.5f}}}));
+  EXPECT_EQ(colours, (std::map<std::string, core::vec3>{{"green", {0.8f, 0.8f, 0.8f}}, {"red", {1, 0, 0.5f}}}));
+  ASSERT_EQ(report->warnings.size(), 2u);
+  EXPECT_EQ(report->warnings[0].message,
+            "b.mtl: line 2: 1 values that are no numbers left out, the first 'Kd 0 1 1e999'");
+  EXPECT_EQ(report->warnings[1].message, "line 10: unknown material 'none'");
+}
+
+constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+TEST_F(ObjReader, LinesMayEndInAnyWayAndGoOn) {
+  const std::string lines[] = {"\xef\xbb\xbfv 0 0 0", "v\t1 \\", "  0\t0 # here, too\\", "# c:\\models\\",
+                               "v 0 1 0#1",           "",        "f  1\t 2\\",           "3 ",
+                               "f 3 2 \\  ",          "1"};
+  for (const std::string end : {"\n", "\r", "\r\n"}) {
+    std::string text;
+    for (const std::string& line : lines) text += line + end;
+    for (const bool whole : {true, false}) {
+      const auto report = read(whole ? text : text.substr(0, text.size() - end.size()));
+      ASSERT_TRUE(report) << report.error().message;
+      EXPECT_TRUE(report->warnings.empty()) << report->warnings[0].message;
+      ASSERT_EQ(scene_.item_count(), 1u);
+      EXPECT_DOUBLE_EQ(area(0), 1.0);
+    }
+    const auto refused = read(text + "f 1 2 9" + end);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("model.obj: line 11: "), std::string::npos) << refused.error().message;
+  }
+}
+
+TEST_F(ObjReader, CornersOfEveryForm) {
+  const std::string head = std::string(kTriangle) + "vt 0 0\nvt nan nan\nvn 0 0 1\n";
+  const auto normals = [&](const std::string& face, std::size_t warnings = 0) {
+    const auto report = read(head + face + "\n");
+    EXPECT_TRUE(report) << report.error().message;
+    if (!report || scene_.item_count() != 1) return std::size_t(99);
+    EXPECT_EQ(report->warnings.size(), warnings) << face;
+    EXPECT_DOUBLE_EQ(area(0), 0.5) << face;
+    return scene_.mesh(scene_.mesh_of(0)).normals.size();
+  };
+  for (const char* none : {"f 1 2 3", "f 1/1 2/2 3/1", "f 1/1/ 2/2/ 3/1/", "f 1// 2// 3//", "f 1/ 2/ 3/", "fo 1 2 3",
+                           "f +1 -2 -1", "f 1/9 2/x 3/-7", "f 1// 2 3/1/"})
+    EXPECT_EQ(normals(none), 0u) << none;
+  for (const char* all : {"f 1//1 2//1 3//1", "f 1/1/1 2/2/1 3/1/1", "f 1//-1 2/1/+1 3//1", "f 1//1 2 3/1/"})
+    EXPECT_EQ(normals(all), 3u) << all;
+  for (const char* bad : {"f 1//1 2//2 3//1", "f 1//1 2//0x 3//1", "f 1//1 2/1/-2 3//1", "f 1//1 2//1/1 3//1"})
+    EXPECT_EQ(normals(bad, 1), 3u) << bad;
+  EXPECT_EQ(normals("f 1//9 2//2 3", 1), 0u);
+}
+
+TEST_F(ObjReader, CornersWithoutANormalHaveTheirFacesAndOthersKeepTheirs) {
+  const auto report = read(std::string(kTriangle) + "vn 1 0 0\nvn 0 0 0\nvn a b c\nf 1//1 3 2//2\nf 1//1 2//3 3//1\n");
+  ASSERT_TRUE(report) << report.error().message;
   ASSERT_EQ(report->warnings.size(), 1u);
-  EXPECT_NE(report->warnings[0].message.find("unknown material 'none'"), std::string::npos);
+  EXPECT_EQ(report->warnings[0].message,
+            "line 5: 2 normals that are no direction: faces have their own there, the first '0 0 0'");
+  const core::Mesh& mesh = scene_.mesh(scene_.mesh_of(0));
+  const core::vec3 own[] = {{1, 0, 0}, {0, 0, -1}, {0, 0, -1}, {1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
+  ASSERT_EQ(mesh.indices.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(mesh.normals[mesh.indices[i]], own[i]) << i;
+}
+
+TEST_F(ObjReader, VerticesThatAreNoNumbersTakeTheirFacesAlone) {
+  for (const char* vertex : {"nan nan nan", "-nan(ind) 1.#QNAN 1.#IND", "0,5 0,25 0", "1 2", "", "inf 0 0", "1e37 0 0",
+                             "0x1 0 0", "1e999999999999 0 0"}) {
+    SCOPED_TRACE(vertex);
+    const auto report =
+        read(std::string("v 9 9 9\nv 10 9 9\nv 9 10 9\nv ") + vertex + "\nf 1 2 3\nf 1 2 4\nf 4 -1 1\n");
+    ASSERT_TRUE(report) << report.error().message;
+    ASSERT_EQ(report->warnings.size(), 2u);
+    EXPECT_TRUE(report->warnings[0].message.starts_with("line 4: 1 vertices that are not three numbers"));
+    EXPECT_EQ(report->warnings[1].message, "line 6: 2 faces dropped: they have such vertices");
+    EXPECT_DOUBLE_EQ(area(0), 0.5);
+    EXPECT_EQ(scene_.mesh(scene_.mesh_of(0)).positions.size(), 3u);
+  }
+}
+
+TEST_F(ObjReader, SmallFacesAreDroppedAndListed) {
+  const auto report = read(std::string(kTriangle) + "f 1 2\nf\nf 1 2 3\nf 2\n");
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->warnings.size(), 1u);
+  EXPECT_EQ(report->warnings[0].message, "line 4: 3 faces dropped: fewer than 3 corners, the first '1 2'");
+  EXPECT_DOUBLE_EQ(area(0), 0.5);
+}
+
+TEST_F(ObjReader, GroupsStayApartInTheirObjects) {
+  const auto report = read(std::string(kTriangle) +
+                           "o PumpA\ng body\nf 1 2 3\ng PumpA\nf 1 2 3\no PumpB\nf 1 2 3\ng body\nf 1 2 3\n"
+                           "o\nf 1 2 3\ng a lone group # 1\nf 1 2 3\ng Box #2\nf 1 2 3\ng\nf 1 2 3\n");
+  ASSERT_TRUE(report) << report.error().message;
+  const char* paths[] = {"PumpA/body", "PumpA", "PumpB", "PumpB/body", "", "a lone group", "Box #2"};
+  ASSERT_EQ(scene_.item_count(), std::size(paths));
+  for (core::ItemId i = 0; i < std::size(paths); ++i)
+    EXPECT_EQ(scene_.path(scene_.node_of(i)), std::string("model.obj") + (*paths[i] ? "/" : "") + paths[i]);
+  EXPECT_DOUBLE_EQ(area(4), 1.0);  // both without a name
+  EXPECT_EQ(scene_.node_count(), 8u);
+}
+
+TEST_F(ObjReader, WhatIsNotReadIsCounted) {
+  const auto report = read(std::string(kTriangle) + "s 1\nl 1 2\nl 2 3\np 1\nsurf 0 1 0 1 1 2 3\nwhat\n1 2 3\n");
+  ASSERT_TRUE(report) << report.error().message;
+  const char* messages[] = {"line 5: 2 statements of lines (l) left out", "line 7: 1 statements of points (p) left out",
+                            "line 8: 1 free-form curves and surfaces or calls left out, the first 'surf'",
+                            "line 9: 2 lines left out that begin with no word of the format, the first 'what'",
+                            "no faces: the model is empty"};
+  ASSERT_EQ(report->warnings.size(), std::size(messages));
+  for (std::size_t i = 0; i < std::size(messages); ++i) EXPECT_EQ(report->warnings[i].message, messages[i]);
+}
+
+TEST_F(ObjReader, MaterialNamesWithSpacesAndComments) {
+  write("paint.mtl",
+        "\xef\xbb\xbfnewmtl  dark red \n\tKd 1 0 0 # bright\n  newmtl Material #25\nkd 0 1 0\nnewmtl grey # light\nKd "
+        "0.5\n");
+  const auto report = read(std::string("usemtl dark red\n") + kTriangle +
+                           "f 1 2 3\nusemtl\tMaterial #25  \nf 1 2 3\nusemtl grey\nf 1 2 3\nusemtl dark red # again\n"
+                           "f 1 2 3\nmtllib paint.mtl # at the end\n");
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->warnings.empty()) << report->warnings[0].message;
+  const core::vec3 colours[] = {{1, 0, 0}, {0, 1, 0}, {0.5f, 0.5f, 0.5f}, {1, 0, 0}};
+  ASSERT_EQ(scene_.item_count(), std::size(colours));
+  for (core::ItemId i = 0; i < std::size(colours); ++i)
+    EXPECT_EQ(scene_.material(scene_.item_material(i)).colour, colours[i]) << i;
+}
+
+TEST_F(ObjReader, LibrariesAreFoundAsOthersNameThem) {
+  std::filesystem::create_directories(folder_ / "sub");
+  write("my paint.mtl", "newmtl a\nKd 1 0 0\n");
+  write("other.mtl", "newmtl b\nKd 1 0 0\n");
+  write("sub/deep.mtl", "newmtl c\nKd 1 0 0\n");
+  struct Row {
+    const char *names, *materials, *warning;
+  };
+  const Row rows[] = {
+      {"my paint.mtl", "a", nullptr},
+      {"\"my paint.mtl\"", "a", nullptr},
+      {"my paint.mtl other.mtl", "ab", nullptr},
+      {"other.mtl  sub/deep.mtl", "bc", nullptr},
+      {"sub\\deep.mtl", "c", nullptr},
+      {".\\my%20paint.mtl other.mtl", "ab", nullptr},
+      {"OTHER.MTL", "b", "line 1: material file 'OTHER.MTL' not found; 'other.mtl' is read"},
+      {"SUB\\Deep.mtl", "c", "line 1: material file 'SUB\\Deep.mtl' not found; 'deep.mtl' is read"},
+      {"C:\\work\\other.mtl", "b", "line 1: material file 'C:\\work\\other.mtl' not found; 'other.mtl' is read"},
+      {"other.mtl none.mtl", "b", "line 1: material file 'none.mtl' not found"},
+      {"no paint.mtl", "", "line 1: material file 'no paint.mtl' not found"},
+      {"../other.mtl", "b", "line 1: material file '../other.mtl' not found; 'other.mtl' is read"},
+      {"../outside.mtl", "", "line 1: material file '../outside.mtl' refused: it lies outside the model's directory"}};
+  std::ofstream(folder_.parent_path() / "outside.mtl") << "newmtl a\nKd 1 0 0\n";
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.names);
+    std::string text = std::string("mtllib ") + row.names + "\n" + kTriangle;
+    for (const char* name = row.materials; *name; ++name) text += std::string("usemtl ") + *name + "\nf 1 2 3\n";
+    const auto report = read(text + (*row.materials ? "" : "f 1 2 3\n"));
+    ASSERT_TRUE(report) << report.error().message;
+    ASSERT_EQ(report->warnings.size(), row.warning ? 1u : 0u) << report->warnings[0].message;
+    if (row.warning) {
+      EXPECT_EQ(report->warnings[0].message, row.warning);
+    }
+    EXPECT_EQ(scene_.material_slots(), std::string(row.materials).size());
+  }
+}
+
+TEST_F(ObjReader, MaterialsAreNeverBlackInSilence) {
+  write("paint.mtl",
+        "newmtl a\nKd 1 0 0\nnewmtl b\nmap_Kd none.png\nnewmtl c\nKd 0 0 0\nmap_Kd -s 1 1 -clamp on no ne.tga\n"
+        "newmtl d\nKd 0 0 0\nnewmtl e\nKd 0,5 0,5 0,5\nnewmtl f\nKd spectral blue.rfl\n");
+  std::string text = std::string("mtllib paint.mtl\n") + kTriangle;
+  for (const char* name : {"a", "b", "c", "d", "e", "f"}) text += std::string("usemtl ") + name + "\nf 1 2 3\n";
+  const auto report = read(text);
+  ASSERT_TRUE(report) << report.error().message;
+  const float green[] = {0, 0.8f, 0.8f, 0, 0.8f, 0.8f};
+  ASSERT_EQ(scene_.item_count(), std::size(green));
+  for (core::ItemId i = 0; i < std::size(green); ++i)
+    EXPECT_EQ(scene_.material(scene_.item_material(i)).colour.y, green[i]) << i;
+  ASSERT_EQ(report->warnings.size(), 3u);
+  EXPECT_EQ(report->warnings[0].message,
+            "paint.mtl: line 11: 2 values that are no numbers left out, the first 'Kd 0,5 0,5 0,5'");
+  EXPECT_TRUE(report->warnings[1].message.starts_with("2 textures could not be read"));
+  EXPECT_TRUE(report->warnings[2].message.starts_with("1 materials are black (Kd 0 0 0) below a texture"));
+}
+
+TEST_F(ObjReader, ColoursOfVertices) {
+  const auto colours = [&](const char* a, const char* b, const char* c, const char* more = "") {
+    const auto report = read(std::string("v 0 0 0 ") + a + "\nv 1 0 0 " + b + "\nv 0 1 0 " + c + "\nf 1 2 3\n" + more);
+    EXPECT_TRUE(report) << report.error().message;
+    const core::MaterialId material = scene_.item_material(0);
+    std::string found = material.valid() ? scene_.material(material).name : "none";
+    for (const ImportWarning& warning : report->warnings) found += "; " + warning.message;
+    return found;
+  };
+  EXPECT_EQ(colours("1 0 0", "1 0 0", "1 0 0"), "#ff0000");
+  EXPECT_EQ(colours("1 0 0", "0.998 0.001 0", "1 0 0"), "#ff0000");
+  EXPECT_EQ(colours("1 0 0 1", "1 0 0 1", "1 0 0 1"), "#ff0000");
+  EXPECT_EQ(colours("255 128 0", "255 128 0", "255 128 0"), "#ff8000");
+  EXPECT_EQ(colours("", "0 0 1", ""), "#0000ff");
+  EXPECT_EQ(colours("1", "1", "1"), "none");  // weights
+  EXPECT_EQ(colours("1 0 0", "0 0 1", "0 1 0"),
+            "#555555; line 4: 1 items whose vertices differ in colour show the mean");
+  EXPECT_EQ(
+      colours("1 0 0", "1 0 x", "1 0 0"),
+      "#ff0000; line 2: 1 colours of vertices that are not three finite numbers left out, the first '1 0 0 1 0 x'");
+  write("paint.mtl", "newmtl a\nKd 1 1 1\nnewmtl b\nKd 1 0.5 1\n");
+  EXPECT_EQ(colours("1 0 0", "1 0 0", "1 0 0", "mtllib paint.mtl\nusemtl b\nf 1 2 3\n"), "#ff0000");
+  EXPECT_EQ(scene_.material(scene_.item_material(1)).colour, core::vec3(1, 0, 0));
+}
+
+TEST_F(ObjReader, NamesBecomeUtf8) {
+  write("paint.mtl", "newmtl gr\xfcn\nKd 0 1 0\n");
+  const auto report = read(std::string("mtllib paint.mtl\no B\xc3\xbchne\ng R\xfchrer\nusemtl gr\xc3\xbcn\n") +
+                           kTriangle + "f 1 2 3\n\xff\xfe 1\n");
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(scene_.path(scene_.node_of(0)), "model.obj/B\xc3\xbchne/R\xc3\xbchrer");
+  EXPECT_EQ(scene_.material(scene_.item_material(0)).name, "gr\xc3\xbcn");
+  ASSERT_EQ(report->warnings.size(), 3u);
+  EXPECT_EQ(report->warnings[0].message,
+            "paint.mtl: line 1: 1 names that are not UTF-8, taken for Windows-1252, the first 'gr\xc3\xbcn'");
+  EXPECT_EQ(report->warnings[1].message,
+            "line 3: names are not UTF-8: taken for Windows-1252, the first as 'R\xc3\xbchrer'");
+  EXPECT_NE(report->warnings[2].message.find("'\xc3\xbf\xc3\xbe'"), std::string::npos);
+}
+
+TEST_F(ObjReader, Utf16IsRecognised) {
+  std::string wide = "\xff\xfe";
+  for (const char c : std::string(kTriangle) + "f 1 2 3\n") wide += c, wide += '\0';
+  const auto report = read(wide);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_DOUBLE_EQ(area(0), 0.5);
+  EXPECT_EQ(report->warnings.size(), 1u);
 }
 
 TEST_F(ObjReader, PartsWithoutAFaceGiveNoItem) {

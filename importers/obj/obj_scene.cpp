@@ -1,0 +1,334 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sightline/core/internal/srgb.h"
+#include "sightline/importers/internal/face_colours.h"
+#include "sightline/importers/internal/image_mean.h"
+#include "sightline/importers/internal/side_files.h"
+#include "sightline/importers/obj/internal/obj_model.h"
+
+namespace sightline::importers::obj {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Calls visit(first corner, corners) for each face.
+template <class Visit>
+void for_each_face_of(const Part& part, Visit&& visit) {
+  std::size_t first = 0;
+  if (part.face_sizes.empty())
+    for (; first + 3 <= part.corners.size(); first += 3) visit(first, std::size_t{3});
+  for (const std::uint32_t size : part.face_sizes) {
+    visit(first, std::size_t{size});
+    first += size;
+  }
+}
+
+/// Makes a mesh of a part with vertices of its own: each pair of position and normal once.
+class PartMesh {
+ public:
+  explicit PartMesh(Model& model)
+      : model_(model), file_normals_(model.normals.size()), first_(model.positions.size(), core::kNone) {}
+
+  /// Consumes the part's corners.
+  PolygonMesh make(Part& part) {
+    PolygonMesh mesh;
+    const auto has_normal = [](const Corner& c) { return c.normal != core::kNone; };
+    const bool with_normals = std::any_of(part.corners.begin(), part.corners.end(), has_normal);
+    if (with_normals) give_normals(part);
+    vertices_.clear();
+    mesh.corners.reserve(part.corners.size());
+    for (const Corner& corner : part.corners) mesh.corners.push_back(vertex_of(corner));
+    mesh.positions.reserve(vertices_.size());
+    if (with_normals) mesh.normals.reserve(vertices_.size());
+    for (const Vertex& vertex : vertices_) {
+      mesh.positions.push_back(model_.positions[vertex.corner.position]);
+      if (with_normals) mesh.normals.push_back(model_.normals[vertex.corner.normal]);
+      first_[vertex.corner.position] = core::kNone;  // for the next part
+    }
+    mesh.face_sizes = std::move(part.face_sizes);
+    part.corners = {};
+    model_.normals.resize(file_normals_);
+    return mesh;
+  }
+
+ private:
+  struct Vertex {
+    Corner corner;
+    std::uint32_t next = core::kNone;  // of the same position
+  };
+
+  /// Corners without a normal get that of their face, behind the file's own ones.
+  void give_normals(Part& part) {
+    for_each_face_of(part, [&](std::size_t first, std::size_t size) {
+      const std::span<Corner> face(part.corners.data() + first, size);
+      const auto lacks = [](const Corner& c) { return c.normal == core::kNone; };
+      if (std::none_of(face.begin(), face.end(), lacks)) return;
+      const auto own = std::uint32_t(model_.normals.size());
+      model_.normals.push_back(normal_of_face(face));
+      for (Corner& corner : face)
+        if (lacks(corner)) corner.normal = own;
+    });
+  }
+
+  /// Upwards for faces without an area.
+  core::vec3 normal_of_face(std::span<const Corner> face) const {
+    core::dvec3 sum(0.0);
+    const core::dvec3 origin = model_.positions[face[0].position];
+    for (std::size_t i = 1; i + 1 < face.size(); ++i)
+      sum += glm::cross(model_.positions[face[i].position] - origin, model_.positions[face[i + 1].position] - origin);
+    const double length = glm::length(sum);
+    return length > 0.0 && std::isfinite(length) ? core::vec3(sum / length) : core::vec3(0.0f, 0.0f, 1.0f);
+  }
+
+  std::uint32_t vertex_of(const Corner& corner) {
+    std::uint32_t& first = first_[corner.position];
+    for (std::uint32_t i = first; i != core::kNone; i = vertices_[i].next)
+      if (vertices_[i].corner == corner) return i;
+    vertices_.push_back({corner, first});
+    return first = std::uint32_t(vertices_.size() - 1);
+  }
+
+  Model& model_;
+  std::size_t file_normals_;
+  std::vector<std::uint32_t> first_;  // latest vertex made of each position of the file
+  std::vector<Vertex> vertices_;
+};
+
+/// Colours of vertices: an item shows one.
+class VertexColours {
+ public:
+  explicit VertexColours(const Model& model) : model_(model) {
+    float largest = 0.0f;
+    for (const core::vec3& c : model.colours)
+      for (int i = 0; i < 3; ++i) largest = std::max(largest, c[i]);  // NaN stays out
+    constexpr float kLargestShare = 1.5f;                             // rounding may exceed 1
+    if (largest <= kLargestShare) scale_ = 255.0f;
+  }
+
+  /// The mean of a part's corners; kNoColour when none has one.
+  PackedColour of(const Part& part) {
+    if (model_.colours.empty()) return kNoColour;
+    ColourSum sum;
+    std::array<std::uint32_t, 3> least{255, 255, 255}, most{};
+    for (const Corner& corner : part.corners) {
+      if (corner.position >= model_.colours.size() || std::isnan(model_.colours[corner.position].x)) continue;
+      const auto channels = bytes_of(model_.colours[corner.position]);
+      for (std::size_t i = 0; i < 3; ++i)
+        least[i] = std::min(least[i], channels[i]), most[i] = std::max(most[i], channels[i]);
+      sum.add(pack_colour(channels[0], channels[1], channels[2]));
+    }
+    const bool differ = sum.count > 0 && (most[0] > least[0] + 1 || most[1] > least[1] + 1 || most[2] > least[2] + 1);
+    if (differ && averaged_++ == 0) line_ = part.line, offset_ = part.offset;
+    return sum.average();
+  }
+
+  void tell(ImportJob& job) const {
+    if (averaged_ > 0)
+      job.warn(offset_,
+               fmt::format("line {}: {} items whose vertices differ in colour show the mean", line_, averaged_));
+  }
+
+ private:
+  std::array<std::uint32_t, 3> bytes_of(const core::vec3& colour) const {
+    std::array<std::uint32_t, 3> channels{};
+    for (int i = 0; i < 3; ++i)
+      channels[std::size_t(i)] = std::uint32_t(std::lround(std::clamp(scale_ * colour[i], 0.0f, 255.0f)));
+    return channels;
+  }
+
+  const Model& model_;
+  float scale_ = 1.0f;
+  std::uint64_t averaged_ = 0, line_ = 0, offset_ = 0;
+};
+
+/// The file's name at the end of what map_Kd says, behind its options.
+std::string_view without_options(std::string_view arguments) {
+  const auto is_number = [](std::string_view word) {
+    TextScanner scanner(std::as_bytes(std::span(word)));
+    double ignored = 0.0;
+    return scanner.number(ignored) == TextScanner::Found::kNumber;
+  };
+  while (arguments.starts_with('-')) {
+    TextScanner words(std::as_bytes(std::span(arguments)));
+    const std::string_view option = words.word();
+    const bool vector = option == "-o" || option == "-s" || option == "-t", range = option == "-mm";
+    std::string_view rest = words.rest_of_line();
+    for (int left = vector ? 3 : range ? 2 : 1; left > 0; --left) {
+      TextScanner argument(std::as_bytes(std::span(rest)));
+      const std::string_view word = argument.word();
+      if (vector && !is_number(word)) break;  // the last two may be missing
+      rest = argument.rest_of_line();
+    }
+    arguments = rest;
+  }
+  return arguments;
+}
+
+/// Makes materials of the scene when items ask for them.
+class SceneMaterials {
+ public:
+  SceneMaterials(ImportJob& job, const Model& model, MaterialLibraries& libraries)
+      : job_(job), model_(model), libraries_(libraries) {}
+
+  /// `name` kNone: no material, so the tint alone counts.
+  core::MaterialId of(std::uint32_t name, PackedColour tint) {
+    const LibraryMaterial* source = name == core::kNone ? nullptr : library_material(name);
+    const auto [at, added] = made_.try_emplace({source ? name : core::kNone, tint});
+    if (!added) return at->second;
+    at->second = source ? job_.scene().add_material(look_of(*source, tint)) : add_colour_material(job_.scene(), tint);
+    return at->second;
+  }
+
+  void tell() const {
+    if (!unread_.empty())
+      job_.warn(0,
+                fmt::format("{} textures could not be read and count as none, the first: {}", unread_count_, unread_));
+    if (!black_.empty())
+      job_.warn(0, fmt::format("{} materials are black (Kd 0 0 0) below a texture, which is shown alone, the first {}",
+                               black_count_, black_));
+  }
+
+ private:
+  const LibraryMaterial* library_material(std::uint32_t number) {
+    const Name& name = model_.names[number];
+    const LibraryMaterial* const found = libraries_.find(name.text);
+    if (!found && unknown_.emplace(number, true).second)
+      job_.warn(name.offset, fmt::format("line {}: unknown material '{}'", name.line, name.text));
+    return found;
+  }
+
+  core::Material look_of(const LibraryMaterial& source, PackedColour tint) {
+    core::Material material;
+    material.name = source.name;
+    material.colour = diffuse_of(source);
+    const double opacity = source.dissolve ? *source.dissolve : 1.0 - source.transparency.value_or(0.0);
+    if (opacity > 0.0)
+      material.alpha = float(std::min(opacity, 1.0));
+    else  // writers differ on which of 0 and 1 is opaque, and nobody writes faces to hide them
+      job_.warn(0, fmt::format("material '{}': transparent throughout (d 0 or Tr 1); shown opaque", source.name));
+    if (tint != kNoColour && tint != pack_colour(255, 255, 255)) {
+      for (int i = 0; i < 3; ++i) material.colour[i] *= float(tint >> (24 - 8 * i) & 255) / 255.0f;
+      material.name += ' ' + colour_name(tint);
+    }
+    return material;
+  }
+
+  /// Kd times the mean of the texture, as far as there are any.
+  core::vec3 diffuse_of(const LibraryMaterial& source) {
+    const auto mean = source.texture.empty() ? std::nullopt : mean_of(source);
+    core::vec3 diffuse = source.diffuse.value_or(core::vec3(mean ? 1.0f : kDefaultDiffuse));
+    if (!source.texture.empty() && diffuse == core::vec3(0.0f)) {
+      if (black_count_++ == 0) black_ = excerpt(source.name);
+      diffuse = core::vec3(mean ? 1.0f : kDefaultDiffuse);
+    }
+    if (!mean) return diffuse;
+    for (int i = 0; i < 3; ++i)
+      diffuse[i] = float(core::srgb_from_linear((*mean)[i] * core::linear_from_srgb(double(diffuse[i]))));
+    return diffuse;
+  }
+
+  /// In linear light. Each image is looked at once.
+  std::optional<core::dvec3> mean_of(const LibraryMaterial& source) {
+    const auto [at, added] = means_.try_emplace(source.texture);
+    if (!added) return at->second;
+    auto mean = image_of(source.texture);
+    if (mean)
+      at->second = *mean;
+    else if (unread_count_++ == 0)
+      unread_ = utf8_by_guess(mean.error().message);
+    return at->second;
+  }
+
+  core::Expected<core::dvec3> image_of(const std::string& arguments) {
+#ifdef SIGHTLINE_HAVE_GLTF
+    auto path = find_named_file(libraries_.model(), arguments);
+    const std::string name(without_options(arguments));
+    if (!path) path = find_named_file(libraries_.model(), name);
+    if (!path)
+      if (auto similar = find_similar_file(libraries_.model(), name)) {
+        job_.warn(
+            0, fmt::format("texture {} not found; {} is read", excerpt(name), excerpt(similar->filename().string())));
+        path = std::move(similar);
+      }
+    if (!path) return tl::unexpected(path.error());
+    const auto known = images_.find(*path);
+    if (known != images_.end()) return known->second;
+    const auto bytes = read_side_file(libraries_.model(), path->string());
+    if (!bytes) return tl::unexpected(bytes.error());
+    std::uint64_t left = kPixelsPerByte * bytes->size();
+    auto mean = image_mean(*bytes, false, left).map([](const ImageMean& image) { return image.colour; });
+    if (!mean) mean.error().message.insert(0, "'" + name + "': ");
+    return images_.emplace(*path, std::move(mean)).first->second;
+#else
+    return core::fail(fmt::format("'{}': this build reads no images (SIGHTLINE_GLTF)", without_options(arguments)));
+#endif
+  }
+
+  ImportJob& job_;
+  const Model& model_;
+  MaterialLibraries& libraries_;
+  std::map<std::pair<std::uint32_t, PackedColour>, core::MaterialId> made_;
+  std::map<std::uint32_t, bool> unknown_;
+  std::map<std::string, std::optional<core::dvec3>> means_;  // by arguments of map_Kd
+  std::map<fs::path, core::Expected<core::dvec3>> images_;
+  std::uint64_t unread_count_ = 0, black_count_ = 0;
+  std::string unread_, black_;
+};
+
+/// Nodes of objects, and below them those of their groups.
+class Nodes {
+ public:
+  Nodes(ImportJob& job, const Model& model) : job_(job), model_(model) {}
+
+  core::NodeId of(const Place& place) {
+    const core::NodeId object = child(job_.file_node(), {place.object, core::kNone}, place.object);
+    // A group that only repeats its object's name says nothing more.
+    return place.group == place.object ? object : child(object, {place.object, place.group}, place.group);
+  }
+  std::string_view name(const Place& place) const {
+    const std::uint32_t number = place.group != core::kNone ? place.group : place.object;
+    return number == core::kNone ? std::string_view() : model_.names[number].text;
+  }
+
+ private:
+  using Key = std::pair<std::uint32_t, std::uint32_t>;  // object and group
+
+  core::NodeId child(core::NodeId parent, const Key& key, std::uint32_t name) {
+    if (name == core::kNone) return parent;
+    const auto [at, added] = made_.try_emplace(key);
+    if (added) at->second = job_.scene().add_node(parent, model_.names[name].text);
+    return at->second;
+  }
+
+  ImportJob& job_;
+  const Model& model_;
+  std::map<Key, core::NodeId> made_;
+};
+
+}  // namespace
+
+core::Expected<void> add_to_scene(ImportJob& job, Model& model, MaterialLibraries& libraries) {
+  Nodes nodes(job, model);
+  SceneMaterials materials(job, model, libraries);
+  VertexColours colours(model);
+  PartMesh part_mesh(model);
+  std::size_t done = 0;
+  for (Part& part : model.parts) {
+    if (auto asked = job.progress(0.9 + 0.1 * double(done++) / double(model.parts.size())); !asked) return asked;
+    const core::MaterialId material = materials.of(part.place.material, colours.of(part));
+    job.add_mesh(nodes.of(part.place), part_mesh.make(part), nodes.name(part.place), {}, material, part.offset);
+  }
+  colours.tell(job);
+  materials.tell();
+  return {};
+}
+
+}  // namespace sightline::importers::obj
