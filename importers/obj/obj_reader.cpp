@@ -246,21 +246,17 @@ class ObjParser {
 
   /// Lists what was dropped, replaced or left out.
   void tell() {
-    const auto warn = [&](const Noticed& noticed, std::string_view what) {
-      if (noticed.count == 0) return;
-      job_.warn(noticed.offset, fmt::format("line {}: {} {}{}{}", noticed.line, noticed.count, what,
-                                            noticed.first.empty() ? "" : ", the first ", noticed.first));
-    };
-    warn(bad_vertices_, "vertices that are not three numbers, finite and within 1e36 (decimal points, not commas)");
-    warn(unusable_faces_, "faces dropped: they have such vertices");
-    warn(small_faces_, "faces dropped: fewer than 3 corners");
-    warn(bad_normals_, "normals that are no direction: faces have their own there");
-    warn(missing_normals_, "corners with a normal that does not exist: faces have their own there");
-    warn(bad_colours_, "colours of vertices that are not three finite numbers left out");
-    warn(lines_left_out_, "statements of lines (l) left out");
-    warn(points_left_out_, "statements of points (p) left out");
-    warn(forms_left_out_, "free-form curves and surfaces or calls left out");
-    warn(unknown_, "lines left out that begin with no word of the format");
+    bad_vertices_.warn(job_,
+                       "vertices that are not three numbers, finite and within 1e36 (decimal points, not commas)");
+    unusable_faces_.warn(job_, "faces dropped: they have such vertices");
+    small_faces_.warn(job_, "faces dropped: fewer than 3 corners");
+    bad_normals_.warn(job_, "normals that are no direction: faces have their own there");
+    missing_normals_.warn(job_, "corners with a normal that does not exist: faces have their own there");
+    bad_colours_.warn(job_, "colours of vertices that are not three finite numbers left out");
+    lines_left_out_.warn(job_, "statements of lines (l) left out");
+    points_left_out_.warn(job_, "statements of points (p) left out");
+    forms_left_out_.warn(job_, "free-form curves and surfaces or calls left out");
+    unknown_.warn(job_, "lines left out that begin with no word of the format");
     if (model_.parts.empty()) job_.warn(0, "no faces: the model is empty");
   }
 

@@ -106,16 +106,17 @@ class PartMesh {
 class VertexColours {
  public:
   explicit VertexColours(const Model& model) : model_(model) {
-    float largest = 0.0f;
+    float least = 0.0f, largest = 0.0f;
     for (const core::vec3& c : model.colours)
-      for (int i = 0; i < 3; ++i) largest = std::max(largest, c[i]);  // NaN stays out
-    constexpr float kLargestShare = 1.5f;                             // rounding may exceed 1
+      for (int i = 0; i < 3; ++i) least = std::min(least, c[i]), largest = std::max(largest, c[i]);  // NaN stays out
+    are_colours_ = least >= 0.0f;
+    constexpr float kLargestShare = 1.5f;  // rounding may exceed 1
     if (largest <= kLargestShare) scale_ = 255.0f;
   }
 
   /// The mean of a part's corners; kNoColour when none has one.
   PackedColour of(const Part& part) {
-    if (model_.colours.empty()) return kNoColour;
+    if (model_.colours.empty() || !are_colours_) return kNoColour;
     ColourSum sum;
     std::array<std::uint32_t, 3> least{255, 255, 255}, most{};
     for (const Corner& corner : part.corners) {
@@ -126,14 +127,13 @@ class VertexColours {
       sum.add(pack_colour(channels[0], channels[1], channels[2]));
     }
     const bool differ = sum.count > 0 && (most[0] > least[0] + 1 || most[1] > least[1] + 1 || most[2] > least[2] + 1);
-    if (differ && averaged_++ == 0) line_ = part.line, offset_ = part.offset;
+    if (differ) averaged_.add(part.offset, part.line);
     return sum.average();
   }
 
   void tell(ImportJob& job) const {
-    if (averaged_ > 0)
-      job.warn(offset_,
-               fmt::format("line {}: {} items whose vertices differ in colour show the mean", line_, averaged_));
+    if (!are_colours_) job.warn(0, "numbers behind the vertices are no colours, some are below 0: left out");
+    averaged_.warn(job, "items whose vertices differ in colour show the mean");
   }
 
  private:
@@ -145,8 +145,9 @@ class VertexColours {
   }
 
   const Model& model_;
+  bool are_colours_ = true;
   float scale_ = 1.0f;
-  std::uint64_t averaged_ = 0, line_ = 0, offset_ = 0;
+  Noticed averaged_;
 };
 
 /// The file's name at the end of what map_Kd says, behind its options.
@@ -183,17 +184,14 @@ class SceneMaterials {
     const LibraryMaterial* source = name == core::kNone ? nullptr : library_material(name);
     const auto [at, added] = made_.try_emplace({source ? name : core::kNone, tint});
     if (!added) return at->second;
+    if (source) used_ = &model_.names[name];
     at->second = source ? job_.scene().add_material(look_of(*source, tint)) : add_colour_material(job_.scene(), tint);
     return at->second;
   }
 
   void tell() const {
-    if (!unread_.empty())
-      job_.warn(0,
-                fmt::format("{} textures could not be read and count as none, the first: {}", unread_count_, unread_));
-    if (!black_.empty())
-      job_.warn(0, fmt::format("{} materials are black (Kd 0 0 0) below a texture, which is shown alone, the first {}",
-                               black_count_, black_));
+    unread_.warn(job_, "textures that could not be read count as none");
+    black_.warn(job_, "materials are black (Kd 0 0 0) below a texture, which is shown alone");
   }
 
  private:
@@ -213,7 +211,8 @@ class SceneMaterials {
     if (opacity > 0.0)
       material.alpha = float(std::min(opacity, 1.0));
     else  // writers differ on which of 0 and 1 is opaque, and nobody writes faces to hide them
-      job_.warn(0, fmt::format("material '{}': transparent throughout (d 0 or Tr 1); shown opaque", source.name));
+      job_.warn(used_->offset,
+                fmt::format("material '{}': transparent throughout (d 0 or Tr 1); shown opaque", source.name));
     if (tint != kNoColour && tint != pack_colour(255, 255, 255)) {
       for (int i = 0; i < 3; ++i) material.colour[i] *= float(tint >> (24 - 8 * i) & 255) / 255.0f;
       material.name += ' ' + colour_name(tint);
@@ -226,7 +225,7 @@ class SceneMaterials {
     const auto mean = source.texture.empty() ? std::nullopt : mean_of(source);
     core::vec3 diffuse = source.diffuse.value_or(core::vec3(mean ? 1.0f : kDefaultDiffuse));
     if (!source.texture.empty() && diffuse == core::vec3(0.0f)) {
-      if (black_count_++ == 0) black_ = excerpt(source.name);
+      black_.add(used_->offset, used_->line, source.name);
       diffuse = core::vec3(mean ? 1.0f : kDefaultDiffuse);
     }
     if (!mean) return diffuse;
@@ -239,37 +238,41 @@ class SceneMaterials {
   std::optional<core::dvec3> mean_of(const LibraryMaterial& source) {
     const auto [at, added] = means_.try_emplace(source.texture);
     if (!added) return at->second;
-    auto mean = image_of(source.texture);
-    if (mean)
-      at->second = *mean;
-    else if (unread_count_++ == 0)
-      unread_ = utf8_by_guess(mean.error().message);
-    return at->second;
+    const auto mean = image_of(source.texture);
+    if (mean) return at->second = *mean;
+    unread_.add(used_->offset, used_->line);
+    if (unread_.count == 1) unread_.first = utf8_by_guess(mean.error().message);
+    return {};
   }
 
-  core::Expected<core::dvec3> image_of(const std::string& arguments) {
+  core::Expected<core::dvec3> image_of([[maybe_unused]] const std::string& arguments) {
 #ifdef SIGHTLINE_HAVE_GLTF
-    auto path = find_named_file(libraries_.model(), arguments);
-    const std::string name(without_options(arguments));
-    if (!path) path = find_named_file(libraries_.model(), name);
-    if (!path)
-      if (auto similar = find_similar_file(libraries_.model(), name)) {
-        job_.warn(
-            0, fmt::format("texture {} not found; {} is read", excerpt(name), excerpt(similar->filename().string())));
-        path = std::move(similar);
-      }
+    const auto path = path_of(arguments);
     if (!path) return tl::unexpected(path.error());
-    const auto known = images_.find(*path);
-    if (known != images_.end()) return known->second;
+    const auto [at, added] = images_.try_emplace(*path, core::fail("not read"));
+    if (!added) return at->second;
     const auto bytes = read_side_file(libraries_.model(), path->string());
-    if (!bytes) return tl::unexpected(bytes.error());
+    if (!bytes) return at->second = tl::unexpected(bytes.error());
     std::uint64_t left = kPixelsPerByte * bytes->size();
-    auto mean = image_mean(*bytes, false, left).map([](const ImageMean& image) { return image.colour; });
-    if (!mean) mean.error().message.insert(0, "'" + name + "': ");
-    return images_.emplace(*path, std::move(mean)).first->second;
+    at->second = image_mean(*bytes, false, left).map([](const ImageMean& image) { return image.colour; });
+    if (!at->second) at->second.error().message.insert(0, path->filename().string() + ": ");
+    return at->second;
 #else
-    return core::fail(fmt::format("'{}': this build reads no images (SIGHTLINE_GLTF)", without_options(arguments)));
+    return core::fail("this build reads no images");
 #endif
+  }
+
+  /// The name alone, or with what looks like options.
+  core::Expected<fs::path> path_of(const std::string& arguments) {
+    if (auto whole = find_named_file(libraries_.model(), arguments)) return whole;
+    const std::string_view name = without_options(arguments);
+    auto path = find_named_file(libraries_.model(), name);
+    if (path) return path;
+    auto similar = find_similar_file(libraries_.model(), name);
+    if (!similar) return path;
+    job_.warn(used_->offset, fmt::format("line {}: texture {} not found; {} is read", used_->line, excerpt(name),
+                                         excerpt(similar->filename().string())));
+    return similar;
   }
 
   ImportJob& job_;
@@ -279,8 +282,8 @@ class SceneMaterials {
   std::map<std::uint32_t, bool> unknown_;
   std::map<std::string, std::optional<core::dvec3>> means_;  // by arguments of map_Kd
   std::map<fs::path, core::Expected<core::dvec3>> images_;
-  std::uint64_t unread_count_ = 0, black_count_ = 0;
-  std::string unread_, black_;
+  const Name* used_ = nullptr;  // where the latest material is first named
+  Noticed unread_, black_;
 };
 
 /// Nodes of objects, and below them those of their groups.

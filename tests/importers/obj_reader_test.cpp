@@ -1,5 +1,6 @@
 #include "sightline/importers/obj/internal/obj_reader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -351,8 +352,40 @@ TEST_F(ObjReader, MaterialsAreNeverBlackInSilence) {
   ASSERT_EQ(report->warnings.size(), 3u);
   EXPECT_EQ(report->warnings[0].message,
             "paint.mtl: line 11: 2 values that are no numbers left out, the first 'Kd 0,5 0,5 0,5'");
-  EXPECT_TRUE(report->warnings[1].message.starts_with("2 textures could not be read"));
-  EXPECT_TRUE(report->warnings[2].message.starts_with("1 materials are black (Kd 0 0 0) below a texture"));
+  EXPECT_EQ(report->warnings[1].message,
+            "line 7: 2 textures that could not be read count as none, the first 'none.png' not found");
+  EXPECT_EQ(report->warnings[2].message,
+            "line 9: 1 materials are black (Kd 0 0 0) below a texture, which is shown alone, the first 'c'");
+}
+
+TEST_F(ObjReader, TexturesCountByTheirMean) {
+  const auto known = known_extensions();
+  if (std::find(known.begin(), known.end(), ".glb") == known.end()) GTEST_SKIP() << "no images in this build";
+  // One pixel of the colour 255, 128, 0.
+  constexpr unsigned char kPng[] = {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48,
+                                    0x44, 0x52, 0x00, 0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x02, 0x00, 0x00,
+                                    0x00, 0x90, 0x77, 0x53, 0xde, 0x00, 0x00, 0x00, 0x0c, 0x49, 0x44, 0x41, 0x54, 0x78,
+                                    0xda, 0x63, 0xf8, 0xdf, 0xc0, 0x00, 0x00, 0x04, 0x01, 0x01, 0x80, 0xfb, 0xd7, 0xcb,
+                                    0xf1, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  std::filesystem::create_directories(folder_ / "Tex");
+  write("Tex/an orange.png", {reinterpret_cast<const char*>(kPng), sizeof kPng});
+  write("paint.mtl",
+        "newmtl a\nmap_Kd Tex/an orange.png\nnewmtl b\nKd 0 0 0\nmap_Kd -s 1 1 1 -clamp on -mm 0 1 "
+        "Tex\\an%20orange.png # x\n"
+        "newmtl c\nKd 0 1 1\nMAP_KD Tex/an orange.png\nnewmtl d\nmap_Kd d:\\tex\\An Orange.PNG\n");
+  std::string text = std::string("mtllib paint.mtl\n") + kTriangle;
+  for (const char* name : {"a", "b", "c", "d"}) text += std::string("usemtl ") + name + "\nf 1 2 3\n";
+  write("An orange.png", {reinterpret_cast<const char*>(kPng), sizeof kPng});
+  const auto report = read(text);
+  ASSERT_TRUE(report) << report.error().message;
+  const core::vec3 colours[] = {{1, 128 / 255.0f, 0}, {1, 128 / 255.0f, 0}, {0, 128 / 255.0f, 0}, {1, 128 / 255.0f, 0}};
+  ASSERT_EQ(scene_.item_count(), std::size(colours));
+  for (core::ItemId i = 0; i < std::size(colours); ++i)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(scene_.material(scene_.item_material(i)).colour[k], colours[i][k], 1e-6f) << i << ' ' << k;
+  ASSERT_EQ(report->warnings.size(), 2u);
+  EXPECT_EQ(report->warnings[0].message,
+            "line 11: texture 'd:\\tex\\An Orange.PNG' not found; 'An orange.png' is read");
 }
 
 TEST_F(ObjReader, ColoursOfVertices) {
@@ -378,6 +411,14 @@ TEST_F(ObjReader, ColoursOfVertices) {
   write("paint.mtl", "newmtl a\nKd 1 1 1\nnewmtl b\nKd 1 0.5 1\n");
   EXPECT_EQ(colours("1 0 0", "1 0 0", "1 0 0", "mtllib paint.mtl\nusemtl b\nf 1 2 3\n"), "#ff0000");
   EXPECT_EQ(scene_.material(scene_.item_material(1)).colour, core::vec3(1, 0, 0));
+}
+
+TEST_F(ObjReader, NormalsBehindVerticesAreNoColours) {
+  const auto report = read("v 0 0 0 0 0 -1\nv 1 0 0 0 0 1\nv 0 1 0 0 0 1\nf 1 2 3\n");
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_FALSE(scene_.item_material(0).valid());
+  ASSERT_EQ(report->warnings.size(), 1u);
+  EXPECT_EQ(report->warnings[0].message, "numbers behind the vertices are no colours, some are below 0: left out");
 }
 
 TEST_F(ObjReader, NamesBecomeUtf8) {

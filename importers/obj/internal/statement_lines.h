@@ -7,6 +7,9 @@
 #include <string>
 #include <string_view>
 
+#include <fmt/format.h>
+
+#include "sightline/importers/internal/import_job.h"
 #include "sightline/importers/internal/text_encoding.h"
 #include "sightline/importers/internal/text_scanner.h"
 
@@ -84,10 +87,18 @@ struct Noticed {
   std::uint64_t count = 0, offset = 0, line = 0;
   std::string first;  ///< in quotes; may be empty
 
-  void add(const StatementLines& at, std::string_view what = {}) {
+  void add(std::uint64_t at_offset, std::uint64_t at_line, std::string_view what = {}) {
     if (count++ > 0) return;
-    offset = at.offset(), line = at.number();
+    offset = at_offset, line = at_line;
     if (!what.empty()) first = excerpt(what);
+  }
+  void add(const StatementLines& at, std::string_view what = {}) { add(at.offset(), at.number(), what); }
+
+  /// One warning for all, or none.
+  void warn(ImportJob& job, std::string_view what) const {
+    if (count == 0) return;
+    const std::string_view behind = first.empty() ? "" : ", the first ";
+    job.warn(offset, fmt::format("line {}: {} {}{}{}", line, count, what, behind, first));
   }
 };
 
