@@ -65,11 +65,10 @@ class ObjParser {
       : job_(job), lines_(text), libraries_(job, path), decoder_(job) {}
 
   core::Expected<void> run() {
-    constexpr std::uint64_t kLinesBetweenProgress = 1024;
     std::uint64_t count = 0;
     for (std::string_view line; lines_.next(line);) {
-      if (count++ % kLinesBetweenProgress == 0)
-        if (auto asked = periodic_checks(); !asked) return asked;
+      if (count++ % kLinesBetweenChecks == 0)
+        if (auto checked = check(); !checked) return checked;
       statement(line);
       if (!refused_) return refused_;
     }
@@ -81,9 +80,12 @@ class ObjParser {
   }
 
  private:
-  core::Expected<void> periodic_checks() {
-    if (model_.positions.size() >= core::kNone || model_.normals.size() >= core::kNone)
-      return core::fail(fmt::format("{}: expected fewer than {} vertices and normals", job_.file(), core::kNone));
+  static constexpr std::uint64_t kLinesBetweenChecks = 1024;
+
+  core::Expected<void> check() {
+    constexpr std::size_t kMost = core::kNone - kLinesBetweenChecks;
+    if (model_.positions.size() >= kMost || model_.normals.size() >= kMost)
+      return core::fail(fmt::format("{}: expected at most {} vertices and normals", job_.file(), kMost));
     return job_.progress(0.9 * lines_.share());
   }
 
@@ -104,11 +106,11 @@ class ObjParser {
 
   void other_statement(std::string_view keyword, std::string_view rest) {
     if (keyword == "o")
-      begin_place({.object = number_of(name_without_comment(rest)), .material = place_.material});
+      begin_place({.object = number_of(name_without_comment(rest), number_of_name_), .material = place_.material});
     else if (keyword == "g")
-      begin_place({place_.object, number_of(name_without_comment(rest)), place_.material});
+      begin_place({place_.object, number_of(name_without_comment(rest), number_of_name_), place_.material});
     else if (keyword == "usemtl")
-      begin_place({place_.object, place_.group, number_of(rest)});
+      begin_place({place_.object, place_.group, number_of(rest, number_of_material_)});
     else if (keyword == "mtllib")
       libraries_.open(rest, lines_);
     else
@@ -144,10 +146,18 @@ class ObjParser {
       bad_vertices_.add(lines_, trimmed(rest));
     }
     model_.positions.push_back(p);
+    behind_position(words, rest);
+  }
+
+  /// A weight, which only curves have, or a colour, perhaps with an alpha.
+  void behind_position(TextScanner& words, std::string_view rest) {
     std::array<double, 4> more{};
     std::size_t count = 0;
     while (count < more.size() && words.number(more[count]) != TextScanner::Found::kEnd) ++count;
-    if (count >= 3) colour({more[0], more[1], more[2]}, rest);  // a single number is a weight; the fourth an alpha
+    if (count >= 3)
+      colour({more[0], more[1], more[2]}, rest);
+    else if (count == 2 || (count == 1 && std::isnan(more[0])))
+      ignored_.add(lines_, trimmed(rest));
   }
 
   void colour(const core::vec3& channels, std::string_view rest) {
@@ -233,14 +243,16 @@ class ObjParser {
     part_ = core::kNone;
   }
 
+  using Numbers = std::map<std::string, std::uint32_t, std::less<>>;
+
   /// The number of a name; kNone for an empty one.
-  std::uint32_t number_of(std::string_view name) {
+  std::uint32_t number_of(std::string_view name, Numbers& numbers) {
     if (name.empty()) return core::kNone;
-    const auto known = number_of_name_.find(name);
-    if (known != number_of_name_.end()) return known->second;
+    const auto known = numbers.find(name);
+    if (known != numbers.end()) return known->second;
     const auto number = std::uint32_t(model_.names.size());
     model_.names.push_back({decoder_.decode(name, lines_.offset(), lines_.number()), lines_.offset(), lines_.number()});
-    number_of_name_.emplace(name, number);
+    numbers.emplace(name, number);
     return number;
   }
 
@@ -253,6 +265,7 @@ class ObjParser {
     bad_normals_.warn(job_, "normals that are no direction: faces have their own there");
     missing_normals_.warn(job_, "corners with a normal that does not exist: faces have their own there");
     bad_colours_.warn(job_, "colours of vertices that are not three finite numbers left out");
+    ignored_.warn(job_, "vertices with something behind their coordinates that is no colour");
     lines_left_out_.warn(job_, "statements of lines (l) left out");
     points_left_out_.warn(job_, "statements of points (p) left out");
     forms_left_out_.warn(job_, "free-form curves and surfaces or calls left out");
@@ -268,10 +281,10 @@ class ObjParser {
   Place place_;
   std::uint32_t part_ = core::kNone;  // of the present place; kNone after a change of it
   std::map<Place, std::uint32_t> number_of_part_;
-  std::map<std::string, std::uint32_t, std::less<>> number_of_name_;
+  Numbers number_of_name_, number_of_material_;
   std::vector<Corner> corners_;  // of one face
   core::Expected<void> refused_;
-  Noticed bad_vertices_, unusable_faces_, small_faces_, bad_normals_, missing_normals_, bad_colours_;
+  Noticed bad_vertices_, unusable_faces_, small_faces_, bad_normals_, missing_normals_, bad_colours_, ignored_;
   Noticed lines_left_out_, points_left_out_, forms_left_out_, unknown_;
 };
 

@@ -170,7 +170,7 @@ TEST_F(ObjReader, MaterialsOfSeveralFiles) {
   write("b.mtl", "newmtl green\nKd 0 1 1e999\n");
   const auto report = read(
       "mtllib a.mtl\nmtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl green\nf 1 2 3\nusemtl red\nf 1 2 3\n"
-      "usemtl none\nf 1 2 3\n");
+      "o none\nusemtl none\nf 1 2 3\n");
   ASSERT_TRUE(report) << report.error().message;
   ASSERT_EQ(scene_.item_count(), 3u);
   std::map<std::string, core::vec3> colours;
@@ -181,7 +181,7 @@ TEST_F(ObjReader, MaterialsOfSeveralFiles) {
   ASSERT_EQ(report->warnings.size(), 2u);
   EXPECT_EQ(report->warnings[0].message,
             "b.mtl: line 2: 1 values that are no numbers left out, the first 'Kd 0 1 1e999'");
-  EXPECT_EQ(report->warnings[1].message, "line 10: unknown material 'none'");
+  EXPECT_EQ(report->warnings[1].message, "line 11: unknown material 'none'");
 }
 
 constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -403,6 +403,9 @@ TEST_F(ObjReader, ColoursOfVertices) {
   EXPECT_EQ(colours("255 128 0", "255 128 0", "255 128 0"), "#ff8000");
   EXPECT_EQ(colours("", "0 0 1", ""), "#0000ff");
   EXPECT_EQ(colours("1", "1", "1"), "none");  // weights
+  EXPECT_EQ(
+      colours("1", "1 2", "x"),
+      "none; line 2: 2 vertices with something behind their coordinates that is no colour, the first '1 0 0 1 2'");
   EXPECT_EQ(colours("1 0 0", "0 0 1", "0 1 0"),
             "#555555; line 4: 1 items whose vertices differ in colour show the mean");
   EXPECT_EQ(
