@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +16,7 @@
 #include "sightline/importers/internal/import_job.h"
 #include "sightline/importers/internal/text_scanner.h"
 #include "sightline/importers/internal/vertex_welder.h"
+#include "sightline/importers/stl/internal/stl_text.h"
 
 namespace sightline::importers {
 namespace {
@@ -27,24 +30,58 @@ T little(const std::byte* from) {
   return load<T, std::endian::little>(from);
 }
 
-char lower(char c) {
-  return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-}
-
-/// Keywords come in any case.
-bool is(std::string_view word, std::string_view keyword) {
-  return word.size() == keyword.size() &&
-         std::equal(word.begin(), word.end(), keyword.begin(), [](char a, char b) { return lower(a) == b; });
-}
-
 std::size_t claimed_facets(std::span<const std::byte> bytes) {
   return little<std::uint32_t>(bytes.data() + kHeaderBytes - 4);
 }
 
-bool is_text(std::span<const std::byte> bytes) {
+// --- which form
+// --------------------------------------------------------------------------------------------------------
+
+constexpr bool is_zero(std::byte b) {
+  return b == std::byte{0};
+}
+
+std::span<const std::byte> without_zeros_at_the_end(std::span<const std::byte> bytes) {
+  std::size_t size = bytes.size();
+  while (size > 0 && is_zero(bytes[size - 1])) --size;
+  return bytes.first(size);
+}
+
+/// Whether a first part has no byte that no text has.
+bool is_printable(std::span<const std::byte> bytes) {
   constexpr std::size_t kLookedAt = 512;
   const auto begin = bytes.first(std::min(kLookedAt, bytes.size()));
-  return is(TextScanner(begin).word(), "solid") && std::find(begin.begin(), begin.end(), std::byte{0}) == begin.end();
+  return std::none_of(begin.begin(), begin.end(), [](std::byte b) {
+    const auto c = std::to_integer<unsigned char>(b);
+    return (c < ' ' && !is_space(char(c)) && c != 0x1a && c != 0x1b) || c == 0x7f;
+  });
+}
+
+/// Whether a line within a first part begins with a keyword.
+bool has_line(std::span<const std::byte> bytes, std::initializer_list<std::string_view> keywords) {
+  constexpr std::size_t kLookedAt = 65536;
+  const std::size_t mark = begins_with_mark(bytes) ? kByteOrderMark.size() : 0;
+  TextScanner scanner(bytes.subspan(mark, std::min(kLookedAt, bytes.size() - mark)));
+  do {
+    if (stl::is_one_of(scanner.word_in_line(), keywords)) return true;
+    scanner.rest_of_line();
+  } while (scanner.next_line());
+  return false;
+}
+
+/// By what the file holds, as many writers of the binary form begin with "solid". Text may begin with comments, and
+/// hold zeros within a name or at its end.
+bool is_text(std::span<const std::byte> bytes) {
+  if (is_printable(without_zeros_at_the_end(bytes))) return has_line(bytes, {"solid", "facet"});
+  return has_line(bytes, {"facet"}) && has_line(bytes, {"vertex"});
+}
+
+/// Text in two bytes a letter: no form of STL, but not a binary file either.
+bool is_wide_text(std::span<const std::byte> bytes) {
+  using namespace std::string_view_literals;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") || text.starts_with("s\0o\0l\0"sv) ||
+         text.starts_with("\0s\0o\0l"sv);
 }
 
 // --- binary
@@ -76,16 +113,94 @@ class AttributeColours {
   PackedColour default_ = kNoColour;
 };
 
-core::Expected<void> check_size(ImportJob& job, std::span<const std::byte> bytes, std::size_t whole) {
-  const std::size_t claimed = claimed_facets(bytes), body = bytes.size() - kHeaderBytes;
-  if (claimed == whole && body == whole * kFacetBytes) return {};
-  return job.damage(kHeaderBytes - 4, fmt::format("byte {}: expected {} facets of {} bytes, found {} bytes",
-                                                  kHeaderBytes - 4, claimed, kFacetBytes, body));
+dvec3 vector_at(const std::byte* from) {
+  return {little<float>(from), little<float>(from + 4), little<float>(from + 8)};
 }
 
+/// Whether a record may be a facet: its coordinates are zero or of a size that models have. Of random records one in
+/// hundreds is.
+bool may_be_facet(const std::byte* record) {
+  for (std::size_t i = 3; i < 12; ++i) {
+    const float size = std::abs(little<float>(record + 4 * i));
+    if (size != 0.0f && !(size > 1e-20f && size < 1e20f)) return false;
+  }
+  return true;
+}
+
+/// Whether the record has the normal of a facet: of length one, along its triangle's, or none.
+bool has_normal_of_facet(const std::byte* record) {
+  const dvec3 normal = vector_at(record), first = vector_at(record + 12);
+  const dvec3 across = glm::cross(vector_at(record + 24) - first, vector_at(record + 36) - first);
+  const double square = glm::dot(normal, normal), along = glm::dot(normal, across);
+  if (!(square > 0.0)) return true;  // NaN, too: of a triangle without area
+  return std::abs(square - 1.0) < 0.02 || (along > 0.0 && along * along > 0.98 * square * glm::dot(across, across));
+}
+
+/// How many facets a binary file has. Writers that do not know the number beforehand leave it 0 or absurd, and some
+/// append bytes of their own. So the length decides where the records beyond the count look like facets, and where
+/// there are fewer records than counted; but a file that ends within a facet was cut off.
+class FacetCount {
+ public:
+  FacetCount(ImportJob& job, std::span<const std::byte> bytes)
+      : job_(job), bytes_(bytes), body_(bytes.size() - kHeaderBytes), claimed_(claimed_facets(bytes)) {}
+
+  core::Expected<std::size_t> run() {
+    const std::size_t whole = body_ / kFacetBytes;
+    if (claimed_ > whole) {
+      if (are_all_facets(whole))
+        warn_of_count(whole);
+      else if (auto told = not_as_claimed(); !told)
+        return tl::unexpected(told.error());
+      return whole;
+    }
+    const std::size_t facets = with_uncounted(whole), rest = body_ - facets * kFacetBytes;
+    if (facets == 0 && rest > 0)
+      if (auto told = not_as_claimed(); !told) return tl::unexpected(told.error());
+    if (facets > claimed_) warn_of_count(facets);
+    if (rest > 0)
+      job_.warn(bytes_.size() - rest,
+                fmt::format("byte {}: {} bytes after the last facet are ignored", bytes_.size() - rest, rest));
+    return facets;
+  }
+
+ private:
+  const std::byte* record(std::size_t i) const { return bytes_.data() + kHeaderBytes + i * kFacetBytes; }
+
+  bool is_fill(std::size_t i) const { return std::all_of(record(i), record(i + 1), is_zero); }
+
+  bool are_all_facets(std::size_t whole) const {
+    if (whole == 0 || body_ % kFacetBytes != 0 || is_fill(whole - 1)) return false;
+    for (std::size_t i = 0; i < whole; ++i)
+      if (!may_be_facet(record(i))) return false;
+    return true;
+  }
+
+  /// The facets that the header counts, and those behind that it does not.
+  std::size_t with_uncounted(std::size_t whole) const {
+    while (whole > claimed_ && is_fill(whole - 1)) --whole;
+    std::size_t facets = claimed_;
+    while (facets < whole && may_be_facet(record(facets)) && has_normal_of_facet(record(facets))) ++facets;
+    return facets;
+  }
+
+  core::Expected<void> not_as_claimed() {
+    return job_.damage(kHeaderBytes - 4, fmt::format("byte {}: expected {} facets of {} bytes, found {} bytes",
+                                                     kHeaderBytes - 4, claimed_, kFacetBytes, body_));
+  }
+  void warn_of_count(std::size_t facets) {
+    job_.warn(kHeaderBytes - 4, fmt::format("byte {}: the header counts {} facets, the file holds {}: all are read",
+                                            kHeaderBytes - 4, claimed_, facets));
+  }
+
+  ImportJob& job_;
+  std::span<const std::byte> bytes_;
+  std::size_t body_, claimed_;
+};
+
 core::Expected<void> read_binary(ImportJob& job, std::span<const std::byte> bytes) {
-  const std::size_t facets = std::min(claimed_facets(bytes), (bytes.size() - kHeaderBytes) / kFacetBytes);
-  if (auto checked = check_size(job, bytes, facets); !checked) return checked;
+  const auto counted = FacetCount(job, bytes).run();
+  if (!counted) return tl::unexpected(counted.error());
+  const std::size_t facets = *counted;
   if (3 * facets >= core::kNone)
     return core::fail(fmt::format("{}: expected fewer than {} facets, found {}", job.file(), core::kNone / 3, facets));
 
@@ -125,128 +240,26 @@ core::Expected<void> read_binary(ImportJob& job, std::span<const std::byte> byte
   return {};
 }
 
-// --- text
-// --------------------------------------------------------------------------------------------------------------
-
-class TextReader {
- public:
-  TextReader(ImportJob& job, std::span<const std::byte> bytes) : job_(job), scanner_(bytes) {}
-
-  core::Expected<void> run() {
-    for (std::string_view word; !(word = next()).empty();)
-      if (auto done = statement(word); !done) return done;
-    if (in_solid_) {
-      if (auto told = unexpected("endsolid", {}); !told) return told;
-      end_solid();
-    }
-    if (solids_ == 0) job_.warn(0, "no facets");
-    return {};
-  }
-
- private:
-  core::Expected<void> statement(std::string_view word) {
-    if (is(word, "facet") && in_solid_) return facet();
-    if (is(word, "endsolid") && in_solid_) {
-      scanner_.rest_of_line();
-      end_solid();
-      return {};
-    }
-    if (is(word, "solid")) {
-      auto told = in_solid_ ? unexpected("endsolid before another solid", word) : core::Expected<void>{};
-      if (in_solid_) end_solid();
-      name_ = scanner_.rest_of_line();
-      in_solid_ = true;
-      lost_ = false;
-      return told;
-    }
-    if (lost_) return {};
-    return unexpected(in_solid_ ? "facet or endsolid" : "solid", word);
-  }
-
-  core::Expected<void> facet() {
-    constexpr std::size_t kFacetsBetweenProgress = 1024;
-    if (facets_++ % kFacetsBetweenProgress == 0)
-      if (auto asked = job_.progress(0.7 * scanner_.share()); !asked) return asked;
-    lost_ = false;
-    std::array<dvec3, 3> corners;
-    if (!take("normal")) return unexpected("normal", put_back_);
-    for (int i = 0; i < 3; ++i) scanner_.word();
-    if (!take("outer") || !take("loop")) return unexpected("outer loop", put_back_);
-    for (dvec3& corner : corners) {
-      if (!take("vertex")) return unexpected("vertex", put_back_);
-      for (glm::length_t k = 0; k < 3; ++k)
-        if (scanner_.number(corner[k]) != TextScanner::Found::kNumber)
-          return unexpected("three numbers after vertex", "something else");
-    }
-    if (!take("endloop") || !take("endfacet")) return unexpected("endloop endfacet", put_back_);
-    pending_.insert(pending_.end(), corners.begin(), corners.end());
-    if (pending_.size() == VertexWelder::kBlock) weld_pending();
-    return {};
-  }
-
-  std::string_view next() { return put_back_.empty() ? scanner_.word() : std::exchange(put_back_, {}); }
-
-  /// Takes the next word if it is that keyword, else puts it back.
-  bool take(std::string_view keyword) {
-    const std::string_view word = scanner_.word();
-    if (is(word, keyword)) return true;
-    put_back_ = word;
-    return false;
-  }
-
-  /// Reports damage. When lenient, words up to the next facet or solid are ignored from here on.
-  core::Expected<void> unexpected(std::string_view expected, std::string_view found) {
-    lost_ = true;
-    return job_.damage(scanner_.offset(),
-                       fmt::format("line {}: expected {}, found {}", scanner_.line(), expected,
-                                   found.empty() ? "the file's end" : fmt::format("'{}'", found.substr(0, 40))));
-  }
-
-  void weld_pending() {
-    welder_.add(pending_, mesh_.corners);
-    pending_.clear();
-  }
-
-  void end_solid() {
-    in_solid_ = false;
-    weld_pending();
-    if (mesh_.corners.empty()) {
-      job_.warn(scanner_.offset(), fmt::format("line {}: solid '{}' has no facets", scanner_.line(), name_));
-      return;
-    }
-    ++solids_;
-    mesh_.positions = welder_.take_positions();
-    const core::NodeId node = name_.empty() ? job_.file_node() : job_.scene().add_node(job_.file_node(), name_);
-    job_.add_mesh(node, mesh_, name_.empty() ? std::string_view(job_.file()) : name_, {}, {}, scanner_.offset());
-    mesh_ = {};
-  }
-
-  ImportJob& job_;
-  TextScanner scanner_;
-  std::string_view put_back_;
-  bool in_solid_ = false;
-  bool lost_ = false;  // after damage, until something begins
-  std::string_view name_;
-  std::uint64_t facets_ = 0, solids_ = 0;
-  std::vector<dvec3> pending_;  // corners of whole facets
-  VertexWelder welder_;
-  PolygonMesh mesh_;
-};
+core::Expected<void> read_either_form(ImportJob& job, std::span<const std::byte> bytes) {
+  const bool exact =
+      bytes.size() >= kHeaderBytes && bytes.size() - kHeaderBytes == kFacetBytes * std::size_t{claimed_facets(bytes)};
+  if (!exact && is_text(bytes)) return stl::read_text(job, bytes);
+  const bool other_text = !exact && (is_printable(bytes) || is_wide_text(bytes));
+  if (!other_text && bytes.size() >= kHeaderBytes) return read_binary(job, bytes);
+  return core::fail(fmt::format("{}: not an STL file: expected text with 'solid' or {} bytes of header, found {}",
+                                job.file(), kHeaderBytes,
+                                other_text ? "other text" : fmt::format("{} bytes", bytes.size())));
+}
 
 }  // namespace
 
 core::Expected<ImportReport> read_stl(std::span<const std::byte> bytes, const std::filesystem::path& path,
                                       core::Scene& scene, core::NodeId parent, const ImportOptions& options) {
-  return run_import(
-      path.filename().string(), scene, parent, options, frame_of(options), [&](ImportJob& job) -> core::Expected<void> {
-        job.report().bytes = bytes.size();
-        const bool exact = bytes.size() >= kHeaderBytes &&
-                           bytes.size() - kHeaderBytes == kFacetBytes * std::size_t{claimed_facets(bytes)};
-        if (!exact && is_text(bytes)) return TextReader(job, bytes).run();
-        if (bytes.size() >= kHeaderBytes) return read_binary(job, bytes);
-        return core::fail(fmt::format("{}: not an STL file: expected 'solid' or {} bytes of header, found {} bytes",
-                                      job.file(), kHeaderBytes, bytes.size()));
-      });
+  return run_import(path.filename().string(), scene, parent, options, frame_of(options),
+                    [&](ImportJob& job) -> core::Expected<void> {
+                      job.report().bytes = bytes.size();
+                      return read_either_form(job, bytes);
+                    });
 }
 
 }  // namespace sightline::importers
